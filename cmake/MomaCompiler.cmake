@@ -1,0 +1,30 @@
+# Language level and warnings of every target of ours, on one interface target.
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Release, Debug or RelWithDebInfo" FORCE)
+endif()
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}")
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_C_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
+endif()
+
+add_library(moma_warnings INTERFACE)
+target_compile_options(moma_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wswitch)
+if(MOMA_WERROR)
+  target_compile_options(moma_warnings INTERFACE -Werror)
+endif()
+# Contracted multiply-adds would make results depend on the compiler's mood.
+add_compile_options(-ffp-contract=off)
+
+set(MOMA_SANITIZE "" CACHE STRING "Sanitizers, for instance address,undefined or thread")
+if(MOMA_SANITIZE)
+  add_compile_options(-fsanitize=${MOMA_SANITIZE} -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${MOMA_SANITIZE})
+endif()

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace moma::config {
+
+/// Bad input: what() is complete, "FILE:LINE:COLUMN: KEY: what was found and what would be accepted".
+class ConfigError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Where a value was written; line and column start at 1, 0 where there is none (a --set option).
+struct Mark {
+  std::string file;
+  int line = 0;
+  int column = 0;
+};
+
+/// A YAML (or JSON, its subset) value with the place it came from. The only code that knows yaml-cpp is yaml.cc.
+struct Node {
+  enum class Kind { kNull, kScalar, kSequence, kMap };
+  Kind kind = Kind::kNull;
+  std::string scalar;
+  bool quoted = false;                                ///< a quoted scalar is text, never a number
+  std::vector<Node> items;                            ///< kSequence
+  std::vector<std::pair<std::string, Node>> entries;  ///< kMap, in file order, keys unique
+  Mark mark;
+
+  const Node* find(std::string_view key) const noexcept;
+  Node* find(std::string_view key) noexcept;
+};
+
+/// Reads a file, resolving `include: PATH` in any map (relative to the including file; the map's other keys
+/// override the included ones, maps merged key by key). A scalar that ends in .yaml where a map is wanted is
+/// read by MapReader::child() in the same way. Throws ConfigError: unreadable, syntax, duplicate keys, cycles.
+Node load_yaml(const std::filesystem::path& file);
+/// The same from text; `name` stands for the file in messages, `directory` is what paths are relative to.
+Node parse_yaml(const std::string& text, const std::string& name, const std::filesystem::path& directory = {});
+
+/// Replaces or creates the value at a dotted path ("simulation.mode"); `text` is parsed as YAML.
+void set_value(Node& root, std::string_view dotted_key, const std::string& text);
+
+[[noreturn]] void fail(const Mark& mark, const std::string& key, const std::string& message);
+
+/// The nearest of `known` to `word` by edit distance, or "" where none is near.
+std::string nearest(std::string_view word, const std::vector<std::string>& known);
+
+}  // namespace moma::config

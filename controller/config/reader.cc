@@ -1,0 +1,195 @@
+#include "controller/config/reader.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace moma::config {
+namespace {
+
+std::string describe(const Node& node) {
+  switch (node.kind) {
+    case Node::Kind::kNull: return "nothing";
+    case Node::Kind::kScalar: return "'" + node.scalar + "'";
+    case Node::Kind::kSequence: return "a list of " + std::to_string(node.items.size());
+    case Node::Kind::kMap: return "a map";
+  }
+  return "?";
+}
+
+std::string number_text(double value) {
+  if (std::isinf(value)) return value > 0 ? ".inf" : "-.inf";
+  char buffer[32];
+  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
+  return {buffer, end};
+}
+
+std::string describe(const Range& range) {
+  const bool low = range.low > -std::numeric_limits<double>::max();
+  const bool high = range.high < std::numeric_limits<double>::max();
+  std::string text = "a number";
+  if (low && high) {
+    text += " from " + number_text(range.low) + " to " + number_text(range.high);
+    if (range.open_low) text += ", above " + number_text(range.low);
+    if (range.open_high) text += ", below " + number_text(range.high);
+  } else if (low) {
+    text += (range.open_low ? " above " : " of at least ") + number_text(range.low);
+  } else if (high) {
+    text += (range.open_high ? " below " : " of at most ") + number_text(range.high);
+  }
+  if (range.high == std::numeric_limits<double>::infinity()) text += ", or .inf";
+  return text;
+}
+
+bool parse_number(const Node& node, double& value) {
+  if (node.kind != Node::Kind::kScalar) return false;
+  const std::string& s = node.scalar;
+  if (s == ".inf" || s == "inf" || s == "+.inf") {
+    value = std::numeric_limits<double>::infinity();
+    return true;
+  }
+  if (s == "-.inf" || s == "-inf") {
+    value = -std::numeric_limits<double>::infinity();
+    return true;
+  }
+  if (node.quoted || s.empty()) return false;
+  const char* begin = s.data() + (s[0] == '+' ? 1 : 0);
+  const char* end = s.data() + s.size();
+  // Only digits may start a number here: from_chars would take "nan" and "infinity".
+  const char* first = begin + (begin != end && *begin == '-' ? 1 : 0);
+  if (first == end || (!(*first >= '0' && *first <= '9') && *first != '.')) return false;
+  const auto [stop, error] = std::from_chars(begin, end, value);
+  return error == std::errc() && stop == end;
+}
+
+}  // namespace
+
+double read_number(const Node& node, const std::string& key, const Range& range) {
+  double value = 0.0;
+  if (!parse_number(node, value)) fail(node.mark, key, "found " + describe(node) + ", expected " + describe(range));
+  const bool inside = value >= range.low && value <= range.high && !(range.open_low && value == range.low) &&
+                      !(range.open_high && value == range.high);
+  if (!inside) fail(node.mark, key, "found " + describe(node) + ", expected " + describe(range));
+  return value;
+}
+
+long long read_integer(const Node& node, const std::string& key, long long low, long long high) {
+  long long value = 0;
+  bool ok = node.kind == Node::Kind::kScalar && !node.quoted && !node.scalar.empty();
+  if (ok) {
+    const char* end = node.scalar.data() + node.scalar.size();
+    const auto [stop, error] = std::from_chars(node.scalar.data(), end, value);
+    ok = error == std::errc() && stop == end && value >= low && value <= high;
+  }
+  if (!ok) {
+    fail(node.mark, key, "found " + describe(node) + ", expected a whole number from " + std::to_string(low) + " to " +
+                             std::to_string(high));
+  }
+  return value;
+}
+
+bool read_bool(const Node& node, const std::string& key) {
+  if (node.kind == Node::Kind::kScalar && !node.quoted) {
+    if (node.scalar == "true") return true;
+    if (node.scalar == "false") return false;
+  }
+  fail(node.mark, key, "found " + describe(node) + ", expected true or false");
+}
+
+std::string read_string(const Node& node, const std::string& key) {
+  if (node.kind != Node::Kind::kScalar) fail(node.mark, key, "found " + describe(node) + ", expected text");
+  return node.scalar;
+}
+
+std::vector<double> read_numbers(const Node& node, const std::string& key, int count, const Range& range) {
+  if (node.kind != Node::Kind::kSequence || (count >= 0 && static_cast<int>(node.items.size()) != count)) {
+    fail(node.mark, key, "found " + describe(node) + ", expected a list of " +
+                             (count >= 0 ? std::to_string(count) + " numbers" : std::string("numbers")));
+  }
+  std::vector<double> values;
+  for (std::size_t i = 0; i < node.items.size(); ++i)
+    values.push_back(read_number(node.items[i], key + "[" + std::to_string(i) + "]", range));
+  return values;
+}
+
+MapReader::MapReader(const Node& node, std::string key) : node_(&node), key_(std::move(key)) {
+  if (node.kind != Node::Kind::kMap && node.kind != Node::Kind::kNull)
+    config::fail(node.mark, key_, "found " + describe(node) + ", expected a map of keys");
+}
+
+std::string MapReader::key_of(std::string_view name) const {
+  return key_.empty() ? std::string(name) : key_ + "." + std::string(name);
+}
+
+const Node* MapReader::get(std::string_view name) {
+  if (std::find(known_.begin(), known_.end(), name) == known_.end()) known_.emplace_back(name);
+  const Node* node = node_->find(name);
+  return node != nullptr && node->kind != Node::Kind::kNull ? node : nullptr;
+}
+
+const Node& MapReader::require(std::string_view name, std::string_view what) {
+  const Node* node = get(name);
+  if (node == nullptr) config::fail(node_->mark, key_of(name), "missing; expected " + std::string(what));
+  return *node;
+}
+
+void MapReader::read(std::string_view name, double& value, const Range& range) {
+  if (const Node* node = get(name)) value = read_number(*node, key_of(name), range);
+}
+
+void MapReader::read(std::string_view name, int& value, int low, int high) {
+  if (const Node* node = get(name)) value = static_cast<int>(read_integer(*node, key_of(name), low, high));
+}
+
+void MapReader::read(std::string_view name, unsigned long long& value) {
+  if (const Node* node = get(name)) {
+    value = static_cast<unsigned long long>(
+        read_integer(*node, key_of(name), 0, std::numeric_limits<long long>::max()));
+  }
+}
+
+void MapReader::read(std::string_view name, bool& value) {
+  if (const Node* node = get(name)) value = read_bool(*node, key_of(name));
+}
+
+void MapReader::read(std::string_view name, std::string& value) {
+  if (const Node* node = get(name)) value = read_string(*node, key_of(name));
+}
+
+void MapReader::fail(const std::string& message) const { config::fail(node_->mark, key_, message); }
+
+void MapReader::fail_at(std::string_view name, const std::string& message) const {
+  const Node* node = node_->find(name);
+  config::fail(node != nullptr ? node->mark : node_->mark, key_of(name), message);
+}
+
+void MapReader::check(bool ok, std::string_view name, const std::string& message) const {
+  if (!ok) fail_at(name, message);
+}
+
+void MapReader::fail_choice(std::string_view name, const Node& found, const std::vector<std::string>& names) const {
+  std::string list;
+  for (const std::string& option : names) list += (list.empty() ? "" : ", ") + option;
+  const std::string near = found.kind == Node::Kind::kScalar ? nearest(found.scalar, names) : "";
+  config::fail(found.mark, key_of(name),
+               "found " + describe(found) + ", expected one of: " + list +
+                   (near.empty() ? "" : " (did you mean " + near + "?)"));
+}
+
+void MapReader::finish() const {
+  for (const auto& [name, value] : node_->entries) {
+    if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
+    const std::string near = nearest(name, known_);
+    std::string message = "unknown key";
+    if (!near.empty()) {
+      message += " (did you mean " + near + "?)";
+    } else {
+      std::string list;
+      for (const std::string& k : known_) list += (list.empty() ? "" : ", ") + k;
+      message += known_.empty() ? "; no keys are accepted here" : "; accepted here: " + list;
+    }
+    config::fail(value.mark, key_of(name), message);
+  }
+}
+
+}  // namespace moma::config

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "controller/config/node.h"
+#include "controller/model/robot_model.h"
+
+namespace moma::config {
+
+/// A robot as read, and everything that decided it: `resolved` holds the URDF's text, hull vertices and the
+/// self-collision pairs found, so that robot_from_resolved() needs no other file and gives the same model.
+struct LoadedRobot {
+  std::shared_ptr<const RobotModel> model;
+  nlohmann::ordered_json resolved;
+  std::vector<std::string> warnings;   ///< for a person: joints held, pairs left out, missing inertias, ...
+};
+
+/// Reads a robot file (configs/robots/*.yaml). Throws ConfigError naming the place.
+LoadedRobot load_robot(const std::filesystem::path& file);
+
+/// The value of a suite's or case's `robot` key: the path of a robot file (relative to the file that names it),
+/// or a map with the same keys, or a resolved robot.
+LoadedRobot read_robot(const Node& node, const std::string& key);
+
+LoadedRobot robot_from_resolved(const nlohmann::ordered_json& resolved);
+
+}  // namespace moma::config

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "controller/model/robot_model.h"
+
+namespace moma {
+
+/// Forward kinematics and Jacobians of one configuration. Owns every buffer and is valid from birth
+/// (base at the origin, arm at `ready`). One per worker; update() and all getters are real-time safe.
+class Kinematics {
+ public:
+  explicit Kinematics(std::shared_ptr<const RobotModel> model);
+
+  const RobotModel& model() const noexcept { return *model_; }
+
+  /// base = (x, y, phi) of B in W; q has num_joints() values. O(links).
+  void update(const Vector3& base, const Eigen::Ref<const VectorX>& q) noexcept;
+
+  const Vector3& base() const noexcept { return base_; }
+  const VectorX& q() const noexcept { return q_; }
+  const Isometry& X_WL(int link) const noexcept { return X_WL_[static_cast<std::size_t>(link)]; }
+  const Isometry& X_WB() const noexcept { return X_WL_[0]; }
+  const Isometry& X_WE() const noexcept { return X_WE_; }
+  Isometry X_WS(const CollisionShape& shape) const noexcept { return X_WL(shape.link) * shape.X_LS; }
+
+  /// 6 x num_velocities(), [angular; linear] at E in world axes, base columns first. The base's angular
+  /// column is [z; z x (p_E - p_B)] (Lynch & Park 2017, 11.38, taken at E instead of at B).
+  const Matrix6X& J_WE_W() const noexcept { return J_WE_W_; }
+
+  /// Velocity [m/s] per velocity coordinate of the point fixed to `link` that is now at p_W;
+  /// out is 3 x num_velocities(). Columns of joints that do not move the link are zero.
+  void point_jacobian(int link, const Vector3& p_W, Eigen::Ref<Matrix3X> out) const noexcept;
+
+ private:
+  std::shared_ptr<const RobotModel> model_;
+  Vector3 base_ = Vector3::Zero();
+  VectorX q_;
+  std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_WL_;
+  Isometry X_WE_ = Isometry::Identity();
+  Matrix6X J_WE_W_;
+};
+
+/// Moves base and q by the constant velocity `v` for `dt` seconds: joints linearly, a differential base
+/// along the exact arc, an omnidirectional base along the exact screw of constant (v_x, v_y, omega) in B.
+/// phi is not wrapped.
+void integrate(const RobotModel& model, Vector3& base, Eigen::Ref<VectorX> q, const Eigen::Ref<const VectorX>& v,
+               double dt) noexcept;
+
+/// Rotation vector of R, |result| <= pi; well defined at 0 and at pi (there the axis' first non-zero
+/// component is positive).
+Vector3 log_so3(const Matrix3& R) noexcept;
+
+/// Pose of the planar base: rotation by phi about z, translation (x, y, 0).
+Isometry base_pose(const Vector3& base) noexcept;
+
+}  // namespace moma

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "controller/types.h"
+
+namespace moma {
+
+enum class ManipulabilityRows { kTranslation, kRotation, kAll };
+
+struct Manipulability {
+  double value = 0.0;      ///< m >= 0
+  bool singular = false;   ///< m below 1e-9: the gradient is zero then
+};
+
+/// Yoshikawa manipulability m = sqrt(det(J J^T)) of the chosen rows of the arm's Jacobian (base columns left out).
+/// @param J_arm_W 6 x n, [angular; linear] in world axes, one column per controlled joint.
+/// @return 0 where rounding makes the determinant negative, and where n is less than the number of rows.
+/// Real-time safe. Source: Yoshikawa, IJRR 4(2), 1985.
+double manipulability(const Eigen::Ref<const Matrix6X>& J_arm_W, ManipulabilityRows rows) noexcept;
+
+/// Value and gradient: gradient_i = m * vec(J H_i^T) . vec((J J^T)^-1), H_i the derivative of the rows with
+/// respect to joint i (Haviland & Corke, arXiv 2002.11901, eq. 9-11; H from the columns of J alone).
+/// @param prismatic n flags, 1 where the joint is prismatic (needed for H).
+/// @param gradient n values, written; zero at a singularity. Checked against central differences.
+Manipulability manipulability_gradient(const Eigen::Ref<const Matrix6X>& J_arm_W,
+                                       const Eigen::Ref<const Eigen::VectorXi>& prismatic, ManipulabilityRows rows,
+                                       Eigen::Ref<VectorX> gradient) noexcept;
+
+}  // namespace moma

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "controller/model/kinematics.h"
+
+namespace moma {
+
+/// What does not change about an object while a scene lasts.
+struct ObjectShape {
+  std::string name;
+  Shape shape;
+};
+
+/// Where an object is now. V_WO_W = [angular; linear] in world axes, linear velocity taken at the object's origin.
+struct ObjectState {
+  Isometry X_WO = Isometry::Identity();
+  Vector6 V_WO_W = Vector6::Zero();
+  bool visible = true;   ///< false: not sensed now; no distances, no rows
+};
+
+/// Signed distance between two solids. n_W is a unit vector along which d grows when `first` moves along it:
+/// it points from the second's nearest point to the first's, sign kept in penetration (d < 0).
+struct Distance {
+  double d = 0.0;
+  Vector3 n_W = Vector3::UnitZ();
+  Vector3 p_first_W = Vector3::Zero();
+  Vector3 p_second_W = Vector3::Zero();
+};
+
+/// One-off signed distance between two placed shapes (coal). Allocates: not for the control step.
+Distance shape_distance(const Shape& first, const Isometry& X_W1, const Shape& second, const Isometry& X_W2);
+
+enum class PairKind { kObject, kFloor, kSelf };
+
+/// One close pair. first is a robot shape always; second is an object index (kObject), -1 (kFloor) or a robot
+/// shape index (kSelf; then `first` < `second` as in SelfPair).
+struct ProximityPair {
+  PairKind kind = PairKind::kObject;
+  int first = 0;
+  int second = 0;
+  Distance distance;
+};
+
+/// Ranges inside which pairs are reported [m]; a negative range switches that kind off.
+struct ProximityRanges {
+  double object = 0.3;
+  double floor = -1.0;
+  double self = -1.0;
+};
+
+/// Distances between a robot's shapes, a set of objects, the floor (z = 0) and the robot itself, by coal behind
+/// a bounding-sphere prefilter. One per worker. set_objects() may allocate; query() does not, nor throws.
+class Proximity {
+ public:
+  explicit Proximity(std::shared_ptr<const RobotModel> model);
+  ~Proximity();
+  Proximity(Proximity&&) noexcept;
+  Proximity& operator=(Proximity&&) noexcept;
+
+  /// Builds the objects' geometry and sizes every buffer for them.
+  void set_objects(std::span<const ObjectShape> objects);
+  int num_objects() const noexcept;
+
+  /// All pairs closer than their range, in a fixed order (objects by (shape, object), floor, self); unsorted by
+  /// distance. Floor pairs: shapes not rigid with the base. Self pairs: those with `row`. The span is valid
+  /// until the next call. states.size() must equal num_objects(). Guess warm-starts are not kept between
+  /// calls: the same inputs give the same bits.
+  std::span<const ProximityPair> query(const Kinematics& kinematics, std::span<const ObjectState> states,
+                                       const ProximityRanges& ranges) noexcept;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace moma

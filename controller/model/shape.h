@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "controller/types.h"
+
+namespace moma {
+
+enum class ShapeKind { kSphere, kBox, kCylinder, kCapsule, kConvex };
+
+/// Convex hull of a mesh: its vertices in the shape's frame and the triangles of its surface
+/// (indices into `vertices`, counter-clockwise seen from outside). Shared because hulls are large.
+struct ConvexHull {
+  std::vector<Vector3> vertices;
+  std::vector<Eigen::Vector3i> triangles;
+};
+
+/// A solid about the origin of its own frame S.
+/// size [m]: sphere (radius, 0, 0); box full edge lengths; cylinder and capsule (radius, length, 0) with the
+/// axis along z and a capsule's length without its caps; convex (0, 0, 0), where `hull` is set instead.
+struct Shape {
+  ShapeKind kind = ShapeKind::kSphere;
+  Vector3 size = Vector3::Zero();
+  std::shared_ptr<const ConvexHull> hull;
+};
+
+/// Names as files spell them: sphere, box, cylinder, capsule, convex.
+std::string_view to_string(ShapeKind kind) noexcept;
+
+/// Radius about the shape's origin of a sphere that encloses it [m].
+double bounding_radius(const Shape& shape) noexcept;
+
+/// Smallest z of the shape placed at X_WS, exact for every kind [m]. Used for floor rows and clearances.
+double lowest_point(const Shape& shape, const Isometry& X_WS, Vector3* p_W = nullptr) noexcept;
+
+}  // namespace moma

@@ -1,0 +1,112 @@
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "controller/model/manipulability.h"
+#include "controller/types.h"
+
+namespace moma {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+enum class Method { kQp, kRrmc, kPark, kBaur };
+enum class ErrorNormKind { kEuclidean, kL1, kPose };
+enum class JointLimitMethod { kNone, kSource, kDamper };
+enum class SolverKind { kDaqp, kQpoases, kEiquadprog };
+
+/// k_p, k_R [1/s]; clamps of the two parts of nu in length [m/s, rad/s].
+struct ServoParams {
+  double position = 1.5;
+  double orientation = 1.95;
+  double max_linear = kInfinity;
+  double max_angular = kInfinity;
+};
+
+/// ||e|| in the weights, clamped to [min, max]; `scale` [m/rad] enters the pose norm only.
+struct ErrorNormParams {
+  ErrorNormKind kind = ErrorNormKind::kEuclidean;
+  double min = 0.001;
+  double max = 10.0;
+  double scale = 1.0;
+};
+
+/// A weight that is 1/||e|| or a constant >= 0.
+struct Weight {
+  bool inverse_error = true;
+  double value = 0.0;   ///< used where not inverse_error
+};
+
+struct SlackParams {
+  bool enabled = true;   ///< false: `slack: none`, tracking is a hard equality (mmc of 2020)
+  Weight weight;
+  Vector6 limit = Vector6::Constant(10.0);   ///< |delta| bounds, infinite allowed
+};
+
+struct ManipulabilityParams {
+  double weight = 1.0;   ///< lambda_m
+  ManipulabilityRows rows = ManipulabilityRows::kTranslation;
+};
+
+/// `source`: the source's S+-, margin q_s per joint; `damper`: eta (rho - rho_s)/(rho_i - rho_s) inside rho_i.
+struct JointLimitParams {
+  JointLimitMethod method = JointLimitMethod::kSource;
+  bool auto_margin = true;   ///< q_s = min(0.3, a quarter of the joint's range)
+  VectorX margin;            ///< q_s per joint, resolved [rad, m]; `source` only
+  double influence = 0.9;    ///< rho_i
+  double stop = 0.1;         ///< rho_s
+  double gain = 1.0;         ///< eta
+};
+
+struct DamperParams {
+  bool enabled = true;
+  double influence = 0.1;   ///< d_i [m]
+  double stop = 0.01;       ///< d_s [m]
+  double gain = 1.0;        ///< xi [m/s]
+};
+
+struct CollisionParams {
+  DamperParams object{true, 0.3, 0.05, 1.0};
+  int max_pairs = 30;
+  DamperParams floor;
+  DamperParams self;
+};
+
+struct PostureParams {
+  double weight = 0.0;   ///< lambda_qd
+  double gain = 1.0;     ///< k_posture [1/s]
+  bool ready = true;     ///< target is the robot's `ready`
+  VectorX target;        ///< resolved joint values
+};
+
+/// qdot *= far/e beyond `switch_distance`, else near; e the unclamped norm; the result is clipped to the bounds.
+struct OutputScalingParams {
+  bool enabled = false;
+  double far = 0.7;
+  double near = 1.4;
+  double switch_distance = 0.5;
+};
+
+/// Everything that decides a controller's command besides robot and period. Names, units and defaults are those of
+/// configs/controllers/*.yaml. Vectors "per joint" or "per velocity" are resolved to full size when read.
+struct ControllerParams {
+  Method method = Method::kQp;
+  ServoParams servo;
+  ErrorNormParams error_norm;
+  Weight base_weight;                                 ///< w_b
+  VectorX lambda_q;                                   ///< per joint; default 0.01
+  SlackParams slack;
+  Vector6 tracking_band = Vector6::Zero();            ///< Delta
+  double k_epsilon = 0.5;
+  ManipulabilityParams manipulability;
+  JointLimitParams joint_limits;
+  CollisionParams collision;
+  VectorX acceleration_weight;                        ///< lambda_qdd per velocity; default 0
+  PostureParams posture;
+  VectorX acceleration_limit;                         ///< per velocity, default infinite [rad/s^2, m/s^2]
+  OutputScalingParams output_scaling;
+  SolverKind solver = SolverKind::kDaqp;
+};
+
+}  // namespace moma

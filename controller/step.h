@@ -1,0 +1,65 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "controller/model/proximity.h"
+#include "controller/types.h"
+
+namespace moma {
+
+/// The goal pose and its twist [angular; linear] at its own point, world axes (zero for a fixed goal).
+struct GoalState {
+  Isometry X_WG = Isometry::Identity();
+  Vector6 V_WG_W = Vector6::Zero();
+};
+
+/// What a controller may know at one step: sensed, never the simulator's truth.
+struct Observation {
+  double time = 0.0;                   ///< since the start of the motion [s]
+  Vector3 base = Vector3::Zero();      ///< (x, y, phi)
+  VectorX q;                           ///< num_joints()
+  VectorX qdot;                        ///< measured velocity, num_velocities()
+  GoalState goal;
+  std::vector<ObjectState> objects;    ///< same number and order as given to reset()
+};
+
+enum class StepStatus { kSolved, kInfeasible, kMaxIterations, kInvalidInput };
+enum class Fallback { kNone, kNoAcceleration, kRelaxed, kBrake };
+
+/// solved, infeasible, max_iterations, invalid_input.
+std::string_view to_string(StepStatus status) noexcept;
+/// none, no_acceleration, relaxed, brake.
+std::string_view to_string(Fallback fallback) noexcept;
+
+/// Command and how it came about. `status` is the original problem's; `fallback` says what replaced it.
+struct StepResult {
+  VectorX command;                      ///< num_velocities(); always finite and inside its bounds
+  Vector6 slack = Vector6::Zero();      ///< delta
+  Vector6 error = Vector6::Zero();      ///< [e_R; e_p] as the controller sees it
+  double error_norm = 0.0;              ///< clamped, as used in the weights
+  double manipulability = 0.0;
+  double least_distance = std::numeric_limits<double>::infinity();   ///< to any object, within query range
+  StepStatus status = StepStatus::kSolved;
+  Fallback fallback = Fallback::kNone;
+  int rows = 0;                         ///< constraint rows of the problem
+  int active_rows = 0;                  ///< rows and bounds at their limit in the solution
+  int iterations = 0;
+  double solve_seconds = 0.0;           ///< 0 unless timing was asked for; never part of a comparison
+};
+
+/// The one interface between a controller and the world. reset() may allocate and throw; step() does neither,
+/// locks nothing, logs nothing. The same sequence of calls gives the same bits.
+class StepController {
+ public:
+  virtual ~StepController() = default;
+  /// Starts a motion among these objects (their order is that of Observation::objects). Clears all state.
+  virtual void reset(std::span<const ObjectShape> objects) = 0;
+  /// `result.command` must have been sized by prepare() or an earlier step.
+  virtual void step(const Observation& observation, StepResult& result) noexcept = 0;
+  /// Sizes the vectors of `result` so that step() never allocates.
+  virtual void prepare(StepResult& result) const = 0;
+};
+
+}  // namespace moma

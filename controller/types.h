@@ -1,0 +1,21 @@
+#pragma once
+
+#include <Eigen/Dense>
+
+namespace moma {
+
+// Conventions (docs/conventions.md): metres, radians, seconds; world W has z up, base B has x forward,
+// end effector E is the tip link plus tool offset. Six-vectors are [angular; linear] in world axes with
+// the linear velocity taken at the point that the name says. Quaternions are written w x y z.
+
+using Vector2 = Eigen::Vector2d;
+using Vector3 = Eigen::Vector3d;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using VectorX = Eigen::VectorXd;
+using Matrix3 = Eigen::Matrix3d;
+using Matrix3X = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+using Matrix6X = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+using MatrixX = Eigen::MatrixXd;
+using Isometry = Eigen::Isometry3d;
+
+}  // namespace moma

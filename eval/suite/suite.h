@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "controller/config/controller_file.h"
+#include "controller/config/robot_file.h"
+#include "world/plant/plant.h"
+#include "world/scenario/worlds.h"
+
+namespace moma {
+
+struct SuccessRule {
+  double position = 0.02;      ///< [m]
+  double orientation = 0.05;   ///< [rad]
+  double dwell = 0.2;          ///< [s]
+};
+
+struct StuckRule {
+  double time = 2.0;        ///< [s]
+  double motion = 0.0005;   ///< [m or rad]
+};
+
+struct InfeasibleRule {
+  double time = 0.5;   ///< [s]
+};
+
+enum class SamplesKept { kAll, kFailures, kNone };
+
+/// One column of the evaluation: a controller (at a sweep point) with everything but the world's index resolved.
+struct Point {
+  std::string controller;          ///< its name in the suite
+  std::string label;               ///< "" without a sweep, else e.g. "lambda_q=0.01 k_epsilon=0.5"
+  nlohmann::ordered_json params;   ///< the swept keys and their values; {} without a sweep
+  std::shared_ptr<const config::LoadedRobot> robot;
+  ControllerParams controller_params;
+  nlohmann::ordered_json controller_resolved;
+  Worlds worlds;
+  SimulationConfig simulation;
+  SuccessRule success;
+  StuckRule stuck;
+  InfeasibleRule infeasible;
+};
+
+struct Suite {
+  std::string name;
+  std::vector<Point> points;
+  std::uint64_t trials = 0;                 ///< worlds per point
+  SamplesKept samples = SamplesKept::kFailures;
+  nlohmann::ordered_json resolved;          ///< the whole suite: suite_from_resolved() gives it back
+  std::vector<std::string> warnings;
+};
+
+/// Key and text of each --set option.
+using Overrides = std::vector<std::pair<std::string, std::string>>;
+
+/// Reads and resolves a suite. Throws config::ConfigError naming file, line, column, key.
+Suite load_suite(const std::filesystem::path& file, const Overrides& overrides = {});
+Suite suite_from_resolved(const nlohmann::ordered_json& resolved);
+
+}  // namespace moma

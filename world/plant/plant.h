@@ -1,0 +1,71 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "world/world.h"
+
+namespace moma {
+
+enum class SimulationMode { kKinematic, kDynamic };
+std::string_view to_string(SimulationMode mode) noexcept;
+
+/// `simulation` of a suite. Defaults as in the specification of suites.
+struct SimulationConfig {
+  SimulationMode mode = SimulationMode::kDynamic;
+  double control_period = 0.02;   ///< [s]
+  double physics_step = 0.002;    ///< [s]; dynamic mode; control_period is a whole multiple of it
+  double time_limit = 30.0;       ///< [s]
+};
+
+/// True state of the robot.
+struct PlantState {
+  Vector3 base = Vector3::Zero();   ///< (x, y, phi), phi continuous (not wrapped)
+  VectorX q;
+  VectorX qdot;                     ///< num_velocities(); kinematic mode: the previous command
+};
+
+/// A contact that ends a trial: robot shape against an object (second = its index), the floor (-1), or another
+/// robot shape (second = its index).
+struct Contact {
+  PairKind kind = PairKind::kObject;
+  int first = 0;
+  int second = 0;
+  double depth = 0.0;     ///< >= 0 [m]
+  double time = 0.0;      ///< [s] since the start
+  bool by_ode = true;     ///< false: decided by the distance library (cylinders, hulls)
+};
+
+/// What happened during one advance().
+struct PlantReport {
+  std::vector<Contact> contacts;   ///< colliding pairs, each once with its first time and greatest depth, in order of time, then indices
+  bool diverged = false;           ///< state not finite, too fast, or physics gave up
+  std::string reason;              ///< for a person, where diverged or tipped
+  bool tipped = false;             ///< base up-axis more than 30 degrees off vertical, or fell off the floor
+  double slip_max = 0.0;           ///< wheel contact slip speed [m/s]; dynamic mode
+  double energy = 0.0;             ///< integral of |torque x speed| [J]; dynamic mode
+  int lcp_messages = 0;
+};
+
+/// The one interface between a trial and the simulated robot in its world.
+class Plant {
+ public:
+  virtual ~Plant() = default;
+  virtual const PlantState& state() const = 0;
+  virtual double time() const = 0;
+  /// Contacts of the start configuration, at t = 0.
+  virtual void check_start(PlantReport& report) = 0;
+  /// Holds `command` (num_velocities(), finite) for `duration` seconds. Overwrites `report`.
+  virtual void advance(const VectorX& command, double duration, PlantReport& report) = 0;
+};
+
+/// Kinematic: exact integration, contacts at least every 5 ms of motion time by ODE's collision detection.
+/// Dynamic: rigid bodies, motors, wheels on the floor in ODE. Throws std::runtime_error (naming link and key)
+/// where the robot lacks what dynamics needs (inertia, effort, wheels).
+std::unique_ptr<Plant> make_plant(std::shared_ptr<const RobotModel> model, const World& world,
+                                  const SimulationConfig& simulation);
+
+}  // namespace moma

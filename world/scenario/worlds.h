@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+
+#include "controller/config/node.h"
+#include "world/world.h"
+
+namespace moma {
+
+/// The `worlds` section of a suite, resolved.
+class Worlds {
+ public:
+  /// Reads `worlds: {seed, clearance, families: {...}}` or `{frozen: PATH}`. Throws config::ConfigError.
+  static Worlds read(const config::Node& node, const std::string& key);
+  nlohmann::ordered_json to_json() const;
+
+  /// World `index`: a pure function of (this section, robot, seed, index). Families share out the indices by
+  /// weight: every prefix 0..n-1 holds each family within one of its share, in full cycles exactly.
+  /// Throws GenerationError where no valid world is found in the allowed tries.
+  World make(const std::shared_ptr<const RobotModel>& model, std::uint64_t index) const;
+
+  std::string family_of(std::uint64_t index) const;
+  /// What decides world `index` besides the robot: seed, index, its family's own parameters (or the frozen world
+  /// itself). Other families of the mixture do not enter. Part of a trial's key.
+  nlohmann::ordered_json identity(std::uint64_t index) const;
+  double clearance() const;
+  std::uint64_t seed() const;
+  /// Number of worlds of a frozen set; -1 where there is no end.
+  long long size() const;
+
+  struct Data;
+
+ private:
+  std::shared_ptr<const Data> data_;
+};
+
+/// Names the constraint that failed most often, with counts.
+class GenerationError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+nlohmann::ordered_json to_json(const World& world);
+/// `what` names the place in messages. Throws config::ConfigError.
+World world_from_json(const nlohmann::ordered_json& json, const std::string& what);
+
+}  // namespace moma

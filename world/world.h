@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "controller/model/proximity.h"
+#include "controller/step.h"
+#include "world/motion.h"
+
+namespace moma {
+
+struct Configuration {
+  Vector3 base = Vector3::Zero();   ///< (x, y, phi)
+  VectorX q;
+};
+
+struct WorldObject {
+  std::string name;                        ///< unique within the world
+  Shape shape;
+  Isometry X_WO = Isometry::Identity();    ///< at t = 0
+  Motion motion;
+};
+
+struct WorldGoal {
+  Isometry X_WG = Isometry::Identity();    ///< at t = 0
+  Motion motion;
+};
+
+struct Difficulty {
+  double goal_distance_m = 0.0;        ///< |p_G - p_E(start)|
+  int objects = 0;
+  double witness_clearance_m = 0.0;    ///< least distance of the witness to any object; NaN without objects
+  double blocked_fraction = 0.0;       ///< of the straight line from start tip to goal, within an object (grown by 5 cm)
+  double narrowest_gap_m = 0.0;        ///< least gap between two objects; NaN with fewer than two
+};
+
+/// A problem as plain numbers: printable, editable by hand, no randomness left.
+struct World {
+  std::uint64_t index = 0;
+  std::uint64_t seed = 0;
+  std::string family;
+  std::string robot;
+  Configuration start;
+  WorldGoal goal;
+  std::vector<WorldObject> objects;
+  Configuration witness;               ///< reaches the goal (at t = 0) clear of all objects
+  Difficulty difficulty;
+};
+
+/// What the controller's reset() needs.
+std::vector<ObjectShape> object_shapes(const World& world);
+
+/// True poses and twists at time t, into vectors already sized to world.objects.
+void object_states(const World& world, double t, std::vector<ObjectState>& states);
+GoalState goal_state(const World& world, double t);
+
+}  // namespace moma
