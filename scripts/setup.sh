@@ -56,10 +56,8 @@ fi
 if [ ! -f ".deps/daqp-$DAQP_VERSION/csrc/include/api.h" ]; then
   say "fetching the sources of DAQP $DAQP_VERSION"
   rm -rf .deps/download && mkdir -p .deps/download
-  # setup.py of the sdist needs nothing from us: only its archive is wanted, so no build isolation is set up.
-  .venv/bin/pip download --quiet --disable-pip-version-check --no-deps --no-binary daqp --no-build-isolation \
-    "daqp==$DAQP_VERSION" -d .deps/download || .venv/bin/pip download --quiet --disable-pip-version-check --no-deps \
-    --no-binary daqp "daqp==$DAQP_VERSION" -d .deps/download
+  .venv/bin/pip download --quiet --disable-pip-version-check --no-deps --no-binary daqp "daqp==$DAQP_VERSION" \
+    -d .deps/download
   archive=".deps/download/daqp-$DAQP_VERSION.tar.gz"
   echo "$DAQP_SHA256  $archive" | sha256sum --check --quiet - || {
     say "the checksum of $archive is not the expected $DAQP_SHA256: not used"
