@@ -15,6 +15,9 @@ namespace moma {
 enum class BaseType { kFixed, kDifferential, kOmnidirectional };
 enum class JointType { kFixed, kRevolute, kContinuous, kPrismatic };
 
+/// Most controlled joints of a robot: buffers of the control step are sized for them.
+inline constexpr int kMaxJoints = 64;
+
 std::string_view to_string(BaseType type) noexcept;
 std::string_view to_string(JointType type) noexcept;
 
@@ -38,7 +41,7 @@ struct Link {
   std::optional<Inertial> inertial;      ///< absent where the URDF gives none
 };
 
-/// A controlled joint: on the chain from the root to the tip, not locked; in chain order.
+/// A controlled joint: on the chain from the root to the tip, not locked; in chain order. At most kMaxJoints.
 struct ControlledJoint {
   std::string name;
   JointType type = JointType::kRevolute;

@@ -1,0 +1,130 @@
+#include "controller/model/kinematics.h"
+
+#include <cmath>
+
+namespace moma {
+namespace {
+
+Isometry joint_motion(JointType type, const Vector3& axis, double value) noexcept {
+  Isometry X = Isometry::Identity();
+  if (type == JointType::kPrismatic) {
+    X.translation() = value * axis;
+  } else if (type != JointType::kFixed) {
+    X.linear() = Eigen::AngleAxisd(value, axis).toRotationMatrix();
+  }
+  return X;
+}
+
+// sin(x)/x, accurate everywhere.
+double sinc(double x) noexcept { return std::abs(x) < 1e-4 ? 1.0 - x * x / 6.0 : std::sin(x) / x; }
+
+}  // namespace
+
+Kinematics::Kinematics(std::shared_ptr<const RobotModel> model)
+    : model_(std::move(model)),
+      q_(model_->ready),
+      X_PL_(model_->links.size(), Isometry::Identity()),
+      X_WL_(model_->links.size(), Isometry::Identity()),
+      J_WE_W_(Matrix6X::Zero(6, model_->num_velocities())) {
+  for (std::size_t i = 0; i < X_PL_.size(); ++i) {
+    const Link& link = model_->links[i];
+    X_PL_[i] = link.controlled >= 0 ? link.X_PJ : link.X_PJ * joint_motion(link.joint_type, link.axis, link.held);
+  }
+  update(base_, q_);
+}
+
+void Kinematics::update(const Vector3& base, const Eigen::Ref<const VectorX>& q) noexcept {
+  base_ = base;
+  q_ = q;
+  X_WL_[0] = base_pose(base);
+  for (std::size_t i = 1; i < X_WL_.size(); ++i) {
+    const Link& link = model_->links[i];
+    const Isometry& X_WP = X_WL_[static_cast<std::size_t>(link.parent)];
+    X_WL_[i] = X_WP * X_PL_[i];
+    if (link.controlled >= 0) X_WL_[i] = X_WL_[i] * joint_motion(link.joint_type, link.axis, q_[link.controlled]);
+  }
+  X_WE_ = X_WL(model_->tip) * model_->X_TE;
+
+  const Vector3 p_E = X_WE_.translation();
+  point_jacobian(model_->tip, p_E, J_WE_W_.bottomRows<3>());
+  J_WE_W_.topRows<3>().setZero();
+  const int base_dof = model_->base_dof();
+  if (base_dof > 0) J_WE_W_(2, base_dof - 1) = 1.0;
+  for (int i = model_->tip; i > 0; i = model_->links[static_cast<std::size_t>(i)].parent) {
+    const Link& link = model_->links[static_cast<std::size_t>(i)];
+    if (link.controlled >= 0 && link.joint_type != JointType::kPrismatic)
+      J_WE_W_.col(base_dof + link.controlled).head<3>() = X_WL(i).linear() * link.axis;
+  }
+}
+
+void Kinematics::point_jacobian(int link, const Vector3& p_W, Eigen::Ref<Matrix3X> out) const noexcept {
+  out.setZero();
+  const int base_dof = model_->base_dof();
+  if (base_dof > 0) {
+    const Matrix3 R_WB = X_WB().linear();
+    out.col(0) = R_WB.col(0);
+    if (base_dof == 3) out.col(1) = R_WB.col(1);
+    const Vector3 r = p_W - X_WB().translation();
+    out.col(base_dof - 1) = Vector3(-r.y(), r.x(), 0.0);
+  }
+  for (int i = link; i > 0; i = model_->links[static_cast<std::size_t>(i)].parent) {
+    const Link& moved = model_->links[static_cast<std::size_t>(i)];
+    if (moved.controlled < 0) continue;
+    const Isometry& X = X_WL(i);
+    const Vector3 axis_W = X.linear() * moved.axis;
+    if (moved.joint_type == JointType::kPrismatic) {
+      out.col(base_dof + moved.controlled) = axis_W;
+    } else {
+      out.col(base_dof + moved.controlled) = axis_W.cross(p_W - X.translation());
+    }
+  }
+}
+
+void integrate(const RobotModel& model, Vector3& base, Eigen::Ref<VectorX> q, const Eigen::Ref<const VectorX>& v,
+               double dt) noexcept {
+  const int base_dof = model.base_dof();
+  if (base_dof > 0) {
+    // Constant (v_x, v_y, omega) in B for dt: p += R(phi) V(theta) (v_x, v_y) dt with theta = omega dt and
+    // V = [sin/theta, -(1-cos)/theta; (1-cos)/theta, sin/theta] (Lynch & Park 2017, 3.88, in the plane).
+    const double theta = v[base_dof - 1] * dt;
+    const double along = sinc(theta);
+    const double across = sinc(0.5 * theta) * std::sin(0.5 * theta);
+    const Vector2 u(v[0] * dt, base_dof == 3 ? v[1] * dt : 0.0);
+    const Vector2 d(along * u.x() - across * u.y(), across * u.x() + along * u.y());
+    const double c = std::cos(base.z());
+    const double s = std::sin(base.z());
+    base += Vector3(c * d.x() - s * d.y(), s * d.x() + c * d.y(), theta);
+  }
+  q += dt * v.tail(q.size());
+}
+
+Vector3 log_so3(const Matrix3& R) noexcept {
+  // Through the quaternion: its conversion picks the largest component, so it is accurate at 0 and at pi alike.
+  const Eigen::Quaterniond quaternion(R);
+  Vector3 v = quaternion.vec();
+  double w = quaternion.w();
+  if (w < 0.0) {
+    v = -v;
+    w = -w;
+  }
+  if (w < 1e-14) {   // angle pi up to rounding: both directions are right, so one is chosen
+    for (int i = 0; i < 3; ++i) {
+      if (std::abs(v[i]) < 1e-12) continue;
+      if (v[i] < 0.0) v = -v;
+      break;
+    }
+  }
+  const double n = v.norm();
+  return n < 1e-8 ? Vector3(2.0 / w * v) : Vector3(2.0 * std::atan2(n, w) / n * v);
+}
+
+Isometry base_pose(const Vector3& base) noexcept {
+  Isometry X = Isometry::Identity();
+  const double c = std::cos(base.z());
+  const double s = std::sin(base.z());
+  X.linear() << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0;
+  X.translation() << base.x(), base.y(), 0.0;
+  return X;
+}
+
+}  // namespace moma

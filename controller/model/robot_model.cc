@@ -1,0 +1,47 @@
+#include "controller/model/robot_model.h"
+
+namespace moma {
+
+std::string_view to_string(BaseType type) noexcept {
+  switch (type) {
+    case BaseType::kFixed: return "fixed";
+    case BaseType::kDifferential: return "differential";
+    case BaseType::kOmnidirectional: return "omnidirectional";
+  }
+  return "?";
+}
+
+std::string_view to_string(JointType type) noexcept {
+  switch (type) {
+    case JointType::kFixed: return "fixed";
+    case JointType::kRevolute: return "revolute";
+    case JointType::kContinuous: return "continuous";
+    case JointType::kPrismatic: return "prismatic";
+  }
+  return "?";
+}
+
+int RobotModel::find_link(std::string_view link_name) const noexcept {
+  for (std::size_t i = 0; i < links.size(); ++i)
+    if (links[i].name == link_name) return static_cast<int>(i);
+  return -1;
+}
+
+VectorX RobotModel::velocity_limits() const {
+  VectorX limits(num_velocities());
+  int k = 0;
+  for (; k < base_dof() - 1; ++k) limits[k] = base.max_linear;
+  if (base_dof() > 0) limits[k++] = base.max_angular;
+  for (const ControlledJoint& joint : joints) limits[k++] = joint.velocity;
+  return limits;
+}
+
+std::vector<std::string> RobotModel::velocity_names() const {
+  std::vector<std::string> names;
+  if (base.type == BaseType::kDifferential) names = {"v", "omega"};
+  if (base.type == BaseType::kOmnidirectional) names = {"v_x", "v_y", "omega"};
+  for (const ControlledJoint& joint : joints) names.push_back(joint.name);
+  return names;
+}
+
+}  // namespace moma

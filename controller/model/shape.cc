@@ -1,0 +1,76 @@
+#include "controller/model/shape.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace moma {
+
+std::string_view to_string(ShapeKind kind) noexcept {
+  switch (kind) {
+    case ShapeKind::kSphere: return "sphere";
+    case ShapeKind::kBox: return "box";
+    case ShapeKind::kCylinder: return "cylinder";
+    case ShapeKind::kCapsule: return "capsule";
+    case ShapeKind::kConvex: return "convex";
+  }
+  return "?";
+}
+
+double bounding_radius(const Shape& shape) noexcept {
+  switch (shape.kind) {
+    case ShapeKind::kSphere: return shape.size.x();
+    case ShapeKind::kBox: return 0.5 * shape.size.norm();
+    case ShapeKind::kCylinder: return std::hypot(shape.size.x(), 0.5 * shape.size.y());
+    case ShapeKind::kCapsule: return shape.size.x() + 0.5 * shape.size.y();
+    case ShapeKind::kConvex: break;
+  }
+  double squared = 0.0;
+  if (shape.hull)
+    for (const Vector3& v : shape.hull->vertices) squared = std::max(squared, v.squaredNorm());
+  return std::sqrt(squared);
+}
+
+double lowest_point(const Shape& shape, const Isometry& X_WS, Vector3* p_W) noexcept {
+  const Matrix3 R = X_WS.linear();
+  Vector3 p = X_WS.translation();
+  const Vector3 axis = R.col(2);
+  switch (shape.kind) {
+    case ShapeKind::kSphere:
+      p.z() -= shape.size.x();
+      break;
+    case ShapeKind::kBox:
+      for (int i = 0; i < 3; ++i) p -= std::copysign(0.5 * shape.size[i], R(2, i)) * R.col(i);
+      break;
+    case ShapeKind::kCylinder: {
+      p -= std::copysign(0.5 * shape.size.y(), axis.z()) * axis;
+      // Steepest direction within the end disc; a disc that lies flat is lowest everywhere.
+      const Vector3 down = -Vector3::UnitZ() + axis.z() * axis;
+      const double steep = down.norm();
+      if (steep > 1e-12) p += shape.size.x() / steep * down;
+      break;
+    }
+    case ShapeKind::kCapsule:
+      p -= std::copysign(0.5 * shape.size.y(), axis.z()) * axis;
+      p.z() -= shape.size.x();
+      break;
+    case ShapeKind::kConvex: {
+      if (!shape.hull || shape.hull->vertices.empty()) break;
+      const Vector3 row = R.row(2);
+      const Vector3* lowest = &shape.hull->vertices.front();
+      double least = row.dot(*lowest);
+      for (const Vector3& v : shape.hull->vertices) {
+        const double z = row.dot(v);
+        if (z < least) {
+          least = z;
+          lowest = &v;
+        }
+      }
+      p = X_WS * *lowest;
+      break;
+    }
+  }
+  if (p_W != nullptr) *p_W = p;
+  return p.z();
+}
+
+}  // namespace moma
