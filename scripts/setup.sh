@@ -39,9 +39,15 @@ if [ "${#missing[@]}" -gt 0 ]; then
     exit 2
   fi
   say "installing ${#missing[@]} Debian packages: ${missing[*]}"
-  "${run[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -qq </dev/null
+  mkdir -p .deps
+  log=.deps/apt.log
   # shellcheck disable=SC2086
-  "${run[@]}" env DEBIAN_FRONTEND=noninteractive $line -qq </dev/null >/dev/null
+  if ! { "${run[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -qq &&
+         "${run[@]}" env DEBIAN_FRONTEND=noninteractive $line -qq; } </dev/null >"$log" 2>&1; then
+    tail -n 20 "$log" >&2
+    say "installing failed (whole log: $log); the command was: $line"
+    exit 1
+  fi
 fi
 
 # ---- C++ libraries that PyPI carries -----------------------------------------------------------------------------
