@@ -38,6 +38,7 @@ struct Point {
   std::string label;               ///< "" without a sweep, else e.g. "lambda_q=0.01 k_epsilon=0.5"
   nlohmann::ordered_json params;   ///< the swept keys and their values; {} without a sweep
   std::shared_ptr<const config::LoadedRobot> robot;
+  std::string robot_digest;        ///< XXH3-128 of robot->resolved, 32 hex digits; shared by all points of a robot
   ControllerParams controller_params;
   nlohmann::ordered_json controller_resolved;
   Worlds worlds;

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <unordered_set>
+#include <vector>
+
+#include "eval/suite/suite.h"
+#include "eval/trial/trial.h"
+#include "world/world.h"
+
+namespace moma {
+
+/// One trial to do: a point of the suite in one world.
+struct BatchJob {
+  std::size_t point = 0;     ///< index into the points given to run_batch()
+  std::uint64_t world = 0;   ///< world index
+  std::string key;           ///< trial_key() of the two
+};
+
+/// Every point in worlds 0 .. trials-1, world by world (all points meet world 0, then world 1, ...), so that what
+/// an early stop leaves is still a fair comparison. A shard is any subset of these, in any order.
+std::vector<BatchJob> make_jobs(const Suite& suite);
+/// The same for chosen worlds first .. first + count - 1.
+std::vector<BatchJob> make_jobs(std::span<const Point> points, std::uint64_t first, std::uint64_t count);
+
+/// What one job gave, handed to the sink.
+struct BatchResult {
+  std::size_t job = 0;                  ///< position in the span of jobs
+  std::shared_ptr<const World> world;   ///< null where the world could not be made (outcome `error` says why)
+  TrialOutput output;
+};
+
+/// Called in the order of the jobs, by one thread at a time (not always the same one). Return false to end the
+/// batch: no later result is delivered, so that where it ends does not depend on the number of threads.
+/// An exception ends the batch too and comes out of run_batch().
+using BatchSink = std::function<bool(const BatchJob& job, BatchResult&& result)>;
+
+struct BatchProgress {
+  std::size_t done = 0;       ///< delivered to the sink
+  std::size_t total = 0;      ///< to do, after skips
+  std::size_t successes = 0;
+  double seconds = 0.0;       ///< since the start
+  double rate = 0.0;          ///< trials per second since the start
+};
+
+struct BatchOptions {
+  int threads = 0;                                               ///< 0: one per core
+  const std::atomic<bool>* stop = nullptr;                       ///< set: trials in flight finish and are delivered
+  const std::unordered_set<std::string>* skip = nullptr;         ///< keys that need no computing
+  std::function<void(const BatchProgress&)> progress;            ///< after each delivery, from the sink's thread
+  /// Where worlds come from; by default point.worlds.make(). Called from many threads. A cache for searches
+  /// that meet the same worlds thousands of times goes here.
+  std::function<std::shared_ptr<const World>(const Point&, std::uint64_t)> world;
+  TrialParts parts;                                              ///< other plants or controllers
+};
+
+struct BatchSummary {
+  std::size_t delivered = 0;
+  std::size_t skipped = 0;      ///< keys in `skip`
+  std::size_t duplicates = 0;   ///< jobs whose key an earlier job of this batch has: computed once, delivered once
+  std::size_t successes = 0;
+  bool stopped = false;         ///< ended before the last job, by `stop` or by the sink
+  double seconds = 0.0;
+};
+
+/// Runs the jobs over OpenMP threads. Every result but timings is the same for any number of threads. At most a few
+/// dozen finished results wait for an earlier one, so memory stays bounded. A trial that throws is a row with
+/// outcome `error`. Throws only what the sink throws, std::invalid_argument for a job whose point does not exist.
+BatchSummary run_batch(std::span<const Point> points, std::span<const BatchJob> jobs, const BatchOptions& options,
+                       const BatchSink& sink);
+
+}  // namespace moma
