@@ -1,0 +1,170 @@
+#include "controller/case/case_file.h"
+
+#include <cmath>
+#include <set>
+
+#include "controller/config/controller_file.h"
+#include "controller/config/reader.h"
+
+namespace moma {
+namespace {
+
+using config::MapReader;
+using config::Node;
+using config::Range;
+
+constexpr double kQuaternionTolerance = 1e-3;   // hand-written quaternions have four digits
+
+Vector3 read_vector3(const Node& node, const std::string& key) {
+  const std::vector<double> v = config::read_numbers(node, key, 3);
+  return {v[0], v[1], v[2]};
+}
+
+Vector6 read_vector6(const Node& node, const std::string& key) {
+  const std::vector<double> v = config::read_numbers(node, key, 6);
+  return Eigen::Map<const Vector6>(v.data());
+}
+
+Eigen::Quaterniond read_quaternion(const Node& node, const std::string& key) {
+  const std::vector<double> v = config::read_numbers(node, key, 4);
+  const Eigen::Vector4d wxyz(v[0], v[1], v[2], v[3]);
+  const double norm = wxyz.stableNorm();
+  if (!(std::abs(norm - 1.0) <= kQuaternionTolerance)) {
+    config::fail(node.mark, key, "found length " + std::to_string(norm) +
+                                     ", expected a unit quaternion [w, x, y, z] (length 1 within 0.001)");
+  }
+  return Eigen::Quaterniond(v[0] / norm, v[1] / norm, v[2] / norm, v[3] / norm);
+}
+
+std::string join(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+// One number per name; the message lists the names, for the order is easy to get wrong.
+VectorX read_named(const Node& node, const std::string& key, const std::vector<std::string>& names) {
+  const int count = static_cast<int>(names.size());
+  if (node.kind != Node::Kind::kSequence || static_cast<int>(node.items.size()) != count) {
+    const std::string found = node.kind == Node::Kind::kSequence
+                                  ? "a list of " + std::to_string(node.items.size())
+                                  : std::string("no list");
+    config::fail(node.mark, key,
+                 "found " + found + ", expected " + std::to_string(count) + " numbers: " + join(names));
+  }
+  const std::vector<double> v = config::read_numbers(node, key, count);
+  return Eigen::Map<const VectorX>(v.data(), count);
+}
+
+Shape read_shape(MapReader& in) {
+  Shape shape;
+  in.require("shape", "sphere, box, cylinder or capsule");
+  in.read_enum("shape", shape.kind,
+               {{"sphere", ShapeKind::kSphere},
+                {"box", ShapeKind::kBox},
+                {"cylinder", ShapeKind::kCylinder},
+                {"capsule", ShapeKind::kCapsule}});
+  const Node& size = in.require("size", "the shape's size in metres");
+  const std::string key = in.key_of("size");
+  int count = 2;
+  if (shape.kind == ShapeKind::kSphere) count = 1;
+  if (shape.kind == ShapeKind::kBox) count = 3;
+  if (size.kind != Node::Kind::kSequence || static_cast<int>(size.items.size()) != count) {
+    static constexpr const char* kWanted[] = {"[radius]", "[x, y, z], full edge lengths", "[radius, length]",
+                                              "[radius, length without caps]"};
+    in.fail_at("size", std::string("a ") + std::string(to_string(shape.kind)) + " has the size " +
+                           kWanted[static_cast<int>(shape.kind)]);
+  }
+  for (int i = 0; i < count; ++i) {
+    // A capsule of length 0 is a sphere, which is harmless.
+    const bool cap = shape.kind == ShapeKind::kCapsule && i == 1;
+    shape.size[i] = config::read_number(size.items[static_cast<std::size_t>(i)], key + "[" + std::to_string(i) + "]",
+                                        cap ? Range::non_negative() : Range::positive());
+  }
+  return shape;
+}
+
+void read_objects(const Node& node, ControlCase& out) {
+  if (node.kind != Node::Kind::kSequence) config::fail(node.mark, "objects", "expected a list of objects");
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < node.items.size(); ++i) {
+    const std::string key = "objects[" + std::to_string(i) + "]";
+    ObjectShape shape;
+    ObjectState state;
+    read_object(node.items[i], key, static_cast<int>(i), shape, state);
+    if (!names.insert(shape.name).second) {
+      config::fail(node.items[i].mark, key + ".name", "'" + shape.name + "' is the name of an earlier object");
+    }
+    out.objects.push_back(std::move(shape));
+    out.observation.objects.push_back(state);
+  }
+}
+
+void read_state(const Node& node, const RobotModel& model, Observation& out) {
+  MapReader in(node, "state");
+  // A fixed base may stand anywhere, but it has to stand somewhere only where it can move.
+  if (model.base.type != BaseType::kFixed) in.require("base", "[x, y, phi] of the base in metres and radians");
+  if (const Node* base = in.get("base")) out.base = read_vector3(*base, in.key_of("base"));
+  std::vector<std::string> joints;
+  for (const ControlledJoint& joint : model.joints) joints.push_back(joint.name);
+  out.q = read_named(in.require("q", "one value per joint: " + join(joints)), in.key_of("q"), joints);
+  out.qdot = VectorX::Zero(model.num_velocities());
+  if (const Node* qdot = in.get("qdot")) out.qdot = read_named(*qdot, in.key_of("qdot"), model.velocity_names());
+  in.finish();
+}
+
+void read_goal(const Node& node, GoalState& out) {
+  MapReader in(node, "goal");
+  const Node& position = in.require("position", "[x, y, z] in metres");
+  const Node& quaternion = in.require("quaternion", "[w, x, y, z]");
+  out.X_WG = read_pose(position, quaternion, "goal");
+  if (const Node* twist = in.get("twist")) out.V_WG_W = read_vector6(*twist, in.key_of("twist"));
+  in.finish();
+}
+
+}  // namespace
+
+Isometry read_pose(const Node& position, const Node& quaternion, const std::string& key) {
+  Isometry X = Isometry::Identity();
+  X.translation() = read_vector3(position, key + ".position");
+  X.linear() = read_quaternion(quaternion, key + ".quaternion").toRotationMatrix();
+  return X;
+}
+
+void read_object(const Node& node, const std::string& key, int index, ObjectShape& shape, ObjectState& state) {
+  MapReader in(node, key);
+  shape.name = "object" + std::to_string(index);
+  in.read("name", shape.name);
+  in.check(!shape.name.empty(), "name", "expected a name that is not empty");
+  shape.shape = read_shape(in);
+  const Node& position = in.require("position", "[x, y, z] in metres");
+  state.X_WO.setIdentity();
+  if (const Node* quaternion = in.get("quaternion")) {
+    state.X_WO = read_pose(position, *quaternion, key);
+  } else {
+    state.X_WO.translation() = read_vector3(position, in.key_of("position"));
+  }
+  state.V_WO_W.setZero();
+  if (const Node* velocity = in.get("velocity")) state.V_WO_W = read_vector6(*velocity, in.key_of("velocity"));
+  in.finish();
+}
+
+ControlCase read_case(const Node& root) {
+  ControlCase out;
+  MapReader in(root, "");
+  out.robot = config::read_robot(in.require("robot", "the path of a robot file"), "robot");
+  const RobotModel& model = *out.robot.model;
+  out.warnings = out.robot.warnings;
+  in.read("control_period", out.control_period, Range::positive());
+  const Node& controller = in.require("controller", "the path of a controller file, or its parameters");
+  out.controller = config::read_controller(controller, "controller", model, out.control_period, out.warnings);
+  read_state(in.require("state", "{base, q, qdot}"), model, out.observation);
+  read_goal(in.require("goal", "{position, quaternion, twist}"), out.observation.goal);
+  if (const Node* objects = in.get("objects")) read_objects(*objects, out);
+  in.finish();
+  return out;
+}
+
+ControlCase read_case(const std::filesystem::path& file) { return read_case(config::load_yaml(file)); }
+
+}  // namespace moma

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "controller/config/node.h"
+#include "controller/config/robot_file.h"
+#include "controller/params.h"
+#include "controller/step.h"
+
+namespace moma {
+
+/// One control step, frozen: what `moma solve CASE.json` reads (format: docs/controller.md, "The case file").
+struct ControlCase {
+  config::LoadedRobot robot;
+  ControllerParams controller;
+  double control_period = 0.02;         ///< [s]
+  std::vector<ObjectShape> objects;
+  Observation observation;              ///< time 0; observation.objects in the order of `objects`
+  std::vector<std::string> warnings;    ///< of the robot and the controller, for a person
+};
+
+/// Reads a case file, JSON or YAML. Paths in it are relative to the file.
+/// Throws config::ConfigError naming file, line, column and key: unreadable, unknown or missing keys, wrong types and
+/// sizes, numbers that are not finite, quaternions off unit length by more than 1e-3 (others are normalised).
+ControlCase read_case(const std::filesystem::path& file);
+
+/// The same from a value already read.
+ControlCase read_case(const config::Node& root);
+
+/// One entry of `objects`: {name, shape, size, position, quaternion, velocity}; any further key is an error.
+/// `name` may be absent: "object" and its index then.
+void read_object(const config::Node& node, const std::string& key, int index, ObjectShape& shape, ObjectState& state);
+
+/// A pose written as `position` and `quaternion` (w x y z).
+Isometry read_pose(const config::Node& position, const config::Node& quaternion, const std::string& key);
+
+}  // namespace moma

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "controller/case/case_file.h"
+
+namespace moma {
+
+/// Runs one control step of a case and shows all of it: every matrix of the QP and its solution, as `moma solve`
+/// prints it. An infeasible problem is an answer, not an error. Infinities are the strings "inf" and "-inf".
+///
+/// Keys: status, fallback, qdot, delta, cost (of the original objective, constants left out), pose, error [e_R; e_p],
+/// error_norm (clamped, as weighed), nu, J (6 x n), manipulability, J_m, theta_eps, Q, c, A, lbA, ubA, lb, ub, rows
+/// (names), distances, wheels, kkt_residual, iterations. Methods without a QP have empty Q .. rows and a null residual.
+///
+/// kkt_residual is the largest violation of the optimality conditions (kkt.h) of the problem whose solution the command
+/// is: the original, or the stage of the fallback; null where the command brakes.
+nlohmann::ordered_json solve(const ControlCase& control_case);
+
+/// The same step in words: which constraints hold the command, which rows make the problem infeasible (a minimal set),
+/// which term dominates the cost, whether distances or singularities are near.
+std::string explain(const ControlCase& control_case);
+
+struct SolverInfo {
+  std::string name;          ///< as `solver:` of a controller file takes it
+  bool available = false;    ///< built in
+  std::string description;
+};
+
+/// Every solver known by name, the default first.
+std::vector<SolverInfo> list_solvers();
+
+}  // namespace moma
