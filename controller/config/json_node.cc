@@ -1,0 +1,76 @@
+#include "controller/config/json_node.h"
+
+#include <charconv>
+#include <cmath>
+
+namespace moma::config {
+
+Node node_from_json(const nlohmann::ordered_json& json, const std::string& source) {
+  Node node;
+  node.mark.file = source;
+  switch (json.type()) {
+    case nlohmann::ordered_json::value_t::object:
+      node.kind = Node::Kind::kMap;
+      for (const auto& [key, value] : json.items()) node.entries.emplace_back(key, node_from_json(value, source));
+      break;
+    case nlohmann::ordered_json::value_t::array:
+      node.kind = Node::Kind::kSequence;
+      for (const auto& value : json) node.items.push_back(node_from_json(value, source));
+      break;
+    case nlohmann::ordered_json::value_t::string:
+      node.kind = Node::Kind::kScalar;
+      node.scalar = json.get<std::string>();
+      node.quoted = true;
+      break;
+    case nlohmann::ordered_json::value_t::boolean:
+    case nlohmann::ordered_json::value_t::number_integer:
+    case nlohmann::ordered_json::value_t::number_unsigned:
+    case nlohmann::ordered_json::value_t::number_float:
+      node.kind = Node::Kind::kScalar;
+      node.scalar = json.dump();
+      break;
+    default:
+      break;
+  }
+  return node;
+}
+
+nlohmann::ordered_json number_to_json(double value) {
+  if (std::isinf(value)) return value > 0 ? ".inf" : "-.inf";
+  return value;
+}
+
+nlohmann::ordered_json node_to_json(const Node& node) {
+  switch (node.kind) {
+    case Node::Kind::kNull:
+      return nullptr;
+    case Node::Kind::kSequence: {
+      nlohmann::ordered_json list = nlohmann::ordered_json::array();
+      for (const Node& item : node.items) list.push_back(node_to_json(item));
+      return list;
+    }
+    case Node::Kind::kMap: {
+      nlohmann::ordered_json map = nlohmann::ordered_json::object();
+      for (const auto& [key, value] : node.entries) map[key] = node_to_json(value);
+      return map;
+    }
+    case Node::Kind::kScalar:
+      break;
+  }
+  const std::string& text = node.scalar;
+  if (node.quoted || text.empty()) return text;
+  if (text == "true") return true;
+  if (text == "false") return false;
+  const char* begin = text.data();
+  const char* end = begin + text.size();
+  const char* first = begin + (*begin == '-' ? 1 : 0);
+  if (first != end && ((*first >= '0' && *first <= '9') || *first == '.')) {
+    long long whole = 0;
+    if (const auto [stop, error] = std::from_chars(begin, end, whole); error == std::errc() && stop == end) return whole;
+    double value = 0.0;
+    if (const auto [stop, error] = std::from_chars(begin, end, value); error == std::errc() && stop == end) return value;
+  }
+  return text;
+}
+
+}  // namespace moma::config

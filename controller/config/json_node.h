@@ -1,0 +1,21 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "controller/config/node.h"
+
+namespace moma::config {
+
+/// A Node tree from JSON, so that resolved input goes through the same strict readers as files. Numbers keep
+/// their bits; strings count as quoted except ".inf" and "-.inf". Every mark names `source`, without a line.
+Node node_from_json(const nlohmann::ordered_json& json, const std::string& source);
+
+/// The plain value of a Node: numbers, true, false and null where unquoted text spells them, else text.
+/// Infinities become the strings ".inf" and "-.inf", which JSON cannot hold as numbers.
+nlohmann::ordered_json node_to_json(const Node& node);
+
+/// A number as JSON, infinities as ".inf" and "-.inf": the readers take both.
+nlohmann::ordered_json number_to_json(double value);
+
+}  // namespace moma::config
