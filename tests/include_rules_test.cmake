@@ -1,0 +1,148 @@
+# The dependency rules between the folders, read off the #include lines:
+#
+#   cmake -DROOT=... -P include_rules_test.cmake                          checks the tree
+#   cmake -DROOT=... -DSELF_TEST=SCRATCH_DIR -P include_rules_test.cmake  proves that every rule can fail
+#
+# A rule is FOLDERS | FORBIDDEN | EXCEPT | WHY: in files under FOLDERS, whose path does not match EXCEPT, no include may
+# match FORBIDDEN. All three are regular expressions on paths from the root.
+cmake_minimum_required(VERSION 3.25)
+
+set(rules
+  "controller|(world|eval|reports)/|-|the controller is installable on its own and knows nothing of the evaluation"
+  "controller/model|controller/(qp|config|case|controller)|-|the robot model knows nothing of what is built on it"
+  "controller/qp|controller/(config|case)/|-|problems are built from plain parameters, not from files"
+  "controller/config|controller/case/|-|configuration is read without the case files"
+  "controller|(fmt|spdlog|CLI|SQLiteCpp|omp)[/.]|-|the controller depends on Eigen, urdfdom, coal and its QP solver only"
+  "controller|nlohmann/|controller/(config|case)/|JSON belongs to the controller's file formats"
+  "world|(controller/(qp|case)/|eval/|reports/)|-|worlds see the robot, never the controller or the evaluation"
+  "eval|reports/|eval/cli/|only the commands know the reports"
+  "reports|(controller|world|eval)/|-|reports see only the database"
+  "controller|tests/|-|sources do not depend on tests"
+  "(world|eval|reports|bench|examples)|tests/|bench/.*|sources do not depend on tests"
+  ".*|ode/|(tests/)?world/.*|ODE belongs to world"
+  ".*|yaml-cpp/|controller/config/.*|YAML belongs to controller/config"
+  ".*|CLI/|(tests/)?eval/cli/.*|CLI11 belongs to eval/cli"
+  ".*|(sqlite3|SQLiteCpp/)|((tests/)?eval/store|(tests/)?reports)/.*|SQLite belongs to the store and the reports"
+  ".*|nlopt\\.|(tests/)?eval/tune/.*|NLopt belongs to eval/tune"
+  ".*|mpi\\.h|(tests/)?eval/batch/.*|MPI belongs to eval/batch"
+  ".*|(urdf|urdf_parser|urdf_model)/|controller/.*|URDFs are read by the controller's library"
+  ".*|coal/|(tests/)?controller/.*|distances come from controller/model"
+  ".*|(api|auxiliary|avi|bnb|constants|daqp|daqp_prox|eq_elim|factorization|hierarchical|presolve|types|utils)\\.h|controller/qp/[a-z_]*daqp[a-z_]*\\.(h|cc)|DAQP is known to its adapter only"
+  ".*|qpOASES|controller/qp/[a-z_]*qpoases[a-z_]*\\.(h|cc)|qpOASES is known to its adapter only"
+  ".*|eiquadprog/|controller/qp/[a-z_]*eiquadprog[a-z_]*\\.(h|cc)|eiquadprog is known to its adapter only"
+)
+
+function(split_rule rule)
+  string(REPLACE "\\|" "\\" rule "${rule}")
+  # Alternatives inside parentheses use | too: split only at depth 0.
+  set(parts "")
+  set(part "")
+  set(depth 0)
+  string(LENGTH "${rule}" length)
+  math(EXPR last "${length} - 1")
+  foreach(i RANGE ${last})
+    string(SUBSTRING "${rule}" ${i} 1 c)
+    if(c STREQUAL "(")
+      math(EXPR depth "${depth} + 1")
+    elseif(c STREQUAL ")")
+      math(EXPR depth "${depth} - 1")
+    endif()
+    if(c STREQUAL "|" AND depth EQUAL 0)
+      list(APPEND parts "${part}")
+      set(part "")
+    else()
+      string(APPEND part "${c}")
+    endif()
+  endforeach()
+  list(GET parts 0 folders)
+  list(GET parts 1 forbidden)
+  list(GET parts 2 except)
+  set(folders "${folders}" PARENT_SCOPE)
+  set(forbidden "${forbidden}" PARENT_SCOPE)
+  set(except "${except}" PARENT_SCOPE)
+  set(why "${part}" PARENT_SCOPE)
+endfunction()
+
+# Sets `found` to the violations of the tree at `root`.
+function(check_tree root)
+  set(violations "")
+  file(GLOB_RECURSE files RELATIVE "${root}" "${root}/controller/*.h" "${root}/controller/*.cc" "${root}/world/*.h"
+       "${root}/world/*.cc" "${root}/eval/*.h" "${root}/eval/*.cc" "${root}/reports/*.h" "${root}/reports/*.cc"
+       "${root}/tests/*.h" "${root}/tests/*.cc" "${root}/bench/*.h" "${root}/bench/*.cc" "${root}/examples/*.cc")
+  list(FILTER files EXCLUDE REGEX "/node_modules/")
+  list(LENGTH files count)
+  if(count EQUAL 0)
+    message(FATAL_ERROR "no sources under ${root}")
+  endif()
+  set(includes "")
+  foreach(file IN LISTS files)
+    file(STRINGS "${root}/${file}" lines REGEX "^[ \t]*#[ \t]*include[ \t]*[<\"]")
+    foreach(line IN LISTS lines)
+      string(REGEX REPLACE "^[ \t]*#[ \t]*include[ \t]*[<\"]([^>\"]*).*" "\\1" header "${line}")
+      list(APPEND includes "${file}=${header}")
+    endforeach()
+  endforeach()
+  foreach(rule IN LISTS rules)
+    split_rule("${rule}")
+    foreach(include IN LISTS includes)
+      if(include MATCHES "^(${folders})[/=]" OR folders STREQUAL ".*")
+        string(REGEX MATCH "^[^=]*" file "${include}")
+        string(REGEX MATCH "[^=]*$" header "${include}")
+        if(header MATCHES "^(${forbidden})" AND NOT file MATCHES "^(${except})")
+          list(APPEND violations "${file} includes ${header}: ${why}")
+        endif()
+      endif()
+    endforeach()
+  endforeach()
+  set(found "${violations}" PARENT_SCOPE)
+endfunction()
+
+if(NOT SELF_TEST)
+  check_tree("${ROOT}")
+  if(found)
+    list(JOIN found "\n  " text)
+    message(FATAL_ERROR "dependency rules broken:\n  ${text}")
+  endif()
+  return()
+endif()
+
+# One file that breaks one rule, for each rule at least one; and one file that breaks none.
+set(samples
+  "controller/a.cc=world/world.h" "controller/qp/a.h=eval/trial/row.h" "controller/model/a.h=reports/render/page.h"
+  "controller/model/b.cc=controller/qp/solver.h" "controller/qp/b.cc=controller/config/node.h"
+  "controller/config/a.cc=controller/case/solve.h" "controller/b.cc=fmt/format.h" "controller/c.cc=nlohmann/json.hpp"
+  "world/a.cc=controller/qp/problem.h" "world/b.cc=eval/suite/suite.h" "eval/trial/a.cc=reports/render/page.h"
+  "reports/a.cc=controller/step.h" "reports/b.cc=world/world.h" "controller/d.cc=tests/support/x.h"
+  "eval/a.cc=tests/support/x.h" "eval/trial/b.cc=ode/ode.h" "world/c.cc=yaml-cpp/yaml.h" "eval/suite/a.cc=CLI/CLI.hpp"
+  "eval/batch/a.cc=SQLiteCpp/SQLiteCpp.h" "eval/cli/a.cc=sqlite3.h" "eval/batch/b.cc=nlopt.hpp" "eval/cli/b.cc=mpi.h"
+  "world/d.cc=urdf_parser/urdf_parser.h" "world/e.cc=coal/distance.h" "controller/qp/solver.cc=api.h"
+  "controller/qp/c.cc=qpOASES.hpp" "tests/controller/a.cc=eiquadprog/eiquadprog-fast.hpp"
+)
+set(allowed "controller/qp/solver_daqp.cc=api.h" "world/plant/ode_plant.cc=ode/ode.h" "eval/cli/c.cc=reports/render/page.h"
+            "controller/case/solve.cc=nlohmann/json.hpp" "controller/qp/d.cc=controller/types.h"
+            "world/f.cc=controller/model/kinematics.h")
+set(broken 0)
+set(seen "")
+foreach(sample IN LISTS samples allowed)
+  file(REMOVE_RECURSE "${SELF_TEST}")
+  string(REGEX MATCH "^[^=]*" file "${sample}")
+  string(REGEX MATCH "[^=]*$" header "${sample}")
+  file(WRITE "${SELF_TEST}/${file}" "#pragma once\n#include <vector>\n#include \"${header}\"\n")
+  check_tree("${SELF_TEST}")
+  if(sample IN_LIST samples AND NOT found)
+    message(SEND_ERROR "not noticed: ${file} includes ${header}")
+  elseif(sample IN_LIST allowed AND found)
+    message(SEND_ERROR "refused though allowed: ${found}")
+  endif()
+  foreach(violation IN LISTS found)
+    string(REGEX REPLACE "^[^:]*: " "" why "${violation}")
+    list(APPEND seen "${why}")
+  endforeach()
+endforeach()
+file(REMOVE_RECURSE "${SELF_TEST}")
+foreach(rule IN LISTS rules)
+  split_rule("${rule}")
+  if(NOT why IN_LIST seen)
+    message(SEND_ERROR "no sample breaks the rule: ${why}")
+  endif()
+endforeach()
