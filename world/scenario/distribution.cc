@@ -1,0 +1,108 @@
+#include "world/scenario/distribution.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace moma {
+namespace {
+
+constexpr const char* kAccepted =
+    "a number, {uniform: [low, high]}, {log_uniform: [low, high]}, {normal: [mean, sigma]} or {choice: [...]}";
+
+template <class... Ts>
+struct Overloaded : Ts... {
+  using Ts::operator()...;
+};
+template <class... Ts>
+Overloaded(Ts...) -> Overloaded<Ts...>;
+
+}  // namespace
+
+double Distribution::sample(Draws& draws) const {
+  return std::visit(
+      Overloaded{[&](const Fixed& d) {
+                   draws.bits();
+                   return d.value;
+                 },
+                 [&](const Uniform& d) { return draws.uniform(d.low, d.high); },
+                 [&](const LogUniform& d) { return draws.log_uniform(d.low, d.high); },
+                 [&](const Normal& d) { return std::clamp(draws.normal(d.mean, d.sigma), clip_low_, clip_high_); },
+                 [&](const Choice& d) { return d.values[draws.choice(d.values.size())]; }},
+      kind_);
+}
+
+int Distribution::sample_count(Draws& draws) const {
+  if (const auto* d = std::get_if<Uniform>(&kind_)) {
+    const auto low = static_cast<int>(std::lround(d->low));
+    const auto high = static_cast<int>(std::lround(d->high));
+    return low + static_cast<int>(draws.choice(static_cast<std::size_t>(high - low) + 1));
+  }
+  return static_cast<int>(std::lround(sample(draws)));
+}
+
+nlohmann::ordered_json Distribution::to_json() const {
+  using Json = nlohmann::ordered_json;
+  return std::visit(
+      Overloaded{[](const Fixed& d) { return Json(d.value); },
+                 [](const Uniform& d) { return Json{{"uniform", Json::array({d.low, d.high})}}; },
+                 [](const LogUniform& d) { return Json{{"log_uniform", Json::array({d.low, d.high})}}; },
+                 [](const Normal& d) { return Json{{"normal", Json::array({d.mean, d.sigma})}}; },
+                 [](const Choice& d) { return Json{{"choice", d.values}}; }},
+      kind_);
+}
+
+Distribution Distribution::read(const config::Node& node, const std::string& key, const config::Range& range,
+                                bool whole) {
+  using config::fail;
+  const auto check_whole = [&](const config::Node& at, const std::string& name, double value) {
+    if (whole && value != std::floor(value)) fail(at.mark, name, "expected a whole number");
+  };
+  const auto make = [&](Kind kind) {
+    Distribution out(std::move(kind));
+    out.clip_low_ = range.low;
+    out.clip_high_ = range.high;
+    return out;
+  };
+  if (node.kind == config::Node::Kind::kScalar) {
+    const double value = config::read_number(node, key, range);
+    check_whole(node, key, value);
+    return make(Fixed{value});
+  }
+  if (node.kind != config::Node::Kind::kMap || node.entries.size() != 1)
+    fail(node.mark, key, std::string("expected ") + kAccepted);
+
+  const auto& [name, ends] = node.entries.front();
+  const std::string inner = key + "." + name;
+  if (name == "choice") {
+    Choice choice{config::read_numbers(ends, inner, -1, range)};
+    if (choice.values.empty()) fail(ends.mark, inner, "expected at least one number");
+    for (const double value : choice.values) check_whole(ends, inner, value);
+    return make(std::move(choice));
+  }
+  if (name == "normal") {
+    const std::vector<double> v = config::read_numbers(ends, inner, 2);
+    config::read_number(ends.items[0], inner + "[0]", range);
+    if (v[1] < 0.0) fail(ends.items[1].mark, inner, "the standard deviation must not be negative");
+    return make(Normal{v[0], v[1]});
+  }
+  if (name == "uniform" || name == "log_uniform") {
+    const std::vector<double> v = config::read_numbers(ends, inner, 2, range);
+    if (v[0] > v[1]) fail(ends.mark, inner, "the first end must not exceed the second");
+    for (const double value : v) check_whole(ends, inner, value);
+    if (name == "uniform") return make(Uniform{v[0], v[1]});
+    if (v[0] <= 0.0) fail(ends.mark, inner, "both ends must be above 0");
+    return make(LogUniform{v[0], v[1]});
+  }
+  fail(ends.mark, inner, std::string("unknown distribution; expected ") + kAccepted);
+}
+
+void read(config::MapReader& in, std::string_view name, Distribution& value, const config::Range& range) {
+  if (const config::Node* node = in.get(name)) value = Distribution::read(*node, in.key_of(name), range);
+}
+
+void read_count(config::MapReader& in, std::string_view name, Distribution& value, int low, int high) {
+  const config::Range range{static_cast<double>(low), static_cast<double>(high)};
+  if (const config::Node* node = in.get(name)) value = Distribution::read(*node, in.key_of(name), range, true);
+}
+
+}  // namespace moma

@@ -1,0 +1,27 @@
+#include "world/world.h"
+
+#include <cstddef>
+
+namespace moma {
+
+std::vector<ObjectShape> object_shapes(const World& world) {
+  std::vector<ObjectShape> shapes;
+  shapes.reserve(world.objects.size());
+  for (const WorldObject& object : world.objects) shapes.push_back({object.name, object.shape});
+  return shapes;
+}
+
+void object_states(const World& world, double t, std::vector<ObjectState>& states) {
+  for (std::size_t i = 0; i < world.objects.size(); ++i) {
+    const MovingPose pose = evaluate(world.objects[i].motion, world.objects[i].X_WO, t);
+    states[i].X_WO = pose.X;
+    states[i].V_WO_W = pose.V_W;
+  }
+}
+
+GoalState goal_state(const World& world, double t) {
+  const MovingPose pose = evaluate(world.goal.motion, world.goal.X_WG, t);
+  return {pose.X, pose.V_W};
+}
+
+}  // namespace moma
