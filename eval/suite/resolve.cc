@@ -1,0 +1,159 @@
+#include "eval/suite/resolve.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "controller/config/reader.h"
+#include "eval/suite/sections.h"
+
+namespace moma {
+namespace {
+
+using config::MapReader;
+using config::Node;
+using nlohmann::ordered_json;
+
+const Node kNothing;
+
+const Node& section(MapReader& in, const char* name) {
+  const Node* node = in.get(name);
+  return node != nullptr ? *node : kNothing;
+}
+
+void check_name(const std::string& name, const Node& node, const std::string& key) {
+  const auto allowed = [](char c) {
+    const auto u = static_cast<unsigned char>(c);
+    return u > ' ' && u != 0x7f && c != '.' && c != '"' && c != '\'';
+  };
+  if (name.empty() || name.size() > 64 || !std::all_of(name.begin(), name.end(), allowed)) {
+    config::fail(node.mark, key,
+                 "a controller's name has 1 to 64 characters, none of them a space, a quote or a dot");
+  }
+}
+
+// Sections of a point by name, as they stand in the resolved suite.
+std::map<std::string, ordered_json> sections_of(const Point& point) {
+  return {{"worlds", point.worlds.to_json()},
+          {"simulation", to_json(point.simulation)},
+          {"success", to_json(point.success)},
+          {"stuck", to_json(point.stuck)},
+          {"infeasible", to_json(point.infeasible)}};
+}
+
+}  // namespace
+
+void add_warning(std::vector<std::string>& warnings, std::string text) {
+  if (std::find(warnings.begin(), warnings.end(), text) == warnings.end()) warnings.push_back(std::move(text));
+}
+
+Sections read_sections(const Node& root, const SuiteRobot& robot, std::vector<std::string>& warnings) {
+  Sections sections;
+  sections.robot = robot;
+  MapReader in(root, "");
+  sections.simulation = read_simulation(section(in, "simulation"), "simulation");
+  sections.success = read_success(section(in, "success"), "success", sections.simulation);
+  sections.stuck = read_stuck(section(in, "stuck"), "stuck", sections.simulation);
+  sections.infeasible = read_infeasible(section(in, "infeasible"), "infeasible");
+  sections.worlds =
+      Worlds::read(in.require("worlds", "a map such as {seed: 1, families: {open: {weight: 1}}}"), "worlds");
+
+  const Node& controllers =
+      in.require("controllers", "a map {NAME: FILE.yaml, ...} or {NAME: {include: FILE.yaml, ...}, ...}");
+  if (controllers.kind != Node::Kind::kMap || controllers.entries.empty()) {
+    config::fail(controllers.mark, "controllers",
+                 "expected at least one controller, {NAME: FILE.yaml, ...} or {NAME: {include: FILE.yaml, ...}, ...}");
+  }
+  for (const auto& [name, node] : controllers.entries) {
+    const std::string key = "controllers." + name;
+    check_name(name, node, key);
+    if (node.kind == Node::Kind::kNull)
+      config::fail(node.mark, key, "found nothing, expected a file or a map ({} takes every default)");
+    std::vector<std::string> doubts;
+    sections.controllers.emplace_back(name, config::read_controller(node, key, *robot.robot->model,
+                                                                    sections.simulation.control_period, doubts));
+    for (const std::string& doubt : doubts)
+      add_warning(warnings, doubt.find(key) == std::string::npos ? key + ": " + doubt : doubt);
+  }
+  return sections;
+}
+
+Point make_point(const Sections& sections, std::size_t controller) {
+  Point point;
+  const auto& [name, params] = sections.controllers[controller];
+  point.controller = name;
+  point.params = ordered_json::object();
+  point.robot = sections.robot.robot;
+  point.robot_digest = sections.robot.digest;
+  point.controller_params = params;
+  point.controller_resolved = config::to_json(params);
+  point.worlds = sections.worlds;
+  point.simulation = sections.simulation;
+  point.success = sections.success;
+  point.stuck = sections.stuck;
+  point.infeasible = sections.infeasible;
+  return point;
+}
+
+void check_suite(Suite& suite, const config::Mark& mark) {
+  std::map<std::string, std::string> contents;
+  for (const Point& point : suite.points) {
+    const long long frozen = point.worlds.size();
+    if (frozen >= 0 && suite.trials > static_cast<std::uint64_t>(frozen)) {
+      config::fail(mark, "trials", fmt::format("found {}, but the frozen set has only {} worlds", suite.trials, frozen));
+    }
+    const std::string name = point.label.empty() ? point.controller : point.controller + " " + point.label;
+    const ControllerParams& params = point.controller_params;
+    if (params.method == Method::kQp && params.collision.object.enabled &&
+        params.collision.object.stop > point.worlds.clearance()) {
+      add_warning(suite.warnings,
+                  fmt::format("controllers.{}.collision.stop: {} m is more than worlds.clearance ({} m): goals may lie "
+                              "where this controller refuses to go",
+                              point.controller, params.collision.object.stop, point.worlds.clearance()));
+    }
+    ordered_json content = {{"robot", point.robot_digest}, {"controller", point.controller_resolved}};
+    for (const auto& [key, value] : sections_of(point)) content[key] = value;
+    const auto [same, fresh] = contents.emplace(canonical_digest(content), name);
+    if (!fresh) {
+      add_warning(suite.warnings,
+                  fmt::format("{} and {} are the same in every value: they share their trials", same->second, name));
+    }
+  }
+}
+
+ordered_json resolved_json(const Suite& suite, bool swept) {
+  const Point& first = suite.points.front();
+  ordered_json json = {{"name", suite.name}, {"robot", first.robot->resolved}, {"controllers", ordered_json::object()}};
+  for (const Point& point : suite.points)
+    if (!json["controllers"].contains(point.controller)) json["controllers"][point.controller] = point.controller_resolved;
+  const std::map<std::string, ordered_json> base = sections_of(first);
+  for (const char* key : kSectionKeys) json[key] = base.at(key);
+  json["trials"] = suite.trials;
+  json["samples"] = to_string(suite.samples);
+  if (!swept) return json;
+
+  // Robots are large: each is kept once.
+  std::vector<std::string> robots{first.robot_digest};
+  ordered_json more_robots = ordered_json::array();
+  ordered_json points = ordered_json::array();
+  for (const Point& point : suite.points) {
+    ordered_json entry = {{"controller", point.controller}, {"label", point.label}, {"params", point.params}};
+    const auto found = std::find(robots.begin(), robots.end(), point.robot_digest);
+    if (found != robots.begin()) entry["robot"] = found - robots.begin();
+    if (found == robots.end()) {
+      robots.push_back(point.robot_digest);
+      more_robots.push_back(point.robot->resolved);
+    }
+    if (point.controller_resolved != json["controllers"][point.controller])
+      entry["controller_params"] = point.controller_resolved;
+    for (const auto& [key, value] : sections_of(point))
+      if (value != base.at(key)) entry[key] = value;
+    points.push_back(std::move(entry));
+  }
+  if (!more_robots.empty()) json["more_robots"] = std::move(more_robots);
+  json["points"] = std::move(points);
+  return json;
+}
+
+}  // namespace moma

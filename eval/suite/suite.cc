@@ -1,0 +1,210 @@
+#include "eval/suite/suite.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "controller/config/json_node.h"
+#include "controller/config/reader.h"
+#include "eval/suite/resolve.h"
+#include "eval/suite/sections.h"
+#include "eval/suite/sweep.h"
+
+namespace moma {
+namespace {
+
+namespace fs = std::filesystem;
+using config::MapReader;
+using config::Node;
+
+constexpr long long kMaxTrials = 100'000'000;
+
+// Replaces or creates the value at a dotted path by `value`, which keeps the mark of where it was written.
+void put(Node& root, const std::string& key, const Node& value) {
+  config::set_value(root, key, "null");
+  Node* node = &root;
+  for (std::size_t start = 0; node != nullptr;) {
+    const std::size_t dot = key.find('.', start);
+    node = node->find(std::string_view(key).substr(start, dot == std::string::npos ? dot : dot - start));
+    if (dot == std::string::npos) break;
+    start = dot + 1;
+  }
+  *node = value;
+}
+
+// The suite as written, with files of robots and controllers opened where keys inside them are set.
+class Draft {
+ public:
+  Draft(Node root, fs::path file) : root_(std::move(root)), directory_(file.parent_path()) {}
+
+  const Node& root() const { return root_; }
+  Node& root() { return root_; }
+
+  void set(const std::string& key, const Node& value) {
+    if (key == "controller" || key.starts_with("controller.")) {
+      const std::string rest = key == "controller" ? "" : key.substr(10);
+      for (const std::string& name : controller_names(value)) set("controllers." + name + rest, value);
+      return;
+    }
+    if (key.starts_with("controllers.")) {
+      const std::string name = key.substr(12, key.find('.', 12) - 12);
+      if (key.size() > 12 + name.size()) open(find("controllers", name));
+    }
+    if (key.starts_with("robot.")) open(root_.find("robot"));
+    const bool names_file = key == "robot" || key == "worlds.frozen" ||
+                            (key.starts_with("controllers.") && key.find('.', 12) == std::string::npos);
+    Node placed = value;
+    if (names_file && value.kind == Node::Kind::kScalar) placed.scalar = fs::absolute(path_of(value)).string();
+    put(root_, key, placed);
+  }
+
+ private:
+  std::vector<std::string> controller_names(const Node& value) const {
+    const Node* controllers = root_.find("controllers");
+    std::vector<std::string> names;
+    if (controllers != nullptr)
+      for (const auto& [name, node] : controllers->entries) names.push_back(name);
+    if (names.empty()) config::fail(value.mark, "controller", "the suite names no controllers");
+    return names;
+  }
+
+  Node* find(const char* map, const std::string& name) {
+    Node* node = root_.find(map);
+    return node != nullptr ? node->find(name) : nullptr;
+  }
+
+  // Where a value that names a file points: relative to the file it was written in; an option's value is relative
+  // to the working folder, or else to the suite.
+  fs::path path_of(const Node& node) const {
+    const fs::path path(node.scalar);
+    if (!node.mark.file.starts_with("--set ")) return fs::path(node.mark.file).parent_path() / path;
+    std::error_code error;
+    return fs::exists(path, error) ? path : directory_ / path;
+  }
+
+  // A file's path becomes the map it holds, so that single keys can be set.
+  void open(Node* node) const {
+    if (node == nullptr || node->kind != Node::Kind::kScalar) return;
+    *node = config::load_yaml(path_of(*node));
+  }
+
+  Node root_;
+  fs::path directory_;
+};
+
+// "controller.lambda_q" is shown as "lambda_q", other keys in full.
+std::string short_key(const std::string& key) {
+  if (key.starts_with("controller.")) return key.substr(11);
+  if (key.starts_with("controllers.")) {
+    const std::size_t dot = key.find('.', 12);
+    if (dot != std::string::npos) return key.substr(dot + 1);
+  }
+  return key;
+}
+
+std::string short_value(const Node& node) {
+  if (node.kind != Node::Kind::kScalar) return config::node_to_json(node).dump();
+  const bool file = node.scalar.ends_with(".yaml") || node.scalar.ends_with(".yml");
+  return file ? fs::path(node.scalar).stem().string() : node.scalar;
+}
+
+// What of an assignment concerns a controller: everything but other controllers' keys.
+Assignment part_for(const Assignment& assignment, const std::string& controller) {
+  Assignment part;
+  for (const auto& [key, value] : assignment) {
+    const bool others = key.starts_with("controllers.") && key.substr(12, key.find('.', 12) - 12) != controller;
+    if (!others) part.emplace_back(key, value);
+  }
+  return part;
+}
+
+void describe(Point& point, const Assignment& assignment) {
+  for (const auto& [key, value] : assignment) {
+    point.params[key] = config::node_to_json(value);
+    point.label += fmt::format("{}{}={}", point.label.empty() ? "" : " ", short_key(key), short_value(value));
+  }
+}
+
+MapReader known_keys(const Node& root) {
+  MapReader in(root, "");
+  for (const char* key : {"name", "robot", "controllers", "trials", "samples", "sweep"}) in.get(key);
+  for (const char* key : kSectionKeys) in.get(key);
+  return in;
+}
+
+// The robot is read once for all assignments that say the same about it.
+class Robots {
+ public:
+  SuiteRobot get(const Node& root, std::vector<std::string>& warnings) {
+    MapReader in(root, "");
+    const Node& node = in.require("robot", "the path of a robot file, or a map as in one");
+    const std::string text = node.mark.file + "\n" + config::node_to_json(node).dump();
+    if (known_.robot != nullptr && text == text_) return known_;
+    auto robot = std::make_shared<config::LoadedRobot>(config::read_robot(node, "robot"));
+    for (const std::string& warning : robot->warnings) add_warning(warnings, "robot: " + warning);
+    known_.digest = canonical_digest(robot->resolved);
+    known_.robot = std::move(robot);
+    text_ = text;
+    return known_;
+  }
+
+ private:
+  SuiteRobot known_;
+  std::string text_;
+};
+
+}  // namespace
+
+Suite load_suite(const fs::path& file, const Overrides& overrides) {
+  Draft draft(config::load_yaml(file), file);
+  if (draft.root().kind != Node::Kind::kMap) {
+    config::fail({file.string(), 0, 0}, "",
+                 "the suite is empty; expected a map with robot, controllers, worlds and trials");
+  }
+  for (const auto& [key, text] : overrides) {
+    Node value = config::parse_yaml(text, "--set " + key + "=" + text);
+    value.mark = {"--set " + key + "=" + text, 0, 0};
+    draft.set(key, value);
+  }
+
+  Suite suite;
+  suite.name = file.stem().string();
+  MapReader in = known_keys(draft.root());
+  in.finish();
+  in.read("name", suite.name);
+  in.check(!suite.name.empty(), "name", "found nothing, expected a name");
+  suite.trials = static_cast<std::uint64_t>(
+      config::read_integer(in.require("trials", "the number of worlds, 1 or more"), "trials", 1, kMaxTrials));
+  if (const Node* samples = in.get("samples")) suite.samples = read_samples(*samples, "samples");
+  const Node* sweep = in.get("sweep");
+  std::vector<Assignment> assignments(1);
+  if (sweep != nullptr) assignments = read_sweep(*sweep, "sweep");
+  Robots robots;
+  std::vector<std::vector<Point>> by_controller;
+  std::set<std::string> seen;
+  for (const Assignment& assignment : assignments) {
+    Draft assigned = draft;
+    for (const auto& [key, value] : assignment) {
+      if (key == "name" || key == "trials" || key == "samples" || key == "sweep" || key.starts_with("sweep."))
+        config::fail(value.mark, "sweep", fmt::format("'{}' cannot be swept: it is one for the whole suite", key));
+      assigned.set(key, value);
+    }
+    known_keys(assigned.root()).finish();
+    const Sections sections = read_sections(assigned.root(), robots.get(assigned.root(), suite.warnings), suite.warnings);
+    by_controller.resize(std::max(by_controller.size(), sections.controllers.size()));
+    for (std::size_t c = 0; c < sections.controllers.size(); ++c) {
+      Point point = make_point(sections, c);
+      describe(point, part_for(assignment, point.controller));
+      // An axis of another controller's key gives this one the same point again.
+      if (seen.insert(point.controller + "\n" + point.params.dump()).second) by_controller[c].push_back(std::move(point));
+    }
+  }
+  for (auto& points : by_controller)
+    for (Point& point : points) suite.points.push_back(std::move(point));
+  check_suite(suite, in.require("trials", "").mark);
+  suite.resolved = resolved_json(suite, sweep != nullptr);
+  return suite;
+}
+
+}  // namespace moma

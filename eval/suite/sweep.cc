@@ -1,0 +1,161 @@
+#include "eval/suite/sweep.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "controller/config/reader.h"
+
+namespace moma {
+namespace {
+
+using config::MapReader;
+using config::Node;
+
+struct Axis {
+  std::string key;
+  std::vector<Node> values;   // where listed, or spread over a grid
+  double low = 0.0;           // else a range
+  double high = 0.0;
+  bool log = false;
+  config::Mark mark;
+};
+
+Node number_node(double value, const config::Mark& mark) {
+  Node node;
+  node.kind = Node::Kind::kScalar;
+  node.scalar = fmt::format("{:.6g}", value);
+  node.mark = mark;
+  return node;
+}
+
+double between(const Axis& axis, double u) {
+  return axis.log ? axis.low * std::pow(axis.high / axis.low, u) : axis.low + u * (axis.high - axis.low);
+}
+
+// The value at u in [0, 1).
+Node value_at(const Axis& axis, double u) {
+  if (axis.values.empty()) return number_node(between(axis, u), axis.mark);
+  const auto index = static_cast<std::size_t>(u * static_cast<double>(axis.values.size()));
+  return axis.values[std::min(index, axis.values.size() - 1)];
+}
+
+Axis read_axis(const Node& node, const std::string& sweep_key, const std::string& key, bool grid) {
+  const std::string where = sweep_key + ".axes." + key;
+  Axis axis;
+  axis.key = key;
+  axis.mark = node.mark;
+  if (node.kind == Node::Kind::kSequence) {
+    if (node.items.empty()) config::fail(node.mark, where, "found an empty list, expected at least one value");
+    axis.values = node.items;
+    return axis;
+  }
+  if (node.kind != Node::Kind::kMap) {
+    config::fail(node.mark, where,
+                 "expected a list of values, {linear: [low, high], n: 5} or {log: [low, high], n: 5}");
+  }
+  MapReader in(node, where);
+  const Node* linear = in.get("linear");
+  const Node* log = in.get("log");
+  if ((linear == nullptr) == (log == nullptr)) in.fail("expected one of the keys linear and log: [low, high]");
+  axis.log = log != nullptr;
+  const char* kind = axis.log ? "log" : "linear";
+  const std::vector<double> ends = config::read_numbers(axis.log ? *log : *linear, where + "." + kind, 2,
+                                                        axis.log ? config::Range::positive() : config::Range::any());
+  axis.low = ends[0];
+  axis.high = ends[1];
+  in.check(axis.low < axis.high, kind, fmt::format("found [{}, {}], expected low < high", axis.low, axis.high));
+  int n = 0;
+  in.read("n", n, 2, 10000);
+  in.finish();
+  in.check(grid || n == 0, "n", "an axis of this design has no n of its own; give `n` beside `axes`");
+  in.check(!grid || n > 0, "n", "missing; expected the number of values on this axis, 2 or more");
+  for (int i = 0; i < n; ++i) {
+    const double value = i == n - 1 ? axis.high : between(axis, i / static_cast<double>(n - 1));
+    axis.values.push_back(number_node(value, node.mark));
+  }
+  return axis;
+}
+
+std::vector<Assignment> grid_points(const std::vector<Axis>& axes, const Node& node, const std::string& key) {
+  std::size_t count = 1;
+  for (const Axis& axis : axes) {
+    count *= axis.values.size();
+    if (count > kMaxSweepPoints) {
+      config::fail(node.mark, key, fmt::format("the grid has more than {} points", kMaxSweepPoints));
+    }
+  }
+  std::vector<Assignment> points(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::size_t rest = i;
+    points[i].resize(axes.size());
+    for (std::size_t a = axes.size(); a-- > 0;) {
+      points[i][a] = {axes[a].key, axes[a].values[rest % axes[a].values.size()]};
+      rest /= axes[a].values.size();
+    }
+  }
+  return points;
+}
+
+std::vector<Assignment> listed_points(const Node& list, const std::string& key) {
+  if (list.kind != Node::Kind::kSequence || list.items.empty()) {
+    config::fail(list.mark, key, "expected a list of points, each a map {KEY: VALUE, ...}");
+  }
+  std::vector<Assignment> points;
+  for (std::size_t i = 0; i < list.items.size(); ++i) {
+    const Node& item = list.items[i];
+    if (item.kind != Node::Kind::kMap || item.entries.empty())
+      config::fail(item.mark, fmt::format("{}[{}]", key, i), "expected a map {KEY: VALUE, ...}");
+    points.emplace_back(item.entries.begin(), item.entries.end());
+  }
+  return points;
+}
+
+enum class Design { kGrid, kLatinHypercube, kSobol, kList };
+
+}  // namespace
+
+std::vector<Assignment> read_sweep(const Node& node, const std::string& key) {
+  MapReader in(node, key);
+  const Node* list = in.get("points");
+  const Node* axes_node = in.get("axes");
+  Design design = list != nullptr ? Design::kList : Design::kGrid;
+  in.read_enum("design", design,
+               {{"grid", Design::kGrid},
+                {"latin_hypercube", Design::kLatinHypercube},
+                {"sobol", Design::kSobol},
+                {"list", Design::kList}});
+  int n = 0;
+  in.read("n", n, 1, static_cast<int>(kMaxSweepPoints));
+  unsigned long long seed = 1;
+  in.read("seed", seed);
+  in.finish();
+  const bool sampled = design == Design::kLatinHypercube || design == Design::kSobol;
+  in.check(sampled || n == 0, "n", "belongs to latin_hypercube and sobol; a grid has an n on each axis");
+  in.check(!sampled || n > 0, "n", "missing; expected the number of points");
+  if (design == Design::kList) {
+    if (axes_node != nullptr) in.fail_at("axes", "belongs to a grid, latin_hypercube or sobol; a list has `points`");
+    if (list == nullptr) in.fail_at("points", "missing; expected a list of points, each a map {KEY: VALUE, ...}");
+    return listed_points(*list, in.key_of("points"));
+  }
+  if (list != nullptr) in.fail_at("points", "belongs to `design: list`");
+  if (axes_node == nullptr || axes_node->kind != Node::Kind::kMap || axes_node->entries.empty())
+    in.fail_at("axes", "missing; expected a map {KEY: [values] or {linear: [low, high], n: 5}, ...}");
+
+  std::vector<Axis> axes;
+  for (const auto& [name, value] : axes_node->entries)
+    axes.push_back(read_axis(value, key, name, design == Design::kGrid));
+  if (design == Design::kGrid) return grid_points(axes, node, key);
+
+  const auto count = static_cast<std::size_t>(n);
+  const std::vector<std::vector<double>> unit =
+      design == Design::kSobol ? sobol(count, axes.size()) : latin_hypercube(seed, count, axes.size());
+  std::vector<Assignment> points;
+  for (const std::vector<double>& u : unit) {
+    Assignment& point = points.emplace_back();
+    for (std::size_t a = 0; a < axes.size(); ++a) point.emplace_back(axes[a].key, value_at(axes[a], u[a]));
+  }
+  return points;
+}
+
+}  // namespace moma
