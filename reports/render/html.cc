@@ -1,0 +1,96 @@
+#include "reports/render/html.h"
+
+#include <set>
+
+#include "reports/render/assets.h"
+
+namespace moma::reports {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// "frankie-clutter", or the names of all suites.
+std::string title(const Json& page) {
+  std::set<std::string> seen;
+  std::string names;
+  for (const Json& point : page.at("points")) {
+    const std::string suite = point.at("suite").get<std::string>();
+    if (!seen.insert(suite).second) continue;
+    if (!names.empty()) names += ", ";
+    names += suite;
+  }
+  return names.empty() ? page.at("store").at("file").get<std::string>() : names;
+}
+
+}  // namespace
+
+std::string escape(std::string_view text) {
+  // A dump and a look at the parsed text make it valid UTF-8.
+  const std::string valid =
+      Json::parse(Json(std::string(text)).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
+  std::string out;
+  for (const char c : valid) {
+    switch (c) {
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '&':
+        out += "&amp;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+std::string script_json(const Json& json) {
+  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string out;
+  out.reserve(text.size());
+  for (const char c : text) {
+    if (c == '<') {
+      out += "\\u003c";  // neither </script> nor <!-- can begin
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
+std::string html(const Json& page) {
+  const std::string data = script_json(page);
+  std::string out;
+  out.reserve(data.size() + page_js().size() + page_css().size() + 4096);
+  out += "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>";
+  out += escape(title(page));
+  out +=
+      " \xe2\x80\x93 moma report</title>\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<meta name=\"color-scheme\" content=\"light dark\">\n"
+      // The page can reach nothing outside itself, whatever a store holds.
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'unsafe-inline'; "
+      "style-src 'unsafe-inline'; font-src data:; img-src data: blob:\">\n"
+      "<link rel=\"icon\" href=\"data:,\">\n<style>";
+  out += page_css();
+  out +=
+      "</style>\n</head>\n<body>\n<div id=\"app\"><noscript>This page needs JavaScript to draw its figures. The "
+      "numbers are also in the store: moma query DB @summary</noscript></div>\n"
+      "<script type=\"application/json\" id=\"moma-data\">";
+  out += data;
+  out += "</script>\n<script>";
+  out += page_js();
+  out += "</script>\n</body>\n</html>\n";
+  return out;
+}
+
+}  // namespace moma::reports

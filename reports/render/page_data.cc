@@ -1,0 +1,164 @@
+#include "reports/render/page_data.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "reports/render/assets.h"
+#include "reports/render/replay_data.h"
+#include "reports/render/store.h"
+
+namespace moma::reports {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) {
+  if (std::isfinite(value)) return value;
+  if (std::isnan(value)) return nullptr;
+  return value > 0 ? "inf" : "-inf";
+}
+
+/// Text that may hold anything, for instance bytes that are not UTF-8: dump() replaces those.
+Json text(const SQLite::Column& cell) { return cell.getString(); }
+
+Json value(const SQLite::Column& cell) {
+  if (cell.isNull()) return nullptr;
+  if (cell.isInteger()) return cell.getInt64();
+  if (cell.isFloat()) return number(cell.getDouble());
+  return text(cell);
+}
+
+SQLite::Statement prepare(SQLite::Database& store, std::string_view sql) {
+  return SQLite::Statement(store, std::string(sql));
+}
+
+/// One object per row; a column named json_NAME becomes NAME, parsed.
+Json rows(SQLite::Database& store, std::string_view sql) {
+  static constexpr std::string_view kPrefix = "json_";
+  Json all = Json::array();
+  SQLite::Statement query = prepare(store, sql);
+  while (query.executeStep()) {
+    Json row = Json::object();
+    for (int i = 0; i < query.getColumnCount(); ++i) {
+      const std::string_view name = query.getColumnName(i);
+      const SQLite::Column cell = query.getColumn(i);
+      if (name.substr(0, kPrefix.size()) == kPrefix) {
+        row[std::string(name.substr(kPrefix.size()))] = Json::parse(cell.getString());
+      } else {
+        row[std::string(name)] = value(cell);
+      }
+    }
+    all.push_back(std::move(row));
+  }
+  return all;
+}
+
+/// A column while it is read: it holds texts or numbers, as its first cell that is not NULL.
+struct Column {
+  std::string name;
+  bool is_text = false;
+  Json numbers = Json::array();
+  Json values = Json::array();
+  Json codes = Json::array();
+  std::unordered_map<std::string, int> known;
+
+  void add(const SQLite::Column& cell) {
+    if (cell.isText() && !is_text) {
+      is_text = true;
+      for (std::size_t i = 0; i < numbers.size(); ++i) codes.push_back(-1);
+      numbers.clear();
+    }
+    if (!is_text) {
+      numbers.push_back(value(cell));
+    } else if (cell.isNull()) {
+      codes.push_back(-1);
+    } else {
+      const auto [place, added] = known.try_emplace(cell.getString(), static_cast<int>(known.size()));
+      if (added) values.push_back(place->first);
+      codes.push_back(place->second);
+    }
+  }
+
+  Json take() {
+    if (!is_text) return std::move(numbers);
+    return {{"values", std::move(values)}, {"codes", std::move(codes)}};
+  }
+};
+
+Json trials(SQLite::Database& store) {
+  SQLite::Statement query = prepare(store, trials_sql());
+  std::vector<Column> columns(static_cast<std::size_t>(query.getColumnCount()));
+  for (std::size_t i = 0; i < columns.size(); ++i) columns[i].name = query.getColumnName(static_cast<int>(i));
+  long long n = 0;
+  for (; query.executeStep(); ++n) {
+    for (std::size_t i = 0; i < columns.size(); ++i) columns[i].add(query.getColumn(static_cast<int>(i)));
+  }
+  Json all = Json::object();
+  for (Column& column : columns) {
+    if (column.name != "params") all[column.name] = column.take();  // swept values are with the points
+  }
+  return {{"n", n}, {"columns", std::move(all)}};
+}
+
+/// The replays and, under "robots", each robot that one of them needs.
+void add_replays(SQLite::Database& store, const ReportOptions& options, Json& page) {
+  page["robots"] = Json::object();
+  page["replays"] = Json::array();
+  SQLite::Statement query = prepare(store, replays_sql());
+  query.bind(1, options.replays);
+  while (query.executeStep()) {
+    const std::string trial = query.getColumn("trial").getString();
+    try {
+      const SQLite::Column blob = query.getColumn("data");
+      StoredSamples samples;
+      samples.layout = query.getColumn("layout").getInt();
+      samples.n = query.getColumn("n").getInt64();
+      samples.columns = Json::parse(query.getColumn("columns").getString()).get<std::vector<std::string>>();
+      samples.data = {static_cast<const char*>(blob.getBlob()), static_cast<std::size_t>(blob.getBytes())};
+      if (samples.n == 0) continue;
+      const std::string robot = query.getColumn("robot").getString();
+      Json replay = {{"trial", trial},
+                     {"robot", query.getColumn("robot").getInt64()},
+                     {"world", Json::parse(query.getColumn("json_world").getString())}};
+      replay.update(replay_data(samples, options.replay_hz));
+      page["replays"].push_back(std::move(replay));
+      if (!page["robots"].contains(robot)) {
+        SQLite::Statement one(store, "SELECT resolved FROM robot WHERE id = ?1");
+        one.bind(1, page["replays"].back()["robot"].get<std::int64_t>());
+        one.executeStep();
+        page["robots"][robot] = Json::parse(one.getColumn(0).getString());
+      }
+    } catch (const std::exception& error) {
+      throw ReportError(fmt::format("{}: trial {}: {}", store.getFilename(), trial, error.what()));
+    }
+  }
+}
+
+}  // namespace
+
+nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& options) {
+  // One transaction: all parts show the store at one moment, whatever a run adds meanwhile.
+  SQLite::Transaction snapshot(store);
+  Json page;
+  page["format"] = 1;
+  page["store"] = {{"file", std::filesystem::path(store.getFilename()).filename().string()},
+                   {"schema", kSchemaVersion}};
+  page["invocations"] = rows(store, invocations_sql());
+  page["points"] = rows(store, points_sql());
+  page["summary"] = rows(store, summary_sql());
+  page["overall"] = rows(store, overall_sql());
+  page["trials"] = trials(store);
+  page["samples_stored"] = store.execAndGet("SELECT count(*) FROM samples").getInt64();
+  add_replays(store, options, page);
+  return page;
+}
+
+}  // namespace moma::reports

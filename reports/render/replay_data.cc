@@ -1,0 +1,122 @@
+#include "reports/render/replay_data.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <stdexcept>
+
+namespace moma::reports {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "samples are little-endian doubles");
+
+using Column = std::vector<double>;
+
+/// Column by column, n doubles each.
+std::vector<double> unpack(const StoredSamples& samples) {
+  if (samples.layout != 1) throw std::runtime_error("samples: unknown layout");
+  if (samples.n < 0 || samples.columns.empty()) throw std::runtime_error("samples: empty");
+  const std::size_t wanted = static_cast<std::size_t>(samples.n) * samples.columns.size() * sizeof(double);
+  const unsigned long long said = ZSTD_getFrameContentSize(samples.data.data(), samples.data.size());
+  if (said != wanted) throw std::runtime_error("samples: size differs from its columns");
+  std::vector<double> values(wanted / sizeof(double));
+  const std::size_t got = ZSTD_decompress(values.data(), wanted, samples.data.data(), samples.data.size());
+  if (ZSTD_isError(got) || got != wanted) throw std::runtime_error("samples: damaged");
+  return values;
+}
+
+std::vector<std::size_t> kept_rows(const double* t, std::size_t n, double hz) {
+  std::vector<std::size_t> rows;
+  double next = -1e300;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (t[i] < next && i + 1 < n) continue;
+    rows.push_back(i);
+    // Half a microsecond of slack: times are sums of control periods.
+    next = (std::floor(t[i] * hz + 1e-6) + 1.0) / hz - 5e-7;
+  }
+  return rows;
+}
+
+std::string base64(const std::vector<unsigned char>& bytes) {
+  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t word = 0;
+    for (std::size_t k = 0; k < 3; ++k) word = (word << 8) | (k < left ? bytes[i + k] : 0u);
+    for (std::size_t k = 0; k < 4; ++k) text += k <= left ? kDigits[(word >> (18 - 6 * k)) & 63u] : '=';
+  }
+  return text;
+}
+
+std::string pack(const std::vector<float>& values) {
+  std::vector<unsigned char> bytes(values.size() * sizeof(float));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    unsigned char word[sizeof(float)];
+    std::memcpy(word, &values[i], sizeof(float));
+    for (std::size_t k = 0; k < sizeof(float); ++k) bytes[k * values.size() + i] = word[k];
+  }
+  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+  std::vector<unsigned char> small(size);
+  if (compress2(small.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), 9) != Z_OK) {
+    throw std::runtime_error("samples: cannot be compressed");
+  }
+  small.resize(size);
+  return base64(small);
+}
+
+}  // namespace
+
+nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz) {
+  const std::vector<double> values = unpack(samples);
+  const std::size_t n = static_cast<std::size_t>(samples.n);
+  const auto column = [&](std::string_view name) -> const double* {
+    const auto place = std::find(samples.columns.begin(), samples.columns.end(), name);
+    if (place == samples.columns.end()) return nullptr;
+    return values.data() + n * static_cast<std::size_t>(place - samples.columns.begin());
+  };
+  const auto required = [&](std::string_view name) {
+    const double* found = column(name);
+    if (found == nullptr) throw std::runtime_error("samples: there is no column " + std::string(name));
+    return found;
+  };
+
+  const std::vector<std::size_t> rows = kept_rows(required("t"), n, hz);
+  std::vector<std::string> names;
+  std::vector<float> kept;
+  const auto keep = [&](const std::string& name, const auto& value) {
+    names.push_back(name);
+    for (const std::size_t row : rows) kept.push_back(static_cast<float>(value(row)));
+  };
+  const auto keep_column = [&](const std::string& name) {
+    const double* from = required(name);
+    keep(name, [&](std::size_t row) { return from[row]; });
+  };
+  const auto keep_norm = [&](const std::string& name, const std::string& stem, int first, int count) {
+    std::vector<const double*> parts;
+    for (int i = first; i < first + count; ++i) parts.push_back(required(fmt::format("{}{}", stem, i)));
+    keep(name, [&](std::size_t row) {
+      double sum = 0.0;
+      for (const double* part : parts) sum += part[row] * part[row];
+      return std::sqrt(sum);
+    });
+  };
+
+  for (const char* name : {"t", "base_x", "base_y", "base_phi"}) keep_column(name);
+  for (int i = 0; column(fmt::format("q{}", i)) != nullptr; ++i) keep_column(fmt::format("q{}", i));
+  keep_norm("error_rotation", "error", 0, 3);
+  keep_norm("error_position", "error", 3, 3);
+  keep_norm("slack", "slack", 0, 6);
+  for (const char* name : {"manipulability", "least_distance", "status", "fallback", "active_rows"}) keep_column(name);
+
+  return {{"hz", hz}, {"n", rows.size()}, {"columns", names}, {"data", pack(kept)}};
+}
+
+}  // namespace moma::reports

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace moma::reports {
+
+/// A trial's time series as the store holds it (docs/store.md, layout 1).
+struct StoredSamples {
+  int layout = 0;
+  long long n = 0;
+  std::vector<std::string> columns;
+  std::string_view data;  ///< one zstd frame
+};
+
+/// `{"hz", "n", "columns", "data"}`: the motion at about `hz` samples a second (first and last always kept), as
+/// float32 columns one after the other, their bytes regrouped by significance, deflated (zlib), in base64.
+/// Columns: t, base_x, base_y, base_phi, q0..., error_rotation, error_position, slack (norms), manipulability,
+/// least_distance, status, fallback, active_rows. Throws std::runtime_error on data that does not fit its layout.
+nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz);
+
+}  // namespace moma::reports

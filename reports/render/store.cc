@@ -1,0 +1,87 @@
+#include "reports/render/store.h"
+
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include "reports/render/report.h"
+
+namespace moma::reports {
+namespace {
+
+constexpr int kApplicationId = 1836019041;  // "moma"
+
+SQLite::Database open_read_only(const std::filesystem::path& db) {
+  SQLite::Database store(db.string(), SQLite::OPEN_READONLY);
+  store.setBusyTimeout(5000);
+  store.execAndGet("SELECT count(*) FROM sqlite_schema");  // the first read finds out what the file is
+  return store;
+}
+
+/// A store in WAL mode needs a shared-memory file beside it, which a read-only folder does not allow. Where nobody
+/// can write to the folder nobody can change the store either, so it may be read as it is.
+SQLite::Database open_immutable(const std::filesystem::path& db) {
+  std::string uri = "file:";
+  for (const char c : std::filesystem::absolute(db).string()) {
+    if (c == '%' || c == '?' || c == '#') {
+      uri += fmt::format("%{:02X}", static_cast<unsigned char>(c));
+    } else {
+      uri += c;
+    }
+  }
+  SQLite::Database store(uri + "?immutable=1", SQLite::OPEN_READONLY | SQLite::OPEN_URI);
+  store.execAndGet("SELECT count(*) FROM sqlite_schema");
+  return store;
+}
+
+}  // namespace
+
+SQLite::Database open_store(const std::filesystem::path& db) {
+  const std::string name = db.string();
+  std::error_code ignored;
+  if (!std::filesystem::exists(db, ignored)) {
+    throw ReportError(fmt::format("{}: there is no such file; wanted: a store written by moma run", name));
+  }
+  if (std::filesystem::is_directory(db, ignored)) {
+    throw ReportError(fmt::format("{}: this is a folder; wanted: a store written by moma run", name));
+  }
+  try {
+    SQLite::Database store = [&] {
+      try {
+        return open_read_only(db);
+      } catch (const SQLite::Exception& error) {
+        const bool no_folder_access =
+            error.getErrorCode() == SQLITE_CANTOPEN || error.getErrorCode() == SQLITE_READONLY;
+        const bool pending = std::filesystem::exists(name + "-wal") && std::filesystem::file_size(name + "-wal") > 0;
+        if (!no_folder_access || pending) throw;
+        return open_immutable(db);
+      }
+    }();
+    if (store.execAndGet("PRAGMA application_id").getInt() != kApplicationId) {
+      throw ReportError(
+          fmt::format("{}: this SQLite file belongs to another program; wanted: a store written by "
+                      "moma run",
+                      name));
+    }
+    const int version = store.execAndGet("PRAGMA user_version").getInt();
+    if (version > kSchemaVersion) {
+      throw ReportError(
+          fmt::format("{}: a newer moma wrote this store (schema {}, this program knows {}): use that "
+                      "version for the report",
+                      name, version, kSchemaVersion));
+    }
+    if (version < kSchemaVersion) {
+      throw ReportError(
+          fmt::format("{}: an older moma wrote this store (schema {}, this program wants {}): moma run "
+                      "on it brings it up to date",
+                      name, version, kSchemaVersion));
+    }
+    return store;
+  } catch (const SQLite::Exception& error) {
+    if (error.getErrorCode() == SQLITE_NOTADB) {
+      throw ReportError(fmt::format("{}: this is not an SQLite file; wanted: a store written by moma run", name));
+    }
+    throw ReportError(fmt::format("{}: cannot be read: {}", name, error.what()));
+  }
+}
+
+}  // namespace moma::reports

@@ -1,0 +1,7 @@
+-- Every call of the program that wrote into the store, the latest first.
+SELECT s.name AS suite, i.started, i.ended, i.status, i.arguments AS json_arguments, i.moma_version, i.git_commit,
+       i.git_dirty, i.build_type, i.compiler, i.compiler_flags, i.libraries AS json_libraries, i.host, i.os, i.cpu,
+       i.cpu_count, i.threads, i.machine_class, i.trials_planned, i.trials_present, i.trials_done
+FROM invocation AS i
+JOIN suite AS s ON s.id = i.suite_id
+ORDER BY i.id DESC

@@ -1,0 +1,59 @@
+// The view (what is filtered, sorted, selected), kept in the URL's hash so that a link opens the same one.
+
+type Listener = (changed: ReadonlySet<string>) => void;
+
+const defaults: Record<string, string> = {};
+let values = new Map<string, string>();
+const listeners: { keys: readonly string[]; call: Listener }[] = [];
+
+function parse(): Map<string, string> {
+  return new Map(new URLSearchParams(location.hash.replace(/^#/, '')));
+}
+
+/** The value of a key, or its default. */
+export function get(key: string): string {
+  return values.get(key) ?? defaults[key] ?? '';
+}
+
+export function setDefault(key: string, value: string): void {
+  defaults[key] = value;
+}
+
+/** Changes values and tells those who listen; a value equal to its default leaves the URL. */
+export function set(changes: Record<string, string>): void {
+  const changed = new Set<string>();
+  for (const [key, value] of Object.entries(changes)) {
+    if (get(key) === value) continue;
+    changed.add(key);
+    if (value === (defaults[key] ?? '')) values.delete(key);
+    else values.set(key, value);
+  }
+  if (changed.size === 0) return;
+  const text = new URLSearchParams([...values]).toString();
+  history.replaceState(null, '', text === '' ? location.pathname + location.search : `#${text}`);
+  tell(changed);
+}
+
+/** Calls back after any of `keys` changed (every key when none is named). */
+export function listen(keys: readonly string[], call: Listener): void {
+  listeners.push({ keys, call });
+}
+
+function tell(changed: ReadonlySet<string>): void {
+  for (const { keys, call } of listeners) {
+    if (keys.length === 0 || keys.some((key) => changed.has(key))) call(changed);
+  }
+}
+
+export function start(): void {
+  values = parse();
+  addEventListener('hashchange', () => {
+    const next = parse();
+    const changed = new Set<string>();
+    for (const key of new Set([...values.keys(), ...next.keys()])) {
+      if (values.get(key) !== next.get(key)) changed.add(key);
+    }
+    values = next;
+    if (changed.size > 0) tell(changed);
+  });
+}

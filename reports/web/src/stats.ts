@@ -1,0 +1,134 @@
+// The statistics of the page. Rates carry 95 % Wilson intervals, pairs an exact McNemar test.
+
+/** Two-sided 95 % point of the normal distribution, as in the store's views. */
+export const kZ = 1.959963984540054;
+
+export interface Interval {
+  low: number;
+  high: number;
+}
+
+/** Wilson score interval of `hits` of `n` (JASA 22, 1927). NaN without trials. */
+export function wilson(hits: number, n: number): Interval {
+  if (n === 0) return { low: NaN, high: NaN };
+  const p = hits / n;
+  const z2 = kZ * kZ;
+  const centre = (p + z2 / (2 * n)) / (1 + z2 / n);
+  const half = (kZ * Math.sqrt((p * (1 - p)) / n + z2 / (4 * n * n))) / (1 + z2 / n);
+  return { low: Math.max(0, centre - half), high: Math.min(1, centre + half) };
+}
+
+/** Exact two-sided McNemar test: b and c are the discordant pairs. */
+export function mcnemar(b: number, c: number): number {
+  const n = b + c;
+  if (n === 0) return 1;
+  let sum = 0;
+  let logChoose = 0;
+  for (let k = 0; k <= Math.min(b, c); ++k) {
+    if (k > 0) logChoose += Math.log((n - k + 1) / k);
+    sum += Math.exp(logChoose - n * Math.LN2);
+  }
+  return Math.min(1, 2 * sum);
+}
+
+/** Holm's step-down correction, in the order given. */
+export function holm(p: readonly number[]): number[] {
+  const order = p.map((_, i) => i).sort((a, b) => (p[a] ?? 0) - (p[b] ?? 0));
+  const out = new Array<number>(p.length).fill(1);
+  let running = 0;
+  order.forEach((index, rank) => {
+    running = Math.max(running, Math.min(1, (p[index] ?? 1) * (p.length - rank)));
+    out[index] = running;
+  });
+  return out;
+}
+
+/** Linear interpolation between order statistics (R's type 7); `sorted` ascending, not empty. */
+export function quantile(sorted: ArrayLike<number>, probability: number): number {
+  const position = (sorted.length - 1) * probability;
+  const below = Math.floor(position);
+  const low = sorted[below] ?? NaN;
+  const high = sorted[Math.min(below + 1, sorted.length - 1)] ?? NaN;
+  return low + (high - low) * (position - below);
+}
+
+export interface Spread {
+  n: number;
+  p5: number;
+  q1: number;
+  median: number;
+  q3: number;
+  p95: number;
+  min: number;
+  max: number;
+  mean: number;
+}
+
+/** Summary of finite values; null where there is none. */
+export function spread(values: readonly number[]): Spread | null {
+  const sorted = Float64Array.from(values).sort();
+  if (sorted.length === 0) return null;
+  let sum = 0;
+  for (const value of sorted) sum += value;
+  return {
+    n: sorted.length,
+    p5: quantile(sorted, 0.05),
+    q1: quantile(sorted, 0.25),
+    median: quantile(sorted, 0.5),
+    q3: quantile(sorted, 0.75),
+    p95: quantile(sorted, 0.95),
+    min: sorted[0] ?? NaN,
+    max: sorted[sorted.length - 1] ?? NaN,
+    mean: sum / sorted.length,
+  };
+}
+
+/** Gaussian kernel density on `points` positions over [low, high], Silverman's bandwidth; scaled to peak 1. */
+export function density(values: readonly number[], low: number, high: number, points: number): [number, number][] {
+  const s = spread(values);
+  if (s === null || !(high > low)) return [];
+  let variance = 0;
+  for (const value of values) variance += (value - s.mean) ** 2;
+  const deviation = Math.sqrt(variance / Math.max(1, s.n - 1));
+  const scale = Math.min(deviation, (s.q3 - s.q1) / 1.34) || deviation;
+  const bandwidth = Math.max(0.9 * scale * s.n ** -0.2, (high - low) / 200);
+  const out: [number, number][] = [];
+  let peak = 0;
+  for (let i = 0; i < points; ++i) {
+    const x = low + ((high - low) * i) / (points - 1);
+    let sum = 0;
+    for (const value of values) {
+      const u = (x - value) / bandwidth;
+      if (u * u < 36) sum += Math.exp(-0.5 * u * u);
+    }
+    peak = Math.max(peak, sum);
+    out.push([x, sum]);
+  }
+  return out.map(([x, y]) => [x, peak > 0 ? y / peak : 0]);
+}
+
+/** A small generator with a fixed seed (Mulberry32): resampling must give the same figure every time. */
+function generator(seed: number): () => number {
+  let state = seed >>> 0;
+  return () => {
+    state = (state + 0x6d2b79f5) >>> 0;
+    let t = state;
+    t = Math.imul(t ^ (t >>> 15), t | 1);
+    t ^= t + Math.imul(t ^ (t >>> 7), t | 61);
+    return ((t ^ (t >>> 14)) >>> 0) / 4294967296;
+  };
+}
+
+/** 95 % percentile-bootstrap interval of the median of paired differences; seed fixed. */
+export function bootstrapMedian(differences: readonly number[], rounds = 1000): Interval {
+  if (differences.length === 0) return { low: NaN, high: NaN };
+  const random = generator(1);
+  const medians = new Float64Array(rounds);
+  const sample = new Float64Array(differences.length);
+  for (let round = 0; round < rounds; ++round) {
+    for (let i = 0; i < sample.length; ++i) sample[i] = differences[Math.floor(random() * sample.length)] ?? NaN;
+    medians[round] = quantile(sample.sort(), 0.5);
+  }
+  medians.sort();
+  return { low: quantile(medians, 0.025), high: quantile(medians, 0.975) };
+}
