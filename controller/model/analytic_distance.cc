@@ -1,0 +1,135 @@
+#include "controller/model/analytic_distance.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace moma {
+namespace {
+
+// v / |v|, or `otherwise` where v has no direction.
+Vector3 direction(const Vector3& v, const Vector3& otherwise) noexcept {
+  const double length = v.norm();
+  return length > 1e-14 ? Vector3(v / length) : otherwise;
+}
+
+PointDistance to_box(const Vector3& half, const Vector3& p) noexcept {
+  const Vector3 beyond = p.cwiseAbs() - half;
+  const Vector3 outside = beyond.cwiseMax(0.0);
+  const double d = outside.norm();
+  if (d > 1e-14) return {d, Vector3(outside.array() * p.array().unaryExpr([](double x) { return std::copysign(1.0, x); })) / d};
+  Eigen::Index i = 0;   // inside: out through the nearest face
+  const double depth = beyond.maxCoeff(&i);
+  return {depth, std::copysign(1.0, p[i]) * Vector3::Unit(i)};
+}
+
+PointDistance to_cylinder(double radius, double half, const Vector3& p) noexcept {
+  const double rho = std::hypot(p.x(), p.y());
+  const Vector3 radial = rho > 1e-14 ? Vector3(p.x() / rho, p.y() / rho, 0.0) : Vector3::UnitX();
+  const Vector3 axial(0.0, 0.0, std::copysign(1.0, p.z()));
+  const double out = rho - radius;
+  const double up = std::abs(p.z()) - half;
+  if (out > 0.0 && up > 0.0) {
+    const double d = std::hypot(out, up);
+    return {d, (out * radial + up * axial) / d};
+  }
+  return out > up ? PointDistance{out, radial} : PointDistance{up, axial};
+}
+
+Distance sphere_against(const Shape& sphere, const Isometry& X_W1, const Shape& solid, const Isometry& X_W2) noexcept {
+  const Vector3 centre = X_W1.translation();
+  const PointDistance point = point_distance(solid, X_W2.inverse() * centre);
+  Distance result;
+  result.d = point.d - sphere.size.x();
+  result.n_W = X_W2.linear() * point.n_S;
+  result.p_first_W = centre - sphere.size.x() * result.n_W;
+  result.p_second_W = centre - point.d * result.n_W;
+  return result;
+}
+
+// Parameters in [-1, 1] of the closest points of two segments c1 + s a1 and c2 + t a2 (Ericson, Real-Time
+// Collision Detection, 5.1.9, for segments given by centre and half vector).
+Vector2 closest_parameters(const Vector3& c1, const Vector3& a1, const Vector3& c2, const Vector3& a2) noexcept {
+  const Vector3 r = c1 - c2;
+  const double a = a1.squaredNorm();
+  const double e = a2.squaredNorm();
+  const double b = a1.dot(a2);
+  const double c = a1.dot(r);
+  const double f = a2.dot(r);
+  const auto clamp = [](double x) { return std::clamp(x, -1.0, 1.0); };
+  const double denominator = a * e - b * b;   // 0 where the segments are parallel or a point
+  double s = 0.0;
+  if (denominator > 1e-12 * a * e) {
+    s = clamp((b * f - c * e) / denominator);
+  } else if (a > 0.0) {
+    // Parallel: the middle of the stretch where they face each other, so that the points do not jump about.
+    const double span = std::sqrt(e / a);
+    const double middle = -c / a;
+    const double low = std::max(-1.0, middle - span);
+    const double high = std::min(1.0, middle + span);
+    s = low <= high ? 0.5 * (low + high) : clamp(middle);
+  }
+  double t = e > 0.0 ? clamp((b * s + f) / e) : 0.0;
+  if (a > 0.0) s = clamp((b * t - c) / a);
+  if (denominator <= 1e-12 * a * e && e > 0.0) t = clamp((b * s + f) / e);
+  return {s, t};
+}
+
+Distance capsule_capsule(const Shape& first, const Isometry& X_W1, const Shape& second, const Isometry& X_W2) noexcept {
+  const Vector3 a1 = 0.5 * first.size.y() * X_W1.linear().col(2);
+  const Vector3 a2 = 0.5 * second.size.y() * X_W2.linear().col(2);
+  const Vector3 c1 = X_W1.translation();
+  const Vector3 c2 = X_W2.translation();
+  const Vector2 st = closest_parameters(c1, a1, c2, a2);
+  const Vector3 p1 = c1 + st.x() * a1;
+  const Vector3 p2 = c2 + st.y() * a2;
+  const Vector3 between = p1 - p2;
+  const double length = between.norm();
+  Distance result;
+  result.d = length - first.size.x() - second.size.x();
+  if (length > 1e-12) {
+    result.n_W = between / length;
+  } else {
+    // Axes that cross: out along their common normal; where they are in line, along any normal of the axis.
+    const Vector3 axis = X_W2.linear().col(2);
+    const Vector3 side = direction(axis.unitOrthogonal(), Vector3::UnitX());
+    result.n_W = direction(X_W1.linear().col(2).cross(axis), side);
+    if (result.n_W.dot(c1 - c2) < 0.0) result.n_W = -result.n_W;
+  }
+  result.p_first_W = p1 - first.size.x() * result.n_W;
+  result.p_second_W = p2 + second.size.x() * result.n_W;
+  return result;
+}
+
+}  // namespace
+
+PointDistance point_distance(const Shape& shape, const Vector3& p) noexcept {
+  switch (shape.kind) {
+    case ShapeKind::kSphere: return {p.norm() - shape.size.x(), direction(p, Vector3::UnitZ())};
+    case ShapeKind::kBox: return to_box(0.5 * shape.size, p);
+    case ShapeKind::kCylinder: return to_cylinder(shape.size.x(), 0.5 * shape.size.y(), p);
+    case ShapeKind::kCapsule: {
+      const double half = 0.5 * shape.size.y();
+      const Vector3 r = p - Vector3(0.0, 0.0, std::clamp(p.z(), -half, half));
+      return {r.norm() - shape.size.x(), direction(r, Vector3::UnitX())};
+    }
+    case ShapeKind::kConvex: break;
+  }
+  return {p.norm() - bounding_radius(shape), direction(p, Vector3::UnitZ())};
+}
+
+std::optional<Distance> analytic_distance(const Shape& first, const Isometry& X_W1, const Shape& second,
+                                          const Isometry& X_W2) noexcept {
+  if (first.kind == ShapeKind::kSphere && second.kind != ShapeKind::kConvex)
+    return sphere_against(first, X_W1, second, X_W2);
+  if (second.kind == ShapeKind::kSphere && first.kind != ShapeKind::kConvex) {
+    Distance result = sphere_against(second, X_W2, first, X_W1);
+    result.n_W = -result.n_W;
+    std::swap(result.p_first_W, result.p_second_W);
+    return result;
+  }
+  if (first.kind == ShapeKind::kCapsule && second.kind == ShapeKind::kCapsule)
+    return capsule_capsule(first, X_W1, second, X_W2);
+  return std::nullopt;
+}
+
+}  // namespace moma

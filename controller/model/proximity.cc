@@ -1,0 +1,153 @@
+#include "controller/model/proximity.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "controller/model/analytic_distance.h"
+#include "controller/model/coal_pair.h"
+
+namespace moma {
+namespace {
+
+constexpr std::size_t kKinds = 5;
+
+// A shape with what a query needs at hand.
+struct Solid {
+  Shape shape;
+  double radius = 0.0;                      // bounding sphere about the shape's origin
+  Shape bound;                              // the shape itself, or the box around a convex hull
+  Vector3 bound_offset = Vector3::Zero();   // centre of that box
+  std::unique_ptr<coal::ShapeBase> geometry;
+
+  explicit Solid(const Shape& s) : shape(s), radius(bounding_radius(s)), bound(s), geometry(make_coal_shape(s)) {
+    if (s.kind != ShapeKind::kConvex || !s.hull || s.hull->vertices.empty()) return;
+    Eigen::AlignedBox3d box;
+    for (const Vector3& v : s.hull->vertices) box.extend(v);
+    bound = {ShapeKind::kBox, box.sizes(), nullptr};
+    bound_offset = box.center();
+  }
+
+  // No point of the solid is nearer to p_W than this.
+  double gap(const Isometry& X_WS, const Vector3& p_W) const noexcept {
+    const Vector3 p_S = X_WS.linear().transpose() * (p_W - X_WS.translation());
+    return point_distance(bound, p_S - bound_offset).d;
+  }
+};
+
+class PairTable {
+ public:
+  void add(const Solid& first, const Solid& second) {
+    std::unique_ptr<CoalPair>& pair = at(first, second);
+    if (!pair) pair = std::make_unique<CoalPair>(*first.geometry, *second.geometry);
+  }
+  Distance distance(const Solid& first, const Isometry& X_W1, const Solid& second, const Isometry& X_W2) noexcept {
+    if (const auto exact = analytic_distance(first.shape, X_W1, second.shape, X_W2)) return *exact;
+    return at(first, second)->distance(*first.geometry, X_W1, *second.geometry, X_W2);
+  }
+
+ private:
+  std::unique_ptr<CoalPair>& at(const Solid& first, const Solid& second) {
+    return pairs_[static_cast<std::size_t>(first.shape.kind)][static_cast<std::size_t>(second.shape.kind)];
+  }
+  std::array<std::array<std::unique_ptr<CoalPair>, kKinds>, kKinds> pairs_;
+};
+
+}  // namespace
+
+struct Proximity::Impl {
+  std::shared_ptr<const RobotModel> model;
+  std::vector<Solid> robot;
+  std::vector<Solid> objects;
+  PairTable table;
+  std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_WS;   // of the robot's shapes
+  std::vector<ProximityPair> pairs;
+
+  // Adds the pair where it is closer than `range`: cheap lower bounds first, then the true distance.
+  void try_pair(PairKind kind, int i, const Solid& a, const Isometry& X_Wa, int j, const Solid& b,
+                const Isometry& X_Wb, double range) noexcept {
+    const Vector3 ca = X_Wa.translation();
+    const Vector3 cb = X_Wb.translation();
+    const double reach = range + a.radius + b.radius;
+    if (!((ca - cb).squaredNorm() <= reach * reach)) return;
+    if (!(a.gap(X_Wa, cb) - b.radius <= range) || !(b.gap(X_Wb, ca) - a.radius <= range)) return;
+    const Distance distance = table.distance(a, X_Wa, b, X_Wb);
+    if (distance.d < range) pairs.push_back({kind, i, j, distance});
+  }
+};
+
+Proximity::Proximity(std::shared_ptr<const RobotModel> model) : impl_(std::make_unique<Impl>()) {
+  impl_->model = std::move(model);
+  for (const CollisionShape& shape : impl_->model->shapes) impl_->robot.emplace_back(shape.shape);
+  for (const SelfPair& pair : impl_->model->self_pairs) {
+    impl_->table.add(impl_->robot[static_cast<std::size_t>(pair.first)],
+                     impl_->robot[static_cast<std::size_t>(pair.second)]);
+  }
+  impl_->X_WS.resize(impl_->robot.size(), Isometry::Identity());
+  set_objects({});
+}
+
+Proximity::~Proximity() = default;
+Proximity::Proximity(Proximity&&) noexcept = default;
+Proximity& Proximity::operator=(Proximity&&) noexcept = default;
+
+void Proximity::set_objects(std::span<const ObjectShape> objects) {
+  Impl& impl = *impl_;
+  impl.objects.clear();
+  for (const ObjectShape& object : objects) impl.objects.emplace_back(object.shape);
+  for (const Solid& shape : impl.robot)
+    for (const Solid& object : impl.objects) impl.table.add(shape, object);
+  impl.pairs.clear();
+  impl.pairs.reserve(impl.robot.size() * (impl.objects.size() + 1) + impl.model->self_pairs.size());
+}
+
+int Proximity::num_objects() const noexcept { return static_cast<int>(impl_->objects.size()); }
+
+std::span<const ProximityPair> Proximity::query(const Kinematics& kinematics, std::span<const ObjectState> states,
+                                                const ProximityRanges& ranges) noexcept {
+  Impl& impl = *impl_;
+  const std::vector<CollisionShape>& shapes = impl.model->shapes;
+  impl.pairs.clear();
+  for (std::size_t i = 0; i < shapes.size(); ++i) impl.X_WS[i] = kinematics.X_WS(shapes[i]);
+
+  if (ranges.object >= 0.0) {
+    const std::size_t count = std::min(states.size(), impl.objects.size());
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      for (std::size_t j = 0; j < count; ++j) {
+        if (!states[j].visible) continue;
+        impl.try_pair(PairKind::kObject, static_cast<int>(i), impl.robot[i], impl.X_WS[i], static_cast<int>(j),
+                      impl.objects[j], states[j].X_WO, ranges.object);
+      }
+    }
+  }
+  if (ranges.floor >= 0.0) {
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      if (shapes[i].rigid_with_base) continue;
+      if (!(impl.X_WS[i].translation().z() - impl.robot[i].radius < ranges.floor)) continue;
+      Distance distance;
+      distance.d = lowest_point(shapes[i].shape, impl.X_WS[i], &distance.p_first_W);
+      distance.p_second_W = distance.p_first_W;
+      distance.p_second_W.z() = 0.0;
+      if (distance.d < ranges.floor) impl.pairs.push_back({PairKind::kFloor, static_cast<int>(i), -1, distance});
+    }
+  }
+  if (ranges.self >= 0.0) {
+    for (const SelfPair& pair : impl.model->self_pairs) {
+      if (!pair.row) continue;
+      const auto a = static_cast<std::size_t>(pair.first);
+      const auto b = static_cast<std::size_t>(pair.second);
+      impl.try_pair(PairKind::kSelf, pair.first, impl.robot[a], impl.X_WS[a], pair.second, impl.robot[b],
+                    impl.X_WS[b], ranges.self);
+    }
+  }
+  return impl.pairs;
+}
+
+Distance shape_distance(const Shape& first, const Isometry& X_W1, const Shape& second, const Isometry& X_W2) {
+  if (const auto exact = analytic_distance(first, X_W1, second, X_W2)) return *exact;
+  const auto geometry1 = make_coal_shape(first);
+  const auto geometry2 = make_coal_shape(second);
+  return CoalPair(*geometry1, *geometry2).distance(*geometry1, X_W1, *geometry2, X_W2);
+}
+
+}  // namespace moma

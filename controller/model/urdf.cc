@@ -1,0 +1,275 @@
+#include "controller/model/urdf.h"
+
+#include <console_bridge/console.h>
+#include <tinyxml.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <set>
+
+namespace moma {
+namespace {
+
+constexpr int kMaxDepth = 200;   // of XML elements: the parser recurses
+
+// What urdfdom would print, kept for the error's text. Its handler is global, hence the lock.
+class MessageCapture : public console_bridge::OutputHandler {
+ public:
+  MessageCapture() : lock_(mutex()) { console_bridge::useOutputHandler(this); }
+  ~MessageCapture() override { console_bridge::restorePreviousOutputHandler(); }
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR) text_ += (text_.empty() ? "" : "; ") + text;
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex m;
+    return m;
+  }
+  std::lock_guard<std::mutex> lock_;
+  std::string text_;
+};
+
+void check_depth(const std::string& text) {
+  int depth = 0;
+  for (std::size_t i = 0; i + 1 < text.size(); ++i) {
+    if (text.compare(i, 4, "<!--") == 0) {
+      i = text.find("-->", i);
+      if (i == std::string::npos) return;
+    } else if (text[i] == '<' && text[i + 1] == '/') {
+      --depth;
+    } else if (text[i] == '<' && text[i + 1] != '?' && text[i + 1] != '!') {
+      if (++depth > kMaxDepth) throw UrdfError("elements are nested more than " + std::to_string(kMaxDepth) + " deep");
+    } else if (text[i] == '/' && text[i + 1] == '>') {
+      --depth;
+    }
+  }
+}
+
+using MissingLimits = std::map<std::string, std::set<std::string>>;   // joint -> lower, upper, velocity, effort
+
+// urdfdom refuses joints without limits, while ours may come from the robot file: zeros are put in, and noted.
+MissingLimits complete_limits(TiXmlElement& robot) {
+  MissingLimits missing;
+  for (TiXmlElement* joint = robot.FirstChildElement("joint"); joint != nullptr;
+       joint = joint->NextSiblingElement("joint")) {
+    const char* name = joint->Attribute("name");
+    const char* type = joint->Attribute("type");
+    if (name == nullptr || type == nullptr) continue;   // urdfdom reports it
+    TiXmlElement* limit = joint->FirstChildElement("limit");
+    if (limit == nullptr) {
+      TiXmlElement empty("limit");
+      limit = joint->InsertEndChild(empty)->ToElement();
+    }
+    std::set<std::string>& none = missing[name];
+    if (limit->Attribute("lower") == nullptr && limit->Attribute("upper") == nullptr) none.insert({"lower", "upper"});
+    for (const char* key : {"velocity", "effort"}) {
+      if (limit->Attribute(key) != nullptr) continue;
+      none.insert(key);
+      limit->SetAttribute(key, "0");
+    }
+  }
+  return missing;
+}
+
+void remove_all(TiXmlElement& parent, const char* name) {
+  while (TiXmlElement* child = parent.FirstChildElement(name)) parent.RemoveChild(child);
+}
+
+struct Amended {
+  std::string text;
+  MissingLimits missing;
+};
+
+Amended amend(const std::string& text) {
+  check_depth(text);
+  TiXmlDocument document;
+  document.Parse(text.c_str());
+  if (document.Error()) {
+    throw UrdfError("not valid XML: " + std::string(document.ErrorDesc()) + " at row " +
+                    std::to_string(document.ErrorRow()) + ", column " + std::to_string(document.ErrorCol()));
+  }
+  TiXmlElement* robot = document.FirstChildElement("robot");
+  if (robot == nullptr) throw UrdfError("not a URDF: there is no <robot> element");
+  for (const char* name : {"material", "transmission", "gazebo", "sensor"}) remove_all(*robot, name);
+  for (TiXmlElement* link = robot->FirstChildElement("link"); link != nullptr; link = link->NextSiblingElement("link"))
+    remove_all(*link, "visual");
+  Amended amended;
+  amended.missing = complete_limits(*robot);
+  TiXmlPrinter printer;
+  document.Accept(&printer);
+  amended.text = printer.Str();
+  return amended;
+}
+
+Vector3 vector_of(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
+
+Isometry isometry_of(const urdf::Pose& pose, const std::string& where) {
+  const Eigen::Quaterniond quaternion(pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z);
+  Isometry X = Isometry::Identity();
+  X.linear() = quaternion.normalized().toRotationMatrix();
+  X.translation() = vector_of(pose.position);
+  if (!X.matrix().allFinite()) throw UrdfError(where + ": its origin is not made of finite numbers");
+  return X;
+}
+
+UrdfJointType type_of(const urdf::Joint& joint) {
+  switch (joint.type) {
+    case urdf::Joint::FIXED: return UrdfJointType::kFixed;
+    case urdf::Joint::REVOLUTE: return UrdfJointType::kRevolute;
+    case urdf::Joint::CONTINUOUS: return UrdfJointType::kContinuous;
+    case urdf::Joint::PRISMATIC: return UrdfJointType::kPrismatic;
+    case urdf::Joint::FLOATING: return UrdfJointType::kFloating;
+    case urdf::Joint::PLANAR: return UrdfJointType::kPlanar;
+    default: throw UrdfError("joint " + joint.name + ": unknown type");
+  }
+}
+
+UrdfJoint joint_of(const urdf::Joint& source, const std::set<std::string>& missing) {
+  const std::string where = "joint " + source.name;
+  UrdfJoint joint;
+  joint.name = source.name;
+  joint.type = type_of(source);
+  joint.X_PJ = isometry_of(source.parent_to_joint_origin_transform, where);
+  if (joint.type == UrdfJointType::kFixed || joint.type == UrdfJointType::kFloating) return joint;
+  joint.axis = vector_of(source.axis);
+  const double length = joint.axis.norm();
+  if (!(length > 1e-9) || !std::isfinite(length)) throw UrdfError(where + ": its axis has no direction");
+  if (std::abs(length - 1.0) > 1e-12) joint.axis /= length;
+  const auto limit = [&](const char* key, double value) -> std::optional<double> {
+    if (missing.count(key) != 0) return std::nullopt;
+    if (!std::isfinite(value)) throw UrdfError(where + ": limit " + key + " is not a finite number");
+    return value;
+  };
+  if (source.limits) {
+    if (joint.type != UrdfJointType::kContinuous) {
+      joint.lower = limit("lower", source.limits->lower);
+      joint.upper = limit("upper", source.limits->upper);
+    }
+    joint.velocity = limit("velocity", source.limits->velocity);
+    joint.effort = limit("effort", source.limits->effort);
+  }
+  if (source.mimic) joint.mimic = UrdfMimic{source.mimic->joint_name, source.mimic->multiplier, source.mimic->offset};
+  return joint;
+}
+
+std::optional<Inertial> inertial_of(const urdf::Link& link) {
+  if (!link.inertial) return std::nullopt;
+  const urdf::Inertial& source = *link.inertial;
+  const std::string where = "link " + link.name + ", inertial";
+  const Isometry X_LI = isometry_of(source.origin, where);
+  Matrix3 I;
+  I << source.ixx, source.ixy, source.ixz, source.ixy, source.iyy, source.iyz, source.ixz, source.iyz, source.izz;
+  Inertial inertial;
+  inertial.mass = source.mass;
+  inertial.com_L = X_LI.translation();
+  inertial.I_C = X_LI.linear() * I * X_LI.linear().transpose();
+  if (!std::isfinite(inertial.mass) || inertial.mass < 0.0 || !inertial.I_C.allFinite())
+    throw UrdfError(where + ": mass and inertia must be finite, and the mass not negative");
+  return inertial;
+}
+
+UrdfGeometry geometry_of(const urdf::Collision& source, const std::string& where) {
+  UrdfGeometry geometry;
+  geometry.X_LS = isometry_of(source.origin, where);
+  Vector3 extent = Vector3::Ones();
+  switch (source.geometry->type) {
+    case urdf::Geometry::SPHERE: {
+      const auto& sphere = static_cast<const urdf::Sphere&>(*source.geometry);
+      geometry.shape.kind = ShapeKind::kSphere;
+      geometry.shape.size = Vector3(sphere.radius, 0.0, 0.0);
+      extent.x() = sphere.radius;
+      break;
+    }
+    case urdf::Geometry::BOX:
+      geometry.shape.kind = ShapeKind::kBox;
+      geometry.shape.size = extent = vector_of(static_cast<const urdf::Box&>(*source.geometry).dim);
+      break;
+    case urdf::Geometry::CYLINDER: {
+      const auto& cylinder = static_cast<const urdf::Cylinder&>(*source.geometry);
+      geometry.shape.kind = ShapeKind::kCylinder;
+      geometry.shape.size = Vector3(cylinder.radius, cylinder.length, 0.0);
+      extent.head<2>() = geometry.shape.size.head<2>();
+      break;
+    }
+    case urdf::Geometry::MESH: {
+      const auto& mesh = static_cast<const urdf::Mesh&>(*source.geometry);
+      geometry.mesh = mesh.filename;
+      geometry.scale = vector_of(mesh.scale);
+      extent = geometry.scale.cwiseAbs();
+      break;
+    }
+  }
+  if (!extent.allFinite() || !(extent.minCoeff() > 0.0)) throw UrdfError(where + ": every size must be above 0");
+  return geometry;
+}
+
+UrdfLink link_of(const urdf::Link& source) {
+  UrdfLink link;
+  link.name = source.name;
+  link.inertial = inertial_of(source);
+  for (const auto& collision : source.collision_array)
+    if (collision && collision->geometry) link.collision.push_back(geometry_of(*collision, "link " + link.name + ", collision"));
+  return link;
+}
+
+}  // namespace
+
+std::string_view to_string(UrdfJointType type) noexcept {
+  switch (type) {
+    case UrdfJointType::kFixed: return "fixed";
+    case UrdfJointType::kRevolute: return "revolute";
+    case UrdfJointType::kContinuous: return "continuous";
+    case UrdfJointType::kPrismatic: return "prismatic";
+    case UrdfJointType::kFloating: return "floating";
+    case UrdfJointType::kPlanar: return "planar";
+  }
+  return "?";
+}
+
+UrdfTree read_urdf(const std::string& text) {
+  const Amended amended = amend(text);
+  urdf::ModelInterfaceSharedPtr model;
+  {
+    MessageCapture capture;
+    try {
+      model = urdf::parseURDF(amended.text);
+    } catch (const std::exception& e) {
+      throw UrdfError(e.what() + (capture.text().empty() ? std::string() : "; " + capture.text()));
+    }
+    if (!model) throw UrdfError(capture.text().empty() ? "not a valid URDF" : capture.text());
+  }
+  if (!model->getRoot()) throw UrdfError("there is no root link");
+
+  UrdfTree tree;
+  tree.name = model->getName();
+  std::set<std::string> seen;
+  struct Open {
+    urdf::LinkConstSharedPtr link;
+    int parent;
+  };
+  std::vector<Open> stack{{model->getRoot(), -1}};
+  while (!stack.empty()) {
+    const Open open = stack.back();
+    stack.pop_back();
+    if (!seen.insert(open.link->name).second) throw UrdfError("link " + open.link->name + " hangs on several joints");
+    UrdfLink link = link_of(*open.link);
+    link.parent = open.parent;
+    if (open.parent >= 0) {
+      const urdf::Joint& joint = *open.link->parent_joint;
+      link.joint = joint_of(joint, amended.missing.at(joint.name));
+    }
+    tree.links.push_back(std::move(link));
+    const int index = static_cast<int>(tree.links.size()) - 1;
+    for (auto child = open.link->child_links.rbegin(); child != open.link->child_links.rend(); ++child)
+      stack.push_back({*child, index});
+  }
+  for (const auto& [name, link] : model->links_)
+    if (seen.count(name) == 0) throw UrdfError("link " + name + " is not connected to the root " + tree.links[0].name);
+  return tree;
+}
+
+}  // namespace moma

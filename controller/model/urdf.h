@@ -1,0 +1,69 @@
+#pragma once
+
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "controller/model/robot_model.h"
+
+namespace moma {
+
+/// A URDF that cannot be used: what() names the element and what is wrong with it.
+class UrdfError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+enum class UrdfJointType { kFixed, kRevolute, kContinuous, kPrismatic, kFloating, kPlanar };
+
+std::string_view to_string(UrdfJointType type) noexcept;
+
+/// value = multiplier * (value of `joint`) + offset.
+struct UrdfMimic {
+  std::string joint;
+  double multiplier = 1.0;
+  double offset = 0.0;
+};
+
+/// The joint that hangs a link on its parent. Limits are empty where the file does not give them.
+struct UrdfJoint {
+  std::string name;
+  UrdfJointType type = UrdfJointType::kFixed;
+  Isometry X_PJ = Isometry::Identity();
+  Vector3 axis = Vector3::UnitX();   ///< unit, in the joint frame
+  std::optional<double> lower;       ///< [rad] or [m]
+  std::optional<double> upper;
+  std::optional<double> velocity;    ///< [rad/s] or [m/s]
+  std::optional<double> effort;      ///< [Nm] or [N]
+  std::optional<UrdfMimic> mimic;
+};
+
+/// One collision element of a link: a primitive, or a mesh that is still to be read.
+struct UrdfGeometry {
+  Shape shape;                       ///< meaningful where `mesh` is empty
+  std::string mesh;                  ///< as written: package://..., file://... or a path
+  Vector3 scale = Vector3::Ones();
+  Isometry X_LS = Isometry::Identity();
+};
+
+struct UrdfLink {
+  std::string name;
+  int parent = -1;                   ///< -1 for the root only
+  UrdfJoint joint;                   ///< meaningless for the root
+  std::optional<Inertial> inertial;
+  std::vector<UrdfGeometry> collision;
+};
+
+/// Links in topological order: links[0] is the root, children follow in the order of their joints' names.
+struct UrdfTree {
+  std::string name;
+  std::vector<UrdfLink> links;
+};
+
+/// Reads a URDF's text through urdfdom. Looks at links and joints only: visuals, materials, transmissions and
+/// simulator extensions are left aside, so that nothing wrong with them matters. Limits may be missing.
+/// Throws UrdfError: broken XML (with its row and column), no or several roots, loops, a bad number, a zero axis.
+UrdfTree read_urdf(const std::string& text);
+
+}  // namespace moma
