@@ -1,0 +1,28 @@
+#pragma once
+
+#include <SQLiteCpp/Database.h>
+
+#include <filesystem>
+#include <string>
+
+#include "eval/store/error.h"
+
+namespace moma::store {
+
+inline constexpr int kApplicationId = 0x6d6f6d61;   // "moma"
+
+enum class Access { kReadOnly, kReadWrite, kCreate };
+
+/// Opens a store. kCreate makes a missing or empty file into one, in a single transaction; kReadWrite and kCreate
+/// migrate an older version. A read-only connection refuses every write, also by SQL (query_only), and works
+/// where the folder cannot be written. Throws StoreError{kUnusable}: missing, a folder, no permission, not
+/// SQLite, another program's, from a newer moma, locked.
+SQLite::Database open_database(const std::filesystem::path& file, Access access);
+
+/// Turns an SQLite failure into words that name the file and what can be done.
+StoreError explain(const SQLite::Exception& error, const std::filesystem::path& file, StoreError::Kind kind);
+
+/// "" or a warning that the file lies on a network file system, where SQLite's locks are not to be trusted.
+std::string file_system_warning(const std::filesystem::path& file);
+
+}  // namespace moma::store

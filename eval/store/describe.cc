@@ -1,0 +1,62 @@
+#include <map>
+#include <memory>
+
+#include "eval/store/records.h"
+#include "eval/suite/sections.h"
+#include "eval/trial/trial.h"
+#include "world/scenario/worlds.h"
+
+namespace moma::store {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// What all points of a suite share: every key but those that name or count points.
+Hash setting_hash(const Json& resolved) {
+  Json setting = resolved;
+  for (const char* key : {"name", "controllers", "points", "trials", "samples", "sweep", "tune"}) setting.erase(key);
+  // Unordered: where a key stands in a file changes nothing.
+  return hash_text(nlohmann::json(setting).dump() + "#" + std::to_string(kSimulationVersion));
+}
+
+}  // namespace
+
+SuiteRecord describe(const Suite& suite) {
+  SuiteRecord record{suite.name, setting_hash(suite.resolved), suite.resolved.dump(), {}};
+  std::map<const void*, std::string> robots;   // a resolved robot is long and mostly shared
+  for (const Point& point : suite.points) {
+    PointRecord p;
+    p.controller = point.controller;
+    p.label = point.label;
+    p.params = point.params.is_null() ? "{}" : point.params.dump();
+    p.robot_name = point.robot->model->name;
+    std::string& robot = robots[point.robot.get()];
+    if (robot.empty()) robot = point.robot->resolved.dump();
+    p.robot_resolved = robot;
+    p.controller_resolved = point.controller_resolved.dump();
+    p.worlds = point.worlds.to_json().dump();
+    p.simulation = point.simulation;
+    p.success = point.success;
+    p.stuck = point.stuck;
+    p.infeasible = point.infeasible;
+    p.simulation_version = kSimulationVersion;
+    const Json rules = {to_json(p.simulation), to_json(p.success), to_json(p.stuck), to_json(p.infeasible)};
+    p.content_hash = hash_text(p.params + '\n' + robot + '\n' + p.controller_resolved + '\n' + p.worlds + '\n' +
+                               rules.dump() + '\n' + std::to_string(kSimulationVersion));
+    record.points.push_back(std::move(p));
+  }
+  return record;
+}
+
+WorldRecord describe(const World& world) {
+  return {world.index, world.seed, world.family, world.difficulty, to_json(world).dump()};
+}
+
+WorldRecord describe_missing(const Worlds& worlds, std::uint64_t index) {
+  WorldRecord record{index, worlds.seed(), worlds.family_of(index), {}, {}};
+  const Json json = {{"index", index}, {"seed", record.seed}, {"family", record.family}, {"missing", true}};
+  record.json = json.dump();
+  return record;
+}
+
+}  // namespace moma::store

@@ -1,0 +1,45 @@
+#include "eval/store/hash.h"
+
+#include <xxhash.h>
+
+#include <charconv>
+#include <cstring>
+#include <stdexcept>
+
+namespace moma::store {
+
+Hash hash_text(std::string_view text) {
+  XXH128_canonical_t canonical;
+  XXH128_canonicalFromHash(&canonical, XXH3_128bits(text.data(), text.size()));
+  Hash hash;
+  static_assert(sizeof(canonical.digest) == sizeof(Hash));
+  std::memcpy(hash.data(), canonical.digest, hash.size());
+  return hash;
+}
+
+std::string to_hex(const Hash& hash) {
+  static constexpr char kDigits[] = "0123456789abcdef";
+  std::string hex;
+  hex.reserve(2 * hash.size());
+  for (const unsigned char byte : hash) {
+    hex += kDigits[byte >> 4];
+    hex += kDigits[byte & 15];
+  }
+  return hex;
+}
+
+Hash hash_from_hex(std::string_view hex) {
+  Hash hash;
+  bool ok = hex.size() == 2 * hash.size();
+  for (std::size_t i = 0; ok && i < hash.size(); ++i) {
+    const char* const begin = hex.data() + 2 * i;
+    unsigned value = 0;
+    const auto [end, error] = std::from_chars(begin, begin + 2, value, 16);
+    ok = error == std::errc() && end == begin + 2;
+    hash[i] = static_cast<unsigned char>(value);
+  }
+  if (!ok) throw std::invalid_argument("not a key of 32 hex digits: " + std::string(hex));
+  return hash;
+}
+
+}  // namespace moma::store

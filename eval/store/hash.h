@@ -1,0 +1,19 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+
+namespace moma::store {
+
+/// 128 bits, as stored in BLOB columns (canonical XXH3-128: big-endian, hex in reading order).
+using Hash = std::array<unsigned char, 16>;
+
+Hash hash_text(std::string_view text);
+
+/// 32 hex digits.
+std::string to_hex(const Hash& hash);
+/// Throws std::invalid_argument unless `hex` is 32 hex digits.
+Hash hash_from_hex(std::string_view hex);
+
+}  // namespace moma::store

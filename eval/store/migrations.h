@@ -1,0 +1,30 @@
+#pragma once
+
+#include <SQLiteCpp/Database.h>
+
+#include <span>
+
+namespace moma::store {
+
+/// SQL that turns a store of version `from` into one of version `from + 1`.
+struct Migration {
+  int from = 0;
+  const char* sql = nullptr;
+};
+
+/// The version that this program writes: that of schema.sql.
+inline constexpr int kSchemaVersion = 1;
+
+/// Steps from every released version; continuous, ending at kSchemaVersion.
+std::span<const Migration> migrations() noexcept;
+
+int schema_version(SQLite::Database& db);
+
+/// Makes an empty database into a store of the current version, in one transaction.
+void create_schema(SQLite::Database& db);
+
+/// Applies the steps from the file's version up to `target`, all in one transaction: either all or none happen.
+/// Throws SQLite::Exception; std::logic_error where a step is missing.
+void migrate(SQLite::Database& db, std::span<const Migration> steps, int target);
+
+}  // namespace moma::store

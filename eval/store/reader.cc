@@ -1,0 +1,195 @@
+#include "eval/store/reader.h"
+
+#include <SQLiteCpp/Database.h>
+#include <SQLiteCpp/Exception.h>
+#include <SQLiteCpp/Statement.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cctype>
+
+#include "eval/store/columns.h"
+#include "eval/store/database.h"
+#include "eval/store/hash.h"
+#include "eval/store/row_binding.h"
+
+namespace moma::store {
+namespace {
+
+using SQLite::Statement;
+
+StoreError not_found(const std::filesystem::path& file, const std::string& message) {
+  return {StoreError::Kind::kNotFound, fmt::format("{}: {}", file.string(), message)};
+}
+
+/// Least and greatest key with these first hex digits.
+std::pair<Hash, Hash> key_range(std::string prefix) {
+  std::string low = prefix;
+  low.resize(32, '0');
+  prefix.resize(32, 'f');
+  return {hash_from_hex(low), hash_from_hex(prefix)};
+}
+
+}  // namespace
+
+struct Reader::Impl {
+  std::filesystem::path file;
+  SQLite::Database db;
+  explicit Impl(const std::filesystem::path& path) : file(path), db(open_database(path, Access::kReadOnly)) {}
+
+  template <typename Work>
+  auto guarded(const Work& work) {
+    try {
+      return work();
+    } catch (const SQLite::Exception& error) {
+      throw explain(error, file, StoreError::Kind::kUnusable);
+    }
+  }
+
+  std::string full_key(const std::string& prefix) {
+    const bool hex = !prefix.empty() && prefix.size() <= 32 &&
+                     std::all_of(prefix.begin(), prefix.end(), [](unsigned char c) { return std::isxdigit(c) != 0; });
+    if (!hex) {
+      throw not_found(file, fmt::format("'{}' is no trial; a trial is named by the first hex digits of its key, as the "
+                                        "column trial of v_trials shows them",
+                                        prefix));
+    }
+    std::string lower = prefix;
+    std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
+    const auto [low, high] = key_range(lower);
+    Statement s(db, "SELECT lower(hex(key)) FROM trial WHERE key BETWEEN ? AND ? ORDER BY key LIMIT 4");
+    s.bind(1, low.data(), static_cast<int>(low.size()));
+    s.bind(2, high.data(), static_cast<int>(high.size()));
+    std::vector<std::string> found;
+    while (s.executeStep()) found.push_back(s.getColumn(0).getString());
+    if (found.empty()) throw not_found(file, fmt::format("has no trial that begins with {}", prefix));
+    if (found.size() > 1) {
+      const bool more = found.size() > 3;
+      if (more) found.resize(3);
+      throw not_found(file, fmt::format("{} is the beginning of several trials ({}{}); give more digits", prefix,
+                                        fmt::join(found, ", "), more ? ", ..." : ""));
+    }
+    return found.front();
+  }
+};
+
+Reader::Reader(const std::filesystem::path& file) : impl_(std::make_unique<Impl>(file)) {}
+Reader::~Reader() = default;
+Reader::Reader(Reader&&) noexcept = default;
+Reader& Reader::operator=(Reader&&) noexcept = default;
+
+StoredTrial Reader::trial(const std::string& prefix) const {
+  return impl_->guarded([&] {
+    const std::string key = impl_->full_key(prefix);
+    const Hash hash = hash_from_hex(key);
+    Statement s(impl_->db,
+                fmt::format("SELECT s.name, p.controller, p.label, r.resolved, p.resolved_position, w.world_index, "
+                            "w.json, i.machine_class, p.simulation_version, a.layout, a.n, a.columns, a.data, {} "
+                            "FROM trial AS t JOIN world AS w ON w.id = t.world_id "
+                            "JOIN point_trial AS m ON m.key = t.key JOIN point AS p ON p.id = m.point_id "
+                            "JOIN suite AS s ON s.id = p.suite_id JOIN resolved_suite AS r ON r.id = p.resolved_suite_id "
+                            "LEFT JOIN execution AS e ON e.key = t.key "
+                            "LEFT JOIN invocation AS i ON i.id = e.invocation_id "
+                            "LEFT JOIN samples AS a ON a.key = t.key WHERE t.key = ? ORDER BY p.id LIMIT 1",
+                            trial_column_list("t.")));
+    s.bind(1, hash.data(), static_cast<int>(hash.size()));
+    if (!s.executeStep()) throw not_found(impl_->file, fmt::format("trial {} belongs to no suite", key));
+    StoredTrial trial;
+    trial.key = key;
+    trial.suite = s.getColumn(0).getString();
+    trial.controller = s.getColumn(1).getString();
+    trial.point = s.getColumn(2).getString();
+    trial.resolved_suite = s.getColumn(3).getString();
+    trial.position = static_cast<std::size_t>(s.getColumn(4).getInt64());
+    trial.world_index = static_cast<std::uint64_t>(s.getColumn(5).getInt64());
+    trial.world = s.getColumn(6).getString();
+    trial.machine_class = s.getColumn(7).isNull() ? "" : s.getColumn(7).getString();
+    trial.simulation_version = s.getColumn(8).getInt();
+    if (!s.getColumn(9).isNull()) {
+      EncodedSamples samples;
+      samples.layout = s.getColumn(9).getInt();
+      samples.n = s.getColumn(10).getInt64();
+      samples.columns = s.getColumn(11).getString();
+      const SQLite::Column data = s.getColumn(12);
+      const auto* begin = static_cast<const unsigned char*>(data.getBlob());
+      samples.data.assign(begin, begin + data.getBytes());
+      trial.samples = std::move(samples);
+    }
+    trial.row = read_row(s, 13);
+    return trial;
+  });
+}
+
+std::vector<std::string> Reader::keys() const {
+  return impl_->guarded([&] {
+    std::vector<std::string> keys;
+    Statement s(impl_->db, "SELECT DISTINCT lower(hex(key)) FROM point_trial ORDER BY 1");
+    while (s.executeStep()) keys.push_back(s.getColumn(0).getString());
+    return keys;
+  });
+}
+
+std::vector<std::string> Reader::suite_names() const {
+  return impl_->guarded([&] {
+    std::vector<std::string> names;
+    Statement s(impl_->db, "SELECT name FROM suite ORDER BY id");
+    while (s.executeStep()) names.push_back(s.getColumn(0).getString());
+    return names;
+  });
+}
+
+StoredInvocation Reader::latest_invocation(const std::string& name) const {
+  return impl_->guarded([&] {
+    Statement s(impl_->db,
+                "SELECT i.id, s.name, r.resolved, i.started, i.status FROM invocation AS i "
+                "JOIN suite AS s ON s.id = i.suite_id JOIN resolved_suite AS r ON r.id = i.resolved_suite_id "
+                "WHERE s.name = ? ORDER BY i.id DESC LIMIT 1");
+    s.bind(1, name);
+    if (!s.executeStep()) {
+      throw not_found(impl_->file, fmt::format("has no suite '{}'; it has: {}", name, fmt::join(suite_names(), ", ")));
+    }
+    return StoredInvocation{s.getColumn(0).getInt64(), s.getColumn(1).getString(), s.getColumn(2).getString(),
+                            s.getColumn(3).getString(), s.getColumn(4).getString()};
+  });
+}
+
+std::vector<std::string> Reader::integrity_problems() const {
+  return impl_->guarded([&] {
+    std::vector<std::string> problems;
+    Statement integrity(impl_->db, "PRAGMA integrity_check");
+    while (integrity.executeStep()) {
+      const std::string line = integrity.getColumn(0).getString();
+      if (line != "ok") problems.push_back(line);
+    }
+    Statement foreign(impl_->db, "PRAGMA foreign_key_check");
+    while (foreign.executeStep()) {
+      problems.push_back(fmt::format("a row of {} refers to a missing row of {}", foreign.getColumn(0).getString(),
+                                     foreign.getColumn(2).getString()));
+    }
+    return problems;
+  });
+}
+
+std::string Reader::result_hash() const {
+  return impl_->guarded([&] {
+    Hash chain{};
+    Statement s(impl_->db, fmt::format("SELECT lower(hex(t.key)), w.hash, {} FROM trial AS t "
+                                       "JOIN world AS w ON w.id = t.world_id ORDER BY t.key",
+                                       trial_column_list("t.")));
+    while (s.executeStep()) {
+      std::string line = to_hex(chain);
+      for (int c = 0; c < s.getColumnCount(); ++c) {
+        const SQLite::Column value = s.getColumn(c);
+        // The bits of a number, not its decimal form.
+        line += value.isNull()    ? "|"
+                : value.isFloat() ? fmt::format("|{:016x}", std::bit_cast<std::uint64_t>(value.getDouble()))
+                                  : "|" + value.getString();
+      }
+      chain = hash_text(line);
+    }
+    return to_hex(chain);
+  });
+}
+
+}  // namespace moma::store

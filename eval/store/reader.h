@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "eval/store/error.h"
+#include "eval/store/samples.h"
+#include "eval/trial/row.h"
+
+namespace moma::store {
+
+/// A trial with all that is needed to simulate it again: the point is number `position` of
+/// suite_from_resolved(resolved_suite).points.
+struct StoredTrial {
+  std::string key;   ///< 32 hex digits
+  std::string suite;
+  std::string controller;
+  std::string point;
+  std::string resolved_suite;    ///< JSON
+  std::size_t position = 0;
+  std::uint64_t world_index = 0;
+  std::string world;             ///< JSON
+  std::string machine_class;     ///< of the invocation that computed it
+  int simulation_version = 0;
+  TrialRow row;                  ///< without timings
+  std::optional<EncodedSamples> samples;
+};
+
+struct StoredInvocation {
+  std::int64_t id = 0;
+  std::string suite;             ///< as shown
+  std::string resolved_suite;    ///< JSON
+  std::string started;
+  std::string status;
+};
+
+/// Reads a store; any number of readers beside the writer. Throws StoreError.
+class Reader {
+ public:
+  explicit Reader(const std::filesystem::path& file);
+  ~Reader();
+  Reader(Reader&&) noexcept;
+  Reader& operator=(Reader&&) noexcept;
+
+  /// The trial whose key begins with `prefix` (hex digits, any case). Throws kNotFound where none or several do.
+  StoredTrial trial(const std::string& prefix) const;
+  /// Keys of all trials that belong to a point, in order of the key.
+  std::vector<std::string> keys() const;
+  /// The latest invocation of the suite shown under `name`. Throws kNotFound, listing the names.
+  StoredInvocation latest_invocation(const std::string& name) const;
+  /// Names of the suites, as shown, in the order in which they came.
+  std::vector<std::string> suite_names() const;
+  /// Findings of SQLite's integrity and foreign key checks; empty where the file is sound.
+  std::vector<std::string> integrity_problems() const;
+  /// 32 hex digits over all deterministic columns of all trials in order of the key: equal hashes mean equal rows.
+  std::string result_hash() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace moma::store

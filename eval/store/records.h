@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "eval/store/hash.h"
+#include "eval/suite/suite.h"
+#include "world/world.h"
+
+namespace moma::store {
+
+/// A suite in the form of the tables: texts and typed columns.
+struct PointRecord {
+  std::string controller;
+  std::string label;
+  std::string params;                ///< JSON
+  std::string robot_name;
+  std::string robot_resolved;        ///< JSON
+  std::string controller_resolved;   ///< JSON
+  std::string worlds;                ///< JSON
+  SimulationConfig simulation;
+  SuccessRule success;
+  StuckRule stuck;
+  InfeasibleRule infeasible;
+  int simulation_version = 0;
+  Hash content_hash{};               ///< of all of the above but names
+};
+
+struct SuiteRecord {
+  std::string name;
+  Hash setting_hash{};   ///< of the resolved suite without its controllers, points, trials and samples
+  std::string resolved;  ///< JSON
+  std::vector<PointRecord> points;
+};
+
+struct WorldRecord {
+  std::uint64_t index = 0;
+  std::uint64_t seed = 0;
+  std::string family;
+  Difficulty difficulty;
+  std::string json;
+};
+
+SuiteRecord describe(const Suite& suite);
+WorldRecord describe(const World& world);
+/// For a world that could not be made: its identity, without content.
+WorldRecord describe_missing(const Worlds& worlds, std::uint64_t index);
+
+}  // namespace moma::store

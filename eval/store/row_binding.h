@@ -1,0 +1,23 @@
+#pragma once
+
+#include <SQLiteCpp/Statement.h>
+
+#include <string>
+
+#include "eval/store/columns.h"
+#include "eval/trial/row.h"
+
+namespace moma::store {
+
+/// "outcome, reason, ..., steps": all deterministic columns of table trial.
+std::string trial_column_list(const std::string& prefix = {});
+
+/// Binds outcome and all deterministic columns from parameter `first` on; returns the next free parameter.
+int bind_row(SQLite::Statement& statement, int first, const TrialRow& row);
+/// Reads what trial_column_list() selects, from column `first` on.
+TrialRow read_row(SQLite::Statement& statement, int first);
+
+/// Absent and infinite values become NULL.
+void bind_number(SQLite::Statement& statement, int index, double value);
+
+}  // namespace moma::store

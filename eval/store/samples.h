@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "eval/trial/row.h"
+
+namespace moma::store {
+
+inline constexpr int kSamplesLayout = 1;
+
+/// A trace as table `samples` holds it (docs/store.md): names of the columns, and one zstd frame with the columns
+/// one after the other, each as n little-endian doubles.
+struct EncodedSamples {
+  int layout = kSamplesLayout;
+  std::int64_t n = 0;
+  std::string columns;   ///< JSON list
+  std::vector<unsigned char> data;
+};
+
+/// All samples must have vectors of the same sizes. Throws std::invalid_argument otherwise.
+EncodedSamples encode_samples(const Trace& trace);
+
+/// Columns by name, each with n values.
+struct SampleTable {
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> columns;
+};
+
+/// Throws std::runtime_error where the data is damaged or of an unknown layout.
+SampleTable decode_table(const EncodedSamples& encoded);
+/// The same bits that were encoded.
+Trace decode_samples(const EncodedSamples& encoded);
+
+}  // namespace moma::store

@@ -1,0 +1,349 @@
+#include "eval/store/writer.h"
+
+#include <SQLiteCpp/Database.h>
+#include <SQLiteCpp/Exception.h>
+#include <SQLiteCpp/Statement.h>
+#include <SQLiteCpp/Transaction.h>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <unordered_map>
+
+#include "eval/store/build_info.h"
+#include "eval/store/columns.h"
+#include "eval/store/database.h"
+#include "eval/store/machine.h"
+#include "eval/store/registry.h"
+#include "eval/store/row_binding.h"
+#include "eval/store/samples.h"
+
+namespace moma::store {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using SQLite::Statement;
+
+constexpr std::size_t kBatchRows = 64;
+constexpr std::chrono::milliseconds kBatchTime{500};
+
+void bind_hash(Statement& statement, int index, const Hash& hash) {
+  statement.bind(index, hash.data(), static_cast<int>(hash.size()));
+}
+
+void bind_text(Statement& statement, int index, const std::string& text) {
+  if (text.empty()) {
+    statement.bind(index);
+  } else {
+    statement.bind(index, text);
+  }
+}
+
+std::string placeholders(std::size_t n) {
+  std::string text = "?";
+  for (std::size_t i = 1; i < n; ++i) text += ", ?";
+  return text;
+}
+
+std::string insert_trial_sql() {
+  return fmt::format("INSERT OR IGNORE INTO trial (key, world_id, {}) VALUES ({})", trial_column_list(),
+                     placeholders(3 + trial_columns().size()));
+}
+
+std::string insert_execution_sql() {
+  std::string names = "key, invocation_id";
+  for (const TimingColumn& column : timing_columns()) names += fmt::format(", {}", column.name);
+  return fmt::format("INSERT INTO execution ({}) VALUES ({})", names, placeholders(2 + timing_columns().size()));
+}
+
+struct Pending {
+  Wanted trial;
+  Hash key{};
+  WorldRecord world;
+  TrialRow row;
+  std::optional<EncodedSamples> samples;
+};
+
+/// Prepared once; SQLite compiles a statement in tens of microseconds.
+struct Statements {
+  explicit Statements(SQLite::Database& db)
+      : find_world(db, "SELECT id FROM world WHERE hash = ?"),
+        world(db,
+              "INSERT INTO world (hash, world_index, seed, family, goal_distance_m, objects, witness_clearance_m, "
+              "blocked_fraction, narrowest_gap_m, json) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"),
+        trial(db, insert_trial_sql()),
+        execution(db, insert_execution_sql()),
+        samples(db, "INSERT OR IGNORE INTO samples (key, layout, n, columns, data) VALUES (?, ?, ?, ?, ?)"),
+        link(db,
+             "INSERT INTO point_trial (point_id, world_index, key) SELECT ?1, ?2, key FROM trial WHERE key = ?3 "
+             "ON CONFLICT (point_id, world_index) DO NOTHING"),
+        find_trial(db, fmt::format("SELECT i.machine_class, {} FROM trial AS t LEFT JOIN execution AS e USING (key) "
+                                   "LEFT JOIN invocation AS i ON i.id = e.invocation_id WHERE t.key = ?",
+                                   trial_column_list("t."))),
+        done(db, "UPDATE invocation SET trials_done = ? WHERE id = ?") {}
+  Statement find_world, world, trial, execution, samples, link, find_trial, done;
+};
+
+}  // namespace
+
+struct Writer::Impl {
+  std::filesystem::path file;
+  SQLite::Database db;
+  std::optional<Statements> sql;
+  Machine machine = this_machine();
+  Registered registered;
+  std::vector<Wanted> wanted;
+  std::int64_t invocation = 0;
+  std::vector<Pending> pending;
+  Clock::time_point last_commit = Clock::now();
+  std::size_t committed = 0;
+  bool fresh = false;   ///< this writer made the file
+
+  explicit Impl(const std::filesystem::path& path)
+      : file(path), db(open_database(path, Access::kCreate)), fresh(count_suites() == 0) {}
+
+  std::int64_t count_suites() { return db.execAndGet("SELECT count(*) FROM suite").getInt64(); }
+
+  std::int64_t world_id(const WorldRecord& world) {
+    const Hash hash = hash_text(world.json);
+    sql->find_world.reset();
+    bind_hash(sql->find_world, 1, hash);
+    if (sql->find_world.executeStep()) {
+      const std::int64_t id = sql->find_world.getColumn(0).getInt64();
+      sql->find_world.reset();   // an open reading statement would keep its snapshot past the commit
+      return id;
+    }
+    Statement& s = sql->world;
+    s.reset();
+    bind_hash(s, 1, hash);
+    s.bind(2, static_cast<std::int64_t>(world.index));
+    s.bind(3, std::to_string(world.seed));
+    s.bind(4, world.family);
+    bind_number(s, 5, world.difficulty.goal_distance_m);
+    s.bind(6, world.difficulty.objects);
+    bind_number(s, 7, world.difficulty.witness_clearance_m);
+    bind_number(s, 8, world.difficulty.blocked_fraction);
+    bind_number(s, 9, world.difficulty.narrowest_gap_m);
+    s.bind(10, world.json);
+    s.exec();
+    return db.getLastInsertRowid();
+  }
+
+  void insert(const Pending& p) {
+    Statement& s = sql->trial;
+    s.reset();
+    bind_hash(s, 1, p.key);
+    s.bind(2, world_id(p.world));
+    bind_row(s, 3, p.row);
+    if (s.exec() == 0) {
+      check_same(p);
+    } else {
+      insert_execution(p);
+    }
+    if (p.samples) insert_samples(p);
+    link(p.trial, p.key);
+  }
+
+  void insert_execution(const Pending& p) {
+    Statement& s = sql->execution;
+    s.reset();
+    int index = 0;
+    bind_hash(s, ++index, p.key);
+    s.bind(++index, invocation);
+    for (const TimingColumn& column : timing_columns()) {
+      ++index;
+      if (const auto* number = std::get_if<double TrialRow::Timing::*>(&column.member)) {
+        bind_number(s, index, p.row.timing.*(*number));
+      } else {
+        s.bind(index, p.row.timing.*std::get<int TrialRow::Timing::*>(column.member));
+      }
+    }
+    s.exec();
+  }
+
+  void insert_samples(const Pending& p) {
+    Statement& s = sql->samples;
+    s.reset();
+    bind_hash(s, 1, p.key);
+    s.bind(2, p.samples->layout);
+    s.bind(3, p.samples->n);
+    s.bind(4, p.samples->columns);
+    s.bind(5, p.samples->data.data(), static_cast<int>(p.samples->data.size()));
+    s.exec();
+  }
+
+  void link(const Wanted& trial, const Hash& key) {
+    Statement& s = sql->link;
+    s.reset();
+    s.bind(1, registered.point_ids.at(trial.point));
+    s.bind(2, static_cast<std::int64_t>(trial.world));
+    bind_hash(s, 3, key);
+    s.exec();
+  }
+
+  /// The key is there already: the rows must agree, unless the machines are of different classes.
+  void check_same(const Pending& p) {
+    Statement& s = sql->find_trial;
+    s.reset();
+    bind_hash(s, 1, p.key);
+    if (!s.executeStep()) return;
+    const bool same_class = s.getColumn(0).isNull() || s.getColumn(0).getString() == machine.machine_class;
+    const std::vector<std::string> found = differences(read_row(s, 1), p.row);
+    s.reset();
+    if (same_class && !found.empty()) {
+      throw StoreError(StoreError::Kind::kContradiction,
+                       fmt::format("{}: trial {} was computed twice with different results ({}); the stored row is kept",
+                                   file.string(), p.trial.key.substr(0, 16), fmt::join(found, "; ")));
+    }
+  }
+
+  void begin_invocation(const SuiteRecord& suite, const InvocationInfo& info) {
+    registered = register_suite(db, suite);
+    Statement s(db,
+                "INSERT INTO invocation (suite_id, resolved_suite_id, started, status, arguments, moma_version, "
+                "git_commit, git_dirty, build_type, compiler, compiler_flags, libraries, host, os, cpu, cpu_count, "
+                "threads, machine_class, trials_planned, trials_present, trials_done) VALUES "
+                "(?, ?, ?, 'running', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 0, 0)");
+    int i = 0;
+    s.bind(++i, registered.suite_id);
+    s.bind(++i, registered.resolved_suite_id);
+    s.bind(++i, utc_now());
+    s.bind(++i, nlohmann::json(info.arguments).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    s.bind(++i, std::string(kVersion));
+    bind_text(s, ++i, kGitCommit);
+    ++i;
+    if (*kGitCommit != '\0') s.bind(i, kGitDirty ? 1 : 0);
+    s.bind(++i, std::string(kBuildType));
+    s.bind(++i, std::string(kCompiler));
+    s.bind(++i, std::string(kCompilerFlags));
+    s.bind(++i, machine.libraries);
+    s.bind(++i, machine.host);
+    s.bind(++i, machine.os);
+    s.bind(++i, machine.cpu);
+    s.bind(++i, machine.cpu_count);
+    s.bind(++i, info.threads);
+    s.bind(++i, machine.machine_class);
+    s.bind(++i, static_cast<std::int64_t>(wanted.size()));
+    s.exec();
+    invocation = db.getLastInsertRowid();
+  }
+
+  /// Links every wanted trial that is stored; returns their keys.
+  std::unordered_set<std::string> link_present() {
+    std::unordered_set<std::string> present;
+    Statement find(db, "SELECT 1 FROM trial WHERE key = ?");
+    for (const Wanted& trial : wanted) {
+      const Hash key = hash_from_hex(trial.key);
+      find.reset();
+      bind_hash(find, 1, key);
+      if (!find.executeStep()) continue;
+      present.insert(trial.key);
+      link(trial, key);
+    }
+    return present;
+  }
+
+  void flush() {
+    if (pending.empty()) return;
+    SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
+    for (const Pending& p : pending) insert(p);
+    sql->done.reset();
+    sql->done.bind(1, static_cast<std::int64_t>(committed + pending.size()));
+    sql->done.bind(2, invocation);
+    sql->done.exec();
+    transaction.commit();
+    committed += pending.size();
+    pending.clear();
+    last_commit = Clock::now();
+  }
+
+  /// After a failure nothing of what is kept back can be written any more.
+  template <typename Work>
+  auto guarded(StoreError::Kind kind, const Work& work) {
+    try {
+      return work();
+    } catch (const SQLite::Exception& error) {
+      pending.clear();
+      throw explain(error, file, kind);
+    } catch (const StoreError&) {
+      pending.clear();
+      throw;
+    }
+  }
+};
+
+Writer::Writer(const std::filesystem::path& file) : impl_(std::make_unique<Impl>(file)) {}
+
+Writer::~Writer() {
+  if (impl_ == nullptr) return;
+  try {
+    impl_->flush();
+  } catch (...) {   // a destructor on the way out of another failure: what is committed stays
+  }
+}
+
+std::unordered_set<std::string> Writer::begin(const SuiteRecord& suite, const InvocationInfo& info,
+                                              const std::vector<Wanted>& wanted) {
+  const auto work = [&] {
+    Impl& self = *impl_;
+    self.wanted = wanted;
+    SQLite::Transaction transaction(self.db, SQLite::TransactionBehavior::IMMEDIATE);
+    self.sql.emplace(self.db);
+    self.begin_invocation(suite, info);
+    std::unordered_set<std::string> present = self.link_present();
+    Statement update(self.db, "UPDATE invocation SET trials_present = ? WHERE id = ?");
+    update.bind(1, static_cast<std::int64_t>(present.size()));
+    update.bind(2, self.invocation);
+    update.exec();
+    transaction.commit();
+    return present;
+  };
+  try {
+    return impl_->guarded(StoreError::Kind::kUnusable, work);
+  } catch (...) {
+    if (impl_->fresh) {   // leave no store without content behind
+      const std::filesystem::path file = impl_->file;
+      impl_.reset();
+      std::error_code ignored;
+      for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(file.string() + suffix, ignored);
+    }
+    throw;
+  }
+}
+
+const std::string& Writer::suite_name() const { return impl_->registered.suite_name; }
+const std::string& Writer::controller_name(std::size_t point) const {
+  return impl_->registered.controller_names.at(point);
+}
+std::size_t Writer::committed() const { return impl_->committed; }
+
+void Writer::add(const Wanted& trial, const WorldRecord& world, const TrialRow& row, const Trace* trace) {
+  impl_->guarded(StoreError::Kind::kInterrupted, [&] {
+    Pending p{trial, hash_from_hex(trial.key), world, row, std::nullopt};
+    if (trace != nullptr) p.samples = encode_samples(*trace);
+    impl_->pending.push_back(std::move(p));
+    if (impl_->pending.size() >= kBatchRows || Clock::now() - impl_->last_commit >= kBatchTime) impl_->flush();
+  });
+}
+
+void Writer::flush() {
+  impl_->guarded(StoreError::Kind::kInterrupted, [&] { impl_->flush(); });
+}
+
+void Writer::finish(RunStatus status) {
+  impl_->guarded(StoreError::Kind::kInterrupted, [&] {
+    impl_->flush();
+    SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
+    impl_->link_present();
+    const char* text = status == RunStatus::kFinished ? "finished" : status == RunStatus::kStopped ? "stopped" : "failed";
+    Statement s(impl_->db, "UPDATE invocation SET status = ?, ended = ? WHERE id = ?");
+    s.bind(1, std::string(text));
+    s.bind(2, utc_now());
+    s.bind(3, impl_->invocation);
+    s.exec();
+    transaction.commit();
+  });
+}
+
+}  // namespace moma::store

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <unordered_set>
+#include <vector>
+
+#include "eval/store/error.h"
+#include "eval/store/records.h"
+#include "eval/trial/row.h"
+
+namespace moma::store {
+
+struct InvocationInfo {
+  std::vector<std::string> arguments;   ///< the command line
+  int threads = 1;
+};
+
+/// A trial that the run asks for.
+struct Wanted {
+  std::size_t point = 0;
+  std::uint64_t world = 0;
+  std::string key;   ///< 32 hex digits
+};
+
+enum class RunStatus { kFinished, kStopped, kFailed };
+
+/// The one writer of a store during a run. Rows are kept back and written in transactions of up to 64 rows or half
+/// a second, so that a kill at any moment loses at most those. Not thread-safe; may be called from different
+/// threads one after another. Everything throws StoreError: kUnusable from the constructor and begin(),
+/// kInterrupted and kContradiction later.
+class Writer {
+ public:
+  /// Opens or makes the store.
+  explicit Writer(const std::filesystem::path& file);
+  /// Writes what is kept back, if it can; says nothing where it cannot.
+  ~Writer();
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+
+  /// Records suite, points and this invocation, links the wanted trials that are already there, and returns their
+  /// keys.
+  std::unordered_set<std::string> begin(const SuiteRecord& suite, const InvocationInfo& info,
+                                        const std::vector<Wanted>& wanted);
+
+  /// Name of the suite as the views show it, with @2 where the setting changed under the same name; likewise the
+  /// controller of a point.
+  const std::string& suite_name() const;
+  const std::string& controller_name(std::size_t point) const;
+
+  /// Adds a result; `trace` null: samples are not kept. A key that is already there is not written again; within
+  /// the same machine class a different row is a contradiction.
+  void add(const Wanted& trial, const WorldRecord& world, const TrialRow& row, const Trace* trace);
+
+  /// Commits what is kept back.
+  void flush();
+
+  /// Links trials shared by several points, and closes the invocation's record.
+  void finish(RunStatus status);
+
+  /// Rows committed by this writer.
+  std::size_t committed() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace moma::store
