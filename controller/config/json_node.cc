@@ -66,9 +66,11 @@ nlohmann::ordered_json node_to_json(const Node& node) {
   const char* first = begin + (*begin == '-' ? 1 : 0);
   if (first != end && ((*first >= '0' && *first <= '9') || *first == '.')) {
     long long whole = 0;
-    if (const auto [stop, error] = std::from_chars(begin, end, whole); error == std::errc() && stop == end) return whole;
+    if (const auto [stop, error] = std::from_chars(begin, end, whole); error == std::errc() && stop == end)
+      return whole;
     double value = 0.0;
-    if (const auto [stop, error] = std::from_chars(begin, end, value); error == std::errc() && stop == end) return value;
+    if (const auto [stop, error] = std::from_chars(begin, end, value); error == std::errc() && stop == end)
+      return value;
   }
   return text;
 }

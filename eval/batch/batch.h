@@ -17,9 +17,9 @@ namespace moma {
 
 /// One trial to do: a point of the suite in one world.
 struct BatchJob {
-  std::size_t point = 0;     ///< index into the points given to run_batch()
-  std::uint64_t world = 0;   ///< world index
-  std::string key;           ///< trial_key() of the two
+  std::size_t point = 0;    ///< index into the points given to run_batch()
+  std::uint64_t world = 0;  ///< world index
+  std::string key;          ///< trial_key() of the two
 };
 
 /// Every point in worlds 0 .. trials-1, world by world (all points meet world 0, then world 1, ...), so that what
@@ -30,8 +30,8 @@ std::vector<BatchJob> make_jobs(std::span<const Point> points, std::uint64_t fir
 
 /// What one job gave, handed to the sink.
 struct BatchResult {
-  std::size_t job = 0;                  ///< position in the span of jobs
-  std::shared_ptr<const World> world;   ///< null where the world could not be made (outcome `error` says why)
+  std::size_t job = 0;                 ///< position in the span of jobs
+  std::shared_ptr<const World> world;  ///< null where the world could not be made (outcome `error` says why)
   TrialOutput output;
 };
 
@@ -41,30 +41,30 @@ struct BatchResult {
 using BatchSink = std::function<bool(const BatchJob& job, BatchResult&& result)>;
 
 struct BatchProgress {
-  std::size_t done = 0;       ///< delivered to the sink
-  std::size_t total = 0;      ///< to do, after skips
+  std::size_t done = 0;   ///< delivered to the sink
+  std::size_t total = 0;  ///< to do, after skips
   std::size_t successes = 0;
-  double seconds = 0.0;       ///< since the start
-  double rate = 0.0;          ///< trials per second since the start
+  double seconds = 0.0;  ///< since the start
+  double rate = 0.0;     ///< trials per second since the start
 };
 
 struct BatchOptions {
-  int threads = 0;                                               ///< 0: one per core
-  const std::atomic<bool>* stop = nullptr;                       ///< set: trials in flight finish and are delivered
-  const std::unordered_set<std::string>* skip = nullptr;         ///< keys that need no computing
-  std::function<void(const BatchProgress&)> progress;            ///< after each delivery, from the sink's thread
+  int threads = 0;                                        ///< 0: one per core
+  const std::atomic<bool>* stop = nullptr;                ///< set: trials in flight finish and are delivered
+  const std::unordered_set<std::string>* skip = nullptr;  ///< keys that need no computing
+  std::function<void(const BatchProgress&)> progress;     ///< after each delivery, from the sink's thread
   /// Where worlds come from; by default point.worlds.make(). Called from many threads. A cache for searches
   /// that meet the same worlds thousands of times goes here.
   std::function<std::shared_ptr<const World>(const Point&, std::uint64_t)> world;
-  TrialParts parts;                                              ///< other plants or controllers
+  TrialParts parts;  ///< other plants or controllers
 };
 
 struct BatchSummary {
   std::size_t delivered = 0;
-  std::size_t skipped = 0;      ///< keys in `skip`
-  std::size_t duplicates = 0;   ///< jobs whose key an earlier job of this batch has: computed once, delivered once
+  std::size_t skipped = 0;     ///< keys in `skip`
+  std::size_t duplicates = 0;  ///< jobs whose key an earlier job of this batch has: computed once, delivered once
   std::size_t successes = 0;
-  bool stopped = false;         ///< ended before the last job, by `stop` or by the sink
+  bool stopped = false;  ///< ended before the last job, by `stop` or by the sink
   double seconds = 0.0;
 };
 

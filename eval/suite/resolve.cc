@@ -28,8 +28,7 @@ void check_name(const std::string& name, const Node& node, const std::string& ke
     return u > ' ' && u != 0x7f && c != '.' && c != '"' && c != '\'';
   };
   if (name.empty() || name.size() > 64 || !std::all_of(name.begin(), name.end(), allowed)) {
-    config::fail(node.mark, key,
-                 "a controller's name has 1 to 64 characters, none of them a space, a quote or a dot");
+    config::fail(node.mark, key, "a controller's name has 1 to 64 characters, none of them a space, a quote or a dot");
   }
 }
 
@@ -71,8 +70,8 @@ Sections read_sections(const Node& root, const SuiteRobot& robot, std::vector<st
     if (node.kind == Node::Kind::kNull)
       config::fail(node.mark, key, "found nothing, expected a file or a map ({} takes every default)");
     std::vector<std::string> doubts;
-    sections.controllers.emplace_back(name, config::read_controller(node, key, *robot.robot->model,
-                                                                    sections.simulation.control_period, doubts));
+    sections.controllers.emplace_back(
+        name, config::read_controller(node, key, *robot.robot->model, sections.simulation.control_period, doubts));
     for (const std::string& doubt : doubts)
       add_warning(warnings, doubt.find(key) == std::string::npos ? key + ": " + doubt : doubt);
   }
@@ -101,7 +100,8 @@ void check_suite(Suite& suite, const config::Mark& mark) {
   for (const Point& point : suite.points) {
     const long long frozen = point.worlds.size();
     if (frozen >= 0 && suite.trials > static_cast<std::uint64_t>(frozen)) {
-      config::fail(mark, "trials", fmt::format("found {}, but the frozen set has only {} worlds", suite.trials, frozen));
+      config::fail(mark, "trials",
+                   fmt::format("found {}, but the frozen set has only {} worlds", suite.trials, frozen));
     }
     const std::string name = point.label.empty() ? point.controller : point.controller + " " + point.label;
     const ControllerParams& params = point.controller_params;
@@ -126,7 +126,8 @@ ordered_json resolved_json(const Suite& suite, bool swept) {
   const Point& first = suite.points.front();
   ordered_json json = {{"name", suite.name}, {"robot", first.robot->resolved}, {"controllers", ordered_json::object()}};
   for (const Point& point : suite.points)
-    if (!json["controllers"].contains(point.controller)) json["controllers"][point.controller] = point.controller_resolved;
+    if (!json["controllers"].contains(point.controller))
+      json["controllers"][point.controller] = point.controller_resolved;
   const std::map<std::string, ordered_json> base = sections_of(first);
   for (const char* key : kSectionKeys) json[key] = base.at(key);
   json["trials"] = suite.trials;

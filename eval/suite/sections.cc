@@ -17,7 +17,8 @@ using config::Range;
 SimulationConfig read_simulation(const Node& node, const std::string& key) {
   SimulationConfig simulation;
   MapReader in(node, key);
-  in.read_enum("mode", simulation.mode, {{"kinematic", SimulationMode::kKinematic}, {"dynamic", SimulationMode::kDynamic}});
+  in.read_enum("mode", simulation.mode,
+               {{"kinematic", SimulationMode::kKinematic}, {"dynamic", SimulationMode::kDynamic}});
   in.read("control_period", simulation.control_period, {1e-4, 1.0, false, false});
   in.read("physics_step", simulation.physics_step, {1e-5, 0.02, false, false});
   in.read("time_limit", simulation.time_limit, {0.0, 3600.0, true, false});
@@ -28,9 +29,9 @@ SimulationConfig read_simulation(const Node& node, const std::string& key) {
              fmt::format("{} s is not a whole multiple of physics_step ({} s)", simulation.control_period,
                          simulation.physics_step));
   }
-  in.check(simulation.time_limit >= simulation.control_period, "time_limit",
-           fmt::format("{} s is shorter than one control period ({} s)", simulation.time_limit,
-                       simulation.control_period));
+  in.check(
+      simulation.time_limit >= simulation.control_period, "time_limit",
+      fmt::format("{} s is shorter than one control period ({} s)", simulation.time_limit, simulation.control_period));
   return simulation;
 }
 
@@ -72,8 +73,7 @@ SamplesKept read_samples(const Node& node, const std::string& key) {
     for (const SamplesKept kept : {SamplesKept::kAll, SamplesKept::kFailures, SamplesKept::kNone})
       if (node.scalar == to_string(kept)) return kept;
   }
-  config::fail(node.mark, key,
-               fmt::format("found '{}', expected one of: all, failures, none", node.scalar));
+  config::fail(node.mark, key, fmt::format("found '{}', expected one of: all, failures, none", node.scalar));
 }
 
 nlohmann::ordered_json to_json(const SimulationConfig& simulation) {
@@ -91,15 +91,16 @@ nlohmann::ordered_json to_json(const StuckRule& stuck) {
   return {{"time", number_to_json(stuck.time)}, {"motion", stuck.motion}};
 }
 
-nlohmann::ordered_json to_json(const InfeasibleRule& infeasible) {
-  return {{"time", number_to_json(infeasible.time)}};
-}
+nlohmann::ordered_json to_json(const InfeasibleRule& infeasible) { return {{"time", number_to_json(infeasible.time)}}; }
 
 std::string_view to_string(SamplesKept samples) noexcept {
   switch (samples) {
-    case SamplesKept::kAll: return "all";
-    case SamplesKept::kFailures: return "failures";
-    case SamplesKept::kNone: return "none";
+    case SamplesKept::kAll:
+      return "all";
+    case SamplesKept::kFailures:
+      return "failures";
+    case SamplesKept::kNone:
+      return "none";
   }
   return "?";
 }

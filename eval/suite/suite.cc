@@ -191,13 +191,15 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
       assigned.set(key, value);
     }
     known_keys(assigned.root()).finish();
-    const Sections sections = read_sections(assigned.root(), robots.get(assigned.root(), suite.warnings), suite.warnings);
+    const Sections sections =
+        read_sections(assigned.root(), robots.get(assigned.root(), suite.warnings), suite.warnings);
     by_controller.resize(std::max(by_controller.size(), sections.controllers.size()));
     for (std::size_t c = 0; c < sections.controllers.size(); ++c) {
       Point point = make_point(sections, c);
       describe(point, part_for(assignment, point.controller));
       // An axis of another controller's key gives this one the same point again.
-      if (seen.insert(point.controller + "\n" + point.params.dump()).second) by_controller[c].push_back(std::move(point));
+      if (seen.insert(point.controller + "\n" + point.params.dump()).second)
+        by_controller[c].push_back(std::move(point));
     }
   }
   for (auto& points : by_controller)

@@ -16,29 +16,29 @@
 namespace moma {
 
 struct SuccessRule {
-  double position = 0.02;      ///< [m]
-  double orientation = 0.05;   ///< [rad]
-  double dwell = 0.2;          ///< [s]
+  double position = 0.02;     ///< [m]
+  double orientation = 0.05;  ///< [rad]
+  double dwell = 0.2;         ///< [s]
 };
 
 struct StuckRule {
-  double time = 2.0;        ///< [s]
-  double motion = 0.0005;   ///< [m or rad]
+  double time = 2.0;       ///< [s]
+  double motion = 0.0005;  ///< [m or rad]
 };
 
 struct InfeasibleRule {
-  double time = 0.5;   ///< [s]
+  double time = 0.5;  ///< [s]
 };
 
 enum class SamplesKept { kAll, kFailures, kNone };
 
 /// One column of the evaluation: a controller (at a sweep point) with everything but the world's index resolved.
 struct Point {
-  std::string controller;          ///< its name in the suite
-  std::string label;               ///< "" without a sweep, else e.g. "lambda_q=0.01 k_epsilon=0.5"
-  nlohmann::ordered_json params;   ///< the swept keys and their values; {} without a sweep
+  std::string controller;         ///< its name in the suite
+  std::string label;              ///< "" without a sweep, else e.g. "lambda_q=0.01 k_epsilon=0.5"
+  nlohmann::ordered_json params;  ///< the swept keys and their values; {} without a sweep
   std::shared_ptr<const config::LoadedRobot> robot;
-  std::string robot_digest;        ///< XXH3-128 of robot->resolved, 32 hex digits; shared by all points of a robot
+  std::string robot_digest;  ///< XXH3-128 of robot->resolved, 32 hex digits; shared by all points of a robot
   ControllerParams controller_params;
   nlohmann::ordered_json controller_resolved;
   Worlds worlds;
@@ -51,9 +51,9 @@ struct Point {
 struct Suite {
   std::string name;
   std::vector<Point> points;
-  std::uint64_t trials = 0;                 ///< worlds per point
+  std::uint64_t trials = 0;  ///< worlds per point
   SamplesKept samples = SamplesKept::kFailures;
-  nlohmann::ordered_json resolved;          ///< the whole suite: suite_from_resolved() gives it back
+  nlohmann::ordered_json resolved;  ///< the whole suite: suite_from_resolved() gives it back
   std::vector<std::string> warnings;
 };
 

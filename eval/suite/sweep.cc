@@ -14,8 +14,8 @@ using config::Node;
 
 struct Axis {
   std::string key;
-  std::vector<Node> values;   // where listed, or spread over a grid
-  double low = 0.0;           // else a range
+  std::vector<Node> values;  // where listed, or spread over a grid
+  double low = 0.0;          // else a range
   double high = 0.0;
   bool log = false;
   config::Mark mark;

@@ -12,20 +12,18 @@
 
 namespace moma {
 
-enum class Outcome {
-  kSuccess, kCollision, kTimeout, kStuck, kJointLimit, kTipped, kInfeasible, kDiverged, kError
-};
+enum class Outcome { kSuccess, kCollision, kTimeout, kStuck, kJointLimit, kTipped, kInfeasible, kDiverged, kError };
 /// success, collision, timeout, stuck, joint_limit, tipped, infeasible, diverged, error.
 std::string_view to_string(Outcome outcome) noexcept;
 
-constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();   // NULL in the store
+constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();  // NULL in the store
 
 /// Metrics of one trial; units in the names, as in v_trials. NaN is NULL. All but `timing` are deterministic.
 struct TrialRow {
   Outcome outcome = Outcome::kError;
-  std::string reason;            ///< for a person; the exception's text for kError
-  std::string link;              ///< robot shape's link in contact, collision only
-  std::string object;            ///< object's name, "floor", or "self:LINK"
+  std::string reason;  ///< for a person; the exception's text for kError
+  std::string link;    ///< robot shape's link in contact, collision only
+  std::string object;  ///< object's name, "floor", or "self:LINK"
   double time_end_s = 0.0;
   double time_to_goal_s = kAbsent;
   double position_error_m = kAbsent;
@@ -69,9 +67,9 @@ struct Sample {
   double t = 0.0;
   Vector3 base = Vector3::Zero();
   VectorX q;
-  VectorX qdot;                   ///< measured
+  VectorX qdot;  ///< measured
   VectorX command;
-  Vector6 error = Vector6::Zero();   ///< true error [e_R; e_p]
+  Vector6 error = Vector6::Zero();  ///< true error [e_R; e_p]
   Vector6 slack = Vector6::Zero();
   double manipulability = 0.0;
   double least_distance = std::numeric_limits<double>::infinity();

@@ -14,7 +14,7 @@ namespace moma {
 
 struct TrialOutput {
   TrialRow row;
-  Trace trace;   ///< one sample per control step
+  Trace trace;  ///< one sample per control step
 };
 
 /// Parts that stand in for the usual ones: another plant, a user's own controller. Empty: make_plant(),

@@ -1,0 +1,161 @@
+#include "eval/batch/batch.h"
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+
+namespace moma {
+namespace {
+
+// Finished results wait in a window until all earlier ones are there; whoever completes the front delivers for all.
+class OrderedDelivery {
+ public:
+  OrderedDelivery(std::span<const BatchJob> jobs, const std::vector<std::size_t>& todo, std::size_t window,
+                  const BatchOptions& options, const BatchSink& sink)
+      : jobs_(jobs), todo_(todo), options_(options), sink_(sink), slots_(window) {}
+
+  // The next position of `todo` to compute, or nothing. Waits while the window is full: the job at its front is
+  // always in some thread's hands, so that the wait ends.
+  std::optional<std::size_t> take() {
+    std::unique_lock lock(mutex_);
+    room_.wait(lock, [&] { return closed_ || taken_ >= todo_.size() || taken_ < delivered_ + slots_.size(); });
+    if (closed_ || taken_ >= todo_.size()) return std::nullopt;
+    if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed)) return std::nullopt;
+    return taken_++;
+  }
+
+  void put(std::size_t position, BatchResult&& result) {
+    std::unique_lock lock(mutex_);
+    slots_[position % slots_.size()] = std::move(result);
+    if (delivering_) return;
+    delivering_ = true;
+    while (!closed_ && delivered_ < taken_ && slots_[delivered_ % slots_.size()].has_value()) {
+      BatchResult next = std::move(*slots_[delivered_ % slots_.size()]);
+      slots_[delivered_ % slots_.size()].reset();
+      const BatchJob& job = jobs_[next.job];
+      const bool success = next.output.row.outcome == Outcome::kSuccess;
+      lock.unlock();
+      bool go_on = false;
+      std::exception_ptr error;
+      try {
+        go_on = sink_(job, std::move(next));
+        if (options_.progress) report(success);
+      } catch (...) {
+        error = std::current_exception();
+      }
+      lock.lock();
+      if (error != nullptr) {
+        error_ = error;
+        closed_ = true;
+      } else {
+        ++delivered_;
+        successes_ += success ? 1 : 0;
+        closed_ = closed_ || !go_on;
+      }
+      room_.notify_all();
+    }
+    delivering_ = false;
+  }
+
+  std::size_t delivered() const { return delivered_; }
+  std::size_t successes() const { return successes_; }
+  void rethrow() const {
+    if (error_ != nullptr) std::rethrow_exception(error_);
+  }
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  // Only the delivering thread comes here and changes the counts, so that reading them needs no lock.
+  void report(bool success) const {
+    BatchProgress progress;
+    progress.done = delivered_ + 1;
+    progress.total = todo_.size();
+    progress.successes = successes_ + (success ? 1 : 0);
+    progress.seconds = seconds();
+    progress.rate = progress.seconds > 0.0 ? static_cast<double>(progress.done) / progress.seconds : 0.0;
+    options_.progress(progress);
+  }
+
+  std::span<const BatchJob> jobs_;
+  const std::vector<std::size_t>& todo_;
+  const BatchOptions& options_;
+  const BatchSink& sink_;
+  std::mutex mutex_;
+  std::condition_variable room_;
+  std::vector<std::optional<BatchResult>> slots_;
+  std::size_t taken_ = 0;
+  std::size_t delivered_ = 0;
+  std::size_t successes_ = 0;
+  bool delivering_ = false;
+  bool closed_ = false;
+  std::exception_ptr error_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+BatchResult compute(const Point& point, const BatchJob& job, std::size_t position, const BatchOptions& options) {
+  BatchResult result;
+  result.job = position;
+  try {
+    result.world = options.world ? options.world(point, job.world)
+                                 : std::make_shared<const World>(point.worlds.make(point.robot->model, job.world));
+    if (result.world == nullptr) throw std::runtime_error(fmt::format("there is no world {}", job.world));
+    result.output = run_trial(point, *result.world, options.parts);
+  } catch (const std::exception& e) {
+    result.output = {};
+    result.output.row.outcome = Outcome::kError;
+    result.output.row.reason = fmt::format("world {}: {}", job.world, e.what());
+  }
+  return result;
+}
+
+// Jobs to compute: neither skipped nor a repetition.
+std::vector<std::size_t> select(std::span<const Point> points, std::span<const BatchJob> jobs,
+                                const BatchOptions& options, BatchSummary& summary) {
+  std::vector<std::size_t> todo;
+  std::unordered_set<std::string_view> seen;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    if (jobs[i].point >= points.size())
+      throw std::invalid_argument(fmt::format("job {} names point {} of {}", i, jobs[i].point, points.size()));
+    if (options.skip != nullptr && options.skip->contains(jobs[i].key)) {
+      ++summary.skipped;
+    } else if (!jobs[i].key.empty() && !seen.insert(jobs[i].key).second) {
+      ++summary.duplicates;
+    } else {
+      todo.push_back(i);
+    }
+  }
+  return todo;
+}
+
+}  // namespace
+
+BatchSummary run_batch(std::span<const Point> points, std::span<const BatchJob> jobs, const BatchOptions& options,
+                       const BatchSink& sink) {
+  BatchSummary summary;
+  const std::vector<std::size_t> todo = select(points, jobs, options, summary);
+  const int wanted = options.threads > 0 ? options.threads : omp_get_num_procs();
+  const int threads = std::max(1, std::min(wanted, static_cast<int>(std::min<std::size_t>(todo.size(), 4096))));
+  OrderedDelivery delivery(jobs, todo, std::max<std::size_t>(16, 4 * static_cast<std::size_t>(threads)), options, sink);
+#pragma omp parallel num_threads(threads) if (threads > 1)
+  {
+    while (const std::optional<std::size_t> position = delivery.take()) {
+      const std::size_t i = todo[*position];
+      delivery.put(*position, compute(points[jobs[i].point], jobs[i], i, options));
+    }
+  }
+  delivery.rethrow();
+  summary.delivered = delivery.delivered();
+  summary.successes = delivery.successes();
+  summary.stopped = summary.delivered < todo.size();
+  summary.seconds = delivery.seconds();
+  return summary;
+}
+
+}  // namespace moma

@@ -1,0 +1,285 @@
+#include "eval/trial/clock.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+#include "controller/model/kinematics.h"
+#include "controller/model/manipulability.h"
+#include "eval/trial/observe.h"
+#include "eval/trial/rules.h"
+
+namespace moma {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Ending {
+  Outcome outcome = Outcome::kError;
+  std::string reason;
+};
+
+class TickClock {
+ public:
+  TickClock(const Point& point, const World& world, Plant& plant, StepController& controller, Recording& recording)
+      : point_(point),
+        world_(world),
+        model_(*point.robot->model),
+        plant_(plant),
+        controller_(controller),
+        r_(recording),
+        period_(point.simulation.control_period),
+        kinematics_(point.robot->model),
+        proximity_(point.robot->model),
+        dwell_(point.success, period_),
+        stuck_(point.stuck, period_),
+        infeasible_(point.infeasible, period_) {}
+
+  TrialRow run() {
+    prepare();
+    const long last_step = std::max(1L, periods_in(point_.simulation.time_limit, period_));
+    plant_.check_start(report_);
+    Ending ending;
+    for (long k = 0;; ++k) {
+      take_report();
+      const bool finite = measure_state(k);
+      if (end_at(k, last_step, finite, ending)) {
+        r_.last = plant_.state();
+        return finish(k, std::move(ending));
+      }
+      command(k);
+    }
+  }
+
+ private:
+  void prepare() {
+    const std::vector<ObjectShape> shapes = object_shapes(world_);
+    proximity_.set_objects(shapes);
+    controller_.reset(shapes);
+    controller_.prepare(result_);
+    objects_.resize(world_.objects.size());
+    object_states(world_, 0.0, objects_);
+    goal_ = goal_state(world_, 0.0);
+    objects_move_ = std::any_of(world_.objects.begin(), world_.objects.end(),
+                                [](const WorldObject& object) { return !at_rest(object.motion, 0.0); });
+    goal_moves_ = !at_rest(world_.goal.motion, 0.0);
+    has_self_pairs_ =
+        std::any_of(model_.self_pairs.begin(), model_.self_pairs.end(), [](const SelfPair& pair) { return pair.row; });
+    r_.control_period = period_;
+    r_.moving_goal = goal_moves_;
+    r_.has_qp = point_.controller_params.method == Method::kQp;
+    r_.has_slack = r_.has_qp && point_.controller_params.slack.enabled;
+    r_.dynamic = point_.simulation.mode == SimulationMode::kDynamic;
+    r_.has_wheels = r_.dynamic && model_.base_dof() > 0;
+    const auto expected = static_cast<std::size_t>(std::min(periods_in(point_.simulation.time_limit, period_), 4096L));
+    r_.trace.reserve(expected);
+    r_.states.reserve(expected + 1);
+    r_.step_seconds.reserve(expected);
+  }
+
+  double time(long k) const { return static_cast<double>(k) * period_; }
+
+  void take_report() {
+    r_.energy += report_.energy;
+    r_.slip_max = std::max(r_.slip_max, report_.slip_max);
+    r_.lcp_messages += report_.lcp_messages;
+  }
+
+  // Errors, distances and everything else that is measured of the state. False where the state is not finite.
+  bool measure_state(long k) {
+    const PlantState& state = plant_.state();
+    if (!state.base.allFinite() || !state.q.allFinite() || !state.qdot.allFinite()) return false;
+    if (objects_move_ && k > 0) object_states(world_, time(k), objects_);
+    if (goal_moves_ && k > 0) goal_ = goal_state(world_, time(k));
+    kinematics_.update(state.base, state.q);
+    const Isometry& X_WE = kinematics_.X_WE();
+    error_.head<3>() = log_so3(goal_.X_WG.linear() * X_WE.linear().transpose());
+    error_.tail<3>() = goal_.X_WG.translation() - X_WE.translation();
+
+    StateRecord& record = r_.states.emplace_back();
+    record.p_WE = X_WE.translation();
+    record.orientation_error = error_.head<3>().norm();
+    record.position_error = error_.tail<3>().norm();
+    const auto J_arm = kinematics_.J_WE_W().rightCols(model_.num_joints());
+    record.manipulability = manipulability(J_arm, ManipulabilityRows::kTranslation);
+    record.manipulability_all = manipulability(J_arm, ManipulabilityRows::kAll);
+    measure_clearance();
+    return true;
+  }
+
+  // Only pairs closer than the least distance so far can lower it: after the first sample the query is cheap, and
+  // still exact.
+  void measure_clearance() {
+    const auto range = [](double least) { return std::isnan(least) ? 1e6 : std::max(least, 0.0); };
+    ProximityRanges ranges;
+    ranges.object = objects_.empty() ? -1.0 : range(r_.clearance);
+    ranges.self = has_self_pairs_ ? range(r_.clearance_self) : -1.0;
+    if (ranges.object < 0.0 && ranges.self < 0.0) return;
+    for (const ProximityPair& pair : proximity_.query(kinematics_, objects_, ranges)) {
+      double& least = pair.kind == PairKind::kSelf ? r_.clearance_self : r_.clearance;
+      if (!(least <= pair.distance.d)) least = pair.distance.d;
+    }
+  }
+
+  bool end_at(long k, long last_step, bool finite, Ending& ending) {
+    const auto end = [&ending](Outcome outcome, std::string reason) {
+      ending = {outcome, std::move(reason)};
+      return true;
+    };
+    if (!report_.contacts.empty()) {
+      r_.contacts = report_.contacts;
+      return end(Outcome::kCollision, {});
+    }
+    if (!finite) return end(Outcome::kDiverged, report_.reason.empty() ? "the state is not finite" : report_.reason);
+    const StateRecord& now = r_.states.back();
+    if (dwell_.update(k, now.position_error, now.orientation_error)) return end(Outcome::kSuccess, {});
+    if (report_.diverged) return end(Outcome::kDiverged, report_.reason);
+    if (report_.tipped) return end(Outcome::kTipped, report_.reason);
+    if (std::string over = joint_over_limit(); !over.empty()) return end(Outcome::kJointLimit, std::move(over));
+    if (infeasible_.reached())
+      return end(Outcome::kInfeasible, fmt::format("no solved QP for {} s; {}", point_.infeasible.time, situation()));
+    if (stuck_.due(k) && stuck_.update(plant_.state().base, plant_.state().q, all_at_rest(k)) && !dwell_.inside())
+      return end(Outcome::kStuck, fmt::format("nothing moved for {} s; {}", point_.stuck.time, situation()));
+    if (k >= last_step) return end(Outcome::kTimeout, situation());
+    return false;
+  }
+
+  bool all_at_rest(long k) const {
+    return (!goal_moves_ || at_rest(world_.goal.motion, time(k))) &&
+           (!objects_move_ || std::all_of(world_.objects.begin(), world_.objects.end(),
+                                          [&](const WorldObject& object) { return at_rest(object.motion, time(k)); }));
+  }
+
+  std::string joint_over_limit() const {
+    const VectorX& q = plant_.state().q;
+    for (int i = 0; i < model_.num_joints(); ++i) {
+      const ControlledJoint& joint = model_.joints[static_cast<std::size_t>(i)];
+      if (q[i] < joint.lower - kJointLimitTolerance || q[i] > joint.upper + kJointLimitTolerance)
+        return fmt::format("{} at {:.4g} is outside [{:.4g}, {:.4g}]", joint.name, q[i], joint.lower, joint.upper);
+    }
+    return {};
+  }
+
+  // Where the robot stands, for a person who wonders what holds it.
+  std::string situation() {
+    const StateRecord& now = r_.states.back();
+    std::string text = fmt::format("{:.3g} m and {:.3g} rad from the goal", now.position_error, now.orientation_error);
+    double nearest = kInfinity;
+    int object = -1, shape = -1;
+    for (const ProximityPair& pair : proximity_.query(kinematics_, objects_, {0.3, -1.0, -1.0})) {
+      if (pair.distance.d >= nearest) continue;
+      nearest = pair.distance.d;
+      object = pair.second;
+      shape = pair.first;
+    }
+    if (object >= 0) {
+      text += fmt::format("; {} is {:.3g} m from {}", model_.shapes[static_cast<std::size_t>(shape)].name, nearest,
+                          world_.objects[static_cast<std::size_t>(object)].name);
+    }
+    double margin = 0.1;  // rad or m: joints further inside are not worth a word
+    std::string joint_text;
+    const VectorX& q = plant_.state().q;
+    for (int i = 0; i < model_.num_joints(); ++i) {
+      const ControlledJoint& joint = model_.joints[static_cast<std::size_t>(i)];
+      const double inside = std::min(q[i] - joint.lower, joint.upper - q[i]);
+      if (inside >= margin) continue;
+      margin = inside;
+      joint_text = fmt::format("; {} is {:.3g} from its limit", joint.name, inside);
+    }
+    return text + joint_text;
+  }
+
+  void command(long k) {
+    const PlantState& state = plant_.state();
+    observe(state, objects_, goal_, time(k), observation_);
+    const Clock::time_point before = Clock::now();
+    controller_.step(observation_, result_);
+    r_.step_seconds.push_back(std::chrono::duration<double>(Clock::now() - before).count());
+    if (result_.solve_seconds > 0.0) r_.solve_seconds.push_back(result_.solve_seconds);
+    if (result_.command.size() != model_.num_velocities() || !result_.command.allFinite()) {
+      throw std::runtime_error(fmt::format("the controller's command at t = {:.4g} s is not {} finite numbers", time(k),
+                                           model_.num_velocities()));
+    }
+    Sample& sample = r_.trace.emplace_back();
+    sample.t = time(k);
+    sample.base = state.base;
+    sample.q = state.q;
+    sample.qdot = state.qdot;
+    sample.command = result_.command;
+    sample.error = error_;
+    sample.slack = result_.slack;
+    sample.manipulability = r_.states.back().manipulability;
+    sample.least_distance = result_.least_distance;
+    sample.status = result_.status;
+    sample.fallback = result_.fallback;
+    sample.active_rows = result_.active_rows;
+    infeasible_.count(result_.fallback);
+    plant_.advance(result_.command, period_, report_);
+  }
+
+  TrialRow finish(long k, Ending ending) {
+    TrialRow row = measure(r_, model_);
+    row.outcome = ending.outcome;
+    row.reason = std::move(ending.reason);
+    row.time_end_s = time(k);
+    if (row.outcome == Outcome::kSuccess) row.time_to_goal_s = time(dwell_.first());
+    if (row.outcome == Outcome::kCollision) describe_contact(row);
+    return row;
+  }
+
+  std::string link_of(int shape) const {
+    return model_.links[static_cast<std::size_t>(model_.shapes[static_cast<std::size_t>(shape)].link)].name;
+  }
+
+  void describe_contact(TrialRow& row) const {
+    const Contact& contact = r_.contacts.front();
+    row.link = link_of(contact.first);
+    switch (contact.kind) {
+      case PairKind::kObject:
+        row.object = world_.objects[static_cast<std::size_t>(contact.second)].name;
+        break;
+      case PairKind::kFloor:
+        row.object = "floor";
+        break;
+      case PairKind::kSelf:
+        row.object = "self:" + link_of(contact.second);
+        break;
+    }
+    row.reason = fmt::format("{} touches {} at {:.3f} s, {:.2g} m deep{}", row.link, row.object, contact.time,
+                             contact.depth, contact.by_ode ? "" : " (by the distance library)");
+  }
+
+  const Point& point_;
+  const World& world_;
+  const RobotModel& model_;
+  Plant& plant_;
+  StepController& controller_;
+  Recording& r_;
+  const double period_;
+  Kinematics kinematics_;
+  Proximity proximity_;
+  DwellRule dwell_;
+  StuckTracker stuck_;
+  InfeasibleTracker infeasible_;
+  PlantReport report_;
+  Observation observation_;
+  StepResult result_;
+  std::vector<ObjectState> objects_;
+  GoalState goal_;
+  Vector6 error_ = Vector6::Zero();
+  bool objects_move_ = false;
+  bool goal_moves_ = false;
+  bool has_self_pairs_ = false;
+};
+
+}  // namespace
+
+TrialRow run_clock(const Point& point, const World& world, Plant& plant, StepController& controller,
+                   Recording& recording) {
+  return TickClock(point, world, plant, controller, recording).run();
+}
+
+}  // namespace moma

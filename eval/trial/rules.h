@@ -1,0 +1,62 @@
+#pragma once
+
+#include "controller/types.h"
+#include "eval/suite/suite.h"
+
+namespace moma {
+
+/// Least number of control periods that last at least `seconds`; a billionth of a period of rounding is forgiven.
+/// 0 for 0; a number no trial reaches for infinity.
+long periods_in(double seconds, double control_period) noexcept;
+
+/// Both errors within tolerance at every sample over at least the dwell time.
+class DwellRule {
+ public:
+  DwellRule(const SuccessRule& rule, double control_period) noexcept;
+  /// Called at every sample k = 0, 1, ...; true once the dwell is complete.
+  bool update(long k, double position_error, double orientation_error) noexcept;
+  bool inside() const noexcept { return first_ >= 0; }
+  /// Sample at which the present stay within tolerance began; -1 outside.
+  long first() const noexcept { return first_; }
+
+ private:
+  double position_, orientation_;
+  long periods_;
+  long first_ = -1;
+};
+
+/// Time is cut into halves of stuck.time from t = 0 on (whole control periods, rounded to the nearest). A half is
+/// still when no coordinate differs by stuck.motion or more between its two ends and goal and objects were at rest
+/// throughout. Stuck: two consecutive halves are still.
+class StuckTracker {
+ public:
+  StuckTracker(const StuckRule& rule, double control_period) noexcept;
+  /// True where sample k ends a half, so that update() needs to be called (also at k = 0).
+  bool due(long k) const noexcept { return half_ > 0 && k % half_ == 0; }
+  /// `at_rest`: goal and objects are at rest now and stay so. Returns true when stuck.
+  bool update(const Vector3& base, const VectorX& q, bool at_rest);
+
+ private:
+  long half_;
+  double motion_;
+  int still_ = 0;
+  bool started_ = false;
+  bool rest_at_start_ = false;
+  Vector3 base_ = Vector3::Zero();
+  VectorX q_;
+};
+
+/// Consecutive `brake` steps for infeasible.time.
+class InfeasibleTracker {
+ public:
+  InfeasibleTracker(const InfeasibleRule& rule, double control_period) noexcept
+      : periods_(periods_in(rule.time, control_period)) {}
+  void count(Fallback fallback) noexcept { run_ = fallback == Fallback::kBrake ? run_ + 1 : 0; }
+  bool reached() const noexcept { return run_ > 0 && run_ >= periods_; }
+
+ private:
+  long periods_;
+  long run_ = 0;
+};
+
+}  // namespace moma

@@ -1,0 +1,60 @@
+#include "eval/trial/trace_json.h"
+
+#include <cmath>
+#include <span>
+
+#include "eval/suite/sections.h"
+
+namespace moma {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json number(double value) {
+  if (std::isnan(value)) return nullptr;
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  return value;
+}
+
+template <typename Vector>
+ordered_json numbers(const Vector& vector) {
+  ordered_json list = ordered_json::array();
+  for (Eigen::Index i = 0; i < vector.size(); ++i) list.push_back(number(vector[i]));
+  return list;
+}
+
+ordered_json sample_json(const Sample& sample) {
+  ordered_json json = ordered_json::object();
+  json["t"] = sample.t;
+  json["base"] = numbers(sample.base);
+  json["q"] = numbers(sample.q);
+  json["qdot"] = numbers(sample.qdot);
+  json["command"] = numbers(sample.command);
+  json["error"] = numbers(sample.error);
+  json["slack"] = numbers(sample.slack);
+  json["manipulability"] = number(sample.manipulability);
+  json["least_distance"] = number(sample.least_distance);
+  json["status"] = to_string(sample.status);
+  json["fallback"] = to_string(sample.fallback);
+  return json;
+}
+
+}  // namespace
+
+ordered_json trace_json(const Point& point, const World& world, const TrialOutput& output, const std::string& trial) {
+  ordered_json json = ordered_json::object();
+  json["trial"] = trial;
+  json["outcome"] = to_string(output.row.outcome);
+  json["robot"] = point.robot->resolved;
+  json["success"] = to_json(point.success);
+  json["stuck"] = to_json(point.stuck);
+  json["infeasible"] = to_json(point.infeasible);
+  json["controller"] = point.controller_resolved;
+  json["world"] = to_json(world);
+  json["simulation"] = to_json(point.simulation);
+  ordered_json& samples = json["samples"] = ordered_json::array();
+  for (const Sample& sample : output.trace) samples.push_back(sample_json(sample));
+  return json;
+}
+
+}  // namespace moma
