@@ -44,7 +44,7 @@ MovingPose move(const PathMotion& motion, const Isometry& X_0, double t) {
   std::size_t i = 0;
   if (held(motion.times, t, i)) {
     out.X.translation() = motion.positions[i];
-    if (turns) out.X.linear() = motion.quaternions[i].toRotationMatrix();
+    if (turns) out.X.linear() = motion.quaternions[i].normalized().toRotationMatrix();
     return out;
   }
   i = interval(motion.times, t);
@@ -55,11 +55,12 @@ MovingPose move(const PathMotion& motion, const Isometry& X_0, double t) {
   out.V_W.tail<3>() = step / span;
   if (turns) {
     // Slerp written as a constant world-frame rate, so that pose and twist agree by construction.
-    Eigen::Quaterniond turn = motion.quaternions[i + 1] * motion.quaternions[i].conjugate();
+    const Eigen::Quaterniond from = motion.quaternions[i].normalized();
+    Eigen::Quaterniond turn = motion.quaternions[i + 1].normalized() * from.conjugate();
     if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
     const Eigen::AngleAxisd rotation(turn);
     out.X.linear() = Eigen::AngleAxisd(s * rotation.angle(), rotation.axis()).toRotationMatrix() *
-                     motion.quaternions[i].toRotationMatrix();
+                     from.toRotationMatrix();
     out.V_W.head<3>() = rotation.axis() * (rotation.angle() / span);
   }
   return out;

@@ -3,6 +3,26 @@
 #include <cstddef>
 
 namespace moma {
+namespace {
+
+Isometry pose_of(const Vector3& position, const Eigen::Quaterniond& rotation) {
+  Isometry X = Isometry::Identity();
+  X.linear() = rotation.normalized().toRotationMatrix();
+  X.translation() = position;
+  return X;
+}
+
+}  // namespace
+
+void set_pose(WorldObject& object, const Vector3& position, const Eigen::Quaterniond& rotation) {
+  object.X_WO = pose_of(position, rotation);
+  object.file_rotation = rotation;
+}
+
+void set_pose(WorldGoal& goal, const Vector3& position, const Eigen::Quaterniond& rotation) {
+  goal.X_WG = pose_of(position, rotation);
+  goal.file_rotation = rotation;
+}
 
 std::vector<ObjectShape> object_shapes(const World& world) {
   std::vector<ObjectShape> shapes;

@@ -20,11 +20,13 @@ struct WorldObject {
   Shape shape;
   Isometry X_WO = Isometry::Identity();    ///< at t = 0
   Motion motion;
+  Eigen::Quaterniond file_rotation = Eigen::Quaterniond::Identity();   ///< see set_pose()
 };
 
 struct WorldGoal {
   Isometry X_WG = Isometry::Identity();    ///< at t = 0
   Motion motion;
+  Eigen::Quaterniond file_rotation = Eigen::Quaterniond::Identity();   ///< see set_pose()
 };
 
 struct Difficulty {
@@ -47,6 +49,11 @@ struct World {
   Configuration witness;               ///< reaches the goal (at t = 0) clear of all objects
   Difficulty difficulty;
 };
+
+/// Places an object or the goal. The quaternion is kept as it is beside the pose made from it: matrix to quaternion
+/// and back changes last bits, and a world read from its file must be the world that was written.
+void set_pose(WorldObject& object, const Vector3& position, const Eigen::Quaterniond& rotation);
+void set_pose(WorldGoal& goal, const Vector3& position, const Eigen::Quaterniond& rotation);
 
 /// What the controller's reset() needs.
 std::vector<ObjectShape> object_shapes(const World& world);

@@ -1,0 +1,49 @@
+#include "world/scenario/apportion.h"
+
+#include <utility>
+
+namespace moma {
+
+Apportionment::Apportionment(std::vector<double> weights) : weights_(std::move(weights)), counts_(weights_.size(), 0) {
+  int positive = 0;
+  for (std::size_t i = 0; i < weights_.size(); ++i) {
+    sum_ += weights_[i];
+    if (weights_[i] > 0.0) {
+      ++positive;
+      only_ = static_cast<int>(i);
+    }
+  }
+  if (positive != 1) only_ = -1;
+}
+
+int Apportionment::family_of(std::uint64_t index) const {
+  if (only_ >= 0) return only_;
+  const std::lock_guard lock(mutex_);
+  while (given_.size() <= index) given_.push_back(static_cast<std::uint8_t>(next()));
+  return given_[index];
+}
+
+int Apportionment::next() const {
+  // Among the families below their upper quota the one whose lower quota rises first. Products instead of
+  // quotients: whole weights are compared exactly.
+  const auto n = static_cast<double>(given_.size() + 1);
+  int best = -1;
+  for (int pass = 0; pass < 2 && best < 0; ++pass) {
+    for (std::size_t i = 0; i < weights_.size(); ++i) {
+      if (weights_[i] <= 0.0) continue;
+      // The second pass is reached only where rounding of odd weights hides the eligible family.
+      if (pass == 0 && !(static_cast<double>(counts_[i]) * sum_ < weights_[i] * n)) continue;
+      if (best < 0) {
+        best = static_cast<int>(i);
+        continue;
+      }
+      const auto b = static_cast<std::size_t>(best);
+      if (static_cast<double>(counts_[i] + 1) * weights_[b] < static_cast<double>(counts_[b] + 1) * weights_[i])
+        best = static_cast<int>(i);
+    }
+  }
+  ++counts_[static_cast<std::size_t>(best)];
+  return best;
+}
+
+}  // namespace moma

@@ -1,0 +1,188 @@
+#include "world/scenario/scene_builder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "controller/model/analytic_distance.h"
+
+namespace moma {
+namespace {
+
+/// All self pairs are to be looked at, also those that need no row in the controller.
+std::shared_ptr<const RobotModel> with_all_self_rows(const RobotModel& model) {
+  auto copy = std::make_shared<RobotModel>(model);
+  for (SelfPair& pair : copy->self_pairs) pair.row = true;
+  return copy;
+}
+
+double nearest(std::span<const ProximityPair> pairs, double range) {
+  double least = range;
+  for (const ProximityPair& pair : pairs) least = std::min(least, pair.distance.d);
+  return least;
+}
+
+constexpr ProximityRanges only_objects(double range) { return {range, -1.0, -1.0}; }
+
+}  // namespace
+
+SceneBuilder::SceneBuilder(std::shared_ptr<const RobotModel> model, std::uint64_t seed, std::uint64_t index,
+                           double clearance)
+    : model_(std::move(model)),
+      seed_(seed),
+      index_(index),
+      clearance_(clearance),
+      start_(model_),
+      witness_(model_),
+      self_(with_all_self_rows(*model_)),
+      object_(model_),
+      one_(1) {
+  self_.set_objects({});
+}
+
+void SceneBuilder::begin(std::uint64_t attempt, World& world) {
+  attempt_ = attempt;
+  world = World();
+  world.index = index_;
+  world.seed = seed_;
+  world.robot = model_->name;
+}
+
+bool SceneBuilder::reject(const std::string& constraint) {
+  ++rejections_[constraint];
+  return false;
+}
+
+std::string SceneBuilder::worst_constraint() const {
+  const auto worst = std::max_element(rejections_.begin(), rejections_.end(),
+                                      [](const auto& a, const auto& b) { return a.second < b.second; });
+  if (worst == rejections_.end()) return "no constraint failed";
+  return worst->first + " (" + std::to_string(worst->second) + " times)";
+}
+
+bool SceneBuilder::check_pose(const Kinematics& kinematics, double floor_clearance, double self_clearance,
+                              const char* who) {
+  for (const CollisionShape& shape : model_->shapes) {
+    if (shape.rigid_with_base) continue;
+    if (lowest_point(shape.shape, kinematics.X_WS(shape)) < floor_clearance)
+      return reject(std::string(who) + ": an arm shape too near the floor");
+  }
+  if (!self_.query(kinematics, {}, {-1.0, -1.0, self_clearance}).empty())
+    return reject(std::string(who) + ": self-collision");
+  return true;
+}
+
+bool SceneBuilder::place_robot(const Placement& placement, World& world) {
+  Draws at_start = draws(Stream::kStart);
+  const double start_heading = placement.start_heading.sample(at_start);
+  Draws at_goal = draws(Stream::kGoal);
+  const double distance = placement.distance.sample(at_goal);
+  const double direction = placement.direction.sample(at_goal);
+  const double heading = placement.heading.sample(at_goal);
+
+  world.start = {Vector3::Zero(), model_->ready};
+  world.witness = {Vector3::Zero(), model_->ready};
+  if (mobile()) {
+    world.start.base.z() = start_heading;
+    world.witness.base = {distance * std::cos(direction), distance * std::sin(direction), heading};
+  }
+  for (int i = 0; i < model_->num_joints(); ++i) {
+    const ControlledJoint& joint = model_->joints[static_cast<std::size_t>(i)];
+    const bool bounded = std::isfinite(joint.lower) && std::isfinite(joint.upper);
+    const double low = bounded ? joint.lower : -std::numbers::pi;
+    const double high = bounded ? joint.upper : std::numbers::pi;
+    const double margin = bounded ? std::min(placement.limit_margin, 0.25 * (high - low)) : 0.0;
+    world.witness.q[i] = at_goal.uniform(low + margin, high - margin);
+  }
+
+  start_.update(world.start.base, world.start.q);
+  start_tip_ = start_.X_WE().translation();
+  // The base's pose changes nothing here: once is enough, but every failed try counts.
+  if (!start_checked_ && !check_pose(start_, 0.0, 0.0, "start")) return false;
+  start_checked_ = true;
+
+  witness_.update(world.witness.base, world.witness.q);
+  if (witness_.X_WE().translation().z() < placement.tip_height) return reject("goal: too low (tip_height)");
+  if (!check_pose(witness_, placement.floor_clearance, placement.self_clearance, "goal")) return false;
+  set_goal(world);
+  return true;
+}
+
+void SceneBuilder::set_goal(World& world) {
+  witness_.update(world.witness.base, world.witness.q);
+  const Isometry& X_WE = witness_.X_WE();
+  set_pose(world.goal, X_WE.translation(), Eigen::Quaterniond(X_WE.linear()));
+}
+
+void SceneBuilder::choose_object(const WorldObject& object) {
+  const ObjectShape shape{object.name, object.shape};
+  object_.set_objects({&shape, 1});
+}
+
+double SceneBuilder::distance_to_robot(const WorldObject& object, double t, double range) {
+  choose_object(object);
+  one_[0].X_WO = evaluate(object.motion, object.X_WO, t).X;
+  const double at_start = nearest(object_.query(start_, one_, only_objects(range)), range);
+  return nearest(object_.query(witness_, one_, only_objects(range)), at_start);
+}
+
+bool SceneBuilder::clear_for(const WorldObject& object, double top_speed, double horizon, double clearance) {
+  choose_object(object);
+  const double range = clearance + 0.5;
+  for (double t = 0.0; t <= horizon;) {
+    one_[0].X_WO = evaluate(object.motion, object.X_WO, t).X;
+    const double at_start = nearest(object_.query(start_, one_, only_objects(range)), range);
+    const double least = nearest(object_.query(witness_, one_, only_objects(range)), at_start);
+    if (least <= clearance) return false;
+    if (top_speed <= 0.0) return true;
+    // Nothing can come within `clearance` sooner; the floor on the step costs at most that much of the margin.
+    t += std::max((least - clearance) / top_speed, 1e-3);
+  }
+  return true;
+}
+
+void SceneBuilder::measure(World& world) {
+  constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kGrown = 0.05;
+  constexpr int kPoints = 200;
+  Difficulty& out = world.difficulty;
+  const Vector3 goal = world.goal.X_WG.translation();
+  out.goal_distance_m = (goal - start_tip_).norm();
+  out.objects = static_cast<int>(world.objects.size());
+  out.witness_clearance_m = kAbsent;
+  out.narrowest_gap_m = kAbsent;
+  out.blocked_fraction = 0.0;
+  if (world.objects.empty()) return;
+
+  std::vector<ObjectState> states(world.objects.size());
+  object_states(world, 0.0, states);
+  object_.set_objects(object_shapes(world));
+  out.witness_clearance_m = nearest(object_.query(witness_, states, only_objects(1e3)), 1e3);
+
+  int blocked = 0;
+  for (int k = 0; k <= kPoints; ++k) {
+    const Vector3 p = start_tip_ + (static_cast<double>(k) / kPoints) * (goal - start_tip_);
+    for (std::size_t i = 0; i < world.objects.size(); ++i) {
+      if (point_distance(world.objects[i].shape, states[i].X_WO.inverse() * p).d > kGrown) continue;
+      ++blocked;
+      break;
+    }
+  }
+  out.blocked_fraction = static_cast<double>(blocked) / (kPoints + 1);
+
+  if (world.objects.size() < 2) return;
+  double gap = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < world.objects.size(); ++i) {
+    for (std::size_t j = i + 1; j < world.objects.size(); ++j) {
+      const Shape& a = world.objects[i].shape;
+      const Shape& b = world.objects[j].shape;
+      const double between = (states[i].X_WO.translation() - states[j].X_WO.translation()).norm();
+      if (between - bounding_radius(a) - bounding_radius(b) >= gap) continue;
+      gap = std::min(gap, shape_distance(a, states[i].X_WO, b, states[j].X_WO).d);
+    }
+  }
+  out.narrowest_gap_m = gap;
+}
+
+}  // namespace moma

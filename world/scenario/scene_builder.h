@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "controller/model/proximity.h"
+#include "world/draws.h"
+#include "world/scenario/placement.h"
+#include "world/world.h"
+
+namespace moma {
+
+/// Builds one world in tries: every check that fails is counted by name, so that an error can say which constraint
+/// stood in the way. Owns the workspace; one per world made.
+class SceneBuilder {
+ public:
+  SceneBuilder(std::shared_ptr<const RobotModel> model, std::uint64_t seed, std::uint64_t index, double clearance);
+
+  const RobotModel& model() const { return *model_; }
+  double clearance() const { return clearance_; }
+  bool mobile() const { return model_->base.type != BaseType::kFixed; }
+
+  /// The draws of this try for one purpose. `item` numbers what is placed.
+  Draws draws(Stream stream, std::uint64_t item = 0) const { return {seed_, index_, stream, attempt_, item}; }
+  /// Starts the next try.
+  void begin(std::uint64_t attempt, World& world);
+  /// Counts a failed check; returns false for `return reject(...)`.
+  bool reject(const std::string& constraint);
+  /// The constraint that failed most often, and how often; ties by name.
+  std::string worst_constraint() const;
+
+  /// Samples start, witness and goal, and checks them against floor and self-collision.
+  bool place_robot(const Placement& placement, World& world);
+  /// Sets the goal to the witness's tool pose.
+  void set_goal(World& world);
+
+  /// Tool position at the start, after place_robot().
+  const Vector3& start_tip() const { return start_tip_; }
+  /// Least distance of the object to start and witness, no more than `range` (returned where none is nearer).
+  /// The object is taken where its motion has it at time t.
+  double distance_to_robot(const WorldObject& object, double t, double range);
+  /// True where the object is farther than `clearance` from start and witness at every t in [0, horizon], by
+  /// conservative advancement with the object's own top speed (a bound on the speed of its points).
+  bool clear_for(const WorldObject& object, double top_speed, double horizon, double clearance);
+
+  /// Fills in world.difficulty.
+  void measure(World& world);
+
+ private:
+  bool check_pose(const Kinematics& kinematics, double floor_clearance, double self_clearance, const char* who);
+  void choose_object(const WorldObject& object);
+
+  std::shared_ptr<const RobotModel> model_;
+  std::uint64_t seed_, index_, attempt_ = 0;
+  double clearance_;
+  Kinematics start_, witness_;
+  Proximity self_, object_;
+  std::vector<ObjectState> one_;
+  Vector3 start_tip_ = Vector3::Zero();
+  bool start_checked_ = false;
+  std::map<std::string, int> rejections_;
+};
+
+}  // namespace moma

@@ -1,0 +1,317 @@
+#include "world/world_json.h"
+
+#include <cmath>
+#include <limits>
+#include <set>
+#include <type_traits>
+
+#include "controller/config/json_node.h"
+#include "controller/config/reader.h"
+#include "world/scenario/worlds.h"
+
+namespace moma {
+namespace {
+
+using config::MapReader;
+using config::Node;
+using config::Range;
+using Json = nlohmann::ordered_json;
+
+Json json_of(const Vector3& v) { return Json::array({v.x(), v.y(), v.z()}); }
+Json json_of(const Vector6& v) { return Json(std::vector<double>(v.data(), v.data() + 6)); }
+Json json_of(const Eigen::Quaterniond& q) { return Json::array({q.w(), q.x(), q.y(), q.z()}); }
+Json json_of(const Configuration& c) {
+  return Json{{"base", json_of(c.base)}, {"q", std::vector<double>(c.q.data(), c.q.data() + c.q.size())}};
+}
+
+/// The quaternion that gives R bit for bit where it is known, else the nearest.
+Eigen::Quaterniond rotation_for_file(const Matrix3& R, const Eigen::Quaterniond& kept) {
+  return kept.normalized().toRotationMatrix() == R ? kept : Eigen::Quaterniond(R);
+}
+
+int size_count(ShapeKind kind) {
+  switch (kind) {
+    case ShapeKind::kSphere: return 1;
+    case ShapeKind::kBox: return 3;
+    case ShapeKind::kCylinder:
+    case ShapeKind::kCapsule: return 2;
+    case ShapeKind::kConvex: break;
+  }
+  return 0;
+}
+
+Vector3 vector3(const Node& node, const std::string& key) {
+  const std::vector<double> v = config::read_numbers(node, key, 3);
+  return {v[0], v[1], v[2]};
+}
+
+Vector6 vector6(const Node& node, const std::string& key) {
+  const std::vector<double> v = config::read_numbers(node, key, 6);
+  return Eigen::Map<const Vector6>(v.data());
+}
+
+Eigen::Quaterniond quaternion(const Node& node, const std::string& key) {
+  const std::vector<double> v = config::read_numbers(node, key, 4);
+  const Eigen::Quaterniond q(v[0], v[1], v[2], v[3]);
+  if (!(std::abs(q.norm() - 1.0) < 1e-3)) config::fail(node.mark, key, "expected a unit quaternion [w, x, y, z]");
+  return q;
+}
+
+std::vector<double> knot_times(MapReader& in) {
+  const Node& node = in.require("times", "increasing times in seconds");
+  std::vector<double> times = config::read_numbers(node, in.key_of("times"), -1);
+  if (times.empty()) config::fail(node.mark, in.key_of("times"), "expected at least one time");
+  for (std::size_t i = 1; i < times.size(); ++i)
+    if (!(times[i] > times[i - 1])) config::fail(node.mark, in.key_of("times"), "expected increasing times");
+  return times;
+}
+
+std::vector<Vector3> knot_positions(MapReader& in, std::size_t count) {
+  const Node& node = in.require("positions", "one position for each time");
+  const std::string key = in.key_of("positions");
+  if (node.kind != Node::Kind::kSequence || node.items.size() != count)
+    config::fail(node.mark, key, "expected a list of " + std::to_string(count) + " positions, one for each time");
+  std::vector<Vector3> out;
+  for (std::size_t i = 0; i < count; ++i) out.push_back(vector3(node.items[i], key + "[" + std::to_string(i) + "]"));
+  return out;
+}
+
+Configuration configuration(const Node& node, const std::string& key) {
+  MapReader in(node, key);
+  Configuration out;
+  out.base = vector3(in.require("base", "[x, y, phi]"), in.key_of("base"));
+  const std::vector<double> q = config::read_numbers(in.require("q", "one value for each joint"), in.key_of("q"), -1);
+  out.q = Eigen::Map<const VectorX>(q.data(), static_cast<Eigen::Index>(q.size()));
+  in.finish();
+  return out;
+}
+
+/// The position in a file is the one at t = 0, so a motion through knots must agree with it.
+void check_start(const Node& node, const std::string& key, const Motion& motion, const Isometry& X_0) {
+  const double gap = (evaluate(motion, X_0, 0.0).X.translation() - X_0.translation()).norm();
+  if (!(gap < 1e-6))
+    config::fail(node.mark, key + ".motion", "at t = 0 it is " + std::to_string(gap) + " m from the position given");
+}
+
+WorldGoal goal(const Node& node, const std::string& key) {
+  MapReader in(node, key);
+  WorldGoal out;
+  const Vector3 position = vector3(in.require("position", "[x, y, z]"), in.key_of("position"));
+  set_pose(out, position, quaternion(in.require("quaternion", "[w, x, y, z]"), in.key_of("quaternion")));
+  if (const Node* motion = in.get("motion")) out.motion = motion_from_node(*motion, in.key_of("motion"));
+  if (const Node* twist = in.get("twist")) {
+    const Vector6 found = vector6(*twist, in.key_of("twist"));
+    // A twist without a motion is a constant one; with a motion it repeats what the motion says.
+    if (std::holds_alternative<StaticMotion>(out.motion) && !found.isZero(0.0)) out.motion = LinearMotion{found};
+  }
+  check_start(node, key, out.motion, out.X_WG);
+  in.finish();
+  return out;
+}
+
+WorldObject object(const Node& node, const std::string& key) {
+  MapReader in(node, key);
+  WorldObject out;
+  out.name = config::read_string(in.require("name", "a name"), in.key_of("name"));
+  out.shape = shape_from_node(in.require("shape", "sphere, box, cylinder or capsule"),
+                              in.require("size", "the shape's dimensions"), key);
+  const Vector3 position = vector3(in.require("position", "[x, y, z]"), in.key_of("position"));
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  if (const Node* q = in.get("quaternion")) rotation = quaternion(*q, in.key_of("quaternion"));
+  set_pose(out, position, rotation);
+  if (const Node* motion = in.get("motion")) out.motion = motion_from_node(*motion, in.key_of("motion"));
+  if (const Node* velocity = in.get("velocity")) {
+    const Vector6 found = vector6(*velocity, in.key_of("velocity"));
+    if (std::holds_alternative<StaticMotion>(out.motion) && !found.isZero(0.0)) out.motion = LinearMotion{found};
+  }
+  check_start(node, key, out.motion, out.X_WO);
+  in.finish();
+  return out;
+}
+
+Difficulty difficulty(const Node& node, const std::string& key) {
+  MapReader in(node, key);
+  Difficulty out;
+  out.witness_clearance_m = out.narrowest_gap_m = std::numeric_limits<double>::quiet_NaN();
+  in.read("goal_distance_m", out.goal_distance_m, Range::non_negative());
+  in.read("objects", out.objects, 0, 1000000);
+  in.read("witness_clearance_m", out.witness_clearance_m);
+  in.read("blocked_fraction", out.blocked_fraction, {0.0, 1.0});
+  in.read("narrowest_gap_m", out.narrowest_gap_m);
+  in.finish();
+  return out;
+}
+
+}  // namespace
+
+Shape shape_from_node(const Node& shape, const Node& size, const std::string& key) {
+  Shape out;
+  const std::string name = config::read_string(shape, key + ".shape");
+  bool known = false;
+  for (const ShapeKind kind : {ShapeKind::kSphere, ShapeKind::kBox, ShapeKind::kCylinder, ShapeKind::kCapsule}) {
+    if (name != to_string(kind)) continue;
+    out.kind = kind;
+    known = true;
+  }
+  if (!known)
+    config::fail(shape.mark, key + ".shape", "found '" + name + "', expected one of: sphere, box, cylinder, capsule");
+  const std::vector<double> v = config::read_numbers(size, key + ".size", size_count(out.kind), Range::positive());
+  for (std::size_t i = 0; i < v.size(); ++i) out.size[static_cast<Eigen::Index>(i)] = v[i];
+  return out;
+}
+
+Motion motion_from_node(const Node& node, const std::string& key) {
+  enum class Kind { kStatic, kLinear, kPath, kCircle, kSpline };
+  MapReader in(node, key);
+  Kind kind = Kind::kStatic;
+  in.require("kind", "static, linear, path, circle or spline");
+  in.read_enum<Kind>("kind", kind,
+                     {{"static", Kind::kStatic},
+                      {"linear", Kind::kLinear},
+                      {"path", Kind::kPath},
+                      {"circle", Kind::kCircle},
+                      {"spline", Kind::kSpline}});
+  Motion out;
+  switch (kind) {
+    case Kind::kStatic: break;
+    case Kind::kLinear:
+      out = LinearMotion{vector6(in.require("velocity", "[angular; linear], six numbers"), in.key_of("velocity"))};
+      break;
+    case Kind::kPath: {
+      PathMotion path;
+      path.times = knot_times(in);
+      path.positions = knot_positions(in, path.times.size());
+      if (const Node* list = in.get("quaternions")) {
+        const std::string at = in.key_of("quaternions");
+        if (list->kind != Node::Kind::kSequence ||
+            (!list->items.empty() && list->items.size() != path.times.size()))
+          config::fail(list->mark, at, "expected one quaternion for each time");
+        for (const Node& item : list->items) path.quaternions.push_back(quaternion(item, at));
+      }
+      out = std::move(path);
+      break;
+    }
+    case Kind::kCircle: {
+      CircleMotion circle;
+      circle.center = vector3(in.require("center", "[x, y, z]"), in.key_of("center"));
+      circle.axis = vector3(in.require("axis", "a direction [x, y, z]"), in.key_of("axis"));
+      in.check(circle.axis.norm() > 1e-9, "axis", "expected a direction that is not zero");
+      circle.rate = config::read_number(in.require("rate", "rad/s"), in.key_of("rate"));
+      out = circle;
+      break;
+    }
+    case Kind::kSpline: {
+      SplineMotion spline;
+      spline.times = knot_times(in);
+      spline.positions = knot_positions(in, spline.times.size());
+      out = std::move(spline);
+      break;
+    }
+  }
+  in.finish();
+  return out;
+}
+
+Json to_json(const Motion& motion) {
+  const auto list = [](const auto& values) {
+    Json out = Json::array();
+    for (const auto& value : values) out.push_back(json_of(value));
+    return out;
+  };
+  return std::visit(
+      [&](const auto& m) -> Json {
+        using Kind = std::decay_t<decltype(m)>;
+        if constexpr (std::is_same_v<Kind, StaticMotion>) {
+          return {{"kind", "static"}};
+        } else if constexpr (std::is_same_v<Kind, LinearMotion>) {
+          return {{"kind", "linear"}, {"velocity", json_of(m.V_W)}};
+        } else if constexpr (std::is_same_v<Kind, PathMotion>) {
+          return {{"kind", "path"},
+                  {"times", m.times},
+                  {"positions", list(m.positions)},
+                  {"quaternions", list(m.quaternions)}};
+        } else if constexpr (std::is_same_v<Kind, CircleMotion>) {
+          return {{"kind", "circle"}, {"center", json_of(m.center)}, {"axis", json_of(m.axis)}, {"rate", m.rate}};
+        } else {
+          return {{"kind", "spline"}, {"times", m.times}, {"positions", list(m.positions)}};
+        }
+      },
+      motion);
+}
+
+Json to_json(const World& world) {
+  Json objects = Json::array();
+  for (const WorldObject& o : world.objects) {
+    const int count = size_count(o.shape.kind);
+    const Vector6 velocity = evaluate(o.motion, o.X_WO, 0.0).V_W;
+    objects.push_back({{"name", o.name},
+                       {"shape", to_string(o.shape.kind)},
+                       {"size", std::vector<double>(o.shape.size.data(), o.shape.size.data() + count)},
+                       {"position", json_of(Vector3(o.X_WO.translation()))},
+                       {"quaternion", json_of(rotation_for_file(o.X_WO.linear(), o.file_rotation))},
+                       {"velocity", json_of(velocity)},
+                       {"motion", to_json(o.motion)}});
+  }
+  const Difficulty& d = world.difficulty;
+  const Vector6 twist = evaluate(world.goal.motion, world.goal.X_WG, 0.0).V_W;
+  return {{"index", world.index},
+          {"seed", world.seed},
+          {"family", world.family},
+          {"robot", world.robot},
+          {"start", json_of(world.start)},
+          {"goal",
+           {{"position", json_of(Vector3(world.goal.X_WG.translation()))},
+            {"quaternion", json_of(rotation_for_file(world.goal.X_WG.linear(), world.goal.file_rotation))},
+            {"twist", json_of(twist)},
+            {"motion", to_json(world.goal.motion)}}},
+          {"objects", std::move(objects)},
+          {"witness", json_of(world.witness)},
+          {"difficulty",
+           {{"goal_distance_m", d.goal_distance_m},
+            {"objects", d.objects},
+            {"witness_clearance_m", d.witness_clearance_m},
+            {"blocked_fraction", d.blocked_fraction},
+            {"narrowest_gap_m", d.narrowest_gap_m}}}};
+}
+
+World world_from_node(const Node& node, const std::string& key) {
+  MapReader in(node, key);
+  World out;
+  unsigned long long index = 0;
+  unsigned long long seed = 0;
+  in.read("index", index);
+  in.read("seed", seed);
+  out.index = index;
+  out.seed = seed;
+  in.read("family", out.family);
+  in.read("robot", out.robot);
+  out.start = configuration(in.require("start", "{base, q}"), in.key_of("start"));
+  out.goal = goal(in.require("goal", "{position, quaternion, ...}"), in.key_of("goal"));
+  if (const Node* list = in.get("objects")) {
+    const std::string at = in.key_of("objects");
+    if (list->kind != Node::Kind::kSequence) config::fail(list->mark, at, "expected a list of objects");
+    std::set<std::string> names;
+    for (std::size_t i = 0; i < list->items.size(); ++i) {
+      const std::string item = at + "[" + std::to_string(i) + "]";
+      out.objects.push_back(object(list->items[i], item));
+      if (!names.insert(out.objects.back().name).second)
+        config::fail(list->items[i].mark, item + ".name", "the name '" + out.objects.back().name + "' is used twice");
+    }
+  }
+  if (const Node* witness = in.get("witness"))
+    out.witness = configuration(*witness, in.key_of("witness"));
+  else
+    out.witness = out.start;
+  if (const Node* found = in.get("difficulty")) out.difficulty = difficulty(*found, in.key_of("difficulty"));
+  in.finish();
+  if (out.witness.q.size() != out.start.q.size())
+    in.fail_at("witness", "start has " + std::to_string(out.start.q.size()) + " joint values, witness " +
+                              std::to_string(out.witness.q.size()));
+  return out;
+}
+
+World world_from_json(const Json& json, const std::string& what) {
+  return world_from_node(config::node_from_json(json, what), "");
+}
+
+}  // namespace moma
