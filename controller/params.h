@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "controller/model/manipulability.h"
+#include "controller/model/robot_model.h"
 #include "controller/types.h"
 
 namespace moma {
@@ -108,5 +109,20 @@ struct ControllerParams {
   OutputScalingParams output_scaling;
   SolverKind solver = SolverKind::kDaqp;
 };
+
+/// The same parameters with every vector at its full size for this robot: empty ones get their defaults, the
+/// posture's target is filled from `ready`, an automatic margin is worked out.
+ControllerParams resolved(ControllerParams params, const RobotModel& model);
+
+/// Something about parameters that is wrong, or (warning) allowed but doubtful; `key` is dotted as in the files.
+struct ParamsIssue {
+  std::string key;
+  std::string message;
+  bool warning = false;
+};
+
+/// What is wrong with resolved parameters for this robot and control period [s]: sizes, ranges, margins that would
+/// be stepped over, weights that leave nothing to solve. Empty where all is well.
+std::vector<ParamsIssue> check_params(const ControllerParams& params, const RobotModel& model, double control_period);
 
 }  // namespace moma

@@ -1,0 +1,287 @@
+#include "controller/controller.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+#include "controller/qp/terms.h"
+#include "controller/qp/tracking.h"
+
+namespace moma {
+namespace {
+
+// A value this near to its limit is counted as active [m/s, rad/s].
+constexpr double kActive = 1e-8;
+
+ControllerParams checked(ControllerParams params, const RobotModel& model, double control_period) {
+  ControllerParams full = resolved(std::move(params), model);
+  std::string errors;
+  for (const ParamsIssue& issue : check_params(full, model, control_period))
+    if (!issue.warning) errors += (errors.empty() ? "" : "; ") + issue.key + " " + issue.message;
+  if (!errors.empty()) throw std::invalid_argument("controller parameters: " + errors);
+  return full;
+}
+
+std::shared_ptr<const RobotModel> not_null(std::shared_ptr<const RobotModel> model) {
+  if (model == nullptr) throw std::invalid_argument("a controller needs a robot");
+  return model;
+}
+
+}  // namespace
+
+Controller::Controller(std::shared_ptr<const RobotModel> model, ControllerParams params, double control_period)
+    : model_(not_null(std::move(model))),
+      params_(checked(std::move(params), *model_, control_period)),
+      control_period_(control_period),
+      base_dof_(model_->base_dof()),
+      nv_(model_->num_velocities()),
+      kinematics_(model_),
+      proximity_(model_),
+      collision_(*model_, params_.collision),
+      bounds_(*model_, params_, control_period),
+      fallback_(params_.solver),
+      prismatic_(model_->num_joints()),
+      J_m_(VectorX::Zero(model_->num_joints())),
+      hard_lower_(VectorX::Zero(nv_)),
+      hard_upper_(VectorX::Zero(nv_)),
+      command_(VectorX::Zero(nv_)),
+      gradient_(VectorX::Zero(nv_)),
+      scratch_(VectorX::Zero(nv_)) {
+  for (int i = 0; i < model_->num_joints(); ++i)
+    prismatic_[i] = model_->joints[static_cast<std::size_t>(i)].type == JointType::kPrismatic ? 1 : 0;
+  reset({});
+}
+
+void Controller::reset(std::span<const ObjectShape> objects) {
+  proximity_.set_objects(objects);
+  object_names_.clear();
+  for (const ObjectShape& object : objects) object_names_.push_back(object.name);
+  const int collision_rows = collision_.allocate(static_cast<int>(objects.size()));
+  const int variables = nv_ + (params_.slack.enabled ? 6 : 0);
+  const int rows = 6 + collision_rows + num_wheels(model_->base);
+  problem_.allocate(variables, rows);
+  if (params_.slack.enabled) {
+    problem_.lb.tail<6>() = -params_.slack.limit;
+    problem_.ub.tail<6>() = params_.slack.limit;
+  }
+  fallback_.allocate(variables, rows);
+  task_ = Task{};
+  outcome_ = {};
+  counters_ = {};
+  manipulability_ = 0.0;
+  J_m_.setZero();
+  command_.setZero();
+}
+
+void Controller::prepare(StepResult& result) const { result.command = VectorX::Zero(nv_); }
+
+bool Controller::valid(const Observation& o) const noexcept {
+  if (o.q.size() != model_->num_joints() || o.qdot.size() != nv_ || o.objects.size() != object_names_.size())
+    return false;
+  if (!std::isfinite(o.time) || !o.base.allFinite() || !o.q.allFinite() || !o.qdot.allFinite() ||
+      !o.goal.X_WG.matrix().allFinite() || !o.goal.V_WG_W.allFinite())
+    return false;
+  for (const ObjectState& object : o.objects)
+    if (object.visible && (!object.X_WO.matrix().allFinite() || !object.V_WO_W.allFinite())) return false;
+  return true;
+}
+
+void Controller::step(const Observation& observation, StepResult& result) noexcept {
+  result.solve_seconds = 0.0;
+  result.iterations = 0;
+  result.slack.setZero();
+  result.least_distance = kInfinity;
+  problem_.clear();
+  outcome_ = {};
+  if (!valid(observation) || result.command.size() != nv_) {
+    brake(observation, result);
+    return;
+  }
+  observe(observation);
+  if (params_.method == Method::kQp)
+    solve_qp(observation, result);
+  else
+    solve_closed_form(observation, result);
+  result.command = command_;
+  result.error = task_.error;
+  result.error_norm = task_.error_norm;
+  result.manipulability = manipulability_;
+  result.status = outcome_.status;
+  result.fallback = outcome_.fallback;
+  result.iterations = outcome_.iterations;
+  result.rows = problem_.rows;
+  if (!std::isfinite(result.error_norm) || !result.error.allFinite() || !std::isfinite(manipulability_)) {
+    result.error.setZero();
+    result.error_norm = params_.error_norm.max;
+    result.manipulability = 0.0;
+  }
+  counters_.count(outcome_.status, outcome_.fallback, collision_.left_out());
+}
+
+// Each velocity by itself: what is known of the state still bounds what is done about it.
+void Controller::brake(const Observation& o, StepResult& result) noexcept {
+  hard_lower_ = -bounds_.speed();
+  hard_upper_ = bounds_.speed();
+  if (o.q.size() == model_->num_joints()) bounds_.joint_limits(o.q, hard_lower_, hard_upper_);
+  problem_.lb.head(nv_) = hard_lower_;
+  problem_.ub.head(nv_) = hard_upper_;
+  if (o.qdot.size() == nv_)
+    bounds_.acceleration(o.qdot, hard_lower_, hard_upper_, problem_.lb.head(nv_), problem_.ub.head(nv_));
+  for (int i = 0; i < nv_; ++i) {
+    const bool known = o.qdot.size() == nv_ && std::isfinite(o.qdot[i]);
+    const double low = known ? problem_.lb[i] : hard_lower_[i];
+    const double high = known ? problem_.ub[i] : hard_upper_[i];
+    command_[i] = braking(low, high);
+  }
+  for (Eigen::Index i = 0; i < result.command.size(); ++i) result.command[i] = i < nv_ ? command_[i] : 0.0;
+  outcome_.status = StepStatus::kInvalidInput;
+  outcome_.fallback = Fallback::kBrake;
+  result.status = outcome_.status;
+  result.fallback = outcome_.fallback;
+  result.error.setZero();
+  result.error_norm = params_.error_norm.max;
+  result.manipulability = 0.0;
+  result.rows = 0;
+  result.active_rows = 0;
+  task_ = Task{};
+  counters_.count(outcome_.status, outcome_.fallback, 0);
+}
+
+void Controller::observe(const Observation& o) noexcept {
+  kinematics_.update(o.base, o.q);
+  task_.error = pose_error(kinematics_.X_WE(), o.goal.X_WG);
+  task_.nu = servo_twist(params_.servo, task_.error, o.goal.V_WG_W);
+  task_.raw_error_norm = error_norm(params_.error_norm, task_.error);
+  task_.error_norm = std::min(std::max(task_.raw_error_norm, params_.error_norm.min), params_.error_norm.max);
+  task_.theta_eps = base_dof_ > 0 ? bearing(kinematics_.X_WB(), kinematics_.X_WE().translation()) : 0.0;
+  const auto J_arm = kinematics_.J_WE_W().rightCols(model_->num_joints());
+  if (params_.manipulability.weight != 0.0) {
+    manipulability_ = manipulability_gradient(J_arm, prismatic_, params_.manipulability.rows, J_m_).value;
+  } else {
+    manipulability_ = moma::manipulability(J_arm, params_.manipulability.rows);
+    J_m_.setZero();
+  }
+  bounds_.joint_limits(o.q, hard_lower_, hard_upper_);
+}
+
+void Controller::build(const Observation& o) noexcept {
+  bounds_.acceleration(o.qdot, hard_lower_, hard_upper_, problem_.lb.head(nv_), problem_.ub.head(nv_));
+  add_base_term(params_, base_dof_, task_, problem_);
+  add_manipulability_term(params_.manipulability, base_dof_, J_m_, problem_);
+  add_slack_term(params_.slack, nv_, task_, problem_);
+  add_acceleration_term(params_.acceleration_weight, o.qdot, problem_);
+  add_posture_term(params_.posture, base_dof_, params_.posture.target, o.q, problem_);
+  add_tracking_rows(kinematics_.J_WE_W(), task_.nu, params_.tracking_band, params_.slack.enabled, problem_);
+  collision_.add(kinematics_, proximity_.query(kinematics_, o.objects, collision_.ranges()), o.objects, problem_);
+  add_wheel_rows(model_->base, problem_);
+}
+
+void Controller::solve_qp(const Observation& o, StepResult& result) noexcept {
+  build(o);
+  for (const ProximityPair& pair : collision_.sorted()) {
+    if (pair.kind != PairKind::kObject) continue;
+    result.least_distance = pair.distance.d;
+    break;
+  }
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start = timing_ ? Clock::now() : Clock::time_point{};
+  outcome_ = fallback_.solve(problem_, hard_lower_, hard_upper_, bounds_.has_acceleration());
+  if (timing_) result.solve_seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  const VectorX& x = fallback_.solution().x;
+  command_ = x.head(nv_);
+  if (params_.slack.enabled) result.slack = x.segment<6>(nv_);
+  result.active_rows = outcome_.fallback == Fallback::kBrake ? 0 : count_active();
+  if (params_.output_scaling.enabled && outcome_.fallback != Fallback::kBrake) scale_output();
+}
+
+void Controller::scale_output() noexcept {
+  const OutputScalingParams& s = params_.output_scaling;
+  const double e = task_.raw_error_norm;
+  command_ *= e > s.switch_distance ? s.far / e : s.near;
+  const bool hard = outcome_.fallback == Fallback::kNoAcceleration || outcome_.fallback == Fallback::kRelaxed;
+  for (int i = 0; i < nv_; ++i) {
+    const double low = hard ? hard_lower_[i] : problem_.lb[i];
+    const double high = hard ? hard_upper_[i] : problem_.ub[i];
+    command_[i] = std::min(std::max(command_[i], low), high);
+  }
+}
+
+int Controller::count_active() const noexcept {
+  const VectorX& x = fallback_.solution().x;
+  const bool hard = outcome_.fallback != Fallback::kNone;
+  int active = 0;
+  for (int i = 0; i < problem_.n(); ++i) {
+    const double low = hard && i < nv_ ? hard_lower_[i] : problem_.lb[i];
+    const double high = hard && i < nv_ ? hard_upper_[i] : problem_.ub[i];
+    if (x[i] - low < kActive || high - x[i] < kActive) ++active;
+  }
+  const double s = outcome_.collision_slack;
+  for (int r = 0; r < problem_.rows; ++r) {
+    double value = 0.0;
+    for (int i = 0; i < problem_.n(); ++i) value += problem_.A(r, i) * x[i];
+    const RowKind kind = problem_.ids[static_cast<std::size_t>(r)].kind;
+    if (kind != RowKind::kTracking && kind != RowKind::kWheel) value -= s;
+    if (value - problem_.lbA[r] < kActive || problem_.ubA[r] - value < kActive) ++active;
+  }
+  return active;
+}
+
+void Controller::solve_closed_form(const Observation& o, StepResult& result) noexcept {
+  result.active_rows = 0;
+  const Matrix6X& J = kinematics_.J_WE_W();
+  if (!J.allFinite() || !task_.nu.allFinite() || !J_m_.allFinite()) {
+    for (int i = 0; i < nv_; ++i) command_[i] = 0.0;
+    outcome_.status = StepStatus::kInvalidInput;
+    outcome_.fallback = Fallback::kBrake;
+    return;
+  }
+  inverse_.update(J);
+  rrmc(inverse_, J, task_.nu, command_);
+  if (params_.method != Method::kRrmc) {
+    park_gradient(params_, base_dof_, J_m_, gradient_);
+    if (params_.method == Method::kBaur) add_limit_repulsion(*model_, o.q, gradient_);
+    add_projected(inverse_, J, gradient_, scratch_, command_);
+  }
+  if (!command_.allFinite()) {
+    command_.setZero();
+    outcome_.status = StepStatus::kInvalidInput;
+    outcome_.fallback = Fallback::kBrake;
+    return;
+  }
+  scale_into_limits(*model_, bounds_.speed(), command_);
+}
+
+VectorX Controller::J_m() const {
+  VectorX gradient(model_->num_joints());
+  manipulability_gradient(kinematics_.J_WE_W().rightCols(model_->num_joints()), prismatic_,
+                          params_.manipulability.rows, gradient);
+  return gradient;
+}
+
+std::string Controller::row_name(int row) const {
+  return moma::row_name(problem_.ids.at(static_cast<std::size_t>(row)), *model_, object_names_);
+}
+
+const QpSolution& Controller::solution() const { return fallback_.solution(); }
+
+double Controller::cost() const noexcept { return problem_.cost(fallback_.solution().x); }
+
+double Controller::kkt_residual() const {
+  if (params_.method != Method::kQp || outcome_.fallback == Fallback::kBrake) return kInfinity;
+  const QpSolution& s = fallback_.solution();
+  return moma::kkt_residual(fallback_.final_problem(problem_), s.x, s.bound_multipliers, s.row_multipliers);
+}
+
+VectorX Controller::wheels() const {
+  Eigen::Vector4d speeds;
+  const int count = wheel_speeds(model_->base, command_, speeds);
+  return speeds.head(count);
+}
+
+std::unique_ptr<StepController> make_controller(std::shared_ptr<const RobotModel> model, ControllerParams params,
+                                                double control_period) {
+  return std::make_unique<Controller>(std::move(model), std::move(params), control_period);
+}
+
+}  // namespace moma

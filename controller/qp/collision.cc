@@ -1,0 +1,112 @@
+#include "controller/qp/collision.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace moma {
+namespace {
+
+// Below this largest coefficient [m/s per unit velocity] a row holds nothing the robot can do.
+constexpr double kNoEffect = 1e-9;
+
+RowKind row_kind(PairKind kind) noexcept {
+  switch (kind) {
+    case PairKind::kObject: return RowKind::kObject;
+    case PairKind::kFloor: return RowKind::kFloor;
+    case PairKind::kSelf: return RowKind::kSelf;
+  }
+  return RowKind::kObject;
+}
+
+}  // namespace
+
+double approach_speed(const DamperParams& params, double d) noexcept {
+  return params.gain * (d - params.stop) / (params.influence - params.stop);
+}
+
+CollisionRows::CollisionRows(const RobotModel& model, const CollisionParams& params)
+    : model_(&model),
+      params_(params),
+      J_first_(3, model.num_velocities()),
+      J_second_(3, model.num_velocities()),
+      row_(model.num_velocities()) {}
+
+int CollisionRows::allocate(int num_objects) {
+  const std::size_t shapes = model_->shapes.size();
+  const ProximityRanges on = ranges();
+  const std::size_t pairs = (on.object >= 0 ? shapes * static_cast<std::size_t>(num_objects) : 0) +
+                            (on.floor >= 0 ? shapes : 0) + (on.self >= 0 ? model_->self_pairs.size() : 0);
+  keys_.reserve(pairs);
+  sorted_.reserve(pairs);
+  keys_.clear();
+  sorted_.clear();
+  left_out_ = 0;
+  return static_cast<int>(std::min(pairs, static_cast<std::size_t>(params_.max_pairs)));
+}
+
+ProximityRanges CollisionRows::ranges() const noexcept {
+  const auto range = [&](const DamperParams& p) {
+    return params_.object.enabled && p.enabled && params_.max_pairs > 0 ? p.influence : -1.0;
+  };
+  return {.object = range(params_.object), .floor = range(params_.floor), .self = range(params_.self)};
+}
+
+const DamperParams& CollisionRows::damper(PairKind kind) const noexcept {
+  switch (kind) {
+    case PairKind::kObject: return params_.object;
+    case PairKind::kFloor: return params_.floor;
+    case PairKind::kSelf: return params_.self;
+  }
+  return params_.object;
+}
+
+void CollisionRows::add(const Kinematics& kinematics, std::span<const ProximityPair> pairs,
+                        std::span<const ObjectState> states, QpProblem& problem) noexcept {
+  keys_.clear();
+  sorted_.clear();
+  left_out_ = 0;
+  for (std::size_t i = 0; i < pairs.size() && keys_.size() < keys_.capacity(); ++i) {
+    const DamperParams& p = damper(pairs[i].kind);
+    const double d = pairs[i].distance.d;
+    if (d >= p.influence) continue;
+    // A distance that is not a number must not be lost: it comes first, and the solver refuses its row.
+    keys_.push_back({std::isnan(d) ? -kInfinity : d - p.stop, static_cast<int>(i)});
+  }
+  std::sort(keys_.begin(), keys_.end(), [](const Key& a, const Key& b) {
+    return a.order < b.order || (a.order == b.order && a.index < b.index);
+  });
+  for (const Key& key : keys_) sorted_.push_back(pairs[static_cast<std::size_t>(key.index)]);
+  const std::size_t kept = std::min(sorted_.size(), static_cast<std::size_t>(params_.max_pairs));
+  for (const PairKind kind : {PairKind::kObject, PairKind::kFloor, PairKind::kSelf}) {
+    for (std::size_t i = 0; i < kept; ++i)
+      if (sorted_[i].kind == kind && !fill(kinematics, sorted_[i], states, problem)) ++left_out_;
+  }
+}
+
+bool CollisionRows::fill(const Kinematics& kinematics, const ProximityPair& pair, std::span<const ObjectState> states,
+                         QpProblem& problem) noexcept {
+  const Distance& distance = pair.distance;
+  const int first_link = model_->shapes[static_cast<std::size_t>(pair.first)].link;
+  double limit = approach_speed(damper(pair.kind), distance.d);
+  kinematics.point_jacobian(first_link, distance.p_first_W, J_first_);
+  row_.noalias() = -J_first_.transpose() * distance.n_W;
+  if (pair.kind == PairKind::kObject) {
+    const ObjectState& object = states[static_cast<std::size_t>(pair.second)];
+    const Vector3 arm = distance.p_second_W - object.X_WO.translation();
+    const Vector3 p_dot = object.V_WO_W.tail<3>() + object.V_WO_W.head<3>().cross(arm);
+    limit -= distance.n_W.dot(p_dot);
+  } else if (pair.kind == PairKind::kSelf) {
+    const int second_link = model_->shapes[static_cast<std::size_t>(pair.second)].link;
+    kinematics.point_jacobian(second_link, distance.p_second_W, J_second_);
+    // n12 = -n_W points from the first link to the second.
+    row_.noalias() += J_second_.transpose() * distance.n_W;
+  }
+  // Written so that a NaN keeps the row: the solver's input check then reports it.
+  if (row_.cwiseAbs().maxCoeff() < kNoEffect) return false;
+  const int row = problem.append({row_kind(pair.kind), pair.first, pair.second}, -kInfinity, limit);
+  if (row < 0) return false;
+  problem.A.row(row).head(row_.size()) = row_.transpose();
+  return true;
+}
+
+}  // namespace moma

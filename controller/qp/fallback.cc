@@ -1,0 +1,126 @@
+#include "controller/qp/fallback.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace moma {
+namespace {
+
+constexpr double kSlackCost = 1e6;
+
+bool is_collision(RowKind kind) noexcept {
+  return kind == RowKind::kObject || kind == RowKind::kFloor || kind == RowKind::kSelf;
+}
+
+}  // namespace
+
+double braking(double lower, double upper) noexcept {
+  const double value = std::min(std::max(0.0, lower), upper);
+  return std::isfinite(value) && lower <= upper ? value : 0.0;
+}
+
+void StepCounters::count(StepStatus status, Fallback fallback, int left_out) noexcept {
+  ++steps;
+  switch (status) {
+    case StepStatus::kSolved: ++solved; break;
+    case StepStatus::kInfeasible: ++infeasible; break;
+    case StepStatus::kMaxIterations: ++max_iterations; break;
+    case StepStatus::kInvalidInput: ++invalid_input; break;
+  }
+  switch (fallback) {
+    case Fallback::kNone: break;
+    case Fallback::kNoAcceleration: ++no_acceleration; break;
+    case Fallback::kRelaxed: ++relaxed; break;
+    case Fallback::kBrake: ++brake; break;
+  }
+  rows_left_out += left_out;
+}
+
+FallbackSolver::FallbackSolver(SolverKind kind) : solver_(make_solver(kind)), relaxed_solver_(make_solver(kind)) {}
+
+void FallbackSolver::allocate(int num_variables, int max_rows) {
+  solver_->allocate(num_variables, max_rows);
+  relaxed_solver_->allocate(num_variables + 1, max_rows);
+  relaxed_.allocate(num_variables + 1, max_rows);
+  solution_.allocate(num_variables + 1, max_rows);
+  stage_lower_ = VectorX::Zero(num_variables);
+  stage_upper_ = VectorX::Zero(num_variables);
+  last_ = Fallback::kNone;
+}
+
+FallbackSolver::Outcome FallbackSolver::solve(const QpProblem& problem, const VectorX& hard_lower,
+                                              const VectorX& hard_upper, bool has_acceleration) noexcept {
+  Outcome out;
+  last_ = Fallback::kNone;
+  out.status = solver_->solve(problem, solution_);
+  out.iterations = solution_.iterations;
+  if (out.status == StepStatus::kSolved) return out;
+
+  if (out.status != StepStatus::kInvalidInput) {
+    stage_lower_ = problem.lb;
+    stage_upper_ = problem.ub;
+    stage_lower_.head(hard_lower.size()) = hard_lower;
+    stage_upper_.head(hard_upper.size()) = hard_upper;
+    if (has_acceleration) {
+      const StepStatus status = solver_->solve(problem, {stage_lower_.data(), stage_upper_.data()}, solution_);
+      out.iterations += solution_.iterations;
+      if (status == StepStatus::kSolved) {
+        out.fallback = last_ = Fallback::kNoAcceleration;
+        return out;
+      }
+    }
+    const bool collisions = std::any_of(problem.ids.begin(), problem.ids.begin() + problem.rows,
+                                        [](const RowId& id) { return is_collision(id.kind); });
+    if (collisions) {
+      const StepStatus status = solve_relaxed(problem);
+      out.iterations += solution_.iterations;
+      if (status == StepStatus::kSolved) {
+        out.fallback = last_ = Fallback::kRelaxed;
+        out.collision_slack = solution_.x[problem.n()];
+        return out;
+      }
+    }
+  }
+
+  out.fallback = last_ = Fallback::kBrake;
+  const auto nv = hard_lower.size();
+  solution_.x.setZero();
+  for (Eigen::Index i = 0; i < nv; ++i) solution_.x[i] = braking(problem.lb[i], problem.ub[i]);
+  solution_.bound_multipliers.setZero();
+  solution_.row_multipliers.setZero();
+  return out;
+}
+
+StepStatus FallbackSolver::solve_relaxed(const QpProblem& problem) noexcept {
+  const int n = problem.n();
+  relaxed_.H.head(n) = problem.H;
+  relaxed_.g.head(n) = problem.g;
+  relaxed_.lb.head(n) = stage_lower_;
+  relaxed_.ub.head(n) = stage_upper_;
+  relaxed_.H[n] = kSlackCost;
+  relaxed_.g[n] = 0.0;
+  relaxed_.lb[n] = 0.0;
+  relaxed_.ub[n] = kInfinity;
+  relaxed_.rows = problem.rows;
+  relaxed_.A.topLeftCorner(problem.rows, n) = problem.A.topRows(problem.rows);
+  relaxed_.lbA.head(problem.rows) = problem.lbA.head(problem.rows);
+  relaxed_.ubA.head(problem.rows) = problem.ubA.head(problem.rows);
+  for (int i = 0; i < problem.rows; ++i) {
+    const RowId& id = problem.ids[static_cast<std::size_t>(i)];
+    relaxed_.ids[static_cast<std::size_t>(i)] = id;
+    relaxed_.A(i, n) = is_collision(id.kind) ? -1.0 : 0.0;
+  }
+  return relaxed_solver_->solve(relaxed_, solution_);
+}
+
+QpProblem FallbackSolver::final_problem(const QpProblem& original) const {
+  if (last_ == Fallback::kRelaxed) return relaxed_;
+  QpProblem problem = original;
+  if (last_ == Fallback::kNoAcceleration) {
+    problem.lb = stage_lower_;
+    problem.ub = stage_upper_;
+  }
+  return problem;
+}
+
+}  // namespace moma

@@ -1,0 +1,130 @@
+#include "controller/qp/limits.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace moma {
+
+VelocityBounds::VelocityBounds(const RobotModel& model, const ControllerParams& params, double control_period)
+    : base_dof_(model.base_dof()),
+      law_(params.joint_limits),
+      speed_(model.velocity_limits()),
+      q_lower_(model.num_joints()),
+      q_upper_(model.num_joints()),
+      margin_(resolve_margin(model, params.joint_limits)),
+      step_(params.acceleration_limit * control_period) {
+  for (int i = 0; i < model.num_joints(); ++i) {
+    q_lower_[i] = model.joints[static_cast<std::size_t>(i)].lower;
+    q_upper_[i] = model.joints[static_cast<std::size_t>(i)].upper;
+  }
+  for (const double a : params.acceleration_limit) has_acceleration_ = has_acceleration_ || std::isfinite(a);
+}
+
+void VelocityBounds::joint_limits(const Eigen::Ref<const VectorX>& q, Eigen::Ref<VectorX> lower,
+                                  Eigen::Ref<VectorX> upper) const noexcept {
+  for (int i = 0; i < base_dof_; ++i) {
+    lower[i] = -speed_[i];
+    upper[i] = speed_[i];
+  }
+  for (int i = 0; i < static_cast<int>(q.size()); ++i) {
+    const int v = base_dof_ + i;
+    const double speed = speed_[v];
+    double low = -speed;
+    double high = speed;
+    // An infinite limit (a continuous joint, or one open on a side) gives infinite room and no bound.
+    const double above = q_upper_[i] - q[i];
+    const double below = q[i] - q_lower_[i];
+    switch (law_.method) {
+      case JointLimitMethod::kNone: break;
+      case JointLimitMethod::kSource:
+        high = source_bound(above, margin_[i], speed);
+        low = -source_bound(below, margin_[i], speed);
+        break;
+      case JointLimitMethod::kDamper:
+        high = damper_bound(above, law_);
+        low = -damper_bound(below, law_);
+        if (low > high) low = high = 0.5 * (low + high);
+        high = std::min(std::max(high, -speed), speed);
+        low = std::min(std::max(low, -speed), speed);
+        break;
+    }
+    lower[v] = low;
+    upper[v] = high;
+  }
+}
+
+void VelocityBounds::acceleration(const VectorX& qdot, const Eigen::Ref<const VectorX>& hard_lower,
+                                  const Eigen::Ref<const VectorX>& hard_upper, Eigen::Ref<VectorX> lower,
+                                  Eigen::Ref<VectorX> upper) const noexcept {
+  for (int i = 0; i < static_cast<int>(step_.size()); ++i) {
+    lower[i] = std::min(std::max(qdot[i] - step_[i], hard_lower[i]), hard_upper[i]);
+    upper[i] = std::min(std::max(qdot[i] + step_[i], hard_lower[i]), hard_upper[i]);
+  }
+}
+
+VectorX resolve_margin(const RobotModel& model, const JointLimitParams& params) {
+  if (!params.auto_margin) return params.margin;
+  VectorX margin(model.num_joints());
+  for (int i = 0; i < model.num_joints(); ++i) {
+    const ControlledJoint& joint = model.joints[static_cast<std::size_t>(i)];
+    margin[i] = std::min(0.3, 0.25 * (joint.upper - joint.lower));
+  }
+  return margin;
+}
+
+double source_bound(double room, double margin, double speed) noexcept {
+  if (room < 0.0) return 0.0;
+  return speed * std::min(room / margin, 1.0);
+}
+
+double damper_bound(double room, const JointLimitParams& params) noexcept {
+  if (!(room < params.influence)) return kInfinity;
+  return params.gain * (room - params.stop) / (params.influence - params.stop);
+}
+
+int num_wheels(const MobileBase& base) noexcept {
+  if (!base.wheels) return 0;
+  return base.type == BaseType::kDifferential ? 2 : base.type == BaseType::kOmnidirectional ? 4 : 0;
+}
+
+namespace {
+
+// One wheel's speed per base velocity [rad/m, 1]; Lynch & Park 2017, 13.3, and the mecanum map of docs/conventions.md.
+Vector3 wheel_row(const MobileBase& base, int wheel) noexcept {
+  const Wheels& w = *base.wheels;
+  if (base.type == BaseType::kDifferential) {
+    const double side = wheel == 0 ? -1.0 : 1.0;
+    return {1.0 / w.radius, side * w.separation / (2.0 * w.radius), 0.0};
+  }
+  const double k = 0.5 * (w.wheelbase + w.separation);
+  static constexpr double kSideways[] = {-1.0, 1.0, 1.0, -1.0};
+  static constexpr double kTurn[] = {-1.0, 1.0, -1.0, 1.0};
+  return Vector3(1.0, kSideways[wheel], kTurn[wheel] * k) / w.radius;
+}
+
+}  // namespace
+
+int wheel_speeds(const MobileBase& base, const Eigen::Ref<const VectorX>& velocity, Eigen::Vector4d& speeds) noexcept {
+  const int wheels = num_wheels(base);
+  const int dof = base.type == BaseType::kDifferential ? 2 : 3;
+  for (int i = 0; i < wheels; ++i) {
+    const Vector3 row = wheel_row(base, i);
+    double sum = 0.0;
+    for (int j = 0; j < dof; ++j) sum += row[j] * velocity[j];
+    speeds[i] = sum;
+  }
+  return wheels;
+}
+
+void add_wheel_rows(const MobileBase& base, QpProblem& problem) noexcept {
+  const int wheels = num_wheels(base);
+  const int dof = base.type == BaseType::kDifferential ? 2 : 3;
+  for (int i = 0; i < wheels; ++i) {
+    const int row = problem.append({RowKind::kWheel, i, -1}, -base.wheels->max_speed, base.wheels->max_speed);
+    if (row < 0) return;
+    const Vector3 map = wheel_row(base, i);
+    for (int j = 0; j < dof; ++j) problem.A(row, j) = map[j];
+  }
+}
+
+}  // namespace moma

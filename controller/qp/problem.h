@@ -1,0 +1,60 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "controller/model/proximity.h"
+#include "controller/model/robot_model.h"
+#include "controller/types.h"
+
+namespace moma {
+
+using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+enum class RowKind { kTracking, kObject, kFloor, kSelf, kWheel };
+
+/// What a constraint row is about, enough to name it later. tracking: (component 0-5, -); object: (robot shape,
+/// object); floor: (robot shape, -); self: (robot shape, robot shape); wheel: (wheel, -).
+struct RowId {
+  RowKind kind = RowKind::kTracking;
+  int first = 0;
+  int second = 0;
+};
+
+/// min 1/2 x^T diag(H) x + g^T x  subject to  lbA <= A x <= ubA, lb <= x <= ub (the form of qpOASES).
+/// x = (qdot, delta), delta in R^6, absent where tracking is a hard equality. All memory is taken by allocate();
+/// rows are appended until `capacity()`. H is diagonal by construction: every term of the objective is.
+struct QpProblem {
+  VectorX H;    ///< n, the diagonal
+  VectorX g;    ///< n
+  VectorX lb;   ///< n
+  VectorX ub;   ///< n
+  RowMatrix A;  ///< capacity() x n; the first `rows` count
+  VectorX lbA;  ///< capacity()
+  VectorX ubA;  ///< capacity()
+  std::vector<RowId> ids;
+  int rows = 0;
+
+  int n() const noexcept { return static_cast<int>(H.size()); }
+  int capacity() const noexcept { return static_cast<int>(A.rows()); }
+
+  void allocate(int num_variables, int max_rows);
+  /// No rows, no objective; bounds are left as they are.
+  void clear() noexcept;
+  /// Appends a zero row and returns its index, or -1 where the problem is full.
+  int append(const RowId& id, double lower, double upper) noexcept;
+
+  /// 1/2 x^T H x + g^T x; `x` may be longer than n (the relaxed problem's slack is left out).
+  double cost(const Eigen::Ref<const VectorX>& x) const noexcept;
+};
+
+/// "tracking/3", "object/NAME/SHAPE", "floor/SHAPE", "self/A/B", "wheel/left".
+std::string row_name(const RowId& id, const RobotModel& model, std::span<const std::string> object_names);
+
+/// Largest of: violation of bounds and rows; |H x + g + A^T lambda + mu|; a multiplier's wrong sign; |multiplier|
+/// times distance to its bound. Multipliers are positive at upper, negative at lower limits. Allocates.
+double kkt_residual(const QpProblem& problem, const VectorX& x, const VectorX& bound_multipliers,
+                    const VectorX& row_multipliers);
+
+}  // namespace moma

@@ -1,0 +1,46 @@
+#include "controller/qp/servo.h"
+
+#include <cmath>
+
+#include "controller/model/kinematics.h"
+
+namespace moma {
+namespace {
+
+Vector3 clamped(const Vector3& v, double limit) noexcept {
+  const double length = v.norm();
+  return length > limit ? Vector3(v * (limit / length)) : v;
+}
+
+}  // namespace
+
+Vector6 pose_error(const Isometry& X_WE, const Isometry& X_WG) noexcept {
+  Vector6 e;
+  e.head<3>() = log_so3(X_WG.linear() * X_WE.linear().transpose());
+  e.tail<3>() = X_WG.translation() - X_WE.translation();
+  return e;
+}
+
+Vector6 servo_twist(const ServoParams& params, const Vector6& error, const Vector6& V_WG_W) noexcept {
+  Vector6 nu;
+  nu.head<3>() = clamped(params.orientation * error.head<3>(), params.max_angular);
+  nu.tail<3>() = clamped(params.position * error.tail<3>(), params.max_linear);
+  return nu + V_WG_W;
+}
+
+double error_norm(const ErrorNormParams& params, const Vector6& error) noexcept {
+  switch (params.kind) {
+    case ErrorNormKind::kEuclidean: return error.tail<3>().norm();
+    case ErrorNormKind::kL1: return error.tail<3>().lpNorm<1>();
+    case ErrorNormKind::kPose:
+      return std::sqrt(error.tail<3>().squaredNorm() + params.scale * params.scale * error.head<3>().squaredNorm());
+  }
+  return 0.0;
+}
+
+double bearing(const Isometry& X_WB, const Vector3& p_W) noexcept {
+  const Vector3 p_B = X_WB.linear().transpose() * (p_W - X_WB.translation());
+  return std::atan2(p_B.y(), p_B.x());
+}
+
+}  // namespace moma

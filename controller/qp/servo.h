@@ -1,0 +1,32 @@
+#pragma once
+
+#include "controller/params.h"
+#include "controller/step.h"
+#include "controller/types.h"
+
+namespace moma {
+
+/// What one step asks of the robot. Everything later parts of the step (a detour, say) may want to change is here,
+/// between the servo that fills it and the terms and rows that read it.
+struct Task {
+  Vector6 error = Vector6::Zero();  ///< [e_R; e_p]: log(R_d R^T), p_d - p, world axes [rad, m]
+  Vector6 nu = Vector6::Zero();     ///< twist wanted of E, world axes [rad/s, m/s]
+  double raw_error_norm = 0.0;      ///< ||e||, not clamped
+  double error_norm = 0.0;          ///< ||e|| clamped to [min, max], as used in the weights
+  double theta_eps = 0.0;           ///< bearing of E seen from the base frame [rad]; 0 for a fixed base
+};
+
+/// e = [log(R_d R^T); p_d - p] in world axes.
+Vector6 pose_error(const Isometry& X_WE, const Isometry& X_WG) noexcept;
+
+/// nu = [k_R e_R; k_p e_p], each part clamped in length with its direction kept, + V_d (Lynch & Park 2017, 11.17,
+/// with the feed-forward of the goal, which the source's summary leaves without its subscript).
+Vector6 servo_twist(const ServoParams& params, const Vector6& error, const Vector6& V_WG_W) noexcept;
+
+/// ||e|| before clamping: |e_p|_2, |e_p|_1, or sqrt(|e_p|^2 + (scale |e_R|)^2).
+double error_norm(const ErrorNormParams& params, const Vector6& error) noexcept;
+
+/// atan2(y, x) of E in the base frame (Haviland 2022, eq. 14).
+double bearing(const Isometry& X_WB, const Vector3& p_W) noexcept;
+
+}  // namespace moma

@@ -1,0 +1,126 @@
+#include "controller/qp/solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "controller/qp/solver_daqp.h"
+#ifdef MOMA_HAVE_QPOASES
+#include "controller/qp/solver_qpoases.h"
+#endif
+#ifdef MOMA_HAVE_EIQUADPROG
+#include "controller/qp/solver_eiquadprog.h"
+#endif
+
+namespace moma {
+namespace {
+
+// A solution may miss a row by this much [m/s, rad/s]: what rounding leaves where the weights span 1e9.
+constexpr double kRowTolerance = 1e-6;
+// Bounds that cross by no more than rounding are taken as equal.
+constexpr double kCrossTolerance = 1e-12;
+
+StepStatus check_input(const QpProblem& p, const Box& box) noexcept {
+  const int n = p.n();
+  if (!p.H.allFinite() || !p.g.allFinite() || !p.A.topRows(p.rows).allFinite()) return StepStatus::kInvalidInput;
+  for (int i = 0; i < n; ++i)
+    if (p.H[i] < 0.0) return StepStatus::kInvalidInput;
+  bool crossed = false;
+  const auto check = [&](double lower, double upper) {
+    if (std::isnan(lower) || std::isnan(upper) || lower == kInfinity || upper == -kInfinity) return false;
+    crossed = crossed || lower > upper + kCrossTolerance;
+    return true;
+  };
+  for (int i = 0; i < n; ++i)
+    if (!check(box.lower[i], box.upper[i])) return StepStatus::kInvalidInput;
+  for (int i = 0; i < p.rows; ++i)
+    if (!check(p.lbA[i], p.ubA[i])) return StepStatus::kInvalidInput;
+  return crossed ? StepStatus::kInfeasible : StepStatus::kSolved;
+}
+
+// Finite, inside the box up to rounding (then clipped exactly) and near enough to every row.
+bool accept_output(const QpProblem& p, const Box& box, VectorX& x) noexcept {
+  const int n = p.n();
+  for (int i = 0; i < n; ++i) {
+    if (!std::isfinite(x[i])) return false;
+    const double clipped = std::min(std::max(x[i], box.lower[i]), box.upper[i]);
+    if (std::abs(clipped - x[i]) > kRowTolerance) return false;
+    x[i] = clipped;
+  }
+  for (int r = 0; r < p.rows; ++r) {
+    double value = 0.0;
+    double scale = 1.0;
+    for (int i = 0; i < n; ++i) {
+      const double part = p.A(r, i) * x[i];
+      value += part;
+      scale += std::abs(part);
+    }
+    const double tolerance = kRowTolerance * scale;
+    if (!(value >= p.lbA[r] - tolerance && value <= p.ubA[r] + tolerance)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void QpSolution::allocate(int num_variables, int max_rows) {
+  x = VectorX::Zero(num_variables);
+  bound_multipliers = VectorX::Zero(num_variables);
+  row_multipliers = VectorX::Zero(max_rows);
+  iterations = 0;
+}
+
+StepStatus QpSolver::solve(const QpProblem& problem, QpSolution& solution) noexcept {
+  return solve(problem, Box{problem.lb.data(), problem.ub.data()}, solution);
+}
+
+StepStatus QpSolver::solve(const QpProblem& problem, const Box& box, QpSolution& solution) noexcept {
+  solution.iterations = 0;
+  if (problem.n() != num_variables() || problem.rows > max_rows() || solution.x.size() < problem.n() ||
+      solution.row_multipliers.size() < problem.rows)
+    return StepStatus::kInvalidInput;
+  const StepStatus input = check_input(problem, box);
+  if (input != StepStatus::kSolved) return input;
+  const StepStatus status = do_solve(problem, box, solution);
+  if (status != StepStatus::kSolved) return status;
+  return accept_output(problem, box, solution.x) ? StepStatus::kSolved : StepStatus::kMaxIterations;
+}
+
+std::string_view to_string(SolverKind kind) noexcept {
+  switch (kind) {
+    case SolverKind::kDaqp: return "daqp";
+    case SolverKind::kQpoases: return "qpoases";
+    case SolverKind::kEiquadprog: return "eiquadprog";
+  }
+  return "?";
+}
+
+std::vector<SolverKind> available_solvers() {
+  return {
+      SolverKind::kDaqp,
+#ifdef MOMA_HAVE_QPOASES
+      SolverKind::kQpoases,
+#endif
+#ifdef MOMA_HAVE_EIQUADPROG
+      SolverKind::kEiquadprog,
+#endif
+  };
+}
+
+std::unique_ptr<QpSolver> make_solver(SolverKind kind) {
+  switch (kind) {
+    case SolverKind::kDaqp: return std::make_unique<DaqpSolver>();
+#ifdef MOMA_HAVE_QPOASES
+    case SolverKind::kQpoases: return std::make_unique<QpoasesSolver>();
+#endif
+#ifdef MOMA_HAVE_EIQUADPROG
+    case SolverKind::kEiquadprog: return std::make_unique<EiquadprogSolver>();
+#endif
+    default: break;
+  }
+  std::string names;
+  for (const SolverKind k : available_solvers()) names += (names.empty() ? "" : ", ") + std::string(to_string(k));
+  throw std::invalid_argument("the solver " + std::string(to_string(kind)) + " is not in this build; it has " + names);
+}
+
+}  // namespace moma

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "controller/params.h"
+#include "controller/qp/problem.h"
+#include "controller/step.h"
+
+namespace moma {
+
+/// Multipliers are positive at upper and negative at lower limits: H x + g + A^T rows + bounds = 0.
+struct QpSolution {
+  VectorX x;                  ///< n (of the largest stage); finite and inside the bounds where solved
+  VectorX bound_multipliers;  ///< n
+  VectorX row_multipliers;    ///< capacity of the problem
+  int iterations = 0;
+
+  void allocate(int num_variables, int max_rows);
+};
+
+/// Box bounds that stand in for the problem's own (a stage of the fallback).
+struct Box {
+  const double* lower = nullptr;
+  const double* upper = nullptr;
+};
+
+/// One QP solver behind a common face. Cold start every time: a step's bits depend on its inputs alone, so
+/// that `moma solve` and a replay repeat them. Checks inputs and outputs, which most solvers do not.
+class QpSolver {
+ public:
+  virtual ~QpSolver() = default;
+  QpSolver() = default;
+  QpSolver(const QpSolver&) = delete;
+  QpSolver& operator=(const QpSolver&) = delete;
+
+  /// Sizes the workspace for problems of exactly `num_variables` and at most `max_rows` rows.
+  virtual void allocate(int num_variables, int max_rows) = 0;
+
+  /// kSolved, with solution.x inside the box and within 1e-6 of every row; kInfeasible; kMaxIterations (also
+  /// where the solver gave up or returned a wrong point); kInvalidInput (a NaN, an infinite coefficient, a wrong
+  /// size). `solution` is written only where solved, its `iterations` always.
+  StepStatus solve(const QpProblem& problem, QpSolution& solution) noexcept;
+  StepStatus solve(const QpProblem& problem, const Box& box, QpSolution& solution) noexcept;
+
+  /// True if solve() takes no memory (qpOASES does; it is here for cross-checks).
+  virtual bool real_time_safe() const noexcept = 0;
+
+ protected:
+  virtual StepStatus do_solve(const QpProblem& problem, const Box& box, QpSolution& solution) noexcept = 0;
+  virtual int num_variables() const noexcept = 0;
+  virtual int max_rows() const noexcept = 0;
+};
+
+/// daqp, qpoases, eiquadprog.
+std::string_view to_string(SolverKind kind) noexcept;
+/// Those this build has; DAQP always.
+std::vector<SolverKind> available_solvers();
+/// Throws std::invalid_argument naming the available ones where `kind` was not built.
+std::unique_ptr<QpSolver> make_solver(SolverKind kind);
+
+}  // namespace moma

@@ -1,0 +1,115 @@
+#include "controller/qp/solver_daqp.h"
+
+extern "C" {
+#include <api.h>
+#include <utils.h>
+}
+
+#include <algorithm>
+#include <cstring>
+
+namespace moma {
+
+struct DaqpSolver::Impl {
+  int n = 0;
+  int max_rows = 0;
+  DAQPWorkspace work{};
+  DAQPProblem qp{};
+  bool allocated = false;
+  // DAQP reads a dense row-major H and bounds of variables and rows in one array.
+  std::vector<double> H, f, lower, upper, x, multipliers;
+
+  void release() {
+    if (!allocated) return;
+    free_daqp_ldp(&work);
+    free_daqp_workspace(&work);
+    work = DAQPWorkspace{};
+    allocated = false;
+  }
+};
+
+DaqpSolver::DaqpSolver() : impl_(std::make_unique<Impl>()) {}
+DaqpSolver::~DaqpSolver() { impl_->release(); }
+int DaqpSolver::num_variables() const noexcept { return impl_->n; }
+int DaqpSolver::max_rows() const noexcept { return impl_->max_rows; }
+
+void DaqpSolver::allocate(int num_variables, int max_rows) {
+  Impl& s = *impl_;
+  s.release();
+  s.n = num_variables;
+  s.max_rows = max_rows;
+  const auto n = static_cast<std::size_t>(num_variables);
+  const std::size_t m = n + static_cast<std::size_t>(max_rows);
+  s.H.assign(n * n, 0.0);
+  s.f.assign(n, 0.0);
+  s.lower.assign(m, 0.0);
+  s.upper.assign(m, 0.0);
+  s.x.assign(n, 0.0);
+  s.multipliers.assign(m, 0.0);
+
+  allocate_daqp_settings(&s.work);
+  s.work.settings->primal_tol = 1e-9;
+  s.work.settings->eq_reduction = DAQP_EQ_REDUCTION_OFF;
+  s.work.settings->iter_limit = 1000;
+  allocate_daqp_workspace(&s.work, num_variables, 0);
+  allocate_daqp_ldp(&s.work, num_variables, static_cast<int>(m), num_variables, 1, 1);
+  s.work.n = num_variables;
+  s.work.m = static_cast<int>(m);
+  s.work.ms = num_variables;
+  s.qp.n = num_variables;
+  s.qp.ms = num_variables;
+  s.allocated = true;
+}
+
+StepStatus DaqpSolver::do_solve(const QpProblem& p, const Box& box, QpSolution& solution) noexcept {
+  Impl& s = *impl_;
+  const auto n = static_cast<std::size_t>(s.n);
+  const auto rows = static_cast<std::size_t>(p.rows);
+  const auto bounded = [](double v) { return std::min(std::max(v, -DAQP_INF), DAQP_INF); };
+  for (std::size_t i = 0; i < n; ++i) {
+    s.H[i * n + i] = p.H[static_cast<Eigen::Index>(i)];
+    s.f[i] = p.g[static_cast<Eigen::Index>(i)];
+    s.lower[i] = bounded(box.lower[i]);
+    s.upper[i] = bounded(box.upper[i]);
+  }
+  for (std::size_t i = 0; i < rows; ++i) {
+    s.lower[n + i] = bounded(p.lbA[static_cast<Eigen::Index>(i)]);
+    s.upper[n + i] = bounded(p.ubA[static_cast<Eigen::Index>(i)]);
+  }
+  s.qp.m = static_cast<int>(n + rows);
+  s.qp.H = s.H.data();
+  s.qp.f = s.f.data();
+  s.qp.A = const_cast<double*>(p.A.data());  // DAQP's interface is not const-correct; it only reads A.
+  s.qp.blower = s.lower.data();
+  s.qp.bupper = s.upper.data();
+  s.qp.sense = nullptr;
+
+  // A cold start: nothing of an earlier solve may reach this one's bits.
+  reset_daqp_workspace(&s.work);
+  s.work.state = 0;
+  std::fill(s.work.x, s.work.x + n, 0.0);
+  std::fill(s.work.xold, s.work.xold + n, 0.0);
+  s.work.m = s.qp.m;
+  const int mask = DAQP_UPDATE_Rinv | DAQP_UPDATE_M | DAQP_UPDATE_v | DAQP_UPDATE_d | DAQP_UPDATE_sense;
+  int flag = daqp_update_ldp(mask, &s.work, &s.qp);
+  DAQPResult result{};
+  result.x = s.x.data();
+  result.lam = s.multipliers.data();
+  if (flag >= 0) {
+    daqp_solve(&result, &s.work);
+    flag = result.exitflag;
+    solution.iterations = result.iter;
+  }
+  // Equality rows that contradict each other are found while the first working set is built.
+  if (flag == DAQP_EXIT_INFEASIBLE || flag == DAQP_EXIT_OVERDETERMINED_INITIAL) return StepStatus::kInfeasible;
+  if (flag != DAQP_EXIT_OPTIMAL) return StepStatus::kMaxIterations;
+  for (std::size_t i = 0; i < n; ++i) {
+    solution.x[static_cast<Eigen::Index>(i)] = s.x[i];
+    solution.bound_multipliers[static_cast<Eigen::Index>(i)] = s.multipliers[i];
+  }
+  for (std::size_t i = 0; i < rows; ++i)
+    solution.row_multipliers[static_cast<Eigen::Index>(i)] = s.multipliers[n + i];
+  return StepStatus::kSolved;
+}
+
+}  // namespace moma

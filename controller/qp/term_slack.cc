@@ -1,0 +1,10 @@
+#include "controller/qp/terms.h"
+
+namespace moma {
+
+void add_slack_term(const SlackParams& params, int num_velocities, const Task& task, QpProblem& problem) noexcept {
+  if (!params.enabled) return;
+  problem.H.segment(num_velocities, 6).array() += weight_value(params.weight, task);
+}
+
+}  // namespace moma
