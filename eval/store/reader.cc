@@ -182,9 +182,12 @@ std::string Reader::result_hash() const {
       for (int c = 0; c < s.getColumnCount(); ++c) {
         const SQLite::Column value = s.getColumn(c);
         // The bits of a number, not its decimal form.
-        line += value.isNull()    ? "|"
-                : value.isFloat() ? fmt::format("|{:016x}", std::bit_cast<std::uint64_t>(value.getDouble()))
-                                  : "|" + value.getString();
+        line += '|';
+        if (value.isFloat()) {
+          line += fmt::format("{:016x}", std::bit_cast<std::uint64_t>(value.getDouble()));
+        } else if (!value.isNull()) {
+          line += value.getString();
+        }
       }
       chain = hash_text(line);
     }

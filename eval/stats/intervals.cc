@@ -1,0 +1,54 @@
+#include "eval/stats/intervals.h"
+
+#include <algorithm>
+#include <boost/math/distributions/binomial.hpp>
+#include <boost/math/distributions/normal.hpp>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+
+namespace moma::stats {
+
+Interval wilson(std::int64_t successes, std::int64_t n, double confidence) {
+  if (n < 0 || successes < 0 || successes > n) throw std::invalid_argument("wilson: need 0 <= successes <= n");
+  if (!(confidence > 0.0 && confidence < 1.0)) throw std::invalid_argument("wilson: need a confidence in (0, 1)");
+  if (n == 0) return {};
+  const double z = boost::math::quantile(boost::math::normal(), 0.5 + confidence / 2);
+  const double zz = z * z;
+  const auto k = static_cast<double>(successes);
+  const auto m = static_cast<double>(n);
+  const double half = std::sqrt(zz * (k * (m - k) / m + zz / 4));
+  return {successes == 0 ? 0.0 : (k + zz / 2 - half) / (m + zz), successes == n ? 1.0 : (k + zz / 2 + half) / (m + zz)};
+}
+
+double mcnemar_exact(std::int64_t only_a, std::int64_t only_b) {
+  if (only_a < 0 || only_b < 0) throw std::invalid_argument("mcnemar_exact: counts are negative");
+  const std::int64_t n = only_a + only_b;
+  if (n == 0) return 1.0;
+  const boost::math::binomial coin(static_cast<double>(n), 0.5);
+  return std::min(1.0, 2.0 * boost::math::cdf(coin, static_cast<double>(std::min(only_a, only_b))));
+}
+
+std::vector<double> holm(const std::vector<double>& p_values) {
+  std::vector<std::size_t> order(p_values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return p_values[a] < p_values[b]; });
+  std::vector<double> adjusted(p_values.size());
+  double largest = 0.0;
+  for (std::size_t rank = 0; rank < order.size(); ++rank) {
+    const double factor = static_cast<double>(order.size() - rank);
+    largest = std::max(largest, std::min(1.0, factor * p_values[order[rank]]));
+    adjusted[order[rank]] = largest;
+  }
+  return adjusted;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  return n % 2 == 1 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
+}
+
+}  // namespace moma::stats

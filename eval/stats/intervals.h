@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace moma::stats {
+
+struct Interval {
+  double low = 0.0;
+  double high = 1.0;
+};
+
+/// Wilson's score interval of a rate: exactly 0 (1) at the end where no (every) trial is a success; [0, 1] for n = 0.
+/// Source: Wilson, JASA 22, 1927; view v_summary has the same formula in SQL.
+/// @param successes 0 <= successes <= n, else std::invalid_argument.
+/// @param confidence in (0, 1).
+Interval wilson(std::int64_t successes, std::int64_t n, double confidence = 0.95);
+
+/// Two-sided exact McNemar test: p-value of `only_a` against `only_b` worlds won by one side alone, under equal
+/// chances; 1 where there are none. Twice the smaller binomial tail, at most 1. Source: McNemar, Psychometrika 12,
+/// 1947; the exact form is the sign test.
+double mcnemar_exact(std::int64_t only_a, std::int64_t only_b);
+
+/// Holm's step-down correction: adjusted p-values in the order of the input. Source: Holm, Scand. J. Stat. 6, 1979.
+std::vector<double> holm(const std::vector<double>& p_values);
+
+/// Median (mean of the middle two for even sizes); NaN for none. Takes a copy to sort.
+double median(std::vector<double> values);
+
+}  // namespace moma::stats
