@@ -1,0 +1,117 @@
+#include "controller/case/solve.h"
+
+#include <cmath>
+
+#include "controller/case/case_step.h"
+#include "controller/qp/solver.h"
+
+namespace moma {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// JSON has no infinity.
+Json number(double value) {
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  return value;
+}
+
+Json numbers(const Eigen::Ref<const VectorX>& values) {
+  Json out = Json::array();
+  for (const double value : values) out.push_back(number(value));
+  return out;
+}
+
+Json matrix(const Eigen::Ref<const MatrixX>& values) {
+  Json out = Json::array();
+  for (Eigen::Index i = 0; i < values.rows(); ++i) out.push_back(numbers(values.row(i).transpose()));
+  return out;
+}
+
+Json pose(const Isometry& X) {
+  Eigen::Quaterniond q(X.linear());
+  if (q.w() < 0.0) q.coeffs() = -q.coeffs();
+  return {{"position", numbers(X.translation())}, {"quaternion", {q.w(), q.x(), q.y(), q.z()}}};
+}
+
+Json distance(const ProximityPair& pair, const Controller& controller) {
+  const RobotModel& model = controller.model();
+  const auto shape = [&](int i) -> const CollisionShape& { return model.shapes[static_cast<std::size_t>(i)]; };
+  std::string kind = "object", second;
+  switch (pair.kind) {
+    case PairKind::kObject: second = controller.object_names()[static_cast<std::size_t>(pair.second)]; break;
+    case PairKind::kFloor: kind = second = "floor"; break;
+    case PairKind::kSelf:
+      kind = "self";
+      second = shape(pair.second).name;
+      break;
+  }
+  const std::string& link = model.links[static_cast<std::size_t>(shape(pair.first).link)].name;
+  return {{"link", link},
+          {"object", second},
+          {"d", number(pair.distance.d)},
+          {"normal", numbers(pair.distance.n_W)},
+          {"point_robot", numbers(pair.distance.p_first_W)},
+          {"point_object", numbers(pair.distance.p_second_W)},
+          {"shape", shape(pair.first).name},
+          {"kind", kind}};
+}
+
+// Closed-form methods pose no problem: their matrices are empty.
+void add_problem(const Controller& controller, Json& out) {
+  const QpProblem& p = controller.problem();
+  const bool qp = controller.params().method == Method::kQp;
+  const int n = qp ? p.n() : 0;
+  out["Q"] = matrix(MatrixX(p.H.head(n).asDiagonal()));
+  out["c"] = numbers(p.g.head(n));
+  out["A"] = matrix(p.A.topRows(p.rows));
+  out["lbA"] = numbers(p.lbA.head(p.rows));
+  out["ubA"] = numbers(p.ubA.head(p.rows));
+  out["lb"] = numbers(p.lb.head(n));
+  out["ub"] = numbers(p.ub.head(n));
+  out["rows"] = Json::array();
+  for (int i = 0; i < p.rows; ++i) out["rows"].push_back(controller.row_name(i));
+}
+
+}  // namespace
+
+nlohmann::ordered_json solve(const ControlCase& control_case) {
+  const CaseStep step(control_case);
+  const Controller& controller = step.controller;
+  const StepResult& result = step.result;
+  const bool qp = controller.params().method == Method::kQp;
+  Json out;
+  out["status"] = to_string(result.status);
+  out["fallback"] = to_string(result.fallback);
+  out["qdot"] = numbers(result.command);
+  out["delta"] = controller.params().slack.enabled && qp ? numbers(result.slack) : Json::array();
+  out["cost"] = qp ? number(controller.cost()) : Json();
+  out["pose"] = pose(controller.kinematics().X_WE());
+  out["error"] = numbers(result.error);
+  out["error_norm"] = number(result.error_norm);
+  out["nu"] = numbers(controller.nu());
+  out["J"] = matrix(controller.J());
+  out["manipulability"] = number(result.manipulability);
+  out["J_m"] = numbers(controller.J_m());
+  out["theta_eps"] = number(controller.theta_eps());
+  add_problem(controller, out);
+  out["distances"] = Json::array();
+  for (const ProximityPair& pair : controller.distances()) out["distances"].push_back(distance(pair, controller));
+  out["wheels"] = numbers(controller.wheels());
+  out["kkt_residual"] = has_solution(step) ? number(check_stage(step).report.residual()) : Json();
+  out["iterations"] = result.iterations;
+  return out;
+}
+
+std::vector<SolverInfo> list_solvers() {
+  std::vector<SolverInfo> out{
+      {"daqp", false, "DAQP: dual active set, no allocation in a step; the default"},
+      {"qpoases", false, "qpOASES with its 'reliable' options, cold started: slow, for cross-checks; allocates"},
+      {"eiquadprog", false, "eiquadprog (Goldfarb-Idnani): every weight must be above zero; for cross-checks"},
+  };
+  for (const SolverKind kind : available_solvers())
+    for (SolverInfo& info : out) info.available = info.available || info.name == to_string(kind);
+  return out;
+}
+
+}  // namespace moma
