@@ -254,8 +254,8 @@ void Controller::solve_closed_form(const Observation& o, StepResult& result) noe
 
 VectorX Controller::J_m() const {
   VectorX gradient(model_->num_joints());
-  manipulability_gradient(kinematics_.J_WE_W().rightCols(model_->num_joints()), prismatic_,
-                          params_.manipulability.rows, gradient);
+  manipulability_gradient(kinematics_.J_WE_W().rightCols(model_->num_joints()), prismatic_, params_.manipulability.rows,
+                          gradient);
   return gradient;
 }
 

@@ -52,7 +52,8 @@ class Checker {
 
   void finite(const std::string& key, double value, bool positive) {
     if (!std::isfinite(value) || value < 0.0 || (positive && value == 0.0))
-      error(key, std::string("must be a finite number ") + (positive ? "above 0" : "of at least 0") + ", is " + text(value));
+      error(key,
+            std::string("must be a finite number ") + (positive ? "above 0" : "of at least 0") + ", is " + text(value));
   }
   void positive_or_inf(const std::string& key, double value) {
     if (!(value > 0.0)) error(key, "must be above 0 or infinite, is " + text(value));
@@ -125,7 +126,8 @@ class Checker {
     finite("joint_limits.influence", d.influence, true);
     finite("joint_limits.stop", d.stop, false);
     if (!(d.stop < d.influence)) {
-      error("joint_limits.stop", "must be below joint_limits.influence = " + text(d.influence) + ", is " + text(d.stop));
+      error("joint_limits.stop",
+            "must be below joint_limits.influence = " + text(d.influence) + ", is " + text(d.stop));
       return;
     }
     if (d.gain * dt_ >= d.influence - d.stop) {
@@ -135,9 +137,9 @@ class Checker {
     for (const ControlledJoint& joint : model_.joints) {
       if (std::isinf(joint.lower) && std::isinf(joint.upper)) continue;
       if (!(d.influence > joint.velocity * dt_)) {
-        error("joint_limits.influence", "of " + text(d.influence) + " must be above velocity limit x control period of " +
-                                            joint.name + " = " + text(joint.velocity * dt_) +
-                                            ", or one step can overshoot the limit");
+        error("joint_limits.influence", "of " + text(d.influence) +
+                                            " must be above velocity limit x control period of " + joint.name + " = " +
+                                            text(joint.velocity * dt_) + ", or one step can overshoot the limit");
         return;
       }
     }

@@ -36,35 +36,35 @@ struct ErrorNormParams {
 /// A weight that is 1/||e|| or a constant >= 0.
 struct Weight {
   bool inverse_error = true;
-  double value = 0.0;   ///< used where not inverse_error
+  double value = 0.0;  ///< used where not inverse_error
 };
 
 struct SlackParams {
-  bool enabled = true;   ///< false: `slack: none`, tracking is a hard equality (mmc of 2020)
+  bool enabled = true;  ///< false: `slack: none`, tracking is a hard equality (mmc of 2020)
   Weight weight;
-  Vector6 limit = Vector6::Constant(10.0);   ///< |delta| bounds, infinite allowed
+  Vector6 limit = Vector6::Constant(10.0);  ///< |delta| bounds, infinite allowed
 };
 
 struct ManipulabilityParams {
-  double weight = 1.0;   ///< lambda_m
+  double weight = 1.0;  ///< lambda_m
   ManipulabilityRows rows = ManipulabilityRows::kTranslation;
 };
 
 /// `source`: the source's S+-, margin q_s per joint; `damper`: eta (rho - rho_s)/(rho_i - rho_s) inside rho_i.
 struct JointLimitParams {
   JointLimitMethod method = JointLimitMethod::kSource;
-  bool auto_margin = true;   ///< q_s = min(0.3, a quarter of the joint's range)
-  VectorX margin;            ///< q_s per joint, resolved [rad, m]; `source` only
-  double influence = 0.9;    ///< rho_i
-  double stop = 0.1;         ///< rho_s
-  double gain = 1.0;         ///< eta
+  bool auto_margin = true;  ///< q_s = min(0.3, a quarter of the joint's range)
+  VectorX margin;           ///< q_s per joint, resolved [rad, m]; `source` only
+  double influence = 0.9;   ///< rho_i
+  double stop = 0.1;        ///< rho_s
+  double gain = 1.0;        ///< eta
 };
 
 struct DamperParams {
   bool enabled = true;
-  double influence = 0.1;   ///< d_i [m]
-  double stop = 0.01;       ///< d_s [m]
-  double gain = 1.0;        ///< xi [m/s]
+  double influence = 0.1;  ///< d_i [m]
+  double stop = 0.01;      ///< d_s [m]
+  double gain = 1.0;       ///< xi [m/s]
 };
 
 struct CollisionParams {
@@ -75,10 +75,10 @@ struct CollisionParams {
 };
 
 struct PostureParams {
-  double weight = 0.0;   ///< lambda_qd
-  double gain = 1.0;     ///< k_posture [1/s]
-  bool ready = true;     ///< target is the robot's `ready`
-  VectorX target;        ///< resolved joint values
+  double weight = 0.0;  ///< lambda_qd
+  double gain = 1.0;    ///< k_posture [1/s]
+  bool ready = true;    ///< target is the robot's `ready`
+  VectorX target;       ///< resolved joint values
 };
 
 /// qdot *= far/e beyond `switch_distance`, else near; e the unclamped norm; the result is clipped to the bounds.
@@ -95,17 +95,17 @@ struct ControllerParams {
   Method method = Method::kQp;
   ServoParams servo;
   ErrorNormParams error_norm;
-  Weight base_weight;                                 ///< w_b
-  VectorX lambda_q;                                   ///< per joint; default 0.01
+  Weight base_weight;  ///< w_b
+  VectorX lambda_q;    ///< per joint; default 0.01
   SlackParams slack;
-  Vector6 tracking_band = Vector6::Zero();            ///< Delta
+  Vector6 tracking_band = Vector6::Zero();  ///< Delta
   double k_epsilon = 0.5;
   ManipulabilityParams manipulability;
   JointLimitParams joint_limits;
   CollisionParams collision;
-  VectorX acceleration_weight;                        ///< lambda_qdd per velocity; default 0
+  VectorX acceleration_weight;  ///< lambda_qdd per velocity; default 0
   PostureParams posture;
-  VectorX acceleration_limit;                         ///< per velocity, default infinite [rad/s^2, m/s^2]
+  VectorX acceleration_limit;  ///< per velocity, default infinite [rad/s^2, m/s^2]
   OutputScalingParams output_scaling;
   SolverKind solver = SolverKind::kDaqp;
 };

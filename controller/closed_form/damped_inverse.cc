@@ -7,8 +7,8 @@
 namespace moma {
 namespace {
 
-constexpr double kSmallest = 0.02;   // s_min below which damping sets in
-constexpr double kDamping = 0.05;    // at a singularity
+constexpr double kSmallest = 0.02;  // s_min below which damping sets in
+constexpr double kDamping = 0.05;   // at a singularity
 
 }  // namespace
 

@@ -11,9 +11,12 @@ constexpr double kNoEffect = 1e-9;
 
 RowKind row_kind(PairKind kind) noexcept {
   switch (kind) {
-    case PairKind::kObject: return RowKind::kObject;
-    case PairKind::kFloor: return RowKind::kFloor;
-    case PairKind::kSelf: return RowKind::kSelf;
+    case PairKind::kObject:
+      return RowKind::kObject;
+    case PairKind::kFloor:
+      return RowKind::kFloor;
+    case PairKind::kSelf:
+      return RowKind::kSelf;
   }
   return RowKind::kObject;
 }
@@ -53,9 +56,12 @@ ProximityRanges CollisionRows::ranges() const noexcept {
 
 const DamperParams& CollisionRows::damper(PairKind kind) const noexcept {
   switch (kind) {
-    case PairKind::kObject: return params_.object;
-    case PairKind::kFloor: return params_.floor;
-    case PairKind::kSelf: return params_.self;
+    case PairKind::kObject:
+      return params_.object;
+    case PairKind::kFloor:
+      return params_.floor;
+    case PairKind::kSelf:
+      return params_.self;
   }
   return params_.object;
 }
@@ -72,9 +78,8 @@ void CollisionRows::add(const Kinematics& kinematics, std::span<const ProximityP
     // A distance that is not a number must not be lost: it comes first, and the solver refuses its row.
     keys_.push_back({std::isnan(d) ? -kInfinity : d - p.stop, static_cast<int>(i)});
   }
-  std::sort(keys_.begin(), keys_.end(), [](const Key& a, const Key& b) {
-    return a.order < b.order || (a.order == b.order && a.index < b.index);
-  });
+  std::sort(keys_.begin(), keys_.end(),
+            [](const Key& a, const Key& b) { return a.order < b.order || (a.order == b.order && a.index < b.index); });
   for (const Key& key : keys_) sorted_.push_back(pairs[static_cast<std::size_t>(key.index)]);
   const std::size_t kept = std::min(sorted_.size(), static_cast<std::size_t>(params_.max_pairs));
   for (const PairKind kind : {PairKind::kObject, PairKind::kFloor, PairKind::kSelf}) {

@@ -22,16 +22,31 @@ double braking(double lower, double upper) noexcept {
 void StepCounters::count(StepStatus status, Fallback fallback, int left_out) noexcept {
   ++steps;
   switch (status) {
-    case StepStatus::kSolved: ++solved; break;
-    case StepStatus::kInfeasible: ++infeasible; break;
-    case StepStatus::kMaxIterations: ++max_iterations; break;
-    case StepStatus::kInvalidInput: ++invalid_input; break;
+    case StepStatus::kSolved:
+      ++solved;
+      break;
+    case StepStatus::kInfeasible:
+      ++infeasible;
+      break;
+    case StepStatus::kMaxIterations:
+      ++max_iterations;
+      break;
+    case StepStatus::kInvalidInput:
+      ++invalid_input;
+      break;
   }
   switch (fallback) {
-    case Fallback::kNone: break;
-    case Fallback::kNoAcceleration: ++no_acceleration; break;
-    case Fallback::kRelaxed: ++relaxed; break;
-    case Fallback::kBrake: ++brake; break;
+    case Fallback::kNone:
+      break;
+    case Fallback::kNoAcceleration:
+      ++no_acceleration;
+      break;
+    case Fallback::kRelaxed:
+      ++relaxed;
+      break;
+    case Fallback::kBrake:
+      ++brake;
+      break;
   }
   rows_left_out += left_out;
 }

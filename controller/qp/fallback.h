@@ -19,8 +19,8 @@ class FallbackSolver {
   struct Outcome {
     StepStatus status = StepStatus::kSolved;  ///< of the original problem
     Fallback fallback = Fallback::kNone;
-    int iterations = 0;                       ///< all stages together
-    double collision_slack = 0.0;             ///< s of the relaxed stage [m/s]
+    int iterations = 0;            ///< all stages together
+    double collision_slack = 0.0;  ///< s of the relaxed stage [m/s]
   };
 
   explicit FallbackSolver(SolverKind kind);

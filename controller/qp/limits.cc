@@ -35,7 +35,8 @@ void VelocityBounds::joint_limits(const Eigen::Ref<const VectorX>& q, Eigen::Ref
     const double above = q_upper_[i] - q[i];
     const double below = q[i] - q_lower_[i];
     switch (law_.method) {
-      case JointLimitMethod::kNone: break;
+      case JointLimitMethod::kNone:
+        break;
       case JointLimitMethod::kSource:
         high = source_bound(above, margin_[i], speed);
         low = -source_bound(below, margin_[i], speed);

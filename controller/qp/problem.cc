@@ -41,10 +41,14 @@ double QpProblem::cost(const Eigen::Ref<const VectorX>& x) const noexcept {
 std::string row_name(const RowId& id, const RobotModel& model, std::span<const std::string> object_names) {
   const auto shape = [&](int i) { return model.shapes[static_cast<std::size_t>(i)].name; };
   switch (id.kind) {
-    case RowKind::kTracking: return "tracking/" + std::to_string(id.first);
-    case RowKind::kObject: return "object/" + object_names[static_cast<std::size_t>(id.second)] + "/" + shape(id.first);
-    case RowKind::kFloor: return "floor/" + shape(id.first);
-    case RowKind::kSelf: return "self/" + shape(id.first) + "/" + shape(id.second);
+    case RowKind::kTracking:
+      return "tracking/" + std::to_string(id.first);
+    case RowKind::kObject:
+      return "object/" + object_names[static_cast<std::size_t>(id.second)] + "/" + shape(id.first);
+    case RowKind::kFloor:
+      return "floor/" + shape(id.first);
+    case RowKind::kSelf:
+      return "self/" + shape(id.first) + "/" + shape(id.second);
     case RowKind::kWheel: {
       static constexpr const char* kTwo[] = {"left", "right"};
       static constexpr const char* kFour[] = {"front_left", "front_right", "rear_left", "rear_right"};

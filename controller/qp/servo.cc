@@ -30,8 +30,10 @@ Vector6 servo_twist(const ServoParams& params, const Vector6& error, const Vecto
 
 double error_norm(const ErrorNormParams& params, const Vector6& error) noexcept {
   switch (params.kind) {
-    case ErrorNormKind::kEuclidean: return error.tail<3>().norm();
-    case ErrorNormKind::kL1: return error.tail<3>().lpNorm<1>();
+    case ErrorNormKind::kEuclidean:
+      return error.tail<3>().norm();
+    case ErrorNormKind::kL1:
+      return error.tail<3>().lpNorm<1>();
     case ErrorNormKind::kPose:
       return std::sqrt(error.tail<3>().squaredNorm() + params.scale * params.scale * error.head<3>().squaredNorm());
   }

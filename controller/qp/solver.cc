@@ -88,9 +88,12 @@ StepStatus QpSolver::solve(const QpProblem& problem, const Box& box, QpSolution&
 
 std::string_view to_string(SolverKind kind) noexcept {
   switch (kind) {
-    case SolverKind::kDaqp: return "daqp";
-    case SolverKind::kQpoases: return "qpoases";
-    case SolverKind::kEiquadprog: return "eiquadprog";
+    case SolverKind::kDaqp:
+      return "daqp";
+    case SolverKind::kQpoases:
+      return "qpoases";
+    case SolverKind::kEiquadprog:
+      return "eiquadprog";
   }
   return "?";
 }
@@ -109,14 +112,18 @@ std::vector<SolverKind> available_solvers() {
 
 std::unique_ptr<QpSolver> make_solver(SolverKind kind) {
   switch (kind) {
-    case SolverKind::kDaqp: return std::make_unique<DaqpSolver>();
+    case SolverKind::kDaqp:
+      return std::make_unique<DaqpSolver>();
 #ifdef MOMA_HAVE_QPOASES
-    case SolverKind::kQpoases: return std::make_unique<QpoasesSolver>();
+    case SolverKind::kQpoases:
+      return std::make_unique<QpoasesSolver>();
 #endif
 #ifdef MOMA_HAVE_EIQUADPROG
-    case SolverKind::kEiquadprog: return std::make_unique<EiquadprogSolver>();
+    case SolverKind::kEiquadprog:
+      return std::make_unique<EiquadprogSolver>();
 #endif
-    default: break;
+    default:
+      break;
   }
   std::string names;
   for (const SolverKind k : available_solvers()) names += (names.empty() ? "" : ", ") + std::string(to_string(k));

@@ -107,8 +107,7 @@ StepStatus DaqpSolver::do_solve(const QpProblem& p, const Box& box, QpSolution& 
     solution.x[static_cast<Eigen::Index>(i)] = s.x[i];
     solution.bound_multipliers[static_cast<Eigen::Index>(i)] = s.multipliers[i];
   }
-  for (std::size_t i = 0; i < rows; ++i)
-    solution.row_multipliers[static_cast<Eigen::Index>(i)] = s.multipliers[n + i];
+  for (std::size_t i = 0; i < rows; ++i) solution.row_multipliers[static_cast<Eigen::Index>(i)] = s.multipliers[n + i];
   return StepStatus::kSolved;
 }
 

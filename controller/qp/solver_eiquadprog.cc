@@ -99,12 +99,15 @@ StepStatus EiquadprogSolver::do_solve(const QpProblem& p, const Box& box, QpSolu
   const auto status = s.solver.solve_quadprog(s.H, p.g, s.CE, s.ce0, s.CI, s.ci0, s.x);
   solution.iterations = s.solver.getIteratios();
   switch (status) {
-    case EiquadprogFast_status::EIQUADPROG_FAST_OPTIMAL: break;
+    case EiquadprogFast_status::EIQUADPROG_FAST_OPTIMAL:
+      break;
     case EiquadprogFast_status::EIQUADPROG_FAST_INFEASIBLE:
-    case EiquadprogFast_status::EIQUADPROG_FAST_UNBOUNDED: return StepStatus::kInfeasible;
+    case EiquadprogFast_status::EIQUADPROG_FAST_UNBOUNDED:
+      return StepStatus::kInfeasible;
     // Dependent equalities may well be consistent: no answer rather than a wrong one.
     case EiquadprogFast_status::EIQUADPROG_FAST_REDUNDANT_EQUALITIES:
-    case EiquadprogFast_status::EIQUADPROG_FAST_MAX_ITER_REACHED: return StepStatus::kMaxIterations;
+    case EiquadprogFast_status::EIQUADPROG_FAST_MAX_ITER_REACHED:
+      return StepStatus::kMaxIterations;
   }
   solution.x.head(s.n) = s.x;
   solution.bound_multipliers.setZero();

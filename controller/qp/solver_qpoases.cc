@@ -49,9 +49,8 @@ StepStatus QpoasesSolver::do_solve(const QpProblem& p, const Box& box, QpSolutio
   qpOASES::QProblem problem(s.n, p.rows, qpOASES::HST_UNKNOWN);
   problem.setOptions(options);
   qpOASES::int_t iterations = 1000;
-  const qpOASES::returnValue flag =
-      problem.init(s.H.data(), p.g.data(), p.A.data(), s.lower.data(), s.upper.data(), s.lower.data() + n,
-                   s.upper.data() + n, iterations);
+  const qpOASES::returnValue flag = problem.init(s.H.data(), p.g.data(), p.A.data(), s.lower.data(), s.upper.data(),
+                                                 s.lower.data() + n, s.upper.data() + n, iterations);
   solution.iterations = static_cast<int>(iterations);
   if (problem.isInfeasible() == qpOASES::BT_TRUE) return StepStatus::kInfeasible;
   if (flag != qpOASES::SUCCESSFUL_RETURN) return StepStatus::kMaxIterations;
