@@ -1,0 +1,177 @@
+#include "world/plant/contacts.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace moma {
+namespace {
+
+// Who is asked about whom: floor against shapes that may reach it, objects against every robot shape.
+constexpr unsigned long kArm = 1, kBase = 2, kObject = 4, kFloor = 8;
+
+/// Enough to leave the degenerate case, far below every tolerance. Different for each solid, so that two boxes of
+/// one body differ, too.
+Isometry small_turn(ShapeKind kind, std::size_t number) {
+  Isometry X = Isometry::Identity();
+  if (kind == ShapeKind::kBox) {
+    const double angle = 1e-9 * static_cast<double>(number + 1);
+    X.linear() = Eigen::AngleAxisd(angle, Vector3(1.0, 2.0, 3.0).normalized()).toRotationMatrix();
+  }
+  return X;
+}
+
+dGeomID make_geom(dSpaceID space, const Shape& shape) {
+  const Vector3& s = shape.size;
+  switch (shape.kind) {
+    case ShapeKind::kSphere: return dCreateSphere(space, s.x());
+    case ShapeKind::kBox: return dCreateBox(space, s.x(), s.y(), s.z());
+    case ShapeKind::kCapsule: return dCreateCapsule(space, s.x(), s.y());
+    case ShapeKind::kCylinder:
+    case ShapeKind::kConvex: break;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+void ContactLog::add(const Contact& contact) {
+  for (Contact& known : contacts_) {
+    if (known.kind != contact.kind || known.first != contact.first || known.second != contact.second) continue;
+    known.depth = std::max(known.depth, contact.depth);
+    return;
+  }
+  contacts_.push_back(contact);
+}
+
+void ContactLog::sort() {
+  std::sort(contacts_.begin(), contacts_.end(), [](const Contact& a, const Contact& b) {
+    return std::make_tuple(a.time, a.kind, a.first, a.second) < std::make_tuple(b.time, b.kind, b.first, b.second);
+  });
+}
+
+struct ContactScene::Near {
+  ContactScene* scene;
+  TouchSink* sink;
+};
+
+ContactScene::ContactScene(std::shared_ptr<const RobotModel> model, const World& world, bool base_meets_floor)
+    : model_(std::move(model)), world_(world), states_(world.objects.size()) {
+  ode::use_on_this_thread();
+  robot_space_ = ode::make_simple_space();
+  world_space_ = ode::make_simple_space();
+  const std::size_t shapes = model_->shapes.size();
+  tags_.reserve(shapes + world_.objects.size() + 1);   // geoms point into it
+
+  const Kinematics upright(model_);
+  std::vector<bool> meets_floor(shapes, false);
+  for (std::size_t i = 0; i < shapes; ++i) {
+    const CollisionShape& shape = model_->shapes[i];
+    constexpr double kClear = 0.005;
+    meets_floor[i] = !shape.rigid_with_base ||
+                     (base_meets_floor && lowest_point(shape.shape, upright.X_WS(shape)) > kClear);
+    tags_.push_back({PairKind::kSelf, static_cast<int>(i)});
+    radii_.push_back(bounding_radius(shape.shape));
+    const dGeomID geom = make_geom(robot_space_.get(), shape.shape);
+    robot_geoms_.push_back(geom);
+    if (geom == nullptr) continue;
+    dGeomSetData(geom, &tags_.back());
+    dGeomSetCategoryBits(geom, meets_floor[i] ? kArm : kBase);
+    dGeomSetCollideBits(geom, kObject);
+  }
+  for (std::size_t i = 0; i < world_.objects.size(); ++i) {
+    const WorldObject& object = world_.objects[i];
+    tags_.push_back({PairKind::kObject, static_cast<int>(i)});
+    if (!at_rest(object.motion, 0.0)) moving_.push_back(static_cast<int>(i));
+    const dGeomID geom = make_geom(world_space_.get(), object.shape);
+    object_geoms_.push_back(geom);
+    if (geom == nullptr) continue;
+    dGeomSetData(geom, &tags_.back());
+    dGeomSetCategoryBits(geom, kObject);
+    dGeomSetCollideBits(geom, kArm | kBase);
+    ode::set_pose(geom, object.X_WO * small_turn(object.shape.kind, shapes + i));
+  }
+  tags_.push_back({PairKind::kFloor, -1});
+  const dGeomID floor = dCreatePlane(world_space_.get(), 0.0, 0.0, 1.0, 0.0);
+  dGeomSetData(floor, &tags_.back());
+  dGeomSetCategoryBits(floor, kFloor);
+  dGeomSetCollideBits(floor, kArm);
+
+  for (const SelfPair& pair : model_->self_pairs)
+    if (robot_geom(pair.first) != nullptr && robot_geom(pair.second) != nullptr) self_pairs_.push_back(pair);
+  moma::object_states(world_, 0.0, states_);
+  exact_ = ExactContacts::make(*model_, world_, meets_floor);
+}
+
+ContactScene::~ContactScene() = default;
+
+Isometry ContactScene::robot_tilt(int shape) const {
+  const auto i = static_cast<std::size_t>(shape);
+  return small_turn(model_->shapes[i].shape.kind, i);
+}
+
+void ContactScene::place_robot(const Kinematics& kinematics) {
+  for (std::size_t i = 0; i < robot_geoms_.size(); ++i) {
+    if (robot_geoms_[i] == nullptr) continue;
+    const CollisionShape& shape = model_->shapes[i];
+    const Isometry X_WS = kinematics.X_WS(shape);
+    if (shape.shape.kind == ShapeKind::kBox)
+      ode::set_pose(robot_geoms_[i], X_WS * small_turn(shape.shape.kind, i));
+    else
+      ode::set_pose(robot_geoms_[i], X_WS);
+  }
+}
+
+void ContactScene::place_objects(double t) {
+  const std::size_t shapes = robot_geoms_.size();
+  for (const int index : moving_) {
+    const auto i = static_cast<std::size_t>(index);
+    const MovingPose pose = evaluate(world_.objects[i].motion, world_.objects[i].X_WO, t);
+    states_[i].X_WO = pose.X;
+    states_[i].V_WO_W = pose.V_W;
+    if (object_geoms_[i] != nullptr)
+      ode::set_pose(object_geoms_[i], pose.X * small_turn(world_.objects[i].shape.kind, shapes + i));
+  }
+}
+
+void ContactScene::collide(PairKind kind, int first, int second, dGeomID a, dGeomID b, TouchSink& sink) {
+  dContactGeom points[kPointsPerPair];
+  const int count = dCollide(a, b, kPointsPerPair, points, sizeof(dContactGeom));
+  if (count > 0) sink.touch({kind, first, second, points, count});
+}
+
+void ContactScene::near(void* data, dGeomID a, dGeomID b) {
+  auto& context = *static_cast<Near*>(data);
+  const auto* first = static_cast<const Tag*>(dGeomGetData(a));
+  const auto* second = static_cast<const Tag*>(dGeomGetData(b));
+  if (first->kind != PairKind::kSelf) {
+    std::swap(first, second);
+    std::swap(a, b);
+  }
+  context.scene->collide(second->kind, first->index, second->index, a, b, *context.sink);
+}
+
+void ContactScene::detect(TouchSink& sink) {
+  Near context{this, &sink};
+  dSpaceCollide2(reinterpret_cast<dGeomID>(robot_space_.get()), reinterpret_cast<dGeomID>(world_space_.get()),
+                 &context, near);
+  for (const SelfPair& pair : self_pairs_) {
+    const dGeomID a = robot_geom(pair.first);
+    const dGeomID b = robot_geom(pair.second);
+    const dReal* p = dGeomGetPosition(a);
+    const dReal* q = dGeomGetPosition(b);
+    const double reach =
+        radii_[static_cast<std::size_t>(pair.first)] + radii_[static_cast<std::size_t>(pair.second)];
+    const double dx = p[0] - q[0], dy = p[1] - q[1], dz = p[2] - q[2];
+    if (dx * dx + dy * dy + dz * dz > reach * reach) continue;
+    collide(PairKind::kSelf, pair.first, pair.second, a, b, sink);
+  }
+}
+
+void ContactScene::detect_exact(const Kinematics& kinematics, double time, ContactLog& log) {
+  if (!exact_) return;
+  exact_found_.clear();
+  exact_->detect(kinematics, states_, time, exact_found_);
+  for (const Contact& contact : exact_found_) log.add(contact);
+}
+
+}  // namespace moma

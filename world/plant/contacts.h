@@ -1,0 +1,92 @@
+#pragma once
+
+#include <ode/ode.h>
+
+#include <memory>
+#include <vector>
+
+#include "world/plant/exact_contacts.h"
+#include "world/plant/ode_raii.h"
+#include "world/plant/plant.h"
+
+namespace moma {
+
+/// Two solids that touch, with ODE's points of contact; normals point into the robot shape `first`.
+struct Touch {
+  PairKind kind;
+  int first;
+  int second;   ///< as in Contact
+  const dContactGeom* points;
+  int count;
+};
+
+class TouchSink {
+ public:
+  virtual ~TouchSink() = default;
+  virtual void touch(const Touch& touch) = 0;
+};
+
+/// Collects the contacts of one advance(): each pair once, with its first time and its greatest depth.
+class ContactLog {
+ public:
+  explicit ContactLog(std::vector<Contact>& contacts) : contacts_(contacts) {}
+  void add(const Contact& contact);
+  /// Orders by time, then indices.
+  void sort();
+
+ private:
+  std::vector<Contact>& contacts_;
+};
+
+/// The solids of robot, objects and floor as ODE geoms in two simple spaces, for both plants.
+/// Boxes are turned by about 1e-9 rad, each differently: ODE misses box pairs at exactly 90 degrees.
+class ContactScene {
+ public:
+  static constexpr int kPointsPerPair = 4;
+
+  /// @param base_meets_floor whether shapes rigid with the base are checked against the floor, where they are clear
+  /// of it when the base stands upright. In kinematic mode they cannot come nearer.
+  ContactScene(std::shared_ptr<const RobotModel> model, const World& world, bool base_meets_floor);
+  ~ContactScene();
+
+  /// Null where the distance library decides about this shape.
+  dGeomID robot_geom(int shape) const { return robot_geoms_[static_cast<std::size_t>(shape)]; }
+  dGeomID object_geom(int object) const { return object_geoms_[static_cast<std::size_t>(object)]; }
+  /// The small turn of a shape's geom.
+  Isometry robot_tilt(int shape) const;
+  const std::vector<ObjectState>& object_states() const { return states_; }
+
+  /// Places the robot's geoms that are not attached to bodies.
+  void place_robot(const Kinematics& kinematics);
+  /// Moves the objects to where their motion has them at time t.
+  void place_objects(double t);
+
+  /// Hands every touching pair that ODE decides to `sink`, in a fixed order.
+  void detect(TouchSink& sink);
+  /// The pairs that ODE does not decide.
+  bool has_exact() const { return exact_ != nullptr; }
+  void detect_exact(const Kinematics& kinematics, double time, ContactLog& log);
+
+ private:
+  struct Tag {
+    PairKind kind;   // kSelf marks a robot shape
+    int index;
+  };
+  struct Near;
+  static void near(void* data, dGeomID a, dGeomID b);
+  void collide(PairKind kind, int first, int second, dGeomID a, dGeomID b, TouchSink& sink);
+
+  std::shared_ptr<const RobotModel> model_;
+  World world_;
+  ode::Space robot_space_, world_space_;
+  std::vector<dGeomID> robot_geoms_, object_geoms_;
+  std::vector<double> radii_;
+  std::vector<Tag> tags_;
+  std::vector<int> moving_;
+  std::vector<SelfPair> self_pairs_;
+  std::vector<ObjectState> states_;
+  std::unique_ptr<ExactContacts> exact_;
+  std::vector<Contact> exact_found_;
+};
+
+}  // namespace moma

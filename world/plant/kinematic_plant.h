@@ -1,0 +1,13 @@
+#pragma once
+
+#include <memory>
+
+#include "world/plant/plant.h"
+
+namespace moma {
+
+/// The command is the velocity: joints move by q + command t, the base along its exact arc; contacts are looked
+/// for at least every 5 ms of motion.
+std::unique_ptr<Plant> make_kinematic_plant(std::shared_ptr<const RobotModel> model, const World& world);
+
+}  // namespace moma

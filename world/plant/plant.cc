@@ -1,0 +1,43 @@
+#include "world/plant/plant.h"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "world/plant/command_check.h"
+#include "world/plant/kinematic_plant.h"
+#include "world/plant/ode_plant.h"
+
+namespace moma {
+
+std::string_view to_string(SimulationMode mode) noexcept {
+  switch (mode) {
+    case SimulationMode::kKinematic: return "kinematic";
+    case SimulationMode::kDynamic: return "dynamic";
+  }
+  return "?";
+}
+
+void check_command(const RobotModel& model, const VectorX& command, double duration) {
+  if (command.size() != model.num_velocities())
+    throw std::invalid_argument("a command of " + std::to_string(command.size()) + " velocities for a robot of " +
+                                std::to_string(model.num_velocities()));
+  if (!(duration > 0.0) || !std::isfinite(duration))
+    throw std::invalid_argument("a command for " + std::to_string(duration) + " s");
+  if (command.allFinite()) return;
+  const std::vector<std::string> names = model.velocity_names();
+  for (Eigen::Index i = 0; i < command.size(); ++i)
+    if (!std::isfinite(command[i]))
+      throw std::invalid_argument("the command for '" + names[static_cast<std::size_t>(i)] + "' is not a finite number");
+}
+
+std::unique_ptr<Plant> make_plant(std::shared_ptr<const RobotModel> model, const World& world,
+                                  const SimulationConfig& simulation) {
+  if (world.start.q.size() != model->num_joints())
+    throw std::runtime_error("the world's start has " + std::to_string(world.start.q.size()) + " joint values, robot " +
+                             model->name + " has " + std::to_string(model->num_joints()) + " joints");
+  if (simulation.mode == SimulationMode::kKinematic) return make_kinematic_plant(std::move(model), world);
+  return make_ode_plant(std::move(model), world, simulation);
+}
+
+}  // namespace moma
