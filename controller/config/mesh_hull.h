@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+
+#include "controller/model/shape.h"
+
+namespace moma::config {
+
+/// Most vertices of a hull made from a mesh. A query climbs along the hull's edges, so its cost grows with them.
+inline constexpr int kMaxHullVertices = 96;
+
+/// A solid made from a mesh, and where it stands in the mesh's frame M.
+struct MeshSolid {
+  Shape shape;
+  Isometry X_MS = Isometry::Identity();
+  bool flat = false;   ///< the mesh has no volume: `shape` is its bounding box, at least 1 mm thick
+};
+
+/// Convex hull (Qhull, through coal) of all vertices of a mesh file that assimp reads: STL, DAE, OBJ, ...
+/// The hull's frame is at the centre of its bounding box. A hull of more than kMaxHullVertices is replaced by the
+/// hull of its extreme points in as many evenly spread directions, blown up about its centre until it encloses the
+/// whole mesh again (typically by 1 or 2 %). Throws std::runtime_error: unreadable, empty, not finite.
+MeshSolid mesh_solid(const std::filesystem::path& file, const Vector3& scale);
+
+}  // namespace moma::config

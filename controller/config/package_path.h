@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+namespace moma::config {
+
+/// Where package://NAME/... is looked for: the folders named in the robot file, then MOMA_PACKAGE_PATH (folders
+/// separated by colons, each holding NAME), then a folder NAME beside or above the file that asks, then
+/// .venv/lib/python3*/site-packages/cmeel.prefix/share/NAME beside or above that file, the working directory or
+/// the program.
+class PackagePaths {
+ public:
+  PackagePaths() = default;
+  /// `named`: package name to its folder, absolute or relative to the working directory.
+  explicit PackagePaths(std::map<std::string, std::filesystem::path> named) : named_(std::move(named)) {}
+
+  /// The file behind package://..., file://..., an absolute path or one relative to `directory`.
+  /// Throws std::runtime_error that says where it was looked for.
+  std::filesystem::path resolve(const std::string& uri, const std::filesystem::path& directory) const;
+
+ private:
+  std::map<std::string, std::filesystem::path> named_;
+};
+
+}  // namespace moma::config

@@ -1,0 +1,305 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "controller/config/json_node.h"
+#include "controller/config/robot_build.h"
+
+namespace moma::config {
+namespace {
+
+JointType type_of(UrdfJointType type) {
+  switch (type) {
+    case UrdfJointType::kRevolute: return JointType::kRevolute;
+    case UrdfJointType::kContinuous: return JointType::kContinuous;
+    case UrdfJointType::kPrismatic: return JointType::kPrismatic;
+    case UrdfJointType::kFixed:
+    case UrdfJointType::kFloating:
+    case UrdfJointType::kPlanar: break;
+  }
+  return JointType::kFixed;
+}
+
+std::string unit_of(JointType type) { return type == JointType::kPrismatic ? "m" : "rad"; }
+
+void make_links(RobotBuild& build) {
+  Link base;
+  base.name = "@base";
+  build.model.links.push_back(base);
+  for (const UrdfLink& source : build.tree.links) {
+    Link link;
+    link.name = source.name;
+    link.parent = source.parent + 1;
+    link.inertial = source.inertial;
+    if (source.parent < 0) {
+      link.X_PJ = build.model.base.X_BM;
+    } else {
+      link.joint = source.joint.name;
+      link.joint_type = type_of(source.joint.type);
+      link.X_PJ = source.joint.X_PJ;
+      link.axis = source.joint.axis;
+    }
+    build.model.links.push_back(std::move(link));
+  }
+}
+
+class ArmReader {
+ public:
+  ArmReader(const Node& node, const std::string& key, RobotBuild& build)
+      : build_(build), model_(build.model), in_(node, key), written_(build.resolved["arm"]) {}
+
+  void read() {
+    read_tip();
+    read_locked();
+    choose_joints();
+    read_ready();
+    hold_the_rest();
+    warn_about_mass();
+    in_.finish();
+  }
+
+ private:
+  const UrdfJoint& joint_of(int link) const { return build_.tree.links[static_cast<std::size_t>(link) - 1].joint; }
+  Link& link_at(int link) { return model_.links[static_cast<std::size_t>(link)]; }
+
+  // Index of the link that a movable joint moves; an error that names the movable joints otherwise.
+  int movable(const MapReader& in, const std::string& joint) const {
+    std::vector<std::string> names;
+    for (std::size_t i = 2; i < model_.links.size(); ++i) {
+      if (model_.links[i].joint_type == JointType::kFixed) continue;
+      if (model_.links[i].joint == joint) return static_cast<int>(i);
+      names.push_back(model_.links[i].joint);
+    }
+    const std::string near = nearest(joint, names);
+    std::string all;
+    for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+    in.fail_at(joint, "the URDF has no movable joint of this name" +
+                          (near.empty() ? "; it has: " + all : " (did you mean " + near + "?)"));
+  }
+
+  void read_tip() {
+    in_.require("tip", "the link that carries the end effector");
+    std::string tip;
+    in_.read("tip", tip);
+    model_.tip = model_.find_link(tip);
+    if (model_.tip < 1) {
+      std::vector<std::string> names;
+      for (const UrdfLink& link : build_.tree.links) names.push_back(link.name);
+      const std::string near = nearest(tip, names);
+      std::string all;
+      for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+      in_.fail_at("tip", "found '" + tip + "', which is no link of the URDF" +
+                             (near.empty() ? "; its links: " + all : " (did you mean " + near + "?)"));
+    }
+    written_["tip"] = tip;
+    if (const Node* tool = in_.get("tool")) {
+      MapReader at(*tool, in_.key_of("tool"));
+      model_.X_TE = read_pose(at, written_["tool"]);
+      at.finish();
+    }
+  }
+
+  void read_locked() {
+    const Node* node = in_.get("locked");
+    if (node == nullptr) return;
+    MapReader in(*node, in_.key_of("locked"));
+    for (const auto& [name, value] : node->entries) {
+      const int link = movable(in, name);
+      double held = 0.0;
+      in.read(name, held);
+      const UrdfJoint& joint = joint_of(link);
+      in.check(!(joint.lower && joint.upper && *joint.lower <= *joint.upper) ||
+                   (held >= *joint.lower && held <= *joint.upper),
+               name, "found " + value.scalar + ", outside the joint's limits");
+      locked_[link] = held;
+      written_["locked"][name] = held;
+    }
+    in.finish();
+  }
+
+  void choose_joints() {
+    std::vector<int> chain;
+    for (int i = model_.tip; i > 1; i = link_at(i).parent) chain.push_back(i);
+    std::reverse(chain.begin(), chain.end());
+    static const Node kNone;
+    const Node* node = in_.get("limits");
+    MapReader limits(node != nullptr ? *node : kNone, in_.key_of("limits"));
+    for (const int link : chain) {
+      const UrdfJoint& joint = joint_of(link);
+      if (joint.type == UrdfJointType::kFixed || locked_.count(link) != 0) continue;
+      if (joint.type == UrdfJointType::kFloating || joint.type == UrdfJointType::kPlanar) {
+        in_.fail("the " + std::string(to_string(joint.type)) + " joint " + joint.name +
+                 " lies between the root and the tip, and only revolute, continuous and prismatic joints can be driven");
+      }
+      if (joint.mimic) {
+        in_.fail("joint " + joint.name + ", between the root and the tip, mimics " + joint.mimic->joint +
+                 " and cannot be driven on its own: hold it with " + in_.key_of("locked") + "." + joint.name);
+      }
+      add_joint(limits, link);
+    }
+    if (node != nullptr) {
+      for (const auto& [name, value] : node->entries) {
+        const int link = movable(limits, name);
+        if (link_at(link).controlled >= 0) continue;
+        limits.get(name);
+        build_.warnings.push_back(limits.key_of(name) + ": has no effect, since the joint is not controlled");
+      }
+    }
+    limits.finish();
+    if (model_.joints.empty())
+      in_.fail_at("tip", "no joint is left to control between the root and " + link_at(model_.tip).name);
+    if (model_.num_joints() > kMaxJoints)
+      in_.fail("more than " + std::to_string(kMaxJoints) + " joints to control; hold some with `locked`");
+  }
+
+  void add_joint(MapReader& limits, int link) {
+    const UrdfJoint& source = joint_of(link);
+    ControlledJoint joint;
+    joint.name = source.name;
+    joint.type = type_of(source.type);
+    joint.link = link;
+    std::optional<double> lower = source.lower;
+    std::optional<double> upper = source.upper;
+    std::optional<double> velocity = source.velocity.value_or(0.0) > 0.0 ? source.velocity : std::nullopt;
+    std::optional<double> effort = source.effort;
+    if (const Node* node = limits.get(joint.name)) {
+      MapReader in(*node, limits.key_of(joint.name));
+      const auto read = [&](const char* name, std::optional<double>& value, const Range& range) {
+        if (const Node* given = in.get(name)) value = read_number(*given, in.key_of(name), range);
+      };
+      read("lower", lower, Range::any());
+      read("upper", upper, Range::any());
+      read("velocity", velocity, Range::positive());
+      read("effort", effort, Range::non_negative());
+      in.finish();
+      // A continuous joint that is given limits is a revolute one from here on.
+      if (joint.type == JointType::kContinuous && lower && upper) joint.type = JointType::kRevolute;
+    }
+    const std::string where = limits.key_of(joint.name);
+    const auto refuse = [&](const std::string& message) {
+      const Node* given = limits.get(joint.name);
+      fail(given != nullptr ? given->mark : in_.mark(), where, message);
+    };
+    const auto lacking = [&](const std::string& keys, const std::string& unit) {
+      refuse("the URDF gives the " + std::string(to_string(joint.type)) + " joint no " + keys + " limit: give it as " +
+             where + ": {" + keys + ": ...} in " + unit);
+    };
+    if (joint.type == JointType::kContinuous) {
+      if (lower || upper) refuse("a continuous joint takes both lower and upper, or neither");
+    } else {
+      if (!lower || !upper) lacking(lower ? "upper" : upper ? "lower" : "lower: ..., upper", unit_of(joint.type));
+      if (!(*lower < *upper)) {
+        refuse("lower " + number_to_json(*lower).dump() + " is not below upper " + number_to_json(*upper).dump() +
+               "; correct it with " + where + ": {lower: ..., upper: ...}");
+      }
+      joint.lower = *lower;
+      joint.upper = *upper;
+      link_at(link).joint_type = joint.type;
+    }
+    if (!velocity) lacking("velocity", unit_of(joint.type) + "/s");
+    if (!effort || !(*effort > 0.0)) {
+      build_.warnings.push_back("joint " + joint.name + ": no effort limit is known, so " + where +
+                                ".effort is needed for physics with motors");
+    }
+    joint.velocity = *velocity;
+    joint.effort = effort ? std::max(0.0, *effort) : 0.0;
+    link_at(link).controlled = model_.num_joints();
+    nlohmann::ordered_json& out = written_["limits"][joint.name];
+    if (joint.type != JointType::kContinuous) out = {{"lower", joint.lower}, {"upper", joint.upper}};
+    out["velocity"] = joint.velocity;
+    out["effort"] = joint.effort;
+    model_.joints.push_back(std::move(joint));
+  }
+
+  void read_ready() {
+    const int n = model_.num_joints();
+    model_.ready = VectorX::Zero(n);
+    if (const Node* node = in_.get("ready")) {
+      const std::vector<double> values = read_numbers(*node, in_.key_of("ready"), n);
+      for (int i = 0; i < n; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        const ControlledJoint& joint = model_.joints[k];
+        model_.ready[i] = values[k];
+        if (values[k] < joint.lower || values[k] > joint.upper) {
+          fail(node->items[k].mark, in_.key_of("ready") + "[" + std::to_string(i) + "]",
+               "found " + node->items[k].scalar + ", outside the limits of joint " + joint.name + ", " +
+                   number_to_json(joint.lower).dump() + " to " + number_to_json(joint.upper).dump());
+        }
+      }
+    } else {
+      for (int i = 0; i < n; ++i) {
+        const ControlledJoint& joint = model_.joints[static_cast<std::size_t>(i)];
+        model_.ready[i] = std::clamp(0.0, joint.lower, joint.upper);
+      }
+      build_.warnings.push_back(in_.key_of("ready") + ": not given, so every joint is at 0 or its nearest limit");
+    }
+    written_["ready"] = to_json_list(model_.ready);
+  }
+
+  // Value of a joint that is not driven: locked, or 0 within its limits, or what the joint it mimics makes of it.
+  double held_value(int link, int depth) {
+    const UrdfJoint& joint = joint_of(link);
+    if (const auto found = locked_.find(link); found != locked_.end()) return found->second;
+    if (link_at(link).controlled >= 0) return model_.ready[link_at(link).controlled];
+    if (joint.mimic) {
+      if (depth > 32) in_.fail("joint " + joint.name + " mimics itself in a circle");
+      for (std::size_t i = 2; i < model_.links.size(); ++i) {
+        if (model_.links[i].joint != joint.mimic->joint) continue;
+        const int other = static_cast<int>(i);
+        if (model_.links[i].controlled >= 0) {
+          build_.warnings.push_back("joint " + joint.name + " mimics " + joint.mimic->joint +
+                                    ", which is driven, but is held where it is at `ready`");
+        }
+        return joint.mimic->multiplier * held_value(other, depth + 1) + joint.mimic->offset;
+      }
+      in_.fail("joint " + joint.name + " mimics " + joint.mimic->joint + ", which the URDF does not have");
+    }
+    if (joint.lower && joint.upper && *joint.lower <= *joint.upper) return std::clamp(0.0, *joint.lower, *joint.upper);
+    return 0.0;
+  }
+
+  void hold_the_rest() {
+    std::string held;
+    std::string rigid;
+    for (std::size_t i = 2; i < model_.links.size(); ++i) {
+      const int link = static_cast<int>(i);
+      const UrdfJointType type = joint_of(link).type;
+      if (type == UrdfJointType::kFloating || type == UrdfJointType::kPlanar)
+        rigid += (rigid.empty() ? "" : ", ") + model_.links[i].joint;
+      if (model_.links[i].joint_type == JointType::kFixed || model_.links[i].controlled >= 0) continue;
+      model_.links[i].held = held_value(link, 0);
+      if (locked_.count(link) == 0) held += (held.empty() ? "" : ", ") + model_.links[i].joint;
+    }
+    if (!held.empty()) build_.warnings.push_back("joints held, since they are not between root and tip: " + held);
+    if (!rigid.empty()) build_.warnings.push_back("floating or planar joints taken as fixed: " + rigid);
+  }
+
+  // Physics needs mass between any two driven joints.
+  void warn_about_mass() {
+    std::vector<double> mass(model_.links.size(), 0.0);
+    for (std::size_t i = model_.links.size(); i-- > 1;) {
+      const Link& link = model_.links[i];
+      mass[i] += link.inertial ? link.inertial->mass : 0.0;
+      if (link.controlled < 0) {
+        mass[static_cast<std::size_t>(link.parent)] += mass[i];
+      } else if (!(mass[i] > 0.0)) {
+        build_.warnings.push_back("the links moved by joint " + link.joint + " have no mass in the URDF");
+      }
+    }
+  }
+
+  RobotBuild& build_;
+  RobotModel& model_;
+  MapReader in_;
+  nlohmann::ordered_json& written_;
+  std::map<int, double> locked_;   // by link
+};
+
+}  // namespace
+
+void read_arm(MapReader& robot, RobotBuild& build) {
+  make_links(build);
+  ArmReader(robot.require("arm", "a map with `tip`"), robot.key_of("arm"), build).read();
+}
+
+}  // namespace moma::config

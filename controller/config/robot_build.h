@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "controller/config/package_path.h"
+#include "controller/config/reader.h"
+#include "controller/model/robot_model.h"
+#include "controller/model/urdf.h"
+
+namespace moma::config {
+
+/// A robot while its file is read: each part below adds its share to the model and to the resolved form.
+struct RobotBuild {
+  RobotModel model;
+  UrdfTree tree;                         ///< link i of the tree is link i + 1 of the model
+  PackagePaths packages;
+  std::filesystem::path urdf_directory;
+  nlohmann::ordered_json resolved;
+  std::vector<std::string> warnings;
+};
+
+/// `base`: kind, mount, speeds, wheels. The footprint's shape is left to read_collision().
+void read_base(MapReader& robot, RobotBuild& build);
+
+/// Links of the model from build.tree, and `arm`: tip, tool, locked, limits, ready. Needs read_base().
+void read_arm(MapReader& robot, RobotBuild& build);
+
+/// `base.footprint` and `collision`: shapes and self-collision pairs. Needs read_arm().
+void read_collision(MapReader& robot, RobotBuild& build);
+
+/// `position` and `rpy` (fixed axes x, y, z as in URDF) of a map; also `rotation`, nine numbers row by row, which
+/// resolved robots use. `written` gets what reads back to the same bits.
+Isometry read_pose(MapReader& in, nlohmann::ordered_json& written);
+
+/// `[1, 2, 3]` as JSON.
+nlohmann::ordered_json to_json_list(const Eigen::Ref<const VectorX>& values);
+
+/// Pairs of shapes whose contact counts, by the rules of `self: auto` (see docs/robots.md): of all pairs that can
+/// move against each other, without adjacent links, pairs in touch at `ready` and pairs within `stop` in a fifth or
+/// more of 1,000 sampled configurations; pairs that no sample brings within 0.1 m get no row. Same model, same pairs.
+std::vector<SelfPair> find_self_pairs(const RobotModel& model, double stop, std::vector<std::string>& warnings);
+
+/// True where a controlled joint lies between the two links.
+bool can_move_against(const RobotModel& model, int link1, int link2);
+
+}  // namespace moma::config

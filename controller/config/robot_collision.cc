@@ -1,0 +1,268 @@
+#include <map>
+#include <set>
+
+#include "controller/config/json_node.h"
+#include "controller/config/mesh_hull.h"
+#include "controller/config/robot_build.h"
+#include "controller/model/proximity.h"
+
+namespace moma::config {
+namespace {
+
+nlohmann::ordered_json shape_to_json(const RobotModel& model, const CollisionShape& shape) {
+  nlohmann::ordered_json json{{"link", model.links[static_cast<std::size_t>(shape.link)].name},
+                              {"shape", std::string(to_string(shape.shape.kind))}};
+  if (shape.shape.hull) {
+    auto& vertices = json["vertices"] = nlohmann::ordered_json::array();
+    auto& triangles = json["triangles"] = nlohmann::ordered_json::array();
+    for (const Vector3& v : shape.shape.hull->vertices)
+      for (const double x : v) vertices.push_back(x);
+    for (const Eigen::Vector3i& t : shape.shape.hull->triangles)
+      for (const int i : t) triangles.push_back(i);
+  } else {
+    const int count = shape.shape.kind == ShapeKind::kSphere ? 1 : shape.shape.kind == ShapeKind::kBox ? 3 : 2;
+    json["size"] = to_json_list(shape.shape.size.head(count));
+  }
+  json["position"] = to_json_list(shape.X_LS.translation());
+  auto& rotation = json["rotation"] = nlohmann::ordered_json::array();
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) rotation.push_back(shape.X_LS.linear()(r, c));
+  return json;
+}
+
+std::shared_ptr<const ConvexHull> read_hull(MapReader& in) {
+  auto hull = std::make_shared<ConvexHull>();
+  const std::string what = "numbers, as in a resolved robot";
+  const auto v = read_numbers(in.require("vertices", what), in.key_of("vertices"), -1);
+  const Node& faces = in.require("triangles", what);
+  const auto t = read_numbers(faces, in.key_of("triangles"), -1, {0.0, static_cast<double>(v.size() / 3) - 1.0});
+  in.check(v.size() >= 12 && v.size() % 3 == 0, "vertices", "expected x, y, z of four points or more");
+  in.check(t.size() >= 12 && t.size() % 3 == 0, "triangles", "expected three indices for each of four triangles or more");
+  for (std::size_t i = 0; i < v.size(); i += 3) hull->vertices.emplace_back(v[i], v[i + 1], v[i + 2]);
+  for (std::size_t i = 0; i < t.size(); i += 3)
+    hull->triangles.emplace_back(static_cast<int>(t[i]), static_cast<int>(t[i + 1]), static_cast<int>(t[i + 2]));
+  return hull;
+}
+
+Shape read_shape(MapReader& in) {
+  Shape shape;
+  in.require("shape", "sphere, box, cylinder or capsule");
+  in.read_enum("shape", shape.kind, {{"sphere", ShapeKind::kSphere},
+                                     {"box", ShapeKind::kBox},
+                                     {"cylinder", ShapeKind::kCylinder},
+                                     {"capsule", ShapeKind::kCapsule},
+                                     {"convex", ShapeKind::kConvex}});
+  if (shape.kind == ShapeKind::kConvex) {
+    shape.hull = read_hull(in);
+    return shape;
+  }
+  const std::string key = in.key_of("size");
+  if (shape.kind == ShapeKind::kSphere) {
+    const Node& node = in.require("size", "the radius [m]");
+    shape.size.x() = node.kind == Node::Kind::kSequence ? read_numbers(node, key, 1, Range::positive())[0]
+                                                        : read_number(node, key, Range::positive());
+  } else if (shape.kind == ShapeKind::kBox) {
+    const auto size = read_numbers(in.require("size", "three edge lengths [m]"), key, 3, Range::positive());
+    shape.size = Vector3(size[0], size[1], size[2]);
+  } else {
+    const auto size = read_numbers(in.require("size", "radius and length [m]"), key, 2, Range::positive());
+    shape.size = Vector3(size[0], size[1], 0.0);
+  }
+  return shape;
+}
+
+class CollisionReader {
+ public:
+  CollisionReader(MapReader& robot, RobotBuild& build) : robot_(robot), build_(build), model_(build.model) {}
+
+  void read() {
+    read_footprint();
+    static const Node kNone;
+    const Node* node = robot_.get("collision");
+    MapReader in(node != nullptr ? *node : kNone, robot_.key_of("collision"));
+    written_["shapes"] = nlohmann::ordered_json::array();
+    if (const Node* list = in.get("shapes")) read_shapes(*list, in.key_of("shapes"));
+    std::string from;
+    in.read("from", from);
+    in.check(from.empty() || from == "urdf", "from", "found '" + from + "', expected urdf");
+    if (from == "urdf") take_urdf(in);
+    if (model_.shapes.empty())
+      build_.warnings.push_back("the robot has no collision shapes: nothing it does can be a collision");
+    read_self(in);
+    in.finish();
+    build_.resolved["collision"] = std::move(written_);
+  }
+
+ private:
+  void add(int link, const Shape& shape, const Isometry& X_LS) {
+    CollisionShape added;
+    const std::string& name = model_.links[static_cast<std::size_t>(link)].name;
+    const int number = ++count_[link];
+    added.name = number == 1 ? name : name + "/" + std::to_string(number);
+    added.link = link;
+    added.shape = shape;
+    added.X_LS = X_LS;
+    added.rigid_with_base = !can_move_against(model_, 0, link);
+    model_.shapes.push_back(std::move(added));
+  }
+
+  void read_footprint() {
+    const Node* base = robot_.get("base");
+    const Node* node = base != nullptr && base->kind == Node::Kind::kMap ? base->find("footprint") : nullptr;
+    if (node == nullptr || node->kind == Node::Kind::kNull) return;
+    MapReader in(*node, robot_.key_of("base") + ".footprint");
+    nlohmann::ordered_json pose;
+    const Shape shape = read_shape(in);
+    add(0, shape, read_pose(in, pose));
+    in.read("mass", model_.base.mass, Range::non_negative());
+    in.finish();
+    nlohmann::ordered_json json = shape_to_json(model_, model_.shapes.back());
+    json.erase("link");
+    json["mass"] = model_.base.mass;
+    build_.resolved["base"]["footprint"] = std::move(json);
+  }
+
+  void read_shapes(const Node& list, const std::string& key) {
+    if (list.kind != Node::Kind::kSequence) fail(list.mark, key, "expected a list of shapes");
+    for (std::size_t i = 0; i < list.items.size(); ++i) {
+      MapReader in(list.items[i], key + "[" + std::to_string(i) + "]");
+      in.require("link", "a link of the URDF, or @base");
+      std::string name;
+      in.read("link", name);
+      const int link = link_named(in, "link", name);
+      nlohmann::ordered_json pose;
+      const Shape shape = read_shape(in);
+      add(link, shape, read_pose(in, pose));
+      in.finish();
+      written_["shapes"].push_back(shape_to_json(model_, model_.shapes.back()));
+    }
+  }
+
+  int link_named(const MapReader& in, const char* key, const std::string& name) const {
+    const int link = model_.find_link(name);
+    if (link >= 0) return link;
+    std::vector<std::string> names;
+    for (const Link& l : model_.links) names.push_back(l.name);
+    const std::string near = nearest(name, names);
+    in.fail_at(key, "found '" + name + "', which is no link of the URDF and not @base" +
+                        (near.empty() ? "" : " (did you mean " + near + "?)"));
+  }
+
+  // Links that have shapes of their own in the file keep those alone.
+  void take_urdf(const MapReader& in) {
+    const std::map<int, int> own = count_;
+    std::map<std::pair<std::string, std::vector<double>>, MeshSolid> meshes;
+    for (std::size_t i = 0; i < build_.tree.links.size(); ++i) {
+      const UrdfLink& source = build_.tree.links[i];
+      const int link = static_cast<int>(i) + 1;
+      if (own.count(link) != 0) continue;
+      for (const UrdfGeometry& geometry : source.collision) {
+        if (geometry.mesh.empty()) {
+          add(link, geometry.shape, geometry.X_LS);
+        } else {
+          try {
+            const auto file = build_.packages.resolve(geometry.mesh, build_.urdf_directory);
+            const Vector3& s = geometry.scale;
+            auto [at, is_new] = meshes.try_emplace({file.string(), {s.x(), s.y(), s.z()}});
+            if (is_new) at->second = mesh_solid(file, s);
+            if (at->second.flat)
+              build_.warnings.push_back("link " + source.name + ": the flat mesh " + geometry.mesh + " became a thin box");
+            add(link, at->second.shape, geometry.X_LS * at->second.X_MS);
+          } catch (const ConfigError&) {
+            throw;
+          } catch (const std::exception& e) {
+            in.fail_at("from", "link " + source.name + ": " + e.what());
+          }
+        }
+        written_["shapes"].push_back(shape_to_json(model_, model_.shapes.back()));
+      }
+    }
+  }
+
+  void read_self(MapReader& in) {
+    double stop = 0.01;
+    in.read("self_stop", stop, Range::non_negative());
+    const Node* self = in.get("self");
+    const Node* pairs = in.get("pairs");   // only in resolved robots
+    if (pairs != nullptr) {
+      in.check(self == nullptr, "pairs", "give `self` or `pairs`, not both");
+      read_index_pairs(*pairs, in.key_of("pairs"));
+    } else if (self == nullptr || (self->kind == Node::Kind::kScalar && self->scalar == "auto")) {
+      model_.self_pairs = find_self_pairs(model_, stop, build_.warnings);
+    } else {
+      read_named_pairs(*self, in.key_of("self"));
+    }
+    auto& out = written_["pairs"] = nlohmann::ordered_json::array();
+    for (const SelfPair& pair : model_.self_pairs) out.push_back({pair.first, pair.second, pair.row});
+  }
+
+  void read_index_pairs(const Node& list, const std::string& key) {
+    if (list.kind != Node::Kind::kSequence) fail(list.mark, key, "expected a list of [shape, shape, row]");
+    const auto last = static_cast<long long>(model_.shapes.size()) - 1;
+    for (const Node& item : list.items) {
+      if (item.kind != Node::Kind::kSequence || item.items.size() != 3)
+        fail(item.mark, key, "expected [shape, shape, true or false]");
+      const auto a = static_cast<int>(read_integer(item.items[0], key, 0, last));
+      const auto b = static_cast<int>(read_integer(item.items[1], key, a + 1, last));
+      model_.self_pairs.push_back({a, b, read_bool(item.items[2], key)});
+    }
+  }
+
+  // Shapes of a link, or the one shape of that very name (LINK/2).
+  std::vector<int> shapes_named(const Node& node, const std::string& key) const {
+    const std::string name = read_string(node, key);
+    const int link = model_.find_link(name);
+    std::vector<int> found;
+    for (std::size_t i = 0; i < model_.shapes.size(); ++i)
+      if (link >= 0 ? model_.shapes[i].link == link : model_.shapes[i].name == name) found.push_back(static_cast<int>(i));
+    if (found.empty()) {
+      std::vector<std::string> names;
+      for (const CollisionShape& shape : model_.shapes) names.push_back(shape.name);
+      const std::string near = nearest(name, names);
+      fail(node.mark, key, "found '" + name + "', which has no collision shape" +
+                               (near.empty() ? "" : " (did you mean " + near + "?)"));
+    }
+    return found;
+  }
+
+  void read_named_pairs(const Node& list, const std::string& key) {
+    if (list.kind != Node::Kind::kSequence) fail(list.mark, key, "expected auto or a list of [link, link]");
+    std::set<std::pair<int, int>> chosen;
+    for (std::size_t i = 0; i < list.items.size(); ++i) {
+      const Node& item = list.items[i];
+      const std::string at = key + "[" + std::to_string(i) + "]";
+      if (item.kind != Node::Kind::kSequence || item.items.size() != 2) fail(item.mark, at, "expected [link, link]");
+      bool moves = false;
+      for (const int a : shapes_named(item.items[0], at)) {
+        for (const int b : shapes_named(item.items[1], at)) {
+          if (!can_move_against(model_, model_.shapes[static_cast<std::size_t>(a)].link,
+                                model_.shapes[static_cast<std::size_t>(b)].link))
+            continue;
+          moves = true;
+          chosen.insert(std::minmax(a, b));
+        }
+      }
+      if (!moves) fail(item.mark, at, "no controlled joint lies between these two, so they never come closer");
+    }
+    const Kinematics at_ready(std::make_shared<RobotModel>(model_));
+    for (const auto& [a, b] : chosen) {
+      model_.self_pairs.push_back({a, b, true});
+      const CollisionShape& first = model_.shapes[static_cast<std::size_t>(a)];
+      const CollisionShape& second = model_.shapes[static_cast<std::size_t>(b)];
+      if (shape_distance(first.shape, at_ready.X_WS(first), second.shape, at_ready.X_WS(second)).d <= 0.0)
+        build_.warnings.push_back("self-collision at `ready`: " + first.name + " and " + second.name);
+    }
+  }
+
+  MapReader& robot_;
+  RobotBuild& build_;
+  RobotModel& model_;
+  nlohmann::ordered_json written_;
+  std::map<int, int> count_;   // shapes so far, by link
+};
+
+}  // namespace
+
+void read_collision(MapReader& robot, RobotBuild& build) { CollisionReader(robot, build).read(); }
+
+}  // namespace moma::config

@@ -1,0 +1,110 @@
+#include "controller/config/robot_file.h"
+
+#include <fstream>
+#include <sstream>
+
+#include "controller/config/json_node.h"
+#include "controller/config/reader.h"
+#include "controller/config/robot_build.h"
+
+namespace moma::config {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Folder that paths in a value are relative to: that of its file, or the working directory (a --set option).
+fs::path directory_of(const Node& node) {
+  return node.mark.line > 0 ? fs::path(node.mark.file).parent_path() : fs::path();
+}
+
+std::string read_text(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::stringstream text;
+  text << in.rdbuf();
+  if (!in) throw std::runtime_error("cannot read " + file.string());
+  return text.str();
+}
+
+PackagePaths read_packages(MapReader& robot) {
+  std::map<std::string, fs::path> named;
+  if (const Node* node = robot.get("packages")) {
+    MapReader in(*node, robot.key_of("packages"));
+    for (const auto& [name, value] : node->entries) {
+      std::string folder;
+      in.read(name, folder);
+      std::error_code error;
+      const fs::path path = directory_of(value) / folder;
+      in.check(fs::is_directory(path, error), name, "found '" + folder + "', which is no folder");
+      named[name] = path;
+    }
+    in.finish();
+  }
+  return PackagePaths(std::move(named));
+}
+
+void read_urdf_of(MapReader& robot, RobotBuild& build) {
+  const Node* text_node = robot.get("urdf_text");   // only in resolved robots
+  const Node* path_node = robot.get("urdf");
+  std::string text;
+  std::string name = "the resolved robot's URDF";
+  const Node& node = text_node != nullptr ? *text_node : robot.require("urdf", "the path of a URDF file");
+  robot.check(text_node == nullptr || path_node == nullptr, "urdf", "give `urdf` or `urdf_text`, not both");
+  if (text_node != nullptr) {
+    text = read_string(node, robot.key_of("urdf_text"));
+  } else {
+    const std::string uri = read_string(node, robot.key_of("urdf"));
+    try {
+      const fs::path file = build.packages.resolve(uri, directory_of(node));
+      build.urdf_directory = file.parent_path();
+      name = file.string();
+      text = read_text(file);
+    } catch (const std::exception& e) {
+      robot.fail_at("urdf", e.what());
+    }
+  }
+  try {
+    build.tree = read_urdf(text);
+  } catch (const UrdfError& e) {
+    robot.fail_at(text_node != nullptr ? "urdf_text" : "urdf", name + ": " + e.what());
+  }
+  build.resolved["urdf_text"] = text;
+}
+
+LoadedRobot build_robot(const Node& node, const std::string& key) {
+  MapReader robot(node, key);
+  RobotBuild build;
+  build.resolved["name"] = "";
+  build.packages = read_packages(robot);
+  read_urdf_of(robot, build);
+  build.model.name = build.tree.name;
+  robot.read("name", build.model.name);
+  robot.check(!build.model.name.empty(), "name", "the URDF gives no name, so give one");
+  build.resolved["name"] = build.model.name;
+  read_base(robot, build);
+  read_arm(robot, build);
+  read_collision(robot, build);
+  robot.finish();
+  return {std::make_shared<const RobotModel>(std::move(build.model)), std::move(build.resolved),
+          std::move(build.warnings)};
+}
+
+}  // namespace
+
+LoadedRobot load_robot(const fs::path& file) { return build_robot(load_yaml(file), ""); }
+
+LoadedRobot read_robot(const Node& node, const std::string& key) {
+  if (node.kind != Node::Kind::kScalar) return build_robot(node, key);
+  const fs::path file = directory_of(node) / node.scalar;
+  std::error_code error;
+  if (node.scalar.empty() || !fs::is_regular_file(file, error)) {
+    fail(node.mark, key, "found '" + node.scalar + "', expected the path of a robot file; no such file: " +
+                             file.string());
+  }
+  return load_robot(file);
+}
+
+LoadedRobot robot_from_resolved(const nlohmann::ordered_json& resolved) {
+  return build_robot(node_from_json(resolved, "resolved robot"), "robot");
+}
+
+}  // namespace moma::config

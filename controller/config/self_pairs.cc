@@ -1,0 +1,119 @@
+#include <algorithm>
+#include <numbers>
+#include <random>
+
+#include "controller/config/robot_build.h"
+#include "controller/model/proximity.h"
+
+namespace moma::config {
+namespace {
+
+constexpr int kSamples = 1000;
+constexpr double kAlwaysClose = 0.2;   // share of the samples
+constexpr double kRowRange = 0.1;      // [m]
+
+// Link that carries `link` rigidly and hangs on a controlled joint, or 0.
+int rigid_root(const RobotModel& model, int link) {
+  while (link > 0 && model.links[static_cast<std::size_t>(link)].controlled < 0)
+    link = model.links[static_cast<std::size_t>(link)].parent;
+  return link;
+}
+
+VectorX sample(const RobotModel& model, std::mt19937_64& engine) {
+  VectorX q(model.num_joints());
+  for (int i = 0; i < q.size(); ++i) {
+    const ControlledJoint& joint = model.joints[static_cast<std::size_t>(i)];
+    const bool limited = joint.type != JointType::kContinuous;
+    const double lower = limited ? joint.lower : -std::numbers::pi;
+    const double upper = limited ? joint.upper : std::numbers::pi;
+    q[i] = lower + (upper - lower) * (static_cast<double>(engine() >> 11) * 0x1p-53);
+  }
+  return q;
+}
+
+std::string list_names(const RobotModel& model, const std::vector<SelfPair>& pairs) {
+  constexpr std::size_t kShown = 12;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(pairs.size(), kShown); ++i) {
+    text += (i == 0 ? "" : ", ") + model.shapes[static_cast<std::size_t>(pairs[i].first)].name + " - " +
+            model.shapes[static_cast<std::size_t>(pairs[i].second)].name;
+  }
+  if (pairs.size() > kShown) text += " and " + std::to_string(pairs.size() - kShown) + " more";
+  return text;
+}
+
+// Distances of all pairs of `model` that are within `range` at q, by index of the pair.
+class PairDistances {
+ public:
+  explicit PairDistances(const RobotModel& model)
+      : model_(std::make_shared<RobotModel>(model)), kinematics_(model_), proximity_(model_) {}
+
+  template <typename Visit>
+  void visit(const VectorX& q, double range, Visit&& visit) {
+    kinematics_.update(Vector3::Zero(), q);
+    std::size_t k = 0;   // the answer keeps the order of the pairs
+    for (const ProximityPair& pair : proximity_.query(kinematics_, {}, {-1.0, -1.0, range})) {
+      while (model_->self_pairs[k].first != pair.first || model_->self_pairs[k].second != pair.second) ++k;
+      visit(k, pair.distance.d);
+    }
+  }
+
+ private:
+  std::shared_ptr<const RobotModel> model_;
+  Kinematics kinematics_;
+  Proximity proximity_;
+};
+
+}  // namespace
+
+bool can_move_against(const RobotModel& model, int link1, int link2) {
+  return rigid_root(model, link1) != rigid_root(model, link2);
+}
+
+std::vector<SelfPair> find_self_pairs(const RobotModel& source, double stop, std::vector<std::string>& warnings) {
+  RobotModel model = source;
+  model.self_pairs.clear();
+  const int count = static_cast<int>(model.shapes.size());
+  for (int i = 0; i < count; ++i) {
+    for (int j = i + 1; j < count; ++j) {
+      const int a = model.shapes[static_cast<std::size_t>(i)].link;
+      const int b = model.shapes[static_cast<std::size_t>(j)].link;
+      const bool adjacent = model.links[static_cast<std::size_t>(a)].parent == b ||
+                            model.links[static_cast<std::size_t>(b)].parent == a;
+      if (!adjacent && can_move_against(model, a, b)) model.self_pairs.push_back({i, j, true});
+    }
+  }
+
+  std::vector<bool> touching(model.self_pairs.size(), false);
+  PairDistances(model).visit(model.ready, 0.0, [&](std::size_t k, double) { touching[k] = true; });
+  std::vector<SelfPair> candidates;
+  std::vector<SelfPair> in_touch;
+  for (std::size_t k = 0; k < touching.size(); ++k)
+    (touching[k] ? in_touch : candidates).push_back(model.self_pairs[k]);
+  model.self_pairs = std::move(candidates);
+
+  std::vector<int> close(model.self_pairs.size(), 0);
+  std::vector<bool> near(model.self_pairs.size(), false);
+  PairDistances distances(model);
+  std::mt19937_64 engine(1);
+  for (int s = 0; s < kSamples; ++s) {
+    distances.visit(sample(model, engine), kRowRange, [&](std::size_t k, double d) {
+      near[k] = true;
+      if (d < stop) ++close[k];
+    });
+  }
+  std::vector<SelfPair> kept;
+  std::vector<SelfPair> always_close;
+  for (std::size_t k = 0; k < close.size(); ++k) {
+    SelfPair pair = model.self_pairs[k];
+    pair.row = near[k];
+    (close[k] >= kAlwaysClose * kSamples ? always_close : kept).push_back(pair);
+  }
+  if (!in_touch.empty())
+    warnings.push_back("self-collision: left out, in touch at `ready`: " + list_names(model, in_touch));
+  if (!always_close.empty())
+    warnings.push_back("self-collision: left out, close in most configurations: " + list_names(model, always_close));
+  return kept;
+}
+
+}  // namespace moma::config
