@@ -46,10 +46,7 @@ class TickClock {
     for (long k = 0;; ++k) {
       take_report();
       const bool finite = measure_state(k);
-      if (end_at(k, last_step, finite, ending)) {
-        r_.last = plant_.state();
-        return finish(k, std::move(ending));
-      }
+      if (end_at(k, last_step, finite, ending)) return finish(k, std::move(ending));
       command(k);
     }
   }
@@ -99,6 +96,7 @@ class TickClock {
     error_.head<3>() = log_so3(goal_.X_WG.linear() * X_WE.linear().transpose());
     error_.tail<3>() = goal_.X_WG.translation() - X_WE.translation();
 
+    r_.last = state;
     StateRecord& record = r_.states.emplace_back();
     record.p_WE = X_WE.translation();
     record.orientation_error = error_.head<3>().norm();

@@ -21,7 +21,7 @@ struct Recording {
   double control_period = 0.02;     ///< [s]
   Trace trace;                      ///< one sample per control step
   std::vector<StateRecord> states;  ///< trace.size() + 1; trace.size() where the last state was not finite
-  PlantState last;                  ///< the state after the last command; unused where it was not finite
+  PlantState last;                  ///< the last finite state
   double clearance = kAbsent;       ///< least signed distance to an object at any sample [m]
   double clearance_self = kAbsent;  ///< least signed distance between links at any sample [m]
   std::vector<Contact> contacts;    ///< those that ended the trial
