@@ -1,0 +1,53 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "eval/tune/evaluator.h"
+
+namespace moma::tune {
+
+struct SensitivitySettings {
+  bool enabled = true;
+  double near = 0.1;  ///< steps to both sides, in the unit cube
+  double far = 0.25;
+  std::size_t pairs_of = 4;  ///< the gains that matter most are also moved two at a time
+};
+
+/// One gain moved alone from the found values; others stay.
+struct SensitivityStep {
+  std::size_t variable = 0;
+  double value = 0.0;
+  double change = 0.0;  ///< of the mean cost, paired over worlds; > 0 is worse
+  double error = 0.0;   ///< standard error of that mean
+  bool valid = true;
+  bool operator==(const SensitivityStep&) const = default;
+};
+
+/// Two gains moved together by +-near: what their joint move adds to the sum of the single ones,
+/// (f(++) + f(--) - f(+-) - f(-+)) / 4. Positive: they want to be moved in opposite directions.
+struct SensitivityPair {
+  std::size_t first = 0;
+  std::size_t second = 0;
+  double interaction = 0.0;
+  double error = 0.0;
+  bool operator==(const SensitivityPair&) const = default;
+};
+
+struct Sensitivity {
+  std::vector<SensitivityStep> steps;
+  std::vector<SensitivityPair> pairs;
+  bool operator==(const Sensitivity&) const = default;
+};
+
+/// Measures around `found` on the search's worlds: 4 candidates per gain and 4 per pair, all through the evaluator
+/// (so they are logged, resumed and stored like any other, in phase `sensitivity`, outside the budget).
+Sensitivity sensitivity(const SensitivitySettings& settings, const Candidate& found, Evaluator& evaluator);
+
+/// Share of the variance of the candidates' ranks (by merit) that each gain explains alone, over the evaluations of
+/// the global phase (over all of the search's where it has fewer than 30): the correlation ratio over bins of equal
+/// size, less what chance alone would give (epsilon squared, Kelley 1935), never below 0. What is missing to 1 is
+/// interaction and noise. A first-order index like fANOVA's, without its forest.
+std::vector<double> importance(const std::vector<Variable>& variables, const std::deque<Evaluation>& history);
+
+}  // namespace moma::tune
