@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+"""Reference kinematics by Pinocchio, independent of moma, for tests/controller/kinematics_reference_test.cc.
+
+    python3 -m venv VENV && VENV/bin/pip install pin==4.1.0 example-robot-data==6.0.0
+    VENV/bin/python tests/tools/kinematics_reference.py > tests/data/kinematics_reference.json
+
+Six-vectors are [angular; linear] in world axes at the end effector. A differential base is Pinocchio's planar joint
+with its sideways column left out.
+"""
+import json
+import os
+import random
+import sys
+
+import numpy as np
+import pinocchio as pin
+
+ROBOTS = [
+    {"file": "configs/robots/examples/panda.yaml", "urdf": "panda_description/urdf/panda.urdf", "tip": "panda_hand_tcp",
+     "joints": [f"panda_joint{i}" for i in range(1, 8)]},
+    {"file": "configs/robots/examples/ur5.yaml", "urdf": "ur_description/urdf/ur5_joint_limited_robot.urdf",
+     "tip": "tool0", "joints": ["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint",
+                                "wrist_2_joint", "wrist_3_joint"]},
+    {"file": "configs/robots/examples/tiago.yaml", "urdf": "tiago_description/robots/tiago_no_hand.urdf",
+     "tip": "arm_tool_link", "base": "differential",
+     "joints": ["torso_lift_joint"] + [f"arm_{i}_joint" for i in range(1, 8)]},
+    {"file": "tests/data/robots/pr2_right_arm.yaml", "urdf": "pr2_description/urdf/pr2.urdf",
+     "tip": "r_gripper_tool_frame", "held": {"torso_lift_joint": 0.16825},
+     "joints": ["r_shoulder_pan_joint", "r_shoulder_lift_joint", "r_upper_arm_roll_joint", "r_elbow_flex_joint",
+                "r_forearm_roll_joint", "r_wrist_flex_joint", "r_wrist_roll_joint"]},
+    {"file": "tests/data/robots/talos_left_arm.yaml", "urdf": "talos_data/robots/talos_reduced.urdf",
+     "tip": "gripper_left_base_link", "mount": [0, 0, 1.1],
+     "joints": ["torso_1_joint", "torso_2_joint"] + [f"arm_left_{i}_joint" for i in range(1, 8)]},
+]
+
+
+def data_folder():
+    for base in sys.path:
+        folder = os.path.join(base, "cmeel.prefix/share/example-robot-data/robots")
+        if os.path.isdir(folder):
+            return folder
+    sys.exit("example-robot-data is not installed here")
+
+
+def volume(J):
+    return float(np.prod(np.linalg.svd(J, compute_uv=False)[: J.shape[0]]))
+
+
+def set_joint(model, q, name, value):
+    joint = model.joints[model.getJointId(name)]
+    if joint.nq == 2:  # continuous
+        q[joint.idx_q: joint.idx_q + 2] = [np.cos(value), np.sin(value)]
+    else:
+        q[joint.idx_q] = value
+
+
+def cases_of(robot, rng):
+    path = os.path.join(data_folder(), robot["urdf"])
+    mobile = robot.get("base") == "differential"
+    model = pin.buildModelFromUrdf(path, pin.JointModelPlanar()) if mobile else pin.buildModelFromUrdf(path)
+    data = model.createData()
+    frame = model.getFrameId(robot["tip"])
+    mount = np.array(robot.get("mount", [0, 0, 0]), dtype=float)
+    cases = []
+    for _ in range(8):
+        q = pin.neutral(model)
+        base = [rng.uniform(-3, 3), rng.uniform(-3, 3), rng.uniform(-4, 4)] if mobile else [0.0, 0.0, 0.0]
+        if mobile:
+            q[0:4] = [base[0], base[1], np.cos(base[2]), np.sin(base[2])]
+        for name, value in robot.get("held", {}).items():
+            set_joint(model, q, name, value)
+        values = []
+        for name in robot["joints"]:
+            joint = model.joints[model.getJointId(name)]
+            low, high = (-np.pi, np.pi) if joint.nq == 2 else (model.lowerPositionLimit[joint.idx_q],
+                                                               model.upperPositionLimit[joint.idx_q])
+            values.append(rng.uniform(low, high))
+            set_joint(model, q, name, values[-1])
+        pin.computeJointJacobians(model, data, q)
+        pin.updateFramePlacements(model, data)
+        X = data.oMf[frame]
+        J = pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)
+        J = np.vstack([J[3:], J[:3]])
+        arm = J[:, [model.joints[model.getJointId(n)].idx_v for n in robot["joints"]]]
+        full = np.hstack([J[:, [0, 2]], arm]) if mobile else arm
+        cases.append({
+            "base": base, "q": values,
+            "position": (X.translation + mount).tolist(), "rotation": X.rotation.flatten().tolist(),
+            "jacobian": full.flatten().tolist(),
+            "manipulability": {"translation": volume(arm[3:]), "rotation": volume(arm[:3]), "all": volume(arm)},
+        })
+    return cases
+
+
+def main():
+    rng = random.Random(20210907)
+    out = {"origin": f"tests/tools/kinematics_reference.py, Pinocchio {pin.__version__}, example-robot-data 6.0.0; "
+                     "matrices row by row",
+           "robots": [{"file": r["file"], "joints": r["joints"], "cases": cases_of(r, rng)} for r in ROBOTS]}
+    json.dump(out, sys.stdout, indent=None, separators=(",", ":"))
+    print()
+
+
+if __name__ == "__main__":
+    main()
