@@ -1,0 +1,184 @@
+// One figure: its frame, the chart (ECharts), its data as CSV, itself as SVG on white paper.
+
+import { BarChart, BoxplotChart, CustomChart, HeatmapChart, LineChart, ScatterChart } from 'echarts/charts';
+import {
+  AriaComponent, GridComponent, LegendComponent, MarkLineComponent, TooltipComponent, VisualMapComponent,
+} from 'echarts/components';
+import * as echarts from 'echarts/core';
+import { CanvasRenderer, SVGRenderer } from 'echarts/renderers';
+
+import { download, h, replace } from './dom';
+import { csv } from './format';
+import { onTheme, palette, type Palette } from './theme';
+import { onView } from './view';
+
+echarts.use([
+  BarChart, BoxplotChart, CustomChart, HeatmapChart, LineChart, ScatterChart, AriaComponent, GridComponent,
+  LegendComponent, MarkLineComponent, TooltipComponent, VisualMapComponent, CanvasRenderer, SVGRenderer,
+]);
+
+export type Option = Record<string, unknown>;
+
+export interface Drawing {
+  option: Option;
+  /** What the figure rests on: number of trials, interval. */
+  note: string;
+  columns: string[];
+  rows: (string | number | null)[][];
+  height?: number;
+}
+
+export interface FigureSpec {
+  id: string;
+  title: string;
+  /** One sentence on how to read it. */
+  caption: string;
+  controls?: (redraw: () => void) => Node[];
+  /** null: there is nothing to show, and `empty` says why. */
+  draw: (palette: Palette, width: number) => Drawing | null;
+  empty: string;
+  /** A mark was clicked; `data` is its datum. */
+  click?: (data: unknown) => void;
+}
+
+export const kFont = '"Inter Variable", "Inter", system-ui, "Segoe UI", sans-serif';
+
+/** Texts, lines and tooltip that all figures share. */
+export function base(p: Palette): Option {
+  return {
+    animationDuration: 250, animationDurationUpdate: 200,
+    textStyle: { fontFamily: kFont, color: p.muted, fontSize: 12 },
+    backgroundColor: 'transparent',
+    tooltip: {
+      confine: true, backgroundColor: p.surface, borderColor: p.rule, borderWidth: 1, padding: [8, 10],
+      textStyle: { color: p.ink, fontSize: 12, fontFamily: kFont },
+      extraCssText: 'box-shadow: 0 4px 18px rgba(0,0,0,.14); border-radius: 6px; max-width: 320px; white-space: normal',
+    },
+    grid: { left: 8, right: 16, top: 34, bottom: 8, containLabel: true },
+  };
+}
+
+export function legend(p: Palette, names: string[]): Option {
+  return {
+    data: names, top: 0, left: 0, icon: 'roundRect', itemWidth: 14, itemHeight: 8, itemGap: 16, type: 'plain',
+    textStyle: { color: p.muted, fontFamily: kFont, fontSize: 12 }, selectedMode: false,
+  };
+}
+
+export function axis(p: Palette, name: string, more: Option = {}): Option {
+  return {
+    type: 'value', name, nameLocation: 'middle', nameGap: 30, nameTextStyle: { color: p.muted, fontSize: 12 },
+    axisLabel: { color: p.muted, fontSize: 11 }, axisLine: { show: true, lineStyle: { color: p.rule } },
+    axisTick: { show: false }, splitLine: { lineStyle: { color: p.rule, width: 1 } }, ...more,
+  };
+}
+
+/** A tooltip's content: rows of name and value, as nodes, so that names stay text. */
+export function tip(head: string, rows: readonly (readonly [string, string])[], colour?: string): HTMLElement {
+  return h('div', { class: 'tip' },
+    h('strong', colour === undefined ? null : { style: `--c:${colour}`, class: 'dotted' }, head),
+    ...rows.map(([name, value]) => h('div', null, h('span', null, name), h('b', null, value))));
+}
+
+const waiting = new Map<Element, () => void>();
+const seen = new IntersectionObserver((entries) => {
+  for (const entry of entries) {
+    if (!entry.isIntersecting) continue;
+    seen.unobserve(entry.target);
+    waiting.get(entry.target)?.();
+    waiting.delete(entry.target);
+  }
+}, { rootMargin: '300px' });
+
+export function whenSeen(element: Element, call: () => void): void {
+  waiting.set(element, call);
+  seen.observe(element);
+}
+
+export function figure(spec: FigureSpec): HTMLElement {
+  const plot = h('div', { class: 'plot', role: 'img', 'aria-label': spec.title });
+  const note = h('p', { class: 'note' });
+  const saveSvg = h('button', { type: 'button', class: 'quiet', click: () => save() }, 'Save SVG');
+  const saveCsv = h('button', { type: 'button', class: 'quiet', click: () => saveData() }, 'Data CSV');
+  const controls = h('div', { class: 'controls' });
+  const element = h('figure', { class: 'figure', id: `figure-${spec.id}` },
+    h('figcaption', null, h('div', null, h('h3', null, spec.title), h('p', null, spec.caption)), controls),
+    plot, h('footer', null, note, h('div', { class: 'actions' }, saveSvg, saveCsv)));
+  let chart: echarts.ECharts | null = null;
+  let started = false;
+  let height = 0;
+
+  const draw = (): void => {
+    if (!started) return;
+    const drawing = spec.draw(palette(), plot.clientWidth);
+    saveSvg.hidden = saveCsv.hidden = drawing === null;
+    if (drawing === null) {
+      chart?.dispose();
+      chart = null;
+      height = 0;
+      plot.style.height = 'auto';
+      replace(plot, h('p', { class: 'empty' }, spec.empty));
+      note.textContent = '';
+      return;
+    }
+    const wanted = drawing.height ?? 340;
+    if (chart === null) replace(plot);
+    if (wanted !== height) {
+      height = wanted;
+      plot.style.height = `${wanted}px`;
+      chart?.resize();
+    }
+    if (chart === null) {
+      chart = echarts.init(plot, null, { renderer: 'canvas' });
+      chart.on('click', (event) => spec.click?.(event.data));
+    }
+    chart.setOption({ ...base(palette()), ...drawing.option }, { notMerge: true });
+    note.textContent = drawing.note;
+    plot.setAttribute('aria-label', `${spec.title}. ${drawing.note}`);
+  };
+
+  const save = (): void => {
+    const width = 760;
+    const drawing = spec.draw(palette(true), width);
+    if (drawing === null) return;
+    const paper = echarts.init(null, null, { renderer: 'svg', ssr: true, width, height: drawing.height ?? 340 });
+    paper.setOption({ ...base(palette(true)), ...drawing.option, animation: false, backgroundColor: '#ffffff' });
+    download(`${spec.id}.svg`, 'image/svg+xml', paper.renderToSVGString());
+    paper.dispose();
+  };
+
+  const saveData = (): void => {
+    const drawing = spec.draw(palette(), 760);
+    if (drawing !== null) download(`${spec.id}.csv`, 'text/csv', csv(drawing.columns, drawing.rows));
+  };
+
+  const fillControls = (): void => replace(controls, ...(spec.controls?.(() => { fillControls(); draw(); }) ?? []));
+  fillControls();
+  whenSeen(element, () => {
+    started = true;
+    draw();
+    let width = plot.clientWidth;
+    new ResizeObserver(() => {
+      if (plot.clientWidth === width) return;
+      width = plot.clientWidth;
+      chart?.resize();
+      draw();
+    }).observe(plot);
+  });
+  onView(() => { fillControls(); draw(); });
+  onTheme(draw);
+  return element;
+}
+
+/** Whiskers for a custom series: data [x, low, high] (vertical) or [low, high, y] (horizontal). */
+export function whisker(colour: string, horizontal: boolean, width = 1.5) {
+  return (_: unknown, api: { value: (i: number) => number; coord: (p: number[]) => number[] }): Option => {
+    const [a, b] = horizontal
+      ? [api.coord([api.value(0), api.value(2)]), api.coord([api.value(1), api.value(2)])]
+      : [api.coord([api.value(0), api.value(1)]), api.coord([api.value(0), api.value(2)])];
+    const [x1 = 0, y1 = 0] = a ?? [];
+    const [x2 = 0, y2 = 0] = b ?? [];
+    return { type: 'line', shape: { x1, y1, x2, y2 }, style: { stroke: colour, lineWidth: width } };
+  };
+}
+

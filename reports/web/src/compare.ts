@@ -1,0 +1,50 @@
+// Paired comparison of two series on the worlds that both met.
+
+import type { Model, Series } from './data';
+import { integer, probability } from './format';
+import { withUnit, type Metric } from './metrics';
+import { bootstrapMedian, mcnemar, quantile, type Interval } from './stats';
+
+export interface Pairs {
+  worlds: { world: number; a: number; b: number; x: number; y: number }[];   // rows of the two trials, their metric
+  both: number;
+  onlyA: number;
+  onlyB: number;
+  neither: number;
+  /** Exact McNemar test of equal success rates. */
+  p: number;
+  /** Of B - A over the worlds in which both have the metric. */
+  differences: number;
+  median: number;
+  interval: Interval;
+}
+
+export function pairs(model: Model, a: Series, b: Series, key: string): Pairs {
+  const t = model.trials;
+  // Two families never share a world's index within one suite.
+  const place = new Map(a.rows.map((row) => [t.number('world', row), row]));
+  const worlds: Pairs['worlds'] = [];
+  const count = { both: 0, onlyA: 0, onlyB: 0, neither: 0 };
+  for (const row of b.rows) {
+    const world = t.number('world', row);
+    const other = place.get(world);
+    if (other === undefined) continue;
+    worlds.push({ world, a: other, b: row, x: t.number(key, other), y: t.number(key, row) });
+    const [sa, sb] = [t.success(other), t.success(row)];
+    count[sa && sb ? 'both' : sa ? 'onlyA' : sb ? 'onlyB' : 'neither'] += 1;
+  }
+  const differences = worlds.filter((w) => Number.isFinite(w.x) && Number.isFinite(w.y)).map((w) => w.y - w.x);
+  const sorted = Float64Array.from(differences).sort();
+  return {
+    worlds, ...count, p: mcnemar(count.onlyA, count.onlyB), differences: differences.length,
+    median: sorted.length > 0 ? quantile(sorted, 0.5) : NaN,
+    interval: bootstrapMedian(differences),
+  };
+}
+
+export function pairsText(of: Pairs, a: string, b: string, metric: Metric): string {
+  const n = of.worlds.length;
+  const outcome = `n = ${integer(n)} worlds: both succeed in ${integer(of.both)}, only ${a} in ${integer(of.onlyA)}, only ${b} in ${integer(of.onlyB)}, neither in ${integer(of.neither)} (exact McNemar ${probability(of.p)}).`;
+  if (of.differences === 0) return outcome;
+  return `${outcome} Median difference of ${metric.name}, ${b} less ${a}, where both have it (n = ${integer(of.differences)}): ${withUnit(metric, of.median)}, 95 % bootstrap ${metric.write(of.interval.low)} to ${withUnit(metric, of.interval.high)}.`;
+}

@@ -1,0 +1,114 @@
+// Success rate against what makes a world hard, in bins of about equal size.
+
+import { axis, figure, kFont, legend, tip, whisker } from '../chart';
+import { choice } from '../dom';
+import { integer, percent, percentRange } from '../format';
+import { axisName, metric } from '../metrics';
+import * as state from '../state';
+import { wilson } from '../stats';
+import { kDashes, kSymbols, seriesColour, type Palette } from '../theme';
+import { view } from '../view';
+
+const kAxes = ['goal_distance_m', 'objects', 'blocked_fraction', 'witness_clearance_m', 'narrowest_gap_m'];
+const kBins = 6;
+
+/** Inner edges of bins that hold about equally many of `values`; distinct. */
+function edges(values: number[]): number[] {
+  const sorted = [...values].sort((a, b) => a - b);
+  const first = sorted[0] ?? 0;
+  const out: number[] = [];
+  for (let i = 1; i < kBins; ++i) {
+    const edge = sorted[Math.floor((i * sorted.length) / kBins)] ?? first;
+    if (edge > (out[out.length - 1] ?? first)) out.push(edge);
+  }
+  return out;
+}
+
+interface Cell { x: number; hits: number; n: number; low: number; high: number; from: number; to: number }
+
+export function difficulty(): HTMLElement {
+  state.setDefault('f.difficulty', 'goal_distance_m');
+  return figure({
+    id: 'difficulty',
+    title: 'Success against difficulty',
+    caption: 'Worlds in bins of about equal number; each point is the success rate in its bin, at the mean difficulty, with its 95 % interval.',
+    empty: 'Nothing varies here among the worlds shown.',
+    controls: (redraw) => {
+      const { model, series } = view();
+      const options = kAxes.filter((key) => series.some((s) => model.trials.any(key, s.rows)));
+      return [choice('Against', options.map((key) => [key, axisName(metric(key))] as const), state.get('f.difficulty'),
+        (value) => { state.set({ 'f.difficulty': value }); redraw(); })];
+    },
+    draw: (p: Palette) => {
+      const of = metric(state.get('f.difficulty'));
+      const { model, series } = view();
+      const t = model.trials;
+      const all = series.flatMap((s) => s.rows.map((row) => t.number(of.key, row)).filter(Number.isFinite));
+      const inner = edges(all);
+      if (all.length === 0 || inner.length === 0) return null;
+      const lines = series.map((s) => {
+        const cells: Cell[] = Array.from({ length: inner.length + 1 }, () => ({ x: 0, hits: 0, n: 0, low: 0, high: 0, from: Infinity, to: -Infinity }));
+        for (const row of s.rows) {
+          const x = t.number(of.key, row);
+          if (!Number.isFinite(x)) continue;
+          const cell = cells[inner.filter((edge) => x >= edge).length] as Cell;
+          cell.x += x;
+          cell.n += 1;
+          cell.hits += t.success(row) ? 1 : 0;
+          cell.from = Math.min(cell.from, x);
+          cell.to = Math.max(cell.to, x);
+        }
+        for (const cell of cells) {
+          const w = wilson(cell.hits, cell.n);
+          cell.x /= cell.n;
+          cell.low = w.low;
+          cell.high = w.high;
+        }
+        return { s, cells: cells.filter((cell) => cell.n > 0) };
+      }).filter((line) => line.cells.length > 0);
+      const sizes = lines.flatMap((line) => line.cells.map((cell) => cell.n));
+      const unused = series.reduce((sum, s) => sum + s.rows.length, 0) - all.length;
+      return {
+        height: 350,
+        note: `n = ${integer(Math.min(...sizes))} to ${integer(Math.max(...sizes))} trials a point; 95 % Wilson.`
+          + (unused > 0 ? ` ${integer(unused)} trials have no such value.` : ''),
+        columns: ['controller', 'point', `${of.key}_from`, `${of.key}_to`, `${of.key}_mean`, 'successes', 'n', 'success_rate', 'success_low', 'success_high'],
+        rows: lines.flatMap(({ s, cells }) => cells.map((c) => [s.controller, s.point, c.from, c.to, c.x, c.hits, c.n, c.hits / c.n, c.low, c.high])),
+        option: {
+          legend: legend(p, lines.map((line) => line.s.name)),
+          grid: { left: 8, right: 20, top: 36, bottom: 28, containLabel: true },
+          xAxis: axis(p, axisName(of), { scale: true, nameGap: 28 }),
+          yAxis: axis(p, '', { min: 0, max: 1, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` } }),
+          textStyle: { fontFamily: kFont },
+          tooltip: {
+            trigger: 'item',
+            formatter: ({ seriesName, dataIndex }: { seriesName: string; dataIndex: number }) => {
+              const line = lines.find((l) => l.s.name === seriesName);
+              const c = line?.cells[dataIndex];
+              if (line === undefined || c === undefined) return '';
+              return tip(line.s.name, [
+                [of.name, `${of.write(c.from)} \u2026 ${of.write(c.to)} ${of.unit}`],
+                ['success', `${integer(c.hits)} of ${integer(c.n)}: ${percent(c.hits / c.n)}`],
+                ['95 % interval', percentRange(c.low, c.high)],
+              ], seriesColour(p, line.s.index));
+            },
+          },
+          series: lines.flatMap(({ s, cells }) => {
+            const colour = seriesColour(p, s.index);
+            return [
+              {
+                type: 'custom', silent: true, data: cells.map((c) => [c.x, c.low, c.high]), encode: { x: 0, y: [1, 2] },
+                renderItem: whisker(colour, false, 1.6), tooltip: { show: false },
+              },
+              {
+                name: s.name, type: 'line', data: cells.map((c) => [c.x, c.hits / c.n]), symbol: kSymbols[s.index % kSymbols.length], symbolSize: 9,
+                lineStyle: { color: colour, width: 1.6, type: kDashes[s.index % kDashes.length] }, itemStyle: { color: colour },
+                emphasis: { disabled: true }, z: 4,
+              },
+            ];
+          }),
+        },
+      };
+    },
+  });
+}

@@ -1,0 +1,129 @@
+// Distribution of any metric: density above, box below, one row per controller and family.
+
+import { axis, figure, tip } from '../chart';
+import { choice } from '../dom';
+import { integer } from '../format';
+import { axisName, kMetrics, metric, withUnit } from '../metrics';
+import * as state from '../state';
+import { density, spread, type Spread } from '../stats';
+import { seriesColour, type Palette } from '../theme';
+import { view } from '../view';
+import type { Series } from '../data';
+
+interface Row {
+  series: Series;
+  family: string;
+  values: number[];
+  spread: Spread;
+}
+
+function collect(key: string): Row[] {
+  const { model, families, family, series } = view();
+  const out: Row[] = [];
+  for (const name of family === '' ? families : [family]) {
+    for (const s of series) {
+      const values = s.rows.filter((row) => model.trials.text('family', row) === name)
+        .map((row) => model.trials.number(key, row)).filter(Number.isFinite);
+      const summary = spread(values);
+      if (summary !== null) out.push({ series: s, family: name, values, spread: summary });
+    }
+  }
+  return out;
+}
+
+/** Metrics that some shown trial has. */
+export function presentMetrics(): [string, string][] {
+  const { model, series } = view();
+  return kMetrics.filter((m) => series.some((s) => model.trials.any(m.key, s.rows))).map((m) => [m.key, axisName(m)]);
+}
+
+interface CustomApi {
+  coord: (point: number[]) => number[];
+  size: (extent: number[]) => number[];
+}
+
+export function distribution(id: string, title: string, caption: string, first: string): HTMLElement {
+  const key = `f.${id}`;
+  state.setDefault(key, first);
+  return figure({
+    id, title, caption,
+    empty: 'No trial here has this metric.',
+    controls: (redraw) => [choice('Metric', presentMetrics(), state.get(key), (value) => { state.set({ [key]: value }); redraw(); })],
+    draw: (p: Palette, width: number) => {
+      const of = metric(state.get(key));
+      const all = collect(of.key);
+      if (all.length === 0) return null;
+      // The axis leaves out the last hundredth where a few values would squeeze all others.
+      const low = Math.min(...all.map((r) => r.spread.min));
+      const far = Math.max(...all.map((r) => r.spread.max));
+      const near = Math.max(...all.map((r) => r.spread.p95));
+      const high = far > low + 3 * (near - low) && near > low ? low + 1.6 * (near - low) : far;
+      const beyond = all.reduce((sum, r) => sum + r.values.filter((v) => v > high).length, 0);
+      const narrow = width < 560;
+      return {
+        height: 70 + all.length * (all.length > 10 ? 38 : 58),
+        note: `n = ${all.map((r) => integer(r.spread.n)).join(', ')} (from the top). Box: quartiles and median; whiskers: 5th to 95th percentile; curve: density.`
+          + (beyond > 0 ? ` ${integer(beyond)} beyond the axis.` : ''),
+        columns: ['family', 'controller', 'point', of.key],
+        rows: all.flatMap((r) => r.values.map((v) => [r.family, r.series.controller, r.series.point, v])),
+        option: {
+          grid: { left: 4, right: 24, top: 8, bottom: 28, containLabel: true },
+          xAxis: axis(p, axisName(of), { min: low, max: high > low ? high : low + Math.max(1e-9, Math.abs(low)), nameGap: 28, scale: true,
+            axisLabel: { color: p.muted, fontSize: 11, hideOverlap: true, formatter: (v: number) => of.write(v) } }),
+          yAxis: {
+            type: 'category', inverse: true, data: all.map((_, i) => String(i)), axisLine: { show: false }, axisTick: { show: false },
+            splitLine: { show: false },
+            axisLabel: {
+              color: p.ink, fontSize: 12.5, width: narrow ? 110 : 240, overflow: 'truncate',
+              formatter: (i: string) => {
+                const row = all[Number(i)];
+                return row === undefined ? '' : view().families.length > 1 ? `${row.series.name}  {f|${row.family}}` : row.series.name;
+              },
+              rich: { f: { color: p.faint, fontSize: 12 } },
+            },
+          },
+          tooltip: {
+            trigger: 'item',
+            formatter: ({ dataIndex }: { dataIndex: number }) => {
+              const row = all[dataIndex] as Row;
+              const s = row.spread;
+              return tip(`${row.series.name}, ${row.family}`, [
+                ['n', integer(s.n)], ['median', withUnit(of, s.median)], ['mean', withUnit(of, s.mean)],
+                ['middle half', `${of.write(s.q1)} \u2026 ${withUnit(of, s.q3)}`],
+                ['5 to 95 %', `${of.write(s.p5)} \u2026 ${withUnit(of, s.p95)}`],
+                ['least, greatest', `${of.write(s.min)} \u2026 ${withUnit(of, s.max)}`],
+              ], seriesColour(p, row.series.index));
+            },
+          },
+          series: [{
+            type: 'custom', clip: true, data: all.map((_, i) => [low, i]),
+            renderItem: (params: { dataIndex: number }, api: CustomApi) => {
+              const row = all[params.dataIndex] as Row;
+              const colour = seriesColour(p, row.series.index);
+              const [, middle = 0] = api.coord([low, params.dataIndex]);
+              const tall = (api.size([0, 1])[1] ?? 40) * 0.5;
+              const x = (v: number): number => api.coord([Math.min(Math.max(v, low), high), params.dataIndex])[0] ?? 0;
+              const floor = middle + tall * 0.18;
+              const curve = density(row.values, low, high, 90).map(([v, d]) => [x(v), floor - d * tall * 0.95]);
+              const box = middle + tall * 0.48;
+              const s = row.spread;
+              const line = (a: number, b: number, lineWidth: number) =>
+                ({ type: 'line', shape: { x1: x(a), y1: box, x2: x(b), y2: box }, style: { stroke: colour, lineWidth } });
+              return {
+                type: 'group',
+                children: [
+                  ...(curve.length > 1 ? [{
+                    type: 'polygon', shape: { points: [[x(low), floor], ...curve, [x(high), floor]] },
+                    style: { fill: colour, opacity: p.dark ? 0.3 : 0.22 },
+                  }] : []),
+                  line(s.p5, s.p95, 1.2), line(s.q1, s.q3, 7),
+                  { type: 'circle', shape: { cx: x(s.median), cy: box, r: 4.5 }, style: { fill: p.surface, stroke: colour, lineWidth: 2 } },
+                ],
+              };
+            },
+          }],
+        },
+      };
+    },
+  });
+}

@@ -1,0 +1,96 @@
+// How trials ended: one bar per controller, within each family.
+
+import { axis, figure, legend, tip } from '../chart';
+import { kOutcomeNames, kOutcomes, type Outcome, type Series } from '../data';
+import { integer, percent, plural } from '../format';
+import type { Palette } from '../theme';
+import { view } from '../view';
+
+interface Bar {
+  family: string;
+  series: Series;
+  counts: Map<Outcome, number>;
+  n: number;
+}
+
+function bars(): Bar[] {
+  const { model, families, family, series } = view();
+  const shown = family === '' ? families : [family];
+  const out: Bar[] = [];
+  for (const name of shown) {
+    for (const s of series) {
+      const counts = new Map<Outcome, number>();
+      let n = 0;
+      for (const row of s.rows) {
+        if (model.trials.text('family', row) !== name) continue;
+        const outcome = model.trials.outcome(row);
+        counts.set(outcome, (counts.get(outcome) ?? 0) + 1);
+        ++n;
+      }
+      if (n > 0) out.push({ family: name, series: s, counts, n });
+    }
+  }
+  return out;
+}
+
+export function outcomes(): HTMLElement {
+  return figure({
+    id: 'outcomes',
+    title: 'How trials ended',
+    caption: 'Every trial has exactly one outcome; a bar is all trials of a controller in a family of worlds.',
+    empty: 'No trials here yet.',
+    draw: (p: Palette, width: number) => {
+      const all = bars();
+      if (all.length === 0) return null;
+      const present = kOutcomes.filter((o) => all.some((bar) => bar.counts.has(o)));
+      const narrow = width < 560;
+      const label = (bar: Bar): string => (view().families.length > 1 ? `${bar.series.name}  {f|${bar.family}}` : bar.series.name);
+      return {
+        height: 64 + all.length * (all.length > 12 ? 26 : 38) + (narrow ? 22 : 0),
+        note: `n = ${[...new Set(all.map((bar) => bar.n))].map(integer).join(', ')} trials a bar; counts of five and more are written in.`,
+        columns: ['family', 'controller', 'point', 'outcome', 'trials', 'share', 'n'],
+        rows: all.flatMap((bar) => present.map((o) => [
+          bar.family, bar.series.controller, bar.series.point, o, bar.counts.get(o) ?? 0, (bar.counts.get(o) ?? 0) / bar.n, bar.n,
+        ])),
+        option: {
+          legend: legend(p, present.map((o) => kOutcomeNames[o])),
+          grid: { left: 4, right: 20, top: narrow ? 56 : 36, bottom: 4, containLabel: true },
+          xAxis: axis(p, '', { min: 0, max: 1, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` }, splitLine: { show: false } }),
+          yAxis: {
+            type: 'category', inverse: true, data: all.map((_, i) => String(i)), axisLine: { show: false }, axisTick: { show: false },
+            axisLabel: {
+              color: p.ink, fontSize: 12.5, width: narrow ? 110 : 240, overflow: 'truncate',
+              formatter: (i: string) => label(all[Number(i)] as Bar).replaceAll('\n', ' '),
+              rich: { f: { color: p.faint, fontSize: 12 } },
+            },
+          },
+          series: present.map((o) => ({
+            name: kOutcomeNames[o], type: 'bar', stack: 'all', barWidth: '68%', barCategoryGap: '20%',
+            itemStyle: { color: p.outcomes[o], borderColor: p.surface, borderWidth: 1 },
+            emphasis: { disabled: true },
+            label: {
+              show: true, color: o === 'timeout' ? '#2a2208' : p.dark ? '#101317' : '#fff', fontSize: 11.5,
+              formatter: ({ dataIndex }: { dataIndex: number }) => {
+                const count = all[dataIndex]?.counts.get(o) ?? 0;
+                return count >= 5 && count / (all[dataIndex]?.n ?? 1) > 0.04 ? String(count) : '';
+              },
+            },
+            data: all.map((bar) => (bar.counts.get(o) ?? 0) / bar.n),
+          })),
+          tooltip: {
+            trigger: 'item',
+            formatter: ({ dataIndex, seriesIndex }: { dataIndex: number; seriesIndex: number }) => {
+              const bar = all[dataIndex] as Bar;
+              const o = present[seriesIndex] as Outcome;
+              const count = bar.counts.get(o) ?? 0;
+              return tip(kOutcomeNames[o], [
+                ['controller', bar.series.name], ['family', bar.family], ['trials', `${integer(count)} of ${plural(bar.n, 'trial')}`],
+                ['share', percent(count / bar.n)],
+              ], p.outcomes[o]);
+            },
+          },
+        },
+      };
+    },
+  });
+}

@@ -1,0 +1,71 @@
+// How long control steps took, against the control period.
+
+import { axis, figure, legend, tip } from '../chart';
+import { integer, percent, plural, significant } from '../format';
+import { quantile } from '../stats';
+import { kDashes, seriesColour, type Palette } from '../theme';
+import { view } from '../view';
+
+const kKinds = [['t_step_median_us', 'median', 0.55], ['t_step_p99_us', '99th percentile', 1], ['t_step_max_us', 'longest', 0.75]] as const;
+
+export function timing(): HTMLElement {
+  return figure({
+    id: 'timing',
+    title: 'Time of a control step',
+    caption: 'Share of trials whose median, 99th percentile and longest control step took at most so long; the line marks the control period, which is the deadline.',
+    empty: 'The store holds no timings of these trials.',
+    draw: (p: Palette) => {
+      const { model, series } = view();
+      const t = model.trials;
+      const curves = series.flatMap((s) => kKinds.map(([key, name, opacity], kind) => ({
+        s, key, name, opacity, kind,
+        values: s.rows.map((row) => t.number(key, row)).filter((v) => v > 0).sort((a, b) => a - b),
+      }))).filter((c) => c.values.length > 0);
+      if (curves.length === 0) return null;
+      const deadline = Math.min(...series.map((s) => (s.info?.control_period_s ?? Infinity) * 1e6));
+      const least = Math.min(...curves.map((c) => c.values[0] ?? 1));
+      const most = Math.max(...curves.map((c) => c.values[c.values.length - 1] ?? 1), Number.isFinite(deadline) ? deadline : 0);
+      const misses = series.map((s) => s.rows.reduce((sum, row) => sum + (t.number('deadline_misses', row) || 0), 0));
+      const steps = series.map((s) => s.rows.reduce((sum, row) => sum + (t.number('steps', row) || 0), 0));
+      return {
+        height: 350,
+        note: series.map((s, i) => `${s.name}: n = ${integer(s.rows.length)} trials, ${plural(misses[i] ?? 0, 'deadline miss', 'deadline misses')} in ${plural(steps[i] ?? 0, 'step')}`).join('; ') + '. Wall times of the machine named above; they differ from run to run.',
+        columns: ['controller', 'point', 'statistic', 'microseconds', 'share'],
+        rows: curves.flatMap((c) => c.values.map((v, i) => [c.s.controller, c.s.point, c.key, v, (i + 1) / c.values.length])),
+        option: {
+          legend: legend(p, series.map((s) => s.name)),
+          grid: { left: 8, right: 26, top: 46, bottom: 28, containLabel: true },
+          xAxis: axis(p, 'time of a control step [\u00b5s]', {
+            type: 'log', min: 10 ** Math.floor(Math.log10(least)), max: 10 ** Math.ceil(Math.log10(most * 1.01)), nameGap: 28,
+            axisLabel: { color: p.muted, formatter: (v: number) => (v >= 1000 ? `${integer(v)}` : significant(v, 1)) },
+          }),
+          yAxis: axis(p, '', { min: 0, max: 1, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` } }),
+          tooltip: {
+            trigger: 'item',
+            formatter: ({ seriesIndex }: { seriesIndex: number }) => {
+              const c = curves[seriesIndex];
+              if (c === undefined) return '';
+              return tip(`${c.s.name}: ${c.name}`, [
+                ['n', integer(c.values.length)], ['median trial', `${significant(quantile(c.values, 0.5))} \u00b5s`],
+                ['95 % of trials below', `${significant(quantile(c.values, 0.95))} \u00b5s`],
+                ['greatest', `${significant(c.values[c.values.length - 1])} \u00b5s`],
+                ['over the deadline', percent(c.values.filter((v) => v > deadline).length / c.values.length)],
+              ], seriesColour(p, c.s.index));
+            },
+          },
+          series: curves.map((c, i) => ({
+            name: c.s.name, type: 'line', step: 'end', triggerLineEvent: true, symbolSize: 3, showSymbol: false,
+            data: c.values.map((v, k) => [v, (k + 1) / c.values.length]),
+            lineStyle: { color: seriesColour(p, c.s.index), width: c.kind === 1 ? 2 : 1.4, opacity: c.opacity, type: kDashes[[0, 0, 2][c.kind] ?? 0] },
+            itemStyle: { color: seriesColour(p, c.s.index) }, emphasis: { disabled: true },
+            endLabel: { show: false },
+            markLine: i === 0 && Number.isFinite(deadline) ? {
+              silent: true, symbol: 'none', lineStyle: { color: p.outcomes.collision, width: 1.2, type: 'solid' },
+              label: { formatter: 'deadline', position: 'end', color: p.outcomes.collision, fontSize: 11 }, data: [{ xAxis: deadline }],
+            } : undefined,
+          })),
+        },
+      };
+    },
+  });
+}

@@ -1,0 +1,67 @@
+// The report page. Everything it shows is in the data block of the same file; nothing is fetched.
+
+import './style.css';
+
+import { Model, readPageData } from './data';
+import { h, replace } from './dom';
+import { arrival } from './figures/arrival';
+import { difficulty } from './figures/difficulty';
+import { distribution } from './figures/distribution';
+import { outcomes } from './figures/outcomes';
+import { paired } from './figures/paired';
+import { timing } from './figures/timing';
+import { player } from './replay/player';
+import { failures } from './sections/failures';
+import { masthead } from './sections/masthead';
+import { provenance } from './sections/provenance';
+import { summary } from './sections/summary';
+import { toolbar } from './sections/toolbar';
+import { trials } from './sections/trials';
+import * as state from './state';
+import { startTheme } from './theme';
+import { startView } from './view';
+
+function section(id: string, title: string, ...content: Node[]): HTMLElement {
+  return h('section', { id, 'aria-labelledby': `${id}-title` }, h('h2', { id: `${id}-title` }, title), ...content);
+}
+
+function start(app: HTMLElement): void {
+  startTheme();
+  state.start();
+  const model = new Model(readPageData());
+  startView(model);
+  if (model.trials.n === 0) {
+    replace(app, masthead(model), h('main', null, section('provenance', 'Provenance', provenance(model))));
+    return;
+  }
+  const sections: [string, string, Node[]][] = [
+    ['results', 'Results', [summary(model), outcomes()]],
+    ['time', 'Time to goal', [arrival()]],
+    ['difficulty', 'Difficulty', [difficulty()]],
+    ['quality', 'Quality of motion', [
+      distribution('manipulability', 'Manipulability', 'How the trials of each controller are spread, failures included. Choose any metric.', 'manip_mean'),
+      distribution('metric', 'Any other metric', 'The same for a second metric, to read side by side.', 'command_change_mean'),
+    ]],
+    ['pairs', 'World by world', [paired()]],
+    ['failures', 'Failures', [failures(model)]],
+    ['replay', 'Replay', [player(model)]],
+    ['timing', 'Timing', [timing()]],
+    ['trials', 'Trials', [trials(model)]],
+    ['provenance', 'Provenance', [provenance(model)]],
+  ];
+  replace(app,
+    h('a', { class: 'skip', href: '#results', click: (event) => { event.preventDefault(); document.getElementById('results')?.scrollIntoView(); } }, 'Skip to the results'),
+    masthead(model), toolbar(model, sections.map(([id, title]) => [id, title] as const)),
+    h('main', null, ...sections.map(([id, title, content]) => section(id, title, ...content))),
+    h('footer', { class: 'colophon' }, h('p', null, 'Rates carry 95 % Wilson intervals. Keys: Tab moves between controls; in the table, arrows choose and Enter plays; in the replay, space plays and arrows step. The address keeps the view.')));
+}
+
+const app = document.getElementById('app');
+if (app !== null) {
+  try {
+    start(app);
+  } catch (error) {
+    replace(app, h('p', { class: 'broken' }, `This page cannot be shown: ${error instanceof Error ? error.message : String(error)}`));
+    throw error;
+  }
+}

@@ -1,0 +1,210 @@
+// The replay section: choose a trial, play it, scrub, look around.
+
+import { kOutcomeNames, type Model } from '../data';
+import { h, replace } from '../dom';
+import { fixed, integer, plural } from '../format';
+import { whenSeen } from '../chart';
+import { onSelect, select } from '../select';
+import { command } from '../sections/trials';
+import * as state from '../state';
+import { onTheme, palette } from '../theme';
+import { Robot } from './robot';
+import { ReplayScene, type Colours, type WorldJson } from './scene';
+import { statusAt, Timeline } from './timeline';
+import { decode, type Trace } from './trace';
+
+const kSpeeds = [0.25, 0.5, 1, 2, 4] as const;
+
+function colours(): Colours {
+  const p = palette();
+  return p.dark
+    ? { background: '#171b21', floor: '#1b2027', grid: '#2a313b', base: '#8794a6', arm: '#d7dde6', object: '#6b6257', moving: '#8a7450', hit: '#e2664c', goal: '#dcb45a', path: '#7fb0e6' }
+    : { background: '#eeece6', floor: '#f4f2ed', grid: '#dedad0', base: '#5d6b7e', arm: '#f7f8fa', object: '#b5ab9b', moving: '#cfae74', hit: '#c4472f', goal: '#c79a2b', path: '#27598f' };
+}
+
+export function player(model: Model): HTMLElement {
+  const { replays } = model.page;
+  if (replays.length === 0) {
+    const trial = model.trials.n > 0 ? model.trials.text('trial', 0) : 'TRIAL';
+    return h('div', { class: 'empty' },
+      h('p', null, model.trials.n === 0 ? 'No trials, no replays.' : 'The store keeps no samples of these trials, so none can be played here. A trial is simulated again, bit for bit, by'),
+      model.trials.n === 0 ? null : h('p', { class: 'command' }, h('code', null, command(model, trial))));
+  }
+  const canvas = h('canvas', { class: 'stage', tabindex: 0, 'aria-label': 'Replay in 3-D; drag to turn, scroll to come closer' });
+  const lines = h('canvas', { class: 'timeline', 'aria-hidden': 'true' });
+  const play = h('button', { type: 'button', class: 'play', click: () => toggle() }, 'Play');
+  const scrub = h('input', { type: 'range', min: 0, max: 1, step: 0.01, value: 0, 'aria-label': 'Time', input: () => { pause(); seek(Number(scrub.value)); } });
+  const clock = h('output', { class: 'clock' });
+  const speed = h('select', { 'aria-label': 'Speed', change: () => { rate = Number(speed.value); } }, ...kSpeeds.map((s) => h('option', { value: s, selected: s === 1 }, `${s}\u00d7`)));
+  const follow = h('input', { type: 'checkbox', checked: true, change: () => { if (scene !== null) scene.follow = follow.checked; } });
+  const home = h('button', { type: 'button', class: 'quiet', click: () => { scene?.home(); scene?.set(time); draw(); } }, 'Reset view');
+  const caption = h('div', { class: 'replay-caption' });
+  const joints = h('div', { class: 'joints' });
+  const status = h('p', { class: 'note' });
+  const shelf = h('div', { class: 'shelf', role: 'listbox', 'aria-label': 'Trials that can be played' });
+  const stage = h('div', { class: 'stage-box' }, canvas, caption);
+  let scene: ReplayScene | null = null;
+  let trace: Trace | null = null;
+  let robot: Robot | null = null;
+  let current = '';
+  let wanted = '';
+  let time = 0;
+  let rate = 1;
+  let playing = false;
+  let frame = 0;
+  let before = 0;
+  const timeline = new Timeline(lines, (t) => { pause(); seek(t); });
+  const robots = new Map<string, Robot>();
+
+  const draw = (): void => {
+    scene?.render();
+    timeline.draw(palette(), time);
+  };
+
+  const drawJoints = (): void => {
+    if (robot === null || trace === null) return;
+    const now = trace;
+    const bars = joints.querySelectorAll<HTMLElement>('i');
+    robot.driven.forEach((joint, i) => {
+      const value = now.at(`q${i}`, time);
+      const bounded = Number.isFinite(joint.lower) && Number.isFinite(joint.upper);
+      const share = bounded ? Math.min(1, Math.max(0, (value - joint.lower) / (joint.upper - joint.lower))) : 0.5;
+      const bar = bars[i];
+      if (bar === undefined) return;
+      bar.style.left = `${100 * share}%`;
+      bar.parentElement?.classList.toggle('near', bounded && Math.min(share, 1 - share) < 0.04);
+    });
+  };
+
+  const show = (): void => {
+    scene?.set(time);
+    scrub.value = String(time);
+    clock.textContent = `${fixed(time, 2)} of ${fixed(trace?.end ?? 0, 2)} s`;
+    if (trace !== null) status.textContent = `Solver: ${statusAt(trace, time)}; ${plural(Math.round(trace.at('active_rows', time)), 'active constraint')}.`;
+    drawJoints();
+    draw();
+  };
+
+  const seek = (t: number): void => {
+    time = Math.min(Math.max(0, t), trace?.end ?? 0);
+    show();
+  };
+
+  const tick = (now: number): void => {
+    if (!playing) return;
+    time += Math.min(0.1, (now - before) / 1000) * rate;
+    before = now;
+    if (time >= (trace?.end ?? 0)) {
+      time = trace?.end ?? 0;
+      pause();
+    }
+    show();
+    if (playing) frame = requestAnimationFrame(tick);
+  };
+
+  const pause = (): void => {
+    playing = false;
+    cancelAnimationFrame(frame);
+    play.textContent = 'Play';
+  };
+
+  const start = (): void => {
+    if (trace === null) return;
+    if (time >= trace.end - 1e-6) time = 0;
+    playing = true;
+    before = performance.now();
+    play.textContent = 'Pause';
+    frame = requestAnimationFrame(tick);
+  };
+
+  const toggle = (): void => (playing ? pause() : start());
+
+  const fillShelf = (): void => {
+    const t = model.trials;
+    const p = palette();
+    replace(shelf, ...replays.map((replay) => {
+      const row = model.row(replay.trial) ?? 0;
+      return h('button', {
+        type: 'button', role: 'option', 'aria-selected': replay.trial === current ? 'true' : 'false', click: () => select(replay.trial, true),
+      },
+        h('span', { class: 'dotted', style: `--c:${p.outcomes[t.outcome(row)]}` }, kOutcomeNames[t.outcome(row)]),
+        h('small', null, `${t.text('controller', row)} \u00b7 ${t.text('family', row)} ${integer(t.number('world', row))}`),
+        t.text('link', row) === '' ? null : h('small', null, `${t.text('link', row)} \u2013 ${t.text('object', row)}`));
+    }));
+  };
+
+  const load = async (trial: string, thenPlay: boolean): Promise<void> => {
+    const replay = model.replay(trial);
+    if (replay === undefined) return;
+    if (trial === current) {
+      if (thenPlay && !playing) start();
+      return;
+    }
+    wanted = trial;
+    pause();
+    const decoded = await decode(replay);
+    if (wanted !== trial) return;   // another was chosen meanwhile
+    const key = String(replay.robot);
+    const next = robots.get(key) ?? new Robot(model.page.robots[key]);
+    robots.set(key, next);
+    scene ??= new ReplayScene(canvas, colours(), () => requestAnimationFrame(draw));
+    current = trial;
+    trace = decoded;
+    robot = next;
+    const row = model.row(trial) ?? 0;
+    const t = model.trials;
+    scene.follow = follow.checked;
+    scene.render();
+    scene.show(next, replay.world as WorldJson, decoded, { link: t.text('link', row), object: t.text('object', row) });
+    timeline.show(decoded);
+    scrub.max = String(decoded.end);
+    const outcome = t.outcome(row);
+    const hit = t.text('link', row);
+    replace(caption,
+      h('span', { class: 'chip', style: `--c:${palette().outcomes[outcome]}` }, kOutcomeNames[outcome]), ' ',
+      h('b', null, t.text('controller', row)), ` ${t.text('point', row)} \u00b7 ${t.text('family', row)} world ${integer(t.number('world', row))}`,
+      hit === '' ? (t.text('reason', row) === '' ? '' : ` \u00b7 ${t.text('reason', row)}`) : ` \u00b7 ${hit} against ${t.text('object', row)}`);
+    replace(joints, ...next.driven.map((joint) => h('div', null, h('span', null, joint.name), h('div', { class: 'rail' }, h('i')))));
+    time = 0;
+    show();
+    fillShelf();
+    stage.dataset['trial'] = trial;
+    stage.dataset['positionError'] = String(scene.positionError());
+    if (thenPlay) start();
+  };
+
+  const safely = (trial: string, thenPlay: boolean): void => {
+    load(trial, thenPlay).catch((error: unknown) => {
+      replace(caption, `This trial cannot be shown here: ${error instanceof Error ? error.message : String(error)}. `, h('code', null, command(model, trial)));
+    });
+  };
+
+  onSelect((trial, thenPlay) => {
+    if (model.replay(trial) === undefined) return;
+    if (thenPlay) document.getElementById('replay')?.scrollIntoView();
+    safely(trial, thenPlay);
+  });
+  onTheme(() => { scene?.setColours(colours()); fillShelf(); show(); });
+  const element = h('div', { class: 'replay' },
+    h('div', { class: 'replay-main' },
+      stage,
+      h('div', { class: 'transport' }, play, scrub, clock, speed, h('label', null, follow, ' follow'), home),
+      lines, status),
+    h('aside', null, h('h3', null, 'To play'), h('p', { class: 'note' }, `${plural(replays.length, 'trial')} of ${integer(model.page.samples_stored)} with stored samples; the worst of each kind first, at ${replays[0]?.hz ?? 10} Hz.`), shelf,
+      h('h3', null, 'Joints within their limits'), joints));
+  element.addEventListener('keydown', (event) => {
+    if (event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement || event.target instanceof HTMLButtonElement) return;
+    const move = { ArrowLeft: -0.1, ArrowRight: 0.1 }[event.key];
+    if (event.key === ' ') toggle();
+    else if (move !== undefined) { pause(); seek(time + move); }
+    else return;
+    event.preventDefault();
+  });
+  fillShelf();
+  whenSeen(element, () => {
+    const asked = state.get('trial');
+    if (current === '' && wanted === '') safely(model.replay(asked) === undefined ? replays[0]?.trial ?? '' : asked, false);
+    new ResizeObserver(() => draw()).observe(stage);
+  });
+  return element;
+}

@@ -1,0 +1,262 @@
+// The replay in 3-D: robot, objects, goal and the end effector's path. World axes, z up, metres.
+
+import {
+  AmbientLight, BufferAttribute, BufferGeometry, CapsuleGeometry, Color, ConeGeometry, CylinderGeometry, BoxGeometry, DirectionalLight,
+  GridHelper, Group, HemisphereLight, Line, LineBasicMaterial, Matrix4, Mesh, MeshStandardMaterial, PCFShadowMap, PerspectiveCamera,
+  PlaneGeometry, Scene, ShadowMaterial, SphereGeometry, Vector3, WebGLRenderer, type Material,
+} from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+
+import { placeAt, type MotionJson, type Placed } from './motion';
+import { quaternion, Robot, type ShapeJson } from './robot';
+import type { Trace } from './trace';
+
+interface BodyJson extends ShapeJson { name: string; quaternion?: number[]; motion?: MotionJson }
+
+export interface WorldJson {
+  goal: { position: number[]; quaternion: number[]; motion?: MotionJson };
+  objects: BodyJson[];
+}
+
+export interface Colours {
+  background: string; floor: string; grid: string; base: string; arm: string; object: string; moving: string; hit: string; goal: string; path: string;
+}
+
+function geometry(shape: ShapeJson): BufferGeometry {
+  const [a = 0.05, b = 0.1, c = 0.1] = shape.size ?? [];
+  switch (shape.shape) {
+    case 'box': return new BoxGeometry(a, b, c);
+    case 'cylinder': return new CylinderGeometry(a, a, b, 36).rotateX(Math.PI / 2);
+    case 'capsule': return new CapsuleGeometry(a, b, 10, 28).rotateX(Math.PI / 2);
+    case 'convex': {
+      const out = new BufferGeometry();
+      out.setAttribute('position', new BufferAttribute(Float32Array.from(shape.vertices ?? []), 3));
+      out.setIndex(shape.triangles ?? []);
+      const flat = out.toNonIndexed();
+      flat.computeVertexNormals();
+      return flat;
+    }
+    default: return new SphereGeometry(a, 32, 20);
+  }
+}
+
+function triad(size: number, solid: boolean): Group {
+  const group = new Group();
+  const axes: [Vector3, number][] = [[new Vector3(1, 0, 0), 0xd0453c], [new Vector3(0, 1, 0), 0x3d9a50], [new Vector3(0, 0, 1), 0x3b72c9]];
+  for (const [axis, colour] of axes) {
+    const material = new MeshStandardMaterial({ color: colour, transparent: !solid, opacity: solid ? 1 : 0.6, roughness: 0.6 });
+    const rod = new Mesh(new CylinderGeometry(size * 0.045, size * 0.045, size * 0.82, 10), material);
+    rod.position.y = size * 0.41;
+    const head = new Mesh(new ConeGeometry(size * 0.11, size * 0.2, 14), material);
+    head.position.y = size * 0.9;
+    const arrow = new Group();
+    arrow.add(rod, head);
+    arrow.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), axis);
+    group.add(arrow);
+  }
+  return group;
+}
+
+export class ReplayScene {
+  private readonly renderer: WebGLRenderer;
+  private readonly scene = new Scene();
+  private readonly camera = new PerspectiveCamera(38, 1, 0.05, 200);
+  private readonly controls: OrbitControls;
+  private content = new Group();
+  private robot: Robot | null = null;
+  private world: WorldJson | null = null;
+  private trace: Trace | null = null;
+  private links: { mesh: Mesh; link: string; local: Matrix4 }[] = [];
+  private bodies: { mesh: Mesh; start: Placed; motion: MotionJson | undefined }[] = [];
+  private goal = new Group();
+  private tip = new Group();
+  private past: Line | null = null;
+  private lastBase = new Vector3();
+  follow = true;
+
+  constructor(private readonly canvas: HTMLCanvasElement, private colours: Colours, changed: () => void) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: false, powerPreference: 'low-power' });
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = PCFShadowMap;
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.maxPolarAngle = Math.PI / 2 - 0.02;
+    this.controls.minDistance = 0.4;
+    this.controls.maxDistance = 30;
+    this.controls.addEventListener('change', changed);
+    this.scene.add(this.content);
+  }
+
+  setColours(colours: Colours): void {
+    this.colours = colours;
+    if (this.robot !== null && this.world !== null && this.trace !== null) this.build();
+  }
+
+  show(robot: Robot, world: WorldJson, trace: Trace, hit: { link: string; object: string }): void {
+    this.robot = robot;
+    this.world = world;
+    this.trace = trace;
+    this.hit = hit;
+    this.build();
+    this.home();
+  }
+
+  private hit = { link: '', object: '' };
+
+  private material(colour: string, more: Partial<MeshStandardMaterial> = {}): MeshStandardMaterial {
+    const material = new MeshStandardMaterial({ color: new Color(colour), roughness: 0.62, metalness: 0.05 });
+    return Object.assign(material, more);
+  }
+
+  private build(): void {
+    const { robot, world, trace, colours } = this;
+    if (robot === null || world === null || trace === null) return;
+    this.dispose(this.content);
+    this.scene.remove(this.content);
+    this.content = new Group();
+    this.scene.add(this.content);
+    this.scene.background = new Color(colours.background);
+    const sun = new DirectionalLight(0xffffff, 2.1);
+    sun.position.set(3, -4, 8);
+    sun.castShadow = true;
+    sun.shadow.mapSize.set(2048, 2048);
+    Object.assign(sun.shadow.camera, { left: -6, right: 6, top: 6, bottom: -6, near: 1, far: 25 });
+    sun.shadow.normalBias = 0.02;
+    this.content.add(new AmbientLight(0xffffff, 0.55), new HemisphereLight(0xffffff, 0x8a8a90, 0.9), sun);
+    const floor = new Mesh(new PlaneGeometry(60, 60), new MeshStandardMaterial({ color: new Color(colours.floor), roughness: 1 }));
+    floor.position.z = -0.004;
+    const shade = new Mesh(new PlaneGeometry(60, 60), new ShadowMaterial({ opacity: 0.2 }));
+    shade.receiveShadow = true;
+    shade.position.z = -0.002;
+    const grid = new GridHelper(40, 40, new Color(colours.grid), new Color(colours.grid));
+    grid.rotation.x = Math.PI / 2;
+    this.content.add(floor, shade, grid);
+
+    const touched = (link: string): boolean => this.hit.link === link || this.hit.object === `self:${link}`;
+    this.links = robot.shapes.filter((s) => robot.has(s.link)).map(({ link, shape, local }) => {
+      const colour = touched(link) ? colours.hit : link === '@base' ? colours.base : colours.arm;
+      const mesh = new Mesh(geometry(shape), this.material(colour));
+      mesh.matrixAutoUpdate = false;
+      mesh.castShadow = true;
+      this.content.add(mesh);
+      return { mesh, link, local };
+    });
+    this.bodies = world.objects.map((body) => {
+      const moving = body.motion !== undefined && body.motion.kind !== 'static';
+      const hit = this.hit.object === body.name;
+      const mesh = new Mesh(geometry(body), this.material(hit ? colours.hit : moving ? colours.moving : colours.object, { transparent: true, opacity: 0.88 }));
+      mesh.castShadow = true;
+      this.content.add(mesh);
+      const [x = 0, y = 0, z = 0] = body.position ?? [];
+      return { mesh, start: { position: new Vector3(x, y, z), turn: quaternion(body.quaternion) }, motion: body.motion };
+    });
+
+    this.goal = triad(0.26, true);
+    const ball = new Mesh(new SphereGeometry(0.028, 20, 14), this.material(colours.goal));
+    this.goal.add(ball);
+    this.tip = triad(0.16, false);
+    this.content.add(this.goal, this.tip);
+    this.addPath();
+  }
+
+  /** Path of the end effector: all of it faint, what has been travelled bold. */
+  private addPath(): void {
+    const { robot, trace } = this;
+    if (robot === null || trace === null) return;
+    const points = new Float32Array(3 * trace.n);
+    const pose = new Matrix4();
+    for (let i = 0; i < trace.n; ++i) {
+      this.pose(trace.t[i] ?? 0);
+      robot.tipPose(pose);
+      points.set([pose.elements[12] ?? 0, pose.elements[13] ?? 0, pose.elements[14] ?? 0], 3 * i);
+    }
+    const line = (opacity: number): Line => {
+      const shape = new BufferGeometry();
+      shape.setAttribute('position', new BufferAttribute(points, 3));
+      const out = new Line(shape, new LineBasicMaterial({ color: new Color(this.colours.path), transparent: true, opacity }));
+      out.frustumCulled = false;
+      return out;
+    };
+    this.past = line(1);
+    this.content.add(line(0.3), this.past);
+  }
+
+  private pose(t: number): void {
+    const { robot, trace } = this;
+    if (robot === null || trace === null) return;
+    robot.update(trace.at('base_x', t), trace.at('base_y', t), trace.at('base_phi', t), (i) => trace.at(`q${i}`, t));
+  }
+
+  /** Moves everything to time t. */
+  set(t: number): void {
+    const { robot, trace, world } = this;
+    if (robot === null || trace === null || world === null) return;
+    this.pose(t);
+    for (const { mesh, link, local } of this.links) mesh.matrix.multiplyMatrices(robot.pose(link), local);
+    for (const { mesh, start, motion } of this.bodies) {
+      const now = placeAt(motion, start, t);
+      mesh.position.copy(now.position);
+      mesh.quaternion.copy(now.turn);
+    }
+    const [x = 0, y = 0, z = 0] = world.goal.position;
+    const goal = placeAt(world.goal.motion, { position: new Vector3(x, y, z), turn: quaternion(world.goal.quaternion) }, t);
+    this.goal.position.copy(goal.position);
+    this.goal.quaternion.copy(goal.turn);
+    const tip = robot.tipPose(new Matrix4());
+    tip.decompose(this.tip.position, this.tip.quaternion, this.tip.scale);
+    this.past?.geometry.setDrawRange(0, trace.locate(t)[0] + 1);
+    const base = new Vector3().setFromMatrixPosition(robot.pose('@base'));
+    if (this.follow) {
+      const step = base.clone().sub(this.lastBase);
+      this.camera.position.add(step);
+      this.controls.target.add(step);
+    }
+    this.lastBase.copy(base);
+  }
+
+  /** Distance of the shown end effector from the goal: what the stored error says, by another way. */
+  positionError(): number {
+    return this.tip.position.distanceTo(this.goal.position);
+  }
+
+  /** Looks at robot and goal from the side. */
+  home(): void {
+    const { robot, world } = this;
+    if (robot === null || world === null) return;
+    this.set(0);
+    const [gx = 0, gy = 0, gz = 0] = world.goal.position;
+    const middle = new Vector3((this.lastBase.x + gx) / 2, (this.lastBase.y + gy) / 2, Math.max(0.45, gz / 2));
+    const along = new Vector3(gx - this.lastBase.x, gy - this.lastBase.y, 0);
+    const span = along.length();
+    if (span < 1e-6) along.set(1, 0, 0);
+    along.normalize();
+    const side = new Vector3(along.y, -along.x, 0);
+    const away = Math.max(2.6, 1.25 * span + 1.4) * (this.camera.aspect < 1 ? 1.5 : 1);
+    this.controls.target.copy(middle);
+    this.camera.position.copy(middle).addScaledVector(side, away * 0.84).addScaledVector(along, -away * 0.34).add(new Vector3(0, 0, away * 0.48));
+    this.controls.update();
+  }
+
+  render(): void {
+    const { clientWidth, clientHeight } = this.canvas;
+    const ratio = Math.min(devicePixelRatio, 2);
+    if (clientWidth === 0 || clientHeight === 0) return;
+    if (this.canvas.width !== Math.floor(clientWidth * ratio) || this.canvas.height !== Math.floor(clientHeight * ratio)) {
+      this.renderer.setPixelRatio(ratio);
+      this.renderer.setSize(clientWidth, clientHeight, false);
+      this.camera.aspect = clientWidth / clientHeight;
+      this.camera.updateProjectionMatrix();
+    }
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  private dispose(group: Group): void {
+    group.traverse((node) => {
+      const mesh = node as Partial<Mesh>;
+      mesh.geometry?.dispose();
+      const materials = mesh.material === undefined ? [] : Array.isArray(mesh.material) ? mesh.material : [mesh.material];
+      for (const material of materials as Material[]) material.dispose();
+    });
+  }
+}
+

@@ -1,0 +1,94 @@
+// The failure atlas: failures that look alike together, the worst of each ready to play.
+
+import { kOutcomeNames, type Model, type Outcome } from '../data';
+import { h, replace } from '../dom';
+import { integer, percent, plural } from '../format';
+import { metric, withUnit } from '../metrics';
+import { select } from '../select';
+import * as state from '../state';
+import { onTheme, palette } from '../theme';
+import { onView, view } from '../view';
+
+interface Cluster {
+  outcome: Outcome;
+  controller: string;
+  point: string;
+  what: string;
+  rows: number[];
+}
+
+/** "sphere3" and "sphere7" are one kind of thing; what follows "self:" is kept. */
+function kind(object: string): string {
+  return object.startsWith('self:') ? `itself (${object.slice(5)})` : object.replace(/[\s_-]*\d+$/, '') || object;
+}
+
+/** Numbers in a reason differ from trial to trial and would make every failure its own cluster. */
+function cause(reason: string): string {
+  const first = reason.split(/[:;(]/)[0]?.trim() ?? '';
+  return first.replace(/-?\d+(\.\d+)?([eE][-+]?\d+)?/g, '\u2026').slice(0, 90);
+}
+
+function clusters(model: Model): Cluster[] {
+  const t = model.trials;
+  const found = new Map<string, Cluster>();
+  for (const s of view().series) {
+    for (const row of s.rows) {
+      const outcome = t.outcome(row);
+      if (outcome === 'success') continue;
+      const link = t.text('link', row);
+      const what = outcome === 'collision' ? `${link || 'robot'} against ${kind(t.text('object', row)) || 'something'}` : cause(t.text('reason', row));
+      const key = [outcome, s.index, what].join('\n');
+      const cluster = found.get(key) ?? { outcome, controller: s.controller, point: s.point, what, rows: [] };
+      cluster.rows.push(row);
+      found.set(key, cluster);
+    }
+  }
+  return [...found.values()].sort((a, b) => b.rows.length - a.rows.length);
+}
+
+/** How bad: deepest contact, else farthest from the goal. */
+function worst(model: Model, cluster: Cluster): number[] {
+  const key = cluster.outcome === 'collision' ? 'collision_depth_m' : 'position_error_m';
+  const value = (row: number): number => model.trials.number(key, row) || 0;
+  return [...cluster.rows].sort((a, b) => value(b) - value(a));
+}
+
+export function failures(model: Model): HTMLElement {
+  const box = h('div', { class: 'atlas' });
+  const note = h('p', { class: 'note' });
+  let open = false;
+  const fill = (): void => {
+    const all = clusters(model);
+    const p = palette();
+    const shown = open ? all : all.slice(0, 12);
+    const failed = all.reduce((sum, c) => sum + c.rows.length, 0);
+    const met = view().series.reduce((sum, s) => sum + s.rows.length, 0);
+    replace(box, ...shown.map((c) => {
+      const ranked = worst(model, c);
+      const playable = ranked.find((row) => model.replay(model.trials.text('trial', row)) !== undefined);
+      const row = playable ?? ranked[0] ?? 0;
+      const trial = model.trials.text('trial', row);
+      const of = metric(c.outcome === 'collision' ? 'collision_depth_m' : 'position_error_m');
+      const value = model.trials.number(of.key, row);
+      const of_ = view().series.find((s) => s.controller === c.controller && s.point === c.point)?.rows.length ?? 0;
+      return h('article', { style: `--c:${p.outcomes[c.outcome]}` },
+        h('h4', null, h('span', { class: 'chip' }, kOutcomeNames[c.outcome]), h('span', { class: 'who' }, c.point ? `${c.controller} \u00b7 ${c.point}` : c.controller)),
+        h('p', { class: 'what' }, c.what || 'no reason given'),
+        h('p', { class: 'count' }, h('b', null, integer(c.rows.length)), ` of ${plural(of_, 'trial')}, ${percent(c.rows.length / of_)}`),
+        h('p', { class: 'worst' }, `${playable === undefined ? 'Worst' : 'To play'}: world ${integer(model.trials.number('world', row))}`, Number.isFinite(value) ? `, ${of.name} ${withUnit(of, value)}` : ''),
+        h('div', { class: 'actions' },
+          h('button', { type: 'button', class: playable === undefined ? 'quiet' : 'play', click: () => select(trial, true) }, playable === undefined ? 'Command' : 'Play'),
+          h('button', { type: 'button', class: 'quiet', click: () => {
+            state.set({ outcome: c.outcome, q: c.outcome === 'collision' ? model.trials.text('link', row) : '', who: c.controller });
+            document.getElementById('trials')?.scrollIntoView();
+          } }, 'List')));
+    }));
+    if (all.length === 0) replace(box, h('p', { class: 'empty' }, met === 0 ? 'No trials here yet.' : 'No trial failed.'));
+    replace(note, all.length === 0 ? '' : `${integer(failed)} of n = ${integer(met)} trials failed, in ${plural(all.length, 'kind')} (outcome, controller, and what touched what or the reason given). `,
+      all.length > 12 ? h('button', { type: 'button', class: 'quiet', click: () => { open = !open; fill(); } }, open ? 'Show fewer' : `Show all ${integer(all.length)}`) : null);
+  };
+  fill();
+  onView(fill);
+  onTheme(fill);
+  return h('div', null, box, h('footer', null, note));
+}

@@ -1,0 +1,44 @@
+// What the reader must know before trusting a number: missing, failed or mixed data.
+
+import { inSlice, type Model } from '../data';
+import { integer, list, plural } from '../format';
+import { view } from '../view';
+
+export function notices(model: Model, suites: readonly string[]): string[] {
+  const { page, trials } = model;
+  const { slice } = view();
+  const out: string[] = [];
+  if (page.points.length === 0 || trials.n === 0) {
+    out.push('This store holds no trials yet: nothing has been evaluated, or the run has only begun.');
+    return out;
+  }
+  const runs = page.invocations.filter((i) => i.suite === slice.suite);
+  const latest = runs[0];
+  const stored = page.overall.filter((o) => o.suite === slice.suite).reduce((sum, o) => sum + o.n, 0);
+  if (latest !== undefined) {
+    const missing = latest.trials_planned - stored;
+    const why = { running: 'The run was still going on, or was killed, when this page was made', stopped: 'The last run was stopped early',
+      failed: 'The last run failed', finished: 'The last run planned more' }[latest.status] ?? 'The last run did not finish';
+    if (missing > 0) out.push(`${why}: ${integer(stored)} of ${plural(latest.trials_planned, 'trial')} are here, ${integer(missing)} missing. The same command goes on where it stopped.`);
+    else if (latest.status !== 'finished') out.push(`${why}, yet all ${plural(latest.trials_planned, 'planned trial')} are here.`);
+  }
+  const counts = page.overall.filter((o) => inSlice(o, slice)).map((o) => o.n);
+  if (new Set(counts).size > 1) out.push('The controllers do not have equally many trials: compare them world by world.');
+  const broken = (outcome: string): number => {
+    let n = 0;
+    for (let row = 0; row < trials.n; ++row) {
+      if (trials.text('outcome', row) === outcome && trials.text('suite', row) === slice.suite) ++n;
+    }
+    return n;
+  };
+  const errors = broken('error');
+  const diverged = broken('diverged');
+  if (errors > 0) out.push(`${plural(errors, 'trial')} ended in a program error; ${errors === 1 ? 'it counts' : 'they count'} as failed. The table of trials has the text.`);
+  if (diverged > 0) out.push(`In ${plural(diverged, 'trial')} the physics diverged; ${diverged === 1 ? 'it counts' : 'they count'} as failed.`);
+  const classes = new Set(runs.map((r) => r.machine_class));
+  if (classes.size > 1) out.push(`Trials come from ${integer(classes.size)} classes of machines, whose last bits may differ.`);
+  const versions = new Set(page.points.filter((p) => inSlice(p, slice)).map((p) => p.simulation_version));
+  if (versions.size > 1) out.push('Trials of different simulation versions are shown together: run the suite again before comparing.');
+  if (suites.length > 1) out.push(`The store holds ${integer(suites.length)} suites: ${list(suites)}. Choose above which one the page shows.`);
+  return out;
+}

@@ -1,0 +1,64 @@
+// The table of the store's v_summary: one row per controller and family.
+
+import { inSlice, type Model, type SummaryRow } from '../data';
+import { download, h, replace } from '../dom';
+import { csv, fixed, integer, percent, percentRange, seconds, significant } from '../format';
+import { onTheme, palette, seriesColour } from '../theme';
+import { onView, view } from '../view';
+
+function rows(model: Model): SummaryRow[] {
+  const { slice, family, families } = view();
+  const inside = model.page.summary.filter((s) => inSlice(s, slice) && (family === '' || s.family === family));
+  if (family !== '' || families.length < 2) return inside;
+  return [...inside, ...model.page.overall.filter((o) => inSlice(o, slice))];
+}
+
+function rate(value: number, low: number, high: number): Node[] {
+  return [h('b', null, percent(value)), h('span', { class: 'ci' }, percentRange(low, high))];
+}
+
+const kHead: readonly (readonly [string, string])[] = [
+  ['Controller', ''], ['n', 'trials'], ['Success', 'rate, 95 % Wilson'], ['Collision', 'rate, 95 % Wilson'], ['Time to goal', 'median of successes'],
+  ['Manipulability', 'mean'], ['Clearance', 'mean of least'], ['Command change', 'mean, share of limit'],
+];
+
+export function summary(model: Model): HTMLElement {
+  const body = h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Table of results' });
+  const fill = (): void => {
+    const { all } = view();
+    const groups = new Map<string, SummaryRow[]>();
+    for (const row of rows(model)) {
+      const family = row.family ?? 'all families';
+      groups.set(family, [...(groups.get(family) ?? []), row]);
+    }
+    const best = (group: SummaryRow[]): number => Math.max(...group.map((r) => r.success_rate));
+    replace(body, h('table', { class: 'summary' },
+      h('thead', null, h('tr', null, ...kHead.map(([name, detail], i) => h('th', { scope: 'col', class: i === 0 ? 'text' : 'num' }, name, detail ? h('small', null, detail) : null)))),
+      ...[...groups].map(([family, group]) => h('tbody', null,
+        h('tr', { class: 'group' }, h('th', { colspan: kHead.length, scope: 'rowgroup' }, family)),
+        ...group.map((r) => {
+          const series = all.find((s) => s.controller === r.controller && s.point === r.point);
+          return h('tr', { class: group.length > 1 && r.success_rate === best(group) ? 'best' : null },
+            h('th', { scope: 'row', class: 'text' }, h('span', { class: 'dotted', style: `--c:${seriesColour(palette(), series?.index ?? 0)}` }, r.controller), r.point ? h('small', null, r.point) : null),
+            h('td', { class: 'num' }, integer(r.n)),
+            h('td', { class: 'num' }, ...rate(r.success_rate, r.success_low, r.success_high)),
+            h('td', { class: 'num' }, ...rate(r.collision_rate, r.collision_low, r.collision_high)),
+            h('td', { class: 'num' }, seconds(r.time_to_goal_median_s)),
+            h('td', { class: 'num' }, fixed(r.manip_mean, 4)),
+            h('td', { class: 'num' }, r.clearance_min_m === null ? '\u2013' : `${fixed(r.clearance_min_m, 3)}\u00a0m`),
+            h('td', { class: 'num' }, significant(r.command_change_mean)));
+        })))));
+    if (groups.size === 0) replace(body, h('p', { class: 'empty' }, 'No trials here yet.'));
+  };
+  fill();
+  onView(fill);
+  onTheme(fill);
+  const save = (): void => {
+    const all = rows(model);
+    const columns = Object.keys(all[0] ?? {}) as (keyof SummaryRow)[];
+    download('summary.csv', 'text/csv', csv(columns, all.map((r) => columns.map((c) => r[c]))));
+  };
+  return h('div', { class: 'panel' }, body,
+    h('footer', null, h('p', { class: 'note' }, 'As the store\u2019s view v_summary has it. Means are over the trials that have the value.'),
+      h('div', { class: 'actions' }, h('button', { type: 'button', class: 'quiet', click: save }, 'Data CSV'))));
+}

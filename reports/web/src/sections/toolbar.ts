@@ -1,0 +1,50 @@
+// The bar that stays on top: sections, what is shown, light or dark.
+
+import type { Model } from '../data';
+import { choice, h, replace } from '../dom';
+import * as state from '../state';
+import { isDark, onTheme, palette, seriesColour, toggleTheme } from '../theme';
+import { onView, toggleSeries, view } from '../view';
+
+export function toolbar(model: Model, sections: readonly (readonly [id: string, name: string])[]): HTMLElement {
+  const links = new Map(sections.map(([id, name]) => [id, h('a', { href: `#${id}`, click: (event) => {
+    event.preventDefault();   // the hash belongs to the view
+    document.getElementById(id)?.scrollIntoView();
+  } }, name)]));
+  const nav = h('nav', { 'aria-label': 'Sections' }, ...links.values());
+  const what = h('div', { class: 'what-shown' });
+  const theme = h('button', { type: 'button', class: 'quiet', click: toggleTheme });
+  const fill = (): void => {
+    const { slice, family, families, all, series } = view();
+    const p = palette();
+    theme.textContent = isDark() ? 'Light' : 'Dark';
+    theme.setAttribute('aria-label', isDark() ? 'Use light colours' : 'Use dark colours');
+    replace(what,
+      model.slices.length > 1 ? choice('Shown', model.slices.map((s) => [s.id, s.id] as const), slice.id, (id) => state.set({ slice: id, family: '', show: '' })) : null,
+      families.length > 1 ? h('div', { class: 'segments', role: 'group', 'aria-label': 'Family of worlds' }, ...['', ...families].map((name) =>
+        h('button', { type: 'button', 'aria-pressed': name === family ? 'true' : 'false', click: () => state.set({ family: name }) }, name === '' ? 'all worlds' : name))) : null,
+      all.length > 1 ? h('div', { class: 'who-shown', role: 'group', 'aria-label': 'Controllers' }, ...(all.length > 8
+        ? [choice(`Points (${series.length} of ${all.length})`, [['', 'best few'], ...all.map((s) => [String(s.index), s.name] as const)], '', (value) => (value === '' ? state.set({ show: '' }) : toggleSeries(Number(value))))]
+        : all.map((s) => h('button', { type: 'button', class: 'toggle', style: `--c:${seriesColour(p, s.index)}`, 'aria-pressed': series.includes(s) ? 'true' : 'false', click: () => toggleSeries(s.index) }, s.name)))) : null);
+  };
+  fill();
+  onView(fill);
+  onTheme(fill);
+  // Marks the section that is being read.
+  const spy = new IntersectionObserver((entries) => {
+    for (const entry of entries) {
+      if (!entry.isIntersecting) continue;
+      for (const [id, link] of links) {
+        if (id === entry.target.id) link.setAttribute('aria-current', 'true');
+        else link.removeAttribute('aria-current');
+      }
+    }
+  }, { rootMargin: '-20% 0px -70% 0px' });
+  requestAnimationFrame(() => {
+    for (const [id] of sections) {
+      const target = document.getElementById(id);
+      if (target !== null) spy.observe(target);
+    }
+  });
+  return h('div', { class: 'toolbar' }, h('div', { class: 'inner' }, nav, what, theme));
+}

@@ -1,0 +1,220 @@
+// The table of trials: filtered, sorted, drawn only where it is seen.
+
+import { kOutcomeNames, kOutcomes, type Model } from '../data';
+import { choice, copy, download, h, replace } from '../dom';
+import { csv, integer, plural } from '../format';
+import { kMetrics, metric, withUnit } from '../metrics';
+import { onSelect, select } from '../select';
+import * as state from '../state';
+import { onTheme, palette } from '../theme';
+import { onView, view } from '../view';
+
+const kRowHeight = 34;
+const kText: Record<string, string> = { trial: 'Trial', controller: 'Controller', point: 'Point', family: 'Family', outcome: 'Outcome', contact: 'Contact or reason' };
+const kNumbers = ['world', 'time_to_goal_s', 'position_error_m', 'orientation_error_rad', 'manip_mean', 'clearance_min_m', 'command_change_mean', 't_step_p99_us'];
+const kWidths: Record<string, number> = { trial: 152, controller: 118, point: 190, family: 88, world: 68, outcome: 112, contact: 230 };
+
+function heading(key: string): string {
+  const short: Record<string, string> = {
+    world: 'World', time_to_goal_s: 'To goal [s]', position_error_m: 'Error [m]', orientation_error_rad: 'Error [rad]', manip_mean: 'Manip.',
+    clearance_min_m: 'Clearance [m]', command_change_mean: 'Change', t_step_p99_us: 'Step p99 [\u00b5s]',
+  };
+  return kText[key] ?? short[key] ?? key;
+}
+
+export function command(model: Model, trial: string): string {
+  const file = model.page.store.file;
+  return `moma replay ${/^[\w./-]+$/.test(file) ? file : `'${file.replaceAll("'", `'\\''`)}'`} ${trial}`;
+}
+
+function contact(model: Model, row: number): string {
+  const t = model.trials;
+  const link = t.text('link', row);
+  return link !== '' ? `${link} \u2013 ${t.text('object', row)}` : t.text('reason', row);
+}
+
+function columns(model: Model): string[] {
+  const { series } = view();
+  return ['trial', 'controller', ...(series.some((s) => s.point !== '') ? ['point'] : []), 'family', 'world', 'outcome',
+    ...kNumbers.slice(1).filter((key) => series.some((s) => model.trials.any(key, s.rows))), 'contact'];
+}
+
+/** Rows that pass the filters, in the order asked for. */
+function filtered(model: Model): number[] {
+  const t = model.trials;
+  const outcome = state.get('outcome');
+  const who = state.get('who');
+  const query = state.get('q').trim().toLowerCase();
+  const words = query === '' ? [] : query.split(/\s+/);
+  const haystack = (row: number): string => [t.text('trial', row), t.text('controller', row), t.text('point', row), t.text('family', row),
+    `world:${t.number('world', row)}`, t.text('outcome', row), t.text('link', row), t.text('object', row), t.text('reason', row)].join(' ').toLowerCase();
+  let rows = view().series.flatMap((s) => s.rows);
+  if (outcome === 'failure') rows = rows.filter((row) => !t.success(row));
+  else if (outcome !== '') rows = rows.filter((row) => t.text('outcome', row) === outcome);
+  if (who !== '') rows = rows.filter((row) => t.text('controller', row) === who);
+  if (words.length > 0) rows = rows.filter((row) => { const text = haystack(row); return words.every((word) => text.includes(word)); });
+  const [key = 'world', direction = 'up'] = state.get('sort').split(':');
+  const sign = direction === 'down' ? -1 : 1;
+  if (key === 'contact') {
+    const texts = new Map(rows.map((row) => [row, contact(model, row)]));
+    rows.sort((a, b) => sign * (texts.get(a) ?? '').localeCompare(texts.get(b) ?? ''));
+  } else if (key in kText) {
+    // Codes are compared through their rank, so that no string is compared twice.
+    const { values, codes } = t.column(key);
+    const rank = new Map([...values.keys()].sort((a, b) => ((values[a] ?? '') < (values[b] ?? '') ? -1 : 1)).map((code, i) => [code, i]));
+    const at = (row: number): number => rank.get(codes[row] ?? -1) ?? -1;
+    rows.sort((a, b) => sign * (at(a) - at(b)));
+  } else {
+    rows.sort((a, b) => {
+      const [x, y] = [t.number(key, a), t.number(key, b)];
+      if (Number.isNaN(x) || Number.isNaN(y)) return Number.isNaN(x) ? (Number.isNaN(y) ? 0 : 1) : -1;   // none: last
+      return sign * (x - y);
+    });
+  }
+  return rows;
+}
+
+export function trials(model: Model): HTMLElement {
+  state.setDefault('sort', 'world:up');
+  const t = model.trials;
+  const count = h('p', { class: 'note', 'aria-live': 'polite' });
+  const head = h('div', { class: 'row head', role: 'row' });
+  const rowsBox = h('div', { class: 'rows' });
+  const scroller = h('div', { class: 'grid-scroll', tabindex: 0, role: 'table', 'aria-label': 'Trials' }, head, rowsBox);
+  const detail = h('div', { class: 'detail', hidden: true });
+  const controls = h('div', { class: 'controls wide' });
+  let rows: number[] = [];
+  let shownColumns: string[] = [];
+
+  const cell = (key: string, row: number): HTMLElement => {
+    if (key === 'outcome') {
+      const outcome = t.outcome(row);
+      return h('span', { role: 'cell', class: 'dotted', style: `--c:${palette().outcomes[outcome]}` }, kOutcomeNames[outcome]);
+    }
+    if (key === 'contact') return h('span', { role: 'cell', class: 'faint', title: contact(model, row) }, contact(model, row));
+    if (key === 'trial') {
+      const name = t.text('trial', row);
+      return h('span', { role: 'cell', class: 'mono' }, name, model.replay(name) === undefined ? null : h('i', { title: 'Can be played in this page' }, ' \u25b8'));
+    }
+    if (key in kText) return h('span', { role: 'cell' }, t.text(key, row));
+    const value = t.number(key, row);
+    return h('span', { role: 'cell', class: 'num' }, Number.isNaN(value) ? '\u2013' : key === 'world' ? integer(value) : metric(key).write(value));
+  };
+
+  const draw = (): void => {
+    const first = Math.max(0, Math.floor(scroller.scrollTop / kRowHeight) - 6);
+    const last = Math.min(rows.length, first + Math.ceil(scroller.clientHeight / kRowHeight) + 14);
+    const chosen = state.get('trial');
+    const drawn: HTMLElement[] = [];
+    for (let i = first; i < last; ++i) {
+      const row = rows[i] ?? 0;
+      const name = t.text('trial', row);
+      drawn.push(h('div', {
+        class: name === chosen ? 'row chosen' : 'row', role: 'row', style: `top:${i * kRowHeight}px`, 'data-trial': name,
+        click: () => select(name, false), dblclick: () => select(name, true),
+      }, ...shownColumns.map((key) => cell(key, row))));
+    }
+    replace(rowsBox, ...drawn);
+  };
+
+  const drawHead = (): void => {
+    const [sorted, direction] = state.get('sort').split(':');
+    replace(head, ...shownColumns.map((key) => {
+      const active = key === sorted;
+      return h('button', {
+        type: 'button', class: key in kText ? null : 'num', role: 'columnheader',
+        'aria-sort': active ? (direction === 'down' ? 'descending' : 'ascending') : 'none',
+        click: () => state.set({ sort: `${key}:${active && direction !== 'down' ? 'down' : 'up'}` }),
+      }, heading(key), active ? (direction === 'down' ? ' \u2193' : ' \u2191') : '');
+    }));
+  };
+
+  const refresh = (): void => {
+    rows = filtered(model);
+    shownColumns = columns(model);
+    scroller.style.setProperty('--columns', shownColumns.map((key) => `minmax(${kWidths[key] ?? 104}px, ${key === 'contact' ? '2fr' : '1fr'})`).join(' '));
+    rowsBox.style.height = `${rows.length * kRowHeight}px`;
+    const all = view().series.reduce((sum, s) => sum + s.rows.length, 0);
+    count.textContent = rows.length === all ? `${plural(all, 'trial')}.` : `${integer(rows.length)} of ${plural(all, 'trial')}.`;
+    drawHead();
+    draw();
+  };
+
+  const fillControls = (): void => {
+    const { series } = view();
+    const present = new Set(series.flatMap((s) => s.rows.map((row) => t.outcome(row))));
+    const names = [...new Set(series.map((s) => s.controller))];
+    const search = h('input', {
+      type: 'search', placeholder: 'Filter: trial, link, object, reason, world:12', value: state.get('q'), 'aria-label': 'Filter trials',
+      input: (event) => state.set({ q: (event.target as HTMLInputElement).value }),
+    });
+    replace(controls, search,
+      choice('Outcome', [['', 'all'], ['failure', 'any failure'], ...kOutcomes.filter((o) => present.has(o)).map((o) => [o, kOutcomeNames[o]] as const)], state.get('outcome'), (value) => state.set({ outcome: value })),
+      names.length > 1 ? choice('Controller', [['', 'all'], ...names.map((n) => [n, n] as const)], state.get('who'), (value) => state.set({ who: value })) : null,
+      h('button', { type: 'button', class: 'quiet', click: () => { state.set({ q: '', outcome: '', who: '', sort: 'world:up' }); fillControls(); } }, 'Clear'),
+      h('button', { type: 'button', class: 'quiet', click: save }, 'Data CSV'));
+  };
+
+  const save = (): void => {
+    const texts = ['trial', 'suite', 'robot', 'controller', 'point', 'family', 'mode', 'outcome', 'reason', 'link', 'object'];
+    const numbers = ['world', ...kMetrics.map((m) => m.key).filter((key) => t.has(key))];
+    download('trials.csv', 'text/csv', csv([...texts, ...numbers], rows.map((row) => [...texts.map((key) => t.text(key, row) || null), ...numbers.map((key) => t.number(key, row))])));
+  };
+
+  const showDetail = (trial: string): void => {
+    const row = model.row(trial);
+    detail.hidden = row === undefined;
+    if (row === undefined) return;
+    const line = command(model, trial);
+    const button = h('button', { type: 'button', class: 'quiet' }, 'Copy');
+    button.addEventListener('click', () => void copy(line, button));
+    const outcome = t.outcome(row);
+    replace(detail,
+      h('div', { class: 'detail-head' },
+        h('h3', null, h('span', { class: 'mono' }, trial), ' ', h('span', { class: 'chip', style: `--c:${palette().outcomes[outcome]}` }, kOutcomeNames[outcome])),
+        h('div', { class: 'actions' },
+          model.replay(trial) === undefined ? null : h('button', { type: 'button', class: 'play', click: () => select(trial, true) }, 'Play'),
+          h('button', { type: 'button', class: 'quiet', click: () => state.set({ trial: '' }) }, 'Close'))),
+      h('p', null, [t.text('controller', row), t.text('point', row), `${t.text('family', row)} world ${integer(t.number('world', row))}`, contact(model, row)].filter((text) => text !== '').join(' \u00b7 ')),
+      h('p', { class: 'command' }, h('code', null, line), button),
+      h('dl', { class: 'metrics' }, ...kMetrics.filter((m) => Number.isFinite(t.number(m.key, row))).map((m) => h('div', null, h('dt', null, m.name), h('dd', null, withUnit(m, t.number(m.key, row)))))));
+  };
+
+  let pending = 0;
+  scroller.addEventListener('scroll', () => {
+    if (pending === 0) pending = requestAnimationFrame(() => { pending = 0; draw(); });
+  });
+  scroller.addEventListener('keydown', (event) => {
+    const step = { ArrowDown: 1, ArrowUp: -1, PageDown: 12, PageUp: -12 }[event.key];
+    const place = rows.findIndex((row) => t.text('trial', row) === state.get('trial'));
+    if (event.key === 'Enter' && place >= 0) select(state.get('trial'), true);
+    if (step === undefined) return;
+    event.preventDefault();
+    const next = Math.max(0, Math.min(rows.length - 1, place + step));
+    const row = rows[next];
+    if (row !== undefined) select(t.text('trial', row), false);
+  });
+  const reveal = (): void => {
+    const place = rows.findIndex((row) => t.text('trial', row) === state.get('trial'));
+    if (place < 0) return;
+    const top = place * kRowHeight;
+    if (top < scroller.scrollTop) scroller.scrollTop = top;
+    else if (top + 2 * kRowHeight > scroller.scrollTop + scroller.clientHeight) scroller.scrollTop = top + 2 * kRowHeight - scroller.clientHeight;
+  };
+  fillControls();
+  requestAnimationFrame(refresh);
+  onView(() => { fillControls(); refresh(); });
+  onTheme(() => { draw(); showDetail(state.get('trial')); });
+  state.listen(['outcome', 'who', 'q', 'sort'], (changed) => {
+    if (changed.has('outcome') || changed.has('who')) fillControls();
+    scroller.scrollTop = 0;
+    refresh();
+  });
+  state.listen(['trial'], () => { showDetail(state.get('trial')); reveal(); draw(); });
+  onSelect((trial, play) => {
+    // What cannot be played is shown here, with the command that plays it.
+    if (play && model.replay(trial) === undefined) detail.scrollIntoView({ block: 'center' });
+  });
+  showDetail(state.get('trial'));
+  return h('div', { class: 'panel' }, controls, scroller, h('footer', null, count), detail);
+}

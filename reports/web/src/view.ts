@@ -1,0 +1,71 @@
+// What the figures show now: the slice, the family and the series that the reader has chosen.
+
+import type { Model, Series, Slice } from './data';
+import * as state from './state';
+
+/** More than this many series in one figure cannot be told apart. */
+const kMostSeries = 8;
+
+export interface View {
+  model: Model;
+  slice: Slice;
+  family: string;     // '' all
+  families: string[];
+  all: Series[];      // of the slice, with the trials of the family
+  series: Series[];   // those shown
+}
+
+let cached: View | null = null;
+let source: Model | null = null;
+const listeners: (() => void)[] = [];
+
+export function startView(model: Model): void {
+  source = model;
+  state.setDefault('slice', model.slices[0]?.id ?? '');
+  state.listen(['slice', 'family', 'show'], () => {
+    cached = null;
+    for (const call of listeners) call();
+  });
+}
+
+export function onView(call: () => void): void {
+  listeners.push(call);
+}
+
+export function view(): View {
+  if (cached !== null) return cached;
+  if (source === null) throw new Error('the view has no data yet');
+  const model = source;
+  const slice = model.slices.find((s) => s.id === state.get('slice')) ?? model.slices[0] ?? { id: '', suite: '', robot: '', mode: '' };
+  const families = model.families(slice);
+  const wanted = state.get('family');
+  const family = families.includes(wanted) ? wanted : '';
+  const all = model.series(slice, family);
+  cached = { model, slice, family, families, all, series: all.filter((s) => shown(model, slice, all, s)) };
+  return cached;
+}
+
+function shown(model: Model, slice: Slice, all: readonly Series[], series: Series): boolean {
+  const chosen = state.get('show');
+  if (chosen !== '') return chosen.split(',').includes(String(series.index));
+  if (all.length <= kMostSeries) return true;
+  return best(model, slice, all).has(series.index);
+}
+
+/** Of many series, the few with the highest success rate. */
+function best(model: Model, slice: Slice, all: readonly Series[]): Set<number> {
+  const rate = (s: Series): number =>
+    model.page.overall.find((o) => o.suite === slice.suite && o.robot === slice.robot && o.mode === slice.mode
+      && o.controller === s.controller && o.point === s.point)?.success_rate ?? -1;
+  return new Set([...all].sort((a, b) => rate(b) - rate(a)).slice(0, kMostSeries - 2).map((s) => s.index));
+}
+
+export function toggleSeries(index: number): void {
+  const now = new Set(view().series.map((s) => s.index));
+  if (now.has(index)) now.delete(index);
+  else now.add(index);
+  if (now.size === 0) return;
+  const all = view().all;
+  const text = [...now].sort((a, b) => a - b).join(',');
+  state.set({ show: now.size === all.length && all.length <= kMostSeries ? '' : text });
+}
