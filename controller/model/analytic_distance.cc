@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/model/segment_distance.h"
+
 namespace moma {
 namespace {
 
@@ -117,18 +119,28 @@ PointDistance point_distance(const Shape& shape, const Vector3& p) noexcept {
   return {p.norm() - bounding_radius(shape), direction(p, Vector3::UnitZ())};
 }
 
+namespace {
+
+Distance swapped(Distance distance) noexcept {
+  distance.n_W = -distance.n_W;
+  std::swap(distance.p_first_W, distance.p_second_W);
+  return distance;
+}
+
+}  // namespace
+
 std::optional<Distance> analytic_distance(const Shape& first, const Isometry& X_W1, const Shape& second,
                                           const Isometry& X_W2) noexcept {
   if (first.kind == ShapeKind::kSphere && second.kind != ShapeKind::kConvex)
     return sphere_against(first, X_W1, second, X_W2);
-  if (second.kind == ShapeKind::kSphere && first.kind != ShapeKind::kConvex) {
-    Distance result = sphere_against(second, X_W2, first, X_W1);
-    result.n_W = -result.n_W;
-    std::swap(result.p_first_W, result.p_second_W);
-    return result;
-  }
+  if (second.kind == ShapeKind::kSphere && first.kind != ShapeKind::kConvex)
+    return swapped(sphere_against(second, X_W2, first, X_W1));
   if (first.kind == ShapeKind::kCapsule && second.kind == ShapeKind::kCapsule)
     return capsule_capsule(first, X_W1, second, X_W2);
+  if (first.kind == ShapeKind::kCapsule) return capsule_distance(first, X_W1, second, X_W2);
+  if (second.kind == ShapeKind::kCapsule) {
+    if (const auto result = capsule_distance(second, X_W2, first, X_W1)) return swapped(*result);
+  }
   return std::nullopt;
 }
 

@@ -16,8 +16,9 @@ struct PointDistance {
 /// axis) one of the right directions is chosen. A convex hull is not handled: its bounding sphere is used instead.
 PointDistance point_distance(const Shape& shape, const Vector3& p_S) noexcept;
 
-/// Closed forms: sphere against sphere, box, cylinder and capsule; capsule against capsule. Unlike an iterative
-/// method they stay exact where axes cross and where a centre lies inside. Empty for any other pair.
+/// Closed forms: sphere against sphere, box, cylinder and capsule; capsule against capsule, and against box and
+/// cylinder while its axis lies outside (segment_distance.h). Unlike an iterative method they stay exact where axes
+/// cross and where a centre lies inside. Empty for any other pair.
 std::optional<Distance> analytic_distance(const Shape& first, const Isometry& X_W1, const Shape& second,
                                           const Isometry& X_W2) noexcept;
 

@@ -32,6 +32,7 @@ struct ThinQr {
       volume *= U(k, k);
       if (U(k, k) > 0.0) Q.col(k) /= U(k, k);
     }
+    if (!(volume >= 0.0)) volume = 0.0;   // NaN in, singular out
   }
 };
 
