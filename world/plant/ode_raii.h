@@ -30,7 +30,10 @@ inline Space make_simple_space() {
 /// A world with a threading object of its own: worlds stepped in concurrent threads abort on the shared default one.
 class World {
  public:
-  World() : id_(dWorldCreate()), threading_(dThreadingAllocateSelfThreadedImplementation()) {
+  World() {
+    use_on_this_thread();
+    id_ = dWorldCreate();
+    threading_ = dThreadingAllocateSelfThreadedImplementation();
     if (id_ == nullptr || threading_ == nullptr) throw std::runtime_error("ODE cannot create a world");
     dWorldSetStepThreadingImplementation(id_, dThreadingImplementationGetFunctions(threading_), threading_);
   }
@@ -48,8 +51,8 @@ class World {
   bool abandoned() const { return abandoned_; }
 
  private:
-  dWorldID id_;
-  dThreadingImplementationID threading_;
+  dWorldID id_ = nullptr;
+  dThreadingImplementationID threading_ = nullptr;
   bool abandoned_ = false;
 };
 

@@ -1,0 +1,145 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "world/plant/ode_base_kinds.h"
+#include "world/plant/ode_support.h"
+
+namespace moma {
+namespace {
+
+constexpr double kFriction = 1.0;
+constexpr double kCasterSoftness = 1e-6;
+
+/// Two driven wheels (spheres: a cylinder would scrub as it turns on the spot), four casters at the corners.
+class DifferentialBase final : public OdeBase {
+ public:
+  DifferentialBase(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3& base)
+      : wheels_(*model.base.wheels),
+        base_(arm.body_of_link(0)),
+        space_(ode::make_simple_space()),
+        support_(arm, OdeSupport::corners(model, 0.5 * wheels_.radius), 0.5 * wheels_.radius, kCasterSoftness) {
+    floor_ = dCreatePlane(space_.get(), 0.0, 0.0, 1.0, 0.0);
+    const double mass = 0.5 * wheel_mass(model);
+    // Enough to make the wheels slip under the whole weight, so that friction is what limits the drive.
+    const double torque = kFriction * arm.mass() * 9.81 * wheels_.radius;
+    const Isometry X_WB = base_pose(base);
+    for (std::size_t i = 0; i < 2; ++i) {
+      Wheel& wheel = wheel_[i];
+      wheel.side = i == 0 ? 0.5 * wheels_.separation : -0.5 * wheels_.separation;
+      Vector3 center = X_WB * Vector3(0.0, wheel.side, wheels_.radius);
+      center.z() -= kStartDrop;
+      wheel.body = dBodyCreate(world);
+      dMass inertia;
+      dMassSetSphereTotal(&inertia, mass, wheels_.radius);
+      dBodySetMass(wheel.body, &inertia);
+      dBodySetFiniteRotationMode(wheel.body, 1);
+      dBodySetPosition(wheel.body, center.x(), center.y(), center.z());
+      wheel.geom = dCreateSphere(space_.get(), wheels_.radius);
+      dGeomSetBody(wheel.geom, wheel.body);
+      wheel.hinge = dJointCreateHinge(world, nullptr);
+      dJointAttach(wheel.hinge, wheel.body, base_);
+      dJointSetHingeAnchor(wheel.hinge, center.x(), center.y(), center.z());
+      const Vector3 axle = X_WB.linear() * Vector3::UnitY();
+      dJointSetHingeAxis(wheel.hinge, axle.x(), axle.y(), axle.z());
+      dJointSetHingeParam(wheel.hinge, dParamFMax, torque);
+      dJointSetFeedback(wheel.hinge, &wheel.feedback);
+    }
+  }
+
+  void command(const Eigen::Ref<const VectorX>& speeds, double h) override {
+    for (Wheel& wheel : wheel_) {
+      // v = R/2 (w_L + w_R), omega = R/W (w_R - w_L), inverted.
+      const double rolling = speeds[0] - speeds[1] * wheel.side;
+      const double spin = std::clamp(rolling / wheels_.radius, -wheels_.max_speed, wheels_.max_speed);
+      dJointSetHingeParam(wheel.hinge, dParamVel, spin);
+      // A step moves the wheel along one direction while the base turns by omega h. The mean direction is half of
+      // that angle ahead: without it arcs come out turned by omega h / 2, and the wheels drift apart.
+      wheel.sideways = 0.5 * h * speeds[1] * rolling;
+    }
+  }
+
+  void add_floor_contacts(dWorldID world, dJointGroupID group, double) override {
+    const Vector3 forward = ode::from_matrix(dBodyGetRotation(base_)).col(0);
+    for (Wheel& wheel : wheel_) {
+      dContact contact{};
+      wheel.touches = dCollide(wheel.geom, floor_, 1, &contact.geom, sizeof(dContactGeom)) > 0;
+      if (!wheel.touches) continue;
+      contact.surface.mode = dContactApprox1 | dContactFDir1 | dContactMotion2;
+      contact.surface.mu = kFriction;
+      contact.surface.motion2 = wheel.sideways;
+      const Vector3 ahead = Vector3(forward.x(), forward.y(), 0.0).normalized();
+      wheel.left = Vector3::UnitZ().cross(ahead);
+      contact.fdir1[0] = ahead.x();
+      contact.fdir1[1] = ahead.y();
+      dJointAttach(dJointCreateContact(world, group, &contact), wheel.body, nullptr);
+    }
+    support_.add_contacts(world, group);
+  }
+
+  double slip() const override {
+    double most = 0.0;
+    for (const Wheel& wheel : wheel_) {
+      if (!wheel.touches) continue;
+      const Vector3 v = ode::from_vector(dBodyGetLinearVel(wheel.body)) +
+                        ode::from_vector(dBodyGetAngularVel(wheel.body)).cross(Vector3(0.0, 0.0, -wheels_.radius)) -
+                        wheel.sideways * wheel.left;
+      most = std::max(most, std::hypot(v.x(), v.y()));
+    }
+    return most;
+  }
+
+  double power() const override {
+    double sum = 0.0;
+    for (const Wheel& wheel : wheel_) {
+      // The anchor is the wheel's centre: no lever arm.
+      dVector3 axle;
+      dJointGetHingeAxis(wheel.hinge, axle);
+      sum += std::abs(ode::from_vector(wheel.feedback.t1).dot(ode::from_vector(axle)) *
+                      dJointGetHingeAngleRate(wheel.hinge));
+    }
+    return sum;
+  }
+
+  bool healthy(double limit) const override {
+    return std::all_of(wheel_.begin(), wheel_.end(), [&](const Wheel& wheel) {
+      const Vector3 v = ode::from_vector(dBodyGetLinearVel(wheel.body));
+      return ode::from_vector(dBodyGetPosition(wheel.body)).allFinite() && v.allFinite() && v.norm() <= limit &&
+             ode::from_vector(dBodyGetAngularVel(wheel.body)).allFinite();
+    });
+  }
+
+ private:
+  struct Wheel {
+    dBodyID body = nullptr;
+    dGeomID geom = nullptr;
+    dJointID hinge = nullptr;
+    dJointFeedback feedback{};
+    double side = 0.0;       // y in B
+    double sideways = 0.0;   // wanted lateral speed of the contact point
+    Vector3 left = Vector3::UnitY();
+    bool touches = false;
+  };
+
+  Wheels wheels_;
+  dBodyID base_;
+  ode::Space space_;
+  dGeomID floor_ = nullptr;
+  OdeSupport support_;
+  std::array<Wheel, 2> wheel_;
+};
+
+}  // namespace
+
+std::unique_ptr<OdeBase> make_differential_base(dWorldID world, const RobotModel& model, OdeArm& arm,
+                                                const Vector3& base) {
+  if (!model.base.wheels)
+    throw std::runtime_error(fmt::format(
+        "robot {}: base.wheels is missing; dynamic simulation of a differential base drives its wheels", model.name));
+  return std::make_unique<DifferentialBase>(world, model, arm, base);
+}
+
+}  // namespace moma

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <ode/ode.h>
+
+#include <memory>
+#include <vector>
+
+#include "world/plant/ode_raii.h"
+#include "world/plant/rigid_bodies.h"
+
+namespace moma {
+
+/// The robot's links as ODE bodies, its controlled joints as hinges and sliders with velocity motors.
+class OdeArm {
+ public:
+  /// Places every body at the start configuration, `drop` metres lower (so that wheels begin in contact).
+  OdeArm(dWorldID world, std::shared_ptr<const RobotModel> model, const Vector3& base, const VectorX& q, double drop,
+         double base_mass);
+  OdeArm(const OdeArm&) = delete;
+  OdeArm& operator=(const OdeArm&) = delete;
+
+  int num_bodies() const { return static_cast<int>(bodies_.size()); }
+  dBodyID body(int i) const { return bodies_[static_cast<std::size_t>(i)]; }
+  /// Null: the link is fixed to the world.
+  dBodyID body_of_link(int link) const;
+  /// Pose in the body's frame (at its centre of mass) of something placed in a link's frame.
+  Isometry in_body(int link, const Isometry& X_L) const;
+  double mass() const { return mass_; }
+  const RigidBodies& rigid() const { return rigid_; }
+
+  /// Sets the motors for one step of h seconds: within velocity limits, and slowing down ahead of the joint limits,
+  /// so that the limit stops of ODE are a last resort.
+  void command(const Eigen::Ref<const VectorX>& speeds, double h);
+  /// Joint positions (not wrapped) and rates as they are now.
+  void read(VectorX& q, Eigen::Ref<VectorX> qdot);
+  /// Sum of |torque x speed| of the motors over the last step [W].
+  double power() const;
+
+ private:
+  struct Joint {
+    dJointID id = nullptr;
+    bool slides = false;
+    double zero = 0.0;   // joint value at which ODE's own coordinate is zero
+    dJointFeedback feedback{};
+  };
+  void make_joint(dWorldID world, const RigidBody& body, const Kinematics& kinematics);
+  void place(const Kinematics& kinematics, double drop);
+
+  std::shared_ptr<const RobotModel> model_;
+  RigidBodies rigid_;
+  std::vector<dBodyID> bodies_;
+  std::vector<Joint> joints_;   // never resized after construction: ODE points into it
+  VectorX q_;
+  double mass_ = 0.0;
+};
+
+}  // namespace moma

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <ode/ode.h>
+
+#include <memory>
+
+#include "world/plant/ode_arm.h"
+#include "world/plant/ode_raii.h"
+
+namespace moma {
+
+/// Height of the base frame under the floor at the start, and at rest [m]: half of the contact layer, so that wheels
+/// and casters begin and stay in contact without being pushed out.
+inline constexpr double kContactLayer = 1e-4;
+inline constexpr double kStartDrop = 0.5 * kContactLayer;
+
+/// What drives and carries a mobile base: one kind for each base type.
+class OdeBase {
+ public:
+  virtual ~OdeBase() = default;
+  /// Part of the footprint's mass that the drive has bodies of its own for [kg].
+  static double wheel_mass(const RobotModel& model);
+  /// Null for a fixed base. Throws std::runtime_error naming the key where something is missing.
+  static std::unique_ptr<OdeBase> make(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3& base);
+
+  /// Sets the drive for one step of h seconds; `speeds` are the base's velocity coordinates, ramped already.
+  virtual void command(const Eigen::Ref<const VectorX>& speeds, double h) = 0;
+  /// Adds this step's contacts with the floor.
+  virtual void add_floor_contacts(dWorldID world, dJointGroupID group, double h) = 0;
+  /// Largest slip since the last add_floor_contacts() [m/s], after the step.
+  virtual double slip() const = 0;
+  /// Of the drive's motors, over the last step [W].
+  virtual double power() const = 0;
+  /// False where a wheel's speed or position is not finite, or beyond `limit` [m/s].
+  virtual bool healthy(double limit) const = 0;
+};
+
+}  // namespace moma

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <ode/ode.h>
+
+#include <vector>
+
+#include "controller/model/robot_model.h"
+#include "world/plant/ode_arm.h"
+
+namespace moma {
+
+/// Frictionless spheres under the base that carry it: casters of a differential drive, or the rolling contacts of
+/// mecanum wheels, whose friction is in their drive.
+class OdeSupport {
+ public:
+  /// @param points where they touch the floor, in B.
+  /// @param cfm softness of their contacts; 1e-6 is 1e8 N/m at 2 ms: stiff, but much softer than the wheels, so
+  /// that the wheels carry the weight and casters only what would tip the base.
+  OdeSupport(const OdeArm& arm, const std::vector<Vector2>& points, double radius, double cfm);
+
+  void add_contacts(dWorldID world, dJointGroupID group);
+
+  /// Corners of the base's outline, drawn in until they are under it.
+  static std::vector<Vector2> corners(const RobotModel& model, double radius);
+
+ private:
+  ode::Space space_;
+  std::vector<dGeomID> spheres_;
+  dGeomID floor_ = nullptr;
+  double cfm_;
+};
+
+}  // namespace moma

@@ -1,0 +1,115 @@
+#include <algorithm>
+#include <cmath>
+
+#include "world/plant/ode_base_kinds.h"
+#include "world/plant/ode_support.h"
+
+namespace moma {
+namespace {
+
+constexpr double kFriction = 1.0;
+
+/// Four mecanum wheels as one planar velocity drive. Their rollers are not simulated: the wheels are frictionless
+/// supports where they stand, and motors between base and floor give the base its commanded velocity with what
+/// friction under the whole weight could pass on: force mu m g in each direction, moment mu m g times the lever of
+/// the wheels.
+class OmnidirectionalBase final : public OdeBase {
+ public:
+  OmnidirectionalBase(dWorldID world, const RobotModel& model, OdeArm& arm)
+      : model_(model), arm_(arm), base_(arm.body_of_link(0)), support_(arm, feet(model), foot_radius(model), 1e-9) {
+    const double force = kFriction * arm.mass() * 9.81;
+    linear_ = dJointCreateLMotor(world, nullptr);
+    dJointAttach(linear_, base_, nullptr);
+    dJointSetLMotorNumAxes(linear_, 2);
+    dJointSetLMotorAxis(linear_, 0, 0, 1.0, 0.0, 0.0);
+    dJointSetLMotorAxis(linear_, 1, 0, 0.0, 1.0, 0.0);
+    dJointSetLMotorParam(linear_, dParamFMax, force);
+    dJointSetLMotorParam(linear_, dParamFMax2, force);
+    dJointSetFeedback(linear_, &linear_feedback_);
+    angular_ = dJointCreateAMotor(world, nullptr);
+    dJointAttach(angular_, base_, nullptr);
+    dJointSetAMotorMode(angular_, dAMotorUser);
+    dJointSetAMotorNumAxes(angular_, 1);
+    dJointSetAMotorAxis(angular_, 0, 0, 0.0, 0.0, 1.0);
+    dJointSetAMotorParam(angular_, dParamFMax, force * lever(model));
+    dJointSetFeedback(angular_, &angular_feedback_);
+  }
+
+  void command(const Eigen::Ref<const VectorX>& speeds, double h) override {
+    // The body is placed by its centre of mass: where would that be after exactly this motion of B?
+    const Isometry X_BC = arm_.in_body(0, Isometry::Identity()).inverse();
+    const Isometry X_WB = ode::pose(base_) * X_BC.inverse();
+    const double heading = std::atan2(X_WB.linear()(1, 0), X_WB.linear()(0, 0));
+    Vector3 base(X_WB.translation().x(), X_WB.translation().y(), heading);
+    const Vector3 before = base_pose(base) * X_BC.translation();
+    VectorX q(model_.num_joints());
+    VectorX velocity = VectorX::Zero(model_.num_velocities());
+    q.setZero();
+    velocity.head<3>() = speeds;
+    integrate(model_, base, q, velocity, h);
+    wanted_ = (base_pose(base) * X_BC.translation() - before) / h;
+    turn_ = speeds[2];
+    dJointSetLMotorParam(linear_, dParamVel, wanted_.x());
+    dJointSetLMotorParam(linear_, dParamVel2, wanted_.y());
+    dJointSetAMotorParam(angular_, dParamVel, turn_);
+  }
+
+  void add_floor_contacts(dWorldID world, dJointGroupID group, double) override { support_.add_contacts(world, group); }
+
+  double slip() const override {
+    const Vector3 v = ode::from_vector(dBodyGetLinearVel(base_)) - wanted_;
+    return std::hypot(v.x(), v.y());
+  }
+
+  double power() const override {
+    const Vector3 v = ode::from_vector(dBodyGetLinearVel(base_));
+    const double turning = linear_power(v) + std::abs(angular_feedback_.t1[2] * dBodyGetAngularVel(base_)[2]);
+    return turning;
+  }
+
+  bool healthy(double) const override { return true; }   // has no bodies of its own
+
+ private:
+  static double foot_radius(const RobotModel& model) { return model.base.wheels ? model.base.wheels->radius : 0.05; }
+
+  static std::vector<Vector2> feet(const RobotModel& model) {
+    if (!model.base.wheels || !(model.base.wheels->wheelbase > 0.0))
+      return OdeSupport::corners(model, foot_radius(model));
+    std::vector<Vector2> points;
+    for (const double x : {0.5, -0.5})
+      for (const double y : {0.5, -0.5})
+        points.emplace_back(x * model.base.wheels->wheelbase, y * model.base.wheels->separation);
+    return points;
+  }
+
+  /// Mean distance of the wheels' forces from the centre.
+  static double lever(const RobotModel& model) {
+    double sum = 0.0;
+    const std::vector<Vector2> points = feet(model);
+    for (const Vector2& p : points) sum += p.norm();
+    return sum / static_cast<double>(points.size());
+  }
+
+  double linear_power(const Vector3& v) const {
+    const Vector3 force = ode::from_vector(linear_feedback_.f1);
+    return std::abs(force.x() * v.x()) + std::abs(force.y() * v.y());
+  }
+
+  const RobotModel& model_;
+  OdeArm& arm_;
+  dBodyID base_;
+  OdeSupport support_;
+  dJointID linear_ = nullptr, angular_ = nullptr;
+  dJointFeedback linear_feedback_{}, angular_feedback_{};
+  Vector3 wanted_ = Vector3::Zero();
+  double turn_ = 0.0;
+};
+
+}  // namespace
+
+std::unique_ptr<OdeBase> make_omnidirectional_base(dWorldID world, const RobotModel& model, OdeArm& arm,
+                                                   const Vector3&) {
+  return std::make_unique<OmnidirectionalBase>(world, model, arm);
+}
+
+}  // namespace moma
