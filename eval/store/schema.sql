@@ -186,6 +186,110 @@ CREATE TABLE samples (
   data BLOB NOT NULL
 ) STRICT;
 
+-- Gain tuning (moma tune): one search over gains, identified by everything that decides its path, so that it can be
+-- resumed. Its trials are in table `trial` under their keys, without a point; the verdict's trials belong to a suite
+-- of their own, NAME-held-out.
+CREATE TABLE tune_search (
+  id INTEGER PRIMARY KEY,
+  hash BLOB NOT NULL UNIQUE CHECK (length(hash) = 16),      -- XXH3-128 of `identity`
+  suite TEXT NOT NULL,
+  controller TEXT NOT NULL,
+  identity TEXT NOT NULL CHECK (json_valid(identity)),
+  objective TEXT NOT NULL,                                  -- in words
+  unit TEXT NOT NULL,
+  budget_trials INTEGER NOT NULL,
+  started TEXT NOT NULL,                                    -- UTC, ISO 8601
+  ended TEXT,
+  status TEXT NOT NULL CHECK (status IN ('running', 'finished', 'stopped')),
+  trials INTEGER,                                           -- measured by search and confirmation
+  trials_saved INTEGER,                                     -- by cutting candidates short
+  evaluations_cut INTEGER,
+  held_out_suite TEXT,                                      -- as shown in v_trials
+  verdict TEXT CHECK (verdict IN ('better', 'no difference shown', 'worse')),
+  runs TEXT CHECK (json_valid(runs)),                       -- NLopt's runs: algorithm, trials, why it ended
+  notes TEXT CHECK (json_valid(notes))
+) STRICT;
+
+CREATE TABLE tune_variable (
+  search_id INTEGER NOT NULL REFERENCES tune_search (id),
+  variable INTEGER NOT NULL,                                -- from 0, as in candidates
+  key TEXT NOT NULL,
+  lower REAL NOT NULL,
+  upper REAL NOT NULL,
+  scale TEXT NOT NULL CHECK (scale IN ('linear', 'log', 'integer')),
+  start REAL NOT NULL,
+  found REAL,
+  importance REAL,                                          -- share of the variance over the search
+  PRIMARY KEY (search_id, variable)
+) STRICT, WITHOUT ROWID;
+
+-- Every candidate measured, in order; what a resumed search is replayed from.
+CREATE TABLE tune_evaluation (
+  search_id INTEGER NOT NULL REFERENCES tune_search (id),
+  evaluation INTEGER NOT NULL,                              -- from 0
+  phase TEXT NOT NULL CHECK (phase IN ('start', 'global', 'local', 'confirm', 'neighbour', 'sensitivity')),
+  run INTEGER NOT NULL,
+  candidate TEXT NOT NULL CHECK (json_valid(candidate)),    -- values in the order of tune_variable
+  first_world INTEGER NOT NULL,                             -- worlds known before, of the search's order
+  worlds INTEGER NOT NULL,                                  -- known after
+  cut INTEGER NOT NULL CHECK (cut IN (0, 1)),
+  valid INTEGER NOT NULL CHECK (valid IN (0, 1)),
+  cost REAL NOT NULL,
+  merit REAL NOT NULL,                                      -- cost and penalty; an estimate where cut
+  constraints TEXT NOT NULL CHECK (json_valid(constraints)),
+  measured BLOB NOT NULL,                                   -- doubles, little endian: cost and constraints per world
+  PRIMARY KEY (search_id, evaluation)
+) STRICT;
+
+-- The best few, measured on further worlds; place 0 was chosen.
+CREATE TABLE tune_finalist (
+  search_id INTEGER NOT NULL REFERENCES tune_search (id),
+  place INTEGER NOT NULL,
+  candidate TEXT NOT NULL CHECK (json_valid(candidate)),
+  search_merit REAL NOT NULL,
+  merit REAL NOT NULL,
+  neighbours REAL NOT NULL,                                 -- mean merit around it
+  robust REAL NOT NULL,
+  worlds INTEGER NOT NULL,
+  PRIMARY KEY (search_id, place)
+) STRICT, WITHOUT ROWID;
+
+-- Change of the objective around the found values: one gain moved alone (other NULL), or two together, where
+-- `change` is what the joint move adds to the sum of the single ones.
+CREATE TABLE tune_sensitivity (
+  search_id INTEGER NOT NULL REFERENCES tune_search (id),
+  entry INTEGER NOT NULL,
+  variable INTEGER NOT NULL,
+  other INTEGER,
+  value REAL,                                               -- the gain's; NULL for pairs
+  change REAL NOT NULL,
+  error REAL NOT NULL,                                      -- standard error
+  valid INTEGER NOT NULL CHECK (valid IN (0, 1)),
+  PRIMARY KEY (search_id, entry)
+) STRICT, WITHOUT ROWID;
+
+-- The found gains against another controller on worlds that took no part in the search.
+CREATE TABLE tune_comparison (
+  search_id INTEGER NOT NULL REFERENCES tune_search (id),
+  entry INTEGER NOT NULL,
+  family TEXT NOT NULL,                                     -- 'all': every family together
+  other TEXT NOT NULL,                                      -- the controller compared with
+  metric TEXT NOT NULL,
+  n INTEGER NOT NULL,                                       -- worlds compared
+  found REAL,                                               -- rate or mean
+  found_low REAL,
+  found_high REAL,
+  theirs REAL,
+  theirs_low REAL,
+  theirs_high REAL,
+  difference REAL,                                          -- found - theirs, paired
+  difference_low REAL,
+  difference_high REAL,
+  p REAL,                                                   -- exact McNemar with Holm's correction; NULL for means
+  verdict TEXT NOT NULL CHECK (verdict IN ('better', 'no difference shown', 'worse')),
+  PRIMARY KEY (search_id, entry)
+) STRICT, WITHOUT ROWID;
+
 CREATE VIEW v_trials AS
 SELECT t.trial AS trial, s.name AS suite, r.name AS robot, p.controller AS controller, p.label AS point,
        p.params AS params, w.family AS family, w.world_index AS world, p.mode AS mode, t.outcome AS outcome,

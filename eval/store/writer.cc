@@ -142,7 +142,7 @@ struct Writer::Impl {
       insert_execution(p);
     }
     if (p.samples) insert_samples(p);
-    link(p.trial, p.key);
+    if (p.trial.point != kNoPoint) link(p.trial, p.key);
   }
 
   void insert_execution(const Pending& p) {
@@ -326,6 +326,21 @@ void Writer::add(const Wanted& trial, const WorldRecord& world, const TrialRow& 
     if (impl_->pending.size() >= kBatchRows || Clock::now() - impl_->last_commit >= kBatchTime) impl_->flush();
   });
 }
+
+std::optional<TrialRow> Writer::find(const std::string& key) {
+  return impl_->guarded(StoreError::Kind::kInterrupted, [&]() -> std::optional<TrialRow> {
+    impl_->flush();
+    Statement& s = impl_->sql->find_trial;
+    s.reset();
+    bind_hash(s, 1, hash_from_hex(key));
+    if (!s.executeStep()) return std::nullopt;
+    TrialRow row = read_row(s, 1);
+    s.reset();
+    return row;
+  });
+}
+
+SQLite::Database& Writer::database() { return impl_->db; }
 
 void Writer::flush() {
   impl_->guarded(StoreError::Kind::kInterrupted, [&] { impl_->flush(); });

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_set>
 #include <vector>
@@ -11,12 +12,20 @@
 #include "eval/store/records.h"
 #include "eval/trial/row.h"
 
+namespace SQLite {
+class Database;
+}
+
 namespace moma::store {
 
 struct InvocationInfo {
   std::vector<std::string> arguments;   ///< the command line
   int threads = 1;
 };
+
+/// In place of a point: a trial of a search (`moma tune`). It is kept under its key like any other, and found by runs
+/// and searches that come to it, but belongs to no point, so that views do not show the search's thousands of points.
+inline constexpr std::size_t kNoPoint = static_cast<std::size_t>(-1);
 
 /// A trial that the run asks for.
 struct Wanted {
@@ -53,6 +62,12 @@ class Writer {
   /// Adds a result; `trace` null: samples are not kept. A key that is already there is not written again; within
   /// the same machine class a different row is a contradiction.
   void add(const Wanted& trial, const WorldRecord& world, const TrialRow& row, const Trace* trace);
+
+  /// The stored row of this key (without timings), whatever run it came from.
+  std::optional<TrialRow> find(const std::string& key);
+
+  /// For other tables of the same store (eval/store/tuning.h); after begin().
+  SQLite::Database& database();
 
   /// Commits what is kept back.
   void flush();

@@ -1,0 +1,200 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "eval/cli/command.h"
+#include "eval/cli/table.h"
+#include "eval/stats/bootstrap.h"
+#include "eval/stats/intervals.h"
+#include "eval/store/query.h"
+
+namespace moma::cli {
+namespace {
+
+using store::Cell;
+using store::QueryResult;
+
+struct CompareOptions {
+  std::string file;
+  std::string a;
+  std::string b;
+  std::string suite;
+  std::optional<double> margin;
+};
+
+constexpr const char* kMetrics[] = {"time_to_goal_s", "manip_mean",  "clearance_min_m", "command_change_mean",
+                                    "path_ee_m",      "path_base_m", "jerk_ee_rms"};
+
+std::string quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? std::string("''") : std::string(1, c);
+  return result + "'";
+}
+
+struct Chosen {
+  std::int64_t id = 0;
+  std::int64_t suite_id = 0;
+  std::string suite;
+};
+
+/// Points that go by `name`: a controller, or CONTROLLER:POINT in a sweep.
+std::vector<Chosen> candidates(const CompareOptions& options, const std::string& name) {
+  const std::string where =
+      options.suite.empty() ? "" : fmt::format(" AND s.name = {}", quoted(options.suite));
+  const QueryResult result = store::query(
+      options.file,
+      fmt::format("SELECT p.id, s.id, s.name FROM point AS p JOIN suite AS s ON s.id = p.suite_id "
+                  "WHERE {} IN (p.controller || ':' || p.label, iif(p.label = '', p.controller, NULL)){} ORDER BY p.id",
+                  quoted(name), where));
+  std::vector<Chosen> found;
+  for (const auto& row : result.rows) {
+    found.push_back({std::get<std::int64_t>(row[0]), std::get<std::int64_t>(row[1]), std::get<std::string>(row[2])});
+  }
+  if (!found.empty()) return found;
+  const QueryResult all = store::query(
+      options.file, "SELECT DISTINCT controller || iif(label = '', '', ':' || label) FROM point ORDER BY id LIMIT 20");
+  std::vector<std::string> names;
+  for (const auto& row : all.rows) names.push_back(std::get<std::string>(row[0]));
+  throw UsageError(fmt::format("{}: has no point '{}'{}; it has: {}", options.file, name,
+                               options.suite.empty() ? "" : " in suite " + options.suite, fmt::join(names, ", ")));
+}
+
+/// The one suite that has both.
+std::pair<Chosen, Chosen> choose(const CompareOptions& options) {
+  std::vector<std::pair<Chosen, Chosen>> both;
+  const std::vector<Chosen> all_b = candidates(options, options.b);
+  std::string suites;
+  for (const Chosen& a : candidates(options, options.a)) {
+    for (const Chosen& b : all_b) {
+      if (a.suite_id != b.suite_id) continue;
+      both.emplace_back(a, b);
+      suites += (suites.empty() ? "" : ", ") + a.suite;
+    }
+  }
+  if (both.empty()) throw UsageError(fmt::format("{} and {} are in no suite together", options.a, options.b));
+  if (both.size() > 1) throw UsageError(fmt::format("several suites have both: choose one by --suite: {}", suites));
+  return both.front();
+}
+
+double number(const Cell& cell) {
+  if (const auto* integer = std::get_if<std::int64_t>(&cell)) return static_cast<double>(*integer);
+  return std::get<double>(cell);
+}
+
+QueryResult paired(const CompareOptions& options, const std::pair<Chosen, Chosen>& points) {
+  std::string columns = "ta.outcome = 'success', tb.outcome = 'success', ta.outcome = 'collision', tb.outcome = 'collision'";
+  for (const char* metric : kMetrics) columns += fmt::format(", ta.{0}, tb.{0}", metric);
+  return store::query(options.file,
+                      fmt::format("SELECT {} FROM point_trial AS ma JOIN point_trial AS mb USING (world_index) "
+                                  "JOIN trial AS ta ON ta.key = ma.key JOIN trial AS tb ON tb.key = mb.key "
+                                  "WHERE ma.point_id = {} AND mb.point_id = {} AND ta.world_id = tb.world_id "
+                                  "ORDER BY ma.world_index",
+                                  columns, points.first.id, points.second.id));
+}
+
+struct RateRow {
+  const char* name;
+  std::int64_t a = 0, b = 0, only_a = 0, only_b = 0;
+  double p = 1.0;
+};
+
+RateRow compare_rates(const QueryResult& pairs, const char* name, std::size_t column) {
+  RateRow row{name};
+  for (const auto& pair : pairs.rows) {
+    const bool a = number(pair[column]) > 0.0;
+    const bool b = number(pair[column + 1]) > 0.0;
+    row.a += a ? 1 : 0;
+    row.b += b ? 1 : 0;
+    row.only_a += a && !b ? 1 : 0;
+    row.only_b += b && !a ? 1 : 0;
+  }
+  row.p = stats::mcnemar_exact(row.only_a, row.only_b);
+  return row;
+}
+
+std::string rate_text(std::int64_t k, std::int64_t n) {
+  const stats::Interval interval = stats::wilson(k, n);
+  return fmt::format("{:5.1f} [{:5.1f}, {:5.1f}]", 100.0 * static_cast<double>(k) / static_cast<double>(n),
+                     100 * interval.low, 100 * interval.high);
+}
+
+void print_rates(const std::vector<RateRow>& rates, std::int64_t n) {
+  std::vector<double> p;
+  for (const RateRow& rate : rates) p.push_back(rate.p);
+  const std::vector<double> adjusted = stats::holm(p);
+  QueryResult table{{"rate", "n", "A % [95 %]", "B % [95 %]", "only A", "only B", "p (McNemar)", "p (Holm)"}, {}};
+  for (std::size_t i = 0; i < rates.size(); ++i) {
+    const RateRow& r = rates[i];
+    table.rows.push_back({std::string(r.name), n, rate_text(r.a, n), rate_text(r.b, n), r.only_a, r.only_b,
+                          fmt::format("{:.3g}", r.p), fmt::format("{:.3g}", adjusted[i])});
+  }
+  write(std::cout, table, Format::kTable);
+}
+
+void print_metrics(const QueryResult& pairs) {
+  QueryResult table{{"metric (both have it)", "n", "mean A", "mean B", "B - A", "95 % (paired bootstrap)"}, {}};
+  for (std::size_t m = 0; m < std::size(kMetrics); ++m) {
+    std::vector<double> a;
+    std::vector<double> b;
+    for (const auto& pair : pairs.rows) {
+      const Cell& x = pair[4 + 2 * m];
+      const Cell& y = pair[5 + 2 * m];
+      if (std::holds_alternative<std::monostate>(x) || std::holds_alternative<std::monostate>(y)) continue;
+      a.push_back(number(x));
+      b.push_back(number(y));
+    }
+    if (a.empty()) continue;
+    double mean_a = 0.0;
+    double mean_b = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      mean_a += a[i] / static_cast<double>(a.size());
+      mean_b += b[i] / static_cast<double>(a.size());
+    }
+    const stats::MeanDifference d = stats::paired_bootstrap(b, a);
+    table.rows.push_back({std::string(kMetrics[m]), static_cast<std::int64_t>(a.size()), mean_a, mean_b, d.mean,
+                          fmt::format("[{:.4g}, {:.4g}]", d.low, d.high)});
+  }
+  write(std::cout, table, Format::kTable);
+}
+
+int compare(const CompareOptions& options) {
+  const auto points = choose(options);
+  const QueryResult pairs = paired(options, points);
+  const auto n = static_cast<std::int64_t>(pairs.rows.size());
+  std::cout << terminal_safe(fmt::format("A = {}, B = {}, suite {}: {} worlds that both met", options.a, options.b,
+                                         points.first.suite, n))
+            << "\n\n";
+  if (n == 0) throw UsageError("no world was met by both: nothing to compare");
+  const RateRow success = compare_rates(pairs, "success", 0);
+  print_rates({success, compare_rates(pairs, "collision", 2)}, n);
+  std::cout << '\n';
+  print_metrics(pairs);
+  if (!options.margin) return kOk;
+  const double loss = static_cast<double>(success.a - success.b) / static_cast<double>(n);
+  const bool worse = loss > *options.margin;
+  std::cout << fmt::format("\nB succeeds {:.2f} percentage points {} often than A; the margin is {:.2f}: {}\n",
+                           100 * std::abs(loss), loss > 0 ? "less" : "more", 100 * *options.margin,
+                           worse ? "worse" : "accepted");
+  return worse ? kCheckFailed : kOk;
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, Action& action) {
+  auto options = std::make_shared<CompareOptions>();
+  CLI::App* command = app.add_subcommand("compare", "Paired comparison of two controllers or points on the same worlds");
+  command->add_option("DB", options->file, "Store")->required();
+  command->add_option("A", options->a, "Controller, or CONTROLLER:POINT of a sweep")->required();
+  command->add_option("B", options->b, "The other one")->required();
+  command->add_option("--suite", options->suite, "Which suite, where several have both");
+  command->add_option("--fail-if-worse", options->margin,
+                      "Exit 1 where B's success rate is lower than A's by more than this, e.g. 0.02")
+      ->check(CLI::Range(0.0, 1.0));
+  command->footer("Example: moma compare results/demo.db holistic moma --fail-if-worse 0.02");
+  command->callback([&action, options] { action = [options] { return compare(*options); }; });
+}
+
+}  // namespace moma::cli

@@ -1,0 +1,92 @@
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+
+#include "eval/cli/command.h"
+#include "eval/cli/table.h"
+#include "eval/store/query.h"
+
+namespace moma::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Export {
+  const char* name;
+  const char* sql;
+};
+
+constexpr Export kFiles[] = {
+    {"trials", "SELECT * FROM v_trials ORDER BY suite, controller, point, world"},
+    {"summary", "SELECT * FROM v_summary ORDER BY suite, robot, family, mode, controller, point"},
+    {"pairs", "SELECT * FROM v_pairs ORDER BY suite, controller_a, point_a, controller_b, point_b, world"},
+    {"worlds",
+     "SELECT DISTINCT s.name AS suite, w.world_index AS world, w.seed, w.family, w.goal_distance_m, w.objects, "
+     "w.witness_clearance_m, w.blocked_fraction, w.narrowest_gap_m FROM point_trial AS m JOIN trial AS t USING (key) "
+     "JOIN world AS w ON w.id = t.world_id JOIN point AS p ON p.id = m.point_id JOIN suite AS s ON s.id = p.suite_id "
+     "ORDER BY 1, 2"},
+    {"points",
+     "SELECT s.name AS suite, r.name AS robot, p.controller, p.label AS point, p.params, p.mode, p.control_period_s, "
+     "p.physics_step_s, p.time_limit_s, c.resolved AS controller_parameters FROM point AS p "
+     "JOIN suite AS s ON s.id = p.suite_id JOIN robot AS r ON r.id = p.robot_id "
+     "JOIN controller AS c ON c.id = p.controller_id ORDER BY p.id"},
+    {"invocations",
+     "SELECT i.id, s.name AS suite, i.started, i.ended, i.status, i.arguments, i.moma_version, i.git_commit, "
+     "i.git_dirty, i.build_type, i.compiler, i.compiler_flags, i.libraries, i.host, i.os, i.cpu, i.cpu_count, "
+     "i.threads, i.machine_class, i.trials_planned, i.trials_present, i.trials_done FROM invocation AS i "
+     "JOIN suite AS s ON s.id = i.suite_id ORDER BY i.id"},
+};
+
+/// The file appears whole or not at all.
+void write_file(const fs::path& file, const store::QueryResult& result) {
+  const fs::path part = file.string() + ".part";
+  std::ofstream out(part, std::ios::binary);
+  write(out, result, Format::kCsv);
+  out.close();
+  std::error_code error;
+  if (out) fs::rename(part, file, error);
+  if (!out || error) {
+    const std::string why = error ? error.message() : std::strerror(errno);
+    fs::remove(part, error);
+    throw UsageError(fmt::format("{}: cannot be written: {}", file.string(), why));
+  }
+}
+
+int export_csv(const fs::path& db, const fs::path& folder) {
+  std::vector<store::QueryResult> results;   // all are read before the first is written
+  for (const Export& file : kFiles) results.push_back(store::query(db, file.sql));
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!fs::is_directory(folder)) {
+    throw UsageError(fmt::format("{}: cannot be made a folder: {}", folder.string(),
+                                 error ? error.message() : "something else has this name"));
+  }
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const fs::path file = folder / fmt::format("{}.csv", kFiles[i].name);
+    write_file(file, results[i]);
+    std::cerr << fmt::format("wrote {} ({} rows)\n", file.string(), results[i].rows.size());
+  }
+  return kOk;
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, Action& action) {
+  struct Options {
+    fs::path file;
+    fs::path csv;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("export", "Write a store's views and tables as flat CSV files");
+  command->add_option("DB", options->file, "Store")->required();
+  command->add_option("--csv", options->csv, "Folder for the files, made if missing")->required();
+  command->footer("Example: moma export results/demo.db --csv results/demo-csv");
+  command->callback([&action, options] { action = [options] { return export_csv(options->file, options->csv); }; });
+}
+
+}  // namespace moma::cli

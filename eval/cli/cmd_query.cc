@@ -1,0 +1,68 @@
+#include <fmt/format.h>
+
+#include <iostream>
+#include <map>
+#include <memory>
+
+#include "controller/config/node.h"
+#include "eval/cli/command.h"
+#include "eval/cli/table.h"
+#include "eval/store/query.h"
+
+namespace moma::cli {
+namespace {
+
+struct QueryOptions {
+  std::string file;
+  std::string sql;
+  Format format = Format::kTable;
+};
+
+std::string sql_of(const QueryOptions& options) {
+  if (options.sql.empty() || options.sql[0] != '@') return options.sql;
+  const std::string name = options.sql.substr(1);
+  std::vector<std::string> names;
+  for (const store::NamedQuery& query : store::named_queries()) {
+    const bool for_person = options.format == Format::kTable || options.format == Format::kMarkdown;
+    if (query.name == name) return std::string(for_person && !query.display.empty() ? query.display : query.sql);
+    names.push_back(fmt::format("@{}", query.name));
+  }
+  const std::string near = config::nearest(options.sql, names);
+  throw UsageError(fmt::format("query: unknown query {}{}; there are {}", terminal_safe(options.sql),
+                               near.empty() ? "" : fmt::format(" (did you mean {}?)", near), fmt::join(names, ", ")));
+}
+
+std::string footer() {
+  std::string text = "Named queries:\n";
+  for (const store::NamedQuery& query : store::named_queries()) {
+    text += fmt::format("  @{:<9} {}\n", query.name, query.description);
+  }
+  return text +
+         "Views: v_trials (one flat row per trial), v_summary, v_pairs; docs/store.md describes them.\n"
+         "Examples: moma query results/demo.db @summary\n"
+         "          moma query results/demo.db \"SELECT outcome, count(*) FROM v_trials GROUP BY 1\" --format csv";
+}
+
+}  // namespace
+
+void add_query(CLI::App& app, Action& action) {
+  auto options = std::make_shared<QueryOptions>();
+  CLI::App* command = app.add_subcommand("query", "Ask a store: read-only SQL, or a named query such as @summary");
+  command->add_option("DB", options->file, "Store")->required();
+  command->add_option("SQL", options->sql, "One SQL statement, or @summary, @list, @failures, @pairs, @worst")->required();
+  const std::map<std::string, Format> formats = {
+      {"table", Format::kTable}, {"csv", Format::kCsv}, {"json", Format::kJson}, {"markdown", Format::kMarkdown}};
+  command->add_option("-f,--format", options->format, "table, csv, json or markdown")
+      ->transform(CLI::Transformer(formats))
+      ->check(CLI::IsMember({Format::kTable, Format::kCsv, Format::kJson, Format::kMarkdown}))
+      ->option_text("table|csv|json|markdown");
+  command->footer(footer());
+  command->callback([&action, options] {
+    action = [options] {
+      write(std::cout, store::query(options->file, sql_of(*options)), options->format);
+      return static_cast<int>(kOk);
+    };
+  });
+}
+
+}  // namespace moma::cli

@@ -1,0 +1,153 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iostream>
+#include <memory>
+
+#include "controller/config/robot_file.h"
+#include "eval/cli/command.h"
+#include "eval/cli/suite_options.h"
+#include "eval/cli/table.h"
+#include "eval/cli/text.h"
+
+namespace moma::cli {
+namespace {
+
+using nlohmann::ordered_json;
+using store::Cell;
+using store::QueryResult;
+
+Cell limit(double value) {
+  if (std::isinf(value)) return std::string(value > 0 ? "none" : "-none");
+  return value;
+}
+
+ordered_json number_or_null(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(); }
+
+void print_base(const RobotModel& model) {
+  const MobileBase& base = model.base;
+  std::cout << fmt::format("{}: {} base, {} joints, {} links, {} collision shapes, {} self-collision pairs\n",
+                           terminal_safe(model.name), to_string(base.type), model.num_joints(), model.links.size() - 1,
+                           model.shapes.size(), model.self_pairs.size());
+  if (base.type != BaseType::kFixed) {
+    std::cout << fmt::format("base: at most {:.4g} m/s, {:.4g} rad/s; {:.4g} m/s^2, {:.4g} rad/s^2", base.max_linear,
+                             base.max_angular, base.max_acceleration.x(), base.max_acceleration.y());
+    if (base.wheels) {
+      std::cout << fmt::format("; wheels: radius {:.4g} m, separation {:.4g} m, at most {:.4g} rad/s",
+                               base.wheels->radius, base.wheels->separation, base.wheels->max_speed);
+    }
+    std::cout << '\n';
+  }
+  std::cout << fmt::format("mount: {}; end effector: {} + {}\n\n", vector_text(base.X_BM.translation()),
+                           terminal_safe(model.links[static_cast<std::size_t>(model.tip)].name),
+                           vector_text(model.X_TE.translation()));
+}
+
+QueryResult joint_table(const RobotModel& model) {
+  QueryResult table{{"joint", "type", "lower", "upper", "velocity", "effort", "ready", "moves"}, {}};
+  for (int i = 0; i < model.num_joints(); ++i) {
+    const ControlledJoint& joint = model.joints[static_cast<std::size_t>(i)];
+    table.rows.push_back({joint.name, std::string(to_string(joint.type)), limit(joint.lower), limit(joint.upper),
+                          joint.velocity, joint.effort, model.ready[i],
+                          model.links[static_cast<std::size_t>(joint.link)].name});
+  }
+  return table;
+}
+
+QueryResult link_table(const RobotModel& model) {
+  QueryResult table{{"link", "parent", "joint", "type", "mass kg", "held at", "shapes"}, {}};
+  for (std::size_t i = 0; i < model.links.size(); ++i) {
+    const Link& link = model.links[i];
+    std::string shapes;
+    for (const CollisionShape& shape : model.shapes) {
+      if (shape.link == static_cast<int>(i)) shapes += (shapes.empty() ? "" : "; ") + shape_text(shape.shape);
+    }
+    const bool held = link.controlled < 0 && link.joint_type != JointType::kFixed;
+    table.rows.push_back({link.name,
+                          link.parent < 0 ? std::string() : model.links[static_cast<std::size_t>(link.parent)].name,
+                          link.joint, link.parent < 0 ? std::string() : std::string(to_string(link.joint_type)),
+                          link.inertial ? Cell{link.inertial->mass} : Cell{}, held ? Cell{link.held} : Cell{}, shapes});
+  }
+  return table;
+}
+
+double total_mass(const RobotModel& model) {
+  double mass = model.base.mass;
+  for (const Link& link : model.links) mass += link.inertial ? link.inertial->mass : 0.0;
+  return mass;
+}
+
+ordered_json to_json(const config::LoadedRobot& robot) {
+  const RobotModel& model = *robot.model;
+  ordered_json json = {{"name", model.name},
+                       {"base", std::string(to_string(model.base.type))},
+                       {"velocities", model.velocity_names()},
+                       {"tip", model.links[static_cast<std::size_t>(model.tip)].name},
+                       {"mass", total_mass(model)}};
+  for (int i = 0; i < model.num_joints(); ++i) {
+    const ControlledJoint& joint = model.joints[static_cast<std::size_t>(i)];
+    json["joints"].push_back({{"name", joint.name},
+                              {"type", std::string(to_string(joint.type))},
+                              {"lower", number_or_null(joint.lower)},
+                              {"upper", number_or_null(joint.upper)},
+                              {"velocity", joint.velocity},
+                              {"effort", joint.effort},
+                              {"ready", model.ready[i]},
+                              {"link", model.links[static_cast<std::size_t>(joint.link)].name}});
+  }
+  for (const Link& link : model.links) {
+    json["links"].push_back(
+        {{"name", link.name},
+         {"parent", link.parent < 0 ? ordered_json() : ordered_json(model.links[static_cast<std::size_t>(link.parent)].name)},
+         {"joint", link.joint},
+         {"type", std::string(to_string(link.joint_type))},
+         {"mass", link.inertial ? ordered_json(link.inertial->mass) : ordered_json()}});
+  }
+  json["shapes"] = ordered_json::array();
+  for (const CollisionShape& shape : model.shapes) {
+    json["shapes"].push_back({{"name", shape.name},
+                              {"link", model.links[static_cast<std::size_t>(shape.link)].name},
+                              {"shape", std::string(to_string(shape.shape.kind))},
+                              {"size", {shape.shape.size.x(), shape.shape.size.y(), shape.shape.size.z()}}});
+  }
+  json["self_pairs"] = ordered_json::array();
+  for (const SelfPair& pair : model.self_pairs) {
+    json["self_pairs"].push_back({model.shapes[static_cast<std::size_t>(pair.first)].name,
+                                  model.shapes[static_cast<std::size_t>(pair.second)].name});
+  }
+  json["warnings"] = robot.warnings;
+  json["resolved"] = robot.resolved;
+  return json;
+}
+
+}  // namespace
+
+void add_robot(CLI::App& app, Action& action) {
+  struct Options {
+    std::string file;
+    bool json = false;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("robot", "Read a robot file: joints, limits, links, collision shapes, warnings");
+  command->add_option("ROBOT", options->file, "Robot file (YAML)")->required();
+  command->add_flag("--json", options->json, "As JSON, with the resolved robot");
+  command->footer("Example: moma robot configs/robots/frankie.yaml");
+  command->callback([&action, options] {
+    action = [options] {
+      const config::LoadedRobot robot = config::load_robot(options->file);
+      if (options->json) {
+        std::cout << to_json(robot).dump(2) << '\n';
+        return static_cast<int>(kOk);
+      }
+      print_base(*robot.model);
+      write(std::cout, joint_table(*robot.model), Format::kTable);
+      std::cout << '\n';
+      write(std::cout, link_table(*robot.model), Format::kTable);
+      std::cout << fmt::format("\ntotal mass {:.4g} kg\n", total_mass(*robot.model)) << std::flush;
+      print_warnings(robot.warnings);
+      return static_cast<int>(kOk);
+    };
+  });
+}
+
+}  // namespace moma::cli

@@ -1,0 +1,91 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iostream>
+#include <memory>
+
+#include "eval/cli/command.h"
+#include "eval/cli/suite_options.h"
+#include "eval/cli/table.h"
+#include "eval/cli/text.h"
+#include "world/scenario/worlds.h"
+
+namespace moma::cli {
+namespace {
+
+using store::Cell;
+
+Cell number(double value) { return std::isnan(value) ? Cell{} : Cell{value}; }
+
+std::string motion_text(const Motion& motion) {
+  struct Visitor {
+    std::string operator()(const StaticMotion&) const { return "at rest"; }
+    std::string operator()(const LinearMotion& m) const {
+      return fmt::format("linear, {} m/s", vector_text(m.V_W.tail<3>()));
+    }
+    std::string operator()(const PathMotion& m) const { return fmt::format("path of {} poses", m.times.size()); }
+    std::string operator()(const CircleMotion& m) const { return fmt::format("circle, {:.4g} rad/s", m.rate); }
+    std::string operator()(const SplineMotion& m) const { return fmt::format("spline of {} points", m.times.size()); }
+  };
+  return std::visit(Visitor{}, motion);
+}
+
+void print(const World& world) {
+  std::cout << fmt::format("world {} of family {}, seed {}, robot {}\n", world.index, terminal_safe(world.family),
+                           world.seed, terminal_safe(world.robot));
+  std::cout << fmt::format("start    base {} q {}\n", vector_text(world.start.base), vector_text(world.start.q));
+  const Eigen::Quaterniond q(world.goal.X_WG.linear());
+  std::cout << fmt::format("goal     position {} quaternion (w x y z) {}, {}\n",
+                           vector_text(world.goal.X_WG.translation()),
+                           vector_text(Eigen::Vector4d(q.w(), q.x(), q.y(), q.z())), motion_text(world.goal.motion));
+  std::cout << fmt::format("witness  base {} q {}\n\n", vector_text(world.witness.base), vector_text(world.witness.q));
+  const Difficulty& d = world.difficulty;
+  write(std::cout,
+        {{"goal distance m", "objects", "witness clearance m", "blocked fraction", "narrowest gap m"},
+         {{number(d.goal_distance_m), std::int64_t{d.objects}, number(d.witness_clearance_m),
+           number(d.blocked_fraction), number(d.narrowest_gap_m)}}},
+        Format::kTable);
+  if (world.objects.empty()) return;
+  store::QueryResult objects{{"object", "shape (m)", "position", "motion"}, {}};
+  for (const WorldObject& object : world.objects) {
+    objects.rows.push_back({object.name, shape_text(object.shape), vector_text(object.X_WO.translation()),
+                            motion_text(object.motion)});
+  }
+  std::cout << '\n';
+  write(std::cout, objects, Format::kTable);
+}
+
+}  // namespace
+
+void add_world(CLI::App& app, Action& action) {
+  struct Options {
+    SuiteOptions suite;
+    std::uint64_t index = 0;
+    bool json = false;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("world", "Show one generated world of a suite");
+  options->suite.add_to(*command);
+  command->add_option("INDEX", options->index, "Number of the world, from 0")->required();
+  command->add_flag("--json", options->json, "As JSON, the format of frozen worlds");
+  command->footer("Example: moma world configs/suites/demo.yaml 17 --json");
+  command->callback([&action, options] {
+    action = [options] {
+      const Suite suite = options->suite.load();
+      const Point& point = suite.points.front();
+      if (point.worlds.size() >= 0 && options->index >= static_cast<std::uint64_t>(point.worlds.size())) {
+        throw UsageError(fmt::format("world {}: the suite's frozen set has the worlds 0 to {}", options->index,
+                                     point.worlds.size() - 1));
+      }
+      const World world = point.worlds.make(point.robot->model, options->index);
+      if (options->json) {
+        std::cout << to_json(world).dump() << '\n';
+      } else {
+        print(world);
+      }
+      return static_cast<int>(kOk);
+    };
+  });
+}
+
+}  // namespace moma::cli

@@ -1,0 +1,154 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <exception>
+#include <iostream>
+#include <new>
+
+#include "controller/config/node.h"
+#include "eval/cli/command.h"
+#include "eval/cli/table.h"
+#include "eval/store/build_info.h"
+#include "eval/store/error.h"
+#include "eval/store/query.h"
+#include "reports/render/report.h"
+#include "world/scenario/worlds.h"
+
+namespace moma::cli {
+namespace {
+
+using store::StoreError;
+
+std::string version_text() {
+  std::string text = fmt::format("moma {}", store::kVersion);
+  const std::string commit = store::kGitCommit;
+  if (!commit.empty()) text += fmt::format(" ({}{})", commit.substr(0, 12), store::kGitDirty ? ", changed" : "");
+  return text;
+}
+
+void add_commands(CLI::App& app, Action& action, const Arguments& arguments) {
+  add_run(app, action, arguments);
+  add_query(app, action);
+  add_report(app, action);
+  add_replay(app, action);
+  add_verify(app, action);
+  add_compare(app, action);
+  add_merge(app, action);
+  add_export(app, action);
+  add_world(app, action);
+  add_robot(app, action);
+  add_solve(app, action);
+  add_check(app, action);
+  for (CLI::App* command : app.get_subcommands(nullptr)) command->allow_extras();   // reported by us, with a suggestion
+}
+
+std::string suggestion(const std::string& word, const std::vector<std::string>& known) {
+  const std::string near = config::nearest(word, known);
+  return near.empty() ? "" : fmt::format(" (did you mean {}?)", near);
+}
+
+/// CLI11 would only say that a command is missing.
+void check_command(const CLI::App& app, const Arguments& arguments) {
+  if (arguments.size() < 2 || arguments[1].empty() || arguments[1][0] == '-') return;
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
+  if (std::find(names.begin(), names.end(), arguments[1]) != names.end()) return;
+  throw UsageError(fmt::format("unknown command '{}'{}; the commands are {}", terminal_safe(arguments[1]),
+                               suggestion(arguments[1], names), fmt::join(names, ", ")));
+}
+
+void check_extras(const CLI::App& app) {
+  for (const CLI::App* command : app.get_subcommands()) {
+    const std::vector<std::string> extras = command->remaining();
+    if (extras.empty()) continue;
+    const std::string& extra = extras.front();
+    if (extra.size() < 2 || extra[0] != '-') {
+      throw UsageError(fmt::format("{}: one argument too many: '{}'; see moma {} --help", command->get_name(),
+                                   terminal_safe(extra), command->get_name()));
+    }
+    std::vector<std::string> names;
+    for (const CLI::Option* option : command->get_options()) {
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    }
+    const std::string given = extra.substr(0, extra.find('='));
+    throw UsageError(fmt::format("{}: unknown option {}{}; see moma {} --help", command->get_name(),
+                                 terminal_safe(given), suggestion(given, names), command->get_name()));
+  }
+}
+
+int complain(const std::string& message, int code) {
+  // Messages quote files and stores, which may hold anything; their own line ends stay.
+  std::string safe;
+  for (std::size_t begin = 0; begin <= message.size();) {
+    const std::size_t end = std::min(message.find('\n', begin), message.size());
+    safe += terminal_safe(std::string_view(message).substr(begin, end - begin)) + '\n';
+    begin = end + 1;
+  }
+  std::cout.flush();
+  std::cerr << "moma: " << safe << std::flush;
+  return code;
+}
+
+int exit_code(StoreError::Kind kind) {
+  switch (kind) {
+    case StoreError::Kind::kInterrupted: return kStoppedEarly;
+    case StoreError::Kind::kContradiction: return kCheckFailed;
+    case StoreError::Kind::kUnusable:
+    case StoreError::Kind::kNotFound: return kBadInput;
+  }
+  return kInternalError;
+}
+
+int parse_and_run(const Arguments& arguments) {
+  CLI::App app{"Monte Carlo evaluation of reactive QP controllers for mobile manipulators", "moma"};
+  app.footer("Each command has its own help with an example: moma run --help\n"
+             "Exit codes: 0 done, 1 a check failed, 2 bad input, 3 stopped early with its work saved.");
+  app.set_version_flag("--version", version_text());
+  app.require_subcommand(1);
+  app.failure_message(CLI::FailureMessage::simple);
+  Action action;
+  add_commands(app, action, arguments);
+  check_command(app, arguments);
+  try {
+    std::vector<std::string> reversed(arguments.rbegin(), arguments.rend() - 1);
+    app.parse(std::move(reversed));
+  } catch (const CLI::Success& success) {   // --help, --version
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    const auto chosen = app.get_subcommands();
+    const std::string name = chosen.empty() ? "" : chosen.front()->get_name() + ": ";
+    const std::string help = chosen.empty() ? "moma --help" : "moma " + chosen.front()->get_name() + " --help";
+    throw UsageError(fmt::format("{}{}; see {}", name, error.what(), help));
+  }
+  check_extras(app);
+  const int code = action();
+  std::cout.flush();
+  if (!std::cout) return complain("the output could not be written (is the disk full?)", kBadInput);
+  return code;
+}
+
+}  // namespace
+
+int run_program(const Arguments& arguments) {
+  try {
+    return parse_and_run(arguments);
+  } catch (const StoreError& error) {
+    return complain(error.what(), exit_code(error.kind()));
+  } catch (const UsageError& error) {
+    return complain(error.what(), kBadInput);
+  } catch (const config::ConfigError& error) {
+    return complain(error.what(), kBadInput);
+  } catch (const store::QueryError& error) {
+    return complain(error.what(), kBadInput);
+  } catch (const GenerationError& error) {
+    return complain(error.what(), kBadInput);
+  } catch (const ReportError& error) {
+    return complain(error.what(), kBadInput);
+  } catch (const std::bad_alloc&) {
+    return complain("out of memory", kBadInput);
+  } catch (const std::exception& error) {
+    return complain(fmt::format("internal error: {}", error.what()), kInternalError);
+  }
+}
+
+}  // namespace moma::cli

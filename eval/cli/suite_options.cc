@@ -1,0 +1,57 @@
+#include "eval/cli/suite_options.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <fstream>
+#include <iostream>
+
+#include "eval/cli/command.h"
+#include "eval/cli/table.h"
+
+namespace moma::cli {
+
+void SuiteOptions::add_to(CLI::App& command) {
+  command.add_option("SUITE", file, "Suite file (YAML)")->required();
+  command.add_option("--set", set, "KEY=VALUE: any key of the suite, e.g. simulation.mode=kinematic; repeatable")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
+  command.add_option("--trials", trials, "Number of worlds; the same as --set trials=N");
+  command.add_option("--seed", seed, "Seed of the worlds; the same as --set worlds.seed=N");
+}
+
+Overrides SuiteOptions::overrides() const {
+  Overrides all;
+  for (const std::string& text : set) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw UsageError(fmt::format("--set {}: needs KEY=VALUE, for instance --set simulation.mode=kinematic", text));
+    }
+    all.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+  }
+  if (!trials.empty()) all.emplace_back("trials", trials);
+  if (!seed.empty()) all.emplace_back("worlds.seed", seed);
+  return all;
+}
+
+Suite SuiteOptions::load() const {
+  if (is_database(file)) {
+    throw UsageError(fmt::format("{}: is a store, not a suite file; 'moma run {} --rerun NAME' runs a suite that is in it",
+                                 file, file));
+  }
+  return load_suite(file, overrides());
+}
+
+void print_warnings(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) std::cerr << "warning: " << terminal_safe(warning) << '\n';
+}
+
+bool is_database(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  char head[16] = {};
+  stream.read(head, sizeof head);
+  return stream.gcount() == sizeof head && std::memcmp(head, "SQLite format 3", sizeof head) == 0;
+}
+
+}  // namespace moma::cli

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "eval/suite/suite.h"
+
+namespace moma::cli {
+
+/// Options that every command with a suite has.
+struct SuiteOptions {
+  std::string file;
+  std::vector<std::string> set;   ///< KEY=VALUE
+  std::string trials;             ///< as text: checked like the file
+  std::string seed;
+
+  /// Adds SUITE, --set, --trials, --seed.
+  void add_to(CLI::App& command);
+  Overrides overrides() const;
+  /// Throws UsageError, config::ConfigError.
+  Suite load() const;
+};
+
+/// Prints each warning to stderr.
+void print_warnings(const std::vector<std::string>& warnings);
+
+/// True where the file begins like an SQLite database.
+bool is_database(const std::string& file);
+
+}  // namespace moma::cli

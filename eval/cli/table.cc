@@ -1,0 +1,211 @@
+#include "eval/cli/table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+namespace moma::cli {
+namespace {
+
+using store::Cell;
+using store::QueryResult;
+
+/// Length of the valid UTF-8 sequence at `text`'s start, 0 where there is none; the code point goes to `code`.
+std::size_t decode(std::string_view text, char32_t& code) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char first = byte(0);
+  const std::size_t length = first < 0x80 ? 1 : first >= 0xc2 && first < 0xe0 ? 2
+                             : first >= 0xe0 && first < 0xf0 ? 3 : first >= 0xf0 && first < 0xf5 ? 4 : 0;
+  if (length == 0 || length > text.size()) return 0;
+  code = length == 1 ? first : first & (0xffU >> (length + 1));
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xc0) != 0x80) return 0;
+    code = (code << 6) | (byte(i) & 0x3f);
+  }
+  constexpr char32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
+  const bool valid = code >= kLeast[length] && code <= 0x10ffff && !(code >= 0xd800 && code < 0xe000);
+  return valid ? length : 0;
+}
+
+bool acts_on_terminal(char32_t code) {
+  return code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0x061c || (code >= 0x200b && code <= 0x200f) ||
+         (code >= 0x2028 && code <= 0x202e) || (code >= 0x2060 && code <= 0x206f) || code == 0xfeff;
+}
+
+std::string plain_number(double value) {
+  if (std::isnan(value)) return "";
+  return fmt::format("{:.6g}", value);
+}
+
+std::string display(const Cell& cell) {
+  struct Visitor {
+    std::string operator()(std::monostate) const { return ""; }
+    std::string operator()(std::int64_t value) const { return std::to_string(value); }
+    std::string operator()(double value) const { return plain_number(value); }
+    std::string operator()(const std::string& value) const { return terminal_safe(value); }
+  };
+  return std::visit(Visitor{}, cell);
+}
+
+bool is_number(const Cell& cell) {
+  return std::holds_alternative<std::int64_t>(cell) || std::holds_alternative<double>(cell);
+}
+
+struct Grid {
+  std::vector<std::string> head;
+  std::vector<std::vector<std::string>> rows;
+  std::vector<std::size_t> width;
+  std::vector<bool> right;   ///< numbers stand to the right
+};
+
+Grid make_grid(const QueryResult& result) {
+  Grid grid;
+  for (const std::string& column : result.columns) grid.head.push_back(terminal_safe(column));
+  const std::size_t columns = result.columns.size();
+  grid.right.assign(columns, false);
+  for (std::size_t c = 0; c < columns; ++c) grid.width.push_back(display_width(grid.head[c]));
+  for (const std::vector<Cell>& row : result.rows) {
+    std::vector<std::string>& texts = grid.rows.emplace_back();
+    for (std::size_t c = 0; c < columns; ++c) {
+      texts.push_back(display(row[c]));
+      grid.width[c] = std::max(grid.width[c], display_width(texts.back()));
+      if (is_number(row[c])) grid.right[c] = true;
+    }
+  }
+  return grid;
+}
+
+std::string padded(const std::string& text, std::size_t width, bool right) {
+  const std::string space(width - std::min(width, display_width(text)), ' ');
+  return right ? space + text : text + space;
+}
+
+void write_table(std::ostream& out, const QueryResult& result) {
+  const Grid grid = make_grid(result);
+  const auto line = [&](const std::vector<std::string>& texts) {
+    std::string text;
+    for (std::size_t c = 0; c < texts.size(); ++c) {
+      if (c > 0) text += "  ";
+      text += padded(texts[c], grid.width[c], grid.right[c]);
+    }
+    text.erase(text.find_last_not_of(' ') + 1);
+    out << text << '\n';
+  };
+  line(grid.head);
+  std::vector<std::string> rule;
+  for (const std::size_t width : grid.width) rule.emplace_back(width, '-');
+  line(rule);
+  for (const auto& row : grid.rows) line(row);
+  if (grid.rows.empty()) out << "(no rows)\n";
+}
+
+void write_markdown(std::ostream& out, const QueryResult& result) {
+  const Grid grid = make_grid(result);
+  const auto line = [&](const std::vector<std::string>& texts) {
+    out << '|';
+    for (std::size_t c = 0; c < texts.size(); ++c) {
+      std::string cell;
+      for (const char ch : texts[c]) cell += ch == '|' ? std::string("\\|") : std::string(1, ch);
+      out << ' ' << padded(cell, grid.width[c], grid.right[c]) << " |";
+    }
+    out << '\n';
+  };
+  line(grid.head);
+  out << '|';
+  for (std::size_t c = 0; c < grid.head.size(); ++c) {
+    out << ' ' << std::string(std::max<std::size_t>(grid.width[c], 3) - 1, '-') << (grid.right[c] ? ": |" : "- |");
+  }
+  out << '\n';
+  for (const auto& row : grid.rows) line(row);
+}
+
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  return quoted + '"';
+}
+
+void write_csv(std::ostream& out, const QueryResult& result) {
+  struct Visitor {
+    std::string operator()(std::monostate) const { return ""; }
+    std::string operator()(std::int64_t value) const { return std::to_string(value); }
+    std::string operator()(double value) const { return fmt::format("{}", value); }
+    std::string operator()(const std::string& value) const { return csv_field(value); }
+  };
+  for (std::size_t c = 0; c < result.columns.size(); ++c) out << (c > 0 ? "," : "") << csv_field(result.columns[c]);
+  out << '\n';
+  for (const auto& row : result.rows) {
+    for (std::size_t c = 0; c < row.size(); ++c) out << (c > 0 ? "," : "") << std::visit(Visitor{}, row[c]);
+    out << '\n';
+  }
+}
+
+void write_json(std::ostream& out, const QueryResult& result) {
+  struct Visitor {
+    nlohmann::ordered_json operator()(std::monostate) const { return nullptr; }
+    nlohmann::ordered_json operator()(std::int64_t value) const { return value; }
+    nlohmann::ordered_json operator()(double value) const {
+      if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+      return value;
+    }
+    nlohmann::ordered_json operator()(const std::string& value) const { return value; }
+  };
+  out << '[';
+  for (std::size_t r = 0; r < result.rows.size(); ++r) {
+    nlohmann::ordered_json object = nlohmann::ordered_json::object();
+    for (std::size_t c = 0; c < result.columns.size(); ++c) {
+      object[result.columns[c]] = std::visit(Visitor{}, result.rows[r][c]);
+    }
+    out << (r > 0 ? ",\n " : "\n ")
+        << object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  }
+  out << (result.rows.empty() ? "]\n" : "\n]\n");
+}
+
+}  // namespace
+
+std::string terminal_safe(std::string_view text) {
+  std::string safe;
+  for (std::size_t i = 0; i < text.size();) {
+    char32_t code = 0;
+    const std::size_t length = decode(text.substr(i), code);
+    if (length == 0) {
+      safe += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[i]));
+      ++i;
+      continue;
+    }
+    if (code == '\n' || code == '\t') {
+      safe += code == '\n' ? "\\n" : "\\t";
+    } else if (acts_on_terminal(code)) {
+      safe += code < 0x100 ? fmt::format("\\x{:02x}", static_cast<unsigned>(code))
+                           : fmt::format("\\u{:04x}", static_cast<unsigned>(code));
+    } else {
+      safe += text.substr(i, length);
+    }
+    i += length;
+  }
+  return safe;
+}
+
+std::size_t display_width(std::string_view text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+}
+
+void write(std::ostream& out, const QueryResult& result, Format format) {
+  switch (format) {
+    case Format::kTable: write_table(out, result); break;
+    case Format::kCsv: write_csv(out, result); break;
+    case Format::kJson: write_json(out, result); break;
+    case Format::kMarkdown: write_markdown(out, result); break;
+  }
+}
+
+}  // namespace moma::cli

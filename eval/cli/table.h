@@ -1,0 +1,24 @@
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <string_view>
+
+#include "eval/store/query.h"
+
+namespace moma::cli {
+
+enum class Format { kTable, kCsv, kJson, kMarkdown };
+
+/// Writes a result. Table and Markdown are for a person: numbers with up to six digits, text made safe for a terminal.
+/// CSV (RFC 4180, NULL empty) and JSON (a list of objects) keep every bit of a number.
+void write(std::ostream& out, const store::QueryResult& result, Format format);
+
+/// Control characters, invalid UTF-8 and text direction marks become visible escapes: nothing that was stored can act
+/// on the terminal.
+std::string terminal_safe(std::string_view text);
+
+/// Columns that `text` (valid UTF-8) takes on a terminal, one per code point.
+std::size_t display_width(std::string_view text);
+
+}  // namespace moma::cli

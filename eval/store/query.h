@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace moma::store {
+
+/// NULL, integer, real, text; blobs come as text of hex digits.
+using Cell = std::variant<std::monostate, std::int64_t, double, std::string>;
+
+struct QueryResult {
+  std::vector<std::string> columns;
+  std::vector<std::vector<Cell>> rows;
+};
+
+/// The one statement of SQL that cannot be run: its fault in SQLite's words, with the place.
+class QueryError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Runs one reading statement. The connection is read-only, and ATTACH, VACUUM INTO and PRAGMAs that set something are
+/// refused. Throws StoreError for the file, QueryError for the SQL.
+QueryResult query(const std::filesystem::path& file, const std::string& sql);
+
+/// A query kept under a name, called as @name.
+struct NamedQuery {
+  std::string_view name;
+  std::string_view description;
+  std::string_view sql;       ///< plain columns, for programs
+  std::string_view display;   ///< the same for a person, "" where it is the same
+};
+
+const std::vector<NamedQuery>& named_queries();
+
+}  // namespace moma::store
