@@ -156,7 +156,7 @@ std::string describe_fallback(const CaseStep& step) {
     case Fallback::kNoAcceleration: return "The command is that of the problem without acceleration limits.\n";
     case Fallback::kRelaxed:
       return "The command breaks every collision row by at most " + number(step.controller.outcome().collision_slack) +
-             " m/s, the least that is possible.\n";
+             " m/s, next to the least that is possible.\n";
     case Fallback::kBrake: return "The command brakes: it is the smallest within the bounds.\n";
   }
   return "";

@@ -46,8 +46,8 @@ class FeasibilityCheck {
   QpSolution solution_;
 };
 
-// In the order in which they are tried for deletion.
-std::vector<ConstraintId> list_constraints(const QpProblem& p, int num_velocities) {
+// In the order in which they are tried for deletion. What goes last tends to stay: bounds where `rows_first`.
+std::vector<ConstraintId> list_constraints(const QpProblem& p, int num_velocities, bool rows_first) {
   std::vector<ConstraintId> all;
   const auto add_rows = [&](bool tracking) {
     // The farthest of a kind first: it is the least likely to matter.
@@ -63,15 +63,14 @@ std::vector<ConstraintId> list_constraints(const QpProblem& p, int num_velocitie
   };
   add_rows(true);
   add_bounds(num_velocities, p.n());
+  if (rows_first) add_rows(false);
   add_bounds(0, num_velocities);
-  add_rows(false);
+  if (!rows_first) add_rows(false);
   return all;
 }
 
-}  // namespace
-
-std::vector<ConstraintId> minimal_infeasible_set(const QpProblem& problem, int num_velocities) {
-  const std::vector<ConstraintId> all = list_constraints(problem, num_velocities);
+// What is left after every constraint that is not needed for infeasibility has been dropped, in the order given.
+std::vector<ConstraintId> filter(const QpProblem& problem, const std::vector<ConstraintId>& all) {
   std::vector<bool> kept(all.size(), true);
   FeasibilityCheck check(problem);
   if (check.status(all, kept) != StepStatus::kInfeasible) return {};
@@ -83,6 +82,14 @@ std::vector<ConstraintId> minimal_infeasible_set(const QpProblem& problem, int n
   for (std::size_t i = 0; i < all.size(); ++i)
     if (kept[i]) out.push_back(all[i]);
   return out;
+}
+
+}  // namespace
+
+std::vector<ConstraintId> minimal_infeasible_set(const QpProblem& problem, int num_velocities) {
+  auto rows = filter(problem, list_constraints(problem, num_velocities, false));
+  auto bounds = filter(problem, list_constraints(problem, num_velocities, true));
+  return !bounds.empty() && bounds.size() < rows.size() ? bounds : rows;
 }
 
 }  // namespace moma

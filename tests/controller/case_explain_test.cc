@@ -1,0 +1,133 @@
+// `moma solve --explain`: the cost's terms, the sets of constraints that exclude each other, and the words.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "controller/case/cost_terms.h"
+#include "controller/case/infeasible_set.h"
+#include "controller/case/solve.h"
+#include "controller/qp/solver.h"
+
+namespace moma {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kCases = fs::path(MOMA_SOURCE_DIR) / "tests" / "data" / "qp_cases" / "cases";
+
+std::vector<fs::path> all_cases() {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(kCases)) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+// The problem with only these constraints.
+QpProblem restricted(const QpProblem& p, const std::vector<ConstraintId>& kept) {
+  QpProblem out;
+  out.allocate(p.n(), std::max(p.rows, 1));
+  out.H.setOnes();
+  out.lb.setConstant(-kInfinity);
+  out.ub.setConstant(kInfinity);
+  for (const ConstraintId& id : kept) {
+    if (id.kind == ConstraintId::Kind::kRow)
+      out.A.row(out.append({}, p.lbA[id.index], p.ubA[id.index])) = p.A.row(id.index);
+    if (id.kind == ConstraintId::Kind::kLowerBound) out.lb[id.index] = p.lb[id.index];
+    if (id.kind == ConstraintId::Kind::kUpperBound) out.ub[id.index] = p.ub[id.index];
+  }
+  return out;
+}
+
+// Another solver than the one the search uses, where there is one.
+StepStatus feasibility(const QpProblem& p) {
+  const auto solver = make_solver(available_solvers().back());
+  QpSolution solution;
+  solution.allocate(p.n(), p.capacity());
+  solver->allocate(p.n(), p.capacity());
+  return solver->solve(p, solution);
+}
+
+bool mentions(const std::string& text, const std::string& word) { return text.find(word) != std::string::npos; }
+
+TEST(CaseExplain, TermsAddUpToTheCost) {
+  for (const fs::path& file : all_cases()) {
+    const ControlCase given = read_case(file);
+    const CaseStep step(given);
+    double sum = 0.0;
+    for (const CostTerm& term : cost_terms(step)) sum += term.value;
+    EXPECT_NEAR(sum, step.controller.cost(), 1e-12 * std::max(1.0, std::abs(sum))) << file;
+  }
+}
+
+TEST(CaseExplain, InfeasibleSetsAreInfeasibleAndMinimal) {
+  for (const char* name : {"panda_015.json", "ur5_235.json"}) {
+    const ControlCase given = read_case(kCases / name);
+    const CaseStep step(given);
+    const QpProblem& problem = step.controller.problem();
+    const auto set = minimal_infeasible_set(problem, step.controller.model().num_velocities());
+    ASSERT_FALSE(set.empty()) << name;
+    EXPECT_EQ(feasibility(restricted(problem, set)), StepStatus::kInfeasible) << name;
+    for (std::size_t drop = 0; drop < set.size(); ++drop) {
+      auto rest = set;
+      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(drop));
+      EXPECT_EQ(feasibility(restricted(problem, rest)), StepStatus::kSolved) << name << " without " << drop;
+    }
+  }
+}
+
+TEST(CaseExplain, FeasibleProblemsHaveNoInfeasibleSet) {
+  const ControlCase given = read_case(kCases / "frankie_119.json");
+  const CaseStep step(given);
+  EXPECT_TRUE(minimal_infeasible_set(step.controller.problem(), 9).empty());
+}
+
+TEST(CaseExplain, SaysWhatHoldsTheCommand) {
+  const std::string text = explain(read_case(kCases / "frankie_119.json"));
+  EXPECT_TRUE(mentions(text, "Status: solved")) << text;
+  EXPECT_TRUE(mentions(text, "object/o1/panda_link5/2: distance 0.07008 m, may approach")) << text;
+  EXPECT_TRUE(mentions(text, "panda_joint3 at 0.03343 rad/s: the upper joint limit, 0.006566 away")) << text;
+  EXPECT_TRUE(mentions(text, "slack (not following the goal) dominates")) << text;
+}
+
+TEST(CaseExplain, NamesWhatExcludesWhat) {
+  // The ball comes faster than the first joint can turn away: both are named, nothing else is needed.
+  const std::string text = explain(read_case(kCases / "panda_015.json"));
+  EXPECT_TRUE(mentions(text, "Status: infeasible, fallback: relaxed")) << text;
+  EXPECT_TRUE(mentions(text, "cannot be met together")) << text;
+  EXPECT_TRUE(mentions(text, "object/o1/panda_link2: distance 0.08783 m, must retreat at no less than 0.1674 m/s"))
+      << text;
+  EXPECT_TRUE(mentions(text, "panda_joint1 >= -2.175 rad/s: the speed limit")) << text;
+}
+
+TEST(CaseExplain, AccelerationAndClosedForms) {
+  ControlCase given = read_case(kCases / "panda_001.json");
+  given.controller.acceleration_limit = VectorX::Constant(7, 0.5);
+  EXPECT_TRUE(mentions(explain(given), "the acceleration limit")) << explain(given);
+  given.controller.method = Method::kRrmc;
+  EXPECT_TRUE(mentions(explain(given), "solves no QP")) << explain(given);
+  const auto json = solve(given);
+  EXPECT_TRUE(json["Q"].empty());
+  EXPECT_TRUE(json["kkt_residual"].is_null());
+  EXPECT_EQ(json["qdot"].size(), 7u);
+}
+
+TEST(CaseExplain, EveryCaseIsExplained) {
+  for (const fs::path& file : all_cases()) {
+    const std::string text = explain(read_case(file));
+    EXPECT_FALSE(mentions(text, "nan")) << file << text;
+    EXPECT_TRUE(mentions(text, "dominates")) << file << text;
+  }
+}
+
+TEST(CaseExplain, SolversAreListedDefaultFirst) {
+  const auto solvers = list_solvers();
+  ASSERT_FALSE(solvers.empty());
+  EXPECT_EQ(solvers.front().name, "daqp");
+  EXPECT_TRUE(solvers.front().available);
+}
+
+}  // namespace
+}  // namespace moma
