@@ -2,7 +2,7 @@
 
 import { BarChart, BoxplotChart, CustomChart, HeatmapChart, LineChart, ScatterChart } from 'echarts/charts';
 import {
-  AriaComponent, GridComponent, LegendComponent, MarkLineComponent, TooltipComponent, VisualMapComponent,
+  AriaComponent, GridComponent, LegendComponent, TooltipComponent, VisualMapComponent,
 } from 'echarts/components';
 import * as echarts from 'echarts/core';
 import { CanvasRenderer, SVGRenderer } from 'echarts/renderers';
@@ -14,7 +14,7 @@ import { onView } from './view';
 
 echarts.use([
   BarChart, BoxplotChart, CustomChart, HeatmapChart, LineChart, ScatterChart, AriaComponent, GridComponent,
-  LegendComponent, MarkLineComponent, TooltipComponent, VisualMapComponent, CanvasRenderer, SVGRenderer,
+  LegendComponent, TooltipComponent, VisualMapComponent, CanvasRenderer, SVGRenderer,
 ]);
 
 export type Option = Record<string, unknown>;
@@ -58,6 +58,21 @@ export function base(p: Palette): Option {
   };
 }
 
+/** Height of a legend of these names in a plot so wide, by the width of its letters. */
+export function legendHeight(names: readonly string[], width: number): number {
+  let rows = 1;
+  let x = 0;
+  for (const name of names) {
+    const wide = Math.min(width, 36 + 6.9 * name.length);
+    if (x > 0 && x + wide > width) {
+      rows += 1;
+      x = 0;
+    }
+    x += wide;
+  }
+  return 12 + 22 * rows;
+}
+
 export function legend(p: Palette, names: string[]): Option {
   return {
     data: names, top: 0, left: 0, icon: 'roundRect', itemWidth: 14, itemHeight: 8, itemGap: 16, type: 'plain',
@@ -71,6 +86,20 @@ export function axis(p: Palette, name: string, more: Option = {}): Option {
     axisLabel: { color: p.muted, fontSize: 11 }, axisLine: { show: true, lineStyle: { color: p.rule } },
     axisTick: { show: false }, splitLine: { lineStyle: { color: p.rule, width: 1 } }, ...more,
   };
+}
+
+/** Round limits around [low, high] and the step between about `count` marks. */
+export function nice(low: number, high: number, count = 6): { min: number; max: number; interval: number } {
+  const span = high > low ? high - low : Math.abs(high) || 1;
+  const rough = span / count;
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const interval = ([1, 2, 2.5, 5, 10].find((s) => s * power >= rough) ?? 10) * power;
+  return { min: Math.floor(low / interval + 1e-9) * interval, max: Math.ceil(high / interval - 1e-9) * interval || interval, interval };
+}
+
+/** Labels of a nice() axis, without the digits that rounding adds. */
+export function plain(value: number): string {
+  return String(Number(value.toPrecision(6))).replace('-', '\u2212');
 }
 
 /** A tooltip's content: rows of name and value, as nodes, so that names stay text. */

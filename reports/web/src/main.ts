@@ -34,15 +34,15 @@ function start(app: HTMLElement): void {
     replace(app, masthead(model), h('main', null, section('provenance', 'Provenance', provenance(model))));
     return;
   }
-  const sections: [string, string, Node[]][] = [
+  const sections: [id: string, title: string, content: Node[], link?: string][] = [
     ['results', 'Results', [summary(model), outcomes()]],
-    ['time', 'Time to goal', [arrival()]],
+    ['time', 'Time to goal', [arrival()], 'Time'],
     ['difficulty', 'Difficulty', [difficulty()]],
     ['quality', 'Quality of motion', [
       distribution('manipulability', 'Manipulability', 'How the trials of each controller are spread, failures included. Choose any metric.', 'manip_mean'),
       distribution('metric', 'Any other metric', 'The same for a second metric, to read side by side.', 'command_change_mean'),
-    ]],
-    ['pairs', 'World by world', [paired()]],
+    ], 'Quality'],
+    ['pairs', 'World by world', [paired()], 'Pairs'],
     ['failures', 'Failures', [failures(model)]],
     ['replay', 'Replay', [player(model)]],
     ['timing', 'Timing', [timing()]],
@@ -51,7 +51,7 @@ function start(app: HTMLElement): void {
   ];
   replace(app,
     h('a', { class: 'skip', href: '#results', click: (event) => { event.preventDefault(); document.getElementById('results')?.scrollIntoView(); } }, 'Skip to the results'),
-    masthead(model), toolbar(model, sections.map(([id, title]) => [id, title] as const)),
+    masthead(model), toolbar(model, sections.map(([id, title, , link]) => [id, link ?? title] as const)),
     h('main', null, ...sections.map(([id, title, content]) => section(id, title, ...content))),
     h('footer', { class: 'colophon' }, h('p', null, 'Rates carry 95 % Wilson intervals. Keys: Tab moves between controls; in the table, arrows choose and Enter plays; in the replay, space plays and arrows step. The address keeps the view.')));
 }

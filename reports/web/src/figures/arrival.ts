@@ -1,6 +1,6 @@
 // Empirical distribution of the time to goal over all trials: a trial that fails never arrives.
 
-import { axis, figure, legend, tip } from '../chart';
+import { axis, figure, legend, legendHeight, tip } from '../chart';
 import { fixed, integer, percent, percentRange } from '../format';
 import { wilson } from '../stats';
 import { kDashes, seriesColour, type Palette } from '../theme';
@@ -9,10 +9,10 @@ import { view } from '../view';
 export function arrival(): HTMLElement {
   return figure({
     id: 'arrival',
-    title: 'Time to goal',
+    title: 'Arrived by a given time',
     caption: 'Share of all trials at the goal by a given time. Failures never arrive, so a curve ends at the success rate; the band is its 95 % interval.',
     empty: 'No trial reached its goal.',
-    draw: (p: Palette) => {
+    draw: (p: Palette, width: number) => {
       const { model, series } = view();
       const curves = series.map((s) => ({
         s, n: s.rows.length,
@@ -38,7 +38,7 @@ export function arrival(): HTMLElement {
         })),
         option: {
           legend: legend(p, curves.map((c) => c.s.name)),
-          grid: { left: 8, right: 20, top: 36, bottom: 26, containLabel: true },
+          grid: { left: 8, right: 20, top: legendHeight(curves.map((c) => c.s.name), width), bottom: 26, containLabel: true },
           xAxis: axis(p, 'time [s]', { min: 0, max: Math.ceil(end), nameGap: 26 }),
           yAxis: axis(p, '', { min: 0, max: 1, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` } }),
           tooltip: {

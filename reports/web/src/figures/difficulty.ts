@@ -1,6 +1,6 @@
 // Success rate against what makes a world hard, in bins of about equal size.
 
-import { axis, figure, kFont, legend, tip, whisker } from '../chart';
+import { axis, figure, kFont, legend, legendHeight, tip, whisker } from '../chart';
 import { choice } from '../dom';
 import { integer, percent, percentRange } from '../format';
 import { axisName, metric } from '../metrics';
@@ -30,7 +30,7 @@ export function difficulty(): HTMLElement {
   state.setDefault('f.difficulty', 'goal_distance_m');
   return figure({
     id: 'difficulty',
-    title: 'Success against difficulty',
+    title: 'Success in easy and hard worlds',
     caption: 'Worlds in bins of about equal number; each point is the success rate in its bin, at the mean difficulty, with its 95 % interval.',
     empty: 'Nothing varies here among the worlds shown.',
     controls: (redraw) => {
@@ -39,7 +39,7 @@ export function difficulty(): HTMLElement {
       return [choice('Against', options.map((key) => [key, axisName(metric(key))] as const), state.get('f.difficulty'),
         (value) => { state.set({ 'f.difficulty': value }); redraw(); })];
     },
-    draw: (p: Palette) => {
+    draw: (p: Palette, width: number) => {
       const of = metric(state.get('f.difficulty'));
       const { model, series } = view();
       const t = model.trials;
@@ -67,6 +67,10 @@ export function difficulty(): HTMLElement {
         return { s, cells: cells.filter((cell) => cell.n > 0) };
       }).filter((line) => line.cells.length > 0);
       const sizes = lines.flatMap((line) => line.cells.map((cell) => cell.n));
+      const centres = lines.flatMap((line) => line.cells.map((cell) => cell.x));
+      const span = Math.max(...centres) - Math.min(...centres);
+      // Side by side, since intervals of equal place would hide one another.
+      const beside = (i: number): number => (i - (lines.length - 1) / 2) * span * 0.008;
       const unused = series.reduce((sum, s) => sum + s.rows.length, 0) - all.length;
       return {
         height: 350,
@@ -76,7 +80,7 @@ export function difficulty(): HTMLElement {
         rows: lines.flatMap(({ s, cells }) => cells.map((c) => [s.controller, s.point, c.from, c.to, c.x, c.hits, c.n, c.hits / c.n, c.low, c.high])),
         option: {
           legend: legend(p, lines.map((line) => line.s.name)),
-          grid: { left: 8, right: 20, top: 36, bottom: 28, containLabel: true },
+          grid: { left: 8, right: 20, top: legendHeight(lines.map((line) => line.s.name), width), bottom: 28, containLabel: true },
           xAxis: axis(p, axisName(of), { scale: true, nameGap: 28 }),
           yAxis: axis(p, '', { min: 0, max: 1, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` } }),
           textStyle: { fontFamily: kFont },
@@ -93,15 +97,15 @@ export function difficulty(): HTMLElement {
               ], seriesColour(p, line.s.index));
             },
           },
-          series: lines.flatMap(({ s, cells }) => {
+          series: lines.flatMap(({ s, cells }, i) => {
             const colour = seriesColour(p, s.index);
             return [
               {
-                type: 'custom', silent: true, data: cells.map((c) => [c.x, c.low, c.high]), encode: { x: 0, y: [1, 2] },
+                type: 'custom', silent: true, data: cells.map((c) => [c.x + beside(i), c.low, c.high]), encode: { x: 0, y: [1, 2] },
                 renderItem: whisker(colour, false, 1.6), tooltip: { show: false },
               },
               {
-                name: s.name, type: 'line', data: cells.map((c) => [c.x, c.hits / c.n]), symbol: kSymbols[s.index % kSymbols.length], symbolSize: 9,
+                name: s.name, type: 'line', data: cells.map((c) => [c.x + beside(i), c.hits / c.n]), symbol: kSymbols[s.index % kSymbols.length], symbolSize: 9,
                 lineStyle: { color: colour, width: 1.6, type: kDashes[s.index % kDashes.length] }, itemStyle: { color: colour },
                 emphasis: { disabled: true }, z: 4,
               },

@@ -1,6 +1,6 @@
 // Distribution of any metric: density above, box below, one row per controller and family.
 
-import { axis, figure, tip } from '../chart';
+import { axis, figure, nice, plain, tip } from '../chart';
 import { choice } from '../dom';
 import { integer } from '../format';
 import { axisName, kMetrics, metric, withUnit } from '../metrics';
@@ -60,6 +60,7 @@ export function distribution(id: string, title: string, caption: string, first: 
       const high = far > low + 3 * (near - low) && near > low ? low + 1.6 * (near - low) : far;
       const beyond = all.reduce((sum, r) => sum + r.values.filter((v) => v > high).length, 0);
       const narrow = width < 560;
+      const range = nice(low, high, narrow ? 4 : 8);
       return {
         height: 70 + all.length * (all.length > 10 ? 38 : 58),
         note: `n = ${all.map((r) => integer(r.spread.n)).join(', ')} (from the top). Box: quartiles and median; whiskers: 5th to 95th percentile; curve: density.`
@@ -68,8 +69,7 @@ export function distribution(id: string, title: string, caption: string, first: 
         rows: all.flatMap((r) => r.values.map((v) => [r.family, r.series.controller, r.series.point, v])),
         option: {
           grid: { left: 4, right: 24, top: 8, bottom: 28, containLabel: true },
-          xAxis: axis(p, axisName(of), { min: low, max: high > low ? high : low + Math.max(1e-9, Math.abs(low)), nameGap: 28, scale: true,
-            axisLabel: { color: p.muted, fontSize: 11, hideOverlap: true, formatter: (v: number) => of.write(v) } }),
+          xAxis: axis(p, axisName(of), { ...range, nameGap: 28, axisLabel: { color: p.muted, fontSize: 11, hideOverlap: true, formatter: plain } }),
           yAxis: {
             type: 'category', inverse: true, data: all.map((_, i) => String(i)), axisLine: { show: false }, axisTick: { show: false },
             splitLine: { show: false },

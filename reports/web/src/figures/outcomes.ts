@@ -1,6 +1,6 @@
 // How trials ended: one bar per controller, within each family.
 
-import { axis, figure, legend, tip } from '../chart';
+import { axis, figure, legend, legendHeight, tip } from '../chart';
 import { kOutcomeNames, kOutcomes, type Outcome, type Series } from '../data';
 import { integer, percent, plural } from '../format';
 import type { Palette } from '../theme';
@@ -44,9 +44,10 @@ export function outcomes(): HTMLElement {
       if (all.length === 0) return null;
       const present = kOutcomes.filter((o) => all.some((bar) => bar.counts.has(o)));
       const narrow = width < 560;
+      const top = legendHeight(present.map((o) => kOutcomeNames[o]), width);
       const label = (bar: Bar): string => (view().families.length > 1 ? `${bar.series.name}  {f|${bar.family}}` : bar.series.name);
       return {
-        height: 64 + all.length * (all.length > 12 ? 26 : 38) + (narrow ? 22 : 0),
+        height: 30 + top + all.length * (all.length > 12 ? 26 : 38),
         note: `n = ${[...new Set(all.map((bar) => bar.n))].map(integer).join(', ')} trials a bar; counts of five and more are written in.`,
         columns: ['family', 'controller', 'point', 'outcome', 'trials', 'share', 'n'],
         rows: all.flatMap((bar) => present.map((o) => [
@@ -54,7 +55,7 @@ export function outcomes(): HTMLElement {
         ])),
         option: {
           legend: legend(p, present.map((o) => kOutcomeNames[o])),
-          grid: { left: 4, right: 20, top: narrow ? 56 : 36, bottom: 4, containLabel: true },
+          grid: { left: 4, right: 20, top, bottom: 4, containLabel: true },
           xAxis: axis(p, '', { min: 0, max: 1, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` }, splitLine: { show: false } }),
           yAxis: {
             type: 'category', inverse: true, data: all.map((_, i) => String(i)), axisLine: { show: false }, axisTick: { show: false },

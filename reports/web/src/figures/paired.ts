@@ -1,6 +1,6 @@
 // Two controllers on the same worlds: one dot per world, A along x, B along y.
 
-import { axis, figure, tip } from '../chart';
+import { axis, figure, legendHeight, nice, plain, tip } from '../chart';
 import { pairs, pairsText } from '../compare';
 import { kOutcomeNames } from '../data';
 import { choice } from '../dom';
@@ -24,8 +24,8 @@ export function paired(): HTMLElement {
   state.setDefault('f.paired', 'time_to_goal_s');
   return figure({
     id: 'paired',
-    title: 'World by world',
-    caption: 'Each dot is one world that both controllers met. Where only one has a value, its dot lies on the margin of the other. A click plays the trial.',
+    title: 'Two controllers on the same worlds',
+    caption: 'Each dot is one world that both controllers met. Where only one has a value, its dot lies in the margin named none. A click plays the trial.',
     empty: 'Two controllers that met the same worlds are needed.',
     controls: (redraw) => {
       const { all, model, series } = view();
@@ -39,7 +39,7 @@ export function paired(): HTMLElement {
         ...(all.length > 2 ? [choice('Along x', names, String(a), pick('f.a')), choice('Along y', names, String(b), pick('f.b'))] : []),
       ];
     },
-    draw: (p: Palette) => {
+    draw: (p: Palette, width: number) => {
       const { model, all } = view();
       const [ia, ib] = chosen();
       const a = all[ia];
@@ -53,10 +53,10 @@ export function paired(): HTMLElement {
       if (finite.length === 0) return null;
       const least = Math.min(...finite);
       const most = Math.max(...finite);
-      const room = (most - least || Math.abs(most) || 1) * 0.06;
-      const low = least - 2.4 * room;
-      const high = most + room;
-      const margin = least - 1.4 * room;
+      const range = nice(least, most);
+      // One step below the axis is for worlds in which a controller has no value.
+      const margin = range.min - 0.55 * range.interval;
+      const limits = { min: range.min - range.interval, max: range.max, interval: range.interval };
       const dots = result.worlds.filter((w) => Number.isFinite(w.x) || Number.isFinite(w.y)).map((w) => ({
         value: [Number.isFinite(w.x) ? w.x : margin, Number.isFinite(w.y) ? w.y : margin],
         w, one: !(Number.isFinite(w.x) && Number.isFinite(w.y)),
@@ -73,7 +73,7 @@ export function paired(): HTMLElement {
         ['neither', (w) => !t.success(w.a) && !t.success(w.b), 'rect'],
       ];
       const used = groups.map(([name, belongs, symbol]) => ({ name, symbol, data: dots.filter((d) => belongs(d.w)) })).filter((g) => g.data.length > 0);
-      const label = { color: p.muted, fontSize: 11, formatter: (v: number) => (v < least - 0.5 * room ? '' : of.write(v)) };
+      const label = { color: p.muted, fontSize: 11, formatter: (v: number) => (v < range.min - 0.5 * range.interval ? 'none' : plain(v)) };
       return {
         height: 440,
         note: pairsText(result, a.name, b.name, of),
@@ -81,9 +81,9 @@ export function paired(): HTMLElement {
         rows: result.worlds.map((w) => [t.text('family', w.a), w.world, w.x, w.y, t.outcome(w.a), t.outcome(w.b), t.text('trial', w.a), t.text('trial', w.b)]),
         option: {
           legend: { data: used.map((g) => g.name), top: 0, left: 0, itemWidth: 10, itemHeight: 10, itemGap: 16, selectedMode: false, textStyle: { color: p.muted, fontSize: 12 } },
-          grid: { left: 24, right: 20, top: 36, bottom: 30, containLabel: true },
-          xAxis: axis(p, `${a.name}: ${axisName(of)}`, { min: low, max: high, nameGap: 30, axisLabel: label }),
-          yAxis: axis(p, `${b.name}: ${axisName(of)}`, { min: low, max: high, nameGap: 44, axisLabel: label }),
+          grid: { left: 24, right: 20, top: legendHeight(used.map((g) => g.name), width), bottom: 30, containLabel: true },
+          xAxis: axis(p, `${a.name}: ${axisName(of)}`, { ...limits, nameGap: 30, axisLabel: label }),
+          yAxis: axis(p, `${b.name}: ${axisName(of)}`, { ...limits, nameGap: 44, axisLabel: label }),
           tooltip: {
             trigger: 'item',
             formatter: ({ data }: { data: (typeof dots)[number] }) => tip(`${t.text('family', data.w.a)} world ${integer(data.w.world)}`, [
@@ -93,7 +93,7 @@ export function paired(): HTMLElement {
           },
           series: [
             {
-              type: 'line', data: [[least, least], [most, most]], showSymbol: false, silent: true, tooltip: { show: false },
+              type: 'line', data: [[range.min, range.min], [range.max, range.max]], showSymbol: false, silent: true, tooltip: { show: false },
               lineStyle: { color: p.faint, width: 1, type: [4, 4] }, z: 1,
             },
             ...used.map((g) => ({

@@ -1,6 +1,6 @@
 // How long control steps took, against the control period.
 
-import { axis, figure, legend, tip } from '../chart';
+import { axis, figure, legend, legendHeight, tip } from '../chart';
 import { integer, percent, plural, significant } from '../format';
 import { quantile } from '../stats';
 import { kDashes, seriesColour, type Palette } from '../theme';
@@ -12,9 +12,9 @@ export function timing(): HTMLElement {
   return figure({
     id: 'timing',
     title: 'Time of a control step',
-    caption: 'Share of trials whose median, 99th percentile and longest control step took at most so long; the line marks the control period, which is the deadline.',
+    caption: 'Share of trials whose median (thin), 99th percentile (bold) and longest control step (dotted) took at most so long. The upright line is the control period: the deadline.',
     empty: 'The store holds no timings of these trials.',
-    draw: (p: Palette) => {
+    draw: (p: Palette, width: number) => {
       const { model, series } = view();
       const t = model.trials;
       const curves = series.flatMap((s) => kKinds.map(([key, name, opacity], kind) => ({
@@ -34,7 +34,7 @@ export function timing(): HTMLElement {
         rows: curves.flatMap((c) => c.values.map((v, i) => [c.s.controller, c.s.point, c.key, v, (i + 1) / c.values.length])),
         option: {
           legend: legend(p, series.map((s) => s.name)),
-          grid: { left: 8, right: 26, top: 46, bottom: 28, containLabel: true },
+          grid: { left: 8, right: 26, top: legendHeight(series.map((s) => s.name), width) + 10, bottom: 28, containLabel: true },
           xAxis: axis(p, 'time of a control step [\u00b5s]', {
             type: 'log', min: 10 ** Math.floor(Math.log10(least)), max: 10 ** Math.ceil(Math.log10(most * 1.01)), nameGap: 28,
             axisLabel: { color: p.muted, formatter: (v: number) => (v >= 1000 ? `${integer(v)}` : significant(v, 1)) },
@@ -53,17 +53,16 @@ export function timing(): HTMLElement {
               ], seriesColour(p, c.s.index));
             },
           },
-          series: curves.map((c, i) => ({
+          series: curves.map((c) => ({
             name: c.s.name, type: 'line', step: 'end', triggerLineEvent: true, symbolSize: 3, showSymbol: false,
             data: c.values.map((v, k) => [v, (k + 1) / c.values.length]),
             lineStyle: { color: seriesColour(p, c.s.index), width: c.kind === 1 ? 2 : 1.4, opacity: c.opacity, type: kDashes[[0, 0, 2][c.kind] ?? 0] },
             itemStyle: { color: seriesColour(p, c.s.index) }, emphasis: { disabled: true },
-            endLabel: { show: false },
-            markLine: i === 0 && Number.isFinite(deadline) ? {
-              silent: true, symbol: 'none', lineStyle: { color: p.outcomes.collision, width: 1.2, type: 'solid' },
-              label: { formatter: 'deadline', position: 'end', color: p.outcomes.collision, fontSize: 11 }, data: [{ xAxis: deadline }],
-            } : undefined,
-          })),
+          })).concat(Number.isFinite(deadline) ? [{
+            name: 'deadline', type: 'line', data: [[deadline, 0], [deadline, 1]], showSymbol: false, silent: true, z: 1,
+            lineStyle: { color: p.outcomes.collision, width: 1.3, type: 'solid', opacity: 1 }, itemStyle: { color: p.outcomes.collision },
+            endLabel: { show: true, formatter: 'deadline', color: p.outcomes.collision, fontSize: 11, offset: [-24, -9] },
+          } as never] : []),
         },
       };
     },

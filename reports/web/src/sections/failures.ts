@@ -22,10 +22,31 @@ function kind(object: string): string {
   return object.startsWith('self:') ? `itself (${object.slice(5)})` : object.replace(/[\s_-]*\d+$/, '') || object;
 }
 
-/** Numbers in a reason differ from trial to trial and would make every failure its own cluster. */
+/** Nearer than this, an object is taken for what holds the robot [m]. */
+const kHolds = 0.1;
+
+/**
+ * What held a robot that did not arrive, from the situation that the store's reason describes: "0.4 m and 0.1 rad from
+ * the goal; link4 is 0.02 m from sphere3; joint4 is 0.01 from its limit". Numbers differ from trial to trial and would
+ * make every failure its own cluster.
+ */
 function cause(reason: string): string {
-  const first = reason.split(/[:;(]/)[0]?.trim() ?? '';
-  return first.replace(/-?\d+(\.\d+)?([eE][-+]?\d+)?/g, '\u2026').slice(0, 90);
+  const held: string[] = [];
+  let told = false;
+  for (const part of reason.split(';')) {
+    const near = /^\s*(\S+) is ([-+.\deE]+) m from (.+)$/.exec(part);
+    const limit = /^\s*(\S+) is ([-+.\deE]+) from its limit$/.exec(part);
+    const outside = /^\s*(\S+) at \S+ is outside /.exec(part);
+    if (/ from the goal$/.test(part)) told = true;
+    else if (outside !== null) return `${outside[1]} beyond its limit`;
+    else if (near !== null) {
+      if (Number(near[2]) < kHolds) held.push(`${near[1]} close to ${kind(near[3] ?? '')}`);
+    } else if (limit !== null) held.push(`${limit[1]} at its limit`);
+  }
+  if (held.length > 0) return held.join(', ');
+  if (told) return 'clear of objects and limits';
+  // Digits that belong to a name stay.
+  return reason.replace(/(?<![\w.])-?\d+(\.\d+)?([eE][-+]?\d+)?/g, '\u2026').slice(0, 90);
 }
 
 function clusters(model: Model): Cluster[] {
@@ -73,9 +94,9 @@ export function failures(model: Model): HTMLElement {
       const of_ = view().series.find((s) => s.controller === c.controller && s.point === c.point)?.rows.length ?? 0;
       return h('article', { style: `--c:${p.outcomes[c.outcome]}` },
         h('h4', null, h('span', { class: 'chip' }, kOutcomeNames[c.outcome]), h('span', { class: 'who' }, c.point ? `${c.controller} \u00b7 ${c.point}` : c.controller)),
-        h('p', { class: 'what' }, c.what || 'no reason given'),
+        h('p', { class: 'what' }, c.what || (c.outcome === 'timeout' ? 'the time ran out' : 'no reason given')),
         h('p', { class: 'count' }, h('b', null, integer(c.rows.length)), ` of ${plural(of_, 'trial')}, ${percent(c.rows.length / of_)}`),
-        h('p', { class: 'worst' }, `${playable === undefined ? 'Worst' : 'To play'}: world ${integer(model.trials.number('world', row))}`, Number.isFinite(value) ? `, ${of.name} ${withUnit(of, value)}` : ''),
+        h('p', { class: 'worst' }, `${playable === undefined ? 'Worst' : 'Worst to play'}: world ${integer(model.trials.number('world', row))}`, Number.isFinite(value) ? `, ${of.name} ${withUnit(of, value)}` : ''),
         h('div', { class: 'actions' },
           h('button', { type: 'button', class: playable === undefined ? 'quiet' : 'play', click: () => select(trial, true) }, playable === undefined ? 'Command' : 'Play'),
           h('button', { type: 'button', class: 'quiet', click: () => {

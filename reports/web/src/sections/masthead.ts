@@ -53,12 +53,12 @@ function gauge(row: SummaryRow, colour: string): HTMLElement {
     ...[0, 25, 50, 75, 100].map((v) => h('span', { style: `left:${v}%` }, v === 0 || v === 50 || v === 100 ? `${v}` : '')));
 }
 
-function sentence(row: SummaryRow): string {
+function sentence(name: string, row: SummaryRow): string {
   const reached = Math.round(row.success_rate * row.n);
   const hits = Math.round(row.collision_rate * row.n);
-  const collided = hits === 0 ? 'None collided' : `${integer(hits)} collided`;
+  const collided = hits === 0 ? 'None collided' : `${integer(hits)}\u00a0collided`;
   const time = row.time_to_goal_median_s === null ? '' : ` Median time to goal ${seconds(row.time_to_goal_median_s)}.`;
-  return `reached the goal in ${integer(reached)} of ${plural(row.n, 'trial')} (95 % interval ${percentRange(row.success_low, row.success_high)}). `
+  return `${name} reached the goal in ${integer(reached)} of ${plural(row.n, 'trial')} (95 % interval ${percentRange(row.success_low, row.success_high)}). `
     + `${collided} (${percent(row.collision_rate)}, ${percentRange(row.collision_low, row.collision_high)}).${time}`;
 }
 
@@ -75,7 +75,7 @@ function verdicts(model: Model): HTMLElement[] {
       h('h2', null, s.name),
       h('p', { class: 'rate' }, percentNumber(row.success_rate), h('small', null, '\u00a0%')),
       gauge(row, colour),
-      h('p', { class: 'words' }, sentence(row)));
+      h('p', { class: 'words' }, sentence(s.name, row)));
   }).concat(all.length > series.length
     ? [h('p', { class: 'aside' }, `${plural(all.length - series.length, 'more point')} of this suite ${all.length - series.length === 1 ? 'is' : 'are'} in the table below.`)]
     : []);

@@ -12,7 +12,7 @@ import { onView, view } from '../view';
 const kRowHeight = 34;
 const kText: Record<string, string> = { trial: 'Trial', controller: 'Controller', point: 'Point', family: 'Family', outcome: 'Outcome', contact: 'Contact or reason' };
 const kNumbers = ['world', 'time_to_goal_s', 'position_error_m', 'orientation_error_rad', 'manip_mean', 'clearance_min_m', 'command_change_mean', 't_step_p99_us'];
-const kWidths: Record<string, number> = { trial: 152, controller: 118, point: 190, family: 88, world: 68, outcome: 112, contact: 230 };
+const kWidths: Record<string, number> = { trial: 158, controller: 118, point: 190, family: 88, world: 68, outcome: 112, contact: 230 };
 
 function heading(key: string): string {
   const short: Record<string, string> = {
@@ -132,7 +132,8 @@ export function trials(model: Model): HTMLElement {
   const refresh = (): void => {
     rows = filtered(model);
     shownColumns = columns(model);
-    scroller.style.setProperty('--columns', shownColumns.map((key) => `minmax(${kWidths[key] ?? 104}px, ${key === 'contact' ? '2fr' : '1fr'})`).join(' '));
+    scroller.style.setProperty('--columns', shownColumns.map((key) => `minmax(${kWidths[key] ?? 96}px, ${key === 'contact' ? '2fr' : '1fr'})`).join(' '));
+    scroller.style.setProperty('--total', `${shownColumns.reduce((sum, key) => sum + (kWidths[key] ?? 96) + 14, 16)}px`);
     rowsBox.style.height = `${rows.length * kRowHeight}px`;
     const all = view().series.reduce((sum, s) => sum + s.rows.length, 0);
     count.textContent = rows.length === all ? `${plural(all, 'trial')}.` : `${integer(rows.length)} of ${plural(all, 'trial')}.`;
