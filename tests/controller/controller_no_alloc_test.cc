@@ -1,0 +1,110 @@
+// A step takes no memory: not while rows come and go, not in any stage of the fallback, not on bad input.
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "controller/controller.h"
+#include "tests/controller/qp_robots.h"
+#include "tests/support/no_alloc.h"
+
+namespace moma {
+namespace {
+
+using namespace test;
+
+TEST(NoAlloc, CountsMallocNewAndEigen) {
+  if (!NoAlloc::works()) GTEST_SKIP() << "a sanitizer owns malloc";
+  NoAlloc guard;
+  EXPECT_EQ(guard.count(), 0);
+  void* volatile memory = std::malloc(10);
+  EXPECT_EQ(guard.count(), 1);
+  std::free(memory);
+  VectorX v(100);
+  v.setZero();
+  EXPECT_EQ(guard.count(), 2);
+  const auto number = std::make_unique<double>(v.sum());
+  EXPECT_EQ(guard.count(), 3) << *number;
+}
+
+void run(std::shared_ptr<const RobotModel> model, const ControllerParams& params, std::uint64_t seed,
+         StepCounters& seen) {
+  Rng rng(seed);
+  std::vector<ObjectShape> shapes;
+  for (int i = 0; i < 30; ++i) shapes.push_back(random_object(rng, "o" + std::to_string(i)));
+  Controller controller(model, params, 0.02);
+  controller.reset(shapes);
+  controller.enable_timing(true);
+  StepResult result;
+  controller.prepare(result);
+  std::vector<Observation> observations;
+  for (int i = 0; i < 200; ++i) {
+    // From far to among the objects, so that the number of rows changes from step to step.
+    observations.push_back(random_observation(*model, shapes.size(), rng, i % 4 == 0 ? 5.0 : 0.8));
+    if (i % 50 == 49) observations.back().q[0] = NAN;
+    if (i % 50 == 48) observations.back().objects.pop_back();
+  }
+  NoAlloc guard;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    controller.step(observations[i], result);
+    ASSERT_EQ(guard.count(), 0) << "step " << i << " of " << model->name << ", " << to_string(result.status) << ", "
+                                << to_string(result.fallback);
+  }
+  const StepCounters& c = controller.counters();
+  seen.solved += c.solved;
+  seen.no_acceleration += c.no_acceleration;
+  seen.relaxed += c.relaxed;
+  seen.brake += c.brake;
+  seen.invalid_input += c.invalid_input;
+}
+
+TEST(NoAlloc, StepsOfTheQpInEveryStage) {
+  if (!NoAlloc::works()) GTEST_SKIP() << "a sanitizer owns malloc";
+  StepCounters seen;
+  for (const auto& model : all_robots()) {
+    for (const SolverKind solver : available_solvers()) {
+      if (solver == SolverKind::kQpoases) continue;  // the reference, not for a control loop
+      ControllerParams p;
+      p.solver = solver;
+      run(model, p, 11, seen);
+      p.acceleration_limit = VectorX::Constant(model->num_velocities(), 1.0);
+      p.collision.object.stop = 0.02;
+      run(model, p, 12, seen);
+      p.slack.enabled = false;
+      run(model, p, 13, seen);
+    }
+  }
+  EXPECT_GT(seen.solved, 100);
+  EXPECT_GT(seen.no_acceleration, 5);
+  EXPECT_GT(seen.relaxed, 5);
+  EXPECT_GT(seen.brake, 5);
+  EXPECT_GT(seen.invalid_input, 5);
+}
+
+TEST(NoAlloc, StepsWithAFreeSlackAndScaledOutput) {
+  if (!NoAlloc::works()) GTEST_SKIP() << "a sanitizer owns malloc";
+  StepCounters seen;
+  ControllerParams p;
+  p.slack.weight = {false, 0.0};
+  p.output_scaling.enabled = true;
+  p.posture.weight = 0.1;
+  p.acceleration_weight = VectorX::Constant(9, 0.1);
+  run(frankie(), p, 14, seen);
+  EXPECT_GT(seen.solved, 20);
+}
+
+TEST(NoAlloc, StepsOfTheClosedForms) {
+  if (!NoAlloc::works()) GTEST_SKIP() << "a sanitizer owns malloc";
+  StepCounters seen;
+  for (const auto& model : all_robots()) {
+    for (const Method method : {Method::kRrmc, Method::kPark, Method::kBaur}) {
+      ControllerParams p;
+      p.method = method;
+      run(model, p, 15, seen);
+    }
+  }
+  EXPECT_GT(seen.solved, 1000);
+}
+
+}  // namespace
+}  // namespace moma
