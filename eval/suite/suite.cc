@@ -128,7 +128,7 @@ void describe(Point& point, const Assignment& assignment) {
 
 MapReader known_keys(const Node& root) {
   MapReader in(root, "");
-  for (const char* key : {"name", "robot", "controllers", "trials", "samples", "sweep"}) in.get(key);
+  for (const char* key : {"name", "robot", "controllers", "trials", "samples", "sweep", "tune"}) in.get(key);
   for (const char* key : kSectionKeys) in.get(key);
   return in;
 }
