@@ -13,7 +13,7 @@ using config::MapReader;
 using config::Node;
 using config::Range;
 
-constexpr double kQuaternionTolerance = 1e-3;   // hand-written quaternions have four digits
+constexpr double kQuaternionTolerance = 1e-3;  // hand-written quaternions have four digits
 
 Vector3 read_vector3(const Node& node, const std::string& key) {
   const std::vector<double> v = config::read_numbers(node, key, 3);
@@ -30,8 +30,9 @@ Eigen::Quaterniond read_quaternion(const Node& node, const std::string& key) {
   const Eigen::Vector4d wxyz(v[0], v[1], v[2], v[3]);
   const double norm = wxyz.stableNorm();
   if (!(std::abs(norm - 1.0) <= kQuaternionTolerance)) {
-    config::fail(node.mark, key, "found length " + std::to_string(norm) +
-                                     ", expected a unit quaternion [w, x, y, z] (length 1 within 0.001)");
+    config::fail(
+        node.mark, key,
+        "found length " + std::to_string(norm) + ", expected a unit quaternion [w, x, y, z] (length 1 within 0.001)");
   }
   return Eigen::Quaterniond(v[0] / norm, v[1] / norm, v[2] / norm, v[3] / norm);
 }
@@ -46,11 +47,9 @@ std::string join(const std::vector<std::string>& names) {
 VectorX read_named(const Node& node, const std::string& key, const std::vector<std::string>& names) {
   const int count = static_cast<int>(names.size());
   if (node.kind != Node::Kind::kSequence || static_cast<int>(node.items.size()) != count) {
-    const std::string found = node.kind == Node::Kind::kSequence
-                                  ? "a list of " + std::to_string(node.items.size())
-                                  : std::string("no list");
-    config::fail(node.mark, key,
-                 "found " + found + ", expected " + std::to_string(count) + " numbers: " + join(names));
+    const std::string found =
+        node.kind == Node::Kind::kSequence ? "a list of " + std::to_string(node.items.size()) : std::string("no list");
+    config::fail(node.mark, key, "found " + found + ", expected " + std::to_string(count) + " numbers: " + join(names));
   }
   const std::vector<double> v = config::read_numbers(node, key, count);
   return Eigen::Map<const VectorX>(v.data(), count);

@@ -15,10 +15,10 @@ namespace moma {
 struct ControlCase {
   config::LoadedRobot robot;
   ControllerParams controller;
-  double control_period = 0.02;         ///< [s]
+  double control_period = 0.02;  ///< [s]
   std::vector<ObjectShape> objects;
-  Observation observation;              ///< time 0; observation.objects in the order of `objects`
-  std::vector<std::string> warnings;    ///< of the robot and the controller, for a person
+  Observation observation;            ///< time 0; observation.objects in the order of `objects`
+  std::vector<std::string> warnings;  ///< of the robot and the controller, for a person
 };
 
 /// Reads a case file, JSON or YAML. Paths in it are relative to the file.

@@ -17,7 +17,7 @@ struct CaseStep {
 
 /// The solution of the stage that gave the command, checked by its optimality conditions.
 struct StageCheck {
-  QpProblem problem;   ///< of that stage: its own bounds; one more variable where relaxed
+  QpProblem problem;  ///< of that stage: its own bounds; one more variable where relaxed
   VectorX x;
   KktReport report;
 };

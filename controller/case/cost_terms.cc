@@ -24,8 +24,8 @@ std::vector<CostTerm> cost_terms(const CaseStep& step) {
     out.push_back({"manipulability", -params.manipulability.weight * controller.J_m().dot(arm)});
   const VectorX& measured = step.given.observation.qdot;
   if (params.acceleration_weight.maxCoeff() > 0.0) {
-    out.push_back({"acceleration",
-                   params.acceleration_weight.dot((0.5 * qdot - measured).cwiseProduct(qdot).matrix())});
+    out.push_back(
+        {"acceleration", params.acceleration_weight.dot((0.5 * qdot - measured).cwiseProduct(qdot).matrix())});
   }
   if (params.posture.weight > 0.0) {
     const VectorX wanted = params.posture.gain * (params.posture.target - step.given.observation.q);

@@ -12,11 +12,11 @@
 namespace moma {
 namespace {
 
-constexpr double kActive = 1e-7;   // a value this near to its limit is held by it [m/s, rad/s]
+constexpr double kActive = 1e-7;  // a value this near to its limit is held by it [m/s, rad/s]
 
 std::string number(double value, const char* format = "%.4g") {
   char buffer[40];
-  std::snprintf(buffer, sizeof buffer, format, value == 0.0 ? 0.0 : value);   // no "-0"
+  std::snprintf(buffer, sizeof buffer, format, value == 0.0 ? 0.0 : value);  // no "-0"
   return buffer;
 }
 
@@ -66,10 +66,12 @@ std::string row_meaning(const CaseStep& step, const QpProblem& problem, int row)
                                               "move along x", "move along y", "move along z"};
       return std::string(kAxis[id.first]) + " at " + number(problem.ubA[row]) + (id.first < 3 ? " rad/s" : " m/s");
     }
-    case RowKind::kWheel: return "at most " + number(problem.ubA[row]) + " rad/s either way";
+    case RowKind::kWheel:
+      return "at most " + number(problem.ubA[row]) + " rad/s either way";
     case RowKind::kObject:
     case RowKind::kFloor:
-    case RowKind::kSelf: break;
+    case RowKind::kSelf:
+      break;
   }
   std::string text;
   for (const ProximityPair& pair : step.controller.distances()) {
@@ -95,7 +97,7 @@ std::string describe_active(const CaseStep& step, const StageCheck& check) {
   std::vector<Active> active;
   for (int i = 0; i < p.rows; ++i) {
     const RowKind kind = p.ids[static_cast<std::size_t>(i)].kind;
-    if (kind == RowKind::kTracking) continue;   // told apart, by the slack
+    if (kind == RowKind::kTracking) continue;  // told apart, by the slack
     const double value = p.A.row(i).dot(check.x);
     if (p.ubA[i] - value > kActive && value - p.lbA[i] > kActive) continue;
     active.push_back({step.controller.row_name(i) + ": " + row_meaning(step, p, i), std::abs(check.report.y[i])});
@@ -152,12 +154,15 @@ std::string describe_infeasible(const CaseStep& step) {
 
 std::string describe_fallback(const CaseStep& step) {
   switch (step.result.fallback) {
-    case Fallback::kNone: return "";
-    case Fallback::kNoAcceleration: return "The command is that of the problem without acceleration limits.\n";
+    case Fallback::kNone:
+      return "";
+    case Fallback::kNoAcceleration:
+      return "The command is that of the problem without acceleration limits.\n";
     case Fallback::kRelaxed:
       return "The command breaks every collision row by at most " + number(step.controller.outcome().collision_slack) +
              " m/s, next to the least that is possible.\n";
-    case Fallback::kBrake: return "The command brakes: it is the smallest within the bounds.\n";
+    case Fallback::kBrake:
+      return "The command brakes: it is the smallest within the bounds.\n";
   }
   return "";
 }

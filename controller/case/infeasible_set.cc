@@ -32,8 +32,12 @@ class FeasibilityCheck {
           part_.A.row(row) = given_->A.row(k);
           break;
         }
-        case ConstraintId::Kind::kLowerBound: part_.lb[k] = given_->lb[k]; break;
-        case ConstraintId::Kind::kUpperBound: part_.ub[k] = given_->ub[k]; break;
+        case ConstraintId::Kind::kLowerBound:
+          part_.lb[k] = given_->lb[k];
+          break;
+        case ConstraintId::Kind::kUpperBound:
+          part_.ub[k] = given_->ub[k];
+          break;
       }
     }
     return solver_->solve(part_, solution_);

@@ -10,9 +10,9 @@ namespace {
 
 // One side of a row or bound that the solution touches; its gradient in x is +column at a lower side.
 struct Side {
-  int index;      // row, or r + variable
-  double sign;    // +1 at the lower side, -1 at the upper
-  double gap;     // distance of the solution from the side
+  int index;    // row, or r + variable
+  double sign;  // +1 at the lower side, -1 at the upper
+  double gap;   // distance of the solution from the side
 };
 
 void collect(int index, double value, double lower, double upper, double tolerance, std::vector<Side>& sides) {

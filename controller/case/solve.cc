@@ -39,8 +39,12 @@ Json distance(const ProximityPair& pair, const Controller& controller) {
   const auto shape = [&](int i) -> const CollisionShape& { return model.shapes[static_cast<std::size_t>(i)]; };
   std::string kind = "object", second;
   switch (pair.kind) {
-    case PairKind::kObject: second = controller.object_names()[static_cast<std::size_t>(pair.second)]; break;
-    case PairKind::kFloor: kind = second = "floor"; break;
+    case PairKind::kObject:
+      second = controller.object_names()[static_cast<std::size_t>(pair.second)];
+      break;
+    case PairKind::kFloor:
+      kind = second = "floor";
+      break;
     case PairKind::kSelf:
       kind = "self";
       second = shape(pair.second).name;

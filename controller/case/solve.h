@@ -24,8 +24,8 @@ nlohmann::ordered_json solve(const ControlCase& control_case);
 std::string explain(const ControlCase& control_case);
 
 struct SolverInfo {
-  std::string name;          ///< as `solver:` of a controller file takes it
-  bool available = false;    ///< built in
+  std::string name;        ///< as `solver:` of a controller file takes it
+  bool available = false;  ///< built in
   std::string description;
 };
 

@@ -64,7 +64,8 @@ class CaseFile : public testing::Test {
 // Every word must be in the message.
 void expect_words(const std::string& message, std::initializer_list<const char*> words) {
   ASSERT_FALSE(message.empty()) << "accepted without a complaint";
-  for (const char* word : words) EXPECT_NE(message.find(word), std::string::npos) << "no '" << word << "' in: " << message;
+  for (const char* word : words)
+    EXPECT_NE(message.find(word), std::string::npos) << "no '" << word << "' in: " << message;
 }
 
 TEST_F(CaseFile, ReadsWhatIsThere) {
@@ -184,7 +185,8 @@ TEST_F(CaseFile, NumbersOutOfRange) {
 
 TEST_F(CaseFile, NumbersThatAreNotFinite) {
   // JSON cannot say NaN; the spellings that writers use nevertheless are all refused.
-  for (const char* bad : {"NaN", "nan", ".nan", "Infinity", "-Infinity", "inf", "-inf", "1e999", "\"inf\"", "null", "true"}) {
+  for (const char* bad :
+       {"NaN", "nan", ".nan", "Infinity", "-Infinity", "inf", "-inf", "1e999", "\"inf\"", "null", "true"}) {
     Json c = good_case();
     c["state"]["q"][3] = "REPLACE";
     std::string text = c.dump(1);

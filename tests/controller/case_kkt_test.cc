@@ -40,11 +40,20 @@ Qp problem_with_known_solution(std::uint64_t seed) {
     low = value - uniform(rng, 0.1, 1.0);
     high = value + uniform(rng, 0.1, 1.0);
     switch (rng() % 5) {
-      case 0: low = value; return uniform(rng, 0.01, 2.0);
-      case 1: high = value; return -uniform(rng, 0.01, 2.0);
-      case 2: low = high = value; return uniform(rng, -2.0, 2.0);
-      case 3: low = -kInf; return 0.0;
-      default: return 0.0;
+      case 0:
+        low = value;
+        return uniform(rng, 0.01, 2.0);
+      case 1:
+        high = value;
+        return -uniform(rng, 0.01, 2.0);
+      case 2:
+        low = high = value;
+        return uniform(rng, -2.0, 2.0);
+      case 3:
+        low = -kInf;
+        return 0.0;
+      default:
+        return 0.0;
     }
   };
   p.lbA = p.ubA = VectorX::Zero(r);
@@ -108,7 +117,7 @@ TEST(CaseKkt, LeastSquaresIsNonNegativeAndOptimal) {
       f[i] = uniform(rng, -1.0, 1.0);
       for (int j = 0; j < columns; ++j) E(i, j) = uniform(rng, -1.0, 1.0);
     }
-    if (columns > 1 && trial % 3 == 0) E.col(1) = -E.col(0);   // the two sides of an equality
+    if (columns > 1 && trial % 3 == 0) E.col(1) = -E.col(0);  // the two sides of an equality
     const VectorX u = nonnegative_least_squares(E, f);
     const VectorX w = E.transpose() * (f - E * u);
     for (int j = 0; j < columns; ++j) {

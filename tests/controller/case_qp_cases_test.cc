@@ -23,7 +23,7 @@ using Json = nlohmann::ordered_json;
 constexpr double kKinematics = 1e-10;
 constexpr double kGradientRelative = 1e-8;
 constexpr double kDistance = 1e-10;
-constexpr double kDirection = 1e-9;   // normals and the rows made of them
+constexpr double kDirection = 1e-9;  // normals and the rows made of them
 constexpr double kSolution = 1e-9;
 constexpr double kCost = 1e-9;
 
@@ -177,8 +177,7 @@ TEST_P(QpCase, EverySolverAgrees) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, QpCase, testing::ValuesIn(names()),
-                         [](const auto& test) { return test.param; });
+INSTANTIATE_TEST_SUITE_P(All, QpCase, testing::ValuesIn(names()), [](const auto& test) { return test.param; });
 
 TEST(QpCases, AllSixtyAreThere) {
   int solved = 0, infeasible = 0;

@@ -53,7 +53,7 @@ Pair random_pair(std::mt19937_64& rng, int i) {
   p.other = i % 2 == 0 ? solid(ShapeKind::kBox, x, y, z) : solid(ShapeKind::kCylinder, 0.5 * x, y, 0.0);
   p.X1 = random_pose(rng, 0.6);
   p.X2 = random_pose(rng, 0.6);
-  if (i % 5 == 0) p.X1.linear() = p.X2.linear();   // axes along edges and faces
+  if (i % 5 == 0) p.X1.linear() = p.X2.linear();  // axes along edges and faces
   return p;
 }
 

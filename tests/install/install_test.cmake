@@ -1,0 +1,53 @@
+# Installs what BINARY_DIR built to a scratch prefix, then configures, builds and runs programs that know moma only
+# as an installed package, and the installed program itself.
+#   cmake -DBINARY_DIR=... -DSOURCE_DIR=... -DSCRATCH=... -DGENERATOR=... [-DHAS_PROGRAM=ON] ... -P install_test.cmake
+cmake_minimum_required(VERSION 3.25)
+
+function(run what)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT code EQUAL 0)
+    message(FATAL_ERROR "${what} failed (${code}):\n${output}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+set(prefix "${SCRATCH}/prefix")
+file(REMOVE_RECURSE "${SCRATCH}")
+set(components library)
+if(HAS_PROGRAM)
+  list(APPEND components program)
+endif()
+foreach(component IN LISTS components)
+  run("installing ${component}" "${CMAKE_COMMAND}" --install "${BINARY_DIR}" --prefix "${prefix}" --component ${component})
+endforeach()
+
+# The installed headers must do without the source tree and its third-party sources.
+file(GLOB_RECURSE headers "${prefix}/include/*.h")
+list(LENGTH headers count)
+if(count LESS 15)
+  message(FATAL_ERROR "only ${count} headers were installed under ${prefix}/include")
+endif()
+file(GLOB_RECURSE packages "${prefix}/*/cmake/moma/*.cmake")
+foreach(file IN LISTS headers packages)
+  file(READ "${file}" text)
+  string(FIND "${text}" "${SOURCE_DIR}/controller" in_sources)
+  string(FIND "${text}" "${BINARY_DIR}" in_build)
+  if(NOT in_sources EQUAL -1 OR NOT in_build EQUAL -1)
+    message(FATAL_ERROR "${file} names the source or build tree")
+  endif()
+endforeach()
+
+run("configuring a consumer" "${CMAKE_COMMAND}" -S "${SOURCE_DIR}/tests/install/consumer" -B "${SCRATCH}/build"
+    -G "${GENERATOR}" "-DCMAKE_PREFIX_PATH=${prefix}" "-DCMAKE_CXX_COMPILER=${CXX}" "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}"
+    "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}")
+run("building a consumer" "${CMAKE_COMMAND}" --build "${SCRATCH}/build")
+run("running the consumer" "${SCRATCH}/build/consumer")
+if(NOT output MATCHES "frankie: solved")
+  message(FATAL_ERROR "unexpected output of the consumer: ${output}")
+endif()
+run("running the consumer of the bare library" "${SCRATCH}/build/library_only")
+if(HAS_PROGRAM)
+  run("running the installed program" "${prefix}/bin/moma" --help)
+  run("reading an installed robot" "${prefix}/bin/moma" robot "${prefix}/share/moma/configs/robots/frankie.yaml")
+endif()
+file(REMOVE_RECURSE "${SCRATCH}")
