@@ -50,31 +50,29 @@ class DifferentialBase final : public OdeBase {
     }
   }
 
-  void command(const Eigen::Ref<const VectorX>& speeds, double h) override {
+  void command(const Eigen::Ref<const VectorX>& speeds, double) override {
     for (Wheel& wheel : wheel_) {
       // v = R/2 (w_L + w_R), omega = R/W (w_R - w_L), inverted.
       const double rolling = speeds[0] - speeds[1] * wheel.side;
       const double spin = std::clamp(rolling / wheels_.radius, -wheels_.max_speed, wheels_.max_speed);
       dJointSetHingeParam(wheel.hinge, dParamVel, spin);
-      // A step moves the wheel along one direction while the base turns by omega h. The mean direction is half of
-      // that angle ahead: without it arcs come out turned by omega h / 2, and the wheels drift apart.
-      wheel.sideways = 0.5 * h * speeds[1] * rolling;
     }
   }
 
-  void add_floor_contacts(dWorldID world, dJointGroupID group, double) override {
+  void add_floor_contacts(dWorldID world, dJointGroupID group) override {
     const Vector3 forward = ode::from_matrix(dBodyGetRotation(base_)).col(0);
     for (Wheel& wheel : wheel_) {
       dContact contact{};
       wheel.touches = dCollide(wheel.geom, floor_, 1, &contact.geom, sizeof(dContactGeom)) > 0;
       if (!wheel.touches) continue;
-      contact.surface.mode = dContactApprox1 | dContactFDir1 | dContactMotion2;
+      contact.surface.mode = dContactApprox1;
       contact.surface.mu = kFriction;
-      contact.surface.motion2 = wheel.sideways;
-      const Vector3 ahead = Vector3(forward.x(), forward.y(), 0.0).normalized();
-      wheel.left = Vector3::UnitZ().cross(ahead);
-      contact.fdir1[0] = ahead.x();
-      contact.fdir1[1] = ahead.y();
+      const double level = std::hypot(forward.x(), forward.y());
+      if (level > 0.1) {   // not while the base stands on end
+        contact.surface.mode |= dContactFDir1;
+        contact.fdir1[0] = forward.x() / level;
+        contact.fdir1[1] = forward.y() / level;
+      }
       dJointAttach(dJointCreateContact(world, group, &contact), wheel.body, nullptr);
     }
     support_.add_contacts(world, group);
@@ -85,8 +83,7 @@ class DifferentialBase final : public OdeBase {
     for (const Wheel& wheel : wheel_) {
       if (!wheel.touches) continue;
       const Vector3 v = ode::from_vector(dBodyGetLinearVel(wheel.body)) +
-                        ode::from_vector(dBodyGetAngularVel(wheel.body)).cross(Vector3(0.0, 0.0, -wheels_.radius)) -
-                        wheel.sideways * wheel.left;
+                        ode::from_vector(dBodyGetAngularVel(wheel.body)).cross(Vector3(0.0, 0.0, -wheels_.radius));
       most = std::max(most, std::hypot(v.x(), v.y()));
     }
     return most;
@@ -118,9 +115,7 @@ class DifferentialBase final : public OdeBase {
     dGeomID geom = nullptr;
     dJointID hinge = nullptr;
     dJointFeedback feedback{};
-    double side = 0.0;       // y in B
-    double sideways = 0.0;   // wanted lateral speed of the contact point
-    Vector3 left = Vector3::UnitY();
+    double side = 0.0;   // y in B
     bool touches = false;
   };
 

@@ -26,7 +26,7 @@ class OdeBase {
   /// Sets the drive for one step of h seconds; `speeds` are the base's velocity coordinates, ramped already.
   virtual void command(const Eigen::Ref<const VectorX>& speeds, double h) = 0;
   /// Adds this step's contacts with the floor.
-  virtual void add_floor_contacts(dWorldID world, dJointGroupID group, double h) = 0;
+  virtual void add_floor_contacts(dWorldID world, dJointGroupID group) = 0;
   /// Largest slip since the last add_floor_contacts() [m/s], after the step.
   virtual double slip() const = 0;
   /// Of the drive's motors, over the last step [W].

@@ -145,7 +145,7 @@ class OdePlant final : public Plant, private TouchSink {
     ramp(command, h);
     if (base_) {
       base_->command(ramped_, h);
-      base_->add_floor_contacts(world_.id(), contacts_.get(), h);
+      base_->add_floor_contacts(world_.id(), contacts_.get());
     }
     arm_.command(command.tail(model_->num_joints()), h);
     try {

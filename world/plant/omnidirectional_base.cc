@@ -54,7 +54,7 @@ class OmnidirectionalBase final : public OdeBase {
     dJointSetAMotorParam(angular_, dParamVel, turn_);
   }
 
-  void add_floor_contacts(dWorldID world, dJointGroupID group, double) override { support_.add_contacts(world, group); }
+  void add_floor_contacts(dWorldID world, dJointGroupID group) override { support_.add_contacts(world, group); }
 
   double slip() const override {
     const Vector3 v = ode::from_vector(dBodyGetLinearVel(base_)) - wanted_;

@@ -63,7 +63,7 @@ class ClutterFamily final : public Family {
   Placement placement_;
   Distribution objects_{Distribution::Uniform{5.0, 15.0}};
   Distribution along_{Distribution::Uniform{0.0, 1.0}};      ///< part of the way from start to goal
-  Distribution lateral_{Distribution::Uniform{-0.6, 0.6}};   ///< to the left of the way [m]
+  Distribution lateral_{Distribution::Normal{0.0, 0.6}};     ///< to the left of the way [m]
   ObjectMix mix_;
 };
 
