@@ -1,16 +1,13 @@
 #include "controller/model/proximity.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
+#include <optional>
 
 #include "controller/model/analytic_distance.h"
-#include "controller/model/coal_pair.h"
+#include "controller/model/convex_distance.h"
 
 namespace moma {
 namespace {
-
-constexpr std::size_t kKinds = 5;
 
 // A shape with what a query needs at hand.
 struct Solid {
@@ -18,9 +15,9 @@ struct Solid {
   double radius = 0.0;                      // bounding sphere about the shape's origin
   Shape bound;                              // the shape itself, or the box around a convex hull
   Vector3 bound_offset = Vector3::Zero();   // centre of that box
-  std::unique_ptr<coal::ShapeBase> geometry;
+  ConvexGeometry geometry;
 
-  explicit Solid(const Shape& s) : shape(s), radius(bounding_radius(s)), bound(s), geometry(make_coal_shape(s)) {
+  explicit Solid(const Shape& s) : shape(s), radius(bounding_radius(s)), bound(s), geometry(s) {
     if (s.kind != ShapeKind::kConvex || !s.hull || s.hull->vertices.empty()) return;
     Eigen::AlignedBox3d box;
     for (const Vector3& v : s.hull->vertices) box.extend(v);
@@ -35,23 +32,12 @@ struct Solid {
   }
 };
 
-class PairTable {
- public:
-  void add(const Solid& first, const Solid& second) {
-    std::unique_ptr<CoalPair>& pair = at(first, second);
-    if (!pair) pair = std::make_unique<CoalPair>(*first.geometry, *second.geometry);
-  }
-  Distance distance(const Solid& first, const Isometry& X_W1, const Solid& second, const Isometry& X_W2) noexcept {
-    if (const auto exact = analytic_distance(first.shape, X_W1, second.shape, X_W2)) return *exact;
-    return at(first, second)->distance(*first.geometry, X_W1, *second.geometry, X_W2);
-  }
+// False for a pose that is not one: sensed data can be anything.
+bool is_pose(const Isometry& X) noexcept {
+  return X.linear().squaredNorm() < 3.1 && X.translation().allFinite();   // 3 for a rotation
+}
 
- private:
-  std::unique_ptr<CoalPair>& at(const Solid& first, const Solid& second) {
-    return pairs_[static_cast<std::size_t>(first.shape.kind)][static_cast<std::size_t>(second.shape.kind)];
-  }
-  std::array<std::array<std::unique_ptr<CoalPair>, kKinds>, kKinds> pairs_;
-};
+int hull_vertices(const Shape& shape) { return shape.hull ? static_cast<int>(shape.hull->vertices.size()) : 0; }
 
 }  // namespace
 
@@ -59,8 +45,9 @@ struct Proximity::Impl {
   std::shared_ptr<const RobotModel> model;
   std::vector<Solid> robot;
   std::vector<Solid> objects;
-  PairTable table;
+  std::optional<ConvexDistance> convex;   // sized by set_objects()
   std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_WS;   // of the robot's shapes
+  std::vector<char> usable;                                         // of the objects, in this query
   std::vector<ProximityPair> pairs;
 
   // Adds the pair where it is closer than `range`: cheap lower bounds first, then the true distance.
@@ -71,7 +58,8 @@ struct Proximity::Impl {
     const double reach = range + a.radius + b.radius;
     if (!((ca - cb).squaredNorm() <= reach * reach)) return;
     if (!(a.gap(X_Wa, cb) - b.radius <= range) || !(b.gap(X_Wb, ca) - a.radius <= range)) return;
-    const Distance distance = table.distance(a, X_Wa, b, X_Wb);
+    const auto exact = analytic_distance(a.shape, X_Wa, b.shape, X_Wb);
+    const Distance distance = exact ? *exact : convex->distance(a.geometry, X_Wa, b.geometry, X_Wb);
     if (distance.d < range) pairs.push_back({kind, i, j, distance});
   }
 };
@@ -79,10 +67,6 @@ struct Proximity::Impl {
 Proximity::Proximity(std::shared_ptr<const RobotModel> model) : impl_(std::make_unique<Impl>()) {
   impl_->model = std::move(model);
   for (const CollisionShape& shape : impl_->model->shapes) impl_->robot.emplace_back(shape.shape);
-  for (const SelfPair& pair : impl_->model->self_pairs) {
-    impl_->table.add(impl_->robot[static_cast<std::size_t>(pair.first)],
-                     impl_->robot[static_cast<std::size_t>(pair.second)]);
-  }
   impl_->X_WS.resize(impl_->robot.size(), Isometry::Identity());
   set_objects({});
 }
@@ -95,8 +79,11 @@ void Proximity::set_objects(std::span<const ObjectShape> objects) {
   Impl& impl = *impl_;
   impl.objects.clear();
   for (const ObjectShape& object : objects) impl.objects.emplace_back(object.shape);
-  for (const Solid& shape : impl.robot)
-    for (const Solid& object : impl.objects) impl.table.add(shape, object);
+  int vertices = 0;
+  for (const auto* solids : {&impl.robot, &impl.objects})
+    for (const Solid& solid : *solids) vertices = std::max(vertices, hull_vertices(solid.shape));
+  impl.convex.emplace(vertices);
+  impl.usable.assign(impl.objects.size(), 0);
   impl.pairs.clear();
   impl.pairs.reserve(impl.robot.size() * (impl.objects.size() + 1) + impl.model->self_pairs.size());
 }
@@ -108,13 +95,17 @@ std::span<const ProximityPair> Proximity::query(const Kinematics& kinematics, st
   Impl& impl = *impl_;
   const std::vector<CollisionShape>& shapes = impl.model->shapes;
   impl.pairs.clear();
-  for (std::size_t i = 0; i < shapes.size(); ++i) impl.X_WS[i] = kinematics.X_WS(shapes[i]);
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    impl.X_WS[i] = kinematics.X_WS(shapes[i]);
+    if (!is_pose(impl.X_WS[i])) return {};
+  }
 
   if (ranges.object >= 0.0) {
     const std::size_t count = std::min(states.size(), impl.objects.size());
+    for (std::size_t j = 0; j < count; ++j) impl.usable[j] = states[j].visible && is_pose(states[j].X_WO) ? 1 : 0;
     for (std::size_t i = 0; i < shapes.size(); ++i) {
       for (std::size_t j = 0; j < count; ++j) {
-        if (!states[j].visible) continue;
+        if (impl.usable[j] == 0) continue;
         impl.try_pair(PairKind::kObject, static_cast<int>(i), impl.robot[i], impl.X_WS[i], static_cast<int>(j),
                       impl.objects[j], states[j].X_WO, ranges.object);
       }
@@ -145,9 +136,8 @@ std::span<const ProximityPair> Proximity::query(const Kinematics& kinematics, st
 
 Distance shape_distance(const Shape& first, const Isometry& X_W1, const Shape& second, const Isometry& X_W2) {
   if (const auto exact = analytic_distance(first, X_W1, second, X_W2)) return *exact;
-  const auto geometry1 = make_coal_shape(first);
-  const auto geometry2 = make_coal_shape(second);
-  return CoalPair(*geometry1, *geometry2).distance(*geometry1, X_W1, *geometry2, X_W2);
+  const int vertices = std::max(hull_vertices(first), hull_vertices(second));
+  return ConvexDistance(vertices).distance(ConvexGeometry(first), X_W1, ConvexGeometry(second), X_W2);
 }
 
 }  // namespace moma

@@ -67,7 +67,8 @@ class Proximity {
 
   /// All pairs closer than their range, in a fixed order (objects by (shape, object), floor, self); unsorted by
   /// distance. Floor pairs: shapes not rigid with the base. Self pairs: those with `row`. The span is valid
-  /// until the next call. states.size() must equal num_objects(). Guess warm-starts are not kept between
+  /// until the next call. states.size() must equal num_objects(). Poses that are not finite rotations and places are
+  /// left out: an object's own pairs, or everything where the robot's are. Guess warm-starts are not kept between
   /// calls: the same inputs give the same bits.
   std::span<const ProximityPair> query(const Kinematics& kinematics, std::span<const ObjectState> states,
                                        const ProximityRanges& ranges) noexcept;

@@ -1,0 +1,135 @@
+// GJK and EPA are driven here, and not through coal's ComputeDistance, for two reasons seen in coal 3.0.3: its wheel
+// builds an exception object (which allocates) for every assertion that it passes, and it keeps hints for the support
+// functions of large hulls from one call to the next, which shows in the last bits. This definition makes the
+// assertions of the inline functions below cost nothing unless they fail.
+#define COAL_TURN_ASSERT_INTO_EXCEPTION
+
+#include "controller/model/convex_distance.h"
+
+#include <coal/narrowphase/gjk.h>
+#include <coal/narrowphase/narrowphase_defaults.h>
+#include <coal/shape/convex.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace moma {
+namespace {
+
+std::unique_ptr<coal::ShapeBase> make_coal_shape(const Shape& shape) {
+  switch (shape.kind) {
+    case ShapeKind::kSphere: return std::make_unique<coal::Sphere>(shape.size.x());
+    case ShapeKind::kBox: return std::make_unique<coal::Box>(shape.size);
+    case ShapeKind::kCylinder: return std::make_unique<coal::Cylinder>(shape.size.x(), shape.size.y());
+    case ShapeKind::kCapsule: return std::make_unique<coal::Capsule>(shape.size.x(), shape.size.y());
+    case ShapeKind::kConvex: break;
+  }
+  auto points = std::make_shared<std::vector<coal::Vec3s>>();
+  auto triangles = std::make_shared<std::vector<coal::Triangle>>();
+  if (shape.hull) {
+    points->assign(shape.hull->vertices.begin(), shape.hull->vertices.end());
+    for (const Eigen::Vector3i& t : shape.hull->triangles)
+      triangles->emplace_back(static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]),
+                              static_cast<std::size_t>(t[2]));
+  }
+  const auto num_points = static_cast<unsigned>(points->size());
+  const auto num_triangles = static_cast<unsigned>(triangles->size());
+  return std::make_unique<coal::Convex<coal::Triangle>>(points, num_points, triangles, num_triangles);
+}
+
+coal::Transform3s to_coal(const Isometry& X) { return coal::Transform3s(X.linear(), X.translation()); }
+
+// A hundred times below coal's default: as quick within 20 %, and rims no longer end up to 0.3 mm off.
+constexpr double kGjkTolerance = 1e-8;
+
+bool is_good(const Distance& distance) {
+  return std::isfinite(distance.d) && std::abs(distance.n_W.norm() - 1.0) < 1e-3 && distance.p_first_W.allFinite() &&
+         distance.p_second_W.allFinite();
+}
+
+}  // namespace
+
+ConvexGeometry::ConvexGeometry(const Shape& shape) : shape_(make_coal_shape(shape)) {}
+ConvexGeometry::~ConvexGeometry() = default;
+ConvexGeometry::ConvexGeometry(ConvexGeometry&&) noexcept = default;
+ConvexGeometry& ConvexGeometry::operator=(ConvexGeometry&&) noexcept = default;
+
+struct ConvexDistance::Impl {
+  coal::details::MinkowskiDiff difference;
+  const coal::details::GJK unused{coal::GJK_DEFAULT_MAX_ITERATIONS, kGjkTolerance};
+  coal::details::GJK gjk = unused;   // copied anew for each pair: reset() would allocate
+  coal::details::EPA epa{coal::EPA_DEFAULT_MAX_ITERATIONS, coal::EPA_DEFAULT_TOLERANCE};
+
+  // Points and normal (from the first to the second solid) in the first solid's frame; false where none was found.
+  bool run(double& d, Vector3& p1, Vector3& p2, Vector3& normal) {
+    gjk = unused;
+    gjk.setDistanceEarlyBreak(std::numeric_limits<double>::max());
+    gjk.gjk_variant = coal::GJKVariant::DefaultGJK;
+    gjk.convergence_criterion = coal::GJKConvergenceCriterion::Default;
+    gjk.convergence_criterion_type = coal::GJKConvergenceCriterionType::Relative;
+    const Vector3 guess(1.0, 0.0, 0.0);
+    gjk.evaluate(difference, guess, coal::support_func_guess_t::Zero());
+    switch (gjk.status) {
+      case coal::details::GJK::Failed:   // out of iterations: still the best that is known
+      case coal::details::GJK::NoCollision:
+      case coal::details::GJK::CollisionWithPenetrationInformation:
+        d = gjk.distance;
+        gjk.getWitnessPointsAndNormal(difference, p1, p2, normal);
+        return true;
+      case coal::details::GJK::Collision:
+        epa.evaluate(gjk, -guess);
+        if (epa.status == coal::details::EPA::DidNotRun || epa.status == coal::details::EPA::FallBack) return false;
+        d = std::min(0.0, -epa.depth);
+        epa.getWitnessPointsAndNormal(difference, p1, p2, normal);
+        return true;
+      case coal::details::GJK::DidNotRun:
+      case coal::details::GJK::NoCollisionEarlyStopped:
+        break;
+    }
+    return false;
+  }
+};
+
+ConvexDistance::ConvexDistance(int max_vertices) : impl_(std::make_unique<Impl>()) {
+  for (auto& data : impl_->difference.data) data.visited.reserve(static_cast<std::size_t>(std::max(0, max_vertices)));
+}
+ConvexDistance::~ConvexDistance() = default;
+ConvexDistance::ConvexDistance(ConvexDistance&&) noexcept = default;
+ConvexDistance& ConvexDistance::operator=(ConvexDistance&&) noexcept = default;
+
+Distance ConvexDistance::distance(const ConvexGeometry& first, const Isometry& X_W1, const ConvexGeometry& second,
+                                  const Isometry& X_W2) noexcept {
+  Distance distance;
+  bool good = X_W1.matrix().allFinite() && X_W2.matrix().allFinite();
+  if (good) {
+    try {
+      impl_->difference.set<coal::details::SupportOptions::NoSweptSphere>(&first.shape(), &second.shape(),
+                                                                          to_coal(X_W1), to_coal(X_W2));
+      Vector3 p1, p2, normal;
+      good = impl_->run(distance.d, p1, p2, normal);
+      if (good) {
+        // The points of the solution are less exact than its normal and depth: only their middle is used.
+        const Vector3 middle = X_W1 * Vector3(0.5 * (p1 + p2));
+        distance.n_W = -(X_W1.linear() * normal);
+        distance.p_first_W = middle + 0.5 * distance.d * distance.n_W;
+        distance.p_second_W = middle - 0.5 * distance.d * distance.n_W;
+        good = is_good(distance);
+      }
+      if (good) distance.n_W.normalize();
+    } catch (...) {
+      good = false;   // a control step has to go on
+    }
+  }
+  if (!good) {
+    // No direction was found, which is left to deep contact and to nonsense: apart along the line of centres.
+    distance.d = 0.0;
+    const Vector3 between = X_W1.translation() - X_W2.translation();
+    const double length = between.norm();
+    distance.n_W = length > 1e-12 && std::isfinite(length) ? Vector3(between / length) : Vector3(Vector3::UnitZ());
+    distance.p_first_W = distance.p_second_W = X_W1.translation();
+  }
+  return distance;
+}
+
+}  // namespace moma
