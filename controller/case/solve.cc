@@ -107,6 +107,24 @@ nlohmann::ordered_json solve(const ControlCase& control_case) {
   return out;
 }
 
+std::string layout(const nlohmann::ordered_json& solution) {
+  const auto nested = [](const Json& value) {
+    return value.is_array() && !value.empty() && (value.front().is_array() || value.front().is_object());
+  };
+  std::string out = "{";
+  for (const auto& [key, value] : solution.items()) {
+    out += (out.size() > 1 ? ",\n " : "\n ") + Json(key).dump() + ": ";
+    if (!nested(value)) {
+      out += value.dump();
+      continue;
+    }
+    std::string rows;
+    for (const Json& row : value) rows += (rows.empty() ? "[\n  " : ",\n  ") + row.dump();
+    out += rows + "\n ]";
+  }
+  return out + "\n}\n";
+}
+
 std::vector<SolverInfo> list_solvers() {
   std::vector<SolverInfo> out{
       {"daqp", false, "DAQP: dual active set, no allocation in a step; the default"},

@@ -19,6 +19,9 @@ namespace moma {
 /// is: the original, or the stage of the fallback; null where the command brakes.
 nlohmann::ordered_json solve(const ControlCase& control_case);
 
+/// The JSON as text for people and programs alike: one key to a line, one row of a matrix to a line.
+std::string layout(const nlohmann::ordered_json& solution);
+
 /// The same step in words: which constraints hold the command, which rows make the problem infeasible (a minimal set),
 /// which term dominates the cost, whether distances or singularities are near.
 std::string explain(const ControlCase& control_case);

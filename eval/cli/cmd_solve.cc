@@ -14,20 +14,31 @@ void add_solve(CLI::App& app, Action& action) {
   struct Options {
     std::string file;
     bool explain = false;
+    bool solvers = false;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("solve", "One control step: every matrix of the QP and its solution, as JSON");
-  command->add_option("CASE", options->file, "Case file (JSON); its format is in docs/controller.md")->required();
+  command->add_option("CASE", options->file, "Case file (JSON); its format is in docs/controller.md");
   command->add_flag("--explain", options->explain, "In words: what holds the command, why it is infeasible");
-  command->footer("An infeasible problem is an answer, not an error.\nExample: moma solve tests/data/cases/frankie.json");
+  command->add_flag("--solvers", options->solvers, "Lists the QP solvers by name, and which of them are built in");
+  command->footer(
+      "An infeasible problem is an answer, not an error.\n"
+      "Example: moma solve tests/data/qp_cases/cases/frankie_119.json --explain");
   command->callback([&action, options] {
+    if (options->file.empty() && !options->solvers) throw CLI::RequiredError("CASE");
     action = [options] {
+      if (options->solvers) {
+        for (const SolverInfo& solver : list_solvers())
+          fmt::print("{:<12}{:<14}{}\n", solver.name, solver.available ? "available" : "not built in",
+                     solver.description);
+        return static_cast<int>(kOk);
+      }
       const ControlCase control_case = read_case(options->file);
       print_warnings(control_case.warnings);
       if (options->explain) {
         std::cout << explain(control_case);
       } else {
-        std::cout << solve(control_case).dump(1) << '\n';
+        std::cout << layout(solve(control_case));
       }
       return static_cast<int>(kOk);
     };

@@ -122,6 +122,13 @@ TEST(CaseExplain, EveryCaseIsExplained) {
   }
 }
 
+TEST(CaseExplain, LayoutIsTheSameJson) {
+  const auto json = solve(read_case(kCases / "frankie_119.json"));
+  const std::string text = layout(json);
+  EXPECT_EQ(nlohmann::ordered_json::parse(text), json);
+  EXPECT_LT(std::count(text.begin(), text.end(), '\n'), 150);
+}
+
 TEST(CaseExplain, SolversAreListedDefaultFirst) {
   const auto solvers = list_solvers();
   ASSERT_FALSE(solvers.empty());
