@@ -46,10 +46,15 @@ class ClutterFamily final : public Family {
       WorldObject object;
       object.name = "object" + std::to_string(i + 1);
       bool placed = false;
+      double along = 0.0;
       for (int k = 0; k < kObjectTries && !placed; ++k) {
         // Item 0 is the number of objects; each object's tries have items of their own.
         Draws draws = builder.draws(Stream::kObjects, 1 + static_cast<std::uint64_t>(i * kObjectTries + k));
-        const Vector3 p = from + along_.sample(draws) * length * forward + lateral_.sample(draws) * left;
+        // The place along the way is kept over the tries: else all that does not fit beside start and goal would end
+        // up in the middle.
+        const double again = along_.sample(draws);
+        if (k == 0) along = again;
+        const Vector3 p = from + along * length * forward + lateral_.sample(draws) * left;
         mix_.sample(draws, p.x(), p.y(), object);
         placed = builder.distance_to_robot(object, 0.0, builder.clearance() + 1e-3) > builder.clearance();
       }
