@@ -21,7 +21,7 @@ class DifferentialBase final : public OdeBase {
       : wheels_(*model.base.wheels),
         base_(arm.body_of_link(0)),
         space_(ode::make_simple_space()),
-        support_(arm, OdeSupport::corners(model, 0.5 * wheels_.radius), 0.5 * wheels_.radius, kCasterSoftness) {
+        support_(arm, OdeSupport::corners(model, 0.5 * wheels_.radius, true), 0.5 * wheels_.radius, kCasterSoftness) {
     floor_ = dCreatePlane(space_.get(), 0.0, 0.0, 1.0, 0.0);
     const double mass = 0.5 * wheel_mass(model);
     // Enough to make the wheels slip under the whole weight, so that friction is what limits the drive.

@@ -20,8 +20,9 @@ class OdeSupport {
 
   void add_contacts(dWorldID world, dJointGroupID group);
 
-  /// Corners of the base's outline, drawn in until they are under it.
-  static std::vector<Vector2> corners(const RobotModel& model, double radius);
+  /// Four points under the base's outline, as far out as they fit: `at_ends` keeps them at its front and rear, and
+  /// draws in their sides (beside the wheels of a differential drive); otherwise they come in along the diagonals.
+  static std::vector<Vector2> corners(const RobotModel& model, double radius, bool at_ends);
 
  private:
   ode::Space space_;

@@ -74,7 +74,7 @@ class OmnidirectionalBase final : public OdeBase {
 
   static std::vector<Vector2> feet(const RobotModel& model) {
     if (!model.base.wheels || !(model.base.wheels->wheelbase > 0.0))
-      return OdeSupport::corners(model, foot_radius(model));
+      return OdeSupport::corners(model, foot_radius(model), false);
     std::vector<Vector2> points;
     for (const double x : {0.5, -0.5})
       for (const double y : {0.5, -0.5})

@@ -1,0 +1,169 @@
+#include "world/draws.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <vector>
+
+#include "controller/config/json_node.h"
+#include "world/scenario/apportion.h"
+#include "world/scenario/distribution.h"
+
+namespace moma {
+namespace {
+
+TEST(Draws, ArePhilox4x64) {
+  // Known answer of Random123 1.14 (kat_vectors: philox4x64 10, counter and key zero).
+  EXPECT_EQ(Draws(0, 0, static_cast<Stream>(0)).bits(), 0x16554d9eca36314cULL);
+}
+
+TEST(Draws, StreamsDoNotShiftEachOther) {
+  Draws alone(7, 3, Stream::kGoal);
+  Draws other(7, 3, Stream::kObjects);
+  for (int i = 0; i < 5; ++i) other.bits();
+  Draws again(7, 3, Stream::kGoal);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(alone.bits(), again.bits());
+  std::set<std::uint64_t> firsts;
+  for (std::uint64_t seed = 0; seed < 3; ++seed)
+    for (std::uint64_t index = 0; index < 3; ++index)
+      for (std::uint64_t attempt = 0; attempt < 3; ++attempt)
+        for (std::uint64_t item = 0; item < 3; ++item)
+          for (const Stream s : {Stream::kStart, Stream::kGoal})
+            firsts.insert(Draws(seed, index, s, attempt, item).bits());
+  EXPECT_EQ(firsts.size(), 162u);
+}
+
+TEST(Draws, EveryCallTakesOneBlock) {
+  Draws a(1, 2, Stream::kGoal), b(1, 2, Stream::kGoal);
+  a.normal(0.0, 1.0);
+  a.log_uniform(1.0, 2.0);
+  a.choice(5);
+  b.bits();
+  b.bits();
+  b.bits();
+  EXPECT_EQ(a.bits(), b.bits());
+}
+
+TEST(Draws, MomentsAreRight) {
+  Draws draws(11, 0, Stream::kGoal);
+  const int n = 200000;
+  double u1 = 0, u2 = 0, g1 = 0, g2 = 0, g4 = 0, l1 = 0;
+  for (int i = 0; i < n; ++i) {
+    const double u = draws.uniform(2.0, 4.0);
+    ASSERT_GE(u, 2.0);
+    ASSERT_LE(u, 4.0);
+    u1 += u;
+    u2 += (u - 3.0) * (u - 3.0);
+    const double g = draws.normal(0.0, 1.0);
+    g1 += g;
+    g2 += g * g;
+    g4 += g * g * g * g;
+    const double l = draws.log_uniform(0.01, 1.0);
+    ASSERT_GE(l, 0.01);
+    ASSERT_LE(l, 1.0);
+    l1 += std::log10(l);
+  }
+  // Five standard errors each.
+  EXPECT_NEAR(u1 / n, 3.0, 5 * 0.577 / std::sqrt(n));
+  EXPECT_NEAR(u2 / n, 1.0 / 3.0, 5 * 0.3 / std::sqrt(n));
+  EXPECT_NEAR(g1 / n, 0.0, 5 / std::sqrt(n));
+  EXPECT_NEAR(g2 / n, 1.0, 5 * std::sqrt(2.0) / std::sqrt(n));
+  EXPECT_NEAR(g4 / n, 3.0, 5 * std::sqrt(96.0) / std::sqrt(n));
+  EXPECT_NEAR(l1 / n, -1.0, 5 * 0.577 / std::sqrt(n));
+}
+
+config::Node node(const std::string& text) { return config::parse_yaml(text, "test.yaml"); }
+
+TEST(Distribution, RoundTripsThroughJson) {
+  for (const char* text : {"0.1", "{uniform: [0.1, 0.30000000000000004]}", "{log_uniform: [1e-3, 10]}",
+                           "{normal: [0.5, 0.25]}", "{choice: [1, 2, 7.5]}"}) {
+    const Distribution a = Distribution::read(node(text), "k", config::Range::any());
+    const Distribution b = Distribution::read(config::node_from_json(a.to_json(), "json"), "k", config::Range::any());
+    EXPECT_EQ(a.to_json(), b.to_json());
+    Draws x(1, 1, Stream::kGoal), y(1, 1, Stream::kGoal);
+    for (int i = 0; i < 20; ++i) EXPECT_EQ(a.sample(x), b.sample(y)) << text;
+  }
+}
+
+TEST(Distribution, CountsAreWholeAndEvenlySpread) {
+  const Distribution d = Distribution::read(node("{uniform: [5, 15]}"), "k", {0, 100}, true);
+  Draws draws(3, 0, Stream::kObjects);
+  std::vector<int> seen(16, 0);
+  const int n = 22000;
+  for (int i = 0; i < n; ++i) {
+    const int count = d.sample_count(draws);
+    ASSERT_GE(count, 5);
+    ASSERT_LE(count, 15);
+    ++seen[static_cast<std::size_t>(count)];
+  }
+  for (int k = 5; k <= 15; ++k) EXPECT_NEAR(seen[static_cast<std::size_t>(k)], n / 11, 5 * std::sqrt(n / 11.0));
+}
+
+TEST(Distribution, NormalIsClippedToTheRange) {
+  const Distribution d = Distribution::read(node("{normal: [0.1, 5]}"), "k", config::Range::non_negative());
+  Draws draws(3, 0, Stream::kObjects);
+  for (int i = 0; i < 1000; ++i) ASSERT_GE(d.sample(draws), 0.0);
+}
+
+TEST(Distribution, RefusesWhatIsWrong) {
+  const auto refused = [](const char* text, const char* part, bool whole = false) {
+    try {
+      Distribution::read(node(text), "worlds.families.open.distance", config::Range::non_negative(), whole);
+      ADD_FAILURE() << text << " was accepted";
+    } catch (const config::ConfigError& error) {
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("test.yaml:1:"), std::string::npos) << error.what();
+    }
+  };
+  refused("-1", "distance");
+  refused("abc", "distance");
+  refused(".nan", "distance");
+  refused("{uniform: [2, 1]}", "must not exceed");
+  refused("{uniform: [1]}", "uniform");
+  refused("{uniform: [-1, 1]}", "uniform");
+  refused("{log_uniform: [0, 1]}", "above 0");
+  refused("{normal: [1, -1]}", "standard deviation");
+  refused("{choice: []}", "at least one");
+  refused("{gauss: [1, 1]}", "unknown distribution");
+  refused("{uniform: [1, 2], normal: [1, 1]}", "expected");
+  refused("1.5", "whole", true);
+}
+
+TEST(Apportionment, EveryPrefixIsWithinOneOfItsShare) {
+  const std::vector<std::vector<double>> cases = {{1, 1}, {1, 0, 2}, {0.3, 0.5, 0.2}, {5, 1, 1, 1}, {7, 3, 2, 0, 11, 1}, {1, 1e-3}};
+  for (const std::vector<double>& weights : cases) {
+    const Apportionment shares(weights);
+    std::vector<int> counts(weights.size(), 0);
+    double sum = 0.0;
+    for (const double w : weights) sum += w;
+    for (int n = 1; n <= 3000; ++n) {
+      ++counts[static_cast<std::size_t>(shares.family_of(static_cast<std::uint64_t>(n - 1)))];
+      for (std::size_t i = 0; i < weights.size(); ++i) {
+        const double share = n * weights[i] / sum;
+        ASSERT_LT(std::abs(counts[i] - share), 1.0) << "family " << i << " of " << weights.size() << " in " << n;
+        if (weights[i] == 0.0) {
+          ASSERT_EQ(counts[i], 0);
+        }
+      }
+    }
+  }
+}
+
+TEST(Apportionment, EqualWeightsGiveHalvesExactly) {
+  const Apportionment shares({1.0, 1.0});
+  int first = 0;
+  for (std::uint64_t i = 0; i < 200; ++i) first += shares.family_of(i) == 0;
+  EXPECT_EQ(first, 100);
+}
+
+TEST(Apportionment, WeightZeroChangesNothing) {
+  const Apportionment without({2.0, 1.0}), with({2.0, 0.0, 1.0});
+  for (std::uint64_t i = 0; i < 500; ++i) {
+    const int family = with.family_of(i);
+    ASSERT_EQ(without.family_of(i), family == 2 ? 1 : family);
+  }
+}
+
+}  // namespace
+}  // namespace moma

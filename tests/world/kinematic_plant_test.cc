@@ -1,0 +1,117 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/world/support.h"
+
+namespace moma {
+namespace {
+
+using test::empty_world;
+using test::robot;
+using test::solid;
+
+constexpr SimulationConfig kKinematic{SimulationMode::kKinematic};
+
+TEST(KinematicPlant, IsTheExactIntegral) {
+  for (const char* name : {"frankie", "frankie_omni", "panda", "lift_ur5"}) {
+    const auto model = robot(name);
+    const auto plant = make_plant(model, empty_world(*model), kKinematic);
+    Vector3 base = Vector3::Zero();
+    VectorX q = model->ready;
+    PlantReport report;
+    for (int k = 0; k < 50; ++k) {
+      VectorX command(model->num_velocities());
+      for (Eigen::Index i = 0; i < command.size(); ++i) command[i] = 0.2 * std::sin(0.3 * k + static_cast<double>(i));
+      plant->advance(command, 0.02, report);
+      integrate(*model, base, q, command, 0.02);
+      ASSERT_EQ(plant->state().base, base) << name;
+      ASSERT_EQ(plant->state().q, q) << name;
+      ASSERT_EQ(plant->state().qdot, command) << name;
+    }
+    EXPECT_NEAR(plant->time(), 1.0, 1e-12);
+  }
+}
+
+TEST(KinematicPlant, FindsTheBoxItDrivesInto) {
+  const auto model = robot("frankie");
+  World world = empty_world(*model);
+  world.objects = {solid("box", ShapeKind::kBox, {0.2, 2.0, 0.6}, {1.1, 0.0, 0.3})};
+  const double gap = test::base_gap(*model, world.objects[0]);
+  const auto plant = make_plant(model, world, kKinematic);
+  PlantReport report;
+  plant->check_start(report);
+  EXPECT_TRUE(report.contacts.empty());
+  VectorX command = VectorX::Zero(model->num_velocities());
+  command[0] = 0.5;
+  double first = -1.0;
+  for (int k = 0; k < 100 && first < 0.0; ++k) {
+    plant->advance(command, 0.02, report);
+    for (const Contact& contact : report.contacts) {
+      if (model->shapes[static_cast<std::size_t>(contact.first)].link != 0) continue;
+      EXPECT_EQ(contact.kind, PairKind::kObject);
+      EXPECT_EQ(contact.second, 0);
+      EXPECT_TRUE(contact.by_ode);
+      first = contact.time;
+    }
+  }
+  EXPECT_NEAR(first, gap / 0.5, 0.0051) << "at 0.5 m/s, checked every 5 ms";
+}
+
+TEST(KinematicPlant, SeesWhatPassesBetweenTwoControlSteps) {
+  const auto model = robot("panda");
+  World world = empty_world(*model);
+  // A ball flies through the arm: inside it only between 0.3 and 0.7 of the step.
+  world.objects = {solid("ball", ShapeKind::kSphere, {0.05, 0.0, 0.0}, {0.0, -1.0, 0.2})};
+  LinearMotion motion;
+  motion.V_W[4] = 20.0;
+  world.objects[0].motion = motion;
+  const auto plant = make_plant(model, world, kKinematic);
+  PlantReport report;
+  plant->check_start(report);
+  EXPECT_TRUE(report.contacts.empty());
+  plant->advance(VectorX::Zero(model->num_velocities()), 0.1, report);
+  EXPECT_FALSE(report.contacts.empty());
+}
+
+TEST(KinematicPlant, FindsFloorAndSelfContact) {
+  const auto model = robot("panda");
+  World world = empty_world(*model);
+  world.start.q = (VectorX(7) << 0, 1.7, 0, -1.5, 0, 1.5, 0).finished();   // forearm down
+  PlantReport report;
+  make_plant(model, world, kKinematic)->check_start(report);
+  bool floor = false;
+  for (const Contact& contact : report.contacts) floor = floor || (contact.kind == PairKind::kFloor && contact.second == -1);
+  EXPECT_TRUE(floor);
+
+  const auto ur5 = robot("ur5");
+  World folded = empty_world(*ur5);
+  folded.start.q << 0, -1.57, 3.1, 0, 0, 0;   // forearm onto upper arm
+  make_plant(ur5, folded, kKinematic)->check_start(report);
+  bool self = false;
+  for (const Contact& contact : report.contacts) self = self || contact.kind == PairKind::kSelf;
+  EXPECT_TRUE(self);
+}
+
+TEST(KinematicPlant, RefusesBadCommands) {
+  const auto model = robot("frankie");
+  const auto plant = make_plant(model, empty_world(*model), kKinematic);
+  PlantReport report;
+  VectorX command = VectorX::Zero(model->num_velocities());
+  command[3] = std::numeric_limits<double>::quiet_NaN();
+  try {
+    plant->advance(command, 0.02, report);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find(model->velocity_names()[3]), std::string::npos) << error.what();
+  }
+  EXPECT_THROW(plant->advance(VectorX::Zero(2), 0.02, report), std::invalid_argument);
+  EXPECT_THROW(plant->advance(VectorX::Zero(model->num_velocities()), -1.0, report), std::invalid_argument);
+  World wrong = empty_world(*model);
+  wrong.start.q = VectorX::Zero(3);
+  EXPECT_THROW(make_plant(model, wrong, kKinematic), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace moma

@@ -1,0 +1,264 @@
+#include "world/scenario/worlds.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "tests/world/support.h"
+
+namespace moma {
+namespace {
+
+using test::robot;
+using test::worlds;
+
+std::vector<std::string> make_all(const Worlds& source, const std::shared_ptr<const RobotModel>& model, int count,
+                                  int threads) {
+  std::vector<std::string> out(static_cast<std::size_t>(count));
+  std::vector<std::thread> pool;
+  for (int t = 0; t < threads; ++t) {
+    pool.emplace_back([&, t] {
+      for (int i = count - 1 - t; i >= 0; i -= threads)   // backwards: order must not matter
+        out[static_cast<std::size_t>(i)] = to_json(source.make(model, static_cast<std::uint64_t>(i))).dump();
+    });
+  }
+  for (std::thread& thread : pool) thread.join();
+  return out;
+}
+
+/// Start and witness against floor, self and every object, by the distance library, one pair at a time.
+void expect_valid(const World& world, const RobotModel& model, double clearance, double witness_floor) {
+  Kinematics kinematics(std::make_shared<RobotModel>(model));
+  std::vector<ObjectState> states(world.objects.size());
+  object_states(world, 0.0, states);
+  const auto check = [&](const Configuration& c, double floor, const char* who) {
+    kinematics.update(c.base, c.q);
+    for (const CollisionShape& shape : model.shapes) {
+      const double lowest = shape.rigid_with_base ? floor : lowest_point(shape.shape, kinematics.X_WS(shape));
+      ASSERT_GE(lowest, floor) << who << " " << shape.name;
+      for (std::size_t i = 0; i < world.objects.size(); ++i)
+        ASSERT_GT(shape_distance(shape.shape, kinematics.X_WS(shape), world.objects[i].shape, states[i].X_WO).d,
+                  clearance - 1e-6)
+            << who << " " << shape.name << " " << world.objects[i].name;
+    }
+    for (const SelfPair& pair : model.self_pairs) {
+      const CollisionShape& a = model.shapes[static_cast<std::size_t>(pair.first)];
+      const CollisionShape& b = model.shapes[static_cast<std::size_t>(pair.second)];
+      ASSERT_GT(shape_distance(a.shape, kinematics.X_WS(a), b.shape, kinematics.X_WS(b)).d, 0.0) << who;
+    }
+  };
+  check(world.start, 0.0, "start");
+  check(world.witness, witness_floor, "witness");
+  EXPECT_LT((kinematics.X_WE().matrix() - world.goal.X_WG.matrix()).norm(), 1e-12) << "the witness reaches the goal";
+  for (int j = 0; j < model.num_joints(); ++j) {
+    EXPECT_GE(world.witness.q[j], model.joints[static_cast<std::size_t>(j)].lower);
+    EXPECT_LE(world.witness.q[j], model.joints[static_cast<std::size_t>(j)].upper);
+  }
+}
+
+struct Case {
+  const char* robot;
+  const char* family;
+  int count;
+};
+
+class EveryFamily : public testing::TestWithParam<Case> {};
+
+TEST_P(EveryFamily, IsSolvableByConstruction) {
+  const auto [name, family, count] = GetParam();
+  const auto model = robot(name);
+  const Worlds source = worlds("seed: 5\nfamilies: {" + std::string(family) + ": {weight: 1}}");
+  for (int i = 0; i < count; ++i) {
+    const World world = source.make(model, static_cast<std::uint64_t>(i));
+    expect_valid(world, *model, source.clearance(), 0.02);
+    EXPECT_EQ(world.family, family);
+    EXPECT_EQ(world.robot, model->name);
+    EXPECT_EQ(world.difficulty.objects, static_cast<int>(world.objects.size()));
+    if (HasFatalFailure()) FAIL() << "world " << i << ": " << to_json(world).dump();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Worlds, EveryFamily,
+                         testing::Values(Case{"frankie", "open", 1000}, Case{"frankie", "clutter", 1000},
+                                         Case{"frankie", "moving", 1000}, Case{"panda", "clutter", 200},
+                                         Case{"panda", "moving", 200}, Case{"ur5", "clutter", 200},
+                                         Case{"frankie_omni", "clutter", 100}, Case{"lift_ur5", "clutter", 100}),
+                         [](const auto& p) { return std::string(p.param.robot) + "_" + p.param.family; });
+
+TEST(Worlds, AreTheSameForAnyThreadsAndOrder) {
+  const auto model = robot("frankie");
+  const Worlds source = worlds("seed: 3\nfamilies: {open: {weight: 1}, clutter: {weight: 2}, moving: {weight: 1}}");
+  EXPECT_EQ(make_all(source, model, 60, 1), make_all(source, model, 60, 4));
+}
+
+TEST(Worlds, AFamilyOfWeightZeroChangesNothing) {
+  const auto model = robot("frankie");
+  const Worlds a = worlds("families: {open: {weight: 1}, clutter: {weight: 1}}");
+  const Worlds b = worlds("families: {moving: {weight: 0}, open: {weight: 1}, clutter: {weight: 1}}");
+  EXPECT_EQ(make_all(a, model, 30, 1), make_all(b, model, 30, 1));
+  for (std::uint64_t i = 0; i < 30; ++i) EXPECT_EQ(a.identity(i), b.identity(i));
+}
+
+TEST(Worlds, SeedsDiffer) {
+  const auto model = robot("frankie");
+  EXPECT_NE(to_json(worlds("seed: 1\nfamilies: {open: {}}").make(model, 0)).dump(),
+            to_json(worlds("seed: 2\nfamilies: {open: {}}").make(model, 0)).dump());
+}
+
+TEST(Worlds, MovingObjectsLeaveStartAndWitnessClear) {
+  const auto model = robot("frankie");
+  const Worlds source = worlds("seed: 9\nfamilies: {moving: {weight: 1}}");
+  Kinematics kinematics(model);
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    const World world = source.make(model, i);
+    std::vector<ObjectState> states(world.objects.size());
+    for (double t = 0.0; t <= 60.0; t += 0.25) {
+      object_states(world, t, states);
+      for (const Configuration* c : {&world.start, &world.witness}) {
+        kinematics.update(c->base, c->q);
+        for (const CollisionShape& shape : model->shapes)
+          for (std::size_t k = 0; k < states.size(); ++k)
+            ASSERT_GT(
+                shape_distance(shape.shape, kinematics.X_WS(shape), world.objects[k].shape, states[k].X_WO).d, 0.049)
+                << "world " << i << " at " << t;
+      }
+    }
+  }
+}
+
+TEST(Worlds, MovingObjectsDoCrossTheWay) {
+  const auto model = robot("frankie");
+  const Worlds source = worlds("seed: 9\nfamilies: {moving: {crossing: 1, objects: 1}}");
+  int crossings = 0;
+  for (std::uint64_t i = 0; i < 50; ++i) {
+    const World world = source.make(model, i);
+    const Vector3 goal = world.goal.X_WG.translation();
+    const Vector2 way = goal.head<2>();
+    const auto side = [&](double t) {
+      const Vector3 p = evaluate(world.objects[0].motion, world.objects[0].X_WO, t).X.translation();
+      return way.x() * p.y() - way.y() * p.x();
+    };
+    crossings += side(0.0) * side(60.0) < 0.0;
+  }
+  EXPECT_EQ(crossings, 50);
+}
+
+TEST(Worlds, FileKeepsEveryBit) {
+  const auto model = robot("frankie");
+  const Worlds source = worlds("seed: 4\nfamilies: {clutter: {}, moving: {}}");
+  for (std::uint64_t i = 0; i < 40; ++i) {
+    const World a = source.make(model, i);
+    const std::string text = to_json(a).dump();
+    const World b = world_from_json(nlohmann::ordered_json::parse(text), "test");
+    EXPECT_EQ(to_json(b).dump(), text);
+    EXPECT_EQ(a.goal.X_WG.matrix(), b.goal.X_WG.matrix());
+    ASSERT_EQ(a.objects.size(), b.objects.size());
+    for (std::size_t k = 0; k < a.objects.size(); ++k) {
+      EXPECT_EQ(a.objects[k].X_WO.matrix(), b.objects[k].X_WO.matrix());
+      EXPECT_EQ(evaluate(a.objects[k].motion, a.objects[k].X_WO, 1.3).X.matrix(),
+                evaluate(b.objects[k].motion, b.objects[k].X_WO, 1.3).X.matrix());
+    }
+    EXPECT_EQ(a.start.q, b.start.q);
+    EXPECT_EQ(a.witness.base, b.witness.base);
+  }
+}
+
+TEST(Worlds, ResolvedSectionReadsBack) {
+  const Worlds a = worlds("seed: 8\nclearance: 0.04\nfamilies: {clutter: {weight: 2, objects: 3, box_edge: {normal: [0.3, 0.1]}}, open: {}}");
+  const nlohmann::ordered_json json = a.to_json();
+  const Worlds b = worlds(json.dump());
+  EXPECT_EQ(b.to_json(), json);
+  EXPECT_EQ(a.identity(5), b.identity(5));
+}
+
+TEST(Worlds, FrozenSetsAreReadFromJsonLines) {
+  const auto model = robot("panda");
+  const Worlds source = worlds("seed: 2\nfamilies: {clutter: {}}");
+  const std::filesystem::path path = std::filesystem::temp_directory_path() / "moma_frozen_test.jsonl";
+  {
+    std::ofstream file(path);
+    for (std::uint64_t i = 3; i < 6; ++i) file << to_json(source.make(model, i)).dump() << "\n";
+  }
+  const Worlds frozen = worlds("frozen: " + path.string());
+  ASSERT_EQ(frozen.size(), 3);
+  EXPECT_EQ(to_json(frozen.make(model, 1)).dump(), to_json(source.make(model, 4)).dump());
+  EXPECT_EQ(frozen.family_of(0), "clutter");
+  EXPECT_THROW(frozen.make(model, 3), GenerationError);
+  EXPECT_THROW(frozen.make(robot("ur5"), 0), GenerationError);
+  const Worlds again = worlds(frozen.to_json().dump());
+  EXPECT_EQ(to_json(again.make(model, 2)).dump(), to_json(frozen.make(model, 2)).dump());
+  std::filesystem::remove(path);
+}
+
+TEST(Worlds, ErrorNamesTheConstraintThatFailedMost) {
+  const auto model = robot("frankie");
+  try {
+    worlds("tries: 20\nfamilies: {open: {tip_height: 9}}").make(model, 0);
+    FAIL() << "a goal 9 m high was found";
+  } catch (const GenerationError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("tip_height"), std::string::npos) << text;
+    EXPECT_NE(text.find("20"), std::string::npos) << text;
+  }
+  try {
+    worlds("clearance: 30\ntries: 3\nfamilies: {clutter: {}}").make(model, 0);
+    FAIL();
+  } catch (const GenerationError& error) {
+    EXPECT_NE(std::string(error.what()).find("clearance"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Worlds, RefusesBadSections) {
+  const auto refused = [](const std::string& yaml, const char* part) {
+    try {
+      worlds(yaml);
+      ADD_FAILURE() << yaml << " was accepted";
+    } catch (const config::ConfigError& error) {
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    }
+  };
+  refused("seed: 1", "families");
+  refused("families: {}", "at least one family");
+  refused("families: {cluter: {}}", "did you mean clutter?");
+  refused("families: {open: {weight: 0}}", "weight above 0");
+  refused("families: {open: {weight: -1}}", "weight");
+  refused("families: {open: {objects: 3}}", "objects");
+  refused("families: {clutter: {objects: 2.5}}", "whole");
+  refused("families: {clutter: {shapes: [cone]}}", "cone");
+  refused("sed: 3\nfamilies: {open: {}}", "did you mean seed?");
+  refused("frozen: /nowhere/worlds.jsonl", "/nowhere/worlds.jsonl");
+  refused("clearance: -0.1\nfamilies: {open: {}}", "clearance");
+}
+
+TEST(Worlds, FileErrorsNameThePlace) {
+  const auto model = robot("panda");
+  const nlohmann::ordered_json good = to_json(worlds("families: {clutter: {objects: 2}}").make(model, 0));
+  const auto refused = [&](auto change, const char* part) {
+    nlohmann::ordered_json bad = good;
+    change(bad);
+    try {
+      world_from_json(bad, "set.jsonl:7");
+      ADD_FAILURE() << "accepted: " << part;
+    } catch (const config::ConfigError& error) {
+      const std::string text = error.what();
+      EXPECT_NE(text.find("set.jsonl:7"), std::string::npos) << text;
+      EXPECT_NE(text.find(part), std::string::npos) << text;
+    }
+  };
+  refused([](auto& w) { w["objects"][1]["size"] = {-1.0}; }, "size");
+  refused([](auto& w) { w["objects"][1]["shape"] = "cone"; }, "cone");
+  refused([](auto& w) { w["objects"][0]["name"] = w["objects"][1]["name"]; }, "twice");
+  refused([](auto& w) { w["goal"]["quaternion"] = {1, 1, 0, 0}; }, "unit quaternion");
+  refused([](auto& w) { w["goal"]["motion"] = {{"kind", "warp"}}; }, "linear");
+  refused([](auto& w) { w["goal"]["motion"] = {{"kind", "spline"}, {"times", {0, 1}}, {"positions", {{0, 0, 9}, {0, 0, 8}}}}; },
+          "position given");
+  refused([](auto& w) { w.erase("start"); }, "start");
+  refused([](auto& w) { w["colour"] = "red"; }, "colour");
+}
+
+}  // namespace
+}  // namespace moma
