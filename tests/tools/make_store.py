@@ -2,6 +2,7 @@
 """Writes a store with made-up but plausible rows, for tests of what reads stores. Standard library only.
 
 usage: make_store.py SCHEMA.sql OUT.db [--kind demo|empty|one|failures|hostile|sweep] [--worlds N]
+                     [--samples N]
 
 Every number is a pure function of the arguments. The motion of a trial is an interpolation between the start and
 the goal's configuration, and its errors follow from forward kinematics of the robot below.
@@ -149,14 +150,16 @@ def make_trace(world, x, end, reach, period):
     """Columns by name. The motion covers `reach` of the way to the witness in `end` seconds."""
     a, b = world['start'], world['witness']
     table = {}
-    for step in range(max(1, round(end / period))):
+    steps = max(1, round(end / period))
+    for step in range(steps):
         t = step * period
         s = min(1.0, t / end) if end > 0 else 0.0
         s = reach * (3 * s * s - 2 * s * s * s)
         base = [u + s * (v - u) for u, v in zip(a['base'], b['base'])]
         q = [u + s * (v - u) for u, v in zip(a['q'], b['q'])]
-        now = tip(base, q)
-        error = rotation_error(x, now) + [x[i][3] - now[i][3] for i in range(3)]
+        if step % 5 == 0 or step == steps - 1:   # in between the last error stands: forward kinematics is slow here
+            now = tip(base, q)
+            error = rotation_error(x, now) + [x[i][3] - now[i][3] for i in range(3)]
         row = {'t': t, 'base_x': base[0], 'base_y': base[1], 'base_phi': base[2]}
         row.update({f'q{i}': v for i, v in enumerate(q)})
         row.update({f'qdot{i}': 0.1 * math.sin(t + i) for i in range(9)})
@@ -237,6 +240,7 @@ def main():
     parser.add_argument('out')
     parser.add_argument('--kind', default='demo', choices=['demo', 'empty', 'one', 'failures', 'hostile', 'sweep'])
     parser.add_argument('--worlds', type=int, default=200)
+    parser.add_argument('--samples', type=int, default=12, help='failures of each point whose samples are kept')
     args = parser.parse_args()
 
     db = sqlite3.connect(args.out)
@@ -307,7 +311,7 @@ def main():
             insert(db, 'trial', {'key': key, 'world_id': world_id, **row})
             insert(db, 'execution', {'key': key, 'invocation_id': invocation_id, **timing})
             insert(db, 'point_trial', {'point_id': point_id, 'world_index': world['index'], 'key': key})
-            if (row['outcome'] != 'success' and kept < 40) or args.kind == 'one':
+            if (row['outcome'] != 'success' and kept < args.samples) or args.kind == 'one':
                 kept += 1
                 trace = make_trace(world, x, row['time_end_s'], 1.0 if row['outcome'] == 'success' else 0.8, 0.02)
                 data = b''.join(struct.pack(f'<{len(c)}d', *c) for c in trace.values())

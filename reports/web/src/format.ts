@@ -58,6 +58,11 @@ export function plural(count: number, one: string, many = one + 's'): string {
   return `${integer(count)}\u00a0${count === 1 ? one : many}`;
 }
 
+/** "once", "twice", "7 times". */
+export function times(count: number): string {
+  return count === 1 ? 'once' : count === 2 ? 'twice' : count === 0 ? 'never' : `${integer(count)}\u00a0times`;
+}
+
 export function list(words: readonly string[]): string {
   if (words.length <= 1) return words[0] ?? '';
   return `${words.slice(0, -1).join(', ')} and ${words[words.length - 1]}`;

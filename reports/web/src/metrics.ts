@@ -42,7 +42,7 @@ export const kMetrics: readonly Metric[] = [
   m('active_rows_mean', 'active constraints, mean', '', '', f(2)),
   m('tracking_error_rms', 'tracking error, RMS', '', 'low'),
   m('slip_max_m_s', 'wheel slip, greatest', 'm/s', 'low'),
-  m('collision_depth_m', 'collision depth', 'm', 'low'),
+  m('collision_depth_m', 'collision depth', 'm', 'low', (value) => significant(value, 2)),
   m('collision_time_s', 'time of collision', 's', '', f(2)),
   m('collision_count', 'pairs in contact', '', 'low', f(0)),
   m('qp_infeasible', 'infeasible steps', '', 'low', f(0)),

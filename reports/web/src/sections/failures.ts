@@ -19,7 +19,14 @@ interface Cluster {
 
 /** "sphere3" and "sphere7" are one kind of thing; what follows "self:" is kept. */
 function kind(object: string): string {
-  return object.startsWith('self:') ? `itself (${object.slice(5)})` : object.replace(/[\s_-]*\d+$/, '') || object;
+  if (object.startsWith('self:')) return `itself (${object.slice(5)})`;
+  const stem = object.replace(/[\s_-]*\d+$/, '') || object;
+  return stem === 'object' ? 'an object' : stem;
+}
+
+/** "@base" is the mobile base; "hand/2" the second shape of hand. */
+function part(link: string): string {
+  return link === '@base' ? 'base' : link.replace(/\/\d+$/, '');
 }
 
 /** Nearer than this, an object is taken for what holds the robot [m]. */
@@ -33,14 +40,14 @@ const kHolds = 0.1;
 function cause(reason: string): string {
   const held: string[] = [];
   let told = false;
-  for (const part of reason.split(';')) {
-    const near = /^\s*(\S+) is ([-+.\deE]+) m from (.+)$/.exec(part);
-    const limit = /^\s*(\S+) is ([-+.\deE]+) from its limit$/.exec(part);
-    const outside = /^\s*(\S+) at \S+ is outside /.exec(part);
-    if (/ from the goal$/.test(part)) told = true;
+  for (const text of reason.split(';')) {
+    const near = /^\s*(\S+) is ([-+.\deE]+) m from (.+)$/.exec(text);
+    const limit = /^\s*(\S+) is ([-+.\deE]+) from its limit$/.exec(text);
+    const outside = /^\s*(\S+) at \S+ is outside /.exec(text);
+    if (/ from the goal$/.test(text)) told = true;
     else if (outside !== null) return `${outside[1]} beyond its limit`;
     else if (near !== null) {
-      if (Number(near[2]) < kHolds) held.push(`${near[1]} close to ${kind(near[3] ?? '')}`);
+      if (Number(near[2]) < kHolds) held.push(`${part(near[1] ?? '')} close to ${kind(near[3] ?? '')}`);
     } else if (limit !== null) held.push(`${limit[1]} at its limit`);
   }
   if (held.length > 0) return held.join(', ');
@@ -57,7 +64,7 @@ function clusters(model: Model): Cluster[] {
       const outcome = t.outcome(row);
       if (outcome === 'success') continue;
       const link = t.text('link', row);
-      const what = outcome === 'collision' ? `${link || 'robot'} against ${kind(t.text('object', row)) || 'something'}` : cause(t.text('reason', row));
+      const what = outcome === 'collision' ? `${part(link) || 'robot'} against ${kind(t.text('object', row)) || 'something'}` : cause(t.text('reason', row));
       const key = [outcome, s.index, what].join('\n');
       const cluster = found.get(key) ?? { outcome, controller: s.controller, point: s.point, what, rows: [] };
       cluster.rows.push(row);

@@ -3,7 +3,7 @@
 import { pairs } from '../compare';
 import { inSlice, type Model, type PointInfo, type SummaryRow } from '../data';
 import { h, replace } from '../dom';
-import { integer, list, percent, percentNumber, percentRange, plural, probability, seconds } from '../format';
+import { integer, list, percent, percentNumber, percentRange, plural, probability, seconds, times } from '../format';
 import { holm } from '../stats';
 import { palette, seriesColour, onTheme } from '../theme';
 import { onView, view } from '../view';
@@ -93,7 +93,7 @@ function comparison(model: Model): HTMLElement | null {
   return h('div', { class: 'paired-words' }, ...all.slice(0, 5).map(({ s, r }, i) => {
     const p = corrected[i] ?? 1;
     const verdict = p < 0.05 ? `${(r.onlyB > r.onlyA ? s : first).name} is ahead` : 'the difference may be chance';
-    return h('p', null, `On the same ${plural(r.worlds.length, 'world')}, ${s.name} succeeded ${integer(r.onlyB)} times where ${first.name} failed, and failed ${integer(r.onlyA)} times where it succeeded: ${verdict} (exact McNemar ${probability(p)}${all.length > 1 ? ', Holm' : ''}).`);
+    return h('p', null, `On the same ${plural(r.worlds.length, 'world')}, ${s.name} succeeded ${times(r.onlyB)} where ${first.name} failed, and failed ${times(r.onlyA)} where it succeeded: ${verdict} (exact McNemar ${probability(p)}${all.length > 1 ? ', Holm' : ''}).`);
   }));
 }
 

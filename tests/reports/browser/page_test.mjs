@@ -1,0 +1,272 @@
+// The report page in a real browser, offline: page_test.mjs SOURCE_DIR MAKE_REPORT WORK_DIR [SCREENSHOT_DIR]
+// Exit 0: passed; 1: failed; 77: left out, since node's packages, python3 or chromium are missing.
+import { execFileSync } from 'node:child_process';
+import { existsSync, mkdirSync, readFileSync, rmSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { join } from 'node:path';
+import { inflateSync } from 'node:zlib';
+
+const [, , source, makeReport, work, screenshots] = process.argv;
+const skip = (why) => {
+  console.log(`skipped: ${why}; scripts/setup.sh installs what is missing`);
+  process.exit(77);
+};
+const chromiumPath = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'].find(existsSync);
+if (chromiumPath === undefined) skip('there is no chromium');
+const require = createRequire(join(source, 'reports/web/package.json'));
+let chromium;
+try {
+  ({ chromium } = require('playwright-core'));
+} catch {
+  skip('playwright-core is not in reports/web/node_modules');
+}
+
+let failures = 0;
+const check = (ok, what) => {
+  if (!ok) {
+    failures += 1;
+    console.log(`FAILED: ${what}`);
+  }
+};
+const near = (a, b, tolerance) => Math.abs(a - b) <= tolerance;
+
+rmSync(work, { recursive: true, force: true });
+mkdirSync(work, { recursive: true });
+const makePage = (kind, worlds) => {
+  const db = join(work, `${kind}.db`);
+  const html = join(work, `${kind}.html`);
+  execFileSync('python3', [join(source, 'tests/tools/make_store.py'), join(source, 'eval/store/schema.sql'), db,
+    '--kind', kind, '--worlds', String(worlds), '--samples', '8'], { stdio: 'inherit' });
+  execFileSync(makeReport, [db, html], { stdio: 'inherit' });
+  return html;
+};
+const dataOf = (html) => JSON.parse(readFileSync(html, 'utf8').split('id="moma-data">')[1].split('</script')[0]);
+
+const browser = await chromium.launch({
+  executablePath: chromiumPath, headless: true,
+  args: ['--no-sandbox', '--enable-unsafe-swiftshader', '--use-angle=swiftshader', '--disable-background-networking',
+    '--disable-component-update', '--disable-sync', '--no-first-run'],
+});
+
+/** Opens a page and notes everything it must not do. */
+const open = async (html, { width = 1280, hash = '', scheme = 'light' } = {}) => {
+  const context = await browser.newContext({ viewport: { width, height: 900 }, offline: true, colorScheme: scheme, acceptDownloads: true });
+  const page = await context.newPage();
+  page.setDefaultTimeout(60000);
+  page.on('console', (message) => { if (message.type() === 'error') check(false, `console error: ${message.text()}`); });
+  page.on('pageerror', (error) => check(false, `page error: ${error.stack}`));
+  page.on('dialog', (dialog) => { check(false, 'a dialog opened'); void dialog.dismiss(); });
+  page.on('request', (request) => { if (!/^(file|data|blob):/.test(request.url())) check(false, `request to ${request.url()}`); });
+  await page.goto(`file://${html}${hash}`);
+  return { context, page };
+};
+
+/** Everything is drawn only where it is seen. */
+const scrollThrough = async (page) => {
+  const height = await page.evaluate(() => document.documentElement.scrollHeight);
+  for (let y = 0; y < height; y += 600) {
+    await page.evaluate((top) => scrollTo({ top, behavior: 'instant' }), y);
+    await page.waitForTimeout(60);
+  }
+};
+
+const noOverflow = async (page, what) => {
+  const [wide, inner] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
+  check(wide <= inner, `${what}: the page is ${wide} wide in a window of ${inner}`);
+};
+
+const textOf = (download) => download.path().then((path) => readFileSync(path, 'utf8'));
+
+// ---- what every reader sees ---------------------------------------------------------------------------------------
+const demo = makePage('demo', 60);
+const data = dataOf(demo);
+{
+  const { context, page } = await open(demo);
+  await page.waitForSelector('.verdict');
+  const verdicts = await page.locator('.verdict').allInnerTexts();
+  check(verdicts.length === 2, 'two controllers, two verdicts');
+  data.overall.forEach((row, i) => {
+    check(verdicts[i].includes((100 * row.success_rate).toFixed(1)), `verdict ${i} names the success rate`);
+    check(verdicts[i].includes(`${(100 * row.success_low).toFixed(1)}\u2013${(100 * row.success_high).toFixed(1)}`), `verdict ${i} names the interval`);
+  });
+  for (const row of [...data.summary, ...data.overall]) {
+    const cells = await page.locator('.summary tbody tr').filter({ has: page.locator('td') }).allInnerTexts();
+    const wanted = [String(row.n), row.manip_mean.toFixed(4), `${(100 * row.success_low).toFixed(1)}\u2013${(100 * row.success_high).toFixed(1)}`];
+    check(cells.some((text) => text.includes(row.controller) && wanted.every((part) => text.includes(part))), `summary row ${JSON.stringify(row)}`);
+  }
+  await noOverflow(page, '1280');
+
+  // Figures: each saves itself as SVG and its data as CSV, and says its n.
+  await scrollThrough(page);
+  for (const id of await page.locator('.figure').evaluateAll((all) => all.map((f) => f.id))) {
+    const figure = page.locator(`#${id}`);
+    await figure.scrollIntoViewIfNeeded();
+    await page.waitForFunction((name) => document.querySelector(`#${name} canvas`) !== null, id);
+    check(/n = \d/.test(await figure.locator('.note').innerText()), `${id} states n`);
+    const [svg] = await Promise.all([page.waitForEvent('download'), figure.getByText('Save SVG').click()]);
+    const drawing = await textOf(svg);
+    check(drawing.startsWith('<svg') && drawing.includes('<path') && drawing.length > 2000, `${id} saves an SVG`);
+    const [table] = await Promise.all([page.waitForEvent('download'), figure.getByText('Data CSV').click()]);
+    check((await textOf(table)).split('\n').length > 3, `${id} saves its data`);
+    if (id === 'figure-arrival') {
+      const lines = (await textOf(table)).trim().split('\n').slice(1).map((line) => line.split(','));
+      for (const row of data.overall) {
+        const last = lines.filter((line) => line[0] === row.controller).pop();
+        check(near(Number(last[3]), row.success_rate, 1e-12) && near(Number(last[4]), row.success_low, 1e-12)
+          && near(Number(last[5]), row.success_high, 1e-12), `${row.controller}'s curve ends at its success rate`);
+      }
+    }
+  }
+
+  // The table of trials.
+  const outcomes = data.trials.columns.outcome;
+  const stuck = outcomes.codes.filter((code) => outcomes.values[code] === 'stuck').length;
+  const note = page.locator('#trials footer .note');
+  await page.locator('#trials input[type=search]').fill('stuck');
+  check((await note.innerText()).startsWith(`${stuck} of 120`), `filter finds ${stuck} stuck trials: ${await note.innerText()}`);
+  check(page.url().includes('q=stuck'), 'the address keeps the filter');
+  await page.locator('#trials').getByText('To goal [s]').click();
+  await page.locator('#trials').getByText('Clear', { exact: true }).click();
+  check((await note.innerText()).startsWith('120 trials'), 'cleared filter shows all');
+  await page.locator('#trials').getByText('To goal [s]').click();
+  const shown = await page.locator('#trials .rows .row').first().getAttribute('data-trial');
+  const times = data.trials.columns.time_to_goal_s;
+  const fastest = times.indexOf(Math.min(...times.filter((t) => t !== null)));
+  check(data.trials.columns.trial.values[data.trials.columns.trial.codes[fastest]] === shown, 'sorted by time, the fastest is first');
+
+  // Keyboard: arrows choose, the detail names the command that plays it.
+  await page.locator('#trials .grid-scroll').focus();
+  await page.keyboard.press('ArrowDown');
+  const chosen = await page.locator('#trials .row.chosen').getAttribute('data-trial');
+  check(chosen !== null, 'an arrow chooses a trial');
+  check((await page.locator('.detail code').innerText()) === `moma replay demo.db ${chosen}`, 'the detail has the replay command');
+  const address = page.url();
+
+  // The same address opens the same view.
+  const again = await open(demo, { hash: new URL(address).hash });
+  await again.page.waitForSelector('.row.chosen', { state: 'attached' });
+  check((await again.page.locator('#trials .row.chosen').getAttribute('data-trial')) === chosen, 'the address opens the same trial');
+  await again.context.close();
+
+  // A family only: the verdict is that family's.
+  await page.locator('.segments').getByText('clutter').click();
+  const clutter = data.summary.find((s) => s.family === 'clutter' && s.controller === 'moma');
+  check((await page.locator('.verdict').nth(1).innerText()).includes((100 * clutter.success_rate).toFixed(1)), 'verdict of a family');
+  await page.locator('.segments').getByText('all worlds').click();
+
+  // Light and dark.
+  const before = await page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+  await page.locator('.toolbar').getByText('Dark').click();
+  check((await page.evaluate(() => getComputedStyle(document.body).backgroundColor)) !== before, 'dark differs from light');
+  await context.close();
+}
+
+// ---- replay -------------------------------------------------------------------------------------------------------
+/** Column of a replay's samples, decoded independently of the page. */
+const column = (replay, name) => {
+  const planes = inflateSync(Buffer.from(replay.data, 'base64'));
+  const count = replay.n * replay.columns.length;
+  const bytes = Buffer.alloc(4 * count);
+  for (let k = 0; k < 4; ++k) for (let i = 0; i < count; ++i) bytes[4 * i + k] = planes[k * count + i];
+  const at = replay.columns.indexOf(name);
+  return Array.from({ length: replay.n }, (_, i) => bytes.readFloatLE(4 * (at * replay.n + i)));
+};
+{
+  const { context, page } = await open(demo);
+  await page.locator('.atlas .play').first().click();
+  await page.waitForSelector('.stage-box[data-trial]');
+  const time = async () => Number(await page.locator('.transport input[type=range]').inputValue());
+  await page.waitForFunction(() => Number(document.querySelector('.transport input[type=range]').value) > 0.05);
+  check((await time()) > 0, 'a failure plays');
+  await page.locator('.transport .play').click();
+  await page.locator('.transport input[type=range]').evaluate((input) => {
+    input.value = '1';
+    input.dispatchEvent(new Event('input', { bubbles: true }));
+  });
+  check((await page.locator('.clock').innerText()).startsWith('1.00 of'), 'the time line scrubs');
+  await page.locator('.stage').focus();
+  await page.keyboard.press('ArrowRight');
+  check((await page.locator('.clock').innerText()).startsWith('1.10 of'), 'an arrow steps');
+  const colours = await page.locator('.stage').evaluate((canvas) => {
+    const copy = document.createElement('canvas');
+    copy.width = canvas.width;
+    copy.height = canvas.height;
+    return new Promise((done) => requestAnimationFrame(() => {
+      document.querySelector('.transport input[type=range]').dispatchEvent(new Event('input', { bubbles: true }));   // draws now
+      copy.getContext('2d').drawImage(canvas, 0, 0);
+      const pixels = copy.getContext('2d').getImageData(0, 0, copy.width, copy.height).data;
+      const found = new Set();
+      for (let i = 0; i < pixels.length; i += 404) found.add(`${pixels[i] >> 3},${pixels[i + 1] >> 3},${pixels[i + 2] >> 3}`);
+      done(found.size);
+    }));
+  });
+  check(colours > 20, `the scene shows ${colours} colours`);
+
+  // The page's forward kinematics against the stored error, which the simulation computed.
+  for (const replay of data.replays) {
+    await page.evaluate((trial) => { location.hash = `trial=${trial}`; }, replay.trial);
+    await page.locator('.shelf button').nth(data.replays.indexOf(replay)).click();
+    await page.waitForFunction((trial) => document.querySelector('.stage-box').dataset.trial === trial, replay.trial);
+    const shown = Number(await page.locator('.stage-box').getAttribute('data-position-error'));
+    const stored = column(replay, 'error_position')[0];
+    check(near(shown, stored, 1e-5), `trial ${replay.trial}: end effector ${shown} m from the goal, stored ${stored} m`);
+  }
+  await context.close();
+}
+
+// ---- a phone, accessibility, odd stores ---------------------------------------------------------------------------
+{
+  const { context, page } = await open(demo, { width: 390 });
+  await scrollThrough(page);
+  await noOverflow(page, '390');
+  await context.close();
+}
+for (const scheme of ['light', 'dark']) {
+  const { context, page } = await open(demo, { scheme });
+  await scrollThrough(page);
+  await page.waitForTimeout(500);
+  await page.evaluate(readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8'));
+  const serious = await page.evaluate(async () => (await window.axe.run(document, { resultTypes: ['violations'] })).violations
+    .filter((v) => v.impact === 'serious' || v.impact === 'critical')
+    .map((v) => `${v.id}: ${v.help}: ${v.nodes.slice(0, 3).map((n) => `${n.target} ${n.failureSummary}`).join(' | ')}`));
+  for (const violation of serious) check(false, `${scheme}: accessibility: ${violation}`);
+  await context.close();
+}
+{
+  const html = makePage('hostile', 24);
+  const { context, page } = await open(html);
+  await scrollThrough(page);
+  check((await page.title()).startsWith('</script><script>document.title="taken"</script>'), `hostile names are the title's text: ${await page.title()}`);
+  check((await page.locator('h1').innerText()).includes('</script><script>'), 'hostile suite shows as text');
+  check((await page.locator('.verdict h2').nth(1).innerText()) === 'quo"te\'s & <b>bold</b>', 'hostile controller shows as text');
+  check((await page.locator('.facts').innerText()).includes('机器人'), 'names that are not ASCII show');
+  check((await page.locator('#app b').allInnerTexts()).every((text) => text !== 'bold'), 'no markup from names');
+  await page.locator('#figure-outcomes canvas').hover({ position: { x: 500, y: 60 } });
+  await page.waitForTimeout(200);
+  check((await page.evaluate(() => [...document.querySelectorAll('b')].some((b) => b.textContent === 'bold'))) === false, 'no markup in tooltips');
+  await context.close();
+}
+for (const [kind, worlds] of [['empty', 0], ['one', 1], ['failures', 16], ['sweep', 12]]) {
+  const { context, page } = await open(makePage(kind, worlds));
+  await scrollThrough(page);
+  await noOverflow(page, kind);
+  const text = await page.locator('#app').innerText();
+  check(!/NaN|undefined|\[object/.test(text), `${kind}: ${/.{0,40}(NaN|undefined|\[object).{0,40}/.exec(text)?.[0]}`);
+  if (kind === 'empty') check(text.includes('holds no trials yet'), 'an empty store says so');
+  if (kind === 'failures') check(text.includes('No trial reached its goal'), 'only failures: the arrival figure says so');
+  await context.close();
+}
+
+if (screenshots !== undefined) {
+  for (const [width, scheme] of [[1280, 'light'], [1280, 'dark'], [390, 'light']]) {
+    const { context, page } = await open(demo, { width, scheme });
+    await scrollThrough(page);
+    await page.evaluate(() => scrollTo({ top: 0, behavior: 'instant' }));
+    await page.waitForTimeout(800);
+    await page.screenshot({ path: join(screenshots, `report-${width}-${scheme}.png`), fullPage: true });
+    await context.close();
+  }
+}
+await browser.close();
+console.log(failures === 0 ? 'the page passed' : `${failures} checks failed`);
+process.exit(failures === 0 ? 0 : 1);

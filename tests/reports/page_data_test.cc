@@ -1,0 +1,160 @@
+// Every number of the page is the store's: the data block against SQL.
+#include <gtest/gtest.h>
+
+#include <SQLiteCpp/SQLiteCpp.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "reports/render/report.h"
+#include "tests/reports/store_files.h"
+
+namespace moma::reports {
+namespace {
+
+using Json = nlohmann::json;
+
+Json cell_of(const SQLite::Column& cell) {
+  if (cell.isNull()) return nullptr;
+  if (cell.isInteger()) return cell.getInt64();
+  if (cell.isFloat()) return cell.getDouble();
+  return cell.getString();
+}
+
+/// Value of a trial's column in the page.
+Json page_cell(const Json& column, std::size_t row) {
+  if (column.is_array()) return column.at(row);
+  const int code = column.at("codes").at(row).get<int>();
+  return code < 0 ? Json(nullptr) : column.at("values").at(static_cast<std::size_t>(code));
+}
+
+Json page_of(const Folder& folder, const std::string& kind, int worlds) {
+  make_store(folder / "a.db", kind, worlds);
+  write_report(folder / "a.db", folder / "a.html");
+  return data_of(read_file(folder / "a.html"));
+}
+
+class PageEqualsStore : public testing::TestWithParam<const char*> {};
+
+TEST_P(PageEqualsStore, EveryCellOfTrials) {
+  const Folder folder;
+  const Json page = page_of(folder, GetParam(), 24);
+  const Json& columns = page.at("trials").at("columns");
+  SQLite::Database store((folder / "a.db").string());
+  std::map<std::string, std::size_t> place;
+  const std::size_t n = page.at("trials").at("n").get<std::size_t>();
+  for (std::size_t i = 0; i < n; ++i) {
+    place[page_cell(columns.at("trial"), i).get<std::string>() + "|" +
+          page_cell(columns.at("controller"), i).get<std::string>() + "|" +
+          page_cell(columns.at("point"), i).get<std::string>()] = i;
+  }
+  SQLite::Statement query(store, "SELECT * FROM v_trials");
+  std::size_t rows = 0;
+  std::size_t numbers = 0;
+  for (; query.executeStep(); ++rows) {
+    const std::string key = query.getColumn("trial").getString() + "|" + query.getColumn("controller").getString() +
+                            "|" + query.getColumn("point").getString();
+    ASSERT_TRUE(place.count(key)) << key << " is not in the page";
+    for (int i = 0; i < query.getColumnCount(); ++i) {
+      const std::string name = query.getColumnName(i);
+      if (name == "params") continue;
+      EXPECT_EQ(page_cell(columns.at(name), place[key]), cell_of(query.getColumn(i))) << key << " " << name;
+      numbers += query.getColumn(i).isFloat() ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(rows, n);
+  EXPECT_EQ(place.size(), n);
+  EXPECT_GT(numbers, 30 * n / 2);
+  for (const auto& [name, column] : columns.items()) {
+    EXPECT_EQ((column.is_array() ? column : column.at("codes")).size(), n) << name;
+  }
+}
+
+TEST_P(PageEqualsStore, EveryCellOfTheSummary) {
+  const Folder folder;
+  const Json page = page_of(folder, GetParam(), 24);
+  SQLite::Database store((folder / "a.db").string());
+  SQLite::Statement query(store, "SELECT * FROM v_summary");
+  std::size_t rows = 0;
+  for (; query.executeStep(); ++rows) {
+    Json wanted = Json::object();
+    for (int i = 0; i < query.getColumnCount(); ++i) wanted[query.getColumnName(i)] = cell_of(query.getColumn(i));
+    EXPECT_EQ(std::count(page.at("summary").begin(), page.at("summary").end(), wanted), 1) << wanted.dump();
+  }
+  EXPECT_EQ(rows, page.at("summary").size());
+}
+
+INSTANTIATE_TEST_SUITE_P(Stores, PageEqualsStore, testing::Values("demo", "one", "failures", "hostile", "sweep"),
+                         [](const auto& kind) { return std::string(kind.param); });
+
+TEST(PageData, OverallRatesByHand) {
+  const Folder folder;
+  const Json page = page_of(folder, "demo", 40);
+  SQLite::Database store((folder / "a.db").string());
+  ASSERT_EQ(page.at("overall").size(), 2u);
+  for (const Json& row : page.at("overall")) {
+    SQLite::Statement query(store, "SELECT outcome, time_to_goal_s, manip_mean FROM v_trials WHERE controller = ?");
+    query.bind(1, row.at("controller").get<std::string>());
+    double n = 0, hits = 0, collisions = 0, manip = 0;
+    std::vector<double> times;
+    while (query.executeStep()) {
+      ++n;
+      hits += query.getColumn(0).getString() == "success";
+      collisions += query.getColumn(0).getString() == "collision";
+      manip += query.getColumn(2).getDouble();
+      if (!query.getColumn(1).isNull()) times.push_back(query.getColumn(1).getDouble());
+    }
+    std::sort(times.begin(), times.end());
+    EXPECT_EQ(row.at("n").get<double>(), n);
+    EXPECT_TRUE(row.at("family").is_null());
+    EXPECT_DOUBLE_EQ(row.at("success_rate").get<double>(), hits / n);
+    EXPECT_DOUBLE_EQ(row.at("collision_rate").get<double>(), collisions / n);
+    EXPECT_NEAR(row.at("manip_mean").get<double>(), manip / n, 1e-14);
+    const std::size_t k = times.size();
+    EXPECT_DOUBLE_EQ(row.at("time_to_goal_median_s").get<double>(), 0.5 * (times[(k - 1) / 2] + times[k / 2]));
+    // Wilson's bounds are where the score test just rejects: |p - p0| = z sqrt(p0 (1 - p0) / n).
+    const double z = 1.959963984540054;
+    for (const char* bound : {"success_low", "success_high"}) {
+      const double p0 = row.at(bound).get<double>();
+      EXPECT_NEAR(std::abs(hits / n - p0), z * std::sqrt(p0 * (1 - p0) / n), 1e-12) << bound;
+    }
+    EXPECT_LT(row.at("success_low"), row.at("success_rate"));
+    EXPECT_GT(row.at("success_high"), row.at("success_rate"));
+  }
+}
+
+TEST(PageData, RatesAtTheirEnds) {
+  const Folder folder;
+  const Json page = page_of(folder, "failures", 12);
+  for (const Json& row : page.at("overall")) {
+    EXPECT_EQ(row.at("success_rate"), 0.0);
+    EXPECT_EQ(row.at("success_low"), 0.0);
+    // With no hit Wilson's upper bound is z^2 / (n + z^2).
+    EXPECT_NEAR(row.at("success_high").get<double>(), 3.8414588206941245 / (12 + 3.8414588206941245), 1e-15);
+    EXPECT_TRUE(row.at("time_to_goal_median_s").is_null());
+  }
+}
+
+TEST(PageData, DifficultyAndMissesComeWithEachTrial) {
+  const Folder folder;
+  const Json page = page_of(folder, "demo", 16);
+  const Json& columns = page.at("trials").at("columns");
+  SQLite::Database store((folder / "a.db").string());
+  SQLite::Statement query(store,
+                          "SELECT w.goal_distance_m, w.objects, e.deadline_misses FROM trial t JOIN world w ON w.id = "
+                          "t.world_id JOIN execution e ON e.key = t.key WHERE t.trial = ?");
+  for (std::size_t i = 0; i < page.at("trials").at("n"); ++i) {
+    query.reset();
+    query.bind(1, page_cell(columns.at("trial"), i).get<std::string>());
+    ASSERT_TRUE(query.executeStep());
+    EXPECT_EQ(columns.at("goal_distance_m").at(i), query.getColumn(0).getDouble());
+    EXPECT_EQ(columns.at("objects").at(i), query.getColumn(1).getInt());
+    EXPECT_EQ(columns.at("deadline_misses").at(i), query.getColumn(2).getInt());
+  }
+}
+
+}  // namespace
+}  // namespace moma::reports
