@@ -31,7 +31,10 @@ install(FILES "${PROJECT_BINARY_DIR}/momaConfig.cmake" "${PROJECT_BINARY_DIR}/mo
         DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/moma" COMPONENT library)
 
 if(TARGET moma)
-  # coal lives in a wheel's prefix, which no loader knows.
+  # coal lives in a wheel's prefix, which no loader knows; inside the source tree it is not taken from the link line.
   set_target_properties(moma PROPERTIES INSTALL_RPATH_USE_LINK_PATH ON)
+  if(MOMA_WHEEL_PREFIX)
+    set_target_properties(moma PROPERTIES INSTALL_RPATH "${MOMA_WHEEL_PREFIX}/lib")
+  endif()
   install(TARGETS moma RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT program)
 endif()
