@@ -151,6 +151,34 @@ TEST(Contacts, CylindersAreDecidedByTheDistanceLibrary) {
   EXPECT_GT(touching, 30);
 }
 
+TEST(Contacts, SkippingWhatCannotHaveMovedFarEnoughMissesNothing) {
+  const auto model = test::robot("panda");
+  World world = test::empty_world(*model);
+  world.objects = {test::solid("post", ShapeKind::kCylinder, {0.05, 1.2, 0.0}, {0.45, 0.25, 0.6}),
+                   test::solid("roller", ShapeKind::kCylinder, {0.1, 0.3, 0.0}, {0.3, -0.6, 0.5})};
+  LinearMotion motion;
+  motion.V_W << 0.0, 0.0, 1.0, 0.0, 0.2, 0.0;
+  world.objects[1].motion = motion;
+  const auto plant = make_plant(model, world, {SimulationMode::kKinematic});
+  PlantReport report, fresh;
+  int touching = 0, free = 0;
+  for (int k = 1; k <= 800; ++k) {
+    VectorX command(7);
+    for (int j = 0; j < 7; ++j) command[j] = 0.8 * std::cos(0.011 * k * (j + 1) + j);
+    plant->advance(command, 0.005, report);   // one check
+    World now = world;
+    now.start.q = plant->state().q;
+    now.objects[1].X_WO = evaluate(motion, world.objects[1].X_WO, plant->time()).X;
+    make_plant(model, now, {SimulationMode::kKinematic})->check_start(fresh);
+    ASSERT_EQ(report.contacts.size(), fresh.contacts.size()) << "step " << k;
+    for (std::size_t i = 0; i < fresh.contacts.size(); ++i)
+      ASSERT_NEAR(report.contacts[i].depth, fresh.contacts[i].depth, 1e-9);
+    (fresh.contacts.empty() ? free : touching) += 1;
+  }
+  EXPECT_GT(touching, 20);
+  EXPECT_GT(free, 20);
+}
+
 TEST(Contacts, EachPairOnceWithFirstTimeAndGreatestDepth) {
   std::vector<Contact> contacts;
   ContactLog log(contacts);

@@ -20,7 +20,8 @@ class ExactContacts {
   static std::unique_ptr<ExactContacts> make(const RobotModel& model, const World& world,
                                              const std::vector<bool>& meets_floor);
 
-  /// Appends the pairs that overlap, with by_ode = false.
+  /// Appends the pairs that overlap, with by_ode = false. Where nothing can have moved as far as the least gap found
+  /// before, no distance is computed: the answer is the same, for hulls at a fraction of the cost.
   void detect(const Kinematics& kinematics, const std::vector<ObjectState>& states, double time,
               std::vector<Contact>& found);
 
@@ -31,6 +32,13 @@ class ExactContacts {
   Proximity proximity_;
   std::vector<bool> hard_shape_, hard_object_, meets_floor_;
   ProximityRanges ranges_;
+
+  // State of the last full look: where everything was, and the least gap.
+  double motion_since(const Kinematics& kinematics, const std::vector<ObjectState>& states) const;
+  void remember(const Kinematics& kinematics, const std::vector<ObjectState>& states, double gap);
+  std::vector<double> radii_, object_radii_;
+  std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_WS_, X_WO_;
+  double gap_ = -1.0;
 };
 
 }  // namespace moma

@@ -18,7 +18,7 @@ inline constexpr double kStartDrop = 0.5 * kContactLayer;
 class OdeBase {
  public:
   virtual ~OdeBase() = default;
-  /// Part of the footprint's mass that the drive has bodies of its own for [kg].
+  /// Mass of the drive's own bodies; comes off the footprint's, where that has one [kg].
   static double wheel_mass(const RobotModel& model);
   /// Null for a fixed base. Throws std::runtime_error naming the key where something is missing.
   static std::unique_ptr<OdeBase> make(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3& base);

@@ -84,7 +84,9 @@ class OdePlant final : public Plant, private TouchSink {
 
  private:
   static double drop(const RobotModel& model) { return model.base.type == BaseType::kFixed ? 0.0 : kStartDrop; }
-  static double mass_without_wheels(const RobotModel& model) { return model.base.mass - OdeBase::wheel_mass(model); }
+  static double mass_without_wheels(const RobotModel& model) {
+    return std::max(0.0, model.base.mass - OdeBase::wheel_mass(model));
+  }
 
   static void clear(PlantReport& report) {
     std::vector<Contact> contacts = std::move(report.contacts);

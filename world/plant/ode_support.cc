@@ -1,11 +1,55 @@
 #include "world/plant/ode_support.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <stdexcept>
 
-#include "controller/model/analytic_distance.h"
+#include "controller/model/proximity.h"
 
 namespace moma {
+namespace {
+
+/// A solid of the base as it stands in B, with the box around it.
+struct Part {
+  Shape shape;
+  Isometry X_BS;
+  Eigen::AlignedBox3d box;
+};
+
+Eigen::AlignedBox3d box_around(const Shape& shape, const Isometry& X) {
+  const Matrix3 R = X.linear();
+  const Vector3 p = X.translation();
+  if (shape.kind == ShapeKind::kConvex) {
+    Eigen::AlignedBox3d box;
+    for (const Vector3& v : shape.hull->vertices) box.extend(X * v);
+    return box;
+  }
+  Vector3 half = Vector3::Constant(shape.size.x());
+  if (shape.kind == ShapeKind::kBox) half = R.cwiseAbs() * (0.5 * shape.size);
+  if (shape.kind == ShapeKind::kCylinder)
+    half = R.cwiseAbs() * Vector3(shape.size.x(), shape.size.x(), 0.5 * shape.size.y());
+  if (shape.kind == ShapeKind::kCapsule) half += R.col(2).cwiseAbs() * (0.5 * shape.size.y());
+  return {p - half, p + half};
+}
+
+/// What is rigid with the base and near the floor: not the column or mount above it.
+std::vector<Part> base_parts(const RobotModel& model) {
+  constexpr double kLow = 0.25;   // [m]
+  const Kinematics kinematics(std::make_shared<RobotModel>(model));
+  std::vector<Part> parts;
+  for (const CollisionShape& shape : model.shapes) {
+    if (!shape.rigid_with_base) continue;
+    const Isometry X_BS = kinematics.X_WB().inverse() * kinematics.X_WS(shape);
+    const Eigen::AlignedBox3d box = box_around(shape.shape, X_BS);
+    if (box.min().z() < kLow) parts.push_back({shape.shape, X_BS, box});
+  }
+  return parts;
+}
+
+}  // namespace
 
 OdeSupport::OdeSupport(const OdeArm& arm, const std::vector<Vector2>& points, double radius, double cfm)
     : space_(ode::make_simple_space()), cfm_(cfm) {
@@ -31,36 +75,23 @@ void OdeSupport::add_contacts(dWorldID world, dJointGroupID group) {
   }
 }
 
-namespace {
-
-/// Half edges of the box around a shape, in the axes of the frame that R turns the shape into.
-Vector3 half_edges(const Shape& shape, const Matrix3& R) {
-  switch (shape.kind) {
-    case ShapeKind::kBox: return R.cwiseAbs() * (0.5 * shape.size);
-    case ShapeKind::kCylinder: return R.cwiseAbs() * Vector3(shape.size.x(), shape.size.x(), 0.5 * shape.size.y());
-    case ShapeKind::kCapsule: return R.col(2).cwiseAbs() * (0.5 * shape.size.y()) + Vector3::Constant(shape.size.x());
-    case ShapeKind::kSphere:
-    case ShapeKind::kConvex: break;
-  }
-  return Vector3::Constant(bounding_radius(shape));
-}
-
-}  // namespace
-
 std::vector<Vector2> OdeSupport::corners(const RobotModel& model, double radius, bool at_ends) {
+  const std::vector<Part> parts = base_parts(model);
+  if (parts.empty())
+    throw std::runtime_error(fmt::format(
+        "robot {}: base.footprint is missing; dynamic simulation puts casters under the base's outline", model.name));
   Eigen::AlignedBox2d box;
-  for (const CollisionShape& shape : model.shapes) {
-    if (shape.link != 0) continue;
-    const Vector2 center = shape.X_LS.translation().head<2>();
-    const Vector2 half = half_edges(shape.shape, shape.X_LS.linear()).head<2>();
-    box.extend(center - half);
-    box.extend(center + half);
+  for (const Part& part : parts) {
+    box.extend(Vector2(part.box.min().head<2>()));
+    box.extend(Vector2(part.box.max().head<2>()));
   }
+  const Shape probe{ShapeKind::kSphere, Vector3(0.25 * radius, 0.0, 0.0), nullptr};
   const auto covered = [&](const Vector2& p) {
-    return std::any_of(model.shapes.begin(), model.shapes.end(), [&](const CollisionShape& shape) {
-      if (shape.link != 0) return false;
-      const Vector3 at(p.x(), p.y(), shape.X_LS.translation().z());
-      return point_distance(shape.shape, shape.X_LS.inverse() * at).d < -0.25 * radius;
+    return std::any_of(parts.begin(), parts.end(), [&](const Part& part) {
+      Isometry X = Isometry::Identity();
+      X.translation() = Vector3(p.x(), p.y(), part.box.center().z());
+      // Wholly inside: deeper than the probe's own diameter.
+      return shape_distance(probe, X, part.shape, part.X_BS).d < -0.5 * radius;
     });
   };
   const Vector2 half = (0.5 * box.sizes() - Vector2::Constant(radius)).cwiseMax(0.5 * radius);

@@ -59,12 +59,14 @@ Solid solid(const Shape& shape) {
 }
 
 void add_base_mass(const RobotModel& model, double mass, RigidBody& body) {
-  if (!(model.base.mass > 0.0))
-    throw std::runtime_error(fmt::format(
-        "robot {}: base.footprint.mass is missing; dynamic simulation of a mobile base needs a mass in kg", model.name));
   double volume = 0.0;
   for (const CollisionShape& shape : model.shapes)
     if (shape.link == 0) volume += solid(shape.shape).volume;
+  if (!(model.base.mass > 0.0)) {
+    if (!(volume > 0.0)) return;   // the URDF itself has the base among its links
+    throw std::runtime_error(fmt::format(
+        "robot {}: base.footprint.mass is missing; dynamic simulation of a mobile base needs a mass in kg", model.name));
+  }
   if (!(volume > 0.0))
     throw std::runtime_error(fmt::format(
         "robot {}: base.footprint is missing; dynamic simulation spreads the base's mass over its shape", model.name));
@@ -86,6 +88,9 @@ void check(const RobotModel& model, const RigidBody& body) {
           "robot {}: joint '{}' has no effort limit; dynamic simulation needs one: give it as arm.limits.{}.effort",
           model.name, joint.name, joint.name));
   }
+  if (body.joint < 0 && !(body.mass > 0.0))
+    throw std::runtime_error(fmt::format(
+        "robot {}: base.footprint.mass is missing; dynamic simulation of a mobile base needs a mass in kg", model.name));
   if (!(body.mass > 0.0) || !std::isfinite(body.mass))
     throw std::runtime_error(
         fmt::format("robot {}: link '{}' and what is fixed to it have no mass; dynamic simulation needs <inertial> in "
