@@ -146,6 +146,7 @@ export function figure(spec: FigureSpec): HTMLElement {
       chart = null;
       height = 0;
       plot.style.height = 'auto';
+      plot.style.minHeight = '0';
       replace(plot, h('p', { class: 'empty' }, spec.empty));
       note.textContent = '';
       return;
@@ -155,6 +156,7 @@ export function figure(spec: FigureSpec): HTMLElement {
     if (wanted !== height) {
       height = wanted;
       plot.style.height = `${wanted}px`;
+      plot.style.minHeight = '0';   // no longer the place kept for it
       chart?.resize();
     }
     if (chart === null) {

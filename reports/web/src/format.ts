@@ -68,6 +68,12 @@ export function list(words: readonly string[]): string {
   return `${words.slice(0, -1).join(', ')} and ${words[words.length - 1]}`;
 }
 
+/** "33" or "33 to 34": the sizes of several groups. */
+export function sizes(counts: readonly number[]): string {
+  const [low, high] = [Math.min(...counts), Math.max(...counts)];
+  return low === high ? integer(low) : `${integer(low)} to ${integer(high)}`;
+}
+
 export function seconds(value: number | null | undefined): string {
   return value === null || value === undefined || !Number.isFinite(value) ? kNone : `${fixed(value, value < 10 ? 2 : 1)}\u00a0s`;
 }

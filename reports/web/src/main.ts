@@ -3,12 +3,13 @@
 import './style.css';
 
 import { Model, readPageData } from './data';
-import { h, replace } from './dom';
+import { append, h, replace } from './dom';
 import { arrival } from './figures/arrival';
 import { difficulty } from './figures/difficulty';
 import { distribution } from './figures/distribution';
 import { outcomes } from './figures/outcomes';
 import { paired } from './figures/paired';
+import { isSwept, sweep } from './figures/sweep';
 import { timing } from './figures/timing';
 import { player } from './replay/player';
 import { failures } from './sections/failures';
@@ -34,26 +35,35 @@ function start(app: HTMLElement): void {
     replace(app, masthead(model), h('main', null, section('provenance', 'Provenance', provenance(model))));
     return;
   }
-  const sections: [id: string, title: string, content: Node[], link?: string][] = [
-    ['results', 'Results', [summary(model), outcomes()]],
-    ['time', 'Time to goal', [arrival()], 'Time'],
-    ['difficulty', 'Difficulty', [difficulty()]],
-    ['quality', 'Quality of motion', [
+  const sections: [id: string, title: string, content: () => Node[], link?: string][] = [
+    ['results', 'Results', () => [summary(model), outcomes()]],
+    ['time', 'Time to goal', () => [arrival()], 'Time'],
+    ['difficulty', 'Difficulty', () => [difficulty()]],
+    ...(isSwept(model) ? [['sweep', 'Sweep', () => sweep(model)] as [string, string, () => Node[]]] : []),
+    ['quality', 'Quality of motion', () => [
       distribution('manipulability', 'Manipulability', 'How the trials of each controller are spread, failures included. Choose any metric.', 'manip_mean'),
       distribution('metric', 'Any other metric', 'The same for a second metric, to read side by side.', 'command_change_mean'),
     ], 'Quality'],
-    ['pairs', 'World by world', [paired()], 'Pairs'],
-    ['failures', 'Failures', [failures(model)]],
-    ['replay', 'Replay', [player(model)]],
-    ['timing', 'Timing', [timing()]],
-    ['trials', 'Trials', [trials(model)]],
-    ['provenance', 'Provenance', [provenance(model)]],
+    ['pairs', 'World by world', () => [paired()], 'Pairs'],
+    ['failures', 'Failures', () => [failures(model)]],
+    ['replay', 'Replay', () => [player(model)]],
+    ['timing', 'Timing', () => [timing()]],
+    ['trials', 'Trials', () => [trials(model)]],
+    ['provenance', 'Provenance', () => [provenance(model)]],
   ];
-  replace(app,
-    h('a', { class: 'skip', href: '#results', click: (event) => { event.preventDefault(); document.getElementById('results')?.scrollIntoView(); } }, 'Skip to the results'),
-    masthead(model), toolbar(model, sections.map(([id, title, , link]) => [id, link ?? title] as const)),
-    h('main', null, ...sections.map(([id, title, content]) => section(id, title, ...content))),
-    h('footer', { class: 'colophon' }, h('p', null, 'Rates carry 95 % Wilson intervals. Keys: Tab moves between controls; in the table, arrows choose and Enter plays; in the replay, space plays and arrows step. The address keeps the view.')));
+  const bar = toolbar(model, sections.map(([id, title, , link]) => [id, link ?? title] as const));
+  const skip = h('a', { class: 'skip', href: '#results', click: (event) => {
+    event.preventDefault();
+    document.getElementById('results')?.scrollIntoView();
+  } }, 'Skip to the results');
+  replace(app, skip, masthead(model), bar.element);
+  // The verdict is painted before the rest is built.
+  requestAnimationFrame(() => setTimeout(() => {
+    append(app,
+      h('main', null, ...sections.map(([id, title, content]) => section(id, title, ...content()))),
+      h('footer', { class: 'colophon' }, h('p', null, 'Rates carry 95 % Wilson intervals. Keys: Tab moves between controls; in the table, arrows choose and Enter plays; in the replay, space plays and arrows step. The address keeps the view.')));
+    bar.watch();
+  }));
 }
 
 const app = document.getElementById('app');

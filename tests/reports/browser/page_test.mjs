@@ -58,6 +58,7 @@ const open = async (html, { width = 1280, hash = '', scheme = 'light' } = {}) =>
   page.on('dialog', (dialog) => { check(false, 'a dialog opened'); void dialog.dismiss(); });
   page.on('request', (request) => { if (!/^(file|data|blob):/.test(request.url())) check(false, `request to ${request.url()}`); });
   await page.goto(`file://${html}${hash}`);
+  await page.waitForSelector('main');   // built after the first paint
   return { context, page };
 };
 
@@ -127,7 +128,7 @@ const data = dataOf(demo);
   check(page.url().includes('q=stuck'), 'the address keeps the filter');
   await page.locator('#trials').getByText('To goal [s]').click();
   await page.locator('#trials').getByText('Clear', { exact: true }).click();
-  check((await note.innerText()).startsWith('120 trials'), 'cleared filter shows all');
+  check((await note.innerText()).replace(/\s/g, ' ').startsWith('120 trials'), 'cleared filter shows all');
   await page.locator('#trials').getByText('To goal [s]').click();
   const shown = await page.locator('#trials .rows .row').first().getAttribute('data-trial');
   const times = data.trials.columns.time_to_goal_s;

@@ -2,7 +2,7 @@
 
 import { axis, figure, kFont, legend, legendHeight, tip, whisker } from '../chart';
 import { choice } from '../dom';
-import { integer, percent, percentRange } from '../format';
+import { integer, percent, percentRange, sizes } from '../format';
 import { axisName, metric } from '../metrics';
 import * as state from '../state';
 import { wilson } from '../stats';
@@ -66,7 +66,7 @@ export function difficulty(): HTMLElement {
         }
         return { s, cells: cells.filter((cell) => cell.n > 0) };
       }).filter((line) => line.cells.length > 0);
-      const sizes = lines.flatMap((line) => line.cells.map((cell) => cell.n));
+      const perCell = lines.flatMap((line) => line.cells.map((cell) => cell.n));
       const centres = lines.flatMap((line) => line.cells.map((cell) => cell.x));
       const span = Math.max(...centres) - Math.min(...centres);
       // Side by side, since intervals of equal place would hide one another.
@@ -74,7 +74,7 @@ export function difficulty(): HTMLElement {
       const unused = series.reduce((sum, s) => sum + s.rows.length, 0) - all.length;
       return {
         height: 350,
-        note: `n = ${integer(Math.min(...sizes))} to ${integer(Math.max(...sizes))} trials a point; 95 % Wilson.`
+        note: `n = ${sizes(perCell)} trials a point; 95 % Wilson.`
           + (unused > 0 ? ` ${integer(unused)} trials have no such value.` : ''),
         columns: ['controller', 'point', `${of.key}_from`, `${of.key}_to`, `${of.key}_mean`, 'successes', 'n', 'success_rate', 'success_low', 'success_high'],
         rows: lines.flatMap(({ s, cells }) => cells.map((c) => [s.controller, s.point, c.from, c.to, c.x, c.hits, c.n, c.hits / c.n, c.low, c.high])),

@@ -1,7 +1,7 @@
 // What was run, and what came of it: one sentence per controller.
 
 import { pairs } from '../compare';
-import { inSlice, type Model, type PointInfo, type SummaryRow } from '../data';
+import { inSlice, type Model, type PointInfo, type Series, type SummaryRow } from '../data';
 import { h, replace } from '../dom';
 import { integer, list, percent, percentNumber, percentRange, plural, probability, seconds, times } from '../format';
 import { holm } from '../stats';
@@ -62,11 +62,27 @@ function sentence(name: string, row: SummaryRow): string {
     + `${collided} (${percent(row.collision_rate)}, ${percentRange(row.collision_low, row.collision_high)}).${time}`;
 }
 
-function verdicts(model: Model): HTMLElement[] {
-  const { slice, family, all, series } = view();
+/** More verdicts than this do not help: the best are shown, the others are in the table. */
+const kVerdicts = 4;
+
+interface Judged {
+  series: Series;
+  row: SummaryRow | undefined;
+}
+
+/** The shown series with their rows; of many, the few with the highest success rate, best first. */
+function judged(model: Model): Judged[] {
+  const { slice, family, series } = view();
   const rows = (family === '' ? model.page.overall : model.page.summary.filter((s) => s.family === family)).filter((r) => inSlice(r, slice));
-  return series.map((s) => {
-    const row = rows.find((r) => r.controller === s.controller && r.point === s.point);
+  const all = series.map((s) => ({ series: s, row: rows.find((r) => r.controller === s.controller && r.point === s.point) }));
+  if (all.length <= kVerdicts) return all;
+  return all.sort((a, b) => (b.row?.success_rate ?? -1) - (a.row?.success_rate ?? -1)).slice(0, 3);
+}
+
+function verdicts(model: Model): HTMLElement[] {
+  const { all } = view();
+  const shown = judged(model);
+  return shown.map(({ series: s, row }) => {
     const colour = seriesColour(palette(), s.index);
     if (row === undefined) {
       return h('article', { class: 'verdict', style: `--c:${colour}` }, h('h2', null, s.name), h('p', null, 'has no trials here yet.'));
@@ -75,22 +91,23 @@ function verdicts(model: Model): HTMLElement[] {
       h('h2', null, s.name),
       h('p', { class: 'rate' }, percentNumber(row.success_rate), h('small', null, '\u00a0%')),
       gauge(row, colour),
-      h('p', { class: 'words' }, sentence(s.name, row)));
-  }).concat(all.length > series.length
-    ? [h('p', { class: 'aside' }, `${plural(all.length - series.length, 'more point')} of this suite ${all.length - series.length === 1 ? 'is' : 'are'} in the table below.`)]
+      h('p', { class: 'words' }, sentence(s.point === '' ? s.name : 'It', row)));
+  }).concat(all.length > shown.length
+    ? [h('p', { class: 'aside' }, `The best ${integer(shown.length)} of ${plural(all.length, 'point')}; all are in the table below. The best of many look better on the worlds that chose them than they are: confirm them on other worlds.`)]
     : []);
 }
 
 /** Pairs on the same worlds; with several of them, Holm's correction. */
 function comparison(model: Model): HTMLElement | null {
-  const { series } = view();
-  if (series.length < 2) return null;
-  const first = series[0];
+  const shown = judged(model).map((j) => j.series);
+  const first = shown[0];
   if (first === undefined) return null;
-  const all = series.slice(1).map((s) => ({ s, r: pairs(model, first, s, 'time_to_goal_s') })).filter(({ r }) => r.worlds.length > 0);
+  // Of many points only the best two: each further comparison would cost the others power.
+  const others = view().series.length > kVerdicts ? shown.slice(1, 2) : shown.slice(1);
+  const all = others.map((s) => ({ s, r: pairs(model, first, s, 'time_to_goal_s') })).filter(({ r }) => r.worlds.length > 0);
   if (all.length === 0) return null;
   const corrected = holm(all.map(({ r }) => r.p));
-  return h('div', { class: 'paired-words' }, ...all.slice(0, 5).map(({ s, r }, i) => {
+  return h('div', { class: 'paired-words' }, ...all.map(({ s, r }, i) => {
     const p = corrected[i] ?? 1;
     const verdict = p < 0.05 ? `${(r.onlyB > r.onlyA ? s : first).name} is ahead` : 'the difference may be chance';
     return h('p', null, `On the same ${plural(r.worlds.length, 'world')}, ${s.name} succeeded ${times(r.onlyB)} where ${first.name} failed, and failed ${times(r.onlyA)} where it succeeded: ${verdict} (exact McNemar ${probability(p)}${all.length > 1 ? ', Holm' : ''}).`);

@@ -6,7 +6,13 @@ import * as state from '../state';
 import { isDark, onTheme, palette, seriesColour, toggleTheme } from '../theme';
 import { onView, toggleSeries, view } from '../view';
 
-export function toolbar(model: Model, sections: readonly (readonly [id: string, name: string])[]): HTMLElement {
+export interface Toolbar {
+  element: HTMLElement;
+  /** To be called once the sections are in the page. */
+  watch: () => void;
+}
+
+export function toolbar(model: Model, sections: readonly (readonly [id: string, name: string])[]): Toolbar {
   const links = new Map(sections.map(([id, name]) => [id, h('a', { href: `#${id}`, click: (event) => {
     event.preventDefault();   // the hash belongs to the view
     document.getElementById(id)?.scrollIntoView();
@@ -40,11 +46,12 @@ export function toolbar(model: Model, sections: readonly (readonly [id: string, 
       }
     }
   }, { rootMargin: '-20% 0px -70% 0px' });
-  requestAnimationFrame(() => {
+  const watch = (): void => {
     for (const [id] of sections) {
       const target = document.getElementById(id);
       if (target !== null) spy.observe(target);
     }
-  });
-  return h('div', { class: 'toolbar' }, h('div', { class: 'inner' }, nav, what, theme));
+  };
+  const element = h('div', { class: 'toolbar' }, h('div', { class: 'inner' }, nav, what, theme));
+  return { element, watch };
 }

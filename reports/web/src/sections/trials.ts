@@ -39,6 +39,9 @@ function columns(model: Model): string[] {
     ...kNumbers.slice(1).filter((key) => series.some((s) => model.trials.any(key, s.rows))), 'contact'];
 }
 
+/** What a search looks at, by row; made when first needed. */
+const texts: string[] = [];
+
 /** Rows that pass the filters, in the order asked for. */
 function filtered(model: Model): number[] {
   const t = model.trials;
@@ -46,7 +49,7 @@ function filtered(model: Model): number[] {
   const who = state.get('who');
   const query = state.get('q').trim().toLowerCase();
   const words = query === '' ? [] : query.split(/\s+/);
-  const haystack = (row: number): string => [t.text('trial', row), t.text('controller', row), t.text('point', row), t.text('family', row),
+  const haystack = (row: number): string => texts[row] ??= [t.text('trial', row), t.text('controller', row), t.text('point', row), t.text('family', row),
     `world:${t.number('world', row)}`, t.text('outcome', row), t.text('link', row), t.text('object', row), t.text('reason', row)].join(' ').toLowerCase();
   let rows = view().series.flatMap((s) => s.rows);
   if (outcome === 'failure') rows = rows.filter((row) => !t.success(row));
@@ -56,8 +59,8 @@ function filtered(model: Model): number[] {
   const [key = 'world', direction = 'up'] = state.get('sort').split(':');
   const sign = direction === 'down' ? -1 : 1;
   if (key === 'contact') {
-    const texts = new Map(rows.map((row) => [row, contact(model, row)]));
-    rows.sort((a, b) => sign * (texts.get(a) ?? '').localeCompare(texts.get(b) ?? ''));
+    const contacts = new Map(rows.map((row) => [row, contact(model, row)]));
+    rows.sort((a, b) => sign * (contacts.get(a) ?? '').localeCompare(contacts.get(b) ?? ''));
   } else if (key in kText) {
     // Codes are compared through their rank, so that no string is compared twice.
     const { values, codes } = t.column(key);
