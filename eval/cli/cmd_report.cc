@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "eval/cli/command.h"
+#include "eval/store/database.h"
 #include "reports/render/report.h"
 
 namespace moma::cli {
@@ -27,6 +28,7 @@ void add_report(CLI::App& app, Action& action) {
       std::filesystem::path html = options->html;
       if (html.empty()) html = std::filesystem::path(options->file).replace_extension(".html");
       write_report(options->file, html, options->report);
+      store::remove_empty_wal(options->file);
       std::cerr << fmt::format("wrote {}\n", html.string());
       return static_cast<int>(kOk);
     };

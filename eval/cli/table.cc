@@ -58,21 +58,21 @@ struct Grid {
   std::vector<std::string> head;
   std::vector<std::vector<std::string>> rows;
   std::vector<std::size_t> width;
-  std::vector<bool> right;   ///< numbers stand to the right
+  std::vector<bool> right;   ///< columns of nothing but numbers stand to the right
 };
 
 Grid make_grid(const QueryResult& result) {
   Grid grid;
   for (const std::string& column : result.columns) grid.head.push_back(terminal_safe(column));
   const std::size_t columns = result.columns.size();
-  grid.right.assign(columns, false);
+  grid.right.assign(columns, true);
   for (std::size_t c = 0; c < columns; ++c) grid.width.push_back(display_width(grid.head[c]));
   for (const std::vector<Cell>& row : result.rows) {
     std::vector<std::string>& texts = grid.rows.emplace_back();
     for (std::size_t c = 0; c < columns; ++c) {
       texts.push_back(display(row[c]));
       grid.width[c] = std::max(grid.width[c], display_width(texts.back()));
-      if (is_number(row[c])) grid.right[c] = true;
+      if (!is_number(row[c]) && !std::holds_alternative<std::monostate>(row[c])) grid.right[c] = false;
     }
   }
   return grid;

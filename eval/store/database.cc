@@ -66,9 +66,8 @@ bool look_at_file(const fs::path& file, Access access) {
 bool check_identity(SQLite::Database& db, const fs::path& file) {
   const int application = db.execAndGet("PRAGMA application_id").getInt();
   const int version = schema_version(db);
-  if (application == 0 && version == 0 && db.execAndGet("SELECT count(*) FROM sqlite_schema").getInt() == 0) {
-    return true;
-  }
+  const int tables = db.execAndGet("SELECT count(*) FROM sqlite_schema").getInt();   // fails where the file is damaged
+  if (application == 0 && version == 0 && tables == 0) return true;
   if (application != kApplicationId) {
     throw unusable(file, fmt::format("is the database of another program (application_id {}, moma's is {})",
                                      application, kApplicationId));
@@ -147,6 +146,24 @@ SQLite::Database open_database(const fs::path& file, Access access) {
       for (const char* suffix : {"", "-wal", "-shm", "-journal"}) fs::remove(file.string() + suffix, ignored);
     }
     throw explain(error, file, Kind::kUnusable);
+  }
+}
+
+ReadConnection::ReadConnection(const fs::path& file) : file_(file), db_(open_database(file, Access::kReadOnly)) {}
+
+ReadConnection::~ReadConnection() {
+  db_.reset();
+  remove_empty_wal(file_);
+}
+
+void remove_empty_wal(const fs::path& file) noexcept {
+  std::error_code error;
+  const auto size = fs::file_size(file.string() + "-wal", error);
+  if (error || size != 0) return;
+  try {   // SQLite itself removes them, under its locks, when the last connection that can write closes
+    SQLite::Database db(file.string(), SQLite::OPEN_READWRITE);
+    (void)db.execAndGet("SELECT count(*) FROM sqlite_schema");
+  } catch (const std::exception&) {   // read-only places keep them
   }
 }
 

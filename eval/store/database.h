@@ -3,6 +3,7 @@
 #include <SQLiteCpp/Database.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "eval/store/error.h"
@@ -18,6 +19,25 @@ enum class Access { kReadOnly, kReadWrite, kCreate };
 /// where the folder cannot be written. Throws StoreError{kUnusable}: missing, a folder, no permission, not
 /// SQLite, another program's, from a newer moma, locked.
 SQLite::Database open_database(const std::filesystem::path& file, Access access);
+
+/// A read-only connection that leaves no -wal and -shm files behind, which SQLite's read-only connections to a WAL
+/// database otherwise do.
+class ReadConnection {
+ public:
+  /// Throws as open_database(file, Access::kReadOnly).
+  explicit ReadConnection(const std::filesystem::path& file);
+  ~ReadConnection();
+  ReadConnection(const ReadConnection&) = delete;
+  ReadConnection& operator=(const ReadConnection&) = delete;
+  SQLite::Database& db() noexcept { return *db_; }
+
+ private:
+  std::filesystem::path file_;
+  std::optional<SQLite::Database> db_;
+};
+
+/// Removes empty -wal and -shm files beside a store that no one has open.
+void remove_empty_wal(const std::filesystem::path& file) noexcept;
 
 /// Turns an SQLite failure into words that name the file and what can be done.
 StoreError explain(const SQLite::Exception& error, const std::filesystem::path& file, StoreError::Kind kind);

@@ -211,7 +211,7 @@ class Importer {
 
 /// ATTACH cannot be in a transaction, so that each input has its own; the caller works on a new file.
 void merge_into(SQLite::Database& db, const fs::path& file, MergeSummary& summary) {
-  (void)open_database(file, Access::kReadOnly);   // ours, and of this version
+  { const ReadConnection look(file); }   // ours, and of this version
   Statement attach(db, "ATTACH ? AS source");
   attach.bind(1, file.string());
   attach.exec();

@@ -10,8 +10,10 @@ const std::vector<NamedQuery>& named_queries() {
        printf('%5.1f  [%5.1f, %5.1f]', 100 * success_rate, 100 * success_low, 100 * success_high) AS "success % [95 %]",
        printf('%4.1f  [%4.1f, %4.1f]', 100 * collision_rate, 100 * collision_low, 100 * collision_high)
          AS "collision % [95 %]",
-       printf('%.2f', time_to_goal_median_s) AS "time to goal s", printf('%.4f', manip_mean) AS manip,
-       printf('%.3f', clearance_min_m) AS "clearance m", printf('%.3f', command_change_mean) AS "change"
+       iif(time_to_goal_median_s IS NULL, NULL, printf('%.2f', time_to_goal_median_s)) AS "time to goal s",
+       iif(manip_mean IS NULL, NULL, printf('%.4f', manip_mean)) AS manip,
+       iif(clearance_min_m IS NULL, NULL, printf('%.3f', clearance_min_m)) AS "clearance m",
+       iif(command_change_mean IS NULL, NULL, printf('%.3f', command_change_mean)) AS "change"
 FROM (SELECT * FROM v_summary ORDER BY suite, robot, family, mode, controller, point))"},
       {"list", "what the store holds: suites, controllers and points with their numbers of trials",
        R"(SELECT s.name AS suite, r.name AS robot, p.controller AS controller, p.label AS point, p.mode AS mode,

@@ -88,8 +88,8 @@ StatementPtr prepare(sqlite3* handle, const std::string& sql) {
 }  // namespace
 
 QueryResult query(const std::filesystem::path& file, const std::string& sql) {
-  SQLite::Database db = open_database(file, Access::kReadOnly);
-  sqlite3* const handle = db.getHandle();
+  ReadConnection connection(file);
+  sqlite3* const handle = connection.db().getHandle();
   sqlite3_set_authorizer(handle, &authorize, nullptr);
   const StatementPtr statement = prepare(handle, sql);
   QueryResult result;

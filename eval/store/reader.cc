@@ -35,8 +35,9 @@ std::pair<Hash, Hash> key_range(std::string prefix) {
 
 struct Reader::Impl {
   std::filesystem::path file;
-  SQLite::Database db;
-  explicit Impl(const std::filesystem::path& path) : file(path), db(open_database(path, Access::kReadOnly)) {}
+  ReadConnection connection;
+  SQLite::Database& db;
+  explicit Impl(const std::filesystem::path& path) : file(path), connection(path), db(connection.db()) {}
 
   template <typename Work>
   auto guarded(const Work& work) {

@@ -1,0 +1,101 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "eval/stats/bootstrap.h"
+#include "eval/stats/intervals.h"
+
+namespace moma::stats {
+namespace {
+
+using nlohmann::json;
+
+const json& reference() {
+  static const json kReference = json::parse(std::ifstream(MOMA_SOURCE_DIR "/tests/data/stats_reference.json"));
+  return kReference;
+}
+
+TEST(Stats, WilsonAsSciPy) {
+  ASSERT_GT(reference()["wilson"].size(), 20u);
+  for (const json& c : reference()["wilson"]) {
+    const Interval interval = wilson(c["k"], c["n"], c["confidence"]);
+    EXPECT_NEAR(interval.low, c["low"].get<double>(), 1e-12) << c;
+    EXPECT_NEAR(interval.high, c["high"].get<double>(), 1e-12) << c;
+  }
+}
+
+TEST(Stats, WilsonAtTheEnds) {
+  EXPECT_EQ(wilson(0, 25).low, 0.0);
+  EXPECT_EQ(wilson(25, 25).high, 1.0);
+  EXPECT_EQ(wilson(0, 0).low, 0.0);
+  EXPECT_EQ(wilson(0, 0).high, 1.0);
+  EXPECT_THROW(wilson(3, 2), std::invalid_argument);
+  EXPECT_THROW(wilson(-1, 2), std::invalid_argument);
+  EXPECT_THROW(wilson(1, 2, 1.0), std::invalid_argument);
+}
+
+TEST(Stats, McNemarAsSciPy) {
+  for (const json& c : reference()["mcnemar"]) {
+    const double p = mcnemar_exact(c["a"], c["b"]);
+    EXPECT_NEAR(p, c["p"].get<double>(), 1e-12 + 1e-10 * p) << c;
+    EXPECT_EQ(p, mcnemar_exact(c["b"], c["a"])) << "the order of the sides matters";
+  }
+  EXPECT_EQ(mcnemar_exact(0, 0), 1.0);
+}
+
+TEST(Stats, HolmAsStatsmodels) {
+  for (const json& c : reference()["holm"]) {
+    const std::vector<double> adjusted = holm(c["p"].get<std::vector<double>>());
+    ASSERT_EQ(adjusted.size(), c["adjusted"].size());
+    for (std::size_t i = 0; i < adjusted.size(); ++i) EXPECT_NEAR(adjusted[i], c["adjusted"][i].get<double>(), 1e-14);
+  }
+  EXPECT_TRUE(holm({}).empty());
+}
+
+TEST(Stats, Median) {
+  EXPECT_EQ(median({3.0, 1.0, 2.0}), 2.0);
+  EXPECT_EQ(median({4.0, 1.0, 2.0, 3.0}), 2.5);
+  EXPECT_TRUE(std::isnan(median({})));
+}
+
+// The draws differ from SciPy's; the ends of its interval from 200000 replicates have a sampling error far below the
+// spread between replicates of ours.
+TEST(Stats, PairedBootstrapNearSciPy) {
+  for (const json& c : reference()["bootstrap"]) {
+    const auto a = c["a"].get<std::vector<double>>();
+    const auto b = c["b"].get<std::vector<double>>();
+    const MeanDifference d = paired_bootstrap(a, b, {.replicates = 20000});
+    const double width = c["high"].get<double>() - c["low"].get<double>();
+    EXPECT_NEAR(d.mean, c["mean"].get<double>(), 1e-12);
+    EXPECT_NEAR(d.low, c["low"].get<double>(), 0.02 * width);
+    EXPECT_NEAR(d.high, c["high"].get<double>(), 0.02 * width);
+  }
+}
+
+TEST(Stats, PairedBootstrapIsAFunctionOfItsArguments) {
+  const std::vector<double> a{1.0, 2.0, 5.0, 3.0, 8.0};
+  const std::vector<double> b{0.5, 2.5, 4.0, 3.5, 6.0};
+  const MeanDifference first = paired_bootstrap(a, b);
+  const MeanDifference again = paired_bootstrap(a, b);
+  EXPECT_EQ(first.low, again.low);
+  EXPECT_EQ(first.high, again.high);
+  const MeanDifference few = paired_bootstrap(a, b, {.replicates = 50});
+  const MeanDifference other = paired_bootstrap(a, b, {.replicates = 50, .seed = 2});
+  EXPECT_TRUE(other.low != few.low || other.high != few.high);
+  EXPECT_THROW(paired_bootstrap(a, std::vector<double>{1.0}), std::invalid_argument);
+  EXPECT_THROW(paired_bootstrap({}, {}), std::invalid_argument);
+}
+
+TEST(Stats, PairedBootstrapOfEqualSamplesIsExactlyZero) {
+  const std::vector<double> a{1.0, 2.0, 5.0};
+  const MeanDifference d = paired_bootstrap(a, a);
+  EXPECT_EQ(d.mean, 0.0);
+  EXPECT_EQ(d.low, 0.0);
+  EXPECT_EQ(d.high, 0.0);
+}
+
+}  // namespace
+}  // namespace moma::stats
