@@ -26,6 +26,7 @@ using Arguments = std::vector<std::string>;
 // One function per command, each in its own file: adds the command with its options to `app`; when the command is
 // parsed, `action` is set.
 void add_run(CLI::App& app, Action& action, const Arguments& arguments);
+void add_tune(CLI::App& app, Action& action, const Arguments& arguments);
 void add_query(CLI::App& app, Action& action);
 void add_report(CLI::App& app, Action& action);
 void add_replay(CLI::App& app, Action& action);

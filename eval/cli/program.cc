@@ -28,6 +28,7 @@ std::string version_text() {
 
 void add_commands(CLI::App& app, Action& action, const Arguments& arguments) {
   add_run(app, action, arguments);
+  add_tune(app, action, arguments);
   add_query(app, action);
   add_report(app, action);
   add_replay(app, action);

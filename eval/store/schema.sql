@@ -206,8 +206,8 @@ CREATE TABLE tune_search (
   evaluations_cut INTEGER,
   held_out_suite TEXT,                                      -- as shown in v_trials
   verdict TEXT CHECK (verdict IN ('better', 'no difference shown', 'worse')),
-  runs TEXT CHECK (json_valid(runs)),                       -- NLopt's runs: algorithm, trials, why it ended
-  notes TEXT CHECK (json_valid(notes))
+  runs TEXT CHECK (runs IS NULL OR json_valid(runs)),       -- NLopt's runs: algorithm, trials, why it ended
+  notes TEXT CHECK (notes IS NULL OR json_valid(notes))
 ) STRICT;
 
 CREATE TABLE tune_variable (

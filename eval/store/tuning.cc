@@ -52,7 +52,7 @@ void bind_optional(Statement& s, int index, const std::optional<T>& value) {
 template <typename Work>
 auto write(Writer& writer, const Work& work) {
   try {
-    writer.flush();   // what a record is made of is there before it
+    writer.flush();  // what a record is made of is there before it
     SQLite::Database& db = writer.database();
     SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
     work(db);
@@ -63,8 +63,9 @@ auto write(Writer& writer, const Work& work) {
 }
 
 void insert_variables(SQLite::Database& db, std::int64_t id, const TuneSearchRecord& search) {
-  Statement s(db, "INSERT INTO tune_variable (search_id, variable, key, lower, upper, scale, start) "
-                  "VALUES (?, ?, ?, ?, ?, ?, ?)");
+  Statement s(db,
+              "INSERT INTO tune_variable (search_id, variable, key, lower, upper, scale, start) "
+              "VALUES (?, ?, ?, ?, ?, ?, ?)");
   for (std::size_t i = 0; i < search.variables.size(); ++i) {
     const TuneVariableRecord& v = search.variables[i];
     s.reset();
@@ -98,8 +99,10 @@ TuneRecords::TuneRecords(Writer& writer, const TuneSearchRecord& search) : write
       again.bind(1, id_);
       again.exec();
     } else {
-      Statement s(db, "INSERT INTO tune_search (hash, suite, controller, identity, objective, unit, budget_trials, started, "
-                      "status) VALUES (?, ?, ?, ?, ?, ?, ?, ?, 'running')");
+      Statement s(
+          db,
+          "INSERT INTO tune_search (hash, suite, controller, identity, objective, unit, budget_trials, started, "
+          "status) VALUES (?, ?, ?, ?, ?, ?, ?, ?, 'running')");
       s.bind(1, hash.data(), static_cast<int>(hash.size()));
       s.bind(2, search.suite);
       s.bind(3, search.controller);
@@ -120,10 +123,11 @@ TuneRecords::TuneRecords(Writer& writer, const TuneSearchRecord& search) : write
 }
 
 std::optional<TuneEvaluationRecord> TuneRecords::find(std::uint64_t evaluation) {
-  if (evaluation >= present_) return std::nullopt;   // nothing beyond was stored before this run
+  if (evaluation >= present_) return std::nullopt;  // nothing beyond was stored before this run
   try {
-    Statement s(writer_.database(), "SELECT phase, run, candidate, first_world, worlds, cut, valid, cost, merit, "
-                                    "constraints, measured FROM tune_evaluation WHERE search_id = ? AND evaluation = ?");
+    Statement s(writer_.database(),
+                "SELECT phase, run, candidate, first_world, worlds, cut, valid, cost, merit, "
+                "constraints, measured FROM tune_evaluation WHERE search_id = ? AND evaluation = ?");
     s.bind(1, id_);
     s.bind(2, static_cast<std::int64_t>(evaluation));
     if (!s.executeStep()) return std::nullopt;
@@ -140,7 +144,8 @@ std::optional<TuneEvaluationRecord> TuneRecords::find(std::uint64_t evaluation) 
     r.merit = s.getColumn(8).getDouble();
     r.constraints = json::parse(s.getColumn(9).getString()).get<std::vector<double>>();
     const SQLite::Column measured = s.getColumn(10);
-    r.measured = from_bytes(static_cast<const unsigned char*>(measured.getBlob()), static_cast<std::size_t>(measured.getBytes()));
+    r.measured = from_bytes(static_cast<const unsigned char*>(measured.getBlob()),
+                            static_cast<std::size_t>(measured.getBytes()));
     return r;
   } catch (const SQLite::Exception& error) {
     throw explain(error, writer_.database().getFilename(), StoreError::Kind::kInterrupted);
@@ -149,8 +154,9 @@ std::optional<TuneEvaluationRecord> TuneRecords::find(std::uint64_t evaluation) 
 
 void TuneRecords::append(const TuneEvaluationRecord& r) {
   write(writer_, [&](SQLite::Database& db) {
-    Statement s(db, "INSERT INTO tune_evaluation (search_id, evaluation, phase, run, candidate, first_world, worlds, cut, "
-                    "valid, cost, merit, constraints, measured) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+    Statement s(db,
+                "INSERT INTO tune_evaluation (search_id, evaluation, phase, run, candidate, first_world, worlds, cut, "
+                "valid, cost, merit, constraints, measured) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
     int i = 0;
     s.bind(++i, id_);
     s.bind(++i, static_cast<std::int64_t>(r.evaluation));
@@ -181,8 +187,9 @@ void TuneRecords::stopped() {
 
 void TuneRecords::finish(const TuneResultRecord& result) {
   write(writer_, [&](SQLite::Database& db) {
-    Statement search(db, "UPDATE tune_search SET status = 'finished', ended = ?, trials = ?, trials_saved = ?, "
-                         "evaluations_cut = ?, runs = ?, notes = ? WHERE id = ?");
+    Statement search(db,
+                     "UPDATE tune_search SET status = 'finished', ended = ?, trials = ?, trials_saved = ?, "
+                     "evaluations_cut = ?, runs = ?, notes = ? WHERE id = ?");
     search.bind(1, utc_now());
     search.bind(2, static_cast<std::int64_t>(result.trials));
     search.bind(3, static_cast<std::int64_t>(result.trials_saved));
@@ -201,8 +208,10 @@ void TuneRecords::finish(const TuneResultRecord& result) {
       variable.exec();
     }
     clear(db, "tune_finalist", id_);
-    Statement finalist(db, "INSERT INTO tune_finalist (search_id, place, candidate, search_merit, merit, neighbours, robust, "
-                           "worlds) VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+    Statement finalist(
+        db,
+        "INSERT INTO tune_finalist (search_id, place, candidate, search_merit, merit, neighbours, robust, "
+        "worlds) VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
     for (std::size_t i = 0; i < result.finalists.size(); ++i) {
       const TuneFinalistRecord& f = result.finalists[i];
       finalist.reset();
@@ -217,8 +226,10 @@ void TuneRecords::finish(const TuneResultRecord& result) {
       finalist.exec();
     }
     clear(db, "tune_sensitivity", id_);
-    Statement sensitivity(db, "INSERT INTO tune_sensitivity (search_id, entry, variable, other, value, change, error, valid) "
-                              "VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+    Statement sensitivity(
+        db,
+        "INSERT INTO tune_sensitivity (search_id, entry, variable, other, value, change, error, valid) "
+        "VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
     for (std::size_t i = 0; i < result.sensitivity.size(); ++i) {
       const TuneSensitivityRecord& r = result.sensitivity[i];
       sensitivity.reset();
@@ -244,9 +255,11 @@ void TuneRecords::verdict(const std::string& held_out_suite, const std::vector<T
     search.bind(3, id_);
     search.exec();
     clear(db, "tune_comparison", id_);
-    Statement s(db, "INSERT INTO tune_comparison (search_id, entry, family, other, metric, n, found, found_low, found_high, "
-                    "theirs, theirs_low, theirs_high, difference, difference_low, difference_high, p, verdict) "
-                    "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+    Statement s(
+        db,
+        "INSERT INTO tune_comparison (search_id, entry, family, other, metric, n, found, found_low, found_high, "
+        "theirs, theirs_low, theirs_high, difference, difference_low, difference_high, p, verdict) "
+        "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
     for (std::size_t k = 0; k < rows.size(); ++k) {
       const TuneComparisonRecord& r = rows[k];
       s.reset();
@@ -257,8 +270,8 @@ void TuneRecords::verdict(const std::string& held_out_suite, const std::vector<T
       s.bind(++i, r.other);
       s.bind(++i, r.metric);
       s.bind(++i, r.n);
-      for (const double value : {r.found, r.found_low, r.found_high, r.theirs, r.theirs_low, r.theirs_high, r.difference,
-                                 r.difference_low, r.difference_high, r.p}) {
+      for (const double value : {r.found, r.found_low, r.found_high, r.theirs, r.theirs_low, r.theirs_high,
+                                 r.difference, r.difference_low, r.difference_high, r.p}) {
         bind_number(s, ++i, value);
       }
       s.bind(++i, r.verdict);

@@ -25,7 +25,7 @@ struct TuneVariableRecord {
 struct TuneSearchRecord {
   std::string suite;
   std::string controller;
-  std::string identity;    ///< JSON
+  std::string identity;  ///< JSON
   std::string objective;
   std::string unit;
   std::uint64_t budget_trials = 0;
@@ -44,7 +44,7 @@ struct TuneEvaluationRecord {
   double cost = 0.0;
   double merit = 0.0;
   std::vector<double> constraints;
-  std::vector<double> measured;   ///< bits are kept
+  std::vector<double> measured;  ///< bits are kept
 };
 
 struct TuneFinalistRecord {
@@ -64,7 +64,7 @@ struct TuneSensitivityRecord {
 struct TuneComparisonRecord {
   std::string family, other, metric;
   std::int64_t n = 0;
-  double found = 0.0, found_low = 0.0, found_high = 0.0;      ///< NaN: NULL
+  double found = 0.0, found_low = 0.0, found_high = 0.0;  ///< NaN: NULL
   double theirs = 0.0, theirs_low = 0.0, theirs_high = 0.0;
   double difference = 0.0, difference_low = 0.0, difference_high = 0.0;
   double p = 0.0;
@@ -75,7 +75,7 @@ struct TuneResultRecord {
   std::vector<double> found;
   std::vector<double> importance;
   std::uint64_t trials = 0, trials_saved = 0, evaluations_cut = 0;
-  std::string runs, notes;   ///< JSON
+  std::string runs, notes;  ///< JSON
   std::vector<TuneFinalistRecord> finalists;
   std::vector<TuneSensitivityRecord> sensitivity;
 };

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+
+#include "eval/store/tuning.h"
+#include "eval/store/writer.h"
+#include "eval/tune/held_out.h"
+#include "eval/tune/search.h"
+#include "eval/tune/trial_objective.h"
+#include "eval/tune/tuning.h"
+
+namespace moma::tune {
+
+/// Trials of a search in a store.
+class StoredTrials : public TrialSource {
+ public:
+  explicit StoredTrials(store::Writer& writer) : writer_(writer) {}
+  std::optional<TrialRow> find(const std::string& key) override { return writer_.find(key); }
+  void add(const Point& point, std::uint64_t world_index, const std::string& key, const World* world,
+           const TrialRow& row) override;
+
+ private:
+  store::Writer& writer_;
+};
+
+/// The evaluation log in a store: a search that was killed at any moment goes on from here.
+class StoredLog : public EvaluationLog {
+ public:
+  explicit StoredLog(store::TuneRecords& records) : records_(records) {}
+  std::optional<Evaluation> find(std::uint64_t index) override;
+  void append(const Evaluation& evaluation) override;
+
+ private:
+  store::TuneRecords& records_;
+};
+
+/// The objective in words, for tables and the store.
+std::string objective_text(const Tuning& tuning);
+
+/// What table tune_search keeps.
+store::TuneSearchRecord search_record(const Tuning& tuning);
+store::TuneResultRecord result_record(const SearchResult& result);
+
+/// The suite whose row the search's invocation belongs to: the tuned controller's points only.
+Suite searched_suite(const Tuning& tuning);
+
+}  // namespace moma::tune

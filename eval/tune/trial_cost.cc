@@ -1,0 +1,85 @@
+#include "eval/tune/trial_cost.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "controller/model/kinematics.h"
+#include "controller/model/manipulability.h"
+#include "eval/store/columns.h"
+
+namespace moma::tune {
+namespace {
+
+constexpr double kFailureLimits = 2.0;  // in time limits
+constexpr double kBreakageLimits = 4.0;
+constexpr double kChangeSeconds = 50.0;  // per unit of command change
+constexpr double kManipSeconds = 5.0;    // for the loss of all manipulability
+
+double value_or(const Metric& metric, const std::optional<double>& when_null, const TrialRow& row) {
+  const double value = metric.value(row);
+  if (!std::isnan(value)) return value;
+  if (when_null) return *when_null;
+  throw NullMetric(fmt::format("{} is NULL for a trial with outcome {}: say what to take for it with when_null",
+                               metric.name(), to_string(row.outcome)));
+}
+
+double default_cost(const TrialRow& row, const TrialCost::Scale& scale) {
+  double cost = 0.0;
+  switch (row.outcome) {
+    case Outcome::kSuccess:
+      cost = store::stored(row.time_to_goal_s);
+      break;
+    case Outcome::kTimeout:
+    case Outcome::kStuck:
+    case Outcome::kJointLimit:
+    case Outcome::kInfeasible:
+      cost = kFailureLimits * scale.time_limit;
+      break;
+    case Outcome::kCollision:
+    case Outcome::kTipped:
+    case Outcome::kDiverged:
+    case Outcome::kError:
+      cost = kBreakageLimits * scale.time_limit;
+      break;
+  }
+  const double change = store::stored(row.command_change_mean);
+  cost += kChangeSeconds * (std::isnan(change) ? 1.0 : change);
+  if (scale.manip_ready > 0.0) {
+    const double manip = store::stored(row.manip_mean);
+    cost += kManipSeconds * std::max(0.0, 1.0 - (std::isnan(manip) ? 0.0 : manip) / scale.manip_ready);
+  }
+  return cost;
+}
+
+}  // namespace
+
+TrialCost::Scale TrialCost::scale_of(const Point& point) {
+  Scale scale;
+  scale.time_limit = point.simulation.time_limit;
+  const std::shared_ptr<const RobotModel>& model = point.robot->model;
+  const Kinematics kinematics(model);  // at `ready`
+  scale.manip_ready =
+      manipulability(kinematics.J_WE_W().rightCols(model->num_joints()), ManipulabilityRows::kTranslation);
+  return scale;
+}
+
+double TrialCost::operator()(const TrialRow& row, const Scale& scale) const {
+  if (standard_) return default_cost(row, scale);
+  double sum = 0.0;
+  for (const CostTerm& term : terms_) sum += term.weight * value_or(term.metric, term.when_null, row);
+  return sum;
+}
+
+double bound_value(const MetricBound& bound, const TrialRow& row) {
+  const double value = value_or(bound.metric, bound.when_null, row);
+  return bound.at_least ? -value : value;
+}
+
+Constraint constraint_of(const MetricBound& bound) {
+  return {fmt::format("{} {} {}", bound.metric.name(), bound.at_least ? ">=" : "<=", bound.bound),
+          bound.at_least ? -bound.bound : bound.bound};
+}
+
+}  // namespace moma::tune

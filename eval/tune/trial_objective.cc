@@ -1,0 +1,107 @@
+#include "eval/tune/trial_objective.h"
+
+#include <fmt/format.h>
+
+#include <unordered_set>
+
+namespace moma::tune {
+
+TrialObjective::TrialObjective(const Tuning& tuning, TrialSource& source, int threads, const std::atomic<bool>* stop)
+    : tuning_(tuning), source_(source), points_(tuning) {
+  batch_.threads = threads;
+  batch_.stop = stop;
+  identities_.resize(tuning.suites.size());
+  worlds_.resize(tuning.suites.size());
+  for (std::size_t part = 0; part < tuning.suites.size(); ++part) {
+    scales_.push_back(TrialCost::scale_of(tuning.suites[part].points[tuning.tuned_point[part]]));
+  }
+}
+
+const std::vector<Point>* TrialObjective::points_of(const Candidate& candidate) {
+  if (candidate != at_) {
+    at_ = candidate;
+    made_valid_ = true;
+    try {
+      made_ = points_.make(candidate);
+    } catch (const config::ConfigError&) {
+      made_valid_ = false;
+    }
+  }
+  return made_valid_ ? &made_ : nullptr;
+}
+
+bool TrialObjective::valid(const Candidate& candidate) { return points_of(candidate) != nullptr; }
+
+std::string TrialObjective::key_of(const std::vector<TrialKeys>& keys, const std::vector<Point>& points,
+                                   const WorldOfPart& world) {
+  if (!points_.same_worlds()) return keys[world.part].key(points[world.part].worlds.identity(world.index));
+  const auto [entry, fresh] = identities_[world.part].try_emplace(world.index);
+  if (fresh) entry->second = points[world.part].worlds.identity(world.index);
+  return keys[world.part].key(entry->second);
+}
+
+std::shared_ptr<const World> TrialObjective::world(const Point& point, std::size_t part, std::uint64_t index) {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = worlds_[part].find(index);
+    if (found != worlds_[part].end()) return found->second;
+  }
+  auto made = std::make_shared<const World>(point.worlds.make(point.robot->model, index));
+  const std::lock_guard lock(mutex_);
+  return worlds_[part].emplace(index, std::move(made)).first->second;
+}
+
+std::vector<double> TrialObjective::measure(const Candidate& candidate, std::span<const std::uint64_t> numbers) {
+  const std::vector<Point>* points = points_of(candidate);
+  if (points == nullptr) throw std::logic_error("a contradictory candidate was measured");
+  std::vector<TrialKeys> keys;
+  for (const Point& point : *points) keys.emplace_back(point);
+
+  std::vector<BatchJob> jobs;
+  std::unordered_map<std::string, TrialRow> rows;
+  std::unordered_set<std::string> present;
+  for (const std::uint64_t number : numbers) {
+    const WorldOfPart at = world_of(tuning_, number);
+    BatchJob job{at.part, at.index, key_of(keys, *points, at)};
+    if (!rows.contains(job.key)) {
+      if (std::optional<TrialRow> row = source_.find(job.key)) {
+        ++counts_.reused;
+        present.insert(job.key);
+        rows.emplace(job.key, std::move(*row));
+      }
+    }
+    jobs.push_back(std::move(job));
+  }
+
+  BatchOptions batch = batch_;
+  batch.skip = &present;
+  if (points_.same_worlds()) {
+    batch.world = [this, points](const Point& point, std::uint64_t index) {
+      return world(point, static_cast<std::size_t>(&point - points->data()), index);
+    };
+  }
+  const BatchSummary summary = run_batch(*points, jobs, batch, [&](const BatchJob& job, BatchResult&& result) {
+    const TrialRow& row = result.output.row;
+    source_.add((*points)[job.point], job.world, job.key, result.world.get(), row);
+    ++counts_.computed;
+    if (row.outcome == Outcome::kError && counts_.errors++ == 0) counts_.first_error = row.reason;
+    rows.emplace(job.key, row);
+    if (on_trial) on_trial();
+    return true;
+  });
+  if (summary.stopped) throw Interrupted("stopped");
+
+  std::vector<double> values;
+  for (const BatchJob& job : jobs) {
+    const TrialRow& row = rows.at(job.key);
+    try {
+      values.push_back(tuning_.config.cost(row, scales_[job.point]));
+      for (const MetricBound& bound : tuning_.config.bounds) values.push_back(bound_value(bound, row));
+    } catch (const NullMetric& error) {
+      throw NullMetric(fmt::format("{} (world {}, trial {})", error.what(), job.world, job.key.substr(0, 16)));
+    }
+  }
+  return values;
+}
+
+}  // namespace moma::tune

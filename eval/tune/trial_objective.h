@@ -1,0 +1,71 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "eval/batch/batch.h"
+#include "eval/trial/key.h"
+#include "eval/tune/objective.h"
+#include "eval/tune/tuning.h"
+
+namespace moma::tune {
+
+/// Where trials that are known already come from, and where new ones go: the store, or nothing.
+class TrialSource {
+ public:
+  virtual ~TrialSource() = default;
+  virtual std::optional<TrialRow> find(const std::string& key) = 0;
+  /// `world` null: it could not be made.
+  virtual void add(const Point& point, std::uint64_t world_index, const std::string& key, const World* world,
+                   const TrialRow& row) = 0;
+};
+
+struct TrialCounts {
+  std::uint64_t computed = 0;
+  std::uint64_t reused = 0;  ///< found in the source
+  std::uint64_t errors = 0;  ///< outcome `error`
+  std::string first_error;
+};
+
+/// A candidate's cost in the worlds of a tuning, by simulated trials: the worlds of one measurement run in parallel,
+/// trials that the source has are not run. Worlds are made once, where candidates share them.
+class TrialObjective : public Objective {
+ public:
+  TrialObjective(const Tuning& tuning, TrialSource& source, int threads, const std::atomic<bool>* stop);
+
+  std::size_t width() const override { return 1 + tuning_.config.bounds.size(); }
+  bool valid(const Candidate& candidate) override;
+  /// Throws Interrupted, NullMetric (naming trial, world and outcome).
+  std::vector<double> measure(const Candidate& candidate, std::span<const std::uint64_t> worlds) override;
+
+  const TrialCounts& counts() const { return counts_; }
+  /// Called after each trial, with the rate so far.
+  std::function<void()> on_trial;
+
+ private:
+  const std::vector<Point>* points_of(const Candidate& candidate);
+  std::string key_of(const std::vector<TrialKeys>& keys, const std::vector<Point>& points, const WorldOfPart& world);
+  std::shared_ptr<const World> world(const Point& point, std::size_t part, std::uint64_t index);
+
+  const Tuning& tuning_;
+  TrialSource& source_;
+  Points points_;
+  BatchOptions batch_;
+  Candidate at_;  ///< whose points these are
+  std::vector<Point> made_;
+  bool made_valid_ = false;
+  std::vector<TrialCost::Scale> scales_;
+  std::vector<std::unordered_map<std::uint64_t, nlohmann::ordered_json>> identities_;  ///< per part
+  std::mutex mutex_;
+  std::vector<std::unordered_map<std::uint64_t, std::shared_ptr<const World>>> worlds_;  ///< per part
+  TrialCounts counts_;
+};
+
+}  // namespace moma::tune

@@ -1,0 +1,356 @@
+#include "eval/tune/tune_config.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "controller/config/json_node.h"
+#include "controller/config/reader.h"
+
+namespace moma::tune {
+namespace {
+
+using config::ConfigError;
+using config::MapReader;
+using config::Node;
+using config::Range;
+
+constexpr long long kMost = 100'000'000;
+
+// Turns a complaint of a part that knows no files into one that names the place.
+template <typename Work>
+auto at(const Node& node, const std::string& key, const Work& work) {
+  try {
+    return work();
+  } catch (const std::invalid_argument& error) {
+    config::fail(node.mark, key, error.what());
+  }
+}
+
+bool is_word(const Node* node, std::string_view word) {
+  return node != nullptr && node->kind == Node::Kind::kScalar && node->scalar == word;
+}
+
+void read_variables(const Node& node, TuneConfig& tune) {
+  const std::string key = "tune.variables";
+  if (node.kind != Node::Kind::kMap || node.entries.empty()) {
+    config::fail(node.mark, key,
+                 "expected a map {KEY: {range: [low, high], scale: log, start: x}, ...} with at least one key");
+  }
+  for (const auto& [name, entry] : node.entries) {
+    const std::string where = key + "." + name;
+    MapReader in(entry, where);
+    Variable v;
+    v.key = name;
+    const std::vector<double> range = config::read_numbers(in.require("range", "[low, high]"), where + ".range", 2);
+    v.lower = range[0];
+    v.upper = range[1];
+    in.read_enum("scale", v.scale, {{"linear", Scale::kLinear}, {"log", Scale::kLog}, {"integer", Scale::kInteger}});
+    v.start = std::numeric_limits<double>::quiet_NaN();
+    in.read("start", v.start);
+    in.finish();
+    Variable checked = v;
+    if (std::isnan(v.start)) checked.start = v.lower;
+    at(entry, key, [&] {
+      check(checked);
+      return 0;
+    });
+    tune.variables.push_back(std::move(v));
+    tune.marks.push_back(entry.mark);
+  }
+}
+
+CostTerm read_term(const std::string& metric, const Node& node, const std::string& key, double sign,
+                   const Node* weight_node) {
+  CostTerm term{at(node, key, [&] { return Metric::find(metric); }), sign, std::nullopt};
+  const Node* null_node = nullptr;
+  if (weight_node != nullptr && weight_node->kind == Node::Kind::kMap) {
+    MapReader in(*weight_node, key);
+    double weight = 1.0;
+    in.read("weight", weight);
+    null_node = in.get("when_null");
+    double when_null = 0.0;
+    in.read("when_null", when_null);
+    in.finish();
+    term.weight = sign * weight;
+    if (null_node != nullptr) term.when_null = when_null;
+  } else if (weight_node != nullptr) {
+    term.weight = sign * config::read_number(*weight_node, key);
+  }
+  const std::string_view when = term.metric.null_when();
+  if (!when.empty() && !term.when_null) {
+    config::fail(
+        node.mark, key,
+        fmt::format("{0} is NULL {1}; say what to take then: {{{0}: {{weight: 1, when_null: 60}}}}", metric, when));
+  }
+  return term;
+}
+
+TrialCost read_objective(const Node& node) {
+  const std::string key = "tune.objective";
+  if (is_word(&node, "default")) return {};
+  if (node.kind != Node::Kind::kMap) {
+    config::fail(node.mark, key,
+                 fmt::format("found '{}', expected default, {{minimize: METRIC}}, {{maximize: METRIC}} or a weighted "
+                             "sum {{minimize: {{METRIC: weight, ...}}}}",
+                             node.scalar));
+  }
+  MapReader in(node, key);
+  const Node* minimize = in.get("minimize");
+  const Node* maximize = in.get("maximize");
+  in.finish();
+  if ((minimize == nullptr) == (maximize == nullptr)) in.fail("expected one of the keys minimize and maximize");
+  const Node& what = minimize != nullptr ? *minimize : *maximize;
+  const double sign = minimize != nullptr ? 1.0 : -1.0;
+  const std::string where = key + (minimize != nullptr ? ".minimize" : ".maximize");
+  std::vector<CostTerm> terms;
+  if (what.kind == Node::Kind::kScalar) {
+    terms.push_back(read_term(what.scalar, what, where, sign, nullptr));
+  } else if (what.kind == Node::Kind::kMap && !what.entries.empty()) {
+    for (const auto& [metric, weight] : what.entries)
+      terms.push_back(read_term(metric, weight, where + "." + metric, sign, &weight));
+  } else {
+    config::fail(what.mark, where, "expected a metric's name or a map {METRIC: weight, ...}");
+  }
+  return TrialCost(std::move(terms));
+}
+
+std::vector<MetricBound> read_bounds(const Node* node) {
+  std::vector<MetricBound> bounds;
+  if (node == nullptr) return bounds;
+  const std::string key = "tune.constraints";
+  if (node->kind != Node::Kind::kMap)
+    config::fail(node->mark, key, "expected a map such as {collision: {at_most: 0.01}}");
+  for (const auto& [metric, entry] : node->entries) {
+    const std::string where = key + "." + metric;
+    MetricBound bound{at(entry, where, [&, name = metric] { return Metric::find(name); }), false, 0.0, std::nullopt};
+    MapReader in(entry, where);
+    const Node* at_most = in.get("at_most");
+    const Node* at_least = in.get("at_least");
+    if ((at_most == nullptr) == (at_least == nullptr)) in.fail("expected one of the keys at_most and at_least");
+    bound.at_least = at_least != nullptr;
+    bound.bound = config::read_number(bound.at_least ? *at_least : *at_most, where);
+    if (const Node* null_node = in.get("when_null"))
+      bound.when_null = config::read_number(*null_node, where + ".when_null");
+    in.finish();
+    const std::string_view when = bound.metric.null_when();
+    if (!when.empty() && !bound.when_null) {
+      config::fail(entry.mark, where, fmt::format("{} is NULL {}; say what to take then with when_null", metric, when));
+    }
+    bounds.push_back(std::move(bound));
+  }
+  return bounds;
+}
+
+std::vector<PlanStep> read_plan(const Node* node) {
+  std::vector<PlanStep> plan;
+  if (node == nullptr || is_word(node, "default")) return plan;
+  const std::string key = "tune.algorithm";
+  const std::vector<Node> single{*node};
+  const std::vector<Node>& items = node->kind == Node::Kind::kSequence ? node->items : single;
+  if (items.empty()) config::fail(node->mark, key, "expected at least one algorithm, or leave the key out");
+  for (const Node& item : items) {
+    PlanStep step;
+    if (item.kind == Node::Kind::kScalar) {
+      step.algorithm = at(item, key, [&] { return &find_algorithm(item.scalar); });
+    } else {
+      MapReader in(item, key);
+      std::string name;
+      in.require("name", "an algorithm of NLopt");
+      in.read("name", name);
+      step.algorithm = at(item, key, [&] { return &find_algorithm(name); });
+      in.read("share", step.share, {0.0, 1.0, true, false});
+      int population = 0;
+      in.read("population", population, 1, 1'000'000);
+      step.population = static_cast<std::size_t>(population);
+      in.check(population == 0 || step.algorithm->has_population, "population",
+               fmt::format("{} has none", step.algorithm->name));
+      in.finish();
+    }
+    plan.push_back(step);
+  }
+  return plan;
+}
+
+WorldRange read_worlds(const Node* node, const std::string& key, std::uint64_t first, std::uint64_t count,
+                       std::optional<std::uint64_t>* seed = nullptr) {
+  WorldRange range{first, count};
+  if (node == nullptr) return range;
+  if (node->kind != Node::Kind::kMap) {
+    range.count = static_cast<std::uint64_t>(config::read_integer(*node, key, 1, kMost));
+    return range;
+  }
+  MapReader in(*node, key);
+  if (const Node* from = in.get("first"))
+    range.first = static_cast<std::uint64_t>(config::read_integer(*from, key + ".first", 0, kMost));
+  range.count = static_cast<std::uint64_t>(
+      config::read_integer(in.require("count", "the number of worlds"), key + ".count", 1, kMost));
+  if (seed != nullptr && in.get("seed") != nullptr) {
+    unsigned long long value = 0;
+    in.read("seed", value);
+    *seed = value;
+    if (in.get("first") == nullptr) range.first = 0;
+  }
+  in.finish();
+  return range;
+}
+
+void read_parts(MapReader& in, TuneConfig& tune) {
+  if (const Node* node = in.get("racing")) {
+    if (is_word(node, "none")) {
+      tune.racing.enabled = false;
+    } else {
+      MapReader racing(*node, in.key_of("racing"));
+      int first = static_cast<int>(tune.racing.first);
+      int block = static_cast<int>(tune.racing.block);
+      racing.read("first", first, 2, 1'000'000);
+      racing.read("block", block, 1, 1'000'000);
+      racing.read("significance", tune.racing.significance, {0.0, 0.5, true, false});
+      racing.finish();
+      tune.racing.first = static_cast<std::size_t>(first);
+      tune.racing.block = static_cast<std::size_t>(block);
+    }
+  }
+  if (const Node* node = in.get("sensitivity")) {
+    if (is_word(node, "none")) {
+      tune.sensitivity.enabled = false;
+    } else {
+      MapReader part(*node, in.key_of("sensitivity"));
+      part.read("near", tune.sensitivity.near, {0.0, 1.0, true, false});
+      part.read("far", tune.sensitivity.far, {0.0, 1.0, true, false});
+      int pairs = static_cast<int>(tune.sensitivity.pairs_of);
+      part.read("pairs_of", pairs, 0, 1000);
+      part.finish();
+      part.check(tune.sensitivity.near < tune.sensitivity.far, "far", "must be larger than near");
+      tune.sensitivity.pairs_of = static_cast<std::size_t>(pairs);
+    }
+  }
+  Confirmation& confirm = tune.confirmation;
+  confirm.worlds = tune.worlds.count;
+  if (const Node* node = in.get("confirm")) {
+    if (is_word(node, "none")) {
+      confirm.candidates = confirm.worlds = confirm.neighbours = 0;
+    } else {
+      MapReader part(*node, in.key_of("confirm"));
+      int candidates = static_cast<int>(confirm.candidates), worlds = static_cast<int>(confirm.worlds),
+          neighbours = static_cast<int>(confirm.neighbours);
+      part.read("candidates", candidates, 1, 1000);
+      part.read("worlds", worlds, 0, 1'000'000);
+      part.read("neighbours", neighbours, 0, 1000);
+      part.read("radius", confirm.radius, {0.0, 0.5, true, false});
+      part.finish();
+      confirm.candidates = static_cast<std::size_t>(candidates);
+      confirm.worlds = static_cast<std::size_t>(worlds);
+      confirm.neighbours = static_cast<std::size_t>(neighbours);
+    }
+  }
+}
+
+std::vector<Overrides> read_mixture(const Node* node) {
+  std::vector<Overrides> mixture;
+  if (node == nullptr) return {{}};
+  const std::string key = "tune.mixture";
+  if (node->kind != Node::Kind::kSequence || node->items.empty()) {
+    config::fail(node->mark, key,
+                 "expected a list of parts, each a map of suite keys: [{robot: A.yaml}, {robot: B.yaml}]");
+  }
+  for (const Node& item : node->items) {
+    if (item.kind != Node::Kind::kMap || item.entries.empty())
+      config::fail(item.mark, key, "expected a map of suite keys");
+    Overrides part;
+    for (const auto& [name, value] : item.entries) {
+      if (name == "tune" || name == "sweep" || name == "name" || name == "trials") {
+        config::fail(value.mark, key, fmt::format("'{}' is one for the whole suite", name));
+      }
+      std::string text = config::node_to_json(value).dump();
+      // A file is relative to the suite that names it.
+      const bool file = value.kind == Node::Kind::kScalar &&
+                        (name == "robot" || name == "worlds.frozen" || value.scalar.ends_with(".yaml"));
+      if (file)
+        text =
+            nlohmann::json(
+                std::filesystem::absolute(std::filesystem::path(value.mark.file).parent_path() / value.scalar).string())
+                .dump();
+      part.emplace_back(name, text);
+    }
+    mixture.push_back(std::move(part));
+  }
+  return mixture;
+}
+
+}  // namespace
+
+TuneConfig read_tune(const Node& node, const std::vector<std::string>& controllers) {
+  TuneConfig tune;
+  tune.mark = node.mark;
+  tune.written = config::node_to_json(node);
+  MapReader in(node, "tune");
+  read_variables(in.require("variables", "a map {KEY: {range: [low, high], scale: log, start: x}, ...}"), tune);
+  if (const Node* objective = in.get("objective")) tune.cost = read_objective(*objective);
+  tune.bounds = read_bounds(in.get("constraints"));
+  tune.plan = read_plan(in.get("algorithm"));
+  {
+    MapReader budget(in.require("budget", "{trials: 20000}"), "tune.budget");
+    const Node& trials = budget.require("trials", "the number of trials that the search may use");
+    tune.budget = static_cast<std::uint64_t>(config::read_integer(trials, "tune.budget.trials", 1, 1'000'000'000));
+    budget.finish();
+  }
+  tune.controller = controllers.empty() ? "" : controllers.front();
+  in.read("controller", tune.controller);
+  if (std::find(controllers.begin(), controllers.end(), tune.controller) == controllers.end()) {
+    in.fail_at("controller", fmt::format("the suite has no controller '{}'; it has {}", tune.controller,
+                                         fmt::join(controllers, ", ")));
+  }
+  unsigned long long seed = tune.seed;
+  in.read("seed", seed);
+  tune.seed = seed;
+  in.read("starts", tune.starts, 1, 1000);
+  in.read("penalty", tune.penalty, Range::positive());
+  in.read("initial_step", tune.initial_step, {0.0, 1.0, true, false});
+  in.read("tolerance", tune.tolerance, {0.0, 1.0, true, false});
+  std::string output;
+  in.read("output", output);
+  if (!output.empty()) tune.output = std::filesystem::path(in.get("output")->mark.file).parent_path() / output;
+  tune.mixture = read_mixture(in.get("mixture"));
+  tune.worlds = read_worlds(in.get("worlds"), "tune.worlds", 0, 100);
+  read_parts(in, tune);
+  tune.confirm = {tune.worlds.end(), tune.confirmation.candidates > 0 ? tune.confirmation.worlds : 0};
+  const Node* held_out = in.get("held_out");
+  tune.held_out = read_worlds(held_out, "tune.held_out", tune.confirm.end(), 500, &tune.held_out_seed);
+  in.finish();
+  tune.held_out_mark = held_out != nullptr ? held_out->mark : node.mark;
+  if (!tune.held_out_seed) check_held_out(tune);
+  const std::uint64_t least = 2 * tune.worlds.count * tune.mixture.size();
+  if (tune.budget < least) {
+    config::fail(node.find("budget")->mark, "tune.budget.trials",
+                 fmt::format("{} does not reach for two candidates ({} trials each); give at least {}, better {}",
+                             tune.budget, least / 2, least, 10 * least));
+  }
+  for (const PlanStep& step : tune.plan) {
+    const int most = step.algorithm->most_variables;
+    if (most > 0 && tune.variables.size() > static_cast<std::size_t>(most)) {
+      config::fail(
+          node.find("algorithm")->mark, "tune.algorithm",
+          fmt::format("{} takes at most {} variables, not {}", step.algorithm->name, most, tune.variables.size()));
+    }
+  }
+  return tune;
+}
+
+void check_held_out(const TuneConfig& tune) {
+  const auto overlap = [](const WorldRange& a, const WorldRange& b) {
+    return a.count > 0 && b.count > 0 && a.first < b.end() && b.first < a.end();
+  };
+  for (const auto& [name, range] : {std::pair{"search", tune.worlds}, {"confirmation", tune.confirm}}) {
+    if (!overlap(tune.held_out, range)) continue;
+    config::fail(tune.held_out_mark, "tune.held_out",
+                 fmt::format("worlds {} to {} overlap those of the {}, {} to {}: gains would be judged on worlds that "
+                             "chose them; begin at {} or later, or give held_out a seed of its own",
+                             tune.held_out.first, tune.held_out.end() - 1, name, range.first, range.end() - 1,
+                             std::max(tune.worlds.end(), tune.confirm.end())));
+  }
+}
+
+}  // namespace moma::tune

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "controller/config/node.h"
+#include "eval/suite/suite.h"
+#include "eval/tune/search.h"
+#include "eval/tune/trial_cost.h"
+
+namespace moma::tune {
+
+/// World indices first .. first + count - 1.
+struct WorldRange {
+  std::uint64_t first = 0;
+  std::uint64_t count = 0;
+  std::uint64_t end() const { return first + count; }
+};
+
+/// The `tune` section of a suite, read and checked by itself.
+struct TuneConfig {
+  std::string controller;           ///< which of the suite's controllers is tuned
+  std::vector<Variable> variables;  ///< `start` NaN where the file gives none: the controller's own value
+  std::vector<config::Mark> marks;  ///< where each variable was written
+  TrialCost cost;
+  std::vector<MetricBound> bounds;
+  std::vector<PlanStep> plan;                  ///< empty: the default plan
+  std::vector<Overrides> mixture;              ///< one assignment of suite keys per part; one empty one by default
+  WorldRange worlds;                           ///< of the search
+  WorldRange confirm;                          ///< for the best few
+  WorldRange held_out;                         ///< for the verdict
+  std::optional<std::uint64_t> held_out_seed;  ///< another worlds.seed for them
+  std::uint64_t budget = 0;
+  std::uint64_t seed = 1;
+  int starts = 1;
+  Racing racing;
+  Confirmation confirmation;
+  SensitivitySettings sensitivity;
+  double penalty = 0.0;
+  double initial_step = 0.2;
+  double tolerance = 0.004;
+  std::filesystem::path output;  ///< empty: chosen by the command
+  config::Mark mark;
+  config::Mark held_out_mark;
+  nlohmann::ordered_json written;  ///< the section as it stands in the file
+};
+
+/// Reads `tune`:
+///   variables: {KEY: {range: [low, high], scale: linear | log | integer, start: x}, ...}
+///   objective: default | {minimize: METRIC | {METRIC: weight | {weight: w, when_null: v}, ...}} | {maximize: ...}
+///   constraints: {METRIC: {at_most: x | at_least: x, when_null: v}, ...}
+///   algorithm: NAME | [NAME | {name: NAME, share: s, population: p}, ...]
+///   budget: {trials: n}       worlds: n | {first: i, count: n}       held_out: n | {first: i, count: n, seed: s}
+///   confirm: none | {candidates, worlds, neighbours, radius}         racing: none | {first, block, significance}
+///   sensitivity: none | {near, far, pairs_of}
+///   controller: NAME   mixture: [{KEY: VALUE, ...}, ...]   seed, starts, penalty, initial_step, tolerance, output
+/// `controllers`: names of the suite's controllers, in order. Throws config::ConfigError naming place and key.
+TuneConfig read_tune(const config::Node& node, const std::vector<std::string>& controllers);
+
+/// Throws config::ConfigError where the held-out worlds are not apart from the search's, given that both have the
+/// same seed. read_tune() does this itself unless held_out has a seed of its own.
+void check_held_out(const TuneConfig& tune);
+
+}  // namespace moma::tune

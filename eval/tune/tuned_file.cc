@@ -1,0 +1,140 @@
+#include "eval/tune/tuned_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace moma::tune {
+namespace {
+
+using config::Node;
+
+// Plain scalars stay as they are; what YAML would read otherwise is quoted.
+std::string scalar_text(const Node& node) {
+  if (!node.quoted) return node.scalar.empty() ? "''" : node.scalar;
+  std::string text = "'";
+  for (const char c : node.scalar) text += c == '\'' ? std::string("''") : std::string(1, c);
+  return text + "'";
+}
+
+std::string flow(const Node& node) {
+  switch (node.kind) {
+    case Node::Kind::kNull:
+      return "null";
+    case Node::Kind::kScalar:
+      return scalar_text(node);
+    case Node::Kind::kSequence: {
+      std::string text = "[";
+      for (const Node& item : node.items) text += (text.size() > 1 ? ", " : "") + flow(item);
+      return text + "]";
+    }
+    case Node::Kind::kMap: {
+      std::string text = "{";
+      for (const auto& [key, value] : node.entries) text += (text.size() > 1 ? ", " : "") + key + ": " + flow(value);
+      return text + "}";
+    }
+  }
+  return "";
+}
+
+std::string comment(const std::string& text) {
+  std::string result;
+  std::string line;
+  for (std::size_t i = 0; i <= text.size(); ++i) {
+    if (i == text.size() || text[i] == '\n') {
+      result += line.empty() ? "#\n" : "# " + line + "\n";
+      line.clear();
+    } else {
+      line += text[i];
+    }
+  }
+  return result;
+}
+
+// Largest rise of the objective over the steps of one gain.
+const SensitivityStep* steepest(const SearchResult& result, std::size_t variable) {
+  const SensitivityStep* best = nullptr;
+  for (const SensitivityStep& step : result.sensitivity.steps) {
+    if (step.variable != variable || !step.valid) continue;
+    if (best == nullptr || std::abs(step.change) > std::abs(best->change)) best = &step;
+  }
+  return best;
+}
+
+}  // namespace
+
+std::string to_yaml(const Node& node, int indent) {
+  if (node.kind != Node::Kind::kMap) return flow(node) + "\n";
+  std::string text;
+  const std::string space(static_cast<std::size_t>(indent), ' ');
+  for (const auto& [key, value] : node.entries) {
+    const bool nested = value.kind == Node::Kind::kMap && !value.entries.empty();
+    text += space + key + ":" + (nested ? "\n" + to_yaml(value, indent + 2) : " " + flow(value) + "\n");
+  }
+  return text;
+}
+
+std::string gains_table(const Tuning& tuning, const SearchResult& result) {
+  std::string text = fmt::format("{:<28} {:>10} {:>10} {:>22} {:>11}  {}\n", "gain", "start", "found", "range",
+                                 "importance", "objective when moved alone");
+  for (std::size_t i = 0; i < tuning.config.variables.size(); ++i) {
+    const Variable& v = tuning.config.variables[i];
+    const SensitivityStep* step = steepest(result, i);
+    const std::string moved =
+        step == nullptr ? "-" : fmt::format("{:+.3g} +- {:.2g} at {}", step->change, step->error, to_text(step->value));
+    text += fmt::format("{:<28} {:>10} {:>10} {:>22} {:>9.0f} %  {}\n", short_key(v.key), to_text(v.start),
+                        to_text(result.found[i]),
+                        fmt::format("{} [{}, {}]", to_string(v.scale), to_text(v.lower), to_text(v.upper)),
+                        result.importance.empty() ? 0.0 : 100 * result.importance[i], moved);
+  }
+  for (const SensitivityPair& pair : result.sensitivity.pairs) {
+    if (std::abs(pair.interaction) < 2 * pair.error) continue;
+    text += fmt::format("{} with {}: moved together {:+.3g} +- {:.2g}\n",
+                        short_key(tuning.config.variables[pair.first].key),
+                        short_key(tuning.config.variables[pair.second].key), pair.interaction, pair.error);
+  }
+  return text;
+}
+
+std::string tuned_file(const Tuning& tuning, const SearchResult& result, const HeldOutVerdict* verdict,
+                       const std::string& provenance) {
+  const TuneConfig& c = tuning.config;
+  std::string head = fmt::format("Gains of '{}' found by moma tune.\n{}\n\n", c.controller, provenance);
+  head += fmt::format(
+      "Search: {} trials in {} worlds per part and candidate ({} saved by cutting short), worlds {} to {}, confirmed "
+      "on "
+      "{} to {}.\n",
+      result.trials, c.worlds.count, result.trials_saved, c.worlds.first, c.worlds.end() - 1, c.confirm.first,
+      c.confirm.count > 0 ? c.confirm.end() - 1 : c.confirm.first);
+  head += gains_table(tuning, result);
+  for (const std::string& note : result.notes) head += "note: " + note + "\n";
+  head += "\n";
+  if (verdict == nullptr) {
+    head += "Not judged on held-out worlds.";
+  } else {
+    head += fmt::format("Held-out worlds {} to {}{}: {} than '{}'{}.\n", c.held_out.first, c.held_out.end() - 1,
+                        c.held_out_seed ? fmt::format(" of seed {}", *c.held_out_seed) : "",
+                        verdict->overall == Verdict::kNoDifference ? "no difference shown, neither better nor worse"
+                                                                   : std::string(to_string(verdict->overall)),
+                        verdict->against, verdict->why.empty() ? "" : fmt::format(" (by {})", verdict->why));
+    for (const std::string& line : verdict->constraints) head += "constraint " + line + "\n";
+    head += table(*verdict);
+  }
+  while (head.ends_with('\n')) head.pop_back();
+
+  Node controller = tuning.controller;
+  std::string outside;
+  for (std::size_t i = 0; i < c.variables.size(); ++i) {
+    const std::string inner = short_key(c.variables[i].key);
+    if (inner == c.variables[i].key) {
+      outside +=
+          fmt::format("# {}: {}   (a key of the suite, not of the controller)\n", inner, to_text(result.found[i]));
+    } else {
+      config::set_value(controller, inner, to_text(result.found[i]));
+    }
+  }
+  return comment(head) + outside + to_yaml(controller);
+}
+
+}  // namespace moma::tune

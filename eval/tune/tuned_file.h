@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "eval/tune/held_out.h"
+#include "eval/tune/search.h"
+#include "eval/tune/tuning.h"
+
+namespace moma::tune {
+
+/// A controller file with the found gains: the tuned controller as it was written, the found values in place, and
+/// in comments where they come from (suite, search, worlds, verdict, sensitivity, importance, version, date).
+/// Without a verdict the file says that none was made.
+std::string tuned_file(const Tuning& tuning, const SearchResult& result, const HeldOutVerdict* verdict,
+                       const std::string& provenance);
+
+/// YAML of a node in block style; the values keep their text.
+std::string to_yaml(const config::Node& node, int indent = 0);
+
+/// Found against start, with importance and sensitivity: the table that `moma tune` prints.
+std::string gains_table(const Tuning& tuning, const SearchResult& result);
+
+}  // namespace moma::tune

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "eval/suite/suite.h"
+#include "eval/tune/tune_config.h"
+
+namespace moma::tune {
+
+/// A suite with a `tune` section, everything read and checked: starts resolved, one loaded suite per part of the
+/// mixture, worlds in range.
+struct Tuning {
+  std::filesystem::path file;
+  Overrides overrides;
+  TuneConfig config;
+  std::vector<Suite> suites;              ///< per part of the mixture, without any sweep
+  std::vector<std::size_t> tuned_point;   ///< per part: index of the tuned controller's point
+  config::Node controller;                ///< the tuned controller as written, its includes resolved
+  std::filesystem::path controller_file;  ///< where it was written; the suite for one written inline
+  std::vector<std::string> warnings;
+  nlohmann::ordered_json identity;  ///< all that decides the search's path: equal identities, equal bits
+};
+
+/// Reads SUITE. Throws config::ConfigError.
+Tuning load_tuning(const std::filesystem::path& file, const Overrides& overrides = {});
+
+/// The suite of each part of the mixture, without its sweep.
+std::vector<Suite> load_parts(const std::filesystem::path& file, const Overrides& overrides,
+                              const std::vector<Overrides>& mixture);
+
+/// Search settings of a tuning. A world of the search is (index, part): number index * parts + part.
+SearchSettings search_settings(const Tuning& tuning);
+struct WorldOfPart {
+  std::uint64_t index = 0;
+  std::size_t part = 0;
+};
+WorldOfPart world_of(const Tuning& tuning, std::uint64_t number);
+
+/// Points with a candidate's values in place, one per part of the mixture.
+class Points {
+ public:
+  explicit Points(const Tuning& tuning);
+  /// Throws config::ConfigError where the values contradict each other or a key does not exist. Controller keys are
+  /// set on the resolved controller (microseconds); other keys read the suite again (as long as loading it takes).
+  std::vector<Point> make(const Candidate& candidate) const;
+  /// True where worlds, robot and simulation are the same for all candidates.
+  bool same_worlds() const { return only_controller_; }
+
+ private:
+  std::vector<Point> from_controller(const Candidate& candidate) const;
+  std::vector<Point> from_suite(const Candidate& candidate) const;
+  const Tuning& tuning_;
+  std::vector<config::Node> resolved_;   ///< per part: the tuned controller with all defaults
+  std::vector<std::string> inner_keys_;  ///< keys without "controller."
+  bool only_controller_ = true;
+};
+
+/// "lambda_q=0.01 k_epsilon=0.5": keys without their `controller.`.
+std::string describe(const std::vector<Variable>& variables, const Candidate& candidate);
+std::string short_key(const std::string& key);
+
+}  // namespace moma::tune
