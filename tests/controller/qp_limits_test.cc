@@ -1,0 +1,174 @@
+// Bounds from speeds, joint limits and accelerations, and the norms of the error, against their formulas by hand.
+
+#include <gtest/gtest.h>
+
+#include "controller/qp/limits.h"
+#include "controller/qp/servo.h"
+#include "tests/controller/qp_robots.h"
+
+namespace moma {
+namespace {
+
+using namespace test;
+
+// One revolute joint of range [-1, 1] and speed 2, and one that turns without end.
+std::shared_ptr<const RobotModel> two_joints(double lower = -1.0, double upper = 1.0) {
+  RobotBuilder b("two");
+  b.joint(JointType::kRevolute, Isometry::Identity(), lower, upper, 2.0)
+      .joint(JointType::kContinuous, Isometry::Identity(), -kInfinity, kInfinity, 3.0);
+  return b.finish(Isometry::Identity(), {0.0, 0.0});
+}
+
+struct Bounds {
+  double low, high;
+};
+
+Bounds bounds_at(const JointLimitParams& law, double q, const std::shared_ptr<const RobotModel>& model = two_joints(),
+                 int joint = 0) {
+  ControllerParams p;
+  p.joint_limits = law;
+  const VelocityBounds bounds(*model, resolved(p, *model), 0.02);
+  VectorX low(2), high(2), at(2);
+  at << q, q;
+  bounds.joint_limits(at, low, high);
+  return {low[joint], high[joint]};
+}
+
+TEST(Limits, SourceLaw) {
+  JointLimitParams law;
+  law.auto_margin = false;
+  law.margin = VectorX::Constant(2, 0.4);
+  const auto expect = [&](double q, double low, double high) {
+    const Bounds b = bounds_at(law, q);
+    EXPECT_NEAR(b.low, low, 1e-12) << q;
+    EXPECT_NEAR(b.high, high, 1e-12) << q;
+  };
+  expect(0.0, -2, 2);
+  expect(0.6, -2, 2);
+  expect(0.8, -2, 1);
+  expect(0.99, -2, 0.05);
+  expect(1.0, -2, 0);
+  expect(1.2, -2, 0);
+  expect(-0.9, -0.5, 2);
+  expect(-1.5, 0, 2);
+}
+
+TEST(Limits, MarginOfAutoIsAQuarterOfASmallRange) {
+  EXPECT_EQ(resolve_margin(*two_joints(), {})[0], 0.3);
+  EXPECT_EQ(resolve_margin(*two_joints(0.0, 0.35), {})[0], 0.0875);
+  EXPECT_NEAR(bounds_at({}, 0.35 - 0.0875 / 2, two_joints(0.0, 0.35)).high, 1.0, 1e-12);
+}
+
+TEST(Limits, DamperLaw) {
+  JointLimitParams law;
+  law.method = JointLimitMethod::kDamper;
+  law.influence = 0.5;
+  law.stop = 0.1;
+  law.gain = 0.8;
+  const auto expect = [&](double q, double low, double high) {
+    const Bounds b = bounds_at(law, q);
+    EXPECT_NEAR(b.low, low, 1e-12) << q;
+    EXPECT_NEAR(b.high, high, 1e-12) << q;
+  };
+  expect(0.0, -2, 2);
+  expect(0.7, -2, 0.8 * 0.2 / 0.4);
+  expect(0.9, -2, 0.0);
+  expect(0.95, -2, -0.8 * 0.05 / 0.4);
+  expect(-0.95, 0.8 * 0.05 / 0.4, 2);
+  expect(1.9, -2, -2);  // far beyond: the speed limit holds
+  law.gain = 100.0;
+  expect(0.6, -2, 2);
+}
+
+TEST(Limits, DampersOfBothEndsThatCrossBecomeTheirMean) {
+  JointLimitParams law;
+  law.method = JointLimitMethod::kDamper;
+  law.influence = 0.5;
+  law.stop = 0.2;
+  const auto model = two_joints(0.0, 0.3);
+  // At 0.1: high = (0.2 - 0.2)/0.3 = 0, low = -(0.1 - 0.2)/0.3 = 1/3; they cross, and meet at 1/6.
+  const Bounds b = bounds_at(law, 0.1, model);
+  EXPECT_NEAR(b.low, 1.0 / 6, 1e-12);
+  EXPECT_NEAR(b.high, 1.0 / 6, 1e-12);
+  law.gain = 100.0;  // the mean of 0 and 100/3 is far above the speed limit
+  EXPECT_NEAR(bounds_at(law, 0.1, model).low, 2.0, 1e-12);
+  EXPECT_NEAR(bounds_at(law, 0.1, model).high, 2.0, 1e-12);
+  for (double q = -0.5; q < 0.8; q += 0.01) {
+    const Bounds all = bounds_at(law, q, model);
+    EXPECT_LE(all.low, all.high) << q;
+    EXPECT_GE(all.low, -2.0);
+    EXPECT_LE(all.high, 2.0);
+  }
+}
+
+TEST(Limits, ContinuousJointsKeepTheirSpeedAlone) {
+  for (const JointLimitMethod method :
+       {JointLimitMethod::kNone, JointLimitMethod::kSource, JointLimitMethod::kDamper}) {
+    JointLimitParams law;
+    law.method = method;
+    for (const double q : {0.0, 10.0, -1e6}) {
+      EXPECT_EQ(bounds_at(law, q, two_joints(), 1).low, -3.0);
+      EXPECT_EQ(bounds_at(law, q, two_joints(), 1).high, 3.0);
+    }
+  }
+  JointLimitParams none;
+  none.method = JointLimitMethod::kNone;
+  EXPECT_EQ(bounds_at(none, 5.0).high, 2.0);
+}
+
+TEST(Limits, AccelerationIsClippedIntoThePositionBounds) {
+  const auto model = two_joints();
+  ControllerParams p;
+  p.acceleration_limit.resize(2);
+  p.acceleration_limit << 5.0, kInfinity;
+  const VelocityBounds bounds(*model, resolved(p, *model), 0.02);
+  EXPECT_TRUE(bounds.has_acceleration());
+  const auto at = [&](double measured, double hard_low, double hard_high) {
+    VectorX v(2), low(2), high(2), a(2), b(2);
+    v << measured, 1.0;
+    low << hard_low, -3;
+    high << hard_high, 3;
+    bounds.acceleration(v, low, high, a, b);
+    EXPECT_EQ(a[1], -3);
+    EXPECT_EQ(b[1], 3);
+    return Bounds{a[0], b[0]};
+  };
+  EXPECT_NEAR(at(0.5, -2, 2).low, 0.4, 1e-12);
+  EXPECT_NEAR(at(0.5, -2, 2).high, 0.6, 1e-12);
+  EXPECT_NEAR(at(1.95, -2, 2).high, 2.0, 1e-12);
+  EXPECT_NEAR(at(1.95, -2, 0.3).low, 0.3, 1e-12) << "too fast for the limit: slow down at once";
+  EXPECT_NEAR(at(1.95, -2, 0.3).high, 0.3, 1e-12);
+  EXPECT_NEAR(at(-1.0, 0.1, 2).high, 0.1, 1e-12);
+  ControllerParams none;
+  EXPECT_FALSE(VelocityBounds(*model, resolved(none, *model), 0.02).has_acceleration());
+}
+
+TEST(ErrorNorm, Kinds) {
+  Vector6 e;
+  e << 0.0, 0.6, 0.8, 3.0, 0.0, -4.0;
+  EXPECT_NEAR(error_norm({.kind = ErrorNormKind::kEuclidean}, e), 5.0, 1e-12);
+  EXPECT_NEAR(error_norm({.kind = ErrorNormKind::kL1}, e), 7.0, 1e-12);
+  EXPECT_NEAR(error_norm({.kind = ErrorNormKind::kPose, .scale = 12.0}, e), 13.0, 1e-12);
+}
+
+TEST(Servo, ClampsKeepTheDirectionAndLeaveTheFeedForwardAlone) {
+  Vector6 e, V;
+  e << 0.0, 0.0, 2.0, 3.0, 4.0, 0.0;
+  V << 5.0, 0.0, 0.0, 0.0, 0.0, 6.0;
+  const Vector6 nu = servo_twist({.position = 2, .orientation = 0.5, .max_linear = 1.0, .max_angular = 0.4}, e, V);
+  Vector6 expected;
+  expected << 5.0, 0.0, 0.4, 0.6, 0.8, 6.0;
+  EXPECT_LT((nu - expected).norm(), 1e-12);
+  const Vector6 free = servo_twist({.position = 2, .orientation = 0.5}, e, Vector6::Zero());
+  expected << 0.0, 0.0, 1.0, 6.0, 8.0, 0.0;
+  EXPECT_LT((free - expected).norm(), 1e-12);
+  EXPECT_EQ(servo_twist({}, Vector6::Zero(), Vector6::Zero()), Vector6::Zero());
+}
+
+TEST(Servo, BearingIsSeenFromTheBase) {
+  EXPECT_NEAR(bearing(pose(1, 2, 0, 0, 0, kPi / 2), {1, 3, 5}), 0.0, 1e-12) << "straight ahead, whatever the height";
+  EXPECT_NEAR(bearing(pose(1, 2, 0, 0, 0, kPi / 2), {0, 2, 1}), kPi / 2, 1e-12) << "to the left";
+}
+
+}  // namespace
+}  // namespace moma
