@@ -61,10 +61,10 @@ void enclose(ConvexHull& hull, const Points& cloud) {
   double factor = 1.0;
   for (const Eigen::Vector3i& t : hull.triangles) {
     const Vector3& a = hull.vertices[static_cast<std::size_t>(t[0])];
-    const Vector3 normal = (hull.vertices[static_cast<std::size_t>(t[1])] - a)
-                               .cross(hull.vertices[static_cast<std::size_t>(t[2])] - a);
+    const Vector3 normal =
+        (hull.vertices[static_cast<std::size_t>(t[1])] - a).cross(hull.vertices[static_cast<std::size_t>(t[2])] - a);
     const double reach = normal.dot(a - centre);
-    if (!(reach > 1e-12 * normal.norm())) continue;   // a sliver
+    if (!(reach > 1e-12 * normal.norm())) continue;  // a sliver
     for (const Vector3& p : cloud) factor = std::max(factor, normal.dot(p - centre) / reach);
   }
   for (Vector3& v : hull.vertices) v = centre + factor * (v - centre);

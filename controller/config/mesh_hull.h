@@ -13,7 +13,7 @@ inline constexpr int kMaxHullVertices = 96;
 struct MeshSolid {
   Shape shape;
   Isometry X_MS = Isometry::Identity();
-  bool flat = false;   ///< the mesh has no volume: `shape` is its bounding box, at least 1 mm thick
+  bool flat = false;  ///< the mesh has no volume: `shape` is its bounding box, at least 1 mm thick
 };
 
 /// Convex hull (Qhull, through coal) of all vertices of a mesh file that assimp reads: STL, DAE, OBJ, ...

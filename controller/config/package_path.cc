@@ -52,8 +52,7 @@ fs::path PackagePaths::resolve(const std::string& uri, const fs::path& directory
 
   const std::string rest = uri.substr(kPackage.size());
   const std::size_t slash = rest.find('/');
-  if (slash == 0 || slash == std::string::npos)
-    throw std::runtime_error("'" + uri + "' is not package://NAME/PATH");
+  if (slash == 0 || slash == std::string::npos) throw std::runtime_error("'" + uri + "' is not package://NAME/PATH");
   const std::string name = rest.substr(0, slash);
   const fs::path inside = rest.substr(slash + 1);
 

@@ -10,12 +10,16 @@ namespace {
 
 JointType type_of(UrdfJointType type) {
   switch (type) {
-    case UrdfJointType::kRevolute: return JointType::kRevolute;
-    case UrdfJointType::kContinuous: return JointType::kContinuous;
-    case UrdfJointType::kPrismatic: return JointType::kPrismatic;
+    case UrdfJointType::kRevolute:
+      return JointType::kRevolute;
+    case UrdfJointType::kContinuous:
+      return JointType::kContinuous;
+    case UrdfJointType::kPrismatic:
+      return JointType::kPrismatic;
     case UrdfJointType::kFixed:
     case UrdfJointType::kFloating:
-    case UrdfJointType::kPlanar: break;
+    case UrdfJointType::kPlanar:
+      break;
   }
   return JointType::kFixed;
 }
@@ -128,8 +132,9 @@ class ArmReader {
       const UrdfJoint& joint = joint_of(link);
       if (joint.type == UrdfJointType::kFixed || locked_.count(link) != 0) continue;
       if (joint.type == UrdfJointType::kFloating || joint.type == UrdfJointType::kPlanar) {
-        in_.fail("the " + std::string(to_string(joint.type)) + " joint " + joint.name +
-                 " lies between the root and the tip, and only revolute, continuous and prismatic joints can be driven");
+        in_.fail(
+            "the " + std::string(to_string(joint.type)) + " joint " + joint.name +
+            " lies between the root and the tip, and only revolute, continuous and prismatic joints can be driven");
       }
       if (joint.mimic) {
         in_.fail("joint " + joint.name + ", between the root and the tip, mimics " + joint.mimic->joint +
@@ -292,7 +297,7 @@ class ArmReader {
   RobotModel& model_;
   MapReader in_;
   nlohmann::ordered_json& written_;
-  std::map<int, double> locked_;   // by link
+  std::map<int, double> locked_;  // by link
 };
 
 }  // namespace

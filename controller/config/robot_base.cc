@@ -74,9 +74,10 @@ void read_base(MapReader& robot, RobotBuild& build) {
   MapReader in(node != nullptr ? *node : kNone, robot.key_of("base"));
   MobileBase& base = build.model.base;
   nlohmann::ordered_json& written = build.resolved["base"];
-  in.read_enum("type", base.type, {{"fixed", BaseType::kFixed},
-                                   {"differential", BaseType::kDifferential},
-                                   {"omnidirectional", BaseType::kOmnidirectional}});
+  in.read_enum("type", base.type,
+               {{"fixed", BaseType::kFixed},
+                {"differential", BaseType::kDifferential},
+                {"omnidirectional", BaseType::kOmnidirectional}});
   written["type"] = std::string(to_string(base.type));
   if (const Node* mount = in.get("mount")) {
     MapReader at(*mount, in.key_of("mount"));
@@ -106,7 +107,7 @@ void read_base(MapReader& robot, RobotBuild& build) {
     base.wheels.reset();
     written.erase("wheels");
   }
-  in.get("footprint");   // read with the other collision shapes
+  in.get("footprint");  // read with the other collision shapes
   in.finish();
 }
 

@@ -15,7 +15,7 @@ namespace moma::config {
 /// A robot while its file is read: each part below adds its share to the model and to the resolved form.
 struct RobotBuild {
   RobotModel model;
-  UrdfTree tree;                         ///< link i of the tree is link i + 1 of the model
+  UrdfTree tree;  ///< link i of the tree is link i + 1 of the model
   PackagePaths packages;
   std::filesystem::path urdf_directory;
   nlohmann::ordered_json resolved;

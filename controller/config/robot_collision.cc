@@ -37,7 +37,8 @@ std::shared_ptr<const ConvexHull> read_hull(MapReader& in) {
   const Node& faces = in.require("triangles", what);
   const auto t = read_numbers(faces, in.key_of("triangles"), -1, {0.0, static_cast<double>(v.size() / 3) - 1.0});
   in.check(v.size() >= 12 && v.size() % 3 == 0, "vertices", "expected x, y, z of four points or more");
-  in.check(t.size() >= 12 && t.size() % 3 == 0, "triangles", "expected three indices for each of four triangles or more");
+  in.check(t.size() >= 12 && t.size() % 3 == 0, "triangles",
+           "expected three indices for each of four triangles or more");
   for (std::size_t i = 0; i < v.size(); i += 3) hull->vertices.emplace_back(v[i], v[i + 1], v[i + 2]);
   for (std::size_t i = 0; i < t.size(); i += 3)
     hull->triangles.emplace_back(static_cast<int>(t[i]), static_cast<int>(t[i + 1]), static_cast<int>(t[i + 2]));
@@ -47,11 +48,12 @@ std::shared_ptr<const ConvexHull> read_hull(MapReader& in) {
 Shape read_shape(MapReader& in) {
   Shape shape;
   in.require("shape", "sphere, box, cylinder or capsule");
-  in.read_enum("shape", shape.kind, {{"sphere", ShapeKind::kSphere},
-                                     {"box", ShapeKind::kBox},
-                                     {"cylinder", ShapeKind::kCylinder},
-                                     {"capsule", ShapeKind::kCapsule},
-                                     {"convex", ShapeKind::kConvex}});
+  in.read_enum("shape", shape.kind,
+               {{"sphere", ShapeKind::kSphere},
+                {"box", ShapeKind::kBox},
+                {"cylinder", ShapeKind::kCylinder},
+                {"capsule", ShapeKind::kCapsule},
+                {"convex", ShapeKind::kConvex}});
   if (shape.kind == ShapeKind::kConvex) {
     shape.hull = read_hull(in);
     return shape;
@@ -166,7 +168,8 @@ class CollisionReader {
             auto [at, is_new] = meshes.try_emplace({file.string(), {s.x(), s.y(), s.z()}});
             if (is_new) at->second = mesh_solid(file, s);
             if (at->second.flat)
-              build_.warnings.push_back("link " + source.name + ": the flat mesh " + geometry.mesh + " became a thin box");
+              build_.warnings.push_back("link " + source.name + ": the flat mesh " + geometry.mesh +
+                                        " became a thin box");
             add(link, at->second.shape, geometry.X_LS * at->second.X_MS);
           } catch (const ConfigError&) {
             throw;
@@ -183,7 +186,7 @@ class CollisionReader {
     double stop = 0.01;
     in.read("self_stop", stop, Range::non_negative());
     const Node* self = in.get("self");
-    const Node* pairs = in.get("pairs");   // only in resolved robots
+    const Node* pairs = in.get("pairs");  // only in resolved robots
     if (pairs != nullptr) {
       in.check(self == nullptr, "pairs", "give `self` or `pairs`, not both");
       read_index_pairs(*pairs, in.key_of("pairs"));
@@ -214,13 +217,15 @@ class CollisionReader {
     const int link = model_.find_link(name);
     std::vector<int> found;
     for (std::size_t i = 0; i < model_.shapes.size(); ++i)
-      if (link >= 0 ? model_.shapes[i].link == link : model_.shapes[i].name == name) found.push_back(static_cast<int>(i));
+      if (link >= 0 ? model_.shapes[i].link == link : model_.shapes[i].name == name)
+        found.push_back(static_cast<int>(i));
     if (found.empty()) {
       std::vector<std::string> names;
       for (const CollisionShape& shape : model_.shapes) names.push_back(shape.name);
       const std::string near = nearest(name, names);
-      fail(node.mark, key, "found '" + name + "', which has no collision shape" +
-                               (near.empty() ? "" : " (did you mean " + near + "?)"));
+      fail(
+          node.mark, key,
+          "found '" + name + "', which has no collision shape" + (near.empty() ? "" : " (did you mean " + near + "?)"));
     }
     return found;
   }
@@ -258,7 +263,7 @@ class CollisionReader {
   RobotBuild& build_;
   RobotModel& model_;
   nlohmann::ordered_json written_;
-  std::map<int, int> count_;   // shapes so far, by link
+  std::map<int, int> count_;  // shapes so far, by link
 };
 
 }  // namespace

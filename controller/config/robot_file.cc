@@ -43,7 +43,7 @@ PackagePaths read_packages(MapReader& robot) {
 }
 
 void read_urdf_of(MapReader& robot, RobotBuild& build) {
-  const Node* text_node = robot.get("urdf_text");   // only in resolved robots
+  const Node* text_node = robot.get("urdf_text");  // only in resolved robots
   const Node* path_node = robot.get("urdf");
   std::string text;
   std::string name = "the resolved robot's URDF";
@@ -97,8 +97,8 @@ LoadedRobot read_robot(const Node& node, const std::string& key) {
   const fs::path file = directory_of(node) / node.scalar;
   std::error_code error;
   if (node.scalar.empty() || !fs::is_regular_file(file, error)) {
-    fail(node.mark, key, "found '" + node.scalar + "', expected the path of a robot file; no such file: " +
-                             file.string());
+    fail(node.mark, key,
+         "found '" + node.scalar + "', expected the path of a robot file; no such file: " + file.string());
   }
   return load_robot(file);
 }

@@ -16,7 +16,7 @@ namespace moma::config {
 struct LoadedRobot {
   std::shared_ptr<const RobotModel> model;
   nlohmann::ordered_json resolved;
-  std::vector<std::string> warnings;   ///< for a person: joints held, pairs left out, missing inertias, ...
+  std::vector<std::string> warnings;  ///< for a person: joints held, pairs left out, missing inertias, ...
 };
 
 /// Reads a robot file (configs/robots/*.yaml). Throws ConfigError naming the place.

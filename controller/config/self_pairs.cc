@@ -9,8 +9,8 @@ namespace moma::config {
 namespace {
 
 constexpr int kSamples = 1000;
-constexpr double kAlwaysClose = 0.2;   // share of the samples
-constexpr double kRowRange = 0.1;      // [m]
+constexpr double kAlwaysClose = 0.2;  // share of the samples
+constexpr double kRowRange = 0.1;     // [m]
 
 // Link that carries `link` rigidly and hangs on a controlled joint, or 0.
 int rigid_root(const RobotModel& model, int link) {
@@ -51,7 +51,7 @@ class PairDistances {
   template <typename Visit>
   void visit(const VectorX& q, double range, Visit&& visit) {
     kinematics_.update(Vector3::Zero(), q);
-    std::size_t k = 0;   // the answer keeps the order of the pairs
+    std::size_t k = 0;  // the answer keeps the order of the pairs
     for (const ProximityPair& pair : proximity_.query(kinematics_, {}, {-1.0, -1.0, range})) {
       while (model_->self_pairs[k].first != pair.first || model_->self_pairs[k].second != pair.second) ++k;
       visit(k, pair.distance.d);
@@ -78,8 +78,8 @@ std::vector<SelfPair> find_self_pairs(const RobotModel& source, double stop, std
     for (int j = i + 1; j < count; ++j) {
       const int a = model.shapes[static_cast<std::size_t>(i)].link;
       const int b = model.shapes[static_cast<std::size_t>(j)].link;
-      const bool adjacent = model.links[static_cast<std::size_t>(a)].parent == b ||
-                            model.links[static_cast<std::size_t>(b)].parent == a;
+      const bool adjacent =
+          model.links[static_cast<std::size_t>(a)].parent == b || model.links[static_cast<std::size_t>(b)].parent == a;
       if (!adjacent && can_move_against(model, a, b)) model.self_pairs.push_back({i, j, true});
     }
   }

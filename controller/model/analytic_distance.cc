@@ -18,8 +18,9 @@ PointDistance to_box(const Vector3& half, const Vector3& p) noexcept {
   const Vector3 beyond = p.cwiseAbs() - half;
   const Vector3 outside = beyond.cwiseMax(0.0);
   const double d = outside.norm();
-  if (d > 1e-14) return {d, Vector3(outside.array() * p.array().unaryExpr([](double x) { return std::copysign(1.0, x); })) / d};
-  Eigen::Index i = 0;   // inside: out through the nearest face
+  if (d > 1e-14)
+    return {d, Vector3(outside.array() * p.array().unaryExpr([](double x) { return std::copysign(1.0, x); })) / d};
+  Eigen::Index i = 0;  // inside: out through the nearest face
   const double depth = beyond.maxCoeff(&i);
   return {depth, std::copysign(1.0, p[i]) * Vector3::Unit(i)};
 }
@@ -58,7 +59,7 @@ Vector2 closest_parameters(const Vector3& c1, const Vector3& a1, const Vector3& 
   const double c = a1.dot(r);
   const double f = a2.dot(r);
   const auto clamp = [](double x) { return std::clamp(x, -1.0, 1.0); };
-  const double denominator = a * e - b * b;   // 0 where the segments are parallel or a point
+  const double denominator = a * e - b * b;  // 0 where the segments are parallel or a point
   double s = 0.0;
   if (denominator > 1e-12 * a * e) {
     s = clamp((b * f - c * e) / denominator);
@@ -106,15 +107,19 @@ Distance capsule_capsule(const Shape& first, const Isometry& X_W1, const Shape& 
 
 PointDistance point_distance(const Shape& shape, const Vector3& p) noexcept {
   switch (shape.kind) {
-    case ShapeKind::kSphere: return {p.norm() - shape.size.x(), direction(p, Vector3::UnitZ())};
-    case ShapeKind::kBox: return to_box(0.5 * shape.size, p);
-    case ShapeKind::kCylinder: return to_cylinder(shape.size.x(), 0.5 * shape.size.y(), p);
+    case ShapeKind::kSphere:
+      return {p.norm() - shape.size.x(), direction(p, Vector3::UnitZ())};
+    case ShapeKind::kBox:
+      return to_box(0.5 * shape.size, p);
+    case ShapeKind::kCylinder:
+      return to_cylinder(shape.size.x(), 0.5 * shape.size.y(), p);
     case ShapeKind::kCapsule: {
       const double half = 0.5 * shape.size.y();
       const Vector3 r = p - Vector3(0.0, 0.0, std::clamp(p.z(), -half, half));
       return {r.norm() - shape.size.x(), direction(r, Vector3::UnitX())};
     }
-    case ShapeKind::kConvex: break;
+    case ShapeKind::kConvex:
+      break;
   }
   return {p.norm() - bounding_radius(shape), direction(p, Vector3::UnitZ())};
 }

@@ -19,11 +19,16 @@ namespace {
 
 std::unique_ptr<coal::ShapeBase> make_coal_shape(const Shape& shape) {
   switch (shape.kind) {
-    case ShapeKind::kSphere: return std::make_unique<coal::Sphere>(shape.size.x());
-    case ShapeKind::kBox: return std::make_unique<coal::Box>(shape.size);
-    case ShapeKind::kCylinder: return std::make_unique<coal::Cylinder>(shape.size.x(), shape.size.y());
-    case ShapeKind::kCapsule: return std::make_unique<coal::Capsule>(shape.size.x(), shape.size.y());
-    case ShapeKind::kConvex: break;
+    case ShapeKind::kSphere:
+      return std::make_unique<coal::Sphere>(shape.size.x());
+    case ShapeKind::kBox:
+      return std::make_unique<coal::Box>(shape.size);
+    case ShapeKind::kCylinder:
+      return std::make_unique<coal::Cylinder>(shape.size.x(), shape.size.y());
+    case ShapeKind::kCapsule:
+      return std::make_unique<coal::Capsule>(shape.size.x(), shape.size.y());
+    case ShapeKind::kConvex:
+      break;
   }
   auto points = std::make_shared<std::vector<coal::Vec3s>>();
   auto triangles = std::make_shared<std::vector<coal::Triangle>>();
@@ -58,7 +63,7 @@ ConvexGeometry& ConvexGeometry::operator=(ConvexGeometry&&) noexcept = default;
 struct ConvexDistance::Impl {
   coal::details::MinkowskiDiff difference;
   const coal::details::GJK unused{coal::GJK_DEFAULT_MAX_ITERATIONS, kGjkTolerance};
-  coal::details::GJK gjk = unused;   // copied anew for each pair: reset() would allocate
+  coal::details::GJK gjk = unused;  // copied anew for each pair: reset() would allocate
   coal::details::EPA epa{coal::EPA_DEFAULT_MAX_ITERATIONS, coal::EPA_DEFAULT_TOLERANCE};
 
   // Points and normal (from the first to the second solid) in the first solid's frame; false where none was found.
@@ -71,7 +76,7 @@ struct ConvexDistance::Impl {
     const Vector3 guess(1.0, 0.0, 0.0);
     gjk.evaluate(difference, guess, coal::support_func_guess_t::Zero());
     switch (gjk.status) {
-      case coal::details::GJK::Failed:   // out of iterations: still the best that is known
+      case coal::details::GJK::Failed:  // out of iterations: still the best that is known
       case coal::details::GJK::NoCollision:
       case coal::details::GJK::CollisionWithPenetrationInformation:
         d = gjk.distance;
@@ -118,7 +123,7 @@ Distance ConvexDistance::distance(const ConvexGeometry& first, const Isometry& X
       }
       if (good) distance.n_W.normalize();
     } catch (...) {
-      good = false;   // a control step has to go on
+      good = false;  // a control step has to go on
     }
   }
   if (!good) {

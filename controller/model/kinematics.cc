@@ -107,7 +107,7 @@ Vector3 log_so3(const Matrix3& R) noexcept {
     v = -v;
     w = -w;
   }
-  if (w < 1e-14) {   // angle pi up to rounding: both directions are right, so one is chosen
+  if (w < 1e-14) {  // angle pi up to rounding: both directions are right, so one is chosen
     for (int i = 0; i < 3; ++i) {
       if (std::abs(v[i]) < 1e-12) continue;
       if (v[i] < 0.0) v = -v;

@@ -37,7 +37,7 @@ class Kinematics {
   std::shared_ptr<const RobotModel> model_;
   Vector3 base_ = Vector3::Zero();
   VectorX q_;
-  std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_PL_;   // joint at zero, or held where it is held
+  std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_PL_;  // joint at zero, or held where it is held
   std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_WL_;
   Isometry X_WE_ = Isometry::Identity();
   Matrix6X J_WE_W_;

@@ -14,8 +14,8 @@ constexpr double kSingular = 1e-9;
 template <int R>
 struct ThinQr {
   Eigen::Matrix<double, Eigen::Dynamic, R, Eigen::ColMajor, kMaxJoints, R> Q;
-  Eigen::Matrix<double, R, R> U;   // upper triangular
-  double volume = 1.0;             // product of U's diagonal = sqrt(det(J J^T))
+  Eigen::Matrix<double, R, R> U;  // upper triangular
+  double volume = 1.0;            // product of U's diagonal = sqrt(det(J J^T))
 
   explicit ThinQr(const Eigen::Ref<const Matrix6X>& J, int first_row) noexcept {
     Q = J.middleRows<R>(first_row).transpose();
@@ -32,7 +32,7 @@ struct ThinQr {
       volume *= U(k, k);
       if (U(k, k) > 0.0) Q.col(k) /= U(k, k);
     }
-    if (!(volume >= 0.0)) volume = 0.0;   // NaN in, singular out
+    if (!(volume >= 0.0)) volume = 0.0;  // NaN in, singular out
   }
 };
 
@@ -62,11 +62,11 @@ Manipulability gradient_of(const Eigen::Ref<const Matrix6X>& J, const Eigen::Ref
     const Vector3 linear = J.col(i).template tail<3>();
     for (Eigen::Index j = 0; j < J.cols(); ++j) {
       Vector6 derivative = Vector6::Zero();
-      if (j <= i) {   // joint j carries joint i: it turns the whole column
+      if (j <= i) {  // joint j carries joint i: it turns the whole column
         if (prismatic[j] != 0) continue;
         const Vector3 axis = J.col(j).template head<3>();
         derivative << axis.cross(angular), axis.cross(linear);
-      } else {        // joint j only moves E as seen from joint i
+      } else {  // joint j only moves E as seen from joint i
         derivative.tail<3>() = angular.cross(J.col(j).template tail<3>());
       }
       gradient[j] += weight.dot(derivative);
@@ -80,9 +80,12 @@ Manipulability gradient_of(const Eigen::Ref<const Matrix6X>& J, const Eigen::Ref
 
 double manipulability(const Eigen::Ref<const Matrix6X>& J_arm_W, ManipulabilityRows rows) noexcept {
   switch (rows) {
-    case ManipulabilityRows::kTranslation: return value_of<3>(J_arm_W, 3);
-    case ManipulabilityRows::kRotation: return value_of<3>(J_arm_W, 0);
-    case ManipulabilityRows::kAll: return value_of<6>(J_arm_W, 0);
+    case ManipulabilityRows::kTranslation:
+      return value_of<3>(J_arm_W, 3);
+    case ManipulabilityRows::kRotation:
+      return value_of<3>(J_arm_W, 0);
+    case ManipulabilityRows::kAll:
+      return value_of<6>(J_arm_W, 0);
   }
   return 0.0;
 }
@@ -91,9 +94,12 @@ Manipulability manipulability_gradient(const Eigen::Ref<const Matrix6X>& J_arm_W
                                        const Eigen::Ref<const Eigen::VectorXi>& prismatic, ManipulabilityRows rows,
                                        Eigen::Ref<VectorX> gradient) noexcept {
   switch (rows) {
-    case ManipulabilityRows::kTranslation: return gradient_of<3>(J_arm_W, prismatic, 3, gradient);
-    case ManipulabilityRows::kRotation: return gradient_of<3>(J_arm_W, prismatic, 0, gradient);
-    case ManipulabilityRows::kAll: return gradient_of<6>(J_arm_W, prismatic, 0, gradient);
+    case ManipulabilityRows::kTranslation:
+      return gradient_of<3>(J_arm_W, prismatic, 3, gradient);
+    case ManipulabilityRows::kRotation:
+      return gradient_of<3>(J_arm_W, prismatic, 0, gradient);
+    case ManipulabilityRows::kAll:
+      return gradient_of<6>(J_arm_W, prismatic, 0, gradient);
   }
   return {0.0, true};
 }

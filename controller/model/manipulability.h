@@ -7,8 +7,8 @@ namespace moma {
 enum class ManipulabilityRows { kTranslation, kRotation, kAll };
 
 struct Manipulability {
-  double value = 0.0;      ///< m >= 0
-  bool singular = false;   ///< m below 1e-9: the gradient is zero then
+  double value = 0.0;     ///< m >= 0
+  bool singular = false;  ///< m below 1e-9: the gradient is zero then
 };
 
 /// Yoshikawa manipulability m = sqrt(det(J J^T)) of the chosen rows of the arm's Jacobian (base columns left out).

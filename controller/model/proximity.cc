@@ -12,9 +12,9 @@ namespace {
 // A shape with what a query needs at hand.
 struct Solid {
   Shape shape;
-  double radius = 0.0;                      // bounding sphere about the shape's origin
-  Shape bound;                              // the shape itself, or the box around a convex hull
-  Vector3 bound_offset = Vector3::Zero();   // centre of that box
+  double radius = 0.0;                     // bounding sphere about the shape's origin
+  Shape bound;                             // the shape itself, or the box around a convex hull
+  Vector3 bound_offset = Vector3::Zero();  // centre of that box
   ConvexGeometry geometry;
 
   explicit Solid(const Shape& s) : shape(s), radius(bounding_radius(s)), bound(s), geometry(s) {
@@ -34,7 +34,7 @@ struct Solid {
 
 // False for a pose that is not one: sensed data can be anything.
 bool is_pose(const Isometry& X) noexcept {
-  return X.linear().squaredNorm() < 3.1 && X.translation().allFinite();   // 3 for a rotation
+  return X.linear().squaredNorm() < 3.1 && X.translation().allFinite();  // 3 for a rotation
 }
 
 int hull_vertices(const Shape& shape) { return shape.hull ? static_cast<int>(shape.hull->vertices.size()) : 0; }
@@ -45,14 +45,14 @@ struct Proximity::Impl {
   std::shared_ptr<const RobotModel> model;
   std::vector<Solid> robot;
   std::vector<Solid> objects;
-  std::optional<ConvexDistance> convex;   // sized by set_objects()
-  std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_WS;   // of the robot's shapes
-  std::vector<char> usable;                                         // of the objects, in this query
+  std::optional<ConvexDistance> convex;                            // sized by set_objects()
+  std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_WS;  // of the robot's shapes
+  std::vector<char> usable;                                        // of the objects, in this query
   std::vector<ProximityPair> pairs;
 
   // Adds the pair where it is closer than `range`: cheap lower bounds first, then the true distance.
-  void try_pair(PairKind kind, int i, const Solid& a, const Isometry& X_Wa, int j, const Solid& b,
-                const Isometry& X_Wb, double range) noexcept {
+  void try_pair(PairKind kind, int i, const Solid& a, const Isometry& X_Wa, int j, const Solid& b, const Isometry& X_Wb,
+                double range) noexcept {
     const Vector3 ca = X_Wa.translation();
     const Vector3 cb = X_Wb.translation();
     const double reach = range + a.radius + b.radius;
@@ -127,8 +127,8 @@ std::span<const ProximityPair> Proximity::query(const Kinematics& kinematics, st
       if (!pair.row) continue;
       const auto a = static_cast<std::size_t>(pair.first);
       const auto b = static_cast<std::size_t>(pair.second);
-      impl.try_pair(PairKind::kSelf, pair.first, impl.robot[a], impl.X_WS[a], pair.second, impl.robot[b],
-                    impl.X_WS[b], ranges.self);
+      impl.try_pair(PairKind::kSelf, pair.first, impl.robot[a], impl.X_WS[a], pair.second, impl.robot[b], impl.X_WS[b],
+                    ranges.self);
     }
   }
   return impl.pairs;

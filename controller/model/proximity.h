@@ -19,7 +19,7 @@ struct ObjectShape {
 struct ObjectState {
   Isometry X_WO = Isometry::Identity();
   Vector6 V_WO_W = Vector6::Zero();
-  bool visible = true;   ///< false: not sensed now; no distances, no rows
+  bool visible = true;  ///< false: not sensed now; no distances, no rows
 };
 
 /// Signed distance between two solids. n_W is a unit vector along which d grows when `first` moves along it:

@@ -4,19 +4,26 @@ namespace moma {
 
 std::string_view to_string(BaseType type) noexcept {
   switch (type) {
-    case BaseType::kFixed: return "fixed";
-    case BaseType::kDifferential: return "differential";
-    case BaseType::kOmnidirectional: return "omnidirectional";
+    case BaseType::kFixed:
+      return "fixed";
+    case BaseType::kDifferential:
+      return "differential";
+    case BaseType::kOmnidirectional:
+      return "omnidirectional";
   }
   return "?";
 }
 
 std::string_view to_string(JointType type) noexcept {
   switch (type) {
-    case JointType::kFixed: return "fixed";
-    case JointType::kRevolute: return "revolute";
-    case JointType::kContinuous: return "continuous";
-    case JointType::kPrismatic: return "prismatic";
+    case JointType::kFixed:
+      return "fixed";
+    case JointType::kRevolute:
+      return "revolute";
+    case JointType::kContinuous:
+      return "continuous";
+    case JointType::kPrismatic:
+      return "prismatic";
   }
   return "?";
 }

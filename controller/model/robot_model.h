@@ -22,17 +22,17 @@ std::string_view to_string(BaseType type) noexcept;
 std::string_view to_string(JointType type) noexcept;
 
 struct Inertial {
-  double mass = 0.0;                 ///< [kg]
-  Vector3 com_L = Vector3::Zero();   ///< centre of mass in the link frame [m]
-  Matrix3 I_C = Matrix3::Zero();     ///< inertia about the centre of mass, link axes [kg m^2]
+  double mass = 0.0;                ///< [kg]
+  Vector3 com_L = Vector3::Zero();  ///< centre of mass in the link frame [m]
+  Matrix3 I_C = Matrix3::Zero();    ///< inertia about the centre of mass, link axes [kg m^2]
 };
 
 /// One rigid link and the joint that hangs it on its parent. Links are in topological order (parents first):
 /// links[0] is "@base", the mobile base frame B; links[1] is the URDF's root, rigid at the mount pose.
 struct Link {
   std::string name;
-  int parent = -1;                       ///< index of the parent link; -1 for "@base" only
-  std::string joint;                     ///< URDF joint name; empty for "@base" and the root
+  int parent = -1;    ///< index of the parent link; -1 for "@base" only
+  std::string joint;  ///< URDF joint name; empty for "@base" and the root
   JointType joint_type = JointType::kFixed;
   Isometry X_PJ = Isometry::Identity();  ///< parent link frame to joint frame at zero displacement
   Vector3 axis = Vector3::UnitZ();       ///< unit joint axis in the joint (= link) frame
@@ -45,43 +45,43 @@ struct Link {
 struct ControlledJoint {
   std::string name;
   JointType type = JointType::kRevolute;
-  int link = -1;                                             ///< the link that it moves
-  double lower = -std::numeric_limits<double>::infinity();   ///< [rad] or [m]; infinite for continuous
+  int link = -1;                                            ///< the link that it moves
+  double lower = -std::numeric_limits<double>::infinity();  ///< [rad] or [m]; infinite for continuous
   double upper = std::numeric_limits<double>::infinity();
-  double velocity = 0.0;                                     ///< largest speed, > 0 [rad/s] or [m/s]
-  double effort = 0.0;                                       ///< [Nm] or [N]; 0 where unknown
+  double velocity = 0.0;  ///< largest speed, > 0 [rad/s] or [m/s]
+  double effort = 0.0;    ///< [Nm] or [N]; 0 where unknown
 };
 
 struct Wheels {
-  double radius = 0.1;       ///< R [m]
-  double separation = 0.5;   ///< W, left to right [m]
-  double wheelbase = 0.0;    ///< front to rear [m]; mecanum only
-  double max_speed = 20.0;   ///< [rad/s]
+  double radius = 0.1;      ///< R [m]
+  double separation = 0.5;  ///< W, left to right [m]
+  double wheelbase = 0.0;   ///< front to rear [m]; mecanum only
+  double max_speed = 20.0;  ///< [rad/s]
 };
 
 struct MobileBase {
   BaseType type = BaseType::kFixed;
-  Isometry X_BM = Isometry::Identity();   ///< mount: the URDF's root in the base frame
-  double max_linear = 0.0;                ///< [m/s]
-  double max_angular = 0.0;               ///< [rad/s]
-  Vector2 max_acceleration{2.0, 4.0};     ///< the plant's ramp [m/s^2, rad/s^2]
+  Isometry X_BM = Isometry::Identity();  ///< mount: the URDF's root in the base frame
+  double max_linear = 0.0;               ///< [m/s]
+  double max_angular = 0.0;              ///< [rad/s]
+  Vector2 max_acceleration{2.0, 4.0};    ///< the plant's ramp [m/s^2, rad/s^2]
   std::optional<Wheels> wheels;
-  double mass = 0.0;                      ///< of the footprint [kg]; 0 where none is given
+  double mass = 0.0;  ///< of the footprint [kg]; 0 where none is given
 };
 
 struct CollisionShape {
-  std::string name;                      ///< unique: the link's name, with /2, /3 ... from its second shape on
+  std::string name;  ///< unique: the link's name, with /2, /3 ... from its second shape on
   int link = 0;
   Shape shape;
   Isometry X_LS = Isometry::Identity();
-  bool rigid_with_base = false;          ///< no controlled joint between it and "@base"
+  bool rigid_with_base = false;  ///< no controlled joint between it and "@base"
 };
 
 /// A pair of robot shapes (indices, first < second) whose contact is a self-collision.
 struct SelfPair {
   int first = 0;
   int second = 0;
-  bool row = true;   ///< false: can never come within range; no QP row, but still in the contact check
+  bool row = true;  ///< false: can never come within range; no QP row, but still in the contact check
 };
 
 /// Immutable once built: share it as std::shared_ptr<const RobotModel> among threads.
@@ -92,9 +92,9 @@ struct RobotModel {
   MobileBase base;
   std::vector<Link> links;
   std::vector<ControlledJoint> joints;
-  int tip = -1;                           ///< link that carries E
-  Isometry X_TE = Isometry::Identity();   ///< tip link to E (tool offset)
-  VectorX ready;                          ///< size num_joints()
+  int tip = -1;                          ///< link that carries E
+  Isometry X_TE = Isometry::Identity();  ///< tip link to E (tool offset)
+  VectorX ready;                         ///< size num_joints()
   std::vector<CollisionShape> shapes;
   std::vector<SelfPair> self_pairs;
 

@@ -7,22 +7,32 @@ namespace moma {
 
 std::string_view to_string(ShapeKind kind) noexcept {
   switch (kind) {
-    case ShapeKind::kSphere: return "sphere";
-    case ShapeKind::kBox: return "box";
-    case ShapeKind::kCylinder: return "cylinder";
-    case ShapeKind::kCapsule: return "capsule";
-    case ShapeKind::kConvex: return "convex";
+    case ShapeKind::kSphere:
+      return "sphere";
+    case ShapeKind::kBox:
+      return "box";
+    case ShapeKind::kCylinder:
+      return "cylinder";
+    case ShapeKind::kCapsule:
+      return "capsule";
+    case ShapeKind::kConvex:
+      return "convex";
   }
   return "?";
 }
 
 double bounding_radius(const Shape& shape) noexcept {
   switch (shape.kind) {
-    case ShapeKind::kSphere: return shape.size.x();
-    case ShapeKind::kBox: return 0.5 * shape.size.norm();
-    case ShapeKind::kCylinder: return std::hypot(shape.size.x(), 0.5 * shape.size.y());
-    case ShapeKind::kCapsule: return shape.size.x() + 0.5 * shape.size.y();
-    case ShapeKind::kConvex: break;
+    case ShapeKind::kSphere:
+      return shape.size.x();
+    case ShapeKind::kBox:
+      return 0.5 * shape.size.norm();
+    case ShapeKind::kCylinder:
+      return std::hypot(shape.size.x(), 0.5 * shape.size.y());
+    case ShapeKind::kCapsule:
+      return shape.size.x() + 0.5 * shape.size.y();
+    case ShapeKind::kConvex:
+      break;
   }
   double squared = 0.0;
   if (shape.hull)

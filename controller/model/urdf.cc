@@ -12,7 +12,7 @@
 namespace moma {
 namespace {
 
-constexpr int kMaxDepth = 200;   // of XML elements: the parser recurses
+constexpr int kMaxDepth = 200;  // of XML elements: the parser recurses
 
 // What urdfdom would print, kept for the error's text. Its handler is global, hence the lock.
 class MessageCapture : public console_bridge::OutputHandler {
@@ -49,7 +49,7 @@ void check_depth(const std::string& text) {
   }
 }
 
-using MissingLimits = std::map<std::string, std::set<std::string>>;   // joint -> lower, upper, velocity, effort
+using MissingLimits = std::map<std::string, std::set<std::string>>;  // joint -> lower, upper, velocity, effort
 
 // urdfdom refuses joints without limits, while ours may come from the robot file: zeros are put in, and noted.
 MissingLimits complete_limits(TiXmlElement& robot) {
@@ -58,7 +58,7 @@ MissingLimits complete_limits(TiXmlElement& robot) {
        joint = joint->NextSiblingElement("joint")) {
     const char* name = joint->Attribute("name");
     const char* type = joint->Attribute("type");
-    if (name == nullptr || type == nullptr) continue;   // urdfdom reports it
+    if (name == nullptr || type == nullptr) continue;  // urdfdom reports it
     TiXmlElement* limit = joint->FirstChildElement("limit");
     if (limit == nullptr) {
       TiXmlElement empty("limit");
@@ -118,13 +118,20 @@ Isometry isometry_of(const urdf::Pose& pose, const std::string& where) {
 
 UrdfJointType type_of(const urdf::Joint& joint) {
   switch (joint.type) {
-    case urdf::Joint::FIXED: return UrdfJointType::kFixed;
-    case urdf::Joint::REVOLUTE: return UrdfJointType::kRevolute;
-    case urdf::Joint::CONTINUOUS: return UrdfJointType::kContinuous;
-    case urdf::Joint::PRISMATIC: return UrdfJointType::kPrismatic;
-    case urdf::Joint::FLOATING: return UrdfJointType::kFloating;
-    case urdf::Joint::PLANAR: return UrdfJointType::kPlanar;
-    default: throw UrdfError("joint " + joint.name + ": unknown type");
+    case urdf::Joint::FIXED:
+      return UrdfJointType::kFixed;
+    case urdf::Joint::REVOLUTE:
+      return UrdfJointType::kRevolute;
+    case urdf::Joint::CONTINUOUS:
+      return UrdfJointType::kContinuous;
+    case urdf::Joint::PRISMATIC:
+      return UrdfJointType::kPrismatic;
+    case urdf::Joint::FLOATING:
+      return UrdfJointType::kFloating;
+    case urdf::Joint::PLANAR:
+      return UrdfJointType::kPlanar;
+    default:
+      throw UrdfError("joint " + joint.name + ": unknown type");
   }
 }
 
@@ -212,7 +219,8 @@ UrdfLink link_of(const urdf::Link& source) {
   link.name = source.name;
   link.inertial = inertial_of(source);
   for (const auto& collision : source.collision_array)
-    if (collision && collision->geometry) link.collision.push_back(geometry_of(*collision, "link " + link.name + ", collision"));
+    if (collision && collision->geometry)
+      link.collision.push_back(geometry_of(*collision, "link " + link.name + ", collision"));
   return link;
 }
 
@@ -220,12 +228,18 @@ UrdfLink link_of(const urdf::Link& source) {
 
 std::string_view to_string(UrdfJointType type) noexcept {
   switch (type) {
-    case UrdfJointType::kFixed: return "fixed";
-    case UrdfJointType::kRevolute: return "revolute";
-    case UrdfJointType::kContinuous: return "continuous";
-    case UrdfJointType::kPrismatic: return "prismatic";
-    case UrdfJointType::kFloating: return "floating";
-    case UrdfJointType::kPlanar: return "planar";
+    case UrdfJointType::kFixed:
+      return "fixed";
+    case UrdfJointType::kRevolute:
+      return "revolute";
+    case UrdfJointType::kContinuous:
+      return "continuous";
+    case UrdfJointType::kPrismatic:
+      return "prismatic";
+    case UrdfJointType::kFloating:
+      return "floating";
+    case UrdfJointType::kPlanar:
+      return "planar";
   }
   return "?";
 }

@@ -31,26 +31,26 @@ struct UrdfJoint {
   std::string name;
   UrdfJointType type = UrdfJointType::kFixed;
   Isometry X_PJ = Isometry::Identity();
-  Vector3 axis = Vector3::UnitX();   ///< unit, in the joint frame
-  std::optional<double> lower;       ///< [rad] or [m]
+  Vector3 axis = Vector3::UnitX();  ///< unit, in the joint frame
+  std::optional<double> lower;      ///< [rad] or [m]
   std::optional<double> upper;
-  std::optional<double> velocity;    ///< [rad/s] or [m/s]
-  std::optional<double> effort;      ///< [Nm] or [N]
+  std::optional<double> velocity;  ///< [rad/s] or [m/s]
+  std::optional<double> effort;    ///< [Nm] or [N]
   std::optional<UrdfMimic> mimic;
 };
 
 /// One collision element of a link: a primitive, or a mesh that is still to be read.
 struct UrdfGeometry {
-  Shape shape;                       ///< meaningful where `mesh` is empty
-  std::string mesh;                  ///< as written: package://..., file://... or a path
+  Shape shape;       ///< meaningful where `mesh` is empty
+  std::string mesh;  ///< as written: package://..., file://... or a path
   Vector3 scale = Vector3::Ones();
   Isometry X_LS = Isometry::Identity();
 };
 
 struct UrdfLink {
   std::string name;
-  int parent = -1;                   ///< -1 for the root only
-  UrdfJoint joint;                   ///< meaningless for the root
+  int parent = -1;  ///< -1 for the root only
+  UrdfJoint joint;  ///< meaningless for the root
   std::optional<Inertial> inertial;
   std::vector<UrdfGeometry> collision;
 };

@@ -54,7 +54,7 @@ TEST_P(KinematicsOf, PointJacobianIsTheDerivativeOfThePoint) {
   std::mt19937 engine(8);
   Kinematics kinematics(model_);
   Matrix3X J(3, model_->num_velocities());
-  const Vector3 p_L(0.07, -0.11, 0.05);   // fixed to the link
+  const Vector3 p_L(0.07, -0.11, 0.05);  // fixed to the link
   for (int link = 0; link < static_cast<int>(model_->links.size()); ++link) {
     const test::State state = test::random_state(*model_, engine);
     const auto point = [&](const test::State& s) -> VectorX {
@@ -64,7 +64,7 @@ TEST_P(KinematicsOf, PointJacobianIsTheDerivativeOfThePoint) {
     const MatrixX numeric =
         test::differentiate(*model_, state, point, [](const VectorX& a, const VectorX& b) { return VectorX(a - b); });
     const Vector3 p_W = point(state);
-    J.setConstant(1e9);   // every column has to be written
+    J.setConstant(1e9);  // every column has to be written
     kinematics.point_jacobian(link, p_W, J);
     EXPECT_LT((J - numeric).lpNorm<Eigen::Infinity>(), 1e-8) << model_->links[static_cast<std::size_t>(link)].name;
   }
@@ -143,7 +143,7 @@ TEST(Integrate, FullCircleComesBack) {
   integrate(*model, base, q, v, 3.0);
   EXPECT_NEAR(base.x(), 1.0, 1e-12);
   EXPECT_NEAR(base.y(), -2.0, 1e-12);
-  EXPECT_NEAR(base.z(), 0.4 + 2.0 * kPi, 1e-12);   // phi is not wrapped
+  EXPECT_NEAR(base.z(), 0.4 + 2.0 * kPi, 1e-12);  // phi is not wrapped
 }
 
 Matrix3 rotation(const Vector3& r) {
@@ -167,7 +167,7 @@ TEST(LogSo3, InvertsTheExponential) {
 TEST(LogSo3, AtPiTheAxisIsChosenBySign) {
   for (const Vector3& axis : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1), Vector3(1, 2, 3).normalized(),
                               Vector3(1, -2, 0.5).normalized(), Vector3(0, 1, -1).normalized()}) {
-    const Matrix3 R = 2.0 * axis * axis.transpose() - Matrix3::Identity();   // exactly half a turn
+    const Matrix3 R = 2.0 * axis * axis.transpose() - Matrix3::Identity();  // exactly half a turn
     EXPECT_LT((log_so3(R) - kPi * axis).norm(), 1e-7) << axis.transpose();
     EXPECT_LE(log_so3(R).norm(), kPi + 1e-15);
   }

@@ -46,7 +46,7 @@ TEST_P(ManipulabilityOf, GradientIsTheDerivative) {
       VectorX gradient(n);
       const Manipulability m = manipulability_gradient(arm, prismatic, rows, gradient);
       EXPECT_DOUBLE_EQ(m.value, value(state.q));
-      if (m.value < 1e-3) continue;   // differences lose their digits near a singularity
+      if (m.value < 1e-3) continue;  // differences lose their digits near a singularity
       ++checked;
       VectorX numeric(n);
       const double h = test::difference_step();
@@ -65,8 +65,10 @@ TEST(Manipulability, MatchesTheDeterminant) {
     const Matrix6X J = Matrix6X::Random(6, 8);
     const Matrix3X Jv = J.bottomRows<3>();
     const Matrix3X Jw = J.topRows<3>();
-    EXPECT_NEAR(manipulability(J, ManipulabilityRows::kTranslation), std::sqrt((Jv * Jv.transpose()).determinant()), 1e-12);
-    EXPECT_NEAR(manipulability(J, ManipulabilityRows::kRotation), std::sqrt((Jw * Jw.transpose()).determinant()), 1e-12);
+    EXPECT_NEAR(manipulability(J, ManipulabilityRows::kTranslation), std::sqrt((Jv * Jv.transpose()).determinant()),
+                1e-12);
+    EXPECT_NEAR(manipulability(J, ManipulabilityRows::kRotation), std::sqrt((Jw * Jw.transpose()).determinant()),
+                1e-12);
     EXPECT_NEAR(manipulability(J, ManipulabilityRows::kAll), std::sqrt((J * J.transpose()).determinant()), 1e-11);
   }
 }
@@ -74,7 +76,7 @@ TEST(Manipulability, MatchesTheDeterminant) {
 TEST(Manipulability, SingularityGivesZeroAndAFlag) {
   Kinematics kinematics(test::load_model("configs/robots/ur5.yaml"));
   const RobotModel& model = kinematics.model();
-  kinematics.update(Vector3::Zero(), VectorX::Zero(6));   // stretched arm, aligned wrist
+  kinematics.update(Vector3::Zero(), VectorX::Zero(6));  // stretched arm, aligned wrist
   VectorX gradient = VectorX::Constant(6, 9.0);
   const Manipulability m =
       manipulability_gradient(kinematics.J_WE_W(), prismatic_flags(model), ManipulabilityRows::kAll, gradient);
@@ -94,7 +96,8 @@ TEST(Manipulability, FewJointsOrNoMotionAreSingular) {
   }
   const Matrix6X zero = Matrix6X::Zero(6, 7);
   VectorX gradient(7);
-  EXPECT_TRUE(manipulability_gradient(zero, Eigen::VectorXi::Zero(7), ManipulabilityRows::kTranslation, gradient).singular);
+  EXPECT_TRUE(
+      manipulability_gradient(zero, Eigen::VectorXi::Zero(7), ManipulabilityRows::kTranslation, gradient).singular);
   EXPECT_TRUE(gradient.allFinite());
 }
 

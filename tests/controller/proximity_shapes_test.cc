@@ -35,16 +35,17 @@ TEST(ShapeDistance, SphereAndBox) {
   const Isometry X = placed({0, 0, 0});
   expect_distance(shape_distance(ball, placed({0.5, 0.1, 0.1}), box, X), 0.2, Vector3::UnitX());
   const Vector3 diagonal = Vector3(0.3, 0.4, 0).normalized();
-  expect_distance(shape_distance(ball, placed({0.5, 0.7, 0}), box, X), 0.4, diagonal);                 // an edge
+  expect_distance(shape_distance(ball, placed({0.5, 0.7, 0}), box, X), 0.4, diagonal);  // an edge
   expect_distance(shape_distance(ball, placed({0.2 + 0.2, 0.3 + 0.2, 0.4 + 0.1}), box, X), 0.2,
-                  Vector3(0.2, 0.2, 0.1) / 0.3);                                                          // a corner
-  expect_distance(shape_distance(ball, placed({-0.15, 0, 0}), box, X), -0.15, -Vector3::UnitX());        // inside
-  expect_distance(shape_distance(box, X, ball, placed({0.5, 0.1, 0.1})), 0.2, -Vector3::UnitX());        // other way round
+                  Vector3(0.2, 0.2, 0.1) / 0.3);                                                   // a corner
+  expect_distance(shape_distance(ball, placed({-0.15, 0, 0}), box, X), -0.15, -Vector3::UnitX());  // inside
+  expect_distance(shape_distance(box, X, ball, placed({0.5, 0.1, 0.1})), 0.2, -Vector3::UnitX());  // other way round
 }
 
 TEST(ShapeDistance, CrossingCapsulesHaveANormal) {
   const Shape a = make_capsule(0.05, 1.0), b = make_capsule(0.08, 1.0);
-  const Distance crossing = shape_distance(a, placed({0, 0, 0}, {kHalfPi, 0, 0}), b, placed({0, 0, 0}, {0, kHalfPi, 0}));
+  const Distance crossing =
+      shape_distance(a, placed({0, 0, 0}, {kHalfPi, 0, 0}), b, placed({0, 0, 0}, {0, kHalfPi, 0}));
   EXPECT_NEAR(crossing.d, -0.13, 1e-12);
   EXPECT_NEAR(std::abs(crossing.n_W.z()), 1.0, 1e-9);
   // A hair's breadth either side of crossing: continuous, with the sign of that side.
@@ -94,7 +95,9 @@ class EveryPairOfKinds : public testing::TestWithParam<std::tuple<int, int>> {};
 
 INSTANTIATE_TEST_SUITE_P(Kinds, EveryPairOfKinds, testing::Combine(testing::Range(0, 5), testing::Range(0, 5)),
                          [](const auto& pair) {
-                           const auto name = [](int kind) { return std::string(to_string(static_cast<ShapeKind>(kind))); };
+                           const auto name = [](int kind) {
+                             return std::string(to_string(static_cast<ShapeKind>(kind)));
+                           };
                            return name(std::get<0>(pair.param)) + "_" + name(std::get<1>(pair.param));
                          });
 

@@ -61,7 +61,8 @@ TEST_P(ProximityOf, FindsWhatMeasuringEveryPairFinds) {
     const auto pairs = proximity.query(kinematics, scene.states, {0.3, 0.2, 0.15});
     std::size_t k = 0;
     const auto expect = [&](PairKind kind, int first, int second, const Distance& exact, double range) {
-      const bool present = k < pairs.size() && pairs[k].kind == kind && pairs[k].first == first && pairs[k].second == second;
+      const bool present =
+          k < pairs.size() && pairs[k].kind == kind && pairs[k].first == first && pairs[k].second == second;
       EXPECT_EQ(present, exact.d < range) << "kind " << static_cast<int>(kind) << " " << first << " " << second;
       if (!present) return;
       EXPECT_EQ(pairs[k].distance.d, exact.d);
@@ -131,7 +132,7 @@ TEST_P(ProximityOf, QueryDoesNotAllocate) {
   std::vector<test::State> states;
   for (int i = 0; i < 20; ++i) states.push_back(test::random_state(*model_, engine));
   std::size_t pairs = 0;
-  const test::NoAlloc guard;   // from the first query on: no warm-up
+  const test::NoAlloc guard;  // from the first query on: no warm-up
   for (const test::State& state : states) {
     kinematics.update(0.1 * state.base, state.q);
     pairs += proximity.query(kinematics, scene.states, {0.5, 0.3, 0.3}).size();
@@ -164,7 +165,8 @@ TEST_P(ProximityOf, NormalsAndPointsGiveTheDerivative) {
       kinematics.update(state.base, state.q);
       kinematics.point_jacobian(a.link, pair.distance.p_first_W, J1);
       if (pair.kind == PairKind::kSelf) {
-        kinematics.point_jacobian(model_->shapes[static_cast<std::size_t>(pair.second)].link, pair.distance.p_second_W, J2);
+        kinematics.point_jacobian(model_->shapes[static_cast<std::size_t>(pair.second)].link, pair.distance.p_second_W,
+                                  J2);
         J1 -= J2;
       }
       const VectorX gradient = J1.transpose() * pair.distance.n_W;

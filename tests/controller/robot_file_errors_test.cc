@@ -78,7 +78,8 @@ class RobotFileErrors : public testing::Test {
 
   void expect(const std::string& yaml, const std::vector<std::string>& parts) {
     const std::string text = message(yaml);
-    for (const std::string& part : parts) EXPECT_NE(text.find(part), std::string::npos) << "'" << part << "' in: " << text;
+    for (const std::string& part : parts)
+      EXPECT_NE(text.find(part), std::string::npos) << "'" << part << "' in: " << text;
   }
 
   void expect_change(const std::string& from, const std::string& to, const std::vector<std::string>& parts) {
@@ -107,15 +108,18 @@ TEST_F(RobotFileErrors, TheRobotItselfIsFine) {
 TEST_F(RobotFileErrors, Places) {
   const std::string text = message(replaced(kRobot, "max_angular: 2", "max_angluar: 2"));
   EXPECT_NE(text.find("robot.yaml:3:3: base.max_angular: missing"), std::string::npos) << text;
-  expect_change("  tip: tip\n", "  tip: tip\n  tipp: 3\n", {"robot.yaml:10:9: arm.tipp: unknown key (did you mean tip?)"});
+  expect_change("  tip: tip\n", "  tip: tip\n  tipp: 3\n",
+                {"robot.yaml:10:9: arm.tipp: unknown key (did you mean tip?)"});
 }
 
 TEST_F(RobotFileErrors, Urdf) {
   expect_change("urdf: small.urdf\n", "", {"robot.yaml:1:1: urdf: missing"});
   expect_change("small.urdf", "none.urdf", {"robot.yaml:1:7: urdf: no such file", "none.urdf"});
-  expect_change("small.urdf", "package://nowhere/x.urdf", {"cannot find 'package://nowhere/x.urdf'", "MOMA_PACKAGE_PATH"});
+  expect_change("small.urdf", "package://nowhere/x.urdf",
+                {"cannot find 'package://nowhere/x.urdf'", "MOMA_PACKAGE_PATH"});
   expect_change("small.urdf", "package://nowhere", {"is not package://NAME/PATH"});
-  expect_change("urdf: small.urdf", "urdf: small.urdf\npackages: {a: gone}", {"packages.a: found 'gone', which is no folder"});
+  expect_change("urdf: small.urdf", "urdf: small.urdf\npackages: {a: gone}",
+                {"packages.a: found 'gone', which is no folder"});
   expect_urdf("", {"small.urdf: not valid XML"});
   expect_urdf("<robot name='a'><link name='b'></robot>", {"not valid XML", "row 1"});
   expect_urdf("<model/>", {"there is no <robot> element"});
@@ -134,7 +138,9 @@ TEST_F(RobotFileErrors, Urdf) {
 TEST_F(RobotFileErrors, LimitsTheUrdfLacks) {
   scratch_.write("small.urdf", urdf("", ""));
   expect(kRobot, {"arm.limits.lift", "no lower: ..., upper limit", "arm.limits.lift: {lower: ..., upper: ...} in m"});
-  const auto with = [&](const std::string& limits) { return replaced(kRobot, "  tip: tip\n", "  tip: tip\n  limits: " + limits + "\n"); };
+  const auto with = [&](const std::string& limits) {
+    return replaced(kRobot, "  tip: tip\n", "  tip: tip\n  limits: " + limits + "\n");
+  };
   expect(with("{lift: {lower: 0, upper: 1}}"), {"arm.limits.lift", "no velocity limit", "in m/s"});
   expect(with("{lift: {lower: 0, upper: 1, velocity: 1}}"), {"arm.limits.spin", "no velocity limit", "in rad/s"});
   const config::LoadedRobot robot = load(with("{lift: {lower: 0, upper: 1, velocity: 0.2}, spin: {velocity: 4}}"));
@@ -144,11 +150,14 @@ TEST_F(RobotFileErrors, LimitsTheUrdfLacks) {
   for (const std::string& warning : robot.warnings) warnings += warning + "\n";
   EXPECT_NE(warnings.find("joint lift: no effort limit is known"), std::string::npos) << warnings;
   // Limits make a continuous joint a revolute one.
-  EXPECT_EQ(load(with("{lift: {lower: 0, upper: 1, velocity: 1}, spin: {velocity: 4, lower: -1, upper: 1}}")).model->joints[2].type,
+  EXPECT_EQ(load(with("{lift: {lower: 0, upper: 1, velocity: 1}, spin: {velocity: 4, lower: -1, upper: 1}}"))
+                .model->joints[2]
+                .type,
             JointType::kRevolute);
   expect(with("{lift: {lower: 0, upper: 1, velocity: 1}, spin: {velocity: 4, lower: -1}}"), {"both lower and upper"});
   expect(with("{lift: {lower: 2, upper: 1, velocity: 1}}"), {"lower 2", "is not below upper 1"});
-  expect(with("{lift: {lower: 0, upper: 1, velocity: 0}}"), {"arm.limits.lift.velocity: found '0', expected a number above 0"});
+  expect(with("{lift: {lower: 0, upper: 1, velocity: 0}}"),
+         {"arm.limits.lift.velocity: found '0', expected a number above 0"});
   expect(with("{lfit: {lower: 0}}"), {"arm.limits.lift"});
 }
 
@@ -157,9 +166,12 @@ TEST_F(RobotFileErrors, Arm) {
   expect_change("tip: tip\n", "tip: tpi\n", {"arm.tip: found 'tpi', which is no link of the URDF (did you mean tip?)"});
   expect_change("tip: tip\n", "tip: root\n", {"no joint is left to control"});
   expect_change("tip: tip\n", "tip: finger2\n", {"joint grip2", "mimics grip1", "arm.locked.grip2"});
-  expect_change("tip: tip\n", "tip: tip\n  locked: {turn: 0.5, spn: 1}\n", {"arm.locked.spn: the URDF has no movable joint", "did you mean spin?"});
-  expect_change("tip: tip\n", "tip: tip\n  locked: {turn: 5}\n", {"arm.locked.turn: found 5, outside the joint's limits"});
-  expect_change("tip: tip\n", "tip: tip\n  limits: {nonsense: {lower: 0}}\n", {"arm.limits.nonsense: the URDF has no movable joint"});
+  expect_change("tip: tip\n", "tip: tip\n  locked: {turn: 0.5, spn: 1}\n",
+                {"arm.locked.spn: the URDF has no movable joint", "did you mean spin?"});
+  expect_change("tip: tip\n", "tip: tip\n  locked: {turn: 5}\n",
+                {"arm.locked.turn: found 5, outside the joint's limits"});
+  expect_change("tip: tip\n", "tip: tip\n  limits: {nonsense: {lower: 0}}\n",
+                {"arm.limits.nonsense: the URDF has no movable joint"});
   expect_change("[0.1, 0.2, 0.3]", "[0.1, 0.2]", {"arm.ready: found a list of 2, expected a list of 3 numbers"});
   expect_change("[0.1, 0.2, 0.3]", "[0.1, 2.5, 0.3]", {"robot.yaml:10:16: arm.ready[1]: found 2.5", "joint turn"});
   expect_change("[0.1, 0.2, 0.3]", "[0.1, .nan, 0.3]", {"arm.ready[1]"});
@@ -169,14 +181,17 @@ TEST_F(RobotFileErrors, Arm) {
 }
 
 TEST_F(RobotFileErrors, Base) {
-  expect_change("type: differential", "type: diferential", {"base.type: found 'diferential'", "did you mean differential?"});
+  expect_change("type: differential", "type: diferential",
+                {"base.type: found 'diferential'", "did you mean differential?"});
   expect_change("  max_linear: 1\n", "", {"base.max_linear: missing; expected the base's largest speed"});
   expect_change("max_linear: 1", "max_linear: -1", {"base.max_linear: found '-1', expected a number above 0"});
   expect_change("radius: 0.1", "radius: 0", {"base.wheels.radius"});
   expect_change("type: differential", "type: omnidirectional", {"base.wheels.wheelbase: missing"});
   expect_change("max_linear: 1\n", "max_linear: 1\n  max_acceleration: [1]\n", {"base.max_acceleration", "2 numbers"});
-  expect_change("max_linear: 1\n", "max_linear: 1\n  mount: {position: [0, 0]}\n", {"base.mount.position", "3 numbers"});
-  expect_change("shape: box, size: [0.4, 0.4, 0.1]", "shape: bxo, size: [1, 1, 1]", {"base.footprint.shape: found 'bxo'", "did you mean box?"});
+  expect_change("max_linear: 1\n", "max_linear: 1\n  mount: {position: [0, 0]}\n",
+                {"base.mount.position", "3 numbers"});
+  expect_change("shape: box, size: [0.4, 0.4, 0.1]", "shape: bxo, size: [1, 1, 1]",
+                {"base.footprint.shape: found 'bxo'", "did you mean box?"});
   expect_change("size: [0.4, 0.4, 0.1]", "size: [0.4, 0.4]", {"base.footprint.size", "3 numbers"});
   expect_change("mass: 20", "mass: -20", {"base.footprint.mass"});
 }
@@ -186,15 +201,19 @@ TEST_F(RobotFileErrors, Collision) {
   expect_change("size: 0.05", "size: 0", {"collision.shapes[0].size", "above 0"});
   expect_change("size: 0.05, ", "", {"collision.shapes[0].size: missing; expected the radius"});
   expect_change("shape: sphere, ", "", {"collision.shapes[0].shape: missing"});
-  expect_change("position: [0.3, 0, 0.5]", "positoin: [0.3, 0, 0.5]", {"collision.shapes[0].positoin: unknown key (did you mean position?)"});
+  expect_change("position: [0.3, 0, 0.5]", "positoin: [0.3, 0, 0.5]",
+                {"collision.shapes[0].positoin: unknown key (did you mean position?)"});
   expect_change("position: [0.3, 0, 0.5]", "rotation: [1, 0, 0, 0, 1, 0, 0, 0, 2]", {"no rotation matrix"});
   expect_change("collision:\n", "collision:\n  from: mesh\n", {"collision.from: found 'mesh', expected urdf"});
-  expect_change("collision:\n", "collision:\n  self: [[tip, tpi]]\n", {"collision.self[0]", "'tpi'", "no collision shape"});
-  expect_change("collision:\n", "collision:\n  self: [[tip, tip]]\n", {"collision.self[0]", "no controlled joint lies between"});
+  expect_change("collision:\n", "collision:\n  self: [[tip, tpi]]\n",
+                {"collision.self[0]", "'tpi'", "no collision shape"});
+  expect_change("collision:\n", "collision:\n  self: [[tip, tip]]\n",
+                {"collision.self[0]", "no controlled joint lies between"});
   expect_change("collision:\n", "collision:\n  self: [tip]\n", {"collision.self[0]: expected [link, link]"});
   expect_change("collision:\n", "collision:\n  self: always\n", {"collision.self: expected auto or a list"});
   EXPECT_EQ(message(replaced(kRobot, "collision:\n", "collision:\n  self: [[\"@base\", tip]]\n")), "");
-  const std::string mesh = "<link name=\"root\"><collision><geometry><mesh filename=\"gone.stl\"/></geometry></collision></link>";
+  const std::string mesh =
+      "<link name=\"root\"><collision><geometry><mesh filename=\"gone.stl\"/></geometry></collision></link>";
   scratch_.write("small.urdf", replaced(urdf(), "<link name=\"root\"/>", mesh));
   expect_change("collision:\n", "collision:\n  from: urdf\n", {"collision.from: link root: no such file", "gone.stl"});
   scratch_.write("gone.stl", "solid nonsense\nendsolid\n");
@@ -238,7 +257,8 @@ TEST_F(RobotFileErrors, MapsAndPathsInAnotherFile) {
     config::read_robot(*node.find("other"), "other");
     FAIL();
   } catch (const config::ConfigError& e) {
-    EXPECT_NE(std::string(e.what()).find("suite.yaml:2:8: other: found 'robots/none.yaml'"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("suite.yaml:2:8: other: found 'robots/none.yaml'"), std::string::npos)
+        << e.what();
   }
 }
 
@@ -246,7 +266,8 @@ TEST_F(RobotFileErrors, Packages) {
   scratch_.write("here/my_robot/urdf/small.urdf", urdf());
   const std::string uri = "package://my_robot/urdf/small.urdf";
   expect_change("small.urdf", uri, {"cannot find", "my_robot"});
-  EXPECT_EQ(message(replaced(kRobot, "urdf: small.urdf", "urdf: " + uri + "\npackages: {my_robot: here/my_robot}")), "");
+  EXPECT_EQ(message(replaced(kRobot, "urdf: small.urdf", "urdf: " + uri + "\npackages: {my_robot: here/my_robot}")),
+            "");
   setenv("MOMA_PACKAGE_PATH", ("/nowhere:" + (scratch_.folder() / "here").string()).c_str(), 1);
   EXPECT_EQ(message(replaced(kRobot, "small.urdf", uri)), "");
   unsetenv("MOMA_PACKAGE_PATH");
@@ -256,16 +277,20 @@ TEST_F(RobotFileErrors, Packages) {
 
 // A tetrahedron, and a flat triangle that has no hull.
 TEST_F(RobotFileErrors, MeshesBecomeHulls) {
-  const auto facet = [](const char* vertices) { return std::string("facet normal 0 0 1\nouter loop\n") + vertices + "endloop\nendfacet\n"; };
+  const auto facet = [](const char* vertices) {
+    return std::string("facet normal 0 0 1\nouter loop\n") + vertices + "endloop\nendfacet\n";
+  };
   const std::string flat = facet("vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n");
   const std::string solid = flat + facet("vertex 0 0 0\nvertex 0 0 1\nvertex 1 0 0\n") +
-                            facet("vertex 0 0 0\nvertex 0 1 0\nvertex 0 0 1\n") + facet("vertex 1 0 0\nvertex 0 0 1\nvertex 0 1 0\n");
+                            facet("vertex 0 0 0\nvertex 0 1 0\nvertex 0 0 1\n") +
+                            facet("vertex 1 0 0\nvertex 0 0 1\nvertex 0 1 0\n");
   scratch_.write("solid.stl", "solid a\n" + solid + "endsolid a\n");
   scratch_.write("flat.stl", "solid a\n" + flat + "endsolid a\n");
   const auto with = [&](const std::string& file) {
-    scratch_.write("small.urdf", replaced(urdf(), "<link name=\"root\"/>",
-                   "<link name=\"root\"><collision><origin xyz=\"0 0 1\"/><geometry><mesh filename=\"" + file +
-                   "\" scale=\"0.1 0.2 0.3\"/></geometry></collision></link>"));
+    scratch_.write("small.urdf",
+                   replaced(urdf(), "<link name=\"root\"/>",
+                            "<link name=\"root\"><collision><origin xyz=\"0 0 1\"/><geometry><mesh filename=\"" + file +
+                                "\" scale=\"0.1 0.2 0.3\"/></geometry></collision></link>"));
     return load(replaced(kRobot, "collision:\n", "collision:\n  from: urdf\n"));
   };
   const config::LoadedRobot robot = with("solid.stl");

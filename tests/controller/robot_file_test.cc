@@ -94,8 +94,9 @@ INSTANTIATE_TEST_SUITE_P(Robots, RobotFileOf, testing::ValuesIn(test::all_robots
 
 TEST_P(RobotFileOf, ResolvedFormGivesTheSameModelBitByBit) {
   const std::string text = robot_.resolved.dump();
-  EXPECT_EQ(text.find("package://example-robot-data/robots/") == std::string::npos, GetParam().find("examples") == std::string::npos &&
-            GetParam().find("tests/data") == std::string::npos);   // the URDF's text is in there
+  EXPECT_EQ(text.find("package://example-robot-data/robots/") == std::string::npos,
+            GetParam().find("examples") == std::string::npos &&
+                GetParam().find("tests/data") == std::string::npos);  // the URDF's text is in there
   const config::LoadedRobot again = config::robot_from_resolved(nlohmann::ordered_json::parse(text));
   expect_same_model(*robot_.model, *again.model);
   EXPECT_EQ(again.resolved.dump(), text);
@@ -152,7 +153,8 @@ TEST_P(RobotFileOf, IsFreeOfSelfCollisionAtReady) {
   for (const SelfPair& pair : model.self_pairs) {
     const CollisionShape& a = model.shapes[static_cast<std::size_t>(pair.first)];
     const CollisionShape& b = model.shapes[static_cast<std::size_t>(pair.second)];
-    EXPECT_GT(shape_distance(a.shape, kinematics.X_WS(a), b.shape, kinematics.X_WS(b)).d, 0.0) << a.name << " " << b.name;
+    EXPECT_GT(shape_distance(a.shape, kinematics.X_WS(a), b.shape, kinematics.X_WS(b)).d, 0.0)
+        << a.name << " " << b.name;
   }
 }
 
@@ -171,7 +173,8 @@ TEST_P(ShippedRobot, StandsOnTheFloorClearOfItsBase) {
     EXPECT_GT(lowest_point(shape.shape, kinematics.X_WS(shape)), 0.0) << shape.name;
     if (shape.rigid_with_base || model.shapes[0].link != 0) continue;
     const CollisionShape& base = model.shapes[0];
-    EXPECT_GT(shape_distance(base.shape, kinematics.X_WS(base), shape.shape, kinematics.X_WS(shape)).d, 0.0) << shape.name;
+    EXPECT_GT(shape_distance(base.shape, kinematics.X_WS(base), shape.shape, kinematics.X_WS(shape)).d, 0.0)
+        << shape.name;
   }
   double mass = 0.0;
   for (const Link& link : model.links) {
@@ -232,7 +235,7 @@ TEST(RobotFile, AutoLeavesOutPairsThatAreAlwaysClose) {
     return false;
   };
   EXPECT_FALSE(has_pair("panda_link1", "panda_link3"));
-  EXPECT_FALSE(has_pair("panda_link1", "panda_link2"));   // adjacent
+  EXPECT_FALSE(has_pair("panda_link1", "panda_link2"));  // adjacent
   EXPECT_TRUE(has_pair("panda_link1", "panda_hand"));
   EXPECT_TRUE(has_pair("panda_link0", "panda_hand/2"));
 }

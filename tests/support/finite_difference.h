@@ -30,15 +30,15 @@ inline State random_state(const RobotModel& model, std::mt19937& engine) {
   return state;
 }
 
-/// Moves a state by the velocity `v` for the time 1, by many small Euler steps of the base's own motion: x' = v cos phi,
-/// y' = v sin phi, phi' = omega (with v_y across for an omnidirectional base). Independent of moma::integrate().
+/// Moves a state by the velocity `v` for the time 1, by many small Euler steps of the base's own motion: x' = v cos
+/// phi, y' = v sin phi, phi' = omega (with v_y across for an omnidirectional base). Independent of moma::integrate().
 inline State drive(const RobotModel& model, State state, const VectorX& v, int steps = 1) {
   const double dt = 1.0 / steps;
   for (int i = 0; i < steps; ++i) {
     if (model.base_dof() > 0) {
       const double omega = v[model.base_dof() - 1];
       const double across = model.base_dof() == 3 ? v[1] : 0.0;
-      const double phi = state.base.z() + 0.5 * omega * dt;   // midpoint rule: second order
+      const double phi = state.base.z() + 0.5 * omega * dt;  // midpoint rule: second order
       state.base.x() += (v[0] * std::cos(phi) - across * std::sin(phi)) * dt;
       state.base.y() += (v[0] * std::sin(phi) + across * std::cos(phi)) * dt;
       state.base.z() += omega * dt;

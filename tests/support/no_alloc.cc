@@ -17,10 +17,10 @@ thread_local int allocations = 0;
 // Symbols of the program come before those of the C library, also for shared libraries. free() stays the C
 // library's: what is handed out below is its own.
 extern "C" {
-void* __libc_malloc(std::size_t);                  // NOLINT(bugprone-reserved-identifier)
-void* __libc_calloc(std::size_t, std::size_t);     // NOLINT(bugprone-reserved-identifier)
-void* __libc_realloc(void*, std::size_t);          // NOLINT(bugprone-reserved-identifier)
-void* __libc_memalign(std::size_t, std::size_t);   // NOLINT(bugprone-reserved-identifier)
+void* __libc_malloc(std::size_t);                 // NOLINT(bugprone-reserved-identifier)
+void* __libc_calloc(std::size_t, std::size_t);    // NOLINT(bugprone-reserved-identifier)
+void* __libc_realloc(void*, std::size_t);         // NOLINT(bugprone-reserved-identifier)
+void* __libc_memalign(std::size_t, std::size_t);  // NOLINT(bugprone-reserved-identifier)
 
 void* malloc(std::size_t size) {
   ++allocations;

@@ -36,11 +36,16 @@ inline Isometry placed(const Vector3& p, const Vector3& rotation_vector = Vector
 inline Shape random_shape(ShapeKind kind, std::mt19937& engine) {
   const auto size = [&] { return std::uniform_real_distribution<>(0.05, 0.3)(engine); };
   switch (kind) {
-    case ShapeKind::kSphere: return make_sphere(size());
-    case ShapeKind::kBox: return make_box(size(), size(), size());
-    case ShapeKind::kCylinder: return make_cylinder(size(), size());
-    case ShapeKind::kCapsule: return make_capsule(size(), size());
-    case ShapeKind::kConvex: break;
+    case ShapeKind::kSphere:
+      return make_sphere(size());
+    case ShapeKind::kBox:
+      return make_box(size(), size(), size());
+    case ShapeKind::kCylinder:
+      return make_cylinder(size(), size());
+    case ShapeKind::kCapsule:
+      return make_capsule(size(), size());
+    case ShapeKind::kConvex:
+      break;
   }
   return make_octahedron(size(), size(), size());
 }
@@ -60,12 +65,18 @@ inline double support(const Shape& shape, const Isometry& X_WS, const Vector3& d
   const Vector3 u = X_WS.linear().transpose() * direction_W;
   double value = 0.0;
   switch (shape.kind) {
-    case ShapeKind::kSphere: value = shape.size.x() * u.norm(); break;
-    case ShapeKind::kBox: value = 0.5 * shape.size.dot(u.cwiseAbs()); break;
+    case ShapeKind::kSphere:
+      value = shape.size.x() * u.norm();
+      break;
+    case ShapeKind::kBox:
+      value = 0.5 * shape.size.dot(u.cwiseAbs());
+      break;
     case ShapeKind::kCylinder:
       value = 0.5 * shape.size.y() * std::abs(u.z()) + shape.size.x() * std::hypot(u.x(), u.y());
       break;
-    case ShapeKind::kCapsule: value = 0.5 * shape.size.y() * std::abs(u.z()) + shape.size.x() * u.norm(); break;
+    case ShapeKind::kCapsule:
+      value = 0.5 * shape.size.y() * std::abs(u.z()) + shape.size.x() * u.norm();
+      break;
     case ShapeKind::kConvex:
       value = -1e300;
       for (const Vector3& v : shape.hull->vertices) value = std::max(value, v.dot(u));
