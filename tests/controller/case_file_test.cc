@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
+
+#include "controller/case/solve.h"
 
 namespace moma {
 namespace {
@@ -229,6 +232,30 @@ TEST_F(CaseFile, TruncatedAnywhereIsAnErrorNeverACrash) {
   for (std::size_t length = 0; length + 1 < text.size(); length += 97) {
     EXPECT_NE(error_of(text.substr(0, length)), "") << "cut after " << length << " bytes";
   }
+}
+
+// Replaces every number of a case by extreme ones, one at a time: an error or a finite command, never anything else.
+TEST_F(CaseFile, ExtremeNumbersGiveFiniteCommands) {
+  const Json base = good_case();
+  const Json flat = base.flatten();
+  int accepted = 0;
+  for (const auto& [pointer, value] : flat.items()) {
+    if (!value.is_number()) continue;
+    for (const double extreme : {0.0, 1e-320, 1e150, -1e308}) {
+      Json c = base;
+      c[Json::json_pointer(pointer)] = extreme;
+      const std::string message = error_of(c);
+      if (!message.empty()) continue;
+      ++accepted;
+      const ControlCase given = read_case(folder_ / "cases" / "case.json");
+      const Json solved = solve(given);
+      ASSERT_EQ(solved["qdot"].size(), 9u) << pointer << " = " << extreme;
+      for (const Json& v : solved["qdot"])
+        EXPECT_TRUE(v.is_number() && std::isfinite(v.get<double>())) << pointer << " = " << extreme << ": " << v;
+      EXPECT_FALSE(explain(given).empty());
+    }
+  }
+  EXPECT_GT(accepted, 50);
 }
 
 }  // namespace
