@@ -1,12 +1,14 @@
-// The report page in a real browser, offline: page_test.mjs SOURCE_DIR MAKE_REPORT WORK_DIR [SCREENSHOT_DIR]
+// The report page in a real browser, offline: page_test.mjs SOURCE_DIR MAKE_REPORT WORK_DIR [MOMA]
+// With the program MOMA, also pages of trials that it simulates. MOMA_SCREENSHOTS=DIR writes screenshots there.
 // Exit 0: passed; 1: failed; 77: left out, since node's packages, python3 or chromium are missing.
 import { execFileSync } from 'node:child_process';
-import { existsSync, mkdirSync, readFileSync, rmSync } from 'node:fs';
+import { existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import { inflateSync } from 'node:zlib';
 
-const [, , source, makeReport, work, screenshots] = process.argv;
+const [, , source, makeReport, work, moma] = process.argv;
+const screenshots = process.env.MOMA_SCREENSHOTS;
 const skip = (why) => {
   console.log(`skipped: ${why}; scripts/setup.sh installs what is missing`);
   process.exit(77);
@@ -172,6 +174,23 @@ const column = (replay, name) => {
   const at = replay.columns.indexOf(name);
   return Array.from({ length: replay.n }, (_, i) => bytes.readFloatLE(4 * (at * replay.n + i)));
 };
+/** The page's forward kinematics against the stored errors, which the simulation computed. */
+const checkKinematics = async (page, pageData) => {
+  for (const [i, replay] of pageData.replays.entries()) {
+    await page.locator('.shelf button').nth(i).click();
+    await page.waitForFunction((trial) => document.querySelector('.stage-box').dataset.trial === trial, replay.trial);
+    const shown = Number(await page.locator('.stage-box').getAttribute('data-position-error'));
+    const stored = column(replay, 'error_position')[0];
+    check(near(shown, stored, 1e-5), `trial ${replay.trial}: end effector ${shown} m from the goal, stored ${stored} m`);
+    await page.locator('.transport input[type=range]').evaluate((input) => {
+      input.value = input.max;
+      input.dispatchEvent(new Event('input', { bubbles: true }));
+    });
+    const end = Number(await page.locator('.stage-box').getAttribute('data-position-error-now'));
+    const last = column(replay, 'error_position').pop();
+    check(near(end, last, 1e-5), `trial ${replay.trial}: at the end ${end} m from the goal, stored ${last} m`);
+  }
+};
 {
   const { context, page } = await open(demo);
   await page.locator('.atlas .play').first().click();
@@ -203,15 +222,7 @@ const column = (replay, name) => {
   });
   check(colours > 20, `the scene shows ${colours} colours`);
 
-  // The page's forward kinematics against the stored error, which the simulation computed.
-  for (const replay of data.replays) {
-    await page.evaluate((trial) => { location.hash = `trial=${trial}`; }, replay.trial);
-    await page.locator('.shelf button').nth(data.replays.indexOf(replay)).click();
-    await page.waitForFunction((trial) => document.querySelector('.stage-box').dataset.trial === trial, replay.trial);
-    const shown = Number(await page.locator('.stage-box').getAttribute('data-position-error'));
-    const stored = column(replay, 'error_position')[0];
-    check(near(shown, stored, 1e-5), `trial ${replay.trial}: end effector ${shown} m from the goal, stored ${stored} m`);
-  }
+  await checkKinematics(page, data);
   await context.close();
 }
 
@@ -255,6 +266,23 @@ for (const [kind, worlds] of [['empty', 0], ['one', 1], ['failures', 16], ['swee
   check(!/NaN|undefined|\[object/.test(text), `${kind}: ${/.{0,40}(NaN|undefined|\[object).{0,40}/.exec(text)?.[0]}`);
   if (kind === 'empty') check(text.includes('holds no trials yet'), 'an empty store says so');
   if (kind === 'failures') check(text.includes('No trial reached its goal'), 'only failures: the arrival figure says so');
+  await context.close();
+}
+
+// ---- trials that moma simulated: robots, worlds and samples as the program writes them -----------------------------
+const suites = [['frankie', 'robots/frankie.yaml', 'clutter'], ['tiago', 'robots/examples/tiago.yaml', 'moving']];
+for (const [name, robot, family] of moma === undefined ? [] : suites) {
+  const suite = join(work, `${name}.yaml`);
+  writeFileSync(suite, `name: ${name}\nrobot: ${join(source, 'configs', robot)}\ncontrollers: {moma: {}}\nworlds: {seed: 5, families: `
+    + `{${family}: {weight: 1}}}\nsimulation: {mode: kinematic, time_limit: 8}\ntrials: 3\nsamples: all\n`);
+  execFileSync(moma, ['run', suite, '-o', join(work, `${name}.db`), '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });
+  execFileSync(makeReport, [join(work, `${name}.db`), join(work, `${name}.html`)], { stdio: 'inherit' });
+  const html = join(work, `${name}.html`);
+  const { context, page } = await open(html);
+  await page.locator('#replay').scrollIntoViewIfNeeded();
+  check(dataOf(html).replays.length === 3, `${name}: all trials can be played`);
+  await checkKinematics(page, dataOf(html));
+  if (screenshots !== undefined) await page.locator('.replay').screenshot({ path: join(screenshots, `replay-${name}.png`) });
   await context.close();
 }
 

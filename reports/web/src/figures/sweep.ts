@@ -135,7 +135,7 @@ function parallel(model: Model): HTMLElement {
   return figure({
     id: 'parallel',
     title: 'All swept gains',
-    caption: 'One line per point, through its gains to its measure; the darker, the higher the measure.',
+    caption: 'One line per point, through its gains to its measure; the stronger the colour, the higher the measure.',
     empty: 'No gain takes several values.',
     controls: (redraw) => [measureChoice(redraw)],
     draw: (p) => {

@@ -33,7 +33,7 @@ export function player(model: Model): HTMLElement {
   const canvas = h('canvas', { class: 'stage', tabindex: 0, 'aria-label': 'Replay in 3-D; drag to turn, scroll to come closer' });
   const lines = h('canvas', { class: 'timeline', 'aria-hidden': 'true' });
   const play = h('button', { type: 'button', class: 'play', click: () => toggle() }, 'Play');
-  const scrub = h('input', { type: 'range', min: 0, max: 1, step: 0.01, value: 0, 'aria-label': 'Time', input: () => { pause(); seek(Number(scrub.value)); } });
+  const scrub = h('input', { type: 'range', min: 0, max: 1, step: 'any', value: 0, 'aria-label': 'Time', input: () => { pause(); seek(Number(scrub.value)); } });
   const clock = h('output', { class: 'clock' });
   const speed = h('select', { 'aria-label': 'Speed', change: () => { rate = Number(speed.value); } }, ...kSpeeds.map((s) => h('option', { value: s, selected: s === 1 }, `${s}\u00d7`)));
   const follow = h('input', { type: 'checkbox', checked: true, change: () => { if (scene !== null) scene.follow = follow.checked; } });
@@ -81,6 +81,7 @@ export function player(model: Model): HTMLElement {
     scrub.value = String(time);
     clock.textContent = `${fixed(time, 2)} of ${fixed(trace?.end ?? 0, 2)} s`;
     if (trace !== null) status.textContent = `Solver: ${statusAt(trace, time)}; ${plural(Math.round(trace.at('active_rows', time)), 'active constraint')}.`;
+    if (scene !== null) stage.dataset['positionErrorNow'] = String(scene.positionError());
     drawJoints();
     draw();
   };
