@@ -45,7 +45,7 @@ class QpSolver {
   StepStatus solve(const QpProblem& problem, QpSolution& solution) noexcept;
   StepStatus solve(const QpProblem& problem, const Box& box, QpSolution& solution) noexcept;
 
-  /// True if solve() takes no memory (qpOASES does; it is here for cross-checks).
+  /// True if solve() takes no memory and no lock (qpOASES takes both; it is here for cross-checks).
   virtual bool real_time_safe() const noexcept = 0;
 
  protected:

@@ -1,6 +1,7 @@
 #include "controller/qp/solver_qpoases.h"
 
 #include <algorithm>
+#include <mutex>
 #include <qpOASES.hpp>
 
 namespace moma {
@@ -42,6 +43,9 @@ StepStatus QpoasesSolver::do_solve(const QpProblem& p, const Box& box, QpSolutio
     s.lower[n + i] = bounded(p.lbA[static_cast<Eigen::Index>(i)]);
     s.upper[n + i] = bounded(p.ubA[static_cast<Eigen::Index>(i)]);
   }
+  // qpOASES keeps one message handler for the whole process and writes to it in every solve.
+  static std::mutex handler_in_use;
+  const std::lock_guard<std::mutex> lock(handler_in_use);
   qpOASES::Options options;
   options.setToReliable();
   options.enableDriftCorrection = 1;
