@@ -24,6 +24,14 @@ struct Mark {
 
 /// A YAML (or JSON, its subset) value with the place it came from. The only code that knows yaml-cpp is yaml.cc.
 struct Node {
+  // Declared here and defaulted out of line: clang instantiates what a vector of an incomplete type needs otherwise.
+  Node();
+  Node(const Node&);
+  Node(Node&&) noexcept;
+  Node& operator=(const Node&);
+  Node& operator=(Node&&) noexcept;
+  ~Node();
+
   enum class Kind { kNull, kScalar, kSequence, kMap };
   Kind kind = Kind::kNull;
   std::string scalar;
