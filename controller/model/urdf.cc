@@ -81,6 +81,7 @@ void remove_all(TiXmlElement& parent, const char* name) {
 
 struct Amended {
   std::string text;
+  bool named = true;
   MissingLimits missing;
 };
 
@@ -98,6 +99,10 @@ Amended amend(const std::string& text) {
   for (TiXmlElement* link = robot->FirstChildElement("link"); link != nullptr; link = link->NextSiblingElement("link"))
     remove_all(*link, "visual");
   Amended amended;
+  if (robot->Attribute("name") == nullptr) {
+    amended.named = false;
+    robot->SetAttribute("name", "robot");  // urdfdom insists on one
+  }
   amended.missing = complete_limits(*robot);
   TiXmlPrinter printer;
   document.Accept(&printer);
@@ -224,27 +229,7 @@ UrdfLink link_of(const urdf::Link& source) {
   return link;
 }
 
-}  // namespace
-
-std::string_view to_string(UrdfJointType type) noexcept {
-  switch (type) {
-    case UrdfJointType::kFixed:
-      return "fixed";
-    case UrdfJointType::kRevolute:
-      return "revolute";
-    case UrdfJointType::kContinuous:
-      return "continuous";
-    case UrdfJointType::kPrismatic:
-      return "prismatic";
-    case UrdfJointType::kFloating:
-      return "floating";
-    case UrdfJointType::kPlanar:
-      return "planar";
-  }
-  return "?";
-}
-
-UrdfTree read_urdf(const std::string& text) {
+UrdfTree parse(const std::string& text) {
   const Amended amended = amend(text);
   urdf::ModelInterfaceSharedPtr model;
   {
@@ -259,7 +244,7 @@ UrdfTree read_urdf(const std::string& text) {
   if (!model->getRoot()) throw UrdfError("there is no root link");
 
   UrdfTree tree;
-  tree.name = model->getName();
+  if (amended.named) tree.name = model->getName();
   std::set<std::string> seen;
   struct Open {
     urdf::LinkConstSharedPtr link;
@@ -284,6 +269,36 @@ UrdfTree read_urdf(const std::string& text) {
   for (const auto& [name, link] : model->links_)
     if (seen.count(name) == 0) throw UrdfError("link " + name + " is not connected to the root " + tree.links[0].name);
   return tree;
+}
+
+}  // namespace
+
+std::string_view to_string(UrdfJointType type) noexcept {
+  switch (type) {
+    case UrdfJointType::kFixed:
+      return "fixed";
+    case UrdfJointType::kRevolute:
+      return "revolute";
+    case UrdfJointType::kContinuous:
+      return "continuous";
+    case UrdfJointType::kPrismatic:
+      return "prismatic";
+    case UrdfJointType::kFloating:
+      return "floating";
+    case UrdfJointType::kPlanar:
+      return "planar";
+  }
+  return "?";
+}
+
+UrdfTree read_urdf(const std::string& text) {
+  try {
+    return parse(text);
+  } catch (const UrdfError& e) {
+    // Elements that xacro left behind do no harm, so this is only a hint.
+    const bool xacro = text.find("<xacro:") != std::string::npos;
+    throw UrdfError(e.what() + std::string(xacro ? " (the file has xacro elements: expand it with xacro first)" : ""));
+  }
 }
 
 }  // namespace moma

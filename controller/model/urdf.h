@@ -55,7 +55,8 @@ struct UrdfLink {
   std::vector<UrdfGeometry> collision;
 };
 
-/// Links in topological order: links[0] is the root, children follow in the order of their joints' names.
+/// `name` is empty where the file gives none. Links in topological order: links[0] is the root, children follow in
+/// the order of their joints' names.
 struct UrdfTree {
   std::string name;
   std::vector<UrdfLink> links;

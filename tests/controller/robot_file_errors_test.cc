@@ -124,6 +124,7 @@ TEST_F(RobotFileErrors, Urdf) {
   expect_urdf("<robot name='a'><link name='b'></robot>", {"not valid XML", "row 1"});
   expect_urdf("<model/>", {"there is no <robot> element"});
   expect_urdf("<robot name='a'></robot>", {"urdf"});
+  expect_urdf("<robot name='a'><xacro:include filename='b'/></robot>", {"expand it with xacro first"});
   expect_urdf(replaced(urdf(), "<link name=\"root\"/>", "<link name=\"root\"/><link name=\"stray\"/>"), {"root"});
   expect_urdf(replaced(urdf(), "<parent link=\"root\"/>", "<parent link=\"finger1\"/>"), {"small.urdf"});
   expect_urdf(replaced(urdf(), "<child link=\"finger2\"/>", "<child link=\"finger1\"/>"), {"small.urdf"});
