@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <thread>
 
 #include "tests/world/support.h"
@@ -86,12 +87,102 @@ INSTANTIATE_TEST_SUITE_P(Worlds, EveryFamily,
                          testing::Values(Case{"frankie", "open", 1000}, Case{"frankie", "clutter", 1000},
                                          Case{"frankie", "moving", 1000}, Case{"panda", "clutter", 200},
                                          Case{"panda", "moving", 200}, Case{"ur5", "clutter", 200},
-                                         Case{"frankie_omni", "clutter", 100}, Case{"lift_ur5", "clutter", 100}),
+                                         Case{"frankie_omni", "clutter", 100}, Case{"lift_ur5", "clutter", 100},
+                                         Case{"frankie", "table", 200}, Case{"panda", "table", 100},
+                                         Case{"frankie", "shelf", 200}, Case{"ur5", "shelf", 50},
+                                         Case{"frankie", "doorway", 200}, Case{"frankie_omni", "corridor", 200},
+                                         Case{"frankie", "tracking", 60}, Case{"panda", "tracking", 60}),
                          [](const auto& p) { return std::string(p.param.robot) + "_" + p.param.family; });
+
+const WorldObject& named(const World& world, const std::string& name) {
+  for (const WorldObject& object : world.objects)
+    if (object.name == name) return object;
+  throw std::runtime_error("no object " + name);
+}
+
+/// Where the goal is in the axes of an object, from its centre.
+Vector3 goal_in(const World& world, const WorldObject& object) {
+  return object.X_WO.inverse() * world.goal.X_WG.translation();
+}
+
+TEST(Worlds, TheGoalLiesOnTheTable) {
+  const Worlds source = worlds("families: {table: {}}");
+  const auto model = robot("frankie");
+  for (std::uint64_t i = 0; i < 50; ++i) {
+    const World world = source.make(model, i);
+    const WorldObject& top = named(world, "table_top");
+    const Vector3 p = goal_in(world, top);
+    EXPECT_LT(std::abs(p.x()), 0.5 * top.shape.size.x());
+    EXPECT_LT(std::abs(p.y()), 0.5 * top.shape.size.y());
+    EXPECT_GT(p.z(), 0.0);
+    EXPECT_LT(p.z(), 0.25);
+    // The robot is at the near side: the nearer edge in x is the one towards its base.
+    const Vector3 base(world.witness.base.x(), world.witness.base.y(), top.X_WO.translation().z());
+    EXPECT_LT((top.X_WO.inverse() * base).x(), 0.0);
+  }
+}
+
+TEST(Worlds, TheGoalLiesInTheShelf) {
+  const Worlds source = worlds("families: {shelf: {}}");
+  const auto model = robot("frankie");
+  for (std::uint64_t i = 0; i < 50; ++i) {
+    const World world = source.make(model, i);
+    const Vector3 in_back = goal_in(world, named(world, "shelf_back"));
+    EXPECT_LT(in_back.x(), 0.0) << "before the back";
+    EXPECT_GT(in_back.x(), -0.45);
+    EXPECT_LT(goal_in(world, named(world, "shelf_left")).y(), 0.0);
+    EXPECT_GT(goal_in(world, named(world, "shelf_right")).y(), 0.0);
+    int below = 0, above = 0;
+    for (const WorldObject& object : world.objects) {
+      if (object.name.rfind("shelf_board", 0) != 0) continue;
+      (goal_in(world, object).z() > 0.0 ? below : above) += 1;
+    }
+    EXPECT_GE(below, 1);
+    EXPECT_GE(above, 1);
+  }
+}
+
+TEST(Worlds, TheGoalLiesBehindTheDoor) {
+  const Worlds source = worlds("families: {doorway: {}}");
+  const auto model = robot("frankie");
+  for (std::uint64_t i = 0; i < 50; ++i) {
+    const World world = source.make(model, i);
+    const WorldObject& wall = named(world, "wall_left");
+    const Vector3 start = wall.X_WO.inverse() * Vector3(world.start.base.x(), world.start.base.y(), 1.0);
+    EXPECT_LT(start.x(), 0.0);
+    EXPECT_GT(goal_in(world, wall).x(), 0.0);
+  }
+  try {
+    source.make(robot("panda"), 0);
+    FAIL() << "a fixed base in a doorway";
+  } catch (const GenerationError& error) {
+    EXPECT_NE(std::string(error.what()).find("fixed base"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Worlds, TrackedGoalsMoveAndKeepEveryBitInTheirFile) {
+  const Worlds source = worlds("families: {tracking: {}}");
+  std::set<std::size_t> kinds;
+  for (const char* name : {"frankie", "panda"}) {
+    const auto model = robot(name);
+    for (std::uint64_t i = 0; i < 20; ++i) {
+      const World a = source.make(model, i);
+      kinds.insert(a.goal.motion.index());
+      EXPECT_GT(goal_state(a, 1.0).V_WG_W.norm(), 0.01);
+      EXPECT_LT((goal_state(a, 0.0).X_WG.matrix() - a.goal.X_WG.matrix()).norm(), 1e-12);
+      const World b = world_from_json(nlohmann::ordered_json::parse(to_json(a).dump()), "test");
+      for (const double t : {0.0, 0.7, 12.3, 59.0, 100.0}) {
+        EXPECT_EQ(goal_state(a, t).X_WG.matrix(), goal_state(b, t).X_WG.matrix());
+        EXPECT_EQ(goal_state(a, t).V_WG_W, goal_state(b, t).V_WG_W);
+      }
+    }
+  }
+  EXPECT_EQ(kinds.size(), 3u) << "path, circle and spline";
+}
 
 TEST(Worlds, AreTheSameForAnyThreadsAndOrder) {
   const auto model = robot("frankie");
-  const Worlds source = worlds("seed: 3\nfamilies: {open: {weight: 1}, clutter: {weight: 2}, moving: {weight: 1}}");
+  const Worlds source = worlds("seed: 3\nfamilies: {open: {weight: 1}, clutter: {weight: 2}, moving: {weight: 1}, table: {}, shelf: {}, tracking: {weight: 0.5}}");
   EXPECT_EQ(make_all(source, model, 60, 1), make_all(source, model, 60, 4));
 }
 

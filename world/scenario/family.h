@@ -32,6 +32,11 @@ std::span<const FamilyType> family_types();
 
 std::unique_ptr<const Family> read_open(config::MapReader& in);
 std::unique_ptr<const Family> read_clutter(config::MapReader& in);
+std::unique_ptr<const Family> read_table(config::MapReader& in);
+std::unique_ptr<const Family> read_shelf(config::MapReader& in);
+std::unique_ptr<const Family> read_doorway(config::MapReader& in);
+std::unique_ptr<const Family> read_corridor(config::MapReader& in);
 std::unique_ptr<const Family> read_moving(config::MapReader& in);
+std::unique_ptr<const Family> read_tracking(config::MapReader& in);
 
 }  // namespace moma

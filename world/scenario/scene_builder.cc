@@ -115,6 +115,21 @@ void SceneBuilder::set_goal(World& world) {
   set_pose(world.goal, X_WE.translation(), Eigen::Quaterniond(X_WE.linear()));
 }
 
+bool SceneBuilder::check_configuration(const Configuration& configuration, const Placement& placement) {
+  Kinematics kinematics(model_);
+  kinematics.update(configuration.base, configuration.q);
+  return check_pose(kinematics, placement.floor_clearance, placement.self_clearance, "goal's path");
+}
+
+Vector3 SceneBuilder::approach() const {
+  const Vector3 tool = witness_.X_WE().translation();
+  for (int link = model_->tip; link > 0; link = model_->links[static_cast<std::size_t>(link)].parent) {
+    const Vector3 reach = tool - witness_.X_WL(link).translation();
+    if (reach.norm() >= 0.1) return reach.normalized();
+  }
+  return witness_.X_WE().linear().col(2);
+}
+
 void SceneBuilder::choose_object(const WorldObject& object) {
   const ObjectShape shape{object.name, object.shape};
   object_.set_objects({&shape, 1});

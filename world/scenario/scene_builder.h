@@ -20,6 +20,7 @@ class SceneBuilder {
   SceneBuilder(std::shared_ptr<const RobotModel> model, std::uint64_t seed, std::uint64_t index, double clearance);
 
   const RobotModel& model() const { return *model_; }
+  const std::shared_ptr<const RobotModel>& model_pointer() const { return model_; }
   double clearance() const { return clearance_; }
   bool mobile() const { return model_->base.type != BaseType::kFixed; }
 
@@ -36,6 +37,11 @@ class SceneBuilder {
   bool place_robot(const Placement& placement, World& world);
   /// Sets the goal to the witness's tool pose.
   void set_goal(World& world);
+
+  /// Whether a configuration keeps off the floor and itself as the witness must; rejects the try otherwise.
+  bool check_configuration(const Configuration& configuration, const Placement& placement);
+  /// Unit vector along which the witness's tool reaches: from the last joint at least 0.1 m away to the tool point.
+  Vector3 approach() const;
 
   /// Tool position at the start, after place_robot().
   const Vector3& start_tip() const { return start_tip_; }

@@ -26,7 +26,7 @@ struct Member {
 
 struct Mixture {
   std::uint64_t seed = 1;
-  int tries = 1000;
+  int tries = 10000;
   std::vector<Member> members;
   std::unique_ptr<const Apportionment> shares;
 
