@@ -60,7 +60,9 @@ QueryResult link_table(const RobotModel& model) {
     const Link& link = model.links[i];
     std::string shapes;
     for (const CollisionShape& shape : model.shapes) {
-      if (shape.link == static_cast<int>(i)) shapes += (shapes.empty() ? "" : "; ") + shape_text(shape.shape);
+      if (shape.link != static_cast<int>(i)) continue;
+      if (!shapes.empty()) shapes += "; ";
+      shapes += shape_text(shape.shape);
     }
     const bool held = link.controlled < 0 && link.joint_type != JointType::kFixed;
     table.rows.push_back({link.name,

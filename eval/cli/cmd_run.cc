@@ -44,7 +44,10 @@ std::string shell_word(const std::string& word) {
 
 std::string command_line(const Arguments& arguments) {
   std::string line;
-  for (const std::string& word : arguments) line += (line.empty() ? "" : " ") + shell_word(word);
+  for (const std::string& word : arguments) {
+    if (!line.empty()) line += ' ';
+    line += shell_word(word);
+  }
   return line;
 }
 

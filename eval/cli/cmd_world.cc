@@ -60,24 +60,26 @@ void print(const World& world) {
 void add_world(CLI::App& app, Action& action) {
   struct Options {
     SuiteOptions suite;
-    std::uint64_t index = 0;
+    std::int64_t index = 0;
     bool json = false;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("world", "Show one generated world of a suite");
   options->suite.add_to(*command);
-  command->add_option("INDEX", options->index, "Number of the world, from 0")->required();
+  command->add_option("INDEX", options->index, "Number of the world, from 0")
+      ->required()
+      ->check(CLI::NonNegativeNumber);
   command->add_flag("--json", options->json, "As JSON, the format of frozen worlds");
   command->footer("Example: moma world configs/suites/demo.yaml 17 --json");
   command->callback([&action, options] {
     action = [options] {
       const Suite suite = options->suite.load();
       const Point& point = suite.points.front();
-      if (point.worlds.size() >= 0 && options->index >= static_cast<std::uint64_t>(point.worlds.size())) {
+      if (point.worlds.size() >= 0 && options->index >= point.worlds.size()) {
         throw UsageError(fmt::format("world {}: the suite's frozen set has the worlds 0 to {}", options->index,
                                      point.worlds.size() - 1));
       }
-      const World world = point.worlds.make(point.robot->model, options->index);
+      const World world = point.worlds.make(point.robot->model, static_cast<std::uint64_t>(options->index));
       if (options->json) {
         std::cout << to_json(world).dump() << '\n';
       } else {

@@ -103,20 +103,25 @@ void write_table(std::ostream& out, const QueryResult& result) {
 }
 
 void write_markdown(std::ostream& out, const QueryResult& result) {
-  const Grid grid = make_grid(result);
+  Grid grid = make_grid(result);
+  const auto escape = [](std::string& text) {
+    for (std::size_t i = 0; (i = text.find('|', i)) != std::string::npos; i += 2) text.insert(i, 1, '\\');
+  };
+  for (std::string& text : grid.head) escape(text);
+  for (auto& row : grid.rows) std::for_each(row.begin(), row.end(), escape);
+  for (std::size_t c = 0; c < grid.head.size(); ++c) {
+    grid.width[c] = std::max<std::size_t>(3, display_width(grid.head[c]));   // a rule has three dashes at least
+    for (const auto& row : grid.rows) grid.width[c] = std::max(grid.width[c], display_width(row[c]));
+  }
   const auto line = [&](const std::vector<std::string>& texts) {
     out << '|';
-    for (std::size_t c = 0; c < texts.size(); ++c) {
-      std::string cell;
-      for (const char ch : texts[c]) cell += ch == '|' ? std::string("\\|") : std::string(1, ch);
-      out << ' ' << padded(cell, grid.width[c], grid.right[c]) << " |";
-    }
+    for (std::size_t c = 0; c < texts.size(); ++c) out << ' ' << padded(texts[c], grid.width[c], grid.right[c]) << " |";
     out << '\n';
   };
   line(grid.head);
   out << '|';
   for (std::size_t c = 0; c < grid.head.size(); ++c) {
-    out << ' ' << std::string(std::max<std::size_t>(grid.width[c], 3) - 1, '-') << (grid.right[c] ? ": |" : "- |");
+    out << ' ' << std::string(grid.width[c] - 1, '-') << (grid.right[c] ? ": |" : "- |");
   }
   out << '\n';
   for (const auto& row : grid.rows) line(row);

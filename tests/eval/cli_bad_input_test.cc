@@ -1,0 +1,210 @@
+#include <sys/mount.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "cli_fixture.h"
+
+namespace moma::test {
+namespace {
+
+class CliBadInput : public CliTest {
+ protected:
+  std::string text(const std::string& name) const {
+    std::ifstream stream(path(name));
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  /// Replaces the first `from` in a file; it must be there.
+  void replace(const std::string& name, const std::string& from, const std::string& to) const {
+    std::string all = text(name);
+    const std::size_t at = all.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    write(name, all.replace(at, from.size(), to));
+  }
+  /// run and check must both refuse the suite in the same words, before a store is made.
+  void refused(const std::vector<std::string>& words) const {
+    bad({"run", "suite.yaml", "-o", "a.db"}, words);
+    bad({"check", "suite.yaml"}, words);
+    EXPECT_FALSE(fs::exists(path("a.db")));
+  }
+};
+
+TEST_F(CliBadInput, TheSuiteIsGoodBefore) { good({"check", "suite.yaml"}); }
+
+TEST_F(CliBadInput, MissingSuite) { bad({"run", "nowhere.yaml"}, {"nowhere.yaml"}); }
+
+TEST_F(CliBadInput, MissingUrdf) {
+  replace("robots/tiny.yaml", "tiny.urdf", "gone.urdf");
+  refused({"tiny.yaml:1:", "gone.urdf"});
+  bad({"robot", "robots/tiny.yaml"}, {"tiny.yaml:1:", "gone.urdf"});
+}
+
+TEST_F(CliBadInput, BrokenUrdf) {
+  const std::string whole = text("robots/tiny.urdf");
+  write("robots/tiny.urdf", whole.substr(0, whole.size() / 2));
+  refused({"tiny.urdf"});
+  write("robots/tiny.urdf", "");
+  refused({"tiny.urdf"});
+  write("robots/tiny.urdf", "this is no XML");
+  refused({"tiny.urdf"});
+}
+
+TEST_F(CliBadInput, TipIsNotALink) {
+  replace("robots/tiny.yaml", "tip: slide", "tip: slyde");
+  refused({"tiny.yaml:", "arm.tip", "slyde", "slide"});
+}
+
+TEST_F(CliBadInput, JointWithoutLimits) {
+  replace("robots/tiny.urdf", R"(<limit lower="-1" upper="1" velocity="1.5" effort="80"/>)", "");
+  refused({"tiny.yaml:", "bend", "upper", "limit"});
+}
+
+TEST_F(CliBadInput, MeshThatIsNotThere) {
+  replace("robots/tiny.urdf", R"(<link name="lower">)",
+          R"(<link name="lower"><collision><geometry><mesh filename="gone.stl"/></geometry></collision>)");
+  replace("robots/tiny.yaml", "collision:", "collision:\n  from: urdf");
+  refused({"tiny.yaml:", "gone.stl", "lower"});
+  bad({"robot", "robots/tiny.yaml"}, {"tiny.yaml:", "gone.stl"});
+}
+
+TEST_F(CliBadInput, UnknownKey) {
+  replace("suite.yaml", "trials: 6", "trails: 6");
+  refused({"suite.yaml:6:", "trails", "trials"});
+}
+
+TEST_F(CliBadInput, WrongType) {
+  replace("suite.yaml", "time_limit: 4", "time_limit: long");
+  refused({"suite.yaml:5:", "simulation.time_limit", "long"});
+  write("suite.yaml", kSuite);
+  replace("suite.yaml", "trials: 6", "trials: [6]");
+  refused({"suite.yaml:6:", "trials"});
+}
+
+TEST_F(CliBadInput, NotANumber) {
+  for (const std::string value : {".nan", "nan", ".inf", "1e999"}) {
+    write("suite.yaml", kSuite);
+    replace("suite.yaml", "time_limit: 4", "time_limit: " + value);
+    refused({"suite.yaml:5:", "simulation.time_limit"});
+  }
+}
+
+TEST_F(CliBadInput, NegativeSizes) {
+  replace("robots/tiny.yaml", "size: [0.04, 0.2]", "size: [-0.04, 0.2]");
+  refused({"tiny.yaml:", "size", "-0.04"});
+}
+
+TEST_F(CliBadInput, EmptySuite) {
+  write("suite.yaml", "");
+  refused({"suite.yaml"});
+  write("suite.yaml", "# nothing but a remark\n");
+  refused({"suite.yaml"});
+  write("suite.yaml", kSuite);
+  replace("suite.yaml", "controllers: {plain: controllers/plain.yaml, slow: {include: controllers/plain.yaml, k_epsilon: 0.1}}",
+          "controllers: {}");
+  refused({"suite.yaml:3:", "controllers"});
+  write("suite.yaml", kSuite);
+  replace("suite.yaml", "trials: 6", "trials: 0");
+  refused({"suite.yaml:6:", "trials"});
+}
+
+TEST_F(CliBadInput, NoYamlAtAll) {
+  write("suite.yaml", "{name: [unclosed");
+  refused({"suite.yaml:1"});
+  write("suite.yaml", std::string("\x00\xff\xfe binary", 10));
+  refused({"suite.yaml"});
+}
+
+TEST_F(CliBadInput, PlacesThatAreNoStore) {
+  write("text.db", "this is a text file, longer than the header of a database\n");
+  bad({"run", "suite.yaml", "-o", "text.db"}, {"text.db", "not an SQLite database"});
+  bad({"query", "text.db", "@summary"}, {"text.db", "not an SQLite database"});
+  bad({"run", "suite.yaml", "-o", "robots"}, {"robots", "is a folder"});
+  bad({"run", "suite.yaml", "-o", "nowhere/a.db"}, {"nowhere", "does not exist"});
+  bad({"run", "suite.yaml", "-o", "/proc/a.db"}, {"/proc/a.db"});
+  bad({"run", "suite.yaml", "-o", "/dev/full"}, {"/dev/full"});
+  ASSERT_EQ(Process({"/usr/bin/sqlite3", path("other.db").string(), "PRAGMA application_id=7; CREATE TABLE t (x)"},
+                    folder_.root())
+                .wait()
+                .code,
+            0);
+  for (const std::string name : {"query", "verify", "replay", "report", "compare", "export"}) {
+    std::vector<std::string> arguments = {name, "other.db"};
+    if (name == "query") arguments.push_back("@summary");
+    if (name == "replay") arguments.push_back("00");
+    if (name == "compare") arguments.insert(arguments.end(), {"a", "b"});
+    if (name == "export") arguments.insert(arguments.end(), {"--csv", "csv"});
+    bad(arguments, {"other.db", "another program"});
+  }
+  bad({"run", "suite.yaml", "-o", "other.db"}, {"other.db", "another program"});
+}
+
+TEST_F(CliBadInput, OutputThatCannotBeWritten) {
+  good({"run", "suite.yaml", "-o", "a.db", "-q"});
+  // The program's output into a full device: an answer that nobody got is not a success.
+  const std::vector<std::string> arguments = {"/bin/sh", "-c", "exec \"$0\" query a.db @list > /dev/full",
+                                              MOMA_BINARY_DIR "/moma"};
+  const ProcessResult result = Process(arguments, folder_.root()).wait();
+  EXPECT_EQ(result.code, 2) << result.err;
+  EXPECT_NE(result.err.find("could not be written"), std::string::npos) << result.err;
+  bad({"report", "a.db", "-o", "/proc/a.html"}, {"/proc"});
+  bad({"export", "a.db", "--csv", "suite.yaml"}, {"suite.yaml"});
+}
+
+/// A file system of its own, which only root can make.
+class Mount {
+ public:
+  Mount(fs::path at, const std::string& options) : at_(std::move(at)) {
+    fs::create_directories(at_);
+    mounted_ = mount("tmpfs", at_.c_str(), "tmpfs", 0, options.c_str()) == 0;
+  }
+  ~Mount() {
+    if (mounted_) umount2(at_.c_str(), MNT_DETACH);
+  }
+  Mount(const Mount&) = delete;
+  Mount& operator=(const Mount&) = delete;
+  bool mounted() const { return mounted_; }
+  bool make_read_only() const { return mount("tmpfs", at_.c_str(), "tmpfs", MS_REMOUNT | MS_RDONLY, nullptr) == 0; }
+
+ private:
+  fs::path at_;
+  bool mounted_ = false;
+};
+
+TEST_F(CliBadInput, ReadOnlyFolder) {
+  const Mount disk(path("disk"), "size=4m");
+  if (!disk.mounted()) GTEST_SKIP() << "mounting needs root: " << std::strerror(errno);
+  good({"run", "suite.yaml", "-o", "disk/a.db", "-q"});
+  ASSERT_TRUE(disk.make_read_only());
+  bad({"run", "suite.yaml", "-o", "disk/b.db"}, {"disk/b.db", "cannot write in the folder"});
+  bad({"run", "suite.yaml", "-o", "disk/a.db"}, {"disk/a.db", "cannot be written"});
+  good({"query", "disk/a.db", "@summary"});
+  good({"verify", "disk/a.db", "--fraction", "1"});
+}
+
+TEST_F(CliBadInput, FullDiskFromTheStart) {
+  const Mount disk(path("disk"), "size=48k");
+  if (!disk.mounted()) GTEST_SKIP() << "mounting needs root: " << std::strerror(errno);
+  bad({"run", "suite.yaml", "-o", "disk/a.db"}, {"disk/a.db", "full"});
+  EXPECT_TRUE(fs::is_empty(path("disk")));
+}
+
+TEST_F(CliBadInput, DiskThatFillsUpDuringTheRun) {
+  const Mount disk(path("disk"), "size=1200k");
+  if (!disk.mounted()) GTEST_SKIP() << "mounting needs root: " << std::strerror(errno);
+  const ProcessResult result =
+      moma({"run", "suite.yaml", "-o", "disk/a.db", "--trials", "400", "--set", "samples=all", "--threads", "2"});
+  EXPECT_EQ(result.code, 3) << result.out << result.err;
+  EXPECT_NE(result.err.find("disk is full"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("go on with: "), std::string::npos) << result.err;
+  // What was saved is sound, and goes on where there is room.
+  for (const std::string suffix : {"", "-wal"}) {
+    if (fs::exists(path("disk/a.db" + suffix))) fs::copy_file(path("disk/a.db" + suffix), path("b.db" + suffix));
+  }
+  const ProcessResult verify = good({"verify", "b.db", "--fraction", "1"});
+  EXPECT_NE(verify.out.find("all the same"), std::string::npos) << verify.out;
+  good({"run", "suite.yaml", "-o", "b.db", "-q", "--trials", "40", "--set", "samples=all"});
+  good({"verify", "b.db", "--fraction", "1"});
+}
+
+}  // namespace
+}  // namespace moma::test
