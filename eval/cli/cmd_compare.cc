@@ -42,8 +42,7 @@ struct Chosen {
 
 /// Points that go by `name`: a controller, or CONTROLLER:POINT in a sweep.
 std::vector<Chosen> candidates(const CompareOptions& options, const std::string& name) {
-  const std::string where =
-      options.suite.empty() ? "" : fmt::format(" AND s.name = {}", quoted(options.suite));
+  const std::string where = options.suite.empty() ? "" : fmt::format(" AND s.name = {}", quoted(options.suite));
   const QueryResult result = store::query(
       options.file,
       fmt::format("SELECT p.id, s.id, s.name FROM point AS p JOIN suite AS s ON s.id = p.suite_id "
@@ -85,7 +84,8 @@ double number(const Cell& cell) {
 }
 
 QueryResult paired(const CompareOptions& options, const std::pair<Chosen, Chosen>& points) {
-  std::string columns = "ta.outcome = 'success', tb.outcome = 'success', ta.outcome = 'collision', tb.outcome = 'collision'";
+  std::string columns =
+      "ta.outcome = 'success', tb.outcome = 'success', ta.outcome = 'collision', tb.outcome = 'collision'";
   for (const char* metric : kMetrics) columns += fmt::format(", ta.{0}, tb.{0}", metric);
   return store::query(options.file,
                       fmt::format("SELECT {} FROM point_trial AS ma JOIN point_trial AS mb USING (world_index) "
@@ -185,13 +185,15 @@ int compare(const CompareOptions& options) {
 
 void add_compare(CLI::App& app, Action& action) {
   auto options = std::make_shared<CompareOptions>();
-  CLI::App* command = app.add_subcommand("compare", "Paired comparison of two controllers or points on the same worlds");
+  CLI::App* command =
+      app.add_subcommand("compare", "Paired comparison of two controllers or points on the same worlds");
   command->add_option("DB", options->file, "Store")->required();
   command->add_option("A", options->a, "Controller, or CONTROLLER:POINT of a sweep")->required();
   command->add_option("B", options->b, "The other one")->required();
   command->add_option("--suite", options->suite, "Which suite, where several have both");
-  command->add_option("--fail-if-worse", options->margin,
-                      "Exit 1 where B's success rate is lower than A's by more than this, e.g. 0.02")
+  command
+      ->add_option("--fail-if-worse", options->margin,
+                   "Exit 1 where B's success rate is lower than A's by more than this, e.g. 0.02")
       ->check(CLI::Range(0.0, 1.0));
   command->footer("Example: moma compare results/demo.db holistic moma --fail-if-worse 0.02");
   command->callback([&action, options] { action = [options] { return compare(*options); }; });

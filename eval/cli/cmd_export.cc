@@ -58,7 +58,7 @@ void write_file(const fs::path& file, const store::QueryResult& result) {
 }
 
 int export_csv(const fs::path& db, const fs::path& folder) {
-  std::vector<store::QueryResult> results;   // all are read before the first is written
+  std::vector<store::QueryResult> results;  // all are read before the first is written
   for (const Export& file : kFiles) results.push_back(store::query(db, file.sql));
   std::error_code error;
   fs::create_directories(folder, error);

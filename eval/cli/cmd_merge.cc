@@ -20,9 +20,10 @@ void add_merge(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("merge", "Join stores of several machines into one");
   command->add_option("OUT", options->out, "Store to write: made if missing, else added to")->required();
   command->add_option("IN", options->in, "Stores to join")->required()->expected(1, 100000);
-  command->footer("The same trial twice is kept once; two results for one trial from machines of one class are a\n"
-                  "contradiction: exit 1, and OUT stays as it was.\n"
-                  "Example: moma merge results/all.db results/shard-*.db");
+  command->footer(
+      "The same trial twice is kept once; two results for one trial from machines of one class are a\n"
+      "contradiction: exit 1, and OUT stays as it was.\n"
+      "Example: moma merge results/all.db results/shard-*.db");
   command->callback([&action, options] {
     action = [options] {
       const store::MergeSummary summary = store::merge(options->out, options->in);

@@ -49,7 +49,8 @@ void add_query(CLI::App& app, Action& action) {
   auto options = std::make_shared<QueryOptions>();
   CLI::App* command = app.add_subcommand("query", "Ask a store: read-only SQL, or a named query such as @summary");
   command->add_option("DB", options->file, "Store")->required();
-  command->add_option("SQL", options->sql, "One SQL statement, or @summary, @list, @failures, @pairs, @worst")->required();
+  command->add_option("SQL", options->sql, "One SQL statement, or @summary, @list, @failures, @pairs, @worst")
+      ->required();
   const std::map<std::string, Format> formats = {
       {"table", Format::kTable}, {"csv", Format::kCsv}, {"json", Format::kJson}, {"markdown", Format::kMarkdown}};
   command->add_option("-f,--format", options->format, "table, csv, json or markdown")

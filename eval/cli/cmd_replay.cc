@@ -47,22 +47,17 @@ ordered_json to_json(const Sample& s) {
 ordered_json trace_json(const store::StoredTrial& trial, const Point& point, const TrialOutput& output) {
   ordered_json samples = ordered_json::array();
   for (const Sample& sample : output.trace) samples.push_back(to_json(sample));
-  return {{"trial", trial.key.substr(0, 16)},
-          {"outcome", std::string(to_string(output.row.outcome))},
-          {"robot", point.robot->resolved},
-          {"success", to_json(point.success)},
-          {"stuck", to_json(point.stuck)},
-          {"infeasible", to_json(point.infeasible)},
-          {"controller", point.controller_resolved},
-          {"world", ordered_json::parse(trial.world)},
-          {"simulation", to_json(point.simulation)},
-          {"samples", std::move(samples)}};
+  return {{"trial", trial.key.substr(0, 16)},        {"outcome", std::string(to_string(output.row.outcome))},
+          {"robot", point.robot->resolved},          {"success", to_json(point.success)},
+          {"stuck", to_json(point.stuck)},           {"infeasible", to_json(point.infeasible)},
+          {"controller", point.controller_resolved}, {"world", ordered_json::parse(trial.world)},
+          {"simulation", to_json(point.simulation)}, {"samples", std::move(samples)}};
 }
 
 void print_row(const store::StoredTrial& trial, const TrialRow& row) {
   std::cout << terminal_safe(fmt::format("trial {}: suite {}, controller {}{}, world {}", trial.key.substr(0, 16),
-                                         trial.suite, trial.controller,
-                                         trial.point.empty() ? "" : " at " + trial.point, trial.world_index))
+                                         trial.suite, trial.controller, trial.point.empty() ? "" : " at " + trial.point,
+                                         trial.world_index))
             << "\n\n";
   store::QueryResult table{{"metric", "value"}, {{std::string("outcome"), std::string(to_string(row.outcome))}}};
   for (const store::TrialColumn& column : store::trial_columns()) {
@@ -77,7 +72,8 @@ void print_row(const store::StoredTrial& trial, const TrialRow& row) {
       }
     };
     store::Cell cell = std::visit(Visitor{row}, column.member);
-    if (!std::holds_alternative<std::monostate>(cell)) table.rows.push_back({std::string(column.name), std::move(cell)});
+    if (!std::holds_alternative<std::monostate>(cell))
+      table.rows.push_back({std::string(column.name), std::move(cell)});
   }
   write(std::cout, table, Format::kTable);
 }
@@ -121,7 +117,8 @@ void add_replay(CLI::App& app, Action& action) {
       const Point& point = suites.point_of(trial);
       const TrialOutput output = run_trial(point, world_of(trial));
       if (options->json) {
-        std::cout << trace_json(trial, point, output).dump(-1, ' ', false, ordered_json::error_handler_t::replace) << '\n';
+        std::cout << trace_json(trial, point, output).dump(-1, ' ', false, ordered_json::error_handler_t::replace)
+                  << '\n';
       } else {
         print_row(trial, output.row);
       }

@@ -100,7 +100,8 @@ ordered_json to_json(const config::LoadedRobot& robot) {
   for (const Link& link : model.links) {
     json["links"].push_back(
         {{"name", link.name},
-         {"parent", link.parent < 0 ? ordered_json() : ordered_json(model.links[static_cast<std::size_t>(link.parent)].name)},
+         {"parent",
+          link.parent < 0 ? ordered_json() : ordered_json(model.links[static_cast<std::size_t>(link.parent)].name)},
          {"joint", link.joint},
          {"type", std::string(to_string(link.joint_type))},
          {"mass", link.inertial ? ordered_json(link.inertial->mass) : ordered_json()}});
@@ -130,7 +131,8 @@ void add_robot(CLI::App& app, Action& action) {
     bool json = false;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("robot", "Read a robot file: joints, limits, links, collision shapes, warnings");
+  CLI::App* command =
+      app.add_subcommand("robot", "Read a robot file: joints, limits, links, collision shapes, warnings");
   command->add_option("ROBOT", options->file, "Robot file (YAML)")->required();
   command->add_flag("--json", options->json, "As JSON, with the resolved robot");
   command->footer("Example: moma robot configs/robots/frankie.yaml");

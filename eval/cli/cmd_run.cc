@@ -56,8 +56,8 @@ Suite load(const RunOptions& options) {
   if (!options.suite.set.empty() || !options.suite.seed.empty()) {
     throw UsageError("run: --rerun takes the suite as it is in the store; --set and --seed do not go with it");
   }
-  nlohmann::ordered_json resolved = nlohmann::ordered_json::parse(
-      store::Reader(options.suite.file).latest_invocation(options.rerun).resolved_suite);
+  nlohmann::ordered_json resolved =
+      nlohmann::ordered_json::parse(store::Reader(options.suite.file).latest_invocation(options.rerun).resolved_suite);
   if (!options.suite.trials.empty()) {
     const auto parsed = nlohmann::ordered_json::parse(options.suite.trials, nullptr, false);
     resolved["trials"] = parsed.is_discarded() ? nlohmann::ordered_json(options.suite.trials) : parsed;
@@ -71,7 +71,7 @@ fs::path output_file(const RunOptions& options, const Suite& suite) {
   std::string name = suite.name;
   std::replace(name.begin(), name.end(), '/', '_');
   std::error_code error;
-  fs::create_directory("results", error);   // where it cannot be, opening the store says why
+  fs::create_directory("results", error);  // where it cannot be, opening the store says why
   return fs::path("results") / (name + ".db");
 }
 
@@ -91,7 +91,8 @@ class Run {
   Run(const RunOptions& options, Suite suite)
       : options_(options), suite_(std::move(suite)), file_(output_file(options, suite_)), jobs_(make_jobs(suite_)) {
     for (const BatchJob& job : jobs_) wanted_.push_back({job.point, job.world, job.key});
-    threads_ = options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    threads_ =
+        options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   }
 
   int execute() {
@@ -208,11 +209,13 @@ void add_run(CLI::App& app, Action& action, const Arguments& arguments) {
   options->suite.add_to(*command);
   command->add_option("-o,--output", options->output, "Store to write, made if missing (results/NAME.db)");
   command->add_option("--threads", options->threads, "Threads (all cores)")->check(CLI::Range(1, 4096));
-  command->add_option("--rerun", options->rerun, "SUITE is a store: run its suite of this name again, from the store alone");
+  command->add_option("--rerun", options->rerun,
+                      "SUITE is a store: run its suite of this name again, from the store alone");
   command->add_flag("-q,--quiet", options->quiet, "No progress and no remarks");
-  command->footer("Trials that the store already holds are not computed again, so the same command goes on after a stop.\n"
-                  "Ctrl-C finishes the trials in flight and saves them.\n"
-                  "Example: moma run configs/suites/demo.yaml -o results/demo.db --set simulation.mode=kinematic");
+  command->footer(
+      "Trials that the store already holds are not computed again, so the same command goes on after a stop.\n"
+      "Ctrl-C finishes the trials in flight and saves them.\n"
+      "Example: moma run configs/suites/demo.yaml -o results/demo.db --set simulation.mode=kinematic");
   command->callback([&action, options] { action = [options] { return run(*options); }; });
 }
 

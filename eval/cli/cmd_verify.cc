@@ -54,10 +54,10 @@ class Verifier {
     const std::vector<std::string> keys = reader_.keys();
     collect(choose(keys, options_.fraction, options_.seed));
     const bool stopped = replay();
-    std::cout << fmt::format("{} of {} trials replayed{}: {}\n", replayed_, keys.size(),
-                             skipped_ > 0 ? fmt::format(" ({} cannot be)", skipped_) : "",
-                             findings_ == 0 ? "all the same, bit for bit; the store is sound"
-                                            : fmt::format("{} findings", findings_));
+    std::cout << fmt::format(
+        "{} of {} trials replayed{}: {}\n", replayed_, keys.size(),
+        skipped_ > 0 ? fmt::format(" ({} cannot be)", skipped_) : "",
+        findings_ == 0 ? "all the same, bit for bit; the store is sound" : fmt::format("{} findings", findings_));
     if (options_.hash) std::cout << fmt::format("results {}\n", reader_.result_hash());
     if (stopped) return kStoppedEarly;
     return findings_ == 0 ? kOk : kCheckFailed;
@@ -139,13 +139,15 @@ void add_verify(CLI::App& app, Action& action) {
   auto options = std::make_shared<VerifyOptions>();
   CLI::App* command = app.add_subcommand("verify", "Replay a fraction of a store's trials and check its integrity");
   command->add_option("DB", options->file, "Store")->required();
-  command->add_option("--fraction", options->fraction, "Fraction of the trials to replay (0.1)")->check(CLI::Range(0.0, 1.0));
+  command->add_option("--fraction", options->fraction, "Fraction of the trials to replay (0.1)")
+      ->check(CLI::Range(0.0, 1.0));
   command->add_option("--seed", options->seed, "Chooses other trials");
   command->add_option("--threads", options->threads, "Threads (all cores)")->check(CLI::Range(1, 4096));
   command->add_flag("--hash", options->hash, "Print one hash over all results: equal hashes mean equal rows");
   command->add_flag("-q,--quiet", options->quiet, "No progress");
-  command->footer("Exit 1 where a trial differs or the store is damaged.\n"
-                  "Example: moma verify results/demo.db --fraction 0.05 --hash");
+  command->footer(
+      "Exit 1 where a trial differs or the store is damaged.\n"
+      "Example: moma verify results/demo.db --fraction 0.05 --hash");
   command->callback([&action, options] { action = [options] { return Verifier(*options).execute(); }; });
 }
 

@@ -48,8 +48,8 @@ void print(const World& world) {
   if (world.objects.empty()) return;
   store::QueryResult objects{{"object", "shape (m)", "position", "motion"}, {}};
   for (const WorldObject& object : world.objects) {
-    objects.rows.push_back({object.name, shape_text(object.shape), vector_text(object.X_WO.translation()),
-                            motion_text(object.motion)});
+    objects.rows.push_back(
+        {object.name, shape_text(object.shape), vector_text(object.X_WO.translation()), motion_text(object.motion)});
   }
   std::cout << '\n';
   write(std::cout, objects, Format::kTable);

@@ -17,7 +17,7 @@ InterruptGuard::InterruptGuard() {
   interrupted.store(false);
   struct sigaction action {};
   action.sa_handler = &handle;
-  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);   // the second signal has its usual effect
+  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);  // the second signal has its usual effect
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);

@@ -40,7 +40,7 @@ void add_commands(CLI::App& app, Action& action, const Arguments& arguments) {
   add_robot(app, action);
   add_solve(app, action);
   add_check(app, action);
-  for (CLI::App* command : app.get_subcommands(nullptr)) command->allow_extras();   // reported by us, with a suggestion
+  for (CLI::App* command : app.get_subcommands(nullptr)) command->allow_extras();  // reported by us, with a suggestion
 }
 
 std::string suggestion(const std::string& word, const std::vector<std::string>& known) {
@@ -92,18 +92,22 @@ int complain(const std::string& message, int code) {
 
 int exit_code(StoreError::Kind kind) {
   switch (kind) {
-    case StoreError::Kind::kInterrupted: return kStoppedEarly;
-    case StoreError::Kind::kContradiction: return kCheckFailed;
+    case StoreError::Kind::kInterrupted:
+      return kStoppedEarly;
+    case StoreError::Kind::kContradiction:
+      return kCheckFailed;
     case StoreError::Kind::kUnusable:
-    case StoreError::Kind::kNotFound: return kBadInput;
+    case StoreError::Kind::kNotFound:
+      return kBadInput;
   }
   return kInternalError;
 }
 
 int parse_and_run(const Arguments& arguments) {
   CLI::App app{"Monte Carlo evaluation of reactive QP controllers for mobile manipulators", "moma"};
-  app.footer("Each command has its own help with an example: moma run --help\n"
-             "Exit codes: 0 done, 1 a check failed, 2 bad input, 3 stopped early with its work saved.");
+  app.footer(
+      "Each command has its own help with an example: moma run --help\n"
+      "Exit codes: 0 done, 1 a check failed, 2 bad input, 3 stopped early with its work saved.");
   app.set_version_flag("--version", version_text());
   app.require_subcommand(1);
   app.failure_message(CLI::FailureMessage::simple);
@@ -113,7 +117,7 @@ int parse_and_run(const Arguments& arguments) {
   try {
     std::vector<std::string> reversed(arguments.rbegin(), arguments.rend() - 1);
     app.parse(std::move(reversed));
-  } catch (const CLI::Success& success) {   // --help, --version
+  } catch (const CLI::Success& success) {  // --help, --version
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
     const auto chosen = app.get_subcommands();

@@ -16,7 +16,7 @@ class StoredSuites {
   const Suite& suite_of(const store::StoredTrial& trial);
 
  private:
-  std::map<std::string, Suite> suites_;   ///< by resolved text
+  std::map<std::string, Suite> suites_;  ///< by resolved text
 };
 
 /// Throws StoreError{kNotFound} where the trial's world could not be made, so that there is nothing to simulate.

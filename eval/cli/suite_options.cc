@@ -37,8 +37,8 @@ Overrides SuiteOptions::overrides() const {
 
 Suite SuiteOptions::load() const {
   if (is_database(file)) {
-    throw UsageError(fmt::format("{}: is a store, not a suite file; 'moma run {} --rerun NAME' runs a suite that is in it",
-                                 file, file));
+    throw UsageError(fmt::format(
+        "{}: is a store, not a suite file; 'moma run {} --rerun NAME' runs a suite that is in it", file, file));
   }
   return load_suite(file, overrides());
 }

@@ -11,8 +11,8 @@ namespace moma::cli {
 /// Options that every command with a suite has.
 struct SuiteOptions {
   std::string file;
-  std::vector<std::string> set;   ///< KEY=VALUE
-  std::string trials;             ///< as text: checked like the file
+  std::vector<std::string> set;  ///< KEY=VALUE
+  std::string trials;            ///< as text: checked like the file
   std::string seed;
 
   /// Adds SUITE, --set, --trials, --seed.

@@ -17,8 +17,11 @@ using store::QueryResult;
 std::size_t decode(std::string_view text, char32_t& code) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(0);
-  const std::size_t length = first < 0x80 ? 1 : first >= 0xc2 && first < 0xe0 ? 2
-                             : first >= 0xe0 && first < 0xf0 ? 3 : first >= 0xf0 && first < 0xf5 ? 4 : 0;
+  const std::size_t length = first < 0x80                    ? 1
+                             : first >= 0xc2 && first < 0xe0 ? 2
+                             : first >= 0xe0 && first < 0xf0 ? 3
+                             : first >= 0xf0 && first < 0xf5 ? 4
+                                                             : 0;
   if (length == 0 || length > text.size()) return 0;
   code = length == 1 ? first : first & (0xffU >> (length + 1));
   for (std::size_t i = 1; i < length; ++i) {
@@ -58,7 +61,7 @@ struct Grid {
   std::vector<std::string> head;
   std::vector<std::vector<std::string>> rows;
   std::vector<std::size_t> width;
-  std::vector<bool> right;   ///< columns of nothing but numbers stand to the right
+  std::vector<bool> right;  ///< columns of nothing but numbers stand to the right
 };
 
 Grid make_grid(const QueryResult& result) {
@@ -110,7 +113,7 @@ void write_markdown(std::ostream& out, const QueryResult& result) {
   for (std::string& text : grid.head) escape(text);
   for (auto& row : grid.rows) std::for_each(row.begin(), row.end(), escape);
   for (std::size_t c = 0; c < grid.head.size(); ++c) {
-    grid.width[c] = std::max<std::size_t>(3, display_width(grid.head[c]));   // a rule has three dashes at least
+    grid.width[c] = std::max<std::size_t>(3, display_width(grid.head[c]));  // a rule has three dashes at least
     for (const auto& row : grid.rows) grid.width[c] = std::max(grid.width[c], display_width(row[c]));
   }
   const auto line = [&](const std::vector<std::string>& texts) {
@@ -168,8 +171,7 @@ void write_json(std::ostream& out, const QueryResult& result) {
     for (std::size_t c = 0; c < result.columns.size(); ++c) {
       object[result.columns[c]] = std::visit(Visitor{}, result.rows[r][c]);
     }
-    out << (r > 0 ? ",\n " : "\n ")
-        << object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    out << (r > 0 ? ",\n " : "\n ") << object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   }
   out << (result.rows.empty() ? "]\n" : "\n]\n");
 }
@@ -206,10 +208,18 @@ std::size_t display_width(std::string_view text) {
 
 void write(std::ostream& out, const QueryResult& result, Format format) {
   switch (format) {
-    case Format::kTable: write_table(out, result); break;
-    case Format::kCsv: write_csv(out, result); break;
-    case Format::kJson: write_json(out, result); break;
-    case Format::kMarkdown: write_markdown(out, result); break;
+    case Format::kTable:
+      write_table(out, result);
+      break;
+    case Format::kCsv:
+      write_csv(out, result);
+      break;
+    case Format::kJson:
+      write_json(out, result);
+      break;
+    case Format::kMarkdown:
+      write_markdown(out, result);
+      break;
   }
 }
 

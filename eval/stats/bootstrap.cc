@@ -17,8 +17,7 @@ std::size_t index_below(std::uint32_t bits, std::size_t n) {
 }
 
 double resampled_mean(const std::vector<double>& differences, std::uint64_t seed, std::uint32_t replicate) {
-  const r123::Philox4x32::key_type key{
-      {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)}};
+  const r123::Philox4x32::key_type key{{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)}};
   r123::Philox4x32 philox;
   double sum = 0.0;
   const std::size_t n = differences.size();

@@ -8,12 +8,12 @@ namespace moma::stats {
 struct BootstrapOptions {
   int replicates = 9999;
   double confidence = 0.95;
-  std::uint64_t seed = 1;   ///< fixed, so that the same table is printed every time
+  std::uint64_t seed = 1;  ///< fixed, so that the same table is printed every time
 };
 
 struct MeanDifference {
-  double mean = 0.0;   ///< of a_i - b_i
-  double low = 0.0;    ///< percentile interval
+  double mean = 0.0;  ///< of a_i - b_i
+  double low = 0.0;   ///< percentile interval
   double high = 0.0;
 };
 

@@ -66,7 +66,7 @@ bool look_at_file(const fs::path& file, Access access) {
 bool check_identity(SQLite::Database& db, const fs::path& file) {
   const int application = db.execAndGet("PRAGMA application_id").getInt();
   const int version = schema_version(db);
-  const int tables = db.execAndGet("SELECT count(*) FROM sqlite_schema").getInt();   // fails where the file is damaged
+  const int tables = db.execAndGet("SELECT count(*) FROM sqlite_schema").getInt();  // fails where the file is damaged
   if (application == 0 && version == 0 && tables == 0) return true;
   if (application != kApplicationId) {
     throw unusable(file, fmt::format("is the database of another program (application_id {}, moma's is {})",
@@ -101,15 +101,30 @@ std::string read_only_uri(const fs::path& file) {
 StoreError explain(const SQLite::Exception& error, const fs::path& file, Kind kind) {
   std::string message;
   switch (error.getErrorCode()) {
-    case SQLITE_FULL: message = "the disk is full"; break;
+    case SQLITE_FULL:
+      message = "the disk is full";
+      break;
     case SQLITE_BUSY:
-    case SQLITE_LOCKED: message = "is locked by another program that is writing to it; try again when it is done"; break;
-    case SQLITE_READONLY: message = "cannot be written: the file or its folder is read-only"; break;
-    case SQLITE_NOTADB: message = "is not an SQLite database; a store written by 'moma run' is needed"; break;
-    case SQLITE_CORRUPT: message = "is damaged; 'moma verify' tells how far"; break;
-    case SQLITE_CANTOPEN: message = "cannot be opened"; break;
-    case SQLITE_IOERR: message = "reading or writing failed (is the disk full or gone?)"; break;
-    default: break;
+    case SQLITE_LOCKED:
+      message = "is locked by another program that is writing to it; try again when it is done";
+      break;
+    case SQLITE_READONLY:
+      message = "cannot be written: the file or its folder is read-only";
+      break;
+    case SQLITE_NOTADB:
+      message = "is not an SQLite database; a store written by 'moma run' is needed";
+      break;
+    case SQLITE_CORRUPT:
+      message = "is damaged; 'moma verify' tells how far";
+      break;
+    case SQLITE_CANTOPEN:
+      message = "cannot be opened";
+      break;
+    case SQLITE_IOERR:
+      message = "reading or writing failed (is the disk full or gone?)";
+      break;
+    default:
+      break;
   }
   if (message.empty()) message = error.what();
   return {kind, fmt::format("{}: {} (SQLite: {})", file.string(), message, error.what())};
@@ -120,9 +135,11 @@ SQLite::Database open_database(const fs::path& file, Access access) {
   try {
     if (access == Access::kReadOnly) {
       SQLite::Database db(read_only_uri(file), SQLite::OPEN_READONLY | SQLITE_OPEN_URI, kBusyTimeoutMs);
-      if (check_identity(db, file)) throw unusable(file, "is an empty database; a store written by 'moma run' is needed");
+      if (check_identity(db, file))
+        throw unusable(file, "is an empty database; a store written by 'moma run' is needed");
       if (schema_version(db) < kSchemaVersion) {
-        throw unusable(file, "was written by an older moma; 'moma run' on it, or 'moma merge NEW OLD', brings it up to date");
+        throw unusable(file,
+                       "was written by an older moma; 'moma run' on it, or 'moma merge NEW OLD', brings it up to date");
       }
       db.exec("PRAGMA query_only = ON");
       return db;
@@ -141,7 +158,7 @@ SQLite::Database open_database(const fs::path& file, Access access) {
     }
     return db;
   } catch (const SQLite::Exception& error) {
-    if (!there && access == Access::kCreate) {   // leave nothing half-made behind
+    if (!there && access == Access::kCreate) {  // leave nothing half-made behind
       std::error_code ignored;
       for (const char* suffix : {"", "-wal", "-shm", "-journal"}) fs::remove(file.string() + suffix, ignored);
     }
@@ -160,10 +177,10 @@ void remove_empty_wal(const fs::path& file) noexcept {
   std::error_code error;
   const auto size = fs::file_size(file.string() + "-wal", error);
   if (error || size != 0) return;
-  try {   // SQLite itself removes them, under its locks, when the last connection that can write closes
+  try {  // SQLite itself removes them, under its locks, when the last connection that can write closes
     SQLite::Database db(file.string(), SQLite::OPEN_READWRITE);
     (void)db.execAndGet("SELECT count(*) FROM sqlite_schema");
-  } catch (const std::exception&) {   // read-only places keep them
+  } catch (const std::exception&) {  // read-only places keep them
   }
 }
 
@@ -173,19 +190,37 @@ std::string file_system_warning(const fs::path& file) {
   // Magic numbers of linux/magic.h and statfs(2).
   const char* name = nullptr;
   switch (static_cast<unsigned long>(info.f_type) & 0xffffffffUL) {
-    case 0x6969UL: name = "NFS"; break;
-    case 0xff534d42UL: name = "CIFS"; break;
-    case 0xfe534d42UL: name = "SMB2"; break;
-    case 0x517bUL: name = "SMB"; break;
-    case 0x5346414fUL: name = "AFS"; break;
-    case 0x0bd00bd0UL: name = "Lustre"; break;
-    case 0x47504653UL: name = "GPFS"; break;
-    case 0x65735546UL: name = "FUSE"; break;
-    default: return "";
+    case 0x6969UL:
+      name = "NFS";
+      break;
+    case 0xff534d42UL:
+      name = "CIFS";
+      break;
+    case 0xfe534d42UL:
+      name = "SMB2";
+      break;
+    case 0x517bUL:
+      name = "SMB";
+      break;
+    case 0x5346414fUL:
+      name = "AFS";
+      break;
+    case 0x0bd00bd0UL:
+      name = "Lustre";
+      break;
+    case 0x47504653UL:
+      name = "GPFS";
+      break;
+    case 0x65735546UL:
+      name = "FUSE";
+      break;
+    default:
+      return "";
   }
-  return fmt::format("{}: lies on a network file system ({}), whose locks SQLite cannot trust: write shards to a local "
-                     "disk and join them with 'moma merge'",
-                     file.string(), name);
+  return fmt::format(
+      "{}: lies on a network file system ({}), whose locks SQLite cannot trust: write shards to a local "
+      "disk and join them with 'moma merge'",
+      file.string(), name);
 }
 
 }  // namespace moma::store

@@ -10,7 +10,7 @@
 
 namespace moma::store {
 
-inline constexpr int kApplicationId = 0x6d6f6d61;   // "moma"
+inline constexpr int kApplicationId = 0x6d6f6d61;  // "moma"
 
 enum class Access { kReadOnly, kReadWrite, kCreate };
 

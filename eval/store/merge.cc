@@ -80,8 +80,9 @@ class Importer {
       insert.bind(2, missing.getColumn(0).getInt64());
       insert.exec();
     }
-    db_.exec("INSERT INTO map_suite SELECT s.id, o.id FROM source.suite AS s "
-             "JOIN main.suite AS o USING (file_name, setting_hash)");
+    db_.exec(
+        "INSERT INTO map_suite SELECT s.id, o.id FROM source.suite AS s "
+        "JOIN main.suite AS o USING (file_name, setting_hash)");
   }
 
   void import_points() {
@@ -107,12 +108,13 @@ class Importer {
                 : name == "resolved_suite_id" ? "mx.target"
                                               : "s." + name;
     }
-    Statement insert(db_, fmt::format("INSERT INTO main.point ({}) SELECT {} FROM source.point AS s "
-                                      "JOIN map_suite AS ms ON ms.source = s.suite_id "
-                                      "JOIN map_robot AS mr ON mr.source = s.robot_id "
-                                      "JOIN map_controller AS mc ON mc.source = s.controller_id "
-                                      "JOIN map_resolved_suite AS mx ON mx.source = s.resolved_suite_id WHERE s.id = ?2",
-                                      columns, values));
+    Statement insert(db_,
+                     fmt::format("INSERT INTO main.point ({}) SELECT {} FROM source.point AS s "
+                                 "JOIN map_suite AS ms ON ms.source = s.suite_id "
+                                 "JOIN map_robot AS mr ON mr.source = s.robot_id "
+                                 "JOIN map_controller AS mc ON mc.source = s.controller_id "
+                                 "JOIN map_resolved_suite AS mx ON mx.source = s.resolved_suite_id WHERE s.id = ?2",
+                                 columns, values));
     while (missing.executeStep()) {
       const std::string label = missing.getColumn(2).getString();
       const std::string suite = missing.getColumn(3).getString();
@@ -125,9 +127,10 @@ class Importer {
       insert.bind(2, missing.getColumn(0).getInt64());
       insert.exec();
     }
-    db_.exec(fmt::format("INSERT INTO map_point SELECT s.id, o.id FROM source.point AS s "
-                         "JOIN map_suite AS ms ON ms.source = s.suite_id JOIN main.point AS o ON {}",
-                         same));
+    db_.exec(
+        fmt::format("INSERT INTO map_point SELECT s.id, o.id FROM source.point AS s "
+                    "JOIN map_suite AS ms ON ms.source = s.suite_id JOIN main.point AS o ON {}",
+                    same));
   }
 
   /// Merging the same store twice adds its invocations once.
@@ -136,10 +139,11 @@ class Importer {
     const std::string same =
         "o.suite_id = ms.target AND o.resolved_suite_id = mx.target AND o.started = s.started AND o.host = s.host AND "
         "o.arguments = s.arguments";
-    const std::string from = fmt::format("FROM source.invocation AS s JOIN map_suite AS ms ON ms.source = s.suite_id "
-                                         "JOIN map_resolved_suite AS mx ON mx.source = s.resolved_suite_id "
-                                         "LEFT JOIN main.invocation AS o ON {}",
-                                         same);
+    const std::string from = fmt::format(
+        "FROM source.invocation AS s JOIN map_suite AS ms ON ms.source = s.suite_id "
+        "JOIN map_resolved_suite AS mx ON mx.source = s.resolved_suite_id "
+        "LEFT JOIN main.invocation AS o ON {}",
+        same);
     std::string columns;
     std::string values;
     Statement names(db_, "SELECT name FROM pragma_table_xinfo('invocation') WHERE name <> 'id'");
@@ -172,10 +176,11 @@ class Importer {
       if (++n <= 5) found += (found.empty() ? "" : ", ") + s.getColumn(0).getString();
     }
     if (n == 0) return;
-    throw StoreError(StoreError::Kind::kContradiction,
-                     fmt::format("{}: {} trials have other results than the same trials merged before, from machines of "
-                                 "the same class ({}{}); nothing was merged",
-                                 file_.string(), n, found, n > 5 ? ", ..." : ""));
+    throw StoreError(
+        StoreError::Kind::kContradiction,
+        fmt::format("{}: {} trials have other results than the same trials merged before, from machines of "
+                    "the same class ({}{}); nothing was merged",
+                    file_.string(), n, found, n > 5 ? ", ..." : ""));
   }
 
   MergeSummary import_trials() {
@@ -191,14 +196,16 @@ class Importer {
     summary.present = total - summary.added;
     std::string execution = columns_of(db_, "execution", "e.");
     execution.replace(execution.find("e.invocation_id"), 15, "mi.target");
-    db_.exec(fmt::format("INSERT OR IGNORE INTO main.execution ({}) SELECT {} FROM source.execution AS e "
-                         "JOIN map_invocation AS mi ON mi.source = e.invocation_id ORDER BY e.key",
-                         columns_of(db_, "execution"), execution));
+    db_.exec(
+        fmt::format("INSERT OR IGNORE INTO main.execution ({}) SELECT {} FROM source.execution AS e "
+                    "JOIN map_invocation AS mi ON mi.source = e.invocation_id ORDER BY e.key",
+                    columns_of(db_, "execution"), execution));
     db_.exec(fmt::format("INSERT OR IGNORE INTO main.samples ({0}) SELECT {0} FROM source.samples ORDER BY key",
                          columns_of(db_, "samples")));
-    db_.exec("INSERT OR IGNORE INTO main.point_trial (point_id, world_index, key) "
-             "SELECT mp.target, m.world_index, m.key FROM source.point_trial AS m "
-             "JOIN map_point AS mp ON mp.source = m.point_id ORDER BY 1, 2");
+    db_.exec(
+        "INSERT OR IGNORE INTO main.point_trial (point_id, world_index, key) "
+        "SELECT mp.target, m.world_index, m.key FROM source.point_trial AS m "
+        "JOIN map_point AS mp ON mp.source = m.point_id ORDER BY 1, 2");
     for (const char* map : {"robot", "controller", "resolved_suite", "world", "suite", "point", "invocation"}) {
       db_.exec(fmt::format("DROP TABLE map_{}", map));
     }
@@ -211,7 +218,7 @@ class Importer {
 
 /// ATTACH cannot be in a transaction, so that each input has its own; the caller works on a new file.
 void merge_into(SQLite::Database& db, const fs::path& file, MergeSummary& summary) {
-  { const ReadConnection look(file); }   // ours, and of this version
+  { const ReadConnection look(file); }  // ours, and of this version
   Statement attach(db, "ATTACH ? AS source");
   attach.bind(1, file.string());
   attach.exec();
@@ -230,7 +237,7 @@ void remove_store(const fs::path& file) {
 
 /// `out` is replaced by renaming, which must not happen under a program that has it open.
 void check_unused(const fs::path& out) {
-  { const SQLite::Database db = open_database(out, Access::kReadWrite); }   // the last to close removes the WAL
+  { const SQLite::Database db = open_database(out, Access::kReadWrite); }  // the last to close removes the WAL
   std::error_code error;
   if (fs::exists(out.string() + "-wal", error)) {
     throw StoreError(StoreError::Kind::kUnusable,

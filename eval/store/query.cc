@@ -22,7 +22,8 @@ int authorize(void* /*unused*/, int action, const char* first, const char* secon
               const char* /*trigger*/) {
   switch (action) {
     case SQLITE_ATTACH:
-    case SQLITE_DETACH: return SQLITE_DENY;
+    case SQLITE_DETACH:
+      return SQLITE_DENY;
     case SQLITE_PRAGMA:
       // PRAGMAs that only tell something; the argument of the table ones is a name.
       for (const char* allowed : {"table_info", "table_xinfo", "table_list", "index_list", "index_info",
@@ -30,7 +31,8 @@ int authorize(void* /*unused*/, int action, const char* first, const char* secon
         if (std::strcmp(first, allowed) == 0) return SQLITE_OK;
       }
       return second == nullptr ? SQLITE_OK : SQLITE_DENY;
-    default: return SQLITE_OK;
+    default:
+      return SQLITE_OK;
   }
 }
 
@@ -39,7 +41,8 @@ QueryError sql_error(sqlite3* handle, const std::string& sql) {
   const int code = sqlite3_errcode(handle);
   std::string message = sqlite3_errmsg(handle);
   if (code == SQLITE_READONLY) message = "the store is opened for reading only: a query cannot change it";
-  if (code == SQLITE_AUTH) message = "not allowed in a query: it reads this one store and nothing else (" + message + ")";
+  if (code == SQLITE_AUTH)
+    message = "not allowed in a query: it reads this one store and nothing else (" + message + ")";
   const int offset = sqlite3_error_offset(handle);
   if (offset < 0 || static_cast<std::size_t>(offset) >= sql.size()) return QueryError("SQL: " + message);
   const std::size_t begin = sql.rfind('\n', static_cast<std::size_t>(offset));
@@ -51,8 +54,10 @@ QueryError sql_error(sqlite3* handle, const std::string& sql) {
 
 Cell read_cell(sqlite3_stmt* statement, int i) {
   switch (sqlite3_column_type(statement, i)) {
-    case SQLITE_INTEGER: return sqlite3_column_int64(statement, i);
-    case SQLITE_FLOAT: return sqlite3_column_double(statement, i);
+    case SQLITE_INTEGER:
+      return sqlite3_column_int64(statement, i);
+    case SQLITE_FLOAT:
+      return sqlite3_column_double(statement, i);
     case SQLITE_TEXT: {
       const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement, i));
       return std::string(text, static_cast<std::size_t>(sqlite3_column_bytes(statement, i)));
@@ -63,7 +68,8 @@ Cell read_cell(sqlite3_stmt* statement, int i) {
       for (int k = 0; k < sqlite3_column_bytes(statement, i); ++k) hex += fmt::format("{:02x}", bytes[k]);
       return hex;
     }
-    default: return std::monostate{};
+    default:
+      return std::monostate{};
   }
 }
 
@@ -75,7 +81,7 @@ StatementPtr prepare(sqlite3* handle, const std::string& sql) {
   }
   StatementPtr statement(raw);
   if (statement == nullptr) throw QueryError("SQL: the query is empty; try 'SELECT * FROM v_trials' or @summary");
-  sqlite3_stmt* second = nullptr;   // comments and blanks after the statement are fine
+  sqlite3_stmt* second = nullptr;  // comments and blanks after the statement are fine
   const int code = sqlite3_prepare_v2(handle, tail, -1, &second, nullptr);
   const StatementPtr rest(second);
   if (code != SQLITE_OK || rest != nullptr) throw QueryError("SQL: one statement at a time, please");

@@ -32,8 +32,8 @@ QueryResult query(const std::filesystem::path& file, const std::string& sql);
 struct NamedQuery {
   std::string_view name;
   std::string_view description;
-  std::string_view sql;       ///< plain columns, for programs
-  std::string_view display;   ///< the same for a person, "" where it is the same
+  std::string_view sql;      ///< plain columns, for programs
+  std::string_view display;  ///< the same for a person, "" where it is the same
 };
 
 const std::vector<NamedQuery>& named_queries();

@@ -84,16 +84,17 @@ StoredTrial Reader::trial(const std::string& prefix) const {
   return impl_->guarded([&] {
     const std::string key = impl_->full_key(prefix);
     const Hash hash = hash_from_hex(key);
-    Statement s(impl_->db,
-                fmt::format("SELECT s.name, p.controller, p.label, r.resolved, p.resolved_position, w.world_index, "
-                            "w.json, i.machine_class, p.simulation_version, a.layout, a.n, a.columns, a.data, {} "
-                            "FROM trial AS t JOIN world AS w ON w.id = t.world_id "
-                            "JOIN point_trial AS m ON m.key = t.key JOIN point AS p ON p.id = m.point_id "
-                            "JOIN suite AS s ON s.id = p.suite_id JOIN resolved_suite AS r ON r.id = p.resolved_suite_id "
-                            "LEFT JOIN execution AS e ON e.key = t.key "
-                            "LEFT JOIN invocation AS i ON i.id = e.invocation_id "
-                            "LEFT JOIN samples AS a ON a.key = t.key WHERE t.key = ? ORDER BY p.id LIMIT 1",
-                            trial_column_list("t.")));
+    Statement s(
+        impl_->db,
+        fmt::format("SELECT s.name, p.controller, p.label, r.resolved, p.resolved_position, w.world_index, "
+                    "w.json, i.machine_class, p.simulation_version, a.layout, a.n, a.columns, a.data, {} "
+                    "FROM trial AS t JOIN world AS w ON w.id = t.world_id "
+                    "JOIN point_trial AS m ON m.key = t.key JOIN point AS p ON p.id = m.point_id "
+                    "JOIN suite AS s ON s.id = p.suite_id JOIN resolved_suite AS r ON r.id = p.resolved_suite_id "
+                    "LEFT JOIN execution AS e ON e.key = t.key "
+                    "LEFT JOIN invocation AS i ON i.id = e.invocation_id "
+                    "LEFT JOIN samples AS a ON a.key = t.key WHERE t.key = ? ORDER BY p.id LIMIT 1",
+                    trial_column_list("t.")));
     s.bind(1, hash.data(), static_cast<int>(hash.size()));
     if (!s.executeStep()) throw not_found(impl_->file, fmt::format("trial {} belongs to no suite", key));
     StoredTrial trial;

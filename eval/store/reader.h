@@ -16,24 +16,24 @@ namespace moma::store {
 /// A trial with all that is needed to simulate it again: the point is number `position` of
 /// suite_from_resolved(resolved_suite).points.
 struct StoredTrial {
-  std::string key;   ///< 32 hex digits
+  std::string key;  ///< 32 hex digits
   std::string suite;
   std::string controller;
   std::string point;
-  std::string resolved_suite;    ///< JSON
+  std::string resolved_suite;  ///< JSON
   std::size_t position = 0;
   std::uint64_t world_index = 0;
-  std::string world;             ///< JSON
-  std::string machine_class;     ///< of the invocation that computed it
+  std::string world;          ///< JSON
+  std::string machine_class;  ///< of the invocation that computed it
   int simulation_version = 0;
-  TrialRow row;                  ///< without timings
+  TrialRow row;  ///< without timings
   std::optional<EncodedSamples> samples;
 };
 
 struct StoredInvocation {
   std::int64_t id = 0;
-  std::string suite;             ///< as shown
-  std::string resolved_suite;    ///< JSON
+  std::string suite;           ///< as shown
+  std::string resolved_suite;  ///< JSON
   std::string started;
   std::string status;
 };

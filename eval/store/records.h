@@ -14,17 +14,17 @@ namespace moma::store {
 struct PointRecord {
   std::string controller;
   std::string label;
-  std::string params;                ///< JSON
+  std::string params;  ///< JSON
   std::string robot_name;
-  std::string robot_resolved;        ///< JSON
-  std::string controller_resolved;   ///< JSON
-  std::string worlds;                ///< JSON
+  std::string robot_resolved;       ///< JSON
+  std::string controller_resolved;  ///< JSON
+  std::string worlds;               ///< JSON
   SimulationConfig simulation;
   SuccessRule success;
   StuckRule stuck;
   InfeasibleRule infeasible;
   int simulation_version = 0;
-  Hash content_hash{};               ///< of all of the above but names
+  Hash content_hash{};  ///< of all of the above but names
 };
 
 struct SuiteRecord {

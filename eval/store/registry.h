@@ -14,10 +14,10 @@ namespace moma::store {
 /// Where a suite's parts are in the tables.
 struct Registered {
   std::int64_t suite_id = 0;
-  std::string suite_name;                      ///< as shown
+  std::string suite_name;  ///< as shown
   std::int64_t resolved_suite_id = 0;
   std::vector<std::int64_t> point_ids;
-  std::vector<std::string> controller_names;   ///< as shown, per point
+  std::vector<std::string> controller_names;  ///< as shown, per point
 };
 
 /// Finds or adds the suite and its points. Call within a transaction. Throws SQLite::Exception.

@@ -16,7 +16,7 @@ inline constexpr int kSamplesLayout = 1;
 struct EncodedSamples {
   int layout = kSamplesLayout;
   std::int64_t n = 0;
-  std::string columns;   ///< JSON list
+  std::string columns;  ///< JSON list
   std::vector<unsigned char> data;
 };
 

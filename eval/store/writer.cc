@@ -98,7 +98,7 @@ struct Writer::Impl {
   std::vector<Pending> pending;
   Clock::time_point last_commit = Clock::now();
   std::size_t committed = 0;
-  bool fresh = false;   ///< this writer made the file
+  bool fresh = false;  ///< this writer made the file
 
   explicit Impl(const std::filesystem::path& path)
       : file(path), db(open_database(path, Access::kCreate)), fresh(count_suites() == 0) {}
@@ -111,7 +111,7 @@ struct Writer::Impl {
     bind_hash(sql->find_world, 1, hash);
     if (sql->find_world.executeStep()) {
       const std::int64_t id = sql->find_world.getColumn(0).getInt64();
-      sql->find_world.reset();   // an open reading statement would keep its snapshot past the commit
+      sql->find_world.reset();  // an open reading statement would keep its snapshot past the commit
       return id;
     }
     Statement& s = sql->world;
@@ -192,9 +192,10 @@ struct Writer::Impl {
     const std::vector<std::string> found = differences(read_row(s, 1), p.row);
     s.reset();
     if (same_class && !found.empty()) {
-      throw StoreError(StoreError::Kind::kContradiction,
-                       fmt::format("{}: trial {} was computed twice with different results ({}); the stored row is kept",
-                                   file.string(), p.trial.key.substr(0, 16), fmt::join(found, "; ")));
+      throw StoreError(
+          StoreError::Kind::kContradiction,
+          fmt::format("{}: trial {} was computed twice with different results ({}); the stored row is kept",
+                      file.string(), p.trial.key.substr(0, 16), fmt::join(found, "; ")));
     }
   }
 
@@ -279,7 +280,7 @@ Writer::~Writer() {
   if (impl_ == nullptr) return;
   try {
     impl_->flush();
-  } catch (...) {   // a destructor on the way out of another failure: what is committed stays
+  } catch (...) {  // a destructor on the way out of another failure: what is committed stays
   }
 }
 
@@ -302,7 +303,7 @@ std::unordered_set<std::string> Writer::begin(const SuiteRecord& suite, const In
   try {
     return impl_->guarded(StoreError::Kind::kUnusable, work);
   } catch (...) {
-    if (impl_->fresh) {   // leave no store without content behind
+    if (impl_->fresh) {  // leave no store without content behind
       const std::filesystem::path file = impl_->file;
       impl_.reset();
       std::error_code ignored;
@@ -351,7 +352,9 @@ void Writer::finish(RunStatus status) {
     impl_->flush();
     SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
     impl_->link_present();
-    const char* text = status == RunStatus::kFinished ? "finished" : status == RunStatus::kStopped ? "stopped" : "failed";
+    const char* text = status == RunStatus::kFinished  ? "finished"
+                       : status == RunStatus::kStopped ? "stopped"
+                                                       : "failed";
     Statement s(impl_->db, "UPDATE invocation SET status = ?, ended = ? WHERE id = ?");
     s.bind(1, std::string(text));
     s.bind(2, utc_now());

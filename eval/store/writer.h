@@ -19,7 +19,7 @@ class Database;
 namespace moma::store {
 
 struct InvocationInfo {
-  std::vector<std::string> arguments;   ///< the command line
+  std::vector<std::string> arguments;  ///< the command line
   int threads = 1;
 };
 
@@ -31,7 +31,7 @@ inline constexpr std::size_t kNoPoint = static_cast<std::size_t>(-1);
 struct Wanted {
   std::size_t point = 0;
   std::uint64_t world = 0;
-  std::string key;   ///< 32 hex digits
+  std::string key;  ///< 32 hex digits
 };
 
 enum class RunStatus { kFinished, kStopped, kFailed };

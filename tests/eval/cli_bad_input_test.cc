@@ -99,7 +99,8 @@ TEST_F(CliBadInput, EmptySuite) {
   write("suite.yaml", "# nothing but a remark\n");
   refused({"suite.yaml"});
   write("suite.yaml", kSuite);
-  replace("suite.yaml", "controllers: {plain: controllers/plain.yaml, slow: {include: controllers/plain.yaml, k_epsilon: 0.1}}",
+  replace("suite.yaml",
+          "controllers: {plain: controllers/plain.yaml, slow: {include: controllers/plain.yaml, k_epsilon: 0.1}}",
           "controllers: {}");
   refused({"suite.yaml:3:", "controllers"});
   write("suite.yaml", kSuite);

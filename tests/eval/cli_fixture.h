@@ -50,7 +50,8 @@ trials: 6
     ProcessResult result = moma(arguments);
     EXPECT_EQ(result.code, 2) << result.out << result.err;
     EXPECT_EQ(result.out, "");
-    for (const std::string& word : words) EXPECT_NE(result.err.find(word), std::string::npos) << word << "\n" << result.err;
+    for (const std::string& word : words)
+      EXPECT_NE(result.err.find(word), std::string::npos) << word << "\n" << result.err;
     for (const char* bug : {"internal error", "terminate", "what()", "Assertion"}) {
       EXPECT_EQ(result.err.find(bug), std::string::npos) << result.err;
     }

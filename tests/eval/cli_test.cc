@@ -88,7 +88,8 @@ TEST_F(Cli, QueryFormats) {
 
 TEST_F(Cli, StoredTextCannotActOnTheTerminal) {
   good({"run", "suite.yaml", "-o", "a.db", "-q"});
-  const ProcessResult result = good({"query", "a.db", "SELECT char(27) || '[2J' || char(10) || char(8238) || x'ff' AS t"});
+  const ProcessResult result =
+      good({"query", "a.db", "SELECT char(27) || '[2J' || char(10) || char(8238) || x'ff' AS t"});
   EXPECT_EQ(result.out.find('\x1b'), std::string::npos);
   EXPECT_NE(result.out.find("\\x1b[2J\\n\\u202e"), std::string::npos) << result.out;
 }
@@ -97,7 +98,8 @@ TEST_F(Cli, ReplayVerifyAndRerunNeedNothingButTheStore) {
   good({"run", "suite.yaml", "-o", "a.db", "-q", "--set", "samples=all"});
   const std::string before = hash("a.db");
   for (const char* gone : {"suite.yaml", "robots", "controllers"}) fs::remove_all(path(gone));
-  const json trials = json::parse(good({"query", "a.db", "SELECT trial, outcome, steps FROM v_trials", "-f", "json"}).out);
+  const json trials =
+      json::parse(good({"query", "a.db", "SELECT trial, outcome, steps FROM v_trials", "-f", "json"}).out);
   for (const json& trial : trials) {
     const ProcessResult check = good({"replay", "a.db", trial["trial"], "--check"});
     EXPECT_NE(check.err.find("bit for bit"), std::string::npos);
@@ -127,8 +129,8 @@ TEST_F(Cli, ReplayVerifyAndRerunNeedNothingButTheStore) {
 
 TEST_F(Cli, VerifyAndReplayFindAChangedRow) {
   good({"run", "suite.yaml", "-o", "a.db", "-q"});
-  const std::string trial = json::parse(
-      good({"query", "a.db", "SELECT trial FROM v_trials LIMIT 1", "-f", "json"}).out)[0]["trial"];
+  const std::string trial =
+      json::parse(good({"query", "a.db", "SELECT trial FROM v_trials LIMIT 1", "-f", "json"}).out)[0]["trial"];
   // moma itself cannot change a row.
   ASSERT_EQ(Process({"/usr/bin/sqlite3", path("a.db").string(),
                      "UPDATE trial SET path_ee_m = path_ee_m + 1e-12 WHERE trial = '" + trial + "'"},

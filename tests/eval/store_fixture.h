@@ -35,11 +35,13 @@ class TemporaryFolder {
 };
 
 /// A suite of made-up points, as if resolved from files.
-inline store::SuiteRecord synthetic_suite(const std::vector<std::string>& controllers, const std::string& setting = "a") {
+inline store::SuiteRecord synthetic_suite(const std::vector<std::string>& controllers,
+                                          const std::string& setting = "a") {
   store::SuiteRecord suite;
   suite.name = "synthetic";
   suite.setting_hash = store::hash_text(setting);
-  suite.resolved = fmt::format(R"({{"name":"synthetic","setting":"{}","controllers":{}}})", setting, controllers.size());
+  suite.resolved =
+      fmt::format(R"({{"name":"synthetic","setting":"{}","controllers":{}}})", setting, controllers.size());
   for (const std::string& controller : controllers) {
     store::PointRecord point;
     point.controller = controller;
@@ -87,16 +89,23 @@ inline TrialRow synthetic_row(std::size_t point, std::uint64_t world) {
   } else {
     row.time_to_goal_s = 1.0 + x / 7;
   }
-  double* const numbers[] = {&row.time_end_s, &row.position_error_m, &row.orientation_error_rad, &row.path_ee_m,
-                             &row.path_base_m, &row.manip_mean, &row.manip_min, &row.manip_final, &row.manip_all_mean,
-                             &row.manip_all_min, &row.manip_all_final, &row.clearance_self_min_m,
-                             &row.limit_margin_min, &row.jerk_ee_rms, &row.jerk_joint_rms, &row.command_change_mean,
-                             &row.energy_j, &row.slack_mean, &row.slack_max, &row.active_rows_mean, &row.slip_max_m_s,
+  double* const numbers[] = {&row.time_end_s,          &row.position_error_m, &row.orientation_error_rad,
+                             &row.path_ee_m,           &row.path_base_m,      &row.manip_mean,
+                             &row.manip_min,           &row.manip_final,      &row.manip_all_mean,
+                             &row.manip_all_min,       &row.manip_all_final,  &row.clearance_self_min_m,
+                             &row.limit_margin_min,    &row.jerk_ee_rms,      &row.jerk_joint_rms,
+                             &row.command_change_mean, &row.energy_j,         &row.slack_mean,
+                             &row.slack_max,           &row.active_rows_mean, &row.slip_max_m_s,
                              &row.tracking_error_rms};
   double k = 0.1;
   for (double* number : numbers) *number = x + (k += 1.0 / 3.0);
-  int* const counts[] = {&row.collision_count, &row.qp_infeasible, &row.fallback_no_acceleration, &row.fallback_relaxed,
-                         &row.fallback_brake, &row.lcp_messages, &row.steps};
+  int* const counts[] = {&row.collision_count,
+                         &row.qp_infeasible,
+                         &row.fallback_no_acceleration,
+                         &row.fallback_relaxed,
+                         &row.fallback_brake,
+                         &row.lcp_messages,
+                         &row.steps};
   int n = 1;
   for (int* count : counts) *count = n++ + static_cast<int>(world);
   row.timing.t_solve_median_us = 3.5;

@@ -91,20 +91,77 @@ TEST(Store, ViewsHaveTheDocumentedColumns) {
   const TemporaryFolder folder;
   const fs::path file = folder / "a.db";
   write_synthetic(file, {"one"}, 1);
-  const std::vector<std::string> trials = {
-      "trial", "suite", "robot", "controller", "point", "params", "family", "world", "mode", "outcome", "reason", "link",
-      "object", "time_end_s", "time_to_goal_s", "position_error_m", "orientation_error_rad", "path_ee_m", "path_base_m",
-      "manip_mean", "manip_min", "manip_final", "manip_all_mean", "manip_all_min", "manip_all_final", "clearance_min_m",
-      "clearance_self_min_m", "limit_margin_min", "collision_count", "collision_time_s", "collision_depth_m",
-      "jerk_ee_rms", "jerk_joint_rms", "command_change_mean", "energy_j", "slack_mean", "slack_max",
-      "active_rows_mean", "qp_infeasible", "fallback_no_acceleration", "fallback_relaxed", "fallback_brake",
-      "slip_max_m_s", "tracking_error_rms", "lcp_messages", "steps", "t_solve_median_us", "t_solve_p99_us",
-      "t_solve_max_us", "t_step_median_us", "t_step_p99_us", "t_step_max_us", "t_trial_us"};
+  const std::vector<std::string> trials = {"trial",
+                                           "suite",
+                                           "robot",
+                                           "controller",
+                                           "point",
+                                           "params",
+                                           "family",
+                                           "world",
+                                           "mode",
+                                           "outcome",
+                                           "reason",
+                                           "link",
+                                           "object",
+                                           "time_end_s",
+                                           "time_to_goal_s",
+                                           "position_error_m",
+                                           "orientation_error_rad",
+                                           "path_ee_m",
+                                           "path_base_m",
+                                           "manip_mean",
+                                           "manip_min",
+                                           "manip_final",
+                                           "manip_all_mean",
+                                           "manip_all_min",
+                                           "manip_all_final",
+                                           "clearance_min_m",
+                                           "clearance_self_min_m",
+                                           "limit_margin_min",
+                                           "collision_count",
+                                           "collision_time_s",
+                                           "collision_depth_m",
+                                           "jerk_ee_rms",
+                                           "jerk_joint_rms",
+                                           "command_change_mean",
+                                           "energy_j",
+                                           "slack_mean",
+                                           "slack_max",
+                                           "active_rows_mean",
+                                           "qp_infeasible",
+                                           "fallback_no_acceleration",
+                                           "fallback_relaxed",
+                                           "fallback_brake",
+                                           "slip_max_m_s",
+                                           "tracking_error_rms",
+                                           "lcp_messages",
+                                           "steps",
+                                           "t_solve_median_us",
+                                           "t_solve_p99_us",
+                                           "t_solve_max_us",
+                                           "t_step_median_us",
+                                           "t_step_p99_us",
+                                           "t_step_max_us",
+                                           "t_trial_us"};
   EXPECT_EQ(store::query(file, "SELECT * FROM v_trials").columns, trials);
-  const std::vector<std::string> summary = {
-      "suite", "robot", "controller", "point", "family", "mode", "n", "success_rate", "success_low", "success_high",
-      "collision_rate", "collision_low", "collision_high", "time_to_goal_median_s", "manip_mean", "clearance_min_m",
-      "command_change_mean"};
+  const std::vector<std::string> summary = {"suite",
+                                            "robot",
+                                            "controller",
+                                            "point",
+                                            "family",
+                                            "mode",
+                                            "n",
+                                            "success_rate",
+                                            "success_low",
+                                            "success_high",
+                                            "collision_rate",
+                                            "collision_low",
+                                            "collision_high",
+                                            "time_to_goal_median_s",
+                                            "manip_mean",
+                                            "clearance_min_m",
+                                            "command_change_mean"};
   EXPECT_EQ(store::query(file, "SELECT * FROM v_summary").columns, summary);
 }
 
@@ -112,8 +169,9 @@ TEST(Store, TablesAreStrictAndMarkedAsOurs) {
   const TemporaryFolder folder;
   const fs::path file = folder / "a.db";
   write_synthetic(file, {"one"}, 1);
-  EXPECT_EQ(integer(store::query(file, "SELECT count(*) FROM pragma_table_list WHERE schema = 'main' AND type = 'table' "
-                                       "AND NOT strict AND name NOT LIKE 'sqlite_%'")),
+  EXPECT_EQ(integer(store::query(file,
+                                 "SELECT count(*) FROM pragma_table_list WHERE schema = 'main' AND type = 'table' "
+                                 "AND NOT strict AND name NOT LIKE 'sqlite_%'")),
             0);
   EXPECT_EQ(integer(store::query(file, "PRAGMA application_id")), 0x6d6f6d61);
   EXPECT_EQ(integer(store::query(file, "PRAGMA user_version")), 1);
@@ -161,12 +219,14 @@ TEST(Store, PairsAreOnTheSameWorldAndOnce) {
   const fs::path file = folder / "a.db";
   write_synthetic(file, {"one", "two", "three"}, 6);
   EXPECT_EQ(integer(store::query(file, "SELECT count(*) FROM v_pairs")), 3 * 6);
-  EXPECT_EQ(integer(store::query(file, "SELECT count(*) FROM v_pairs AS p JOIN v_trials AS t ON t.trial = p.trial_b "
-                                       "WHERE t.world = p.world AND t.controller = p.controller_b "
-                                       "AND t.outcome = p.outcome_b AND p.success_b = (t.outcome = 'success')")),
+  EXPECT_EQ(integer(store::query(file,
+                                 "SELECT count(*) FROM v_pairs AS p JOIN v_trials AS t ON t.trial = p.trial_b "
+                                 "WHERE t.world = p.world AND t.controller = p.controller_b "
+                                 "AND t.outcome = p.outcome_b AND p.success_b = (t.outcome = 'success')")),
             3 * 6);
-  EXPECT_EQ(integer(store::query(file, "SELECT count(*) FROM v_pairs WHERE controller_a = 'two' "
-                                       "AND controller_b = 'one'")),
+  EXPECT_EQ(integer(store::query(file,
+                                 "SELECT count(*) FROM v_pairs WHERE controller_a = 'two' "
+                                 "AND controller_b = 'one'")),
             0);
 }
 
@@ -207,7 +267,7 @@ TEST(Store, SharedTrialsAreLinkedToEveryPoint) {
   std::vector<store::Wanted> jobs = {{0, 0, synthetic_key(0, 0)}, {1, 0, synthetic_key(0, 0)}};
   Writer writer(file);
   writer.begin(synthetic_suite({"one", "same"}), {}, jobs);
-  writer.add(jobs[0], synthetic_world(0), synthetic_row(0, 0), nullptr);   // a batch computes a key once
+  writer.add(jobs[0], synthetic_world(0), synthetic_row(0, 0), nullptr);  // a batch computes a key once
   writer.finish(store::RunStatus::kFinished);
   EXPECT_EQ(texts(store::query(file, "SELECT controller FROM v_trials ORDER BY 1")),
             (std::vector<std::string>{"one", "same"}));
@@ -225,7 +285,7 @@ TEST(Store, TheSameKeyWithAnotherResultIsAContradiction) {
     Writer writer(file);
     writer.begin(synthetic_suite({"one"}), {}, synthetic_jobs(1, 3));
     writer.add(synthetic_wanted(0, 0), synthetic_world(0), synthetic_row(0, 0), nullptr);
-    writer.flush();   // the same again is fine
+    writer.flush();  // the same again is fine
     try {
       writer.add(synthetic_wanted(0, 1), synthetic_world(1), other, nullptr);
       writer.flush();
@@ -325,7 +385,7 @@ TEST(Store, ProvenanceIsComplete) {
   ASSERT_EQ(result.rows.size(), 1u);
   for (std::size_t c = 0; c < result.columns.size(); ++c) {
     const std::string& name = result.columns[c];
-    if (name.rfind("git_", 0) == 0) continue;   // built from an archive
+    if (name.rfind("git_", 0) == 0) continue;  // built from an archive
     const Cell& cell = result.rows[0][c];
     EXPECT_FALSE(std::holds_alternative<std::monostate>(cell)) << name;
     if (const auto* text = std::get_if<std::string>(&cell)) {

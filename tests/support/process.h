@@ -19,7 +19,7 @@
 namespace moma::test {
 
 struct ProcessResult {
-  int code = -1;     ///< exit code; -1 where a signal ended it
+  int code = -1;  ///< exit code; -1 where a signal ended it
   int signal = 0;
   std::string out;
   std::string err;
