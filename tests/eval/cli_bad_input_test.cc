@@ -1,9 +1,8 @@
-#include <sys/mount.h>
-
 #include <cerrno>
 #include <cstring>
 
 #include "cli_fixture.h"
+#include "tests/support/small_disk.h"
 
 namespace moma::test {
 namespace {
@@ -151,28 +150,8 @@ TEST_F(CliBadInput, OutputThatCannotBeWritten) {
   bad({"export", "a.db", "--csv", "suite.yaml"}, {"suite.yaml"});
 }
 
-/// A file system of its own, which only root can make.
-class Mount {
- public:
-  Mount(fs::path at, const std::string& options) : at_(std::move(at)) {
-    fs::create_directories(at_);
-    mounted_ = mount("tmpfs", at_.c_str(), "tmpfs", 0, options.c_str()) == 0;
-  }
-  ~Mount() {
-    if (mounted_) umount2(at_.c_str(), MNT_DETACH);
-  }
-  Mount(const Mount&) = delete;
-  Mount& operator=(const Mount&) = delete;
-  bool mounted() const { return mounted_; }
-  bool make_read_only() const { return mount("tmpfs", at_.c_str(), "tmpfs", MS_REMOUNT | MS_RDONLY, nullptr) == 0; }
-
- private:
-  fs::path at_;
-  bool mounted_ = false;
-};
-
 TEST_F(CliBadInput, ReadOnlyFolder) {
-  const Mount disk(path("disk"), "size=4m");
+  const SmallDisk disk(path("disk"), 4000);
   if (!disk.mounted()) GTEST_SKIP() << "mounting needs root: " << std::strerror(errno);
   good({"run", "suite.yaml", "-o", "disk/a.db", "-q"});
   ASSERT_TRUE(disk.make_read_only());
@@ -183,14 +162,14 @@ TEST_F(CliBadInput, ReadOnlyFolder) {
 }
 
 TEST_F(CliBadInput, FullDiskFromTheStart) {
-  const Mount disk(path("disk"), "size=48k");
+  const SmallDisk disk(path("disk"), 48);
   if (!disk.mounted()) GTEST_SKIP() << "mounting needs root: " << std::strerror(errno);
   bad({"run", "suite.yaml", "-o", "disk/a.db"}, {"disk/a.db", "full"});
   EXPECT_TRUE(fs::is_empty(path("disk")));
 }
 
 TEST_F(CliBadInput, DiskThatFillsUpDuringTheRun) {
-  const Mount disk(path("disk"), "size=1200k");
+  const SmallDisk disk(path("disk"), 1200);
   if (!disk.mounted()) GTEST_SKIP() << "mounting needs root: " << std::strerror(errno);
   const ProcessResult result =
       moma({"run", "suite.yaml", "-o", "disk/a.db", "--trials", "400", "--set", "samples=all", "--threads", "2"});

@@ -1,7 +1,6 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
-#include <sys/mount.h>
 
 #include <cerrno>
 #include <cstring>
@@ -14,6 +13,7 @@
 #include "eval/store/query.h"
 #include "eval/store/reader.h"
 #include "store_fixture.h"
+#include "tests/support/small_disk.h"
 
 namespace moma::test {
 namespace {
@@ -279,26 +279,6 @@ TEST(StoreFiles, MergeRefusesContradictionsAndLeavesTheOutputAlone) {
   EXPECT_FALSE(fs::exists(folder / "new.db.part"));
 }
 
-/// A file system of its own with `kilobytes` of room, for tests that only root can make.
-class SmallDisk {
- public:
-  SmallDisk(const fs::path& at, int kilobytes, unsigned long flags = 0) : at_(at) {
-    fs::create_directories(at);
-    mounted_ = mount("tmpfs", at.c_str(), "tmpfs", flags, fmt::format("size={}k", kilobytes).c_str()) == 0;
-  }
-  ~SmallDisk() {
-    if (mounted_) umount2(at_.c_str(), MNT_DETACH);
-  }
-  SmallDisk(const SmallDisk&) = delete;
-  SmallDisk& operator=(const SmallDisk&) = delete;
-  bool mounted() const { return mounted_; }
-  bool remount(unsigned long flags) { return mount("tmpfs", at_.c_str(), "tmpfs", MS_REMOUNT | flags, nullptr) == 0; }
-
- private:
-  fs::path at_;
-  bool mounted_ = false;
-};
-
 TEST(StoreFiles, AFullDiskKeepsWhatIsCommitted) {
   const TemporaryFolder folder;
   const SmallDisk disk(folder / "disk", 600);
@@ -350,7 +330,7 @@ TEST(StoreFiles, AReadOnlyFolderCanBeReadAndNotWritten) {
   SmallDisk disk(folder / "disk", 4000);
   if (!disk.mounted()) GTEST_SKIP() << "mounting a file system read-only needs root: " << std::strerror(errno);
   write_synthetic(folder / "disk/a.db", {"one"}, 3);
-  ASSERT_TRUE(disk.remount(MS_RDONLY)) << std::strerror(errno);
+  ASSERT_TRUE(disk.make_read_only()) << std::strerror(errno);
   EXPECT_EQ(store::Reader(folder / "disk/a.db").keys().size(), 3u);
   expect_refused(folder / "disk/a.db", "cannot be written", Access::kCreate);
   expect_refused(folder / "disk/b.db", "cannot write in the folder", Access::kCreate);
