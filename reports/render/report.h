@@ -6,7 +6,7 @@
 namespace moma::reports {
 
 struct ReportOptions {
-  int replays = 24;         ///< at most so many trials carry their motion in the page; the worst of each kind first
+  int replays = 40;         ///< at most so many trials carry their motion in the page; the worst of each kind first
   double replay_hz = 10.0;  ///< samples per second of those, > 0
 };
 

@@ -12,7 +12,7 @@ await build({
   target: ['es2022'],
   minify: true,
   charset: 'utf8',
-  legalComments: 'none',
+  legalComments: 'eof',
   loader: { '.woff2': 'dataurl' },
   logLevel: 'warning',
 });

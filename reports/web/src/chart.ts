@@ -119,9 +119,32 @@ const seen = new IntersectionObserver((entries) => {
   }
 }, { rootMargin: '300px' });
 
+/** Calls back once, when the element comes near the window. */
 export function whenSeen(element: Element, call: () => void): void {
   waiting.set(element, call);
   seen.observe(element);
+}
+
+const figures: Element[] = [];
+
+function drawWaiting(element: Element): void {
+  const call = waiting.get(element);
+  if (call === undefined) return;
+  seen.unobserve(element);
+  waiting.delete(element);
+  call();
+}
+
+/** Draws the figures that nobody has looked at yet, one at a time, while the reader does nothing; all for paper. */
+export function drawWhenIdle(): void {
+  const idle = (): void => {
+    const next = figures.find((element) => waiting.has(element));
+    if (next === undefined) return;
+    drawWaiting(next);
+    requestIdleCallback(idle);
+  };
+  setTimeout(() => requestIdleCallback(idle), 1500);
+  addEventListener('beforeprint', () => figures.forEach(drawWaiting));
 }
 
 export function figure(spec: FigureSpec): HTMLElement {
@@ -185,6 +208,7 @@ export function figure(spec: FigureSpec): HTMLElement {
 
   const fillControls = (): void => replace(controls, ...(spec.controls?.(() => { fillControls(); draw(); }) ?? []));
   fillControls();
+  figures.push(element);
   whenSeen(element, () => {
     started = true;
     draw();

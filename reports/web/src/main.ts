@@ -2,6 +2,7 @@
 
 import './style.css';
 
+import { drawWhenIdle } from './chart';
 import { Model, readPageData } from './data';
 import { append, h, replace } from './dom';
 import { arrival } from './figures/arrival';
@@ -61,8 +62,10 @@ function start(app: HTMLElement): void {
   requestAnimationFrame(() => setTimeout(() => {
     append(app,
       h('main', null, ...sections.map(([id, title, content]) => section(id, title, ...content()))),
-      h('footer', { class: 'colophon' }, h('p', null, 'Rates carry 95 % Wilson intervals. Keys: Tab moves between controls; in the table, arrows choose and Enter plays; in the replay, space plays and arrows step. The address keeps the view.')));
+      h('footer', { class: 'colophon' }, h('p', null, 'Rates carry 95 % Wilson intervals. Keys: Tab moves between controls; in the table, arrows choose and Enter plays; in the replay, space plays and arrows step. The address keeps the view.'),
+        h('p', null, 'Drawn with Apache ECharts (Apache-2.0) and three.js (MIT); set in Inter and Source Serif 4 (OFL-1.1).')));
     bar.watch();
+    drawWhenIdle();
   }));
 }
 

@@ -18,8 +18,8 @@ const kSpeeds = [0.25, 0.5, 1, 2, 4] as const;
 function colours(): Colours {
   const p = palette();
   return p.dark
-    ? { background: '#171b21', floor: '#1b2027', grid: '#2a313b', base: '#8794a6', arm: '#d7dde6', object: '#6b6257', moving: '#8a7450', hit: '#e2664c', goal: '#dcb45a', path: '#7fb0e6' }
-    : { background: '#eeece6', floor: '#f4f2ed', grid: '#dedad0', base: '#5d6b7e', arm: '#f7f8fa', object: '#b5ab9b', moving: '#cfae74', hit: '#c4472f', goal: '#c79a2b', path: '#27598f' };
+    ? { background: '#171b21', floor: '#1b2027', grid: '#2c343f', base: '#8794a6', arm: '#d7dde6', object: '#6b6257', moving: '#8a7450', hit: '#e2664c', goal: '#dcb45a', path: '#7fb0e6' }
+    : { background: '#eeece6', floor: '#f4f2ed', grid: '#d8d4c9', base: '#5d6b7e', arm: '#f7f8fa', object: '#b5ab9b', moving: '#cfae74', hit: '#c4472f', goal: '#c79a2b', path: '#27598f' };
 }
 
 export function player(model: Model): HTMLElement {
@@ -36,7 +36,7 @@ export function player(model: Model): HTMLElement {
   const scrub = h('input', { type: 'range', min: 0, max: 1, step: 'any', value: 0, 'aria-label': 'Time', input: () => { pause(); seek(Number(scrub.value)); } });
   const clock = h('output', { class: 'clock' });
   const speed = h('select', { 'aria-label': 'Speed', change: () => { rate = Number(speed.value); } }, ...kSpeeds.map((s) => h('option', { value: s, selected: s === 1 }, `${s}\u00d7`)));
-  const follow = h('input', { type: 'checkbox', checked: true, change: () => { if (scene !== null) scene.follow = follow.checked; } });
+  const follow = h('input', { type: 'checkbox', change: () => { if (scene !== null) scene.follow = follow.checked; } });
   const home = h('button', { type: 'button', class: 'quiet', click: () => { scene?.home(); scene?.set(time); draw(); } }, 'Reset view');
   const caption = h('div', { class: 'replay-caption' });
   const joints = h('div', { class: 'joints' });

@@ -2,7 +2,7 @@
 
 import {
   AmbientLight, BufferAttribute, BufferGeometry, CapsuleGeometry, Color, ConeGeometry, CylinderGeometry, BoxGeometry, DirectionalLight,
-  GridHelper, Group, HemisphereLight, Line, LineBasicMaterial, Matrix4, Mesh, MeshStandardMaterial, PCFShadowMap, PerspectiveCamera,
+  Group, HemisphereLight, Line, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshStandardMaterial, PCFShadowMap, PerspectiveCamera,
   PlaneGeometry, Scene, ShadowMaterial, SphereGeometry, Vector3, WebGLRenderer, type Material,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
@@ -40,6 +40,18 @@ function geometry(shape: ShapeJson): BufferGeometry {
   }
 }
 
+/** Lines one metre apart, in pieces of one metre: some drivers drop a long line that begins behind the camera. */
+function grid(colour: string): LineSegments {
+  const reach = 15;
+  const points: number[] = [];
+  for (let a = -reach; a <= reach; ++a) {
+    for (let b = -reach; b < reach; ++b) points.push(a, b, 0, a, b + 1, 0, b, a, 0, b + 1, a, 0);
+  }
+  const shape = new BufferGeometry();
+  shape.setAttribute('position', new BufferAttribute(Float32Array.from(points), 3));
+  return new LineSegments(shape, new LineBasicMaterial({ color: new Color(colour) }));
+}
+
 function triad(size: number, solid: boolean): Group {
   const group = new Group();
   const axes: [Vector3, number][] = [[new Vector3(1, 0, 0), 0xd0453c], [new Vector3(0, 1, 0), 0x3d9a50], [new Vector3(0, 0, 1), 0x3b72c9]];
@@ -72,7 +84,7 @@ export class ReplayScene {
   private tip = new Group();
   private past: Line | null = null;
   private lastBase = new Vector3();
-  follow = true;
+  follow = false;
 
   constructor(private readonly canvas: HTMLCanvasElement, private colours: Colours, changed: () => void) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: false, powerPreference: 'low-power' });
@@ -128,9 +140,7 @@ export class ReplayScene {
     const shade = new Mesh(new PlaneGeometry(60, 60), new ShadowMaterial({ opacity: 0.2 }));
     shade.receiveShadow = true;
     shade.position.z = -0.002;
-    const grid = new GridHelper(40, 40, new Color(colours.grid), new Color(colours.grid));
-    grid.rotation.x = Math.PI / 2;
-    this.content.add(floor, shade, grid);
+    this.content.add(floor, shade, grid(colours.grid));
 
     const touched = (link: string): boolean => this.hit.link === link || this.hit.object === `self:${link}`;
     this.links = robot.shapes.filter((s) => robot.has(s.link)).map(({ link, shape, local }) => {

@@ -88,7 +88,8 @@ export function failures(model: Model): HTMLElement {
   const fill = (): void => {
     const all = clusters(model);
     const p = palette();
-    const shown = open ? all : all.slice(0, 12);
+    const few = innerWidth < 640 ? 5 : 12;
+    const shown = open ? all : all.slice(0, few);
     const failed = all.reduce((sum, c) => sum + c.rows.length, 0);
     const met = view().series.reduce((sum, s) => sum + s.rows.length, 0);
     replace(box, ...shown.map((c) => {
@@ -113,7 +114,7 @@ export function failures(model: Model): HTMLElement {
     }));
     if (all.length === 0) replace(box, h('p', { class: 'empty' }, met === 0 ? 'No trials here yet.' : 'No trial failed.'));
     replace(note, all.length === 0 ? '' : `${integer(failed)} of n = ${integer(met)} trials failed, in ${plural(all.length, 'kind')} (outcome, controller, and what touched what or the reason given). `,
-      all.length > 12 ? h('button', { type: 'button', class: 'quiet', click: () => { open = !open; fill(); } }, open ? 'Show fewer' : `Show all ${integer(all.length)}`) : null);
+      all.length > few ? h('button', { type: 'button', class: 'quiet', click: () => { open = !open; fill(); } }, open ? 'Show fewer' : `Show all ${integer(all.length)}`) : null);
   };
   fill();
   onView(fill);
