@@ -32,9 +32,11 @@ TEST(KinematicsReference, AgreesWithPinocchio) {
     for (std::size_t i = 0; i < model->joints.size(); ++i) EXPECT_EQ(model->joints[i].name, robot["joints"][i]);
     Kinematics kinematics(model);
     ASSERT_GE(robot["cases"].size(), 5U);
+    const Vector3 mount = model->base.X_BM.translation();  // the reference has none
+    ASSERT_TRUE(model->base.X_BM.linear() == Matrix3::Identity() && (mount.isZero() || model->base_dof() == 0)) << name;
     for (const Json& c : robot["cases"]) {
       kinematics.update(vector(c["base"]), vector(c["q"]));
-      EXPECT_LT((kinematics.X_WE().translation() - vector(c["position"])).norm(), 1e-10) << name;
+      EXPECT_LT((kinematics.X_WE().translation() - mount - vector(c["position"])).norm(), 1e-10) << name;
       EXPECT_LT((kinematics.X_WE().linear() - matrix(c["rotation"], 3)).norm(), 1e-10) << name;
       EXPECT_LT((kinematics.J_WE_W() - matrix(c["jacobian"], 6)).lpNorm<Eigen::Infinity>(), 1e-10) << name;
       const Matrix6X arm = kinematics.J_WE_W().rightCols(model->num_joints());
@@ -88,7 +90,8 @@ TEST(KinematicsReference, ShippedUr5FollowsItsDhTable) {
     // ROS turns the UR5's base by half a turn against the maker's frame, and its lengths are rounded a little.
     theirs.update(Vector3::Zero(), q);
     const Isometry turned = Eigen::AngleAxisd(2.0 * kHalfPi, Vector3::UnitZ()) * kinematics.X_WE();
-    EXPECT_LT((theirs.X_WE().translation() - turned.translation()).norm(), 1e-3);
+    const Vector3 mount = theirs.model().base.X_BM.translation();
+    EXPECT_LT((theirs.X_WE().translation() - mount - turned.translation()).norm(), 1e-3);
   }
 }
 

@@ -5,7 +5,7 @@
     VENV/bin/python tests/tools/kinematics_reference.py > tests/data/kinematics_reference.json
 
 Six-vectors are [angular; linear] in world axes at the end effector. A differential base is Pinocchio's planar joint
-with its sideways column left out.
+with its sideways column left out. Positions are those of a robot whose URDF root is mounted at the base's origin.
 """
 import json
 import os
@@ -29,7 +29,7 @@ ROBOTS = [
      "joints": ["r_shoulder_pan_joint", "r_shoulder_lift_joint", "r_upper_arm_roll_joint", "r_elbow_flex_joint",
                 "r_forearm_roll_joint", "r_wrist_flex_joint", "r_wrist_roll_joint"]},
     {"file": "tests/data/robots/talos_left_arm.yaml", "urdf": "talos_data/robots/talos_reduced.urdf",
-     "tip": "gripper_left_base_link", "mount": [0, 0, 1.1],
+     "tip": "gripper_left_base_link",
      "joints": ["torso_1_joint", "torso_2_joint"] + [f"arm_left_{i}_joint" for i in range(1, 8)]},
 ]
 
@@ -60,7 +60,6 @@ def cases_of(robot, rng):
     model = pin.buildModelFromUrdf(path, pin.JointModelPlanar()) if mobile else pin.buildModelFromUrdf(path)
     data = model.createData()
     frame = model.getFrameId(robot["tip"])
-    mount = np.array(robot.get("mount", [0, 0, 0]), dtype=float)
     cases = []
     for _ in range(8):
         q = pin.neutral(model)
@@ -85,7 +84,7 @@ def cases_of(robot, rng):
         full = np.hstack([J[:, [0, 2]], arm]) if mobile else arm
         cases.append({
             "base": base, "q": values,
-            "position": (X.translation + mount).tolist(), "rotation": X.rotation.flatten().tolist(),
+            "position": X.translation.tolist(), "rotation": X.rotation.flatten().tolist(),
             "jacobian": full.flatten().tolist(),
             "manipulability": {"translation": volume(arm[3:]), "rotation": volume(arm[:3]), "all": volume(arm)},
         })
