@@ -48,7 +48,7 @@ struct Drive {
     o.goal.X_WG.translation() += Vector3(2.5, 0.4, -0.1);
     o.goal.X_WG.linear() = Eigen::AngleAxisd(0.6, Vector3::UnitZ()) * o.goal.X_WG.linear();
     for (int i = 0; i < objects; ++i) {
-      ObjectShape shape{"o" + std::to_string(i), {}};
+      ObjectShape shape{std::string("o") + std::to_string(i), {}};
       switch (i % 3) {
         case 0:
           shape.shape = {ShapeKind::kSphere, {uniform(0.05, 0.2), 0, 0}, nullptr};

@@ -42,7 +42,7 @@ std::string row_name(const RowId& id, const RobotModel& model, std::span<const s
   const auto shape = [&](int i) { return model.shapes[static_cast<std::size_t>(i)].name; };
   switch (id.kind) {
     case RowKind::kTracking:
-      return "tracking/" + std::to_string(id.first);
+      return std::string("tracking/") + std::to_string(id.first);
     case RowKind::kObject:
       return "object/" + object_names[static_cast<std::size_t>(id.second)] + "/" + shape(id.first);
     case RowKind::kFloor:

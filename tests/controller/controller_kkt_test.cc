@@ -67,7 +67,8 @@ TEST(ControllerKkt, OptimalOverRandomStatesAndGains) {
     const auto model = all_robots()[rng() % 3];
     Controller c(model, random_params(*model, rng), 0.02);
     std::vector<ObjectShape> shapes;
-    for (std::size_t i = 0, n = rng() % 12; i < n; ++i) shapes.push_back(random_object(rng, "o" + std::to_string(i)));
+    for (std::size_t i = 0, n = rng() % 12; i < n; ++i)
+      shapes.push_back(random_object(rng, std::string("o") + std::to_string(i)));
     c.reset(shapes);
     StepResult r;
     c.prepare(r);
@@ -103,7 +104,8 @@ TEST(ControllerKkt, SolversAgree) {
     const auto model = all_robots()[rng() % 3];
     ControllerParams p = random_params(*model, rng);
     std::vector<ObjectShape> shapes;
-    for (std::size_t i = 0, n = rng() % 8; i < n; ++i) shapes.push_back(random_object(rng, "o" + std::to_string(i)));
+    for (std::size_t i = 0, n = rng() % 8; i < n; ++i)
+      shapes.push_back(random_object(rng, std::string("o") + std::to_string(i)));
     const Observation o = random_observation(*model, shapes.size(), rng);
     double cost = 0.0;
     StepResult first;
@@ -115,7 +117,7 @@ TEST(ControllerKkt, SolversAgree) {
       c.prepare(r);
       c.step(o, r);
       const std::string where =
-          "trial " + std::to_string(trial) + " " + std::string(to_string(kinds[k])) + " on " + model->name;
+          std::string("trial ") + std::to_string(trial) + " " + std::string(to_string(kinds[k])) + " on " + model->name;
       if (k == 0) {
         first = r;
         cost = c.cost();
@@ -138,7 +140,7 @@ TEST(ControllerKkt, SameBitsWhateverCameBefore) {
   Rng rng(3);
   const auto model = frankie();
   std::vector<ObjectShape> shapes;
-  for (int i = 0; i < 8; ++i) shapes.push_back(random_object(rng, "o" + std::to_string(i)));
+  for (int i = 0; i < 8; ++i) shapes.push_back(random_object(rng, std::string("o") + std::to_string(i)));
   Controller used(model, {}, 0.02);
   used.reset(shapes);
   StepResult a, b;

@@ -31,7 +31,7 @@ void run(std::shared_ptr<const RobotModel> model, const ControllerParams& params
          StepCounters& seen) {
   Rng rng(seed);
   std::vector<ObjectShape> shapes;
-  for (int i = 0; i < 30; ++i) shapes.push_back(random_object(rng, "o" + std::to_string(i)));
+  for (int i = 0; i < 30; ++i) shapes.push_back(random_object(rng, std::string("o") + std::to_string(i)));
   Controller controller(model, params, 0.02);
   controller.reset(shapes);
   controller.enable_timing(true);

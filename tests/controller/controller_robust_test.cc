@@ -15,7 +15,8 @@ class Robust : public ::testing::Test {
   void start(ControllerParams params, std::size_t objects, std::uint64_t seed = 21) {
     rng_.seed(seed);
     shapes_.clear();
-    for (std::size_t i = 0; i < objects; ++i) shapes_.push_back(random_object(rng_, "o" + std::to_string(i)));
+    for (std::size_t i = 0; i < objects; ++i)
+      shapes_.push_back(random_object(rng_, std::string("o") + std::to_string(i)));
     controller_ = std::make_unique<Controller>(model_, std::move(params), 0.02);
     controller_->reset(shapes_);
     controller_->prepare(result_);

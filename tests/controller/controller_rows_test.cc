@@ -64,7 +64,8 @@ TEST(ControllerRows, CollisionRowsMatchTheMeasuredRateOfDistance) {
     std::vector<ObjectShape> shapes;
     // Spheres and capsules: round, so that the nearest point does not jump while differencing.
     for (int i = 0; i < 5; ++i) {
-      ObjectShape o{"o" + std::to_string(i), {ShapeKind::kSphere, {uniform(rng, 0.05, 0.2), 0, 0}, nullptr}};
+      ObjectShape o{std::string("o") + std::to_string(i),
+                    {ShapeKind::kSphere, {uniform(rng, 0.05, 0.2), 0, 0}, nullptr}};
       if (i % 2 == 1) o.shape = {ShapeKind::kCapsule, {0.08, uniform(rng, 0.1, 0.5), 0}, nullptr};
       shapes.push_back(o);
     }
@@ -116,7 +117,7 @@ TEST(ControllerRows, NearestFirstAndLimitedInNumber) {
   Rng rng(5);
   const auto model = frankie();
   std::vector<ObjectShape> shapes;
-  for (int i = 0; i < 20; ++i) shapes.push_back(random_object(rng, "o" + std::to_string(i)));
+  for (int i = 0; i < 20; ++i) shapes.push_back(random_object(rng, std::string("o") + std::to_string(i)));
   ControllerParams p;
   p.collision.max_pairs = 7;
   Rig rig(model, p, shapes);
@@ -209,7 +210,7 @@ TEST(ControllerRows, TrackingRows) {
     nu += o.goal.V_WG_W;
     ASSERT_EQ(c.problem().rows, 8);
     for (int i = 0; i < 6; ++i) {
-      EXPECT_EQ(c.row_name(i), "tracking/" + std::to_string(i));
+      EXPECT_EQ(c.row_name(i), std::string("tracking/") + std::to_string(i));
       EXPECT_NEAR(c.problem().lbA[i], nu[i] - p.tracking_band[i], 1e-12);
       EXPECT_NEAR(c.problem().ubA[i], nu[i] + p.tracking_band[i], 1e-12);
       EXPECT_EQ(c.problem().A.row(i).head(9), c.J().row(i));
