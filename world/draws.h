@@ -7,7 +7,15 @@ namespace moma {
 
 /// What a stream of draws is for. A new draw in one stream never shifts another. Values are part of what a seed
 /// means: never renumber.
-enum class Stream : std::uint64_t { kStart = 1, kGoal = 2, kObjects = 3, kMotion = 4, kSensing = 5, kDisturbance = 6, kDesign = 7 };
+enum class Stream : std::uint64_t {
+  kStart = 1,
+  kGoal = 2,
+  kObjects = 3,
+  kMotion = 4,
+  kSensing = 5,
+  kDisturbance = 6,
+  kDesign = 7
+};
 
 /// Random numbers as a pure function of (seed, index, stream, attempt, item, number of the draw): Philox4x64-10 of
 /// Random123 (Salmon et al., SC 2011) with key (seed, stream) and counter (draw, index, attempt, item).

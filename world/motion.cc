@@ -59,8 +59,8 @@ MovingPose move(const PathMotion& motion, const Isometry& X_0, double t) {
     Eigen::Quaterniond turn = motion.quaternions[i + 1].normalized() * from.conjugate();
     if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
     const Eigen::AngleAxisd rotation(turn);
-    out.X.linear() = Eigen::AngleAxisd(s * rotation.angle(), rotation.axis()).toRotationMatrix() *
-                     from.toRotationMatrix();
+    out.X.linear() =
+        Eigen::AngleAxisd(s * rotation.angle(), rotation.axis()).toRotationMatrix() * from.toRotationMatrix();
     out.V_W.head<3>() = rotation.axis() * (rotation.angle() / span);
   }
   return out;
@@ -112,8 +112,7 @@ MovingPose move(const SplineMotion& motion, const Isometry& X_0, double t) {
   const Vector3& p0 = motion.positions[i];
   const Vector3& p1 = motion.positions[i + 1];
   out.X.translation() = a * p0 + b * p1 + ((a * a * a - a) * m[i] + (b * b * b - b) * m[i + 1]) * (h * h / 6.0);
-  out.V_W.tail<3>() =
-      (p1 - p0) / h + ((3.0 * b * b - 1.0) * m[i + 1] - (3.0 * a * a - 1.0) * m[i]) * (h / 6.0);
+  out.V_W.tail<3>() = (p1 - p0) / h + ((3.0 * b * b - 1.0) * m[i + 1] - (3.0 * a * a - 1.0) * m[i]) * (h / 6.0);
   return out;
 }
 
@@ -125,9 +124,8 @@ bool rest(const StaticMotion&, double) { return true; }
 bool rest(const LinearMotion& motion, double) { return motion.V_W.isZero(0.0); }
 bool rest(const PathMotion& motion, double t) {
   if (motion.times.empty() || t >= motion.times.back()) return true;
-  const bool same = std::all_of(motion.quaternions.begin(), motion.quaternions.end(), [&](const auto& q) {
-    return q.coeffs() == motion.quaternions.front().coeffs();
-  });
+  const bool same = std::all_of(motion.quaternions.begin(), motion.quaternions.end(),
+                                [&](const auto& q) { return q.coeffs() == motion.quaternions.front().coeffs(); });
   return same && all_equal(motion.positions);
 }
 bool rest(const CircleMotion& motion, double) { return motion.rate == 0.0; }

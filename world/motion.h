@@ -10,19 +10,19 @@ namespace moma {
 /// How a pose moves over time, starting at its pose X_0 at t = 0. World axes.
 struct StaticMotion {};
 struct LinearMotion {
-  Vector6 V_W = Vector6::Zero();   ///< [angular; linear] of the pose's own origin, constant
+  Vector6 V_W = Vector6::Zero();  ///< [angular; linear] of the pose's own origin, constant
 };
-struct PathMotion {   ///< held at its ends, linear and slerp between
+struct PathMotion {  ///< held at its ends, linear and slerp between
   std::vector<double> times;
   std::vector<Vector3> positions;
   std::vector<Eigen::Quaterniond> quaternions;
 };
-struct CircleMotion {   ///< X_0 turns rigidly about the axis through the centre
+struct CircleMotion {  ///< X_0 turns rigidly about the axis through the centre
   Vector3 center = Vector3::Zero();
   Vector3 axis = Vector3::UnitZ();
-  double rate = 0.0;   ///< [rad/s]
+  double rate = 0.0;  ///< [rad/s]
 };
-struct SplineMotion {   ///< natural cubic through the positions, orientation of X_0 kept; held at its ends
+struct SplineMotion {  ///< natural cubic through the positions, orientation of X_0 kept; held at its ends
   std::vector<double> times;
   std::vector<Vector3> positions;
 };
@@ -30,7 +30,7 @@ using Motion = std::variant<StaticMotion, LinearMotion, PathMotion, CircleMotion
 
 struct MovingPose {
   Isometry X = Isometry::Identity();
-  Vector6 V_W = Vector6::Zero();   ///< twist at the pose's origin
+  Vector6 V_W = Vector6::Zero();  ///< twist at the pose's origin
 };
 
 /// Pose and twist at time t >= 0. The twist is the derivative of the pose (checked by differences).

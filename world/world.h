@@ -11,30 +11,30 @@
 namespace moma {
 
 struct Configuration {
-  Vector3 base = Vector3::Zero();   ///< (x, y, phi)
+  Vector3 base = Vector3::Zero();  ///< (x, y, phi)
   VectorX q;
 };
 
 struct WorldObject {
-  std::string name;                        ///< unique within the world
+  std::string name;  ///< unique within the world
   Shape shape;
-  Isometry X_WO = Isometry::Identity();    ///< at t = 0
+  Isometry X_WO = Isometry::Identity();  ///< at t = 0
   Motion motion;
-  Eigen::Quaterniond file_rotation = Eigen::Quaterniond::Identity();   ///< see set_pose()
+  Eigen::Quaterniond file_rotation = Eigen::Quaterniond::Identity();  ///< see set_pose()
 };
 
 struct WorldGoal {
-  Isometry X_WG = Isometry::Identity();    ///< at t = 0
+  Isometry X_WG = Isometry::Identity();  ///< at t = 0
   Motion motion;
-  Eigen::Quaterniond file_rotation = Eigen::Quaterniond::Identity();   ///< see set_pose()
+  Eigen::Quaterniond file_rotation = Eigen::Quaterniond::Identity();  ///< see set_pose()
 };
 
 struct Difficulty {
-  double goal_distance_m = 0.0;        ///< |p_G - p_E(start)|
+  double goal_distance_m = 0.0;  ///< |p_G - p_E(start)|
   int objects = 0;
-  double witness_clearance_m = 0.0;    ///< least distance of the witness to any object; NaN without objects
-  double blocked_fraction = 0.0;       ///< of the straight line from start tip to goal, within an object (grown by 5 cm)
-  double narrowest_gap_m = 0.0;        ///< least gap between two objects; NaN with fewer than two
+  double witness_clearance_m = 0.0;  ///< least distance of the witness to any object; NaN without objects
+  double blocked_fraction = 0.0;     ///< of the straight line from start tip to goal, within an object (grown by 5 cm)
+  double narrowest_gap_m = 0.0;      ///< least gap between two objects; NaN with fewer than two
 };
 
 /// A problem as plain numbers: printable, editable by hand, no randomness left.
@@ -46,7 +46,7 @@ struct World {
   Configuration start;
   WorldGoal goal;
   std::vector<WorldObject> objects;
-  Configuration witness;               ///< reaches the goal (at t = 0) clear of all objects
+  Configuration witness;  ///< reaches the goal (at t = 0) clear of all objects
   Difficulty difficulty;
 };
 

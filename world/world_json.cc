@@ -31,11 +31,15 @@ Eigen::Quaterniond rotation_for_file(const Matrix3& R, const Eigen::Quaterniond&
 
 int size_count(ShapeKind kind) {
   switch (kind) {
-    case ShapeKind::kSphere: return 1;
-    case ShapeKind::kBox: return 3;
+    case ShapeKind::kSphere:
+      return 1;
+    case ShapeKind::kBox:
+      return 3;
     case ShapeKind::kCylinder:
-    case ShapeKind::kCapsule: return 2;
-    case ShapeKind::kConvex: break;
+    case ShapeKind::kCapsule:
+      return 2;
+    case ShapeKind::kConvex:
+      break;
   }
   return 0;
 }
@@ -173,7 +177,8 @@ Motion motion_from_node(const Node& node, const std::string& key) {
                       {"spline", Kind::kSpline}});
   Motion out;
   switch (kind) {
-    case Kind::kStatic: break;
+    case Kind::kStatic:
+      break;
     case Kind::kLinear:
       out = LinearMotion{vector6(in.require("velocity", "[angular; linear], six numbers"), in.key_of("velocity"))};
       break;
@@ -183,8 +188,7 @@ Motion motion_from_node(const Node& node, const std::string& key) {
       path.positions = knot_positions(in, path.times.size());
       if (const Node* list = in.get("quaternions")) {
         const std::string at = in.key_of("quaternions");
-        if (list->kind != Node::Kind::kSequence ||
-            (!list->items.empty() && list->items.size() != path.times.size()))
+        if (list->kind != Node::Kind::kSequence || (!list->items.empty() && list->items.size() != path.times.size()))
           config::fail(list->mark, at, "expected one quaternion for each time");
         for (const Node& item : list->items) path.quaternions.push_back(quaternion(item, at));
       }

@@ -27,7 +27,7 @@ std::shared_ptr<const RobotModel> one_solid(const Shape& shape, const Isometry& 
   solid.name = "solid";
   solid.shape = shape;
   solid.X_LS = X;
-  solid.rigid_with_base = false;   // so that the floor is checked, too
+  solid.rigid_with_base = false;  // so that the floor is checked, too
   model->shapes = {solid};
   return model;
 }
@@ -56,7 +56,7 @@ Isometry random_pose(Draws& draws, double spread, bool aligned) {
   Isometry X = Isometry::Identity();
   Eigen::Quaterniond q(draws.normal(0, 1), draws.normal(0, 1), draws.normal(0, 1), draws.normal(0, 1));
   X.linear() = q.normalized().toRotationMatrix();
-  if (aligned) {   // quarter turns: the case that ODE's box test finds hard
+  if (aligned) {  // quarter turns: the case that ODE's box test finds hard
     Matrix3 R = Matrix3::Identity();
     for (int i = 0; i < 3; ++i)
       R = Eigen::AngleAxisd(0.5 * std::numbers::pi * static_cast<double>(draws.choice(4)), Vector3::Unit(i)) * R;
@@ -110,7 +110,8 @@ constexpr auto kSphere = ShapeKind::kSphere;
 constexpr auto kBox = ShapeKind::kBox;
 constexpr auto kCapsule = ShapeKind::kCapsule;
 INSTANTIATE_TEST_SUITE_P(Ode, TruthTable,
-                         testing::Values(std::make_tuple(kSphere, kSphere, false), std::make_tuple(kSphere, kBox, false),
+                         testing::Values(std::make_tuple(kSphere, kSphere, false),
+                                         std::make_tuple(kSphere, kBox, false),
                                          std::make_tuple(kSphere, kCapsule, false), std::make_tuple(kBox, kBox, false),
                                          std::make_tuple(kBox, kBox, true), std::make_tuple(kBox, kCapsule, false),
                                          std::make_tuple(kCapsule, kCapsule, false),
@@ -165,7 +166,7 @@ TEST(Contacts, SkippingWhatCannotHaveMovedFarEnoughMissesNothing) {
   for (int k = 1; k <= 800; ++k) {
     VectorX command(7);
     for (int j = 0; j < 7; ++j) command[j] = 0.8 * std::cos(0.011 * k * (j + 1) + j);
-    plant->advance(command, 0.005, report);   // one check
+    plant->advance(command, 0.005, report);  // one check
     World now = world;
     now.start.q = plant->state().q;
     now.objects[1].X_WO = evaluate(motion, world.objects[1].X_WO, plant->time()).X;

@@ -131,7 +131,8 @@ TEST(Distribution, RefusesWhatIsWrong) {
 }
 
 TEST(Apportionment, EveryPrefixIsWithinOneOfItsShare) {
-  const std::vector<std::vector<double>> cases = {{1, 1}, {1, 0, 2}, {0.3, 0.5, 0.2}, {5, 1, 1, 1}, {7, 3, 2, 0, 11, 1}, {1, 1e-3}};
+  const std::vector<std::vector<double>> cases = {{1, 1},       {1, 0, 2},           {0.3, 0.5, 0.2},
+                                                  {5, 1, 1, 1}, {7, 3, 2, 0, 11, 1}, {1, 1e-3}};
   for (const std::vector<double>& weights : cases) {
     const Apportionment shares(weights);
     std::vector<int> counts(weights.size(), 0);

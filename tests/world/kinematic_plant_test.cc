@@ -78,16 +78,17 @@ TEST(KinematicPlant, SeesWhatPassesBetweenTwoControlSteps) {
 TEST(KinematicPlant, FindsFloorAndSelfContact) {
   const auto model = robot("panda");
   World world = empty_world(*model);
-  world.start.q = (VectorX(7) << 0, 1.7, 0, -1.5, 0, 1.5, 0).finished();   // forearm down
+  world.start.q = (VectorX(7) << 0, 1.7, 0, -1.5, 0, 1.5, 0).finished();  // forearm down
   PlantReport report;
   make_plant(model, world, kKinematic)->check_start(report);
   bool floor = false;
-  for (const Contact& contact : report.contacts) floor = floor || (contact.kind == PairKind::kFloor && contact.second == -1);
+  for (const Contact& contact : report.contacts)
+    floor = floor || (contact.kind == PairKind::kFloor && contact.second == -1);
   EXPECT_TRUE(floor);
 
   const auto ur5 = robot("ur5");
   World folded = empty_world(*ur5);
-  folded.start.q << 0, -1.57, 3.1, 0, 0, 0;   // forearm onto upper arm
+  folded.start.q << 0, -1.57, 3.1, 0, 0, 0;  // forearm onto upper arm
   make_plant(ur5, folded, kKinematic)->check_start(report);
   bool self = false;
   for (const Contact& contact : report.contacts) self = self || contact.kind == PairKind::kSelf;

@@ -63,7 +63,7 @@ TEST(Motion, TwistIsTheDerivativeOfThePose) {
 
 TEST(Motion, CircleTurnsRigidlyAboutItsAxis) {
   const CircleMotion motion{{1.0, 0.5, 0.0}, {0.0, 0.0, 3.0}, 0.5};
-  const Isometry X = evaluate(motion, start_pose(), std::numbers::pi).X;   // a quarter turn
+  const Isometry X = evaluate(motion, start_pose(), std::numbers::pi).X;  // a quarter turn
   const Vector3 arm = start_pose().translation() - motion.center;
   EXPECT_LT((X.translation() - motion.center - Vector3(-arm.y(), arm.x(), arm.z())).norm(), 1e-12);
   EXPECT_LT((X.linear() - Eigen::AngleAxisd(std::numbers::pi / 2, Vector3::UnitZ()) * start_pose().linear()).norm(),

@@ -78,8 +78,7 @@ TEST(OdePlant, ArmFollowsTheIntegratedCommand) {
       plant->advance(command, 0.02, report);
       q += 0.02 * command.tail(n);
       worst = std::max(worst, (plant->state().q - q).lpNorm<Eigen::Infinity>());
-      worst_speed =
-          std::max(worst_speed, (plant->state().qdot.tail(n) - command.tail(n)).lpNorm<Eigen::Infinity>());
+      worst_speed = std::max(worst_speed, (plant->state().qdot.tail(n) - command.tail(n)).lpNorm<Eigen::Infinity>());
       energy += report.energy;
     }
     EXPECT_LT(worst, 1e-5) << name;
@@ -99,8 +98,7 @@ TEST(OdePlant, MotorEnergyIsTheWorkDone) {
     Kinematics kinematics(model);
     kinematics.update(plant->state().base, plant->state().q);
     double sum = 0.0;
-    for (const RigidBody& body : bodies.bodies)
-      sum += 9.81 * body.mass * (kinematics.X_WL(body.link) * body.com_L).z();
+    for (const RigidBody& body : bodies.bodies) sum += 9.81 * body.mass * (kinematics.X_WL(body.link) * body.com_L).z();
     return sum;
   };
   const double before = potential();
@@ -108,7 +106,7 @@ TEST(OdePlant, MotorEnergyIsTheWorkDone) {
   PlantReport report;
   double energy = 0.0;
   for (int k = 0; k < 100; ++k) {
-    command[1] = -0.3 * std::sin(std::numbers::pi * k / 100.0);   // up; at rest at both ends
+    command[1] = -0.3 * std::sin(std::numbers::pi * k / 100.0);  // up; at rest at both ends
     plant->advance(command, 0.02, report);
     energy += report.energy;
   }
@@ -182,7 +180,7 @@ TEST(OdePlant, StopsAtJointLimitsWithoutAKick) {
     ASSERT_LT(plant->state().q[3], upper + 0.005);
   }
   EXPECT_NEAR(plant->state().q[3], upper, 0.002);
-  command[3] = -0.05;   // away from the limit: no jump
+  command[3] = -0.05;  // away from the limit: no jump
   for (int k = 0; k < 20; ++k) {
     plant->advance(command, 0.02, report);
     ASSERT_LT(std::abs(plant->state().qdot[3]), 0.06);
@@ -237,7 +235,8 @@ std::vector<double> run(const std::shared_ptr<const RobotModel>& model, int tria
   PlantReport report;
   for (int k = 0; k < 60; ++k) {
     VectorX command(model->num_velocities());
-    for (Eigen::Index i = 0; i < command.size(); ++i) command[i] = 0.5 * std::sin(0.1 * k + static_cast<double>(i + trial));
+    for (Eigen::Index i = 0; i < command.size(); ++i)
+      command[i] = 0.5 * std::sin(0.1 * k + static_cast<double>(i + trial));
     plant->advance(command, 0.02, report);
     const PlantState& s = plant->state();
     out.insert(out.end(), s.base.data(), s.base.data() + 3);
@@ -269,7 +268,7 @@ TEST(OdePlant, ATopHeavyRobotTips) {
   light.base.mass = 3.0;
   auto model = std::make_shared<const RobotModel>(light);
   World world = empty_world(*model);
-  world.start.q << 1.57, 1.3, 0, -0.3, 0, 2.0, 0.7;   // stretched out to the side
+  world.start.q << 1.57, 1.3, 0, -0.3, 0, 2.0, 0.7;  // stretched out to the side
   const auto plant = make_plant(model, world, kDynamic);
   PlantReport report;
   bool tipped = false;
@@ -327,11 +326,13 @@ TEST(OdePlant, SaysWhatTheRobotLacks) {
     } catch (const std::runtime_error& error) {
       EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
     }
-    EXPECT_NO_THROW(make_plant(std::make_shared<const RobotModel>(bad), empty_world(bad), {SimulationMode::kKinematic}));
+    EXPECT_NO_THROW(
+        make_plant(std::make_shared<const RobotModel>(bad), empty_world(bad), {SimulationMode::kKinematic}));
   };
   refused([](RobotModel& m) { m.joints[2].effort = 0.0; }, "arm.limits.panda_joint3.effort");
   refused([](RobotModel& m) { m.links[static_cast<std::size_t>(m.joints[1].link)].inertial.reset(); }, "panda_link2");
-  refused([](RobotModel& m) { m.links[static_cast<std::size_t>(m.joints[1].link)].inertial->I_C.setZero(); }, "panda_link2");
+  refused([](RobotModel& m) { m.links[static_cast<std::size_t>(m.joints[1].link)].inertial->I_C.setZero(); },
+          "panda_link2");
   refused([](RobotModel& m) { m.base.mass = 0.0; }, "base.footprint.mass");
   refused([](RobotModel& m) { m.base.wheels.reset(); }, "base.wheels");
 }

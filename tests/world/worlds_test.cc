@@ -23,7 +23,7 @@ std::vector<std::string> make_all(const Worlds& source, const std::shared_ptr<co
   std::vector<std::thread> pool;
   for (int t = 0; t < threads; ++t) {
     pool.emplace_back([&, t] {
-      for (int i = count - 1 - t; i >= 0; i -= threads)   // backwards: order must not matter
+      for (int i = count - 1 - t; i >= 0; i -= threads)  // backwards: order must not matter
         out[static_cast<std::size_t>(i)] = to_json(source.make(model, static_cast<std::uint64_t>(i))).dump();
     });
   }
@@ -182,7 +182,9 @@ TEST(Worlds, TrackedGoalsMoveAndKeepEveryBitInTheirFile) {
 
 TEST(Worlds, AreTheSameForAnyThreadsAndOrder) {
   const auto model = robot("frankie");
-  const Worlds source = worlds("seed: 3\nfamilies: {open: {weight: 1}, clutter: {weight: 2}, moving: {weight: 1}, table: {}, shelf: {}, tracking: {weight: 0.5}}");
+  const Worlds source = worlds(
+      "seed: 3\nfamilies: {open: {weight: 1}, clutter: {weight: 2}, moving: {weight: 1}, table: {}, shelf: {}, "
+      "tracking: {weight: 0.5}}");
   EXPECT_EQ(make_all(source, model, 60, 1), make_all(source, model, 60, 4));
 }
 
@@ -213,8 +215,8 @@ TEST(Worlds, MovingObjectsLeaveStartAndWitnessClear) {
         kinematics.update(c->base, c->q);
         for (const CollisionShape& shape : model->shapes)
           for (std::size_t k = 0; k < states.size(); ++k)
-            ASSERT_GT(
-                shape_distance(shape.shape, kinematics.X_WS(shape), world.objects[k].shape, states[k].X_WO).d, 0.049)
+            ASSERT_GT(shape_distance(shape.shape, kinematics.X_WS(shape), world.objects[k].shape, states[k].X_WO).d,
+                      0.049)
                 << "world " << i << " at " << t;
       }
     }
@@ -259,7 +261,9 @@ TEST(Worlds, FileKeepsEveryBit) {
 }
 
 TEST(Worlds, ResolvedSectionReadsBack) {
-  const Worlds a = worlds("seed: 8\nclearance: 0.04\nfamilies: {clutter: {weight: 2, objects: 3, box_edge: {normal: [0.3, 0.1]}}, open: {}}");
+  const Worlds a = worlds(
+      "seed: 8\nclearance: 0.04\nfamilies: {clutter: {weight: 2, objects: 3, box_edge: {normal: [0.3, 0.1]}}, open: "
+      "{}}");
   const nlohmann::ordered_json json = a.to_json();
   const Worlds b = worlds(json.dump());
   EXPECT_EQ(b.to_json(), json);
@@ -345,8 +349,11 @@ TEST(Worlds, FileErrorsNameThePlace) {
   refused([](auto& w) { w["objects"][0]["name"] = w["objects"][1]["name"]; }, "twice");
   refused([](auto& w) { w["goal"]["quaternion"] = {1, 1, 0, 0}; }, "unit quaternion");
   refused([](auto& w) { w["goal"]["motion"] = {{"kind", "warp"}}; }, "linear");
-  refused([](auto& w) { w["goal"]["motion"] = {{"kind", "spline"}, {"times", {0, 1}}, {"positions", {{0, 0, 9}, {0, 0, 8}}}}; },
-          "position given");
+  refused(
+      [](auto& w) {
+        w["goal"]["motion"] = {{"kind", "spline"}, {"times", {0, 1}}, {"positions", {{0, 0, 9}, {0, 0, 8}}}};
+      },
+      "position given");
   refused([](auto& w) { w.erase("start"); }, "start");
   refused([](auto& w) { w["colour"] = "red"; }, "colour");
 }

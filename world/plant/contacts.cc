@@ -23,11 +23,15 @@ Isometry small_turn(ShapeKind kind, std::size_t number) {
 dGeomID make_geom(dSpaceID space, const Shape& shape) {
   const Vector3& s = shape.size;
   switch (shape.kind) {
-    case ShapeKind::kSphere: return dCreateSphere(space, s.x());
-    case ShapeKind::kBox: return dCreateBox(space, s.x(), s.y(), s.z());
-    case ShapeKind::kCapsule: return dCreateCapsule(space, s.x(), s.y());
+    case ShapeKind::kSphere:
+      return dCreateSphere(space, s.x());
+    case ShapeKind::kBox:
+      return dCreateBox(space, s.x(), s.y(), s.z());
+    case ShapeKind::kCapsule:
+      return dCreateCapsule(space, s.x(), s.y());
     case ShapeKind::kCylinder:
-    case ShapeKind::kConvex: break;
+    case ShapeKind::kConvex:
+      break;
   }
   return nullptr;
 }
@@ -60,15 +64,15 @@ ContactScene::ContactScene(std::shared_ptr<const RobotModel> model, const World&
   robot_space_ = ode::make_simple_space();
   world_space_ = ode::make_simple_space();
   const std::size_t shapes = model_->shapes.size();
-  tags_.reserve(shapes + world_.objects.size() + 1);   // geoms point into it
+  tags_.reserve(shapes + world_.objects.size() + 1);  // geoms point into it
 
   const Kinematics upright(model_);
   std::vector<bool> meets_floor(shapes, false);
   for (std::size_t i = 0; i < shapes; ++i) {
     const CollisionShape& shape = model_->shapes[i];
     constexpr double kClear = 0.005;
-    meets_floor[i] = !shape.rigid_with_base ||
-                     (base_meets_floor && lowest_point(shape.shape, upright.X_WS(shape)) > kClear);
+    meets_floor[i] =
+        !shape.rigid_with_base || (base_meets_floor && lowest_point(shape.shape, upright.X_WS(shape)) > kClear);
     tags_.push_back({PairKind::kSelf, static_cast<int>(i)});
     radii_.push_back(bounding_radius(shape.shape));
     const dGeomID geom = make_geom(robot_space_.get(), shape.shape);
@@ -152,15 +156,14 @@ void ContactScene::near(void* data, dGeomID a, dGeomID b) {
 
 void ContactScene::detect(TouchSink& sink) {
   Near context{this, &sink};
-  dSpaceCollide2(reinterpret_cast<dGeomID>(robot_space_.get()), reinterpret_cast<dGeomID>(world_space_.get()),
-                 &context, near);
+  dSpaceCollide2(reinterpret_cast<dGeomID>(robot_space_.get()), reinterpret_cast<dGeomID>(world_space_.get()), &context,
+                 near);
   for (const SelfPair& pair : self_pairs_) {
     const dGeomID a = robot_geom(pair.first);
     const dGeomID b = robot_geom(pair.second);
     const dReal* p = dGeomGetPosition(a);
     const dReal* q = dGeomGetPosition(b);
-    const double reach =
-        radii_[static_cast<std::size_t>(pair.first)] + radii_[static_cast<std::size_t>(pair.second)];
+    const double reach = radii_[static_cast<std::size_t>(pair.first)] + radii_[static_cast<std::size_t>(pair.second)];
     const double dx = p[0] - q[0], dy = p[1] - q[1], dz = p[2] - q[2];
     if (dx * dx + dy * dy + dz * dz > reach * reach) continue;
     collide(PairKind::kSelf, pair.first, pair.second, a, b, sink);

@@ -15,7 +15,7 @@ namespace moma {
 struct Touch {
   PairKind kind;
   int first;
-  int second;   ///< as in Contact
+  int second;  ///< as in Contact
   const dContactGeom* points;
   int count;
 };
@@ -69,7 +69,7 @@ class ContactScene {
 
  private:
   struct Tag {
-    PairKind kind;   // kSelf marks a robot shape
+    PairKind kind;  // kSelf marks a robot shape
     int index;
   };
   struct Near;

@@ -68,7 +68,7 @@ class DifferentialBase final : public OdeBase {
       contact.surface.mode = dContactApprox1;
       contact.surface.mu = kFriction;
       const double level = std::hypot(forward.x(), forward.y());
-      if (level > 0.1) {   // not while the base stands on end
+      if (level > 0.1) {  // not while the base stands on end
         contact.surface.mode |= dContactFDir1;
         contact.fdir1[0] = forward.x() / level;
         contact.fdir1[1] = forward.y() / level;
@@ -115,7 +115,7 @@ class DifferentialBase final : public OdeBase {
     dGeomID geom = nullptr;
     dJointID hinge = nullptr;
     dJointFeedback feedback{};
-    double side = 0.0;   // y in B
+    double side = 0.0;  // y in B
     bool touches = false;
   };
 

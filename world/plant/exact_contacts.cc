@@ -5,8 +5,8 @@
 namespace moma {
 namespace {
 
-constexpr double kRange = 0.1;       // gaps beyond it count as this [m]
-constexpr double kRounding = 1e-5;   // of distances between hulls [m]
+constexpr double kRange = 0.1;      // gaps beyond it count as this [m]
+constexpr double kRounding = 1e-5;  // of distances between hulls [m]
 
 bool hard(const Shape& shape) { return !decided_by_ode(shape.kind); }
 
@@ -27,9 +27,8 @@ std::shared_ptr<const RobotModel> with_hard_pairs(const RobotModel& model) {
 
 std::unique_ptr<ExactContacts> ExactContacts::make(const RobotModel& model, const World& world,
                                                    const std::vector<bool>& meets_floor) {
-  const bool any =
-      std::any_of(model.shapes.begin(), model.shapes.end(), [](const auto& s) { return hard(s.shape); }) ||
-      std::any_of(world.objects.begin(), world.objects.end(), [](const auto& o) { return hard(o.shape); });
+  const bool any = std::any_of(model.shapes.begin(), model.shapes.end(), [](const auto& s) { return hard(s.shape); }) ||
+                   std::any_of(world.objects.begin(), world.objects.end(), [](const auto& o) { return hard(o.shape); });
   if (!any) return nullptr;
   return std::unique_ptr<ExactContacts>(new ExactContacts(with_hard_pairs(model), world, meets_floor));
 }

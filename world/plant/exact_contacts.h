@@ -28,7 +28,7 @@ class ExactContacts {
  private:
   ExactContacts(std::shared_ptr<const RobotModel> model, const World& world, const std::vector<bool>& meets_floor);
 
-  std::shared_ptr<const RobotModel> model_;   // self pairs: the hard ones only
+  std::shared_ptr<const RobotModel> model_;  // self pairs: the hard ones only
   Proximity proximity_;
   std::vector<bool> hard_shape_, hard_object_, meets_floor_;
   ProximityRanges ranges_;

@@ -9,7 +9,7 @@
 namespace moma {
 namespace {
 
-constexpr double kContactInterval = 0.005;   // [s]
+constexpr double kContactInterval = 0.005;  // [s]
 
 class KinematicPlant final : public Plant, private TouchSink {
  public:

@@ -40,7 +40,7 @@ class OdeArm {
   struct Joint {
     dJointID id = nullptr;
     bool slides = false;
-    double zero = 0.0;   // joint value at which ODE's own coordinate is zero
+    double zero = 0.0;  // joint value at which ODE's own coordinate is zero
     dJointFeedback feedback{};
   };
   void make_joint(dWorldID world, const RigidBody& body, const Kinematics& kinematics);
@@ -49,7 +49,7 @@ class OdeArm {
   std::shared_ptr<const RobotModel> model_;
   RigidBodies rigid_;
   std::vector<dBodyID> bodies_;
-  std::vector<Joint> joints_;   // never resized after construction: ODE points into it
+  std::vector<Joint> joints_;  // never resized after construction: ODE points into it
   VectorX q_;
   double mass_ = 0.0;
 };

@@ -10,7 +10,7 @@ namespace moma {
 double OdeBase::wheel_mass(const RobotModel& model) {
   if (model.base.type != BaseType::kDifferential) return 0.0;
   double base_mass = model.base.mass;
-  if (!(base_mass > 0.0)) {   // then the links that are rigid with the base carry it
+  if (!(base_mass > 0.0)) {  // then the links that are rigid with the base carry it
     std::vector<bool> rigid(model.links.size(), true);
     for (std::size_t i = 1; i < model.links.size(); ++i) {
       const Link& link = model.links[i];
@@ -24,9 +24,12 @@ double OdeBase::wheel_mass(const RobotModel& model) {
 
 std::unique_ptr<OdeBase> OdeBase::make(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3& base) {
   switch (model.base.type) {
-    case BaseType::kFixed: return nullptr;
-    case BaseType::kDifferential: return make_differential_base(world, model, arm, base);
-    case BaseType::kOmnidirectional: return make_omnidirectional_base(world, model, arm, base);
+    case BaseType::kFixed:
+      return nullptr;
+    case BaseType::kDifferential:
+      return make_differential_base(world, model, arm, base);
+    case BaseType::kOmnidirectional:
+      return make_omnidirectional_base(world, model, arm, base);
   }
   return nullptr;
 }

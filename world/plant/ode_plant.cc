@@ -14,10 +14,10 @@
 namespace moma {
 namespace {
 
-constexpr double kGravity = 9.81;         // [m/s^2]
-constexpr double kTopSpeed = 20.0;        // of any body; beyond it the physics has lost its footing [m/s]
-constexpr double kTipAngle = 30.0;        // [degrees]
-constexpr double kFallen = -0.1;          // height of the base frame [m]
+constexpr double kGravity = 9.81;   // [m/s^2]
+constexpr double kTopSpeed = 20.0;  // of any body; beyond it the physics has lost its footing [m/s]
+constexpr double kTipAngle = 30.0;  // [degrees]
+constexpr double kFallen = -0.1;    // height of the base frame [m]
 constexpr double kObjectFriction = 0.5;
 
 class OdePlant final : public Plant, private TouchSink {
@@ -97,7 +97,7 @@ class OdePlant final : public Plant, private TouchSink {
 
   void attach_shapes(const World& world) {
     kinematics_.update(world.start.base, world.start.q);
-    scene_.place_robot(kinematics_);   // for those of a fixed base, which have no body
+    scene_.place_robot(kinematics_);  // for those of a fixed base, which have no body
     for (int i = 0; i < static_cast<int>(model_->shapes.size()); ++i) {
       const CollisionShape& shape = model_->shapes[static_cast<std::size_t>(i)];
       const dGeomID geom = scene_.robot_geom(i);

@@ -37,7 +37,7 @@ Eigen::AlignedBox3d box_around(const Shape& shape, const Isometry& X) {
 
 /// What is rigid with the base and near the floor: not the column or mount above it.
 std::vector<Part> base_parts(const RobotModel& model) {
-  constexpr double kLow = 0.25;   // [m]
+  constexpr double kLow = 0.25;  // [m]
   const Kinematics kinematics(std::make_shared<RobotModel>(model));
   std::vector<Part> parts;
   for (const CollisionShape& shape : model.shapes) {

@@ -67,7 +67,7 @@ class OmnidirectionalBase final : public OdeBase {
     return turning;
   }
 
-  bool healthy(double) const override { return true; }   // has no bodies of its own
+  bool healthy(double) const override { return true; }  // has no bodies of its own
 
  private:
   static double foot_radius(const RobotModel& model) { return model.base.wheels ? model.base.wheels->radius : 0.05; }

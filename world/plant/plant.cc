@@ -12,8 +12,10 @@ namespace moma {
 
 std::string_view to_string(SimulationMode mode) noexcept {
   switch (mode) {
-    case SimulationMode::kKinematic: return "kinematic";
-    case SimulationMode::kDynamic: return "dynamic";
+    case SimulationMode::kKinematic:
+      return "kinematic";
+    case SimulationMode::kDynamic:
+      return "dynamic";
   }
   return "?";
 }
@@ -28,7 +30,8 @@ void check_command(const RobotModel& model, const VectorX& command, double durat
   const std::vector<std::string> names = model.velocity_names();
   for (Eigen::Index i = 0; i < command.size(); ++i)
     if (!std::isfinite(command[i]))
-      throw std::invalid_argument("the command for '" + names[static_cast<std::size_t>(i)] + "' is not a finite number");
+      throw std::invalid_argument("the command for '" + names[static_cast<std::size_t>(i)] +
+                                  "' is not a finite number");
 }
 
 std::unique_ptr<Plant> make_plant(std::shared_ptr<const RobotModel> model, const World& world,

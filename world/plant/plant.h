@@ -16,16 +16,16 @@ std::string_view to_string(SimulationMode mode) noexcept;
 /// `simulation` of a suite. Defaults as in the specification of suites.
 struct SimulationConfig {
   SimulationMode mode = SimulationMode::kDynamic;
-  double control_period = 0.02;   ///< [s]
-  double physics_step = 0.002;    ///< [s]; dynamic mode; control_period is a whole multiple of it
-  double time_limit = 30.0;       ///< [s]
+  double control_period = 0.02;  ///< [s]
+  double physics_step = 0.002;   ///< [s]; dynamic mode; control_period is a whole multiple of it
+  double time_limit = 30.0;      ///< [s]
 };
 
 /// True state of the robot.
 struct PlantState {
-  Vector3 base = Vector3::Zero();   ///< (x, y, phi), phi continuous (not wrapped)
+  Vector3 base = Vector3::Zero();  ///< (x, y, phi), phi continuous (not wrapped)
   VectorX q;
-  VectorX qdot;                     ///< num_velocities(); kinematic mode: the previous command
+  VectorX qdot;  ///< num_velocities(); kinematic mode: the previous command
 };
 
 /// A contact that ends a trial: robot shape against an object (second = its index), the floor (-1), or another
@@ -34,19 +34,20 @@ struct Contact {
   PairKind kind = PairKind::kObject;
   int first = 0;
   int second = 0;
-  double depth = 0.0;     ///< >= 0 [m]
-  double time = 0.0;      ///< [s] since the start
-  bool by_ode = true;     ///< false: decided by the distance library (cylinders, hulls)
+  double depth = 0.0;  ///< >= 0 [m]
+  double time = 0.0;   ///< [s] since the start
+  bool by_ode = true;  ///< false: decided by the distance library (cylinders, hulls)
 };
 
 /// What happened during one advance().
 struct PlantReport {
-  std::vector<Contact> contacts;   ///< colliding pairs, each once with its first time and greatest depth, in order of time, then indices
-  bool diverged = false;           ///< state not finite, too fast, or physics gave up
-  std::string reason;              ///< for a person, where diverged or tipped
-  bool tipped = false;             ///< base up-axis more than 30 degrees off vertical, or fell off the floor
-  double slip_max = 0.0;           ///< wheel contact slip speed [m/s]; dynamic mode
-  double energy = 0.0;             ///< integral of |torque x speed| [J]; dynamic mode
+  std::vector<Contact>
+      contacts;  ///< colliding pairs, each once with its first time and greatest depth, in order of time, then indices
+  bool diverged = false;  ///< state not finite, too fast, or physics gave up
+  std::string reason;     ///< for a person, where diverged or tipped
+  bool tipped = false;    ///< base up-axis more than 30 degrees off vertical, or fell off the floor
+  double slip_max = 0.0;  ///< wheel contact slip speed [m/s]; dynamic mode
+  double energy = 0.0;    ///< integral of |torque x speed| [J]; dynamic mode
   int lcp_messages = 0;
 };
 

@@ -25,7 +25,7 @@ void add(RigidBody& body, double mass, const Vector3& com, const Matrix3& I_com)
 
 struct Solid {
   double volume;
-  Vector3 inertia;   // principal moments at unit mass about the shape's origin
+  Vector3 inertia;  // principal moments at unit mass about the shape's origin
 };
 
 Solid solid(const Shape& shape) {
@@ -33,7 +33,8 @@ Solid solid(const Shape& shape) {
   const double r = shape.size.x();
   const double l = shape.size.y();
   switch (shape.kind) {
-    case ShapeKind::kSphere: return {4.0 / 3.0 * kPi * r * r * r, Vector3::Constant(0.4 * r * r)};
+    case ShapeKind::kSphere:
+      return {4.0 / 3.0 * kPi * r * r * r, Vector3::Constant(0.4 * r * r)};
     case ShapeKind::kCylinder: {
       const double side = (3.0 * r * r + l * l) / 12.0;
       return {kPi * r * r * l, {side, side, 0.5 * r * r}};
@@ -42,20 +43,22 @@ Solid solid(const Shape& shape) {
       const double cylinder = kPi * r * r * l;
       const double caps = 4.0 / 3.0 * kPi * r * r * r;
       const double volume = cylinder + caps;
-      const double side = (cylinder * (3.0 * r * r + l * l) / 12.0 +
-                           caps * (0.4 * r * r + 0.25 * l * l + 0.375 * r * l)) / volume;
+      const double side =
+          (cylinder * (3.0 * r * r + l * l) / 12.0 + caps * (0.4 * r * r + 0.25 * l * l + 0.375 * r * l)) / volume;
       return {volume, {side, side, (cylinder * 0.5 * r * r + caps * 0.4 * r * r) / volume}};
     }
     case ShapeKind::kBox:
-    case ShapeKind::kConvex: break;
+    case ShapeKind::kConvex:
+      break;
   }
   Vector3 edges = shape.size;
-  if (shape.kind == ShapeKind::kConvex) {   // a hull counts as the box around it, about its origin
+  if (shape.kind == ShapeKind::kConvex) {  // a hull counts as the box around it, about its origin
     edges.setConstant(1e-3);
     for (const Vector3& v : shape.hull->vertices) edges = edges.cwiseMax(2.0 * v.cwiseAbs());
   }
   const Vector3 squared = edges.cwiseAbs2();
-  return {edges.prod(), Vector3(squared.y() + squared.z(), squared.x() + squared.z(), squared.x() + squared.y()) / 12.0};
+  return {edges.prod(),
+          Vector3(squared.y() + squared.z(), squared.x() + squared.z(), squared.x() + squared.y()) / 12.0};
 }
 
 void add_base_mass(const RobotModel& model, double mass, RigidBody& body) {
@@ -63,9 +66,10 @@ void add_base_mass(const RobotModel& model, double mass, RigidBody& body) {
   for (const CollisionShape& shape : model.shapes)
     if (shape.link == 0) volume += solid(shape.shape).volume;
   if (!(model.base.mass > 0.0)) {
-    if (!(volume > 0.0)) return;   // the URDF itself has the base among its links
-    throw std::runtime_error(fmt::format(
-        "robot {}: base.footprint.mass is missing; dynamic simulation of a mobile base needs a mass in kg", model.name));
+    if (!(volume > 0.0)) return;  // the URDF itself has the base among its links
+    throw std::runtime_error(
+        fmt::format("robot {}: base.footprint.mass is missing; dynamic simulation of a mobile base needs a mass in kg",
+                    model.name));
   }
   if (!(volume > 0.0))
     throw std::runtime_error(fmt::format(
@@ -89,8 +93,9 @@ void check(const RobotModel& model, const RigidBody& body) {
           model.name, joint.name, joint.name));
   }
   if (body.joint < 0 && !(body.mass > 0.0))
-    throw std::runtime_error(fmt::format(
-        "robot {}: base.footprint.mass is missing; dynamic simulation of a mobile base needs a mass in kg", model.name));
+    throw std::runtime_error(
+        fmt::format("robot {}: base.footprint.mass is missing; dynamic simulation of a mobile base needs a mass in kg",
+                    model.name));
   if (!(body.mass > 0.0) || !std::isfinite(body.mass))
     throw std::runtime_error(
         fmt::format("robot {}: link '{}' and what is fixed to it have no mass; dynamic simulation needs <inertial> in "

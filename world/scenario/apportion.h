@@ -23,7 +23,7 @@ class Apportionment {
 
   std::vector<double> weights_;
   double sum_ = 0.0;
-  int only_ = -1;   ///< the one family with a weight, or -1
+  int only_ = -1;  ///< the one family with a weight, or -1
   mutable std::mutex mutex_;
   mutable std::vector<std::uint64_t> counts_;
   mutable std::vector<std::uint8_t> given_;

@@ -32,8 +32,8 @@ class ClutterFamily final : public Family {
   bool build(SceneBuilder& builder, World& world) const override {
     if (!builder.place_robot(placement_, world)) return false;
     // A mobile robot leaves with its base, a fixed one with its tool.
-    const Vector3 from = builder.mobile() ? Vector3(world.start.base.x(), world.start.base.y(), 0.0)
-                                          : builder.start_tip();
+    const Vector3 from =
+        builder.mobile() ? Vector3(world.start.base.x(), world.start.base.y(), 0.0) : builder.start_tip();
     Vector3 way = world.goal.X_WG.translation() - from;
     way.z() = 0.0;
     const double length = way.norm();
@@ -67,8 +67,8 @@ class ClutterFamily final : public Family {
  private:
   Placement placement_;
   Distribution objects_{Distribution::Uniform{5.0, 15.0}};
-  Distribution along_{Distribution::Uniform{0.0, 1.0}};      ///< part of the way from start to goal
-  Distribution lateral_{Distribution::Normal{0.0, 0.6}};     ///< to the left of the way [m]
+  Distribution along_{Distribution::Uniform{0.0, 1.0}};   ///< part of the way from start to goal
+  Distribution lateral_{Distribution::Normal{0.0, 0.6}};  ///< to the left of the way [m]
   ObjectMix mix_;
 };
 

@@ -49,9 +49,9 @@ class CorridorFamily final : public Family {
     const double height = wall_height_.sample(draws);
     const int count = objects_.sample_count(draws);
 
-    const Vector3 way(world.witness.base.x(), world.witness.base.y(), 0.0);   // the start is the origin
+    const Vector3 way(world.witness.base.x(), world.witness.base.y(), 0.0);  // the start is the origin
     const double length = way.norm() + 2.0 * beyond_;
-    FurnitureFrame frame;   // on the corridor's middle line, before the start
+    FurnitureFrame frame;  // on the corridor's middle line, before the start
     frame.yaw = std::atan2(way.y(), way.x());
     frame.origin = frame.point(-beyond_, offset, 0.0);
     std::vector<WorldObject> boxes;
@@ -88,12 +88,12 @@ class CorridorFamily final : public Family {
   }
 
   Placement placement_;
-  Distribution width_{Distribution::Uniform{1.3, 2.2}};         ///< between the walls [m]
-  Distribution offset_{Distribution::Uniform{-0.2, 0.2}};       ///< of its middle beside the way [m]
-  Distribution wall_height_{Distribution::Uniform{0.8, 2.0}};   ///< [m]
-  double beyond_ = 1.0;                                         ///< of the walls before start and behind goal [m]
-  double thickness_ = 0.1;                                      ///< of the walls [m]
-  Distribution objects_{Distribution::Uniform{0.0, 2.0}};       ///< standing in it
+  Distribution width_{Distribution::Uniform{1.3, 2.2}};        ///< between the walls [m]
+  Distribution offset_{Distribution::Uniform{-0.2, 0.2}};      ///< of its middle beside the way [m]
+  Distribution wall_height_{Distribution::Uniform{0.8, 2.0}};  ///< [m]
+  double beyond_ = 1.0;                                        ///< of the walls before start and behind goal [m]
+  double thickness_ = 0.1;                                     ///< of the walls [m]
+  Distribution objects_{Distribution::Uniform{0.0, 2.0}};      ///< standing in it
   ObjectMix mix_;
 };
 

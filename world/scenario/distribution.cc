@@ -42,13 +42,20 @@ int Distribution::sample_count(Draws& draws) const {
 
 nlohmann::ordered_json Distribution::to_json() const {
   using Json = nlohmann::ordered_json;
-  return std::visit(
-      Overloaded{[](const Fixed& d) { return Json(d.value); },
-                 [](const Uniform& d) { return Json{{"uniform", Json::array({d.low, d.high})}}; },
-                 [](const LogUniform& d) { return Json{{"log_uniform", Json::array({d.low, d.high})}}; },
-                 [](const Normal& d) { return Json{{"normal", Json::array({d.mean, d.sigma})}}; },
-                 [](const Choice& d) { return Json{{"choice", d.values}}; }},
-      kind_);
+  return std::visit(Overloaded{[](const Fixed& d) { return Json(d.value); },
+                               [](const Uniform& d) {
+                                 return Json{{"uniform", Json::array({d.low, d.high})}};
+                               },
+                               [](const LogUniform& d) {
+                                 return Json{{"log_uniform", Json::array({d.low, d.high})}};
+                               },
+                               [](const Normal& d) {
+                                 return Json{{"normal", Json::array({d.mean, d.sigma})}};
+                               },
+                               [](const Choice& d) {
+                                 return Json{{"choice", d.values}};
+                               }},
+                    kind_);
 }
 
 Distribution Distribution::read(const config::Node& node, const std::string& key, const config::Range& range,

@@ -50,7 +50,7 @@ class DoorwayFamily final : public Family {
     const Vector3 start(world.start.base.x(), world.start.base.y(), 0.0);
     const Vector3 end(world.witness.base.x(), world.witness.base.y(), 0.0);
     const Vector3 way = end - start;
-    FurnitureFrame frame;   // in the middle of the door, x through it
+    FurnitureFrame frame;  // in the middle of the door, x through it
     frame.yaw = std::atan2(way.y(), way.x());
     frame.origin = start + along * way;
     frame.origin = frame.point(0.0, offset, 0.0);
@@ -71,13 +71,13 @@ class DoorwayFamily final : public Family {
 
  private:
   Placement placement_;
-  Distribution width_{Distribution::Uniform{0.9, 1.4}};     ///< of the door [m]
-  Distribution along_{Distribution::Uniform{0.35, 0.65}};   ///< part of the way from start to goal
-  Distribution offset_{Distribution::Uniform{-0.4, 0.4}};   ///< of its middle beside the way [m]
-  Distribution turn_{Distribution::Uniform{-0.3, 0.3}};     ///< of the wall against the way [rad]
-  Distribution height_{Distribution::Uniform{1.9, 2.1}};    ///< of the door [m]
-  double wall_ = 2.0;                                       ///< length of the wall on each side [m]
-  double thickness_ = 0.1;                                  ///< of the wall [m]
+  Distribution width_{Distribution::Uniform{0.9, 1.4}};    ///< of the door [m]
+  Distribution along_{Distribution::Uniform{0.35, 0.65}};  ///< part of the way from start to goal
+  Distribution offset_{Distribution::Uniform{-0.4, 0.4}};  ///< of its middle beside the way [m]
+  Distribution turn_{Distribution::Uniform{-0.3, 0.3}};    ///< of the wall against the way [rad]
+  Distribution height_{Distribution::Uniform{1.9, 2.1}};   ///< of the door [m]
+  double wall_ = 2.0;                                      ///< length of the wall on each side [m]
+  double thickness_ = 0.1;                                 ///< of the wall [m]
   bool lintel_ = true;
 };
 

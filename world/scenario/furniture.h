@@ -9,8 +9,8 @@ namespace moma {
 
 /// A frame F on the floor below or beside the goal, turned about z: x leads into the furniture, away from the robot.
 struct FurnitureFrame {
-  Vector3 origin = Vector3::Zero();   ///< in W
-  double yaw = 0.0;                   ///< of F's x axis in W [rad]
+  Vector3 origin = Vector3::Zero();  ///< in W
+  double yaw = 0.0;                  ///< of F's x axis in W [rad]
 
   Vector3 point(double x, double y, double z) const;
 };

@@ -66,8 +66,8 @@ class MovingFamily final : public Family {
  private:
   /// One object and its motion; its speed is returned.
   double sample(const SceneBuilder& builder, const World& world, std::uint64_t item, WorldObject& object) const {
-    const Vector3 from = builder.mobile() ? Vector3(world.start.base.x(), world.start.base.y(), 0.0)
-                                          : builder.start_tip();
+    const Vector3 from =
+        builder.mobile() ? Vector3(world.start.base.x(), world.start.base.y(), 0.0) : builder.start_tip();
     Vector3 way = world.goal.X_WG.translation() - from;
     way.z() = 0.0;
     const double length = way.norm();
@@ -104,13 +104,13 @@ class MovingFamily final : public Family {
 
   Placement placement_;
   Distribution objects_{Distribution::Uniform{1.0, 4.0}};
-  double crossing_ = 0.5;                                     ///< part of the objects that cross; the others approach
-  Distribution speed_{Distribution::Uniform{0.1, 0.5}};       ///< [m/s]
-  Distribution robot_speed_{Distribution::Uniform{0.3, 0.6}}; ///< nominal, decides when they meet [m/s]
-  Distribution along_{Distribution::Uniform{0.2, 0.8}};       ///< where they meet: part of the way
-  Distribution angle_{Distribution::Uniform{-0.5, 0.5}};      ///< off the square crossing or the way [rad]
-  Distribution offset_{Distribution::Uniform{0.3, 1.2}};      ///< beside the way, for those that approach [m]
-  double horizon_ = 60.0;                                     ///< start and witness are clear for so long [s]
+  double crossing_ = 0.5;                                      ///< part of the objects that cross; the others approach
+  Distribution speed_{Distribution::Uniform{0.1, 0.5}};        ///< [m/s]
+  Distribution robot_speed_{Distribution::Uniform{0.3, 0.6}};  ///< nominal, decides when they meet [m/s]
+  Distribution along_{Distribution::Uniform{0.2, 0.8}};        ///< where they meet: part of the way
+  Distribution angle_{Distribution::Uniform{-0.5, 0.5}};       ///< off the square crossing or the way [rad]
+  Distribution offset_{Distribution::Uniform{0.3, 1.2}};       ///< beside the way, for those that approach [m]
+  double horizon_ = 60.0;                                      ///< start and witness are clear for so long [s]
   ObjectMix mix_;
 };
 

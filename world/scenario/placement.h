@@ -11,10 +11,10 @@ namespace moma {
 /// A fixed base stays there; `distance`, `direction` and the headings are for mobile ones.
 struct Placement {
   using Uniform = Distribution::Uniform;
-  Distribution start_heading{Uniform{-std::numbers::pi, std::numbers::pi}};   ///< [rad]
-  Distribution distance{Uniform{0.5, 4.0}};                                    ///< start to witness base [m]
-  Distribution direction{Uniform{-std::numbers::pi, std::numbers::pi}};       ///< of that line in W [rad]
-  Distribution heading{Uniform{-std::numbers::pi, std::numbers::pi}};         ///< of the witness base [rad]
+  Distribution start_heading{Uniform{-std::numbers::pi, std::numbers::pi}};  ///< [rad]
+  Distribution distance{Uniform{0.5, 4.0}};                                  ///< start to witness base [m]
+  Distribution direction{Uniform{-std::numbers::pi, std::numbers::pi}};      ///< of that line in W [rad]
+  Distribution heading{Uniform{-std::numbers::pi, std::numbers::pi}};        ///< of the witness base [rad]
   double limit_margin = 0.1;      ///< witness joints keep from their limits [rad or m]; a quarter of the range at most
   double tip_height = 0.1;        ///< least height of the goal [m]
   double floor_clearance = 0.02;  ///< of the witness's moving shapes [m]

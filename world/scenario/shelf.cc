@@ -51,7 +51,7 @@ class ShelfFamily final : public Family {
     const double inset = inset_.sample(draws);
     const double height = height_.sample(draws);
     const double sideways = draws.uniform(-0.25, 0.25) * width;
-    const double up = draws.uniform(0.4, 0.6) * opening;   // goal above the compartment's floor
+    const double up = draws.uniform(0.4, 0.6) * opening;  // goal above the compartment's floor
 
     const Vector3 goal = world.goal.X_WG.translation();
     FurnitureFrame frame;
@@ -61,7 +61,7 @@ class ShelfFamily final : public Family {
     frame.origin = Vector3(goal.x(), goal.y(), 0.0) - inset * in + sideways * left;
 
     const double pitch = opening + thickness_;
-    const double board = goal.z() - up - 0.5 * thickness_;   // middle of the board below the goal
+    const double board = goal.z() - up - 0.5 * thickness_;  // middle of the board below the goal
     const double total = std::max(height, board + pitch);
     std::vector<WorldObject> boxes;
     // Boards first: they decide most tries.

@@ -70,13 +70,13 @@ class TableFamily final : public Family {
     const double leg = 0.06;
     const double under = top - thickness_;
     std::vector<WorldObject> boxes;
-    boxes.push_back(furniture_box(frame, "table_top", {0.5 * depth, 0.0, top - 0.5 * thickness_},
-                                  {depth, width, thickness_}));
+    boxes.push_back(
+        furniture_box(frame, "table_top", {0.5 * depth, 0.0, top - 0.5 * thickness_}, {depth, width, thickness_}));
     int number = 0;
     for (const double x : {0.5 * leg, depth - 0.5 * leg})
       for (const double y : {0.5 * (width - leg), -0.5 * (width - leg)})
-        boxes.push_back(furniture_box(frame, "table_leg" + std::to_string(++number), {x, y, 0.5 * under},
-                                      {leg, leg, under}));
+        boxes.push_back(
+            furniture_box(frame, "table_leg" + std::to_string(++number), {x, y, 0.5 * under}, {leg, leg, under}));
     if (!add_furniture(builder, std::move(boxes), "table:", world)) return false;
     return add_items(builder, world, frame, items, depth, width, top);
   }

@@ -8,7 +8,7 @@
 namespace moma {
 namespace {
 
-constexpr double kStep = 0.1;   // between the times at which following is tried [s]
+constexpr double kStep = 0.1;  // between the times at which following is tried [s]
 
 /// A goal that moves: to and fro on a line, on a circle, or along a spline. Solvable by construction: from the
 /// witness on, the robot is shown to follow it for `follow` seconds within joint and velocity limits.
@@ -80,7 +80,7 @@ class TrackingFamily final : public Family {
     const double rate = speed / radius;
     const Vector3 axis = direction(draws);
     const double side = draws.uniform(-std::numbers::pi, std::numbers::pi);
-    if (mobile) {   // it turns with the circle, and the base with it
+    if (mobile) {  // it turns with the circle, and the base with it
       const Vector3 center = from + extent * Vector3(std::cos(side), std::sin(side), 0.0);
       return CircleMotion{center, Vector3::UnitZ(), axis.z() < 0.0 ? -0.5 * rate : 0.5 * rate};
     }
@@ -88,7 +88,7 @@ class TrackingFamily final : public Family {
     const Vector3 u = axis.unitOrthogonal();
     const Vector3 v = axis.cross(u);
     const auto at = [&](double angle) -> Vector3 { return radius * (std::cos(angle) * u + std::sin(angle) * v); };
-    constexpr double kKnots = 16.0;   // per turn
+    constexpr double kKnots = 16.0;  // per turn
     SplineMotion motion;
     const double leg = 2.0 * std::numbers::pi / (kKnots * rate);
     for (int k = 0; k * leg < duration_ + leg; ++k) {
@@ -151,11 +151,11 @@ class TrackingFamily final : public Family {
   }
 
   Placement placement_;
-  std::array<double, 3> weights_{1.0, 1.0, 1.0};            ///< of line, circle, spline
-  Distribution speed_{Distribution::Uniform{0.05, 0.15}};   ///< of the goal [m/s]
-  Distribution extent_{Distribution::Uniform{0.2, 0.6}};    ///< length of the line, diameter, reach of the spline [m]
-  double duration_ = 60.0;                                  ///< then line and spline rest [s]
-  double follow_ = 30.0;                                    ///< shown to be followed for so long [s]
+  std::array<double, 3> weights_{1.0, 1.0, 1.0};           ///< of line, circle, spline
+  Distribution speed_{Distribution::Uniform{0.05, 0.15}};  ///< of the goal [m/s]
+  Distribution extent_{Distribution::Uniform{0.2, 0.6}};   ///< length of the line, diameter, reach of the spline [m]
+  double duration_ = 60.0;                                 ///< then line and spline rest [s]
+  double follow_ = 30.0;                                   ///< shown to be followed for so long [s]
 };
 
 }  // namespace

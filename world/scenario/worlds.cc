@@ -61,7 +61,8 @@ Mixture read_mixture(config::MapReader& in) {
   in.read("seed", seed);
   mixture.seed = seed;
   in.read("tries", mixture.tries, 1, 1000000);
-  const config::Node& families = in.require("families", "a map from family to its parameters, as in {open: {weight: 1}}");
+  const config::Node& families =
+      in.require("families", "a map from family to its parameters, as in {open: {weight: 1}}");
   const std::string key = in.key_of("families");
   if (families.kind != config::Node::Kind::kMap || families.entries.empty())
     config::fail(families.mark, key, "expected a map with at least one family");
@@ -80,7 +81,7 @@ Mixture read_mixture(config::MapReader& in) {
 
 Frozen read_frozen(const config::Node& node, const std::string& key) {
   Frozen worlds;
-  if (node.kind == config::Node::Kind::kSequence) {   // a resolved suite holds the worlds themselves
+  if (node.kind == config::Node::Kind::kSequence) {  // a resolved suite holds the worlds themselves
     for (std::size_t i = 0; i < node.items.size(); ++i)
       worlds.push_back(world_from_node(node.items[i], fmt::format("{}[{}]", key, i)));
   } else {
@@ -150,7 +151,8 @@ Json Worlds::to_json() const {
 World Worlds::make(const std::shared_ptr<const RobotModel>& model, std::uint64_t index) const {
   if (const auto* frozen = std::get_if<Frozen>(&data_->source)) {
     if (index >= frozen->size())
-      throw GenerationError(fmt::format("worlds.frozen: there is no world {}; the set holds {}", index, frozen->size()));
+      throw GenerationError(
+          fmt::format("worlds.frozen: there is no world {}; the set holds {}", index, frozen->size()));
     World world = (*frozen)[index];
     if (world.start.q.size() != model->num_joints())
       throw GenerationError(fmt::format("worlds.frozen: world {} has {} joint values, robot {} has {} joints", index,
