@@ -6,9 +6,12 @@
 #include <memory>
 #include <set>
 
+#include "controller/config/node.h"
 #include "eval/cli/command.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
+#include "eval/tune/tuned_file.h"
+#include "eval/tune/tuning.h"
 
 namespace moma::cli {
 namespace {
@@ -32,10 +35,10 @@ int check(const SuiteOptions& options) {
     labels.insert(point.label);
   }
   const Point& first = suite.points.front();
-  std::cout << terminal_safe(fmt::format(
-                   "{}: {} trials = {} worlds x {} controller{} ({}){}", suite.name, suite.trials * suite.points.size(),
-                   suite.trials, controllers.size(), controllers.size() == 1 ? "" : "s", fmt::join(controllers, ", "),
-                   labels.size() > 1 ? fmt::format(" x {} sweep points", labels.size()) : ""))
+  std::cout << terminal_safe(fmt::format("{}: {} trials = {} worlds x {} controller{} ({}){}", suite.name,
+                                         suite.trials * suite.points.size(), suite.trials, controllers.size(),
+                                         controllers.size() == 1 ? "" : "s", fmt::join(controllers, ", "),
+                                         labels.size() > 1 ? fmt::format(" x {} sweep points", labels.size()) : ""))
             << '\n'
             << terminal_safe(fmt::format("robot {}, {} mode, worlds: {} (seed {})", first.robot->model->name,
                                          to_string(first.simulation.mode), family_counts(suite), first.worlds.seed()))
@@ -43,6 +46,11 @@ int check(const SuiteOptions& options) {
   // The first world shows whether this robot has a place in these worlds at all.
   (void)first.worlds.make(first.robot->model, 0);
   print_warnings(suite.warnings);
+  if (config::load_yaml(options.file).find("tune") != nullptr) {
+    const tune::Tuning tuning = tune::load_tuning(options.file, options.overrides());
+    print_warnings(tuning.warnings);
+    std::cout << tune::plan_text(tuning) << '\n';
+  }
   std::cout << (suite.warnings.empty() ? "no warnings\n" : fmt::format("{} warnings\n", suite.warnings.size()));
   return kOk;
 }

@@ -104,16 +104,8 @@ class Tune {
   }
 
   void tell_plan() const {
-    const tune::TuneConfig& c = tuning_.config;
-    std::string algorithms;
-    for (const tune::PlanStep& step : c.plan.empty() ? tune::default_plan() : c.plan) {
-      algorithms += (algorithms.empty() ? "" : ", then ") + std::string(step.algorithm->name);
-    }
-    note(fmt::format(
-        "tuning {} over {} gains by {}: {} trials at most, {} worlds{}; then {} held-out worlds, on {} thread{}: {}",
-        c.controller, c.variables.size(), algorithms, c.budget, c.worlds.count,
-        c.mixture.size() > 1 ? fmt::format(" in each of {} parts", c.mixture.size()) : "", c.held_out.count, threads_,
-        threads_ == 1 ? "" : "s", file_.string()));
+    note(fmt::format("{}, on {} thread{}: {}", tune::plan_text(tuning_), threads_, threads_ == 1 ? "" : "s",
+                     file_.string()));
     note("objective: " + tune::objective_text(tuning_));
   }
 

@@ -24,6 +24,7 @@ void TuneProgress::trial() {
 
 void TuneProgress::update(const tune::Progress& p) {
   if (evaluations_ == 0 && p.last != nullptr) start_ = p.last->merit;
+  if (p.phase == tune::Phase::kSensitivity && phase_ != p.phase) searched_ = trials_;
   phase_ = p.phase;
   trials_ = p.trials;
   budget_ = p.budget;
@@ -35,7 +36,10 @@ void TuneProgress::update(const tune::Progress& p) {
 }
 
 std::string TuneProgress::text() const {
-  std::string text = fmt::format("{}: {} of {} trials", tune::to_string(phase_), trials_ + since_update_, budget_);
+  const std::uint64_t done = trials_ + since_update_;
+  std::string text = phase_ == tune::Phase::kSensitivity
+                         ? fmt::format("sensitivity: {} trials after the search", done - searched_)
+                         : fmt::format("{}: {} of {} trials", tune::to_string(phase_), done, budget_);
   if (evaluations_ > 0) {
     text += fmt::format(", {} candidates ({} cut short), best {:.4g}{} (start {:.4g})", evaluations_, cut_, best_,
                         unit_.empty() ? "" : " " + unit_, start_);
@@ -44,8 +48,8 @@ std::string TuneProgress::text() const {
   if (computed_ > 0 && seconds > 0.0) {
     const double rate = static_cast<double>(computed_) / seconds;
     text += fmt::format(", {:.1f}/s", rate);
-    if (budget_ > trials_ + since_update_) {
-      const auto left = static_cast<long long>(static_cast<double>(budget_ - trials_ - since_update_) / rate) + 1;
+    if (phase_ != tune::Phase::kSensitivity && budget_ > done) {
+      const auto left = static_cast<long long>(static_cast<double>(budget_ - done) / rate) + 1;
       text += fmt::format(", {}:{:02}:{:02} left", left / 3600, left / 60 % 60, left % 60);
     }
   }

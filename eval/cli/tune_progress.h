@@ -34,7 +34,7 @@ class TuneProgress {
   std::uint64_t computed_ = 0;
   std::uint64_t since_update_ = 0;
   tune::Phase phase_ = tune::Phase::kStart;
-  std::uint64_t trials_ = 0, budget_ = 0, evaluations_ = 0, cut_ = 0;
+  std::uint64_t trials_ = 0, searched_ = 0, budget_ = 0, evaluations_ = 0, cut_ = 0;
   double start_ = 0.0, best_ = 0.0;
 };
 

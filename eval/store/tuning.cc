@@ -202,7 +202,7 @@ void TuneRecords::finish(const TuneResultRecord& result) {
     for (std::size_t i = 0; i < result.found.size(); ++i) {
       variable.reset();
       variable.bind(1, result.found[i]);
-      variable.bind(2, result.importance[i]);
+      bind_number(variable, 2, result.importance[i]);
       variable.bind(3, id_);
       variable.bind(4, static_cast<int>(i));
       variable.exec();

@@ -217,6 +217,12 @@ std::vector<PlanStep> default_plan() {
   return {{&find_algorithm("GN_CRS2_LM"), 0.5, 0}, {&find_algorithm("LN_BOBYQA"), 0.0, 0}};
 }
 
+bool SearchResult::operator==(const SearchResult& o) const {
+  return start == o.start && found == o.found && finalists == o.finalists && runs == o.runs && history == o.history &&
+         sensitivity == o.sensitivity && trials == o.trials && trials_saved == o.trials_saved &&
+         evaluations_cut == o.evaluations_cut && penalty == o.penalty && notes == o.notes;
+}
+
 SearchResult search(const SearchSettings& settings, Objective& objective, EvaluationLog& log,
                     const std::function<void(const Progress&)>& progress) {
   check(settings);

@@ -85,7 +85,8 @@ struct SearchResult {
   std::uint64_t evaluations_cut = 0;
   double penalty = 0.0;
   std::vector<std::string> notes;  ///< constraints by penalty, gains at a bound, confirmation left out, ...
-  bool operator==(const SearchResult&) const = default;
+  /// All but `importance`, which may hold NaN and follows from the rest.
+  bool operator==(const SearchResult& other) const;
 };
 
 /// The whole search: start, plan, confirmation. Deterministic: the same settings and objective give the same bits

@@ -1,14 +1,13 @@
 #include "eval/tune/sensitivity.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace moma::tune {
 namespace {
-
-constexpr std::size_t kFewestGlobal = 30;
 
 Candidate moved(const std::vector<Variable>& variables, const Candidate& from,
                 std::initializer_list<std::pair<std::size_t, double>> by) {
@@ -47,31 +46,20 @@ std::vector<double> ranks(const std::vector<double>& values) {
   return result;
 }
 
-double share(const std::vector<double>& x, const std::vector<double>& y) {
-  const std::size_t n = x.size();
-  const auto bins = static_cast<std::size_t>(std::clamp(std::sqrt(static_cast<double>(n)), 2.0, 10.0));
-  const double mean = std::accumulate(y.begin(), y.end(), 0.0) / static_cast<double>(n);
-  const std::vector<double> position = ranks(x);  // equal values fall into one bin
-  std::vector<double> sum(bins, 0.0), count(bins, 0.0);
-  double total = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto bin =
-        std::min(bins - 1, static_cast<std::size_t>(position[i] / static_cast<double>(n) * static_cast<double>(bins)));
-    sum[bin] += y[i];
-    count[bin] += 1.0;
-    total += (y[i] - mean) * (y[i] - mean);
+// Columns: 1, then u - 1/2 and its square for each gain that varies.
+Eigen::MatrixXd quadratic_terms(const std::vector<Variable>& variables, const std::vector<const Evaluation*>& used) {
+  const auto n = static_cast<Eigen::Index>(used.size());
+  Eigen::MatrixXd terms(n, 1 + 2 * static_cast<Eigen::Index>(variables.size()));
+  terms.col(0).setOnes();
+  for (Eigen::Index r = 0; r < n; ++r) {
+    const std::vector<double> unit = to_unit(variables, used[static_cast<std::size_t>(r)]->candidate);
+    for (std::size_t i = 0; i < unit.size(); ++i) {
+      const double d = unit[i] - 0.5;
+      terms(r, 1 + 2 * static_cast<Eigen::Index>(i)) = d;
+      terms(r, 2 + 2 * static_cast<Eigen::Index>(i)) = d * d;
+    }
   }
-  double between = 0.0;
-  double used = 0.0;
-  for (std::size_t b = 0; b < bins; ++b) {
-    if (count[b] == 0.0) continue;
-    const double d = sum[b] / count[b] - mean;
-    between += count[b] * d * d;
-    used += 1.0;
-  }
-  const double freedom = static_cast<double>(n) - used;
-  if (total <= 0.0 || freedom <= 0.0) return 0.0;
-  return std::max(0.0, (between - (used - 1.0) * (total - between) / freedom) / total);
+  return terms;
 }
 
 }  // namespace
@@ -138,16 +126,28 @@ std::vector<double> importance(const std::vector<Variable>& variables, const std
     if (e.phase == Phase::kGlobal) global.push_back(&e);
     if (e.phase == Phase::kStart || e.phase == Phase::kGlobal || e.phase == Phase::kLocal) searched.push_back(&e);
   }
-  const std::vector<const Evaluation*>& used = global.size() >= kFewestGlobal ? global : searched;
-  std::vector<double> result(variables.size(), 0.0);
-  if (used.size() < 4) return result;
+  const std::size_t coefficients = 1 + 2 * variables.size();
+  const std::vector<const Evaluation*>& used = global.size() >= 3 * coefficients ? global : searched;
+  std::vector<double> result(variables.size(), std::numeric_limits<double>::quiet_NaN());
+  if (used.size() < 3 * coefficients) return result;
+
   std::vector<double> merit;
   for (const Evaluation* e : used) merit.push_back(e->merit);
-  const std::vector<double> y = ranks(merit);
+  const std::vector<double> rank = ranks(merit);
+  const auto n = static_cast<double>(rank.size());
+  Eigen::VectorXd y = Eigen::Map<const Eigen::VectorXd>(rank.data(), static_cast<Eigen::Index>(rank.size()));
+  y.array() -= y.mean();
+  const double total = y.squaredNorm();
+  if (total <= 0.0) return result;
+  const Eigen::MatrixXd terms = quadratic_terms(variables, used);
+  const Eigen::VectorXd fit = terms.completeOrthogonalDecomposition().solve(y);
+  const double residual = (y - terms * fit).squaredNorm();
   for (std::size_t i = 0; i < variables.size(); ++i) {
-    std::vector<double> x;
-    for (const Evaluation* e : used) x.push_back(e->candidate[i]);
-    result[i] = share(x, y);
+    const Eigen::Index c = 1 + 2 * static_cast<Eigen::Index>(i);
+    const Eigen::VectorXd part = terms.middleCols(c, 2) * fit.segment(c, 2);
+    // y has mean zero, so that part's own mean does not matter.
+    const double chance = 2.0 * residual / (n - static_cast<double>(coefficients));
+    result[i] = std::max(0.0, (part.dot(y) - chance) / total);
   }
   return result;
 }

@@ -44,10 +44,13 @@ struct Sensitivity {
 /// (so they are logged, resumed and stored like any other, in phase `sensitivity`, outside the budget).
 Sensitivity sensitivity(const SensitivitySettings& settings, const Candidate& found, Evaluator& evaluator);
 
-/// Share of the variance of the candidates' ranks (by merit) that each gain explains alone, over the evaluations of
-/// the global phase (over all of the search's where it has fewer than 30): the correlation ratio over bins of equal
-/// size, less what chance alone would give (epsilon squared, Kelley 1935), never below 0. What is missing to 1 is
-/// interaction and noise. A first-order index like fANOVA's, without its forest.
+/// Share of the variance of the candidates' ranks (by merit) that each gain accounts for, over the evaluations of the
+/// global phase (over all of the search's where those are too few): ranks are fitted by a sum of one quadratic per
+/// gain, y ~ sum_i f_i(u_i), and the share is Cov(f_i, y) / Var(y), less what chance alone would give, never below 0.
+/// The shares add up to what the fit explains; the rest is interaction and noise. A search crowds where it is good, so
+/// that gains move together: this decomposition divides what they explain jointly, where one gain at a time would
+/// count it twice. NaN where there are fewer than three candidates per coefficient.
+/// Source: Li et al., J. Phys. Chem. A 114(19), 2010 (structural and correlative sensitivity analysis).
 std::vector<double> importance(const std::vector<Variable>& variables, const std::deque<Evaluation>& history);
 
 }  // namespace moma::tune

@@ -83,10 +83,13 @@ std::string gains_table(const Tuning& tuning, const SearchResult& result) {
     const SensitivityStep* step = steepest(result, i);
     const std::string moved =
         step == nullptr ? "-" : fmt::format("{:+.3g} +- {:.2g} at {}", step->change, step->error, to_text(step->value));
-    text += fmt::format("{:<28} {:>10} {:>10} {:>22} {:>9.0f} %  {}\n", short_key(v.key), to_text(v.start),
+    text += fmt::format("{:<28} {:>10} {:>10} {:>22} {:>11}  {}\n", short_key(v.key), to_text(v.start),
                         to_text(result.found[i]),
                         fmt::format("{} [{}, {}]", to_string(v.scale), to_text(v.lower), to_text(v.upper)),
-                        result.importance.empty() ? 0.0 : 100 * result.importance[i], moved);
+                        result.importance.empty() || std::isnan(result.importance[i])
+                            ? "-"
+                            : fmt::format("{:.0f} %", 100 * result.importance[i]),
+                        moved);
   }
   for (const SensitivityPair& pair : result.sensitivity.pairs) {
     if (std::abs(pair.interaction) < 2 * pair.error) continue;
@@ -97,12 +100,24 @@ std::string gains_table(const Tuning& tuning, const SearchResult& result) {
   return text;
 }
 
+std::string plan_text(const Tuning& tuning) {
+  const TuneConfig& c = tuning.config;
+  std::string algorithms;
+  for (const PlanStep& step : c.plan.empty() ? default_plan() : c.plan) {
+    algorithms += (algorithms.empty() ? "" : ", then ") + std::string(step.algorithm->name);
+  }
+  return fmt::format(
+      "tuning {} over {} gains by {}: {} trials at most, {} worlds{} per candidate; then {} held-out worlds",
+      c.controller, c.variables.size(), algorithms, c.budget, c.worlds.count,
+      c.mixture.size() > 1 ? fmt::format(" in each of {} parts", c.mixture.size()) : "", c.held_out.count);
+}
+
 std::string tuned_file(const Tuning& tuning, const SearchResult& result, const HeldOutVerdict* verdict,
                        const std::string& provenance) {
   const TuneConfig& c = tuning.config;
   std::string head = fmt::format("Gains of '{}' found by moma tune.\n{}\n\n", c.controller, provenance);
   head += fmt::format(
-      "Search: {} trials in {} worlds per part and candidate ({} saved by cutting short), worlds {} to {}, confirmed "
+      "Search: {} trials, {} worlds per candidate ({} trials saved by cutting short), worlds {} to {}, confirmed "
       "on "
       "{} to {}.\n",
       result.trials, c.worlds.count, result.trials_saved, c.worlds.first, c.worlds.end() - 1, c.confirm.first,

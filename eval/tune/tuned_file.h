@@ -18,6 +18,9 @@ std::string tuned_file(const Tuning& tuning, const SearchResult& result, const H
 /// YAML of a node in block style; the values keep their text.
 std::string to_yaml(const config::Node& node, int indent = 0);
 
+/// What a search is going to do, in a sentence.
+std::string plan_text(const Tuning& tuning);
+
 /// Found against start, with importance and sensitivity: the table that `moma tune` prints.
 std::string gains_table(const Tuning& tuning, const SearchResult& result);
 

@@ -166,6 +166,25 @@ TEST(TuneImportance, FindsWhatMattersAndNothingElse) {
   EXPECT_NEAR(share[0], 0.86, 0.06);
   EXPECT_NEAR(share[1], 0.096, 0.04);
   EXPECT_LT(share[2], 0.01);
+
+  history.resize(20);
+  EXPECT_TRUE(std::isnan(importance(variables, history)[0])) << "too few to say";
+}
+
+TEST(TuneImportance, DividesWhatGainsThatMoveTogetherExplain) {
+  std::vector<Variable> variables{{"x0", 0, 1, Scale::kLinear, 0}, {"x1", 0, 1, Scale::kLinear, 0}};
+  std::deque<Evaluation> history;
+  for (std::uint64_t i = 0; i < 500; ++i) {
+    Evaluation e;
+    e.phase = Phase::kGlobal;
+    const double x = uniform(7, Stream::kStarts, i);
+    e.candidate = {x, std::clamp(x + 0.2 * (uniform(9, Stream::kStarts, i) - 0.5), 0.0, 1.0)};
+    e.merit = e.candidate[0];
+    history.push_back(e);
+  }
+  const std::vector<double> share = importance(variables, history);
+  EXPECT_GT(share[0], 0.85) << "x1 only follows x0";
+  EXPECT_LT(share[0] + share[1], 1.0 + 1e-9);
 }
 
 TEST(TuneSensitivity, SeesCurvatureAndInteraction) {
