@@ -13,5 +13,10 @@ std::string_view overall_sql() noexcept;
 std::string_view points_sql() noexcept;
 std::string_view invocations_sql() noexcept;
 std::string_view replays_sql() noexcept;
+std::string_view tuning_sql() noexcept;
+std::string_view tuning_variables_sql() noexcept;
+std::string_view tuning_evaluations_sql() noexcept;
+std::string_view tuning_sensitivity_sql() noexcept;
+std::string_view tuning_comparisons_sql() noexcept;
 
 }  // namespace moma::reports

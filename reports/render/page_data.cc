@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -40,11 +41,12 @@ SQLite::Statement prepare(SQLite::Database& store, std::string_view sql) {
   return SQLite::Statement(store, std::string(sql));
 }
 
-/// One object per row; a column named json_NAME becomes NAME, parsed.
-Json rows(SQLite::Database& store, std::string_view sql) {
+/// One object per row; a column named json_NAME becomes NAME, parsed. `id` is the query's ?1, where it has one.
+Json rows(SQLite::Database& store, std::string_view sql, std::optional<std::int64_t> id = {}) {
   static constexpr std::string_view kPrefix = "json_";
   Json all = Json::array();
   SQLite::Statement query = prepare(store, sql);
+  if (id) query.bind(1, *id);
   while (query.executeStep()) {
     Json row = Json::object();
     for (int i = 0; i < query.getColumnCount(); ++i) {
@@ -108,6 +110,18 @@ Json trials(SQLite::Database& store) {
   return {{"n", n}, {"columns", std::move(all)}};
 }
 
+Json tuning(SQLite::Database& store) {
+  Json searches = rows(store, tuning_sql());
+  for (Json& search : searches) {
+    const std::int64_t id = search.at("id").get<std::int64_t>();
+    search["variables"] = rows(store, tuning_variables_sql(), id);
+    search["evaluations"] = rows(store, tuning_evaluations_sql(), id);
+    search["sensitivity"] = rows(store, tuning_sensitivity_sql(), id);
+    search["comparisons"] = rows(store, tuning_comparisons_sql(), id);
+  }
+  return searches;
+}
+
 /// The replays and, under "robots", each robot that one of them needs.
 void add_replays(SQLite::Database& store, const ReportOptions& options, Json& page) {
   page["robots"] = Json::object();
@@ -156,6 +170,7 @@ nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& o
   page["summary"] = rows(store, summary_sql());
   page["overall"] = rows(store, overall_sql());
   page["trials"] = trials(store);
+  page["tuning"] = tuning(store);
   page["samples_stored"] = store.execAndGet("SELECT count(*) FROM samples").getInt64();
   add_replays(store, options, page);
   return page;

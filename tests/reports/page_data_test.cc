@@ -138,6 +138,34 @@ TEST(PageData, RatesAtTheirEnds) {
   }
 }
 
+TEST(PageData, EveryCellOfATuning) {
+  const Folder folder;
+  const Json page = page_of(folder, "tuned", 4);
+  ASSERT_EQ(page.at("tuning").size(), 1u);
+  const Json& search = page.at("tuning").at(0);
+  SQLite::Database store((folder / "a.db").string());
+  const std::vector<std::pair<std::string, std::string>> parts = {
+      {"variables", "SELECT * FROM tune_variable ORDER BY variable"},
+      {"evaluations", "SELECT * FROM tune_evaluation ORDER BY evaluation"},
+      {"sensitivity", "SELECT * FROM tune_sensitivity ORDER BY variable, value"},
+      {"comparisons", "SELECT * FROM tune_comparison ORDER BY entry"}};
+  for (const auto& [part, sql] : parts) {
+    SQLite::Statement query(store, sql);
+    std::size_t row = 0;
+    for (; query.executeStep(); ++row) {
+      const Json& shown = search.at(part).at(row);
+      for (const auto& [name, cell] : shown.items()) {
+        const Json stored = cell_of(query.getColumn(name.c_str()));
+        EXPECT_EQ(cell, name == "candidate" ? Json::parse(stored.get<std::string>()) : stored) << part << " " << name;
+      }
+      EXPECT_GE(shown.size(), 5u);
+    }
+    EXPECT_EQ(row, search.at(part).size()) << part;
+    EXPECT_GT(row, 0u) << part;
+  }
+  EXPECT_EQ(search.at("notes").at(0), "base_weight was found near its lower bound");
+}
+
 TEST(PageData, DifficultyAndMissesComeWithEachTrial) {
   const Folder folder;
   const Json page = page_of(folder, "demo", 16);

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes a store with made-up but plausible rows, for tests of what reads stores. Standard library only.
 
-usage: make_store.py SCHEMA.sql OUT.db [--kind demo|empty|one|failures|hostile|sweep] [--worlds N]
+usage: make_store.py SCHEMA.sql OUT.db [--kind demo|empty|one|failures|hostile|sweep|tuned] [--worlds N]
                      [--samples N]
 
 Every number is a pure function of the arguments. The motion of a trial is an interpolation between the start and
@@ -234,11 +234,47 @@ def insert(db, table, values):
     return db.execute(f'INSERT OR IGNORE INTO {table} ({names}) VALUES ({marks})', list(values.values())).lastrowid
 
 
+def add_search(db):
+    """A search for two gains: noisy merits that fall towards (2, 1.5)."""
+    r = random.Random('search')
+    gains = [('controller.base_weight', 0.01, 10.0, 'log', 2.0), ('controller.servo.position', 0.5, 6.0, 'log', 1.5)]
+    search_id = insert(db, 'tune_search', {
+        'hash': digest('search'), 'suite': 'courier-clutter', 'controller': 'holistic', 'identity': '{}',
+        'objective': 'mean cost over worlds: time to goal, 30 where not reached', 'unit': 's', 'budget_trials': 4000,
+        'started': '2025-03-14T10:00:00Z', 'ended': '2025-03-14T10:05:00Z', 'status': 'finished', 'trials': 3890,
+        'trials_saved': 1200, 'evaluations_cut': 31, 'held_out_suite': None, 'verdict': 'better', 'runs': '[]',
+        'notes': json.dumps(['base_weight was found near its lower bound'])})
+    found = [0.31, 2.4]
+    for i, (key, lower, upper, scale, start) in enumerate(gains):
+        insert(db, 'tune_variable', {'search_id': search_id, 'variable': i, 'key': key, 'lower': lower, 'upper': upper,
+                                     'scale': scale, 'start': start, 'found': found[i], 'importance': [0.7, 0.2][i]})
+        for k, factor in enumerate((0.25, 0.5, 1.0, 2.0, 4.0)):
+            insert(db, 'tune_sensitivity', {'search_id': search_id, 'entry': 10 * i + k, 'variable': i, 'other': None,
+                                            'value': found[i] * factor, 'change': 0.8 * math.log(factor) ** 2 * (2 - i),
+                                            'error': 0.2, 'valid': 1})
+    for n in range(90):
+        phase = 'start' if n == 0 else 'global' if n < 60 else 'local' if n < 80 else 'confirm'
+        spread = 1.5 * math.exp(-n / 30)
+        at = [v * math.exp(r.gauss(0, spread)) for v in found]
+        merit = 9 + sum(math.log(a / b) ** 2 for a, b in zip(at, found)) + r.gauss(0, 0.2)
+        insert(db, 'tune_evaluation', {
+            'search_id': search_id, 'evaluation': n, 'phase': phase, 'run': 0, 'candidate': json.dumps(at), 'first_world': 0,
+            'worlds': 40 if merit > 12 else 100, 'cut': int(merit > 12), 'valid': 1, 'cost': merit, 'merit': merit,
+            'constraints': '[]', 'measured': b''})
+    for k, (metric, theirs, ours) in enumerate((('success', 0.49, 0.61), ('collision', 0.06, 0.04))):
+        insert(db, 'tune_comparison', {
+            'search_id': search_id, 'entry': k, 'family': 'all', 'other': 'holistic', 'metric': metric, 'n': 500,
+            'found': ours, 'found_low': ours - 0.04, 'found_high': ours + 0.04, 'theirs': theirs,
+            'theirs_low': theirs - 0.04, 'theirs_high': theirs + 0.04, 'difference': ours - theirs,
+            'difference_low': ours - theirs - 0.05, 'difference_high': ours - theirs + 0.05, 'p': [0.0004, 0.2][k],
+            'verdict': ['better', 'no difference shown'][k]})
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('schema')
     parser.add_argument('out')
-    parser.add_argument('--kind', default='demo', choices=['demo', 'empty', 'one', 'failures', 'hostile', 'sweep'])
+    parser.add_argument('--kind', default='demo', choices=['demo', 'empty', 'one', 'failures', 'hostile', 'sweep', 'tuned'])
     parser.add_argument('--worlds', type=int, default=200)
     parser.add_argument('--samples', type=int, default=12, help='failures of each point whose samples are kept')
     args = parser.parse_args()
@@ -317,6 +353,8 @@ def main():
                 data = b''.join(struct.pack(f'<{len(c)}d', *c) for c in trace.values())
                 insert(db, 'samples', {'key': key, 'layout': 1, 'n': len(trace['t']),
                                        'columns': json.dumps(list(trace)), 'data': zstd_frame(data)})
+    if args.kind == 'tuned':
+        add_search(db)
     db.commit()
     db.execute('PRAGMA wal_checkpoint(TRUNCATE)')
     db.close()

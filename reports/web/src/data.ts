@@ -41,6 +41,20 @@ export interface ReplayData {
   trial: string; robot: number; world: unknown; hz: number; n: number; columns: string[]; data: string;
 }
 
+export interface TuneSearch {
+  suite: string; controller: string; objective: string; unit: string; budget_trials: number; started: string; ended: string | null;
+  status: string; trials: number | null; trials_saved: number | null; evaluations_cut: number | null;
+  held_out_suite: string | null; verdict: string | null; notes: string[];
+  variables: { key: string; lower: number; upper: number; scale: string; start: number; found: number | null; importance: number | null }[];
+  evaluations: { evaluation: number; phase: string; worlds: number; cut: number; valid: number; cost: number; merit: number; candidate: number[] }[];
+  sensitivity: { variable: number; value: number | null; change: number; error: number; valid: number }[];
+  comparisons: {
+    family: string; other: string; metric: string; n: number; found: number | null; found_low: number | null; found_high: number | null;
+    theirs: number | null; theirs_low: number | null; theirs_high: number | null; difference: number | null;
+    difference_low: number | null; difference_high: number | null; p: number | null; verdict: string;
+  }[];
+}
+
 export interface PageData {
   format: number;
   store: { file: string; schema: number };
@@ -52,6 +66,7 @@ export interface PageData {
   robots: Record<string, unknown>;
   replays: ReplayData[];
   samples_stored: number;
+  tuning: TuneSearch[];
 }
 
 interface TextColumn {

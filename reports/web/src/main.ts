@@ -10,6 +10,7 @@ import { difficulty } from './figures/difficulty';
 import { distribution } from './figures/distribution';
 import { outcomes } from './figures/outcomes';
 import { paired } from './figures/paired';
+import { tuning } from './figures/tuning';
 import { isSwept, sweep } from './figures/sweep';
 import { timing } from './figures/timing';
 import { player } from './replay/player';
@@ -41,6 +42,7 @@ function start(app: HTMLElement): void {
     ['time', 'Time to goal', () => [arrival()], 'Time'],
     ['difficulty', 'Difficulty', () => [difficulty()]],
     ...(isSwept(model) ? [['sweep', 'Sweep', () => sweep(model)] as [string, string, () => Node[]]] : []),
+    ...(model.page.tuning.length > 0 ? [['tuning', 'Tuning', () => tuning(model)] as [string, string, () => Node[]]] : []),
     ['quality', 'Quality of motion', () => [
       distribution('manipulability', 'Manipulability', 'How the trials of each controller are spread, failures included. Choose any metric.', 'manip_mean'),
       distribution('metric', 'Any other metric', 'The same for a second metric, to read side by side.', 'command_change_mean'),

@@ -258,13 +258,14 @@ for (const scheme of ['light', 'dark']) {
   check((await page.evaluate(() => [...document.querySelectorAll('b')].some((b) => b.textContent === 'bold'))) === false, 'no markup in tooltips');
   await context.close();
 }
-for (const [kind, worlds] of [['empty', 0], ['one', 1], ['failures', 16], ['sweep', 12]]) {
+for (const [kind, worlds] of [['empty', 0], ['one', 1], ['failures', 16], ['sweep', 12], ['tuned', 12]]) {
   const { context, page } = await open(makePage(kind, worlds));
   await scrollThrough(page);
   await noOverflow(page, kind);
   const text = await page.locator('#app').innerText();
   check(!/NaN|undefined|\[object/.test(text), `${kind}: ${/.{0,40}(NaN|undefined|\[object).{0,40}/.exec(text)?.[0]}`);
   if (kind === 'empty') check(text.includes('holds no trials yet'), 'an empty store says so');
+  if (kind === 'tuned') check(/0\.31/.test(await page.locator('#tuning').innerText()), 'the found gain is named');
   if (kind === 'failures') check(text.includes('No trial reached its goal'), 'only failures: the arrival figure says so');
   await context.close();
 }
