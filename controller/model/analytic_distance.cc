@@ -92,11 +92,10 @@ Distance capsule_capsule(const Shape& first, const Isometry& X_W1, const Shape& 
   if (length > 1e-12) {
     result.n_W = between / length;
   } else {
-    // Axes that cross: out along their common normal; where they are in line, along any normal of the axis.
+    // Axes that cross: out along their common normal, either way; in line: along any normal of the axis.
     const Vector3 axis = X_W2.linear().col(2);
     const Vector3 side = direction(axis.unitOrthogonal(), Vector3::UnitX());
     result.n_W = direction(X_W1.linear().col(2).cross(axis), side);
-    if (result.n_W.dot(c1 - c2) < 0.0) result.n_W = -result.n_W;
   }
   result.p_first_W = p1 - first.size.x() * result.n_W;
   result.p_second_W = p2 + second.size.x() * result.n_W;

@@ -1,6 +1,7 @@
 // Every way to get a robot file wrong has its own message, at its place.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 
 #include "controller/config/robot_file.h"
@@ -303,6 +304,47 @@ TEST_F(RobotFileErrors, MeshesBecomeHulls) {
   const config::LoadedRobot box = with("flat.stl");
   EXPECT_EQ(box.model->shapes.back().shape.kind, ShapeKind::kBox);
   EXPECT_GE(box.model->shapes.back().shape.size.z(), 1e-3);
+}
+
+// A ball of 30 x 15 points becomes a smaller hull that still has every one of them inside, and is hardly larger.
+TEST_F(RobotFileErrors, LargeHullsAreSimplifiedOutwards) {
+  std::vector<Vector3> points;
+  for (int i = 0; i < 15; ++i) {
+    for (int j = 0; j < 30; ++j) {
+      const double polar = 3.14159265 * (i + 0.5) / 15.0;
+      const double turn = 6.2831853 * j / 30.0;
+      points.emplace_back(std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar));
+    }
+  }
+  std::string stl = "solid ball\n";
+  for (std::size_t i = 0; i + 2 < points.size(); ++i) {  // any triangles will do: the hull is of the points
+    stl += "facet normal 0 0 1\nouter loop\n";
+    for (std::size_t k = i; k < i + 3; ++k) {
+      stl += "vertex " + std::to_string(points[k].x()) + " " + std::to_string(points[k].y()) + " " +
+             std::to_string(points[k].z()) + "\n";
+    }
+    stl += "endloop\nendfacet\n";
+  }
+  scratch_.write("ball.stl", stl + "endsolid ball\n");
+  scratch_.write("small.urdf",
+                 replaced(urdf(), "<link name=\"root\"/>",
+                          "<link name=\"root\"><collision><geometry><mesh filename=\"ball.stl\"/></geometry>"
+                          "</collision></link>"));
+  const config::LoadedRobot robot = load(replaced(kRobot, "collision:\n", "collision:\n  from: urdf\n"));
+  const CollisionShape& shape = robot.model->shapes.back();
+  ASSERT_TRUE(shape.shape.hull);
+  EXPECT_LE(shape.shape.hull->vertices.size(), 96U);
+  EXPECT_GE(shape.shape.hull->vertices.size(), 60U);
+  const auto& vertices = shape.shape.hull->vertices;
+  double outmost = -1.0;
+  for (const Eigen::Vector3i& t : shape.shape.hull->triangles) {
+    const Vector3& a = vertices[static_cast<std::size_t>(t[0])];
+    const Vector3 n =
+        (vertices[static_cast<std::size_t>(t[1])] - a).cross(vertices[static_cast<std::size_t>(t[2])] - a).normalized();
+    for (const Vector3& p : points) outmost = std::max(outmost, n.dot(shape.X_LS.inverse() * p - a));
+  }
+  EXPECT_LT(outmost, 1e-5);  // the file has six digits
+  EXPECT_LT(bounding_radius(shape.shape), 1.1);
 }
 
 }  // namespace

@@ -17,11 +17,12 @@ inline Shape make_capsule(double radius, double length) {
   return {ShapeKind::kCapsule, Vector3(radius, length, 0), nullptr};
 }
 
-/// A convex polytope: an octahedron with half axes a, b, c.
-inline Shape make_octahedron(double a, double b, double c) {
+/// A convex polytope: an octahedron with half axes a, b, c about a point.
+inline Shape make_octahedron(double a, double b, double c, const Vector3& centre = Vector3::Zero()) {
   auto hull = std::make_shared<ConvexHull>();
   hull->vertices = {{a, 0, 0}, {-a, 0, 0}, {0, b, 0}, {0, -b, 0}, {0, 0, c}, {0, 0, -c}};
   hull->triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  for (Vector3& v : hull->vertices) v += centre;
   return {ShapeKind::kConvex, Vector3::Zero(), hull};
 }
 
@@ -47,7 +48,7 @@ inline Shape random_shape(ShapeKind kind, std::mt19937& engine) {
     case ShapeKind::kConvex:
       break;
   }
-  return make_octahedron(size(), size(), size());
+  return make_octahedron(size(), size(), size(), Vector3(size(), -size(), 0.2));
 }
 
 inline Isometry random_pose(std::mt19937& engine, double spread) {
