@@ -275,7 +275,7 @@ class ArmReader {
       model_.links[i].held = held_value(link, 0);
       if (locked_.count(link) == 0) held += (held.empty() ? "" : ", ") + model_.links[i].joint;
     }
-    if (!held.empty()) build_.warnings.push_back("joints held, since they are not between root and tip: " + held);
+    if (!held.empty()) build_.notes.push_back("joints held, since they are not between root and tip: " + held);
     if (!rigid.empty()) build_.warnings.push_back("floating or planar joints taken as fixed: " + rigid);
   }
 

@@ -20,6 +20,7 @@ struct RobotBuild {
   std::filesystem::path urdf_directory;
   nlohmann::ordered_json resolved;
   std::vector<std::string> warnings;
+  std::vector<std::string> notes;
 };
 
 /// `base`: kind, mount, speeds, wheels. The footprint's shape is left to read_collision().
@@ -41,7 +42,7 @@ nlohmann::ordered_json to_json_list(const Eigen::Ref<const VectorX>& values);
 /// Pairs of shapes whose contact counts, by the rules of `self: auto` (see docs/robots.md): of all pairs that can
 /// move against each other, without adjacent links, pairs in touch at `ready` and pairs within `stop` in a fifth or
 /// more of 1,000 sampled configurations; pairs that no sample brings within 0.1 m get no row. Same model, same pairs.
-std::vector<SelfPair> find_self_pairs(const RobotModel& model, double stop, std::vector<std::string>& warnings);
+std::vector<SelfPair> find_self_pairs(const RobotModel& model, double stop, std::vector<std::string>& notes);
 
 /// True where a controlled joint lies between the two links.
 bool can_move_against(const RobotModel& model, int link1, int link2);

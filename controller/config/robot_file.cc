@@ -85,7 +85,7 @@ LoadedRobot build_robot(const Node& node, const std::string& key) {
   read_collision(robot, build);
   robot.finish();
   return {std::make_shared<const RobotModel>(std::move(build.model)), std::move(build.resolved),
-          std::move(build.warnings)};
+          std::move(build.warnings), std::move(build.notes)};
 }
 
 }  // namespace

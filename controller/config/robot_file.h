@@ -16,7 +16,8 @@ namespace moma::config {
 struct LoadedRobot {
   std::shared_ptr<const RobotModel> model;
   nlohmann::ordered_json resolved;
-  std::vector<std::string> warnings;  ///< for a person: joints held, pairs left out, missing inertias, ...
+  std::vector<std::string> warnings;  ///< what is doubtful: missing inertias or efforts, contact at `ready`, ...
+  std::vector<std::string> notes;     ///< what was decided on the way: joints held, pairs left out
 };
 
 /// Reads a robot file (configs/robots/*.yaml). Throws ConfigError naming the place.

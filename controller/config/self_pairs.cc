@@ -70,7 +70,7 @@ bool can_move_against(const RobotModel& model, int link1, int link2) {
   return rigid_root(model, link1) != rigid_root(model, link2);
 }
 
-std::vector<SelfPair> find_self_pairs(const RobotModel& source, double stop, std::vector<std::string>& warnings) {
+std::vector<SelfPair> find_self_pairs(const RobotModel& source, double stop, std::vector<std::string>& notes) {
   RobotModel model = source;
   model.self_pairs.clear();
   const int count = static_cast<int>(model.shapes.size());
@@ -110,9 +110,9 @@ std::vector<SelfPair> find_self_pairs(const RobotModel& source, double stop, std
     (close[k] >= kAlwaysClose * kSamples ? always_close : kept).push_back(pair);
   }
   if (!in_touch.empty())
-    warnings.push_back("self-collision: left out, in touch at `ready`: " + list_names(model, in_touch));
+    notes.push_back("self-collision: left out, in touch at `ready`: " + list_names(model, in_touch));
   if (!always_close.empty())
-    warnings.push_back("self-collision: left out, close in most configurations: " + list_names(model, always_close));
+    notes.push_back("self-collision: left out, close in most configurations: " + list_names(model, always_close));
   return kept;
 }
 

@@ -119,6 +119,7 @@ ordered_json to_json(const config::LoadedRobot& robot) {
                                   model.shapes[static_cast<std::size_t>(pair.second)].name});
   }
   json["warnings"] = robot.warnings;
+  json["notes"] = robot.notes;
   json["resolved"] = robot.resolved;
   return json;
 }
@@ -148,6 +149,7 @@ void add_robot(CLI::App& app, Action& action) {
       std::cout << '\n';
       write(std::cout, link_table(*robot.model), Format::kTable);
       std::cout << fmt::format("\ntotal mass {:.4g} kg\n", total_mass(*robot.model)) << std::flush;
+      for (const std::string& note : robot.notes) std::cout << "note: " << note << '\n';
       print_warnings(robot.warnings);
       return static_cast<int>(kOk);
     };

@@ -187,7 +187,7 @@ TEST_P(ShippedRobot, StandsOnTheFloorClearOfItsBase) {
   }
   EXPECT_GT(mass, 10.0);
   for (const ControlledJoint& joint : model.joints) EXPECT_GT(joint.effort, 0.0) << joint.name;
-  for (const std::string& warning : robot.warnings) EXPECT_EQ(warning.find("in touch"), std::string::npos) << warning;
+  for (const std::string& warning : robot.notes) EXPECT_EQ(warning.find("in touch"), std::string::npos) << warning;
 }
 
 TEST(RobotFile, FrankieIsAsDescribed) {
