@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # Installs what is missing and builds moma into build/. Idempotent: a second call takes seconds and needs no network.
-# Usage: scripts/setup.sh [--no-build]
+# Usage: scripts/setup.sh [TARGET...]   builds these targets of CMake: `moma` (the program) unless told otherwise, `all` with tests and
+#                                       benchmarks too; `none` builds nothing.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 readonly DAQP_VERSION=0.11.0
 readonly DAQP_SHA256=2f27baf18d2acca14186498e651b34e0bed455627e777d3fd8ba655e7e40f920
-build=1
-[ "${1:-}" = "--no-build" ] && build=0
+targets=("${@:-moma}")
 
 say() { printf 'setup: %s\n' "$*" >&2; }
 
@@ -90,8 +90,8 @@ if [ -f reports/web/package-lock.json ]; then
 fi
 
 # ---- moma ------------------------------------------------------------------------------------------------------------
-if [ "$build" -eq 1 ]; then
+if [ "${targets[0]}" != none ]; then
   [ -f build/build.ninja ] || cmake --preset release >/dev/null
-  say "building into build/"
-  cmake --build build -- --quiet
+  say "building ${targets[*]} into build/"
+  cmake --build build --target "${targets[@]}" -- --quiet
 fi
