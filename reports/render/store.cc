@@ -10,8 +10,11 @@ namespace {
 
 constexpr int kApplicationId = 1836019041;  // "moma"
 
+/// Reads only, but is opened for writing: the last reader of a store in WAL mode takes away the files that SQLite keeps
+/// beside it only where it may write.
 SQLite::Database open_read_only(const std::filesystem::path& db) {
-  SQLite::Database store(db.string(), SQLite::OPEN_READONLY);
+  SQLite::Database store(db.string(), SQLite::OPEN_READWRITE);
+  store.exec("PRAGMA query_only = ON");
   store.setBusyTimeout(5000);
   store.execAndGet("SELECT count(*) FROM sqlite_schema");  // the first read finds out what the file is
   return store;
