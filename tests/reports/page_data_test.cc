@@ -41,7 +41,7 @@ class PageEqualsStore : public testing::TestWithParam<const char*> {};
 
 TEST_P(PageEqualsStore, EveryCellOfTrials) {
   const Folder folder;
-  const Json page = page_of(folder, GetParam(), 24);
+  const Json page = page_of(folder, GetParam(), 10);
   const Json& columns = page.at("trials").at("columns");
   SQLite::Database store((folder / "a.db").string());
   std::map<std::string, std::size_t> place;
@@ -75,7 +75,7 @@ TEST_P(PageEqualsStore, EveryCellOfTrials) {
 
 TEST_P(PageEqualsStore, EveryCellOfTheSummary) {
   const Folder folder;
-  const Json page = page_of(folder, GetParam(), 24);
+  const Json page = page_of(folder, GetParam(), 10);
   SQLite::Database store((folder / "a.db").string());
   SQLite::Statement query(store, "SELECT * FROM v_summary");
   std::size_t rows = 0;

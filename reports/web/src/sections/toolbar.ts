@@ -47,7 +47,7 @@ export function toolbar(model: Model, sections: readonly (readonly [id: string, 
     }
   }, { rootMargin: '-20% 0px -70% 0px' });
   const watch = (): void => {
-    for (const [id] of sections) {
+    for (const id of ['top', ...links.keys()]) {   // at the top no section is current
       const target = document.getElementById(id);
       if (target !== null) spy.observe(target);
     }

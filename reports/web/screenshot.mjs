@@ -1,0 +1,27 @@
+// A picture of a report page: node screenshot.mjs PAGE.html OUT.png [WIDTH] [light|dark] [HEIGHT] [SELECTOR]
+// Without HEIGHT the whole page; with SELECTOR that part of it, for instance .replay. Needs chromium and this folder's npm packages.
+import { existsSync } from 'node:fs';
+import { resolve } from 'node:path';
+import { chromium } from 'playwright-core';
+
+const [, , html, out, width = '1280', scheme = 'light', height, selector] = process.argv;
+if (html === undefined || out === undefined) {
+  console.error('usage: node screenshot.mjs PAGE.html OUT.png [WIDTH] [light|dark] [HEIGHT] [SELECTOR]');
+  process.exit(2);
+}
+const executablePath = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'].find(existsSync);
+const browser = await chromium.launch({ executablePath, args: ['--no-sandbox', '--enable-unsafe-swiftshader', '--use-angle=swiftshader'] });
+const page = await browser.newPage({ viewport: { width: Number(width), height: Number(height ?? 900) }, colorScheme: scheme });
+await page.goto(`file://${resolve(html)}`);
+await page.waitForSelector('main');
+await page.evaluate(() => document.documentElement.style.setProperty('scroll-behavior', 'auto'));
+// Every figure is drawn once it has been in the window.
+for (const figure of await page.locator('.figure, .replay').all()) {
+  await figure.scrollIntoViewIfNeeded();
+  await page.waitForTimeout(700);
+}
+await page.evaluate(() => scrollTo(0, 0));
+await page.waitForTimeout(1500);
+if (selector === undefined) await page.screenshot({ path: out, fullPage: height === undefined });
+else await page.locator(selector).first().screenshot({ path: out });
+await browser.close();
