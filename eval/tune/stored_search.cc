@@ -1,5 +1,7 @@
 #include "eval/tune/stored_search.h"
 
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -66,7 +68,7 @@ std::string objective_text(const Tuning& tuning) {
                          ? "default: T + 50 s x command change + 5 s x manipulability lost; T = time to goal, 2 time "
                            "limits for a failure, 4 for a collision"
                          : tuning.config.written["objective"].dump();
-  for (const MetricBound& bound : tuning.config.bounds) text += "; " + constraint_of(bound).name;
+  for (const MetricBound& bound : tuning.config.bounds) text += fmt::format("; {}", constraint_of(bound).name);
   return text;
 }
 

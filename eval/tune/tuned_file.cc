@@ -26,12 +26,13 @@ std::string flow(const Node& node) {
       return scalar_text(node);
     case Node::Kind::kSequence: {
       std::string text = "[";
-      for (const Node& item : node.items) text += (text.size() > 1 ? ", " : "") + flow(item);
+      for (const Node& item : node.items) text += fmt::format("{}{}", text.size() > 1 ? ", " : "", flow(item));
       return text + "]";
     }
     case Node::Kind::kMap: {
       std::string text = "{";
-      for (const auto& [key, value] : node.entries) text += (text.size() > 1 ? ", " : "") + key + ": " + flow(value);
+      for (const auto& [key, value] : node.entries)
+        text += fmt::format("{}{}: {}", text.size() > 1 ? ", " : "", key, flow(value));
       return text + "}";
     }
   }
@@ -43,7 +44,7 @@ std::string comment(const std::string& text) {
   std::string line;
   for (std::size_t i = 0; i <= text.size(); ++i) {
     if (i == text.size() || text[i] == '\n') {
-      result += line.empty() ? "#\n" : "# " + line + "\n";
+      result += line.empty() ? "#\n" : fmt::format("# {}\n", line);
       line.clear();
     } else {
       line += text[i];
@@ -70,7 +71,8 @@ std::string to_yaml(const Node& node, int indent) {
   const std::string space(static_cast<std::size_t>(indent), ' ');
   for (const auto& [key, value] : node.entries) {
     const bool nested = value.kind == Node::Kind::kMap && !value.entries.empty();
-    text += space + key + ":" + (nested ? "\n" + to_yaml(value, indent + 2) : " " + flow(value) + "\n");
+    text += fmt::format("{}{}:{}", space, key,
+                        nested ? fmt::format("\n{}", to_yaml(value, indent + 2)) : fmt::format(" {}\n", flow(value)));
   }
   return text;
 }
