@@ -17,12 +17,12 @@ struct GoalState {
 
 /// What a controller may know at one step: sensed, never the simulator's truth.
 struct Observation {
-  double time = 0.0;                   ///< since the start of the motion [s]
-  Vector3 base = Vector3::Zero();      ///< (x, y, phi)
-  VectorX q;                           ///< num_joints()
-  VectorX qdot;                        ///< measured velocity, num_velocities()
+  double time = 0.0;               ///< since the start of the motion [s]
+  Vector3 base = Vector3::Zero();  ///< (x, y, phi)
+  VectorX q;                       ///< num_joints()
+  VectorX qdot;                    ///< measured velocity, num_velocities()
   GoalState goal;
-  std::vector<ObjectState> objects;    ///< same number and order as given to reset()
+  std::vector<ObjectState> objects;  ///< same number and order as given to reset()
 };
 
 enum class StepStatus { kSolved, kInfeasible, kMaxIterations, kInvalidInput };
@@ -35,18 +35,18 @@ std::string_view to_string(Fallback fallback) noexcept;
 
 /// Command and how it came about. `status` is the original problem's; `fallback` says what replaced it.
 struct StepResult {
-  VectorX command;                      ///< num_velocities(); always finite and inside its bounds
-  Vector6 slack = Vector6::Zero();      ///< delta
-  Vector6 error = Vector6::Zero();      ///< [e_R; e_p] as the controller sees it
-  double error_norm = 0.0;              ///< clamped, as used in the weights
+  VectorX command;                  ///< num_velocities(); always finite and inside its bounds
+  Vector6 slack = Vector6::Zero();  ///< delta
+  Vector6 error = Vector6::Zero();  ///< [e_R; e_p] as the controller sees it
+  double error_norm = 0.0;          ///< clamped, as used in the weights
   double manipulability = 0.0;
-  double least_distance = std::numeric_limits<double>::infinity();   ///< to any object, within query range
+  double least_distance = std::numeric_limits<double>::infinity();  ///< to any object, within query range
   StepStatus status = StepStatus::kSolved;
   Fallback fallback = Fallback::kNone;
-  int rows = 0;                         ///< constraint rows of the problem
-  int active_rows = 0;                  ///< rows and bounds at their limit in the solution
+  int rows = 0;         ///< constraint rows of the problem
+  int active_rows = 0;  ///< rows and bounds at their limit in the solution
   int iterations = 0;
-  double solve_seconds = 0.0;           ///< 0 unless timing was asked for; never part of a comparison
+  double solve_seconds = 0.0;  ///< 0 unless timing was asked for; never part of a comparison
 };
 
 /// The one interface between a controller and the world. reset() may allocate and throw; step() does neither,

@@ -9,10 +9,14 @@ namespace {
 
 std::string describe(const Node& node) {
   switch (node.kind) {
-    case Node::Kind::kNull: return "nothing";
-    case Node::Kind::kScalar: return "'" + node.scalar + "'";
-    case Node::Kind::kSequence: return "a list of " + std::to_string(node.items.size());
-    case Node::Kind::kMap: return "a map";
+    case Node::Kind::kNull:
+      return "nothing";
+    case Node::Kind::kScalar:
+      return "'" + node.scalar + "'";
+    case Node::Kind::kSequence:
+      return "a list of " + std::to_string(node.items.size());
+    case Node::Kind::kMap:
+      return "a map";
   }
   return "?";
 }
@@ -82,8 +86,9 @@ long long read_integer(const Node& node, const std::string& key, long long low, 
     ok = error == std::errc() && stop == end && value >= low && value <= high;
   }
   if (!ok) {
-    fail(node.mark, key, "found " + describe(node) + ", expected a whole number from " + std::to_string(low) + " to " +
-                             std::to_string(high));
+    fail(node.mark, key,
+         "found " + describe(node) + ", expected a whole number from " + std::to_string(low) + " to " +
+             std::to_string(high));
   }
   return value;
 }
@@ -103,8 +108,9 @@ std::string read_string(const Node& node, const std::string& key) {
 
 std::vector<double> read_numbers(const Node& node, const std::string& key, int count, const Range& range) {
   if (node.kind != Node::Kind::kSequence || (count >= 0 && static_cast<int>(node.items.size()) != count)) {
-    fail(node.mark, key, "found " + describe(node) + ", expected a list of " +
-                             (count >= 0 ? std::to_string(count) + " numbers" : std::string("numbers")));
+    fail(node.mark, key,
+         "found " + describe(node) + ", expected a list of " +
+             (count >= 0 ? std::to_string(count) + " numbers" : std::string("numbers")));
   }
   std::vector<double> values;
   for (std::size_t i = 0; i < node.items.size(); ++i)
@@ -143,8 +149,8 @@ void MapReader::read(std::string_view name, int& value, int low, int high) {
 
 void MapReader::read(std::string_view name, unsigned long long& value) {
   if (const Node* node = get(name)) {
-    value = static_cast<unsigned long long>(
-        read_integer(*node, key_of(name), 0, std::numeric_limits<long long>::max()));
+    value =
+        static_cast<unsigned long long>(read_integer(*node, key_of(name), 0, std::numeric_limits<long long>::max()));
   }
 }
 

@@ -13,9 +13,9 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Source {
-  std::string name;      // as shown in messages
-  fs::path directory;    // what includes are relative to
-  std::vector<fs::path> open;   // files being read, outermost first: cycles
+  std::string name;            // as shown in messages
+  fs::path directory;          // what includes are relative to
+  std::vector<fs::path> open;  // files being read, outermost first: cycles
 };
 
 Node load(const fs::path& file, std::vector<fs::path> open, const Mark* from);
@@ -138,9 +138,7 @@ const Node* Node::find(std::string_view key) const noexcept {
   return nullptr;
 }
 
-Node* Node::find(std::string_view key) noexcept {
-  return const_cast<Node*>(static_cast<const Node*>(this)->find(key));
-}
+Node* Node::find(std::string_view key) noexcept { return const_cast<Node*>(static_cast<const Node*>(this)->find(key)); }
 
 Node load_yaml(const fs::path& file) { return load(file, {}, nullptr); }
 
