@@ -1,4 +1,5 @@
 // Batches: order, stop, skip, errors, and the same rows for any number of threads.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -24,7 +25,7 @@ struct FastBatch {
   explicit FastBatch(std::size_t worlds = 40) {
     for (std::uint64_t world = 0; world < worlds; ++world)
       for (std::size_t point = 0; point < points.size(); ++point)
-        jobs.push_back({point, world, std::to_string(world) + "/" + std::to_string(point)});
+        jobs.push_back({point, world, fmt::format("{}/{}", world, point)});
     options.world = [](const Point&, std::uint64_t index) {
       World world = tiny_world(0.1 + 0.001 * static_cast<double>(index));
       world.index = index;
