@@ -52,7 +52,7 @@ controllers:
   baseline: {method: rrmc}
 worlds: {seed: 11, families: {open: {weight: 1, distance: {uniform: [0.5, 1.5]}}, clutter: {weight: 1, objects: 3}}}
 simulation: {mode: kinematic, time_limit: 8}
-success: {position: 0.05, orientation: 3}
+success: {position: 0.4, orientation: 3}
 trials: 6
 )"));
   ordered_json rows = ordered_json::array();
