@@ -229,6 +229,14 @@ UrdfLink link_of(const urdf::Link& source) {
   return link;
 }
 
+// Links own their children: a loop among them would never be freed.
+struct LoopBreaker {
+  urdf::ModelInterface& model;
+  ~LoopBreaker() {
+    for (const auto& [name, link] : model.links_) link->child_links.clear();
+  }
+};
+
 UrdfTree parse(const std::string& text) {
   const Amended amended = amend(text);
   urdf::ModelInterfaceSharedPtr model;
@@ -241,6 +249,7 @@ UrdfTree parse(const std::string& text) {
     }
     if (!model) throw UrdfError(capture.text().empty() ? "not a valid URDF" : capture.text());
   }
+  const LoopBreaker breaker{*model};
   if (!model->getRoot()) throw UrdfError("there is no root link");
 
   UrdfTree tree;

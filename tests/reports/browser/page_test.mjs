@@ -104,6 +104,7 @@ const data = dataOf(demo);
   for (const id of await page.locator('.figure').evaluateAll((all) => all.map((f) => f.id))) {
     const figure = page.locator(`#${id}`);
     await figure.scrollIntoViewIfNeeded();
+    await page.waitForTimeout(500);   // Chromium drops a page's downloads past ten in a second, silently
     await page.waitForFunction((name) => document.querySelector(`#${name} canvas`) !== null, id);
     check(/n = \d/.test(await figure.locator('.note').innerText()), `${id} states n`);
     const [svg] = await Promise.all([page.waitForEvent('download'), figure.getByText('Save SVG').click()]);
