@@ -12,24 +12,43 @@ namespace moma::cli {
 
 void add_report(CLI::App& app, Action& action) {
   struct Options {
-    std::filesystem::path file;
+    reports::Stores stores;
     std::filesystem::path html;
+    std::filesystem::path figures;
+    std::filesystem::path table;
     ReportOptions report;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("report", "Write a store's results as one self-contained HTML page");
-  command->add_option("DB", options->file, "Store")->required();
-  command->add_option("-o,--output", options->html, "HTML file to write (the store's name with .html)");
+  command->add_option("DB", options->stores, "Store; several are compared on one page")->required();
+  command->add_option("-o,--output", options->html, "HTML file to write (the first store's name with .html)");
   command->add_option("--replays", options->report.replays, "At most so many trials with their motion")
       ->check(CLI::Range(0, 100000));
-  command->footer("Example: moma report results/demo.db -o reports/demo.html");
+  command->add_option("--figures", options->figures, "Write every figure as SVG into this folder (needs node)");
+  command->add_option("--table", options->table, "Write the table of results as .tex, .md or .csv");
+  command->footer(
+      "With --figures or --table the page is written only where -o asks for it.\n"
+      "Examples: moma report results/demo.db -o reports/demo.html\n"
+      "          moma report before.db after.db --figures paper/figures --table paper/results.tex");
   command->callback([&action, options] {
     action = [options] {
-      std::filesystem::path html = options->html;
-      if (html.empty()) html = std::filesystem::path(options->file).replace_extension(".html");
-      write_report(options->file, html, options->report);
-      store::remove_empty_wal(options->file);
-      std::cerr << fmt::format("wrote {}\n", html.string());
+      const reports::Stores& stores = options->stores;
+      std::vector<std::filesystem::path> written;
+      if (!options->table.empty()) {
+        write_table(stores, options->table);
+        written.push_back(options->table);
+      }
+      if (!options->figures.empty()) {
+        for (auto& file : write_figures(stores, options->figures)) written.push_back(std::move(file));
+      }
+      if (!options->html.empty() || (options->table.empty() && options->figures.empty())) {
+        std::filesystem::path html = options->html;
+        if (html.empty()) html = std::filesystem::path(stores.front()).replace_extension(".html");
+        write_report(stores, html, options->report);
+        written.push_back(html);
+      }
+      for (const std::filesystem::path& store : stores) store::remove_empty_wal(store);
+      for (const std::filesystem::path& file : written) std::cerr << fmt::format("wrote {}\n", file.string());
       return static_cast<int>(kOk);
     };
   });

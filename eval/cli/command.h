@@ -29,6 +29,7 @@ void add_run(CLI::App& app, Action& action, const Arguments& arguments);
 void add_tune(CLI::App& app, Action& action, const Arguments& arguments);
 void add_query(CLI::App& app, Action& action);
 void add_report(CLI::App& app, Action& action);
+void add_view(CLI::App& app, Action& action);
 void add_replay(CLI::App& app, Action& action);
 void add_verify(CLI::App& app, Action& action);
 void add_compare(CLI::App& app, Action& action);

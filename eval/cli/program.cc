@@ -31,6 +31,7 @@ void add_commands(CLI::App& app, Action& action, const Arguments& arguments) {
   add_tune(app, action, arguments);
   add_query(app, action);
   add_report(app, action);
+  add_view(app, action);
   add_replay(app, action);
   add_verify(app, action);
   add_compare(app, action);

@@ -67,20 +67,23 @@ std::string script_json(const Json& json) {
   return out;
 }
 
-std::string html(const Json& page) {
-  const std::string data = script_json(page);
+namespace {
+
+/// `reach`: what the content security policy lets the page fetch.
+std::string document(const std::string& title, const std::string& data, const std::string& reach) {
   std::string out;
   out.reserve(data.size() + page_js().size() + page_css().size() + 4096);
   out += "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>";
-  out += escape(title(page));
+  out += escape(title);
   out +=
       " \xe2\x80\x93 moma report</title>\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<meta name=\"color-scheme\" content=\"light dark\">\n"
-      // The page can reach nothing outside itself, whatever a store holds.
+      // The page can reach nothing else, whatever a store holds.
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'unsafe-inline'; "
-      "style-src 'unsafe-inline'; font-src data:; img-src data: blob:\">\n"
-      "<link rel=\"icon\" href=\"data:,\">\n<style>";
+      "style-src 'unsafe-inline'; font-src data:; img-src data: blob:";
+  out += reach;
+  out += "\">\n<link rel=\"icon\" href=\"data:,\">\n<style>";
   out += page_css();
   out +=
       "</style>\n</head>\n<body>\n<div id=\"app\"><noscript>This page needs JavaScript to draw its figures. The "
@@ -92,5 +95,11 @@ std::string html(const Json& page) {
   out += "</script>\n</body>\n</html>\n";
   return out;
 }
+
+}  // namespace
+
+std::string html(const Json& page) { return document(title(page), script_json(page), ""); }
+
+std::string served_html(const std::string& title) { return document(title, "{}", "; connect-src 'self'"); }
 
 }  // namespace moma::reports

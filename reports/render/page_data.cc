@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "reports/render/assets.h"
-#include "reports/render/replay_data.h"
+#include "reports/render/replays.h"
 #include "reports/render/store.h"
 
 namespace moma::reports {
@@ -120,40 +120,6 @@ Json tuning(SQLite::Database& store) {
     search["comparisons"] = rows(store, tuning_comparisons_sql(), id);
   }
   return searches;
-}
-
-/// The replays and, under "robots", each robot that one of them needs.
-void add_replays(SQLite::Database& store, const ReportOptions& options, Json& page) {
-  page["robots"] = Json::object();
-  page["replays"] = Json::array();
-  SQLite::Statement query = prepare(store, replays_sql());
-  query.bind(1, options.replays);
-  while (query.executeStep()) {
-    const std::string trial = query.getColumn("trial").getString();
-    try {
-      const SQLite::Column blob = query.getColumn("data");
-      StoredSamples samples;
-      samples.layout = query.getColumn("layout").getInt();
-      samples.n = query.getColumn("n").getInt64();
-      samples.columns = Json::parse(query.getColumn("columns").getString()).get<std::vector<std::string>>();
-      samples.data = {static_cast<const char*>(blob.getBlob()), static_cast<std::size_t>(blob.getBytes())};
-      if (samples.n == 0) continue;
-      const std::string robot = query.getColumn("robot").getString();
-      Json replay = {{"trial", trial},
-                     {"robot", query.getColumn("robot").getInt64()},
-                     {"world", Json::parse(query.getColumn("json_world").getString())}};
-      replay.update(replay_data(samples, options.replay_hz));
-      page["replays"].push_back(std::move(replay));
-      if (!page["robots"].contains(robot)) {
-        SQLite::Statement one(store, "SELECT resolved FROM robot WHERE id = ?1");
-        one.bind(1, page["replays"].back()["robot"].get<std::int64_t>());
-        one.executeStep();
-        page["robots"][robot] = Json::parse(one.getColumn(0).getString());
-      }
-    } catch (const std::exception& error) {
-      throw ReportError(fmt::format("{}: trial {}: {}", store.getFilename(), trial, error.what()));
-    }
-  }
 }
 
 }  // namespace

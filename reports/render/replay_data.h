@@ -15,6 +15,15 @@ struct StoredSamples {
   std::string_view data;  ///< one zstd frame
 };
 
+/// The same, owned: a trial simulated again.
+struct OwnedSamples {
+  int layout = 0;
+  long long n = 0;
+  std::vector<std::string> columns;
+  std::vector<unsigned char> data;
+  StoredSamples view() const { return {layout, n, columns, {reinterpret_cast<const char*>(data.data()), data.size()}}; }
+};
+
 /// `{"hz", "n", "columns", "data"}`: the motion at about `hz` samples a second (first and last always kept), as
 /// float32 columns one after the other, their bytes regrouped by significance, deflated (zlib), in base64.
 /// Columns: t, base_x, base_y, base_phi, q0..., error_rotation, error_position, slack (norms), manipulability,

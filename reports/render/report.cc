@@ -1,10 +1,9 @@
 #include "reports/render/report.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
+#include <set>
 
-#include <fstream>
-
+#include "reports/render/files.h"
 #include "reports/render/html.h"
 #include "reports/render/page_data.h"
 #include "reports/render/store.h"
@@ -12,51 +11,49 @@
 namespace moma::reports {
 namespace {
 
-/// Removes the file unless it was renamed away.
-struct Temporary {
-  std::filesystem::path path;
-  ~Temporary() {
-    std::error_code ignored;
-    std::filesystem::remove(path, ignored);
-  }
-};
-
-void write_atomically(const std::filesystem::path& file, const std::string& text) {
-  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (std::filesystem::is_directory(file, error)) {
-    throw ReportError(fmt::format("{}: this is a folder; wanted: the name of the page's file", file.string()));
-  }
-  const Temporary temporary{folder / fmt::format(".{}.{}.part", file.filename().string(), getpid())};
-  std::ofstream out(temporary.path, std::ios::binary | std::ios::trunc);
-  if (!out) {
-    throw ReportError(
-        fmt::format("{}: cannot be written; wanted: a folder that exists and may be written to", file.string()));
-  }
-  out.write(text.data(), static_cast<std::streamsize>(text.size()));
-  out.close();
-  if (!out) throw ReportError(fmt::format("{}: cannot be written: the disk may be full", file.string()));
-  std::filesystem::rename(temporary.path, file, error);
-  if (error) throw ReportError(fmt::format("{}: cannot be written: {}", file.string(), error.message()));
+/// Stems of the files, with their folders where those are needed to tell them apart.
+std::vector<std::string> labels_of(const Stores& stores) {
+  std::vector<std::string> labels;
+  for (const std::filesystem::path& store : stores) labels.push_back(store.stem().string());
+  const bool distinct = std::set<std::string>(labels.begin(), labels.end()).size() == labels.size();
+  for (std::size_t i = 0; i < stores.size() && !distinct; ++i) labels[i] = stores[i].string();
+  return labels;
 }
 
 }  // namespace
 
-void write_report(const std::filesystem::path& db, const std::filesystem::path& html_file,
-                  const ReportOptions& options) {
+nlohmann::ordered_json read_stores(const Stores& stores, const ReportOptions& options) {
+  if (stores.empty()) throw ReportError("a report needs a store; wanted: one or more, written by moma run");
+  std::set<std::filesystem::path> seen;
+  std::vector<nlohmann::ordered_json> pages;
+  ReportOptions each = options;
+  each.replays = (options.replays + static_cast<int>(stores.size()) - 1) / static_cast<int>(stores.size());
+  for (const std::filesystem::path& db : stores) {
+    std::error_code ignored;
+    if (!seen.insert(std::filesystem::weakly_canonical(db, ignored)).second) {
+      throw ReportError(fmt::format("{}: the same store twice; wanted: different ones", db.string()));
+    }
+    try {
+      SQLite::Database store = open_store(db);
+      pages.push_back(page_data(store, each));
+    } catch (const SQLite::Exception& error) {
+      throw ReportError(fmt::format("{}: cannot be read: {}", db.string(), error.what()));
+    } catch (const nlohmann::json::exception& error) {
+      throw ReportError(fmt::format("{}: holds JSON that cannot be read: {}", db.string(), error.what()));
+    }
+  }
+  return pages.size() == 1 ? std::move(pages.front()) : combined(std::move(pages), labels_of(stores));
+}
+
+void write_report(const Stores& stores, const std::filesystem::path& html_file, const ReportOptions& options) {
   if (options.replays < 0) throw ReportError("replays: wanted: 0 or more");
   if (!(options.replay_hz > 0.0)) throw ReportError("replay_hz: wanted: more than 0");
-  std::string text;
-  try {
-    SQLite::Database store = open_store(db);
-    text = html(page_data(store, options));
-  } catch (const SQLite::Exception& error) {
-    throw ReportError(fmt::format("{}: cannot be read: {}", db.string(), error.what()));
-  } catch (const nlohmann::json::exception& error) {
-    throw ReportError(fmt::format("{}: holds JSON that cannot be read: {}", db.string(), error.what()));
-  }
-  write_atomically(html_file, text);
+  write_atomically(html_file, html(read_stores(stores, options)));
+}
+
+void write_report(const std::filesystem::path& store, const std::filesystem::path& html_file,
+                  const ReportOptions& options) {
+  write_report(Stores{store}, html_file, options);
 }
 
 }  // namespace moma::reports

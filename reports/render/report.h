@@ -2,13 +2,17 @@
 
 #include <filesystem>
 #include <stdexcept>
+#include <vector>
 
 namespace moma::reports {
 
 struct ReportOptions {
   int replays = 40;         ///< at most so many trials carry their motion in the page; the worst of each kind first
   double replay_hz = 10.0;  ///< samples per second of those, > 0
+  bool served = false;      ///< for a page that asks `moma view` for motions: trials are named, their motion left out
 };
+
+using Stores = std::vector<std::filesystem::path>;
 
 /// What is wrong with the store or the page's place; what() is complete, for a person.
 class ReportError : public std::runtime_error {
@@ -16,18 +20,29 @@ class ReportError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Writes the page of store `db` to `html`: one file that needs nothing else, neither program nor network.
-/// The store is only read, in one transaction, also while a run writes to it. The page appears whole or not at
-/// all (written beside its place, then renamed). A store without trials gives a page that says so.
+/// Writes the page of one store, or of several side by side, to `html`: one file that needs nothing else, neither
+/// program nor network. Each store is only read, in one transaction, also while a run writes to it. The page appears
+/// whole or not at all (written beside its place, then renamed). A store without trials gives a page that says so.
 /// Throws ReportError: no such store, not SQLite, not moma's, another schema version, no place for the page.
 /// Cost: about 0.1 ms and 0.6 kB a trial, 30 kB a replay, 1.5 MB for the page's script and fonts.
-void write_report(const std::filesystem::path& db, const std::filesystem::path& html,
+void write_report(const Stores& stores, const std::filesystem::path& html, const ReportOptions& options = {});
+void write_report(const std::filesystem::path& store, const std::filesystem::path& html,
                   const ReportOptions& options = {});
+
+/// Writes every figure of the page that has something to show as FOLDER/ID.svg, on white paper, drawn by the same code.
+/// Returns the files. Runs the program `node`; throws ReportError where it is missing or the folder cannot be written.
+std::vector<std::filesystem::path> write_figures(const Stores& stores, const std::filesystem::path& folder);
+
+/// Writes the table of results (v_summary, and all families together) for a paper; the file's ending chooses
+/// .tex (booktabs), .md or .csv (every digit). Throws ReportError naming what is wrong.
+void write_table(const Stores& stores, const std::filesystem::path& file);
 
 }  // namespace moma::reports
 
 namespace moma {
 using reports::ReportError;
 using reports::ReportOptions;
+using reports::write_figures;
 using reports::write_report;
+using reports::write_table;
 }  // namespace moma

@@ -1,6 +1,7 @@
--- Every trial of every point, flat, with its world's difficulty and its deadline misses.
+-- Every trial of every point, flat, with its world's difficulty, its deadline misses, and a
+-- name for its world that is the same in every store.
 SELECT v.*, w.goal_distance_m, w.objects, w.witness_clearance_m, w.blocked_fraction, w.narrowest_gap_m,
-       e.deadline_misses
+       e.deadline_misses, substr(lower(hex(w.hash)), 1, 12) AS world_key
 FROM v_trials AS v
 JOIN suite AS s ON s.name = v.suite
 JOIN point AS p ON p.suite_id = s.id AND p.controller = v.controller AND p.label = v.point

@@ -1,18 +1,10 @@
-// Bundles the page into dist/page.js and dist/page.css: one script and one style sheet, nothing fetched at run time.
+// Bundles the page into dist/page.js and dist/page.css, one script and one style sheet, nothing fetched at run time; and
+// its figures into dist/figures.js, for node, which has no window.
 import { build } from 'esbuild';
 import { fileURLToPath } from 'node:url';
 import { dirname } from 'node:path';
 
 process.chdir(dirname(fileURLToPath(import.meta.url)));
-await build({
-  entryPoints: { page: 'src/main.ts' },
-  outdir: 'dist',
-  bundle: true,
-  format: 'iife',
-  target: ['es2022'],
-  minify: true,
-  charset: 'utf8',
-  legalComments: 'eof',
-  loader: { '.woff2': 'dataurl' },
-  logLevel: 'warning',
-});
+const common = { outdir: 'dist', bundle: true, minify: true, charset: 'utf8', legalComments: 'eof', logLevel: 'warning' };
+await build({ ...common, entryPoints: { page: 'src/main.ts' }, format: 'iife', target: ['es2022'], loader: { '.woff2': 'dataurl' } });
+await build({ ...common, entryPoints: { figures: 'src/figures.ts' }, format: 'esm', platform: 'node', target: ['node18'] });

@@ -1,19 +1,42 @@
+#include <atomic>
+#include <csignal>
 #include <cstdio>
-#include <cstdlib>
+#include <cstring>
 #include <exception>
 
 #include "reports/render/report.h"
+#include "reports/render/view.h"
 
-/// make_report STORE HTML [REPLAYS]: for the tests of the page in a browser.
+namespace {
+std::atomic<bool> stop{false};
+}
+
+/// For the tests of the page in a browser:
+///   make_report STORE... HTML
+///   make_report --figures STORE... FOLDER
+///   make_report --view STORE...        until SIGTERM; prints the address
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::fprintf(stderr, "usage: make_report STORE HTML [REPLAYS]\n");
+    std::fprintf(stderr, "usage: make_report [--figures | --view] STORE... [HTML | FOLDER]\n");
     return 2;
   }
-  moma::ReportOptions options;
-  if (argc > 3) options.replays = std::atoi(argv[3]);
+  const bool figures = std::strcmp(argv[1], "--figures") == 0;
+  const bool view = std::strcmp(argv[1], "--view") == 0;
+  const moma::reports::Stores stores(argv + (figures || view ? 2 : 1), argv + (view ? argc : argc - 1));
   try {
-    moma::write_report(argv[1], argv[2], options);
+    if (figures) {
+      moma::write_figures(stores, argv[argc - 1]);
+    } else if (view) {
+      std::signal(SIGTERM, [](int) { stop = true; });
+      moma::reports::ViewOptions options;
+      options.port = 0;
+      moma::reports::serve(stores, options, stop, [](const std::string& address) {
+        std::printf("%s\n", address.c_str());
+        std::fflush(stdout);
+      });
+    } else {
+      moma::write_report(stores, argv[argc - 1]);
+    }
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;

@@ -37,6 +37,8 @@ export interface FigureSpec {
   /** null: there is nothing to show, and `empty` says why. */
   draw: (palette: Palette, width: number) => Drawing | null;
   empty: string;
+  /** What must be read before the first drawing. */
+  prepare?: () => Promise<void>;
   /** A mark was clicked; `data` is its datum. */
   click?: (data: unknown) => void;
 }
@@ -54,7 +56,7 @@ export function base(p: Palette): Option {
       textStyle: { color: p.ink, fontSize: 12, fontFamily: kFont },
       extraCssText: 'box-shadow: 0 4px 18px rgba(0,0,0,.14); border-radius: 6px; max-width: 320px; white-space: normal',
     },
-    grid: { left: 8, right: 16, top: 34, bottom: 8, containLabel: true },
+    grid: { left: 8, right: 16, top: 34, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
   };
 }
 
@@ -110,19 +112,24 @@ export function tip(head: string, rows: readonly (readonly [string, string])[], 
 }
 
 const waiting = new Map<Element, () => void>();
-const seen = new IntersectionObserver((entries) => {
-  for (const entry of entries) {
-    if (!entry.isIntersecting) continue;
-    seen.unobserve(entry.target);
-    waiting.get(entry.target)?.();
-    waiting.delete(entry.target);
-  }
-}, { rootMargin: '300px' });
+let observer: IntersectionObserver | null = null;
+
+/** Made when first needed: figures are also drawn where there is no window. */
+function seen(): IntersectionObserver {
+  return observer ??= new IntersectionObserver((entries, self) => {
+    for (const entry of entries) {
+      if (!entry.isIntersecting) continue;
+      self.unobserve(entry.target);
+      waiting.get(entry.target)?.();
+      waiting.delete(entry.target);
+    }
+  }, { rootMargin: '300px' });
+}
 
 /** Calls back once, when the element comes near the window. */
 export function whenSeen(element: Element, call: () => void): void {
   waiting.set(element, call);
-  seen.observe(element);
+  seen().observe(element);
 }
 
 const figures: Element[] = [];
@@ -130,7 +137,7 @@ const figures: Element[] = [];
 function drawWaiting(element: Element): void {
   const call = waiting.get(element);
   if (call === undefined) return;
-  seen.unobserve(element);
+  seen().unobserve(element);
   waiting.delete(element);
   call();
 }
@@ -145,6 +152,18 @@ export function drawWhenIdle(): void {
   };
   setTimeout(() => requestIdleCallback(idle), 1500);
   addEventListener('beforeprint', () => figures.forEach(drawWaiting));
+}
+
+/** The figure on white paper; null where it has nothing to show. Needs no browser. */
+export function svgOf(spec: FigureSpec): string | null {
+  const width = 760;
+  const drawing = spec.draw(palette(true), width);
+  if (drawing === null) return null;
+  const paper = echarts.init(null, null, { renderer: 'svg', ssr: true, width, height: drawing.height ?? 340 });
+  paper.setOption({ ...base(palette(true)), ...drawing.option, animation: false, backgroundColor: '#ffffff' });
+  const svg = paper.renderToSVGString();
+  paper.dispose();
+  return svg;
 }
 
 export function figure(spec: FigureSpec): HTMLElement {
@@ -192,13 +211,8 @@ export function figure(spec: FigureSpec): HTMLElement {
   };
 
   const save = (): void => {
-    const width = 760;
-    const drawing = spec.draw(palette(true), width);
-    if (drawing === null) return;
-    const paper = echarts.init(null, null, { renderer: 'svg', ssr: true, width, height: drawing.height ?? 340 });
-    paper.setOption({ ...base(palette(true)), ...drawing.option, animation: false, backgroundColor: '#ffffff' });
-    download(`${spec.id}.svg`, 'image/svg+xml', paper.renderToSVGString());
-    paper.dispose();
+    const svg = svgOf(spec);
+    if (svg !== null) download(`${spec.id}.svg`, 'image/svg+xml', svg);
   };
 
   const saveData = (): void => {
@@ -211,7 +225,8 @@ export function figure(spec: FigureSpec): HTMLElement {
   figures.push(element);
   whenSeen(element, () => {
     started = true;
-    draw();
+    if (spec.prepare === undefined) draw();
+    else void spec.prepare().then(draw);
     let width = plot.clientWidth;
     new ResizeObserver(() => {
       if (plot.clientWidth === width) return;

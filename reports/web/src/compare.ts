@@ -21,13 +21,14 @@ export interface Pairs {
 
 export function pairs(model: Model, a: Series, b: Series, key: string): Pairs {
   const t = model.trials;
-  // Two families never share a world's index within one suite.
-  const place = new Map(a.rows.map((row) => [t.number('world', row), row]));
+  // By what the world is, not by its index: stores that are compared may count other worlds.
+  const named = (row: number): string => t.text('world_key', row);
+  const place = new Map(a.rows.map((row) => [named(row), row]));
   const worlds: Pairs['worlds'] = [];
   const count = { both: 0, onlyA: 0, onlyB: 0, neither: 0 };
   for (const row of b.rows) {
     const world = t.number('world', row);
-    const other = place.get(world);
+    const other = place.get(named(row));
     if (other === undefined) continue;
     worlds.push({ world, a: other, b: row, x: t.number(key, other), y: t.number(key, row) });
     const [sa, sb] = [t.success(other), t.success(row)];

@@ -19,9 +19,11 @@ export interface SummaryRow {
   collision_rate: number; collision_low: number; collision_high: number;
   time_to_goal_median_s: number | null; manip_mean: number | null; clearance_min_m: number | null;
   command_change_mean: number | null;
+  store?: string;
 }
 
 export interface PointInfo {
+  store?: string;
   suite: string; robot: string; controller: string; point: string; mode: string;
   params: Record<string, unknown>; parameters: unknown; worlds: { seed?: number | string; [key: string]: unknown };
   control_period_s: number; physics_step_s: number; time_limit_s: number;
@@ -34,12 +36,18 @@ export interface Invocation {
   moma_version: string; git_commit: string | null; git_dirty: number | null; build_type: string;
   compiler: string; compiler_flags: string; libraries: Record<string, string>; host: string; os: string;
   cpu: string; cpu_count: number; threads: number; machine_class: string;
-  trials_planned: number; trials_present: number; trials_done: number;
+  trials_planned: number; trials_present: number; trials_done: number; store?: string;
 }
 
 export interface ReplayData {
-  trial: string; robot: number; world: unknown; hz: number; n: number; columns: string[]; data: string;
+  trial: string; robot: string; world: unknown; hz: number; n: number; columns: string[]; data: string;
 }
+
+/** What `moma view` answers: the robot comes along; samples may have been simulated anew for it. */
+interface ServedReplay extends ReplayData { resolved: unknown; simulated?: boolean }
+
+/** A motion to play. */
+export interface Motion { replay: ReplayData; robot: unknown; simulated: boolean }
 
 export interface TuneSearch {
   suite: string; controller: string; objective: string; unit: string; budget_trials: number; started: string; ended: string | null;
@@ -58,13 +66,18 @@ export interface TuneSearch {
 export interface PageData {
   format: number;
   store: { file: string; schema: number };
+  /** Where several stores are compared; rows then name their store. */
+  stores?: { label: string; file: string }[];
+  /** Where `moma view` serves the page: motions are asked for. */
+  live?: { token: string; simulates: boolean };
   invocations: Invocation[];
   points: PointInfo[];
   summary: SummaryRow[];
   overall: SummaryRow[];
   trials: { n: number; columns: Record<string, Cell[] | { values: string[]; codes: number[] }> };
   robots: Record<string, unknown>;
-  replays: ReplayData[];
+  /** The worst of each kind; with `live` their names only. */
+  replays: (ReplayData | { trial: string })[];
   samples_stored: number;
   tuning: TuneSearch[];
 }
@@ -76,12 +89,17 @@ interface TextColumn {
 
 /** One row per trial, by column. */
 export class Trials {
-  readonly n: number;
+  n = 0;
+  /** What a search looks at, by row; filled when first needed. */
+  readonly haystacks: string[] = [];
   private readonly texts = new Map<string, TextColumn>();
   private readonly numbers = new Map<string, Float64Array>();
 
-  constructor(source: PageData['trials']) {
+  load(source: PageData['trials']): void {
     this.n = source.n;
+    this.haystacks.length = 0;
+    this.texts.clear();
+    this.numbers.clear();
     for (const [name, column] of Object.entries(source.columns)) {
       if (Array.isArray(column)) {
         this.numbers.set(name, Float64Array.from(column, (v) => (v === null ? NaN : v === 'inf' ? Infinity : v === '-inf' ? -Infinity : Number(v))));
@@ -143,13 +161,25 @@ export interface Series {
 }
 
 export class Model {
-  readonly trials: Trials;
-  readonly slices: Slice[] = [];
-  private readonly rowOf = new Map<string, number>();
-  private readonly replayOf = new Map<string, ReplayData>();
+  readonly trials = new Trials();
+  slices: Slice[] = [];
+  page: PageData;
+  private rowOf = new Map<string, number>();
+  private replayOf = new Map<string, ReplayData>();
+  private fetched = new Map<string, Promise<Motion>>();
 
-  constructor(readonly page: PageData) {
-    this.trials = new Trials(page.trials);
+  constructor(page: PageData) {
+    this.page = page;
+    this.load(page);
+  }
+
+  /** Shows other data from now on; whoever draws must draw again. */
+  load(page: PageData): void {
+    this.page = page;
+    this.trials.load(page.trials);
+    this.slices = [];
+    this.rowOf = new Map();
+    this.replayOf = new Map();
     const seen = new Set<string>();
     for (const { suite, robot, mode } of page.points) {
       const id = [suite, robot, mode].join(' / ');
@@ -161,15 +191,37 @@ export class Model {
       const key = this.trials.text('trial', row);
       if (!this.rowOf.has(key)) this.rowOf.set(key, row);
     }
-    for (const replay of page.replays) this.replayOf.set(replay.trial, replay);
+    for (const replay of page.replays) if ('data' in replay) this.replayOf.set(replay.trial, replay);
   }
 
   row(trial: string): number | undefined {
     return this.rowOf.get(trial);
   }
 
-  replay(trial: string): ReplayData | undefined {
-    return this.replayOf.get(trial);
+  /** Whether motion() may have it. */
+  playable(trial: string): boolean {
+    return this.page.live === undefined ? this.replayOf.has(trial) : this.rowOf.has(trial);
+  }
+
+  /** From the page, or from the server that serves it. */
+  motion(trial: string): Promise<Motion> {
+    const replay = this.replayOf.get(trial);
+    if (replay !== undefined) return Promise.resolve({ replay, robot: this.page.robots[replay.robot], simulated: false });
+    if (this.page.live === undefined) return Promise.reject(new Error('its motion is not in the page'));
+    let asked = this.fetched.get(trial);
+    if (asked === undefined) {
+      asked = fetchMotion(trial);
+      this.fetched.set(trial, asked);
+      asked.catch(() => this.fetched.delete(trial));   // may be asked for again
+      if (this.fetched.size > 60) this.fetched.delete(this.fetched.keys().next().value ?? '');
+    }
+    return asked;
+  }
+
+  /** File that holds a trial. */
+  file(row: number): string {
+    const label = this.trials.text('store', row);
+    return this.page.stores?.find((s) => s.label === label)?.file ?? this.page.store.file;
   }
 
   families(slice: Slice): string[] {
@@ -193,6 +245,20 @@ export class Model {
   }
 }
 
+/** What `moma view` answers; throws an Error with its words where it refuses. */
+export async function ask(path: string): Promise<unknown> {
+  const answer = await fetch(path);
+  const json = await answer.json() as { error?: string };
+  if (!answer.ok) throw new Error(json.error ?? answer.statusText);
+  return json;
+}
+
+async function fetchMotion(trial: string): Promise<Motion> {
+  const served = await ask(`replay/${trial}`) as ServedReplay;
+  if (served.n === 0) throw new Error('the store keeps no samples of it');
+  return { replay: served, robot: served.resolved, simulated: served.simulated === true };
+}
+
 export function inSlice(row: { suite: string; robot: string; mode: string }, slice: Slice): boolean {
   return row.suite === slice.suite && row.robot === slice.robot && row.mode === slice.mode;
 }
@@ -201,7 +267,8 @@ export function seriesName(controller: string, point: string): string {
   return point === '' ? controller : `${controller} \u00b7 ${point}`;
 }
 
-export function readPageData(): PageData {
-  const block = document.getElementById('moma-data');
-  return JSON.parse(block?.textContent ?? '{}') as PageData;
+/** The data in the page itself; else from the server that it came from. */
+export async function readPageData(): Promise<PageData> {
+  const block = JSON.parse(document.getElementById('moma-data')?.textContent ?? '{}') as Partial<PageData>;
+  return (block.format === undefined ? await ask('data.json') : block) as PageData;
 }

@@ -1,19 +1,17 @@
-// The report page. Everything it shows is in the data block of the same file; nothing is fetched.
+// The report page. Everything that a written report shows is in the data block of the same file, and nothing is fetched;
+// the page of `moma view` asks the server that it came from.
 
 import './style.css';
 
-import { drawWhenIdle } from './chart';
-import { Model, readPageData } from './data';
+import { drawWhenIdle, figure } from './chart';
+import { Model, readPageData, type PageData } from './data';
 import { append, h, replace } from './dom';
-import { arrival } from './figures/arrival';
-import { difficulty } from './figures/difficulty';
-import { distribution } from './figures/distribution';
-import { outcomes } from './figures/outcomes';
-import { paired } from './figures/paired';
+import { kFigures } from './figures/all';
 import { tuning } from './figures/tuning';
-import { isSwept, sweep } from './figures/sweep';
-import { timing } from './figures/timing';
+import { isSwept } from './figures/sweep';
+import { liveLine } from './live';
 import { player } from './replay/player';
+import { comparison } from './sections/comparison';
 import { failures } from './sections/failures';
 import { masthead } from './sections/masthead';
 import { provenance } from './sections/provenance';
@@ -28,29 +26,28 @@ function section(id: string, title: string, ...content: Node[]): HTMLElement {
   return h('section', { id, 'aria-labelledby': `${id}-title` }, h('h2', { id: `${id}-title` }, title), ...content);
 }
 
-function start(app: HTMLElement): void {
-  startTheme();
-  state.start();
-  const model = new Model(readPageData());
+function start(app: HTMLElement, page: PageData): void {
+  const model = new Model(page);
   startView(model);
+  const live = liveLine(model);
   if (model.trials.n === 0) {
-    replace(app, masthead(model), h('main', null, section('provenance', 'Provenance', provenance(model))));
+    replace(app, masthead(model, live), h('main', null, section('provenance', 'Provenance', provenance(model))));
     return;
   }
-  const sections: [id: string, title: string, content: () => Node[], link?: string][] = [
-    ['results', 'Results', () => [summary(model), outcomes()]],
-    ['time', 'Time to goal', () => [arrival()], 'Time'],
-    ['difficulty', 'Difficulty', () => [difficulty()]],
-    ...(isSwept(model) ? [['sweep', 'Sweep', () => sweep(model)] as [string, string, () => Node[]]] : []),
-    ...(model.page.tuning.length > 0 ? [['tuning', 'Tuning', () => tuning(model)] as [string, string, () => Node[]]] : []),
-    ['quality', 'Quality of motion', () => [
-      distribution('manipulability', 'Manipulability', 'How the trials of each controller are spread, failures included. Choose any metric.', 'manip_mean'),
-      distribution('metric', 'Any other metric', 'The same for a second metric, to read side by side.', 'command_change_mean'),
-    ], 'Quality'],
-    ['pairs', 'World by world', () => [paired()], 'Pairs'],
+  const drawn = (part: keyof typeof kFigures): Node[] => kFigures[part](model).map(figure);
+  const several = new Set(page.points.map((p) => [p.suite, p.controller, p.point].join('\n'))).size > 1;
+  type Section = [id: string, title: string, content: () => Node[], link?: string];
+  const sections: Section[] = [
+    ['results', 'Results', () => [summary(model), ...drawn('results')]],
+    ['time', 'Time to goal', () => drawn('time'), 'Time'],
+    ['difficulty', 'Difficulty', () => drawn('difficulty')],
+    ...(isSwept(model) ? [['sweep', 'Sweep', () => drawn('sweep')] as Section] : []),
+    ...(page.tuning.length > 0 ? [['tuning', 'Tuning', () => tuning(model)] as Section] : []),
+    ['quality', 'Quality of motion', () => drawn('quality'), 'Quality'],
+    ['pairs', 'World by world', () => [...(several ? [comparison(model)] : []), ...drawn('pairs')], 'Pairs'],
     ['failures', 'Failures', () => [failures(model)]],
     ['replay', 'Replay', () => [player(model)]],
-    ['timing', 'Timing', () => [timing()]],
+    ['timing', 'Timing', () => drawn('timing')],
     ['trials', 'Trials', () => [trials(model)]],
     ['provenance', 'Provenance', () => [provenance(model)]],
   ];
@@ -59,7 +56,7 @@ function start(app: HTMLElement): void {
     event.preventDefault();
     document.getElementById('results')?.scrollIntoView();
   } }, 'Skip to the results');
-  replace(app, skip, masthead(model), bar.element);
+  replace(app, skip, masthead(model, live), bar.element);
   // The verdict is painted before the rest is built.
   requestAnimationFrame(() => setTimeout(() => {
     append(app,
@@ -73,10 +70,11 @@ function start(app: HTMLElement): void {
 
 const app = document.getElementById('app');
 if (app !== null) {
-  try {
-    start(app);
-  } catch (error) {
+  startTheme();
+  state.start();
+  replace(app, h('p', { class: 'reading' }, 'Reading the store\u2026'));
+  readPageData().then((page) => start(app, page)).catch((error: unknown) => {
     replace(app, h('p', { class: 'broken' }, `This page cannot be shown: ${error instanceof Error ? error.message : String(error)}`));
     throw error;
-  }
+  });
 }

@@ -31,6 +31,16 @@ export function mcnemar(b: number, c: number): number {
   return Math.min(1, 2 * sum);
 }
 
+/**
+ * Difference of two paired rates: `onlyA` and `onlyB` of n pairs are hits of one alone; value B - A, with the adjusted
+ * Wald interval of Bonett and Price (J. Educ. Behav. Stat. 37, 2012) and the exact McNemar test.
+ */
+export function pairedRate(onlyA: number, onlyB: number, n: number): Interval & { value: number; p: number } {
+  const [a, b] = [(onlyA + 1) / (n + 2), (onlyB + 1) / (n + 2)];
+  const half = kZ * Math.sqrt((a + b - (b - a) ** 2) / (n + 2));
+  return { value: (onlyB - onlyA) / n, low: Math.max(-1, b - a - half), high: Math.min(1, b - a + half), p: mcnemar(onlyA, onlyB) };
+}
+
 /** Holm's step-down correction, in the order given. */
 export function holm(p: readonly number[]): number[] {
   const order = p.map((_, i) => i).sort((a, b) => (p[a] ?? 0) - (p[b] ?? 0));
@@ -43,6 +53,23 @@ export function holm(p: readonly number[]): number[] {
   return out;
 }
 
+/** Least and greatest of the finite values, which may be too many for Math.min(...values); null where there is none. */
+export function extent(values: Iterable<number>): [number, number] | null {
+  let [low, high] = [Infinity, -Infinity];
+  for (const value of values) {
+    if (!Number.isFinite(value)) continue;
+    if (value < low) low = value;
+    if (value > high) high = value;
+  }
+  return low <= high ? [low, high] : null;
+}
+
+/** Indices 0 ... n - 1, at most about `most` of them, evenly spread, with the first and the last. */
+export function thinned(n: number, most = 1500): number[] {
+  if (n <= most) return Array.from({ length: n }, (_, i) => i);
+  return Array.from({ length: most }, (_, i) => Math.round((i * (n - 1)) / (most - 1)));
+}
+
 /** Linear interpolation between order statistics (R's type 7); `sorted` ascending, not empty. */
 export function quantile(sorted: ArrayLike<number>, probability: number): number {
   const position = (sorted.length - 1) * probability;
@@ -50,6 +77,42 @@ export function quantile(sorted: ArrayLike<number>, probability: number): number
   const low = sorted[below] ?? NaN;
   const high = sorted[Math.min(below + 1, sorted.length - 1)] ?? NaN;
   return low + (high - low) * (position - below);
+}
+
+/** Ranks from 1, ties shared. */
+function ranks(values: readonly number[]): Float64Array {
+  const order = values.map((_, i) => i).sort((a, b) => (values[a] ?? 0) - (values[b] ?? 0));
+  const out = new Float64Array(values.length);
+  for (let i = 0; i < order.length;) {
+    let j = i;
+    while (j + 1 < order.length && values[order[j + 1] ?? 0] === values[order[i] ?? 0]) ++j;
+    for (let k = i; k <= j; ++k) out[order[k] ?? 0] = (i + j) / 2 + 1;
+    i = j + 1;
+  }
+  return out;
+}
+
+/**
+ * Spearman's rank correlation with a 95 % interval by Fisher's transformation, whose variance is
+ * (1 + rho^2 / 2) / (n - 3) (Bonett and Wright, Psychometrika 65, 2000). null where undefined.
+ */
+export function spearman(x: readonly number[], y: readonly number[]): (Interval & { value: number }) | null {
+  const n = x.length;
+  if (n < 4) return null;
+  const [a, b] = [ranks(x), ranks(y)];
+  const mean = (n + 1) / 2;
+  let [xy, xx, yy] = [0, 0, 0];
+  for (let i = 0; i < n; ++i) {
+    const [u, v] = [(a[i] ?? 0) - mean, (b[i] ?? 0) - mean];
+    xy += u * v;
+    xx += u * u;
+    yy += v * v;
+  }
+  if (xx === 0 || yy === 0) return null;
+  const value = Math.min(1, Math.max(-1, xy / Math.sqrt(xx * yy)));
+  if (Math.abs(value) === 1) return { value, low: value, high: value };
+  const half = kZ * Math.sqrt((1 + value * value / 2) / (n - 3));
+  return { value, low: Math.tanh(Math.atanh(value) - half), high: Math.tanh(Math.atanh(value) + half) };
 }
 
 export interface Spread {

@@ -34,12 +34,12 @@ const dark: Palette = {
 export const kSymbols = ['circle', 'diamond', 'triangle', 'rect', 'roundRect', 'pin', 'arrow', 'circle'] as const;
 export const kDashes = ['solid', [6, 3], [2, 3], [9, 3, 2, 3], [12, 4], [1, 2], [4, 2, 1, 2], [8, 2]] as const;
 
-const system = matchMedia('(prefers-color-scheme: dark)');
+const system = (): MediaQueryList => matchMedia('(prefers-color-scheme: dark)');
 let chosen: 'light' | 'dark' | null = null;
 const listeners: (() => void)[] = [];
 
 export function isDark(): boolean {
-  return chosen === null ? system.matches : chosen === 'dark';
+  return chosen === null ? system().matches : chosen === 'dark';
 }
 
 /** Of the page now; of paper (`paper`) for saved figures. */
@@ -77,6 +77,6 @@ export function startTheme(): void {
   } catch {
     chosen = null;
   }
-  system.addEventListener('change', apply);
+  system().addEventListener('change', apply);
   apply();
 }

@@ -28,6 +28,19 @@ export function startView(model: Model): void {
   });
 }
 
+/** Slice of stores without a window, where there is no address. */
+export function showSlice(id: string): void {
+  state.setDefault('slice', id);
+  cached = null;
+}
+
+/** The model's data has changed. */
+export function refreshView(): void {
+  if (source !== null) state.setDefault('slice', source.slices[0]?.id ?? '');
+  cached = null;
+  for (const call of listeners) call();
+}
+
 export function onView(call: () => void): void {
   listeners.push(call);
 }

@@ -1,13 +1,13 @@
 // Empirical distribution of the time to goal over all trials: a trial that fails never arrives.
 
-import { axis, figure, legend, legendHeight, tip } from '../chart';
+import { axis, legend, legendHeight, tip, type FigureSpec } from '../chart';
 import { fixed, integer, percent, percentRange } from '../format';
-import { wilson } from '../stats';
+import { thinned, wilson } from '../stats';
 import { kDashes, seriesColour, type Palette } from '../theme';
 import { view } from '../view';
 
-export function arrival(): HTMLElement {
-  return figure({
+export function arrival(): FigureSpec {
+  return {
     id: 'arrival',
     title: 'Arrived by a given time',
     caption: 'Share of all trials at the goal by a given time. Failures never arrive, so a curve ends at the success rate; the band is its 95 % interval.',
@@ -24,7 +24,7 @@ export function arrival(): HTMLElement {
       const end = Math.min(limit > 0 ? limit : last * 1.05, last * 1.15);
       const steps = curves.map(({ times, n }) => {
         const points: [number, number][] = [[0, 0]];
-        times.forEach((t, i) => points.push([t, (i + 1) / n]));
+        for (const i of thinned(times.length)) points.push([times[i] ?? 0, (i + 1) / n]);
         points.push([end, times.length / n]);
         return points;
       });
@@ -38,7 +38,7 @@ export function arrival(): HTMLElement {
         })),
         option: {
           legend: legend(p, curves.map((c) => c.s.name)),
-          grid: { left: 8, right: 20, top: legendHeight(curves.map((c) => c.s.name), width), bottom: 26, containLabel: true },
+          grid: { left: 8, right: 20, top: legendHeight(curves.map((c) => c.s.name), width), bottom: 26, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
           xAxis: axis(p, 'time [s]', { min: 0, max: Math.ceil(end), nameGap: 26 }),
           yAxis: axis(p, '', { min: 0, max: 1, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` } }),
           tooltip: {
@@ -76,5 +76,5 @@ export function arrival(): HTMLElement {
         },
       };
     },
-  });
+  };
 }

@@ -1,6 +1,6 @@
 // Success rate against what makes a world hard, in bins of about equal size.
 
-import { axis, figure, kFont, legend, legendHeight, tip, whisker } from '../chart';
+import { axis, kFont, legend, legendHeight, tip, whisker, type FigureSpec } from '../chart';
 import { choice } from '../dom';
 import { integer, percent, percentRange, sizes } from '../format';
 import { axisName, metric } from '../metrics';
@@ -26,9 +26,9 @@ function edges(values: number[]): number[] {
 
 interface Cell { x: number; hits: number; n: number; low: number; high: number; from: number; to: number }
 
-export function difficulty(): HTMLElement {
+export function difficulty(): FigureSpec {
   state.setDefault('f.difficulty', 'goal_distance_m');
-  return figure({
+  return {
     id: 'difficulty',
     title: 'Success in easy and hard worlds',
     caption: 'Worlds in bins of about equal number; each point is the success rate in its bin, at the mean difficulty, with its 95 % interval.',
@@ -80,7 +80,7 @@ export function difficulty(): HTMLElement {
         rows: lines.flatMap(({ s, cells }) => cells.map((c) => [s.controller, s.point, c.from, c.to, c.x, c.hits, c.n, c.hits / c.n, c.low, c.high])),
         option: {
           legend: legend(p, lines.map((line) => line.s.name)),
-          grid: { left: 8, right: 20, top: legendHeight(lines.map((line) => line.s.name), width), bottom: 28, containLabel: true },
+          grid: { left: 8, right: 20, top: legendHeight(lines.map((line) => line.s.name), width), bottom: 28, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
           xAxis: axis(p, axisName(of), { scale: true, nameGap: 28 }),
           yAxis: axis(p, '', { min: 0, max: 1, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` } }),
           textStyle: { fontFamily: kFont },
@@ -114,5 +114,5 @@ export function difficulty(): HTMLElement {
         },
       };
     },
-  });
+  };
 }

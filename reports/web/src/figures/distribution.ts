@@ -1,6 +1,6 @@
 // Distribution of any metric: density above, box below, one row per controller and family.
 
-import { axis, figure, nice, plain, tip } from '../chart';
+import { axis, nice, plain, tip, type FigureSpec } from '../chart';
 import { choice } from '../dom';
 import { integer } from '../format';
 import { axisName, kMetrics, metric, withUnit } from '../metrics';
@@ -42,10 +42,10 @@ interface CustomApi {
   size: (extent: number[]) => number[];
 }
 
-export function distribution(id: string, title: string, caption: string, first: string): HTMLElement {
+export function distribution(id: string, title: string, caption: string, first: string): FigureSpec {
   const key = `f.${id}`;
   state.setDefault(key, first);
-  return figure({
+  return {
     id, title, caption,
     empty: 'No trial here has this metric.',
     controls: (redraw) => [choice('Metric', presentMetrics(), state.get(key), (value) => { state.set({ [key]: value }); redraw(); })],
@@ -68,7 +68,7 @@ export function distribution(id: string, title: string, caption: string, first: 
         columns: ['family', 'controller', 'point', of.key],
         rows: all.flatMap((r) => r.values.map((v) => [r.family, r.series.controller, r.series.point, v])),
         option: {
-          grid: { left: 4, right: 24, top: 8, bottom: 28, containLabel: true },
+          grid: { left: 4, right: 24, top: 8, bottom: 28, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
           xAxis: axis(p, axisName(of), { ...range, nameGap: 28, axisLabel: { color: p.muted, fontSize: 11, hideOverlap: true, formatter: plain } }),
           yAxis: {
             type: 'category', inverse: true, data: all.map((_, i) => String(i)), axisLine: { show: false }, axisTick: { show: false },
@@ -125,5 +125,5 @@ export function distribution(id: string, title: string, caption: string, first: 
         },
       };
     },
-  });
+  };
 }

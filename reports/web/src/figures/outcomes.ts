@@ -1,6 +1,6 @@
 // How trials ended: one bar per controller, within each family.
 
-import { axis, figure, legend, legendHeight, tip } from '../chart';
+import { axis, legend, legendHeight, tip, type FigureSpec } from '../chart';
 import { kOutcomeNames, kOutcomes, type Outcome, type Series } from '../data';
 import { integer, percent, plural } from '../format';
 import type { Palette } from '../theme';
@@ -33,8 +33,8 @@ function bars(): Bar[] {
   return out;
 }
 
-export function outcomes(): HTMLElement {
-  return figure({
+export function outcomes(): FigureSpec {
+  return {
     id: 'outcomes',
     title: 'How trials ended',
     caption: 'Every trial has exactly one outcome; a bar is all trials of a controller in a family of worlds.',
@@ -55,7 +55,7 @@ export function outcomes(): HTMLElement {
         ])),
         option: {
           legend: legend(p, present.map((o) => kOutcomeNames[o])),
-          grid: { left: 4, right: 20, top, bottom: 4, containLabel: true },
+          grid: { left: 4, right: 20, top, bottom: 4, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
           xAxis: axis(p, '', { min: 0, max: 1, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` }, splitLine: { show: false } }),
           yAxis: {
             type: 'category', inverse: true, data: all.map((_, i) => String(i)), axisLine: { show: false }, axisTick: { show: false },
@@ -93,5 +93,5 @@ export function outcomes(): HTMLElement {
         },
       };
     },
-  });
+  };
 }

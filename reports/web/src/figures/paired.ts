@@ -1,6 +1,6 @@
 // Two controllers on the same worlds: one dot per world, A along x, B along y.
 
-import { axis, figure, legendHeight, nice, plain, tip } from '../chart';
+import { axis, legendHeight, nice, plain, tip, type FigureSpec } from '../chart';
 import { pairs, pairsText } from '../compare';
 import { kOutcomeNames } from '../data';
 import { choice } from '../dom';
@@ -8,6 +8,7 @@ import { integer } from '../format';
 import { axisName, kMetrics, metric, withUnit } from '../metrics';
 import { select } from '../select';
 import * as state from '../state';
+import { extent } from '../stats';
 import type { Palette } from '../theme';
 import { view } from '../view';
 
@@ -20,9 +21,9 @@ function chosen(): [number, number] {
   return [a, b];
 }
 
-export function paired(): HTMLElement {
+export function paired(): FigureSpec {
   state.setDefault('f.paired', 'time_to_goal_s');
-  return figure({
+  return {
     id: 'paired',
     title: 'Two controllers on the same worlds',
     caption: 'Each dot is one world that both controllers met. Where only one has a value, its dot lies in the margin named none. A click plays the trial.',
@@ -49,11 +50,9 @@ export function paired(): HTMLElement {
       const result = pairs(model, a, b, of.key);
       if (result.worlds.length === 0) return null;
       const t = model.trials;
-      const finite = result.worlds.flatMap((w) => [w.x, w.y]).filter(Number.isFinite);
-      if (finite.length === 0) return null;
-      const least = Math.min(...finite);
-      const most = Math.max(...finite);
-      const range = nice(least, most);
+      const ends = extent(result.worlds.flatMap((w) => [w.x, w.y]));
+      if (ends === null) return null;
+      const range = nice(...ends);
       // One step below the axis is for worlds in which a controller has no value.
       const margin = range.min - 0.55 * range.interval;
       const limits = { min: range.min - range.interval, max: range.max, interval: range.interval };
@@ -81,7 +80,7 @@ export function paired(): HTMLElement {
         rows: result.worlds.map((w) => [t.text('family', w.a), w.world, w.x, w.y, t.outcome(w.a), t.outcome(w.b), t.text('trial', w.a), t.text('trial', w.b)]),
         option: {
           legend: { data: used.map((g) => g.name), top: 0, left: 0, itemWidth: 10, itemHeight: 10, itemGap: 16, selectedMode: false, textStyle: { color: p.muted, fontSize: 12 } },
-          grid: { left: 24, right: 20, top: legendHeight(used.map((g) => g.name), width), bottom: 30, containLabel: true },
+          grid: { left: 24, right: 20, top: legendHeight(used.map((g) => g.name), width), bottom: 30, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
           xAxis: axis(p, `${a.name}: ${axisName(of)}`, { ...limits, nameGap: 30, axisLabel: label }),
           yAxis: axis(p, `${b.name}: ${axisName(of)}`, { ...limits, nameGap: 44, axisLabel: label }),
           tooltip: {
@@ -113,5 +112,5 @@ export function paired(): HTMLElement {
       const row = model.trials.success(w.a) && !model.trials.success(w.b) ? w.b : w.a;
       select(model.trials.text('trial', row), true);
     },
-  });
+  };
 }

@@ -1,6 +1,6 @@
 // A sweep: success over two swept gains as a heat map, and all gains of all points as parallel coordinates.
 
-import { axis, figure, nice, plain, tip } from '../chart';
+import { axis, nice, plain, tip, type FigureSpec } from '../chart';
 import { inSlice, type Model, type SummaryRow } from '../data';
 import { choice } from '../dom';
 import { fixed, integer, percent, percentRange, seconds, significant, sizes } from '../format';
@@ -57,14 +57,14 @@ function measureChoice(redraw: () => void): Node {
   return choice('Measure', kMeasures.map(([key, name]) => [key, name] as const), state.get('f.measure'), (value) => { state.set({ 'f.measure': value }); redraw(); });
 }
 
-function heat(model: Model): HTMLElement {
+function heat(model: Model): FigureSpec {
   const axes = (): [string, string] => {
     const keys = gains(points(model));
     const x = keys.includes(state.get('f.gx')) ? state.get('f.gx') : keys[0] ?? '';
     const y = keys.includes(state.get('f.gy')) && state.get('f.gy') !== x ? state.get('f.gy') : keys.find((key) => key !== x) ?? '';
     return [x, y];
   };
-  return figure({
+  return {
     id: 'heat',
     title: 'Over two gains',
     caption: 'One cell per pair of values. Where other gains were swept too, a cell is the best of its points.',
@@ -106,7 +106,7 @@ function heat(model: Model): HTMLElement {
         columns: [short(kx), short(ky), key, 'success_low', 'success_high', 'n', 'point'],
         rows: list.map((c) => [xs[c.at[0]] ?? NaN, ys[c.at[1]] ?? NaN, c.value, c.point.row.success_low, c.point.row.success_high, c.point.row.n, c.point.name]),
         option: {
-          grid: { left: 30, right: 16, top: 12, bottom: 30, containLabel: true },
+          grid: { left: 30, right: 16, top: 12, bottom: 30, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
           xAxis: category(kx, xs, 30), yAxis: category(ky, ys, 52),
           visualMap: { show: false, min: range[0], max: range[1] > range[0] ? range[1] : range[0] + 1e-9, inRange: { color: ramp(p) } },
           tooltip: {
@@ -128,11 +128,11 @@ function heat(model: Model): HTMLElement {
         },
       };
     },
-  });
+  };
 }
 
-function parallel(model: Model): HTMLElement {
-  return figure({
+function parallel(model: Model): FigureSpec {
+  return {
     id: 'parallel',
     title: 'All swept gains',
     caption: 'One line per point, through its gains to its measure; the stronger the colour, the higher the measure.',
@@ -180,7 +180,7 @@ function parallel(model: Model): HTMLElement {
           },
           series: [
             ...ordered.map((point) => ({
-              type: 'line', showSymbol: false, symbolSize: 6, triggerLineEvent: true, lineStyle: { width: 1.8, opacity: 0.85, color: colour(point) }, itemStyle: { color: colour(point) },
+              type: 'line', showSymbol: false, symbolSize: 6, triggerEvent: 'line', lineStyle: { width: 1.8, opacity: 0.85, color: colour(point) }, itemStyle: { color: colour(point) },
               data: [...keys.map((gain, i) => scales[i]?.at(point.values.get(gain) ?? NaN) ?? null), last.at(value(point))],
             })),
             ...([0, 1] as const).map((end) => ({
@@ -191,10 +191,10 @@ function parallel(model: Model): HTMLElement {
         },
       };
     },
-  });
+  };
 }
 
-export function sweep(model: Model): Node[] {
+export function sweep(model: Model): FigureSpec[] {
   state.setDefault('f.measure', 'success_rate');
   return [heat(model), parallel(model)];
 }

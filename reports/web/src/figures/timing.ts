@@ -1,23 +1,30 @@
 // How long control steps took, against the control period.
 
-import { axis, figure, legend, legendHeight, tip } from '../chart';
+import { axis, legend, legendHeight, tip, type FigureSpec } from '../chart';
 import { integer, percent, plural, significant } from '../format';
-import { quantile } from '../stats';
+import { choice } from '../dom';
+import * as state from '../state';
+import { quantile, thinned } from '../stats';
 import { kDashes, seriesColour, type Palette } from '../theme';
 import { view } from '../view';
 
-const kKinds = [['t_step_median_us', 'median', 0.55], ['t_step_p99_us', '99th percentile', 1], ['t_step_max_us', 'longest', 0.75]] as const;
+const kKinds = [['median_us', 'median', 0.55], ['p99_us', '99th percentile', 1], ['max_us', 'longest', 0.75]] as const;
+const kParts = [['step', 'whole control step'], ['solve', 'solution of the QP']] as const;
 
-export function timing(): HTMLElement {
-  return figure({
+export function timing(): FigureSpec {
+  state.setDefault('f.timing', 'step');
+  const part = (): string => (state.get('f.timing') === 'solve' ? 'solve' : 'step');
+  const what = (): string => kParts.find(([key]) => key === part())?.[1] ?? '';
+  return {
     id: 'timing',
     title: 'Time of a control step',
-    caption: 'Share of trials whose median (thin), 99th percentile (bold) and longest control step (dotted) took at most so long. The upright line is the control period: the deadline.',
+    caption: 'Share of trials whose median (thin), 99th percentile (bold) and longest (dotted) control step, or solution of its QP, took at most so long. The upright line is the control period: the deadline.',
     empty: 'The store holds no timings of these trials.',
+    controls: (redraw) => [choice('Time of the', kParts, part(), (value) => { state.set({ 'f.timing': value }); redraw(); })],
     draw: (p: Palette, width: number) => {
       const { model, series } = view();
       const t = model.trials;
-      const curves = series.flatMap((s) => kKinds.map(([key, name, opacity], kind) => ({
+      const curves = series.flatMap((s) => kKinds.map(([statistic, name, opacity], kind) => [`t_${part()}_${statistic}`, name, opacity, kind] as const).map(([key, name, opacity, kind]) => ({
         s, key, name, opacity, kind,
         values: s.rows.map((row) => t.number(key, row)).filter((v) => v > 0).sort((a, b) => a - b),
       }))).filter((c) => c.values.length > 0);
@@ -34,8 +41,8 @@ export function timing(): HTMLElement {
         rows: curves.flatMap((c) => c.values.map((v, i) => [c.s.controller, c.s.point, c.key, v, (i + 1) / c.values.length])),
         option: {
           legend: legend(p, series.map((s) => s.name)),
-          grid: { left: 8, right: 26, top: legendHeight(series.map((s) => s.name), width) + 10, bottom: 28, containLabel: true },
-          xAxis: axis(p, 'time of a control step [\u00b5s]', {
+          grid: { left: 8, right: 26, top: legendHeight(series.map((s) => s.name), width) + 10, bottom: 28, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
+          xAxis: axis(p, `time of the ${what()} [\u00b5s]`, {
             type: 'log', min: 10 ** Math.floor(Math.log10(least)), max: 10 ** Math.ceil(Math.log10(most * 1.01)), nameGap: 28,
             axisLabel: { color: p.muted, formatter: (v: number) => (v >= 1000 ? `${integer(v)}` : significant(v, 1)) },
           }),
@@ -54,8 +61,8 @@ export function timing(): HTMLElement {
             },
           },
           series: curves.map((c) => ({
-            name: c.s.name, type: 'line', step: 'end', triggerLineEvent: true, symbolSize: 3, showSymbol: false,
-            data: c.values.map((v, k) => [v, (k + 1) / c.values.length]),
+            name: c.s.name, type: 'line', step: 'end', triggerEvent: 'line', symbolSize: 3, showSymbol: false,
+            data: thinned(c.values.length).map((k) => [c.values[k], (k + 1) / c.values.length]),
             lineStyle: { color: seriesColour(p, c.s.index), width: c.kind === 1 ? 2 : 1.4, opacity: c.opacity, type: kDashes[[0, 0, 2][c.kind] ?? 0] },
             itemStyle: { color: seriesColour(p, c.s.index) }, emphasis: { disabled: true },
           })).concat(Number.isFinite(deadline) ? [{
@@ -66,5 +73,5 @@ export function timing(): HTMLElement {
         },
       };
     },
-  });
+  };
 }

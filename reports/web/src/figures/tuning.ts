@@ -1,6 +1,6 @@
 // A search for gains: what was found and whether it holds on other worlds, how the search went, what matters.
 
-import { axis, figure, nice, plain, tip } from '../chart';
+import { axis, figure, nice, plain, tip, type FigureSpec } from '../chart';
 import type { Model, TuneSearch } from '../data';
 import { h } from '../dom';
 import { integer, percent, percentRange, plural, probability, significant } from '../format';
@@ -40,8 +40,8 @@ function comparisons(search: TuneSearch): HTMLElement | null {
       h('td', null, c.verdict, c.p === null ? null : h('small', null, `${probability(c.p)}, Holm`)))))));
 }
 
-function history(search: TuneSearch, id: string): HTMLElement {
-  return figure({
+function history(search: TuneSearch, id: string): FigureSpec {
+  return {
     id: `search${id}`,
     title: 'How the search went',
     caption: 'Every candidate in the order in which it was measured, and the best so far. Low is good; candidates that were cut short are hollow.',
@@ -65,7 +65,7 @@ function history(search: TuneSearch, id: string): HTMLElement {
         columns: ['evaluation', 'phase', 'worlds', 'cut', 'valid', 'cost', 'merit', ...search.variables.map((v) => v.key)],
         rows: all.map((e) => [e.evaluation, e.phase, e.worlds, e.cut, e.valid, e.cost, e.merit, ...e.candidate]),
         option: {
-          grid: { left: 26, right: 16, top: 14, bottom: 28, containLabel: true },
+          grid: { left: 26, right: 16, top: 14, bottom: 28, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
           xAxis: axis(p, 'candidate', { nameGap: 26, splitLine: { show: false } }),
           yAxis: axis(p, search.unit === '' ? 'objective' : `objective [${search.unit}]`, { ...range, nameGap: 42, axisLabel: { color: p.muted, formatter: plain } }),
           tooltip: {
@@ -87,11 +87,11 @@ function history(search: TuneSearch, id: string): HTMLElement {
         },
       };
     },
-  });
+  };
 }
 
-function sensitivity(search: TuneSearch, id: string): HTMLElement {
-  return figure({
+function sensitivity(search: TuneSearch, id: string): FigureSpec {
+  return {
     id: `sensitivity${id}`,
     title: 'What a gain matters',
     caption: 'Change of the objective when one gain alone moves away from what was found; errors are in the tooltips.',
@@ -109,7 +109,7 @@ function sensitivity(search: TuneSearch, id: string): HTMLElement {
         rows: lines.flatMap((line) => line.points.map(({ x, s }) => [line.v.key, s.value, x, s.change, s.error])),
         option: {
           legend: { data: lines.map((line) => short(line.v.key)), top: 0, left: 0, itemWidth: 14, itemHeight: 8, selectedMode: false, textStyle: { color: p.muted, fontSize: 12 } },
-          grid: { left: 26, right: 16, top: 40, bottom: 28, containLabel: true },
+          grid: { left: 26, right: 16, top: 40, bottom: 28, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
           xAxis: axis(p, 'gain, as a multiple of what was found', { type: 'log', logBase: 2, nameGap: 26, axisLabel: { color: p.muted, formatter: (v: number) => `${significant(v, 2)}\u00d7` } }),
           yAxis: axis(p, search.unit === '' ? 'change' : `change [${search.unit}]`, { nameGap: 42, axisLabel: { color: p.muted, formatter: plain } }),
           tooltip: {
@@ -128,7 +128,16 @@ function sensitivity(search: TuneSearch, id: string): HTMLElement {
         },
       };
     },
-  });
+  };
+}
+
+function figuresOf(search: TuneSearch, index: number): FigureSpec[] {
+  const id = index === 0 ? '' : String(index + 1);
+  return [history(search, id), sensitivity(search, id)];
+}
+
+export function tuningFigures(model: Model): FigureSpec[] {
+  return model.page.tuning.flatMap(figuresOf);
 }
 
 export function tuning(model: Model): Node[] {
@@ -136,13 +145,12 @@ export function tuning(model: Model): Node[] {
     const verdict = search.verdict === null
       ? `The search is ${search.status === 'running' ? 'still running, or was killed' : search.status}; nothing has been judged yet.`
       : `On worlds that took no part in the search, the found gains are judged: ${search.verdict}.`;
-    const id = i === 0 ? '' : String(i + 1);
     return [
       h('div', { class: 'panel' },
         h('h3', null, `Gains of ${search.controller} in ${search.suite}`), h('p', { class: 'judged' }, verdict),
         gains(search), comparisons(search),
         ...search.notes.map((note) => h('p', { class: 'note' }, `Note: ${note}.`))),
-      history(search, id), sensitivity(search, id),
+      ...figuresOf(search, i).map(figure),
     ];
   });
 }

@@ -8,6 +8,7 @@ import { onSelect, select } from '../select';
 import { command } from '../sections/trials';
 import * as state from '../state';
 import { onTheme, palette } from '../theme';
+import { onView } from '../view';
 import { Robot } from './robot';
 import { ReplayScene, type Colours, type WorldJson } from './scene';
 import { statusAt, Timeline } from './timeline';
@@ -22,9 +23,27 @@ function colours(): Colours {
     : { background: '#eeece6', floor: '#f4f2ed', grid: '#d8d4c9', base: '#5d6b7e', arm: '#f7f8fa', object: '#b5ab9b', moving: '#cfae74', hit: '#c4472f', goal: '#c79a2b', path: '#27598f' };
 }
 
+/** Trials to choose from: the worst of each kind with samples; where none has any but all can be asked for, failures. */
+function listed(model: Model): string[] {
+  const named = model.page.replays.map((replay) => replay.trial);
+  const t = model.trials;
+  if (named.length > 0 || model.page.live?.simulates !== true) return named;
+  const rows = Array.from({ length: t.n }, (_, row) => row);
+  const failed = rows.filter((row) => !t.success(row));
+  return (failed.length > 0 ? failed : rows).slice(0, 24).map((row) => t.text('trial', row));
+}
+
+function shelfNote(model: Model): string {
+  const [first] = model.page.replays;
+  if (model.page.live !== undefined) {
+    return model.page.samples_stored === 0 ? 'Any trial can be played, from the table too: it is simulated again.'
+      : `The worst of each kind, of ${plural(model.page.samples_stored, 'trial')} with stored samples. Any other can be played from the table${model.page.live.simulates ? ': it is simulated again' : ''}.`;
+  }
+  return `${plural(model.page.replays.length, 'trial')} of ${integer(model.page.samples_stored)} with stored samples; the worst of each kind first, at ${first !== undefined && 'hz' in first ? first.hz : 10} Hz.`;
+}
+
 export function player(model: Model): HTMLElement {
-  const { replays } = model.page;
-  if (replays.length === 0) {
+  if (listed(model).length === 0) {
     const trial = model.trials.n > 0 ? model.trials.text('trial', 0) : 'TRIAL';
     return h('div', { class: 'empty' },
       h('p', null, model.trials.n === 0 ? 'No trials, no replays.' : 'The store keeps no samples of these trials, so none can be played here. A trial is simulated again, bit for bit, by'),
@@ -123,10 +142,11 @@ export function player(model: Model): HTMLElement {
   const fillShelf = (): void => {
     const t = model.trials;
     const p = palette();
-    replace(shelf, ...replays.map((replay) => {
-      const row = model.row(replay.trial) ?? 0;
+    const names = listed(model);
+    replace(shelf, ...(current === '' || names.includes(current) ? names : [current, ...names]).map((trial) => {
+      const row = model.row(trial) ?? 0;
       return h('button', {
-        type: 'button', role: 'option', 'aria-selected': replay.trial === current ? 'true' : 'false', click: () => select(replay.trial, true),
+        type: 'button', role: 'option', 'aria-selected': trial === current ? 'true' : 'false', click: () => select(trial, true),
       },
         h('span', { class: 'dotted', style: `--c:${p.outcomes[t.outcome(row)]}` }, kOutcomeNames[t.outcome(row)]),
         h('small', null, `${t.text('controller', row)} \u00b7 ${t.text('family', row)} ${integer(t.number('world', row))}`),
@@ -135,18 +155,18 @@ export function player(model: Model): HTMLElement {
   };
 
   const load = async (trial: string, thenPlay: boolean): Promise<void> => {
-    const replay = model.replay(trial);
-    if (replay === undefined) return;
     if (trial === current) {
       if (thenPlay && !playing) start();
       return;
     }
     wanted = trial;
     pause();
+    if (model.page.live !== undefined) replace(caption, 'Reading the motion\u2026');
+    const { replay, robot: resolved, simulated } = await model.motion(trial);
     const decoded = await decode(replay);
     if (wanted !== trial) return;   // another was chosen meanwhile
-    const key = String(replay.robot);
-    const next = robots.get(key) ?? new Robot(model.page.robots[key]);
+    const key = `${model.trials.text('store', model.row(trial) ?? -1)}:${replay.robot}`;
+    const next = robots.get(key) ?? new Robot(resolved);
     robots.set(key, next);
     scene ??= new ReplayScene(canvas, colours(), () => requestAnimationFrame(draw));
     current = trial;
@@ -164,7 +184,8 @@ export function player(model: Model): HTMLElement {
     replace(caption,
       h('span', { class: 'chip', style: `--c:${palette().outcomes[outcome]}` }, kOutcomeNames[outcome]), ' ',
       h('b', null, t.text('controller', row)), ` ${t.text('point', row)} \u00b7 ${t.text('family', row)} world ${integer(t.number('world', row))}`,
-      hit === '' ? (t.text('reason', row) === '' ? '' : ` \u00b7 ${t.text('reason', row)}`) : ` \u00b7 ${hit} against ${t.text('object', row)}`);
+      hit === '' ? (t.text('reason', row) === '' ? '' : ` \u00b7 ${t.text('reason', row)}`) : ` \u00b7 ${hit} against ${t.text('object', row)}`,
+      simulated ? ' \u00b7 simulated again for this view' : '');
     replace(joints, ...next.driven.map((joint) => h('div', null, h('span', null, joint.name), h('div', { class: 'rail' }, h('i')))));
     time = 0;
     show();
@@ -176,12 +197,14 @@ export function player(model: Model): HTMLElement {
 
   const safely = (trial: string, thenPlay: boolean): void => {
     load(trial, thenPlay).catch((error: unknown) => {
+      if (wanted !== trial) return;
       replace(caption, `This trial cannot be shown here: ${error instanceof Error ? error.message : String(error)}. `, h('code', null, command(model, trial)));
     });
   };
 
   onSelect((trial, thenPlay) => {
-    if (model.replay(trial) === undefined) return;
+    if (!model.playable(trial)) return;
+    if (model.page.live !== undefined && !thenPlay) return;   // walking through the table asks for nothing
     if (thenPlay) document.getElementById('replay')?.scrollIntoView();
     safely(trial, thenPlay);
   });
@@ -191,7 +214,7 @@ export function player(model: Model): HTMLElement {
       stage,
       h('div', { class: 'transport' }, play, scrub, clock, speed, h('label', null, follow, ' follow'), home),
       lines, status),
-    h('aside', null, h('h3', null, 'To play'), h('p', { class: 'note' }, `${plural(replays.length, 'trial')} of ${integer(model.page.samples_stored)} with stored samples; the worst of each kind first, at ${replays[0]?.hz ?? 10} Hz.`), shelf,
+    h('aside', null, h('h3', null, 'To play'), h('p', { class: 'note' }, shelfNote(model)), shelf,
       h('h3', null, 'Joints within their limits'), joints));
   element.addEventListener('keydown', (event) => {
     if (event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement || event.target instanceof HTMLButtonElement) return;
@@ -202,9 +225,10 @@ export function player(model: Model): HTMLElement {
     event.preventDefault();
   });
   fillShelf();
+  onView(fillShelf);
   whenSeen(element, () => {
     const asked = state.get('trial');
-    if (current === '' && wanted === '') safely(model.replay(asked) === undefined ? replays[0]?.trial ?? '' : asked, false);
+    if (current === '' && wanted === '') safely(model.playable(asked) ? asked : listed(model)[0] ?? '', false);
     new ResizeObserver(() => draw()).observe(stage);
   });
   return element;

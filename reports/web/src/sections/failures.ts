@@ -94,7 +94,7 @@ export function failures(model: Model): HTMLElement {
     const met = view().series.reduce((sum, s) => sum + s.rows.length, 0);
     replace(box, ...shown.map((c) => {
       const ranked = worst(model, c);
-      const playable = ranked.find((row) => model.replay(model.trials.text('trial', row)) !== undefined);
+      const playable = ranked.find((row) => model.playable(model.trials.text('trial', row)));
       const row = playable ?? ranked[0] ?? 0;
       const trial = model.trials.text('trial', row);
       const of = metric(c.outcome === 'collision' ? 'collision_depth_m' : 'position_error_m');

@@ -114,7 +114,7 @@ function comparison(model: Model): HTMLElement | null {
   }));
 }
 
-export function masthead(model: Model): HTMLElement {
+export function masthead(model: Model, live: HTMLElement | null): HTMLElement {
   const title = h('h1');
   const strip = h('dl', { class: 'facts' });
   const told = h('div', { class: 'notices' });
@@ -134,5 +134,5 @@ export function masthead(model: Model): HTMLElement {
   onTheme(fill);
   return h('header', { class: 'masthead', id: 'top' },
     h('p', { class: 'overline' }, 'moma \u00b7 Monte Carlo evaluation of mobile-manipulator controllers'),
-    title, strip, told, verdictBox, pairBox);
+    title, strip, live, told, verdictBox, pairBox);
 }

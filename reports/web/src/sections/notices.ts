@@ -1,8 +1,20 @@
 // What the reader must know before trusting a number: missing, failed or mixed data.
 
-import { inSlice, type Model } from '../data';
+import { inSlice, type Model, type PointInfo } from '../data';
 import { integer, list, plural } from '../format';
 import { view } from '../view';
+
+const kSettings: readonly (readonly [keyof PointInfo, string])[] = [
+  ['control_period_s', 'control period'], ['physics_step_s', 'physics step'], ['time_limit_s', 'time limit'],
+  ['success_position_m', 'tolerance in position'], ['success_orientation_rad', 'tolerance in orientation'], ['success_dwell_s', 'dwell time'],
+];
+
+/** What must be equal for rates to be comparable; within one store it is. */
+function settings(points: readonly PointInfo[], several: boolean): string[] {
+  if (!several) return [];
+  const differ = kSettings.filter(([key]) => new Set(points.map((p) => p[key])).size > 1).map(([key, name]) => `${name} (${list([...new Set(points.map((p) => String(p[key])))])})`);
+  return differ.length === 0 ? [] : [`The stores were not run alike, so that their rates must not be compared as they are: they differ in ${list(differ)}.`];
+}
 
 export function notices(model: Model, suites: readonly string[]): string[] {
   const { page, trials } = model;
@@ -13,14 +25,16 @@ export function notices(model: Model, suites: readonly string[]): string[] {
     return out;
   }
   const runs = page.invocations.filter((i) => i.suite === slice.suite);
-  const latest = runs[0];
-  const stored = page.overall.filter((o) => o.suite === slice.suite).reduce((sum, o) => sum + o.n, 0);
-  if (latest !== undefined) {
+  for (const store of page.stores?.map((s) => s.label) ?? [undefined]) {
+    const latest = runs.find((i) => i.store === store);
+    if (latest === undefined) continue;
+    const stored = page.overall.filter((o) => o.suite === slice.suite && o.store === store).reduce((sum, o) => sum + o.n, 0);
+    const where = store === undefined ? '' : `${store}: `;
     const missing = latest.trials_planned - stored;
     const why = { running: 'The run was still going on, or was killed, when this page was made', stopped: 'The last run was stopped early',
       failed: 'The last run failed', finished: 'The last run planned more' }[latest.status] ?? 'The last run did not finish';
-    if (missing > 0) out.push(`${why}: ${integer(stored)} of ${plural(latest.trials_planned, 'trial')} are here, ${integer(missing)} missing. The same command goes on where it stopped.`);
-    else if (latest.status !== 'finished') out.push(`${why}, yet all ${plural(latest.trials_planned, 'planned trial')} are here.`);
+    if (missing > 0) out.push(`${where}${why}: ${integer(stored)} of ${plural(latest.trials_planned, 'trial')} are here, ${integer(missing)} missing. The same command goes on where it stopped.`);
+    else if (latest.status !== 'finished') out.push(`${where}${why}, yet all ${plural(latest.trials_planned, 'planned trial')} are here.`);
   }
   const counts = page.overall.filter((o) => inSlice(o, slice)).map((o) => o.n);
   if (new Set(counts).size > 1) out.push('The controllers do not have equally many trials: compare them world by world.');
@@ -37,6 +51,7 @@ export function notices(model: Model, suites: readonly string[]): string[] {
   if (diverged > 0) out.push(`In ${plural(diverged, 'trial')} the physics diverged; ${diverged === 1 ? 'it counts' : 'they count'} as failed.`);
   const classes = new Set(runs.map((r) => r.machine_class));
   if (classes.size > 1) out.push(`Trials come from ${integer(classes.size)} classes of machines, whose last bits may differ.`);
+  out.push(...settings(page.points.filter((p) => inSlice(p, slice)), page.stores !== undefined));
   const versions = new Set(page.points.filter((p) => inSlice(p, slice)).map((p) => p.simulation_version));
   if (versions.size > 1) out.push('Trials of different simulation versions are shown together: run the suite again before comparing.');
   if (suites.length > 1) out.push(`The store holds ${integer(suites.length)} suites: ${list(suites)}. Choose above which one the page shows.`);

@@ -56,7 +56,7 @@ export function summary(model: Model): HTMLElement {
   const save = (): void => {
     const all = rows(model);
     const columns = Object.keys(all[0] ?? {}) as (keyof SummaryRow)[];
-    download('summary.csv', 'text/csv', csv(columns, all.map((r) => columns.map((c) => r[c]))));
+    download('summary.csv', 'text/csv', csv(columns, all.map((r) => columns.map((c) => r[c] ?? null))));
   };
   return h('div', { class: 'panel' }, body,
     h('footer', null, h('p', { class: 'note' }, 'As the store\u2019s view v_summary has it. Means are over the trials that have the value.'),

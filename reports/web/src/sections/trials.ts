@@ -23,7 +23,7 @@ function heading(key: string): string {
 }
 
 export function command(model: Model, trial: string): string {
-  const file = model.page.store.file;
+  const file = model.file(model.row(trial) ?? -1);
   return `moma replay ${/^[\w./-]+$/.test(file) ? file : `'${file.replaceAll("'", `'\\''`)}'`} ${trial}`;
 }
 
@@ -39,9 +39,6 @@ function columns(model: Model): string[] {
     ...kNumbers.slice(1).filter((key) => series.some((s) => model.trials.any(key, s.rows))), 'contact'];
 }
 
-/** What a search looks at, by row; made when first needed. */
-const texts: string[] = [];
-
 /** Rows that pass the filters, in the order asked for. */
 function filtered(model: Model): number[] {
   const t = model.trials;
@@ -49,8 +46,8 @@ function filtered(model: Model): number[] {
   const who = state.get('who');
   const query = state.get('q').trim().toLowerCase();
   const words = query === '' ? [] : query.split(/\s+/);
-  const haystack = (row: number): string => texts[row] ??= [t.text('trial', row), t.text('controller', row), t.text('point', row), t.text('family', row),
-    `world:${t.number('world', row)}`, t.text('outcome', row), t.text('link', row), t.text('object', row), t.text('reason', row)].join(' ').toLowerCase();
+  const haystack = (row: number): string => t.haystacks[row] ??= [t.text('trial', row), t.text('controller', row), t.text('point', row), t.text('family', row),
+    `world:${t.number('world', row)}`, t.text('outcome', row), t.text('link', row), t.text('object', row), t.text('reason', row), t.text('store', row)].join(' ').toLowerCase();
   let rows = view().series.flatMap((s) => s.rows);
   if (outcome === 'failure') rows = rows.filter((row) => !t.success(row));
   else if (outcome !== '') rows = rows.filter((row) => t.text('outcome', row) === outcome);
@@ -97,7 +94,7 @@ export function trials(model: Model): HTMLElement {
     if (key === 'contact') return h('span', { role: 'cell', class: 'faint', title: contact(model, row) }, contact(model, row));
     if (key === 'trial') {
       const name = t.text('trial', row);
-      return h('span', { role: 'cell', class: 'mono' }, name, model.replay(name) === undefined ? null : h('i', { title: 'Can be played in this page' }, ' \u25b8'));
+      return h('span', { role: 'cell', class: 'mono' }, name, !model.playable(name) || model.page.live !== undefined ? null : h('i', { title: 'Can be played in this page' }, ' \u25b8'));
     }
     if (key in kText) return h('span', { role: 'cell' }, t.text(key, row));
     const value = t.number(key, row);
@@ -160,7 +157,7 @@ export function trials(model: Model): HTMLElement {
   };
 
   const save = (): void => {
-    const texts = ['trial', 'suite', 'robot', 'controller', 'point', 'family', 'mode', 'outcome', 'reason', 'link', 'object'];
+    const texts = [...(model.page.stores === undefined ? [] : ['store']), 'trial', 'suite', 'robot', 'controller', 'point', 'family', 'mode', 'outcome', 'reason', 'link', 'object'];
     const numbers = ['world', ...kMetrics.map((m) => m.key).filter((key) => t.has(key))];
     download('trials.csv', 'text/csv', csv([...texts, ...numbers], rows.map((row) => [...texts.map((key) => t.text(key, row) || null), ...numbers.map((key) => t.number(key, row))])));
   };
@@ -177,7 +174,7 @@ export function trials(model: Model): HTMLElement {
       h('div', { class: 'detail-head' },
         h('h3', null, h('span', { class: 'mono' }, trial), ' ', h('span', { class: 'chip', style: `--c:${palette().outcomes[outcome]}` }, kOutcomeNames[outcome])),
         h('div', { class: 'actions' },
-          model.replay(trial) === undefined ? null : h('button', { type: 'button', class: 'play', click: () => select(trial, true) }, 'Play'),
+          !model.playable(trial) ? null : h('button', { type: 'button', class: 'play', click: () => select(trial, true) }, 'Play'),
           h('button', { type: 'button', class: 'quiet', click: () => state.set({ trial: '' }) }, 'Close'))),
       h('p', null, [t.text('controller', row), t.text('point', row), `${t.text('family', row)} world ${integer(t.number('world', row))}`, contact(model, row)].filter((text) => text !== '').join(' \u00b7 ')),
       h('p', { class: 'command' }, h('code', null, line), button),
@@ -217,7 +214,7 @@ export function trials(model: Model): HTMLElement {
   state.listen(['trial'], () => { showDetail(state.get('trial')); reveal(); draw(); });
   onSelect((trial, play) => {
     // What cannot be played is shown here, with the command that plays it.
-    if (play && model.replay(trial) === undefined) detail.scrollIntoView({ block: 'center' });
+    if (play && !model.playable(trial)) detail.scrollIntoView({ block: 'center' });
   });
   showDetail(state.get('trial'));
   return h('div', { class: 'panel' }, controls, scroller, h('footer', null, count), detail);

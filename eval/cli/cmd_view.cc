@@ -1,0 +1,61 @@
+#include <fmt/format.h>
+
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "eval/cli/command.h"
+#include "eval/cli/interrupt.h"
+#include "eval/cli/stored_suites.h"
+#include "eval/store/database.h"
+#include "eval/store/samples.h"
+#include "eval/trial/trial.h"
+#include "reports/render/view.h"
+
+namespace moma::cli {
+namespace {
+
+/// The trial's motion, from the store alone.
+std::optional<reports::OwnedSamples> simulate(StoredSuites& suites, const std::filesystem::path& db,
+                                              const std::string& name) {
+  const store::StoredTrial trial = store::Reader(db).trial(name);
+  const TrialOutput output = run_trial(suites.point_of(trial), world_of(trial));
+  if (output.trace.empty()) return {};
+  store::EncodedSamples encoded = store::encode_samples(output.trace);
+  return reports::OwnedSamples{encoded.layout, encoded.n,
+                               nlohmann::json::parse(encoded.columns).get<std::vector<std::string>>(),
+                               std::move(encoded.data)};
+}
+
+}  // namespace
+
+void add_view(CLI::App& app, Action& action) {
+  struct Options {
+    reports::Stores stores;
+    int port = 8080;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("view", "Serve a store's report page on this machine, also while a run goes on");
+  command->add_option("DB", options->stores, "Store; several are compared")->required();
+  command->add_option("--port", options->port, "Port of 127.0.0.1 (8080); 0: any free one")->check(CLI::Range(0, 65535));
+  command->footer("Example: moma view results/demo.db --port 0");
+  command->callback([&action, options] {
+    action = [options] {
+      StoredSuites suites;
+      reports::ViewOptions view;
+      view.port = options->port;
+      view.simulate = [&suites](const std::filesystem::path& db, const std::string& trial) {
+        return simulate(suites, db, trial);
+      };
+      const InterruptGuard guard;
+      reports::serve(options->stores, view, InterruptGuard::flag(), [](const std::string& address) {
+        std::cout << address << std::endl;
+        std::cerr << "serving the report at the address above; Ctrl-C ends\n";
+      });
+      for (const std::filesystem::path& store : options->stores) store::remove_empty_wal(store);
+      return static_cast<int>(kOk);
+    };
+  });
+}
+
+}  // namespace moma::cli

@@ -1,0 +1,83 @@
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "reports/render/assets.h"
+#include "reports/render/files.h"
+#include "reports/render/page_data.h"
+#include "reports/render/report.h"
+
+namespace moma::reports {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kNode =
+    "figures are drawn by the program node, 18 or newer (Debian package nodejs), which is not found; without it, the "
+    "page's own buttons save them (moma report STORE -o PAGE.html)";
+
+fs::path temporary_folder() {
+  std::string name = (fs::temp_directory_path() / "moma-figures-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) {
+    throw ReportError(fmt::format("{}: no temporary folder can be made: {}", name, std::strerror(errno)));
+  }
+  return name;
+}
+
+std::string text_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+/// Runs `node ARGUMENTS`, its messages to ours.
+void run_node(const std::vector<std::string>& arguments) {
+  std::vector<char*> argv{const_cast<char*>("node")};
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  pid_t child = 0;
+  const int error = posix_spawnp(&child, "node", nullptr, nullptr, argv.data(), environ);
+  if (error == ENOENT) throw ReportError(kNode);
+  if (error != 0) throw ReportError(fmt::format("node cannot be run: {}", std::strerror(error)));
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 127) throw ReportError(kNode);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    throw ReportError("node could not draw the figures (its message is above)");
+  }
+}
+
+}  // namespace
+
+std::vector<fs::path> write_figures(const Stores& stores, const fs::path& folder) {
+  const nlohmann::ordered_json page = read_stores(stores, {});
+  const Temporary work{temporary_folder()};
+  const fs::path drawn = work.path / "drawn";
+  write_atomically(work.path / "figures.mjs", std::string(figures_js()));
+  write_atomically(work.path / "page.json", page.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  fs::create_directory(drawn);
+  run_node({(work.path / "figures.mjs").string(), (work.path / "page.json").string(), drawn.string()});
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!fs::is_directory(folder, error)) {
+    throw ReportError(fmt::format("{}: cannot be made; wanted: a folder for the figures", folder.string()));
+  }
+  std::vector<fs::path> written;
+  for (const auto& entry : fs::directory_iterator(drawn)) {
+    written.push_back(folder / entry.path().filename());
+    write_atomically(written.back(), text_of(entry.path()));
+  }
+  std::sort(written.begin(), written.end());
+  return written;
+}
+
+}  // namespace moma::reports

@@ -1,0 +1,80 @@
+#include "reports/render/replays.h"
+
+#include <fmt/format.h>
+
+#include "reports/render/assets.h"
+
+namespace moma::reports {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+StoredSamples samples_of(SQLite::Statement& row) {
+  const SQLite::Column blob = row.getColumn("data");
+  StoredSamples samples;
+  samples.layout = row.getColumn("layout").getInt();
+  samples.n = row.getColumn("n").getInt64();
+  samples.columns = Json::parse(row.getColumn("columns").getString()).get<std::vector<std::string>>();
+  samples.data = {static_cast<const char*>(blob.getBlob()), static_cast<std::size_t>(blob.getBytes())};
+  return samples;
+}
+
+Json robot_of(SQLite::Database& store, std::int64_t id) {
+  SQLite::Statement one(store, "SELECT resolved FROM robot WHERE id = ?1");
+  one.bind(1, id);
+  one.executeStep();
+  return Json::parse(one.getColumn(0).getString());
+}
+
+Json head(SQLite::Statement& row) {
+  return {{"trial", row.getColumn("trial").getString()},
+          {"robot", std::to_string(row.getColumn("robot").getInt64())},
+          {"world", Json::parse(row.getColumn("json_world").getString())}};
+}
+
+}  // namespace
+
+void add_replays(SQLite::Database& store, const ReportOptions& options, Json& page) {
+  page["robots"] = Json::object();
+  page["replays"] = Json::array();
+  SQLite::Statement query(store, std::string(replays_sql()));
+  query.bind(1, options.replays);
+  while (query.executeStep()) {
+    const std::string trial = query.getColumn("trial").getString();
+    if (query.getColumn("n").getInt64() == 0) continue;
+    if (options.served) {
+      page["replays"].push_back({{"trial", trial}});
+      continue;
+    }
+    try {
+      Json replay = head(query);
+      replay.update(replay_data(samples_of(query), options.replay_hz));
+      const std::string robot = replay["robot"];
+      if (!page["robots"].contains(robot)) page["robots"][robot] = robot_of(store, query.getColumn("robot").getInt64());
+      page["replays"].push_back(std::move(replay));
+    } catch (const std::exception& error) {
+      throw ReportError(fmt::format("{}: trial {}: {}", store.getFilename(), trial, error.what()));
+    }
+  }
+}
+
+std::optional<Json> replay_of(SQLite::Database& store, const std::string& trial, double hz,
+                              const std::function<std::optional<OwnedSamples>()>& simulated) {
+  SQLite::Statement query(store, std::string(replay_sql()));
+  query.bind(1, trial);
+  if (!query.executeStep()) return {};
+  Json replay = head(query);
+  if (!query.getColumn("n").isNull()) {
+    replay.update(replay_data(samples_of(query), hz));
+    replay["simulated"] = false;
+  } else if (const std::optional<OwnedSamples> made = simulated ? simulated() : std::nullopt) {
+    replay.update(replay_data(made->view(), hz));
+    replay["simulated"] = true;
+  } else {
+    replay["n"] = 0;
+  }
+  replay["resolved"] = robot_of(store, query.getColumn("robot").getInt64());
+  return replay;
+}
+
+}  // namespace moma::reports

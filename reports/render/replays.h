@@ -1,0 +1,25 @@
+#pragma once
+
+#include <SQLiteCpp/SQLiteCpp.h>
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "reports/render/replay_data.h"
+#include "reports/render/report.h"
+
+namespace moma::reports {
+
+/// Adds to the page "replays", the worst trials of each kind among those with samples, and "robots", each robot that
+/// one of them needs, by its id. With `options.served` the trials are named only: their motion is asked for later.
+void add_replays(SQLite::Database& store, const ReportOptions& options, nlohmann::ordered_json& page);
+
+/// One trial as the page plays it, with its robot: an element of "replays" and "resolved". `trial` is its whole
+/// name; nothing where the store has no such trial. `simulated` stands in for samples that the store does not hold;
+/// without both "n" is 0.
+std::optional<nlohmann::ordered_json> replay_of(SQLite::Database& store, const std::string& trial, double hz,
+                                                const std::function<std::optional<OwnedSamples>()>& simulated);
+
+}  // namespace moma::reports

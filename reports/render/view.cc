@@ -1,0 +1,215 @@
+#include "reports/render/view.h"
+
+#include <fmt/format.h>
+#include <httplib.h>
+
+#include <algorithm>
+#include <chrono>
+#include <mutex>
+#include <thread>
+
+#include "reports/render/html.h"
+#include "reports/render/page_data.h"
+#include "reports/render/replays.h"
+#include "reports/render/store.h"
+
+namespace moma::reports {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kReplayHz = 50.0;
+constexpr const char* kHost = "127.0.0.1";
+constexpr const char* kJson = "application/json; charset=utf-8";
+
+std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+/// What the stores hold, in a few numbers that differ whenever the page's data would.
+struct State {
+  long long trials = 0;
+  bool running = false;
+  std::string token;
+};
+
+State state_of(const Stores& stores) {
+  State state;
+  for (const std::filesystem::path& db : stores) {
+    SQLite::Database store = open_store(db);
+    SQLite::Statement query(store,
+                            "SELECT (SELECT count(*) FROM point_trial), (SELECT count(*) FROM samples), "
+                            "(SELECT count(*) FROM invocation), (SELECT count(*) FROM invocation WHERE status = "
+                            "'running'), (SELECT count(*) FROM tune_evaluation), (SELECT count(*) FROM tune_comparison)");
+    query.executeStep();
+    state.trials += query.getColumn(0).getInt64();
+    state.running = state.running || query.getColumn(3).getInt64() > 0;
+    for (int i = 0; i < query.getColumnCount(); ++i) state.token += fmt::format("{}.", query.getColumn(i).getInt64());
+  }
+  return state;
+}
+
+bool is_trial(const std::string& text) {
+  return text.size() == 16 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+/// Answers of one server; safe to be asked by several threads.
+class Answers {
+ public:
+  Answers(const Stores& stores, const ViewOptions& options) : stores_(stores), options_(options) {}
+
+  std::string state() const {
+    const State now = state_of(stores_);
+    return dumped({{"trials", now.trials}, {"running", now.running}, {"token", now.token}});
+  }
+
+  /// The page's data; read anew only where the store has changed.
+  std::shared_ptr<const std::string> data() {
+    const std::lock_guard lock(data_mutex_);
+    const std::string token = state_of(stores_).token;
+    if (data_ == nullptr || token != data_token_) {
+      ReportOptions options;
+      options.served = true;
+      Json page = read_stores(stores_, options);
+      page["live"] = {{"token", token}, {"simulates", static_cast<bool>(options_.simulate)}};
+      data_ = std::make_shared<const std::string>(dumped(page));
+      data_token_ = token;
+    }
+    return data_;
+  }
+
+  /// Nothing where no store has the trial.
+  std::optional<std::string> replay(const std::string& trial) {
+    for (const std::filesystem::path& db : stores_) {
+      SQLite::Database store = open_store(db);
+      const auto simulated = [&]() -> std::optional<OwnedSamples> {
+        if (!options_.simulate) return {};
+        const std::lock_guard lock(simulation_mutex_);
+        return options_.simulate(db, trial);
+      };
+      if (const std::optional<Json> found = replay_of(store, trial, kReplayHz, simulated)) return dumped(*found);
+    }
+    return {};
+  }
+
+ private:
+  const Stores& stores_;
+  const ViewOptions& options_;
+  std::mutex data_mutex_;
+  std::string data_token_;
+  std::shared_ptr<const std::string> data_;
+  std::mutex simulation_mutex_;
+};
+
+void refuse(httplib::Response& response, int status, const std::string& why) {
+  response.status = status;
+  response.set_content(dumped({{"error", why}}), kJson);
+}
+
+/// Does what `answer` does; what goes wrong becomes an answer too.
+template <typename Answer>
+auto guarded(Answer answer) {
+  return [answer](const httplib::Request& request, httplib::Response& response) {
+    try {
+      answer(request, response);
+    } catch (const std::exception& error) {
+      refuse(response, 500, error.what());
+    }
+  };
+}
+
+void add_answers(httplib::Server& server, Answers& answers, const std::string& page) {
+  server.Get("/", guarded([&page](const httplib::Request&, httplib::Response& response) {
+               response.set_content(page, "text/html; charset=utf-8");
+             }));
+  server.Get("/state.json", guarded([&answers](const httplib::Request&, httplib::Response& response) {
+               response.set_content(answers.state(), kJson);
+             }));
+  server.Get("/data.json", guarded([&answers](const httplib::Request&, httplib::Response& response) {
+               const std::shared_ptr<const std::string> data = answers.data();
+               response.set_content_provider(
+                   data->size(), kJson, [data](std::size_t from, std::size_t size, httplib::DataSink& sink) {
+                     return sink.write(data->data() + from, std::min<std::size_t>(size, std::size_t{1} << 20));
+                   });
+             }));
+  server.Get(R"(/replay/([^/]*))", guarded([&answers](const httplib::Request& request, httplib::Response& response) {
+               const std::string trial = request.matches[1];
+               if (!is_trial(trial)) return refuse(response, 400, "not a trial's name; wanted: 16 hex digits");
+               const std::optional<std::string> replay = answers.replay(trial);
+               if (!replay) return refuse(response, 404, "the store has no such trial");
+               response.set_content(*replay, kJson);
+             }));
+}
+
+void add_rules(httplib::Server& server, int port) {
+  server.set_pre_routing_handler([port](const httplib::Request& request, httplib::Response& response) {
+    // A browser names the site that it believes to talk to: another site's name may resolve to this machine, and its
+    // scripts would then read the store.
+    const std::string host = request.get_header_value("Host");
+    if (host != fmt::format("{}:{}", kHost, port) && host != fmt::format("localhost:{}", port)) {
+      refuse(response, 403, fmt::format("wanted: http://{}:{}/", kHost, port));
+      return httplib::Server::HandlerResponse::Handled;
+    }
+    if (request.method != "GET" && request.method != "HEAD") {
+      response.set_header("Allow", "GET, HEAD");
+      refuse(response, 405, "the stores are only read");
+      return httplib::Server::HandlerResponse::Handled;
+    }
+    return httplib::Server::HandlerResponse::Unhandled;
+  });
+  server.set_error_handler([](const httplib::Request&, httplib::Response& response) {
+    if (response.body.empty()) refuse(response, response.status, "there is nothing here");
+  });
+}
+
+/// Before the port is bound.
+void set_up(httplib::Server& server) {
+  server.set_default_headers({{"Cache-Control", "no-store"},
+                              {"X-Content-Type-Options", "nosniff"},
+                              {"X-Frame-Options", "DENY"},
+                              {"Referrer-Policy", "no-referrer"},
+                              {"Cross-Origin-Resource-Policy", "same-origin"}});
+  server.set_payload_max_length(1024);
+  server.set_keep_alive_timeout(2);
+  server.set_read_timeout(std::chrono::seconds(5));
+  // Not the library's SO_REUSEPORT, by which a second server would silently share the port.
+  server.set_socket_options([](socket_t socket) {
+    const int yes = 1;
+    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  });
+}
+
+}  // namespace
+
+void serve(const Stores& stores, const ViewOptions& options, const std::atomic<bool>& stop,
+           const std::function<void(const std::string& address)>& ready) {
+  if (options.port < 0 || options.port > 65535) throw ReportError("port: wanted: 0 to 65535");
+  state_of(stores);  // says what is wrong with a store before anybody asks for it
+  std::string title;
+  for (const std::filesystem::path& store : stores) title += (title.empty() ? "" : " + ") + store.filename().string();
+  const std::string page = served_html(title);
+  Answers answers(stores, options);
+
+  httplib::Server server;
+  set_up(server);
+  int port = options.port;
+  const bool bound = port == 0 ? (port = server.bind_to_any_port(kHost)) > 0 : server.bind_to_port(kHost, port);
+  if (!bound) {
+    throw ReportError(fmt::format("port {} of {} cannot be used: another program may have it; wanted: a free one, or 0 "
+                                  "for any",
+                                  options.port, kHost));
+  }
+  add_rules(server, port);
+  add_answers(server, answers, page);
+  std::atomic<bool> ended{false};
+  std::thread watch([&] {
+    ready(fmt::format("http://{}:{}/", kHost, port));
+    while (!stop.load() && !ended.load()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    while (!server.is_running() && !ended.load()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    server.stop();
+  });
+  const bool clean = server.listen_after_bind();
+  ended = true;
+  watch.join();
+  if (!clean && !stop.load()) throw ReportError(fmt::format("the server at port {} stopped by itself", port));
+}
+
+}  // namespace moma::reports

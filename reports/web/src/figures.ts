@@ -1,0 +1,34 @@
+// Draws every figure that has something to show, without a browser: node figures.js PAGE.json FOLDER
+// What `moma report --figures` runs. The figures are those of the page, as its buttons save them.
+
+import { readFileSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+
+import { svgOf } from './chart';
+import { Model, type PageData } from './data';
+import { kFigures } from './figures/all';
+import { showSlice, startView } from './view';
+
+function fileName(text: string): string {
+  return text.replace(/[^\w.-]+/g, '-').replace(/^[-.]+|-+$/g, '').slice(0, 80);
+}
+
+async function main(file: string, folder: string): Promise<void> {
+  const model = new Model(JSON.parse(readFileSync(file, 'utf8')) as PageData);
+  startView(model);
+  const tuned = new Set(kFigures.tuning(model).map((spec) => spec.id));
+  for (const [place, slice] of model.slices.entries()) {
+    showSlice(slice.id);
+    const prefix = model.slices.length > 1 ? `${place + 1}-${fileName(slice.id)}-` : '';
+    for (const spec of Object.values(kFigures).flatMap((specs) => specs(model))) {
+      if (tuned.has(spec.id) && place > 0) continue;   // of the store, not of a suite
+      await spec.prepare?.();
+      const svg = svgOf(spec);
+      if (svg !== null) writeFileSync(join(folder, `${tuned.has(spec.id) ? '' : prefix}${spec.id}.svg`), svg);
+    }
+  }
+}
+
+const [, , file, folder] = process.argv;
+if (file === undefined || folder === undefined) throw new Error('usage: node figures.js PAGE.json FOLDER');
+await main(file, folder);

@@ -1,0 +1,29 @@
+// Every figure of the page, by section.
+
+import type { FigureSpec } from '../chart';
+import type { Model } from '../data';
+import { arrival } from './arrival';
+import { course } from './course';
+import { difficulty } from './difficulty';
+import { distribution } from './distribution';
+import { outcomes } from './outcomes';
+import { paired } from './paired';
+import { scatter } from './scatter';
+import { isSwept, sweep } from './sweep';
+import { timing } from './timing';
+import { tuningFigures } from './tuning';
+
+export const kFigures = {
+  results: () => [outcomes()],
+  time: () => [arrival()],
+  difficulty: () => [difficulty()],
+  sweep: (model: Model) => (isSwept(model) ? sweep(model) : []),
+  tuning: tuningFigures,
+  quality: (model: Model) => [
+    distribution('manipulability', 'Manipulability', 'How the trials of each controller are spread, failures included. Choose any metric.', 'manip_mean'),
+    distribution('metric', 'Any other metric', 'The same for a second metric, to read side by side.', 'command_change_mean'),
+    scatter(), course(model),
+  ],
+  pairs: () => [paired()],
+  timing: () => [timing()],
+} satisfies Record<string, (model: Model) => FigureSpec[]>;

@@ -1,0 +1,97 @@
+// Manipulability along the motion of the trials whose samples are at hand.
+
+import { axis, legend, legendHeight, nice, plain, tip, type FigureSpec } from '../chart';
+import { kOutcomeNames, type Model } from '../data';
+import { fixed, integer } from '../format';
+import { decode, type Trace } from '../replay/trace';
+import { select } from '../select';
+import { quantile } from '../stats';
+import { kDashes, seriesColour, type Palette } from '../theme';
+import { view } from '../view';
+
+/** More lines than this are a blur. */
+const kMost = 40;
+const kSteps = 120;
+/** A median of fewer says little. */
+const kFewest = 3;
+
+interface Course { row: number; trace: Trace }
+
+export function course(model: Model): FigureSpec {
+  const known = new Map<string, Trace>();
+
+  const shown = (): { s: ReturnType<typeof view>['series'][number]; courses: Course[] }[] => {
+    const { series } = view();
+    const place = new Map(series.flatMap((s) => s.rows.map((row) => [model.trials.text('trial', row), row] as const)));
+    const rows = new Map<number, Trace>();
+    for (const [trial, trace] of known) {
+      const row = place.get(trial);
+      if (row !== undefined) rows.set(row, trace);
+    }
+    return series.map((s) => ({ s, courses: s.rows.flatMap((row) => { const trace = rows.get(row); return trace === undefined ? [] : [{ row, trace }]; }) })).filter((g) => g.courses.length > 0);
+  };
+
+  return {
+    id: 'course',
+    title: 'Manipulability along the motion',
+    caption: 'One thin line per trial whose motion is at hand, from its start to its end; bold: the median of those still moving.',
+    empty: 'No motion of these trials is at hand.',
+    prepare: async () => {
+      for (const { trial } of model.page.replays.slice(0, kMost)) {
+        try {
+          known.set(trial, await decode((await model.motion(trial)).replay));
+        } catch {
+          known.delete(trial);   // the replay says what is wrong with it
+        }
+      }
+    },
+    draw: (p: Palette, width: number) => {
+      const groups = shown();
+      if (groups.length === 0) return null;
+      const end = Math.max(...groups.flatMap((g) => g.courses.map((c) => c.trace.end)));
+      if (!(end > 0)) return null;
+      const names = groups.map((g) => g.s.name);
+      const medians = groups.map((g) => Array.from({ length: kSteps + 1 }, (_, k) => {
+        const t = (end * k) / kSteps;
+        const values = g.courses.filter((c) => c.trace.end >= t).map((c) => c.trace.at('manipulability', t)).filter(Number.isFinite).sort((a, b) => a - b);
+        return [t, values.length >= kFewest ? quantile(values, 0.5) : null] as [number, number | null];
+      }));
+      return {
+        height: 380,
+        note: groups.map((g) => `${g.s.name}: n = ${integer(g.courses.length)}`).join('; ') + '. These are the trials chosen for replay, the worst of each kind first: not a sample of all.',
+        columns: ['controller', 'point', 'trial', 't_s', 'manipulability'],
+        rows: groups.flatMap((g) => g.courses.flatMap((c) => [...c.trace.t].map((t, i) => [g.s.controller, g.s.point, model.trials.text('trial', c.row), t, c.trace.column('manipulability')[i] ?? null]))),
+        option: {
+          legend: legend(p, names),
+          grid: { left: 26, right: 20, top: legendHeight(names, width), bottom: 28, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
+          xAxis: axis(p, 'time [s]', { ...nice(0, end), nameGap: 26 }),
+          yAxis: axis(p, 'manipulability', { min: 0, nameGap: 46, axisLabel: { color: p.muted, fontSize: 11, formatter: plain } }),
+          tooltip: {
+            trigger: 'item',
+            formatter: ({ data }: { data: unknown }) => {
+              const row = (data as { row?: number }).row;
+              if (row === undefined) return '';
+              const t = model.trials;
+              return tip(`${t.text('controller', row)}, ${t.text('family', row)} world ${integer(t.number('world', row))}`, [['outcome', kOutcomeNames[t.outcome(row)]], ['least', fixed(t.number('manip_min', row), 4)], ['mean', fixed(t.number('manip_mean', row), 4)]], p.outcomes[t.outcome(row)]);
+            },
+          },
+          series: [
+            ...groups.flatMap((g) => g.courses.map((c) => ({
+              type: 'line', showSymbol: false, triggerEvent: 'line', cursor: 'pointer', z: 2,
+              data: [...c.trace.t].map((t, i) => ({ value: [t, c.trace.column('manipulability')[i] ?? null], row: c.row })),
+              lineStyle: { color: seriesColour(p, g.s.index), width: 0.9, opacity: 0.4 }, itemStyle: { color: seriesColour(p, g.s.index) }, emphasis: { disabled: true },
+            }))),
+            ...groups.map((g, i) => ({
+              name: g.s.name, type: 'line', showSymbol: false, silent: true, z: 3, data: medians[i],
+              lineStyle: { color: seriesColour(p, g.s.index), width: 2.6, type: kDashes[g.s.index % kDashes.length] }, itemStyle: { color: seriesColour(p, g.s.index) },
+            })),
+          ],
+        },
+      };
+    },
+    click: (data) => {
+      const row = (data as { row?: number }).row;
+      if (row !== undefined) select(model.trials.text('trial', row), true);
+    },
+  };
+}

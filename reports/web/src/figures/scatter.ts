@@ -1,0 +1,79 @@
+// Any metric against any other: one dot per trial.
+
+import { axis, legend, legendHeight, nice, plain, tip, type FigureSpec } from '../chart';
+import { kOutcomeNames } from '../data';
+import { choice } from '../dom';
+import { fixed, integer } from '../format';
+import { axisName, metric, withUnit } from '../metrics';
+import { select } from '../select';
+import * as state from '../state';
+import { extent, spearman, thinned } from '../stats';
+import { kSymbols, seriesColour, type Palette } from '../theme';
+import { view } from '../view';
+import { presentMetrics } from './distribution';
+
+/** More dots than this hide each other. */
+const kMostDots = 20000;
+
+export function scatter(): FigureSpec {
+  state.setDefault('f.sx', 'goal_distance_m');
+  state.setDefault('f.sy', 'manip_mean');
+  return {
+    id: 'scatter',
+    title: 'One metric against another',
+    caption: 'Each dot is one trial that has both; hollow where it failed. A click plays the trial.',
+    empty: 'No trial here has both metrics.',
+    controls: (redraw) => (['sx', 'sy'] as const).map((key) =>
+      choice(key === 'sx' ? 'Along x' : 'Along y', presentMetrics(), state.get(`f.${key}`), (value) => { state.set({ [`f.${key}`]: value }); redraw(); })),
+    draw: (p: Palette, width: number) => {
+      const { model, series } = view();
+      const t = model.trials;
+      const [mx, my] = [metric(state.get('f.sx')), metric(state.get('f.sy'))];
+      const groups = series.map((s) => ({
+        s, dots: s.rows.map((row) => ({ row, x: t.number(mx.key, row), y: t.number(my.key, row) })).filter((d) => Number.isFinite(d.x) && Number.isFinite(d.y)),
+      })).filter((g) => g.dots.length > 0);
+      const xs = extent(groups.flatMap((g) => g.dots.map((d) => d.x)));
+      const ys = extent(groups.flatMap((g) => g.dots.map((d) => d.y)));
+      if (xs === null || ys === null) return null;
+      const total = groups.reduce((sum, g) => sum + g.dots.length, 0);
+      const names = groups.map((g) => g.s.name);
+      return {
+        height: 420,
+        note: groups.map((g) => {
+          const rho = spearman(g.dots.map((d) => d.x), g.dots.map((d) => d.y));
+          return `${g.s.name}: n = ${integer(g.dots.length)}, rank correlation ${rho === null ? 'undefined' : `${fixed(rho.value, 2)} (95 % interval ${fixed(rho.low, 2)} to ${fixed(rho.high, 2)})`}`;
+        }).join('; ') + (total > kMostDots ? `. ${integer(kMostDots)} dots are drawn.` : '.'),
+        columns: ['controller', 'point', 'trial', 'outcome', mx.key, my.key],
+        rows: groups.flatMap((g) => g.dots.map((d) => [g.s.controller, g.s.point, t.text('trial', d.row), t.outcome(d.row), d.x, d.y])),
+        option: {
+          legend: legend(p, names),
+          grid: { left: 24, right: 20, top: legendHeight(names, width), bottom: 30, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
+          xAxis: axis(p, axisName(mx), { ...nice(...xs, width < 560 ? 4 : 8), nameGap: 30, axisLabel: { color: p.muted, fontSize: 11, formatter: plain } }),
+          yAxis: axis(p, axisName(my), { ...nice(...ys), nameGap: 46, axisLabel: { color: p.muted, fontSize: 11, formatter: plain } }),
+          tooltip: {
+            trigger: 'item',
+            formatter: ({ data }: { data: { row: number } }) => tip(`${t.text('controller', data.row)}, ${t.text('family', data.row)} world ${integer(t.number('world', data.row))}`, [
+              ['outcome', kOutcomeNames[t.outcome(data.row)]], [mx.name, withUnit(mx, t.number(mx.key, data.row))], [my.name, withUnit(my, t.number(my.key, data.row))],
+            ]),
+          },
+          series: groups.map((g) => {
+            const colour = seriesColour(p, g.s.index);
+            return {
+              name: g.s.name, type: 'scatter', symbol: kSymbols[g.s.index % kSymbols.length], symbolSize: 7, itemStyle: { color: colour }, cursor: 'pointer',
+              data: thinned(g.dots.length, Math.ceil((kMostDots * g.dots.length) / Math.max(total, kMostDots))).map((i) => {
+                const d = g.dots[i];
+                if (d === undefined) return null;
+                const filled = t.success(d.row);
+                return { value: [d.x, d.y], row: d.row, itemStyle: { color: filled ? colour : 'transparent', borderColor: colour, borderWidth: filled ? 0 : 1.2, opacity: filled ? 0.55 : 0.8 } };
+              }),
+            };
+          }),
+        },
+      };
+    },
+    click: (data) => {
+      const row = (data as { row?: number }).row;
+      if (row !== undefined) select(view().model.trials.text('trial', row), true);
+    },
+  };
+}

@@ -1,0 +1,90 @@
+// All shown controllers against one of them, on the worlds that both met.
+
+import { pairs, type Pairs } from '../compare';
+import type { Model, Series } from '../data';
+import { choice, download, h, replace } from '../dom';
+import { csv, fixed, integer, plural, probability } from '../format';
+import { metric, withUnit, type Metric } from '../metrics';
+import * as state from '../state';
+import { holm, pairedRate } from '../stats';
+import { onTheme, palette, seriesColour } from '../theme';
+import { onView, view } from '../view';
+
+const kMetrics = ['time_to_goal_s', 'manip_mean', 'clearance_min_m', 'command_change_mean', 'path_ee_m'];
+/** More comparisons than this cost each other too much power. */
+const kMost = 12;
+
+interface Row { series: Series; rates: { name: string; only: [number, number]; n: number; p: number }[]; metrics: { of: Metric; r: Pairs }[] }
+
+function baseline(): Series | undefined {
+  const { all, series } = view();
+  const asked = state.get('base');
+  return all.find((s) => asked !== '' && s.index === Number(asked)) ?? series[0];
+}
+
+function compared(model: Model, base: Series): Row[] {
+  return view().series.filter((s) => s.index !== base.index).slice(0, kMost).map((s) => {
+    const metrics = kMetrics.map((key) => ({ of: metric(key), r: pairs(model, base, s, key) }));
+    const worlds = metrics[0]?.r.worlds ?? [];
+    const rate = (name: string, hit: (row: number) => boolean): Row['rates'][number] => {
+      const only: [number, number] = [worlds.filter((w) => hit(w.a) && !hit(w.b)).length, worlds.filter((w) => hit(w.b) && !hit(w.a)).length];
+      return { name, only, n: worlds.length, p: pairedRate(...only, worlds.length).p };
+    };
+    const t = model.trials;
+    return { series: s, metrics, rates: [rate('Success', (row) => t.success(row)), rate('Collision', (row) => t.outcome(row) === 'collision')] };
+  }).filter((row) => (row.rates[0]?.n ?? 0) > 0);
+}
+
+function signed(value: number, write: (v: number) => string): string {
+  return (value > 0 ? '+' : '') + write(value);
+}
+
+export function comparison(model: Model): HTMLElement {
+  const box = h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Paired comparison' });
+  const controls = h('div', { class: 'controls' });
+  const note = h('p', { class: 'note' });
+  const saveButton = h('button', { type: 'button', class: 'quiet' }, 'Data CSV');
+  let table: (string | number | null)[][] = [];
+  const fill = (): void => {
+    const { series } = view();
+    const base = baseline();
+    const rows = base === undefined ? [] : compared(model, base);
+    replace(controls, base === undefined || series.length < 2 ? null
+      : choice('Compared with', series.map((s) => [String(s.index), s.name] as const), String(base.index), (value) => { state.set({ base: value }); fill(); }));
+    saveButton.hidden = rows.length === 0;
+    table = [];
+    if (base === undefined || rows.length === 0) {
+      replace(box, h('p', { class: 'empty' }, 'Two controllers that met the same worlds are needed.'));
+      replace(note);
+      return;
+    }
+    const corrected = holm(rows.flatMap((row) => row.rates.map((r) => r.p)));
+    let place = 0;
+    replace(box, h('table', { class: 'plain' },
+      h('thead', null, h('tr', null, h('th', { scope: 'col' }, 'Controller'), h('th', { scope: 'col' }, 'Worlds'),
+        ...['Success', 'Collision'].map((name) => h('th', { scope: 'col' }, name, h('small', null, 'percentage points, exact McNemar'))),
+        ...kMetrics.map((key) => h('th', { scope: 'col' }, metric(key).name, h('small', null, 'median difference'))))),
+      h('tbody', null, ...rows.map((row) => h('tr', null,
+        h('th', { scope: 'row' }, h('span', { class: 'dotted', style: `--c:${seriesColour(palette(), row.series.index)}` }, row.series.name)),
+        h('td', null, integer(row.rates[0]?.n ?? 0)),
+        ...row.rates.map((r) => {
+          const p = corrected[place++] ?? 1;
+          const d = pairedRate(...r.only, r.n);
+          table.push([row.series.name, base.name, r.name.toLowerCase(), r.n, d.value, d.low, d.high, r.only[0], r.only[1], r.p, p]);
+          return h('td', null, h('b', null, signed(100 * d.value, (v) => fixed(v, 1))), h('small', null, `${fixed(100 * d.low, 1)} to ${fixed(100 * d.high, 1)}, ${probability(p)}`));
+        }),
+        ...row.metrics.map(({ of, r }) => {
+          table.push([row.series.name, base.name, of.key, r.differences, r.median, r.interval.low, r.interval.high, null, null, null, null]);
+          return r.differences === 0 ? h('td', null, '\u2013')
+            : h('td', null, h('b', null, signed(r.median, (v) => withUnit(of, v))), h('small', null, `${of.write(r.interval.low)} to ${of.write(r.interval.high)}, n = ${integer(r.differences)}`));
+        }))))));
+    replace(note, `Each controller less ${base.name}, world by world. Rates: 95 % interval of paired proportions (Bonett and Price), exact McNemar test with Holm\u2019s correction over ${plural(corrected.length, 'test')}. Metrics: where both trials have them, median difference with its 95 % bootstrap interval.`);
+  };
+  saveButton.addEventListener('click', () => download('comparison.csv', 'text/csv',
+    csv(['controller', 'baseline', 'measure', 'n', 'difference', 'low', 'high', 'only_baseline', 'only_controller', 'p', 'p_holm'], table)));
+  // Bootstrapping takes its time: after what is seen first.
+  requestAnimationFrame(() => setTimeout(fill));
+  onView(fill);
+  onTheme(fill);
+  return h('div', { class: 'panel', id: 'comparison' }, h('div', { class: 'panel-head' }, h('h3', null, 'Paired comparison'), controls), box, h('footer', null, note, h('div', { class: 'actions' }, saveButton)));
+}
