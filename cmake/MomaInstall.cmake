@@ -1,11 +1,12 @@
 # `cmake --install`: the program (component `program`), and the controller library as the CMake package `moma`
-# (component `library`): moma::controller and moma::config, with DAQP's static library inside the export.
+# (component `library`): moma::controller, moma::config and moma::plugin, with DAQP's static library inside the export.
 include(CMakePackageConfigHelpers)
 
 set_target_properties(moma_controller PROPERTIES EXPORT_NAME controller)
 set_target_properties(moma_config PROPERTIES EXPORT_NAME config)
 set_target_properties(moma_daqp PROPERTIES EXPORT_NAME daqp)
-install(TARGETS moma_controller moma_config moma_daqp EXPORT momaTargets
+set_target_properties(moma_plugin PROPERTIES EXPORT_NAME plugin)
+install(TARGETS moma_controller moma_config moma_plugin moma_daqp EXPORT momaTargets
         ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT library
         LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT library)
 install(EXPORT momaTargets NAMESPACE moma:: DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/moma" COMPONENT library)
@@ -13,6 +14,7 @@ install(EXPORT momaTargets NAMESPACE moma:: DESTINATION "${CMAKE_INSTALL_LIBDIR}
 # Case files and their optimality check serve `moma solve` alone; solver adapters show the solvers' own headers.
 install(DIRECTORY controller DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/moma" COMPONENT library
         FILES_MATCHING PATTERN "*.h" PATTERN "case" EXCLUDE PATTERN "solver_*.h" EXCLUDE)
+install(DIRECTORY plugin DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/moma" COMPONENT library FILES_MATCHING PATTERN "*.h")
 foreach(component program library)
   install(DIRECTORY configs/ DESTINATION "${CMAKE_INSTALL_DATADIR}/moma/configs" COMPONENT ${component})
   install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT ${component})

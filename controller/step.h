@@ -60,6 +60,8 @@ class StepController {
   virtual void step(const Observation& observation, StepResult& result) noexcept = 0;
   /// Sizes the vectors of `result` so that step() never allocates.
   virtual void prepare(StepResult& result) const = 0;
+  /// Why the controller cannot go on: a trial ends with this as its reason. Empty while all is well.
+  virtual std::string_view failure() const noexcept { return {}; }
 };
 
 }  // namespace moma

@@ -16,6 +16,10 @@ set(rules
   "controller|nlohmann/|controller/(config|case)/|JSON belongs to the controller's file formats"
   "world|(controller/(qp|case)/|eval/|reports/)|-|worlds see the robot, never the controller or the evaluation"
   "eval|reports/|eval/cli/|only the commands know the reports"
+  "plugin|(world|eval|reports)/|-|a plugin knows the controller library and nothing of the evaluation"
+  "(controller|world|reports|bench)|plugin/|-|plugins are loaded by eval/plugin"
+  "eval|plugin/|eval/plugin/.*|plugins are loaded by eval/plugin, and nothing else of eval knows their interface"
+  ".*|dlfcn\\.h|eval/plugin/.*|shared libraries are loaded by eval/plugin"
   "reports|(controller|world|eval)/|-|reports see only the database"
   "controller|tests/|-|sources do not depend on tests"
   "(world|eval|reports|bench|examples)|tests/|bench/.*|sources do not depend on tests"
@@ -68,7 +72,8 @@ function(check_tree root)
   set(violations "")
   file(GLOB_RECURSE files RELATIVE "${root}" "${root}/controller/*.h" "${root}/controller/*.cc" "${root}/world/*.h"
        "${root}/world/*.cc" "${root}/eval/*.h" "${root}/eval/*.cc" "${root}/reports/*.h" "${root}/reports/*.cc"
-       "${root}/tests/*.h" "${root}/tests/*.cc" "${root}/bench/*.h" "${root}/bench/*.cc" "${root}/examples/*.cc")
+       "${root}/tests/*.h" "${root}/tests/*.cc" "${root}/bench/*.h" "${root}/bench/*.cc" "${root}/examples/*.cc"
+       "${root}/plugin/*.h")
   list(FILTER files EXCLUDE REGEX "/node_modules/")
   list(LENGTH files count)
   if(count EQUAL 0)
@@ -116,9 +121,12 @@ set(samples
   "eval/a.cc=tests/support/x.h" "eval/trial/b.cc=ode/ode.h" "world/c.cc=yaml-cpp/yaml.h" "eval/suite/a.cc=CLI/CLI.hpp"
   "eval/batch/a.cc=SQLiteCpp/SQLiteCpp.h" "eval/cli/a.cc=sqlite3.h" "eval/batch/b.cc=nlopt.hpp" "eval/cli/b.cc=mpi.h"
   "world/d.cc=urdf_parser/urdf_parser.h" "world/e.cc=coal/distance.h" "controller/qp/solver.cc=api.h"
-  "controller/qp/c.cc=qpOASES.hpp" "tests/controller/a.cc=eiquadprog/eiquadprog-fast.hpp"
+  "plugin/a.h=eval/trial/row.h" "controller/e.cc=plugin/moma_plugin.h" "eval/trial/c.cc=plugin/moma_plugin.h"
+  "eval/suite/b.cc=dlfcn.h" "controller/qp/c.cc=qpOASES.hpp" "tests/controller/a.cc=eiquadprog/eiquadprog-fast.hpp"
 )
-set(allowed "controller/qp/solver_daqp.cc=api.h" "world/plant/ode_plant.cc=ode/ode.h" "eval/cli/c.cc=reports/render/page.h"
+set(allowed "eval/plugin/a.cc=dlfcn.h" "eval/plugin/b.cc=plugin/moma_plugin.h" "plugin/b.h=controller/step.h"
+            "examples/a.cc=plugin/plugin.h" "tests/eval/plugins/a.cc=plugin/plugin.h"
+            "controller/qp/solver_daqp.cc=api.h" "world/plant/ode_plant.cc=ode/ode.h" "eval/cli/c.cc=reports/render/page.h"
             "controller/case/solve.cc=nlohmann/json.hpp" "controller/qp/d.cc=controller/types.h"
             "world/f.cc=controller/model/kinematics.h")
 set(broken 0)

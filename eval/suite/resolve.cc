@@ -71,7 +71,7 @@ Sections read_sections(const Node& root, const SuiteRobot& robot, std::vector<st
       config::fail(node.mark, key, "found nothing, expected a file or a map ({} takes every default)");
     std::vector<std::string> doubts;
     sections.controllers.emplace_back(
-        name, config::read_controller(node, key, *robot.robot->model, sections.simulation.control_period, doubts));
+        name, read_suite_controller(node, key, robot.robot, sections.simulation.control_period, doubts));
     for (const std::string& doubt : doubts)
       add_warning(warnings, doubt.find(key) == std::string::npos ? key + ": " + doubt : doubt);
   }
@@ -80,13 +80,12 @@ Sections read_sections(const Node& root, const SuiteRobot& robot, std::vector<st
 
 Point make_point(const Sections& sections, std::size_t controller) {
   Point point;
-  const auto& [name, params] = sections.controllers[controller];
+  const auto& [name, read] = sections.controllers[controller];
   point.controller = name;
   point.params = ordered_json::object();
   point.robot = sections.robot.robot;
   point.robot_digest = sections.robot.digest;
-  point.controller_params = params;
-  point.controller_resolved = config::to_json(params);
+  set_controller(point, read);
   point.worlds = sections.worlds;
   point.simulation = sections.simulation;
   point.success = sections.success;
@@ -105,8 +104,7 @@ void check_suite(Suite& suite, const config::Mark& mark) {
     }
     const std::string name = point.label.empty() ? point.controller : point.controller + " " + point.label;
     const ControllerParams& params = point.controller_params;
-    if (params.method == Method::kQp && params.collision.object.enabled &&
-        params.collision.object.stop > point.worlds.clearance()) {
+    if (has_qp(point) && params.collision.object.enabled && params.collision.object.stop > point.worlds.clearance()) {
       add_warning(suite.warnings,
                   fmt::format("controllers.{}.collision.stop: {} m is more than worlds.clearance ({} m): goals may lie "
                               "where this controller refuses to go",
@@ -127,7 +125,7 @@ ordered_json resolved_json(const Suite& suite, bool swept) {
   ordered_json json = {{"name", suite.name}, {"robot", first.robot->resolved}, {"controllers", ordered_json::object()}};
   for (const Point& point : suite.points)
     if (!json["controllers"].contains(point.controller))
-      json["controllers"][point.controller] = point.controller_resolved;
+      json["controllers"][point.controller] = stored_controller(point);
   const std::map<std::string, ordered_json> base = sections_of(first);
   for (const char* key : kSectionKeys) json[key] = base.at(key);
   json["trials"] = suite.trials;
@@ -146,8 +144,8 @@ ordered_json resolved_json(const Suite& suite, bool swept) {
       robots.push_back(point.robot_digest);
       more_robots.push_back(point.robot->resolved);
     }
-    if (point.controller_resolved != json["controllers"][point.controller])
-      entry["controller_params"] = point.controller_resolved;
+    if (ordered_json controller = stored_controller(point); controller != json["controllers"][point.controller])
+      entry["controller_params"] = std::move(controller);
     for (const auto& [key, value] : sections_of(point))
       if (value != base.at(key)) entry[key] = value;
     points.push_back(std::move(entry));

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "eval/suite/controller_entry.h"
 #include "eval/suite/suite.h"
 
 namespace moma {
@@ -21,7 +22,7 @@ struct SuiteRobot {
 /// All sections of a suite at one assignment of the sweep, read and checked.
 struct Sections {
   SuiteRobot robot;
-  std::vector<std::pair<std::string, ControllerParams>> controllers;  ///< in file order
+  std::vector<std::pair<std::string, SuiteController>> controllers;  ///< in file order
   Worlds worlds;
   SimulationConfig simulation;
   SuccessRule success;

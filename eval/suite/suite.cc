@@ -33,6 +33,11 @@ void put(Node& root, const std::string& key, const Node& value) {
   *node = value;
 }
 
+// controllers.NAME.path
+bool is_library_key(const std::string& key) {
+  return key.starts_with("controllers.") && key.ends_with(".path") && key.find('.', 12) == key.size() - 5;
+}
+
 // The suite as written, with files of robots and controllers opened where keys inside them are set.
 class Draft {
  public:
@@ -53,7 +58,8 @@ class Draft {
     }
     if (key.starts_with("robot.")) open(root_.find("robot"));
     const bool names_file = key == "robot" || key == "worlds.frozen" ||
-                            (key.starts_with("controllers.") && key.find('.', 12) == std::string::npos);
+                            (key.starts_with("controllers.") && key.find('.', 12) == std::string::npos) ||
+                            is_library_key(key);
     Node placed = value;
     if (names_file && value.kind == Node::Kind::kScalar) placed.scalar = fs::absolute(path_of(value)).string();
     put(root_, key, placed);

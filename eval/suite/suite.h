@@ -10,6 +10,7 @@
 
 #include "controller/config/controller_file.h"
 #include "controller/config/robot_file.h"
+#include "eval/plugin/plugin.h"
 #include "world/plant/plant.h"
 #include "world/scenario/worlds.h"
 
@@ -40,6 +41,9 @@ struct Point {
   std::shared_ptr<const config::LoadedRobot> robot;
   std::string robot_digest;  ///< XXH3-128 of robot->resolved, 32 hex digits; shared by all points of a robot
   ControllerParams controller_params;
+  std::shared_ptr<const Plugin> plugin;  ///< with `method: plugin`: stands in for controller_params
+  /// All of its parameters. Of a plugin: the digest of its library and the parameters handed over, not the path, so
+  /// that trials are known again wherever the library lies.
   nlohmann::ordered_json controller_resolved;
   Worlds worlds;
   SimulationConfig simulation;
@@ -47,6 +51,11 @@ struct Point {
   StuckRule stuck;
   InfeasibleRule infeasible;
 };
+
+/// Whether the point's controller is one of moma's QPs.
+inline bool has_qp(const Point& point) noexcept {
+  return point.plugin == nullptr && point.controller_params.method == Method::kQp;
+}
 
 struct Suite {
   std::string name;

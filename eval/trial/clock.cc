@@ -67,7 +67,7 @@ class TickClock {
         std::any_of(model_.self_pairs.begin(), model_.self_pairs.end(), [](const SelfPair& pair) { return pair.row; });
     r_.control_period = period_;
     r_.moving_goal = goal_moves_;
-    r_.has_qp = point_.controller_params.method == Method::kQp;
+    r_.has_qp = has_qp(point_);
     r_.has_slack = r_.has_qp && point_.controller_params.slack.enabled;
     r_.dynamic = point_.simulation.mode == SimulationMode::kDynamic;
     r_.has_wheels = r_.dynamic && model_.base_dof() > 0;
@@ -197,6 +197,8 @@ class TickClock {
     controller_.step(observation_, result_);
     r_.step_seconds.push_back(std::chrono::duration<double>(Clock::now() - before).count());
     if (result_.solve_seconds > 0.0) r_.solve_seconds.push_back(result_.solve_seconds);
+    if (const std::string_view failure = controller_.failure(); !failure.empty())
+      throw std::runtime_error(fmt::format("at t = {:.4g} s {}", time(k), failure));
     if (result_.command.size() != model_.num_velocities() || !result_.command.allFinite()) {
       throw std::runtime_error(fmt::format("the controller's command at t = {:.4g} s is not {} finite numbers", time(k),
                                            model_.num_velocities()));

@@ -10,6 +10,7 @@ namespace moma {
 namespace {
 
 std::unique_ptr<StepController> usual_controller(const Point& point) {
+  if (point.plugin != nullptr) return point.plugin->make();
   auto controller =
       std::make_unique<Controller>(point.robot->model, point.controller_params, point.simulation.control_period);
   controller->enable_timing(true);

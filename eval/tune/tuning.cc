@@ -9,6 +9,7 @@
 #include "controller/config/controller_file.h"
 #include "controller/config/json_node.h"
 #include "controller/config/reader.h"
+#include "eval/suite/controller_entry.h"
 #include "eval/trial/trial.h"
 
 namespace moma::tune {
@@ -207,6 +208,12 @@ Tuning load_tuning(const fs::path& file, const Overrides& overrides) {
     const std::string inner = inner_key(key, tune.controller);
     if (!inner.empty()) config::set_value(tuning.controller, inner, text);
   }
+  // What is found is written into another folder, from where a relative path would lead elsewhere.
+  if (first.plugin != nullptr) {
+    Node& path = *tuning.controller.find("path");
+    path.scalar = first.plugin->library().file.string();
+    path.quoted = true;
+  }
 
   check_worlds(tuning);
   check_ends(tuning);
@@ -273,7 +280,7 @@ Points::Points(const Tuning& tuning) : tuning_(tuning) {
   }
   for (std::size_t part = 0; part < tuning.suites.size(); ++part) {
     const Point& point = tuning.suites[part].points[tuning.tuned_point[part]];
-    resolved_.push_back(config::node_from_json(point.controller_resolved, "controller"));
+    resolved_.push_back(config::node_from_json(stored_controller(point), "controller"));
   }
 }
 
@@ -288,9 +295,8 @@ std::vector<Point> Points::from_controller(const Candidate& candidate) const {
     Node node = resolved_[part];
     for (std::size_t i = 0; i < candidate.size(); ++i) config::set_value(node, inner_keys_[i], to_text(candidate[i]));
     std::vector<std::string> doubts;
-    point.controller_params = config::read_controller(node, "controllers." + point.controller, *point.robot->model,
-                                                      point.simulation.control_period, doubts);
-    point.controller_resolved = config::to_json(point.controller_params);
+    set_controller(point, read_suite_controller(node, "controllers." + point.controller, point.robot,
+                                                point.simulation.control_period, doubts));
     points.push_back(std::move(point));
   }
   return points;

@@ -48,6 +48,17 @@ endif()
 run("running the consumer of the bare library" "${SCRATCH}/build/library_only")
 if(HAS_PROGRAM)
   run("running the installed program" "${prefix}/bin/moma" --help)
+  file(WRITE "${SCRATCH}/suite.yaml" "
+robot: ${prefix}/share/moma/configs/robots/frankie.yaml
+controllers: {mine: {method: plugin, path: build/consumer_plugin.so, parameters: {gain: 2}}}
+worlds: {seed: 1, families: {open: {weight: 1}}}
+simulation: {mode: kinematic, time_limit: 1}
+trials: 2
+")
+  run("running a plugin" "${prefix}/bin/moma" run "${SCRATCH}/suite.yaml" -o "${SCRATCH}/plugin.db")
+  if(NOT output MATCHES "mine")
+    message(FATAL_ERROR "unexpected output of a run with a plugin: ${output}")
+  endif()
   run("reading an installed robot" "${prefix}/bin/moma" robot "${prefix}/share/moma/configs/robots/frankie.yaml")
 endif()
 file(REMOVE_RECURSE "${SCRATCH}")

@@ -1,0 +1,93 @@
+#include "eval/suite/controller_entry.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "controller/config/controller_file.h"
+#include "controller/config/json_node.h"
+#include "controller/config/reader.h"
+
+namespace moma {
+namespace {
+
+namespace fs = std::filesystem;
+using config::MapReader;
+using config::Node;
+using nlohmann::ordered_json;
+
+bool is_plugin(const Node& node) {
+  const Node* method = node.find("method");
+  return method != nullptr && method->kind == Node::Kind::kScalar && method->scalar == "plugin";
+}
+
+SuiteController read_plugin(const Node& node, const std::string& key, std::shared_ptr<const config::LoadedRobot> robot,
+                            double control_period) {
+  MapReader in(node, key);
+  in.get("method");
+  const Node& path = in.require("path", "the shared library with the controller, for instance build/libmine.so");
+  const std::string name = config::read_string(path, in.key_of("path"));
+  std::string digest;
+  in.read("digest", digest);
+  const Node* given = in.get("parameters");
+  if (given != nullptr && given->kind != Node::Kind::kMap)
+    in.fail_at("parameters", "expected a map; it is handed to the plugin as it is");
+  in.finish();
+
+  SuiteController out;
+  std::shared_ptr<const PluginLibrary> library;
+  try {
+    library = load_plugin(fs::path(path.mark.file).parent_path() / name);
+  } catch (const PluginError& error) {
+    config::fail(path.mark, in.key_of("path"), fmt::format("{}: {}", name, error.what()));
+  }
+  if (!digest.empty() && digest != library->digest) {
+    config::fail(path.mark, in.key_of("path"),
+                 fmt::format("{} is not the library of these trials: its digest is {}, theirs {}. Built from the "
+                             "same sources by the same compiler it would be; run the suite again to compute anew",
+                             name, library->digest, digest));
+  }
+  const ordered_json parameters = given != nullptr ? config::node_to_json(*given) : ordered_json::object();
+  out.resolved = {{"method", "plugin"}, {"digest", library->digest}, {"parameters", parameters}};
+  try {
+    out.plugin = Plugin::open(std::move(library), std::move(robot), parameters, control_period);
+  } catch (const PluginError& error) {
+    const Node& at = given != nullptr ? *given : path;
+    config::fail(at.mark, in.key_of("parameters"), fmt::format("{} says: {}", name, error.what()));
+  }
+  return out;
+}
+
+}  // namespace
+
+SuiteController read_suite_controller(const Node& node, const std::string& key,
+                                      std::shared_ptr<const config::LoadedRobot> robot, double control_period,
+                                      std::vector<std::string>& warnings) {
+  if (is_plugin(node)) return read_plugin(node, key, std::move(robot), control_period);
+  if (node.kind == Node::Kind::kScalar) {
+    const fs::path file = fs::path(node.mark.file).parent_path() / node.scalar;
+    std::error_code error;
+    if (fs::is_regular_file(file, error)) {
+      const Node opened = config::load_yaml(file);
+      if (is_plugin(opened)) return read_plugin(opened, "", std::move(robot), control_period);
+    }
+  }
+  SuiteController out;
+  out.params = config::read_controller(node, key, *robot->model, control_period, warnings);
+  out.resolved = config::to_json(out.params);
+  return out;
+}
+
+void set_controller(Point& point, const SuiteController& controller) {
+  point.controller_params = controller.params;
+  point.plugin = controller.plugin;
+  point.controller_resolved = controller.resolved;
+}
+
+ordered_json stored_controller(const Point& point) {
+  ordered_json json = point.controller_resolved;
+  if (point.plugin != nullptr) json["path"] = point.plugin->library().file.string();
+  return json;
+}
+
+}  // namespace moma

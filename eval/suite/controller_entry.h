@@ -1,0 +1,36 @@
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "controller/config/node.h"
+#include "controller/config/robot_file.h"
+#include "controller/params.h"
+#include "eval/plugin/plugin.h"
+#include "eval/suite/suite.h"
+
+namespace moma {
+
+/// One entry of a suite's `controllers`: parameters of moma's own methods, or a plugin.
+struct SuiteController {
+  ControllerParams params;
+  std::shared_ptr<const Plugin> plugin;
+  nlohmann::ordered_json resolved;  ///< see Point::controller_resolved
+};
+
+/// Reads an entry: a map, or the path of a controller file. Besides what config::read_controller() takes:
+///   {method: plugin, path: LIBRARY.so, parameters: {...}}
+/// `path` is relative to the file that names it; `digest`, which only resolved suites have, must be the library's.
+/// Loads the library and lets it check its parameters. Throws config::ConfigError.
+SuiteController read_suite_controller(const config::Node& node, const std::string& key,
+                                      std::shared_ptr<const config::LoadedRobot> robot, double control_period,
+                                      std::vector<std::string>& warnings);
+
+void set_controller(Point& point, const SuiteController& controller);
+
+/// What read_suite_controller() needs to read the point's controller again: controller_resolved, and a plugin's path.
+nlohmann::ordered_json stored_controller(const Point& point);
+
+}  // namespace moma

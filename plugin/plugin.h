@@ -1,0 +1,203 @@
+#pragma once
+
+#include <algorithm>
+#include <concepts>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "controller/config/json_node.h"
+#include "controller/config/reader.h"
+#include "controller/config/robot_file.h"
+#include "controller/step.h"
+#include "plugin/moma_plugin.h"
+
+/// A C++ controller as a plugin of moma's evaluation (CMake target moma::plugin):
+///
+///   std::unique_ptr<MyController> make(const moma::plugin::Setup& setup);
+///   MOMA_PLUGIN(make)
+///
+/// once, in one source file of a shared library. MyController is a StepController, or any class with its three
+/// functions; step() of the latter may throw, which ends the trial with what() as the reason, while an exception that
+/// leaves a noexcept step() ends the program. The library holds its own copy of moma's controller library; what
+/// crosses the border are the C types of plugin/moma_plugin.h.
+namespace moma::plugin {
+
+/// What a controller is made from. The parameters are read as strictly as moma's own with config::MapReader; its
+/// messages reach the user with the place in the suite.
+struct Setup {
+  std::shared_ptr<const RobotModel> robot;
+  config::Node parameters;      ///< a map
+  double control_period = 0.0;  ///< [s]
+};
+
+template <typename T>
+concept SteppedController = requires(T& controller, const T& constant, std::span<const ObjectShape> objects,
+                                     const Observation& observation, StepResult& result) {
+  controller.reset(objects);
+  controller.step(observation, result);
+  constant.prepare(result);
+};
+
+// ---- How MOMA_PLUGIN works; not for users ------------------------------------------------------------------------
+
+/// Runs `body`; what it throws becomes `failed` and a text.
+template <typename Result, typename Body>
+Result guarded(Result failed, char* error, std::size_t error_size, Body body) noexcept {
+  const auto say = [&](const char* text) {
+    if (error == nullptr || error_size == 0) return;
+    const std::size_t length = std::min(std::strlen(text), error_size - 1);
+    std::memcpy(error, text, length);
+    error[length] = '\0';
+  };
+  try {
+    return body();
+  } catch (const std::exception& e) {
+    say(e.what());
+  } catch (...) {
+    say("an exception of unknown type");
+  }
+  return failed;
+}
+
+inline Setup read_setup(const moma_plugin_setup& setup) {
+  Setup out;
+  out.robot = config::robot_from_resolved(nlohmann::ordered_json::parse(setup.robot)).model;
+  out.parameters = config::node_from_json(nlohmann::ordered_json::parse(setup.parameters), "");
+  out.control_period = setup.control_period;
+  return out;
+}
+
+inline ObjectShape read_shape(const moma_object_shape& object) {
+  ObjectShape out{object.name, {}};
+  out.shape.kind = static_cast<ShapeKind>(object.kind);
+  out.shape.size = Vector3(object.size[0], object.size[1], object.size[2]);
+  if (object.num_vertices == 0) return out;
+  auto hull = std::make_shared<ConvexHull>();
+  for (std::size_t i = 0; i < object.num_vertices; ++i)
+    hull->vertices.emplace_back(object.vertices[3 * i], object.vertices[3 * i + 1], object.vertices[3 * i + 2]);
+  for (std::size_t i = 0; i < object.num_triangles; ++i)
+    hull->triangles.emplace_back(object.triangles[3 * i], object.triangles[3 * i + 1], object.triangles[3 * i + 2]);
+  out.shape.hull = std::move(hull);
+  return out;
+}
+
+inline Isometry read_pose(const double (&position)[3], const double (&rotation)[9]) {
+  Isometry X = Isometry::Identity();
+  X.translation() = Eigen::Map<const Vector3>(position);
+  X.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation);
+  return X;
+}
+
+/// Sizes of `out` are kept where they fit: no allocation after the first step.
+inline void read_observation(const moma_observation& seen, const RobotModel& robot, Observation& out) {
+  out.time = seen.time;
+  out.base = Eigen::Map<const Vector3>(seen.base);
+  out.q = Eigen::Map<const VectorX>(seen.q, robot.num_joints());
+  out.qdot = Eigen::Map<const VectorX>(seen.qdot, robot.num_velocities());
+  out.goal.X_WG = read_pose(seen.goal_position, seen.goal_rotation);
+  out.goal.V_WG_W = Eigen::Map<const Vector6>(seen.goal_twist);
+  out.objects.resize(seen.num_objects);
+  for (std::size_t i = 0; i < seen.num_objects; ++i) {
+    const moma_object_state& object = seen.objects[i];
+    out.objects[i].X_WO = read_pose(object.position, object.rotation);
+    out.objects[i].V_WO_W = Eigen::Map<const Vector6>(object.twist);
+    out.objects[i].visible = object.visible != 0;
+  }
+}
+
+template <typename Make>
+class Exports {
+ public:
+  using Controller = typename std::invoke_result_t<Make, const Setup&>::element_type;
+  static_assert(SteppedController<Controller>, "the controller lacks reset(), step() or prepare()");
+
+  static void* open(Make make, const moma_plugin_setup* setup, char* error, std::size_t error_size) noexcept {
+    return guarded<void*>(nullptr, error, error_size, [&]() -> void* {
+      auto plugin = std::make_unique<Plugin>(Plugin{read_setup(*setup), make});
+      plugin->make(plugin->setup);  // what is wrong with the parameters shows here, not in the first trial
+      return plugin.release();
+    });
+  }
+  static void close(void* plugin) noexcept { delete static_cast<Plugin*>(plugin); }
+
+  static void* start(void* plugin, const moma_object_shape* objects, std::size_t num_objects, char* error,
+                     std::size_t error_size) noexcept {
+    return guarded<void*>(nullptr, error, error_size, [&]() -> void* {
+      const Plugin& p = *static_cast<Plugin*>(plugin);
+      auto motion = std::make_unique<Motion>();
+      motion->robot = p.setup.robot;
+      motion->controller = p.make(p.setup);
+      if (motion->controller == nullptr) throw std::runtime_error("no controller was made");
+      std::vector<ObjectShape> shapes;
+      for (std::size_t i = 0; i < num_objects; ++i) shapes.push_back(read_shape(objects[i]));
+      motion->controller->reset(shapes);
+      std::as_const(*motion->controller).prepare(motion->result);
+      return motion.release();
+    });
+  }
+  static void stop(void* controller) noexcept { delete static_cast<Motion*>(controller); }
+
+  static int step(void* controller, const moma_observation* seen, moma_step_result* out, char* error,
+                  std::size_t error_size) noexcept {
+    return guarded<int>(1, error, error_size, [&] {
+      Motion& m = *static_cast<Motion*>(controller);
+      read_observation(*seen, *m.robot, m.observation);
+      m.controller->step(m.observation, m.result);
+      const StepResult& r = m.result;
+      if (r.command.size() != m.robot->num_velocities()) {
+        throw std::runtime_error("the command has " + std::to_string(r.command.size()) + " values, the robot has " +
+                                 std::to_string(m.robot->num_velocities()) + " velocities");
+      }
+      std::copy(r.command.begin(), r.command.end(), out->command);
+      out->status = static_cast<std::int32_t>(r.status);
+      out->fallback = static_cast<std::int32_t>(r.fallback);
+      std::copy(r.slack.begin(), r.slack.end(), out->slack);
+      out->least_distance = r.least_distance;
+      out->rows = r.rows;
+      out->active_rows = r.active_rows;
+      out->iterations = r.iterations;
+      out->solve_seconds = r.solve_seconds;
+      return 0;
+    });
+  }
+
+ private:
+  struct Plugin {
+    Setup setup;
+    Make make;
+  };
+  struct Motion {
+    std::shared_ptr<const RobotModel> robot;
+    std::unique_ptr<Controller> controller;
+    Observation observation;
+    StepResult result;
+  };
+};
+
+}  // namespace moma::plugin
+
+/// `make` is a function: std::unique_ptr<C>(const moma::plugin::Setup&), called by several threads at once; it throws
+/// where the parameters are wrong.
+#define MOMA_PLUGIN(make)                                                                                            \
+  extern "C" {                                                                                                       \
+  uint32_t moma_plugin_abi(void) { return MOMA_PLUGIN_ABI; }                                                         \
+  void* moma_plugin_open(const moma_plugin_setup* setup, char* error, size_t error_size) {                           \
+    return moma::plugin::Exports<decltype(&(make))>::open(&(make), setup, error, error_size);                        \
+  }                                                                                                                  \
+  void moma_plugin_close(void* plugin) { moma::plugin::Exports<decltype(&(make))>::close(plugin); }                  \
+  void* moma_plugin_start(void* plugin, const moma_object_shape* objects, size_t num_objects, char* error,           \
+                          size_t error_size) {                                                                       \
+    return moma::plugin::Exports<decltype(&(make))>::start(plugin, objects, num_objects, error, error_size);         \
+  }                                                                                                                  \
+  int moma_plugin_step(void* controller, const moma_observation* observation, moma_step_result* result, char* error, \
+                       size_t error_size) {                                                                          \
+    return moma::plugin::Exports<decltype(&(make))>::step(controller, observation, result, error, error_size);       \
+  }                                                                                                                  \
+  void moma_plugin_stop(void* controller) { moma::plugin::Exports<decltype(&(make))>::stop(controller); }            \
+  }
