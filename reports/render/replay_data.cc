@@ -111,6 +111,7 @@ nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz) {
 
   for (const char* name : {"t", "base_x", "base_y", "base_phi"}) keep_column(name);
   for (int i = 0; column(fmt::format("q{}", i)) != nullptr; ++i) keep_column(fmt::format("q{}", i));
+  for (int i = 0; column(fmt::format("command{}", i)) != nullptr; ++i) keep_column(fmt::format("command{}", i));
   keep_norm("error_rotation", "error", 0, 3);
   keep_norm("error_position", "error", 3, 3);
   keep_norm("slack", "slack", 0, 6);

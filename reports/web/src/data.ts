@@ -218,6 +218,12 @@ export class Model {
     return asked;
   }
 
+  /** The point that a trial belongs to. */
+  point(row: number): PointInfo | undefined {
+    const t = this.trials;
+    return this.page.points.find((p) => p.controller === t.text('controller', row) && p.point === t.text('point', row) && p.suite === t.text('suite', row) && p.mode === t.text('mode', row));
+  }
+
   /** File that holds a trial. */
   file(row: number): string {
     const label = this.trials.text('store', row);

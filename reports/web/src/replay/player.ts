@@ -10,6 +10,7 @@ import * as state from '../state';
 import { onTheme, palette } from '../theme';
 import { onView } from '../view';
 import { Robot } from './robot';
+import { collisionParameters } from './rows';
 import { ReplayScene, type Colours, type WorldJson } from './scene';
 import { statusAt, Timeline } from './timeline';
 import { decode, type Trace } from './trace';
@@ -61,7 +62,9 @@ export function player(model: Model): HTMLElement {
   const joints = h('div', { class: 'joints' });
   const status = h('p', { class: 'note' });
   const shelf = h('div', { class: 'shelf', role: 'listbox', 'aria-label': 'Trials that can be played' });
-  const stage = h('div', { class: 'stage-box' }, canvas, caption);
+  const labels = h('div', { class: 'row-labels', 'aria-hidden': 'true' });
+  const near = h('p', { class: 'note rows-near' });
+  const stage = h('div', { class: 'stage-box' }, canvas, labels, caption);
   let scene: ReplayScene | null = null;
   let trace: Trace | null = null;
   let robot: Robot | null = null;
@@ -75,8 +78,30 @@ export function player(model: Model): HTMLElement {
   const timeline = new Timeline(lines, (t) => { pause(); seek(t); });
   const robots = new Map<string, Robot>();
 
+  /** Distances at the arrows of the rows that hold the command back, and of the nearest one. */
+  const drawLabels = (): void => {
+    const shown = scene?.rows.filter((row, i) => row.active || i === 0).slice(0, 8) ?? [];
+    replace(labels, ...shown.flatMap((row) => {
+      const at = scene?.project(row.first.clone().add(row.second).multiplyScalar(0.5)) ?? null;
+      return at === null ? [] : [h('span', { class: row.active ? 'active' : null, style: `left:${at[0].toFixed(1)}px;top:${at[1].toFixed(1)}px` }, `${fixed(1000 * row.d, 0)} mm`)];
+    }));
+  };
+
+  const tellRows = (): void => {
+    const rows = scene?.rows ?? [];
+    const active = rows.filter((row) => row.active);
+    const [first] = rows;
+    near.textContent = first === undefined ? 'No collision rows now: nothing is within the distance of influence.'
+      : `${plural(rows.length, 'collision row')}, ${integer(active.length)} active (the command approaches as fast as allowed)${active.length > 0 ? `: ${active.slice(0, 4).map((row) => `${row.link} to ${row.other} ${fixed(1000 * row.d, 0)} mm`).join(', ')}` : ''}. Nearest: ${first.link} to ${first.other}, ${fixed(1000 * first.d, 0)} mm.`;
+    const objects = rows.filter((row) => row.kind === 'object').map((row) => row.d);
+    stage.dataset['leastDistance'] = objects.length > 0 ? String(Math.min(...objects)) : '';
+    stage.dataset['activeRows'] = String(active.length);
+    stage.dataset['arrows'] = String(rows.length);
+  };
+
   const draw = (): void => {
     scene?.render();
+    drawLabels();
     timeline.draw(palette(), time);
   };
 
@@ -101,6 +126,7 @@ export function player(model: Model): HTMLElement {
     clock.textContent = `${fixed(time, 2)} of ${fixed(trace?.end ?? 0, 2)} s`;
     if (trace !== null) status.textContent = `Solver: ${statusAt(trace, time)}; ${plural(Math.round(trace.at('active_rows', time)), 'active constraint')}.`;
     if (scene !== null) stage.dataset['positionErrorNow'] = String(scene.positionError());
+    tellRows();
     drawJoints();
     draw();
   };
@@ -176,7 +202,8 @@ export function player(model: Model): HTMLElement {
     const t = model.trials;
     scene.follow = follow.checked;
     scene.render();
-    scene.show(next, replay.world as WorldJson, decoded, { link: t.text('link', row), object: t.text('object', row) });
+    scene.show(next, replay.world as WorldJson, decoded, { link: t.text('link', row), object: t.text('object', row) },
+      collisionParameters(model.point(row)?.parameters));
     timeline.show(decoded);
     scrub.max = String(decoded.end);
     const outcome = t.outcome(row);
@@ -213,7 +240,7 @@ export function player(model: Model): HTMLElement {
     h('div', { class: 'replay-main' },
       stage,
       h('div', { class: 'transport' }, play, scrub, clock, speed, h('label', null, follow, ' follow'), home),
-      lines, status),
+      lines, status, near),
     h('aside', null, h('h3', null, 'To play'), h('p', { class: 'note' }, shelfNote(model)), shelf,
       h('h3', null, 'Joints within their limits'), joints));
   element.addEventListener('keydown', (event) => {

@@ -13,7 +13,7 @@ interface RobotJson {
   urdf_text: string;
   base: { type: string; mount?: PoseJson; footprint?: ShapeJson };
   arm: { tip: string; tool?: PoseJson; locked?: Record<string, number>; limits?: Record<string, { lower?: number; upper?: number }>; ready?: number[] };
-  collision?: { shapes?: ShapeJson[] };
+  collision?: { shapes?: ShapeJson[]; pairs?: [number, number, boolean][] };
 }
 
 interface Joint {
@@ -82,6 +82,10 @@ function moves(joint: Joint): boolean {
 export class Robot {
   readonly name: string;
   readonly driven: Driven[] = [];
+  /** How the base moves: "differential", "omnidirectional" or "fixed". */
+  readonly base: string;
+  /** Pairs of shapes, by index, that have rows of their own in the QP. */
+  readonly pairs: [number, number][];
   readonly shapes: { link: string; shape: ShapeJson; local: Matrix4 }[] = [];
   /** "@base" and every link, parents first. */
   private readonly order: { link: string; parent: string; joint: Joint | null; driven: number; held: number }[] = [];
@@ -93,6 +97,8 @@ export class Robot {
   constructor(source: unknown) {
     const json = source as RobotJson;
     this.name = json.name;
+    this.base = json.base.type;
+    this.pairs = (json.collision?.pairs ?? []).flatMap(([a, b, row]) => (row ? [[a, b] as [number, number]] : []));
     this.mount = poseMatrix(json.base.mount);
     this.tool = poseMatrix(json.arm.tool);
     this.tip = json.arm.tip;
@@ -156,6 +162,14 @@ export class Robot {
     const found = this.poses.get(link);
     if (found === undefined) throw new Error(`the robot has no link ${link}`);
     return found;
+  }
+
+  /** Whether the arm moves a link against the base. */
+  moves(link: string): boolean {
+    for (let at = this.order.find((o) => o.link === link); at !== undefined; at = this.order.find((o) => o.link === at?.parent)) {
+      if (at.driven >= 0) return true;
+    }
+    return false;
   }
 
   has(link: string): boolean {

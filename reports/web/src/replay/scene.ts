@@ -7,8 +7,10 @@ import {
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 
+import { coreOf, type Core } from './distance';
 import { placeAt, type MotionJson, type Placed } from './motion';
 import { quaternion, Robot, type ShapeJson } from './robot';
+import { CollisionRows, kMoment, type Body, type CollisionParameters, type Row } from './rows';
 import type { Trace } from './trace';
 
 interface BodyJson extends ShapeJson { name: string; quaternion?: number[]; motion?: MotionJson }
@@ -79,7 +81,11 @@ export class ReplayScene {
   private world: WorldJson | null = null;
   private trace: Trace | null = null;
   private links: { mesh: Mesh; link: string; local: Matrix4 }[] = [];
-  private bodies: { mesh: Mesh; start: Placed; motion: MotionJson | undefined }[] = [];
+  private bodies: { mesh: Mesh; name: string; core: Core; start: Placed; motion: MotionJson | undefined }[] = [];
+  private rowsOf: CollisionRows | null = null;
+  private arrows = new Group();
+  /** The collision rows at the time shown, nearest first. */
+  rows: Row[] = [];
   private goal = new Group();
   private tip = new Group();
   private past: Line | null = null;
@@ -104,8 +110,9 @@ export class ReplayScene {
     if (this.robot !== null && this.world !== null && this.trace !== null) this.build();
   }
 
-  show(robot: Robot, world: WorldJson, trace: Trace, hit: { link: string; object: string }): void {
+  show(robot: Robot, world: WorldJson, trace: Trace, hit: { link: string; object: string }, collision: CollisionParameters | null): void {
     this.robot = robot;
+    this.rowsOf = collision === null || !trace.has('command0') ? null : new CollisionRows(robot, collision);
     this.world = world;
     this.trace = trace;
     this.hit = hit;
@@ -158,14 +165,15 @@ export class ReplayScene {
       mesh.castShadow = true;
       this.content.add(mesh);
       const [x = 0, y = 0, z = 0] = body.position ?? [];
-      return { mesh, start: { position: new Vector3(x, y, z), turn: quaternion(body.quaternion) }, motion: body.motion };
+      return { mesh, name: body.name, core: coreOf(body), start: { position: new Vector3(x, y, z), turn: quaternion(body.quaternion) }, motion: body.motion };
     });
 
     this.goal = triad(0.26, true);
     const ball = new Mesh(new SphereGeometry(0.028, 20, 14), this.material(colours.goal));
     this.goal.add(ball);
     this.tip = triad(0.16, false);
-    this.content.add(this.goal, this.tip);
+    this.arrows = new Group();
+    this.content.add(this.goal, this.tip, this.arrows);
     this.addPath();
   }
 
@@ -215,6 +223,7 @@ export class ReplayScene {
     const tip = robot.tipPose(new Matrix4());
     tip.decompose(this.tip.position, this.tip.quaternion, this.tip.scale);
     this.past?.geometry.setDrawRange(0, trace.locate(t)[0] + 1);
+    this.setArrows(t);
     const base = new Vector3().setFromMatrixPosition(robot.pose('@base'));
     if (this.follow) {
       const step = base.clone().sub(this.lastBase);
@@ -222,6 +231,45 @@ export class ReplayScene {
       this.controls.target.add(step);
     }
     this.lastBase.copy(base);
+  }
+
+  /** Collision rows as arrows from the robot to what it must not touch; those that hold the command back bold. */
+  private setArrows(t: number): void {
+    this.dispose(this.arrows);
+    this.arrows.clear();
+    this.rows = [];
+    const { trace, rowsOf } = this;
+    if (trace === null || rowsOf === null) return;
+    const place = (p: Placed): Matrix4 => new Matrix4().compose(p.position, p.turn, new Vector3(1, 1, 1));
+    const bodies = this.bodies.map(({ name, core, start, motion }): Body => ({ name, core, now: place(placeAt(motion, start, t)), later: place(placeAt(motion, start, t + kMoment)) }));
+    this.rows = rowsOf.at(trace, t, bodies);
+    for (const row of this.rows) this.arrows.add(this.arrow(row));
+  }
+
+  private arrow({ first, second, active }: Row): Group {
+    const group = new Group();
+    const along = second.clone().sub(first);
+    const length = along.length();
+    if (length < 1e-4) return group;
+    const thick = active ? 0.008 : 0.003;
+    const head = Math.min(0.5 * length, 5 * thick);
+    const material = new MeshStandardMaterial({ color: new Color(active ? this.colours.hit : this.colours.path), transparent: !active, opacity: active ? 1 : 0.45, depthTest: !active });
+    const rod = new Mesh(new CylinderGeometry(thick, thick, length - head, 8), material);
+    rod.position.y = (length - head) / 2;
+    const cone = new Mesh(new ConeGeometry(2.4 * thick, head, 12), material);
+    cone.position.y = length - head / 2;
+    group.add(rod, cone);
+    group.renderOrder = active ? 2 : 1;
+    group.position.copy(first);
+    group.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), along.divideScalar(length));
+    return group;
+  }
+
+  /** Where a point is in the picture, in CSS pixels; null behind the camera. */
+  project(point: Vector3): [number, number] | null {
+    const seen = point.clone().project(this.camera);
+    return seen.z > 1 || Math.abs(seen.x) > 1 || Math.abs(seen.y) > 1 ? null
+      : [((seen.x + 1) / 2) * this.canvas.clientWidth, ((1 - seen.y) / 2) * this.canvas.clientHeight];
   }
 
   /** Distance of the shown end effector from the goal: what the stored error says, by another way. */

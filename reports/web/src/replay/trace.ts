@@ -15,6 +15,10 @@ export class Trace {
     this.end = this.t[this.n - 1] ?? 0;
   }
 
+  has(name: string): boolean {
+    return this.columns.has(name);
+  }
+
   column(name: string): Float32Array {
     const found = this.columns.get(name);
     if (found === undefined) throw new Error(`the samples have no ${name}`);
