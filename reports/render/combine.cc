@@ -53,6 +53,10 @@ struct Names {
   }
 };
 
+std::array<std::string, 2> key(const std::string& suite, const Json& point) {
+  return {suite, point.at("controller").get<std::string>()};
+}
+
 std::vector<Names> new_names(const std::vector<Json>& pages, const Texts& labels) {
   const std::string suite = common_suite(pages);
   std::vector<Names> names(pages.size());
@@ -61,13 +65,13 @@ std::vector<Names> new_names(const std::vector<Json>& pages, const Texts& labels
     names[i].suite = suite;
     names[i].label = labels[i];
     for (const Json& point : pages[i].at("points")) {
-      holders[{names[i].suite_of(point.at("suite")), point.at("controller")}].insert(i);
+      holders[key(names[i].suite_of(point.at("suite")), point)].insert(i);
     }
   }
   for (std::size_t i = 0; i < pages.size(); ++i) {
     for (const Json& point : pages[i].at("points")) {
-      if (holders[{names[i].suite_of(point.at("suite")), point.at("controller")}].size() > 1) {
-        names[i].renamed.insert({point.at("suite"), point.at("controller")});
+      if (holders[key(names[i].suite_of(point.at("suite")), point)].size() > 1) {
+        names[i].renamed.insert(key(point.at("suite"), point));
       }
     }
   }
@@ -147,7 +151,8 @@ Json combined(std::vector<Json> pages, const Texts& labels) {
   const std::vector<Names> names = new_names(pages, labels);
   Json all = pages.front();
   all["stores"] = Json::array();
-  for (const char* part : {"invocations", "points", "summary", "overall", "tuning", "replays"}) all[part] = Json::array();
+  for (const char* part : {"invocations", "points", "summary", "overall", "tuning", "replays"})
+    all[part] = Json::array();
   all["robots"] = Json::object();
   all["samples_stored"] = 0;
   all["store"]["file"] = fmt::format("{}", fmt::join(labels, " + "));

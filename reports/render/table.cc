@@ -15,11 +15,22 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Escape = std::function<std::string(const std::string&)>;
 
-constexpr std::array<const char*, 16> kColumns = {
-    "suite",          "robot",         "mode",           "family",
-    "controller",     "point",         "n",              "success_rate",
-    "success_low",    "success_high",  "collision_rate", "collision_low",
-    "collision_high", "time_to_goal_median_s", "manip_mean", "clearance_min_m"};
+constexpr std::array<const char*, 16> kColumns = {"suite",
+                                                  "robot",
+                                                  "mode",
+                                                  "family",
+                                                  "controller",
+                                                  "point",
+                                                  "n",
+                                                  "success_rate",
+                                                  "success_low",
+                                                  "success_high",
+                                                  "collision_rate",
+                                                  "collision_low",
+                                                  "collision_high",
+                                                  "time_to_goal_median_s",
+                                                  "manip_mean",
+                                                  "clearance_min_m"};
 
 std::string csv_cell(const Json& cell) {
   if (cell.is_null()) return "";
@@ -40,10 +51,21 @@ std::string csv(const std::vector<Json>& rows) {
 }
 
 std::string tex_text(const std::string& text) {
-  static const std::map<char, std::string> kSpecial = {
-      {'&', "\\&"}, {'%', "\\%"}, {'$', "\\$"}, {'#', "\\#"}, {'_', "\\_"}, {'{', "\\{"}, {'}', "\\}"},
-      {'~', "\\textasciitilde{}"}, {'^', "\\textasciicircum{}"}, {'\\', "\\textbackslash{}"}, {'\n', " "}, {'\r', " "},
-      {'<', "\\textless{}"}, {'>', "\\textgreater{}"}, {'|', "\\textbar{}"}};
+  static const std::map<char, std::string> kSpecial = {{'&', "\\&"},
+                                                       {'%', "\\%"},
+                                                       {'$', "\\$"},
+                                                       {'#', "\\#"},
+                                                       {'_', "\\_"},
+                                                       {'{', "\\{"},
+                                                       {'}', "\\}"},
+                                                       {'~', "\\textasciitilde{}"},
+                                                       {'^', "\\textasciicircum{}"},
+                                                       {'\\', "\\textbackslash{}"},
+                                                       {'\n', " "},
+                                                       {'\r', " "},
+                                                       {'<', "\\textless{}"},
+                                                       {'>', "\\textgreater{}"},
+                                                       {'|', "\\textbar{}"}};
   std::string out;
   for (const char c : text) {
     const auto found = kSpecial.find(c);
@@ -133,7 +155,9 @@ std::string tex(const std::vector<Json>& rows) {
         "command change \\\\\n\\midrule\n",
         tex_text(row.at("suite")), tex_text(row.at("robot")), tex_text(row.at("mode")), kCaption);
   };
-  const auto line = [](const Json& row) { return fmt::format("{} \\\\\n", fmt::join(cells(row, tex_text, "--"), " & ")); };
+  const auto line = [](const Json& row) {
+    return fmt::format("{} \\\\\n", fmt::join(cells(row, tex_text, "--"), " & "));
+  };
   return layout(rows, begin, line, "\\bottomrule\n\\end{tabular}\n", "\\midrule\n");
 }
 

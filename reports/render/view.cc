@@ -35,10 +35,11 @@ State state_of(const Stores& stores) {
   State state;
   for (const std::filesystem::path& db : stores) {
     SQLite::Database store = open_store(db);
-    SQLite::Statement query(store,
-                            "SELECT (SELECT count(*) FROM point_trial), (SELECT count(*) FROM samples), "
-                            "(SELECT count(*) FROM invocation), (SELECT count(*) FROM invocation WHERE status = "
-                            "'running'), (SELECT count(*) FROM tune_evaluation), (SELECT count(*) FROM tune_comparison)");
+    SQLite::Statement query(
+        store,
+        "SELECT (SELECT count(*) FROM point_trial), (SELECT count(*) FROM samples), "
+        "(SELECT count(*) FROM invocation), (SELECT count(*) FROM invocation WHERE status = "
+        "'running'), (SELECT count(*) FROM tune_evaluation), (SELECT count(*) FROM tune_comparison)");
     query.executeStep();
     state.trials += query.getColumn(0).getInt64();
     state.running = state.running || query.getColumn(3).getInt64() > 0;
@@ -193,9 +194,10 @@ void serve(const Stores& stores, const ViewOptions& options, const std::atomic<b
   int port = options.port;
   const bool bound = port == 0 ? (port = server.bind_to_any_port(kHost)) > 0 : server.bind_to_port(kHost, port);
   if (!bound) {
-    throw ReportError(fmt::format("port {} of {} cannot be used: another program may have it; wanted: a free one, or 0 "
-                                  "for any",
-                                  options.port, kHost));
+    throw ReportError(
+        fmt::format("port {} of {} cannot be used: another program may have it; wanted: a free one, or 0 "
+                    "for any",
+                    options.port, kHost));
   }
   add_rules(server, port);
   add_answers(server, answers, page);

@@ -1,0 +1,212 @@
+// Several stores in one report; tables and figures for papers.
+#include <gtest/gtest.h>
+
+#include <SQLiteCpp/SQLiteCpp.h>
+
+#include <cstdlib>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include "reports/render/page_data.h"
+#include "reports/render/report.h"
+#include "tests/reports/store_files.h"
+
+namespace moma::reports {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json cell(const Json& page, const char* column, std::size_t row) {
+  const Json& all = page.at("trials").at("columns").at(column);
+  if (all.is_array()) return all.at(row);
+  const int code = all.at("codes").at(row).get<int>();
+  return code < 0 ? Json(nullptr) : all.at("values").at(static_cast<std::size_t>(code));
+}
+
+void change(const std::filesystem::path& db, const std::string& sql) {
+  SQLite::Database(db.string(), SQLite::OPEN_READWRITE).exec(sql);
+}
+
+/// Two stores of the same worlds; the second's trials are faster, and it is of another suite where asked.
+Stores two(const Folder& folder, bool other_suite) {
+  make_store(folder / "before.db", "demo", 12);
+  make_store(folder / "after.db", "demo", 12);
+  change(folder / "after.db", "UPDATE trial SET time_to_goal_s = time_to_goal_s - 1");
+  if (other_suite) change(folder / "after.db", "UPDATE suite SET name = 'later', file_name = 'later'");
+  return {folder / "before.db", folder / "after.db"};
+}
+
+class Compared : public testing::TestWithParam<bool> {};
+
+TEST_P(Compared, StandSideBySideWithEveryNumber) {
+  const Folder folder;
+  const Stores stores = two(folder, GetParam());
+  const Json page = read_stores(stores, {});
+  const std::string suite = GetParam() ? "courier-clutter + later" : "courier-clutter";
+  ASSERT_EQ(page.at("stores").size(), 2u);
+  EXPECT_EQ(page.at("trials").at("n"), 48);
+  std::set<std::string> names;
+  for (const Json& point : page.at("points")) {
+    EXPECT_EQ(point.at("suite"), suite);
+    names.insert(point.at("controller").get<std::string>());
+  }
+  EXPECT_EQ(names, (std::set<std::string>{"holistic (before)", "moma (before)", "holistic (after)", "moma (after)"}));
+  ASSERT_EQ(page.at("overall").size(), 4u);
+
+  // Each store's numbers, under their new names; the same world has the same name in both.
+  std::set<std::string> worlds;
+  for (std::size_t s = 0; s < stores.size(); ++s) {
+    const Json alone = read_stores({stores[s]}, {});
+    const std::string label = stores[s].stem().string();
+    for (std::size_t row = 0; row < 24; ++row) {
+      const std::size_t at = 24 * s + row;
+      for (const auto& [column, values] : alone.at("trials").at("columns").items()) {
+        if (column == "suite" || column == "controller") continue;
+        EXPECT_EQ(cell(page, column.c_str(), at), cell(alone, column.c_str(), row)) << label << " " << column;
+      }
+      EXPECT_EQ(cell(page, "store", at), label);
+      EXPECT_EQ(cell(page, "controller", at), cell(alone, "controller", row).get<std::string>() + " (" + label + ")");
+      worlds.insert(cell(page, "world_key", at).get<std::string>());
+    }
+    for (std::size_t i = 0; i < 2; ++i) {
+      Json wanted = alone.at("overall").at(i);
+      wanted["controller"] = wanted.at("controller").get<std::string>() + " (" + label + ")";
+      wanted["suite"] = suite;
+      wanted["store"] = label;
+      EXPECT_EQ(page.at("overall").at(2 * s + i), wanted);
+    }
+  }
+  EXPECT_EQ(worlds.size(), 12u);
+  for (const Json& replay : page.at("replays")) {
+    EXPECT_TRUE(page.at("robots").contains(replay.at("robot").get<std::string>()));
+  }
+  EXPECT_GT(page.at("replays").size(), 8u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Stores, Compared, testing::Bool(),
+                         [](const auto& other) { return other.param ? "OtherSuite" : "SameSuite"; });
+
+TEST(CompareStores, ControllersOfOneStoreKeepTheirNames) {
+  const Folder folder;
+  two(folder, false);
+  change(folder / "after.db", "UPDATE point SET controller = controller || '-2', controller_name = controller_name || '-2'");
+  std::set<std::string> names;
+  const Json page = read_stores({folder / "before.db", folder / "after.db"}, {});
+  for (const Json& point : page.at("points")) {
+    names.insert(point.at("controller").get<std::string>());
+  }
+  EXPECT_EQ(names, (std::set<std::string>{"holistic", "moma", "holistic-2", "moma-2"}));
+}
+
+TEST(CompareStores, AnEmptyOneAndTheSameOneTwice) {
+  const Folder folder;
+  make_store(folder / "a.db", "demo", 4);
+  make_store(folder / "none.db", "empty", 0);
+  const Json page = read_stores({folder / "a.db", folder / "none.db"}, {});
+  EXPECT_EQ(page.at("trials").at("n"), 8);
+  EXPECT_EQ(page.at("points").at(0).at("controller"), "holistic");
+  EXPECT_THROW(read_stores({folder / "a.db", folder / "." / "a.db"}, {}), ReportError);
+  EXPECT_THROW(read_stores({}, {}), ReportError);
+}
+
+std::string table(const Folder& folder, const std::string& store, const std::string& file) {
+  write_table({folder / store}, folder / file);
+  return read_file(folder / file);
+}
+
+TEST(Tables, CsvHasEveryDigitOfTheStore) {
+  const Folder folder;
+  make_store(folder / "a.db", "demo", 20);
+  std::istringstream lines(table(folder, "a.db", "t.csv"));
+  std::string head, line;
+  std::getline(lines, head);
+  EXPECT_EQ(head.rfind("suite,robot,mode,family,controller,point,n,success_rate,", 0), 0u);
+  SQLite::Database db((folder / "a.db").string());
+  int rows = 0;
+  while (std::getline(lines, line)) {
+    std::vector<std::string> cells;
+    std::istringstream parts(line);
+    for (std::string part; std::getline(parts, part, ',');) cells.push_back(part);
+    ASSERT_GE(cells.size(), 16u) << line;
+    ++rows;
+    if (cells[3].empty()) continue;  // all families
+    SQLite::Statement one(db, "SELECT n, success_rate, collision_high, manip_mean FROM v_summary WHERE family = ? AND "
+                              "controller = ?");
+    one.bind(1, cells[3]);
+    one.bind(2, cells[4]);
+    ASSERT_TRUE(one.executeStep()) << line;
+    EXPECT_EQ(std::stoi(cells[6]), one.getColumn(0).getInt());
+    EXPECT_EQ(std::strtod(cells[7].c_str(), nullptr), one.getColumn(1).getDouble());
+    EXPECT_EQ(std::strtod(cells[12].c_str(), nullptr), one.getColumn(2).getDouble());
+    EXPECT_EQ(std::strtod(cells[14].c_str(), nullptr), one.getColumn(3).getDouble());
+  }
+  EXPECT_EQ(rows, 6);  // two families and both together, two controllers
+}
+
+TEST(Tables, TexAndMarkdownEscapeNames) {
+  const Folder folder;
+  make_store(folder / "a.db", "hostile", 8);
+  change(folder / "a.db", R"(UPDATE point SET controller = 'a_b & 5% \x {y} | z', controller_name = 'c' WHERE id = 1)");
+  const std::string tex = table(folder, "a.db", "t.tex");
+  EXPECT_NE(tex.find(R"(a\_b \& 5\% \textbackslash{}x \{y\} \textbar{} z)"), std::string::npos) << tex;
+  EXPECT_NE(tex.find("\\toprule"), std::string::npos);
+  EXPECT_EQ(tex.find("</script>"), std::string::npos);
+  const std::string md = table(folder, "a.db", "t.md");
+  EXPECT_NE(md.find(R"(a\_b & 5% \\x {y} \| z)"), std::string::npos) << md;
+  EXPECT_EQ(md.find("<script>"), std::string::npos);
+  // Every row of the Markdown table has as many cells as its head.
+  std::istringstream lines(md);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind("|", 0) != 0) continue;
+    int bars = 0;
+    for (std::size_t i = 0; i < line.size(); ++i) bars += line[i] == '|' && (i == 0 || line[i - 1] != '\\');
+    EXPECT_EQ(bars, 10) << line;
+  }
+  EXPECT_THROW(write_table({folder / "a.db"}, folder / "t.xlsx"), ReportError);
+}
+
+TEST(Tables, OnlyFailuresAndNothing) {
+  const Folder folder;
+  make_store(folder / "f.db", "failures", 8);
+  EXPECT_NE(table(folder, "f.db", "f.tex").find(" 0.0 (0.0--"), std::string::npos);
+  make_store(folder / "e.db", "empty", 0);
+  EXPECT_EQ(table(folder, "e.db", "e.md"), "");
+}
+
+TEST(Figures, DrawnWithoutABrowser) {
+  if (std::system("node --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "node is missing";
+  const Folder folder;
+  make_store(folder / "a.db", "demo", 20);
+  const auto files = write_figures({folder / "a.db"}, folder / "figures");
+  std::set<std::string> names;
+  for (const auto& file : files) {
+    names.insert(file.filename());
+    const std::string svg = read_file(file);
+    EXPECT_EQ(svg.rfind("<svg", 0), 0u) << file;
+    EXPECT_NE(svg.find("<path"), std::string::npos) << file;
+    EXPECT_EQ(svg.find("NaN"), std::string::npos) << file;
+    EXPECT_EQ(svg.find("http://", svg.find('>')), std::string::npos) << file;
+  }
+  EXPECT_EQ(names, (std::set<std::string>{"arrival.svg", "course.svg", "difficulty.svg", "manipulability.svg", "metric.svg",
+                                          "outcomes.svg", "paired.svg", "scatter.svg", "timing.svg"}));
+}
+
+TEST(Figures, WithoutNodeAMessageNamesThePackage) {
+  const Folder folder;
+  make_store(folder / "a.db", "empty", 0);
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", folder.path().c_str(), 1);
+  std::string message;
+  try {
+    write_figures({folder / "a.db"}, folder / "figures");
+  } catch (const ReportError& error) {
+    message = error.what();
+  }
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_NE(message.find("Debian package nodejs"), std::string::npos) << message;
+  EXPECT_FALSE(std::filesystem::exists(folder / "figures"));
+}
+
+}  // namespace
+}  // namespace moma::reports

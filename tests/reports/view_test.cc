@@ -1,0 +1,270 @@
+// The server of `moma view`, asked by a real HTTP client.
+#include "reports/render/view.h"
+
+#include <gtest/gtest.h>
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <arpa/inet.h>
+#include <httplib.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <future>
+#include <thread>
+
+#include "tests/reports/store_files.h"
+
+namespace moma::reports {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A server while it lives; its destructor ends it as Ctrl-C does.
+class Running {
+ public:
+  explicit Running(const Stores& stores, ViewOptions options = {}) {
+    options.port = 0;
+    std::promise<std::string> ready;
+    thread_ = std::thread([this, stores, options, &ready] {
+      serve(stores, options, stop_, [&ready](const std::string& address) { ready.set_value(address); });
+    });
+    address_ = ready.get_future().get();
+    port_ = std::stoi(address_.substr(address_.rfind(':') + 1));
+  }
+  ~Running() {
+    stop_ = true;
+    thread_.join();
+  }
+  httplib::Client client() const { return httplib::Client("127.0.0.1", port_); }
+  int port() const { return port_; }
+  const std::string& address() const { return address_; }
+
+ private:
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+  std::string address_;
+  int port_ = 0;
+};
+
+/// What a server answers to these very bytes.
+std::string raw(int port, const std::string& request) {
+  const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(static_cast<std::uint16_t>(port));
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  if (connect(socket, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0) return "no connection";
+  if (send(socket, request.data(), request.size(), 0) < 0) return "not sent";
+  std::string answer;
+  char part[4096];
+  for (ssize_t n = 0; (n = recv(socket, part, sizeof part, 0)) > 0;) answer.append(part, static_cast<std::size_t>(n));
+  close(socket);
+  return answer;
+}
+
+std::string request(int port, const std::string& path) {
+  return raw(port, "GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) + "\r\nConnection: close\r\n\r\n");
+}
+
+std::string a_trial(const std::filesystem::path& db, const std::string& with) {
+  return SQLite::Database(db.string())
+      .execAndGet("SELECT trial FROM trial WHERE key " + with + " (SELECT key FROM samples) ORDER BY trial LIMIT 1")
+      .getString();
+}
+
+TEST(View, ServesThePageItsDataAndAMotion) {
+  const Folder folder;
+  make_store(folder / "a.db", "demo", 20);
+  const Running server({folder / "a.db"});
+  httplib::Client client = server.client();
+  EXPECT_EQ(server.address(), "http://127.0.0.1:" + std::to_string(server.port()) + "/");
+
+  const auto page = client.Get("/");
+  ASSERT_TRUE(page);
+  EXPECT_EQ(page->status, 200);
+  EXPECT_NE(page->body.find("connect-src 'self'"), std::string::npos);
+  EXPECT_EQ(data_of(page->body), Json::object());
+  EXPECT_EQ(page->get_header_value("X-Content-Type-Options"), "nosniff");
+  EXPECT_EQ(page->get_header_value("Access-Control-Allow-Origin"), "");
+
+  // The same numbers as the written page.
+  const auto answer = client.Get("/data.json");
+  ASSERT_TRUE(answer);
+  const Json data = Json::parse(answer->body);
+  write_report(folder / "a.db", folder / "a.html");
+  const Json written = data_of(read_file(folder / "a.html"));
+  for (const char* part : {"trials", "summary", "overall", "points", "invocations", "tuning"}) {
+    EXPECT_EQ(data.at(part), written.at(part)) << part;
+  }
+  EXPECT_FALSE(data.at("live").at("simulates").get<bool>());
+  ASSERT_EQ(data.at("replays").size(), written.at("replays").size());
+  EXPECT_FALSE(data.at("replays").at(0).contains("data"));
+
+  const std::string trial = a_trial(folder / "a.db", "IN");
+  const auto motion = client.Get("/replay/" + trial);
+  ASSERT_TRUE(motion);
+  EXPECT_EQ(motion->status, 200);
+  const Json replay = Json::parse(motion->body);
+  EXPECT_EQ(replay.at("trial"), trial);
+  EXPECT_FALSE(replay.at("simulated").get<bool>());
+  EXPECT_TRUE(replay.at("resolved").contains("urdf_text"));
+  // Every sample, not only ten a second.
+  const int stored = SQLite::Database((folder / "a.db").string())
+                         .execAndGet("SELECT n FROM samples JOIN trial USING (key) WHERE trial = '" + trial + "'")
+                         .getInt();
+  EXPECT_EQ(replay.at("n"), stored);
+
+  const std::string bare = a_trial(folder / "a.db", "NOT IN");
+  EXPECT_EQ(Json::parse(client.Get("/replay/" + bare)->body).at("n"), 0);
+  EXPECT_EQ(client.Get("/replay/0123456789abcdef")->status, 404);
+}
+
+TEST(View, AskedForATrialWithoutSamplesItHasItSimulated) {
+  const Folder folder;
+  make_store(folder / "a.db", "demo", 20);
+  ViewOptions options;
+  std::atomic<int> calls{0};
+  options.simulate = [&](const std::filesystem::path& store, const std::string& trial) -> std::optional<OwnedSamples> {
+    ++calls;
+    EXPECT_EQ(store, folder / "a.db");
+    if (calls > 1) throw std::runtime_error("no such robot any more: " + trial);
+    SQLite::Database db(store.string());
+    SQLite::Statement any(db, "SELECT layout, n, columns, data FROM samples LIMIT 1");
+    any.executeStep();
+    const auto* bytes = static_cast<const unsigned char*>(any.getColumn(3).getBlob());
+    return OwnedSamples{any.getColumn(0).getInt(), any.getColumn(1).getInt64(),
+                        Json::parse(any.getColumn(2).getString()).get<std::vector<std::string>>(),
+                        {bytes, bytes + any.getColumn(3).getBytes()}};
+  };
+  const Running server({folder / "a.db"}, options);
+  httplib::Client client = server.client();
+  EXPECT_TRUE(Json::parse(client.Get("/data.json")->body).at("live").at("simulates").get<bool>());
+  const std::string bare = a_trial(folder / "a.db", "NOT IN");
+  const Json replay = Json::parse(client.Get("/replay/" + bare)->body);
+  EXPECT_TRUE(replay.at("simulated").get<bool>());
+  EXPECT_EQ(replay.at("trial"), bare);
+  EXPECT_GT(replay.at("n").get<int>(), 1);
+  const auto failed = client.Get("/replay/" + bare);
+  EXPECT_EQ(failed->status, 500);
+  EXPECT_EQ(Json::parse(failed->body).at("error"), "no such robot any more: " + bare);
+  EXPECT_EQ(client.Get("/replay/" + a_trial(folder / "a.db", "IN"))->status, 200);
+  EXPECT_EQ(calls, 2);  // stored samples are not simulated again
+}
+
+TEST(View, FollowsARunningStoreAndOnlyReads) {
+  const Folder folder;
+  make_store(folder / "a.db", "demo", 10);
+  const Running server({folder / "a.db"});
+  httplib::Client client = server.client();
+  const Json before = Json::parse(client.Get("/state.json")->body);
+  EXPECT_EQ(before.at("trials"), 20);
+  EXPECT_FALSE(before.at("running").get<bool>());
+  EXPECT_EQ(Json::parse(client.Get("/data.json")->body).at("live").at("token"), before.at("token"));
+
+  SQLite::Database writer((folder / "a.db").string(), SQLite::OPEN_READWRITE);
+  {
+    SQLite::Transaction pending(writer);  // not yet to be seen
+    writer.exec("UPDATE invocation SET status = 'running', ended = NULL");
+    writer.exec("DELETE FROM point_trial WHERE world_index = 9");
+    EXPECT_EQ(Json::parse(client.Get("/state.json")->body), before);
+    pending.commit();
+  }
+  const Json after = Json::parse(client.Get("/state.json")->body);
+  EXPECT_EQ(after.at("trials"), 18);
+  EXPECT_TRUE(after.at("running").get<bool>());
+  const Json data = Json::parse(client.Get("/data.json")->body);
+  EXPECT_EQ(data.at("trials").at("n"), 18);
+  EXPECT_EQ(data.at("live").at("token"), after.at("token"));
+
+  for (const char* method : {"POST", "PUT", "DELETE", "PATCH", "OPTIONS"}) {
+    const std::string answer = raw(server.port(), std::string(method) + " / HTTP/1.1\r\nHost: localhost:" +
+                                                      std::to_string(server.port()) +
+                                                      "\r\nContent-Length: 0\r\nConnection: close\r\n\r\n");
+    EXPECT_EQ(answer.rfind("HTTP/1.1 405", 0), 0u) << method << ": " << answer.substr(0, 40);
+  }
+}
+
+TEST(View, RefusesOtherNamesOfThisMachine) {
+  const Folder folder;
+  make_store(folder / "a.db", "empty", 0);
+  const Running server({folder / "a.db"});
+  const std::string port = std::to_string(server.port());
+  const auto status = [&](const std::string& host) {
+    const std::string answer =
+        raw(server.port(), "GET /data.json HTTP/1.1\r\n" + host + "Connection: close\r\n\r\n");
+    return answer.substr(0, answer.find("\r\n")).substr(std::string("HTTP/1.1 ").size(), 3);
+  };
+  EXPECT_EQ(status("Host: 127.0.0.1:" + port + "\r\n"), "200");
+  EXPECT_EQ(status("Host: localhost:" + port + "\r\n"), "200");
+  for (const std::string& host :
+       {std::string(""), std::string("Host: evil.example\r\n"), "Host: evil.example:" + port + "\r\n",
+        std::string("Host: 127.0.0.1\r\n"), "Host: 127.0.0.1:" + port + ".evil.example\r\n",
+        "Host: 127.0.0.1:1" + port + "\r\n", "Host: 127.0.0.1.evil.example:" + port + "\r\n"}) {
+    EXPECT_EQ(status(host), "403") << host;
+  }
+}
+
+TEST(View, NoRequestReachesAFile) {
+  const Folder folder;
+  make_store(folder / "a.db", "empty", 0);
+  const Running server({folder / "a.db"});
+  for (const char* path :
+       {"/a.db", "/../a.db", "/..%2fa.db", "/%2e%2e/%2e%2e/etc/passwd", "/../../../../etc/passwd", "//etc/passwd",
+        "/replay/../../etc/passwd", "/replay/%2e%2e%2f%2e%2e%2fetc%2fpasswd", "/replay/a.db", "/replay/",
+        "/replay/' OR 1=1 --", "/replay/0123456789ABCDEF", "/replay/0123456789abcde%00"}) {
+    const std::string answer = request(server.port(), path);
+    EXPECT_TRUE(answer.rfind("HTTP/1.1 404", 0) == 0 || answer.rfind("HTTP/1.1 400", 0) == 0)
+        << path << ": " << answer.substr(0, 60);
+    EXPECT_EQ(answer.find("root:"), std::string::npos) << path;
+    EXPECT_EQ(answer.find("SQLite format"), std::string::npos) << path;
+  }
+}
+
+TEST(View, SaysWhatIsWrongBeforeItServes) {
+  const Folder folder;
+  const auto message = [](const Stores& stores, int port) -> std::string {
+    const std::atomic<bool> stop{true};
+    ViewOptions options;
+    options.port = port;
+    try {
+      serve(stores, options, stop, [](const std::string&) {});
+    } catch (const ReportError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(message({folder / "none.db"}, 0).find("there is no such file"), std::string::npos);
+  make_store(folder / "a.db", "empty", 0);
+  EXPECT_NE(message({folder / "a.db"}, 70000).find("wanted: 0 to 65535"), std::string::npos);
+  EXPECT_EQ(message({folder / "a.db"}, 0), "");
+  const Running server({folder / "a.db"});
+  const std::string taken = message({folder / "a.db"}, server.port());
+  EXPECT_NE(taken.find("another program may have it"), std::string::npos) << taken;
+}
+
+TEST(View, AStoreThatVanishesIsAnAnswer) {
+  const Folder folder;
+  make_store(folder / "a.db", "empty", 0);
+  const Running server({folder / "a.db"});
+  httplib::Client client = server.client();
+  EXPECT_EQ(client.Get("/state.json")->status, 200);
+  std::filesystem::remove(folder / "a.db");
+  const auto gone = client.Get("/state.json");
+  EXPECT_EQ(gone->status, 500);
+  EXPECT_NE(gone->body.find("there is no such file"), std::string::npos);
+}
+
+TEST(View, LeavesNothingBesideTheStore) {
+  const Folder folder;
+  make_store(folder / "a.db", "demo", 4);
+  {
+    const Running server({folder / "a.db"});
+    httplib::Client client = server.client();
+    EXPECT_EQ(client.Get("/data.json")->status, 200);
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) EXPECT_EQ(entry.path().filename(), "a.db");
+}
+
+}  // namespace
+}  // namespace moma::reports
