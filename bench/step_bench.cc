@@ -191,7 +191,8 @@ void PartRows(benchmark::State& state) {
     add_slack_term(params.slack, 9, task, problem);
     add_acceleration_term(params.acceleration_weight, o.qdot, problem);
     add_tracking_rows(kin[i].J_WE_W(), task.nu, params.tracking_band, true, problem);
-    collision.add(kin[i], pairs[i], o.objects, problem);
+    collision.select(pairs[i]);
+    collision.add(kin[i], proximity, o.objects, problem);
     add_wheel_rows(model->base, problem);
     count += problem.rows;
     benchmark::DoNotOptimize(problem.A.data());

@@ -39,8 +39,10 @@ Controller::Controller(std::shared_ptr<const RobotModel> model, ControllerParams
       kinematics_(model_),
       proximity_(model_),
       collision_(*model_, params_.collision),
+      escape_(params_.escape, params_.servo, *model_, control_period),
       bounds_(*model_, params_, control_period),
       fallback_(params_.solver),
+      detour_posture_{params_.escape.posture_weight, params_.escape.posture_gain, true, model_->ready},
       prismatic_(model_->num_joints()),
       J_m_(VectorX::Zero(model_->num_joints())),
       hard_lower_(VectorX::Zero(nv_)),
@@ -66,6 +68,7 @@ void Controller::reset(std::span<const ObjectShape> objects) {
     problem_.ub.tail<6>() = params_.slack.limit;
   }
   fallback_.allocate(variables, rows);
+  escape_.reset();
   task_ = Task{};
   outcome_ = {};
   counters_ = {};
@@ -92,6 +95,7 @@ void Controller::step(const Observation& observation, StepResult& result) noexce
   result.iterations = 0;
   result.slack.setZero();
   result.least_distance = kInfinity;
+  result.escape = escape_.state();
   problem_.clear();
   outcome_ = {};
   if (!valid(observation) || result.command.size() != nv_) {
@@ -150,6 +154,7 @@ void Controller::brake(const Observation& o, StepResult& result) noexcept {
 
 void Controller::observe(const Observation& o) noexcept {
   kinematics_.update(o.base, o.q);
+  task_ = Task{};
   task_.error = pose_error(kinematics_.X_WE(), o.goal.X_WG);
   task_.nu = servo_twist(params_.servo, task_.error, o.goal.V_WG_W);
   task_.raw_error_norm = error_norm(params_.error_norm, task_.error);
@@ -167,13 +172,16 @@ void Controller::observe(const Observation& o) noexcept {
 
 void Controller::build(const Observation& o) noexcept {
   bounds_.acceleration(o.qdot, hard_lower_, hard_upper_, problem_.lb.head(nv_), problem_.ub.head(nv_));
+  collision_.select(proximity_.query(kinematics_, o.objects, collision_.ranges()));
+  escape_.update({kinematics_, o.goal, collision_.sorted(), o.objects}, task_);
   add_base_term(params_, base_dof_, task_, problem_);
   add_manipulability_term(params_.manipulability, base_dof_, J_m_, problem_);
   add_slack_term(params_.slack, nv_, task_, problem_);
   add_acceleration_term(params_.acceleration_weight, o.qdot, problem_);
   add_posture_term(params_.posture, base_dof_, params_.posture.target, o.q, problem_);
+  if (task_.detour) add_posture_term(detour_posture_, base_dof_, detour_posture_.target, o.q, problem_);
   add_tracking_rows(kinematics_.J_WE_W(), task_.nu, params_.tracking_band, params_.slack.enabled, problem_);
-  collision_.add(kinematics_, proximity_.query(kinematics_, o.objects, collision_.ranges()), o.objects, problem_);
+  collision_.add(kinematics_, proximity_, o.objects, problem_);
   add_wheel_rows(model_->base, problem_);
 }
 

@@ -10,6 +10,7 @@
 #include "controller/model/proximity.h"
 #include "controller/params.h"
 #include "controller/qp/collision.h"
+#include "controller/qp/escape.h"
 #include "controller/qp/fallback.h"
 #include "controller/qp/limits.h"
 #include "controller/qp/problem.h"
@@ -20,8 +21,9 @@ namespace moma {
 
 /// moma's controller: the QP of docs/controller.md in all its presets, and the closed-form baselines. Built from a
 /// robot, parameters and the control period; one per worker. A step depends on its observation alone (cold-started
-/// solver), takes no memory with a real-time safe solver, and never returns a command that is not finite or outside
-/// its bounds. Accessors describe the last step; those marked "allocates" are for inspection.
+/// solver), and on the escape state where detours or the vortex are on; it takes no memory with a real-time safe
+/// solver, and never returns a command that is not finite or outside its bounds. Accessors describe the last step;
+/// those marked "allocates" are for inspection.
 class Controller : public StepController {
  public:
   /// `params` may leave vectors empty for their defaults (see resolved()). Throws std::invalid_argument naming the
@@ -60,6 +62,10 @@ class Controller : public StepController {
   QpProblem final_problem() const { return fallback_.final_problem(problem_); }
   /// Pairs within their influence, nearest first by d - d_s.
   std::span<const ProximityPair> distances() const noexcept { return collision_.sorted(); }
+  /// What the controller remembers between steps; all zero where nothing of escape.h is on.
+  const EscapeState& escape_state() const noexcept { return escape_.state(); }
+  /// Goes on from such a state; after reset(), which clears it.
+  void set_escape_state(const EscapeState& state) noexcept { escape_.set_state(state); }
   const std::vector<std::string>& object_names() const noexcept { return object_names_; }
   /// Wheel speeds [rad/s] of the last command: left, right or FL, FR, RL, RR; empty without wheels. Allocates.
   VectorX wheels() const;
@@ -84,10 +90,12 @@ class Controller : public StepController {
   Kinematics kinematics_;
   Proximity proximity_;
   CollisionRows collision_;
+  Escape escape_;
   VelocityBounds bounds_;
   FallbackSolver fallback_;
   DampedInverse inverse_;
 
+  PostureParams detour_posture_;
   Eigen::VectorXi prismatic_;
   std::vector<std::string> object_names_;
   Task task_;

@@ -85,7 +85,35 @@ class Checker {
       finite("output_scaling.near", p_.output_scaling.near, true);
       finite("output_scaling.switch", p_.output_scaling.switch_distance, true);
     }
+    escape();
     if (p_.collision.max_pairs < 0) error("collision.max_pairs", "must be at least 0");
+  }
+
+  void escape() {
+    const EscapeParams& e = p_.escape;
+    const VortexParams& v = p_.servo.vortex;
+    finite("collision.end_rows", p_.collision.end_rows, false);
+    finite("servo.vortex.gain", v.gain, false);
+    finite("servo.vortex.distance", v.distance, true);
+    finite("escape.scale", e.scale, false);
+    finite("escape.progress", e.progress, true);
+    finite("escape.patience", e.patience, true);
+    finite("escape.traffic_patience", e.traffic_patience, true);
+    finite("escape.position", e.position, false);
+    finite("escape.orientation", e.orientation, false);
+    finite("escape.side_distance", e.side_distance, true);
+    finite("escape.angle", e.angle, false);
+    finite("escape.length", e.length, true);
+    finite("escape.growth", e.growth, false);
+    finite("escape.max_length", e.max_length, true);
+    finite("escape.duration", e.duration, true);
+    finite("escape.reached", e.reached, false);
+    finite("escape.slack_factor", e.slack_factor, true);
+    finite("escape.posture.weight", e.posture_weight, false);
+    finite("escape.posture.gain", e.posture_gain, false);
+    if (p_.method == Method::kQp) return;
+    if (e.enabled) error("escape", "needs method qp: the closed forms know no obstacles and have no slack");
+    if (v.enabled) error("servo.vortex", "needs method qp: the closed forms know no obstacles");
   }
 
   void damper(const std::string& key, const DamperParams& d) {

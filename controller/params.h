@@ -17,12 +17,23 @@ enum class ErrorNormKind { kEuclidean, kL1, kPose };
 enum class JointLimitMethod { kNone, kSource, kDamper };
 enum class SolverKind { kDaqp, kQpoases, kEiquadprog };
 
+enum class VortexWhen { kStagnated, kAlways };
+
+/// A sideways part of nu along obstacles (qp/vortex.h).
+struct VortexParams {
+  bool enabled = false;
+  double gain = 2.5;      ///< sideways part where an obstacle is touched head-on, in units of |nu_lin|
+  double distance = 0.2;  ///< of the obstacles that count [m]
+  VortexWhen when = VortexWhen::kStagnated;
+};
+
 /// k_p, k_R [1/s]; clamps of the two parts of nu in length [m/s, rad/s].
 struct ServoParams {
   double position = 1.5;
   double orientation = 1.95;
   double max_linear = kInfinity;
   double max_angular = kInfinity;
+  VortexParams vortex;
 };
 
 /// ||e|| in the weights, clamped to [min, max]; `scale` [m/rad] enters the pose norm only.
@@ -70,6 +81,7 @@ struct DamperParams {
 struct CollisionParams {
   DamperParams object{true, 0.3, 0.05, 1.0};
   int max_pairs = 30;
+  double end_rows = 0.0;  ///< object pairs closer than this also have rows for their capsules' ends [m]; 0: none
   DamperParams floor;
   DamperParams self;
 };
@@ -79,6 +91,27 @@ struct PostureParams {
   double gain = 1.0;    ///< k_posture [1/s]
   bool ready = true;    ///< target is the robot's `ready`
   VectorX target;       ///< resolved joint values
+};
+
+/// When the robot stagnates, and the detours that lead it out (qp/escape.h).
+struct EscapeParams {
+  bool enabled = false;           ///< detours; stagnation is watched for the vortex, too
+  double scale = 0.3;             ///< of the orientation's error in V = |e_p| + scale |e_R| [m/rad]
+  double progress = 0.01;         ///< V has to fall this far below its best ... [m]
+  double patience = 1.0;          ///< ... within this time [s],
+  double traffic_patience = 5.0;  ///< or within this one while an object that moves is near [s]
+  double position = 0.02;         ///< a pose this near to the goal does not stagnate [m]
+  double orientation = 0.05;      ///< [rad]
+  double side_distance = 0.15;    ///< of the obstacles that decide the side [m]
+  double angle = 2.0;             ///< from the goal's direction to a detour's [rad]
+  double length = 0.75;           ///< from the base to a detour's target [m]
+  double growth = 0.2;            ///< of length and duration from each detour to the next
+  double max_length = 2.5;        ///< [m]
+  double duration = 1.7;          ///< of a detour [s]
+  double reached = 0.05;          ///< horizontal distance to its target at which a detour ends [m]
+  double slack_factor = 0.005;    ///< on the slack weight of the angular rows during a detour
+  double posture_weight = 0.05;   ///< pull of the arm to `ready` during a detour
+  double posture_gain = 1.2;      ///< [1/s]
 };
 
 /// qdot *= far/e beyond `switch_distance`, else near; e the unclamped norm; the result is clipped to the bounds.
@@ -107,6 +140,7 @@ struct ControllerParams {
   PostureParams posture;
   VectorX acceleration_limit;  ///< per velocity, default infinite [rad/s^2, m/s^2]
   OutputScalingParams output_scaling;
+  EscapeParams escape;
   SolverKind solver = SolverKind::kDaqp;
 };
 

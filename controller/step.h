@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "controller/escape_state.h"
 #include "controller/model/proximity.h"
 #include "controller/types.h"
 
@@ -46,6 +47,7 @@ struct StepResult {
   int rows = 0;         ///< constraint rows of the problem
   int active_rows = 0;  ///< rows and bounds at their limit in the solution
   int iterations = 0;
+  EscapeState escape;  ///< what moma's controller remembered when the step began: with the observation, all it knew
   double solve_seconds = 0.0;  ///< 0 unless timing was asked for; never part of a comparison
 };
 

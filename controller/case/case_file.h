@@ -6,6 +6,7 @@
 
 #include "controller/config/node.h"
 #include "controller/config/robot_file.h"
+#include "controller/escape_state.h"
 #include "controller/params.h"
 #include "controller/step.h"
 
@@ -17,6 +18,7 @@ struct ControlCase {
   ControllerParams controller;
   double control_period = 0.02;  ///< [s]
   std::vector<ObjectShape> objects;
+  EscapeState escape;                 ///< what the controller remembers of earlier steps; by default nothing
   Observation observation;            ///< time 0; observation.objects in the order of `objects`
   std::vector<std::string> warnings;  ///< of the robot and the controller, for a person
 };
@@ -32,6 +34,10 @@ ControlCase read_case(const config::Node& root);
 /// One entry of `objects`: {name, shape, size, position, quaternion, velocity}; any further key is an error.
 /// `name` may be absent: "object" and its index then.
 void read_object(const config::Node& node, const std::string& key, int index, ObjectShape& shape, ObjectState& state);
+
+/// `state.escape`, any part of which may be absent: {best, idle, stagnations, side, detour, remaining, target,
+/// circulation}, as a trace of `moma replay --json` has it.
+EscapeState read_escape_state(const config::Node& node, const std::string& key);
 
 /// A pose written as `position` and `quaternion` (w x y z).
 Isometry read_pose(const config::Node& position, const config::Node& quaternion, const std::string& key);

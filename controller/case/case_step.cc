@@ -5,6 +5,7 @@ namespace moma {
 CaseStep::CaseStep(const ControlCase& control_case)
     : given(control_case), controller(control_case.robot.model, control_case.controller, control_case.control_period) {
   controller.reset(control_case.objects);
+  controller.set_escape_state(control_case.escape);
   controller.prepare(result);
   controller.step(control_case.observation, result);
 }

@@ -16,7 +16,9 @@ std::vector<CostTerm> cost_terms(const CaseStep& step) {
   if (base > 0) out.push_back({"moving the base", 0.5 * weight(params.base_weight) * qdot.head(base).squaredNorm()});
   out.push_back({"moving the joints", 0.5 * params.lambda_q.dot(arm.cwiseAbs2())});
   if (params.slack.enabled && (params.slack.weight.inverse_error || params.slack.weight.value > 0.0)) {
-    out.push_back({"slack (not following the goal)", 0.5 * weight(params.slack.weight) * x.tail<6>().squaredNorm()});
+    out.push_back(
+        {"slack (not following the goal)",
+         0.5 * weight(params.slack.weight) * controller.task().slack_scale.dot(x.tail<6>().cwiseAbs2().matrix())});
   }
   if (base > 0 && params.k_epsilon != 0.0)
     out.push_back({"turning the base to its work", -params.k_epsilon * controller.theta_eps() * qdot[base - 1]});
@@ -30,6 +32,11 @@ std::vector<CostTerm> cost_terms(const CaseStep& step) {
   if (params.posture.weight > 0.0) {
     const VectorX wanted = params.posture.gain * (params.posture.target - step.given.observation.q);
     out.push_back({"posture", params.posture.weight * (0.5 * arm - wanted).dot(arm)});
+  }
+  if (controller.task().detour && controller.params().escape.posture_weight > 0.0) {
+    const EscapeParams& e = controller.params().escape;
+    const VectorX wanted = e.posture_gain * (model.ready - step.given.observation.q);
+    out.push_back({"posture of the detour", e.posture_weight * (0.5 * arm - wanted).dot(arm)});
   }
   return out;
 }

@@ -167,6 +167,20 @@ std::string describe_fallback(const CaseStep& step) {
   return "";
 }
 
+std::string describe_escape(const Controller& controller) {
+  const EscapeParams& params = controller.params().escape;
+  const EscapeState& state = controller.escape_state();
+  if (!params.enabled && !controller.params().servo.vortex.enabled) return "";
+  if (state.detour) {
+    const Vector3& p = state.target_W;
+    return "On detour " + std::to_string(state.stagnations) + ", to (" + number(p.x()) + ", " + number(p.y()) + ", " +
+           number(p.z()) + ") for another " + number(state.remaining) + " s; its orientation is nearly free.\n";
+  }
+  std::string out = "The way left has not become shorter than " + number(state.best) + " m for " + number(state.idle) +
+                    " s, and stagnated " + std::to_string(state.stagnations) + " times.\n";
+  return out;
+}
+
 std::string describe_task(const CaseStep& step) {
   const StepResult& r = step.result;
   const double angle = r.error.head<3>().norm(), distance = r.error.tail<3>().norm();
@@ -180,7 +194,7 @@ std::string describe_task(const CaseStep& step) {
          " rad/s; along that the command gives " +
          number(100.0 * along(nu.tail<3>().eval(), got.tail<3>().eval()), "%.0f") + " % and " +
          number(100.0 * along(nu.head<3>().eval(), got.head<3>().eval()), "%.0f") + " %.\n";
-  return out;
+  return out + describe_escape(step.controller);
 }
 
 std::string describe_surroundings(const CaseStep& step) {

@@ -34,6 +34,18 @@ Json pose(const Isometry& X) {
   return {{"position", numbers(X.translation())}, {"quaternion", {q.w(), q.x(), q.y(), q.z()}}};
 }
 
+// After the step, as the next one's `state.escape`.
+Json escape(const EscapeState& state) {
+  return {{"best", number(state.best)},
+          {"idle", number(state.idle)},
+          {"stagnations", state.stagnations},
+          {"side", state.side},
+          {"detour", state.detour},
+          {"remaining", number(state.remaining)},
+          {"target", numbers(state.target_W)},
+          {"circulation", state.circulation}};
+}
+
 Json distance(const ProximityPair& pair, const Controller& controller) {
   const RobotModel& model = controller.model();
   const auto shape = [&](int i) -> const CollisionShape& { return model.shapes[static_cast<std::size_t>(i)]; };
@@ -104,6 +116,7 @@ nlohmann::ordered_json solve(const ControlCase& control_case) {
   out["wheels"] = numbers(controller.wheels());
   out["kkt_residual"] = has_solution(step) ? number(check_stage(step).report.residual()) : Json();
   out["iterations"] = result.iterations;
+  out["escape"] = escape(controller.escape_state());
   return out;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "controller/config/controller_escape.h"
 #include "controller/config/json_node.h"
 #include "controller/config/reader.h"
 #include "controller/qp/solver.h"
@@ -61,6 +62,7 @@ class Reader {
       m.read("orientation", p_.servo.orientation, Range::non_negative());
       m.read("max_linear", p_.servo.max_linear, Range::positive_or_inf());
       m.read("max_angular", p_.servo.max_angular, Range::positive_or_inf());
+      read_vortex(m, p_.servo.vortex);
     });
     with(in, "error_norm", [&](MapReader& m) {
       m.read_enum<ErrorNormKind>(
@@ -92,6 +94,7 @@ class Reader {
       read_vector(m, "acceleration", p_.acceleration_limit, model_.num_velocities(), Range::positive_or_inf());
     });
     output_scaling(in);
+    read_escape(in, p_.escape);
     solver(in);
     in.finish();
   }
@@ -151,6 +154,7 @@ class Reader {
     with(in, "collision", [&](MapReader& m) {
       damper(m, p_.collision.object);
       m.read("max_pairs", p_.collision.max_pairs, 0, 10000);
+      m.read("end_rows", p_.collision.end_rows, Range::non_negative());
       with(m, "floor", [&](MapReader& f) { damper(f, p_.collision.floor); });
       with(m, "self", [&](MapReader& s) { damper(s, p_.collision.self); });
     });
@@ -320,7 +324,8 @@ nlohmann::ordered_json to_json(const ControllerParams& p) {
   j["servo"] = {{"position", number_to_json(p.servo.position)},
                 {"orientation", number_to_json(p.servo.orientation)},
                 {"max_linear", number_to_json(p.servo.max_linear)},
-                {"max_angular", number_to_json(p.servo.max_angular)}};
+                {"max_angular", number_to_json(p.servo.max_angular)},
+                {"vortex", to_json(p.servo.vortex)}};
   j["error_norm"] = {{"kind", name_of(p.error_norm.kind)},
                      {"min", number_to_json(p.error_norm.min)},
                      {"max", number_to_json(p.error_norm.max)},
@@ -341,6 +346,7 @@ nlohmann::ordered_json to_json(const ControllerParams& p) {
                        {"gain", number_to_json(p.joint_limits.gain)}};
   j["collision"] = damper_json(p.collision.object);
   j["collision"]["max_pairs"] = p.collision.max_pairs;
+  j["collision"]["end_rows"] = number_to_json(p.collision.end_rows);
   j["collision"]["floor"] = damper_json(p.collision.floor);
   j["collision"]["self"] = damper_json(p.collision.self);
   j["acceleration"] = {{"weight", vector_json(p.acceleration_weight)}};
@@ -360,6 +366,7 @@ nlohmann::ordered_json to_json(const ControllerParams& p) {
   } else {
     j["output_scaling"] = "none";
   }
+  j["escape"] = to_json(p.escape);
   j["solver"] = std::string(to_string(p.solver));
   return j;
 }

@@ -37,6 +37,9 @@ bool is_pose(const Isometry& X) noexcept {
   return X.linear().squaredNorm() < 3.1 && X.translation().allFinite();  // 3 for a rotation
 }
 
+// Radius of the ball that stands for a point [m].
+constexpr double kPoint = 1e-3;
+
 int hull_vertices(const Shape& shape) { return shape.hull ? static_cast<int>(shape.hull->vertices.size()) : 0; }
 
 }  // namespace
@@ -49,6 +52,19 @@ struct Proximity::Impl {
   std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_WS;  // of the robot's shapes
   std::vector<char> usable;                                        // of the objects, in this query
   std::vector<ProximityPair> pairs;
+  ConvexGeometry point{Shape{ShapeKind::kSphere, {kPoint, 0.0, 0.0}, nullptr}};
+
+  // A ball against any solid: a closed form, or what an iterative method finds for its centre.
+  Distance ball(const Vector3& centre_W, double radius, const Solid& solid, const Isometry& X_WS) noexcept {
+    const Shape sphere{ShapeKind::kSphere, {radius, 0.0, 0.0}, nullptr};
+    Isometry X_WC = Isometry::Identity();
+    X_WC.translation() = centre_W;
+    if (const auto exact = analytic_distance(sphere, X_WC, solid.shape, X_WS)) return *exact;
+    Distance distance = convex->distance(point, X_WC, solid.geometry, X_WS);
+    distance.d -= radius - kPoint;
+    distance.p_first_W -= (radius - kPoint) * distance.n_W;
+    return distance;
+  }
 
   // Adds the pair where it is closer than `range`: cheap lower bounds first, then the true distance.
   void try_pair(PairKind kind, int i, const Solid& a, const Isometry& X_Wa, int j, const Solid& b, const Isometry& X_Wb,
@@ -132,6 +148,19 @@ std::span<const ProximityPair> Proximity::query(const Kinematics& kinematics, st
     }
   }
   return impl.pairs;
+}
+
+Distance Proximity::ball_to_robot(const Vector3& centre_W, double radius, int shape) noexcept {
+  const auto i = static_cast<std::size_t>(shape);
+  return impl_->ball(centre_W, radius, impl_->robot[i], impl_->X_WS[i]);
+}
+
+Distance Proximity::ball_to_object(const Vector3& centre_W, double radius, int object, const Isometry& X_WO) noexcept {
+  return impl_->ball(centre_W, radius, impl_->objects[static_cast<std::size_t>(object)], X_WO);
+}
+
+const Shape& Proximity::object_shape(int object) const noexcept {
+  return impl_->objects[static_cast<std::size_t>(object)].shape;
 }
 
 Distance shape_distance(const Shape& first, const Isometry& X_W1, const Shape& second, const Isometry& X_W2) {

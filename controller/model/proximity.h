@@ -73,6 +73,12 @@ class Proximity {
   std::span<const ProximityPair> query(const Kinematics& kinematics, std::span<const ObjectState> states,
                                        const ProximityRanges& ranges) noexcept;
 
+  /// Signed distance from a robot shape, or from an object at X_WO, to a ball: `first` is the ball in both. The
+  /// robot's shapes are where the last query() found them.
+  Distance ball_to_robot(const Vector3& centre_W, double radius, int shape) noexcept;
+  Distance ball_to_object(const Vector3& centre_W, double radius, int object, const Isometry& X_WO) noexcept;
+  const Shape& object_shape(int object) const noexcept;
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/qp/end_rows.h"
+
 namespace moma {
 namespace {
 
@@ -44,7 +46,8 @@ int CollisionRows::allocate(int num_objects) {
   keys_.clear();
   sorted_.clear();
   left_out_ = 0;
-  return static_cast<int>(std::min(pairs, static_cast<std::size_t>(params_.max_pairs)));
+  const int rows = static_cast<int>(std::min(pairs, static_cast<std::size_t>(params_.max_pairs)));
+  return params_.end_rows > 0.0 ? (1 + kMaxEnds) * rows : rows;
 }
 
 ProximityRanges CollisionRows::ranges() const noexcept {
@@ -66,8 +69,7 @@ const DamperParams& CollisionRows::damper(PairKind kind) const noexcept {
   return params_.object;
 }
 
-void CollisionRows::add(const Kinematics& kinematics, std::span<const ProximityPair> pairs,
-                        std::span<const ObjectState> states, QpProblem& problem) noexcept {
+void CollisionRows::select(std::span<const ProximityPair> pairs) noexcept {
   keys_.clear();
   sorted_.clear();
   left_out_ = 0;
@@ -81,15 +83,35 @@ void CollisionRows::add(const Kinematics& kinematics, std::span<const ProximityP
   std::sort(keys_.begin(), keys_.end(),
             [](const Key& a, const Key& b) { return a.order < b.order || (a.order == b.order && a.index < b.index); });
   for (const Key& key : keys_) sorted_.push_back(pairs[static_cast<std::size_t>(key.index)]);
+}
+
+void CollisionRows::add(const Kinematics& kinematics, Proximity& proximity, std::span<const ObjectState> states,
+                        QpProblem& problem) noexcept {
   const std::size_t kept = std::min(sorted_.size(), static_cast<std::size_t>(params_.max_pairs));
   for (const PairKind kind : {PairKind::kObject, PairKind::kFloor, PairKind::kSelf}) {
-    for (std::size_t i = 0; i < kept; ++i)
-      if (sorted_[i].kind == kind && !fill(kinematics, sorted_[i], states, problem)) ++left_out_;
+    for (std::size_t i = 0; i < kept; ++i) {
+      if (sorted_[i].kind != kind) continue;
+      if (!fill(kinematics, sorted_[i], states, 0, problem)) ++left_out_;
+      if (kind == PairKind::kObject && sorted_[i].distance.d < params_.end_rows)
+        add_ends(kinematics, proximity, sorted_[i], states, problem);
+    }
+  }
+}
+
+void CollisionRows::add_ends(const Kinematics& kinematics, Proximity& proximity, const ProximityPair& pair,
+                             std::span<const ObjectState> states, QpProblem& problem) noexcept {
+  std::array<EndDistance, kMaxEnds> ends;
+  const int count = end_distances(proximity, kinematics, pair, states[static_cast<std::size_t>(pair.second)], ends);
+  ProximityPair end = pair;
+  for (int k = 0; k < count; ++k) {
+    end.distance = ends[static_cast<std::size_t>(k)].distance;
+    if (end.distance.d >= params_.object.influence) continue;
+    if (!fill(kinematics, end, states, ends[static_cast<std::size_t>(k)].end, problem)) ++left_out_;
   }
 }
 
 bool CollisionRows::fill(const Kinematics& kinematics, const ProximityPair& pair, std::span<const ObjectState> states,
-                         QpProblem& problem) noexcept {
+                         int end, QpProblem& problem) noexcept {
   const Distance& distance = pair.distance;
   const int first_link = model_->shapes[static_cast<std::size_t>(pair.first)].link;
   double limit = approach_speed(damper(pair.kind), distance.d);
@@ -108,7 +130,7 @@ bool CollisionRows::fill(const Kinematics& kinematics, const ProximityPair& pair
   }
   // Written so that a NaN keeps the row: the solver's input check then reports it.
   if (row_.cwiseAbs().maxCoeff() < kNoEffect) return false;
-  const int row = problem.append({row_kind(pair.kind), pair.first, pair.second}, -kInfinity, limit);
+  const int row = problem.append({row_kind(pair.kind), pair.first, pair.second, end}, -kInfinity, limit);
   if (row < 0) return false;
   problem.A.row(row).head(row_.size()) = row_.transpose();
   return true;

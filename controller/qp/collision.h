@@ -18,18 +18,22 @@ class CollisionRows {
  public:
   CollisionRows(const RobotModel& model, const CollisionParams& params);
 
-  /// Sizes the buffers for so many objects. Returns the most rows that add() can append.
+  /// Sizes the buffers for so many objects. Returns the most rows that add() can append: max_pairs, and up to
+  /// kMaxEnds for each of them where end rows are on.
   int allocate(int num_objects);
   /// Ranges within which pairs matter; negative for a kind that is switched off.
   ProximityRanges ranges() const noexcept;
 
-  /// Sorts the pairs nearest first by d - d_s (ties: by index), keeps the first max_pairs of those closer than
-  /// their d_i, and appends their rows: objects, floor, self, each in that order. Rows that nothing the robot can
-  /// do would change (max |n^T J| < 1e-9) are left out and counted.
-  void add(const Kinematics& kinematics, std::span<const ProximityPair> pairs, std::span<const ObjectState> states,
+  /// Sorts the pairs that are closer than their d_i nearest first by d - d_s (ties: by index).
+  void select(std::span<const ProximityPair> pairs) noexcept;
+
+  /// Appends the rows of the first max_pairs selected: objects, floor, self, each in that order; after an object's row
+  /// those of its ends (end_rows.h) where it is near enough. Rows that nothing the robot can do would change
+  /// (max |n^T J| < 1e-9) are left out and counted.
+  void add(const Kinematics& kinematics, Proximity& proximity, std::span<const ObjectState> states,
            QpProblem& problem) noexcept;
 
-  /// The pairs of the last add() within their d_i, sorted nearest first; more than max_pairs if there were.
+  /// The pairs of the last select() within their d_i, sorted nearest first; more than max_pairs if there were.
   std::span<const ProximityPair> sorted() const noexcept { return {sorted_.data(), sorted_.size()}; }
   int left_out() const noexcept { return left_out_; }
 
@@ -39,8 +43,10 @@ class CollisionRows {
     int index;
   };
   const DamperParams& damper(PairKind kind) const noexcept;
-  bool fill(const Kinematics& kinematics, const ProximityPair& pair, std::span<const ObjectState> states,
+  bool fill(const Kinematics& kinematics, const ProximityPair& pair, std::span<const ObjectState> states, int end,
             QpProblem& problem) noexcept;
+  void add_ends(const Kinematics& kinematics, Proximity& proximity, const ProximityPair& pair,
+                std::span<const ObjectState> states, QpProblem& problem) noexcept;
 
   const RobotModel* model_;
   CollisionParams params_;

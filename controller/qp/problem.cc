@@ -44,7 +44,8 @@ std::string row_name(const RowId& id, const RobotModel& model, std::span<const s
     case RowKind::kTracking:
       return std::string("tracking/") + std::to_string(id.first);
     case RowKind::kObject:
-      return "object/" + object_names[static_cast<std::size_t>(id.second)] + "/" + shape(id.first);
+      return "object/" + object_names[static_cast<std::size_t>(id.second)] + "/" + shape(id.first) +
+             (id.end == 0 ? std::string() : "@" + std::to_string(id.end));
     case RowKind::kFloor:
       return "floor/" + shape(id.first);
     case RowKind::kSelf:

@@ -9,11 +9,13 @@ namespace moma {
 /// What one step asks of the robot. Everything later parts of the step (a detour, say) may want to change is here,
 /// between the servo that fills it and the terms and rows that read it.
 struct Task {
-  Vector6 error = Vector6::Zero();  ///< [e_R; e_p]: log(R_d R^T), p_d - p, world axes [rad, m]
-  Vector6 nu = Vector6::Zero();     ///< twist wanted of E, world axes [rad/s, m/s]
-  double raw_error_norm = 0.0;      ///< ||e||, not clamped
-  double error_norm = 0.0;          ///< ||e|| clamped to [min, max], as used in the weights
-  double theta_eps = 0.0;           ///< bearing of E seen from the base frame [rad]; 0 for a fixed base
+  Vector6 error = Vector6::Zero();        ///< [e_R; e_p]: log(R_d R^T), p_d - p, world axes [rad, m]
+  Vector6 nu = Vector6::Zero();           ///< twist wanted of E, world axes [rad/s, m/s]
+  double raw_error_norm = 0.0;            ///< ||e||, not clamped
+  double error_norm = 0.0;                ///< ||e|| clamped to [min, max], as used in the weights
+  double theta_eps = 0.0;                 ///< bearing of E seen from the base frame [rad]; 0 for a fixed base
+  Vector6 slack_scale = Vector6::Ones();  ///< on the slack's weight, row by row
+  bool detour = false;                    ///< on a detour (escape.h): its posture term holds
 };
 
 /// e = [log(R_d R^T); p_d - p] in world axes.

@@ -31,6 +31,11 @@ Sizes sizes_of(const Sample& sample) {
   return {sample.q.size(), sample.qdot.size()};
 }
 
+// What the controller remembered. Samples of earlier versions end before these.
+constexpr const char* kEscapeColumns[] = {"escape_best", "escape_idle",      "stagnations", "detour_side",
+                                          "detour",      "detour_remaining", "detour_x",    "detour_y",
+                                          "detour_z",    "circulation"};
+
 /// Names of the columns, in the order of flatten().
 std::vector<std::string> column_names(const Sizes& sizes) {
   std::vector<std::string> names{"t", "base_x", "base_y", "base_phi"};
@@ -42,6 +47,7 @@ std::vector<std::string> column_names(const Sizes& sizes) {
   for (const char* name : {"manipulability", "least_distance", "status", "fallback", "active_rows"}) {
     names.emplace_back(name);
   }
+  names.insert(names.end(), std::begin(kEscapeColumns), std::end(kEscapeColumns));
   return names;
 }
 
@@ -55,6 +61,10 @@ std::vector<double> flatten(const Sample& s) {
   row.insert(row.end(), s.slack.begin(), s.slack.end());
   row.insert(row.end(), {s.manipulability, s.least_distance, static_cast<double>(s.status),
                          static_cast<double>(s.fallback), static_cast<double>(s.active_rows)});
+  const EscapeState& e = s.escape;
+  row.insert(row.end(),
+             {e.best, e.idle, static_cast<double>(e.stagnations), static_cast<double>(e.side), e.detour ? 1.0 : 0.0,
+              e.remaining, e.target_W.x(), e.target_W.y(), e.target_W.z(), static_cast<double>(e.circulation)});
   return row;
 }
 
@@ -116,7 +126,10 @@ SampleTable decode_table(const EncodedSamples& encoded) {
 Trace decode_samples(const EncodedSamples& encoded) {
   const SampleTable table = decode_table(encoded);
   const Sizes sizes{count_of(table.names, "q"), count_of(table.names, "qdot")};
-  if (table.names != column_names(sizes)) throw std::runtime_error("samples have unknown columns");
+  std::vector<std::string> known = column_names(sizes);
+  const bool has_escape = table.names == known;
+  if (!has_escape) known.resize(known.size() - std::size(kEscapeColumns));
+  if (table.names != known) throw std::runtime_error("samples have unknown columns");
   Trace trace(static_cast<std::size_t>(encoded.n));
   for (std::size_t k = 0; k < trace.size(); ++k) {
     std::size_t c = 0;
@@ -137,6 +150,16 @@ Trace decode_samples(const EncodedSamples& encoded) {
     s.status = static_cast<StepStatus>(std::lround(next()));
     s.fallback = static_cast<Fallback>(std::lround(next()));
     s.active_rows = static_cast<int>(std::lround(next()));
+    if (!has_escape) continue;
+    EscapeState& e = s.escape;
+    e.best = next();
+    e.idle = next();
+    e.stagnations = static_cast<int>(std::lround(next()));
+    e.side = static_cast<int>(std::lround(next()));
+    e.detour = next() != 0.0;
+    e.remaining = next();
+    for (double& value : e.target_W) value = next();
+    e.circulation = static_cast<int>(std::lround(next()));
   }
   return trace;
 }

@@ -216,6 +216,7 @@ class TickClock {
     sample.status = result_.status;
     sample.fallback = result_.fallback;
     sample.active_rows = result_.active_rows;
+    sample.escape = result_.escape;
     infeasible_.count(result_.fallback);
     plant_.advance(result_.command, period_, report_);
   }

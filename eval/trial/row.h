@@ -76,6 +76,7 @@ struct Sample {
   StepStatus status = StepStatus::kSolved;
   Fallback fallback = Fallback::kNone;
   int active_rows = 0;
+  EscapeState escape;  ///< what the controller remembered when the step began
 };
 
 using Trace = std::vector<Sample>;

@@ -23,6 +23,18 @@ ordered_json numbers(const Vector& vector) {
   return list;
 }
 
+// As `state.escape` of a case file takes it.
+ordered_json escape_json(const EscapeState& escape) {
+  return {{"best", number(escape.best)},
+          {"idle", number(escape.idle)},
+          {"stagnations", escape.stagnations},
+          {"side", escape.side},
+          {"detour", escape.detour},
+          {"remaining", number(escape.remaining)},
+          {"target", numbers(escape.target_W)},
+          {"circulation", escape.circulation}};
+}
+
 ordered_json sample_json(const Sample& sample) {
   ordered_json json = ordered_json::object();
   json["t"] = sample.t;
@@ -36,6 +48,7 @@ ordered_json sample_json(const Sample& sample) {
   json["least_distance"] = number(sample.least_distance);
   json["status"] = to_string(sample.status);
   json["fallback"] = to_string(sample.fallback);
+  json["escape"] = escape_json(sample.escape);
   return json;
 }
 

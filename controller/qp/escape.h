@@ -1,0 +1,75 @@
+#pragma once
+
+#include <span>
+
+#include "controller/escape_state.h"
+#include "controller/model/kinematics.h"
+#include "controller/model/proximity.h"
+#include "controller/params.h"
+#include "controller/qp/servo.h"
+#include "controller/step.h"
+
+namespace moma {
+
+/// What a step's decisions rest on besides the task.
+struct EscapeInput {
+  const Kinematics& kinematics;
+  const GoalState& goal;
+  std::span<const ProximityPair> pairs;  ///< within their influence, floor and self pairs included
+  std::span<const ObjectState> objects;
+};
+
+/// Leaves a local minimum on one side and goes on from there: after the bug algorithms (Lumelsky & Stepanov,
+/// Algorithmica 2, 1987; Kamon, Rimon & Rivlin, IJRR 17(9), 1998, TangentBug), of which it keeps the measure of
+/// progress and the fixed side, for a robot that knows distances and no map.
+///
+/// V = |e_p| + scale |e_R| measures the way left. The robot stagnates when V has not fallen `progress` below its best
+/// for `patience`, and the pose is not at the goal. The best recedes with a goal that moves away, so that only the
+/// robot's own motion counts; near an object that moves the robot is given `traffic_patience`; a goal that jumps
+/// starts everything afresh.
+///
+/// Then a detour: E is drawn, not to the goal, but to a point beside the base, at `angle` to one side of the goal's
+/// direction, the next time to the other side, then behind, each time further. For a fixed base the arm's root takes
+/// the base's place, and half the length of the arm is the furthest. Orientation is nearly free meanwhile
+/// and the arm is drawn to `ready`. docs/moma-controller.md has the formulas. One per controller; nothing here takes
+/// memory or throws.
+class Escape {
+ public:
+  Escape(const EscapeParams& params, const ServoParams& servo, const RobotModel& model, double control_period);
+
+  void reset() noexcept;
+  /// One step: watches progress, begins and ends detours, and bends the task where one is on.
+  void update(const EscapeInput& input, Task& task) noexcept;
+
+  const EscapeState& state() const noexcept { return state_; }
+  /// Goes on from a state of an earlier run.
+  void set_state(const EscapeState& state) noexcept;
+
+ private:
+  bool goal_jumped(const GoalState& goal) const noexcept;
+  void watch(const EscapeInput& input, const Task& task, double V) noexcept;
+  void stagnate(const EscapeInput& input, const Task& task, double V) noexcept;
+  bool near_traffic(const EscapeInput& input) const noexcept;
+  void bend(const EscapeInput& input, Task& task) const noexcept;
+
+  EscapeParams params_;
+  ServoParams servo_;
+  double dt_;
+  bool mobile_;
+  double max_length_;
+  EscapeState state_;
+  GoalState last_goal_;
+  bool has_goal_ = false;
+};
+
+/// V = |e_p| + scale |e_R| [m].
+double remaining_way(const EscapeParams& params, const Vector6& error) noexcept;
+
+/// Horizontal unit vector of `v`, or `otherwise` where |v_xy| is below 0.02.
+Vector3 heading(const Vector3& v, const Vector3& otherwise) noexcept;
+
+/// The side on which there is more room: +1 (left of e_h) where (e_h x a)_z >= 0, a = sum_j n_j clip(1 - d_j/reach,
+/// 0, 1) over object pairs; else -1.
+int free_side(std::span<const ProximityPair> pairs, const Vector3& e_h, double reach) noexcept;
+
+}  // namespace moma
