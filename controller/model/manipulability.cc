@@ -41,6 +41,21 @@ double value_of(const Eigen::Ref<const Matrix6X>& J, int first_row) noexcept {
   return J.cols() < R || J.cols() > kMaxJoints ? 0.0 : ThinQr<R>(J, first_row).volume;
 }
 
+// In the innermost loop of the gradient: to be inlined there.
+inline Vector6 derivative_of(const Eigen::Ref<const Matrix6X>& J, const Eigen::Ref<const Eigen::VectorXi>& prismatic,
+                             Eigen::Index i, Eigen::Index j) noexcept {
+  const Vector3 angular = J.col(i).head<3>();
+  Vector6 derivative = Vector6::Zero();
+  if (j <= i) {  // joint j carries joint i: it turns the whole column
+    if (prismatic[j] != 0) return derivative;
+    const Vector3 axis = J.col(j).head<3>();
+    derivative << axis.cross(angular), axis.cross(J.col(i).tail<3>());
+  } else {  // joint j only moves E as seen from joint i
+    derivative.tail<3>() = angular.cross(J.col(j).tail<3>());
+  }
+  return derivative;
+}
+
 template <int R>
 Manipulability gradient_of(const Eigen::Ref<const Matrix6X>& J, const Eigen::Ref<const Eigen::VectorXi>& prismatic,
                            int first_row, Eigen::Ref<VectorX> gradient) noexcept {
@@ -58,18 +73,9 @@ Manipulability gradient_of(const Eigen::Ref<const Matrix6X>& J, const Eigen::Ref
     qr.U.template triangularView<Eigen::Upper>().solveInPlace(b);
     Vector6 weight = Vector6::Zero();
     weight.segment<R>(first_row) = b;
-    const Vector3 angular = J.col(i).template head<3>();
-    const Vector3 linear = J.col(i).template tail<3>();
     for (Eigen::Index j = 0; j < J.cols(); ++j) {
-      Vector6 derivative = Vector6::Zero();
-      if (j <= i) {  // joint j carries joint i: it turns the whole column
-        if (prismatic[j] != 0) continue;
-        const Vector3 axis = J.col(j).template head<3>();
-        derivative << axis.cross(angular), axis.cross(linear);
-      } else {  // joint j only moves E as seen from joint i
-        derivative.tail<3>() = angular.cross(J.col(j).template tail<3>());
-      }
-      gradient[j] += weight.dot(derivative);
+      if (j <= i && prismatic[j] != 0) continue;
+      gradient[j] += weight.dot(derivative_of(J, prismatic, i, j));
     }
   }
   gradient *= result.value;
@@ -77,6 +83,12 @@ Manipulability gradient_of(const Eigen::Ref<const Matrix6X>& J, const Eigen::Ref
 }
 
 }  // namespace
+
+Vector6 jacobian_derivative(const Eigen::Ref<const Matrix6X>& J_arm_W,
+                            const Eigen::Ref<const Eigen::VectorXi>& prismatic, Eigen::Index i,
+                            Eigen::Index j) noexcept {
+  return derivative_of(J_arm_W, prismatic, i, j);
+}
 
 double manipulability(const Eigen::Ref<const Matrix6X>& J_arm_W, ManipulabilityRows rows) noexcept {
   switch (rows) {

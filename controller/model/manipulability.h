@@ -18,6 +18,13 @@ struct Manipulability {
 /// Real-time safe. Source: Yoshikawa, IJRR 4(2), 1985.
 double manipulability(const Eigen::Ref<const Matrix6X>& J_arm_W, ManipulabilityRows rows) noexcept;
 
+/// Derivative of column i of J_arm_W with respect to joint j, entry (., i, j) of the kinematic Hessian: with a the
+/// angular and v the linear parts of the columns, [a_j x a_i; a_j x v_i] for j <= i, [0; a_i x v_j] for j > i, and zero
+/// for a prismatic joint j <= i (Haviland & Corke, arXiv 2010.08686, from the derivative of a product of exponentials).
+Vector6 jacobian_derivative(const Eigen::Ref<const Matrix6X>& J_arm_W,
+                            const Eigen::Ref<const Eigen::VectorXi>& prismatic, Eigen::Index i,
+                            Eigen::Index j) noexcept;
+
 /// Value and gradient: gradient_i = m * vec(J H_i^T) . vec((J J^T)^-1), H_i the derivative of the rows with
 /// respect to joint i (Haviland & Corke, arXiv 2002.11901, eq. 9-11; H from the columns of J alone).
 /// @param prismatic n flags, 1 where the joint is prismatic: it turns no column of J.

@@ -1,4 +1,5 @@
-// Forward kinematics, Jacobians and manipulability against numbers that Pinocchio computed from the same URDFs.
+// Forward kinematics, Jacobians, kinematic Hessians and manipulability against numbers that Pinocchio computed from the
+// same URDFs.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -25,6 +26,7 @@ TEST(KinematicsReference, AgreesWithPinocchio) {
   std::ifstream file(test::source_path("tests/data/kinematics_reference.json"));
   const Json reference = Json::parse(file);
   ASSERT_EQ(reference["robots"].size(), 5U);
+  int hessians = 0;
   for (const Json& robot : reference["robots"]) {
     const auto name = robot["file"].get<std::string>();
     const auto model = test::load_model(name);
@@ -32,6 +34,9 @@ TEST(KinematicsReference, AgreesWithPinocchio) {
     for (std::size_t i = 0; i < model->joints.size(); ++i) EXPECT_EQ(model->joints[i].name, robot["joints"][i]);
     Kinematics kinematics(model);
     ASSERT_GE(robot["cases"].size(), 5U);
+    Eigen::VectorXi prismatic(model->num_joints());
+    for (int i = 0; i < model->num_joints(); ++i)
+      prismatic[i] = model->joints[static_cast<std::size_t>(i)].type == JointType::kPrismatic ? 1 : 0;
     const Vector3 mount = model->base.X_BM.translation();  // the reference has none
     ASSERT_TRUE(model->base.X_BM.linear() == Matrix3::Identity() && (mount.isZero() || model->base_dof() == 0)) << name;
     for (const Json& c : robot["cases"]) {
@@ -40,12 +45,22 @@ TEST(KinematicsReference, AgreesWithPinocchio) {
       EXPECT_LT((kinematics.X_WE().linear() - matrix(c["rotation"], 3)).norm(), 1e-10) << name;
       EXPECT_LT((kinematics.J_WE_W() - matrix(c["jacobian"], 6)).lpNorm<Eigen::Infinity>(), 1e-10) << name;
       const Matrix6X arm = kinematics.J_WE_W().rightCols(model->num_joints());
+      if (c.contains("hessian")) {
+        const MatrixX hessian = matrix(c["hessian"], 6 * arm.cols());  // the derivative by joint j in rows 6 j ...
+        ASSERT_EQ(hessian.cols(), arm.cols()) << name;
+        for (Eigen::Index j = 0; j < arm.cols(); ++j)
+          for (Eigen::Index i = 0; i < arm.cols(); ++i)
+            EXPECT_LT((jacobian_derivative(arm, prismatic, i, j) - hessian.block<6, 1>(6 * j, i)).norm(), 1e-10)
+                << name << " column " << i << " by joint " << j;
+        ++hessians;
+      }
       const Json& m = c["manipulability"];
       EXPECT_NEAR(manipulability(arm, ManipulabilityRows::kTranslation), m["translation"].get<double>(), 1e-10) << name;
       EXPECT_NEAR(manipulability(arm, ManipulabilityRows::kRotation), m["rotation"].get<double>(), 1e-10) << name;
       EXPECT_NEAR(manipulability(arm, ManipulabilityRows::kAll), m["all"].get<double>(), 1e-10) << name;
     }
   }
+  EXPECT_EQ(hessians, 15) << "three of every robot";
 }
 
 // The robots written for this project have the makers' kinematics: the same hand and flange as the foreign files.

@@ -4,8 +4,9 @@
     python3 -m venv VENV && VENV/bin/pip install pin==4.1.0 example-robot-data==6.0.0
     VENV/bin/python tests/tools/kinematics_reference.py > tests/data/kinematics_reference.json
 
-Six-vectors are [angular; linear] in world axes at the end effector. A differential base is Pinocchio's planar joint
-with its sideways column left out. Positions are those of a robot whose URDF root is mounted at the base's origin.
+Six-vectors are [angular; linear] in world axes at the end effector; `hessian` holds the derivatives of the arm's
+Jacobian by each of its joints, one matrix after the other. A differential base is Pinocchio's planar joint with its
+sideways column left out. Positions are those of a robot whose URDF root is mounted at the base's origin.
 """
 import json
 import os
@@ -46,6 +47,44 @@ def volume(J):
     return float(np.prod(np.linalg.svd(J, compute_uv=False)[: J.shape[0]]))
 
 
+def tip_jacobian(model, data, q, frame, columns):
+    pin.computeJointJacobians(model, data, q)
+    pin.updateFramePlacements(model, data)
+    J = pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)
+    return np.vstack([J[3:], J[:3]])[:, columns]
+
+
+def arm_hessian(model, data, q, frame, columns):
+    """d(J of the tip)/dq by Pinocchio's kinematic Hessian, which is taken at the last joint's origin: the lever from
+    there to the tip, r, adds d(w_i x r)/dq_j = dw_i/dq_j x r + w_i x (w_j x r)."""
+    joint = model.frames[frame].parentJoint
+    pin.computeJointJacobians(model, data, q)
+    pin.computeJointKinematicHessians(model, data)
+    pin.updateFramePlacements(model, data)
+    # 6 x column x by joint; the tensor's memory is column by column, while numpy is told otherwise.
+    tensor = np.array(pin.getJointKinematicHessian(model, data, joint, pin.LOCAL_WORLD_ALIGNED))
+    H = tensor.ravel(order="K").reshape(tensor.shape, order="F")
+    J = pin.getJointJacobian(model, data, joint, pin.LOCAL_WORLD_ALIGNED)
+    r = data.oMf[frame].translation - data.oMi[joint].translation
+    out = []
+    for j in columns:
+        D = np.zeros((6, len(columns)))
+        for k, i in enumerate(columns):
+            D[:3, k] = H[3:, i, j]
+            D[3:, k] = H[:3, i, j] + np.cross(H[3:, i, j], r) + np.cross(J[3:, i], np.cross(J[3:, j], r))
+        out.append(D)
+    # The convention is checked here, so that a wrong reading of Pinocchio's manual cannot become the reference.
+    h = 1e-6
+    for D, j in zip(out, columns):
+        v = np.zeros(model.nv)
+        v[j] = h
+        ahead = tip_jacobian(model, data, pin.integrate(model, q, v), frame, columns)
+        behind = tip_jacobian(model, data, pin.integrate(model, q, -v), frame, columns)
+        assert np.abs((ahead - behind) / (2 * h) - D).max() < 1e-7, "not the derivative of the Jacobian"
+    tip_jacobian(model, data, q, frame, columns)
+    return out
+
+
 def set_joint(model, q, name, value):
     joint = model.joints[model.getJointId(name)]
     if joint.nq == 2:  # continuous
@@ -77,15 +116,18 @@ def cases_of(robot, rng):
             set_joint(model, q, name, values[-1])
         pin.computeJointJacobians(model, data, q)
         pin.updateFramePlacements(model, data)
-        X = data.oMf[frame]
+        X = data.oMf[frame].copy()
         J = pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)
         J = np.vstack([J[3:], J[:3]])
         arm = J[:, [model.joints[model.getJointId(n)].idx_v for n in robot["joints"]]]
+        columns = [model.joints[model.getJointId(n)].idx_v for n in robot["joints"]]
+        hessian = arm_hessian(model, data, q, frame, columns) if len(cases) < 3 else []  # it is long
         full = np.hstack([J[:, [0, 2]], arm]) if mobile else arm
         cases.append({
             "base": base, "q": values,
             "position": X.translation.tolist(), "rotation": X.rotation.flatten().tolist(),
             "jacobian": full.flatten().tolist(),
+            **({"hessian": [float(v) for D in hessian for v in D.flatten()]} if hessian else {}),
             "manipulability": {"translation": volume(arm[3:]), "rotation": volume(arm[:3]), "all": volume(arm)},
         })
     return cases
