@@ -5,7 +5,6 @@
 #include <memory>
 
 #include "eval/cli/command.h"
-#include "eval/store/database.h"
 #include "reports/render/report.h"
 
 namespace moma::cli {
@@ -47,7 +46,6 @@ void add_report(CLI::App& app, Action& action) {
         write_report(stores, html, options->report);
         written.push_back(html);
       }
-      for (const std::filesystem::path& store : stores) store::remove_empty_wal(store);
       for (const std::filesystem::path& file : written) std::cerr << fmt::format("wrote {}\n", file.string());
       return static_cast<int>(kOk);
     };

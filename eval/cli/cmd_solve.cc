@@ -34,10 +34,10 @@ void add_solve(CLI::App& app, Action& action) {
         return static_cast<int>(kOk);
       }
       const ControlCase control_case = read_case(options->file);
-      print_warnings(control_case.warnings);
       if (options->explain) {
-        std::cout << explain(control_case);
+        std::cout << explain(control_case);  // the warnings are part of the explanation
       } else {
+        print_warnings(control_case.warnings);
         std::cout << layout(solve(control_case));
       }
       return static_cast<int>(kOk);

@@ -32,7 +32,7 @@ struct VerifyOptions {
 };
 
 /// The `fraction` of the keys that come first when all are ordered by a hash with the seed; at least one.
-std::vector<std::string> choose(std::vector<std::string> keys, double fraction, std::int64_t seed) {
+std::vector<std::string> choose(const std::vector<std::string>& keys, double fraction, std::int64_t seed) {
   const auto wanted = static_cast<std::size_t>(std::ceil(fraction * static_cast<double>(keys.size())));
   std::map<store::Hash, std::string> ordered;
   for (const std::string& key : keys) ordered.emplace(store::hash_text(fmt::format("{} {}", seed, key)), key);

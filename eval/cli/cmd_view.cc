@@ -7,7 +7,6 @@
 #include "eval/cli/command.h"
 #include "eval/cli/interrupt.h"
 #include "eval/cli/stored_suites.h"
-#include "eval/store/database.h"
 #include "eval/store/samples.h"
 #include "eval/trial/trial.h"
 #include "reports/render/view.h"
@@ -35,9 +34,11 @@ void add_view(CLI::App& app, Action& action) {
     int port = 8080;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("view", "Serve a store's report page on this machine, also while a run goes on");
+  CLI::App* command =
+      app.add_subcommand("view", "Serve a store's report page on this machine, also while a run goes on");
   command->add_option("DB", options->stores, "Store; several are compared")->required();
-  command->add_option("--port", options->port, "Port of 127.0.0.1 (8080); 0: any free one")->check(CLI::Range(0, 65535));
+  command->add_option("--port", options->port, "Port of 127.0.0.1 (8080); 0: any free one")
+      ->check(CLI::Range(0, 65535));
   command->footer("Example: moma view results/demo.db --port 0");
   command->callback([&action, options] {
     action = [options] {
@@ -52,7 +53,6 @@ void add_view(CLI::App& app, Action& action) {
         std::cout << address << std::endl;
         std::cerr << "serving the report at the address above; Ctrl-C ends\n";
       });
-      for (const std::filesystem::path& store : options->stores) store::remove_empty_wal(store);
       return static_cast<int>(kOk);
     };
   });

@@ -1,5 +1,6 @@
 #include "cli_fixture.h"
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 namespace moma::test {
@@ -174,6 +175,7 @@ TEST_F(Cli, CompareAndExportAndReport) {
   }
   good({"report", "a.db", "-o", "a.html"});
   EXPECT_GT(fs::file_size(path("a.html")), 1000u);
+  EXPECT_FALSE(fs::exists(path("a.db-wal"))) << "a report leaves nothing beside the store";
   bad({"report", "suite.yaml", "-o", "b.html"}, {"suite.yaml"});
   bad({"report", "missing.db"}, {"missing.db"});
 }
@@ -198,6 +200,28 @@ TEST_F(Cli, RobotShowsJointsAndShapes) {
   EXPECT_EQ(robot["joints"].size(), 3u);
   EXPECT_EQ(robot["joints"][0]["name"], "turn");
   EXPECT_EQ(robot["joints"][2]["upper"], 0.4);
+}
+
+// The controller's doubts are part of the explanation, and beside the JSON otherwise: told once either way.
+TEST_F(Cli, SolveWarnsOnce) {
+  const fs::path data = fs::path(MOMA_SOURCE_DIR) / "tests/data/qp_cases";
+  std::ifstream file(data / "cases/frankie_119.json");
+  json control_case = json::parse(file);
+  control_case["robot"] = (data / "robots/frankie.yaml").string();
+  control_case["controller"]["slack"]["weight"] = 0;
+  write("case.json", control_case.dump());
+  const std::string warning = "nothing pulls the arm to its goal";
+  const auto count = [&](const std::string& text) {
+    int n = 0;
+    for (auto at = text.find(warning); at != std::string::npos; at = text.find(warning, at + 1)) ++n;
+    return n;
+  };
+  const ProcessResult words = good({"solve", "case.json", "--explain"});
+  EXPECT_EQ(count(words.out), 1) << words.out;
+  EXPECT_EQ(count(words.err), 0) << words.err;
+  const ProcessResult numbers = good({"solve", "case.json"});
+  EXPECT_EQ(count(numbers.out), 0) << numbers.out;
+  EXPECT_EQ(count(numbers.err), 1) << numbers.err;
 }
 
 }  // namespace
