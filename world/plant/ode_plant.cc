@@ -48,7 +48,7 @@ class OdePlant final : public Plant, private TouchSink {
   ~OdePlant() override {
     if (!world_.abandoned()) return;
     // The world's memory is left alone, so what points into it must not be freed either.
-    contacts_.release();
+    (void)contacts_.release();
   }
 
   const PlantState& state() const override { return state_; }

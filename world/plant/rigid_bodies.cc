@@ -102,7 +102,7 @@ void check(const RobotModel& model, const RigidBody& body) {
                     "the URDF",
                     model.name, name));
   const Eigen::SelfAdjointEigenSolver<Matrix3> moments(body.I_C);
-  const Vector3 m = moments.eigenvalues();
+  const Vector3& m = moments.eigenvalues();
   if (!m.allFinite() || !(m.minCoeff() > 0.0))
     throw std::runtime_error(
         fmt::format("robot {}: the inertia of link '{}' and what is fixed to it is not positive definite (principal "
