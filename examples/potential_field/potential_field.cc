@@ -17,12 +17,13 @@ namespace {
 using namespace moma;
 
 struct Gains {
-  double attraction = 1.5;   ///< of the position [1/s]
-  double turning = 1.95;     ///< of the orientation [1/s]
-  double max_linear = 0.6;   ///< Khatib's V_max [m/s]
-  double max_angular = 1.0;  ///< [rad/s]
-  double repulsion = 2e-3;   ///< eta
-  double influence = 0.3;    ///< rho_0 [m]
+  double attraction = 1.5;      ///< of the position [1/s]
+  double turning = 1.95;        ///< of the orientation [1/s]
+  double max_linear = 0.6;      ///< Khatib's V_max [m/s]
+  double max_angular = 1.0;     ///< [rad/s]
+  double repulsion = 2e-3;      ///< eta
+  double influence = 0.3;       ///< rho_0 [m]
+  double self_influence = 0.1;  ///< of the robot's own parts on each other [m]
   double limit_repulsion = 1e-3;
   double limit_influence = 0.2;  ///< [rad, m]
   double base_mobility = 1.0;    ///< how far the base gives way, against 1 of the joints
@@ -59,11 +60,14 @@ class PotentialField {
     kinematics_.update(seen.base, seen.q);
     force_.setZero();
     result.least_distance = kInfinity;
-    for (const ProximityPair& pair : proximity_.query(kinematics_, seen.objects, {gains_.influence, -1.0, -1.0})) {
+    const ProximityRanges ranges{gains_.influence, -1.0, gains_.self_influence};
+    for (const ProximityPair& pair : proximity_.query(kinematics_, seen.objects, ranges)) {
       const Distance& d = pair.distance;
-      kinematics_.point_jacobian(robot_->shapes[static_cast<std::size_t>(pair.first)].link, d.p_first_W, J_p_);
-      force_ += push(d.d, gains_.influence, gains_.repulsion) * J_p_.transpose() * d.n_W;
-      result.least_distance = std::min(result.least_distance, d.d);
+      const bool self = pair.kind == PairKind::kSelf;
+      const double size = push(d.d, self ? gains_.self_influence : gains_.influence, gains_.repulsion);
+      pull(pair.first, d.p_first_W, size * d.n_W);
+      if (self) pull(pair.second, d.p_second_W, -size * d.n_W);
+      if (!self) result.least_distance = std::min(result.least_distance, d.d);
     }
     for (int i = 0; i < robot_->num_joints(); ++i) {
       const ControlledJoint& joint = robot_->joints[static_cast<std::size_t>(i)];
@@ -85,6 +89,12 @@ class PotentialField {
   }
 
  private:
+  // What a force at a point of a shape does to base and joints.
+  void pull(int shape, const Vector3& p_W, const Vector3& force) {
+    kinematics_.point_jacobian(robot_->shapes[static_cast<std::size_t>(shape)].link, p_W, J_p_);
+    force_ += J_p_.transpose() * force;
+  }
+
   // A potential is no wall for a step of finite length.
   void stop_at_limits(const VectorX& q, VectorX& command) const {
     for (int i = 0; i < robot_->num_joints(); ++i) {
@@ -113,6 +123,7 @@ std::unique_ptr<PotentialField> make(const plugin::Setup& setup) {
   in.read("max_angular", g.max_angular, Range::positive());
   in.read("repulsion", g.repulsion, Range::non_negative());
   in.read("influence", g.influence, Range::positive());
+  in.read("self_influence", g.self_influence, Range::positive());
   in.read("limit_repulsion", g.limit_repulsion, Range::non_negative());
   in.read("limit_influence", g.limit_influence, Range::positive());
   in.read("base_mobility", g.base_mobility, Range::non_negative());
