@@ -90,7 +90,8 @@ INSTANTIATE_TEST_SUITE_P(Stores, Compared, testing::Bool(),
 TEST(CompareStores, ControllersOfOneStoreKeepTheirNames) {
   const Folder folder;
   two(folder, false);
-  change(folder / "after.db", "UPDATE point SET controller = controller || '-2', controller_name = controller_name || '-2'");
+  change(folder / "after.db",
+         "UPDATE point SET controller = controller || '-2', controller_name = controller_name || '-2'");
   std::set<std::string> names;
   const Json page = read_stores({folder / "before.db", folder / "after.db"}, {});
   for (const Json& point : page.at("points")) {
@@ -131,8 +132,9 @@ TEST(Tables, CsvHasEveryDigitOfTheStore) {
     ASSERT_GE(cells.size(), 16u) << line;
     ++rows;
     if (cells[3].empty()) continue;  // all families
-    SQLite::Statement one(db, "SELECT n, success_rate, collision_high, manip_mean FROM v_summary WHERE family = ? AND "
-                              "controller = ?");
+    SQLite::Statement one(db,
+                          "SELECT n, success_rate, collision_high, manip_mean FROM v_summary WHERE family = ? AND "
+                          "controller = ?");
     one.bind(1, cells[3]);
     one.bind(2, cells[4]);
     ASSERT_TRUE(one.executeStep()) << line;
@@ -188,8 +190,8 @@ TEST(Figures, DrawnWithoutABrowser) {
     EXPECT_EQ(svg.find("NaN"), std::string::npos) << file;
     EXPECT_EQ(svg.find("http://", svg.find('>')), std::string::npos) << file;
   }
-  EXPECT_EQ(names, (std::set<std::string>{"arrival.svg", "course.svg", "difficulty.svg", "manipulability.svg", "metric.svg",
-                                          "outcomes.svg", "paired.svg", "scatter.svg", "timing.svg"}));
+  EXPECT_EQ(names, (std::set<std::string>{"arrival.svg", "course.svg", "difficulty.svg", "manipulability.svg",
+                                          "metric.svg", "outcomes.svg", "paired.svg", "scatter.svg", "timing.svg"}));
 }
 
 TEST(Figures, WithoutNodeAMessageNamesThePackage) {

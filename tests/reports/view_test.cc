@@ -64,7 +64,8 @@ std::string raw(int port, const std::string& request) {
 }
 
 std::string request(int port, const std::string& path) {
-  return raw(port, "GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) + "\r\nConnection: close\r\n\r\n");
+  return raw(port,
+             "GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) + "\r\nConnection: close\r\n\r\n");
 }
 
 std::string a_trial(const std::filesystem::path& db, const std::string& with) {
@@ -133,7 +134,8 @@ TEST(View, AskedForATrialWithoutSamplesItHasItSimulated) {
     SQLite::Statement any(db, "SELECT layout, n, columns, data FROM samples LIMIT 1");
     any.executeStep();
     const auto* bytes = static_cast<const unsigned char*>(any.getColumn(3).getBlob());
-    return OwnedSamples{any.getColumn(0).getInt(), any.getColumn(1).getInt64(),
+    return OwnedSamples{any.getColumn(0).getInt(),
+                        any.getColumn(1).getInt64(),
                         Json::parse(any.getColumn(2).getString()).get<std::vector<std::string>>(),
                         {bytes, bytes + any.getColumn(3).getBytes()}};
   };
@@ -178,9 +180,9 @@ TEST(View, FollowsARunningStoreAndOnlyReads) {
   EXPECT_EQ(data.at("live").at("token"), after.at("token"));
 
   for (const char* method : {"POST", "PUT", "DELETE", "PATCH", "OPTIONS"}) {
-    const std::string answer = raw(server.port(), std::string(method) + " / HTTP/1.1\r\nHost: localhost:" +
-                                                      std::to_string(server.port()) +
-                                                      "\r\nContent-Length: 0\r\nConnection: close\r\n\r\n");
+    const std::string answer =
+        raw(server.port(), std::string(method) + " / HTTP/1.1\r\nHost: localhost:" + std::to_string(server.port()) +
+                               "\r\nContent-Length: 0\r\nConnection: close\r\n\r\n");
     EXPECT_EQ(answer.rfind("HTTP/1.1 405", 0), 0u) << method << ": " << answer.substr(0, 40);
   }
 }
@@ -191,8 +193,7 @@ TEST(View, RefusesOtherNamesOfThisMachine) {
   const Running server({folder / "a.db"});
   const std::string port = std::to_string(server.port());
   const auto status = [&](const std::string& host) {
-    const std::string answer =
-        raw(server.port(), "GET /data.json HTTP/1.1\r\n" + host + "Connection: close\r\n\r\n");
+    const std::string answer = raw(server.port(), "GET /data.json HTTP/1.1\r\n" + host + "Connection: close\r\n\r\n");
     return answer.substr(0, answer.find("\r\n")).substr(std::string("HTTP/1.1 ").size(), 3);
   };
   EXPECT_EQ(status("Host: 127.0.0.1:" + port + "\r\n"), "200");
@@ -263,7 +264,8 @@ TEST(View, LeavesNothingBesideTheStore) {
     httplib::Client client = server.client();
     EXPECT_EQ(client.Get("/data.json")->status, 200);
   }
-  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) EXPECT_EQ(entry.path().filename(), "a.db");
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+    EXPECT_EQ(entry.path().filename(), "a.db");
 }
 
 }  // namespace

@@ -166,6 +166,7 @@ export class Model {
   page: PageData;
   private rowOf = new Map<string, number>();
   private replayOf = new Map<string, ReplayData>();
+  private named = new Set<string>();
   private fetched = new Map<string, Promise<Motion>>();
 
   constructor(page: PageData) {
@@ -191,6 +192,7 @@ export class Model {
       const key = this.trials.text('trial', row);
       if (!this.rowOf.has(key)) this.rowOf.set(key, row);
     }
+    this.named = new Set(page.replays.map((replay) => replay.trial));
     for (const replay of page.replays) if ('data' in replay) this.replayOf.set(replay.trial, replay);
   }
 
@@ -200,7 +202,8 @@ export class Model {
 
   /** Whether motion() may have it. */
   playable(trial: string): boolean {
-    return this.page.live === undefined ? this.replayOf.has(trial) : this.rowOf.has(trial);
+    if (this.page.live?.simulates === true) return this.rowOf.has(trial);
+    return this.page.live === undefined ? this.replayOf.has(trial) : this.named.has(trial);
   }
 
   /** From the page, or from the server that serves it. */

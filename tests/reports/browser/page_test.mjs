@@ -1,7 +1,7 @@
 // The report page in a real browser, offline: page_test.mjs SOURCE_DIR MAKE_REPORT WORK_DIR [MOMA]
 // With the program MOMA, also pages of trials that it simulates. MOMA_SCREENSHOTS=DIR writes screenshots there.
 // Exit 0: passed; 1: failed; 77: left out, since node's packages, python3 or chromium are missing.
-import { execFileSync } from 'node:child_process';
+import { execFileSync, spawn } from 'node:child_process';
 import { existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
@@ -51,15 +51,15 @@ const browser = await chromium.launch({
 });
 
 /** Opens a page and notes everything it must not do. */
-const open = async (html, { width = 1280, hash = '', scheme = 'light' } = {}) => {
-  const context = await browser.newContext({ viewport: { width, height: 900 }, offline: true, colorScheme: scheme, acceptDownloads: true });
+const open = async (html, { width = 1280, hash = '', scheme = 'light', served = false } = {}) => {
+  const context = await browser.newContext({ viewport: { width, height: 900 }, offline: !served, colorScheme: scheme, acceptDownloads: true });
   const page = await context.newPage();
   page.setDefaultTimeout(60000);
   page.on('console', (message) => { if (message.type() === 'error') check(false, `console error: ${message.text()}`); });
   page.on('pageerror', (error) => check(false, `page error: ${error.stack}`));
   page.on('dialog', (dialog) => { check(false, 'a dialog opened'); void dialog.dismiss(); });
-  page.on('request', (request) => { if (!/^(file|data|blob):/.test(request.url())) check(false, `request to ${request.url()}`); });
-  await page.goto(`file://${html}${hash}`);
+  page.on('request', (request) => { if (!/^(file|data|blob):/.test(request.url()) && !(served && request.url().startsWith(html))) check(false, `request to ${request.url()}`); });
+  await page.goto(served ? `${html}${hash}` : `file://${html}${hash}`);
   await page.waitForSelector('main');   // built after the first paint
   return { context, page };
 };
@@ -271,6 +271,65 @@ for (const [kind, worlds] of [['empty', 0], ['one', 1], ['failures', 16], ['swee
   await context.close();
 }
 
+// ---- several stores in one page ------------------------------------------------------------------------------------
+{
+  const [before, after, html] = ['before.db', 'after.db', 'both.html'].map((name) => join(work, name));
+  for (const [kind, db] of [['demo', before], ['demo', after]]) {
+    execFileSync('python3', [join(source, 'tests/tools/make_store.py'), join(source, 'eval/store/schema.sql'), db, '--kind', kind, '--worlds', '20', '--samples', '2']);
+  }
+  execFileSync('python3', ['-c', `import sqlite3; db = sqlite3.connect(${JSON.stringify(after)}); db.execute("UPDATE suite SET name = 'later'"); `
+    + 'db.execute("UPDATE trial SET outcome = \'success\', time_to_goal_s = 5.0"); db.commit(); db.close()']);
+  execFileSync(makeReport, [before, after, html], { stdio: 'inherit' });
+  const both = dataOf(html);
+  const { context, page } = await open(html);
+  check((await page.locator('h1').innerText()) === 'courier-clutter + later', 'two suites, one title');
+  check((await page.locator('.verdict').count()) === 4, 'four controllers of two stores, four verdicts');
+  await page.locator('#comparison').scrollIntoViewIfNeeded();
+  await page.waitForSelector('#comparison tbody tr');
+  const rows = await page.locator('#comparison tbody tr').allInnerTexts();
+  const cells = both.trials.columns;
+  const texts = (name) => cells[name].codes.map((code) => cells[name].values[code] ?? null);
+  const [controllers, outcomes, worlds] = ['controller', 'outcome', 'world_key'].map(texts);
+  const successes = (who) => new Map(controllers.flatMap((c, i) => (c === who ? [[worlds[i], outcomes[i] === 'success']] : [])));
+  const base = successes('holistic (before)');
+  for (const who of ['moma (before)', 'holistic (after)', 'moma (after)']) {
+    const theirs = successes(who);
+    const points = (100 * [...base].reduce((sum, [world, ok]) => sum + Number(theirs.get(world)) - Number(ok), 0)) / base.size;
+    const wanted = `${points > 0 ? '+' : ''}${points.toFixed(1).replace('-', '\u2212')}`;
+    check(rows.some((row) => row.includes(who) && row.includes(wanted)), `paired difference of ${who}: ${wanted} points, in ${JSON.stringify(rows)}`);
+  }
+  await page.locator('#trials input[type=search]').fill('after');
+  await page.locator('#trials .rows .row').first().click();
+  check(/^moma replay (before|after)\.db /.test(await page.locator('.detail code').innerText()), 'the command names a store that holds the trial');
+  await context.close();
+}
+
+// ---- served by moma view, while a run goes on -----------------------------------------------------------------------
+{
+  const db = join(work, 'served.db');
+  execFileSync('python3', [join(source, 'tests/tools/make_store.py'), join(source, 'eval/store/schema.sql'), db, '--kind', 'demo', '--worlds', '20', '--samples', '3']);
+  const sql = (text) => execFileSync('python3', ['-c', `import sqlite3; db = sqlite3.connect(${JSON.stringify(db)}); db.executescript(${JSON.stringify(text)}); db.close()`]);
+  sql("UPDATE invocation SET status = 'running'; CREATE TABLE kept AS SELECT * FROM point_trial WHERE world_index >= 15; DELETE FROM point_trial WHERE world_index >= 15;");
+  const server = spawn(makeReport, ['--view', db], { stdio: ['ignore', 'pipe', 'inherit'] });
+  const address = await new Promise((done) => server.stdout.once('data', (text) => done(String(text).trim())));
+  const ended = new Promise((done) => server.once('exit', done));
+  process.once('exit', () => server.kill('SIGKILL'));   // whatever fails below
+  const { context, page } = await open(address, { served: true });
+  check((await page.locator('.live').innerText()).includes('30'), 'the page says that it is live');
+  check((await page.locator('#trials footer .note').innerText()).startsWith('30'), 'the trials so far');
+  await page.locator('.atlas .play').first().click();
+  await page.waitForSelector('.stage-box[data-trial]');
+  await page.waitForFunction(() => Number(document.querySelector('.transport input[type=range]').value) > 0.05);
+  await page.locator('.transport .play').click();
+  sql("INSERT INTO point_trial SELECT * FROM kept; DROP TABLE kept; UPDATE invocation SET status = 'finished';");
+  await page.waitForFunction(() => document.querySelector('#trials footer .note').textContent.startsWith('40'));
+  check((await page.locator('.summary tbody tr:last-child td').first().innerText()) === '20', 'the summary has followed');
+  check((await page.locator('.live').innerText()).includes('no run is going on'), 'the end of the run is told');
+  server.kill('SIGTERM');
+  check((await ended) === 0, 'the server ends cleanly');
+  await context.close();
+}
+
 // ---- trials that moma simulated: robots, worlds and samples as the program writes them -----------------------------
 const suites = [['frankie', 'robots/frankie.yaml', 'clutter'], ['tiago', 'robots/examples/tiago.yaml', 'moving']];
 for (const [name, robot, family] of moma === undefined ? [] : suites) {
@@ -284,6 +343,30 @@ for (const [name, robot, family] of moma === undefined ? [] : suites) {
   await page.locator('#replay').scrollIntoViewIfNeeded();
   check(dataOf(html).replays.length === 3, `${name}: all trials can be played`);
   await checkKinematics(page, dataOf(html));
+  // Collision rows follow from poses and commands in the page; the controller stored the least distance and how many
+  // constraints were active.
+  let [seen, active] = [0, 0];
+  for (const [i, replay] of dataOf(html).replays.entries()) {
+    await page.locator('.shelf button').nth(i).click();
+    await page.waitForFunction((trial) => document.querySelector('.stage-box').dataset.trial === trial, replay.trial);
+    const [times, least, rows, fallback] = ['t', 'least_distance', 'active_rows', 'fallback'].map((column_) => column(replay, column_));
+    for (let k = 0; k < replay.n; k += 7) {
+      const shown = await page.evaluate((t) => {
+        const input = document.querySelector('.transport input[type=range]');
+        input.value = t;
+        input.dispatchEvent(new Event('input', { bubbles: true }));
+        const { leastDistance, activeRows } = document.querySelector('.stage-box').dataset;
+        return { least: leastDistance === '' ? Infinity : Number(leastDistance), active: Number(activeRows) };
+      }, times[k]);
+      if (least[k] < 0.29) {
+        seen += 1;
+        check(near(shown.least, least[k], 1e-5), `${name}: at ${times[k]} s the nearest object is ${shown.least} m away, stored ${least[k]} m`);
+      }
+      if (fallback[k] === 0) check(shown.active <= rows[k], `${name}: at ${times[k]} s ${shown.active} active collision rows of ${rows[k]} active constraints`);
+      active += shown.active;
+    }
+  }
+  check(seen > 5 && active > 0, `${name}: ${seen} distances compared, ${active} active rows`);
   if (screenshots !== undefined) await page.locator('.replay').screenshot({ path: join(screenshots, `replay-${name}.png`) });
   await context.close();
 }

@@ -41,7 +41,7 @@ export function scatter(): FigureSpec {
         height: 420,
         note: groups.map((g) => {
           const rho = spearman(g.dots.map((d) => d.x), g.dots.map((d) => d.y));
-          return `${g.s.name}: n = ${integer(g.dots.length)}, rank correlation ${rho === null ? 'undefined' : `${fixed(rho.value, 2)} (95 % interval ${fixed(rho.low, 2)} to ${fixed(rho.high, 2)})`}`;
+          return `${g.s.name}: n = ${integer(g.dots.length)}, rank correlation ${rho === null ? 'none' : `${fixed(rho.value, 2)} (95 % interval ${fixed(rho.low, 2)} to ${fixed(rho.high, 2)})`}`;
         }).join('; ') + (total > kMostDots ? `. ${integer(kMostDots)} dots are drawn.` : '.'),
         columns: ['controller', 'point', 'trial', 'outcome', mx.key, my.key],
         rows: groups.flatMap((g) => g.dots.map((d) => [g.s.controller, g.s.point, t.text('trial', d.row), t.outcome(d.row), d.x, d.y])),

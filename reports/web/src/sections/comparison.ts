@@ -76,7 +76,7 @@ export function comparison(model: Model): HTMLElement {
         ...row.metrics.map(({ of, r }) => {
           table.push([row.series.name, base.name, of.key, r.differences, r.median, r.interval.low, r.interval.high, null, null, null, null]);
           return r.differences === 0 ? h('td', null, '\u2013')
-            : h('td', null, h('b', null, signed(r.median, (v) => withUnit(of, v))), h('small', null, `${of.write(r.interval.low)} to ${of.write(r.interval.high)}, n = ${integer(r.differences)}`));
+            : h('td', null, h('b', null, signed(r.median, (v) => withUnit(of, v))), h('small', null, `${of.write(r.interval.low)} to ${of.write(r.interval.high)}, n\u00a0=\u00a0${integer(r.differences)}`));
         }))))));
     replace(note, `Each controller less ${base.name}, world by world. Rates: 95 % interval of paired proportions (Bonett and Price), exact McNemar test with Holm\u2019s correction over ${plural(corrected.length, 'test')}. Metrics: where both trials have them, median difference with its 95 % bootstrap interval.`);
   };
