@@ -30,6 +30,19 @@ double mcnemar_exact(std::int64_t only_a, std::int64_t only_b) {
   return std::min(1.0, 2.0 * boost::math::cdf(coin, static_cast<double>(std::min(only_a, only_b))));
 }
 
+std::int64_t mcnemar_pairs(double discordant, double difference, double power, double level) {
+  if (!(difference > 0.0 && difference < 1.0) || !(discordant >= 0.0 && discordant <= 1.0))
+    throw std::invalid_argument("mcnemar_pairs: needs a difference in (0, 1) and a discordant share in [0, 1]");
+  if (!(power > 0.0 && power < 1.0 && level > 0.0 && level < 1.0))
+    throw std::invalid_argument("mcnemar_pairs: needs a power and a level in (0, 1)");
+  const boost::math::normal normal;
+  const double z_level = boost::math::quantile(normal, 1.0 - level / 2);
+  const double z_power = boost::math::quantile(normal, power);
+  const double share = std::max(discordant, difference);
+  const double root = z_level * std::sqrt(share) + z_power * std::sqrt(share - difference * difference);
+  return static_cast<std::int64_t>(std::ceil(root * root / (difference * difference)));
+}
+
 std::vector<double> holm(const std::vector<double>& p_values) {
   std::vector<std::size_t> order(p_values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

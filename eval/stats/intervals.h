@@ -21,6 +21,12 @@ Interval wilson(std::int64_t successes, std::int64_t n, double confidence = 0.95
 /// 1947; the exact form is the sign test.
 double mcnemar_exact(std::int64_t only_a, std::int64_t only_b);
 
+/// Pairs that McNemar's test needs to see a difference of two rates: with probability `power` at the two-sided level
+/// `level`, where a share `discordant` of the pairs differs. `difference` in (0, 1); a discordant share below it is
+/// raised to it, since there is no difference without as many discordant pairs. Throws std::invalid_argument.
+/// Source: Connor, Biometrics 43, 1987, eq. 3. The exact test needs some pairs more, about 2 / difference.
+std::int64_t mcnemar_pairs(double discordant, double difference, double power = 0.8, double level = 0.05);
+
 /// Holm's step-down correction: adjusted p-values in the order of the input. Source: Holm, Scand. J. Stat. 6, 1979.
 std::vector<double> holm(const std::vector<double>& p_values);
 
