@@ -56,7 +56,7 @@ Vector6 vector6(const Node& node, const std::string& key) {
 
 Eigen::Quaterniond quaternion(const Node& node, const std::string& key) {
   const std::vector<double> v = config::read_numbers(node, key, 4);
-  const Eigen::Quaterniond q(v[0], v[1], v[2], v[3]);
+  Eigen::Quaterniond q(v[0], v[1], v[2], v[3]);
   if (!(std::abs(q.norm() - 1.0) < 1e-3)) config::fail(node.mark, key, "expected a unit quaternion [w, x, y, z]");
   return q;
 }

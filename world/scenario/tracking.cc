@@ -93,7 +93,7 @@ class TrackingFamily final : public Family {
     const double leg = 2.0 * std::numbers::pi / (kKnots * rate);
     for (int k = 0; k * leg < duration_ + leg; ++k) {
       motion.times.push_back(k * leg);
-      motion.positions.push_back(from + at(side + 2.0 * std::numbers::pi * k / kKnots) - at(side));
+      motion.positions.emplace_back(from + at(side + 2.0 * std::numbers::pi * k / kKnots) - at(side));
     }
     return motion;
   }
