@@ -107,6 +107,7 @@ StoreError explain(const SQLite::Exception& error, const fs::path& file, Kind ki
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       message = "is locked by another program that is writing to it; try again when it is done";
+      kind = Kind::kInterrupted;  // nothing is wrong with the store or the command
       break;
     case SQLITE_READONLY:
       message = "cannot be written: the file or its folder is read-only";

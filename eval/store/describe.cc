@@ -14,7 +14,8 @@ using Json = nlohmann::ordered_json;
 /// What all points of a suite share: every key but those that name or count points.
 Hash setting_hash(const Json& resolved) {
   Json setting = resolved;
-  for (const char* key : {"name", "controllers", "points", "more_robots", "trials", "samples", "sweep", "tune"})
+  for (const char* key :
+       {"name", "controllers", "points", "more_robots", "trials", "samples", "metrics", "sweep", "tune"})
     setting.erase(key);
   // Unordered: where a key stands in a file changes nothing.
   return hash_text(nlohmann::json(setting).dump() + "#" + std::to_string(kSimulationVersion));
@@ -23,7 +24,7 @@ Hash setting_hash(const Json& resolved) {
 }  // namespace
 
 SuiteRecord describe(const Suite& suite) {
-  SuiteRecord record{suite.name, setting_hash(suite.resolved), suite.resolved.dump(), {}};
+  SuiteRecord record{suite.name, setting_hash(suite.resolved), suite.resolved.dump(), {}, suite.metrics};
   std::map<const void*, std::string> robots;  // a resolved robot is long and mostly shared
   for (const Point& point : suite.points) {
     PointRecord p;

@@ -203,13 +203,29 @@ class Importer {
     db_.exec(fmt::format("INSERT OR IGNORE INTO main.samples ({0}) SELECT {0} FROM source.samples ORDER BY key",
                          columns_of(db_, "samples")));
     db_.exec(
-        "INSERT OR IGNORE INTO main.point_trial (point_id, world_index, key) "
-        "SELECT mp.target, m.world_index, m.key FROM source.point_trial AS m "
-        "JOIN map_point AS mp ON mp.source = m.point_id ORDER BY 1, 2");
+        "INSERT OR IGNORE INTO main.point_trial (point_id, world_index, key, world_id, family, outcome, "
+        "time_to_goal_s, manip_mean, clearance_min_m, command_change_mean) "
+        "SELECT mp.target, m.world_index, m.key, t.world_id, w.family, t.outcome, t.time_to_goal_s, t.manip_mean, "
+        "t.clearance_min_m, t.command_change_mean FROM source.point_trial AS m "
+        "JOIN map_point AS mp ON mp.source = m.point_id JOIN main.trial AS t ON t.key = m.key "
+        "JOIN main.world AS w ON w.id = t.world_id ORDER BY 1, 2");
+    import_metrics();
     for (const char* map : {"robot", "controller", "resolved_suite", "world", "suite", "point", "invocation"}) {
       db_.exec(fmt::format("DROP TABLE map_{}", map));
     }
     return summary;
+  }
+
+  /// Values of metrics; names as in the suite files, another expression under one name becomes NAME@2.
+  void import_metrics() {
+    Statement missing(db_,
+                      "SELECT s.file_name, s.expression FROM source.metric AS s LEFT JOIN main.metric AS o "
+                      "USING (file_name, expression) WHERE o.id IS NULL ORDER BY s.id");
+    while (missing.executeStep()) metric_id(db_, missing.getColumn(0).getString(), missing.getColumn(1).getString());
+    db_.exec(
+        "INSERT OR IGNORE INTO main.metric_value (metric_id, key, value) SELECT o.id, v.key, v.value "
+        "FROM source.metric_value AS v JOIN source.metric AS s ON s.id = v.metric_id "
+        "JOIN main.metric AS o ON o.file_name = s.file_name AND o.expression = s.expression ORDER BY 1, 2");
   }
 
   SQLite::Database& db_;

@@ -12,7 +12,12 @@ namespace moma::store {
 
 extern const char* const kSchemaSql;
 
-std::span<const Migration> migrations() noexcept { return {}; }
+extern const char* const kMigrate1To2Sql;
+
+std::span<const Migration> migrations() noexcept {
+  static const Migration kSteps[] = {{1, kMigrate1To2Sql}};
+  return kSteps;
+}
 
 int schema_version(SQLite::Database& db) { return db.execAndGet("PRAGMA user_version").getInt(); }
 

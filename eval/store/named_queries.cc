@@ -17,35 +17,38 @@ const std::vector<NamedQuery>& named_queries() {
 FROM (SELECT * FROM v_summary ORDER BY suite, robot, family, mode, controller, point))"},
       {"list", "what the store holds: suites, controllers and points with their numbers of trials",
        R"(SELECT s.name AS suite, r.name AS robot, p.controller AS controller, p.label AS point, p.mode AS mode,
-       count(m.key) AS trials, min(i.started) AS first_started, max(coalesce(i.ended, i.started)) AS last_ended
+       coalesce(c.n, 0) AS trials, i.first_started, i.last_ended
 FROM point AS p JOIN suite AS s ON s.id = p.suite_id JOIN robot AS r ON r.id = p.robot_id
-LEFT JOIN point_trial AS m ON m.point_id = p.id
-LEFT JOIN execution AS e ON e.key = m.key LEFT JOIN invocation AS i ON i.id = e.invocation_id
-GROUP BY p.id ORDER BY p.id)",
+LEFT JOIN (SELECT point_id, count(*) AS n FROM point_trial GROUP BY point_id) AS c ON c.point_id = p.id
+LEFT JOIN (SELECT suite_id, min(started) AS first_started, max(coalesce(ended, started)) AS last_ended
+           FROM invocation GROUP BY suite_id) AS i ON i.suite_id = s.id
+ORDER BY p.id)",
        ""},
       {"failures", "how trials fail: outcomes with what touched what, most frequent first",
-       R"(SELECT suite, controller, point, family, outcome, link, object_kind AS object, count(*) AS n,
-       min(trial) AS example, reason_example AS reason
-FROM (SELECT *, CASE WHEN object = 'floor' OR object LIKE 'self:%' THEN object WHEN object IS NOT NULL THEN 'object' END
-                  AS object_kind,
-             first_value(reason) OVER (PARTITION BY suite, controller, point, family, outcome, link ORDER BY trial)
-                  AS reason_example
-      FROM v_trials WHERE outcome <> 'success')
-GROUP BY suite, controller, point, family, outcome, link, object_kind
-ORDER BY suite, controller, point, n DESC, family, outcome, link, object_kind)",
+       // In the order of the keys on both sides, so that tables are read one page after the other; `reason` is that of
+       // the example, as SQLite gives bare columns beside min().
+       R"(SELECT s.name AS suite, p.controller AS controller, p.label AS point, f.family AS family, f.outcome AS outcome,
+       f.link AS link, f.object AS object, f.n AS n, f.example AS example, f.reason AS reason
+FROM (SELECT m.point_id, m.family, t.outcome, t.link,
+             CASE WHEN t.object = 'floor' OR t.object LIKE 'self:%' THEN t.object
+                  WHEN t.object IS NOT NULL THEN 'object' END AS object,
+             count(*) AS n, min(t.trial) AS example, t.reason
+      FROM trial AS t CROSS JOIN point_trial AS m INDEXED BY point_trial_by_key ON m.key = t.key
+      WHERE t.outcome <> 'success' GROUP BY 1, 2, 3, 4, 5) AS f
+JOIN point AS p ON p.id = f.point_id JOIN suite AS s ON s.id = p.suite_id
+ORDER BY suite, controller, point, n DESC, family, outcome, link, object)",
        ""},
       {"pairs", "each pair of points on the same worlds: both succeed, only one does, neither does",
-       R"(SELECT suite, family, mode, controller_a, point_a, controller_b, point_b, count(*) AS n,
-       sum(success_a AND success_b) AS both, sum(success_a AND NOT success_b) AS only_a,
-       sum(success_b AND NOT success_a) AS only_b, sum(NOT success_a AND NOT success_b) AS neither
-FROM v_pairs GROUP BY suite, robot, family, mode, controller_a, point_a, controller_b, point_b
-ORDER BY suite, family, mode, controller_a, point_a, controller_b, point_b)",
-       ""},
+       R"(SELECT * FROM pair_counts ORDER BY suite, family, mode, controller_a, point_a, controller_b, point_b)", ""},
       {"worst", "the twenty worst trials: unsuccessful ones by their distance to the goal, largest first",
-       R"(SELECT trial, suite, controller, point, family, world, outcome, position_error_m, orientation_error_rad,
-       clearance_min_m, time_end_s, link, object
-FROM v_trials WHERE outcome <> 'success'
-ORDER BY position_error_m IS NULL DESC, position_error_m DESC, trial LIMIT 20)",
+       R"(WITH worst AS MATERIALIZED (
+  SELECT key FROM trial AS t WHERE outcome <> 'success' AND EXISTS (SELECT 1 FROM point_trial AS m WHERE m.key = t.key)
+  ORDER BY position_error_m IS NULL DESC, position_error_m DESC, key LIMIT 20)
+SELECT t.trial, s.name AS suite, p.controller, p.label AS point, m.family, m.world_index AS world, t.outcome,
+       t.position_error_m, t.orientation_error_rad, t.clearance_min_m, t.time_end_s, t.link, t.object
+FROM worst AS x JOIN trial AS t ON t.key = x.key JOIN point_trial AS m ON m.key = t.key
+JOIN point AS p ON p.id = m.point_id JOIN suite AS s ON s.id = p.suite_id
+ORDER BY t.position_error_m IS NULL DESC, t.position_error_m DESC, t.trial, p.id LIMIT 20)",
        ""},
   };
   return kQueries;

@@ -1,6 +1,7 @@
 #include "eval/store/query.h"
 
 #include <SQLiteCpp/Database.h>
+#include <SQLiteCpp/Exception.h>
 #include <fmt/format.h>
 #include <sqlite3.h>
 
@@ -8,6 +9,8 @@
 #include <memory>
 
 #include "eval/store/database.h"
+#include "eval/store/pair_counts.h"
+#include "eval/store/samples_function.h"
 
 namespace moma::store {
 namespace {
@@ -23,6 +26,8 @@ int authorize(void* /*unused*/, int action, const char* first, const char* secon
   switch (action) {
     case SQLITE_ATTACH:
     case SQLITE_DETACH:
+    case SQLITE_CREATE_TEMP_TABLE:
+    case SQLITE_CREATE_VTABLE:
       return SQLITE_DENY;
     case SQLITE_PRAGMA:
       // PRAGMAs that only tell something; the argument of the table ones is a name.
@@ -96,6 +101,12 @@ StatementPtr prepare(sqlite3* handle, const std::string& sql) {
 QueryResult query(const std::filesystem::path& file, const std::string& sql) {
   ReadConnection connection(file);
   sqlite3* const handle = connection.db().getHandle();
+  try {
+    add_pair_counts(handle);
+    if (calls_samples_function(sql.c_str())) add_samples_function(handle);
+  } catch (const SQLite::Exception& error) {
+    throw explain(error, file, StoreError::Kind::kUnusable);
+  }
   sqlite3_set_authorizer(handle, &authorize, nullptr);
   const StatementPtr statement = prepare(handle, sql);
   QueryResult result;

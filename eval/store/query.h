@@ -24,8 +24,9 @@ class QueryError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Runs one reading statement. The connection is read-only, and ATTACH, VACUUM INTO and PRAGMAs that set something are
-/// refused. Throws StoreError for the file, QueryError for the SQL.
+/// Runs one reading statement, in which samples('TRIAL') is a table (eval/store/samples_function.h). The connection is
+/// read-only, and ATTACH, VACUUM INTO and PRAGMAs that set something are refused. Throws StoreError for the file,
+/// QueryError for the SQL.
 QueryResult query(const std::filesystem::path& file, const std::string& sql);
 
 /// A query kept under a name, called as @name.

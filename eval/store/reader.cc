@@ -193,6 +193,17 @@ std::string Reader::result_hash() const {
       }
       chain = hash_text(line);
     }
+    // Without metrics the hash is what it was before there were any.
+    Statement m(impl_->db,
+                "SELECT d.file_name, d.expression, lower(hex(v.key)), v.value FROM metric_value AS v "
+                "JOIN metric AS d ON d.id = v.metric_id ORDER BY 1, 2, 3");
+    while (m.executeStep()) {
+      const SQLite::Column value = m.getColumn(3);
+      chain = hash_text(
+          fmt::format("{}|{}|{}|{}|{}", to_hex(chain), m.getColumn(0).getString(), m.getColumn(1).getString(),
+                      m.getColumn(2).getString(),
+                      value.isNull() ? "" : fmt::format("{:016x}", std::bit_cast<std::uint64_t>(value.getDouble()))));
+    }
     return to_hex(chain);
   });
 }

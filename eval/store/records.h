@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "eval/store/hash.h"
@@ -32,6 +33,7 @@ struct SuiteRecord {
   Hash setting_hash{};   ///< of the resolved suite without its controllers, points, trials and samples
   std::string resolved;  ///< JSON
   std::vector<PointRecord> points;
+  std::vector<std::pair<std::string, std::string>> metrics;  ///< name, SQL expression
 };
 
 struct WorldRecord {

@@ -112,6 +112,26 @@ std::int64_t content_id(SQLite::Database& db, const std::string& table, std::str
   return db.getLastInsertRowid();
 }
 
+std::int64_t metric_id(SQLite::Database& db, const std::string& name, const std::string& expression) {
+  SQLite::Statement find(db, "SELECT id FROM main.metric WHERE file_name = ? AND expression = ?");
+  find.bind(1, name);
+  find.bind(2, expression);
+  if (find.executeStep()) return find.getColumn(0).getInt64();
+  SQLite::Statement taken(db, "SELECT 1 FROM main.metric WHERE name = ?");
+  const std::string shown = free_name(name, [&](const std::string& candidate) {
+    taken.reset();
+    taken.bind(1, candidate);
+    return taken.executeStep();
+  });
+  taken.reset();
+  SQLite::Statement insert(db, "INSERT INTO main.metric (name, file_name, expression) VALUES (?, ?, ?)");
+  insert.bind(1, shown);
+  insert.bind(2, name);
+  insert.bind(3, expression);
+  insert.exec();
+  return db.getLastInsertRowid();
+}
+
 Registered register_suite(SQLite::Database& db, const SuiteRecord& suite) {
   Registered out;
   out.resolved_suite_id = content_id(db, "resolved_suite", suite.resolved);

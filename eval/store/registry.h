@@ -28,6 +28,9 @@ Registered register_suite(SQLite::Database& db, const SuiteRecord& suite);
 std::int64_t content_id(SQLite::Database& db, const std::string& table, std::string_view text,
                         const std::string& name = {});
 
+/// Id of a suite's own metric, added where it is new.
+std::int64_t metric_id(SQLite::Database& db, const std::string& name, const std::string& expression);
+
 /// "NAME", or the first of "NAME@2", "NAME@3" ... for which `taken(candidate)` is false.
 template <typename Taken>
 std::string free_name(const std::string& name, const Taken& taken) {

@@ -77,6 +77,9 @@ Eigen::Index count_of(const std::vector<std::string>& names, const std::string& 
 
 }  // namespace
 
+std::vector<std::string> sample_columns(Eigen::Index q, Eigen::Index v) { return column_names({q, v}); }
+std::vector<double> sample_row(const Sample& sample) { return flatten(sample); }
+
 EncodedSamples encode_samples(const Trace& trace) {
   EncodedSamples encoded;
   encoded.n = static_cast<std::int64_t>(trace.size());

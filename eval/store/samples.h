@@ -20,6 +20,10 @@ struct EncodedSamples {
   std::vector<unsigned char> data;
 };
 
+/// Names of the columns for `q` joints and `v` velocities, and one sample as numbers in their order.
+std::vector<std::string> sample_columns(Eigen::Index q, Eigen::Index v);
+std::vector<double> sample_row(const Sample& sample);
+
 /// All samples must have vectors of the same sizes. Throws std::invalid_argument otherwise.
 EncodedSamples encode_samples(const Trace& trace);
 

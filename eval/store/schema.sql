@@ -1,4 +1,4 @@
--- The store of moma, version 1. docs/store.md describes every table. Units are in the names of columns.
+-- The store of moma, version 2. docs/store.md describes every table. Units are in the names of columns.
 -- Content tables (robot, controller, resolved_suite, world) are addressed by the hash of their text, so that the
 -- same thing is kept once whatever run brought it, and stores of several machines can be joined.
 
@@ -168,14 +168,26 @@ CREATE TABLE execution (
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX execution_by_invocation ON execution (invocation_id);
 
--- Which trials belong to which point. A trial is shared by all points with the same content.
+-- Which trials belong to which point. A trial is shared by all points with the same content. What summaries ask for
+-- is kept here a second time (rows of `trial` never change), in the order in which they ask: of a million trials,
+-- v_summary then reads 100 MB one after the other instead of a million rows of `trial` here and there.
 CREATE TABLE point_trial (
   point_id INTEGER NOT NULL REFERENCES point (id),
   world_index INTEGER NOT NULL,
   key BLOB NOT NULL REFERENCES trial (key),
+  world_id INTEGER NOT NULL REFERENCES world (id),
+  family TEXT NOT NULL,
+  outcome TEXT NOT NULL,
+  time_to_goal_s REAL,
+  manip_mean REAL,
+  clearance_min_m REAL,
+  command_change_mean REAL,
   PRIMARY KEY (point_id, world_index)
 ) STRICT, WITHOUT ROWID;
-CREATE INDEX point_trial_by_key ON point_trial (key);
+CREATE INDEX point_trial_by_key ON point_trial (key, family);
+CREATE INDEX point_trial_summary ON point_trial (point_id, family, time_to_goal_s, outcome, manip_mean,
+                                                 clearance_min_m, command_change_mean);
+CREATE INDEX point_trial_by_time ON point_trial (point_id, time_to_goal_s);
 
 -- Time series, one sample per control step, compressed; layout in docs/store.md.
 CREATE TABLE samples (
@@ -185,6 +197,23 @@ CREATE TABLE samples (
   columns TEXT NOT NULL CHECK (json_valid(columns)),        -- names, in order
   data BLOB NOT NULL
 ) STRICT;
+
+-- Metrics that suites define themselves: an SQL expression over a trial's samples.
+CREATE TABLE metric (
+  id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL UNIQUE,                                -- as shown: another expression makes NAME@2 ...
+  file_name TEXT NOT NULL,                                  -- as in the suite file
+  expression TEXT NOT NULL,
+  UNIQUE (file_name, expression)
+) STRICT;
+
+CREATE TABLE metric_value (
+  metric_id INTEGER NOT NULL REFERENCES metric (id),
+  key BLOB NOT NULL REFERENCES trial (key),
+  value REAL,                                               -- NULL: the trial has no such value
+  PRIMARY KEY (metric_id, key)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX metric_value_by_key ON metric_value (key);
 
 -- Gain tuning (moma tune): one search over gains, identified by everything that decides its path, so that it can be
 -- resumed. Its trials are in table `trial` under their keys, without a point; the verdict's trials belong to a suite
@@ -319,27 +348,29 @@ JOIN world AS w ON w.id = t.world_id
 LEFT JOIN execution AS e ON e.key = t.key;
 
 -- Rates with Wilson's 95 % interval (z = 1.959963984540054); the median is over successful trials, means over the
--- trials that have the value.
+-- trials that have the value. The index point_trial_summary has all that is read.
 CREATE VIEW v_summary AS
-WITH ranked AS (
-  SELECT suite, robot, controller, point, family, mode, outcome, time_to_goal_s, manip_mean, clearance_min_m,
-         command_change_mean,
-         row_number() OVER (PARTITION BY suite, robot, controller, point, family, mode
-                            ORDER BY time_to_goal_s IS NULL, time_to_goal_s) AS place,
-         count(time_to_goal_s) OVER (PARTITION BY suite, robot, controller, point, family, mode) AS arrived
-  FROM v_trials
-), counted AS (
-  SELECT suite, robot, controller, point, family, mode, count(*) AS n, 1.0 * count(*) AS m,
-         1.0 * sum(outcome = 'success') AS successes, 1.0 * sum(outcome = 'collision') AS collisions,
-         3.8414588206941245 AS zz,
-         avg(CASE WHEN place IN ((arrived + 1) / 2, (arrived + 2) / 2) THEN time_to_goal_s END)
-           AS time_to_goal_median_s,
+WITH counted AS (
+  SELECT point_id, family, count(*) AS n, 1.0 * count(*) AS m, 1.0 * sum(outcome = 'success') AS successes,
+         1.0 * sum(outcome = 'collision') AS collisions, 3.8414588206941245 AS zz, count(time_to_goal_s) AS arrived,
          avg(manip_mean) AS manip_mean, avg(clearance_min_m) AS clearance_min_m,
          avg(command_change_mean) AS command_change_mean
-  FROM ranked
-  GROUP BY suite, robot, controller, point, family, mode
+  FROM point_trial
+  GROUP BY point_id, family
+), ranked AS (
+  SELECT point_id, family, time_to_goal_s,
+         row_number() OVER (PARTITION BY point_id, family ORDER BY time_to_goal_s) AS place
+  FROM point_trial
+  WHERE time_to_goal_s IS NOT NULL
+), medians AS (
+  SELECT r.point_id, r.family, avg(r.time_to_goal_s) AS time_to_goal_median_s
+  FROM ranked AS r
+  JOIN counted AS c ON c.point_id = r.point_id AND c.family = r.family
+  WHERE r.place IN ((c.arrived + 1) / 2, (c.arrived + 2) / 2)
+  GROUP BY r.point_id, r.family
 )
-SELECT suite, robot, controller, point, family, mode, n,
+SELECT s.name AS suite, b.name AS robot, p.controller AS controller, p.label AS point, c.family AS family,
+       p.mode AS mode, n,
        successes / m AS success_rate,
        CASE WHEN successes = 0 THEN 0.0 ELSE
          (successes + zz / 2 - sqrt(zz * (successes * (m - successes) / m + zz / 4))) / (m + zz) END AS success_low,
@@ -352,8 +383,13 @@ SELECT suite, robot, controller, point, family, mode, n,
        CASE WHEN collisions = m THEN 1.0 ELSE
          (collisions + zz / 2 + sqrt(zz * (collisions * (m - collisions) / m + zz / 4))) / (m + zz) END
          AS collision_high,
-       time_to_goal_median_s, manip_mean, clearance_min_m, command_change_mean
-FROM counted;
+       d.time_to_goal_median_s AS time_to_goal_median_s, c.manip_mean AS manip_mean,
+       c.clearance_min_m AS clearance_min_m, c.command_change_mean AS command_change_mean
+FROM counted AS c
+JOIN point AS p ON p.id = c.point_id
+JOIN suite AS s ON s.id = p.suite_id
+JOIN robot AS b ON b.id = p.robot_id
+LEFT JOIN medians AS d ON d.point_id = c.point_id AND d.family = c.family;
 
 -- Two points of one suite on the same world; each pair of points once, the one that was defined first as `a`.
 CREATE VIEW v_pairs AS
@@ -371,3 +407,14 @@ JOIN trial AS tb ON tb.key = mb.key AND tb.world_id = ta.world_id
 JOIN world AS w ON w.id = ta.world_id
 JOIN suite AS s ON s.id = pa.suite_id
 JOIN robot AS r ON r.id = pa.robot_id;
+
+-- Values of the suites' own metrics, one row per trial of a suite and metric.
+CREATE VIEW v_metrics AS
+SELECT t.trial AS trial, s.name AS suite, p.controller AS controller, p.label AS point, m.family AS family,
+       m.world_index AS world, m.outcome AS outcome, d.name AS metric, x.value AS value
+FROM metric AS d
+JOIN metric_value AS x ON x.metric_id = d.id
+JOIN trial AS t ON t.key = x.key
+JOIN point_trial AS m ON m.key = x.key
+JOIN point AS p ON p.id = m.point_id
+JOIN suite AS s ON s.id = p.suite_id;

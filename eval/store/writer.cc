@@ -6,9 +6,11 @@
 #include <SQLiteCpp/Transaction.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <unordered_map>
 
 #include "eval/store/build_info.h"
@@ -26,7 +28,7 @@ using Clock = std::chrono::steady_clock;
 using SQLite::Statement;
 
 constexpr std::size_t kBatchRows = 64;
-constexpr std::chrono::milliseconds kBatchTime{500};
+constexpr std::chrono::milliseconds kBatchTime{20};
 
 void bind_hash(Statement& statement, int index, const Hash& hash) {
   statement.bind(index, hash.data(), static_cast<int>(hash.size()));
@@ -63,6 +65,7 @@ struct Pending {
   WorldRecord world;
   TrialRow row;
   std::optional<EncodedSamples> samples;
+  std::vector<double> metrics;
 };
 
 /// Prepared once; SQLite compiles a statement in tens of microseconds.
@@ -76,13 +79,17 @@ struct Statements {
         execution(db, insert_execution_sql()),
         samples(db, "INSERT OR IGNORE INTO samples (key, layout, n, columns, data) VALUES (?, ?, ?, ?, ?)"),
         link(db,
-             "INSERT INTO point_trial (point_id, world_index, key) SELECT ?1, ?2, key FROM trial WHERE key = ?3 "
-             "ON CONFLICT (point_id, world_index) DO NOTHING"),
+             "INSERT INTO point_trial (point_id, world_index, key, world_id, family, outcome, time_to_goal_s, "
+             "manip_mean, "
+             "clearance_min_m, command_change_mean) SELECT ?1, ?2, t.key, t.world_id, w.family, t.outcome, "
+             "t.time_to_goal_s, t.manip_mean, t.clearance_min_m, t.command_change_mean FROM trial AS t "
+             "JOIN world AS w ON w.id = t.world_id WHERE t.key = ?3 ON CONFLICT (point_id, world_index) DO NOTHING"),
         find_trial(db, fmt::format("SELECT i.machine_class, {} FROM trial AS t LEFT JOIN execution AS e USING (key) "
                                    "LEFT JOIN invocation AS i ON i.id = e.invocation_id WHERE t.key = ?",
                                    trial_column_list("t."))),
+        metric(db, "INSERT OR IGNORE INTO metric_value (metric_id, key, value) VALUES (?, ?, ?)"),
         done(db, "UPDATE invocation SET trials_done = ? WHERE id = ?") {}
-  Statement find_world, world, trial, execution, samples, link, find_trial, done;
+  Statement find_world, world, trial, execution, samples, link, find_trial, metric, done;
 };
 
 }  // namespace
@@ -95,6 +102,7 @@ struct Writer::Impl {
   Registered registered;
   std::vector<Wanted> wanted;
   std::int64_t invocation = 0;
+  std::vector<std::int64_t> metrics;  ///< ids of the suite's own
   std::vector<Pending> pending;
   Clock::time_point last_commit = Clock::now();
   std::size_t committed = 0;
@@ -142,6 +150,14 @@ struct Writer::Impl {
       insert_execution(p);
     }
     if (p.samples) insert_samples(p);
+    for (std::size_t i = 0; i < std::min(p.metrics.size(), metrics.size()); ++i) {
+      Statement& m = sql->metric;
+      m.reset();
+      m.bind(1, metrics[i]);
+      bind_hash(m, 2, p.key);
+      bind_number(m, 3, p.metrics[i]);
+      m.exec();
+    }
     if (p.trial.point != kNoPoint) link(p.trial, p.key);
   }
 
@@ -201,6 +217,7 @@ struct Writer::Impl {
 
   void begin_invocation(const SuiteRecord& suite, const InvocationInfo& info) {
     registered = register_suite(db, suite);
+    for (const auto& [name, expression] : suite.metrics) metrics.push_back(metric_id(db, name, expression));
     Statement s(db,
                 "INSERT INTO invocation (suite_id, resolved_suite_id, started, status, arguments, moma_version, "
                 "git_commit, git_dirty, build_type, compiler, compiler_flags, libraries, host, os, cpu, cpu_count, "
@@ -231,15 +248,20 @@ struct Writer::Impl {
   }
 
   /// Links every wanted trial that is stored; returns their keys.
-  std::unordered_set<std::string> link_present() {
+  std::unordered_set<std::string> link_present(std::span<const Wanted> trials) {
     std::unordered_set<std::string> present;
-    Statement find(db, "SELECT 1 FROM trial WHERE key = ?");
-    for (const Wanted& trial : wanted) {
+    std::string ids;
+    for (const std::int64_t id : metrics) ids += fmt::format("{}{}", ids.empty() ? "" : ", ", id);
+    Statement find(db, fmt::format("SELECT (SELECT count(*) FROM metric_value AS v WHERE v.key = t.key AND "
+                                   "v.metric_id IN ({})) FROM trial AS t WHERE t.key = ?",
+                                   ids));
+    for (const Wanted& trial : trials) {
       const Hash key = hash_from_hex(trial.key);
       find.reset();
       bind_hash(find, 1, key);
       if (!find.executeStep()) continue;
-      present.insert(trial.key);
+      const bool complete = find.getColumn(0).getInt64() == static_cast<std::int64_t>(metrics.size());
+      if (complete) present.insert(trial.key);
       link(trial, key);
     }
     return present;
@@ -292,7 +314,7 @@ std::unordered_set<std::string> Writer::begin(const SuiteRecord& suite, const In
     SQLite::Transaction transaction(self.db, SQLite::TransactionBehavior::IMMEDIATE);
     self.sql.emplace(self.db);
     self.begin_invocation(suite, info);
-    std::unordered_set<std::string> present = self.link_present();
+    std::unordered_set<std::string> present = self.link_present(self.wanted);
     Statement update(self.db, "UPDATE invocation SET trials_present = ? WHERE id = ?");
     update.bind(1, static_cast<std::int64_t>(present.size()));
     update.bind(2, self.invocation);
@@ -313,15 +335,35 @@ std::unordered_set<std::string> Writer::begin(const SuiteRecord& suite, const In
   }
 }
 
+std::unordered_set<std::string> Writer::extend(const std::vector<Wanted>& more) {
+  return impl_->guarded(StoreError::Kind::kInterrupted, [&] {
+    Impl& self = *impl_;
+    self.flush();
+    SQLite::Transaction transaction(self.db, SQLite::TransactionBehavior::IMMEDIATE);
+    std::unordered_set<std::string> present = self.link_present(more);
+    Statement update(self.db,
+                     "UPDATE invocation SET trials_planned = trials_planned + ?, trials_present = trials_present + ? "
+                     "WHERE id = ?");
+    update.bind(1, static_cast<std::int64_t>(more.size()));
+    update.bind(2, static_cast<std::int64_t>(present.size()));
+    update.bind(3, self.invocation);
+    update.exec();
+    transaction.commit();
+    self.wanted.insert(self.wanted.end(), more.begin(), more.end());
+    return present;
+  });
+}
+
 const std::string& Writer::suite_name() const { return impl_->registered.suite_name; }
 const std::string& Writer::controller_name(std::size_t point) const {
   return impl_->registered.controller_names.at(point);
 }
 std::size_t Writer::committed() const { return impl_->committed; }
 
-void Writer::add(const Wanted& trial, const WorldRecord& world, const TrialRow& row, const Trace* trace) {
+void Writer::add(const Wanted& trial, const WorldRecord& world, const TrialRow& row, const Trace* trace,
+                 std::span<const double> metrics) {
   impl_->guarded(StoreError::Kind::kInterrupted, [&] {
-    Pending p{trial, hash_from_hex(trial.key), world, row, std::nullopt};
+    Pending p{trial, hash_from_hex(trial.key), world, row, std::nullopt, {metrics.begin(), metrics.end()}};
     if (trace != nullptr) p.samples = encode_samples(*trace);
     impl_->pending.push_back(std::move(p));
     if (impl_->pending.size() >= kBatchRows || Clock::now() - impl_->last_commit >= kBatchTime) impl_->flush();
@@ -351,7 +393,7 @@ void Writer::finish(RunStatus status) {
   impl_->guarded(StoreError::Kind::kInterrupted, [&] {
     impl_->flush();
     SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
-    impl_->link_present();
+    impl_->link_present(impl_->wanted);
     const char* text = status == RunStatus::kFinished  ? "finished"
                        : status == RunStatus::kStopped ? "stopped"
                                                        : "failed";

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <unordered_set>
 #include <vector>
@@ -36,10 +37,10 @@ struct Wanted {
 
 enum class RunStatus { kFinished, kStopped, kFailed };
 
-/// The one writer of a store during a run. Rows are kept back and written in transactions of up to 64 rows or half
-/// a second, so that a kill at any moment loses at most those. Not thread-safe; may be called from different
-/// threads one after another. Everything throws StoreError: kUnusable from the constructor and begin(),
-/// kInterrupted and kContradiction later.
+/// The one writer of a store during a run. Rows are kept back and written in transactions of up to 64 rows or 20 ms, so
+/// that a kill at any moment loses at most those. Not thread-safe; may be called from different threads one after
+/// another. Everything throws StoreError: kUnusable from the constructor and begin(), kInterrupted (also where the
+/// store is locked) and kContradiction later.
 class Writer {
  public:
   /// Opens or makes the store.
@@ -49,10 +50,13 @@ class Writer {
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
-  /// Records suite, points and this invocation, links the wanted trials that are already there, and returns their
-  /// keys.
+  /// Records suite, points and this invocation, links the wanted trials that are already there, and returns the keys
+  /// of those that need no computing: whose values of the suite's metrics are there too.
   std::unordered_set<std::string> begin(const SuiteRecord& suite, const InvocationInfo& info,
                                         const std::vector<Wanted>& wanted);
+
+  /// More wanted trials, after begin(): links those that are already there, and returns their keys.
+  std::unordered_set<std::string> extend(const std::vector<Wanted>& wanted);
 
   /// Name of the suite as the views show it, with @2 where the setting changed under the same name; likewise the
   /// controller of a point.
@@ -61,7 +65,9 @@ class Writer {
 
   /// Adds a result; `trace` null: samples are not kept. A key that is already there is not written again; within
   /// the same machine class a different row is a contradiction.
-  void add(const Wanted& trial, const WorldRecord& world, const TrialRow& row, const Trace* trace);
+  /// `metrics`: values of the suite's own, in its order; NaN is NULL.
+  void add(const Wanted& trial, const WorldRecord& world, const TrialRow& row, const Trace* trace,
+           std::span<const double> metrics = {});
 
   /// The stored row of this key (without timings), whatever run it came from.
   std::optional<TrialRow> find(const std::string& key);

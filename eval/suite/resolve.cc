@@ -7,6 +7,7 @@
 
 #include "controller/config/reader.h"
 #include "eval/suite/sections.h"
+#include "eval/suite/trials.h"
 
 namespace moma {
 namespace {
@@ -128,8 +129,9 @@ ordered_json resolved_json(const Suite& suite, bool swept) {
       json["controllers"][point.controller] = stored_controller(point);
   const std::map<std::string, ordered_json> base = sections_of(first);
   for (const char* key : kSectionKeys) json[key] = base.at(key);
-  json["trials"] = suite.trials;
+  json["trials"] = trials_json(suite);
   json["samples"] = to_string(suite.samples);
+  for (const auto& [name, expression] : suite.metrics) json["metrics"][name] = expression;
   if (!swept) return json;
 
   // Robots are large: each is kept once.

@@ -4,6 +4,7 @@
 #include "controller/config/reader.h"
 #include "eval/suite/resolve.h"
 #include "eval/suite/sections.h"
+#include "eval/suite/trials.h"
 
 namespace moma {
 namespace {
@@ -31,9 +32,9 @@ Suite suite_from_resolved(const ordered_json& resolved) {
   Suite suite;
   MapReader in(root, "");
   suite.name = config::read_string(in.require("name", "a name"), "name");
-  suite.trials = static_cast<std::uint64_t>(config::read_integer(in.require("trials", "the number of worlds"), "trials",
-                                                                 1, std::numeric_limits<long long>::max()));
+  read_trials(in.require("trials", "the number of worlds"), "trials", suite);
   suite.samples = read_samples(in.require("samples", "all, failures or none"), "samples");
+  if (const Node* metrics = in.get("metrics")) suite.metrics = read_metrics(*metrics, "metrics");
   in.require("robot", "a resolved robot");
   for (const char* key : kSectionKeys) in.get(key);
   in.get("controllers");

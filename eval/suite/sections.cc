@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "controller/config/json_node.h"
@@ -74,6 +76,20 @@ SamplesKept read_samples(const Node& node, const std::string& key) {
       if (node.scalar == to_string(kept)) return kept;
   }
   config::fail(node.mark, key, fmt::format("found '{}', expected one of: all, failures, none", node.scalar));
+}
+
+std::vector<std::pair<std::string, std::string>> read_metrics(const Node& node, const std::string& key) {
+  std::vector<std::pair<std::string, std::string>> metrics;
+  if (node.kind != Node::Kind::kMap)
+    config::fail(node.mark, key, "expected a map {NAME: SQL expression over a trial's samples}");
+  for (const auto& [name, expression] : node.entries) {
+    const std::string full = key + "." + name;
+    const auto word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
+    if (name.empty() || name.size() > 64 || !std::all_of(name.begin(), name.end(), word))
+      config::fail(node.mark, full, "a metric's name has 1 to 64 letters, digits and underscores");
+    metrics.emplace_back(name, config::read_string(expression, full));
+  }
+  return metrics;
 }
 
 nlohmann::ordered_json to_json(const SimulationConfig& simulation) {

@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "controller/config/node.h"
 #include "eval/suite/suite.h"
@@ -19,6 +21,9 @@ SuccessRule read_success(const config::Node& node, const std::string& key, const
 StuckRule read_stuck(const config::Node& node, const std::string& key, const SimulationConfig& simulation);
 InfeasibleRule read_infeasible(const config::Node& node, const std::string& key);
 SamplesKept read_samples(const config::Node& node, const std::string& key);
+
+/// {NAME: SQL, ...}: names are words of letters, digits and _. The SQL itself is checked by eval/store.
+std::vector<std::pair<std::string, std::string>> read_metrics(const config::Node& node, const std::string& key);
 
 nlohmann::ordered_json to_json(const SimulationConfig& simulation);
 nlohmann::ordered_json to_json(const SuccessRule& success);

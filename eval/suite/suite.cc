@@ -10,6 +10,7 @@
 #include "eval/suite/resolve.h"
 #include "eval/suite/sections.h"
 #include "eval/suite/sweep.h"
+#include "eval/suite/trials.h"
 
 namespace moma {
 namespace {
@@ -17,8 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 using config::MapReader;
 using config::Node;
-
-constexpr long long kMaxTrials = 100'000'000;
 
 // Replaces or creates the value at a dotted path by `value`, which keeps the mark of where it was written.
 void put(Node& root, const std::string& key, const Node& value) {
@@ -134,7 +133,7 @@ void describe(Point& point, const Assignment& assignment) {
 
 MapReader known_keys(const Node& root) {
   MapReader in(root, "");
-  for (const char* key : {"name", "robot", "controllers", "trials", "samples", "sweep", "tune"}) in.get(key);
+  for (const char* key : {"name", "robot", "controllers", "trials", "samples", "metrics", "sweep", "tune"}) in.get(key);
   for (const char* key : kSectionKeys) in.get(key);
   return in;
 }
@@ -180,9 +179,9 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
   in.finish();
   in.read("name", suite.name);
   in.check(!suite.name.empty(), "name", "found nothing, expected a name");
-  suite.trials = static_cast<std::uint64_t>(
-      config::read_integer(in.require("trials", "the number of worlds, 1 or more"), "trials", 1, kMaxTrials));
+  read_trials(in.require("trials", "the number of worlds, 1 or more"), "trials", suite);
   if (const Node* samples = in.get("samples")) suite.samples = read_samples(*samples, "samples");
+  if (const Node* metrics = in.get("metrics")) suite.metrics = read_metrics(*metrics, "metrics");
   const Node* sweep = in.get("sweep");
   std::vector<Assignment> assignments(1);
   if (sweep != nullptr) assignments = read_sweep(*sweep, "sweep");
@@ -192,7 +191,8 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
   for (const Assignment& assignment : assignments) {
     Draft assigned = draft;
     for (const auto& [key, value] : assignment) {
-      if (key == "name" || key == "trials" || key == "samples" || key == "sweep" || key.starts_with("sweep."))
+      if (key == "name" || key == "trials" || key.starts_with("trials.") || key == "samples" || key == "metrics" ||
+          key.starts_with("metrics.") || key == "sweep" || key.starts_with("sweep."))
         config::fail(value.mark, "sweep", fmt::format("'{}' cannot be swept: it is one for the whole suite", key));
       assigned.set(key, value);
     }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,6 +34,15 @@ struct InfeasibleRule {
 
 enum class SamplesKept { kAll, kFailures, kNone };
 
+/// `trials: {until: ...}`: worlds are met in blocks until, at the end of one, every point's Wilson interval (95 %) of
+/// the metric's rate is narrow enough, or `max` is reached. See eval/batch/sequential.h.
+struct UntilRule {
+  std::string metric = "success";  ///< an outcome
+  double half_width = 0.02;
+  std::uint64_t max = 0;      ///< [worlds]
+  std::uint64_t block = 100;  ///< [worlds]
+};
+
 /// One column of the evaluation: a controller (at a sweep point) with everything but the world's index resolved.
 struct Point {
   std::string controller;         ///< its name in the suite
@@ -60,8 +70,12 @@ inline bool has_qp(const Point& point) noexcept {
 struct Suite {
   std::string name;
   std::vector<Point> points;
-  std::uint64_t trials = 0;  ///< worlds per point
+  std::uint64_t trials = 0;  ///< worlds per point; the most there can be where `until` is set
+  std::optional<UntilRule> until;
   SamplesKept samples = SamplesKept::kFailures;
+  /// The suite's own metrics, `metrics: {NAME: EXPRESSION}`: aggregate SQL expressions over a trial's samples
+  /// (eval/store/user_metrics.h).
+  std::vector<std::pair<std::string, std::string>> metrics;
   nlohmann::ordered_json resolved;  ///< the whole suite: suite_from_resolved() gives it back
   std::vector<std::string> warnings;
 };

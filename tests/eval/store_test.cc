@@ -174,7 +174,7 @@ TEST(Store, TablesAreStrictAndMarkedAsOurs) {
                                  "AND NOT strict AND name NOT LIKE 'sqlite_%'")),
             0);
   EXPECT_EQ(integer(store::query(file, "PRAGMA application_id")), 0x6d6f6d61);
-  EXPECT_EQ(integer(store::query(file, "PRAGMA user_version")), 1);
+  EXPECT_EQ(integer(store::query(file, "PRAGMA user_version")), 2);
   EXPECT_EQ(texts(store::query(file, "PRAGMA journal_mode")), std::vector<std::string>{"wal"});
 }
 

@@ -281,7 +281,7 @@ def main():
 
     db = sqlite3.connect(args.out)
     with open(args.schema, encoding='utf-8') as schema:
-        db.executescript('PRAGMA journal_mode = WAL; PRAGMA application_id = 1836019041; PRAGMA user_version = 1;'
+        db.executescript('PRAGMA journal_mode = WAL; PRAGMA application_id = 1836019041; PRAGMA user_version = 2;'
                          + schema.read())
     if args.kind == 'empty':
         return
@@ -346,7 +346,11 @@ def main():
             key = digest('trial', controller, label, world['index'])
             insert(db, 'trial', {'key': key, 'world_id': world_id, **row})
             insert(db, 'execution', {'key': key, 'invocation_id': invocation_id, **timing})
-            insert(db, 'point_trial', {'point_id': point_id, 'world_index': world['index'], 'key': key})
+            insert(db, 'point_trial', {
+                'point_id': point_id, 'world_index': world['index'], 'key': key, 'world_id': world_id,
+                'family': world['family'],
+                **{name: row.get(name) for name in ('outcome', 'time_to_goal_s', 'manip_mean', 'clearance_min_m',
+                                                    'command_change_mean')}})
             if (row['outcome'] != 'success' and kept < args.samples) or args.kind == 'one':
                 kept += 1
                 trace = make_trace(world, x, row['time_end_s'], 1.0 if row['outcome'] == 'success' else 0.8, 0.02)

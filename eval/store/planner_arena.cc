@@ -1,0 +1,243 @@
+#include "eval/store/planner_arena.h"
+
+#include <SQLiteCpp/Database.h>
+#include <SQLiteCpp/Exception.h>
+#include <SQLiteCpp/Statement.h>
+#include <SQLiteCpp/Transaction.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <system_error>
+
+#include "eval/store/build_info.h"
+#include "eval/store/columns.h"
+#include "eval/store/database.h"
+#include "eval/store/row_binding.h"
+#include "eval/store/samples.h"
+
+namespace moma::store {
+namespace {
+
+namespace fs = std::filesystem;
+using SQLite::Statement;
+
+// Tables and key columns as OMPL documents them; the last statement's list goes on with the properties.
+constexpr const char* kTables = R"(
+PRAGMA foreign_keys = ON;
+CREATE TABLE experiments (id INTEGER PRIMARY KEY AUTOINCREMENT, name VARCHAR(512), totaltime REAL, timelimit REAL,
+  memorylimit REAL, runcount INTEGER, version VARCHAR(128), hostname VARCHAR(1024), cpuinfo TEXT, date DATETIME,
+  seed INTEGER, setup TEXT);
+CREATE TABLE plannerConfigs (id INTEGER PRIMARY KEY AUTOINCREMENT, name VARCHAR(512) NOT NULL, settings TEXT);
+CREATE TABLE enums (name VARCHAR(512), value INTEGER, description TEXT, PRIMARY KEY (name, value));
+CREATE TABLE progress (runid INTEGER, time REAL, position_error_m REAL, orientation_error_rad REAL,
+  manipulability REAL, least_distance_m REAL, PRIMARY KEY (runid, time),
+  FOREIGN KEY (runid) REFERENCES runs(id) ON DELETE CASCADE);
+)";
+
+struct Property {
+  const char* name;
+  const char* type;
+  const char* sql;  // over t (trial), e (execution), w (world)
+};
+
+// OMPL's own names first.
+constexpr Property kProperties[] = {
+    {"time", "REAL", "e.t_trial_us * 1e-6"},
+    {"solved", "BOOLEAN", "t.outcome = 'success'"},
+    {"status", "ENUM", "o.value"},
+    {"correct_solution", "BOOLEAN", "iif(t.outcome = 'success', t.collision_count = 0, NULL)"},
+    {"approximate_solution", "BOOLEAN", "t.outcome <> 'success'"},
+    {"solution_difference", "REAL", "t.position_error_m"},
+    {"solution_length", "REAL", "t.path_ee_m"},
+    {"solution_smoothness", "REAL", "t.jerk_ee_rms"},
+    {"solution_clearance", "REAL", "t.clearance_min_m"},
+    {"world", "INTEGER", "w.world_index"},
+    {"objects", "INTEGER", "w.objects"},
+};
+
+constexpr Outcome kOutcomes[] = {Outcome::kSuccess,    Outcome::kCollision,  Outcome::kTimeout,
+                                 Outcome::kStuck,      Outcome::kJointLimit, Outcome::kTipped,
+                                 Outcome::kInfeasible, Outcome::kDiverged,   Outcome::kError};
+
+class Exporter {
+ public:
+  Exporter(SQLite::Database& db, int progress_per_run) : db_(db), progress_per_run_(progress_per_run) {}
+
+  PlannerArenaSummary execute() {
+    SQLite::Transaction transaction(db_);
+    db_.exec(kTables);
+    make_runs_table();
+    for (std::size_t i = 0; i < std::size(kOutcomes); ++i) {
+      Statement s(db_, "INSERT INTO enums VALUES ('status', ?, ?)");
+      s.bind(1, static_cast<std::int64_t>(i));
+      s.bind(2, std::string(to_string(kOutcomes[i])));
+      s.exec();
+    }
+    fill_planners();
+    fill_experiments();
+    fill_runs();
+    if (progress_per_run_ > 0) fill_progress();
+    PlannerArenaSummary summary{count("experiments"), count("plannerConfigs"), count("runs"), count("progress")};
+    db_.exec("DROP TABLE temp.run_of; DROP TABLE temp.experiment_of; DROP TABLE temp.planner_of");
+    transaction.commit();
+    return summary;
+  }
+
+ private:
+  std::size_t count(const std::string& table) {
+    return static_cast<std::size_t>(db_.execAndGet("SELECT count(*) FROM main." + table).getInt64());
+  }
+
+  void make_runs_table() {
+    std::string sql =
+        "CREATE TABLE runs (id INTEGER PRIMARY KEY AUTOINCREMENT, experimentid INTEGER, plannerid INTEGER";
+    const auto add = [&](const std::string& name, const std::string& type, const std::string& value) {
+      sql += fmt::format(", {} {}", name, type);
+      names_ += ", " + name;
+      values_ += ", " + value;
+    };
+    for (const Property& p : kProperties) add(p.name, p.type, p.sql);
+    for (const TrialColumn& column : trial_columns()) {
+      if (std::holds_alternative<std::string TrialRow::*>(column.member)) continue;
+      const bool real = std::holds_alternative<double TrialRow::*>(column.member);
+      add(column.name, real ? "REAL" : "INTEGER", fmt::format("t.{}", column.name));
+    }
+    db_.exec(sql +
+             ", FOREIGN KEY (experimentid) REFERENCES experiments(id) ON DELETE CASCADE, "
+             "FOREIGN KEY (plannerid) REFERENCES plannerConfigs(id) ON DELETE CASCADE)");
+  }
+
+  // The same name with the same parameters is one configuration, also in several suites.
+  void fill_planners() {
+    db_.exec(R"(
+CREATE TEMP TABLE planner_of AS
+SELECT p.id AS point, p.controller || iif(p.label = '', '', ' ' || p.label) AS name,
+       json_object('params', json(p.params), 'controller', json(c.resolved)) AS settings
+FROM source.point AS p JOIN source.controller AS c ON c.id = p.controller_id;
+INSERT INTO plannerConfigs (name, settings) SELECT name, settings FROM planner_of GROUP BY name, settings
+ORDER BY min(point);
+)");
+  }
+
+  void fill_experiments() {
+    db_.exec(R"(
+CREATE TEMP TABLE experiment_of (id INTEGER PRIMARY KEY, suite_id, robot_id, mode, family, point);
+INSERT INTO experiment_of (suite_id, robot_id, mode, family, point)
+SELECT p.suite_id, p.robot_id, p.mode, w.family, min(p.id)
+FROM source.point_trial AS m JOIN source.point AS p ON p.id = m.point_id
+JOIN source.trial AS t ON t.key = m.key JOIN source.world AS w ON w.id = t.world_id
+GROUP BY p.suite_id, p.robot_id, p.mode, w.family ORDER BY min(p.id), w.family;
+INSERT INTO experiments (id, name, timelimit, hostname, cpuinfo, date, seed, setup)
+SELECT x.id, s.name || ': ' || x.family || ' (' || r.name || ', ' || x.mode || ')', p.time_limit_s, i.host,
+       i.cpu || ', ' || i.cpu_count || ' cores; ' || i.os, replace(substr(i.started, 1, 19), 'T', ' '),
+       json_extract(p.worlds, '$.seed'),
+       json_object('worlds', json(p.worlds), 'mode', p.mode, 'control_period_s', p.control_period_s,
+                   'physics_step_s', p.physics_step_s, 'success_position_m', p.success_position_m,
+                   'success_orientation_rad', p.success_orientation_rad, 'success_dwell_s', p.success_dwell_s)
+FROM experiment_of AS x JOIN source.point AS p ON p.id = x.point JOIN source.suite AS s ON s.id = x.suite_id
+JOIN source.robot AS r ON r.id = x.robot_id
+LEFT JOIN source.invocation AS i ON i.id = (SELECT min(id) FROM source.invocation WHERE suite_id = x.suite_id);
+)");
+    Statement version(db_, "UPDATE experiments SET version = ?");
+    version.bind(1, fmt::format("moma {}", kVersion));
+    version.exec();
+  }
+
+  void fill_runs() {
+    db_.exec(R"(
+CREATE TEMP TABLE run_of AS
+SELECT row_number() OVER (ORDER BY x.id, m.point_id, m.world_index) AS id, m.key AS key, x.id AS experiment,
+       c.id AS planner
+FROM source.point_trial AS m JOIN source.point AS p ON p.id = m.point_id
+JOIN source.trial AS t ON t.key = m.key JOIN source.world AS w ON w.id = t.world_id
+JOIN experiment_of AS x ON x.suite_id = p.suite_id AND x.robot_id = p.robot_id AND x.mode = p.mode
+                       AND x.family = w.family
+JOIN planner_of AS q ON q.point = m.point_id JOIN plannerConfigs AS c ON c.name = q.name AND c.settings = q.settings;
+)");
+    db_.exec(
+        fmt::format("INSERT INTO runs (id, experimentid, plannerid{}) SELECT r.id, r.experiment, r.planner{} "
+                    "FROM run_of AS r JOIN source.trial AS t ON t.key = r.key "
+                    "JOIN source.world AS w ON w.id = t.world_id "
+                    "JOIN enums AS o ON o.name = 'status' AND o.description = t.outcome "
+                    "LEFT JOIN source.execution AS e ON e.key = t.key ORDER BY r.id",
+                    names_, values_));
+    db_.exec(R"(
+UPDATE experiments SET totaltime = (SELECT sum(time) FROM runs WHERE experimentid = experiments.id),
+  runcount = (SELECT max(n) FROM (SELECT count(*) AS n FROM runs WHERE experimentid = experiments.id GROUP BY plannerid));
+)");
+  }
+
+  void fill_progress() {
+    Statement query(db_,
+                    "SELECT r.id, x.layout, x.n, x.columns, x.data FROM run_of AS r "
+                    "JOIN source.samples AS x ON x.key = r.key ORDER BY r.id");
+    Statement insert(db_, "INSERT OR IGNORE INTO progress VALUES (?, ?, ?, ?, ?, ?)");
+    while (query.executeStep()) {
+      EncodedSamples encoded;
+      encoded.layout = query.getColumn(1).getInt();
+      encoded.n = query.getColumn(2).getInt64();
+      encoded.columns = query.getColumn(3).getString();
+      const SQLite::Column data = query.getColumn(4);
+      const auto* begin = static_cast<const unsigned char*>(data.getBlob());
+      encoded.data.assign(begin, begin + data.getBytes());
+      const Trace trace = decode_samples(encoded);
+      const std::size_t rows = std::min(trace.size(), static_cast<std::size_t>(progress_per_run_));
+      for (std::size_t k = 0; k < rows; ++k) {  // spread evenly, first and last included
+        const std::size_t last = trace.size() - 1;
+        const Sample& sample = trace[rows > 1 ? k * last / (rows - 1) : last];
+        insert.reset();
+        insert.bind(1, query.getColumn(0).getInt64());
+        insert.bind(2, sample.t);
+        bind_number(insert, 3, sample.error.tail<3>().norm());
+        bind_number(insert, 4, sample.error.head<3>().norm());
+        bind_number(insert, 5, sample.manipulability);
+        bind_number(insert, 6, sample.least_distance);
+        insert.exec();
+      }
+    }
+  }
+
+  SQLite::Database& db_;
+  int progress_per_run_;
+  std::string names_;
+  std::string values_;
+};
+
+}  // namespace
+
+PlannerArenaSummary export_planner_arena(const fs::path& file, const fs::path& out, int progress_per_run) {
+  { const ReadConnection look(file); }  // ours, and of this version
+  std::error_code error;
+  if (fs::equivalent(file, out, error))
+    throw StoreError(StoreError::Kind::kUnusable, fmt::format("{}: is input and output at once", out.string()));
+  const fs::path part = out.string() + ".part";
+  fs::remove(part, error);
+  PlannerArenaSummary summary;
+  const fs::path* current = &out;
+  try {
+    {
+      SQLite::Database db(part.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+      current = &file;
+      Statement attach(db, "ATTACH ? AS source");
+      attach.bind(1, file.string());
+      attach.exec();
+      current = &out;
+      summary = Exporter(db, progress_per_run).execute();
+      db.exec("DETACH source");
+    }
+    fs::rename(part, out);
+    return summary;
+  } catch (const SQLite::Exception& failure) {
+    fs::remove(part, error);
+    throw explain(failure, *current, StoreError::Kind::kUnusable);
+  } catch (const fs::filesystem_error& failure) {
+    fs::remove(part, error);
+    throw StoreError(StoreError::Kind::kUnusable, fmt::format("{}: {}", out.string(), failure.code().message()));
+  } catch (...) {
+    fs::remove(part, error);
+    throw;
+  }
+}
+
+}  // namespace moma::store

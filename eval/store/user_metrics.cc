@@ -1,0 +1,172 @@
+#include "eval/store/user_metrics.h"
+
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include <cmath>
+#include <mutex>
+
+#include "eval/store/samples.h"
+
+namespace moma::store {
+namespace {
+
+struct Finalizer {
+  void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+};
+struct Closer {
+  void operator()(sqlite3* connection) const { sqlite3_close(connection); }
+};
+using Statement = std::unique_ptr<sqlite3_stmt, Finalizer>;
+
+constexpr int kCheckEvery = 10000;  // steps of SQLite's machine
+constexpr int kMostChecks = 1000;
+
+/// Expressions read samples and compute; nothing else.
+int authorize(void* /*unused*/, int action, const char* /*first*/, const char* /*second*/, const char* /*database*/,
+              const char* /*trigger*/) {
+  switch (action) {
+    case SQLITE_SELECT:
+    case SQLITE_READ:
+    case SQLITE_FUNCTION:
+    case SQLITE_RECURSIVE:
+      return SQLITE_OK;
+    default:
+      return SQLITE_DENY;
+  }
+}
+
+}  // namespace
+
+/// One connection in memory with the table of one trial at a time.
+struct UserMetrics::Evaluator {
+  std::unique_ptr<sqlite3, Closer> connection;
+  Statement insert;
+  Statement clear;
+  std::vector<Statement> queries;
+  std::size_t columns = 0;
+  int checks = 0;
+
+  Evaluator(const std::vector<std::pair<std::string, std::string>>& metrics, Eigen::Index q, Eigen::Index v) {
+    sqlite3* raw = nullptr;
+    const int code = sqlite3_open(":memory:", &raw);
+    connection.reset(raw);
+    if (code != SQLITE_OK) throw MetricError("metrics: no memory for a table of samples");
+    const std::vector<std::string> names = sample_columns(q, v);
+    columns = names.size();
+    std::string table = "CREATE TABLE samples (step INTEGER PRIMARY KEY";
+    std::string marks = "?";
+    for (const std::string& name : names) {
+      table += fmt::format(", {} REAL", name);
+      marks += ", ?";
+    }
+    sqlite3_exec(raw, (table + ")").c_str(), nullptr, nullptr, nullptr);
+    insert = prepare(fmt::format("INSERT INTO samples VALUES ({})", marks));
+    clear = prepare("DELETE FROM samples");
+    sqlite3_limit(raw, SQLITE_LIMIT_ATTACHED, 0);
+    sqlite3_limit(raw, SQLITE_LIMIT_LENGTH, 10'000'000);
+    sqlite3_set_authorizer(raw, &authorize, nullptr);
+    sqlite3_progress_handler(
+        raw, kCheckEvery, [](void* self) { return ++static_cast<Evaluator*>(self)->checks > kMostChecks ? 1 : 0; },
+        this);
+    for (const auto& [name, expression] : metrics) {
+      Statement query = prepare(fmt::format("SELECT ({}\n) FROM samples", expression));
+      if (query == nullptr) throw MetricError(fmt::format("metrics.{}: {}", name, sqlite3_errmsg(raw)));
+      if (sqlite3_bind_parameter_count(query.get()) > 0)
+        throw MetricError(fmt::format("metrics.{}: has an unbound parameter (? or :name)", name));
+      // An aggregate gives one row even of no samples; anything else would be the value of some sample.
+      checks = 0;
+      const int code = sqlite3_step(query.get());
+      if (code != SQLITE_ROW && code != SQLITE_DONE)
+        throw MetricError(fmt::format("metrics.{}: {}", name, sqlite3_errmsg(raw)));
+      if (code == SQLITE_DONE) {
+        throw MetricError(
+            fmt::format("metrics.{}: '{}' is one value per sample; make it one per trial by an aggregate, "
+                        "for instance max({})",
+                        name, expression, expression));
+      }
+      sqlite3_reset(query.get());
+      queries.push_back(std::move(query));
+    }
+  }
+  Evaluator(const Evaluator&) = delete;
+  Evaluator& operator=(const Evaluator&) = delete;
+
+  Statement prepare(const std::string& sql) const {
+    sqlite3_stmt* statement = nullptr;
+    const char* tail = nullptr;
+    if (sqlite3_prepare_v3(connection.get(), sql.c_str(), -1, SQLITE_PREPARE_PERSISTENT, &statement, &tail) !=
+        SQLITE_OK)
+      return nullptr;
+    Statement owned(statement);
+    return tail != nullptr && *tail != '\0' ? nullptr : std::move(owned);
+  }
+
+  void fill(const Trace& trace) {
+    sqlite3_set_authorizer(connection.get(), nullptr, nullptr);
+    sqlite3_step(clear.get());
+    sqlite3_reset(clear.get());
+    sqlite3_exec(connection.get(), "BEGIN", nullptr, nullptr, nullptr);
+    for (std::size_t k = 0; k < trace.size(); ++k) {
+      const std::vector<double> row = sample_row(trace[k]);
+      sqlite3_bind_int64(insert.get(), 1, static_cast<sqlite3_int64>(k));
+      for (std::size_t c = 0; c < columns; ++c) {
+        const int index = static_cast<int>(c) + 2;
+        if (c < row.size() && std::isfinite(row[c])) {
+          sqlite3_bind_double(insert.get(), index, row[c]);
+        } else {
+          sqlite3_bind_null(insert.get(), index);
+        }
+      }
+      sqlite3_step(insert.get());
+      sqlite3_reset(insert.get());
+    }
+    sqlite3_exec(connection.get(), "COMMIT", nullptr, nullptr, nullptr);
+    sqlite3_set_authorizer(connection.get(), &authorize, nullptr);
+  }
+
+  double value(sqlite3_stmt* query) {
+    checks = 0;
+    double result = kAbsent;
+    if (sqlite3_step(query) == SQLITE_ROW) {
+      const int type = sqlite3_column_type(query, 0);
+      if (type == SQLITE_INTEGER || type == SQLITE_FLOAT) result = sqlite3_column_double(query, 0);
+    }
+    sqlite3_reset(query);
+    return std::isfinite(result) ? result : kAbsent;
+  }
+};
+
+struct UserMetrics::Pool {
+  std::mutex mutex;
+  std::vector<std::unique_ptr<Evaluator>> idle;
+};
+
+UserMetrics::UserMetrics(std::vector<std::pair<std::string, std::string>> metrics, Eigen::Index q, Eigen::Index v)
+    : metrics_(std::move(metrics)), q_(q), v_(v), pool_(std::make_unique<Pool>()) {
+  pool_->idle.push_back(std::make_unique<Evaluator>(metrics_, q_, v_));
+}
+
+UserMetrics::~UserMetrics() = default;
+
+std::vector<double> UserMetrics::evaluate(const Trace& trace) const {
+  std::unique_ptr<Evaluator> evaluator;
+  {
+    const std::scoped_lock lock(pool_->mutex);
+    if (!pool_->idle.empty()) {
+      evaluator = std::move(pool_->idle.back());
+      pool_->idle.pop_back();
+    }
+  }
+  if (evaluator == nullptr) evaluator = std::make_unique<Evaluator>(metrics_, q_, v_);
+  std::vector<double> values(metrics_.size(), kAbsent);
+  if (!trace.empty()) {
+    evaluator->fill(trace);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = evaluator->value(evaluator->queries[i].get());
+  }
+  const std::scoped_lock lock(pool_->mutex);
+  pool_->idle.push_back(std::move(evaluator));
+  return values;
+}
+
+}  // namespace moma::store

@@ -1,0 +1,406 @@
+// What works on whole stores: samples(), pair_counts, metrics of suites, Planner Arena, migration, the lock of runs.
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <gtest/gtest.h>
+#include <sys/file.h>
+
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <thread>
+
+#include "eval/store/database.h"
+#include "eval/store/merge.h"
+#include "eval/store/migrations.h"
+#include "eval/store/planner_arena.h"
+#include "eval/store/query.h"
+#include "eval/store/reader.h"
+#include "eval/store/run_lock.h"
+#include "eval/store/user_metrics.h"
+#include "store_fixture.h"
+
+namespace moma::test {
+namespace {
+
+using store::QueryResult;
+using store::StoreError;
+using store::Writer;
+
+Trace made_up_trace(int n, int joints) {
+  Trace trace;
+  for (int k = 0; k < n; ++k) {
+    Sample s;
+    s.t = 0.02 * k;
+    s.base = Vector3(0.1 * k, -0.2, 0.0);
+    s.q = VectorX::Constant(joints, k);
+    s.qdot = VectorX::Constant(joints + 2, 1.0 / 3.0);
+    s.command = VectorX::Constant(joints + 2, -k);
+    s.error = Vector6::Constant(k);
+    s.manipulability = 0.1;
+    s.least_distance = k % 2 == 0 ? std::numeric_limits<double>::infinity() : 0.3 + k;
+    trace.push_back(s);
+  }
+  return trace;
+}
+
+void write_with_samples(const fs::path& file, std::uint64_t worlds) {
+  Writer writer(file);
+  writer.begin(synthetic_suite({"one"}), {}, synthetic_jobs(1, worlds));
+  for (std::uint64_t w = 0; w < worlds; ++w) {
+    const Trace trace = made_up_trace(10 + static_cast<int>(w), 3);
+    writer.add(synthetic_wanted(0, w), synthetic_world(w), synthetic_row(0, w), w % 2 == 0 ? &trace : nullptr);
+  }
+  writer.finish(store::RunStatus::kFinished);
+}
+
+std::string complaint(const fs::path& file, const std::string& sql) {
+  try {
+    store::query(file, sql);
+  } catch (const store::QueryError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(SamplesFunction, GivesEveryColumnOfEveryStep) {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "a.db";
+  write_with_samples(file, 4);
+  const std::string trial = synthetic_key(0, 2).substr(0, 9);
+  const QueryResult all = store::query(file, "SELECT * FROM samples('" + trial + "')");
+  const Trace trace = made_up_trace(12, 3);
+  const std::vector<std::string> names = store::sample_columns(3, 5);
+  ASSERT_EQ(all.rows.size(), trace.size());
+  ASSERT_EQ(all.columns.size(), names.size() + 1);
+  EXPECT_EQ(all.columns[0], "step");
+  for (std::size_t k = 0; k < trace.size(); ++k) {
+    const std::vector<double> row = store::sample_row(trace[k]);
+    EXPECT_EQ(std::get<std::int64_t>(all.rows[k][0]), static_cast<std::int64_t>(k));
+    for (std::size_t c = 0; c < names.size(); ++c) {
+      EXPECT_EQ(all.columns[c + 1], names[c]);
+      if (std::isfinite(row[c])) {
+        EXPECT_EQ(std::get<double>(all.rows[k][c + 1]), row[c]) << names[c] << " " << k;
+      } else {
+        EXPECT_TRUE(std::holds_alternative<std::monostate>(all.rows[k][c + 1])) << names[c] << " " << k;
+      }
+    }
+  }
+}
+
+TEST(SamplesFunction, JoinsWithTrialsAndLeavesTheTableReachable) {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "a.db";
+  write_with_samples(file, 5);
+  const QueryResult joined = store::query(
+      file,
+      "SELECT v.world, count(x.t), max(x.q0) FROM v_trials AS v LEFT JOIN samples(v.trial) AS x GROUP BY v.world "
+      "ORDER BY 1");
+  ASSERT_EQ(joined.rows.size(), 5u);
+  for (std::size_t w = 0; w < 5; ++w)
+    EXPECT_EQ(std::get<std::int64_t>(joined.rows[w][1]), w % 2 == 0 ? static_cast<std::int64_t>(10 + w) : 0) << w;
+  EXPECT_EQ(std::get<std::int64_t>(store::query(file, "SELECT count(*) FROM samples").rows[0][0]), 3);
+  const std::string both =
+      "SELECT (SELECT count(*) FROM main.samples), count(*) FROM SAMPLES ('" + synthetic_key(0, 0) + "')";
+  EXPECT_EQ(std::get<std::int64_t>(store::query(file, both).rows[0][0]), 3);
+}
+
+TEST(SamplesFunction, SaysWhatIsWrong) {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "a.db";
+  write_with_samples(file, 40);
+  EXPECT_NE(complaint(file, "SELECT * FROM samples('xyz')").find("hex digits"), std::string::npos);
+  EXPECT_NE(complaint(file, "SELECT * FROM samples('')").find("hex digits"), std::string::npos);
+  EXPECT_NE(complaint(file, "SELECT * FROM samples('00000000000000')").find("no such trial"), std::string::npos);
+  std::string some;
+  for (int digit = 0; digit < 16 && some.empty(); ++digit) {
+    const std::string name(1, "0123456789abcdef"[digit]);
+    if (complaint(file, "SELECT count(*) FROM samples('" + name + "')").find("several") != std::string::npos)
+      some = name;
+  }
+  EXPECT_FALSE(some.empty()) << "forty keys over sixteen digits: one has two";
+  EXPECT_NE(complaint(file, "SELECT * FROM samples()").find("samples needs a trial"), std::string::npos);
+  EXPECT_EQ(complaint(file, "SELECT * FROM samples(NULL)"), "no error");
+  EXPECT_NE(complaint(file, "DELETE FROM samples WHERE 'samples(' = ''"), "no error");
+  EXPECT_NE(complaint(file, "CREATE TEMP TABLE x AS SELECT * FROM samples('0')"), "no error");
+}
+
+TEST(PairCounts, AreThoseOfThePairs) {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "a.db";
+  write_synthetic(file, {"one", "two", "three"}, 150);
+  write_synthetic(file, {"one", "four"}, 131);     // another point with fewer worlds
+  write_synthetic(file, {"one", "two"}, 70, "b");  // another setting
+  const QueryResult counted =
+      store::query(file, "SELECT * FROM pair_counts ORDER BY suite, family, controller_a, controller_b");
+  const QueryResult grouped = store::query(
+      file,
+      "SELECT suite, family, mode, controller_a, point_a, controller_b, point_b, count(*), "
+      "sum(success_a AND success_b), sum(success_a AND NOT success_b), sum(success_b AND NOT success_a), "
+      "sum(NOT success_a AND NOT success_b) FROM v_pairs GROUP BY suite, robot, family, mode, controller_a, point_a, "
+      "controller_b, point_b ORDER BY suite, family, controller_a, controller_b");
+  EXPECT_GT(grouped.rows.size(), 8u);
+  EXPECT_EQ(counted.rows, grouped.rows);
+}
+
+TEST(UserMetrics, AreAggregatesOverTheSamples) {
+  const store::UserMetrics metrics({{"steps", "count(*)"},
+                                    {"near", "min(iif(least_distance < 5, t, NULL))"},
+                                    {"way", "max(base_x) - min(base_x)"},
+                                    {"never", "max(iif(t > 1e9, t, NULL))"},
+                                    {"text",
+                                     "'five'"
+                                     " || count(*)"},
+                                    {"big", "max(1e308) * 10 * count(*)"}},
+                                   3, 5);
+  const std::vector<double> values = metrics.evaluate(made_up_trace(12, 3));
+  EXPECT_EQ(values[0], 12.0);
+  EXPECT_EQ(values[1], 0.02);
+  EXPECT_EQ(values[2], 0.1 * 11);
+  for (int i = 3; i < 6; ++i) EXPECT_TRUE(std::isnan(values[static_cast<std::size_t>(i)])) << i;
+  EXPECT_EQ(metrics.evaluate(made_up_trace(4, 3))[0], 4.0) << "nothing is left of the trial before";
+  EXPECT_TRUE(std::isnan(metrics.evaluate({})[0]));
+}
+
+TEST(UserMetrics, BadSqlIsRefusedByName) {
+  const auto message = [](const std::string& sql) -> std::string {
+    try {
+      const store::UserMetrics metrics({{"mine", sql}}, 3, 5);
+    } catch (const store::MetricError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_NE(message("max(q7)").find("metrics.mine: no such column: q7"), std::string::npos) << message("max(q7)");
+  EXPECT_NE(message("max(q0").find("metrics.mine"), std::string::npos);
+  EXPECT_NE(message("q0").find("one per trial by an aggregate"), std::string::npos) << message("q0");
+  EXPECT_NE(message("max(?)").find("parameter"), std::string::npos);
+  EXPECT_NE(message("1); DROP TABLE samples; --"), "no error");
+  EXPECT_NE(message("load_extension('x') + count(*)"), "no error");
+  EXPECT_NE(message("max(t), 2"), "no error");
+}
+
+TEST(UserMetrics, ASlowExpressionEnds) {
+  const std::string endless =
+      "(WITH RECURSIVE c(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM c{}) SELECT max(i) FROM c)";
+  const store::UserMetrics metrics(
+      {{"slow", "count(*) + " + fmt::format(fmt::runtime(endless), " WHERE (SELECT count(*) FROM samples) > 0")}}, 3,
+      5);
+  EXPECT_TRUE(std::isnan(metrics.evaluate(made_up_trace(4, 3))[0]));
+  EXPECT_THROW(store::UserMetrics({{"slow", "count(*) + " + fmt::format(fmt::runtime(endless), "")}}, 3, 5),
+               store::MetricError);
+}
+
+store::SuiteRecord suite_with_metrics(std::vector<std::pair<std::string, std::string>> metrics) {
+  store::SuiteRecord suite = synthetic_suite({"one"});
+  suite.metrics = std::move(metrics);
+  return suite;
+}
+
+TEST(UserMetrics, ATrialWithoutItsValueIsComputedAgain) {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "a.db";
+  const auto run = [&](const store::SuiteRecord& suite, double value) {
+    Writer writer(file);
+    const auto present = writer.begin(suite, {}, synthetic_jobs(1, 3));
+    for (const store::Wanted& job : synthetic_jobs(1, 3)) {
+      if (present.count(job.key) > 0) continue;
+      const std::vector<double> values(suite.metrics.size(), value);
+      writer.add(job, synthetic_world(job.world), synthetic_row(0, job.world), nullptr, values);
+    }
+    writer.finish(store::RunStatus::kFinished);
+    return present.size();
+  };
+  EXPECT_EQ(run(suite_with_metrics({}), 0), 0u);
+  const std::string bare = store::Reader(file).result_hash();
+  EXPECT_EQ(run(suite_with_metrics({{"m", "count(*)"}}), 5), 0u) << "no trial has the value";
+  EXPECT_EQ(run(suite_with_metrics({{"m", "count(*)"}}), 5), 3u);
+  EXPECT_NE(store::Reader(file).result_hash(), bare);
+  EXPECT_EQ(run(suite_with_metrics({{"m", "max(t)"}}), kAbsent), 0u) << "another expression of the same name";
+  EXPECT_EQ(run(suite_with_metrics({}), 0), 3u);
+  const QueryResult values =
+      store::query(file, "SELECT metric, count(*), count(value), avg(value) FROM v_metrics GROUP BY metric ORDER BY 1");
+  ASSERT_EQ(values.rows.size(), 2u);
+  EXPECT_EQ(std::get<std::string>(values.rows[0][0]), "m");
+  EXPECT_EQ(std::get<double>(values.rows[0][3]), 5.0);
+  EXPECT_EQ(std::get<std::string>(values.rows[1][0]), "m@2");
+  EXPECT_EQ(std::get<std::int64_t>(values.rows[1][2]), 0);
+  // All of it comes along when stores are joined.
+  store::merge(folder / "b.db", {file});
+  EXPECT_EQ(store::Reader(folder / "b.db").result_hash(), store::Reader(file).result_hash());
+}
+
+// The tables and columns that ompl.kavrakilab.org/benchmark.html describes, and how Planner Arena asks them.
+TEST(PlannerArena, LoadsByThePublishedSchema) {
+  const TemporaryFolder folder;
+  write_synthetic(folder / "a.db", {"one", "two"}, 30);
+  write_synthetic(folder / "a.db", {"one", "two"}, 10, "b");
+  {
+    Writer writer(folder / "a.db");
+    writer.begin(synthetic_suite({"one", "two"}), {}, synthetic_jobs(2, 31));
+    const Trace trace = made_up_trace(250, 3);
+    writer.add(synthetic_wanted(0, 30), synthetic_world(30), synthetic_row(0, 30), &trace);
+    writer.add(synthetic_wanted(1, 30), synthetic_world(30), synthetic_row(1, 30), nullptr);
+    writer.finish(store::RunStatus::kFinished);
+  }
+  const store::PlannerArenaSummary summary = store::export_planner_arena(folder / "a.db", folder / "arena.db");
+  EXPECT_EQ(summary.experiments, 4u) << "two families of two settings";
+  EXPECT_EQ(summary.planners, 2u) << "the same parameters in both";
+  EXPECT_EQ(summary.runs, 2u * 31 + 2 * 10);
+  EXPECT_EQ(summary.progress, 100u);
+  const SQLite::Database db((folder / "arena.db").string());
+  const auto columns = [&](const std::string& table) {
+    std::set<std::string> names;
+    SQLite::Statement s(db, "SELECT name FROM pragma_table_info('" + table + "')");
+    while (s.executeStep()) names.insert(s.getColumn(0).getString());
+    return names;
+  };
+  const std::pair<const char*, std::set<std::string>> published[] = {
+      {"experiments",
+       {"id", "name", "totaltime", "timelimit", "memorylimit", "runcount", "version", "hostname", "cpuinfo", "date",
+        "seed", "setup"}},
+      {"plannerConfigs", {"id", "name", "settings"}},
+      {"enums", {"name", "value", "description"}},
+      {"runs", {"id", "experimentid", "plannerid", "time", "solved", "status", "solution_length"}},
+      {"progress", {"runid", "time"}}};
+  for (const auto& [table, wanted] : published) {
+    const std::set<std::string> there = columns(table);
+    for (const std::string& column : wanted) EXPECT_EQ(there.count(column), 1u) << table << "." << column;
+  }
+  const auto one = [&](const std::string& sql) {
+    SQLite::Statement s(db, sql);
+    return s.executeStep() ? s.getColumn(0).getInt64() : -1;
+  };
+  const std::string joined =
+      "FROM plannerConfigs INNER JOIN runs ON plannerConfigs.id = runs.plannerid "
+      "INNER JOIN experiments ON experiments.id = runs.experimentid";
+  EXPECT_EQ(one("SELECT count(*) " + joined), 82);
+  EXPECT_EQ(one("SELECT count(*) " + joined + " INNER JOIN progress ON runs.id = progress.runid"), 100);
+  EXPECT_EQ(one("SELECT count(*) FROM runs JOIN enums ON enums.name = 'status' AND enums.value = runs.status "
+                "WHERE (enums.description = 'success') = runs.solved"),
+            82);
+  EXPECT_EQ(one("SELECT max(runcount) FROM experiments"), 16);
+  EXPECT_EQ(one("SELECT count(*) FROM pragma_foreign_key_check"), 0);
+  // Types by which attributes are drawn.
+  for (const auto& [name, type] : {std::pair{"solved", "BOOLEAN"}, {"status", "ENUM"}, {"time", "REAL"}}) {
+    SQLite::Statement s(db, "SELECT type FROM pragma_table_info('runs') WHERE name = '" + std::string(name) + "'");
+    ASSERT_TRUE(s.executeStep());
+    EXPECT_EQ(s.getColumn(0).getString(), type);
+  }
+  EXPECT_THROW(store::export_planner_arena(folder / "a.db", folder / "a.db"), StoreError);
+  EXPECT_THROW(store::export_planner_arena(folder / "missing.db", folder / "b.db"), StoreError);
+  EXPECT_THROW(store::export_planner_arena(folder / "a.db", folder / "missing/b.db"), StoreError);
+  EXPECT_FALSE(fs::exists(folder / "b.db"));
+}
+
+std::string text_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  EXPECT_TRUE(stream) << file;
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// Every object's definition, blanks and quotes apart.
+std::set<std::string> definitions(SQLite::Database& db) {
+  std::set<std::string> all;
+  SQLite::Statement s(db, "SELECT sql FROM sqlite_schema WHERE sql IS NOT NULL");
+  while (s.executeStep()) {
+    std::string text;
+    const std::string sql = s.getColumn(0).getString();
+    for (std::size_t i = 0; i < sql.size(); ++i) {
+      if (sql.compare(i, 2, "--") == 0) i = std::min(sql.find('\n', i), sql.size() - 1);
+      if (std::isspace(static_cast<unsigned char>(sql[i])) == 0 && sql[i] != '"') text += sql[i];
+    }
+    all.insert(text);
+  }
+  return all;
+}
+
+TEST(Migration, AStoreOfVersion1BecomesWhatThisProgramWrites) {
+  const TemporaryFolder folder;
+  const fs::path fresh = folder / "fresh.db";
+  const fs::path old = folder / "old.db";
+  write_synthetic(fresh, {"one", "two"}, 40);
+  {
+    SQLite::Database db(old.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+    db.exec(text_of(MOMA_SOURCE_DIR "/tests/data/store/schema-1.sql"));
+    db.exec(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = 1", store::kApplicationId));
+    SQLite::Statement attach(db, "ATTACH ? AS fresh");
+    attach.bind(1, fresh.string());
+    attach.exec();
+    for (const char* table :
+         {"robot", "controller", "resolved_suite", "suite", "point", "world", "invocation", "execution", "samples"})
+      db.exec(fmt::format("INSERT INTO main.{0} SELECT * FROM fresh.{0}", table));
+    db.exec(
+        "INSERT INTO main.point_trial SELECT point_id, world_index, key FROM fresh.point_trial;"
+        "CREATE TEMP TABLE names AS SELECT group_concat(name, ', ') AS list FROM pragma_table_xinfo('trial', 'fresh') "
+        "WHERE hidden = 0");
+    const std::string names = db.execAndGet("SELECT list FROM names").getString();
+    db.exec(fmt::format("INSERT INTO main.trial ({0}) SELECT {0} FROM fresh.trial", names));
+  }
+  EXPECT_THROW(store::Reader{old}, StoreError) << "reading alone changes nothing";
+  { const SQLite::Database migrated = store::open_database(old, store::Access::kReadWrite); }
+  SQLite::Database a(old.string());
+  SQLite::Database b(fresh.string());
+  EXPECT_EQ(store::schema_version(a), store::kSchemaVersion);
+  EXPECT_EQ(definitions(a), definitions(b));
+  EXPECT_EQ(store::Reader(old).result_hash(), store::Reader(fresh).result_hash());
+  EXPECT_TRUE(store::Reader(old).integrity_problems().empty());
+  for (const char* view : {"v_trials", "v_summary", "v_pairs", "point_trial"}) {
+    const std::string sql = fmt::format("SELECT * FROM {} ORDER BY 1, 2, 3, 4, 5, 6, 7, 8", view);
+    EXPECT_EQ(store::query(old, sql).rows, store::query(fresh, sql).rows) << view;
+  }
+  EXPECT_EQ(write_synthetic(old, {"one", "two"}, 41), 80u) << "a run goes on with it";
+}
+
+// What the documentation tells people to ask.
+TEST(StoreDocumentation, ItsQueriesRun) {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "a.db";
+  write_with_samples(file, 6);
+  const std::string text = text_of(MOMA_SOURCE_DIR "/docs/store.md");
+  std::size_t found = 0;
+  for (std::size_t at = text.find("```sql\n"); at != std::string::npos; at = text.find("```sql\n", at + 1)) {
+    const std::size_t begin = at + 7;
+    std::string sql = text.substr(begin, text.find("```", begin) - begin);
+    const std::size_t trial = sql.find("06566cfaab6f");
+    if (trial != std::string::npos) sql.replace(trial, 12, synthetic_key(0, 0).substr(0, 12));
+    EXPECT_EQ(complaint(file, sql), "no error") << sql;
+    ++found;
+  }
+  EXPECT_EQ(found, 10u);
+}
+
+TEST(RunLock, TheSecondWaitsAndIsToldForWhom) {
+  const TemporaryFolder folder;
+  const fs::path db = folder / "a.db";
+  std::atomic<bool> stop{false};
+  std::string words;
+  auto first = std::make_unique<store::RunLock>(db, stop, [](const std::string&) { FAIL() << "it is free"; });
+  ASSERT_TRUE(first->held());
+  std::atomic<bool> entered{false};
+  std::thread second([&] {
+    const store::RunLock lock(db, stop, [&](const std::string& text) { words = text; });
+    entered = lock.held();
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(250));
+  EXPECT_FALSE(entered.load());
+  first.reset();
+  second.join();
+  EXPECT_TRUE(entered.load());
+  EXPECT_NE(words.find(fmt::format("process {}", getpid())), std::string::npos) << words;
+  EXPECT_FALSE(fs::exists(folder / "a.db-lock"));
+}
+
+TEST(RunLock, WaitingCanBeBrokenOff) {
+  const TemporaryFolder folder;
+  std::atomic<bool> stop{false};
+  const store::RunLock first(folder / "a.db", stop, [](const std::string&) {});
+  stop = true;
+  const store::RunLock second(folder / "a.db", stop, [](const std::string&) {});
+  EXPECT_TRUE(first.held());
+  EXPECT_FALSE(second.held());
+  std::ofstream(folder / "b.db-lock") << "left by a program that was killed\n";
+  const store::RunLock third(folder / "b.db", stop, [](const std::string&) {});
+  EXPECT_TRUE(third.held()) << "what a killed program leaves behind holds nothing";
+}
+
+}  // namespace
+}  // namespace moma::test
