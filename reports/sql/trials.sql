@@ -5,8 +5,8 @@ SELECT v.*, w.goal_distance_m, w.objects, w.witness_clearance_m, w.blocked_fract
 FROM v_trials AS v
 JOIN suite AS s ON s.name = v.suite
 JOIN point AS p ON p.suite_id = s.id AND p.controller = v.controller AND p.label = v.point
-JOIN trial AS t ON t.trial = v.trial
-JOIN point_trial AS m ON m.key = t.key AND m.point_id = p.id
+CROSS JOIN trial AS t ON t.trial = v.trial                            -- in this order, by the indices of names and keys:
+CROSS JOIN point_trial AS m ON m.key = t.key AND +m.point_id = p.id   -- else each trial would search its whole point
 JOIN world AS w ON w.id = t.world_id
 LEFT JOIN execution AS e ON e.key = t.key
 ORDER BY p.id, m.world_index
