@@ -181,7 +181,7 @@ TEST_P(SpecialStates, ObjectsInContactInsideAndAtTheSamePoints) {
 TEST_P(SpecialStates, TwoHundredObjects) {
   load("frankie");
   for (int i = 0; i < 200; ++i) {
-    shapes_.push_back({"o" + std::to_string(i), {ShapeKind::kSphere, Vector3(0.08, 0, 0), nullptr}});
+    shapes_.push_back({std::string("o") + std::to_string(i), {ShapeKind::kSphere, Vector3(0.08, 0, 0), nullptr}});
     ObjectState state;
     const double turn = 0.6180339887498949 * 2.0 * kPi * i;
     const double radius = 0.6 + 0.01 * (i % 50);
