@@ -17,6 +17,10 @@ endif()
 
 add_library(moma_warnings INTERFACE)
 target_compile_options(moma_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wswitch)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  # GCC 12 reports overlaps in std::string's operator+ that cannot be (GCC bug 105329).
+  target_compile_options(moma_warnings INTERFACE -Wno-restrict)
+endif()
 if(MOMA_WERROR)
   target_compile_options(moma_warnings INTERFACE -Werror)
 endif()
@@ -27,4 +31,7 @@ set(MOMA_SANITIZE "" CACHE STRING "Sanitizers, for instance address,undefined or
 if(MOMA_SANITIZE)
   add_compile_options(-fsanitize=${MOMA_SANITIZE} -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${MOMA_SANITIZE})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    add_compile_options(-Wno-maybe-uninitialized)  # GCC: not to be trusted in instrumented code (std::variant, say)
+  endif()
 endif()

@@ -11,7 +11,10 @@ Node node_from_json(const nlohmann::ordered_json& json, const std::string& sourc
   switch (json.type()) {
     case nlohmann::ordered_json::value_t::object:
       node.kind = Node::Kind::kMap;
-      for (const auto& [key, value] : json.items()) node.entries.emplace_back(key, node_from_json(value, source));
+      for (const auto& [key, value] : json.items()) {
+        node.entries.emplace_back(key, node_from_json(value, source));
+        node.entries.back().second.key_mark.file = source;
+      }
       break;
     case nlohmann::ordered_json::value_t::array:
       node.kind = Node::Kind::kSequence;

@@ -39,6 +39,10 @@ struct Node {
   std::vector<Node> items;                            ///< kSequence
   std::vector<std::pair<std::string, Node>> entries;  ///< kMap, in file order, keys unique
   Mark mark;
+  Mark key_mark;  ///< of a value in a map that was read from text
+
+  /// Where this value's key was written, or else the value itself.
+  const Mark& key_place() const noexcept { return key_mark.file.empty() ? mark : key_mark; }
 
   const Node* find(std::string_view key) const noexcept;
   Node* find(std::string_view key) noexcept;

@@ -45,7 +45,7 @@ fs::path PackagePaths::resolve(const std::string& uri, const fs::path& directory
   constexpr std::string_view kPackage = "package://";
   constexpr std::string_view kFile = "file://";
   if (uri.rfind(kPackage, 0) != 0) {
-    const fs::path path = uri.rfind(kFile, 0) == 0 ? fs::path(uri.substr(kFile.size())) : directory / uri;
+    fs::path path = uri.rfind(kFile, 0) == 0 ? fs::path(uri.substr(kFile.size())) : directory / uri;
     if (is_file(path)) return path;
     throw std::runtime_error("no such file: " + path.string());
   }

@@ -169,6 +169,11 @@ void MapReader::fail_at(std::string_view name, const std::string& message) const
   config::fail(node != nullptr ? node->mark : node_->mark, key_of(name), message);
 }
 
+void MapReader::fail_key(std::string_view name, const std::string& message) const {
+  const Node* node = node_->find(name);
+  config::fail(node != nullptr ? node->key_place() : node_->mark, key_of(name), message);
+}
+
 void MapReader::check(bool ok, std::string_view name, const std::string& message) const {
   if (!ok) fail_at(name, message);
 }
@@ -194,7 +199,7 @@ void MapReader::finish() const {
       for (const std::string& k : known_) list += (list.empty() ? "" : ", ") + k;
       message += known_.empty() ? "; no keys are accepted here" : "; accepted here: " + list;
     }
-    config::fail(value.mark, key_of(name), message);
+    config::fail(value.key_place(), key_of(name), message);
   }
 }
 

@@ -62,6 +62,8 @@ class MapReader {
   /// Throws ConfigError at this map (or at the named key, where it was given).
   [[noreturn]] void fail(const std::string& message) const;
   [[noreturn]] void fail_at(std::string_view name, const std::string& message) const;
+  /// As fail_at(), where the key itself is wrong and not its value.
+  [[noreturn]] void fail_key(std::string_view name, const std::string& message) const;
   void check(bool ok, std::string_view name, const std::string& message) const;
 
   /// Call once everything is read.

@@ -77,8 +77,8 @@ class ArmReader {
     const std::string near = nearest(joint, names);
     std::string all;
     for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
-    in.fail_at(joint, "the URDF has no movable joint of this name" +
-                          (near.empty() ? "; it has: " + all : " (did you mean " + near + "?)"));
+    in.fail_key(joint, "the URDF has no movable joint of this name" +
+                           (near.empty() ? "; it has: " + all : " (did you mean " + near + "?)"));
   }
 
   void read_tip() {

@@ -102,7 +102,7 @@ void read_base(MapReader& robot, RobotBuild& build) {
     written["max_acceleration"] = to_json_list(base.max_acceleration);
   } else {
     if (base.max_linear > 0.0 || base.max_angular > 0.0 || base.wheels)
-      build.warnings.push_back("base: speeds and wheels are left aside, since its type is fixed");
+      build.warnings.emplace_back("base: speeds and wheels are left aside, since its type is fixed");
     base.max_linear = base.max_angular = 0.0;
     base.wheels.reset();
     written.erase("wheels");

@@ -35,7 +35,8 @@ std::shared_ptr<const ConvexHull> read_hull(MapReader& in) {
   const std::string what = "numbers, as in a resolved robot";
   const auto v = read_numbers(in.require("vertices", what), in.key_of("vertices"), -1);
   const Node& faces = in.require("triangles", what);
-  const auto t = read_numbers(faces, in.key_of("triangles"), -1, {0.0, static_cast<double>(v.size() / 3) - 1.0});
+  const std::size_t points = v.size() / 3;
+  const auto t = read_numbers(faces, in.key_of("triangles"), -1, {0.0, static_cast<double>(points) - 1.0});
   in.check(v.size() >= 12 && v.size() % 3 == 0, "vertices", "expected x, y, z of four points or more");
   in.check(t.size() >= 12 && t.size() % 3 == 0, "triangles",
            "expected three indices for each of four triangles or more");
@@ -89,7 +90,7 @@ class CollisionReader {
     in.check(from.empty() || from == "urdf", "from", "found '" + from + "', expected urdf");
     if (from == "urdf") take_urdf(in);
     if (model_.shapes.empty())
-      build_.warnings.push_back("the robot has no collision shapes: nothing it does can be a collision");
+      build_.warnings.emplace_back("the robot has no collision shapes: nothing it does can be a collision");
     read_self(in);
     in.finish();
     build_.resolved["collision"] = std::move(written_);

@@ -64,6 +64,7 @@ Node convert(const YAML::Node& yaml, const Source& source, int depth) {
         const std::string key = entry.first.Scalar();
         if (!seen.insert(key).second) fail(mark_of(entry.first, source), key, "the key is there twice");
         node.entries.emplace_back(key, convert(entry.second, source, depth + 1));
+        node.entries.back().second.key_mark = mark_of(entry.first, source);
       }
       const Node* include = node.find("include");
       if (include != nullptr) {
@@ -165,6 +166,7 @@ void set_value(Node& root, std::string_view dotted_key, const std::string& text)
       node->entries.emplace_back(part, Node{});
       next = &node->entries.back().second;
       next->mark = origin;
+      next->key_mark = origin;
     }
     node = next;
     if (dot == std::string::npos) break;
@@ -172,6 +174,7 @@ void set_value(Node& root, std::string_view dotted_key, const std::string& text)
   }
   Node value = parse_yaml(text, origin.file);
   value.mark = origin;
+  value.key_mark = origin;
   *node = std::move(value);
 }
 

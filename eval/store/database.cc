@@ -96,6 +96,18 @@ std::string read_only_uri(const fs::path& file) {
   return uri;
 }
 
+// Removes empty -wal and -shm files beside a store that no one has open.
+void remove_empty_wal(const fs::path& file) noexcept {
+  std::error_code error;
+  const auto size = fs::file_size(file.string() + "-wal", error);
+  if (error || size != 0) return;
+  try {  // SQLite itself removes them, under its locks, when the last connection that can write closes
+    SQLite::Database db(file.string(), SQLite::OPEN_READWRITE);
+    (void)db.execAndGet("SELECT count(*) FROM sqlite_schema");
+  } catch (const std::exception&) {  // read-only places keep them
+  }
+}
+
 }  // namespace
 
 StoreError explain(const SQLite::Exception& error, const fs::path& file, Kind kind) {
@@ -172,17 +184,6 @@ ReadConnection::ReadConnection(const fs::path& file) : file_(file), db_(open_dat
 ReadConnection::~ReadConnection() {
   db_.reset();
   remove_empty_wal(file_);
-}
-
-void remove_empty_wal(const fs::path& file) noexcept {
-  std::error_code error;
-  const auto size = fs::file_size(file.string() + "-wal", error);
-  if (error || size != 0) return;
-  try {  // SQLite itself removes them, under its locks, when the last connection that can write closes
-    SQLite::Database db(file.string(), SQLite::OPEN_READWRITE);
-    (void)db.execAndGet("SELECT count(*) FROM sqlite_schema");
-  } catch (const std::exception&) {  // read-only places keep them
-  }
 }
 
 std::string file_system_warning(const fs::path& file) {

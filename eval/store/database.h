@@ -36,9 +36,6 @@ class ReadConnection {
   std::optional<SQLite::Database> db_;
 };
 
-/// Removes empty -wal and -shm files beside a store that no one has open.
-void remove_empty_wal(const std::filesystem::path& file) noexcept;
-
 /// Turns an SQLite failure into words that name the file and what can be done.
 StoreError explain(const SQLite::Exception& error, const std::filesystem::path& file, StoreError::Kind kind);
 

@@ -29,7 +29,8 @@ void check_name(const std::string& name, const Node& node, const std::string& ke
     return u > ' ' && u != 0x7f && c != '.' && c != '"' && c != '\'';
   };
   if (name.empty() || name.size() > 64 || !std::all_of(name.begin(), name.end(), allowed)) {
-    config::fail(node.mark, key, "a controller's name has 1 to 64 characters, none of them a space, a quote or a dot");
+    config::fail(node.key_place(), key,
+                 "a controller's name has 1 to 64 characters, none of them a space, a quote or a dot");
   }
 }
 

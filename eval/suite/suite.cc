@@ -40,7 +40,7 @@ bool is_library_key(const std::string& key) {
 // The suite as written, with files of robots and controllers opened where keys inside them are set.
 class Draft {
  public:
-  Draft(Node root, fs::path file) : root_(std::move(root)), directory_(file.parent_path()) {}
+  Draft(Node root, const fs::path& file) : root_(std::move(root)), directory_(file.parent_path()) {}
 
   const Node& root() const { return root_; }
   Node& root() { return root_; }

@@ -159,7 +159,7 @@ TEST_F(ControllerFile, RoundTripIsExact) {
 }
 
 TEST_F(ControllerFile, MistakesAreNamedWithTheirPlace) {
-  expect_error("methd: qp", "c.yaml:1:8: controller.methd:", "did you mean method?");
+  expect_error("methd: qp", "c.yaml:1:1: controller.methd:", "did you mean method?");
   expect_error("method: mpc", "c.yaml:1:9: controller.method:", "qp, rrmc, park, baur");
   expect_error("servo: 3", "c.yaml:1:8: controller.servo:", "expected a map");
   expect_error("servo: {position: fast}", "c.yaml:1:19: controller.servo.position:", "'fast'");
@@ -195,13 +195,13 @@ TEST_F(ControllerFile, MistakesAreNamedWithTheirPlace) {
   expect_error("collision: {max_pairs: -1}", "c.yaml:1:24: controller.collision.max_pairs:", "from 0");
   expect_error("collision: {floor: {gain: 0}}", "c.yaml:1:27: controller.collision.floor.gain:", "above 0");
   expect_error("collision: {floor: {max_pairs: 3}}",
-               "c.yaml:1:32: controller.collision.floor.max_pairs:", "unknown key");
+               "c.yaml:1:21: controller.collision.floor.max_pairs:", "unknown key");
   expect_error("collision: {self: {stop: 0.2}}", "c.yaml:1:26: controller.collision.self.stop:", "below");
   expect_error("acceleration: {weight: [1]}", "c.yaml:1:24: controller.acceleration.weight:", "a list of 9 numbers");
   expect_error("posture: {target: home}", "c.yaml:1:19: controller.posture.target:", "ready or a list of 7");
   expect_error("posture: {target: [0]}", "c.yaml:1:19: controller.posture.target:", "a list of 7 numbers");
   expect_error("limits: {acceleration: 0}", "c.yaml:1:24: controller.limits.acceleration:", "above 0");
-  expect_error("limits: {velocity: 1}", "c.yaml:1:20: controller.limits.velocity:", "unknown key");
+  expect_error("limits: {velocity: 1}", "c.yaml:1:10: controller.limits.velocity:", "unknown key");
   expect_error("output_scaling: {far: 0}", "c.yaml:1:23: controller.output_scaling.far:", "above 0");
   expect_error("solver: osqp", "c.yaml:1:9: controller.solver:", "daqp, qpoases, eiquadprog");
   expect_error("method: park\nlambda_q: 0", "c.yaml:2:11: controller.lambda_q:", "divide by it");

@@ -110,7 +110,7 @@ TEST_F(RobotFileErrors, Places) {
   const std::string text = message(replaced(kRobot, "max_angular: 2", "max_angluar: 2"));
   EXPECT_NE(text.find("robot.yaml:3:3: base.max_angular: missing"), std::string::npos) << text;
   expect_change("  tip: tip\n", "  tip: tip\n  tipp: 3\n",
-                {"robot.yaml:10:9: arm.tipp: unknown key (did you mean tip?)"});
+                {"robot.yaml:10:3: arm.tipp: unknown key (did you mean tip?)"});
 }
 
 TEST_F(RobotFileErrors, Urdf) {

@@ -56,7 +56,7 @@ samples: all
 
 TEST(Suite, RefusesWhatIsWrongAndSaysWhere) {
   SuiteFolder folder;
-  EXPECT_REFUSED(folder.suite("sucess: {}\n"), {}, "suite.yaml:7:9: sucess: unknown key (did you mean success?)");
+  EXPECT_REFUSED(folder.suite("sucess: {}\n"), {}, "suite.yaml:7:1: sucess: unknown key (did you mean success?)");
   EXPECT_REFUSED(folder.suite("success: {positon: 1}\n"), {}, "success.positon: unknown key (did you mean position?)");
   EXPECT_REFUSED(folder.suite("success: {position: -0.02}\n"), {}, "success.position: found '-0.02'");
   EXPECT_REFUSED(folder.suite("success: {position: nan}\n"), {}, "success.position: found 'nan'");

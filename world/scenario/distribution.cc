@@ -100,7 +100,7 @@ Distribution Distribution::read(const config::Node& node, const std::string& key
     if (v[0] <= 0.0) fail(ends.mark, inner, "both ends must be above 0");
     return make(LogUniform{v[0], v[1]});
   }
-  fail(ends.mark, inner, std::string("unknown distribution; expected ") + kAccepted);
+  fail(ends.key_place(), inner, std::string("unknown distribution; expected ") + kAccepted);
 }
 
 void read(config::MapReader& in, std::string_view name, Distribution& value, const config::Range& range) {

@@ -51,7 +51,7 @@ Member read_member(const std::string& name, const config::Node& node, const std:
   std::string list;
   for (const std::string& known : names) list += (list.empty() ? "" : ", ") + known;
   const std::string near = config::nearest(name, names);
-  config::fail(node.mark, key,
+  config::fail(node.key_place(), key,
                "unknown family" + (near.empty() ? "" : " (did you mean " + near + "?)") + "; families are: " + list);
 }
 
