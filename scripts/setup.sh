@@ -17,6 +17,7 @@ packages=(
   libode-dev libeigen3-dev liburdfdom-dev libnlopt-cxx-dev libsqlite3-dev libsqlitecpp-dev libyaml-cpp-dev
   nlohmann-json3-dev libcli11-dev libfmt-dev libspdlog-dev librandom123-dev libzstd-dev libxxhash-dev zlib1g-dev
   libcpp-httplib-dev
+  libopenmpi-dev openmpi-bin
   libgtest-dev librapidcheck-dev libbenchmark-dev clang-format
 )
 missing=()

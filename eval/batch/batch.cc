@@ -15,24 +15,43 @@ namespace moma {
 namespace {
 
 // Finished results wait in a window until all earlier ones are there; whoever completes the front delivers for all.
-class OrderedDelivery {
+class OrderedDelivery final : public JobBoard {
  public:
   OrderedDelivery(std::span<const BatchJob> jobs, const std::vector<std::size_t>& todo, std::size_t window,
                   const BatchOptions& options, const BatchSink& sink)
       : jobs_(jobs), todo_(todo), options_(options), sink_(sink), slots_(window) {}
 
   // The next position of `todo` to compute, or nothing. Waits while the window is full: the job at its front is
-  // always in some thread's hands, so that the wait ends.
+  // always in some computer's hands, so that the wait ends. With computers elsewhere it waits also for what they
+  // may give back, until all is delivered.
   std::optional<std::size_t> take() {
     std::unique_lock lock(mutex_);
-    room_.wait(lock, [&] { return closed_ || taken_ >= todo_.size() || taken_ < delivered_ + slots_.size(); });
-    if (closed_ || taken_ >= todo_.size()) return std::nullopt;
-    if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed)) return std::nullopt;
-    return taken_++;
+    while (!over()) {
+      if (const auto place = available()) return place;
+      if (taken_ >= todo_.size() && options_.remote == nullptr) return std::nullopt;
+      room_.wait_for(lock, std::chrono::milliseconds(100));  // a signal sets the stop flag and wakes no one
+    }
+    return std::nullopt;
   }
 
-  void put(std::size_t position, BatchResult&& result) {
+  std::optional<std::size_t> try_take() override {
+    const std::unique_lock lock(mutex_);
+    return over() ? std::nullopt : available();
+  }
+  const BatchJob& job(std::size_t place) const override { return jobs_[todo_[place]]; }
+  void give_back(std::size_t place) override {
+    const std::unique_lock lock(mutex_);
+    returned_.push_back(place);
+    room_.notify_all();
+  }
+  bool closed() const override {
+    const std::unique_lock lock(mutex_);
+    return over();
+  }
+
+  void put(std::size_t position, BatchResult&& result) override {
     std::unique_lock lock(mutex_);
+    result.job = todo_[position];
     slots_[position % slots_.size()] = std::move(result);
     if (delivering_) return;
     delivering_ = true;
@@ -64,6 +83,13 @@ class OrderedDelivery {
     delivering_ = false;
   }
 
+  void fail(std::exception_ptr error) {
+    const std::unique_lock lock(mutex_);
+    error_ = std::move(error);
+    closed_ = true;
+    room_.notify_all();
+  }
+
   std::size_t delivered() const { return delivered_; }
   std::size_t successes() const { return successes_; }
   void rethrow() const {
@@ -72,6 +98,20 @@ class OrderedDelivery {
   double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
 
  private:
+  bool over() const {
+    const bool stopped = options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
+    return closed_ || stopped || delivered_ >= todo_.size();
+  }
+  std::optional<std::size_t> available() {
+    if (!returned_.empty()) {
+      const std::size_t place = returned_.back();
+      returned_.pop_back();
+      return place;
+    }
+    if (taken_ < todo_.size() && taken_ < delivered_ + slots_.size()) return taken_++;
+    return std::nullopt;
+  }
+
   // Only the delivering thread comes here and changes the counts, so that reading them needs no lock.
   void report(bool success) const {
     BatchProgress progress;
@@ -87,9 +127,10 @@ class OrderedDelivery {
   const std::vector<std::size_t>& todo_;
   const BatchOptions& options_;
   const BatchSink& sink_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable room_;
   std::vector<std::optional<BatchResult>> slots_;
+  std::vector<std::size_t> returned_;
   std::size_t taken_ = 0;
   std::size_t delivered_ = 0;
   std::size_t successes_ = 0;
@@ -98,22 +139,6 @@ class OrderedDelivery {
   std::exception_ptr error_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
-
-BatchResult compute(const Point& point, const BatchJob& job, std::size_t position, const BatchOptions& options) {
-  BatchResult result;
-  result.job = position;
-  try {
-    result.world = options.world ? options.world(point, job.world)
-                                 : std::make_shared<const World>(point.worlds.make(point.robot->model, job.world));
-    if (result.world == nullptr) throw std::runtime_error(fmt::format("there is no world {}", job.world));
-    result.output = run_trial(point, *result.world, options.parts);
-  } catch (const std::exception& e) {
-    result.output = {};
-    result.output.row.outcome = Outcome::kError;
-    result.output.row.reason = fmt::format("world {}: {}", job.world, e.what());
-  }
-  return result;
-}
 
 // Jobs to compute: neither skipped nor a repetition.
 std::vector<std::size_t> select(std::span<const Point> points, std::span<const BatchJob> jobs,
@@ -136,18 +161,45 @@ std::vector<std::size_t> select(std::span<const Point> points, std::span<const B
 
 }  // namespace
 
+BatchResult compute_job(const Point& point, const BatchJob& job, std::size_t position, const BatchOptions& options) {
+  BatchResult result;
+  result.job = position;
+  try {
+    result.world = options.world ? options.world(point, job.world)
+                                 : std::make_shared<const World>(point.worlds.make(point.robot->model, job.world));
+    if (result.world == nullptr) throw std::runtime_error(fmt::format("there is no world {}", job.world));
+    result.output = run_trial(point, *result.world, options.parts);
+    if (options.finish) options.finish(point, result);
+  } catch (const std::exception& e) {
+    result.output = {};
+    result.output.row.outcome = Outcome::kError;
+    result.output.row.reason = fmt::format("world {}: {}", job.world, e.what());
+  }
+  return result;
+}
+
 BatchSummary run_batch(std::span<const Point> points, std::span<const BatchJob> jobs, const BatchOptions& options,
                        const BatchSink& sink) {
   BatchSummary summary;
   const std::vector<std::size_t> todo = select(points, jobs, options, summary);
   const int wanted = options.threads > 0 ? options.threads : omp_get_num_procs();
   const int threads = std::max(1, std::min(wanted, static_cast<int>(std::min<std::size_t>(todo.size(), 4096))));
-  OrderedDelivery delivery(jobs, todo, std::max<std::size_t>(16, 4 * static_cast<std::size_t>(threads)), options, sink);
-#pragma omp parallel num_threads(threads) if (threads > 1)
+  const std::size_t elsewhere = options.remote != nullptr ? options.remote->capacity() : 0;
+  const std::size_t computers = static_cast<std::size_t>(threads) + elsewhere;
+  OrderedDelivery delivery(jobs, todo, std::max<std::size_t>(16, 4 * computers), options, sink);
+  const int team = threads + (options.remote != nullptr ? 1 : 0);
+#pragma omp parallel num_threads(team) if (team > 1)
   {
+    if (options.remote != nullptr && omp_get_thread_num() == 0) {
+      try {
+        options.remote->serve(delivery);
+      } catch (...) {
+        delivery.fail(std::current_exception());
+      }
+    }
     while (const std::optional<std::size_t> position = delivery.take()) {
       const std::size_t i = todo[*position];
-      delivery.put(*position, compute(points[jobs[i].point], jobs[i], i, options));
+      delivery.put(*position, compute_job(points[jobs[i].point], jobs[i], i, options));
     }
   }
   delivery.rethrow();

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <unordered_set>
@@ -33,7 +34,14 @@ struct BatchResult {
   std::size_t job = 0;                 ///< position in the span of jobs
   std::shared_ptr<const World> world;  ///< null where the world could not be made (outcome `error` says why)
   TrialOutput output;
+  std::vector<double> metrics;  ///< for BatchOptions::finish: the suite's own metrics, NaN where a trial has none
 };
+
+struct BatchOptions;
+
+/// Makes the world, runs the trial, finishes it: one job, whoever computes it. Never throws: what went wrong is the
+/// row's reason.
+BatchResult compute_job(const Point& point, const BatchJob& job, std::size_t position, const BatchOptions& options);
 
 /// Called in the order of the jobs, by one thread at a time (not always the same one). Return false to end the
 /// batch: no later result is delivered, so that where it ends does not depend on the number of threads.
@@ -48,6 +56,32 @@ struct BatchProgress {
   double rate = 0.0;     ///< trials per second since the start
 };
 
+/// What run_batch() offers to computers elsewhere: jobs by their place in the order of delivery. For one thread.
+class JobBoard {
+ public:
+  virtual ~JobBoard() = default;
+  /// The next place, or nothing where none can be taken at this moment.
+  virtual std::optional<std::size_t> try_take() = 0;
+  virtual const BatchJob& job(std::size_t place) const = 0;
+  /// The result of a place that was taken; once.
+  virtual void put(std::size_t place, BatchResult&& result) = 0;
+  /// A place whose result will not come: another computer gets it.
+  virtual void give_back(std::size_t place) = 0;
+  /// Nothing will be taken any more.
+  virtual bool closed() const = 0;
+};
+
+/// Computers elsewhere that take part in a batch; eval/batch/cluster.h has those of MPI.
+class RemoteCompute {
+ public:
+  virtual ~RemoteCompute() = default;
+  /// Most trials that are out at once.
+  virtual std::size_t capacity() const = 0;
+  /// Takes, hands out and puts until board.closed() or no computer is left, and nothing is out any more. Called by
+  /// the thread that called run_batch(), which computes itself afterwards if there is still something to do.
+  virtual void serve(JobBoard& board) = 0;
+};
+
 struct BatchOptions {
   int threads = 0;                                        ///< 0: one per core
   const std::atomic<bool>* stop = nullptr;                ///< set: trials in flight finish and are delivered
@@ -57,6 +91,9 @@ struct BatchOptions {
   /// that meet the same worlds thousands of times goes here.
   std::function<std::shared_ptr<const World>(const Point&, std::uint64_t)> world;
   TrialParts parts;  ///< other plants or controllers
+  /// Called on what a trial gave by the thread that computed it, before it is handed on.
+  std::function<void(const Point&, BatchResult&)> finish;
+  RemoteCompute* remote = nullptr;  ///< computes beside the threads; those then run on one thread more than `threads`
 };
 
 struct BatchSummary {

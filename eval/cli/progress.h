@@ -29,6 +29,9 @@ class ProgressPrinter {
   std::chrono::steady_clock::time_point last_;
 };
 
+/// "1:02:03" or "2:03".
+std::string duration_text(double seconds);
+
 /// "123 of 400 trials, 45.2/s, success 87.0 %, 0:06 left".
 std::string describe_progress(const BatchProgress& progress, const std::string& what);
 

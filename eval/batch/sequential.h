@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "eval/suite/suite.h"
+#include "eval/trial/row.h"
+
+namespace moma {
+
+/// The sequential rule of `trials: {until: ...}`.
+///
+/// Worlds are met in blocks of `block`, all points in every world. At the end of each block, and at no other moment,
+/// each point's rate of the metric over all worlds so far gets a Wilson interval (95 %). The rule ends the run once
+/// the widest of them, over all points, has at most the half-width, or after `max` worlds. So the decision depends on
+/// the rows alone: neither on threads, nor on stops and resumes, nor on what else a store holds.
+///
+/// Looking several times at one growing sample costs some coverage; docs/store.md has the exact numbers, which
+/// stopped_coverage() computes.
+class SequentialRule {
+ public:
+  SequentialRule(const UntilRule& rule, std::size_t points);
+
+  /// Worlds of the next block; 0 at the end.
+  std::uint64_t next_block() const;
+  /// A row of the block that is being met.
+  void add(std::size_t point, Outcome outcome);
+  /// To be called when all rows of a block were added.
+  void end_block(std::uint64_t worlds);
+
+  std::uint64_t worlds() const { return worlds_; }
+  /// Half the width of the widest interval; 0.5 before the first block.
+  double half_width() const { return half_width_; }
+  bool reached() const { return half_width_ <= rule_.half_width; }
+
+ private:
+  UntilRule rule_;
+  std::vector<std::int64_t> hits_;
+  std::uint64_t worlds_ = 0;
+  double half_width_ = 0.5;
+};
+
+/// What the rule does to one point whose metric has the rate `p`: exact, by running the distribution of the count
+/// from look to look. O(max^2).
+struct StoppedCoverage {
+  double coverage = 0.0;     ///< probability that the interval at the end holds p
+  double mean_worlds = 0.0;  ///< expected worlds
+};
+StoppedCoverage stopped_coverage(const UntilRule& rule, double p);
+
+}  // namespace moma
