@@ -1,13 +1,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <iostream>
 #include <map>
 #include <memory>
 #include <set>
+#include <thread>
 
 #include "controller/config/node.h"
+#include "eval/batch/batch.h"
 #include "eval/cli/command.h"
+#include "eval/cli/progress.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 #include "eval/tune/tuned_file.h"
@@ -26,7 +31,33 @@ std::string family_counts(const Suite& suite) {
   return text;
 }
 
-int check(const SuiteOptions& options) {
+/// How long a run would take, from trials of about a second: points in turn, worlds spread over the suite's.
+std::string expected_time(const Suite& suite) {
+  constexpr double kEnough = 1.0;  // [s]
+  constexpr std::size_t kMost = 64;
+  const auto start = std::chrono::steady_clock::now();
+  const std::size_t all = static_cast<std::size_t>(suite.trials) * suite.points.size();
+  double seconds = 0.0;
+  std::size_t n = 0;
+  while (n < std::min(all, kMost) && seconds < kEnough) {
+    // The golden ratio spreads the first few worlds evenly, so that families come up as often as in the whole.
+    const auto world = static_cast<std::uint64_t>(std::fmod(static_cast<double>(n) * 0.6180339887498949, 1.0) *
+                                                  static_cast<double>(suite.trials));
+    BatchJob job;
+    job.point = n % suite.points.size();
+    job.world = world;
+    (void)compute_job(suite.points[job.point], job, n, {});
+    ++n;
+    seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  }
+  const double each = seconds / static_cast<double>(n);
+  const auto cores = std::max(1U, std::thread::hardware_concurrency());
+  return fmt::format("about {} on {} thread{} ({:.0f} ms a trial, from {} of them)",
+                     duration_text(each * static_cast<double>(all) / cores), cores, cores == 1 ? "" : "s", 1e3 * each,
+                     n);
+}
+
+int check(const SuiteOptions& options, bool calibrate) {
   const Suite suite = options.load();
   std::set<std::string> controllers;
   std::set<std::string> labels;
@@ -35,9 +66,10 @@ int check(const SuiteOptions& options) {
     labels.insert(point.label);
   }
   const Point& first = suite.points.front();
-  std::cout << terminal_safe(fmt::format("{}: {} trials = {} worlds x {} controller{} ({}){}", suite.name,
-                                         suite.trials * suite.points.size(), suite.trials, controllers.size(),
-                                         controllers.size() == 1 ? "" : "s", fmt::join(controllers, ", "),
+  std::cout << terminal_safe(fmt::format("{}: {}{} trials = {} worlds x {} controller{} ({}){}", suite.name,
+                                         suite.until ? "at most " : "", suite.trials * suite.points.size(),
+                                         suite.trials, controllers.size(), controllers.size() == 1 ? "" : "s",
+                                         fmt::join(controllers, ", "),
                                          labels.size() > 1 ? fmt::format(" x {} sweep points", labels.size()) : ""))
             << '\n'
             << terminal_safe(fmt::format("robot {}, {} mode, worlds: {} (seed {})", first.robot->model->name,
@@ -45,6 +77,7 @@ int check(const SuiteOptions& options) {
             << std::endl;
   // The first world shows whether this robot has a place in these worlds at all.
   (void)first.worlds.make(first.robot->model, 0);
+  if (calibrate) std::cout << expected_time(suite) << '\n';
   print_warnings(suite.warnings);
   if (config::load_yaml(options.file).find("tune") != nullptr) {
     const tune::Tuning tuning = tune::load_tuning(options.file, options.overrides());
@@ -61,8 +94,10 @@ void add_check(CLI::App& app, Action& action) {
   auto options = std::make_shared<SuiteOptions>();
   CLI::App* command = app.add_subcommand("check", "Validate a suite without running it");
   options->add_to(*command);
+  auto quick = std::make_shared<bool>(false);
+  command->add_flag("--no-time", *quick, "Does not run a second's worth of trials to say how long all will take");
   command->footer("Example: moma check configs/suites/demo.yaml");
-  command->callback([&action, options] { action = [options] { return check(*options); }; });
+  command->callback([&action, options, quick] { action = [options, quick] { return check(*options, !*quick); }; });
 }
 
 }  // namespace moma::cli

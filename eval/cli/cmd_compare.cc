@@ -23,6 +23,7 @@ struct CompareOptions {
   std::string b;
   std::string suite;
   std::optional<double> margin;
+  double difference = 0.05;
 };
 
 constexpr const char* kMetrics[] = {"time_to_goal_s", "manip_mean",  "clearance_min_m", "command_change_mean",
@@ -172,6 +173,11 @@ int compare(const CompareOptions& options) {
   print_rates({success, compare_rates(pairs, "collision", 2)}, n);
   std::cout << '\n';
   print_metrics(pairs);
+  const double discordant = static_cast<double>(success.only_a + success.only_b) / static_cast<double>(n);
+  std::cout << fmt::format(
+      "\nWorlds needed to see a difference of {:g} percentage points in success, 4 times out of 5: {} ({:.1f} % of the "
+      "worlds are won by one side alone)\n",
+      100 * options.difference, stats::mcnemar_pairs(discordant, options.difference), 100 * discordant);
   if (!options.margin) return kOk;
   const double loss = static_cast<double>(success.a - success.b) / static_cast<double>(n);
   const bool worse = loss > *options.margin;
@@ -195,6 +201,8 @@ void add_compare(CLI::App& app, Action& action) {
       ->add_option("--fail-if-worse", options->margin,
                    "Exit 1 where B's success rate is lower than A's by more than this, e.g. 0.02")
       ->check(CLI::Range(0.0, 1.0));
+  command->add_option("--difference", options->difference, "Says how many worlds show this difference of rates (0.05)")
+      ->check(CLI::Range(0.001, 0.999));
   command->footer("Example: moma compare results/demo.db holistic moma --fail-if-worse 0.02");
   command->callback([&action, options] { action = [options] { return compare(*options); }; });
 }

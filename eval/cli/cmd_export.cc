@@ -9,6 +9,7 @@
 
 #include "eval/cli/command.h"
 #include "eval/cli/table.h"
+#include "eval/store/planner_arena.h"
 #include "eval/store/query.h"
 
 namespace moma::cli {
@@ -57,7 +58,7 @@ void write_file(const fs::path& file, const store::QueryResult& result) {
   }
 }
 
-int export_csv(const fs::path& db, const fs::path& folder) {
+void export_csv(const fs::path& db, const fs::path& folder) {
   std::vector<store::QueryResult> results;  // all are read before the first is written
   for (const Export& file : kFiles) results.push_back(store::query(db, file.sql));
   std::error_code error;
@@ -71,7 +72,12 @@ int export_csv(const fs::path& db, const fs::path& folder) {
     write_file(file, results[i]);
     std::cerr << fmt::format("wrote {} ({} rows)\n", file.string(), results[i].rows.size());
   }
-  return kOk;
+}
+
+void export_arena(const fs::path& db, const fs::path& file) {
+  const store::PlannerArenaSummary summary = store::export_planner_arena(db, file);
+  std::cerr << fmt::format("wrote {}: {} experiments, {} planner configurations, {} runs, {} progress rows\n",
+                           file.string(), summary.experiments, summary.planners, summary.runs, summary.progress);
 }
 
 }  // namespace
@@ -80,13 +86,25 @@ void add_export(CLI::App& app, Action& action) {
   struct Options {
     fs::path file;
     fs::path csv;
+    fs::path arena;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("export", "Write a store's views and tables as flat CSV files");
+  CLI::App* command = app.add_subcommand("export", "Write a store as flat CSV files, or for Planner Arena");
   command->add_option("DB", options->file, "Store")->required();
-  command->add_option("--csv", options->csv, "Folder for the files, made if missing")->required();
-  command->footer("Example: moma export results/demo.db --csv results/demo-csv");
-  command->callback([&action, options] { action = [options] { return export_csv(options->file, options->csv); }; });
+  command->add_option("--csv", options->csv, "Folder for the files, made if missing");
+  command->add_option("--planner-arena", options->arena, "File to write: OMPL's benchmark database");
+  command->footer(
+      "Examples: moma export results/demo.db --csv results/demo-csv\n"
+      "          moma export results/demo.db --planner-arena results/demo-arena.db   (see plannerarena.org)");
+  command->callback([&action, options] {
+    action = [options] {
+      if (options->csv.empty() && options->arena.empty())
+        throw UsageError("export: says nothing to write; give --csv FOLDER or --planner-arena FILE");
+      if (!options->csv.empty()) export_csv(options->file, options->csv);
+      if (!options->arena.empty()) export_arena(options->file, options->arena);
+      return static_cast<int>(kOk);
+    };
+  });
 }
 
 }  // namespace moma::cli
