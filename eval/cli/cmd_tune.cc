@@ -20,6 +20,7 @@
 #include "eval/store/build_info.h"
 #include "eval/store/database.h"
 #include "eval/store/machine.h"
+#include "eval/store/run_lock.h"
 #include "eval/store/writer.h"
 #include "eval/tune/held_out.h"
 #include "eval/tune/stored_search.h"
@@ -72,6 +73,8 @@ class Tune {
 
   int execute() {
     const InterruptGuard interrupt;
+    const store::RunLock lock(file_, InterruptGuard::flag(), [&](const std::string& words) { note(words); });
+    if (!lock.held()) return stopped("the wait for the store");
     {  // now rather than after half an hour
       std::ofstream probe(gains_, std::ios::app);
       if (!probe)
@@ -99,6 +102,12 @@ class Tune {
   }
 
  private:
+  /// A search has no use for the suite's own metrics, and a trial without their values would count as missing.
+  static store::SuiteRecord without_metrics(store::SuiteRecord suite) {
+    suite.metrics.clear();
+    return suite;
+  }
+
   void note(const std::string& text) const {
     if (!options_.quiet) std::cerr << terminal_safe(text) << std::endl;
   }
@@ -113,7 +122,7 @@ class Tune {
     store::Writer writer(file_);
     const std::string warning = store::file_system_warning(file_);
     if (!warning.empty()) print_warnings({warning});
-    writer.begin(store::describe(tune::searched_suite(tuning_)), {options_.arguments, threads_}, {});
+    writer.begin(without_metrics(store::describe(tune::searched_suite(tuning_))), {options_.arguments, threads_}, {});
     store::TuneRecords records(writer, tune::search_record(tuning_));
     if (records.present() > 0) note(fmt::format("{} evaluations are stored: going on from there", records.present()));
     tune::StoredTrials trials(writer);
@@ -160,7 +169,8 @@ class Tune {
     std::vector<store::Wanted> wanted;
     for (const BatchJob& job : held_out.jobs) wanted.push_back({job.point, job.world, job.key});
     store::Writer writer(file_);
-    const auto present = writer.begin(store::describe(held_out.suite), {options_.arguments, threads_}, wanted);
+    const auto present =
+        writer.begin(without_metrics(store::describe(held_out.suite)), {options_.arguments, threads_}, wanted);
     std::unordered_map<std::string, TrialRow> rows;
     for (const std::string& key : present) rows.emplace(key, *writer.find(key));
     note(fmt::format("held-out worlds: {} trials, {} of them already there", held_out.jobs.size(), present.size()));
