@@ -118,7 +118,7 @@ TEST_F(ControllerFile, RoundTripIsExact) {
   for (int trial = 0; trial < 100; ++trial) {
     ControllerParams p;
     p.method = static_cast<Method>(rng() % 4);
-    p.servo = {uniform(rng, 0, 5), uniform(rng, 0, 5), rng() % 2 ? kInfinity : uniform(rng, 0.1, 2), kInfinity};
+    p.servo = {uniform(rng, 0, 5), uniform(rng, 0, 5), rng() % 2 ? kInfinity : uniform(rng, 0.1, 2), kInfinity, {}};
     p.error_norm = {static_cast<ErrorNormKind>(rng() % 3), 1e-3 / 3, 10.0 / 3, uniform(rng, 0, 1)};
     p.base_weight = rng() % 2 ? Weight{} : Weight{false, uniform(rng, 0, 1)};
     p.lambda_q = VectorX::NullaryExpr(7, [&] { return uniform(rng, 0.01, 0.1); });
