@@ -33,7 +33,7 @@ struct ServoParams {
   double orientation = 1.95;
   double max_linear = kInfinity;
   double max_angular = kInfinity;
-  VortexParams vortex;
+  VortexParams vortex = {};
 };
 
 /// ||e|| in the weights, clamped to [min, max]; `scale` [m/rad] enters the pose norm only.

@@ -92,7 +92,7 @@ void CollisionRows::add(const Kinematics& kinematics, Proximity& proximity, std:
     for (std::size_t i = 0; i < kept; ++i) {
       if (sorted_[i].kind != kind) continue;
       if (!fill(kinematics, sorted_[i], states, 0, problem)) ++left_out_;
-      if (kind == PairKind::kObject && sorted_[i].distance.d < params_.end_rows)
+      if (kind == PairKind::kObject && params_.end_rows > 0.0 && sorted_[i].distance.d < params_.end_rows)
         add_ends(kinematics, proximity, sorted_[i], states, problem);
     }
   }

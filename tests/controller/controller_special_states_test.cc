@@ -5,6 +5,7 @@
 
 #include "controller/config/controller_file.h"
 #include "controller/controller.h"
+#include "controller/qp/end_rows.h"
 #include "tests/support/robots.h"
 
 namespace moma {
@@ -190,7 +191,8 @@ TEST_P(SpecialStates, TwoHundredObjects) {
     seen_.objects.push_back(state);
   }
   step("200 objects");
-  EXPECT_LE(result_.rows, 6 + params_.collision.max_pairs + 2);
+  const int per_pair = params_.collision.end_rows > 0.0 ? 1 + kMaxEnds : 1;
+  EXPECT_LE(result_.rows, 6 + params_.collision.max_pairs * per_pair + 2);
 }
 
 }  // namespace

@@ -323,7 +323,7 @@ for (const [kind, worlds] of [['empty', 0], ['one', 1], ['failures', 16], ['swee
   await page.locator('.transport .play').click();
   sql("INSERT INTO point_trial SELECT * FROM kept; DROP TABLE kept; UPDATE invocation SET status = 'finished';");
   await page.waitForFunction(() => document.querySelector('#trials footer .note').textContent.startsWith('40'));
-  check((await page.locator('.summary tbody tr:last-child td').first().innerText()) === '20', 'the summary has followed');
+  check((await page.locator('.summary tbody tr').last().locator('td').first().innerText()) === '20', 'the summary has followed');
   check((await page.locator('.live').innerText()).includes('no run is going on'), 'the end of the run is told');
   server.kill('SIGTERM');
   check((await ended) === 0, 'the server ends cleanly');
