@@ -49,9 +49,9 @@ struct UserMetrics::Evaluator {
 
   Evaluator(const std::vector<std::pair<std::string, std::string>>& metrics, Eigen::Index q, Eigen::Index v) {
     sqlite3* raw = nullptr;
-    const int code = sqlite3_open(":memory:", &raw);
+    const int opened = sqlite3_open(":memory:", &raw);
     connection.reset(raw);
-    if (code != SQLITE_OK) throw MetricError("metrics: no memory for a table of samples");
+    if (opened != SQLITE_OK) throw MetricError("metrics: no memory for a table of samples");
     const std::vector<std::string> names = sample_columns(q, v);
     columns = names.size();
     std::string table = "CREATE TABLE samples (step INTEGER PRIMARY KEY";
