@@ -48,9 +48,9 @@ struct Proximity::Impl {
   std::shared_ptr<const RobotModel> model;
   std::vector<Solid> robot;
   std::vector<Solid> objects;
-  std::optional<ConvexDistance> convex;                            // sized by set_objects()
-  std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_WS;  // of the robot's shapes
-  std::vector<char> usable;                                        // of the objects, in this query
+  std::optional<ConvexDistance> convex;                                  // sized by set_objects()
+  std::vector<Isometry, Eigen::aligned_allocator<Isometry>> robot_X_WS;  // the shapes' frames in the world
+  std::vector<char> usable;                                              // of the objects, in this query
   std::vector<ProximityPair> pairs;
   ConvexGeometry point{Shape{ShapeKind::kSphere, {kPoint, 0.0, 0.0}, nullptr}};
 
@@ -83,7 +83,7 @@ struct Proximity::Impl {
 Proximity::Proximity(std::shared_ptr<const RobotModel> model) : impl_(std::make_unique<Impl>()) {
   impl_->model = std::move(model);
   for (const CollisionShape& shape : impl_->model->shapes) impl_->robot.emplace_back(shape.shape);
-  impl_->X_WS.resize(impl_->robot.size(), Isometry::Identity());
+  impl_->robot_X_WS.resize(impl_->robot.size(), Isometry::Identity());
   set_objects({});
 }
 
@@ -112,8 +112,8 @@ std::span<const ProximityPair> Proximity::query(const Kinematics& kinematics, st
   const std::vector<CollisionShape>& shapes = impl.model->shapes;
   impl.pairs.clear();
   for (std::size_t i = 0; i < shapes.size(); ++i) {
-    impl.X_WS[i] = kinematics.X_WS(shapes[i]);
-    if (!is_pose(impl.X_WS[i])) return {};
+    impl.robot_X_WS[i] = kinematics.X_WS(shapes[i]);
+    if (!is_pose(impl.robot_X_WS[i])) return {};
   }
 
   if (ranges.object >= 0.0) {
@@ -122,7 +122,7 @@ std::span<const ProximityPair> Proximity::query(const Kinematics& kinematics, st
     for (std::size_t i = 0; i < shapes.size(); ++i) {
       for (std::size_t j = 0; j < count; ++j) {
         if (impl.usable[j] == 0) continue;
-        impl.try_pair(PairKind::kObject, static_cast<int>(i), impl.robot[i], impl.X_WS[i], static_cast<int>(j),
+        impl.try_pair(PairKind::kObject, static_cast<int>(i), impl.robot[i], impl.robot_X_WS[i], static_cast<int>(j),
                       impl.objects[j], states[j].X_WO, ranges.object);
       }
     }
@@ -130,9 +130,9 @@ std::span<const ProximityPair> Proximity::query(const Kinematics& kinematics, st
   if (ranges.floor >= 0.0) {
     for (std::size_t i = 0; i < shapes.size(); ++i) {
       if (shapes[i].rigid_with_base) continue;
-      if (!(impl.X_WS[i].translation().z() - impl.robot[i].radius < ranges.floor)) continue;
+      if (!(impl.robot_X_WS[i].translation().z() - impl.robot[i].radius < ranges.floor)) continue;
       Distance distance;
-      distance.d = lowest_point(shapes[i].shape, impl.X_WS[i], &distance.p_first_W);
+      distance.d = lowest_point(shapes[i].shape, impl.robot_X_WS[i], &distance.p_first_W);
       distance.p_second_W = distance.p_first_W;
       distance.p_second_W.z() = 0.0;
       if (distance.d < ranges.floor) impl.pairs.push_back({PairKind::kFloor, static_cast<int>(i), -1, distance});
@@ -143,8 +143,8 @@ std::span<const ProximityPair> Proximity::query(const Kinematics& kinematics, st
       if (!pair.row) continue;
       const auto a = static_cast<std::size_t>(pair.first);
       const auto b = static_cast<std::size_t>(pair.second);
-      impl.try_pair(PairKind::kSelf, pair.first, impl.robot[a], impl.X_WS[a], pair.second, impl.robot[b], impl.X_WS[b],
-                    ranges.self);
+      impl.try_pair(PairKind::kSelf, pair.first, impl.robot[a], impl.robot_X_WS[a], pair.second, impl.robot[b],
+                    impl.robot_X_WS[b], ranges.self);
     }
   }
   return impl.pairs;
@@ -152,7 +152,7 @@ std::span<const ProximityPair> Proximity::query(const Kinematics& kinematics, st
 
 Distance Proximity::ball_to_robot(const Vector3& centre_W, double radius, int shape) noexcept {
   const auto i = static_cast<std::size_t>(shape);
-  return impl_->ball(centre_W, radius, impl_->robot[i], impl_->X_WS[i]);
+  return impl_->ball(centre_W, radius, impl_->robot[i], impl_->robot_X_WS[i]);
 }
 
 Distance Proximity::ball_to_object(const Vector3& centre_W, double radius, int object, const Isometry& X_WO) noexcept {
