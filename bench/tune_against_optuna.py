@@ -6,11 +6,14 @@ Both are judged on the same held-out worlds. Needs `pip install optuna` (any env
     python3 bench/tune_against_optuna.py --moma build/moma --trials 12000 --seeds 5
 
 Optuna evaluates each candidate by `moma run` on all worlds of the search, as a user would; its store is the same
-kind of file, so that the objective is one SQL expression over v_trials. Prints a Markdown table.
+kind of file, so that the objective is one SQL expression over v_trials. With --racing, moma tune runs twice more: without
+cutting candidates short on the same budget, and cutting them short on 70 % of it. Prints a Markdown table.
 """
 import argparse
 import math
+import os
 import pathlib
+import re
 import sqlite3
 import subprocess
 import sys
@@ -34,11 +37,13 @@ def arguments():
     parser.add_argument("--worlds", type=int, default=100, help="per candidate")
     parser.add_argument("--held-out", type=int, default=1000)
     parser.add_argument("--seeds", type=int, default=5)
+    parser.add_argument("--threads", type=int, default=os.cpu_count())
+    parser.add_argument("--racing", action="store_true", help="show what cutting short saves")
     return parser.parse_args()
 
 
 def moma(options, *words):
-    done = subprocess.run([options.moma, *words], capture_output=True, text=True)
+    done = subprocess.run([options.moma, *words, "--threads", str(options.threads)], capture_output=True, text=True)
     if done.returncode != 0:
         sys.exit(f"{' '.join(words)}\n{done.stderr}")
     return done.stdout
@@ -50,13 +55,12 @@ def variables(db):
         return store.execute("SELECT key, lower, upper, scale, start, found FROM tune_variable ORDER BY variable").fetchall()
 
 
-def tune(options, folder, seed):
-    db = folder / f"tune-{seed}.db"
+def tune(options, db, seed, trials, *words):
     begin = time.monotonic()
-    moma(options, "tune", options.suite, "-o", str(db), "--gains", str(folder / f"tuned-{seed}.yaml"), "--no-verdict", "-q",
-         "--set", f"tune.seed={seed}", "--set", f"tune.budget.trials={options.trials}",
+    moma(options, "tune", options.suite, "-o", str(db), "--gains", str(db.with_suffix(".yaml")), "--no-verdict", "-q",
+         "--set", f"tune.seed={seed}", "--set", f"tune.budget.trials={trials}",
          "--set", f"tune.worlds={options.worlds}", "--set", f"tune.objective={OBJECTIVE}",
-         "--set", "tune.constraints=null", "--set", "tune.sensitivity=none")
+         "--set", "tune.constraints=null", "--set", "tune.sensitivity=none", *words)
     seconds = time.monotonic() - begin
     return {key: found for key, *_, found in variables(db)}, seconds
 
@@ -102,15 +106,21 @@ def held_out(options, folder, name, gains):
 def main():
     options = arguments()
     rows = []
-    with tempfile.TemporaryDirectory() as name:
-        folder = pathlib.Path(name)
+    with tempfile.TemporaryDirectory() as path:
+        folder = pathlib.Path(path)
         for seed in range(1, options.seeds + 1):
-            found, seconds = tune(options, folder, seed)
-            rows.append(("moma tune", seed, seconds, held_out(options, folder, f"moma-{seed}", found)))
-            space = variables(folder / f"tune-{seed}.db")
-            found, seconds = optuna_search(options, folder, seed, space)
-            rows.append(("Optuna TPE", seed, seconds, held_out(options, folder, f"optuna-{seed}", found)))
-            print(f"seed {seed} done", file=sys.stderr)
+            db = folder / f"tune-{seed}.db"
+            searches = {"moma tune": lambda: tune(options, db, seed, options.trials),
+                        "Optuna TPE": lambda: optuna_search(options, folder, seed, variables(db))}
+            if options.racing:
+                searches["moma tune, 70 % of the trials"] = lambda: tune(
+                    options, folder / f"less-{seed}.db", seed, options.trials * 7 // 10)
+                searches["moma tune, racing: none"] = lambda: tune(
+                    options, folder / f"whole-{seed}.db", seed, options.trials, "--set", "tune.racing=none")
+            for name, search in searches.items():
+                found, seconds = search()
+                rows.append((name, seed, seconds, held_out(options, folder, re.sub(r"\W+", "-", f"{name} {seed}"), found)))
+                print(f"{name}, seed {seed}: {seconds:.0f} s, {rows[-1][3]}", file=sys.stderr)
     families = [row[0] for row in rows[0][3]]
     print("| search | seed | wall time s | " + " | ".join(f"{f}: success %, collisions %, change" for f in families) + " |")
     print("| --- " * (3 + len(families)) + "|")
@@ -118,7 +128,7 @@ def main():
         cells = [f"{100 * s:.1f} [{100 * low:.1f}, {100 * high:.1f}], {100 * c:.1f}, {change:.3f}"
                  for _, _, s, low, high, c, change in result]
         print(f"| {search} | {seed} | {seconds:.0f} | " + " | ".join(cells) + " |")
-    for search in ("moma tune", "Optuna TPE"):
+    for search in searches:
         means = [sum(r[3][i][2] for r in rows if r[0] == search) / options.seeds for i in range(len(families))]
         spread = [math.sqrt(sum((r[3][i][2] - m) ** 2 for r in rows if r[0] == search) / max(1, options.seeds - 1))
                   for i, m in enumerate(means)]

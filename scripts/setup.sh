@@ -18,7 +18,7 @@ packages=(
   nlohmann-json3-dev libcli11-dev libfmt-dev libspdlog-dev librandom123-dev libzstd-dev libxxhash-dev zlib1g-dev
   libcpp-httplib-dev
   libopenmpi-dev openmpi-bin
-  libgtest-dev librapidcheck-dev libbenchmark-dev clang-format
+  libgtest-dev librapidcheck-dev libbenchmark-dev clang-format sqlite3
 )
 missing=()
 for package in "${packages[@]}"; do

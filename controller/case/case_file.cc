@@ -3,6 +3,7 @@
 #include <cmath>
 #include <set>
 
+#include "controller/config/controller_escape.h"
 #include "controller/config/controller_file.h"
 #include "controller/config/reader.h"
 
@@ -101,7 +102,7 @@ void read_objects(const Node& node, ControlCase& out) {
 
 void read_state(const Node& node, const RobotModel& model, Observation& out, EscapeState& escape) {
   MapReader in(node, "state");
-  if (const Node* remembered = in.get("escape")) escape = read_escape_state(*remembered, in.key_of("escape"));
+  if (const Node* remembered = in.get("escape")) escape = config::read_escape_state(*remembered, in.key_of("escape"));
   // A fixed base may stand anywhere, but it has to stand somewhere only where it can move.
   if (model.base.type != BaseType::kFixed) in.require("base", "[x, y, phi] of the base in metres and radians");
   if (const Node* base = in.get("base")) out.base = read_vector3(*base, in.key_of("base"));
@@ -123,21 +124,6 @@ void read_goal(const Node& node, GoalState& out) {
 }
 
 }  // namespace
-
-EscapeState read_escape_state(const Node& node, const std::string& key) {
-  EscapeState state;
-  MapReader in(node, key);
-  in.read("best", state.best);
-  in.read("idle", state.idle, Range::non_negative());
-  in.read("stagnations", state.stagnations, 0, 1000000000);
-  in.read("side", state.side, -1, 1);
-  in.read("detour", state.detour);
-  in.read("remaining", state.remaining);
-  if (const Node* target = in.get("target")) state.target_W = read_vector3(*target, in.key_of("target"));
-  in.read("circulation", state.circulation, -1, 1);
-  in.finish();
-  return state;
-}
 
 Isometry read_pose(const Node& position, const Node& quaternion, const std::string& key) {
   Isometry X = Isometry::Identity();

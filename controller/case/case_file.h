@@ -35,10 +35,6 @@ ControlCase read_case(const config::Node& root);
 /// `name` may be absent: "object" and its index then.
 void read_object(const config::Node& node, const std::string& key, int index, ObjectShape& shape, ObjectState& state);
 
-/// `state.escape`, any part of which may be absent: {best, idle, stagnations, side, detour, remaining, target,
-/// circulation}, as a trace of `moma replay --json` has it.
-EscapeState read_escape_state(const config::Node& node, const std::string& key);
-
 /// A pose written as `position` and `quaternion` (w x y z).
 Isometry read_pose(const config::Node& position, const config::Node& quaternion, const std::string& key);
 

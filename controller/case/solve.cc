@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "controller/case/case_step.h"
+#include "controller/config/controller_escape.h"
 #include "controller/qp/solver.h"
 
 namespace moma {
@@ -32,18 +33,6 @@ Json pose(const Isometry& X) {
   Eigen::Quaterniond q(X.linear());
   if (q.w() < 0.0) q.coeffs() = -q.coeffs();
   return {{"position", numbers(X.translation())}, {"quaternion", {q.w(), q.x(), q.y(), q.z()}}};
-}
-
-// After the step, as the next one's `state.escape`.
-Json escape(const EscapeState& state) {
-  return {{"best", number(state.best)},
-          {"idle", number(state.idle)},
-          {"stagnations", state.stagnations},
-          {"side", state.side},
-          {"detour", state.detour},
-          {"remaining", number(state.remaining)},
-          {"target", numbers(state.target_W)},
-          {"circulation", state.circulation}};
 }
 
 Json distance(const ProximityPair& pair, const Controller& controller) {
@@ -116,7 +105,7 @@ nlohmann::ordered_json solve(const ControlCase& control_case) {
   out["wheels"] = numbers(controller.wheels());
   out["kkt_residual"] = has_solution(step) ? number(check_stage(step).report.residual()) : Json();
   out["iterations"] = result.iterations;
-  out["escape"] = escape(controller.escape_state());
+  out["escape"] = config::to_json(controller.escape_state());  // the next step's `state.escape`
   return out;
 }
 

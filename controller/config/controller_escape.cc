@@ -54,6 +54,35 @@ void read_vortex(MapReader& in, VortexParams& v) {
   m.finish();
 }
 
+EscapeState read_escape_state(const Node& node, const std::string& key) {
+  EscapeState state;
+  MapReader in(node, key);
+  in.read("best", state.best);
+  in.read("idle", state.idle, Range::non_negative());
+  in.read("stagnations", state.stagnations, 0, 1000000000);
+  in.read("side", state.side, -1, 1);
+  in.read("detour", state.detour);
+  in.read("remaining", state.remaining);
+  if (const Node* target = in.get("target")) {
+    const std::vector<double> p = read_numbers(*target, in.key_of("target"), 3);
+    state.target_W << p[0], p[1], p[2];
+  }
+  in.read("circulation", state.circulation, -1, 1);
+  in.finish();
+  return state;
+}
+
+nlohmann::ordered_json to_json(const EscapeState& s) {
+  return {{"best", s.best},
+          {"idle", s.idle},
+          {"stagnations", s.stagnations},
+          {"side", s.side},
+          {"detour", s.detour},
+          {"remaining", s.remaining},
+          {"target", {s.target_W.x(), s.target_W.y(), s.target_W.z()}},
+          {"circulation", s.circulation}};
+}
+
 nlohmann::ordered_json to_json(const EscapeParams& e) {
   return {{"enabled", e.enabled},
           {"scale", number_to_json(e.scale)},

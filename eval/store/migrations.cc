@@ -11,7 +11,7 @@
 namespace moma::store {
 
 extern const char* const kSchemaSql;
-
+extern const char* const kViewsSql;
 extern const char* const kMigrate1To2Sql;
 
 std::span<const Migration> migrations() noexcept {
@@ -26,6 +26,7 @@ void create_schema(SQLite::Database& db) {
   // Another process may have been quicker between the look at the file and the lock.
   if (schema_version(db) != 0) return;
   db.exec(kSchemaSql);
+  db.exec(kViewsSql);
   db.exec(fmt::format("PRAGMA application_id = {}", kApplicationId));
   db.exec(fmt::format("PRAGMA user_version = {}", kSchemaVersion));
   transaction.commit();
@@ -39,6 +40,7 @@ void migrate(SQLite::Database& db, std::span<const Migration> steps, int target)
     db.exec(step->sql);
     db.exec(fmt::format("PRAGMA user_version = {}", version + 1));
   }
+  db.exec(kViewsSql);
   transaction.commit();
 }
 

@@ -23,8 +23,8 @@ int schema_version(SQLite::Database& db);
 /// Makes an empty database into a store of the current version, in one transaction.
 void create_schema(SQLite::Database& db);
 
-/// Applies the steps from the file's version up to `target`, all in one transaction: either all or none happen.
-/// Throws SQLite::Exception; std::logic_error where a step is missing.
+/// Applies the steps from the file's version up to `target` and makes the views anew, all in one transaction: either
+/// all or none happen. Throws SQLite::Exception; std::logic_error where a step is missing.
 void migrate(SQLite::Database& db, std::span<const Migration> steps, int target);
 
 }  // namespace moma::store

@@ -5,44 +5,19 @@
 
 #include <bit>
 #include <cstdint>
-#include <exception>
 #include <map>
 #include <memory>
-#include <new>
-#include <stdexcept>
 #include <string>
 #include <tuple>
 #include <unordered_map>
 #include <vector>
 
+#include "eval/store/statement.h"
+#include "eval/store/virtual_table.h"
+
 // An eponymous virtual table: https://sqlite.org/vtab.html#epovtab.
 namespace moma::store {
 namespace {
-
-struct Finalizer {
-  void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
-};
-using Statement = std::unique_ptr<sqlite3_stmt, Finalizer>;
-
-Statement prepare(sqlite3* connection, const char* sql) {
-  sqlite3_stmt* raw = nullptr;
-  if (sqlite3_prepare_v2(connection, sql, -1, &raw, nullptr) != SQLITE_OK)
-    throw std::runtime_error(sqlite3_errmsg(connection));
-  return Statement(raw);
-}
-
-/// The next row; false at the end.
-bool step(sqlite3* connection, sqlite3_stmt* statement) {
-  const int code = sqlite3_step(statement);
-  if (code == SQLITE_ROW) return true;
-  if (code == SQLITE_DONE) return false;
-  throw std::runtime_error(sqlite3_errmsg(connection));
-}
-
-std::string text(sqlite3_stmt* statement, int column) {
-  const auto* words = reinterpret_cast<const char*>(sqlite3_column_text(statement, column));
-  return words == nullptr ? std::string() : words;
-}
 
 using Words = std::vector<std::uint64_t>;
 
@@ -76,15 +51,18 @@ struct Cursor : sqlite3_vtab_cursor {
   std::vector<PointBits> points;
   WorldOrder worlds;
   std::vector<Row> rows;
-  std::size_t row = 0;
+  std::int64_t row = 0;
+
+  std::int64_t size() const { return static_cast<std::int64_t>(rows.size()); }
 };
+using PairCounts = VirtualTable<Table, Cursor>;
 
 WorldOrder read_worlds(sqlite3* connection) {
   WorldOrder order;
-  const Statement query = prepare(connection, "SELECT id, family FROM world ORDER BY family, id");
+  const StatementPtr query = prepare_statement(connection, "SELECT id, family FROM world ORDER BY family, id");
   std::size_t next = 0;
   while (step(connection, query.get())) {
-    std::string family = text(query.get(), 1);
+    std::string family = column_text(query.get(), 1);
     if (order.families.empty() || order.families.back() != family) {
       next = (next + 63) / 64 * 64;
       order.families.push_back(std::move(family));
@@ -99,16 +77,19 @@ WorldOrder read_worlds(sqlite3* connection) {
 std::vector<PointBits> read_points(sqlite3* connection, const WorldOrder& worlds) {
   std::vector<PointBits> points;
   std::map<std::int64_t, std::size_t> place;
-  const Statement query = prepare(connection,
-                                  "SELECT p.id, s.name, p.mode, p.controller, p.label, p.suite_id, p.robot_id "
-                                  "FROM point AS p JOIN suite AS s ON s.id = p.suite_id ORDER BY p.id");
+  const StatementPtr query =
+      prepare_statement(connection,
+                        "SELECT p.id, s.name, p.mode, p.controller, p.label, p.suite_id, p.robot_id "
+                        "FROM point AS p JOIN suite AS s ON s.id = p.suite_id ORDER BY p.id");
   while (step(connection, query.get())) {
     place.emplace(sqlite3_column_int64(query.get(), 0), points.size());
-    points.push_back({text(query.get(), 1), text(query.get(), 2), text(query.get(), 3), text(query.get(), 4),
-                      sqlite3_column_int64(query.get(), 5), sqlite3_column_int64(query.get(), 6),
-                      Words(worlds.first_word.back(), 0), Words(worlds.first_word.back(), 0)});
+    points.push_back({column_text(query.get(), 1), column_text(query.get(), 2), column_text(query.get(), 3),
+                      column_text(query.get(), 4), sqlite3_column_int64(query.get(), 5),
+                      sqlite3_column_int64(query.get(), 6), Words(worlds.first_word.back(), 0),
+                      Words(worlds.first_word.back(), 0)});
   }
-  const Statement trials = prepare(connection, "SELECT point_id, world_id, outcome = 'success' FROM point_trial");
+  const StatementPtr trials =
+      prepare_statement(connection, "SELECT point_id, world_id, outcome = 'success' FROM point_trial");
   while (step(connection, trials.get())) {
     PointBits& point = points.at(place.at(sqlite3_column_int64(trials.get(), 0)));
     const std::size_t bit = worlds.bit.at(sqlite3_column_int64(trials.get(), 1));
@@ -140,25 +121,17 @@ void count(Cursor& cursor) {
 }
 
 int connect(sqlite3* connection, void* /*data*/, int /*argc*/, const char* const* /*argv*/, sqlite3_vtab** out,
-            char** /*error*/) {
-  auto* table = new (std::nothrow) Table;
-  if (table == nullptr) return SQLITE_NOMEM;
-  table->connection = connection;
-  const int code = sqlite3_declare_vtab(connection,
-                                        "CREATE TABLE pair_counts (suite TEXT, family TEXT, mode TEXT, "
-                                        "controller_a TEXT, point_a TEXT, controller_b TEXT, point_b TEXT, "
-                                        "n INTEGER, both INTEGER, only_a INTEGER, only_b INTEGER, neither INTEGER)");
-  if (code != SQLITE_OK) {
-    delete table;
+            char** error) {
+  return guarded(*error, [&] {
+    auto table = std::make_unique<Table>();
+    table->connection = connection;
+    const int code = sqlite3_declare_vtab(connection,
+                                          "CREATE TABLE pair_counts (suite TEXT, family TEXT, mode TEXT, "
+                                          "controller_a TEXT, point_a TEXT, controller_b TEXT, point_b TEXT, "
+                                          "n INTEGER, both INTEGER, only_a INTEGER, only_b INTEGER, neither INTEGER)");
+    if (code == SQLITE_OK) *out = table.release();
     return code;
-  }
-  *out = table;
-  return SQLITE_OK;
-}
-
-int disconnect(sqlite3_vtab* table) {
-  delete static_cast<Table*>(table);
-  return SQLITE_OK;
+  });
 }
 
 int best_index(sqlite3_vtab* /*table*/, sqlite3_index_info* info) {
@@ -166,49 +139,22 @@ int best_index(sqlite3_vtab* /*table*/, sqlite3_index_info* info) {
   return SQLITE_OK;
 }
 
-int open(sqlite3_vtab* /*table*/, sqlite3_vtab_cursor** out) {
-  auto* cursor = new (std::nothrow) Cursor;
-  *out = cursor;
-  return cursor == nullptr ? SQLITE_NOMEM : SQLITE_OK;
-}
-
-int close(sqlite3_vtab_cursor* cursor) {
-  delete static_cast<Cursor*>(cursor);
-  return SQLITE_OK;
-}
-
 int filter(sqlite3_vtab_cursor* base, int /*number*/, const char* /*text*/, int /*argc*/, sqlite3_value** /*argv*/) {
-  auto& cursor = *static_cast<Cursor*>(base);
-  sqlite3* const connection = static_cast<const Table*>(base->pVtab)->connection;
-  try {
+  Cursor& cursor = PairCounts::cursor(base);
+  sqlite3* const connection = PairCounts::table(base->pVtab).connection;
+  return guarded(base->pVtab->zErrMsg, [&] {
     cursor.rows.clear();
     cursor.row = 0;
     cursor.worlds = read_worlds(connection);
     cursor.points = read_points(connection, cursor.worlds);
     count(cursor);
     return SQLITE_OK;
-  } catch (const std::bad_alloc&) {
-    return SQLITE_NOMEM;
-  } catch (const std::exception& failure) {
-    sqlite3_free(base->pVtab->zErrMsg);
-    base->pVtab->zErrMsg = sqlite3_mprintf("%s", failure.what());
-    return SQLITE_ERROR;
-  }
-}
-
-int next(sqlite3_vtab_cursor* base) {
-  ++static_cast<Cursor*>(base)->row;
-  return SQLITE_OK;
-}
-
-int at_end(sqlite3_vtab_cursor* base) {
-  const auto& cursor = *static_cast<const Cursor*>(base);
-  return cursor.row >= cursor.rows.size() ? 1 : 0;
+  });
 }
 
 int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int index) {
-  const auto& cursor = *static_cast<const Cursor*>(base);
-  const Row& r = cursor.rows[cursor.row];
+  const Cursor& cursor = PairCounts::cursor(base);
+  const Row& r = cursor.rows[static_cast<std::size_t>(cursor.row)];
   const std::string* const texts[] = {
       &r.a->suite, &cursor.worlds.families[r.family], &r.a->mode, &r.a->controller, &r.a->label, &r.b->controller,
       &r.b->label};
@@ -221,23 +167,12 @@ int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int index) {
   return SQLITE_OK;
 }
 
-int rowid(sqlite3_vtab_cursor* base, sqlite3_int64* out) {
-  *out = static_cast<sqlite3_int64>(static_cast<const Cursor*>(base)->row);
-  return SQLITE_OK;
-}
-
 sqlite3_module make_module() {
-  sqlite3_module module{};  // without xCreate: there is one such table, under the module's name
+  sqlite3_module module = PairCounts::module();  // without xCreate: there is one such table, under the module's name
   module.xConnect = &connect;
   module.xBestIndex = &best_index;
-  module.xDisconnect = &disconnect;
-  module.xOpen = &open;
-  module.xClose = &close;
   module.xFilter = &filter;
-  module.xNext = &next;
-  module.xEof = &at_end;
   module.xColumn = &column;
-  module.xRowid = &rowid;
   return module;
 }
 

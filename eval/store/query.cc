@@ -6,19 +6,14 @@
 #include <sqlite3.h>
 
 #include <cstring>
-#include <memory>
 
 #include "eval/store/database.h"
 #include "eval/store/pair_counts.h"
 #include "eval/store/samples_function.h"
+#include "eval/store/statement.h"
 
 namespace moma::store {
 namespace {
-
-struct Finalizer {
-  void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
-};
-using StatementPtr = std::unique_ptr<sqlite3_stmt, Finalizer>;
 
 /// Read-only opening already forbids changes to the file; this forbids reaching other files.
 int authorize(void* /*unused*/, int action, const char* first, const char* second, const char* /*database*/,
@@ -78,7 +73,7 @@ Cell read_cell(sqlite3_stmt* statement, int i) {
   }
 }
 
-StatementPtr prepare(sqlite3* handle, const std::string& sql) {
+StatementPtr prepare_query(sqlite3* handle, const std::string& sql) {
   sqlite3_stmt* raw = nullptr;
   const char* tail = nullptr;
   if (sqlite3_prepare_v2(handle, sql.c_str(), static_cast<int>(sql.size() + 1), &raw, &tail) != SQLITE_OK) {
@@ -108,7 +103,7 @@ QueryResult query(const std::filesystem::path& file, const std::string& sql) {
     throw explain(error, file, StoreError::Kind::kUnusable);
   }
   sqlite3_set_authorizer(handle, &authorize, nullptr);
-  const StatementPtr statement = prepare(handle, sql);
+  const StatementPtr statement = prepare_query(handle, sql);
   QueryResult result;
   const int columns = sqlite3_column_count(statement.get());
   for (int i = 0; i < columns; ++i) result.columns.emplace_back(sqlite3_column_name(statement.get(), i));

@@ -7,26 +7,19 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <cstring>
-#include <exception>
 #include <memory>
-#include <new>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "eval/store/hash.h"
 #include "eval/store/samples.h"
+#include "eval/store/statement.h"
+#include "eval/store/virtual_table.h"
 
-// A virtual table of SQLite's C interface: https://sqlite.org/vtab.html. SQLite calls plain functions with pointers to
-// structures of its own as first members; no exception may leave them.
 namespace moma::store {
 namespace {
-
-struct Finalizer {
-  void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
-};
-using Statement = std::unique_ptr<sqlite3_stmt, Finalizer>;
 
 struct Table : sqlite3_vtab {
   sqlite3* connection = nullptr;
@@ -39,26 +32,22 @@ struct Cursor : sqlite3_vtab_cursor {
   std::vector<int> place;  // of each declared column among those of the samples; -1: has none
   std::int64_t n = 0;
   std::int64_t row = 0;
-};
 
-Statement prepare(sqlite3* connection, const char* sql) {
-  sqlite3_stmt* raw = nullptr;
-  if (sqlite3_prepare_v2(connection, sql, -1, &raw, nullptr) != SQLITE_OK)
-    throw std::runtime_error(sqlite3_errmsg(connection));
-  return Statement(raw);
-}
+  std::int64_t size() const { return n; }
+};
+using Samples = VirtualTable<Table, Cursor>;
 
 /// The columns of all robots' samples, in the order in which they appear. All trials of a robot have the same.
 std::vector<std::string> known_columns(sqlite3* connection) {
-  const Statement query =
-      prepare(connection,
-              "SELECT (SELECT x.columns FROM main.point AS p JOIN main.point_trial AS m "
-              "ON m.point_id = p.id JOIN main.samples AS x ON x.key = m.key WHERE p.robot_id = r.id "
-              "AND x.n > 0 LIMIT 1) FROM main.robot AS r WHERE EXISTS (SELECT 1 FROM main.samples)");
+  const StatementPtr query =
+      prepare_statement(connection,
+                        "SELECT (SELECT x.columns FROM main.point AS p JOIN main.point_trial AS m "
+                        "ON m.point_id = p.id JOIN main.samples AS x ON x.key = m.key WHERE p.robot_id = r.id "
+                        "AND x.n > 0 LIMIT 1) FROM main.robot AS r WHERE EXISTS (SELECT 1 FROM main.samples)");
   std::vector<std::string> names;
-  while (sqlite3_step(query.get()) == SQLITE_ROW) {
-    const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(query.get(), 0));
-    if (text == nullptr) continue;
+  while (step(connection, query.get())) {
+    const std::string text = column_text(query.get(), 0);
+    if (text.empty()) continue;
     for (const auto& name : nlohmann::json::parse(text)) {
       const auto word = name.get<std::string>();
       if (std::find(names.begin(), names.end(), word) == names.end()) names.push_back(word);
@@ -90,29 +79,30 @@ std::string find_key(sqlite3* connection, std::string prefix) {
   high.resize(32, 'f');
   const Hash first = hash_from_hex(low);
   const Hash last = hash_from_hex(high);
-  const Statement query =
-      prepare(connection, "SELECT key FROM main.trial WHERE key BETWEEN ? AND ? ORDER BY key LIMIT 2");
+  const StatementPtr query =
+      prepare_statement(connection, "SELECT key FROM main.trial WHERE key BETWEEN ? AND ? ORDER BY key LIMIT 2");
   sqlite3_bind_blob(query.get(), 1, first.data(), static_cast<int>(first.size()), SQLITE_STATIC);
   sqlite3_bind_blob(query.get(), 2, last.data(), static_cast<int>(last.size()), SQLITE_STATIC);
-  if (sqlite3_step(query.get()) != SQLITE_ROW)
+  if (!step(connection, query.get()))
     throw std::runtime_error(fmt::format("samples('{}'): there is no such trial", prefix));
   const std::string key(static_cast<const char*>(sqlite3_column_blob(query.get(), 0)), first.size());
-  if (sqlite3_step(query.get()) == SQLITE_ROW)
+  if (step(connection, query.get()))
     throw std::runtime_error(fmt::format("samples('{}'): several trials begin so; give more digits", prefix));
   return key;
 }
 
 void load(Cursor& cursor, const Table& table) {
   const std::string key = find_key(table.connection, cursor.trial);
-  const Statement query = prepare(table.connection, "SELECT layout, n, columns, data FROM main.samples WHERE key = ?");
+  const StatementPtr query =
+      prepare_statement(table.connection, "SELECT layout, n, columns, data FROM main.samples WHERE key = ?");
   sqlite3_bind_blob(query.get(), 1, key.data(), static_cast<int>(key.size()), SQLITE_STATIC);
   cursor.n = 0;
   cursor.place.assign(table.columns.size(), -1);
-  if (sqlite3_step(query.get()) != SQLITE_ROW) return;  // not kept
+  if (!step(table.connection, query.get())) return;  // not kept
   EncodedSamples encoded;
   encoded.layout = sqlite3_column_int(query.get(), 0);
   encoded.n = sqlite3_column_int64(query.get(), 1);
-  encoded.columns = reinterpret_cast<const char*>(sqlite3_column_text(query.get(), 2));
+  encoded.columns = column_text(query.get(), 2);
   const auto* data = static_cast<const unsigned char*>(sqlite3_column_blob(query.get(), 3));
   encoded.data.assign(data, data + sqlite3_column_bytes(query.get(), 3));
   cursor.samples = decode_table(encoded);
@@ -124,36 +114,20 @@ void load(Cursor& cursor, const Table& table) {
   }
 }
 
-void complain(sqlite3_vtab* table, const char* words) {
-  sqlite3_free(table->zErrMsg);
-  table->zErrMsg = sqlite3_mprintf("%s", words);
-}
-
 int connect(sqlite3* connection, void* /*data*/, int /*argc*/, const char* const* /*argv*/, sqlite3_vtab** out,
             char** error) {
-  try {
+  return guarded(*error, [&] {
     auto table = std::make_unique<Table>();
     table->connection = connection;
     table->columns = known_columns(connection);
     const int code = sqlite3_declare_vtab(connection, declaration(table->columns).c_str());
-    if (code != SQLITE_OK) return code;
-    *out = table.release();
-    return SQLITE_OK;
-  } catch (const std::bad_alloc&) {
-    return SQLITE_NOMEM;
-  } catch (const std::exception& failure) {
-    *error = sqlite3_mprintf("%s", failure.what());
-    return SQLITE_ERROR;
-  }
-}
-
-int disconnect(sqlite3_vtab* table) {
-  delete static_cast<Table*>(table);
-  return SQLITE_OK;
+    if (code == SQLITE_OK) *out = table.release();
+    return code;
+  });
 }
 
 int best_index(sqlite3_vtab* base, sqlite3_index_info* info) {
-  const int hidden = static_cast<int>(static_cast<Table*>(base)->columns.size()) + 1;
+  const int hidden = static_cast<int>(Samples::table(base).columns.size()) + 1;
   for (int i = 0; i < info->nConstraint; ++i) {
     const auto& constraint = info->aConstraint[i];
     if (constraint.iColumn != hidden || constraint.op != SQLITE_INDEX_CONSTRAINT_EQ) continue;
@@ -164,49 +138,25 @@ int best_index(sqlite3_vtab* base, sqlite3_index_info* info) {
     info->estimatedRows = 1000;
     return SQLITE_OK;
   }
-  complain(base, "samples needs a trial, as in samples('06566cfa'); the table of the store is main.samples");
-  return SQLITE_ERROR;
-}
-
-int open(sqlite3_vtab* /*table*/, sqlite3_vtab_cursor** out) {
-  auto* cursor = new (std::nothrow) Cursor;
-  *out = cursor;
-  return cursor == nullptr ? SQLITE_NOMEM : SQLITE_OK;
-}
-
-int close(sqlite3_vtab_cursor* cursor) {
-  delete static_cast<Cursor*>(cursor);
-  return SQLITE_OK;
+  return guarded(base->zErrMsg, []() -> int {
+    throw std::runtime_error(
+        "samples needs a trial, as in samples('06566cfa'); the table of the store is main.samples");
+  });
 }
 
 int filter(sqlite3_vtab_cursor* base, int /*number*/, const char* /*text*/, int argc, sqlite3_value** argv) {
-  auto& cursor = *static_cast<Cursor*>(base);
+  Cursor& cursor = Samples::cursor(base);
   cursor.row = cursor.n = 0;
-  try {
+  return guarded(base->pVtab->zErrMsg, [&] {
     if (argc < 1 || sqlite3_value_type(argv[0]) == SQLITE_NULL) return SQLITE_OK;
     cursor.trial = reinterpret_cast<const char*>(sqlite3_value_text(argv[0]));
-    load(cursor, *static_cast<const Table*>(base->pVtab));
+    load(cursor, Samples::table(base->pVtab));
     return SQLITE_OK;
-  } catch (const std::bad_alloc&) {
-    return SQLITE_NOMEM;
-  } catch (const std::exception& failure) {
-    complain(base->pVtab, failure.what());
-    return SQLITE_ERROR;
-  }
-}
-
-int next(sqlite3_vtab_cursor* base) {
-  ++static_cast<Cursor*>(base)->row;
-  return SQLITE_OK;
-}
-
-int at_end(sqlite3_vtab_cursor* base) {
-  const auto& cursor = *static_cast<const Cursor*>(base);
-  return cursor.row >= cursor.n ? 1 : 0;
+  });
 }
 
 int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int index) {
-  const auto& cursor = *static_cast<const Cursor*>(base);
+  const Cursor& cursor = Samples::cursor(base);
   if (index == 0) {
     sqlite3_result_int64(context, cursor.row);
   } else if (static_cast<std::size_t>(index) > cursor.place.size()) {
@@ -218,25 +168,12 @@ int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int index) {
   return SQLITE_OK;
 }
 
-int rowid(sqlite3_vtab_cursor* base, sqlite3_int64* out) {
-  *out = static_cast<const Cursor*>(base)->row;
-  return SQLITE_OK;
-}
-
 sqlite3_module make_module() {
-  sqlite3_module module{};
-  module.xCreate = &connect;
-  module.xConnect = &connect;
+  sqlite3_module module = Samples::module();
+  module.xCreate = module.xConnect = &connect;
   module.xBestIndex = &best_index;
-  module.xDisconnect = &disconnect;
-  module.xDestroy = &disconnect;
-  module.xOpen = &open;
-  module.xClose = &close;
   module.xFilter = &filter;
-  module.xNext = &next;
-  module.xEof = &at_end;
   module.xColumn = &column;
-  module.xRowid = &rowid;
   return module;
 }
 

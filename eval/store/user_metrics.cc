@@ -7,17 +7,14 @@
 #include <mutex>
 
 #include "eval/store/samples.h"
+#include "eval/store/statement.h"
 
 namespace moma::store {
 namespace {
 
-struct Finalizer {
-  void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
-};
 struct Closer {
   void operator()(sqlite3* connection) const { sqlite3_close(connection); }
 };
-using Statement = std::unique_ptr<sqlite3_stmt, Finalizer>;
 
 constexpr int kCheckEvery = 10000;  // steps of SQLite's machine
 constexpr int kMostChecks = 1000;
@@ -41,9 +38,9 @@ int authorize(void* /*unused*/, int action, const char* /*first*/, const char* /
 /// One connection in memory with the table of one trial at a time.
 struct UserMetrics::Evaluator {
   std::unique_ptr<sqlite3, Closer> connection;
-  Statement insert;
-  Statement clear;
-  std::vector<Statement> queries;
+  StatementPtr insert;
+  StatementPtr clear;
+  std::vector<StatementPtr> queries;
   std::size_t columns = 0;
   int checks = 0;
 
@@ -70,7 +67,7 @@ struct UserMetrics::Evaluator {
         raw, kCheckEvery, [](void* self) { return ++static_cast<Evaluator*>(self)->checks > kMostChecks ? 1 : 0; },
         this);
     for (const auto& [name, expression] : metrics) {
-      Statement query = prepare(fmt::format("SELECT ({}\n) FROM samples", expression));
+      StatementPtr query = prepare(fmt::format("SELECT ({}\n) FROM samples", expression));
       if (query == nullptr) throw MetricError(fmt::format("metrics.{}: {}", name, sqlite3_errmsg(raw)));
       if (sqlite3_bind_parameter_count(query.get()) > 0)
         throw MetricError(fmt::format("metrics.{}: has an unbound parameter (? or :name)", name));
@@ -92,13 +89,13 @@ struct UserMetrics::Evaluator {
   Evaluator(const Evaluator&) = delete;
   Evaluator& operator=(const Evaluator&) = delete;
 
-  Statement prepare(const std::string& sql) const {
+  StatementPtr prepare(const std::string& sql) const {
     sqlite3_stmt* statement = nullptr;
     const char* tail = nullptr;
     if (sqlite3_prepare_v3(connection.get(), sql.c_str(), -1, SQLITE_PREPARE_PERSISTENT, &statement, &tail) !=
         SQLITE_OK)
       return nullptr;
-    Statement owned(statement);
+    StatementPtr owned(statement);
     return tail != nullptr && *tail != '\0' ? nullptr : std::move(owned);
   }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <span>
 
+#include "controller/config/controller_escape.h"
 #include "eval/suite/sections.h"
 
 namespace moma {
@@ -23,18 +24,6 @@ ordered_json numbers(const Vector& vector) {
   return list;
 }
 
-// As `state.escape` of a case file takes it.
-ordered_json escape_json(const EscapeState& escape) {
-  return {{"best", number(escape.best)},
-          {"idle", number(escape.idle)},
-          {"stagnations", escape.stagnations},
-          {"side", escape.side},
-          {"detour", escape.detour},
-          {"remaining", number(escape.remaining)},
-          {"target", numbers(escape.target_W)},
-          {"circulation", escape.circulation}};
-}
-
 ordered_json sample_json(const Sample& sample) {
   ordered_json json = ordered_json::object();
   json["t"] = sample.t;
@@ -48,7 +37,7 @@ ordered_json sample_json(const Sample& sample) {
   json["least_distance"] = number(sample.least_distance);
   json["status"] = to_string(sample.status);
   json["fallback"] = to_string(sample.fallback);
-  json["escape"] = escape_json(sample.escape);
+  json["escape"] = config::to_json(sample.escape);
   return json;
 }
 

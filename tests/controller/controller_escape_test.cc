@@ -29,12 +29,6 @@ ControllerParams everything() {
   return p;
 }
 
-std::vector<ObjectShape> objects(Rng& rng, int count) {
-  std::vector<ObjectShape> shapes;
-  for (int i = 0; i < count; ++i) shapes.push_back(random_object(rng, std::string("o") + std::to_string(i)));
-  return shapes;
-}
-
 // A robot that is driven by its own commands among obstacles, for so many steps.
 struct Drive {
   std::shared_ptr<const RobotModel> model;
@@ -47,7 +41,7 @@ struct Drive {
   Drive(std::shared_ptr<const RobotModel> m, const ControllerParams& p, std::uint64_t seed)
       : model(std::move(m)), controller(model, p, 0.02) {
     Rng rng(seed);
-    shapes = objects(rng, 8);
+    shapes = random_objects(rng, 8);
     now = random_observation(*model, shapes.size(), rng, 0.9);
     now.goal.V_WG_W.setZero();
     for (ObjectState& s : now.objects) s.V_WO_W.setZero();
@@ -147,7 +141,7 @@ TEST(ControllerEscape, RandomStepsStayFiniteAndInsideTheirBounds) {
     ControllerParams p = everything();
     p.acceleration_limit = VectorX::Constant(model->num_velocities(), uniform(rng, 2.0, 20.0));
     p.collision.max_pairs = static_cast<int>(rng() % 40);
-    const std::vector<ObjectShape> shapes = objects(rng, static_cast<int>(rng() % 12));
+    const std::vector<ObjectShape> shapes = random_objects(rng, rng() % 12);
     Controller c(model, p, 0.02);
     c.reset(shapes);
     StepResult result;

@@ -66,9 +66,7 @@ TEST(ControllerKkt, OptimalOverRandomStatesAndGains) {
   for (int trial = 0; trial < 1500; ++trial) {
     const auto model = all_robots()[rng() % 3];
     Controller c(model, random_params(*model, rng), 0.02);
-    std::vector<ObjectShape> shapes;
-    for (std::size_t i = 0, n = rng() % 12; i < n; ++i)
-      shapes.push_back(random_object(rng, std::string("o") + std::to_string(i)));
+    const std::vector<ObjectShape> shapes = random_objects(rng, rng() % 12);
     c.reset(shapes);
     StepResult r;
     c.prepare(r);
@@ -103,9 +101,7 @@ TEST(ControllerKkt, SolversAgree) {
   for (int trial = 0; trial < 300; ++trial) {
     const auto model = all_robots()[rng() % 3];
     ControllerParams p = random_params(*model, rng);
-    std::vector<ObjectShape> shapes;
-    for (std::size_t i = 0, n = rng() % 8; i < n; ++i)
-      shapes.push_back(random_object(rng, std::string("o") + std::to_string(i)));
+    const std::vector<ObjectShape> shapes = random_objects(rng, rng() % 8);
     const Observation o = random_observation(*model, shapes.size(), rng);
     double cost = 0.0;
     StepResult first;
@@ -139,8 +135,7 @@ TEST(ControllerKkt, SolversAgree) {
 TEST(ControllerKkt, SameBitsWhateverCameBefore) {
   Rng rng(3);
   const auto model = frankie();
-  std::vector<ObjectShape> shapes;
-  for (int i = 0; i < 8; ++i) shapes.push_back(random_object(rng, std::string("o") + std::to_string(i)));
+  const std::vector<ObjectShape> shapes = random_objects(rng, 8);
   Controller used(model, {}, 0.02);
   used.reset(shapes);
   StepResult a, b;

@@ -30,8 +30,7 @@ TEST(NoAlloc, CountsMallocNewAndEigen) {
 void run(std::shared_ptr<const RobotModel> model, const ControllerParams& params, std::uint64_t seed,
          StepCounters& seen) {
   Rng rng(seed);
-  std::vector<ObjectShape> shapes;
-  for (int i = 0; i < 30; ++i) shapes.push_back(random_object(rng, std::string("o") + std::to_string(i)));
+  const std::vector<ObjectShape> shapes = random_objects(rng, 30);
   Controller controller(model, params, 0.02);
   controller.reset(shapes);
   controller.enable_timing(true);

@@ -71,8 +71,7 @@ Drawn draw() {
   d.model = all_robots()[static_cast<std::size_t>(*rc::gen::inRange(0, 3))];
   d.params = gains(*d.model);
   Rng rng(seed());
-  for (int i = 0, n = *rc::gen::inRange(0, 13); i < n; ++i)
-    d.shapes.push_back(random_object(rng, std::string("o") + std::to_string(i)));
+  d.shapes = random_objects(rng, *rc::gen::inRange<std::size_t>(0, 13));
   d.seen = random_observation(*d.model, d.shapes.size(), rng);
   // Some joints at their limits, or a little beyond them.
   for (int i = 0; i < d.model->num_joints(); ++i) {

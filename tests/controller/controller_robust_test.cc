@@ -14,9 +14,7 @@ class Robust : public ::testing::Test {
  protected:
   void start(ControllerParams params, std::size_t objects, std::uint64_t seed = 21) {
     rng_.seed(seed);
-    shapes_.clear();
-    for (std::size_t i = 0; i < objects; ++i)
-      shapes_.push_back(random_object(rng_, std::string("o") + std::to_string(i)));
+    shapes_ = random_objects(rng_, objects);
     controller_ = std::make_unique<Controller>(model_, std::move(params), 0.02);
     controller_->reset(shapes_);
     controller_->prepare(result_);

@@ -39,11 +39,7 @@ double moved_distance(const RobotModel& model, const std::vector<ObjectShape>& s
     const CollisionShape& second = model.shapes[static_cast<std::size_t>(pair.second)];
     return shape_distance(first.shape, kin.X_WS(first), second.shape, kin.X_WS(second)).d;
   }
-  const ObjectState& s = o.objects[static_cast<std::size_t>(pair.second)];
-  Isometry X = s.X_WO;
-  const Vector3 turn = s.V_WO_W.head<3>() * dt;
-  if (turn.norm() > 0) X.linear() = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * X.linear();
-  X.translation() += s.V_WO_W.tail<3>() * dt;
+  const Isometry X = moved_pose(o.objects[static_cast<std::size_t>(pair.second)], dt);
   return shape_distance(first.shape, kin.X_WS(first), shapes[static_cast<std::size_t>(pair.second)].shape, X).d;
 }
 
@@ -116,8 +112,7 @@ TEST(ControllerRows, CollisionRowsMatchTheMeasuredRateOfDistance) {
 TEST(ControllerRows, NearestFirstAndLimitedInNumber) {
   Rng rng(5);
   const auto model = frankie();
-  std::vector<ObjectShape> shapes;
-  for (int i = 0; i < 20; ++i) shapes.push_back(random_object(rng, std::string("o") + std::to_string(i)));
+  const std::vector<ObjectShape> shapes = random_objects(rng, 20);
   ControllerParams p;
   p.collision.max_pairs = 7;
   Rig rig(model, p, shapes);

@@ -23,12 +23,6 @@ ControllerParams with_ends(int max_pairs = 200) {
   return p;
 }
 
-std::vector<ObjectShape> mixed_objects(Rng& rng, int count) {
-  std::vector<ObjectShape> shapes;
-  for (int i = 0; i < count; ++i) shapes.push_back(random_object(rng, std::string("o") + std::to_string(i)));
-  return shapes;
-}
-
 // The ball at one end of the capsule, as a shape and a pose.
 std::pair<Shape, Isometry> cap(const Shape& capsule, const Isometry& X_WS, bool upper) {
   Isometry X = X_WS;
@@ -46,11 +40,7 @@ double moved_distance(const RobotModel& model, const std::vector<ObjectShape>& s
   kin.update(base, q);
   const CollisionShape& robot = model.shapes[static_cast<std::size_t>(id.first)];
   const Shape& object = shapes[static_cast<std::size_t>(id.second)].shape;
-  const ObjectState& s = o.objects[static_cast<std::size_t>(id.second)];
-  Isometry X_WO = s.X_WO;
-  const Vector3 turn = s.V_WO_W.head<3>() * dt;
-  if (turn.norm() > 0) X_WO.linear() = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * X_WO.linear();
-  X_WO.translation() += s.V_WO_W.tail<3>() * dt;
+  const Isometry X_WO = moved_pose(o.objects[static_cast<std::size_t>(id.second)], dt);
   if (id.end <= 2) {
     const auto [ball, X] = cap(robot.shape, kin.X_WS(robot), id.end == 2);
     return shape_distance(ball, X, object, X_WO).d;
@@ -66,7 +56,7 @@ TEST(EndRows, MatchTheMeasuredRateOfTheBallsDistance) {
   for (int trial = 0; trial < 150; ++trial) {
     const auto model = all_robots()[rng() % 3];
     const ControllerParams p = with_ends();
-    const std::vector<ObjectShape> shapes = mixed_objects(rng, 6);
+    const std::vector<ObjectShape> shapes = random_objects(rng, 6);
     Controller c(model, p, 0.02);
     c.reset(shapes);
     StepResult result;
@@ -99,7 +89,7 @@ TEST(EndRows, ExistForNearPairsWithCapsulesAndAreNamed) {
   const auto model = frankie();
   int ends = 0;
   for (int trial = 0; trial < 60; ++trial) {
-    const std::vector<ObjectShape> shapes = mixed_objects(rng, 8);
+    const std::vector<ObjectShape> shapes = random_objects(rng, 8);
     Controller c(model, with_ends(), 0.02);
     c.reset(shapes);
     StepResult result;

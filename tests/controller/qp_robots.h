@@ -188,6 +188,22 @@ inline ObjectShape random_object(Rng& rng, const std::string& name) {
   return o;
 }
 
+/// So many of all kinds, named o0, o1, ...
+inline std::vector<ObjectShape> random_objects(Rng& rng, std::size_t count) {
+  std::vector<ObjectShape> objects;
+  for (std::size_t i = 0; i < count; ++i) objects.push_back(random_object(rng, std::string("o") + std::to_string(i)));
+  return objects;
+}
+
+/// Where an object is after `dt` seconds [s] of its twist.
+inline Isometry moved_pose(const ObjectState& object, double dt) {
+  Isometry X_WO = object.X_WO;
+  const Vector3 turn = object.V_WO_W.head<3>() * dt;
+  if (turn.norm() > 0) X_WO.linear() = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * X_WO.linear();
+  X_WO.translation() += object.V_WO_W.tail<3>() * dt;
+  return X_WO;
+}
+
 /// A random state, goal and placement of `objects` within `spread` of the end effector's neighbourhood.
 inline Observation random_observation(const RobotModel& model, std::size_t objects, Rng& rng, double spread = 1.2) {
   Observation o;

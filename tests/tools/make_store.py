@@ -11,6 +11,7 @@ import argparse
 import hashlib
 import json
 import math
+import pathlib
 import random
 import sqlite3
 import struct
@@ -272,7 +273,7 @@ def add_search(db):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument('schema')
+    parser.add_argument('definition', type=pathlib.Path, help='folder of schema.sql and views.sql')
     parser.add_argument('out')
     parser.add_argument('--kind', default='demo', choices=['demo', 'empty', 'one', 'failures', 'hostile', 'sweep', 'tuned'])
     parser.add_argument('--worlds', type=int, default=200)
@@ -280,9 +281,9 @@ def main():
     args = parser.parse_args()
 
     db = sqlite3.connect(args.out)
-    with open(args.schema, encoding='utf-8') as schema:
-        db.executescript('PRAGMA journal_mode = WAL; PRAGMA application_id = 1836019041; PRAGMA user_version = 2;'
-                         + schema.read())
+    db.executescript('PRAGMA journal_mode = WAL; PRAGMA application_id = 1836019041; PRAGMA user_version = 2;')
+    for name in ('schema.sql', 'views.sql'):
+        db.executescript((args.definition / name).read_text(encoding='utf-8'))
     if args.kind == 'empty':
         return
     hostile = args.kind == 'hostile'

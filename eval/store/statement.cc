@@ -1,0 +1,26 @@
+#include "eval/store/statement.h"
+
+#include <stdexcept>
+
+namespace moma::store {
+
+StatementPtr prepare_statement(sqlite3* connection, const char* sql) {
+  sqlite3_stmt* raw = nullptr;
+  if (sqlite3_prepare_v2(connection, sql, -1, &raw, nullptr) != SQLITE_OK)
+    throw std::runtime_error(sqlite3_errmsg(connection));
+  return StatementPtr(raw);
+}
+
+bool step(sqlite3* connection, sqlite3_stmt* statement) {
+  const int code = sqlite3_step(statement);
+  if (code == SQLITE_ROW) return true;
+  if (code == SQLITE_DONE) return false;
+  throw std::runtime_error(sqlite3_errmsg(connection));
+}
+
+std::string column_text(sqlite3_stmt* statement, int column) {
+  const auto* words = reinterpret_cast<const char*>(sqlite3_column_text(statement, column));
+  return words == nullptr ? std::string() : words;
+}
+
+}  // namespace moma::store

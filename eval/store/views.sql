@@ -1,0 +1,105 @@
+-- The views of the store. They are made anew whenever a store is migrated.
+DROP VIEW IF EXISTS v_trials;
+DROP VIEW IF EXISTS v_summary;
+DROP VIEW IF EXISTS v_pairs;
+DROP VIEW IF EXISTS v_metrics;
+
+CREATE VIEW v_trials AS
+SELECT t.trial AS trial, s.name AS suite, r.name AS robot, p.controller AS controller, p.label AS point,
+       p.params AS params, w.family AS family, w.world_index AS world, p.mode AS mode, t.outcome AS outcome,
+       t.reason AS reason, t.link AS link, t.object AS object, t.time_end_s AS time_end_s,
+       t.time_to_goal_s AS time_to_goal_s, t.position_error_m AS position_error_m,
+       t.orientation_error_rad AS orientation_error_rad, t.path_ee_m AS path_ee_m, t.path_base_m AS path_base_m,
+       t.manip_mean AS manip_mean, t.manip_min AS manip_min, t.manip_final AS manip_final,
+       t.manip_all_mean AS manip_all_mean, t.manip_all_min AS manip_all_min, t.manip_all_final AS manip_all_final,
+       t.clearance_min_m AS clearance_min_m, t.clearance_self_min_m AS clearance_self_min_m,
+       t.limit_margin_min AS limit_margin_min, t.collision_count AS collision_count,
+       t.collision_time_s AS collision_time_s, t.collision_depth_m AS collision_depth_m,
+       t.jerk_ee_rms AS jerk_ee_rms, t.jerk_joint_rms AS jerk_joint_rms,
+       t.command_change_mean AS command_change_mean, t.energy_j AS energy_j, t.slack_mean AS slack_mean,
+       t.slack_max AS slack_max, t.active_rows_mean AS active_rows_mean, t.qp_infeasible AS qp_infeasible,
+       t.fallback_no_acceleration AS fallback_no_acceleration, t.fallback_relaxed AS fallback_relaxed,
+       t.fallback_brake AS fallback_brake, t.slip_max_m_s AS slip_max_m_s,
+       t.tracking_error_rms AS tracking_error_rms, t.lcp_messages AS lcp_messages, t.steps AS steps,
+       e.t_solve_median_us AS t_solve_median_us, e.t_solve_p99_us AS t_solve_p99_us,
+       e.t_solve_max_us AS t_solve_max_us, e.t_step_median_us AS t_step_median_us,
+       e.t_step_p99_us AS t_step_p99_us, e.t_step_max_us AS t_step_max_us, e.t_trial_us AS t_trial_us
+FROM point_trial AS m
+JOIN point AS p ON p.id = m.point_id
+JOIN suite AS s ON s.id = p.suite_id
+JOIN robot AS r ON r.id = p.robot_id
+JOIN trial AS t ON t.key = m.key
+JOIN world AS w ON w.id = t.world_id
+LEFT JOIN execution AS e ON e.key = t.key;
+
+-- Rates with Wilson's 95 % interval (z = 1.959963984540054); the median is over successful trials, means over the
+-- trials that have the value. The index point_trial_summary has all that is read.
+CREATE VIEW v_summary AS
+WITH counted AS (
+  SELECT point_id, family, count(*) AS n, 1.0 * count(*) AS m, 1.0 * sum(outcome = 'success') AS successes,
+         1.0 * sum(outcome = 'collision') AS collisions, 3.8414588206941245 AS zz, count(time_to_goal_s) AS arrived,
+         avg(manip_mean) AS manip_mean, avg(clearance_min_m) AS clearance_min_m,
+         avg(command_change_mean) AS command_change_mean
+  FROM point_trial
+  GROUP BY point_id, family
+), ranked AS (
+  SELECT point_id, family, time_to_goal_s,
+         row_number() OVER (PARTITION BY point_id, family ORDER BY time_to_goal_s) AS place
+  FROM point_trial
+  WHERE time_to_goal_s IS NOT NULL
+), medians AS (
+  SELECT r.point_id, r.family, avg(r.time_to_goal_s) AS time_to_goal_median_s
+  FROM ranked AS r
+  JOIN counted AS c ON c.point_id = r.point_id AND c.family = r.family
+  WHERE r.place IN ((c.arrived + 1) / 2, (c.arrived + 2) / 2)
+  GROUP BY r.point_id, r.family
+)
+SELECT s.name AS suite, b.name AS robot, p.controller AS controller, p.label AS point, c.family AS family,
+       p.mode AS mode, n,
+       successes / m AS success_rate,
+       CASE WHEN successes = 0 THEN 0.0 ELSE
+         (successes + zz / 2 - sqrt(zz * (successes * (m - successes) / m + zz / 4))) / (m + zz) END AS success_low,
+       CASE WHEN successes = m THEN 1.0 ELSE
+         (successes + zz / 2 + sqrt(zz * (successes * (m - successes) / m + zz / 4))) / (m + zz) END AS success_high,
+       collisions / m AS collision_rate,
+       CASE WHEN collisions = 0 THEN 0.0 ELSE
+         (collisions + zz / 2 - sqrt(zz * (collisions * (m - collisions) / m + zz / 4))) / (m + zz) END
+         AS collision_low,
+       CASE WHEN collisions = m THEN 1.0 ELSE
+         (collisions + zz / 2 + sqrt(zz * (collisions * (m - collisions) / m + zz / 4))) / (m + zz) END
+         AS collision_high,
+       d.time_to_goal_median_s AS time_to_goal_median_s, c.manip_mean AS manip_mean,
+       c.clearance_min_m AS clearance_min_m, c.command_change_mean AS command_change_mean
+FROM counted AS c
+JOIN point AS p ON p.id = c.point_id
+JOIN suite AS s ON s.id = p.suite_id
+JOIN robot AS b ON b.id = p.robot_id
+LEFT JOIN medians AS d ON d.point_id = c.point_id AND d.family = c.family;
+
+-- Two points of one suite on the same world; each pair of points once, the one that was defined first as `a`.
+CREATE VIEW v_pairs AS
+SELECT s.name AS suite, r.name AS robot, w.family AS family, w.world_index AS world, pa.mode AS mode,
+       pa.controller AS controller_a, pa.label AS point_a, pb.controller AS controller_b, pb.label AS point_b,
+       ta.trial AS trial_a, tb.trial AS trial_b, ta.outcome AS outcome_a, tb.outcome AS outcome_b,
+       ta.outcome = 'success' AS success_a, tb.outcome = 'success' AS success_b,
+       ta.time_to_goal_s AS time_to_goal_a_s, tb.time_to_goal_s AS time_to_goal_b_s
+FROM point_trial AS ma
+JOIN point AS pa ON pa.id = ma.point_id
+JOIN point AS pb ON pb.suite_id = pa.suite_id AND pb.id > pa.id AND pb.mode = pa.mode AND pb.robot_id = pa.robot_id
+JOIN point_trial AS mb ON mb.point_id = pb.id AND mb.world_index = ma.world_index
+JOIN trial AS ta ON ta.key = ma.key
+JOIN trial AS tb ON tb.key = mb.key AND tb.world_id = ta.world_id
+JOIN world AS w ON w.id = ta.world_id
+JOIN suite AS s ON s.id = pa.suite_id
+JOIN robot AS r ON r.id = pa.robot_id;
+
+-- Values of the suites' own metrics, one row per trial of a suite and metric.
+CREATE VIEW v_metrics AS
+SELECT t.trial AS trial, s.name AS suite, p.controller AS controller, p.label AS point, m.family AS family,
+       m.world_index AS world, m.outcome AS outcome, d.name AS metric, x.value AS value
+FROM metric AS d
+JOIN metric_value AS x ON x.metric_id = d.id
+JOIN trial AS t ON t.key = x.key
+JOIN point_trial AS m ON m.key = x.key
+JOIN point AS p ON p.id = m.point_id
+JOIN suite AS s ON s.id = p.suite_id;
