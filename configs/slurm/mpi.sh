@@ -18,6 +18,12 @@ store=${2:?usage: sbatch --ntasks=N mpi.sh SUITE STORE [OPTION...]}
 shift 2
 moma=${MOMA:-build/moma}
 
+# How the run ended is asked of the store: mpirun --enable-recovery exits with 0 whatever its ranks exited with.
+ask() {
+  if [ -s "$store" ]; then "$moma" query "$store" "$1" --format csv | tail -n 1; fi
+}
+before=$(ask "SELECT ifnull(max(id), 0) FROM invocation")
+
 # --enable-recovery: the others outlive a rank that is lost. MOMA_MPIRUN_FLAGS: for instance --oversubscribe.
 # shellcheck disable=SC2086
 mpirun --enable-recovery ${MOMA_MPIRUN_FLAGS:-} -n "${SLURM_NTASKS:-2}" \
@@ -27,4 +33,12 @@ trap 'kill -TERM "$run" 2>/dev/null || true' TERM
 code=0
 wait "$run" || code=$?
 while kill -0 "$run" 2>/dev/null; do wait "$run" && code=0 || code=$?; done
+if [ "$code" -eq 0 ]; then
+  case $(ask "SELECT status FROM invocation WHERE id > ${before:-0} ORDER BY id DESC LIMIT 1") in
+    finished) ;;
+    stopped) code=3 ;;
+    running | failed) code=1 ;;
+    *) code=2 ;;  # it never began: bad input, as the log says
+  esac
+fi
 exit "$code"

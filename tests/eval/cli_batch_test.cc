@@ -1,0 +1,173 @@
+// Many trials by the real program: shards, sequential runs, two runs on one store, full disks, metrics of a suite.
+#include <cerrno>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "cli_fixture.h"
+#include "tests/support/small_disk.h"
+
+namespace moma::test {
+namespace {
+
+using nlohmann::json;
+
+class CliBatch : public CliTest {};
+
+TEST_F(CliBatch, ShardsMergedInAnyOrderAreOneRun) {
+  good({"run", "suite.yaml", "-o", "whole.db", "-q", "--threads", "1", "--trials", "11"});
+  const std::string whole = hash("whole.db");
+  good({"run", "suite.yaml", "-o", "two.db", "-q", "--threads", "2", "--trials", "11"});
+  good({"run", "suite.yaml", "-o", "four.db", "-q", "--threads", "4", "--trials", "11"});
+  EXPECT_EQ(hash("two.db"), whole);
+  EXPECT_EQ(hash("four.db"), whole);
+  for (const std::string i : {"1", "2", "3"})
+    good({"run", "suite.yaml", "-o", "s" + i + ".db", "-q", "--trials", "11", "--shard", i + "/3"});
+  std::vector<std::vector<std::string>> orders = {{"s1.db", "s2.db", "s3.db"},
+                                                  {"s3.db", "s1.db", "s2.db"},
+                                                  {"s2.db", "s3.db", "s1.db"},
+                                                  {"s3.db", "s2.db", "s1.db"}};
+  const std::string summary = good({"query", "whole.db", "@summary"}).out;
+  for (std::size_t k = 0; k < orders.size(); ++k) {
+    const std::string out = "merged" + std::to_string(k) + ".db";
+    orders[k].insert(orders[k].begin(), {"merge", out});
+    good(orders[k]);
+    EXPECT_EQ(hash(out), whole) << k;
+    EXPECT_EQ(good({"query", out, "@summary"}).out, summary) << k;
+  }
+  // A merged store is a store like any other.
+  EXPECT_NE(good({"run", "suite.yaml", "-o", "merged0.db", "--trials", "11"}).err.find("22 of 22 trials already there"),
+            std::string::npos);
+  const json counts = json::parse(
+      good({"query", "s2.db", "SELECT count(*) AS n, min(world) AS first FROM v_trials", "-f", "json"}).out);
+  EXPECT_EQ(counts[0]["n"], 2 * 4);
+  EXPECT_EQ(counts[0]["first"], 1);
+}
+
+TEST_F(CliBatch, ShardsAreNamedAndChecked) {
+  good({"run", "suite.yaml", "-q", "--shard", "2/3"});
+  EXPECT_TRUE(fs::exists(path("results/small.shard-2-of-3.db")));
+  for (const char* wrong : {"0/3", "4/3", "1", "1/", "/3", "a/b", "1/3x", "-1/3", "1/0"})
+    bad({"run", "suite.yaml", "-o", "x.db", "--shard", wrong}, {"--shard", "I/N"});
+  bad({"run", "suite.yaml", "-o", "x.db", "--shard", "1/2", "--set", "trials={until: {half_width: 0.1, max: 9}}"},
+      {"--shard", "fixed number"});
+}
+
+TEST_F(CliBatch, UntilEndsByTheRowsAlone) {
+  const std::string rule = "trials={until: {metric: success, half_width: 0.2, max: 200, block: 10}}";
+  const ProcessResult first = good({"run", "suite.yaml", "-o", "a.db", "--threads", "1", "--set", rule});
+  EXPECT_NE(first.err.find("reached after "), std::string::npos) << first.err;
+  good({"run", "suite.yaml", "-o", "b.db", "--threads", "4", "-q", "--set", rule});
+  EXPECT_EQ(hash("a.db"), hash("b.db"));
+  // Some of it there already, and more of it: the rule ends where it did.
+  good({"run", "suite.yaml", "-o", "c.db", "-q", "--trials", "3"});
+  good({"run", "suite.yaml", "-o", "c.db", "-q", "--set", rule});
+  EXPECT_EQ(hash("c.db"), hash("a.db"));
+  const ProcessResult again = good({"run", "suite.yaml", "-o", "a.db", "--set", rule});
+  const std::string end = first.err.substr(first.err.find("reached after "), 18);
+  EXPECT_NE(again.err.find(end), std::string::npos) << again.err;
+  good({"run", "a.db", "--rerun", "small", "-o", "d.db", "-q"});
+  EXPECT_EQ(hash("d.db"), hash("a.db"));
+  const ProcessResult most =
+      good({"run", "suite.yaml", "-o", "e.db", "--set", "trials={until: {half_width: 0.001, max: 25, block: 10}}"});
+  EXPECT_NE(most.err.find("NOT reached after 25 worlds: 50 trials"), std::string::npos) << most.err;
+  bad({"check", "suite.yaml", "--set", "trials={until: {half_width: 0.1}}"}, {"trials.until", "max"});
+  bad({"check", "suite.yaml", "--set", "trials={until: {max: 10}}"}, {"trials.until", "half_width"});
+  bad({"check", "suite.yaml", "--set", "trials={until: {metric: speed, half_width: 0.1, max: 9}}"},
+      {"trials.until.metric", "speed", "success"});
+  EXPECT_NE(good({"check", "suite.yaml", "--set", rule}).out.find("at most 400 trials"), std::string::npos);
+}
+
+TEST_F(CliBatch, TwoRunsOnOneStoreComputeNothingTwice) {
+  good({"run", "suite.yaml", "-o", "whole.db", "-q", "--trials", "60"});
+  const fs::path other = path("second");
+  fs::create_directories(other);
+  Process first(command({"run", path("suite.yaml").string(), "-o", path("a.db").string(), "--trials", "60"}),
+                folder_.root());
+  Process second(command({"run", path("suite.yaml").string(), "-o", path("a.db").string(), "--trials", "60"}), other);
+  const ProcessResult a = first.wait();
+  const ProcessResult b = second.wait();
+  EXPECT_EQ(a.code, 0) << a.err;
+  EXPECT_EQ(b.code, 0) << b.err;
+  const json done = json::parse(
+      good({"query", "a.db", "SELECT sum(trials_done) AS done, count(*) AS runs FROM invocation", "-f", "json"}).out);
+  EXPECT_EQ(done[0]["done"], 120);
+  EXPECT_EQ(done[0]["runs"], 2);
+  EXPECT_EQ(hash("a.db"), hash("whole.db"));
+  EXPECT_FALSE(fs::exists(path("a.db-lock")));
+}
+
+TEST_F(CliBatch, AFullDiskStopsWithWhatIsSavedAndGoesOn) {
+  const std::vector<std::string> run = {"run", "suite.yaml", "-q", "--trials", "150", "--set", "samples=all"};
+  const SmallDisk disk(path("disk"), 1200);
+  if (!disk.mounted()) GTEST_SKIP() << "mounting a small file system needs root: " << std::strerror(errno);
+  std::vector<std::string> there = run;
+  there.insert(there.end(), {"-o", "disk/a.db"});
+  const ProcessResult full = moma(there);
+  EXPECT_EQ(full.code, 3) << full.err;
+  EXPECT_NE(full.err.find("disk is full"), std::string::npos) << full.err;
+  EXPECT_NE(full.err.find("trials of this run are saved"), std::string::npos) << full.err;
+  for (const std::string suffix : {"", "-wal"})
+    if (fs::exists(path("disk/a.db" + suffix))) fs::copy_file(path("disk/a.db" + suffix), path("b.db" + suffix));
+  std::vector<std::string> on = run;
+  on.insert(on.end(), {"-o", "b.db"});
+  good(on);
+  on.back() = "whole.db";
+  good(on);
+  EXPECT_EQ(hash("b.db"), hash("whole.db"));
+}
+
+TEST_F(CliBatch, ALockedStoreStopsWithWhatIsSaved) {
+  good({"run", "suite.yaml", "-o", "a.db", "-q", "--trials", "2"});
+  if (!fs::exists("/usr/bin/sqlite3")) GTEST_SKIP() << "there is no sqlite3 to hold the lock";
+  // Another program holds the store; moma waits ten seconds for it.
+  Process holder(
+      {"/usr/bin/sqlite3", path("a.db").string(), "BEGIN IMMEDIATE; SELECT 1;", ".shell sleep 14", "COMMIT;"},
+      path("robots"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  const ProcessResult locked = moma({"run", "suite.yaml", "-o", "a.db", "-q", "--trials", "4"});
+  EXPECT_EQ(locked.code, 3) << locked.err;
+  EXPECT_NE(locked.err.find("locked by another program"), std::string::npos) << locked.err;
+  holder.kill(SIGKILL);
+  holder.wait();
+  good({"run", "suite.yaml", "-o", "a.db", "-q", "--trials", "4"});
+  good({"run", "suite.yaml", "-o", "b.db", "-q", "--trials", "4"});
+  EXPECT_EQ(hash("a.db"), hash("b.db"));
+}
+
+TEST_F(CliBatch, ASuitesOwnMetrics) {
+  write("metrics.yaml", std::string(kSuite) +
+                            "samples: none\nmetrics:\n  fastest: max(abs(command0))\n"
+                            "  half_way_s: min(iif(base_x > 0.1, t, NULL))\n");
+  good({"run", "metrics.yaml", "-o", "a.db", "-q", "--threads", "1"});
+  good({"run", "metrics.yaml", "-o", "b.db", "-q", "--threads", "4"});
+  EXPECT_EQ(hash("a.db"), hash("b.db"));
+  // The same as over stored samples.
+  good({"run", "suite.yaml", "-o", "c.db", "-q", "--set", "samples=all"});
+  const json trials = json::parse(
+      good({"query", "a.db", "SELECT trial, value FROM v_metrics WHERE metric = 'fastest'", "-f", "json"}).out);
+  ASSERT_EQ(trials.size(), 12u);
+  const std::string trial = trials[3]["trial"];
+  const json found = json::parse(
+      good({"query", "c.db", "SELECT max(abs(command0)) AS v FROM samples('" + trial + "')", "-f", "json"}).out);
+  EXPECT_EQ(found[0]["v"], trials[3]["value"]);
+  // A store without the values is completed; the rows stay.
+  good({"run", "suite.yaml", "-o", "d.db", "-q"});
+  good({"run", "metrics.yaml", "-o", "d.db", "-q"});
+  EXPECT_EQ(hash("d.db"), hash("a.db"));
+  EXPECT_NE(good({"run", "metrics.yaml", "-o", "d.db"}).err.find("12 of 12 trials already there"), std::string::npos);
+  bad({"run", "metrics.yaml", "-o", "x.db", "--set", "metrics.fastest=max(speed)"},
+      {"metrics.fastest", "no such column: speed"});
+  bad({"run", "metrics.yaml", "-o", "x.db", "--set", "metrics.fastest=t"}, {"metrics.fastest", "aggregate"});
+}
+
+TEST_F(CliBatch, PlannerArenaFile) {
+  good({"run", "suite.yaml", "-o", "a.db", "-q", "--set", "samples=all"});
+  const ProcessResult written = good({"export", "a.db", "--planner-arena", "arena.db"});
+  EXPECT_NE(written.err.find("2 planner configurations, 12 runs"), std::string::npos) << written.err;
+  bad({"export", "a.db"}, {"--csv", "--planner-arena"});
+  bad({"export", "a.db", "--planner-arena", "a.db"}, {"input and output"});
+  bad({"query", "arena.db", "@summary"}, {"another program"});
+}
+
+}  // namespace
+}  // namespace moma::test

@@ -1,0 +1,129 @@
+// moma run under Open MPI: the same store as from one process, also when a rank is killed.
+#include <stdlib.h>
+
+#include <iterator>
+
+#include "cli_fixture.h"
+#include "eval/batch/cluster.h"
+
+namespace moma::test {
+namespace {
+
+using std::chrono::milliseconds;
+
+const char* find_mpirun() {
+  for (const char* file : {"/usr/bin/mpirun", "/usr/local/bin/mpirun"})
+    if (fs::exists(file)) return file;
+  return nullptr;
+}
+
+class ClusterRun : public CliTest {
+ protected:
+  void SetUp() override {
+    if (!Cluster::built()) GTEST_SKIP() << "built without MPI (libopenmpi-dev)";
+    if (find_mpirun() == nullptr) GTEST_SKIP() << "there is no mpirun (openmpi-bin)";
+    CliTest::SetUp();
+    // Open MPI refuses to run as root otherwise; it keeps its files apart by this folder.
+    setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
+    setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
+    setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 1);
+    setenv("OMPI_MCA_btl_vader_single_copy_mechanism", "none", 1);
+  }
+
+  std::vector<std::string> mpirun(const std::string& ranks, const std::vector<std::string>& arguments,
+                                  bool recovery = false) const {
+    std::vector<std::string> all{find_mpirun(), "-n", ranks};
+    // mpirun ends with 0 then, whatever the ranks end with.
+    if (recovery) all.insert(all.begin() + 1, "--enable-recovery");
+    const std::vector<std::string> ours = command(arguments);
+    all.insert(all.end(), ours.begin(), ours.end());
+    return all;
+  }
+  ProcessResult run(const std::string& ranks, const std::vector<std::string>& arguments) const {
+    return Process(mpirun(ranks, arguments), folder_.root()).wait();
+  }
+  std::string rows(const std::string& db) const {
+    return good({"query", db, "SELECT rowid, world_index, json FROM world", "-f", "csv"}).out +
+           good({"query", db, "SELECT * FROM point_trial", "-f", "csv"}).out;
+  }
+};
+
+/// A process of this rank that works in `folder`; 0 where there is none.
+pid_t find_rank(const fs::path& folder, const std::string& rank) {
+  for (const auto& entry : fs::directory_iterator("/proc")) {
+    const std::string name = entry.path().filename();
+    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+    std::error_code error;
+    if (fs::read_symlink(entry.path() / "cwd", error) != folder || error) continue;
+    if (fs::read_symlink(entry.path() / "exe", error).filename() != "moma" || error) continue;
+    std::ifstream stream(entry.path() / "environ", std::ios::binary);
+    const std::string environment{std::istreambuf_iterator<char>(stream), {}};
+    if (environment.find("OMPI_COMM_WORLD_RANK=" + rank + '\0') != std::string::npos) return std::stoi(name);
+  }
+  return 0;
+}
+
+TEST_F(ClusterRun, TheStoreIsThatOfOneProcess) {
+  good({"run", "suite.yaml", "-o", "one.db", "-q", "--threads", "1", "--trials", "12", "--set", "samples=all"});
+  for (const std::string ranks : {"2", "3"}) {
+    const std::string db = "ranks" + ranks + ".db";
+    const ProcessResult result = run(ranks, {"run", "suite.yaml", "-o", db, "--trials", "12", "--set", "samples=all"});
+    EXPECT_EQ(result.code, 0) << result.out << result.err;
+    EXPECT_NE(result.err.find("on " + ranks + " ranks with 1 thread each"), std::string::npos) << result.err;
+    EXPECT_NE(result.out.find("success %"), std::string::npos) << result.out;
+    EXPECT_EQ(hash(db), hash("one.db"));
+    EXPECT_EQ(rows(db), rows("one.db"));
+    EXPECT_EQ(good({"query", db, "SELECT key, n, columns, data FROM samples ORDER BY key", "-f", "csv"}).out,
+              good({"query", "one.db", "SELECT key, n, columns, data FROM samples ORDER BY key", "-f", "csv"}).out);
+  }
+  const ProcessResult again = run("2", {"run", "suite.yaml", "-o", "ranks2.db", "--trials", "12"});
+  EXPECT_NE(again.err.find("24 of 24 trials already there"), std::string::npos) << again.err;
+}
+
+TEST_F(ClusterRun, UntilAndShardsToo) {
+  const std::string rule = "trials={until: {half_width: 0.2, max: 100, block: 10}}";
+  good({"run", "suite.yaml", "-o", "one.db", "-q", "--set", rule});
+  const ProcessResult result = run("2", {"run", "suite.yaml", "-o", "two.db", "--set", rule});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(hash("two.db"), hash("one.db"));
+  good({"run", "suite.yaml", "-o", "part.db", "-q", "--shard", "2/2"});
+  EXPECT_EQ(run("2", {"run", "suite.yaml", "-o", "ranks.db", "-q", "--shard", "2/2"}).code, 0);
+  EXPECT_EQ(hash("ranks.db"), hash("part.db"));
+}
+
+TEST_F(ClusterRun, AKilledRanksWorkIsHandedOutAgain) {
+  const std::vector<std::string> work = {"--trials", "150", "--set", "simulation.time_limit=12"};
+  std::vector<std::string> alone = {"run", "suite.yaml", "-o", "one.db", "-q"};
+  alone.insert(alone.end(), work.begin(), work.end());
+  good(alone);
+  bool had_work = false;
+  // A rank that dies before it takes part, or after the last trial, is missed by nobody: then once more.
+  for (const int delay : {300, 100, 600, 50}) {
+    const std::string db = "killed" + std::to_string(delay) + ".db";
+    std::vector<std::string> arguments = {"run", "suite.yaml", "-o", db, "--lost-after", "1"};
+    arguments.insert(arguments.end(), work.begin(), work.end());
+    Process process(mpirun("3", arguments, true), folder_.root());
+    while (process.running() && !fs::exists(path(db + "-wal"))) std::this_thread::sleep_for(milliseconds(5));
+    std::this_thread::sleep_for(milliseconds(delay));
+    const pid_t victim = process.running() ? find_rank(folder_.root(), "2") : 0;
+    if (victim != 0) ::kill(victim, SIGKILL);
+    const ProcessResult result = process.wait();
+    EXPECT_EQ(result.code, 0) << result.out << result.err;
+    EXPECT_EQ(hash(db), hash("one.db")) << result.err;
+    EXPECT_NE(good({"query", db, "SELECT status FROM invocation"}).out.find("finished"), std::string::npos);
+    had_work = result.err.find("rank 2: no word for 1 s; its ") != std::string::npos;
+    if (had_work) break;
+  }
+  if (!had_work) GTEST_SKIP() << "the rank never had work when it was killed";
+}
+
+TEST_F(ClusterRun, BadInputIsSaidOnceAndEndsAllRanks) {
+  const ProcessResult result = run("3", {"run", "missing.yaml", "-o", "a.db"});
+  EXPECT_EQ(result.code, 2) << result.err;
+  const std::size_t first = result.err.find("missing.yaml");
+  ASSERT_NE(first, std::string::npos) << result.err;
+  EXPECT_EQ(result.err.find("moma: ", result.err.find("moma: ") + 1), std::string::npos) << result.err;
+}
+
+}  // namespace
+}  // namespace moma::test
