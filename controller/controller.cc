@@ -39,6 +39,7 @@ Controller::Controller(std::shared_ptr<const RobotModel> model, ControllerParams
       kinematics_(model_),
       proximity_(model_),
       collision_(*model_, params_.collision),
+      passing_(*model_, params_.collision),
       escape_(params_.escape, params_.servo, *model_, control_period),
       bounds_(*model_, params_, control_period),
       fallback_(params_.solver),
@@ -59,7 +60,8 @@ void Controller::reset(std::span<const ObjectShape> objects) {
   proximity_.set_objects(objects);
   object_names_.clear();
   for (const ObjectShape& object : objects) object_names_.push_back(object.name);
-  const int collision_rows = collision_.allocate(static_cast<int>(objects.size()));
+  const int num_objects = static_cast<int>(objects.size());
+  const int collision_rows = collision_.allocate(num_objects) + passing_.allocate(num_objects);
   const int variables = nv_ + (params_.slack.enabled ? 6 : 0);
   const int rows = 6 + collision_rows + num_wheels(model_->base);
   problem_.allocate(variables, rows);
@@ -173,7 +175,8 @@ void Controller::observe(const Observation& o) noexcept {
 void Controller::build(const Observation& o) noexcept {
   bounds_.acceleration(o.qdot, hard_lower_, hard_upper_, problem_.lb.head(nv_), problem_.ub.head(nv_));
   collision_.select(proximity_.query(kinematics_, o.objects, collision_.ranges()));
-  escape_.update({kinematics_, o.goal, collision_.sorted(), o.objects}, task_);
+  passing_.select(kinematics_, proximity_, o.objects);
+  escape_.update({kinematics_, o.goal, collision_.sorted(), o.objects, passing_.near()}, task_);
   add_base_term(params_, base_dof_, task_, problem_);
   add_manipulability_term(params_.manipulability, base_dof_, J_m_, problem_);
   add_slack_term(params_.slack, nv_, task_, problem_);
@@ -182,6 +185,7 @@ void Controller::build(const Observation& o) noexcept {
   if (task_.detour) add_posture_term(detour_posture_, base_dof_, detour_posture_.target, o.q, problem_);
   add_tracking_rows(kinematics_.J_WE_W(), task_.nu, params_.tracking_band, params_.slack.enabled, problem_);
   collision_.add(kinematics_, proximity_, o.objects, problem_);
+  passing_.add(kinematics_, proximity_, o.objects, problem_);
   add_wheel_rows(model_->base, problem_);
 }
 
@@ -207,7 +211,7 @@ void Controller::scale_output() noexcept {
   const OutputScalingParams& s = params_.output_scaling;
   const double e = task_.raw_error_norm;
   command_ *= e > s.switch_distance ? s.far / e : s.near;
-  const bool hard = outcome_.fallback == Fallback::kNoAcceleration || outcome_.fallback == Fallback::kRelaxed;
+  const bool hard = outcome_.beyond_acceleration();
   for (int i = 0; i < nv_; ++i) {
     const double low = hard ? hard_lower_[i] : problem_.lb[i];
     const double high = hard ? hard_upper_[i] : problem_.ub[i];
@@ -217,7 +221,7 @@ void Controller::scale_output() noexcept {
 
 int Controller::count_active() const noexcept {
   const VectorX& x = fallback_.solution().x;
-  const bool hard = outcome_.fallback != Fallback::kNone;
+  const bool hard = outcome_.beyond_acceleration();
   int active = 0;
   for (int i = 0; i < problem_.n(); ++i) {
     const double low = hard && i < nv_ ? hard_lower_[i] : problem_.lb[i];
@@ -229,7 +233,7 @@ int Controller::count_active() const noexcept {
     double value = 0.0;
     for (int i = 0; i < problem_.n(); ++i) value += problem_.A(r, i) * x[i];
     const RowKind kind = problem_.ids[static_cast<std::size_t>(r)].kind;
-    if (kind != RowKind::kTracking && kind != RowKind::kWheel) value -= s;
+    if (outcome_.relaxes(kind)) value -= s;
     if (value - problem_.lbA[r] < kActive || problem_.ubA[r] - value < kActive) ++active;
   }
   return active;

@@ -13,6 +13,7 @@
 #include "controller/qp/escape.h"
 #include "controller/qp/fallback.h"
 #include "controller/qp/limits.h"
+#include "controller/qp/passing.h"
 #include "controller/qp/problem.h"
 #include "controller/qp/servo.h"
 #include "controller/step.h"
@@ -90,6 +91,7 @@ class Controller : public StepController {
   Kinematics kinematics_;
   Proximity proximity_;
   CollisionRows collision_;
+  PassingRows passing_;
   Escape escape_;
   VelocityBounds bounds_;
   FallbackSolver fallback_;

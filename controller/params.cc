@@ -86,6 +86,8 @@ class Checker {
       finite("output_scaling.switch", p_.output_scaling.switch_distance, true);
     }
     escape();
+    finite("collision.passing.horizon", p_.collision.passing.horizon, true);
+    finite("collision.passing.clearance", p_.collision.passing.clearance, false);
     if (p_.collision.max_pairs < 0) error("collision.max_pairs", "must be at least 0");
   }
 

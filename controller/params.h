@@ -78,10 +78,18 @@ struct DamperParams {
   double gain = 1.0;       ///< xi [m/s]
 };
 
+/// Rows that let objects in motion pass on one side of the base (qp/passing.h).
+struct PassingParams {
+  bool enabled = false;
+  double horizon = 5.0;    ///< a gap may be used up in no less than this, on a wrong course [s]
+  double clearance = 0.1;  ///< room that is left as they pass [m]
+};
+
 struct CollisionParams {
   DamperParams object{true, 0.3, 0.05, 1.0};
   int max_pairs = 30;
   double end_rows = 0.0;  ///< object pairs closer than this also have rows for their capsules' ends [m]; 0: none
+  PassingParams passing;
   DamperParams floor;
   DamperParams self;
 };

@@ -68,6 +68,12 @@ std::string row_meaning(const CaseStep& step, const QpProblem& problem, int row)
     }
     case RowKind::kWheel:
       return "at most " + number(problem.ubA[row]) + " rad/s either way";
+    case RowKind::kPassing: {
+      const double wanted = problem.ubA[row];
+      return std::string(wanted >= 0.0 ? "may move into its way at no more than "
+                                       : "must leave its way at no less than ") +
+             number(std::abs(wanted)) + " m/s";
+    }
     case RowKind::kObject:
     case RowKind::kFloor:
     case RowKind::kSelf:
@@ -159,8 +165,9 @@ std::string describe_fallback(const CaseStep& step) {
     case Fallback::kNoAcceleration:
       return "The command is that of the problem without acceleration limits.\n";
     case Fallback::kRelaxed:
-      return "The command breaks every collision row by at most " + number(step.controller.outcome().collision_slack) +
-             " m/s, next to the least that is possible.\n";
+      return "The command breaks every " +
+             std::string(step.controller.outcome().only_passing ? "passing" : "collision") + " row by at most " +
+             number(step.controller.outcome().collision_slack) + " m/s, next to the least that is possible.\n";
     case Fallback::kBrake:
       return "The command brakes: it is the smallest within the bounds.\n";
   }
@@ -202,9 +209,10 @@ std::string describe_surroundings(const CaseStep& step) {
   std::string out;
   if (controller.params().method == Method::kQp) {
     const auto pairs = controller.distances();
-    int rows = 0;
+    int rows = 0, passing = 0;
     for (int i = 0; i < controller.problem().rows; ++i) {
       const RowKind kind = controller.problem().ids[static_cast<std::size_t>(i)].kind;
+      passing += kind == RowKind::kPassing ? 1 : 0;
       rows += kind == RowKind::kObject || kind == RowKind::kFloor || kind == RowKind::kSelf ? 1 : 0;
     }
     out += std::to_string(pairs.size()) + " pairs are within their distance of influence, " + std::to_string(rows) +
@@ -212,6 +220,8 @@ std::string describe_surroundings(const CaseStep& step) {
     if (const long long none = controller.counters().rows_left_out; none > 0)
       out += " (" + std::to_string(none) + " left out: nothing the robot can do would change them)";
     out += ".\n";
+    if (passing > 0)
+      out += std::to_string(passing) + (passing == 1 ? " row lets" : " rows let") + " objects in motion pass.\n";
   }
   if (step.result.manipulability < 1e-9) {
     out += "The arm is at a singularity: the manipulability gradient is taken as zero.\n";

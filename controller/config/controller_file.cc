@@ -155,8 +155,20 @@ class Reader {
       damper(m, p_.collision.object);
       m.read("max_pairs", p_.collision.max_pairs, 0, 10000);
       m.read("end_rows", p_.collision.end_rows, Range::non_negative());
+      passing(m);
       with(m, "floor", [&](MapReader& f) { damper(f, p_.collision.floor); });
       with(m, "self", [&](MapReader& s) { damper(s, p_.collision.self); });
+    });
+  }
+
+  void passing(MapReader& in) {
+    PassingParams& p = p_.collision.passing;
+    if (is_word(in.get("passing"), "none")) return;
+    with(in, "passing", [&](MapReader& m) {
+      p.enabled = true;
+      m.read("enabled", p.enabled);
+      m.read("horizon", p.horizon, Range::positive());
+      m.read("clearance", p.clearance, Range::non_negative());
     });
   }
 
@@ -347,6 +359,10 @@ nlohmann::ordered_json to_json(const ControllerParams& p) {
   j["collision"] = damper_json(p.collision.object);
   j["collision"]["max_pairs"] = p.collision.max_pairs;
   j["collision"]["end_rows"] = number_to_json(p.collision.end_rows);
+  if (p.collision.passing.enabled) {  // off, nothing: the keys of trials without these rows stay what they were
+    j["collision"]["passing"] = {{"horizon", number_to_json(p.collision.passing.horizon)},
+                                 {"clearance", number_to_json(p.collision.passing.clearance)}};
+  }
   j["collision"]["floor"] = damper_json(p.collision.floor);
   j["collision"]["self"] = damper_json(p.collision.self);
   j["acceleration"] = {{"weight", vector_json(p.acceleration_weight)}};

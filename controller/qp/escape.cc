@@ -107,9 +107,9 @@ void Escape::watch(const EscapeInput& input, const Task& task, double V) noexcep
 }
 
 bool Escape::near_traffic(const EscapeInput& input) const noexcept {
-  return std::any_of(input.pairs.begin(), input.pairs.end(), [&](const ProximityPair& pair) {
-    return pair.kind == PairKind::kObject && in_motion(input.objects[static_cast<std::size_t>(pair.second)]);
-  });
+  return input.traffic || std::any_of(input.pairs.begin(), input.pairs.end(), [&](const ProximityPair& pair) {
+           return pair.kind == PairKind::kObject && in_motion(input.objects[static_cast<std::size_t>(pair.second)]);
+         });
 }
 
 void Escape::stagnate(const EscapeInput& input, const Task& task, double V) noexcept {

@@ -17,6 +17,7 @@ struct EscapeInput {
   const GoalState& goal;
   std::span<const ProximityPair> pairs;  ///< within their influence, floor and self pairs included
   std::span<const ObjectState> objects;
+  bool traffic = false;  ///< an object in motion is near, beyond the influence of its pairs
 };
 
 /// Leaves a local minimum on one side and goes on from there: after the bug algorithms (Lumelsky & Stepanov,

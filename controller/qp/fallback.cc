@@ -8,8 +8,14 @@ namespace {
 
 constexpr double kSlackCost = 1e6;
 
-bool is_collision(RowKind kind) noexcept {
-  return kind == RowKind::kObject || kind == RowKind::kFloor || kind == RowKind::kSelf;
+bool is_soft(RowKind kind, bool only_passing) noexcept {
+  if (kind == RowKind::kPassing) return true;
+  return !only_passing && (kind == RowKind::kObject || kind == RowKind::kFloor || kind == RowKind::kSelf);
+}
+
+bool has_soft(const QpProblem& problem, bool only_passing) noexcept {
+  return std::any_of(problem.ids.begin(), problem.ids.begin() + problem.rows,
+                     [&](const RowId& id) { return is_soft(id.kind, only_passing); });
 }
 
 }  // namespace
@@ -51,6 +57,10 @@ void StepCounters::count(StepStatus status, Fallback fallback, int left_out) noe
   rows_left_out += left_out;
 }
 
+bool FallbackSolver::Outcome::relaxes(RowKind kind) const noexcept {
+  return fallback == Fallback::kRelaxed && is_soft(kind, only_passing);
+}
+
 FallbackSolver::FallbackSolver(SolverKind kind) : solver_(make_solver(kind)), relaxed_solver_(make_solver(kind)) {}
 
 void FallbackSolver::allocate(int num_variables, int max_rows) {
@@ -74,6 +84,7 @@ FallbackSolver::Outcome FallbackSolver::solve(const QpProblem& problem, const Ve
   if (out.status != StepStatus::kInvalidInput) {
     stage_lower_ = problem.lb;
     stage_upper_ = problem.ub;
+    if (has_soft(problem, true) && relax(problem, true, out)) return out;
     stage_lower_.head(hard_lower.size()) = hard_lower;
     stage_upper_.head(hard_upper.size()) = hard_upper;
     if (has_acceleration) {
@@ -84,17 +95,7 @@ FallbackSolver::Outcome FallbackSolver::solve(const QpProblem& problem, const Ve
         return out;
       }
     }
-    const bool collisions = std::any_of(problem.ids.begin(), problem.ids.begin() + problem.rows,
-                                        [](const RowId& id) { return is_collision(id.kind); });
-    if (collisions) {
-      const StepStatus status = solve_relaxed(problem);
-      out.iterations += solution_.iterations;
-      if (status == StepStatus::kSolved) {
-        out.fallback = last_ = Fallback::kRelaxed;
-        out.collision_slack = solution_.x[problem.n()];
-        return out;
-      }
-    }
+    if (has_soft(problem, false) && relax(problem, false, out)) return out;
   }
 
   out.fallback = last_ = Fallback::kBrake;
@@ -106,7 +107,7 @@ FallbackSolver::Outcome FallbackSolver::solve(const QpProblem& problem, const Ve
   return out;
 }
 
-StepStatus FallbackSolver::solve_relaxed(const QpProblem& problem) noexcept {
+bool FallbackSolver::relax(const QpProblem& problem, bool only_passing, Outcome& out) noexcept {
   const int n = problem.n();
   relaxed_.H.head(n) = problem.H;
   relaxed_.g.head(n) = problem.g;
@@ -123,9 +124,15 @@ StepStatus FallbackSolver::solve_relaxed(const QpProblem& problem) noexcept {
   for (int i = 0; i < problem.rows; ++i) {
     const RowId& id = problem.ids[static_cast<std::size_t>(i)];
     relaxed_.ids[static_cast<std::size_t>(i)] = id;
-    relaxed_.A(i, n) = is_collision(id.kind) ? -1.0 : 0.0;
+    relaxed_.A(i, n) = is_soft(id.kind, only_passing) ? -1.0 : 0.0;
   }
-  return relaxed_solver_->solve(relaxed_, solution_);
+  const StepStatus status = relaxed_solver_->solve(relaxed_, solution_);
+  out.iterations += solution_.iterations;
+  if (status != StepStatus::kSolved) return false;
+  out.fallback = last_ = Fallback::kRelaxed;
+  out.collision_slack = solution_.x[n];
+  out.only_passing = only_passing;
+  return true;
 }
 
 QpProblem FallbackSolver::final_problem(const QpProblem& original) const {

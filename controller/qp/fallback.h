@@ -10,9 +10,11 @@
 namespace moma {
 
 /// Solves the problem, and where that fails its relaxations, in this order:
-///  1. no_acceleration: the same without acceleration bounds (skipped where there are none);
-///  2. relaxed: also one common slack s >= 0 on all collision rows, at cost 1/2 1e6 s^2 (skipped without such rows);
-///  3. brake: x = clip(0, lb, ub) in the original bounds, acceleration included; delta = 0.
+///  1. relaxed: one common slack s >= 0 on all passing rows, at cost 1/2 1e6 s^2 (skipped without such rows): they look
+///     ahead, and must not cost the rows that hold now;
+///  2. no_acceleration: the original without acceleration bounds (skipped where there are none);
+///  3. relaxed: also the slack on all collision and passing rows (skipped without such rows);
+///  4. brake: x = clip(0, lb, ub) in the original bounds, acceleration included; delta = 0.
 /// Every workspace is sized for the largest stage by allocate(); solve() takes no memory with a real-time safe solver.
 class FallbackSolver {
  public:
@@ -21,6 +23,14 @@ class FallbackSolver {
     Fallback fallback = Fallback::kNone;
     int iterations = 0;            ///< all stages together
     double collision_slack = 0.0;  ///< s of the relaxed stage [m/s]
+    bool only_passing = false;     ///< relaxed, the passing rows alone and within the acceleration bounds
+
+    /// Whether the command had room beyond the acceleration bounds.
+    bool beyond_acceleration() const noexcept {
+      return fallback == Fallback::kNoAcceleration || (fallback == Fallback::kRelaxed && !only_passing);
+    }
+    /// Whether rows of this kind had the slack.
+    bool relaxes(RowKind kind) const noexcept;
   };
 
   explicit FallbackSolver(SolverKind kind);
@@ -38,7 +48,7 @@ class FallbackSolver {
   QpProblem final_problem(const QpProblem& original) const;
 
  private:
-  StepStatus solve_relaxed(const QpProblem& problem) noexcept;
+  bool relax(const QpProblem& problem, bool only_passing, Outcome& out) noexcept;
 
   std::unique_ptr<QpSolver> solver_;
   std::unique_ptr<QpSolver> relaxed_solver_;

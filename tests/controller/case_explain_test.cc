@@ -114,6 +114,24 @@ TEST(CaseExplain, AccelerationAndClosedForms) {
   EXPECT_EQ(json["qdot"].size(), 7u);
 }
 
+TEST(CaseExplain, NamesObjectsThatPass) {
+  ControlCase given = read_case(kCases / "frankie_119.json");
+  given.controller.collision.passing.enabled = true;
+  given.objects = {{"cart", {ShapeKind::kSphere, {0.15, 0, 0}, nullptr}}};
+  given.observation.objects.resize(1);
+  ObjectState& cart = given.observation.objects[0];
+  const double phi = given.observation.base.z();
+  const Vector3 left(-std::sin(phi), std::cos(phi), 0.0);
+  cart = {};
+  cart.X_WO.translation() = Vector3(given.observation.base.x(), given.observation.base.y(), 0.2) + 0.6 * left;
+  cart.V_WO_W.tail<3>() = -0.4 * left;
+  const std::string text = explain(given);
+  EXPECT_TRUE(mentions(text, "1 row lets objects in motion pass")) << text;
+  EXPECT_TRUE(mentions(text, "passing/cart/@base: must leave its way at no less than ")) << text;
+  const auto names = solve(given)["rows"];
+  EXPECT_EQ(std::count(names.begin(), names.end(), "passing/cart/@base"), 1) << names;
+}
+
 TEST(CaseExplain, EveryCaseIsExplained) {
   for (const fs::path& file : all_cases()) {
     const std::string text = explain(read_case(file));

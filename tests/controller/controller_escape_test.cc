@@ -22,6 +22,7 @@ ControllerParams everything() {
   p.base_weight = {false, 0.1};
   p.slack.weight = {false, 100.0};
   p.collision.end_rows = 0.1;
+  p.collision.passing.enabled = true;
   p.escape.enabled = true;
   p.escape.patience = 0.2;  // so that something happens in a short test
   p.escape.traffic_patience = 0.4;
@@ -104,6 +105,7 @@ TEST(ControllerEscape, OffIsOff) {
   off.escape.enabled = false;
   off.servo.vortex.enabled = false;
   off.collision.end_rows = 0.0;
+  off.collision.passing.enabled = false;
   ControllerParams plain = off;
   plain.escape = EscapeParams{};
   plain.servo.vortex = VortexParams{};

@@ -108,6 +108,9 @@ output_scaling: {near: 2}
   EXPECT_TRUE(p.output_scaling.enabled);
   EXPECT_EQ(p.output_scaling.near, 2);
   EXPECT_EQ(p.output_scaling.far, 0.7);
+  EXPECT_FALSE(p.collision.passing.enabled);
+  EXPECT_FALSE(read("collision: {passing: none}").collision.passing.enabled);
+  EXPECT_TRUE(read("collision: {passing: {horizon: 3}}").collision.passing.enabled);
   EXPECT_FALSE(read("slack: none").slack.enabled);
   EXPECT_EQ(read("joint_limits: none").joint_limits.method, JointLimitMethod::kNone);
   EXPECT_EQ(read("joint_limits: {method: damper}").joint_limits.method, JointLimitMethod::kDamper);
@@ -135,6 +138,7 @@ TEST_F(ControllerFile, RoundTripIsExact) {
     }
     p.collision.object.gain = uniform(rng, 0.1, 2);
     p.collision.floor.enabled = rng() % 2;
+    if (rng() % 2) p.collision.passing = {true, uniform(rng, 1, 9), uniform(rng, 0, 0.2)};
     p.acceleration_limit = VectorX::Constant(9, rng() % 2 ? kInfinity : uniform(rng, 1, 9));
     p.posture.weight = uniform(rng, 0, 1);
     if (rng() % 2) {
@@ -151,6 +155,9 @@ TEST_F(ControllerFile, RoundTripIsExact) {
     EXPECT_EQ(back.posture.target, p.posture.target);
     EXPECT_EQ(back.error_norm.min, p.error_norm.min);
     EXPECT_EQ(back.slack.limit, p.slack.limit);
+    EXPECT_EQ(back.collision.passing.enabled, p.collision.passing.enabled);
+    EXPECT_EQ(back.collision.passing.horizon, p.collision.passing.horizon);
+    EXPECT_EQ(back.collision.passing.clearance, p.collision.passing.clearance);
     std::vector<std::string> warnings;
     const ControllerParams node =
         config::read_controller(config::node_from_json(config::to_json(p), "store"), "", *model_, 0.02, warnings);
@@ -172,6 +179,8 @@ TEST_F(ControllerFile, MistakesAreNamedWithTheirPlace) {
   expect_error("error_norm: {min: 11}", "c.yaml:1:19: controller.error_norm.min:", "must not be above");
   expect_error("base_weight: inverse", "c.yaml:1:14: controller.base_weight:", "inverse_error or a number");
   expect_error("base_weight: -0.1", "c.yaml:1:14: controller.base_weight:", "at least 0");
+  expect_error("collision: {passing: {horizon: 0}}", "c.yaml:1:32: controller.collision.passing.horizon:", "above 0");
+  expect_error("collision: {passing: on}", "c.yaml:1:22: controller.collision.passing:", "expected a map");
   expect_error("lambda_q: [1, 2]", "c.yaml:1:11: controller.lambda_q:", "a list of 7 numbers");
   expect_error("lambda_q: [1, 2, 3, 4, 5, 6, x]", "c.yaml:1:30: controller.lambda_q[6]:", "'x'");
   expect_error("slack: off", "c.yaml:1:8: controller.slack:", "expected a map");

@@ -191,7 +191,8 @@ TEST_P(SpecialStates, TwoHundredObjects) {
     seen_.objects.push_back(state);
   }
   step("200 objects");
-  const int per_pair = params_.collision.end_rows > 0.0 ? 1 + kMaxEnds : 1;
+  const int per_pair =
+      (params_.collision.end_rows > 0.0 ? 1 + kMaxEnds : 1) + (params_.collision.passing.enabled ? 1 : 0);
   EXPECT_LE(result_.rows, 6 + params_.collision.max_pairs * per_pair + 2);
 }
 

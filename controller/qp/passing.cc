@@ -1,0 +1,169 @@
+#include "controller/qp/passing.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace moma {
+namespace {
+
+constexpr double kMoving = 0.01;    // a slower object is left to the usual rows [m/s]
+constexpr double kAbove = 0.05;     // solids this far above each other pass [m]
+constexpr double kNear = 1.0;       // what is nearer counts as traffic [m]
+constexpr double kWidest = 0.8;     // sine of the largest angle that the clearance turns a tangent by
+constexpr double kNoEffect = 1e-9;  // largest coefficient of a row that holds nothing
+constexpr double kTiny = 1e-9;      // [m]
+constexpr int kMaxIterations = 30;  // of Newton's method: six or seven are usual
+
+Vector3 horizontal(const Vector3& v) noexcept { return {v.x(), v.y(), 0.0}; }
+Vector3 left_of(const Vector3& v) noexcept { return {-v.y(), v.x(), 0.0}; }
+double sign(double value) noexcept { return value < 0.0 ? -1.0 : 1.0; }
+
+double highest(const Shape& shape, const Isometry& X_WS) noexcept {
+  return support_point(shape, X_WS, Vector3::UnitZ()).z();
+}
+double lowest(const Shape& shape, const Isometry& X_WS) noexcept {
+  return support_point(shape, X_WS, -Vector3::UnitZ()).z();
+}
+
+// False for a pose that is not one: sensed data can be anything.
+bool is_pose(const Isometry& X) noexcept { return X.linear().squaredNorm() < 3.1 && X.translation().allFinite(); }
+
+}  // namespace
+
+Vector3 support_point(const Shape& shape, const Isometry& X_WS, const Vector3& n_W) noexcept {
+  const auto axis = [&](int i) -> Vector3 { return X_WS.linear().col(i); };
+  Vector3 p = X_WS.translation();
+  switch (shape.kind) {
+    case ShapeKind::kSphere:
+      p += shape.size.x() * n_W;
+      break;
+    case ShapeKind::kCapsule:
+      p += shape.size.x() * n_W + 0.5 * shape.size.y() * sign(axis(2).dot(n_W)) * axis(2);
+      break;
+    case ShapeKind::kCylinder: {
+      const double along = axis(2).dot(n_W);
+      const Vector3 across = n_W - along * axis(2);
+      const double length = across.norm();
+      p += 0.5 * shape.size.y() * sign(along) * axis(2);
+      if (length > kTiny) p += shape.size.x() / length * across;
+      break;
+    }
+    case ShapeKind::kBox:
+      for (int i = 0; i < 3; ++i) p += 0.5 * shape.size[i] * sign(axis(i).dot(n_W)) * axis(i);
+      break;
+    case ShapeKind::kConvex: {
+      if (!shape.hull || shape.hull->vertices.empty()) break;
+      const Vector3 n_S = X_WS.linear().transpose() * n_W;
+      const auto furthest =
+          std::max_element(shape.hull->vertices.begin(), shape.hull->vertices.end(),
+                           [&](const Vector3& a, const Vector3& b) { return a.dot(n_S) < b.dot(n_S); });
+      p += X_WS.linear() * *furthest;
+      break;
+    }
+  }
+  return p;
+}
+
+Tangent passing_tangent(const Shape& robot, const Isometry& X_WR, const Shape& object, const Isometry& X_WO,
+                        const Vector3& v_W) noexcept {
+  const Vector3 centre = horizontal(X_WO.translation() - X_WR.translation());
+  const double distance = centre.norm();
+  if (!(distance > kTiny)) return {};
+  Vector3 n = left_of(centre) / distance;
+  const double side = n.dot(v_W) > 0.0 ? -1.0 : 1.0;
+  n *= side;
+  // Newton's method in the angle of n for max {n^T m : m in M} = 0. Across the line of centres M sticks out; from
+  // there each n is the one perpendicular to the point that stuck out furthest along the last, and none turns too far.
+  for (int k = 0; k < kMaxIterations; ++k) {
+    const Vector3 m = horizontal(support_point(object, X_WO, n) - support_point(robot, X_WR, -n));
+    const double length = m.norm();
+    if (!(length > kTiny)) return {};
+    if (n.dot(m) <= kTiny * length) return {true, n, m / length, length};
+    n = side / length * left_of(m);
+  }
+  return {};
+}
+
+PassingRows::PassingRows(const RobotModel& model, const CollisionParams& params)
+    : model_(&model),
+      params_(params.passing),
+      max_rows_(static_cast<std::size_t>(params.max_pairs)),
+      J_(3, model.num_velocities()),
+      row_(model.num_velocities()) {
+  if (!params.object.enabled || !params_.enabled || model.base_dof() == 0) return;
+  for (std::size_t i = 0; i < model.shapes.size(); ++i)
+    if (model.shapes[i].rigid_with_base) shapes_.push_back(static_cast<int>(i));
+}
+
+int PassingRows::allocate(int num_objects) {
+  const std::size_t pairs = shapes_.size() * static_cast<std::size_t>(num_objects);
+  candidates_.clear();
+  candidates_.reserve(pairs);
+  return static_cast<int>(std::min(pairs, max_rows_));
+}
+
+void PassingRows::select(const Kinematics& kinematics, const Proximity& proximity,
+                         std::span<const ObjectState> states) noexcept {
+  candidates_.clear();
+  if (shapes_.empty()) return;
+  const std::size_t count = std::min(states.size(), static_cast<std::size_t>(proximity.num_objects()));
+  for (std::size_t j = 0; j < count; ++j) {
+    const ObjectState& state = states[j];
+    const double speed = horizontal(state.V_WO_W.tail<3>()).norm();
+    if (!state.visible || !(speed > kMoving) || !is_pose(state.X_WO)) continue;
+    const Shape& object = proximity.object_shape(static_cast<int>(j));
+    const double top = highest(object, state.X_WO) + kAbove, bottom = lowest(object, state.X_WO) - kAbove;
+    for (const int i : shapes_) {
+      const CollisionShape& shape = model_->shapes[static_cast<std::size_t>(i)];
+      const Isometry X_WS = kinematics.X_WS(shape);
+      if (lowest(shape.shape, X_WS) > top || highest(shape.shape, X_WS) < bottom) continue;
+      const Vector3 centre = horizontal(state.X_WO.translation() - X_WS.translation());
+      const double distance = centre.norm();
+      if (!(distance > kTiny) || candidates_.size() == candidates_.capacity()) continue;
+      const Vector3 to = centre / distance;
+      const double gap = to.dot(support_point(object, state.X_WO, -to) - support_point(shape.shape, X_WS, to));
+      // The fastest that the shape's centre can go: it is turned about B as well.
+      const double offset = horizontal(X_WS.translation() - kinematics.X_WB().translation()).norm();
+      const double fastest =
+          std::sqrt(model_->base_dof() - 1.0) * model_->base.max_linear + offset * model_->base.max_angular;
+      if (gap < params_.horizon * (speed + fastest)) candidates_.push_back({gap, i, static_cast<int>(j)});
+    }
+  }
+  std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
+    if (a.gap != b.gap) return a.gap < b.gap;
+    return a.object != b.object ? a.object < b.object : a.shape < b.shape;
+  });
+}
+
+bool PassingRows::near() const noexcept { return !candidates_.empty() && candidates_.front().gap < kNear; }
+
+void PassingRows::add(const Kinematics& kinematics, const Proximity& proximity, std::span<const ObjectState> states,
+                      QpProblem& problem) noexcept {
+  const std::size_t kept = std::min(candidates_.size(), max_rows_);
+  for (std::size_t k = 0; k < kept; ++k) {
+    const Candidate& candidate = candidates_[k];
+    append(kinematics, candidate, proximity.object_shape(candidate.object),
+           states[static_cast<std::size_t>(candidate.object)], problem);
+  }
+}
+
+bool PassingRows::append(const Kinematics& kinematics, const Candidate& candidate, const Shape& object,
+                         const ObjectState& state, QpProblem& problem) noexcept {
+  const CollisionShape& shape = model_->shapes[static_cast<std::size_t>(candidate.shape)];
+  const Isometry X_WS = kinematics.X_WS(shape);
+  const Vector3 v = horizontal(state.V_WO_W.tail<3>());
+  const Tangent tangent = passing_tangent(shape.shape, X_WS, object, state.X_WO, v);
+  if (!tangent.exists) return false;
+  const double sine = std::min(params_.clearance / tangent.length, kWidest);
+  const Vector3 n = std::sqrt(1.0 - sine * sine) * tangent.n_W - sine * tangent.along_W;
+  kinematics.point_jacobian(shape.link, X_WS.translation(), J_);
+  row_.noalias() = -J_.transpose() * n;
+  if (row_.cwiseAbs().maxCoeff() < kNoEffect) return false;
+  const double limit = std::max(candidate.gap, 0.0) / params_.horizon - n.dot(v);
+  const int row = problem.append({RowKind::kPassing, candidate.shape, candidate.object}, -kInfinity, limit);
+  if (row < 0) return false;
+  problem.A.row(row).head(row_.size()) = row_.transpose();
+  return true;
+}
+
+}  // namespace moma
