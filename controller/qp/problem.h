@@ -15,8 +15,9 @@ using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::R
 enum class RowKind { kTracking, kObject, kFloor, kSelf, kPassing, kWheel };
 
 /// What a constraint row is about, enough to name it later. tracking: (component 0-5, -); object: (robot shape,
-/// object); floor: (robot shape, -); self: (robot shape, robot shape); passing: (robot shape, object); wheel: (wheel, -). An object's row may be that
-/// of a capsule's end: 1, 2 of the robot's shape, 3, 4 of the object's; 0 is the usual row.
+/// object); floor: (robot shape, -); self: (robot shape, robot shape); passing: (robot shape, object); wheel: (wheel,
+/// -). An object's row may be that of a capsule's end: 1, 2 of the robot's shape, 3, 4 of the object's; 0 is the usual
+/// row.
 struct RowId {
   RowKind kind = RowKind::kTracking;
   int first = 0;
@@ -51,8 +52,8 @@ struct QpProblem {
   double cost(const Eigen::Ref<const VectorX>& x) const noexcept;
 };
 
-/// "tracking/3", "object/NAME/SHAPE", "object/NAME/SHAPE@1" (a capsule's end), "floor/SHAPE", "self/A/B", "passing/NAME/SHAPE",
-/// "wheel/left".
+/// "tracking/3", "object/NAME/SHAPE", "object/NAME/SHAPE@1" (a capsule's end), "floor/SHAPE", "self/A/B",
+/// "passing/NAME/SHAPE", "wheel/left".
 std::string row_name(const RowId& id, const RobotModel& model, std::span<const std::string> object_names);
 
 /// Largest of: violation of bounds and rows; |H x + g + A^T lambda + mu|; a multiplier's wrong sign; |multiplier|
