@@ -26,6 +26,7 @@ finish() {
 trap finish EXIT
 
 host=$(hostname -s)
+port=$((20000 + $$ % 5000 * 2))  # not Slurm's own, and another one than a test's that was killed
 mkdir -p "$work"/state "$work"/spool
 # A munged of the test's own, with its own key and socket.
 mkdir -m 755 "$work/munge"
@@ -45,8 +46,8 @@ SlurmUser=root
 SlurmdUser=root
 AuthType=auth/munge
 AuthInfo=socket=$work/munge/socket
-SlurmctldPort=16817
-SlurmdPort=16818
+SlurmctldPort=$port
+SlurmdPort=$((port + 1))
 StateSaveLocation=$work/state
 SlurmdSpoolDir=$work/spool
 SlurmctldPidFile=$work/slurmctld.pid
