@@ -3,7 +3,7 @@
 
 Both are judged on the same held-out worlds. Needs `pip install optuna` (any environment) and a built moma:
 
-    python3 bench/tune_against_optuna.py --moma build/moma --trials 12000 --seeds 5
+    python3 bench/tune_against_optuna.py --moma build/moma --trials 12000 --seeds 1 2 3 4 5
 
 Optuna evaluates each candidate by `moma run` on all worlds of the search, as a user would; its store is the same
 kind of file, so that the objective is one SQL expression over v_trials. With --racing, moma tune runs twice more: without
@@ -36,7 +36,7 @@ def arguments():
     parser.add_argument("--trials", type=int, default=12000, help="budget of each search")
     parser.add_argument("--worlds", type=int, default=100, help="per candidate")
     parser.add_argument("--held-out", type=int, default=1000)
-    parser.add_argument("--seeds", type=int, default=5)
+    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3, 4, 5])
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--racing", action="store_true", help="show what cutting short saves")
     return parser.parse_args()
@@ -108,7 +108,7 @@ def main():
     rows = []
     with tempfile.TemporaryDirectory() as path:
         folder = pathlib.Path(path)
-        for seed in range(1, options.seeds + 1):
+        for seed in options.seeds:
             db = folder / f"tune-{seed}.db"
             searches = {"moma tune": lambda: tune(options, db, seed, options.trials),
                         "Optuna TPE": lambda: optuna_search(options, folder, seed, variables(db))}
@@ -129,8 +129,8 @@ def main():
                  for _, _, s, low, high, c, change in result]
         print(f"| {search} | {seed} | {seconds:.0f} | " + " | ".join(cells) + " |")
     for search in searches:
-        means = [sum(r[3][i][2] for r in rows if r[0] == search) / options.seeds for i in range(len(families))]
-        spread = [math.sqrt(sum((r[3][i][2] - m) ** 2 for r in rows if r[0] == search) / max(1, options.seeds - 1))
+        means = [sum(r[3][i][2] for r in rows if r[0] == search) / len(options.seeds) for i in range(len(families))]
+        spread = [math.sqrt(sum((r[3][i][2] - m) ** 2 for r in rows if r[0] == search) / max(1, len(options.seeds) - 1))
                   for i, m in enumerate(means)]
         print(f"{search}: " + ", ".join(f"{f} {100 * m:.1f} % (sd {100 * s:.1f})" for f, m, s in zip(families, means, spread)))
 

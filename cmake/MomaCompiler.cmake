@@ -31,6 +31,9 @@ set(MOMA_SANITIZE "" CACHE STRING "Sanitizers, for instance address,undefined or
 if(MOMA_SANITIZE)
   add_compile_options(-fsanitize=${MOMA_SANITIZE} -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${MOMA_SANITIZE})
+  # Eigen would keep its own header before each block. The wheels, built without, export some of Eigen's inline functions,
+  # and a plugin's calls end in those: blocks taken by one and given back by the other.
+  add_compile_definitions(EIGEN_MALLOC_ALREADY_ALIGNED=1)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     add_compile_options(-Wno-maybe-uninitialized)  # GCC: not to be trusted in instrumented code (std::variant, say)
   endif()

@@ -32,11 +32,6 @@ struct Solid {
   }
 };
 
-// False for a pose that is not one: sensed data can be anything.
-bool is_pose(const Isometry& X) noexcept {
-  return X.linear().squaredNorm() < 3.1 && X.translation().allFinite();  // 3 for a rotation
-}
-
 // Radius of the ball that stands for a point [m].
 constexpr double kPoint = 1e-3;
 
@@ -161,6 +156,10 @@ Distance Proximity::ball_to_object(const Vector3& centre_W, double radius, int o
 
 const Shape& Proximity::object_shape(int object) const noexcept {
   return impl_->objects[static_cast<std::size_t>(object)].shape;
+}
+
+bool is_pose(const Isometry& X) noexcept {
+  return X.linear().squaredNorm() < 3.1 && X.translation().allFinite();  // 3 for a rotation
 }
 
 Distance shape_distance(const Shape& first, const Isometry& X_W1, const Shape& second, const Isometry& X_W2) {

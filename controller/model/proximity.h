@@ -34,6 +34,9 @@ struct Distance {
 /// One-off signed distance between two placed shapes (coal). Allocates: not for the control step.
 Distance shape_distance(const Shape& first, const Isometry& X_W1, const Shape& second, const Isometry& X_W2);
 
+/// False for a pose that is not one: sensed data can be anything.
+bool is_pose(const Isometry& X) noexcept;
+
 enum class PairKind { kObject, kFloor, kSelf };
 
 /// One close pair. first is a robot shape always; second is an object index (kObject), -1 (kFloor) or a robot

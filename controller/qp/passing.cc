@@ -25,9 +25,6 @@ double lowest(const Shape& shape, const Isometry& X_WS) noexcept {
   return support_point(shape, X_WS, -Vector3::UnitZ()).z();
 }
 
-// False for a pose that is not one: sensed data can be anything.
-bool is_pose(const Isometry& X) noexcept { return X.linear().squaredNorm() < 3.1 && X.translation().allFinite(); }
-
 }  // namespace
 
 Vector3 support_point(const Shape& shape, const Isometry& X_WS, const Vector3& n_W) noexcept {

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <cstring>
 #include <limits>
+#include <memory>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -46,15 +47,14 @@ void* moma_plugin_open(const moma_plugin_setup* setup, char* error, size_t error
 void moma_plugin_close(void* plugin) { delete static_cast<Motion*>(plugin); }
 
 void* moma_plugin_start(void* plugin, const moma_object_shape*, size_t objects, char* error, size_t error_size) {
-  auto* motion = new Motion(*static_cast<Motion*>(plugin));
+  auto motion = std::make_unique<Motion>(*static_cast<Motion*>(plugin));
   motion->objects = objects;
   if (asked(motion->deed, "throw_in_start")) throw 3;
   if (asked(motion->deed, "fail_in_start")) {
     std::snprintf(error, error_size, "%zu objects are too many", objects);
-    delete motion;
     return nullptr;
   }
-  return motion;
+  return motion.release();
 }
 
 #ifndef ODD_NO_STEP
