@@ -157,7 +157,9 @@ TEST(Passing, WhatARowAllowsNeverMeetsTheObject) {
     bool meets = false;
     for (double time = 0.0; time < 4.0 && !meets; time += 0.02)
       meets = shadows_meet(robot, X_WR, object, X_WO, time * w);
-    if (t.n_W.dot(w) >= 0.0) EXPECT_FALSE(meets) << trial;
+    if (t.n_W.dot(w) >= 0.0) {
+      EXPECT_FALSE(meets) << trial;
+    }
     (meets ? met : passed) += 1;
   }
   EXPECT_GT(met, 20);
@@ -291,7 +293,9 @@ TEST(Passing, AreBoundedByMaxPairsAndTakeNoMemory) {
       const Observation o = random_observation(*model, shapes.size(), rng, 1.5);
       NoAlloc guard;
       c.step(o, result);
-      if (NoAlloc::works()) ASSERT_EQ(guard.count(), 0);
+      if (NoAlloc::works()) {
+        ASSERT_EQ(guard.count(), 0);
+      }
       int passing = 0;
       for (int r = 0; r < c.problem().rows; ++r)
         passing += c.problem().ids[static_cast<std::size_t>(r)].kind == RowKind::kPassing ? 1 : 0;
