@@ -34,7 +34,8 @@ class Cluster final : public RemoteCompute {
 
   /// Rank 0: sends `setup` to all others. Only those whose machine class is `machine_class` take part, since others
   /// may differ in last bits; `note` hears of those that do not, and of lost ones.
-  void lead(const std::string& setup, const std::string& machine_class, std::function<void(const std::string&)> note);
+  void lead(const std::string& setup, const std::string& machine_class,
+            const std::function<void(const std::string&)>& note);
   std::size_t capacity() const override;
   void serve(JobBoard& board) override;
 

@@ -277,9 +277,9 @@ int Cluster::rank() const { return impl_->rank; }
 int Cluster::size() const { return impl_->size; }
 
 void Cluster::lead(const std::string& setup, const std::string& machine_class,
-                   std::function<void(const std::string&)> note) {
+                   const std::function<void(const std::string&)>& note) {
   impl_->machine_class = machine_class;
-  impl_->note = std::move(note);
+  impl_->note = note;
   for (int w = 1; w < impl_->size; ++w) {
     impl_->workers[static_cast<std::size_t>(w)].heard = Clock::now();
     impl_->outbox.send(w, kSetup, setup.data(), setup.size());

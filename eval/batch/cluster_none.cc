@@ -13,7 +13,7 @@ Cluster::~Cluster() = default;
 int Cluster::rank() const { return 0; }
 int Cluster::size() const { return 1; }
 void Cluster::lead(const std::string& /*setup*/, const std::string& /*machine_class*/,
-                   std::function<void(const std::string&)> /*note*/) {}
+                   const std::function<void(const std::string&)>& /*note*/) {}
 std::size_t Cluster::capacity() const { return 0; }
 void Cluster::serve(JobBoard& /*board*/) {}
 std::optional<std::string> Cluster::setup() { return std::nullopt; }

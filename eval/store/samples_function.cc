@@ -85,7 +85,7 @@ std::string find_key(sqlite3* connection, std::string prefix) {
   sqlite3_bind_blob(query.get(), 2, last.data(), static_cast<int>(last.size()), SQLITE_STATIC);
   if (!step(connection, query.get()))
     throw std::runtime_error(fmt::format("samples('{}'): there is no such trial", prefix));
-  const std::string key(static_cast<const char*>(sqlite3_column_blob(query.get(), 0)), first.size());
+  std::string key(static_cast<const char*>(sqlite3_column_blob(query.get(), 0)), first.size());
   if (step(connection, query.get()))
     throw std::runtime_error(fmt::format("samples('{}'): several trials begin so; give more digits", prefix));
   return key;
