@@ -6,7 +6,9 @@
 #include <condition_variable>
 #include <cstring>
 #include <deque>
+#include <list>
 #include <mutex>
+#include <set>
 #include <stdexcept>
 #include <thread>
 
@@ -70,18 +72,43 @@ struct Letter {
   Bytes bytes;
 };
 
-std::optional<Letter> receive(int from = MPI_ANY_SOURCE, int tag = MPI_ANY_TAG) {
-  int there = 0;
-  MPI_Status status;
-  if (MPI_Iprobe(from, tag, MPI_COMM_WORLD, &there, &status) != MPI_SUCCESS || there == 0) return std::nullopt;
-  int size = 0;
-  MPI_Get_count(&status, MPI_BYTE, &size);
-  Letter letter{status.MPI_SOURCE, status.MPI_TAG, Bytes(static_cast<std::size_t>(size))};
-  if (MPI_Recv(letter.bytes.data(), size, MPI_BYTE, letter.from, letter.tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE) !=
-      MPI_SUCCESS)
+// Messages on their way here. A sender that dies in the middle of a long one leaves it unfinished for ever, and a
+// blocking receive with it: so none is used.
+class Inbox {
+ public:
+  /// The next whole message; those of one sender come in the order in which it sent them.
+  std::optional<Letter> receive(int from = MPI_ANY_SOURCE) {
+    int there = 0;
+    MPI_Message message = MPI_MESSAGE_NULL;
+    MPI_Status status;
+    while (MPI_Improbe(from, MPI_ANY_TAG, MPI_COMM_WORLD, &there, &message, &status) == MPI_SUCCESS && there != 0) {
+      int size = 0;
+      MPI_Get_count(&status, MPI_BYTE, &size);
+      Arrival& arrival = arrivals_.emplace_back();
+      arrival.letter = {status.MPI_SOURCE, status.MPI_TAG, Bytes(static_cast<std::size_t>(size))};
+      MPI_Imrecv(arrival.letter.bytes.data(), size, MPI_BYTE, &message, &arrival.request);
+    }
+    std::set<int> unfinished;  // senders
+    for (auto it = arrivals_.begin(); it != arrivals_.end(); ++it) {
+      if (unfinished.contains(it->letter.from)) continue;
+      int done = 0;
+      if (MPI_Test(&it->request, &done, MPI_STATUS_IGNORE) == MPI_SUCCESS && done != 0) {
+        Letter letter = std::move(it->letter);
+        arrivals_.erase(it);
+        return letter;
+      }
+      unfinished.insert(it->letter.from);
+    }
     return std::nullopt;
-  return letter;
-}
+  }
+
+ private:
+  struct Arrival {
+    Letter letter;
+    MPI_Request request = MPI_REQUEST_NULL;
+  };
+  std::list<Arrival> arrivals_;  // buffers must stay where they are
+};
 
 /// A rank as rank 0 sees it.
 struct Worker {
@@ -106,6 +133,7 @@ struct Cluster::Impl {
   int rank = 0;
   int size = 1;
   std::chrono::duration<double> lost_after{30.0};
+  Inbox inbox;
   Outbox outbox;
   std::vector<Worker> workers;  // by rank; 0 is unused
   std::vector<Ticket> tickets;
@@ -208,7 +236,7 @@ struct Cluster::Impl {
       return std::any_of(workers.begin() + 1, workers.end(), [](const Worker& w) { return !w.lost && !w.left; });
     };
     while (waiting() && Clock::now() < end) {
-      while (const std::optional<Letter> letter = receive())  // results that no one waits for any more come too
+      while (const std::optional<Letter> letter = inbox.receive())  // results that no one waits for any more come too
         if (letter->tag == kBye) workers[static_cast<std::size_t>(letter->from)].left = true;
       outbox.sweep();
       std::this_thread::sleep_for(kPoll);
@@ -222,7 +250,7 @@ struct Cluster::Impl {
   void wait_for_end() {
     const auto end = Clock::now() + kOrphanAfter;
     while (Clock::now() < end) {
-      while (const std::optional<Letter> letter = receive(0)) {
+      while (const std::optional<Letter> letter = inbox.receive(0)) {
         if (letter->tag != kEnd) continue;
         lost_one = !letter->bytes.empty() && letter->bytes[0] != 0;
         return;
@@ -299,7 +327,7 @@ void Cluster::serve(JobBoard& board) {
   Impl& self = *impl_;
   while (self.anyone()) {
     bool any = false;
-    while (const std::optional<Letter> letter = receive()) {
+    while (const std::optional<Letter> letter = self.inbox.receive()) {
       any = true;
       const auto w = static_cast<std::size_t>(letter->from);
       self.workers[w].heard = Clock::now();
@@ -317,7 +345,7 @@ void Cluster::serve(JobBoard& board) {
 
 std::optional<std::string> Cluster::setup() {
   while (true) {
-    if (const auto letter = receive(0)) {
+    if (const auto letter = impl_->inbox.receive(0)) {
       if (letter->tag == kSetup) return std::string(letter->bytes.begin(), letter->bytes.end());
       if (letter->tag == kStop) return std::nullopt;
     }
@@ -360,7 +388,7 @@ void Cluster::work(std::span<const Point> points, const std::string& machine_cla
   auto alive = Clock::now();
   auto heard = Clock::now();
   while (!over) {
-    while (const std::optional<Letter> letter = receive(0)) {
+    while (const std::optional<Letter> letter = self.inbox.receive(0)) {
       heard = Clock::now();
       const std::scoped_lock lock(mutex);
       if (letter->tag == kStop) {
