@@ -213,7 +213,7 @@ std::string describe_surroundings(const CaseStep& step) {
     for (int i = 0; i < controller.problem().rows; ++i) {
       const RowKind kind = controller.problem().ids[static_cast<std::size_t>(i)].kind;
       passing += kind == RowKind::kPassing ? 1 : 0;
-      rows += kind == RowKind::kObject || kind == RowKind::kFloor || kind == RowKind::kSelf ? 1 : 0;
+      rows += is_collision(kind) ? 1 : 0;
     }
     out += std::to_string(pairs.size()) + " pairs are within their distance of influence, " + std::to_string(rows) +
            " of them have a row";

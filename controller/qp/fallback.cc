@@ -9,8 +9,7 @@ namespace {
 constexpr double kSlackCost = 1e6;
 
 bool is_soft(RowKind kind, bool only_passing) noexcept {
-  if (kind == RowKind::kPassing) return true;
-  return !only_passing && (kind == RowKind::kObject || kind == RowKind::kFloor || kind == RowKind::kSelf);
+  return kind == RowKind::kPassing || (!only_passing && is_collision(kind));
 }
 
 bool has_soft(const QpProblem& problem, bool only_passing) noexcept {

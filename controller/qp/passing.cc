@@ -18,11 +18,8 @@ Vector3 horizontal(const Vector3& v) noexcept { return {v.x(), v.y(), 0.0}; }
 Vector3 left_of(const Vector3& v) noexcept { return {-v.y(), v.x(), 0.0}; }
 double sign(double value) noexcept { return value < 0.0 ? -1.0 : 1.0; }
 
-double highest(const Shape& shape, const Isometry& X_WS) noexcept {
+double highest_point(const Shape& shape, const Isometry& X_WS) noexcept {
   return support_point(shape, X_WS, Vector3::UnitZ()).z();
-}
-double lowest(const Shape& shape, const Isometry& X_WS) noexcept {
-  return support_point(shape, X_WS, -Vector3::UnitZ()).z();
 }
 
 }  // namespace
@@ -109,11 +106,11 @@ void PassingRows::select(const Kinematics& kinematics, const Proximity& proximit
     const double speed = horizontal(state.V_WO_W.tail<3>()).norm();
     if (!state.visible || !(speed > kMoving) || !is_pose(state.X_WO)) continue;
     const Shape& object = proximity.object_shape(static_cast<int>(j));
-    const double top = highest(object, state.X_WO) + kAbove, bottom = lowest(object, state.X_WO) - kAbove;
+    const double top = highest_point(object, state.X_WO) + kAbove, bottom = lowest_point(object, state.X_WO) - kAbove;
     for (const int i : shapes_) {
       const CollisionShape& shape = model_->shapes[static_cast<std::size_t>(i)];
       const Isometry X_WS = kinematics.X_WS(shape);
-      if (lowest(shape.shape, X_WS) > top || highest(shape.shape, X_WS) < bottom) continue;
+      if (lowest_point(shape.shape, X_WS) > top || highest_point(shape.shape, X_WS) < bottom) continue;
       const Vector3 centre = horizontal(state.X_WO.translation() - X_WS.translation());
       const double distance = centre.norm();
       if (!(distance > kTiny) || candidates_.size() == candidates_.capacity()) continue;
@@ -144,23 +141,22 @@ void PassingRows::add(const Kinematics& kinematics, const Proximity& proximity, 
   }
 }
 
-bool PassingRows::append(const Kinematics& kinematics, const Candidate& candidate, const Shape& object,
+void PassingRows::append(const Kinematics& kinematics, const Candidate& candidate, const Shape& object,
                          const ObjectState& state, QpProblem& problem) noexcept {
   const CollisionShape& shape = model_->shapes[static_cast<std::size_t>(candidate.shape)];
   const Isometry X_WS = kinematics.X_WS(shape);
   const Vector3 v = horizontal(state.V_WO_W.tail<3>());
   const Tangent tangent = passing_tangent(shape.shape, X_WS, object, state.X_WO, v);
-  if (!tangent.exists) return false;
+  if (!tangent.exists) return;
   const double sine = std::min(params_.clearance / tangent.length, kWidest);
   const Vector3 n = std::sqrt(1.0 - sine * sine) * tangent.n_W - sine * tangent.along_W;
   kinematics.point_jacobian(shape.link, X_WS.translation(), J_);
   row_.noalias() = -J_.transpose() * n;
-  if (row_.cwiseAbs().maxCoeff() < kNoEffect) return false;
+  if (row_.cwiseAbs().maxCoeff() < kNoEffect) return;
   const double limit = std::max(candidate.gap, 0.0) / params_.horizon - n.dot(v);
   const int row = problem.append({RowKind::kPassing, candidate.shape, candidate.object}, -kInfinity, limit);
-  if (row < 0) return false;
+  if (row < 0) return;
   problem.A.row(row).head(row_.size()) = row_.transpose();
-  return true;
 }
 
 }  // namespace moma

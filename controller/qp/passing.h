@@ -59,7 +59,7 @@ class PassingRows {
     double gap;
     int shape, object;
   };
-  bool append(const Kinematics& kinematics, const Candidate& candidate, const Shape& object, const ObjectState& state,
+  void append(const Kinematics& kinematics, const Candidate& candidate, const Shape& object, const ObjectState& state,
               QpProblem& problem) noexcept;
 
   const RobotModel* model_;

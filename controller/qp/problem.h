@@ -14,6 +14,11 @@ using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::R
 
 enum class RowKind { kTracking, kObject, kFloor, kSelf, kPassing, kWheel };
 
+/// Rows that bound how fast a distance shrinks.
+constexpr bool is_collision(RowKind kind) noexcept {
+  return kind == RowKind::kObject || kind == RowKind::kFloor || kind == RowKind::kSelf;
+}
+
 /// What a constraint row is about, enough to name it later. tracking: (component 0-5, -); object: (robot shape,
 /// object); floor: (robot shape, -); self: (robot shape, robot shape); passing: (robot shape, object); wheel: (wheel,
 /// -). An object's row may be that of a capsule's end: 1, 2 of the robot's shape, 3, 4 of the object's; 0 is the usual

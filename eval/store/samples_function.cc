@@ -138,10 +138,8 @@ int best_index(sqlite3_vtab* base, sqlite3_index_info* info) {
     info->estimatedRows = 1000;
     return SQLITE_OK;
   }
-  return guarded(base->zErrMsg, []() -> int {
-    throw std::runtime_error(
-        "samples needs a trial, as in samples('06566cfa'); the table of the store is main.samples");
-  });
+  return fail(base->zErrMsg,
+              "samples needs a trial, as in samples('06566cfa'); the table of the store is main.samples");
 }
 
 int filter(sqlite3_vtab_cursor* base, int /*number*/, const char* /*text*/, int argc, sqlite3_value** argv) {

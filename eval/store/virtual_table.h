@@ -8,6 +8,13 @@
 
 namespace moma::store {
 
+/// Sets the words that SQLite shows to the user, and gives the code that says so.
+inline int fail(char*& words, const char* text) noexcept {
+  sqlite3_free(words);
+  words = sqlite3_mprintf("%s", text);
+  return SQLITE_ERROR;
+}
+
 /// Runs `work`, which gives a code of SQLite; what it throws becomes a code and words, since SQLite calls from C and no
 /// exception may pass through it.
 template <typename Work>
@@ -17,9 +24,7 @@ int guarded(char*& words, Work&& work) noexcept {
   } catch (const std::bad_alloc&) {
     return SQLITE_NOMEM;
   } catch (const std::exception& failure) {
-    sqlite3_free(words);
-    words = sqlite3_mprintf("%s", failure.what());
-    return SQLITE_ERROR;
+    return fail(words, failure.what());
   }
 }
 

@@ -3,27 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include "controller/controller.h"
-#include "tests/controller/qp_robots.h"
+#include "tests/controller/rig.h"
 
 namespace moma {
 namespace {
 
 using namespace test;
-
-struct Rig {
-  std::shared_ptr<const RobotModel> model;
-  std::vector<ObjectShape> shapes;
-  Controller controller;
-  StepResult result;
-
-  Rig(std::shared_ptr<const RobotModel> m, ControllerParams p, std::vector<ObjectShape> s = {})
-      : model(std::move(m)), shapes(std::move(s)), controller(model, std::move(p), 0.02) {
-    controller.reset(shapes);
-    controller.prepare(result);
-  }
-  void step(const Observation& o) { controller.step(o, result); }
-};
 
 // Signed distance of the row's pair after moving robot and objects by v and their twists for dt.
 double moved_distance(const RobotModel& model, const std::vector<ObjectShape>& shapes, const Observation& o,

@@ -6,8 +6,7 @@
 
 #include <set>
 
-#include "controller/controller.h"
-#include "tests/controller/qp_robots.h"
+#include "tests/controller/rig.h"
 
 namespace moma {
 namespace {
@@ -57,12 +56,10 @@ TEST(EndRows, MatchTheMeasuredRateOfTheBallsDistance) {
     const auto model = all_robots()[rng() % 3];
     const ControllerParams p = with_ends();
     const std::vector<ObjectShape> shapes = random_objects(rng, 6);
-    Controller c(model, p, 0.02);
-    c.reset(shapes);
-    StepResult result;
-    c.prepare(result);
+    Rig rig(model, p, shapes);
+    const Controller& c = rig.controller;
     const Observation o = random_observation(*model, shapes.size(), rng, 0.9);
-    c.step(o, result);
+    rig.step(o);
     for (int r = 0; r < c.problem().rows; ++r) {
       const RowId& id = c.problem().ids[static_cast<std::size_t>(r)];
       if (id.kind != RowKind::kObject || id.end == 0) continue;
@@ -90,12 +87,10 @@ TEST(EndRows, ExistForNearPairsWithCapsulesAndAreNamed) {
   int ends = 0;
   for (int trial = 0; trial < 60; ++trial) {
     const std::vector<ObjectShape> shapes = random_objects(rng, 8);
-    Controller c(model, with_ends(), 0.02);
-    c.reset(shapes);
-    StepResult result;
-    c.prepare(result);
+    Rig rig(model, with_ends(), shapes);
+    const Controller& c = rig.controller;
     const Observation o = random_observation(*model, shapes.size(), rng, 0.9);
-    c.step(o, result);
+    rig.step(o);
     std::set<std::tuple<int, int, int>> seen;
     for (int r = 0; r < c.problem().rows; ++r) {
       const RowId& id = c.problem().ids[static_cast<std::size_t>(r)];
@@ -138,12 +133,10 @@ TEST(EndRows, DoNotCountAsPairsAndNeverOverflow) {
     ControllerParams p = with_ends(max_pairs);
     p.collision.end_rows = 5.0;
     p.collision.object.influence = 5.0;
-    Controller c(model, p, 0.02);
-    c.reset(shapes);
-    StepResult result;
-    c.prepare(result);
+    Rig rig(model, p, shapes);
+    const Controller& c = rig.controller;
     for (int trial = 0; trial < 20; ++trial) {
-      c.step(random_observation(*model, shapes.size(), rng, 0.5), result);
+      rig.step(random_observation(*model, shapes.size(), rng, 0.5));
       int usual = 0, ends = 0, objects = 0;
       for (int r = 0; r < c.problem().rows; ++r) {
         const RowId& id = c.problem().ids[static_cast<std::size_t>(r)];
@@ -177,12 +170,10 @@ TEST(EndRows, HoldBothEndsOfParallelCapsules) {
   o.objects[0].X_WO.translation() += 0.15 * kin.X_WS(shape).linear().col(0);
   for (const bool on : {false, true}) {
     p.collision.end_rows = on ? kRange : 0.0;
-    Controller c(model, p, 0.02);
-    c.reset(shapes);
-    StepResult result;
-    c.prepare(result);
+    Rig rig(model, p, shapes);
+    const Controller& c = rig.controller;
     std::set<int> ends;
-    c.step(o, result);
+    rig.step(o);
     for (int r = 0; r < c.problem().rows; ++r) {
       const RowId& id = c.problem().ids[static_cast<std::size_t>(r)];
       if (id.kind == RowKind::kObject && id.first == 3) ends.insert(id.end);

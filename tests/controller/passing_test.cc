@@ -5,8 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "controller/controller.h"
-#include "tests/controller/qp_robots.h"
+#include "tests/controller/rig.h"
 #include "tests/support/no_alloc.h"
 
 namespace moma {
@@ -113,13 +112,11 @@ TEST(Passing, RowsMatchThePredictedMotion) {
     const auto model = all_robots()[1 + rng() % 2];
     const ControllerParams p = with_passing();
     const std::vector<ObjectShape> shapes = random_objects(rng, 6);
-    Controller c(model, p, 0.02);
-    c.reset(shapes);
-    StepResult result;
-    c.prepare(result);
+    Rig rig(model, p, shapes);
+    const Controller& c = rig.controller;
     Observation o = random_observation(*model, shapes.size(), rng, 1.5);
     for (ObjectState& s : o.objects) s.X_WO.translation().z() = 0.3;
-    c.step(o, result);
+    rig.step(o);
     for (int r = 0; r < c.problem().rows; ++r) {
       const RowId& id = c.problem().ids[static_cast<std::size_t>(r)];
       if (id.kind != RowKind::kPassing) continue;
@@ -174,11 +171,8 @@ TEST(Passing, TheBaseDrivesOutOfTheWay) {
     for (const bool on : {false, true}) {
       ControllerParams p = with_passing(0.1);
       p.collision.passing.enabled = on;
-      Controller c(model, p, 0.02);
       const std::vector<ObjectShape> ball = {{"ball", {ShapeKind::kSphere, {0.15, 0, 0}, nullptr}}};
-      c.reset(ball);
-      StepResult result;
-      c.prepare(result);
+      Rig rig(model, p, ball);
       Observation o;
       o.q = model->ready;
       o.qdot = VectorX::Zero(9);
@@ -188,12 +182,12 @@ TEST(Passing, TheBaseDrivesOutOfTheWay) {
       o.objects.resize(1);
       o.objects[0].X_WO.translation() = Vector3(ahead, 0.8, 0.3);
       o.objects[0].V_WO_W << 0, 0, 0, 0, -0.4, 0;
-      c.step(o, result);
-      ASSERT_EQ(result.status, StepStatus::kSolved);
+      rig.step(o);
+      ASSERT_EQ(rig.result.status, StepStatus::kSolved);
       if (on) {
-        EXPECT_LT(result.command[0] * ahead, -0.005) << "away from the path at x = " << ahead;
+        EXPECT_LT(rig.result.command[0] * ahead, -0.005) << "away from the path at x = " << ahead;
       } else {
-        EXPECT_LT(std::abs(result.command[0]), 0.01);
+        EXPECT_LT(std::abs(rig.result.command[0]), 0.01);
       }
     }
   }
@@ -203,21 +197,15 @@ TEST(Passing, FixedBasesStillHiddenHighAndDisabledObjectsHaveNoRows) {
   const auto rows = [](const std::shared_ptr<const RobotModel>& model, const ObjectState& state, bool collisions) {
     ControllerParams p = with_passing();
     p.collision.object.enabled = collisions;
-    Controller c(model, p, 0.02);
     const std::vector<ObjectShape> ball = {{"ball", {ShapeKind::kSphere, {0.1, 0, 0}, nullptr}}};
-    c.reset(ball);
-    StepResult result;
-    c.prepare(result);
+    Rig rig(model, p, ball);
     Observation o;
     o.q = model->ready;
     o.qdot = VectorX::Zero(model->num_velocities());
     o.goal.X_WG = pose(0.5, 0, 0.8, kPi, 0, 0);
     o.objects = {state};
-    c.step(o, result);
-    int count = 0;
-    for (int r = 0; r < c.problem().rows; ++r)
-      count += c.problem().ids[static_cast<std::size_t>(r)].kind == RowKind::kPassing ? 1 : 0;
-    return count;
+    rig.step(o);
+    return rig.rows(RowKind::kPassing);
   };
   ObjectState state;
   state.X_WO.translation() = Vector3(0.2, 1.2, 0.35);
@@ -254,17 +242,13 @@ TEST(Passing, StillObjectsChangeNoBit) {
     ControllerParams off = p;
     off.collision.passing.enabled = false;
     const std::vector<ObjectShape> shapes = random_objects(rng, 8);
-    Controller with(model, p, 0.02), without(model, off, 0.02);
-    with.reset(shapes);
-    without.reset(shapes);
-    StepResult a, b;
-    with.prepare(a);
-    without.prepare(b);
+    Rig with(model, p, shapes), without(model, off, shapes);
+    const StepResult &a = with.result, &b = without.result;
     for (int k = 0; k < 5; ++k) {
       Observation o = random_observation(*model, shapes.size(), rng, 0.8);
       for (ObjectState& s : o.objects) s.V_WO_W.setZero();
-      with.step(o, a);
-      without.step(o, b);
+      with.step(o);
+      without.step(o);
       ASSERT_EQ(a.command, b.command);
       ASSERT_EQ(a.status, b.status);
       ASSERT_EQ(a.fallback, b.fallback);
@@ -284,25 +268,21 @@ TEST(Passing, AreBoundedByMaxPairsAndTakeNoMemory) {
     p.collision.max_pairs = max_pairs;
     p.collision.end_rows = 0.2;
     p.acceleration_limit = VectorX::Constant(9, 3.0);
-    Controller c(model, p, 0.02);
-    c.reset(shapes);
-    StepResult result;
-    c.prepare(result);
+    Rig rig(model, p, shapes);
+    const Controller& c = rig.controller;
     int most = 0;
     for (int trial = 0; trial < 60; ++trial) {
       const Observation o = random_observation(*model, shapes.size(), rng, 1.5);
       NoAlloc guard;
-      c.step(o, result);
+      rig.step(o);
       if (NoAlloc::works()) {
         ASSERT_EQ(guard.count(), 0);
       }
-      int passing = 0;
-      for (int r = 0; r < c.problem().rows; ++r)
-        passing += c.problem().ids[static_cast<std::size_t>(r)].kind == RowKind::kPassing ? 1 : 0;
+      const int passing = rig.rows(RowKind::kPassing);
       most = std::max(most, passing);
       EXPECT_LE(passing, max_pairs);
       EXPECT_EQ(c.problem().ids[static_cast<std::size_t>(c.problem().rows - 1)].kind, RowKind::kWheel);
-      EXPECT_TRUE(result.command.allFinite());
+      EXPECT_TRUE(rig.result.command.allFinite());
     }
     EXPECT_EQ(most > 0, max_pairs > 0);
   }
@@ -318,17 +298,15 @@ TEST(Passing, GiveWayToTheUsualRows) {
     ControllerParams p = with_passing(0.1);
     p.acceleration_limit = VectorX::Constant(model->num_velocities(), 2.0);
     const std::vector<ObjectShape> shapes = random_objects(rng, 3);
-    Controller c(model, p, 0.02);
-    c.reset(shapes);
-    StepResult result;
-    c.prepare(result);
+    Rig rig(model, p, shapes);
+    const Controller& c = rig.controller;
     Observation o = random_observation(*model, shapes.size(), rng, 1.5);
     for (ObjectState& s : o.objects) s.X_WO.translation().z() = 0.3;
-    c.step(o, result);
+    rig.step(o);
     if (!c.outcome().only_passing) continue;
     ++gave_way;
-    EXPECT_EQ(result.status, StepStatus::kInfeasible);
-    EXPECT_EQ(result.fallback, Fallback::kRelaxed);
+    EXPECT_EQ(rig.result.status, StepStatus::kInfeasible);
+    EXPECT_EQ(rig.result.fallback, Fallback::kRelaxed);
     EXPECT_GT(c.outcome().collision_slack, 0.0);
     EXPECT_LT(c.kkt_residual(), 1e-6);
     const QpProblem& problem = c.problem();
@@ -338,8 +316,8 @@ TEST(Passing, GiveWayToTheUsualRows) {
       EXPECT_LT(over, (passing ? c.outcome().collision_slack : 0.0) + 1e-6) << c.row_name(r);
     }
     for (int i = 0; i < model->num_velocities(); ++i) {
-      EXPECT_GE(result.command[i], problem.lb[i] - 1e-9);
-      EXPECT_LE(result.command[i], problem.ub[i] + 1e-9);
+      EXPECT_GE(rig.result.command[i], problem.lb[i] - 1e-9);
+      EXPECT_LE(rig.result.command[i], problem.ub[i] + 1e-9);
     }
   }
   EXPECT_GT(gave_way, 20);
@@ -349,10 +327,7 @@ TEST(Passing, GiveWayToTheUsualRows) {
 TEST(Passing, ARowEntersWithoutAJump) {
   const auto model = frankie();
   const std::vector<ObjectShape> ball = {{"ball", {ShapeKind::kSphere, {0.15, 0, 0}, nullptr}}};
-  Controller c(model, with_passing(0.05), 0.02);
-  c.reset(ball);
-  StepResult result;
-  c.prepare(result);
+  Rig rig(model, with_passing(0.05), ball);
   Observation o;
   o.q = model->ready;
   o.qdot = VectorX::Zero(9);
@@ -364,12 +339,12 @@ TEST(Passing, ARowEntersWithoutAJump) {
   int entered = 0, rows = 0;
   for (int i = 0; i <= 4000; ++i) {
     o.objects[0].X_WO.translation() = Vector3(0.3, 12.0 - 11.3 * i / 4000, 0.3);
-    c.step(o, result);
-    ASSERT_EQ(result.status, StepStatus::kSolved) << i;
-    entered += i > 0 && result.rows > rows ? 1 : 0;
-    rows = result.rows;
-    if (i > 0) largest = std::max(largest, (result.command - last).lpNorm<Eigen::Infinity>());
-    last = result.command;
+    rig.step(o);
+    ASSERT_EQ(rig.result.status, StepStatus::kSolved) << i;
+    entered += i > 0 && rig.result.rows > rows ? 1 : 0;
+    rows = rig.result.rows;
+    if (i > 0) largest = std::max(largest, (rig.result.command - last).lpNorm<Eigen::Infinity>());
+    last = rig.result.command;
   }
   EXPECT_GE(entered, 1);
   EXPECT_LT(largest, 0.02) << "with steps of 3 mm";
