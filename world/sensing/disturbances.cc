@@ -1,0 +1,26 @@
+#include "world/sensing/disturbances.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace moma {
+
+bool senses_with_errors(const Disturbances& disturbances) {
+  Disturbances reduced = disturbances;
+  const Disturbances off;
+  reduced.seed = off.seed;
+  reduced.objects.frame = off.objects.frame;
+  reduced.goal.frame = off.goal.frame;
+  reduced.detection.sensor = off.detection.sensor;
+  reduced.actuators = off.actuators;
+  return reduced != off;
+}
+
+bool acts_with_errors(const Disturbances& disturbances) { return disturbances.actuators != ActuatorErrors{}; }
+
+long delay_steps(double delay, double control_period) {
+  const double periods = std::ceil(delay / control_period * (1.0 - 1e-12) - 1e-9);
+  return static_cast<long>(std::max(0.0, periods));
+}
+
+}  // namespace moma
