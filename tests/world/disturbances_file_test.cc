@@ -45,6 +45,7 @@ objects:
   frame: base
   noise: {position: 0.01, rotation: 0.01}
   velocity_noise: {linear: 0.02, angular: 0.02}
+  resting_is_known: true
   bias: {position: 0.01, rotation: 0.01}
   delay: 0.1
   range: 2
@@ -54,6 +55,7 @@ goal:
   frame: base
   noise: {position: 0.002, rotation: 0.002}
   velocity_noise: {linear: 0.01, angular: 0.01}
+  resting_is_known: true
   bias: {position: 0.002, rotation: 0.002}
   delay: 0.04
 actuators:
@@ -115,8 +117,9 @@ TEST(DisturbancesFile, EachKeyAloneSurvivesWritingAndIsAllThatIsWritten) {
 }
 
 TEST(DisturbancesFile, NothingOnIsNothing) {
-  for (const char* yaml : {"none", "{}", "joints: {}", "joints: {noise: 0, delay: 0}", "seed: 9",
-                           "objects: {frame: base, sensor: [1, 2, 3], range: .inf}", "goal: {frame: base}"}) {
+  for (const char* yaml :
+       {"none", "{}", "joints: {}", "joints: {noise: 0, delay: 0}", "seed: 9",
+        "objects: {frame: base, sensor: [1, 2, 3], range: .inf}", "goal: {frame: base, resting_is_known: true}"}) {
     const Disturbances d = read(yaml);
     EXPECT_FALSE(any(d)) << yaml;
     EXPECT_TRUE(to_json(d).is_object() && to_json(d).empty()) << yaml;

@@ -269,6 +269,23 @@ TEST(Sensing, WhatIsSeenFromTheBaseIsRightRelativeToIt) {
   }
 }
 
+TEST(Sensing, WhatRestsMayBeKnownToRest) {
+  Disturbances d;
+  d.objects.velocity_noise = d.goal.velocity_noise = {0.1, 0.1};
+  for (const bool known : {false, true}) {
+    d.objects.resting_is_known = known;
+    SensingRig rig(d);
+    Observation seen = rig.truth(0);
+    seen.objects[0].V_WO_W.setZero();
+    seen.goal.V_WG_W.setZero();
+    const Vector6 moving = seen.objects[1].V_WO_W;
+    rig.sensing().sense(0, seen);
+    EXPECT_EQ(seen.objects[0].V_WO_W.isZero(0.0), known);
+    EXPECT_NE(seen.objects[1].V_WO_W, moving) << "what moves is measured with noise";
+    EXPECT_FALSE(seen.goal.V_WG_W.isZero(0.0)) << "each has its own";
+  }
+}
+
 TEST(Sensing, AFixedBaseHasNoErrors) {
   const auto model = robot("panda");
   Disturbances d;

@@ -9,8 +9,10 @@ bool senses_with_errors(const Disturbances& disturbances) {
   Disturbances reduced = disturbances;
   const Disturbances off;
   reduced.seed = off.seed;
-  reduced.objects.frame = off.objects.frame;
-  reduced.goal.frame = off.goal.frame;
+  for (PoseSensing* poses : {&reduced.objects, &reduced.goal}) {
+    poses->frame = SensingFrame::kWorld;
+    poses->resting_is_known = false;
+  }
   reduced.detection.sensor = off.detection.sensor;
   reduced.actuators = off.actuators;
   return reduced != off;

@@ -56,10 +56,11 @@ enum class SensingFrame { kWorld, kBase };
 /// Poses and twists that are measured: those of objects and of the goal.
 struct PoseSensing {
   SensingFrame frame = SensingFrame::kWorld;
-  PoseSpread noise;            ///< at each control step
-  TwistSpread velocity_noise;  ///< of the twist
-  PoseSpread bias;             ///< the same throughout a trial; for each object its own
-  double delay = 0.0;          ///< [s], of pose, twist and of being seen at all
+  PoseSpread noise;               ///< at each control step
+  TwistSpread velocity_noise;     ///< of the twist
+  bool resting_is_known = false;  ///< what is at rest is measured to be: a twist of 0 has no noise
+  PoseSpread bias;                ///< the same throughout a trial; for each object its own
+  double delay = 0.0;             ///< [s], of pose, twist and of being seen at all
   bool operator==(const PoseSensing&) const = default;
 };
 

@@ -69,6 +69,7 @@ void read_poses(MapReader& map, PoseSensing& poses) {
   map.read_enum("frame", poses.frame, {{"world", SensingFrame::kWorld}, {"base", SensingFrame::kBase}});
   read_spread(map, "noise", poses.noise);
   read_spread(map, "velocity_noise", poses.velocity_noise);
+  map.read("resting_is_known", poses.resting_is_known);
   read_spread(map, "bias", poses.bias);
   map.read("delay", poses.delay, kDelay);
 }
@@ -150,6 +151,7 @@ Json json_of(const PoseSensing& poses) {
   if (poses.frame == SensingFrame::kBase) out["frame"] = "base";
   put(out, "noise", poses.noise);
   put(out, "velocity_noise", poses.velocity_noise);
+  put(out, "resting_is_known", poses.resting_is_known, false);
   put(out, "bias", poses.bias);
   put(out, "delay", poses.delay, 0.0);
   return out;

@@ -122,6 +122,7 @@ void Sensing::measure_pose(const PoseSensing& config, const PoseSources& sources
   if (config.noise.rotation > 0.0)
     rotation += normal3(streams_.sensing(sources.rotation, k, object), config.noise.rotation);
   turn(X_W, rotation);
+  if (config.resting_is_known && V_W.isZero(0.0)) return;
   if (config.velocity_noise.angular > 0.0)
     V_W.head<3>() += normal3(streams_.sensing(sources.angular, k, object), config.velocity_noise.angular);
   if (config.velocity_noise.linear > 0.0)
