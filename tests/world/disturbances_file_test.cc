@@ -50,6 +50,7 @@ objects:
   delay: 0.1
   range: 2
   detection: 0.2
+  known_at_start: true
   sensor: [0.1, 0, 0.5]
 goal:
   frame: base
@@ -117,9 +118,9 @@ TEST(DisturbancesFile, EachKeyAloneSurvivesWritingAndIsAllThatIsWritten) {
 }
 
 TEST(DisturbancesFile, NothingOnIsNothing) {
-  for (const char* yaml :
-       {"none", "{}", "joints: {}", "joints: {noise: 0, delay: 0}", "seed: 9",
-        "objects: {frame: base, sensor: [1, 2, 3], range: .inf}", "goal: {frame: base, resting_is_known: true}"}) {
+  for (const char* yaml : {"none", "{}", "joints: {}", "joints: {noise: 0, delay: 0}", "seed: 9",
+                           "objects: {frame: base, sensor: [1, 2, 3], known_at_start: true, range: .inf}",
+                           "goal: {frame: base, resting_is_known: true}"}) {
     const Disturbances d = read(yaml);
     EXPECT_FALSE(any(d)) << yaml;
     EXPECT_TRUE(to_json(d).is_object() && to_json(d).empty()) << yaml;

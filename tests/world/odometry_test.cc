@@ -169,6 +169,13 @@ TEST(Detection, TakesItsTimeAndStartsAgainWhenTheObjectLeaves) {
   rule.range = std::numeric_limits<double>::infinity();
   const auto late = visible(rule, solids, x);
   for (std::size_t k = 0; k < late.size(); ++k) ASSERT_EQ(late[k][0], k >= 5) << k;
+  // Known at the start: at once what is in range then, and nothing else.
+  rule.known_at_start = true;
+  rule.range = 1.0;
+  const auto known = visible(rule, solids, x);
+  for (std::size_t k = 0; k < known.size(); ++k) ASSERT_TRUE(known[k][0]) << k;
+  const auto from_afar = visible(rule, solids, std::vector<double>{0.0, 0.9, 0.9, 0.9, 0.9, 0.9, 0.9, 0.9});
+  for (std::size_t k = 0; k < from_afar.size(); ++k) ASSERT_EQ(from_afar[k][0], k >= 6) << k;
 }
 
 TEST(Actuation, DelaysInStepsAndScalesByAConstantFactor) {

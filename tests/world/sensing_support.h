@@ -51,7 +51,7 @@ inline Disturbances everything_on() {
   d.base.delay = 0.06;
   d.base.odometry = {0.02, 0.02, 0.01, {0.005, 0.005}};
   d.objects = {SensingFrame::kBase, {0.01, 0.01}, {0.02, 0.02}, true, {0.01, 0.01}, 0.1};
-  d.detection = {2.0, 0.2, {0.0, 0.0, 0.5}};
+  d.detection = {2.0, 0.2, {0.0, 0.0, 0.5}, true};
   d.goal = {SensingFrame::kBase, {0.002, 0.002}, {0.01, 0.01}, true, {0.002, 0.002}, 0.04};
   d.actuators = {0.02, 0.02, 0.04, {0.03, 0.03}};
   return d;

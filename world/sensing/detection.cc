@@ -24,10 +24,12 @@ void Detection::update(const Vector3& base, std::vector<ObjectState>& objects) {
     if (in_range_[i] <= steps_) {
       const Isometry& X_WO = objects[i].X_WO;
       const Vector3 sensor_O = X_WO.linear().transpose() * (sensor_W - X_WO.translation());
-      in_range_[i] = point_distance(shapes_[i], sensor_O).d <= rule_.range ? in_range_[i] + 1 : 0;
+      const bool near = point_distance(shapes_[i], sensor_O).d <= rule_.range;
+      in_range_[i] = !near ? 0 : first_ && rule_.known_at_start ? steps_ + 1 : in_range_[i] + 1;
     }
     if (in_range_[i] <= steps_) objects[i].visible = false;
   }
+  first_ = false;
 }
 
 }  // namespace moma

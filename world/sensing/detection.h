@@ -22,6 +22,7 @@ class Detection {
   std::vector<Shape> shapes_;
   long steps_;
   bool on_;
+  bool first_ = true;           // the next update is of step 0
   std::vector<long> in_range_;  // consecutive steps; once found it no longer changes
 };
 

@@ -14,6 +14,7 @@ bool senses_with_errors(const Disturbances& disturbances) {
     poses->resting_is_known = false;
   }
   reduced.detection.sensor = off.detection.sensor;
+  reduced.detection.known_at_start = off.detection.known_at_start;
   reduced.actuators = off.actuators;
   return reduced != off;
 }

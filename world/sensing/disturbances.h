@@ -69,6 +69,7 @@ struct DetectionRule {
   double range = std::numeric_limits<double>::infinity();  ///< from `sensor` to the object's surface [m]
   double detection = 0.0;                                  ///< [s]
   std::array<double, 3> sensor = {0.0, 0.0, 0.5};          ///< its place in the base frame B [m]
+  bool known_at_start = false;  ///< the sensor was on before: what is in range at the first step is found at once
   bool operator==(const DetectionRule&) const = default;
 };
 

@@ -79,6 +79,7 @@ void read_objects(MapReader& in, PoseSensing& objects, DetectionRule& detection)
   read_poses(map, objects);
   map.read("range", detection.range, Range::non_negative_or_inf());
   map.read("detection", detection.detection, {0.0, 3600.0});
+  map.read("known_at_start", detection.known_at_start);
   if (const Node* sensor = map.get("sensor")) {
     const std::vector<double> place = config::read_numbers(*sensor, map.key_of("sensor"), 3, {-100.0, 100.0});
     std::copy(place.begin(), place.end(), detection.sensor.begin());
@@ -209,6 +210,7 @@ Json to_json(const Disturbances& disturbances) {
   Json objects = json_of(disturbances.objects);
   put(objects, "range", detection.range, off.range);
   put(objects, "detection", detection.detection, 0.0);
+  put(objects, "known_at_start", detection.known_at_start, false);
   put(objects, "sensor", detection.sensor, off.sensor);
   put(out, "objects", std::move(objects));
   put(out, "goal", json_of(disturbances.goal));
