@@ -160,6 +160,7 @@ TEST(Disturbances, HiddenObjectsAreHitAndMeasuredAllTheSame) {
   std::vector<bool> visible;
   const auto script = [&](const Observation& o, StepResult& result) {
     visible.push_back(o.objects[0].visible);
+    EXPECT_EQ(o.objects[0].X_WO.translation().x(), o.objects[0].visible ? 1.5 : 0.0) << "what is hidden is not told";
     result.command[0] = 0.5;
   };
   // On the exact plant, which has contacts.

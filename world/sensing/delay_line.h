@@ -20,8 +20,9 @@ class DelayLine {
   void pass(long k, T& value) {
     if (steps_ == 0) return;
     ring_[slot(k)] = value;
-    // Of a step before the first: slot 0 has the first one until it is due; the others still have the prototype.
-    value = ring_[k >= steps_ ? slot(k - steps_) : before_ == BeforeFirst::kHoldFirst ? 0 : slot(k + 1)];
+    // What came `steps` before stands in the next slot, which still has the prototype at first; slot 0 has the first
+    // value until it is due.
+    value = ring_[before_ == BeforeFirst::kHoldFirst && k < steps_ ? 0 : slot(k + 1)];
   }
 
  private:

@@ -72,7 +72,12 @@ void Sensing::sense(long k, Observation& seen) {
   measure_joints(k, seen);
   for (std::size_t i = 0; i < seen.objects.size(); ++i) {
     ObjectState& object = seen.objects[i];
-    measure_pose(config_.objects, kObject, object_bias_[i], k, i, object.X_WO, object.V_WO_W);
+    if (object.visible) {
+      measure_pose(config_.objects, kObject, object_bias_[i], k, i, object.X_WO, object.V_WO_W);
+    } else {
+      object.X_WO.setIdentity();
+      object.V_WO_W.setZero();
+    }
   }
   measure_pose(config_.goal, kGoal, goal_bias_, k, 0, seen.goal.X_WG, seen.goal.V_WG_W);
   late(k, seen);

@@ -19,8 +19,8 @@ class Sensing {
  public:
   Sensing(const Disturbances& disturbances, const RobotModel& model, const World& world, double control_period);
 
-  /// `seen` is the truth at step k = 0, 1, 2, ... (each once, in order; finite), and what is sensed afterwards. Time
-  /// and the visibility of objects that were hidden before are kept. Allocates nothing.
+  /// `seen` is the truth at step k = 0, 1, 2, ... (each once, in order; finite), and what is sensed afterwards; of
+  /// objects that are not seen, nothing but that. Allocates nothing.
   void sense(long k, Observation& seen);
 
  private:
