@@ -265,6 +265,15 @@ TEST(Disturbances, WhatIsWrongIsSaidWithItsPlace) {
   refused("sweep: {axes: {disturbances.base.delay: [-1]}}\n", {}, "disturbances.base.delay: found '-1'");
 }
 
+TEST(Disturbances, TheShippedSuiteIsGood) {
+  const Suite suite = load_suite(MOMA_SOURCE_DIR "/configs/suites/disturbances.yaml");
+  EXPECT_TRUE(suite.warnings.empty());
+  ASSERT_EQ(suite.points.size(), 6u);
+  int on = 0;
+  for (const Point& point : suite.points) on += any(point.disturbances) ? 1 : 0;
+  EXPECT_EQ(on, 4);
+}
+
 TEST(Disturbances, TheTraceSaysWhatWasOn) {
   SuiteFolder folder;
   const Suite suite = load_suite(folder.suite("disturbances: {joints: {noise: 0.002}}\n"));

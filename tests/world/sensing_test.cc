@@ -242,6 +242,30 @@ TEST(Sensing, EachErrorHasAStreamOfItsOwn) {
   EXPECT_NE(a.objects[1].X_WO.matrix(), c.objects[1].X_WO.matrix());
 }
 
+// What a seed means, written down: sources by their numbers, and where step, object and seed enter.
+TEST(Sensing, DrawsAreThoseOfTheDocumentedStreams) {
+  Disturbances d;
+  d.seed = 2;
+  d.joints.noise = 0.001;
+  d.base.noise.rotation = 0.002;
+  d.objects.noise.position = 0.003;
+  d.goal.velocity_noise.angular = 0.004;
+  SensingRig rig(d, 6);
+  for (long k = 0; k < 3; ++k) rig.sense(k);
+  const Observation truth = rig.truth(3), seen = rig.sense(3);
+  const auto draws = [](std::uint64_t source, std::uint64_t object) {
+    return Draws(5, 6, Stream::kSensing, 3, (std::uint64_t{2} << 32) + 256 * object + source);
+  };
+  Draws q = draws(1, 0), heading = draws(5, 0), place = draws(15, 1), turning = draws(24, 0);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(seen.q[i] - truth.q[i], q.normal(0.0, 0.001), 1e-15);
+    EXPECT_NEAR(seen.objects[1].X_WO.translation()[i] - truth.objects[1].X_WO.translation()[i],
+                place.normal(0.0, 0.003), 1e-15);
+    EXPECT_NEAR(seen.goal.V_WG_W[i] - truth.goal.V_WG_W[i], turning.normal(0.0, 0.004), 1e-15);
+  }
+  EXPECT_NEAR(seen.base.z() - truth.base.z(), heading.normal(0.0, 0.002), 1e-15);
+}
+
 TEST(Sensing, WhatIsSeenFromTheBaseIsRightRelativeToIt) {
   Disturbances d;
   d.base.bias = {0.1, 0.2};
