@@ -265,6 +265,30 @@ TEST(Disturbances, WhatIsWrongIsSaidWithItsPlace) {
   refused("sweep: {axes: {disturbances.base.delay: [-1]}}\n", {}, "disturbances.base.delay: found '-1'");
 }
 
+TEST(Disturbances, TheLargestThatAreAllowedEndTrialsInAnOutcome) {
+  SuiteFolder folder;
+  const std::string most = R"({
+  joints: {noise: 10, velocity_noise: 10, bias: 10, delay: 2},
+  base: {noise: {position: 10, rotation: 10}, velocity_noise: {linear: 10, angular: 10},
+         bias: {position: 10, rotation: 10}, delay: 2,
+         odometry: {distance: 1, turn: 1, heading: 10, walk: {position: 10, rotation: 10}}},
+  objects: {frame: base, noise: {position: 10, rotation: 10}, velocity_noise: {linear: 10, angular: 10},
+            bias: {position: 10, rotation: 10}, delay: 2, range: 0, detection: 3600},
+  goal: {frame: base, noise: {position: 10, rotation: 10}, velocity_noise: {linear: 10, angular: 10},
+         bias: {position: 10, rotation: 10}, delay: 2},
+  actuators: {joints: {delay: 2, gain_error: 1}, base: {delay: 2, gain_error: {linear: 1, angular: 1}}}
+})";
+  const std::string moma = MOMA_SOURCE_DIR "/configs/controllers/moma.yaml";
+  for (const char* mode : {"kinematic", "dynamic"}) {
+    const Suite suite = clutter(folder, "disturbances: " + most + "\n", mode,
+                                "{moma: " + moma + ", rrmc: {method: rrmc}, baur: {method: baur}}");
+    for (const TrialOutput& out : run(suite, 2)) {
+      EXPECT_NE(out.row.outcome, Outcome::kError) << out.row.reason;
+      EXPECT_TRUE(std::isfinite(out.row.path_base_m));
+    }
+  }
+}
+
 TEST(Disturbances, TheShippedSuiteIsGood) {
   const Suite suite = load_suite(MOMA_SOURCE_DIR "/configs/suites/disturbances.yaml");
   EXPECT_TRUE(suite.warnings.empty());

@@ -329,6 +329,29 @@ TEST(Sensing, AFixedBaseHasNoErrors) {
   }
 }
 
+TEST(Sensing, AnOmnidirectionalBaseHasTwoLinearVelocitiesAndATurn) {
+  const auto model = robot("frankie_omni");
+  ASSERT_EQ(model->base_dof(), 3);
+  Disturbances d;
+  d.base.velocity_noise = {0.01, 0.5};
+  d.base.delay = 0.02;
+  World world = empty_world(*model);
+  Sensing sensing(d, *model, world, kPeriod);
+  std::vector<std::vector<double>> added(3);
+  for (long k = 0; k < 2000; ++k) {
+    Observation seen;
+    seen.q = model->ready;
+    seen.qdot = VectorX::Zero(model->num_velocities());
+    sensing.sense(k, seen);
+    for (int i = 0; i < 3; ++i) added[static_cast<std::size_t>(i)].push_back(seen.qdot[i]);
+    ASSERT_EQ(seen.qdot.tail(7), VectorX::Zero(7));
+  }
+  expect_white(added[0], 0.01, "vx");
+  expect_white(added[1], 0.01, "vy");
+  expect_white(added[2], 0.5, "turn");
+  EXPECT_NE(added[0], added[1]);
+}
+
 TEST(Sensing, AllocatesNothing) {
   if (!NoAlloc::works()) GTEST_SKIP() << "malloc is another's here";
   SensingRig rig(everything_on());
