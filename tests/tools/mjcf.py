@@ -172,14 +172,16 @@ def add_drives(robot, root, held):
                       solimp="0.9999 0.9999 0.001")
 
 
-def mjcf(robot, held=False, objects=(), driven=True, step=STEP, own_contacts=False):
+def mjcf(robot, held=False, objects=(), driven=True, step=STEP, own_contacts=False, defaults=False):
     """The model's text. `held` bolts the base to the world; `own_contacts` adds the pairs of robot shapes that moma
-    checks for self-collision, and the arm's against the floor (for cost: the same pairs as moma's)."""
+    checks for self-collision, and the arm's against the floor (for cost: the same pairs as moma's); `defaults` leaves
+    MuJoCo's solver as it comes: quicker, and wheels that creep."""
     held = held or robot["base"]["type"] == "fixed"
     root = ET.Element("mujoco", model=robot["name"])
     ET.SubElement(root, "compiler", angle="radian", fusestatic="false", inertiafromgeom="auto", autolimits="true")
-    ET.SubElement(root, "option", timestep=text(step), gravity=text([0, 0, -robot["gravity"]]), cone="elliptic",
-                  impratio="100", tolerance="1e-12", integrator="Euler")
+    solver = {} if defaults else {"cone": "elliptic", "impratio": "100", "tolerance": "1e-12"}
+    ET.SubElement(root, "option", timestep=text(step), gravity=text([0, 0, -robot["gravity"]]), integrator="Euler",
+                  **solver)
     world = ET.SubElement(root, "worldbody")
     contact = ET.SubElement(root, "contact")
     ET.SubElement(world, "geom", name="@floor", type="plane", size="0 0 1", contype="0", conaffinity="0")

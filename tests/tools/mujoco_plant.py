@@ -59,7 +59,10 @@ class MujocoPlant:
         self.ramped = np.zeros(self.dof)
         self.heading = 0.0
         # MuJoCo makes no contact of two solids that nothing moves, as a bolted base and an object are to it.
-        self.fixed = [s["name"] for s in robot["shapes"] if s["rigid_with_base"] and self.dof == 0]
+        self.fixed = [model.geom(s["name"]).id for s in robot["shapes"] if s["rigid_with_base"] and self.dof == 0]
+        self.shapes = [model.geom(shape["name"]).id for shape in robot["shapes"]]
+        things = [i for i in range(model.ngeom) if model.geom(i).name == "object0"]
+        self.thing = things[0] if things else -1
         mujoco.mj_forward(model, self.data)
 
     def rates(self, command):
@@ -96,21 +99,19 @@ class MujocoPlant:
         phi += 2 * np.pi * np.round((near - phi) / (2 * np.pi))
         return np.array([*self.data.xpos[body][:2], phi])
 
-    def gap_of(self, names):
-        thing = self.model.geom("object0").id
-        return min((mujoco.mj_geomDistance(self.model, self.data, self.model.geom(name).id, thing, 1.0, None)
-                    for name in names), default=np.inf)
+    def gap_of(self, geoms):
+        return min((mujoco.mj_geomDistance(self.model, self.data, geom, self.thing, 1.0, None) for geom in geoms),
+                   default=np.inf)
 
     def gap(self):
         """Least distance of a robot shape to the object; negative where they overlap."""
         mujoco.mj_kinematics(self.model, self.data)
-        return self.gap_of(shape["name"] for shape in self.robot["shapes"])
+        return self.gap_of(self.shapes)
 
     def touching(self):
         """Whether the robot and the object were in contact before the last step: that is what data holds."""
-        thing = self.model.geom("object0").id
         contact = self.data.contact
-        return (any(thing in pair and distance < 0.0 for pair, distance in zip(contact.geom, contact.dist))
+        return (bool(np.any((contact.geom == self.thing).any(axis=1) & (contact.dist < 0.0)))
                 or self.gap_of(self.fixed) < 0.0)
 
     def until_contact(self, commands, thing, period, h, other):
