@@ -84,7 +84,7 @@ def held_displacement(link):
     if link["type"] == "prismatic":
         X[:3, 3] = link["held"] * axis
     elif link["type"] in ("revolute", "continuous"):
-        K = np.cross(np.eye(3), -axis)  # K v = axis x v
+        K = np.cross(axis, np.eye(3)).T  # K v = axis x v
         X[:3, :3] += math.sin(link["held"]) * K + (1 - math.cos(link["held"])) * K @ K
     return X
 
@@ -110,7 +110,8 @@ def volume(kind, size):
 
 def add_links(robot, world, held):
     """Bodies nested as the links are. Robot geoms meet objects only: bit 1 against bit 2."""
-    base_volume = sum(volume(s["kind"], s["size"]) for s in robot["shapes"] if s["link"] == 0)
+    shapes = [s for s in robot["shapes"] if not (held and s["kind"] == "convex")]  # then only the arm's dynamics
+    base_volume = sum(volume(s["kind"], s["size"]) for s in shapes if s["link"] == 0)
     base_mass = max(0.0, robot["base"]["mass"] - 2 * robot["support"]["wheel_mass"])
     bodies = []
     for i, link in enumerate(robot["links"]):
@@ -118,7 +119,7 @@ def add_links(robot, world, held):
         X = transform(link["X_PJ"])
         if "joint" not in link:
             X = X @ held_displacement(link)
-        body = ET.SubElement(parent, "body", name=link["name"], **placed(X))
+        body = ET.SubElement(parent, "body", name=f"{link['name']}/{i}" if i else "@base", **placed(X))
         bodies.append(body)
         if i == 0 and not held:
             if robot["base"]["type"] == "omnidirectional":
@@ -131,9 +132,12 @@ def add_links(robot, world, held):
             ET.SubElement(body, "joint", name=link["joint"]["name"], type=kind, axis=text(link["axis"]))
         if "inertial" in link:
             I = np.asarray(link["inertial"]["inertia"]).reshape(3, 3)
+            point = not np.any(I)  # frames and sensors of real files: without extent, or without mass, too
+            inertia = {"diaginertia": "0 0 0"} if point else {
+                "fullinertia": text([I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2]])}
             ET.SubElement(body, "inertial", pos=text(link["inertial"]["com"]), mass=text(link["inertial"]["mass"]),
-                          fullinertia=text([I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2]]))
-        for shape in robot["shapes"]:
+                          **inertia)
+        for shape in shapes:
             if shape["link"] != i:
                 continue
             mass = base_mass * volume(shape["kind"], shape["size"]) / base_volume if i == 0 else 0.0

@@ -15,6 +15,7 @@ class Arm:
     lower: np.ndarray
     upper: np.ndarray
     velocity: np.ndarray
+    effort: np.ndarray
 
     def position(self, model):
         return [int(model.jnt_qposadr[model.joint(name).id]) for name in self.names]
@@ -29,7 +30,7 @@ def arm_of(robot):
     return Arm(list(robot["joints"]),
                np.array([-np.inf if j["lower"] is None else j["lower"] for j in chosen]),
                np.array([np.inf if j["upper"] is None else j["upper"] for j in chosen]),
-               np.array([j["velocity"] for j in chosen]))
+               np.array([j["velocity"] for j in chosen]), np.array([j["effort"] for j in chosen]))
 
 
 def ramp(current, wanted, limits, h):

@@ -56,46 +56,66 @@ def gravity(probe, request, model, arm, checks, rng):
     answer = probe.ask("gravity", **request, held=True, configurations=configurations(arm, rng, 100).tolist())
     data = mujoco.MjData(model)
     worst = largest = 0.0
+    weak = 0
     for q, torques in zip(answer["q"], answer["torques"]):
         data.qpos[arm.position(model)] = q
         data.qvel[:] = 0.0
         mujoco.mj_forward(model, data)
-        worst = max(worst, np.abs(data.qfrc_bias[arm.dof(model)] - torques).max())
+        wanted = data.qfrc_bias[arm.dof(model)]
+        if np.any(np.abs(wanted) > 0.99 * arm.effort):  # some real files have arms that cannot carry themselves
+            weak += 1
+            continue
+        worst = max(worst, np.abs(wanted - torques).max())
         largest = max(largest, np.abs(torques).max())
-    checks.add("gravity torque, 100 configurations", worst, 1e-5, "Nm", f"largest torque {largest:.3g} Nm")
+    checks.add(f"gravity torque, {len(answer['q']) - weak} configurations", worst, 1e-5, "Nm",
+               f"largest torque {largest:.3g} Nm" + (f"; {weak} beyond the efforts" if weak else ""))
+
+
+def torque_run(probe, request, model, arm, start, phase, h):
+    """Greatest difference of a joint over 0.5 s, and ODE's path."""
+    model.opt.timestep = h
+    times = np.arange(round(0.5 / h)) * h
+    data = mujoco.MjData(model)
+    position, dof = arm.position(model), arm.dof(model)
+    data.qpos[position] = start
+    mujoco.mj_forward(model, data)
+    inertia = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, inertia, data.qM)
+    torques = data.qfrc_bias[dof] + ACCELERATION * np.sin(2 * np.pi * times[:, None] + phase) @ inertia[np.ix_(dof, dof)]
+    path = np.asarray(probe.ask("torque", **request, held=True, q=start.tolist(), step=h, torques=torques.tolist())["q"])
+    apart = 0.0
+    for torque, q in zip(torques, path):
+        data.qfrc_applied[dof] = torque
+        mujoco.mj_step(model, data)
+        apart = max(apart, np.abs(data.qpos[position] - q).max())
+    return apart, path
 
 
 def torque_response(probe, request, model, arm, robot, checks, rng):
     """The same joint torques for 0.5 s: gravity's, and those for small accelerations. Two integrators
     of first order differ by an amount that halves with the step; that it does shows that nothing else differs."""
-    worst = {}
-    moved = 0.0
     ready = np.asarray(robot["ready"])
-    starts = np.clip(ready + rng.uniform(-0.3, 0.3, (6, len(ready))), arm.lower + 0.2 * (arm.upper - arm.lower),
-                     arm.upper - 0.2 * (arm.upper - arm.lower)) if np.all(np.isfinite(arm.upper - arm.lower)) else \
-        ready + rng.uniform(-0.3, 0.3, (6, len(ready)))
-    phases = rng.uniform(0, 2 * np.pi, (6, len(ready)))
-    inertia = np.zeros((model.nv, model.nv))
-    for h in (STEP, STEP / 2):
-        model.opt.timestep = h
-        worst[h] = 0.0
-        times = np.arange(round(0.5 / h)) * h
-        for start, phase in zip(starts, phases):
-            data = mujoco.MjData(model)
-            data.qpos[arm.position(model)] = start
-            mujoco.mj_forward(model, data)
-            mujoco.mj_fullM(model, inertia, data.qM)
-            dof = arm.dof(model)
-            torques = data.qfrc_bias[dof] + ACCELERATION * np.sin(2 * np.pi * times[:, None] + phase) @ inertia[np.ix_(dof, dof)]
-            answer = probe.ask("torque", **request, held=True, q=start.tolist(), step=h, torques=torques.tolist())
-            for torque, q in zip(torques, answer["q"]):
-                data.qfrc_applied[dof] = torque
-                mujoco.mj_step(model, data)
-                worst[h] = max(worst[h], np.abs(data.qpos[arm.position(model)] - q).max())
-                moved = max(moved, np.abs(q - start).max())
+    room = np.where(np.isfinite(arm.upper - arm.lower), 0.2 * (arm.upper - arm.lower), 0.0)
+    worst = {STEP: 0.0, STEP / 2: 0.0}
+    moved, done, stopped = 0.0, 0, 0
+    while done < 10 and stopped < 30:
+        start = np.clip(ready + rng.uniform(-0.3, 0.3, len(ready)), arm.lower + room, arm.upper - room)
+        phase = rng.uniform(0, 2 * np.pi, len(ready))
+        apart = {}
+        for h in worst:
+            apart[h], path = torque_run(probe, request, model, arm, start, phase, h)
+        if np.any(path < arm.lower) or np.any(path > arm.upper):  # at its stops, which MuJoCo's has not
+            stopped += 1
+            continue
+        done += 1
+        moved = max(moved, np.abs(path - start).max())
+        worst = {h: max(worst[h], apart[h]) for h in worst}
     model.opt.timestep = STEP
     checks.add("torque response, 0.5 s", worst[STEP], 2e-3, "rad",
-               f"moved {moved:.2g} rad; with half the step {worst[STEP / 2]:.2e}")
+               f"moved {moved:.2g} rad; with half the step {worst[STEP / 2]:.2e}; {stopped} others met a stop")
+    if done < 5:
+        checks.exceeded.append("torque response: too few runs off the stops")
+        print("too few runs off the stops to say anything")
     checks.add("torque response, half the step / step", worst[STEP / 2] / worst[STEP], 0.6, "", "first order: 0.5")
 
 
@@ -271,6 +291,10 @@ def main():
     held = compiled(twin, held=True, driven=False)
     gravity(probe, request, held, arm, checks, np.random.default_rng(1))
     torque_response(probe, request, held, arm, robot, checks, np.random.default_rng(2))
+    if any(shape["kind"] == "convex" for shape in robot["shapes"]):
+        print("shapes are meshes, which the two engines do not share: gravity and torques only")
+        probe.close()
+        return 1 if checks.exceeded else 0
     commanded_motion(probe, request, compiled(twin), robot, arm, checks,
                      np.random.default_rng(3), 1.001 if arguments.spoil else 1.0)
     if arguments.trials:
