@@ -181,6 +181,26 @@ def commanded_motion(probe, request, model, robot, arm, checks, rng, scale):
         checks.add("base against MuJoCo's, heading, 5 s", turn, 10e-3, "rad")
 
 
+def wheel_slip(probe, request):
+    """What the ramp of the base's commands avoids: steps of the command that the wheels' friction cannot follow."""
+    request = {**request, "max_acceleration": [1e3, 1e3]}
+    robot = probe.ask("model", **request)
+    arm = arm_of(robot)
+    print("step to        slip      apart after 2 s (1 s of driving, 1 s of rest)")
+    for v, w in ((1.0, 0.0), (1.0, 1.0), (0.0, 1.5), (0.5, -1.0)):
+        commands = np.zeros((100, 2 + len(arm.names)))
+        commands[:50, :2] = v, w
+        answer = probe.ask("drive", **request, commands=commands.tolist())
+        plant = MujocoPlant(compiled(robot), robot, arm)
+        for command in commands:
+            for _ in range(round(PERIOD / STEP)):
+                plant.step(command, STEP)
+        ours = np.asarray(answer["base"][-1])
+        theirs = plant.base(ours[2])
+        print(f"{v} m/s {w:4} rad/s {answer['slip']:.2f} m/s  {1e3 * np.linalg.norm(ours[:2] - theirs[:2]):.0f} mm, "
+              f"{1e3 * abs(ours[2] - theirs[2]):.0f} mrad")
+
+
 def obstacle(robot, commands, rng):
     """A solid near where the robot will be after a while, at rest or on the way there."""
     dof = len(BASE_DRIVES.get(robot["base"]["type"], []))
@@ -279,11 +299,16 @@ def main():
     parser.add_argument("probe", help="build/tests/physics_probe")
     parser.add_argument("robot", help="robot file (YAML)")
     parser.add_argument("--trials", type=int, default=100, help="with an obstacle in the way")
+    parser.add_argument("--slip", action="store_true", help="only show how far slipping wheels come apart; no check")
     parser.add_argument("--spoil", action="store_true", help="expect every check to fail against another robot")
     arguments = parser.parse_args()
     probe = Probe(arguments.probe)
     request = {"robot": arguments.robot}
     robot = probe.ask("model", **request)
+    if arguments.slip:
+        wheel_slip(probe, request)
+        probe.close()
+        return 0
     twin = spoiled(robot) if arguments.spoil else robot  # MuJoCo's
     arm = arm_of(robot)
     checks = Checks(robot["name"])

@@ -63,14 +63,17 @@ std::shared_ptr<const RobotModel> robot_of(const json& request) {
   const auto file = request.at("robot").get<std::string>();
   auto& model = known[file];
   if (!model) model = config::load_robot(file).model;
-  if (!request.value("held", false)) return model;
   auto copy = std::make_shared<RobotModel>(*model);
-  copy->base.type = BaseType::kFixed;
+  if (request.value("held", false)) copy->base.type = BaseType::kFixed;
+  if (request.contains("max_acceleration"))
+    copy->base.max_acceleration =
+        Vector2(request.at("max_acceleration").at(0).get<double>(), request.at("max_acceleration").at(1).get<double>());
   return copy;
 }
 
 json model(const json& request) {
-  const RobotModel& model = *robot_of(request);
+  const std::shared_ptr<const RobotModel> robot = robot_of(request);
+  const RobotModel& model = *robot;
   json out = {{"name", model.name},
               {"base",
                {{"type", std::string(to_string(model.base.type))},

@@ -10,7 +10,8 @@
 // {"position": [x, y, z], "rotation": [row by row]}; units are SI.
 namespace moma::probe {
 
-/// The robot of a request: `robot` is the path of a robot file; `held` true bolts its base to the world.
+/// The robot of a request: `robot` is the path of a robot file; `held` true bolts its base to the world;
+/// `max_acceleration` replaces the base's.
 std::shared_ptr<const RobotModel> robot_of(const nlohmann::json& request);
 
 /// The resolved robot, link by link and not merged, and the numbers of the plant that are not the robot's own:
