@@ -14,10 +14,10 @@ constexpr double kRounding = 1e-12;
 struct Solid {
   const Shape& shape;
   Isometry X;
-  double radius;  // of the ball
-  Vector3 half;   // box: half edges; cylinder: (radius, -, half length); segment: (0, -, half length)
+  double radius = 0.0;             // of the ball
+  Vector3 half = Vector3::Zero();  // box: half edges; cylinder: (radius, -, half length); segment: (0, -, half length)
 
-  Solid(const Shape& s, const Isometry& X_W, double shrink) : shape(s), X(X_W), radius(0.0), half(Vector3::Zero()) {
+  Solid(const Shape& s, const Isometry& X_W, double shrink) : shape(s), X(X_W) {
     switch (s.kind) {
       case ShapeKind::kSphere:
         radius = s.size.x() - shrink;
