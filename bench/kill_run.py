@@ -42,12 +42,18 @@ def main():
     begin = time.monotonic()
     subprocess.run(command(whole), stdout=subprocess.DEVNULL, check=True)
     whole_time = time.monotonic() - begin
+    begin = time.monotonic()
+    subprocess.run(command(whole), stdout=subprocess.DEVNULL, check=True)  # finds nothing to do
+    start_up = time.monotonic() - begin
+    # Moments from the first instant to `latest`, such that on average each run gets to the share of work that lets
+    # the last kill meet the end of it: E[max(0, U(0, latest) - start_up)] = share.
+    share = (whole_time - start_up) / args.kills
+    latest = start_up + share + (share ** 2 + 2 * share * start_up) ** 0.5
     wanted = sqlite3.connect(whole).execute('SELECT count(*) FROM trial').fetchone()[0]
     faults, saved = [], 0
     for k in range(args.kills):
         process = subprocess.Popen(command(broken), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        # From the first instant to about the k-th part of the work, so that there is work left to the end.
-        time.sleep(rng.uniform(0.0, 2.5 * whole_time / args.kills))
+        time.sleep(rng.uniform(0.0, latest))
         process.send_signal(signal.SIGKILL)
         process.wait()
         if not os.path.exists(broken) or os.path.getsize(broken) == 0:

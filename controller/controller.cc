@@ -70,6 +70,7 @@ void Controller::reset(std::span<const ObjectShape> objects) {
     problem_.ub.tail<6>() = params_.slack.limit;
   }
   fallback_.allocate(variables, rows);
+  escape_.allocate(num_objects);
   escape_.reset();
   task_ = Task{};
   outcome_ = {};
@@ -176,7 +177,7 @@ void Controller::build(const Observation& o) noexcept {
   bounds_.acceleration(o.qdot, hard_lower_, hard_upper_, problem_.lb.head(nv_), problem_.ub.head(nv_));
   collision_.select(proximity_.query(kinematics_, o.objects, collision_.ranges()));
   passing_.select(kinematics_, proximity_, o.objects);
-  escape_.update({kinematics_, o.goal, collision_.sorted(), o.objects, passing_.near()}, task_);
+  escape_.update({kinematics_, o.goal, collision_.sorted(), o.objects, passing_.near(), &proximity_}, task_);
   add_base_term(params_, base_dof_, task_, problem_);
   add_manipulability_term(params_.manipulability, base_dof_, J_m_, problem_);
   add_slack_term(params_.slack, nv_, task_, problem_);

@@ -113,6 +113,10 @@ class Checker {
     finite("escape.slack_factor", e.slack_factor, true);
     finite("escape.posture.weight", e.posture_weight, false);
     finite("escape.posture.gain", e.posture_gain, false);
+    finite("escape.around.clearance", e.around.clearance, false);
+    finite("escape.around.reach", e.around.reach, false);
+    finite("escape.around.passed", e.around.passed, true);
+    finite("escape.around.duration", e.around.duration, true);
     if (p_.method == Method::kQp) return;
     if (e.enabled) error("escape", "needs method qp: the closed forms know no obstacles and have no slack");
     if (v.enabled) error("servo.vortex", "needs method qp: the closed forms know no obstacles");

@@ -101,6 +101,15 @@ struct PostureParams {
   VectorX target;       ///< resolved joint values
 };
 
+/// Detours that follow the shortest way around the obstacles, seen from above (qp/way_around.h).
+struct AroundParams {
+  bool enabled = false;
+  double clearance = 0.08;  ///< beyond the base's footprint [m]
+  double reach = 0.7;       ///< the last metres to the goal that are the arm's [m]
+  double passed = 0.4;      ///< horizontal distance of E at which a corner is passed [m]
+  double duration = 6.0;    ///< of a detour around [s]
+};
+
 /// When the robot stagnates, and the detours that lead it out (qp/escape.h).
 struct EscapeParams {
   bool enabled = false;           ///< detours; stagnation is watched for the vortex, too
@@ -120,6 +129,7 @@ struct EscapeParams {
   double slack_factor = 0.005;    ///< on the slack weight of the angular rows during a detour
   double posture_weight = 0.05;   ///< pull of the arm to `ready` during a detour
   double posture_gain = 1.2;      ///< [1/s]
+  AroundParams around;
 };
 
 /// qdot *= far/e beyond `switch_distance`, else near; e the unclamped norm; the result is clipped to the bounds.

@@ -180,8 +180,9 @@ std::string describe_escape(const Controller& controller) {
   if (!params.enabled && !controller.params().servo.vortex.enabled) return "";
   if (state.detour) {
     const Vector3& p = state.target_W;
-    return "On detour " + std::to_string(state.stagnations) + ", to (" + number(p.x()) + ", " + number(p.y()) + ", " +
-           number(p.z()) + ") for another " + number(state.remaining) + " s; its orientation is nearly free.\n";
+    return "On detour " + std::to_string(state.stagnations) +
+           (state.around ? ", around the obstacles by way of (" : ", to (") + number(p.x()) + ", " + number(p.y()) +
+           ", " + number(p.z()) + ") for another " + number(state.remaining) + " s; its orientation is nearly free.\n";
   }
   std::string out = "The way left has not become shorter than " + number(state.best) + " m for " + number(state.idle) +
                     " s, and stagnated " + std::to_string(state.stagnations) + " times.\n";

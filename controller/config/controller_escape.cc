@@ -40,6 +40,15 @@ void read_escape(MapReader& in, EscapeParams& e) {
     p.read("gain", e.posture_gain, Range::non_negative());
     p.finish();
   }
+  if (const Node* around = map_under(m, "around")) {
+    MapReader p(*around, m.key_of("around"));
+    e.around.enabled = true;
+    p.read("clearance", e.around.clearance, Range::non_negative());
+    p.read("reach", e.around.reach, Range::non_negative());
+    p.read("passed", e.around.passed, Range::positive());
+    p.read("duration", e.around.duration, Range::positive());
+    p.finish();
+  }
   m.finish();
 }
 
@@ -62,6 +71,7 @@ EscapeState read_escape_state(const Node& node, const std::string& key) {
   in.read("stagnations", state.stagnations, 0, 1000000000);
   in.read("side", state.side, -1, 1);
   in.read("detour", state.detour);
+  in.read("around", state.around);
   in.read("remaining", state.remaining);
   if (const Node* target = in.get("target")) {
     const std::vector<double> p = read_numbers(*target, in.key_of("target"), 3);
@@ -78,28 +88,37 @@ nlohmann::ordered_json to_json(const EscapeState& s) {
           {"stagnations", s.stagnations},
           {"side", s.side},
           {"detour", s.detour},
+          {"around", s.around},
           {"remaining", s.remaining},
           {"target", {s.target_W.x(), s.target_W.y(), s.target_W.z()}},
           {"circulation", s.circulation}};
 }
 
 nlohmann::ordered_json to_json(const EscapeParams& e) {
-  return {{"enabled", e.enabled},
-          {"scale", number_to_json(e.scale)},
-          {"progress", number_to_json(e.progress)},
-          {"patience", number_to_json(e.patience)},
-          {"traffic_patience", number_to_json(e.traffic_patience)},
-          {"position", number_to_json(e.position)},
-          {"orientation", number_to_json(e.orientation)},
-          {"side_distance", number_to_json(e.side_distance)},
-          {"angle", number_to_json(e.angle)},
-          {"length", number_to_json(e.length)},
-          {"growth", number_to_json(e.growth)},
-          {"max_length", number_to_json(e.max_length)},
-          {"duration", number_to_json(e.duration)},
-          {"reached", number_to_json(e.reached)},
-          {"slack_factor", number_to_json(e.slack_factor)},
-          {"posture", {{"weight", number_to_json(e.posture_weight)}, {"gain", number_to_json(e.posture_gain)}}}};
+  nlohmann::ordered_json json = {
+      {"enabled", e.enabled},
+      {"scale", number_to_json(e.scale)},
+      {"progress", number_to_json(e.progress)},
+      {"patience", number_to_json(e.patience)},
+      {"traffic_patience", number_to_json(e.traffic_patience)},
+      {"position", number_to_json(e.position)},
+      {"orientation", number_to_json(e.orientation)},
+      {"side_distance", number_to_json(e.side_distance)},
+      {"angle", number_to_json(e.angle)},
+      {"length", number_to_json(e.length)},
+      {"growth", number_to_json(e.growth)},
+      {"max_length", number_to_json(e.max_length)},
+      {"duration", number_to_json(e.duration)},
+      {"reached", number_to_json(e.reached)},
+      {"slack_factor", number_to_json(e.slack_factor)},
+      {"posture", {{"weight", number_to_json(e.posture_weight)}, {"gain", number_to_json(e.posture_gain)}}}};
+  if (e.around.enabled) {  // off, nothing: the keys of trials without it stay what they were
+    json["around"] = {{"clearance", number_to_json(e.around.clearance)},
+                      {"reach", number_to_json(e.around.reach)},
+                      {"passed", number_to_json(e.around.passed)},
+                      {"duration", number_to_json(e.around.duration)}};
+  }
+  return json;
 }
 
 nlohmann::ordered_json to_json(const VortexParams& v) {

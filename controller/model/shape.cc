@@ -4,6 +4,13 @@
 #include <cmath>
 
 namespace moma {
+namespace {
+
+constexpr double kTiny = 1e-9;
+
+double sign(double value) noexcept { return value < 0.0 ? -1.0 : 1.0; }
+
+}  // namespace
 
 std::string_view to_string(ShapeKind kind) noexcept {
   switch (kind) {
@@ -38,6 +45,40 @@ double bounding_radius(const Shape& shape) noexcept {
   if (shape.hull)
     for (const Vector3& v : shape.hull->vertices) squared = std::max(squared, v.squaredNorm());
   return std::sqrt(squared);
+}
+
+Vector3 support_point(const Shape& shape, const Isometry& X_WS, const Vector3& n_W) noexcept {
+  const auto axis = [&](int i) -> Vector3 { return X_WS.linear().col(i); };
+  Vector3 p = X_WS.translation();
+  switch (shape.kind) {
+    case ShapeKind::kSphere:
+      p += shape.size.x() * n_W;
+      break;
+    case ShapeKind::kCapsule:
+      p += shape.size.x() * n_W + 0.5 * shape.size.y() * sign(axis(2).dot(n_W)) * axis(2);
+      break;
+    case ShapeKind::kCylinder: {
+      const double along = axis(2).dot(n_W);
+      const Vector3 across = n_W - along * axis(2);
+      const double length = across.norm();
+      p += 0.5 * shape.size.y() * sign(along) * axis(2);
+      if (length > kTiny) p += shape.size.x() / length * across;
+      break;
+    }
+    case ShapeKind::kBox:
+      for (int i = 0; i < 3; ++i) p += 0.5 * shape.size[i] * sign(axis(i).dot(n_W)) * axis(i);
+      break;
+    case ShapeKind::kConvex: {
+      if (!shape.hull || shape.hull->vertices.empty()) break;
+      const Vector3 n_S = X_WS.linear().transpose() * n_W;
+      const auto furthest =
+          std::max_element(shape.hull->vertices.begin(), shape.hull->vertices.end(),
+                           [&](const Vector3& a, const Vector3& b) { return a.dot(n_S) < b.dot(n_S); });
+      p += X_WS.linear() * *furthest;
+      break;
+    }
+  }
+  return p;
 }
 
 double lowest_point(const Shape& shape, const Isometry& X_WS, Vector3* p_W) noexcept {

@@ -50,7 +50,11 @@ int free_side(std::span<const ProximityPair> pairs, const Vector3& e_h, double r
 }
 
 Escape::Escape(const EscapeParams& params, const ServoParams& servo, const RobotModel& model, double control_period)
-    : params_(params), servo_(servo), dt_(control_period), mobile_(model.base_dof() > 0) {
+    : params_(params),
+      servo_(servo),
+      dt_(control_period),
+      mobile_(model.base_dof() > 0),
+      way_around_(model, params.around) {
   max_length_ = mobile_ ? params.max_length : std::min(params.max_length, 0.5 * arm_length(model));
 }
 
@@ -77,8 +81,10 @@ void Escape::update(const EscapeInput& input, Task& task) noexcept {
   if (state_.detour) {
     state_.remaining -= dt_;
     const Vector3 left = state_.target_W - input.kinematics.X_WE().translation();
-    if (state_.remaining <= 0.0 || std::hypot(left.x(), left.y()) < params_.reached) {
-      state_.detour = false;
+    const double reached = state_.around ? params_.around.passed : params_.reached;
+    const bool there = std::hypot(left.x(), left.y()) < reached;
+    if (state_.remaining <= 0.0 || (there && !(state_.around && lead(input, state_.target_W.head<2>())))) {
+      state_.detour = state_.around = false;
       state_.best = V;
       state_.idle = 0.0;
     }
@@ -129,8 +135,19 @@ void Escape::stagnate(const EscapeInput& input, const Task& task, double V) noex
   const Vector3 from = input.kinematics.X_WL(mobile_ ? 0 : 1).translation();
   state_.target_W = from + length * (Eigen::AngleAxisd(alpha, Vector3::UnitZ()) * e_h);
   state_.target_W.z() = p_WE.z();
-  state_.remaining = params_.duration * growth;
+  state_.around = lead(input, input.kinematics.X_WB().translation().head<2>());
+  state_.remaining = state_.around ? params_.around.duration : params_.duration * growth;
   state_.detour = true;
+}
+
+// Aims at the first corner of the way around from there; false where there is none to turn at.
+bool Escape::lead(const EscapeInput& input, const Vector2& from) noexcept {
+  if (!params_.around.enabled || !mobile_ || input.proximity == nullptr) return false;
+  const Vector2 goal = input.goal.X_WG.translation().head<2>();
+  const Way way = way_around_.find(*input.proximity, input.objects, from, goal);
+  if (!way.found || way.straight) return false;
+  state_.target_W.head<2>() = way.corner;
+  return true;
 }
 
 void Escape::bend(const EscapeInput& input, Task& task) const noexcept {

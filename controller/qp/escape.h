@@ -7,6 +7,7 @@
 #include "controller/model/proximity.h"
 #include "controller/params.h"
 #include "controller/qp/servo.h"
+#include "controller/qp/way_around.h"
 #include "controller/step.h"
 
 namespace moma {
@@ -17,7 +18,8 @@ struct EscapeInput {
   const GoalState& goal;
   std::span<const ProximityPair> pairs;  ///< within their influence, floor and self pairs included
   std::span<const ObjectState> objects;
-  bool traffic = false;  ///< an object in motion is near, beyond the influence of its pairs
+  bool traffic = false;                  ///< an object in motion is near, beyond the influence of its pairs
+  const Proximity* proximity = nullptr;  ///< has the objects' shapes; without it there is no way around them
 };
 
 /// Leaves a local minimum on one side and goes on from there: after the bug algorithms (Lumelsky & Stepanov,
@@ -32,12 +34,15 @@ struct EscapeInput {
 /// Then a detour: E is drawn, not to the goal, but to a point beside the base, at `angle` to one side of the goal's
 /// direction, the next time to the other side, then behind, each time further. For a fixed base the arm's root takes
 /// the base's place, and half the length of the arm is the furthest. Orientation is nearly free meanwhile
-/// and the arm is drawn to `ready`. docs/moma-controller.md has the formulas. One per controller; nothing here takes
+/// and the arm is drawn to `ready`. With `around`, where obstacles lie between base and goal as seen from above and
+/// there is a way around them, a mobile robot's detour goes from corner to corner of that way instead, until the rest
+/// is straight (way_around.h). docs/moma-controller.md has the formulas. One per controller; nothing here takes
 /// memory or throws.
 class Escape {
  public:
   Escape(const EscapeParams& params, const ServoParams& servo, const RobotModel& model, double control_period);
 
+  void allocate(int num_objects) { way_around_.allocate(num_objects); }
   void reset() noexcept;
   /// One step: watches progress, begins and ends detours, and bends the task where one is on.
   void update(const EscapeInput& input, Task& task) noexcept;
@@ -51,6 +56,7 @@ class Escape {
   void watch(const EscapeInput& input, const Task& task, double V) noexcept;
   void stagnate(const EscapeInput& input, const Task& task, double V) noexcept;
   bool near_traffic(const EscapeInput& input) const noexcept;
+  bool lead(const EscapeInput& input, const Vector2& from) noexcept;
   void bend(const EscapeInput& input, Task& task) const noexcept;
 
   EscapeParams params_;
@@ -58,6 +64,7 @@ class Escape {
   double dt_;
   bool mobile_;
   double max_length_;
+  WayAround way_around_;
   EscapeState state_;
   GoalState last_goal_;
   bool has_goal_ = false;

@@ -16,47 +16,12 @@ constexpr int kMaxIterations = 30;  // of Newton's method: six or seven are usua
 
 Vector3 horizontal(const Vector3& v) noexcept { return {v.x(), v.y(), 0.0}; }
 Vector3 left_of(const Vector3& v) noexcept { return {-v.y(), v.x(), 0.0}; }
-double sign(double value) noexcept { return value < 0.0 ? -1.0 : 1.0; }
 
 double highest_point(const Shape& shape, const Isometry& X_WS) noexcept {
   return support_point(shape, X_WS, Vector3::UnitZ()).z();
 }
 
 }  // namespace
-
-Vector3 support_point(const Shape& shape, const Isometry& X_WS, const Vector3& n_W) noexcept {
-  const auto axis = [&](int i) -> Vector3 { return X_WS.linear().col(i); };
-  Vector3 p = X_WS.translation();
-  switch (shape.kind) {
-    case ShapeKind::kSphere:
-      p += shape.size.x() * n_W;
-      break;
-    case ShapeKind::kCapsule:
-      p += shape.size.x() * n_W + 0.5 * shape.size.y() * sign(axis(2).dot(n_W)) * axis(2);
-      break;
-    case ShapeKind::kCylinder: {
-      const double along = axis(2).dot(n_W);
-      const Vector3 across = n_W - along * axis(2);
-      const double length = across.norm();
-      p += 0.5 * shape.size.y() * sign(along) * axis(2);
-      if (length > kTiny) p += shape.size.x() / length * across;
-      break;
-    }
-    case ShapeKind::kBox:
-      for (int i = 0; i < 3; ++i) p += 0.5 * shape.size[i] * sign(axis(i).dot(n_W)) * axis(i);
-      break;
-    case ShapeKind::kConvex: {
-      if (!shape.hull || shape.hull->vertices.empty()) break;
-      const Vector3 n_S = X_WS.linear().transpose() * n_W;
-      const auto furthest =
-          std::max_element(shape.hull->vertices.begin(), shape.hull->vertices.end(),
-                           [&](const Vector3& a, const Vector3& b) { return a.dot(n_S) < b.dot(n_S); });
-      p += X_WS.linear() * *furthest;
-      break;
-    }
-  }
-  return p;
-}
 
 Tangent passing_tangent(const Shape& robot, const Isometry& X_WR, const Shape& object, const Isometry& X_WO,
                         const Vector3& v_W) noexcept {

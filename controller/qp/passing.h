@@ -5,6 +5,7 @@
 
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
+#include "controller/model/shape.h"
 #include "controller/params.h"
 #include "controller/qp/problem.h"
 
@@ -75,8 +76,5 @@ class PassingRows {
 /// asks less of a robot that stands still. Exact for every kind of shape.
 Tangent passing_tangent(const Shape& robot, const Isometry& X_WR, const Shape& object, const Isometry& X_WO,
                         const Vector3& v_W) noexcept;
-
-/// The shape's point that is furthest along the unit vector n.
-Vector3 support_point(const Shape& shape, const Isometry& X_WS, const Vector3& n_W) noexcept;
 
 }  // namespace moma

@@ -131,6 +131,7 @@ void visit(Archive& a, Sample& s) {
   for (double* x : {&e.best, &e.idle, &e.remaining}) a.number(*x);
   for (int* n : {&e.stagnations, &e.side, &e.circulation}) a.number(*n);
   a.number(e.detour);
+  a.number(e.around);
   a.numbers(e.target_W);
 }
 

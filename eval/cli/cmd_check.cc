@@ -75,6 +75,13 @@ int check(const SuiteOptions& options, bool calibrate) {
             << terminal_safe(fmt::format("robot {}, {} mode, worlds: {} (seed {})", first.robot->model->name,
                                          to_string(first.simulation.mode), family_counts(suite), first.worlds.seed()))
             << std::endl;
+  const auto disturbed = std::count_if(suite.points.begin(), suite.points.end(),
+                                       [](const Point& point) { return any(point.disturbances); });
+  if (disturbed == static_cast<std::ptrdiff_t>(suite.points.size())) {
+    std::cout << "sensors and drives are disturbed\n";
+  } else if (disturbed > 0) {
+    std::cout << fmt::format("sensors and drives are disturbed in {} of {} points\n", disturbed, suite.points.size());
+  }
   // The first world shows whether this robot has a place in these worlds at all.
   (void)first.worlds.make(first.robot->model, 0);
   if (calibrate) std::cout << expected_time(suite) << '\n';

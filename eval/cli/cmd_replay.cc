@@ -13,6 +13,7 @@
 #include "eval/suite/sections.h"
 #include "eval/trial/trial.h"
 #include "world/scenario/worlds.h"
+#include "world/sensing/disturbances_file.h"
 
 namespace moma::cli {
 namespace {
@@ -47,11 +48,15 @@ ordered_json to_json(const Sample& s) {
 ordered_json trace_json(const store::StoredTrial& trial, const Point& point, const TrialOutput& output) {
   ordered_json samples = ordered_json::array();
   for (const Sample& sample : output.trace) samples.push_back(to_json(sample));
-  return {{"trial", trial.key.substr(0, 16)},        {"outcome", std::string(to_string(output.row.outcome))},
-          {"robot", point.robot->resolved},          {"success", to_json(point.success)},
-          {"stuck", to_json(point.stuck)},           {"infeasible", to_json(point.infeasible)},
-          {"controller", point.controller_resolved}, {"world", ordered_json::parse(trial.world)},
-          {"simulation", to_json(point.simulation)}, {"samples", std::move(samples)}};
+  ordered_json json = {
+      {"trial", trial.key.substr(0, 16)},        {"outcome", std::string(to_string(output.row.outcome))},
+      {"robot", point.robot->resolved},          {"success", to_json(point.success)},
+      {"stuck", to_json(point.stuck)},           {"infeasible", to_json(point.infeasible)},
+      {"controller", point.controller_resolved}, {"world", ordered_json::parse(trial.world)},
+      {"simulation", to_json(point.simulation)}};
+  if (any(point.disturbances)) json["disturbances"] = to_json(point.disturbances);
+  json["samples"] = std::move(samples);
+  return json;
 }
 
 void print_row(const store::StoredTrial& trial, const TrialRow& row) {

@@ -21,6 +21,9 @@ void add_report(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("report", "Write a store's results as one self-contained HTML page");
   command->add_option("DB", options->stores, "Store; several are compared on one page")->required();
   command->add_option("-o,--output", options->html, "HTML file to write (the first store's name with .html)");
+  command->add_option("--trials", options->report.trials, "At most so many trials one by one; rates are of all")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}))
+      ->capture_default_str();
   command->add_option("--replays", options->report.replays, "At most so many trials with their motion")
       ->check(CLI::Range(0, 100000));
   command->add_option("--figures", options->figures, "Write every figure as SVG into this folder (needs node)");

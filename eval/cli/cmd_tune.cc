@@ -53,7 +53,7 @@ fs::path store_file(const TuneOptions& options, const std::string& suite) {
 
 fs::path gains_file(const TuneOptions& options, const tune::Tuning& tuning) {
   if (!options.gains.empty()) return options.gains;
-  if (!tuning.config.output.empty()) return tuning.config.output;
+  if (!tuning.config.output.empty()) return fs::path(tuning.config.output).lexically_normal();
   const std::string name = tuning.config.controller + "-tuned.yaml";
   const fs::path usual = "configs/controllers";
   std::error_code error;

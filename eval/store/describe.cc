@@ -5,6 +5,7 @@
 #include "eval/suite/sections.h"
 #include "eval/trial/trial.h"
 #include "world/scenario/worlds.h"
+#include "world/sensing/disturbances_file.h"
 
 namespace moma::store {
 namespace {
@@ -42,7 +43,8 @@ SuiteRecord describe(const Suite& suite) {
     p.stuck = point.stuck;
     p.infeasible = point.infeasible;
     p.simulation_version = kSimulationVersion;
-    const Json rules = {to_json(p.simulation), to_json(p.success), to_json(p.stuck), to_json(p.infeasible)};
+    Json rules = {to_json(p.simulation), to_json(p.success), to_json(p.stuck), to_json(p.infeasible)};
+    if (any(point.disturbances)) rules.push_back(to_json(point.disturbances));
     p.content_hash = hash_text(p.params + '\n' + robot + '\n' + p.controller_resolved + '\n' + p.worlds + '\n' +
                                rules.dump() + '\n' + std::to_string(kSimulationVersion));
     record.points.push_back(std::move(p));

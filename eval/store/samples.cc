@@ -51,6 +51,9 @@ std::vector<std::string> column_names(const Sizes& sizes) {
   return names;
 }
 
+// 2: around the obstacles.
+double detour_code(const EscapeState& e) { return !e.detour ? 0.0 : e.around ? 2.0 : 1.0; }
+
 /// One sample as numbers, in the order of column_names().
 std::vector<double> flatten(const Sample& s) {
   std::vector<double> row{s.t, s.base.x(), s.base.y(), s.base.z()};
@@ -63,7 +66,7 @@ std::vector<double> flatten(const Sample& s) {
                          static_cast<double>(s.fallback), static_cast<double>(s.active_rows)});
   const EscapeState& e = s.escape;
   row.insert(row.end(),
-             {e.best, e.idle, static_cast<double>(e.stagnations), static_cast<double>(e.side), e.detour ? 1.0 : 0.0,
+             {e.best, e.idle, static_cast<double>(e.stagnations), static_cast<double>(e.side), detour_code(e),
               e.remaining, e.target_W.x(), e.target_W.y(), e.target_W.z(), static_cast<double>(e.circulation)});
   return row;
 }
@@ -159,7 +162,9 @@ Trace decode_samples(const EncodedSamples& encoded) {
     e.idle = next();
     e.stagnations = static_cast<int>(std::lround(next()));
     e.side = static_cast<int>(std::lround(next()));
-    e.detour = next() != 0.0;
+    const double detour = next();
+    e.detour = detour != 0.0;
+    e.around = detour == 2.0;
     e.remaining = next();
     for (double& value : e.target_W) value = next();
     e.circulation = static_cast<int>(std::lround(next()));

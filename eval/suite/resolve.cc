@@ -8,6 +8,7 @@
 #include "controller/config/reader.h"
 #include "eval/suite/sections.h"
 #include "eval/suite/trials.h"
+#include "world/sensing/disturbances_file.h"
 
 namespace moma {
 namespace {
@@ -36,11 +37,9 @@ void check_name(const std::string& name, const Node& node, const std::string& ke
 
 // Sections of a point by name, as they stand in the resolved suite.
 std::map<std::string, ordered_json> sections_of(const Point& point) {
-  return {{"worlds", point.worlds.to_json()},
-          {"simulation", to_json(point.simulation)},
-          {"success", to_json(point.success)},
-          {"stuck", to_json(point.stuck)},
-          {"infeasible", to_json(point.infeasible)}};
+  return {{"worlds", point.worlds.to_json()},        {"simulation", to_json(point.simulation)},
+          {"success", to_json(point.success)},       {"stuck", to_json(point.stuck)},
+          {"infeasible", to_json(point.infeasible)}, {"disturbances", to_json(point.disturbances)}};
 }
 
 }  // namespace
@@ -57,6 +56,8 @@ Sections read_sections(const Node& root, const SuiteRobot& robot, std::vector<st
   sections.success = read_success(section(in, "success"), "success", sections.simulation);
   sections.stuck = read_stuck(section(in, "stuck"), "stuck", sections.simulation);
   sections.infeasible = read_infeasible(section(in, "infeasible"), "infeasible");
+  if (const Node* disturbances = in.get("disturbances"))
+    sections.disturbances = read_disturbances(*disturbances, "disturbances");
   sections.worlds =
       Worlds::read(in.require("worlds", "a map such as {seed: 1, families: {open: {weight: 1}}}"), "worlds");
 
@@ -93,6 +94,7 @@ Point make_point(const Sections& sections, std::size_t controller) {
   point.success = sections.success;
   point.stuck = sections.stuck;
   point.infeasible = sections.infeasible;
+  point.disturbances = sections.disturbances;
   return point;
 }
 
@@ -129,7 +131,8 @@ ordered_json resolved_json(const Suite& suite, bool swept) {
     if (!json["controllers"].contains(point.controller))
       json["controllers"][point.controller] = stored_controller(point);
   const std::map<std::string, ordered_json> base = sections_of(first);
-  for (const char* key : kSectionKeys) json[key] = base.at(key);
+  for (const char* key : kSectionKeys)
+    if (!base.at(key).empty()) json[key] = base.at(key);
   json["trials"] = trials_json(suite);
   json["samples"] = to_string(suite.samples);
   for (const auto& [name, expression] : suite.metrics) json["metrics"][name] = expression;

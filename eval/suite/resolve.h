@@ -28,6 +28,7 @@ struct Sections {
   SuccessRule success;
   StuckRule stuck;
   InfeasibleRule infeasible;
+  Disturbances disturbances;
 };
 
 /// Reads the sections out of the suite's root map; keys that are not theirs are ignored here.
@@ -44,8 +45,10 @@ void check_suite(Suite& suite, const config::Mark& mark);
 /// with a sweep, `points` lists each point with the sections in which it differs.
 nlohmann::ordered_json resolved_json(const Suite& suite, bool swept);
 
-/// Keys of a suite file, and of its resolved form.
-inline constexpr const char* kSectionKeys[] = {"worlds", "simulation", "success", "stuck", "infeasible"};
+/// Keys of a suite file, and of its resolved form, where `disturbances` stands only if there are any: what a suite
+/// without them resolves to does not depend on what could be disturbed.
+inline constexpr const char* kSectionKeys[] = {"worlds", "simulation", "success",
+                                               "stuck",  "infeasible", "disturbances"};
 
 void add_warning(std::vector<std::string>& warnings, std::string text);
 

@@ -59,7 +59,12 @@ Suite suite_from_resolved(const ordered_json& resolved) {
       // The suite at this point alone: the sections in which it differs, over those at the top.
       Node at = root;
       for (const char* name : kSectionKeys)
-        if (const Node* section = point_in.get(name)) *at.find(name) = *section;
+        if (const Node* section = point_in.get(name)) {
+          if (Node* top = at.find(name); top != nullptr)
+            *top = *section;
+          else
+            at.entries.emplace_back(name, *section);
+        }
       const Node* all = root.find("controllers");
       const Node* params = point_in.get("controller_params");
       if (params == nullptr && all != nullptr) params = all->find(controller);

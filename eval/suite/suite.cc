@@ -56,9 +56,10 @@ class Draft {
       if (key.size() > 12 + name.size()) open(find("controllers", name));
     }
     if (key.starts_with("robot.")) open(root_.find("robot"));
-    const bool names_file = key == "robot" || key == "worlds.frozen" ||
-                            (key.starts_with("controllers.") && key.find('.', 12) == std::string::npos) ||
-                            is_library_key(key);
+    if (key.starts_with("disturbances.")) open(root_.find("disturbances"));
+    const bool names_file =
+        key == "robot" || key == "worlds.frozen" || (key == "disturbances" && value.scalar.ends_with(".yaml")) ||
+        (key.starts_with("controllers.") && key.find('.', 12) == std::string::npos) || is_library_key(key);
     Node placed = value;
     if (names_file && value.kind == Node::Kind::kScalar) placed.scalar = fs::absolute(path_of(value)).string();
     put(root_, key, placed);
@@ -91,6 +92,10 @@ class Draft {
   // A file's path becomes the map it holds, so that single keys can be set.
   void open(Node* node) const {
     if (node == nullptr || node->kind != Node::Kind::kScalar) return;
+    if (node == root_.find("disturbances") && node->scalar == "none") {
+      *node = config::parse_yaml("{}", node->mark.file);
+      return;
+    }
     *node = config::load_yaml(path_of(*node));
   }
 

@@ -14,6 +14,7 @@
 #include "eval/plugin/plugin.h"
 #include "world/plant/plant.h"
 #include "world/scenario/worlds.h"
+#include "world/sensing/disturbances.h"
 
 namespace moma {
 
@@ -60,6 +61,7 @@ struct Point {
   SuccessRule success;
   StuckRule stuck;
   InfeasibleRule infeasible;
+  Disturbances disturbances;  ///< all off by default
 };
 
 /// Whether the point's controller is one of moma's QPs.

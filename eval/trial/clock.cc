@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include "controller/model/kinematics.h"
 #include "controller/model/manipulability.h"
 #include "eval/trial/observe.h"
 #include "eval/trial/rules.h"
+#include "world/sensing/actuation.h"
+#include "world/sensing/sensing.h"
 
 namespace moma {
 namespace {
@@ -65,6 +68,9 @@ class TickClock {
     goal_moves_ = !at_rest(world_.goal.motion, 0.0);
     has_self_pairs_ =
         std::any_of(model_.self_pairs.begin(), model_.self_pairs.end(), [](const SelfPair& pair) { return pair.row; });
+    const Disturbances& disturbances = point_.disturbances;
+    if (senses_with_errors(disturbances)) sensing_.emplace(disturbances, model_, world_, period_);
+    if (acts_with_errors(disturbances)) actuation_.emplace(disturbances, model_, world_, period_);
     r_.control_period = period_;
     r_.moving_goal = goal_moves_;
     r_.has_qp = has_qp(point_);
@@ -193,6 +199,7 @@ class TickClock {
   void command(long k) {
     const PlantState& state = plant_.state();
     observe(state, objects_, goal_, time(k), observation_);
+    if (sensing_) sensing_->sense(k, observation_);
     const Clock::time_point before = Clock::now();
     controller_.step(observation_, result_);
     r_.step_seconds.push_back(std::chrono::duration<double>(Clock::now() - before).count());
@@ -218,7 +225,7 @@ class TickClock {
     sample.active_rows = result_.active_rows;
     sample.escape = result_.escape;
     infeasible_.count(result_.fallback);
-    plant_.advance(result_.command, period_, report_);
+    plant_.advance(actuation_ ? actuation_->act(k, result_.command) : result_.command, period_, report_);
   }
 
   TrialRow finish(long k, Ending ending) {
@@ -265,6 +272,8 @@ class TickClock {
   DwellRule dwell_;
   StuckTracker stuck_;
   InfeasibleTracker infeasible_;
+  std::optional<Sensing> sensing_;      // only where the controller does not see the truth
+  std::optional<Actuation> actuation_;  // only where its command is not what is applied
   PlantReport report_;
   Observation observation_;
   StepResult result_;

@@ -13,6 +13,7 @@ inline constexpr double kJointLimitTolerance = 1e-3;
 /// The tick clock: runs `controller` on `plant` in `world` under the rules of `point` until one outcome is reached.
 /// At each sample t = k control_period, in this order: errors and distances at the state; collision; dwell; diverged,
 /// tipped, joint_limit, infeasible, stuck, timeout; then the command for the next period.
+/// Everything that is measured or decides is the truth; only the controller sees what point.disturbances make of it.
 /// Exceptions of plant or controller pass through; what was recorded until then is in `recording`.
 TrialRow run_clock(const Point& point, const World& world, Plant& plant, StepController& controller,
                    Recording& recording);

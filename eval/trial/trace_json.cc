@@ -5,6 +5,7 @@
 
 #include "controller/config/controller_escape.h"
 #include "eval/suite/sections.h"
+#include "world/sensing/disturbances_file.h"
 
 namespace moma {
 namespace {
@@ -54,6 +55,7 @@ ordered_json trace_json(const Point& point, const World& world, const TrialOutpu
   json["controller"] = point.controller_resolved;
   json["world"] = to_json(world);
   json["simulation"] = to_json(point.simulation);
+  if (any(point.disturbances)) json["disturbances"] = to_json(point.disturbances);
   ordered_json& samples = json["samples"] = ordered_json::array();
   for (const Sample& sample : output.trace) samples.push_back(sample_json(sample));
   return json;

@@ -12,6 +12,7 @@
 
 MOMA_ASSET(page_js)
 MOMA_ASSET(page_css)
+MOMA_ASSET(extent_sql)
 MOMA_ASSET(trials_sql)
 MOMA_ASSET(summary_sql)
 MOMA_ASSET(overall_sql)

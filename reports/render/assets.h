@@ -7,6 +7,7 @@ namespace moma::reports {
 /// Files that are part of the program: the page's bundle and the queries of reports/sql.
 std::string_view page_js() noexcept;
 std::string_view page_css() noexcept;
+std::string_view extent_sql() noexcept;
 std::string_view trials_sql() noexcept;
 std::string_view summary_sql() noexcept;
 std::string_view overall_sql() noexcept;

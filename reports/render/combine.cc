@@ -122,12 +122,16 @@ void rename_trials(Json& columns, std::size_t n, const Names& names) {
 Json joined_trials(std::vector<Json>& pages, const std::vector<Names>& names) {
   std::set<std::string> columns;
   long long total = 0;
+  std::int64_t stored = 0;
+  std::int64_t worlds = 0;
   for (std::size_t i = 0; i < pages.size(); ++i) {
     Json& trials = pages[i].at("trials");
     const auto n = trials.at("n").get<std::size_t>();
     if (n > 0) rename_trials(trials.at("columns"), n, names[i]);
     for (const auto& [name, column] : trials.at("columns").items()) columns.insert(name);
     total += static_cast<long long>(n);
+    stored += trials.at("stored").get<std::int64_t>();
+    worlds = std::max(worlds, trials.at("worlds").get<std::int64_t>());
   }
   Json joined = Json::object();
   for (const std::string& name : columns) {
@@ -142,7 +146,7 @@ Json joined_trials(std::vector<Json>& pages, const std::vector<Names>& names) {
     }
     joined[name] = is_text ? coded(all) : std::move(all);
   }
-  return {{"n", total}, {"columns", std::move(joined)}};
+  return {{"n", total}, {"stored", stored}, {"worlds", worlds}, {"columns", std::move(joined)}};
 }
 
 }  // namespace

@@ -95,8 +95,21 @@ struct Column {
   }
 };
 
-Json trials(SQLite::Database& store) {
+struct Extent {
+  std::int64_t trials = 0;  // in the store
+  std::int64_t worlds = 0;  // of each point that are shown
+};
+
+Extent extent(SQLite::Database& store, std::int64_t most) {
+  SQLite::Statement query = prepare(store, extent_sql());
+  query.bind(1, most);
+  query.executeStep();
+  return {query.getColumn(0).getInt64(), query.getColumn(1).getInt64()};
+}
+
+Json trials(SQLite::Database& store, const Extent& extent) {
   SQLite::Statement query = prepare(store, trials_sql());
+  query.bind(1, extent.worlds);
   std::vector<Column> columns(static_cast<std::size_t>(query.getColumnCount()));
   for (std::size_t i = 0; i < columns.size(); ++i) columns[i].name = query.getColumnName(static_cast<int>(i));
   long long n = 0;
@@ -107,7 +120,7 @@ Json trials(SQLite::Database& store) {
   for (Column& column : columns) {
     if (column.name != "params") all[column.name] = column.take();  // swept values are with the points
   }
-  return {{"n", n}, {"columns", std::move(all)}};
+  return {{"n", n}, {"stored", extent.trials}, {"worlds", extent.worlds}, {"columns", std::move(all)}};
 }
 
 Json tuning(SQLite::Database& store) {
@@ -135,10 +148,11 @@ nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& o
   page["points"] = rows(store, points_sql());
   page["summary"] = rows(store, summary_sql());
   page["overall"] = rows(store, overall_sql());
-  page["trials"] = trials(store);
+  const Extent shown = extent(store, options.trials);
+  page["trials"] = trials(store, shown);
   page["tuning"] = tuning(store);
   page["samples_stored"] = store.execAndGet("SELECT count(*) FROM samples").getInt64();
-  add_replays(store, options, page);
+  add_replays(store, options, shown.worlds, page);
   return page;
 }
 

@@ -34,11 +34,12 @@ Json head(SQLite::Statement& row) {
 
 }  // namespace
 
-void add_replays(SQLite::Database& store, const ReportOptions& options, Json& page) {
+void add_replays(SQLite::Database& store, const ReportOptions& options, std::int64_t worlds, Json& page) {
   page["robots"] = Json::object();
   page["replays"] = Json::array();
   SQLite::Statement query(store, std::string(replays_sql()));
   query.bind(1, options.replays);
+  query.bind(2, worlds);
   while (query.executeStep()) {
     const std::string trial = query.getColumn("trial").getString();
     if (query.getColumn("n").getInt64() == 0) continue;

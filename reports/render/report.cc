@@ -27,6 +27,7 @@ nlohmann::ordered_json read_stores(const Stores& stores, const ReportOptions& op
   std::set<std::filesystem::path> seen;
   std::vector<nlohmann::ordered_json> pages;
   ReportOptions each = options;
+  each.trials = std::max<std::int64_t>(options.trials / static_cast<std::int64_t>(stores.size()), 1);
   each.replays = (options.replays + static_cast<int>(stores.size()) - 1) / static_cast<int>(stores.size());
   for (const std::filesystem::path& db : stores) {
     std::error_code ignored;
@@ -46,6 +47,7 @@ nlohmann::ordered_json read_stores(const Stores& stores, const ReportOptions& op
 }
 
 void write_report(const Stores& stores, const std::filesystem::path& html_file, const ReportOptions& options) {
+  if (options.trials < 1) throw ReportError("trials: wanted: 1 or more");
   if (options.replays < 0) throw ReportError("replays: wanted: 0 or more");
   if (!(options.replay_hz > 0.0)) throw ReportError("replay_hz: wanted: more than 0");
   write_atomically(html_file, html(read_stores(stores, options)));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <stdexcept>
 #include <vector>
@@ -7,6 +8,9 @@
 namespace moma::reports {
 
 struct ReportOptions {
+  /// At most so many trials are in the page one by one, those of the first worlds of every point. Rates, intervals,
+  /// medians and means of the table of results are over all.
+  std::int64_t trials = 50000;
   int replays = 40;         ///< at most so many trials carry their motion in the page; the worst of each kind first
   double replay_hz = 10.0;  ///< samples per second of those, > 0
   bool served = false;      ///< for a page that asks `moma view` for motions: trials are named, their motion left out

@@ -18,6 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::int64_t kTrials = 100000;
 constexpr double kReplayHz = 50.0;
 constexpr const char* kHost = "127.0.0.1";
 constexpr const char* kJson = "application/json; charset=utf-8";
@@ -68,6 +69,7 @@ class Answers {
     const std::string token = state_of(stores_).token;
     if (data_ == nullptr || token != data_token_) {
       ReportOptions options;
+      options.trials = kTrials;
       options.served = true;
       Json page = read_stores(stores_, options);
       page["live"] = {{"token", token}, {"simulates", static_cast<bool>(options_.simulate)}};

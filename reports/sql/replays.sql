@@ -1,4 +1,4 @@
--- The worst trials among those whose samples are stored: one of each kind of failure first, then the next of each.
+-- The worst ?1 trials among those whose samples are stored, in worlds before ?2: one of each kind of failure first, then the next of each.
 -- Worst: the deepest collision, else the greatest error at the end. A slow success of each point comes after the
 -- failures of its round.
 WITH candidates AS (
@@ -6,7 +6,7 @@ WITH candidates AS (
          CASE t.outcome WHEN 'success' THEN t.time_to_goal_s WHEN 'collision' THEN coalesce(t.collision_depth_m, 0)
                         ELSE coalesce(t.position_error_m, 0) + coalesce(t.orientation_error_rad, 0) END AS badness
   FROM samples AS x
-  JOIN point_trial AS m ON m.key = x.key
+  JOIN point_trial AS m ON m.key = x.key AND m.world_index < ?2
   JOIN trial AS t ON t.key = x.key
   GROUP BY m.key
 ), placed AS (

@@ -27,6 +27,7 @@ ControllerParams everything() {
   p.escape.patience = 0.2;  // so that something happens in a short test
   p.escape.traffic_patience = 0.4;
   p.escape.duration = 0.2;
+  p.escape.around = {.enabled = true, .reach = 0.3, .duration = 0.2};
   return p;
 }
 
@@ -38,6 +39,7 @@ struct Drive {
   Observation now;
   StepResult result;
   int detours = 0;
+  int around = 0;  // steps on a way around obstacles
 
   Drive(std::shared_ptr<const RobotModel> m, const ControllerParams& p, std::uint64_t seed)
       : model(std::move(m)), controller(model, p, 0.02) {
@@ -53,6 +55,7 @@ struct Drive {
     const int before = controller.escape_state().stagnations;
     controller.step(now, result);
     detours += controller.escape_state().stagnations - before;
+    around += controller.escape_state().around ? 1 : 0;
     integrate(*model, now.base, now.q, result.command, 0.02);
     now.qdot = result.command;
     now.time += 0.02;
@@ -89,7 +92,7 @@ TEST(ControllerEscape, AStepCanBeRepeatedFromItsState) {
     for (int i = 0; i < 300; ++i) {
       const Observation seen = drive.now;
       drive.step();
-      if (i % 7 != 0) continue;
+      if (i % 5 != 0) continue;
       other.reset(drive.shapes);
       other.set_escape_state(drive.result.escape);
       other.step(seen, result);
@@ -120,7 +123,7 @@ TEST(ControllerEscape, OffIsOff) {
 
 TEST(ControllerEscape, NoMemoryIsTaken) {
   if (!NoAlloc::works()) GTEST_SKIP() << "a sanitizer owns malloc";
-  int detours = 0;
+  int detours = 0, around = 0;
   for (const auto& model : all_robots()) {
     Drive drive(model, everything(), 8);
     NoAlloc guard;
@@ -129,15 +132,17 @@ TEST(ControllerEscape, NoMemoryIsTaken) {
       ASSERT_EQ(guard.count(), 0) << "step " << i << " of " << model->name;
     }
     detours += drive.detours;
+    around += drive.around;
   }
   EXPECT_GT(detours, 3);
+  EXPECT_GT(around, 3);
 }
 
 TEST(ControllerEscape, RandomStepsStayFiniteAndInsideTheirBounds) {
   const char* many = std::getenv("MOMA_MANY_STEPS");
   const long total = many != nullptr ? std::atol(many) : 20000;
   Rng rng(9);
-  long done = 0, detours = 0, vortices = 0;
+  long done = 0, detours = 0, around = 0, vortices = 0;
   while (done < total) {
     const auto model = all_robots()[rng() % 3];
     ControllerParams p = everything();
@@ -163,6 +168,7 @@ TEST(ControllerEscape, RandomStepsStayFiniteAndInsideTheirBounds) {
         ASSERT_NE(result.status, StepStatus::kInvalidInput) << done;
         ASSERT_TRUE(std::isfinite(c.escape_state().best) && c.escape_state().target_W.allFinite()) << done;
         detours += c.escape_state().detour ? 1 : 0;
+        around += c.escape_state().around ? 1 : 0;
         vortices += c.escape_state().circulation != 0 ? 1 : 0;
         if (held) continue;
         integrate(*model, o.base, o.q, result.command, 0.02);
@@ -173,6 +179,7 @@ TEST(ControllerEscape, RandomStepsStayFiniteAndInsideTheirBounds) {
     }
   }
   EXPECT_GT(detours, total / 20);
+  EXPECT_GT(around, total / 200);
   EXPECT_GT(vortices, total / 20);
 }
 

@@ -32,6 +32,7 @@ struct Scene {
   GoalState goal;
   std::vector<ProximityPair> pairs;
   std::vector<ObjectState> objects;
+  const Proximity* proximity = nullptr;
   Escape escape;
   Task task;
 
@@ -49,7 +50,7 @@ struct Scene {
     task = Task{};
     task.error = pose_error(kinematics.X_WE(), goal.X_WG);
     task.nu = servo_twist(servo, task.error, goal.V_WG_W);
-    escape.update({kinematics, goal, pairs, objects}, task);
+    escape.update({kinematics, goal, pairs, objects, false, proximity}, task);
     return escape.state();
   }
   // Steps until the n-th stagnation, at most `limit`; how many steps that took.
@@ -234,6 +235,51 @@ TEST(Detour, EndsAtItsTarget) {
   scene.kinematics.update(Vector3(p.x(), p.y() + 0.9 * scene.params.reached, 0), scene.kinematics.q());
   scene.escape.set_state(state);
   EXPECT_FALSE(scene.step().detour);
+}
+
+TEST(Detour, GoesAroundWhatLiesBetween) {
+  EscapeParams params = Scene::on();
+  params.around = {.enabled = true, .clearance = 0.05, .reach = 0.5, .passed = 0.3, .duration = 4.0};
+  Scene scene(frankie(), params);
+  scene.goal.X_WG.translation().x() = 4.0;
+  Proximity proximity(scene.model);
+  const ObjectShape wall{"wall", {ShapeKind::kBox, {0.1, 1.0, 1.0}, nullptr}};
+  proximity.set_objects({&wall, 1});
+  scene.objects.resize(1);
+  scene.objects[0].X_WO = pose(2.0, 0.2, 0.5, 0, 0, 0);  // to the right it ends at y = -0.3
+  scene.proximity = &proximity;
+  scene.escape.allocate(1);
+  scene.until_stagnation(1);
+  EscapeState state = scene.escape.state();
+  EXPECT_TRUE(state.detour && state.around);
+  EXPECT_NEAR(state.remaining, 4.0, 1e-12);
+  const double z = scene.kinematics.X_WE().translation().z();
+  EXPECT_EQ(state.target_W.z(), z);
+  // Corners of the octagon about the wall's shadow, which is grown by the base's 0.3 m and 0.05 m.
+  EXPECT_NEAR(state.target_W.y(), -0.3 - 0.35, 0.05);
+  const double first = state.target_W.x();
+  EXPECT_LT(first, 2.0);
+  const auto place = [&](double x, double y) {
+    const Vector3 p_BE = scene.kinematics.X_WE().translation() - scene.kinematics.X_WB().translation();
+    scene.kinematics.update(Vector3(x - p_BE.x(), y - p_BE.y(), 0), scene.kinematics.q());
+  };
+  place(first - 0.35, state.target_W.y());
+  EXPECT_EQ(scene.step().target_W.x(), first) << "not there yet";
+  place(first - 0.25, state.target_W.y());
+  state = scene.step();
+  EXPECT_TRUE(state.around);
+  EXPECT_GT(state.target_W.x(), 2.0) << "the next corner is beyond the wall";
+  place(state.target_W.x(), state.target_W.y());
+  state = scene.step();
+  EXPECT_FALSE(state.detour || state.around) << "the rest of the way is straight";
+
+  // Without an obstacle between, the detour is one to a side.
+  scene.escape.reset();
+  scene.kinematics.update(Vector3::Zero(), scene.kinematics.q());
+  scene.objects[0].X_WO.translation().y() = 2.0;
+  scene.until_stagnation(1);
+  EXPECT_TRUE(scene.escape.state().detour);
+  EXPECT_FALSE(scene.escape.state().around);
 }
 
 TEST(Detour, OffLeavesTheTaskAlone) {

@@ -32,7 +32,7 @@ Sample numbered_sample(int k) {
   s.status = StepStatus::kInfeasible;
   s.fallback = Fallback::kBrake;
   s.active_rows = k;
-  s.escape = {next(), next(), k + 1, k + 2, true, next(), Vector3::Constant(next()), k + 3};
+  s.escape = {next(), next(), k + 1, k + 2, true, k % 2 == 0, next(), Vector3::Constant(next()), k + 3};
   return s;
 }
 

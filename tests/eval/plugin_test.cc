@@ -72,6 +72,22 @@ TEST_F(PluginSuite, ComputesWhatTheSameControllerComputesWithoutABorder) {
   }
 }
 
+TEST_F(PluginSuite, SeesWhatIsSensedAsTheSameControllerDoesWithoutABorder) {
+  const std::string on =
+      "disturbances: {joints: {noise: 0.002, delay: 0.02}, base: {odometry: {distance: 0.05}}, "
+      "objects: {range: 1, delay: 0.06, noise: {position: 0.01}}, goal: {noise: {position: 0.01}}, "
+      "actuators: {base: {delay: 0.04}}}\n";
+  const Suite suite = load_suite(folder_.suite(on, "{own: {}, mine: " + entry("class.so") + "}"),
+                                 {{"worlds.families", "{clutter: {weight: 1}}"}});
+  for (std::uint64_t world = 0; world < 3; ++world) {
+    const TrialOutput own = run(suite, world, 0), mine = run(suite, world, 1);
+    EXPECT_EQ(own.row.outcome, mine.row.outcome) << mine.row.reason;
+    ASSERT_EQ(own.trace.size(), mine.trace.size());
+    for (std::size_t k = 0; k < own.trace.size(); ++k)
+      ASSERT_EQ(own.trace[k].command, mine.trace[k].command) << "world " << world << " step " << k;
+  }
+}
+
 TEST_F(PluginSuite, ObjectsOfEveryKindCrossTheBorder) {
   // Clutter has spheres, boxes and capsules; the echo keeps its distance from them only if it gets them right.
   const Suite suite = load_suite(folder_.suite("", "{own: {}, mine: " + entry("class.so") + "}"),

@@ -90,6 +90,38 @@ TEST_P(PageEqualsStore, EveryCellOfTheSummary) {
 INSTANTIATE_TEST_SUITE_P(Stores, PageEqualsStore, testing::Values("demo", "one", "failures", "hostile", "sweep"),
                          [](const auto& kind) { return std::string(kind.param); });
 
+TEST(PageData, ManyTrialsAreShownByTheirFirstWorlds) {
+  const Folder folder;
+  const Json whole = page_of(folder, "demo", 40);
+  EXPECT_EQ(whole.at("trials").at("n"), 80);
+  EXPECT_EQ(whole.at("trials").at("stored"), 80);
+  ReportOptions options;
+  options.trials = 31;  // two points: 15 worlds
+  write_report(folder / "a.db", folder / "part.html", options);
+  const Json part = data_of(read_file(folder / "part.html"));
+  EXPECT_EQ(part.at("trials").at("n"), 30);
+  EXPECT_EQ(part.at("trials").at("stored"), 80);
+  EXPECT_EQ(part.at("trials").at("worlds"), 15);
+  const auto texts = [](const Json& page, const std::string& name) {
+    std::vector<std::string> all;
+    for (std::size_t i = 0; i < page.at("trials").at("n").get<std::size_t>(); ++i)
+      all.push_back(page_cell(page.at("trials").at("columns").at(name), i).get<std::string>());
+    return all;
+  };
+  const Json& worlds = part.at("trials").at("columns").at("world");
+  const std::vector<std::string> controllers = texts(part, "controller");
+  for (std::size_t i = 0; i < 30; ++i) {
+    EXPECT_LT(worlds.at(i).get<int>(), 15);
+    EXPECT_EQ(controllers[i], controllers[i < 15 ? 0 : 29]);
+  }
+  EXPECT_EQ(part.at("summary"), whole.at("summary"));
+  EXPECT_EQ(part.at("overall"), whole.at("overall"));
+  const std::vector<std::string> names = texts(part, "trial");
+  EXPECT_FALSE(part.at("replays").empty());
+  for (const Json& replay : part.at("replays"))
+    EXPECT_EQ(std::count(names.begin(), names.end(), replay.at("trial").get<std::string>()), 1);
+}
+
 TEST(PageData, OverallRatesByHand) {
   const Folder folder;
   const Json page = page_of(folder, "demo", 40);

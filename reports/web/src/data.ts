@@ -74,7 +74,8 @@ export interface PageData {
   points: PointInfo[];
   summary: SummaryRow[];
   overall: SummaryRow[];
-  trials: { n: number; columns: Record<string, Cell[] | { values: string[]; codes: number[] }> };
+  /** Those of each point's first `worlds` worlds, of `stored` in all; the summary is over all. */
+  trials: { n: number; stored: number; worlds: number; columns: Record<string, Cell[] | { values: string[]; codes: number[] }> };
   robots: Record<string, unknown>;
   /** The worst of each kind; with `live` their names only. */
   replays: (ReplayData | { trial: string })[];

@@ -13,7 +13,7 @@ const kPause = 3000;
 /** A line that says what the store is doing, kept up to date while the page is looked at. */
 export function liveLine(model: Model): HTMLElement | null {
   if (model.page.live === undefined) return null;
-  const line = h('p', { class: 'live', role: 'status' }, `${plural(model.trials.n, 'trial')}, served live.`);
+  const line = h('p', { class: 'live', role: 'status' }, `${plural(model.page.trials.stored, 'trial')}, served live.`);
   let shown = model.page.live.token;
   let pause = kPause;
 

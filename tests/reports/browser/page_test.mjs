@@ -271,6 +271,16 @@ for (const [kind, worlds] of [['empty', 0], ['one', 1], ['failures', 16], ['swee
   await context.close();
 }
 
+// ---- more trials than a page carries --------------------------------------------------------------------------------
+if (moma !== undefined) {
+  const html = join(work, 'part.html');
+  execFileSync(moma, ['report', join(work, 'demo.db'), '-o', html, '--trials', '31'], { stdio: 'ignore' });
+  const { context, page } = await open(html);
+  check((await page.locator('.notices').innerText()).replace(/\s/g, ' ').includes('Of 120 trials the page shows 30 one by one'), 'a part of the trials is called one');
+  check((await page.locator('.summary tbody tr').last().innerText()).includes('60'), 'the summary is over all');
+  await context.close();
+}
+
 // ---- several stores in one page ------------------------------------------------------------------------------------
 {
   const [before, after, html] = ['before.db', 'after.db', 'both.html'].map((name) => join(work, name));

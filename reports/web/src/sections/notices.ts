@@ -24,6 +24,10 @@ export function notices(model: Model, suites: readonly string[]): string[] {
     out.push('This store holds no trials yet: nothing has been evaluated, or the run has only begun.');
     return out;
   }
+  const { n, stored: all, worlds } = page.trials;
+  if (n < all) {
+    out.push(`Of ${plural(all, 'trial')} the page shows ${integer(n)} one by one, those of the first ${plural(worlds, 'world')} of each point. Verdicts and the table of results are over all; figures, failures and comparisons over what is shown, as their n says.`);
+  }
   const runs = page.invocations.filter((i) => i.suite === slice.suite);
   for (const store of page.stores?.map((s) => s.label) ?? [undefined]) {
     const latest = runs.find((i) => i.store === store);

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "controller/model/robot_model.h"
+#include "world/sensing/delay_line.h"
+#include "world/sensing/disturbances.h"
+#include "world/sensing/streams.h"
+
+namespace moma {
+
+/// The drives between controller and plant (ActuatorErrors): nothing moves until the first command is due, and a
+/// factor 1 + g is never below 0. A command at its limit may thus be exceeded by the gain's error. One per trial.
+class Actuation {
+ public:
+  Actuation(const Disturbances& disturbances, const RobotModel& model, const World& world, double control_period);
+
+  /// What the plant gets for the command of step k = 0, 1, 2, ... (each once, in order). Allocates nothing. Valid
+  /// until the next call.
+  const VectorX& act(long k, const VectorX& command);
+
+ private:
+  int base_dof_;
+  VectorX factor_;  // 1 + g
+  VectorX base_, joints_, applied_;
+  DelayLine<VectorX> late_base_, late_joints_;
+};
+
+}  // namespace moma

@@ -1,0 +1,152 @@
+#include "world/sensing/sensing.h"
+
+#include <cmath>
+
+namespace moma {
+namespace {
+
+Vector3 normal3(Draws draws, double sigma) {
+  Vector3 v;
+  for (double& x : v) x = draws.normal(0.0, sigma);
+  return v;
+}
+
+/// Turns a pose by a rotation vector in world axes, about its own origin.
+void turn(Isometry& X_W, const Vector3& rotation_W) {
+  const double angle = rotation_W.norm();
+  if (angle > 0.0) X_W.linear() = Eigen::AngleAxisd(angle, rotation_W / angle) * X_W.linear();
+}
+
+/// What is fixed to a base at `from`, when the base is taken to be at `to`; (x, y, phi) each.
+void carry(const Vector3& from, const Vector3& to, Isometry& X_W, Vector6& V_W) {
+  const Matrix3 R = Eigen::AngleAxisd(to.z() - from.z(), Vector3::UnitZ()).toRotationMatrix();
+  const Vector3 p_from(from.x(), from.y(), 0.0), p_to(to.x(), to.y(), 0.0);
+  X_W.translation() = R * (X_W.translation() - p_from) + p_to;
+  X_W.linear() = R * X_W.linear();
+  V_W.head<3>() = R * V_W.head<3>();
+  V_W.tail<3>() = R * V_W.tail<3>();
+}
+
+}  // namespace
+
+using enum DisturbanceSource;
+
+const Sensing::PoseSources Sensing::kObject{kObjectPosition, kObjectRotation,     kObjectLinear,
+                                            kObjectAngular,  kObjectBiasPosition, kObjectBiasRotation};
+const Sensing::PoseSources Sensing::kGoal{kGoalPosition, kGoalRotation,     kGoalLinear,
+                                          kGoalAngular,  kGoalBiasPosition, kGoalBiasRotation};
+
+Sensing::Sensing(const Disturbances& disturbances, const RobotModel& model, const World& world, double control_period)
+    : config_(disturbances),
+      streams_(world, disturbances.seed),
+      base_dof_(model.base_dof()),
+      odometry_(disturbances.base.odometry, streams_),
+      detection_(disturbances.detection, world, control_period),
+      joint_bias_(VectorX::Zero(model.num_joints())),
+      joints_{VectorX::Zero(model.num_joints()), VectorX::Zero(model.num_joints())},
+      late_joints_(delay_steps(config_.joints.delay, control_period), joints_, BeforeFirst::kHoldFirst),
+      late_base_(delay_steps(config_.base.delay, control_period), base_, BeforeFirst::kHoldFirst),
+      late_objects_(delay_steps(config_.objects.delay, control_period), std::vector<ObjectState>(world.objects.size()),
+                    BeforeFirst::kHoldFirst),
+      late_goal_(delay_steps(config_.goal.delay, control_period), GoalState{}, BeforeFirst::kHoldFirst) {
+  Draws joint_bias = streams_.sensing(kJointBias, 0);
+  for (double& bias : joint_bias_) bias = joint_bias.normal(0.0, config_.joints.bias);
+  if (base_dof_ > 0) {
+    base_bias_ = normal3(streams_.sensing(kBaseBiasPosition, 0), config_.base.bias.position);
+    base_bias_.z() = streams_.sensing(kBaseBiasRotation, 0).normal(0.0, config_.base.bias.rotation);
+  }
+  for (std::size_t i = 0; i < world.objects.size(); ++i) object_bias_.push_back(draw_bias(config_.objects, kObject, i));
+  goal_bias_ = draw_bias(config_.goal, kGoal, 0);
+}
+
+Sensing::PoseBias Sensing::draw_bias(const PoseSensing& config, const PoseSources& sources, std::size_t object) const {
+  return {normal3(streams_.sensing(sources.bias_position, 0, object), config.bias.position),
+          normal3(streams_.sensing(sources.bias_rotation, 0, object), config.bias.rotation)};
+}
+
+void Sensing::sense(long k, Observation& seen) {
+  true_base_ = seen.base;
+  if (detection_.on()) detection_.update(true_base_, seen.objects);
+  if (base_dof_ > 0) measure_base(k, seen);
+  seen_base_ = seen.base;
+  measure_joints(k, seen);
+  for (std::size_t i = 0; i < seen.objects.size(); ++i) {
+    ObjectState& object = seen.objects[i];
+    if (object.visible) {
+      measure_pose(config_.objects, kObject, object_bias_[i], k, i, object.X_WO, object.V_WO_W);
+    } else {
+      object.X_WO.setIdentity();
+      object.V_WO_W.setZero();
+    }
+  }
+  measure_pose(config_.goal, kGoal, goal_bias_, k, 0, seen.goal.X_WG, seen.goal.V_WG_W);
+  late(k, seen);
+}
+
+void Sensing::measure_base(long k, Observation& seen) {
+  const BaseSensing& config = config_.base;
+  if (odometry_.on()) seen.base = odometry_.update(k, seen.base);
+  seen.base += base_bias_;
+  if (config.noise.position > 0.0) {
+    Draws draws = streams_.sensing(kBasePosition, k);
+    seen.base.x() += draws.normal(0.0, config.noise.position);
+    seen.base.y() += draws.normal(0.0, config.noise.position);
+  }
+  if (config.noise.rotation > 0.0)
+    seen.base.z() += streams_.sensing(kBaseRotation, k).normal(0.0, config.noise.rotation);
+  // Linear coordinates come first, the turn last.
+  if (config.velocity_noise.linear > 0.0) {
+    Draws draws = streams_.sensing(kBaseLinear, k);
+    for (int i = 0; i + 1 < base_dof_; ++i) seen.qdot[i] += draws.normal(0.0, config.velocity_noise.linear);
+  }
+  if (config.velocity_noise.angular > 0.0)
+    seen.qdot[base_dof_ - 1] += streams_.sensing(kBaseAngular, k).normal(0.0, config.velocity_noise.angular);
+}
+
+void Sensing::measure_joints(long k, Observation& seen) const {
+  const JointSensing& config = config_.joints;
+  seen.q += joint_bias_;
+  if (config.noise > 0.0) {
+    Draws draws = streams_.sensing(kJointNoise, k);
+    for (double& q : seen.q) q += draws.normal(0.0, config.noise);
+  }
+  if (config.velocity_noise > 0.0) {
+    Draws draws = streams_.sensing(kJointVelocity, k);
+    for (Eigen::Index i = base_dof_; i < seen.qdot.size(); ++i)
+      seen.qdot[i] += draws.normal(0.0, config.velocity_noise);
+  }
+}
+
+void Sensing::measure_pose(const PoseSensing& config, const PoseSources& sources, const PoseBias& bias, long k,
+                           std::size_t object, Isometry& X_W, Vector6& V_W) const {
+  if (config.frame == SensingFrame::kBase && seen_base_ != true_base_) carry(true_base_, seen_base_, X_W, V_W);
+  Vector3 rotation = bias.rotation;
+  X_W.translation() += bias.position;
+  if (config.noise.position > 0.0)
+    X_W.translation() += normal3(streams_.sensing(sources.position, k, object), config.noise.position);
+  if (config.noise.rotation > 0.0)
+    rotation += normal3(streams_.sensing(sources.rotation, k, object), config.noise.rotation);
+  turn(X_W, rotation);
+  if (config.resting_is_known && V_W.isZero(0.0)) return;
+  if (config.velocity_noise.angular > 0.0)
+    V_W.head<3>() += normal3(streams_.sensing(sources.angular, k, object), config.velocity_noise.angular);
+  if (config.velocity_noise.linear > 0.0)
+    V_W.tail<3>() += normal3(streams_.sensing(sources.linear, k, object), config.velocity_noise.linear);
+}
+
+void Sensing::late(long k, Observation& seen) {
+  joints_.q = seen.q;
+  joints_.qdot = seen.qdot.tail(seen.q.size());
+  late_joints_.pass(k, joints_);
+  base_.pose = seen.base;
+  base_.velocity.head(base_dof_) = seen.qdot.head(base_dof_);
+  late_base_.pass(k, base_);
+  seen.q = joints_.q;
+  seen.qdot.tail(seen.q.size()) = joints_.qdot;
+  seen.base = base_.pose;
+  seen.qdot.head(base_dof_) = base_.velocity.head(base_dof_);
+  late_objects_.pass(k, seen.objects);
+  late_goal_.pass(k, seen.goal);
+}
+
+}  // namespace moma

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <vector>
+
+#include "controller/model/robot_model.h"
+#include "controller/step.h"
+#include "world/sensing/delay_line.h"
+#include "world/sensing/detection.h"
+#include "world/sensing/disturbances.h"
+#include "world/sensing/odometry.h"
+#include "world/sensing/streams.h"
+
+namespace moma {
+
+/// The sensors between the simulated robot and its controller: turns the truth into what is sensed. Each measurement
+/// is made at a control step and takes its errors then: odometry, bias, noise, in this order; a delay hands on the
+/// measurement of an earlier step as it was made, and before the first is due, the first. One per trial.
+class Sensing {
+ public:
+  Sensing(const Disturbances& disturbances, const RobotModel& model, const World& world, double control_period);
+
+  /// `seen` is the truth at step k = 0, 1, 2, ... (each once, in order; finite), and what is sensed afterwards; of
+  /// objects that are not seen, nothing but that. Allocates nothing.
+  void sense(long k, Observation& seen);
+
+ private:
+  struct JointReading {
+    VectorX q, qdot;
+  };
+  struct BaseReading {
+    Vector3 pose = Vector3::Zero();
+    Vector3 velocity = Vector3::Zero();  // its first base_dof coordinates
+  };
+  /// Sources of a measured pose, and its constant offset.
+  struct PoseSources {
+    DisturbanceSource position, rotation, linear, angular, bias_position, bias_rotation;
+  };
+  struct PoseBias {
+    Vector3 position = Vector3::Zero();
+    Vector3 rotation = Vector3::Zero();
+  };
+
+  PoseBias draw_bias(const PoseSensing& config, const PoseSources& sources, std::size_t object) const;
+  void measure_base(long k, Observation& seen);
+  void measure_joints(long k, Observation& seen) const;
+  void measure_pose(const PoseSensing& config, const PoseSources& sources, const PoseBias& bias, long k,
+                    std::size_t object, Isometry& X_W, Vector6& V_W) const;
+  void late(long k, Observation& seen);
+
+  Disturbances config_;
+  DisturbanceStreams streams_;
+  int base_dof_;
+  Odometry odometry_;
+  Detection detection_;
+  VectorX joint_bias_;
+  Vector3 base_bias_ = Vector3::Zero();
+  std::vector<PoseBias> object_bias_;
+  PoseBias goal_bias_;
+  Vector3 true_base_ = Vector3::Zero();  // of the present step
+  Vector3 seen_base_ = Vector3::Zero();  // as measured at the present step, before its delay
+
+  JointReading joints_;
+  BaseReading base_;
+  DelayLine<JointReading> late_joints_;
+  DelayLine<BaseReading> late_base_;
+  DelayLine<std::vector<ObjectState>> late_objects_;
+  DelayLine<GoalState> late_goal_;
+
+  static const PoseSources kObject, kGoal;
+};
+
+}  // namespace moma

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "world/draws.h"
+#include "world/world.h"
+
+namespace moma {
+
+/// What is disturbed. Values are part of what a seed means: never renumber.
+enum class DisturbanceSource : std::uint64_t {
+  kJointNoise = 1,
+  kJointVelocity = 2,
+  kJointBias = 3,
+  kBasePosition = 4,
+  kBaseRotation = 5,
+  kBaseLinear = 6,
+  kBaseAngular = 7,
+  kBaseBiasPosition = 8,
+  kBaseBiasRotation = 9,
+  kOdometryDistance = 10,
+  kOdometryTurn = 11,
+  kOdometryHeading = 12,
+  kOdometryWalkPosition = 13,
+  kOdometryWalkRotation = 14,
+  kObjectPosition = 15,
+  kObjectRotation = 16,
+  kObjectLinear = 17,
+  kObjectAngular = 18,
+  kObjectBiasPosition = 19,
+  kObjectBiasRotation = 20,
+  kGoalPosition = 21,
+  kGoalRotation = 22,
+  kGoalLinear = 23,
+  kGoalAngular = 24,
+  kGoalBiasPosition = 25,
+  kGoalBiasRotation = 26,
+  kJointGain = 27,
+  kBaseLinearGain = 28,
+  kBaseAngularGain = 29
+};
+
+/// The draws of a trial's disturbances: a pure function of (the world's seed and index, `seed`, source, control step,
+/// object). What is on or off, how many objects there are, and who asks first change none of the others.
+class DisturbanceStreams {
+ public:
+  DisturbanceStreams(const World& world, std::uint64_t seed)
+      : world_seed_(world.seed), world_index_(world.index), seed_(seed) {}
+
+  Draws sensing(DisturbanceSource source, long step, std::size_t object = 0) const {
+    return draws(Stream::kSensing, source, step, object);
+  }
+  Draws acting(DisturbanceSource source) const { return draws(Stream::kDisturbance, source, 0, 0); }
+
+ private:
+  Draws draws(Stream stream, DisturbanceSource source, long step, std::size_t object) const {
+    const std::uint64_t item =
+        seed_ << 32 | static_cast<std::uint64_t>(object) << 8 | static_cast<std::uint64_t>(source);
+    return {world_seed_, world_index_, stream, static_cast<std::uint64_t>(step), item};
+  }
+
+  std::uint64_t world_seed_, world_index_, seed_;
+};
+
+}  // namespace moma
