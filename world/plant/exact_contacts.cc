@@ -1,12 +1,59 @@
 #include "world/plant/exact_contacts.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace moma {
 namespace {
 
 constexpr double kRange = 0.1;      // gaps beyond it count as this [m]
 constexpr double kRounding = 1e-5;  // of distances between hulls [m]
+
+// The distance library calls some overlaps of up to 1e-5 m a gap of less than this [m].
+constexpr double kUnsure = 2e-5;
+
+/// Nearest point of a solid, in closed form; hulls are not asked for.
+Vector3 nearest_in(const Shape& shape, const Isometry& X_WS, const Vector3& p_W) {
+  Vector3 p = X_WS.linear().transpose() * (p_W - X_WS.translation());
+  const double r = shape.size.x();
+  const double half = 0.5 * shape.size.y();
+  switch (shape.kind) {
+    case ShapeKind::kSphere:
+      if (p.norm() > r) p *= r / p.norm();
+      break;
+    case ShapeKind::kBox:
+      p = p.cwiseMax(-0.5 * shape.size).cwiseMin(0.5 * shape.size);
+      break;
+    case ShapeKind::kCylinder: {
+      const double across = std::hypot(p.x(), p.y());
+      if (across > r) p.head<2>() *= r / across;
+      p.z() = std::clamp(p.z(), -half, half);
+      break;
+    }
+    case ShapeKind::kCapsule: {
+      const Vector3 axis(0.0, 0.0, std::clamp(p.z(), -half, half));
+      const double away = (p - axis).norm();
+      if (away > r) p = axis + (p - axis) * (r / away);
+      break;
+    }
+    case ShapeKind::kConvex:
+      break;
+  }
+  return X_WS.linear() * p + X_WS.translation();
+}
+
+/// Whether alternating projections from p_W find a point of both solids: never where they are apart.
+bool share_a_point(const Shape& A, const Isometry& X_WA, const Shape& B, const Isometry& X_WB, Vector3 p_W) {
+  constexpr int kIterations = 500;
+  constexpr double kSame = 1e-12;  // [m]
+  if (A.kind == ShapeKind::kConvex || B.kind == ShapeKind::kConvex) return false;
+  for (int i = 0; i < kIterations; ++i) {
+    const Vector3 a = nearest_in(A, X_WA, p_W);
+    p_W = nearest_in(B, X_WB, a);
+    if ((a - p_W).norm() < kSame) return true;
+  }
+  return false;
+}
 
 bool hard(const Shape& shape) { return !decided_by_ode(shape.kind); }
 
@@ -43,9 +90,23 @@ ExactContacts::ExactContacts(std::shared_ptr<const RobotModel> model, const Worl
   }
   for (const WorldObject& object : world.objects) {
     hard_object_.push_back(hard(object.shape));
+    objects_.push_back(object.shape);
     object_radii_.push_back(bounding_radius(object.shape));
   }
   ranges_ = {kRange, -1.0, kRange};
+}
+
+bool ExactContacts::overlaps(const ProximityPair& pair, const Kinematics& kinematics,
+                             const std::vector<ObjectState>& states) const {
+  const double d = pair.distance.d;
+  if (d <= 0.0 || d >= kUnsure) return d <= 0.0;
+  const CollisionShape& first = model_->shapes[static_cast<std::size_t>(pair.first)];
+  const auto second = static_cast<std::size_t>(pair.second);
+  const bool self = pair.kind == PairKind::kSelf;
+  const Shape& other = self ? model_->shapes[second].shape : objects_[second];
+  const Isometry X_WO = self ? kinematics.X_WS(model_->shapes[second]) : states[second].X_WO;
+  const Vector3 middle = 0.5 * (pair.distance.p_first_W + pair.distance.p_second_W);
+  return share_a_point(first.shape, kinematics.X_WS(first), other, X_WO, middle);
 }
 
 double ExactContacts::motion_since(const Kinematics& kinematics, const std::vector<ObjectState>& states) const {
@@ -78,7 +139,8 @@ void ExactContacts::detect(const Kinematics& kinematics, const std::vector<Objec
     const auto second = static_cast<std::size_t>(pair.second);
     if (pair.kind == PairKind::kObject && !hard_shape_[first] && !hard_object_[second]) continue;
     gap = std::min(gap, pair.distance.d);
-    if (pair.distance.d <= 0.0) found.push_back({pair.kind, pair.first, pair.second, -pair.distance.d, time, false});
+    if (overlaps(pair, kinematics, states))
+      found.push_back({pair.kind, pair.first, pair.second, std::max(0.0, -pair.distance.d), time, false});
   }
   for (std::size_t i = 0; i < model_->shapes.size(); ++i) {
     if (!hard_shape_[i] || !meets_floor_[i]) continue;

@@ -30,6 +30,10 @@ class ExactContacts {
 
   std::shared_ptr<const RobotModel> model_;  // self pairs: the hard ones only
   Proximity proximity_;
+  /// Whether a pair touches: by the sign of its distance, and where that is next to nothing by a point that both
+  /// contain.
+  bool overlaps(const ProximityPair& pair, const Kinematics& kinematics, const std::vector<ObjectState>& states) const;
+  std::vector<Shape> objects_;
   std::vector<bool> hard_shape_, hard_object_, meets_floor_;
   ProximityRanges ranges_;
 
