@@ -12,10 +12,10 @@
 namespace moma {
 namespace {
 
-constexpr std::size_t kMost = 32;    // obstacles
-constexpr double kEdge = 0.01;       // corners are this far outside their octagon [m]
-constexpr double kCrossed = 1e-9;    // share of a line inside an octagon that counts as crossing it
-constexpr int kAttempts = 3;         // margins
+constexpr std::size_t kMost = 32;  // obstacles
+constexpr double kEdge = 0.01;     // corners are this far outside their octagon [m]
+constexpr double kCrossed = 1e-9;  // share of a line inside an octagon that counts as crossing it
+constexpr int kAttempts = 3;       // margins
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kDiagonal = 0.5 * std::numbers::sqrt2;
 constexpr int kDirections = 8;

@@ -89,8 +89,7 @@ TEST(WayAround, LeavesAPillarOnTheNearerSide) {
   const auto half = [&](const Vector2& p) { return std::acos(R / (p - Vector2(1.5, 0.1)).norm()); };
   const Vector2 a = Vector2(0, 0) - Vector2(1.5, 0.1), b = Vector2(3, 0) - Vector2(1.5, 0.1);
   const double opening = std::acos(a.dot(b) / (a.norm() * b.norm()));
-  const double shortest =
-      tangent({0, 0}) + tangent({3, 0}) + R * (opening - half({0, 0}) - half({3, 0}));
+  const double shortest = tangent({0, 0}) + tangent({3, 0}) + R * (opening - half({0, 0}) - half({3, 0}));
   EXPECT_GE(length_of(line), shortest);
   EXPECT_LE(length_of(line), 1.05 * shortest);
 }
@@ -224,7 +223,8 @@ TEST(WayAround, AsShortAsOnAGridAndFoundWhereThatFindsOne) {
       for (double t = 0.0; t <= 1.0; t += 0.02) {
         const Vector2 p = line[i - 1] + t * (line[i] - line[i - 1]);
         for (std::size_t j = 0; j < least.size(); ++j)
-          EXPECT_GT((p - least[j].first).norm(), least[j].second + 0.06 - 1e-9) << "scene " << scene << ", pillar " << j;
+          EXPECT_GT((p - least[j].first).norm(), least[j].second + 0.06 - 1e-9)
+              << "scene " << scene << ", pillar " << j;
       }
     }
   }
