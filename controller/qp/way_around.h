@@ -30,7 +30,7 @@ struct Way {
 /// `ready`; of the others the 32 nearest count.
 ///
 /// Nothing is remembered; equal inputs give equal bits. One per controller; only allocate() takes memory.
-/// Cost: 0.1 ms for 15 objects, a few ms at most, each time it is asked.
+/// Cost, each time it is asked: 0.07 ms in the median among 15 boxes, 0.3 ms among 30, one in twenty 0.8 ms.
 class WayAround {
  public:
   WayAround(const RobotModel& model, const AroundParams& params);
