@@ -91,7 +91,8 @@ int check(const SuiteOptions& options, bool calibrate) {
     print_warnings(tuning.warnings);
     std::cout << tune::plan_text(tuning) << '\n';
   }
-  std::cout << (suite.warnings.empty() ? "no warnings\n" : fmt::format("{} warnings\n", suite.warnings.size()));
+  const std::size_t warnings = suite.warnings.size();
+  std::cout << (warnings == 0 ? "no warnings\n" : fmt::format("{} warning{}\n", warnings, warnings == 1 ? "" : "s"));
   return kOk;
 }
 
