@@ -34,7 +34,7 @@ WayAround::WayAround(const RobotModel& model, const AroundParams& params) : para
   Kinematics kinematics(std::make_shared<const RobotModel>(model));
   kinematics.update(Vector3::Zero(), model.ready);
   for (const CollisionShape& shape : model.shapes) {
-    const Isometry X_WS = kinematics.X_WL(shape.link) * shape.X_LS;
+    const Isometry X_WS = kinematics.X_WS(shape);
     top_ = std::max(top_, reach_along(shape.shape, X_WS, Vector3::UnitZ()));
     if (!shape.rigid_with_base) continue;
     for (int k = 0; k < kRays; ++k) {

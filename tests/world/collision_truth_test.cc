@@ -5,29 +5,24 @@
 #include <numbers>
 
 #include "tests/support/overlap_oracle.h"
+#include "tests/world/solids.h"
 #include "world/draws.h"
 #include "world/plant/contacts.h"
 
 namespace moma {
 namespace {
 
+using test::one_object;
+using test::one_solid;
 using test::overlap;
 using test::Overlap;
+using test::random_shape;
 
 constexpr int kPlacements = 10000;
 constexpr double kDeepest = 1e-6;  // a miss may be no deeper [m]
 // Gaps below this may be closed by rounding (the distance library's: 9e-9 seen), or by the turns of 1e-9 rad that
 // every box gets [m].
 constexpr double kRounding = 1e-8;
-
-Shape random_shape(ShapeKind kind, Draws& draws) {
-  Shape shape;
-  shape.kind = kind;
-  for (int i = 0; i < 3; ++i) shape.size[i] = draws.uniform(0.05, 0.4);
-  if (kind == ShapeKind::kSphere) shape.size.tail<2>().setZero();
-  if (kind == ShapeKind::kCapsule || kind == ShapeKind::kCylinder) shape.size[2] = 0.0;
-  return shape;
-}
 
 Matrix3 random_rotation(Draws& draws) {
   const Eigen::Quaterniond q(draws.normal(0, 1), draws.normal(0, 1), draws.normal(0, 1), draws.normal(0, 1));
@@ -76,26 +71,6 @@ double small_distance(Draws& draws) {
   return -std::pow(10.0, draws.uniform(-6.0, -2.0));
 }
 
-/// A "robot" that is one solid, fixed to the world, above the floor or not.
-std::shared_ptr<const RobotModel> one_solid(const Shape& shape, const Isometry& X) {
-  auto model = std::make_shared<RobotModel>();
-  model->name = "solid";
-  Link base, root;
-  base.name = "@base";
-  root.name = "root";
-  root.parent = 0;
-  model->links = {base, root};
-  model->tip = 1;
-  model->ready.resize(0);
-  CollisionShape solid;
-  solid.name = "solid";
-  solid.shape = shape;
-  solid.X_LS = X;
-  solid.rigid_with_base = false;
-  model->shapes = {solid};
-  return model;
-}
-
 struct Collector final : TouchSink {
   void touch(const Touch& t) override {
     object |= t.kind == PairKind::kObject;
@@ -106,14 +81,7 @@ struct Collector final : TouchSink {
 
 /// What the plants see: ODE's contacts, and the distance library's where it decides.
 Collector contacts_of(const Shape& A, const Isometry& X_A, const Shape* B, const Isometry& X_B) {
-  World world;
-  if (B != nullptr) {
-    WorldObject object;
-    object.name = "object";
-    object.shape = *B;
-    object.X_WO = X_B;
-    world.objects = {object};
-  }
+  const World world = B != nullptr ? one_object(*B, X_B) : World();
   const auto model = one_solid(A, X_A);
   ContactScene scene(model, world, false);
   Kinematics kinematics(model);

@@ -5,32 +5,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/world/solids.h"
 #include "tests/world/support.h"
 #include "world/draws.h"
 
 namespace moma {
 namespace {
 
-/// A "robot" that is one solid, fixed to the world.
-std::shared_ptr<const RobotModel> one_solid(const Shape& shape, const Isometry& X) {
-  auto model = std::make_shared<RobotModel>();
-  model->name = "solid";
-  Link base;
-  base.name = "@base";
-  Link root;
-  root.name = "root";
-  root.parent = 0;
-  model->links = {base, root};
-  model->tip = 1;
-  model->ready.resize(0);
-  CollisionShape solid;
-  solid.name = "solid";
-  solid.shape = shape;
-  solid.X_LS = X;
-  solid.rigid_with_base = false;  // so that the floor is checked, too
-  model->shapes = {solid};
-  return model;
-}
+using test::one_object;
+using test::one_solid;
+using test::random_shape;
 
 struct Collector final : TouchSink {
   void touch(const Touch& t) override {
@@ -42,15 +26,6 @@ struct Collector final : TouchSink {
   int object = 0, floor = 0;
   double depth = 0.0;
 };
-
-Shape random_shape(ShapeKind kind, Draws& draws) {
-  Shape shape;
-  shape.kind = kind;
-  for (int i = 0; i < 3; ++i) shape.size[i] = draws.uniform(0.05, 0.4);
-  if (kind == ShapeKind::kSphere) shape.size.tail<2>().setZero();
-  if (kind == ShapeKind::kCapsule) shape.size[2] = 0.0;
-  return shape;
-}
 
 Isometry random_pose(Draws& draws, double spread, bool aligned) {
   Isometry X = Isometry::Identity();
@@ -81,12 +56,7 @@ TEST_P(TruthTable, AgreesWithTheDistanceLibrary) {
     const Isometry X_b = random_pose(draws, 0.3, aligned);
     const Distance truth = shape_distance(a, X_a, b, X_b);
     if (std::abs(truth.d) < 1e-5) continue;
-    World world;
-    WorldObject object;
-    object.name = "object";
-    object.shape = b;
-    object.X_WO = X_b;
-    world.objects = {object};
+    const World world = one_object(b, X_b);
     const auto model = one_solid(a, X_a);
     ContactScene scene(model, world, false);
     Kinematics kinematics(model);
@@ -129,12 +99,7 @@ TEST(Contacts, CylindersAreDecidedByTheDistanceLibrary) {
     const Isometry X_b = random_pose(draws, 0.3, false);
     const double d = shape_distance(a, X_a, b, X_b).d;
     if (std::abs(d) < 1e-4) continue;
-    World world;
-    WorldObject object;
-    object.name = "object";
-    object.shape = b;
-    object.X_WO = X_b;
-    world.objects = {object};
+    const World world = one_object(b, X_b);
     const auto model = one_solid(a, X_a);
     const auto plant = make_plant(model, world, {SimulationMode::kKinematic});
     PlantReport report;

@@ -27,12 +27,12 @@ class ExactContacts {
 
  private:
   ExactContacts(std::shared_ptr<const RobotModel> model, const World& world, const std::vector<bool>& meets_floor);
-
-  std::shared_ptr<const RobotModel> model_;  // self pairs: the hard ones only
-  Proximity proximity_;
   /// Whether a pair touches: by the sign of its distance, and where that is next to nothing by a point that both
   /// contain.
   bool overlaps(const ProximityPair& pair, const Kinematics& kinematics, const std::vector<ObjectState>& states) const;
+
+  std::shared_ptr<const RobotModel> model_;  // self pairs: the hard ones only
+  Proximity proximity_;
   std::vector<Shape> objects_;
   std::vector<bool> hard_shape_, hard_object_, meets_floor_;
   ProximityRanges ranges_;
