@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "world/plant/conditions.h"
 #include "world/world.h"
 
 namespace moma {
@@ -65,8 +66,8 @@ class Plant {
 
 /// Kinematic: exact integration, contacts at least every 5 ms of motion time by ODE's collision detection.
 /// Dynamic: rigid bodies, motors, wheels on the floor in ODE. Throws std::runtime_error (naming link and key)
-/// where the robot lacks what dynamics needs (inertia, effort, wheels).
+/// where the robot lacks what dynamics needs (inertia, effort, wheels). `conditions` say nothing to the kinematic one.
 std::unique_ptr<Plant> make_plant(std::shared_ptr<const RobotModel> model, const World& world,
-                                  const SimulationConfig& simulation);
+                                  const SimulationConfig& simulation, const PlantConditions& conditions = {});
 
 }  // namespace moma
