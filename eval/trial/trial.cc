@@ -41,8 +41,7 @@ TrialOutput run_trial(const Point& point, const World& world, const TrialParts& 
     output.row.time_end_s = static_cast<double>(recording.trace.size()) * point.simulation.control_period;
   };
   try {
-    const std::unique_ptr<Plant> plant =
-        parts.plant ? parts.plant(point, world) : usual_plant(point, world);
+    const std::unique_ptr<Plant> plant = parts.plant ? parts.plant(point, world) : usual_plant(point, world);
     const std::unique_ptr<StepController> controller =
         parts.controller ? parts.controller(point) : usual_controller(point);
     output.row = run_clock(point, world, *plant, *controller, recording);

@@ -188,8 +188,7 @@ TEST(PlantConditions, TheFloorPassesOnItsFrictionAndNoMore) {
       PlantConditions conditions;
       conditions.floor_friction = friction;
       PlantReport total;
-      const double speed =
-          play(model, empty_world(*model), conditions, command, 0.2, &total)->state().qdot[0];
+      const double speed = play(model, empty_world(*model), conditions, command, 0.2, &total)->state().qdot[0];
       slip = total.slip_max;
       return speed;
     };

@@ -127,10 +127,10 @@ TEST(DisturbancesFile, EachKeyAloneSurvivesWritingAndIsAllThatIsWritten) {
 }
 
 TEST(DisturbancesFile, NothingOnIsNothing) {
-  for (const char* yaml : {"none", "{}", "joints: {}", "joints: {noise: 0, delay: 0}", "seed: 9",
-                           "objects: {frame: base, sensor: [1, 2, 3], known_at_start: true, range: .inf}",
-                           "goal: {frame: base, resting_is_known: true}", "payload: {position: [0, 0, 1]}",
-                           "floor: {friction: 1}"}) {
+  for (const char* yaml :
+       {"none", "{}", "joints: {}", "joints: {noise: 0, delay: 0}", "seed: 9",
+        "objects: {frame: base, sensor: [1, 2, 3], known_at_start: true, range: .inf}",
+        "goal: {frame: base, resting_is_known: true}", "payload: {position: [0, 0, 1]}", "floor: {friction: 1}"}) {
     const Disturbances d = read(yaml);
     EXPECT_FALSE(any(d)) << yaml;
     EXPECT_TRUE(to_json(d).is_object() && to_json(d).empty()) << yaml;

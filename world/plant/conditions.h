@@ -6,7 +6,7 @@ namespace moma {
 
 /// A ball of the density of water, held at the end effector.
 struct Payload {
-  double mass = 0.0;                  ///< [kg]; 0: nothing is held
+  double mass = 0.0;                 ///< [kg]; 0: nothing is held
   Vector3 p_EP_E = Vector3::Zero();  ///< its centre in the end effector's frame [m]
 };
 

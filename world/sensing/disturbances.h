@@ -118,9 +118,7 @@ bool senses_with_errors(const Disturbances& disturbances);
 bool acts_with_errors(const Disturbances& disturbances);
 /// Whether the physics are others than the robot file's. The payload's position alone switches nothing on.
 bool moves_with_errors(const Disturbances& disturbances);
-inline bool any(const Disturbances& d) {
-  return senses_with_errors(d) || acts_with_errors(d) || moves_with_errors(d);
-}
+inline bool any(const Disturbances& d) { return senses_with_errors(d) || acts_with_errors(d) || moves_with_errors(d); }
 
 /// Least number of control periods that last at least `delay` [s]; a billionth of a period of rounding is forgiven.
 long delay_steps(double delay, double control_period);
