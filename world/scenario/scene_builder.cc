@@ -151,8 +151,8 @@ bool SceneBuilder::clear_for(const WorldObject& object, double top_speed, double
     const double least = nearest(object_.query(witness_, one_, only_objects(range)), at_start);
     if (least <= clearance) return false;
     if (top_speed <= 0.0) return true;
-    // Nothing can come within `clearance` sooner; the floor on the step costs at most that much of the margin.
-    t += std::max((least - clearance) / top_speed, 1e-3);
+    // Nothing can come within `clearance` sooner, but for the least step.
+    t += std::max((least - clearance) / top_speed, kTimeStep);
   }
   return true;
 }

@@ -17,6 +17,8 @@ namespace moma {
 /// stood in the way. Owns the workspace; one per world made.
 class SceneBuilder {
  public:
+  static constexpr double kTimeStep = 1e-3;  ///< [s]
+
   SceneBuilder(std::shared_ptr<const RobotModel> model, std::uint64_t seed, std::uint64_t index, double clearance);
 
   const RobotModel& model() const { return *model_; }
@@ -49,7 +51,8 @@ class SceneBuilder {
   /// The object is taken where its motion has it at time t.
   double distance_to_robot(const WorldObject& object, double t, double range);
   /// True where the object is farther than `clearance` from start and witness at every t in [0, horizon], by
-  /// conservative advancement with the object's own top speed (a bound on the speed of its points).
+  /// conservative advancement with the object's own top speed (a bound on the speed of its points). Times are at least
+  /// kTimeStep apart: after one of them the object may come nearer by top_speed * kTimeStep.
   bool clear_for(const WorldObject& object, double top_speed, double horizon, double clearance);
 
   /// Fills in world.difficulty.
