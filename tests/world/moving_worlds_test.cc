@@ -187,12 +187,12 @@ TEST(MovingWorlds, WithoutThemEverythingIsAsItWas) {
   EXPECT_LT((line->V_W.tail<3>() - Vector3(-0.23526263451232157, -0.23518660334989677, 0.0)).norm(), 1e-9);
   // The parameters are part of a trial's key: none is new.
   const std::set<std::string> old{
-      "start_heading",   "distance",        "direction",      "heading",        "limit_margin",
-      "tip_height",      "floor_clearance", "self_clearance", "objects",        "crossing",
-      "speed",           "robot_speed",     "along",          "angle",          "offset",
-      "horizon",         "shapes",          "standing",       "sphere_radius",  "box_edge",
-      "capsule_radius",  "capsule_length",  "standing_height", "height"};
-  const auto parameters = worlds("families: {moving: {walk: 0, walk_speed: 1, orbit_radius: 3}}").identity(0)["parameters"];
+      "start_heading",   "distance",       "direction",      "heading",        "limit_margin",    "tip_height",
+      "floor_clearance", "self_clearance", "objects",        "crossing",       "speed",           "robot_speed",
+      "along",           "angle",          "offset",         "horizon",        "shapes",          "standing",
+      "sphere_radius",   "box_edge",       "capsule_radius", "capsule_length", "standing_height", "height"};
+  const auto parameters =
+      worlds("families: {moving: {walk: 0, walk_speed: 1, orbit_radius: 3}}").identity(0)["parameters"];
   std::set<std::string> now;
   for (const auto& [key, value] : parameters.items()) now.insert(key);
   EXPECT_EQ(now, old);
@@ -228,7 +228,8 @@ TEST(MovingWorlds, RefusesWhatCannotBe) {
 }
 
 TEST(MovingWorlds, WhereNoOneFitsTheErrorSaysSo) {
-  for (const char* keys : {"walk: 1, walk_radius: 8", "orbit: 1, orbit_goal: 1, orbit_radius: 0.3, shapes: [box], standing_height: 5"}) {
+  for (const char* keys :
+       {"walk: 1, walk_radius: 8", "orbit: 1, orbit_goal: 1, orbit_radius: 0.3, shapes: [box], standing_height: 5"}) {
     try {
       worlds("tries: 3\nfamilies: {moving: {objects: 1, " + std::string(keys) + "}}").make(robot("frankie"), 0);
       ADD_FAILURE() << keys << ": a world was found";

@@ -71,8 +71,7 @@ class WorldProof {
   void check_object(const WorldObject& object, double clearance, double horizon, double step) {
     // What goes straight is looked at every kTimeStep as it is made, and may come nearer by a step in between.
     const auto* straight = std::get_if<LinearMotion>(&object.motion);
-    const double between =
-        straight != nullptr ? straight->V_W.tail<3>().norm() * SceneBuilder::kTimeStep : 0.0;
+    const double between = straight != nullptr ? straight->V_W.tail<3>().norm() * SceneBuilder::kTimeStep : 0.0;
     const double size = reach(object.shape);
     for (int k = 0; k * step <= horizon; ++k) {
       const double t = k * step;

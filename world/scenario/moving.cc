@@ -87,6 +87,7 @@ class MovingFamily final : public Family {
           placed = circle(builder, world, way, around_goal, item, object);
         else
           placed = straight(builder, way, item, object);
+        if (!placed) builder.drawn_again("a path not clear of start and goal");
       }
       if (!placed) return builder.reject("objects: no path clear of start and goal (worlds.clearance)");
       world.objects.push_back(std::move(object));

@@ -32,6 +32,10 @@ class SceneBuilder {
   void begin(std::uint64_t attempt, World& world);
   /// Counts a failed check; returns false for `return reject(...)`.
   bool reject(const std::string& constraint);
+  /// Counts a single object of a try that is drawn once more.
+  void drawn_again(const std::string& why) { ++redraws_[why]; }
+  const std::map<std::string, std::uint64_t>& rejections() const { return rejections_; }
+  const std::map<std::string, std::uint64_t>& redraws() const { return redraws_; }
   /// The constraint that failed most often, and how often; ties by name.
   std::string worst_constraint() const;
 
@@ -66,11 +70,12 @@ class SceneBuilder {
   std::uint64_t seed_, index_, attempt_ = 0;
   double clearance_;
   Kinematics start_, witness_;
-  Proximity self_, object_;
+  Proximity proximity_;  ///< one for self pairs and objects: geometry of meshes takes long to build
   std::vector<ObjectState> one_;
   Vector3 start_tip_ = Vector3::Zero();
   bool start_checked_ = false;
-  std::map<std::string, int> rejections_;
+  std::map<std::string, std::uint64_t> rejections_;
+  std::map<std::string, std::uint64_t> redraws_;
 };
 
 }  // namespace moma

@@ -57,8 +57,8 @@ void Walk::write(nlohmann::ordered_json& out) const {
   out["walker"] = people ? "person" : "solid";
 }
 
-bool Walk::sample(SceneBuilder& builder, const WalkArea& area, const ObjectMix& mix, double horizon,
-                  std::uint64_t item, WorldObject& object) const {
+bool Walk::sample(SceneBuilder& builder, const WalkArea& area, const ObjectMix& mix, double horizon, std::uint64_t item,
+                  WorldObject& object) const {
   Draws draws = builder.draws(Stream::kMotion, item);
   const double pace = sample_within(kPace, speed, draws);
   const double r = sample_within(kSize, radius, draws);
