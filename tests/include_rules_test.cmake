@@ -30,7 +30,7 @@ set(rules
   ".*|nlopt\\.|(tests/)?eval/tune[/_].*|NLopt belongs to eval/tune"
   ".*|mpi\\.h|(tests/)?eval/batch[/_].*|MPI belongs to eval/batch"
   ".*|(urdf|urdf_parser|urdf_model)/|controller/.*|URDFs are read by the controller's library"
-  ".*|coal/|(tests/)?controller/.*|distances come from controller/model"
+  ".*|coal/|((tests/)?controller/.*|tests/support/coal_.*)|distances come from controller/model"
   ".*|(api|auxiliary|avi|bnb|constants|daqp|daqp_prox|eq_elim|factorization|hierarchical|presolve|types|utils)\\.h|controller/qp/[a-z_]*daqp[a-z_]*\\.(h|cc)|DAQP is known to its adapter only"
   ".*|qpOASES|controller/qp/[a-z_]*qpoases[a-z_]*\\.(h|cc)|qpOASES is known to its adapter only"
   ".*|eiquadprog/|controller/qp/[a-z_]*eiquadprog[a-z_]*\\.(h|cc)|eiquadprog is known to its adapter only"
@@ -120,7 +120,7 @@ set(samples
   "reports/a.cc=controller/step.h" "reports/b.cc=world/world.h" "controller/d.cc=tests/support/x.h"
   "eval/a.cc=tests/support/x.h" "eval/trial/b.cc=ode/ode.h" "world/c.cc=yaml-cpp/yaml.h" "eval/suite/a.cc=CLI/CLI.hpp"
   "eval/batch/a.cc=SQLiteCpp/SQLiteCpp.h" "eval/cli/a.cc=sqlite3.h" "eval/batch/b.cc=nlopt.hpp" "eval/cli/b.cc=mpi.h"
-  "world/d.cc=urdf_parser/urdf_parser.h" "world/e.cc=coal/distance.h" "controller/qp/solver.cc=api.h"
+  "world/d.cc=urdf_parser/urdf_parser.h" "world/e.cc=coal/distance.h" "tests/world/a.cc=coal/distance.h" "controller/qp/solver.cc=api.h"
   "plugin/a.h=eval/trial/row.h" "controller/e.cc=plugin/moma_plugin.h" "eval/trial/c.cc=plugin/moma_plugin.h"
   "eval/suite/b.cc=dlfcn.h" "controller/qp/c.cc=qpOASES.hpp" "tests/controller/a.cc=eiquadprog/eiquadprog-fast.hpp"
 )
@@ -128,7 +128,7 @@ set(allowed "eval/plugin/a.cc=dlfcn.h" "eval/plugin/b.cc=plugin/moma_plugin.h" "
             "examples/a.cc=plugin/plugin.h" "tests/eval/plugins/a.cc=plugin/plugin.h"
             "controller/qp/solver_daqp.cc=api.h" "world/plant/ode_plant.cc=ode/ode.h" "eval/cli/c.cc=reports/render/page.h"
             "controller/case/solve.cc=nlohmann/json.hpp" "controller/qp/d.cc=controller/types.h"
-            "world/f.cc=controller/model/kinematics.h")
+            "world/f.cc=controller/model/kinematics.h" "tests/support/coal_distance.cc=coal/distance.h")
 set(broken 0)
 set(seen "")
 foreach(sample IN LISTS samples allowed)

@@ -15,6 +15,7 @@
 #include "eval/cli/progress.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
+#include "eval/cli/world_survey.h"
 #include "eval/tune/tuned_file.h"
 #include "eval/tune/tuning.h"
 
@@ -31,22 +32,21 @@ std::string family_counts(const Suite& suite) {
   return text;
 }
 
-/// How long a run would take, from trials of about a second: points in turn, worlds spread over the suite's.
-std::string expected_time(const Suite& suite) {
-  constexpr double kEnough = 1.0;  // [s]
-  constexpr std::size_t kMost = 64;
+/// How long a run would take, from trials of about `enough` seconds: points in turn, worlds spread over the suite's.
+std::string expected_time(const Suite& suite, double enough, WorldSurvey& survey) {
+  const std::size_t most = static_cast<std::size_t>(64.0 * std::max(1.0, enough));
   const auto start = std::chrono::steady_clock::now();
   const std::size_t all = static_cast<std::size_t>(suite.trials) * suite.points.size();
   double seconds = 0.0;
   std::size_t n = 0;
-  while (n < std::min(all, kMost) && seconds < kEnough) {
+  while (n < std::min(all, most) && seconds < enough) {
     // The golden ratio spreads the first few worlds evenly, so that families come up as often as in the whole.
     const auto world = static_cast<std::uint64_t>(std::fmod(static_cast<double>(n) * 0.6180339887498949, 1.0) *
                                                   static_cast<double>(suite.trials));
     BatchJob job;
     job.point = n % suite.points.size();
     job.world = world;
-    (void)compute_job(suite.points[job.point], job, n, {});
+    survey.add_trial(suite.points[job.point], compute_job(suite.points[job.point], job, n, {}));
     ++n;
     seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
@@ -57,7 +57,15 @@ std::string expected_time(const Suite& suite) {
                      n);
 }
 
-int check(const SuiteOptions& options, bool calibrate) {
+struct CheckOptions {
+  SuiteOptions suite;
+  bool no_time = false;
+  double seconds = 1.0;
+  std::uint64_t worlds = 100;
+};
+
+int check(const CheckOptions& check_options) {
+  const SuiteOptions& options = check_options.suite;
   const Suite suite = options.load();
   std::set<std::string> controllers;
   std::set<std::string> labels;
@@ -84,14 +92,21 @@ int check(const SuiteOptions& options, bool calibrate) {
   }
   // The first world shows whether this robot has a place in these worlds at all.
   (void)first.worlds.make(first.robot->model, 0);
-  if (calibrate) std::cout << expected_time(suite) << '\n';
+  WorldSurvey survey;
+  survey.make_worlds(suite.points, check_options.worlds, suite.trials);
+  std::string time;
+  if (!check_options.no_time) time = expected_time(suite, check_options.seconds, survey) + '\n';
+  std::cout << '\n';
+  survey.print(std::cout, !check_options.no_time);
+  std::cout << time;
   print_warnings(suite.warnings);
+  print_warnings(survey.failures());
   if (config::load_yaml(options.file).find("tune") != nullptr) {
     const tune::Tuning tuning = tune::load_tuning(options.file, options.overrides());
     print_warnings(tuning.warnings);
     std::cout << tune::plan_text(tuning) << '\n';
   }
-  const std::size_t warnings = suite.warnings.size();
+  const std::size_t warnings = suite.warnings.size() + survey.failures().size();
   std::cout << (warnings == 0 ? "no warnings\n" : fmt::format("{} warning{}\n", warnings, warnings == 1 ? "" : "s"));
   return kOk;
 }
@@ -99,13 +114,18 @@ int check(const SuiteOptions& options, bool calibrate) {
 }  // namespace
 
 void add_check(CLI::App& app, Action& action) {
-  auto options = std::make_shared<SuiteOptions>();
+  auto options = std::make_shared<CheckOptions>();
   CLI::App* command = app.add_subcommand("check", "Validate a suite without running it");
-  options->add_to(*command);
-  auto quick = std::make_shared<bool>(false);
-  command->add_flag("--no-time", *quick, "Does not run a second's worth of trials to say how long all will take");
+  options->suite.add_to(*command);
+  command->add_flag("--no-time", options->no_time, "Runs no trials to say how long all will take");
+  command->add_option("--seconds", options->seconds, "For so long trials are run, to say how long all will take")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  command->add_option("--worlds", options->worlds, "Worlds that are made, to say why and how often tries are rejected")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
   command->footer("Example: moma check configs/suites/demo.yaml");
-  command->callback([&action, options, quick] { action = [options, quick] { return check(*options, !*quick); }; });
+  command->callback([&action, options] { action = [options] { return check(*options); }; });
 }
 
 }  // namespace moma::cli

@@ -13,6 +13,53 @@ using nlohmann::json;
 
 class CliBatch : public CliTest {};
 
+TEST_F(CliBatch, EverythingAtOnceIsTheSameOnAnyThreads) {
+  // Every family, what moves in every way, three robots, both plants, disturbances: the 300 trials of mixed.yaml cut
+  // down to one world of each family (two of the last) and the first 0.6 s of each trial, with all samples.
+  const std::string suite = MOMA_SOURCE_DIR "/configs/suites/mixed.yaml";
+  const std::vector<std::string> cut = {
+      "run", suite, "-q", "--trials", "9", "--set", "simulation.time_limit=0.6", "--set", "samples=all"};
+  const auto with = [&cut](std::vector<std::string> more) {
+    more.insert(more.begin(), cut.begin(), cut.end());
+    return more;
+  };
+  good(with({"-o", "one.db", "--threads", "1"}));
+  good(with({"-o", "four.db", "--threads", "4"}));
+  EXPECT_NE(hash("one.db"), "");
+  EXPECT_EQ(hash("four.db"), hash("one.db"));
+  const json rows = json::parse(
+      good(
+          {"query", "one.db",
+           "SELECT count(*) AS n, count(DISTINCT family) AS families, count(DISTINCT robot) AS robots, "
+           "count(DISTINCT mode) AS modes, count(DISTINCT controller) AS controllers, sum(outcome = 'error') AS errors "
+           "FROM v_trials",
+           "-f", "json"})
+          .out)[0];
+  EXPECT_EQ(rows["n"], 9 * 18);
+  EXPECT_EQ(rows["families"], 8);
+  EXPECT_EQ(rows["robots"], 3);
+  EXPECT_EQ(rows["modes"], 2);
+  EXPECT_EQ(rows["controllers"], 3);
+  EXPECT_EQ(rows["errors"], 0);
+}
+
+TEST_F(CliBatch, CheckCountsWhyWorldsAreRejected) {
+  const std::string text =
+      good({"check", "suite.yaml", "--no-time", "--set", "worlds.families.open.tip_height=0.7"}).out;
+  EXPECT_NE(text.find("tries each"), std::string::npos) << text;
+  EXPECT_NE(text.find("goal: too low (tip_height)"), std::string::npos) << text;
+  EXPECT_EQ(text.find("us each"), std::string::npos) << text;
+  EXPECT_EQ(good({"check", "suite.yaml", "--no-time", "--set", "worlds.families.open.tip_height=0.7"}).out, text)
+      << "the same every time";
+  const std::string timed = good({"check", "suite.yaml", "--worlds", "3", "--seconds", "0.1"}).out;
+  EXPECT_NE(timed.find("% of a trial"), std::string::npos) << timed;
+  bad({"check", "suite.yaml", "--worlds", "0"}, {"--worlds"});
+  // A family that has no world here: the others are still looked at, and it is a warning.
+  const ProcessResult half = good({"check", "suite.yaml", "--no-time", "--set",
+                                   "worlds.families={open: {}, moving: {tip_height: 9}}", "--set", "worlds.tries=5"});
+  EXPECT_NE(half.err.find("worlds.families.moving"), std::string::npos) << half.err;
+}
+
 TEST_F(CliBatch, ShardsMergedInAnyOrderAreOneRun) {
   good({"run", "suite.yaml", "-o", "whole.db", "-q", "--threads", "1", "--trials", "11"});
   const std::string whole = hash("whole.db");

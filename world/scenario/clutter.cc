@@ -57,6 +57,7 @@ class ClutterFamily final : public Family {
         const Vector3 p = from + along * length * forward + lateral_.sample(draws) * left;
         mix_.sample(draws, p.x(), p.y(), object);
         placed = builder.distance_to_robot(object, 0.0, builder.clearance() + 1e-3) > builder.clearance();
+        if (!placed) builder.drawn_again("an object not clear of start and goal");
       }
       if (!placed) return builder.reject("objects: no place clear of start and goal (worlds.clearance)");
       world.objects.push_back(std::move(object));

@@ -35,11 +35,8 @@ SceneBuilder::SceneBuilder(std::shared_ptr<const RobotModel> model, std::uint64_
       clearance_(clearance),
       start_(model_),
       witness_(model_),
-      self_(with_all_self_rows(*model_)),
-      object_(model_),
-      one_(1) {
-  self_.set_objects({});
-}
+      proximity_(with_all_self_rows(*model_)),
+      one_(1) {}
 
 void SceneBuilder::begin(std::uint64_t attempt, World& world) {
   attempt_ = attempt;
@@ -68,7 +65,8 @@ bool SceneBuilder::check_pose(const Kinematics& kinematics, double floor_clearan
     if (lowest_point(shape.shape, kinematics.X_WS(shape)) < floor_clearance)
       return reject(std::string(who) + ": an arm shape too near the floor");
   }
-  if (!self_.query(kinematics, {}, {-1.0, -1.0, self_clearance}).empty())
+  proximity_.set_objects({});
+  if (!proximity_.query(kinematics, {}, {-1.0, -1.0, self_clearance}).empty())
     return reject(std::string(who) + ": self-collision");
   return true;
 }
@@ -132,14 +130,14 @@ Vector3 SceneBuilder::approach() const {
 
 void SceneBuilder::choose_object(const WorldObject& object) {
   const ObjectShape shape{object.name, object.shape};
-  object_.set_objects({&shape, 1});
+  proximity_.set_objects({&shape, 1});
 }
 
 double SceneBuilder::distance_to_robot(const WorldObject& object, double t, double range) {
   choose_object(object);
   one_[0].X_WO = evaluate(object.motion, object.X_WO, t).X;
-  const double at_start = nearest(object_.query(start_, one_, only_objects(range)), range);
-  return nearest(object_.query(witness_, one_, only_objects(range)), at_start);
+  const double at_start = nearest(proximity_.query(start_, one_, only_objects(range)), range);
+  return nearest(proximity_.query(witness_, one_, only_objects(range)), at_start);
 }
 
 bool SceneBuilder::clear_for(const WorldObject& object, double top_speed, double horizon, double clearance) {
@@ -147,12 +145,12 @@ bool SceneBuilder::clear_for(const WorldObject& object, double top_speed, double
   const double range = clearance + 0.5;
   for (double t = 0.0; t <= horizon;) {
     one_[0].X_WO = evaluate(object.motion, object.X_WO, t).X;
-    const double at_start = nearest(object_.query(start_, one_, only_objects(range)), range);
-    const double least = nearest(object_.query(witness_, one_, only_objects(range)), at_start);
+    const double at_start = nearest(proximity_.query(start_, one_, only_objects(range)), range);
+    const double least = nearest(proximity_.query(witness_, one_, only_objects(range)), at_start);
     if (least <= clearance) return false;
     if (top_speed <= 0.0) return true;
-    // Nothing can come within `clearance` sooner; the floor on the step costs at most that much of the margin.
-    t += std::max((least - clearance) / top_speed, 1e-3);
+    // Nothing can come within `clearance` sooner, but for the least step.
+    t += std::max((least - clearance) / top_speed, kTimeStep);
   }
   return true;
 }
@@ -172,8 +170,8 @@ void SceneBuilder::measure(World& world) {
 
   std::vector<ObjectState> states(world.objects.size());
   object_states(world, 0.0, states);
-  object_.set_objects(object_shapes(world));
-  out.witness_clearance_m = nearest(object_.query(witness_, states, only_objects(1e3)), 1e3);
+  proximity_.set_objects(object_shapes(world));
+  out.witness_clearance_m = nearest(proximity_.query(witness_, states, only_objects(1e3)), 1e3);
 
   int blocked = 0;
   for (int k = 0; k <= kPoints; ++k) {

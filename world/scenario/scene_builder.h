@@ -17,6 +17,8 @@ namespace moma {
 /// stood in the way. Owns the workspace; one per world made.
 class SceneBuilder {
  public:
+  static constexpr double kTimeStep = 1e-3;  ///< [s]
+
   SceneBuilder(std::shared_ptr<const RobotModel> model, std::uint64_t seed, std::uint64_t index, double clearance);
 
   const RobotModel& model() const { return *model_; }
@@ -30,6 +32,10 @@ class SceneBuilder {
   void begin(std::uint64_t attempt, World& world);
   /// Counts a failed check; returns false for `return reject(...)`.
   bool reject(const std::string& constraint);
+  /// Counts a single object of a try that is drawn once more.
+  void drawn_again(const std::string& why) { ++redraws_[why]; }
+  const std::map<std::string, std::uint64_t>& rejections() const { return rejections_; }
+  const std::map<std::string, std::uint64_t>& redraws() const { return redraws_; }
   /// The constraint that failed most often, and how often; ties by name.
   std::string worst_constraint() const;
 
@@ -49,7 +55,8 @@ class SceneBuilder {
   /// The object is taken where its motion has it at time t.
   double distance_to_robot(const WorldObject& object, double t, double range);
   /// True where the object is farther than `clearance` from start and witness at every t in [0, horizon], by
-  /// conservative advancement with the object's own top speed (a bound on the speed of its points).
+  /// conservative advancement with the object's own top speed (a bound on the speed of its points). Times are at least
+  /// kTimeStep apart: after one of them the object may come nearer by top_speed * kTimeStep.
   bool clear_for(const WorldObject& object, double top_speed, double horizon, double clearance);
 
   /// Fills in world.difficulty.
@@ -63,11 +70,12 @@ class SceneBuilder {
   std::uint64_t seed_, index_, attempt_ = 0;
   double clearance_;
   Kinematics start_, witness_;
-  Proximity self_, object_;
+  Proximity proximity_;  ///< one for self pairs and objects: geometry of meshes takes long to build
   std::vector<ObjectState> one_;
   Vector3 start_tip_ = Vector3::Zero();
   bool start_checked_ = false;
-  std::map<std::string, int> rejections_;
+  std::map<std::string, std::uint64_t> rejections_;
+  std::map<std::string, std::uint64_t> redraws_;
 };
 
 }  // namespace moma

@@ -95,6 +95,7 @@ class TableFamily final : public Family {
         const double lift = top - lowest_point(item.shape, item.X_WO);
         set_pose(item, item.X_WO.translation() + Vector3(0.0, 0.0, lift), item.file_rotation);
         placed = builder.distance_to_robot(item, 0.0, builder.clearance() + 1e-3) > builder.clearance();
+        if (!placed) builder.drawn_again("an item not clear of start and goal");
       }
       if (!placed) return builder.reject("table: no place for an item clear of the goal (worlds.clearance)");
       world.objects.push_back(item);

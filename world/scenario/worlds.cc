@@ -106,6 +106,13 @@ Frozen read_frozen(const config::Node& node, const std::string& key) {
   return worlds;
 }
 
+void add(MakingLog& log, const SceneBuilder& builder, bool found, std::uint64_t tries) {
+  log.worlds += found ? 1 : 0;
+  log.tries += tries;
+  for (const auto& [why, count] : builder.rejections()) log.rejections[why] += count;
+  for (const auto& [why, count] : builder.redraws()) log.redraws[why] += count;
+}
+
 }  // namespace
 
 struct Worlds::Data {
@@ -148,7 +155,7 @@ Json Worlds::to_json() const {
   return out;
 }
 
-World Worlds::make(const std::shared_ptr<const RobotModel>& model, std::uint64_t index) const {
+World Worlds::make(const std::shared_ptr<const RobotModel>& model, std::uint64_t index, MakingLog* log) const {
   if (const auto* frozen = std::get_if<Frozen>(&data_->source)) {
     if (index >= frozen->size())
       throw GenerationError(
@@ -157,16 +164,22 @@ World Worlds::make(const std::shared_ptr<const RobotModel>& model, std::uint64_t
     if (world.start.q.size() != model->num_joints())
       throw GenerationError(fmt::format("worlds.frozen: world {} has {} joint values, robot {} has {} joints", index,
                                         world.start.q.size(), model->name, model->num_joints()));
+    if (log != nullptr) ++log->worlds;
     return world;
   }
   const auto& mixture = std::get<Mixture>(data_->source);
   const Member& member = mixture.at(index);
   SceneBuilder builder(model, mixture.seed, index, data_->clearance);
   World world;
-  for (int attempt = 0; attempt < mixture.tries; ++attempt) {
-    builder.begin(static_cast<std::uint64_t>(attempt), world);
+  bool found = false;
+  int tries = 0;
+  while (!found && tries < mixture.tries) {
+    builder.begin(static_cast<std::uint64_t>(tries++), world);
     world.family = member.name;
-    if (!member.family->build(builder, world)) continue;
+    found = member.family->build(builder, world);
+  }
+  if (log != nullptr) add(*log, builder, found, static_cast<std::uint64_t>(tries));
+  if (found) {
     builder.measure(world);
     return world;
   }

@@ -12,6 +12,14 @@
 
 namespace moma {
 
+/// What it took to make worlds, added up.
+struct MakingLog {
+  std::uint64_t worlds = 0;                         ///< that were made
+  std::uint64_t tries = 0;                          ///< each makes a world or is rejected for one reason
+  std::map<std::string, std::uint64_t> rejections;  ///< tries, by the constraint that failed
+  std::map<std::string, std::uint64_t> redraws;     ///< single objects that were drawn again within a try, by reason
+};
+
 /// The `worlds` section of a suite, resolved.
 class Worlds {
  public:
@@ -21,8 +29,8 @@ class Worlds {
 
   /// World `index`: a pure function of (this section, robot, seed, index). Families share out the indices by
   /// weight: every prefix 0..n-1 holds each family within one of its share, in full cycles exactly.
-  /// Throws GenerationError where no valid world is found in the allowed tries.
-  World make(const std::shared_ptr<const RobotModel>& model, std::uint64_t index) const;
+  /// Throws GenerationError where no valid world is found in the allowed tries. Adds to `log`, also then.
+  World make(const std::shared_ptr<const RobotModel>& model, std::uint64_t index, MakingLog* log = nullptr) const;
 
   std::string family_of(std::uint64_t index) const;
   /// What decides world `index` besides the robot: seed, index, its family's own parameters (or the frozen world

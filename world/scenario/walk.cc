@@ -1,0 +1,108 @@
+#include "world/scenario/walk.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace moma {
+namespace {
+
+constexpr int kLegTries = 20;
+constexpr double kLeastLeg = 0.5;    // nearer way-points are drawn again [m]
+constexpr double kLeastStay = 1e-3;  // shorter stops are none [s]
+constexpr config::Range kPace{0.05, 10.0};
+constexpr config::Range kSize{0.01, 10.0};
+
+/// The defaults' tails too.
+double sample_within(const config::Range& range, const Distribution& value, Draws& draws) {
+  return std::clamp(value.sample(draws), range.low, range.high);
+}
+
+Vector3 way_point(Draws& draws, const WalkArea& area, double margin) {
+  const Vector3 left(-area.forward.y(), area.forward.x(), 0.0);
+  const double along = draws.uniform(-margin, area.length + margin);
+  return area.from + along * area.forward + draws.uniform(-margin, margin) * left;
+}
+
+/// Time that the leg takes where it is clear of start and witness all the way, else a negative number.
+double clear_leg(SceneBuilder& builder, WorldObject object, const Vector3& from, const Vector3& to, double speed) {
+  const double time = (to - from).norm() / speed;
+  set_pose(object, from, object.file_rotation);
+  LinearMotion straight;
+  straight.V_W.tail<3>() = (to - from) / time;
+  object.motion = straight;
+  const double between = speed * SceneBuilder::kTimeStep;
+  return builder.clear_for(object, speed, time, builder.clearance() + between) ? time : -1.0;
+}
+
+}  // namespace
+
+void Walk::read(config::MapReader& in) {
+  moma::read(in, "walk_speed", speed, kPace);
+  moma::read(in, "walk_radius", radius, kSize);
+  moma::read(in, "walk_height", height, kSize);
+  in.read("walk_pause", pause, {0.0, 1.0});
+  moma::read(in, "walk_pause_time", pause_time, config::Range::non_negative());
+  in.read("walk_margin", margin, {kLeastLeg, 1000.0});
+  in.read_enum("walker", people, {{"person", true}, {"solid", false}});
+}
+
+void Walk::write(nlohmann::ordered_json& out) const {
+  out["walk_speed"] = speed.to_json();
+  out["walk_radius"] = radius.to_json();
+  out["walk_height"] = height.to_json();
+  out["walk_pause"] = pause;
+  out["walk_pause_time"] = pause_time.to_json();
+  out["walk_margin"] = margin;
+  out["walker"] = people ? "person" : "solid";
+}
+
+bool Walk::sample(SceneBuilder& builder, const WalkArea& area, const ObjectMix& mix, double horizon, std::uint64_t item,
+                  WorldObject& object) const {
+  Draws draws = builder.draws(Stream::kMotion, item);
+  const double pace = sample_within(kPace, speed, draws);
+  const double r = sample_within(kSize, radius, draws);
+  const double total = sample_within(kSize, height, draws);
+  const Vector3 first = way_point(draws, area, margin);
+  if (people) {
+    object.shape.kind = ShapeKind::kCapsule;
+    object.shape.size = {r, std::max(total - 2.0 * r, 1e-3), 0.0};
+    set_pose(object, {first.x(), first.y(), r + 0.5 * object.shape.size.y()}, Eigen::Quaterniond::Identity());
+  } else {
+    Draws solid = builder.draws(Stream::kObjects, item);
+    mix.sample(solid, first.x(), first.y(), object);
+  }
+
+  PathMotion path;
+  path.times = {0.0};
+  path.positions = {object.X_WO.translation()};
+  Vector3 before = path.positions.front();  // the way-point it came from
+  while (path.times.back() < horizon) {
+    const Vector3 at = path.positions.back();
+    Vector3 to = before;
+    double time = -1.0;
+    for (int k = 0; k < kLegTries && time < 0.0; ++k) {
+      to = way_point(draws, area, margin);
+      to.z() = at.z();
+      if ((to - at).norm() >= kLeastLeg) time = clear_leg(builder, object, at, to, pace);
+    }
+    if (time < 0.0) {  // hemmed in: back the way it came
+      if (path.times.size() == 1) return false;
+      to = before;
+      time = (to - at).norm() / pace;
+    }
+    const bool stops = draws.uniform() < pause;
+    const double stays = pause_time.sample(draws);
+    path.times.push_back(path.times.back() + time);
+    path.positions.push_back(to);
+    if (stops && stays >= kLeastStay) {
+      path.times.push_back(path.times.back() + stays);
+      path.positions.push_back(to);
+    }
+    before = at;
+  }
+  object.motion = std::move(path);
+  return true;
+}
+
+}  // namespace moma
