@@ -78,18 +78,31 @@ Eigen::AlignedBox3d box_of(const Points& points) {
 
 }  // namespace
 
-MeshSolid mesh_solid(const std::filesystem::path& file, const Vector3& scale) {
-  coal::BVHModelPtr_t mesh;
+Mesh read_mesh(const std::filesystem::path& file, const Vector3& scale) {
+  coal::BVHModelPtr_t loaded;
   try {
-    mesh = coal::MeshLoader(coal::BV_AABB).load(file.string(), scale);
+    loaded = coal::MeshLoader(coal::BV_AABB).load(file.string(), scale);
   } catch (const std::exception& e) {
     throw std::runtime_error("the mesh " + file.string() + " cannot be read: " + e.what());
   }
-  if (!mesh || !mesh->vertices || mesh->num_vertices == 0)
+  if (!loaded || !loaded->vertices || loaded->num_vertices == 0)
     throw std::runtime_error("the mesh " + file.string() + " has no vertices");
-  Points cloud(mesh->vertices->begin(), mesh->vertices->begin() + mesh->num_vertices);
-  for (const Vector3& p : cloud)
+  Mesh mesh;
+  mesh.vertices.assign(loaded->vertices->begin(), loaded->vertices->begin() + loaded->num_vertices);
+  for (const Vector3& p : mesh.vertices)
     if (!p.allFinite()) throw std::runtime_error("the mesh " + file.string() + " has vertices that are not finite");
+  for (unsigned i = 0; loaded->tri_indices && i < loaded->num_tris; ++i) {
+    const coal::Triangle& t = (*loaded->tri_indices)[i];
+    mesh.triangles.emplace_back(static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2]));
+  }
+  return mesh;
+}
+
+ConvexHull convex_hull(const std::vector<Vector3>& points) { return *hull_of(Points(points.begin(), points.end())); }
+
+MeshSolid mesh_solid(const std::filesystem::path& file, const Vector3& scale) {
+  const Mesh mesh = read_mesh(file, scale);
+  Points cloud(mesh.vertices.begin(), mesh.vertices.end());
 
   MeshSolid solid;
   const Eigen::AlignedBox3d box = box_of(cloud);
