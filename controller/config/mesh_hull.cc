@@ -15,7 +15,41 @@ namespace {
 
 using Points = std::vector<coal::Vec3s>;
 
+// Furthest of `cloud` by `distance`, and that distance.
+template <typename Distance>
+double furthest(const Points& cloud, const Distance& distance, Vector3& point) {
+  double most = -1.0;
+  for (const Vector3& p : cloud) {
+    const double d = distance(p);
+    if (d <= most) continue;
+    most = d;
+    point = p;
+  }
+  return most;
+}
+
+// Thickness over length below 1e-7. Qhull must not see such points: coal's build of it crashes when it has something to
+// complain about, since it is given a number in place of a file to write to.
+bool in_one_plane(const Points& cloud) {
+  constexpr double kThin = 1e-7;
+  const Vector3 a = cloud.front();
+  Vector3 b = a;
+  Vector3 c = a;
+  Vector3 d = a;
+  const double length = furthest(
+      cloud, [&](const Vector3& p) { return (p - a).norm(); }, b);
+  if (!(length > 0.0)) return true;
+  const Vector3 along = (b - a) / length;
+  const double width = furthest(
+      cloud, [&](const Vector3& p) { return (p - a).cross(along).norm(); }, c);
+  if (!(width > kThin * length)) return true;
+  const Vector3 normal = along.cross(c - a).normalized();
+  return !(furthest(
+               cloud, [&](const Vector3& p) { return std::abs(normal.dot(p - a)); }, d) > kThin * length);
+}
+
 std::shared_ptr<ConvexHull> hull_of(const Points& cloud) {
+  if (cloud.size() < 4 || in_one_plane(cloud)) throw std::runtime_error("the points lie in one plane");
   auto points = std::make_shared<Points>(cloud);
   const std::unique_ptr<coal::ConvexBase> base(
       coal::ConvexBase::convexHull(points, static_cast<unsigned>(points->size()), true, "Qt"));
@@ -119,7 +153,7 @@ MeshSolid mesh_solid(const std::filesystem::path& file, const Vector3& scale) {
       solid.shape = {ShapeKind::kConvex, Vector3::Zero(), hull};
       return solid;
     } catch (const std::exception&) {
-      // Qhull refuses points in one plane: the box below stands for them.
+      // In one plane: the box below stands for them.
     }
   }
   solid.flat = true;

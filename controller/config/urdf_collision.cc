@@ -19,8 +19,7 @@ std::vector<UrdfCollision> load_urdf_collision(const std::filesystem::path& robo
       element.X_LS = geometry.X_LS;
       if (!geometry.mesh.empty()) {
         try {
-          element.surface =
-              read_mesh(build.packages.resolve(geometry.mesh, build.urdf_directory), geometry.scale);
+          element.surface = read_mesh(build.packages.resolve(geometry.mesh, build.urdf_directory), geometry.scale);
         } catch (const std::exception& e) {
           robot.fail_at("urdf", "link " + link.name + ": " + e.what());
         }

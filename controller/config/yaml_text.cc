@@ -58,8 +58,9 @@ std::string yaml_scalar(const std::string& text) {
   };
   std::string lower = text;
   std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
-  const bool word = !text.empty() && std::all_of(text.begin(), text.end(), plain) &&
-                    (std::isalpha(static_cast<unsigned char>(text[0])) != 0 || text[0] == '_' || text.starts_with("../"));
+  const bool word =
+      !text.empty() && std::all_of(text.begin(), text.end(), plain) &&
+      (std::isalpha(static_cast<unsigned char>(text[0])) != 0 || text[0] == '_' || text.starts_with("../"));
   const bool other = lower == "null" || lower == "true" || lower == "false" || lower == "yes" || lower == "no" ||
                      lower == "on" || lower == "off" || lower == "y" || lower == "n";
   return word && !other ? text : quoted(text);

@@ -38,8 +38,8 @@ std::string kinds_text(const std::vector<fit::Placed>& shapes) {
 Cell millimetres(double metres) { return std::round(1e4 * metres) / 10.0; }
 
 store::QueryResult error_table(const fit::RobotFit& fit) {
-  store::QueryResult table{
-      {"link", "URDF", "shapes", "volume / hull", "overshoot mean mm", "max mm", "uncovered mm"}, {}};
+  store::QueryResult table{{"link", "URDF", "shapes", "volume / hull", "overshoot mean mm", "max mm", "uncovered mm"},
+                           {}};
   for (const fit::LinkFit& link : fit.links) {
     if (link.fitted.empty()) {
       table.rows.push_back({link.link, link.had, std::string("kept"), {}, {}, {}, {}});
@@ -70,7 +70,8 @@ std::string self_text(const fit::RobotFit& fit) {
     if (std::find(fit.before.touching.begin(), fit.before.touching.end(), pair) == fit.before.touching.end())
       added.push_back(pair);
   return fmt::format(
-      "shapes {}, were {}; self-collision pairs {}, were {}; links in touch at `ready` {}, were {}; new among them: {}\n",
+      "shapes {}, were {}; self-collision pairs {}, were {}; links in touch at `ready` {}, were {}; new among them: "
+      "{}\n",
       fit.after.shapes, fit.before.shapes, fit.after.pairs, fit.before.pairs, fit.after.touching.size(),
       fit.before.touching.size(), touching_text(added));
 }
@@ -109,8 +110,8 @@ void check_output(const RobotFitOptions& options) {
   if (fs::equivalent(options.output, options.robot, error))
     throw UsageError(fmt::format("{}: is the robot file itself; name another file", options.output.string()));
   if (!options.force)
-    throw UsageError(fmt::format("{}: is there already; name another file, or replace it with --force",
-                                 options.output.string()));
+    throw UsageError(
+        fmt::format("{}: is there already; name another file, or replace it with --force", options.output.string()));
 }
 
 // The file appears whole or not at all.

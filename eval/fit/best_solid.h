@@ -11,9 +11,9 @@ struct Kinds {
   bool box = true;
 };
 
-/// What a kind's volume counts for when kinds are compared: a simpler or rounder shape wins where it is hardly larger. A
-/// box has flat sides, whose nearest point jumps when something turns before them, and its distances to other boxes are
-/// found by iteration.
+/// What a kind's volume counts for when kinds are compared: a simpler or rounder shape wins where it is hardly larger.
+/// A box has flat sides, whose nearest point jumps when something turns before them, and its distances to other boxes
+/// are found by iteration.
 inline constexpr double kCapsuleWeight = 1.02;
 inline constexpr double kBoxWeight = 1.15;
 

@@ -83,7 +83,7 @@ Points hull_points(const Points& points) {
   try {
     return config::convex_hull(distinct).vertices;
   } catch (const std::exception&) {
-    return distinct;  // Qhull refuses points in one plane
+    return distinct;  // in one plane
   }
 }
 

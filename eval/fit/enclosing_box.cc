@@ -31,7 +31,9 @@ Eigen::AlignedBox3d extents(const Points& points, const Matrix3& axes) {
 
 // Hull of points in the plane, counter-clockwise (Andrew's monotone chain).
 std::vector<Vector2> flat_hull(std::vector<Vector2> points) {
-  const auto before = [](const Vector2& a, const Vector2& b) { return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()); };
+  const auto before = [](const Vector2& a, const Vector2& b) {
+    return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
+  };
   std::sort(points.begin(), points.end(), before);
   points.erase(std::unique(points.begin(), points.end()), points.end());
   if (points.size() < 3) return points;

@@ -10,11 +10,11 @@
 namespace moma::fit {
 namespace {
 
-constexpr int kFewPoints = 256;                                         // while directions are compared
+constexpr int kFewPoints = 256;  // while directions are compared
 constexpr int kDirections = 64;
-constexpr std::size_t kRefined = 5;                                     // of them go into the local search
+constexpr std::size_t kRefined = 5;  // of them go into the local search
 constexpr int kEvaluations = 400;
-constexpr double kMostRadius = 0.7;                                     // log of the largest factor
+constexpr double kMostRadius = 0.7;  // log of the largest factor
 
 struct Capsule {
   Vector3 middle = Vector3::Zero();
@@ -87,8 +87,7 @@ Capsule along(const Points& points, const Vector3& axis, const std::vector<doubl
 
 double smallest_radius(const Points& points, const Capsule& capsule) {
   double squared = 0.0;
-  for (const Vector3& p : points)
-    squared = std::max(squared, (p - capsule.middle).cross(capsule.axis).squaredNorm());
+  for (const Vector3& p : points) squared = std::max(squared, (p - capsule.middle).cross(capsule.axis).squaredNorm());
   return std::sqrt(squared);
 }
 

@@ -80,7 +80,8 @@ std::string described(const std::vector<const UrdfCollision*>& elements) {
   return text;
 }
 
-LinkFit fit_link(const std::string& link, const std::vector<const UrdfCollision*>& elements, const FitOptions& options) {
+LinkFit fit_link(const std::string& link, const std::vector<const UrdfCollision*>& elements,
+                 const FitOptions& options) {
   LinkFit fit;
   fit.link = link;
   fit.had = described(elements);
@@ -126,8 +127,7 @@ std::string self_text(const Node& self, const std::set<std::string>& fitted) {
   for (Node& pair : copy.items) {
     for (Node& name : pair.items) {
       const std::size_t slash = name.scalar.rfind('/');
-      if (slash != std::string::npos && fitted.count(name.scalar.substr(0, slash)) != 0)
-        name.scalar.resize(slash);
+      if (slash != std::string::npos && fitted.count(name.scalar.substr(0, slash)) != 0) name.scalar.resize(slash);
     }
   }
   return config::to_flow_yaml(copy);

@@ -25,24 +25,24 @@ struct LinkFit {
 /// What a robot's shapes make of its self-collision.
 struct SelfContact {
   std::size_t shapes = 0;
-  std::size_t pairs = 0;                                    ///< that are checked
+  std::size_t pairs = 0;                                      ///< that are checked
   std::vector<std::pair<std::string, std::string>> touching;  ///< links in touch at `ready`, adjacent ones left out
 };
 
 struct RobotFit {
-  std::vector<LinkFit> links;           ///< in the order of the URDF
-  std::vector<std::string> own;         ///< links that the file gives shapes: these stay as they are
-  std::string collision;                ///< the keys of the new `collision`, YAML in block style
-  SelfContact before;                   ///< as the file has it
+  std::vector<LinkFit> links;    ///< in the order of the URDF
+  std::vector<std::string> own;  ///< links that the file gives shapes: these stay as they are
+  std::string collision;         ///< the keys of the new `collision`, YAML in block style
+  SelfContact before;            ///< as the file has it
   SelfContact after;
-  std::vector<std::string> notes;       ///< of the robot as it is after
+  std::vector<std::string> notes;  ///< of the robot as it is after
   std::vector<std::string> warnings;
 };
 
-/// Fits the collision geometry that the URDF of a robot file gives to links without shapes in the file. Spheres and boxes
-/// are kept; the meshes and cylinders of a link are fitted together, see fit_surfaces(). A cylinder counts as the prism of
-/// 96 sides around it, which is 0.05 % wider. The result has been read back as a robot file's `collision`. Deterministic.
-/// Throws config::ConfigError: what load_robot() refuses, a mesh that cannot be read, nothing to fit.
+/// Fits the collision geometry that the URDF of a robot file gives to links without shapes in the file. Spheres and
+/// boxes are kept; the meshes and cylinders of a link are fitted together, see fit_surfaces(). A cylinder counts as the
+/// prism of 96 sides around it, which is 0.05 % wider. The result has been read back as a robot file's `collision`.
+/// Deterministic. Throws config::ConfigError: what load_robot() refuses, a mesh that cannot be read, nothing to fit.
 RobotFit fit_robot(const std::filesystem::path& robot_file, const FitOptions& options);
 
 }  // namespace moma::fit

@@ -23,14 +23,13 @@ double squared_to_triangle(const Vector3& p, const Triangle& t) {
   const Vector3 n = (t[1] - t[0]).cross(t[2] - t[0]);
   const double area = n.squaredNorm();
   bool over = area > 0.0;
-  for (std::size_t i = 0; over && i < 3; ++i)
-    over = n.dot((t[(i + 1) % 3] - t[i]).cross(p - t[i])) >= 0.0;
+  for (std::size_t i = 0; over && i < 3; ++i) over = n.dot((t[(i + 1) % 3] - t[i]).cross(p - t[i])) >= 0.0;
   if (over) {
     const double height = n.dot(p - t[0]);
     return height * height / area;
   }
-  return std::min({squared_to_segment(p, t[0], t[1]), squared_to_segment(p, t[1], t[2]),
-                   squared_to_segment(p, t[2], t[0])});
+  return std::min(
+      {squared_to_segment(p, t[0], t[1]), squared_to_segment(p, t[1], t[2]), squared_to_segment(p, t[2], t[0])});
 }
 
 // A convex body by its triangles, or a flat one by the triangles of the surface itself.
@@ -81,8 +80,7 @@ FitError measure(const Triangles& surface, const std::vector<Placed>& shapes) {
   std::vector<Solid> solids;
   for (const Placed& placed : shapes) solids.push_back(placed.solid);
   const Hull hull(surface);
-  if (hull.volume() && *hull.volume() > 0.0)
-    error.volume_ratio = union_volume(solids, kVolumeSamples) / *hull.volume();
+  if (hull.volume() && *hull.volume() > 0.0) error.volume_ratio = union_volume(solids, kVolumeSamples) / *hull.volume();
   const Points samples = union_surface(solids, kSurfaceSamples);
   for (const Vector3& p : samples) {
     const double d = hull.distance(p);

@@ -6,9 +6,9 @@
 
 namespace moma::fit {
 
-/// How well shapes enclose a surface. Overshoot is the distance from points spread evenly over the shapes' outer surface
-/// to the convex hull of the enclosed surface; 0 for points inside the hull. Where the surface is hollow, several shapes
-/// can be smaller than its hull.
+/// How well shapes enclose a surface. Overshoot is the distance from points spread evenly over the shapes' outer
+/// surface to the convex hull of the enclosed surface; 0 for points inside the hull. Where the surface is hollow,
+/// several shapes can be smaller than its hull.
 struct FitError {
   std::optional<double> volume_ratio;  ///< of the union to the hull; empty where the hull is flat
   double mean_overshoot = 0.0;         ///< [m]

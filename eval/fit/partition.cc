@@ -9,13 +9,13 @@
 namespace moma::fit {
 namespace {
 
-constexpr int kSlabs = 12;            // between the places where a part may be cut
-constexpr int kSlabPoints = 96;       // extreme points that stand for a slab in quick fits
-constexpr int kQuickSamples = 1024;   // of a union's volume while cuts are compared
+constexpr int kSlabs = 12;           // between the places where a part may be cut
+constexpr int kSlabPoints = 96;      // extreme points that stand for a slab in quick fits
+constexpr int kQuickSamples = 1024;  // of a union's volume while cuts are compared
 constexpr int kSamples = 8192;
 constexpr std::size_t kThorough = 3;  // cuts that are fitted with all their points
 
-constexpr double kSameAxis = 0.98;    // cosine
+constexpr double kSameAxis = 0.98;  // cosine
 
 // Part of a surface with the best shape around it.
 struct Part {
@@ -111,7 +111,8 @@ void add_cuts(const Parts& parts, std::size_t which, int pieces, const Kinds& ki
   std::vector<Vector3> axes;
   for (int a = 0; a < 3; ++a) axes.emplace_back(parts[which].axes.col(a));
   for (int a = 0; a < 3; ++a)
-    if ((parts[which].axes.transpose() * Vector3::Unit(a)).cwiseAbs().maxCoeff() < kSameAxis) axes.emplace_back(Vector3::Unit(a));
+    if ((parts[which].axes.transpose() * Vector3::Unit(a)).cwiseAbs().maxCoeff() < kSameAxis)
+      axes.emplace_back(Vector3::Unit(a));
   for (const Vector3& axis : axes) {
     Slabs slabs(parts[which], axis, kinds);
     const auto consider = [&](const std::vector<int>& at) {

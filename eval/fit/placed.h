@@ -14,8 +14,8 @@ struct Placed {
   Vector3 rpy = Vector3::Zero();
 };
 
-/// `solid` with position and angles rounded to kGrid and then sizes as small as they can be, in steps of kGrid, so that it
-/// still encloses all `points`: rounding covers, it never uncovers. Sphere, capsule or box.
+/// `solid` with position and angles rounded to kGrid and then sizes as small as they can be, in steps of kGrid, so that
+/// it still encloses all `points`: rounding covers, it never uncovers. Sphere, capsule or box.
 Placed rounded(const Solid& solid, const Points& points);
 
 /// As it is, to the bit but for the angles, which are those of its rotation.

@@ -45,7 +45,8 @@ double reach(const Ball<D>& ball, const std::vector<Point<D>>& points, std::size
   return std::sqrt(most);
 }
 
-// Smallest ball of a few points: the smallest among those through a subset that reach all. `support` becomes the subset.
+// Smallest ball of a few points: the smallest among those through a subset that reach all. `support` becomes the
+// subset.
 template <int D>
 Ball<D> ball_of_few(std::vector<Point<D>>& support) {
   Ball<D> best;
