@@ -9,9 +9,10 @@
 namespace moma::fit {
 namespace {
 
-constexpr int kSlabs = 12;           // between the places where a part may be cut
-constexpr int kSlabPoints = 96;      // extreme points that stand for a slab in quick fits
-constexpr int kQuickSamples = 1024;  // of a union's volume while cuts are compared
+constexpr int kSlabs = 12;                 // between the places where a part may be cut
+constexpr int kSlabPoints = 96;            // extreme points that stand for a slab in quick fits
+constexpr std::size_t kManyPoints = 1000;  // a hull is faster than comparing them all
+constexpr int kQuickSamples = 1024;        // of a union's volume while cuts are compared
 constexpr int kSamples = 8192;
 constexpr std::size_t kThorough = 3;  // cuts that are fitted with all their points
 
@@ -76,7 +77,9 @@ class Slabs {
     for (int i = 0; i < kSlabs; ++i) {
       const double from = i == 0 ? low : places_[static_cast<std::size_t>(i - 1)];
       const double to = i + 1 == kSlabs ? high : places_[static_cast<std::size_t>(i)];
-      points_.push_back(extreme_points(corners(clipped(part.surface, axis, from, to)), kSlabPoints));
+      Points slab = corners(clipped(part.surface, axis, from, to));
+      if (slab.size() > kManyPoints) slab = hull_points(slab);
+      points_.push_back(extreme_points(slab, kSlabPoints));
     }
   }
 

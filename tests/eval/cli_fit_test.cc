@@ -69,7 +69,8 @@ TEST_F(CliFit, ReplacesNothingUnasked) {
   bad({"robot", "robots/wedge.yaml", "--fit-shapes", "-o", "fitted.yaml"}, {"fitted.yaml", "--force"});
   EXPECT_EQ(read("fitted.yaml"), kept);
   const std::string robot = read("robots/wedge.yaml");
-  bad({"robot", "robots/wedge.yaml", "--fit-shapes", "--force", "-o", "robots/wedge.yaml"}, {"is the robot file itself"});
+  bad({"robot", "robots/wedge.yaml", "--fit-shapes", "--force", "-o", "robots/wedge.yaml"},
+      {"is the robot file itself"});
   EXPECT_EQ(read("robots/wedge.yaml"), robot);
   good({"robot", "robots/wedge.yaml", "--fit-shapes", "--force", "-o", "fitted.yaml"});
   EXPECT_NE(read("fitted.yaml"), kept);
@@ -89,7 +90,8 @@ TEST_F(CliFit, SaysWhatIsWrong) {
 
 TEST_F(CliFit, KindsAreChosen) {
   for (const std::string kind : {"sphere", "capsule", "box"}) {
-    const std::string out = good({"robot", "robots/wedge.yaml", "--fit-shapes", "--shapes", kind, "--max-shapes", "1"}).out;
+    const std::string out =
+        good({"robot", "robots/wedge.yaml", "--fit-shapes", "--shapes", kind, "--max-shapes", "1"}).out;
     EXPECT_NE(out.find("link: upper, shape: " + kind), std::string::npos) << out;
   }
 }

@@ -18,7 +18,8 @@ class FitRobots : public ::testing::TestWithParam<std::string> {};
 // The block in a robot file of its own, loaded as any other, against the URDF's meshes on dense samples.
 TEST_P(FitRobots, ShapesEncloseTheUrdfsGeometry) {
   const std::filesystem::path file = test::source_path(GetParam());
-  const fit::RobotFit fit = fit::fit_robot(file, {});
+  const int max_shapes = GetParam().starts_with("configs") ? 3 : 2;  // the others have very many links
+  const fit::RobotFit fit = fit::fit_robot(file, {max_shapes, {}});
   const test::Scratch scratch;
   std::string block;
   for (const char c : fit.collision) block += c == '\n' ? std::string("\n  ") : std::string(1, c);
@@ -61,10 +62,11 @@ TEST_P(FitRobots, ShapesEncloseTheUrdfsGeometry) {
 
   for (const fit::LinkFit& link : fit.links) {
     EXPECT_EQ(link.error.uncovered, 0.0) << link.link;
-    EXPECT_LE(link.fitted.size(), 3U) << link.link;
+    EXPECT_LE(link.fitted.size(), static_cast<std::size_t>(max_shapes)) << link.link;
     EXPECT_EQ(shapes[link.link].size(), link.kept.size() + link.fitted.size()) << link.link;
     if (link.fitted.empty()) continue;
-    EXPECT_LT(link.error.mean_overshoot, 0.03) << link.link;
+    const bool moves = !shapes[link.link].front()->rigid_with_base;
+    EXPECT_LT(link.error.mean_overshoot, moves && max_shapes == 3 ? 0.015 : 0.05) << link.link;
     EXPECT_LT(link.error.volume_ratio.value_or(1.0), 2.0) << link.link;
   }
 }
@@ -139,8 +141,8 @@ TEST_F(FitRobot, NeedsNoCollisionInTheFile) {
 TEST_F(FitRobot, SaysWhatIsMissing) {
   std::string why = refused(robot("", "", ""));
   EXPECT_NE(why.find("small.yaml:1:7: urdf: the URDF has no collision geometry"), std::string::npos) << why;
-  why = refused(robot("", collision("<box size=\"1 1 1\"/>"),
-                      "collision: {shapes: [{link: hand, shape: sphere, size: 0.1}]}\n"));
+  why = refused(
+      robot("", collision("<box size=\"1 1 1\"/>"), "collision: {shapes: [{link: hand, shape: sphere, size: 0.1}]}\n"));
   EXPECT_NE(why.find("nothing to fit"), std::string::npos) << why;
   why = refused(robot(collision("<mesh filename=\"gone.stl\"/>"), "", ""));
   EXPECT_NE(why.find("small.yaml:1:7: urdf: link arm: "), std::string::npos) << why;

@@ -243,7 +243,8 @@ TEST(SmallestBall, IsThatOfAllSubsets) {
   std::normal_distribution<double> normal;
   for (int run = 0; run < 200; ++run) {
     std::vector<Vector3> points;
-    for (int i = 0; i < 9; ++i) points.emplace_back(normal(engine), normal(engine), run % 5 == 0 ? 0.0 : normal(engine));
+    for (int i = 0; i < 9; ++i)
+      points.emplace_back(normal(engine), normal(engine), run % 5 == 0 ? 0.0 : normal(engine));
     double least = std::numeric_limits<double>::infinity();
     const auto consider = [&](const Vector3& centre) {
       double r = 0.0;
