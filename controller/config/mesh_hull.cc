@@ -15,7 +15,41 @@ namespace {
 
 using Points = std::vector<coal::Vec3s>;
 
+// Furthest of `cloud` by `distance`, and that distance.
+template <typename Distance>
+double furthest(const Points& cloud, const Distance& distance, Vector3& point) {
+  double most = -1.0;
+  for (const Vector3& p : cloud) {
+    const double d = distance(p);
+    if (d <= most) continue;
+    most = d;
+    point = p;
+  }
+  return most;
+}
+
+// Thickness over length below 1e-7. Qhull must not see such points: coal's build of it crashes when it has something to
+// complain about, since it is given a number in place of a file to write to.
+bool in_one_plane(const Points& cloud) {
+  constexpr double kThin = 1e-7;
+  const Vector3 a = cloud.front();
+  Vector3 b = a;
+  Vector3 c = a;
+  Vector3 d = a;
+  const double length = furthest(
+      cloud, [&](const Vector3& p) { return (p - a).norm(); }, b);
+  if (!(length > 0.0)) return true;
+  const Vector3 along = (b - a) / length;
+  const double width = furthest(
+      cloud, [&](const Vector3& p) { return (p - a).cross(along).norm(); }, c);
+  if (!(width > kThin * length)) return true;
+  const Vector3 normal = along.cross(c - a).normalized();
+  return !(furthest(
+               cloud, [&](const Vector3& p) { return std::abs(normal.dot(p - a)); }, d) > kThin * length);
+}
+
 std::shared_ptr<ConvexHull> hull_of(const Points& cloud) {
+  if (cloud.size() < 4 || in_one_plane(cloud)) throw std::runtime_error("the points lie in one plane");
   auto points = std::make_shared<Points>(cloud);
   const std::unique_ptr<coal::ConvexBase> base(
       coal::ConvexBase::convexHull(points, static_cast<unsigned>(points->size()), true, "Qt"));
@@ -78,18 +112,31 @@ Eigen::AlignedBox3d box_of(const Points& points) {
 
 }  // namespace
 
-MeshSolid mesh_solid(const std::filesystem::path& file, const Vector3& scale) {
-  coal::BVHModelPtr_t mesh;
+Mesh read_mesh(const std::filesystem::path& file, const Vector3& scale) {
+  coal::BVHModelPtr_t loaded;
   try {
-    mesh = coal::MeshLoader(coal::BV_AABB).load(file.string(), scale);
+    loaded = coal::MeshLoader(coal::BV_AABB).load(file.string(), scale);
   } catch (const std::exception& e) {
     throw std::runtime_error("the mesh " + file.string() + " cannot be read: " + e.what());
   }
-  if (!mesh || !mesh->vertices || mesh->num_vertices == 0)
+  if (!loaded || !loaded->vertices || loaded->num_vertices == 0)
     throw std::runtime_error("the mesh " + file.string() + " has no vertices");
-  Points cloud(mesh->vertices->begin(), mesh->vertices->begin() + mesh->num_vertices);
-  for (const Vector3& p : cloud)
+  Mesh mesh;
+  mesh.vertices.assign(loaded->vertices->begin(), loaded->vertices->begin() + loaded->num_vertices);
+  for (const Vector3& p : mesh.vertices)
     if (!p.allFinite()) throw std::runtime_error("the mesh " + file.string() + " has vertices that are not finite");
+  for (unsigned i = 0; loaded->tri_indices && i < loaded->num_tris; ++i) {
+    const coal::Triangle& t = (*loaded->tri_indices)[i];
+    mesh.triangles.emplace_back(static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2]));
+  }
+  return mesh;
+}
+
+ConvexHull convex_hull(const std::vector<Vector3>& points) { return *hull_of(Points(points.begin(), points.end())); }
+
+MeshSolid mesh_solid(const std::filesystem::path& file, const Vector3& scale) {
+  const Mesh mesh = read_mesh(file, scale);
+  Points cloud(mesh.vertices.begin(), mesh.vertices.end());
 
   MeshSolid solid;
   const Eigen::AlignedBox3d box = box_of(cloud);
@@ -106,7 +153,7 @@ MeshSolid mesh_solid(const std::filesystem::path& file, const Vector3& scale) {
       solid.shape = {ShapeKind::kConvex, Vector3::Zero(), hull};
       return solid;
     } catch (const std::exception&) {
-      // Qhull refuses points in one plane: the box below stands for them.
+      // In one plane: the box below stands for them.
     }
   }
   solid.flat = true;

@@ -23,6 +23,9 @@ struct RobotBuild {
   std::vector<std::string> notes;
 };
 
+/// `packages`, and `urdf` or `urdf_text`: the tree.
+void read_urdf_of(MapReader& robot, RobotBuild& build);
+
 /// `base`: kind, mount, speeds, wheels. The footprint's shape is left to read_collision().
 void read_base(MapReader& robot, RobotBuild& build);
 
@@ -38,6 +41,9 @@ Isometry read_pose(MapReader& in, nlohmann::ordered_json& written);
 
 /// `[1, 2, 3]` as JSON.
 nlohmann::ordered_json to_json_list(const Eigen::Ref<const VectorX>& values);
+
+/// All pairs of shapes that a controlled joint can move against each other, those of adjacent links left out; in order.
+std::vector<SelfPair> movable_pairs(const RobotModel& model);
 
 /// Pairs of shapes whose contact counts, by the rules of `self: auto` (see docs/robots.md): of all pairs that can
 /// move against each other, without adjacent links, pairs in touch at `ready` and pairs within `stop` in a fifth or

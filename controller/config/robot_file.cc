@@ -42,7 +42,27 @@ PackagePaths read_packages(MapReader& robot) {
   return PackagePaths(std::move(named));
 }
 
+LoadedRobot build_robot(const Node& node, const std::string& key) {
+  MapReader robot(node, key);
+  RobotBuild build;
+  build.resolved["name"] = "";
+  read_urdf_of(robot, build);
+  build.model.name = build.tree.name;
+  robot.read("name", build.model.name);
+  robot.check(!build.model.name.empty(), "name", "the URDF gives no name, so give one");
+  build.resolved["name"] = build.model.name;
+  read_base(robot, build);
+  read_arm(robot, build);
+  read_collision(robot, build);
+  robot.finish();
+  return {std::make_shared<const RobotModel>(std::move(build.model)), std::move(build.resolved),
+          std::move(build.warnings), std::move(build.notes)};
+}
+
+}  // namespace
+
 void read_urdf_of(MapReader& robot, RobotBuild& build) {
+  build.packages = read_packages(robot);
   const Node* text_node = robot.get("urdf_text");  // only in resolved robots
   const Node* path_node = robot.get("urdf");
   std::string text;
@@ -69,26 +89,6 @@ void read_urdf_of(MapReader& robot, RobotBuild& build) {
   }
   build.resolved["urdf_text"] = text;
 }
-
-LoadedRobot build_robot(const Node& node, const std::string& key) {
-  MapReader robot(node, key);
-  RobotBuild build;
-  build.resolved["name"] = "";
-  build.packages = read_packages(robot);
-  read_urdf_of(robot, build);
-  build.model.name = build.tree.name;
-  robot.read("name", build.model.name);
-  robot.check(!build.model.name.empty(), "name", "the URDF gives no name, so give one");
-  build.resolved["name"] = build.model.name;
-  read_base(robot, build);
-  read_arm(robot, build);
-  read_collision(robot, build);
-  robot.finish();
-  return {std::make_shared<const RobotModel>(std::move(build.model)), std::move(build.resolved),
-          std::move(build.warnings), std::move(build.notes)};
-}
-
-}  // namespace
 
 LoadedRobot load_robot(const fs::path& file) { return build_robot(load_yaml(file), ""); }
 

@@ -70,9 +70,8 @@ bool can_move_against(const RobotModel& model, int link1, int link2) {
   return rigid_root(model, link1) != rigid_root(model, link2);
 }
 
-std::vector<SelfPair> find_self_pairs(const RobotModel& source, double stop, std::vector<std::string>& notes) {
-  RobotModel model = source;
-  model.self_pairs.clear();
+std::vector<SelfPair> movable_pairs(const RobotModel& model) {
+  std::vector<SelfPair> pairs;
   const int count = static_cast<int>(model.shapes.size());
   for (int i = 0; i < count; ++i) {
     for (int j = i + 1; j < count; ++j) {
@@ -80,9 +79,15 @@ std::vector<SelfPair> find_self_pairs(const RobotModel& source, double stop, std
       const int b = model.shapes[static_cast<std::size_t>(j)].link;
       const bool adjacent =
           model.links[static_cast<std::size_t>(a)].parent == b || model.links[static_cast<std::size_t>(b)].parent == a;
-      if (!adjacent && can_move_against(model, a, b)) model.self_pairs.push_back({i, j, true});
+      if (!adjacent && can_move_against(model, a, b)) pairs.push_back({i, j, true});
     }
   }
+  return pairs;
+}
+
+std::vector<SelfPair> find_self_pairs(const RobotModel& source, double stop, std::vector<std::string>& notes) {
+  RobotModel model = source;
+  model.self_pairs = movable_pairs(source);
 
   std::vector<bool> touching(model.self_pairs.size(), false);
   PairDistances(model).visit(model.ready, 0.0, [&](std::size_t k, double) { touching[k] = true; });

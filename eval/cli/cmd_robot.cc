@@ -6,6 +6,7 @@
 
 #include "controller/config/robot_file.h"
 #include "eval/cli/command.h"
+#include "eval/cli/robot_fit.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 #include "eval/cli/text.h"
@@ -130,15 +131,38 @@ void add_robot(CLI::App& app, Action& action) {
   struct Options {
     std::string file;
     bool json = false;
+    bool fit = false;
+    RobotFitOptions fit_options;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command =
       app.add_subcommand("robot", "Read a robot file: joints, limits, links, collision shapes, warnings");
   command->add_option("ROBOT", options->file, "Robot file (YAML)")->required();
-  command->add_flag("--json", options->json, "As JSON, with the resolved robot");
-  command->footer("Example: moma robot configs/robots/frankie.yaml");
+  CLI::Option* json = command->add_flag("--json", options->json, "As JSON, with the resolved robot");
+  CLI::Option* fit = command->add_flag("--fit-shapes", options->fit,
+                                       "Enclose the URDF's collision meshes and cylinders in simple shapes: prints "
+                                       "`collision` and how well it fits");
+  fit->excludes(json);
+  RobotFitOptions& o = options->fit_options;
+  command->add_option("--max-shapes", o.max_shapes, "Most shapes per link for its meshes and cylinders")
+      ->check(CLI::Range(1, 12))
+      ->capture_default_str()
+      ->needs(fit);
+  command->add_option("--shapes", o.kinds, "Kinds to choose from (sphere,capsule,box)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"sphere", "capsule", "box"}))
+      ->needs(fit);
+  command->add_option("-o,--output", o.output, "Write a robot file that is ROBOT with these shapes")->needs(fit);
+  command->add_flag("--force", o.force, "Replace the output file")->needs(fit);
+  command->footer(
+      "Examples: moma robot configs/robots/frankie.yaml\n"
+      "          moma robot my_robot.yaml --fit-shapes -o my_robot_shapes.yaml");
   command->callback([&action, options] {
     action = [options] {
+      if (options->fit) {
+        options->fit_options.robot = options->file;
+        return fit_shapes(options->fit_options);
+      }
       const config::LoadedRobot robot = config::load_robot(options->file);
       if (options->json) {
         std::cout << to_json(robot).dump(2) << '\n';

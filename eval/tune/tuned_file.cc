@@ -5,39 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/config/yaml_text.h"
+
 namespace moma::tune {
 namespace {
 
 using config::Node;
-
-// Plain scalars stay as they are; what YAML would read otherwise is quoted.
-std::string scalar_text(const Node& node) {
-  if (!node.quoted) return node.scalar.empty() ? "''" : node.scalar;
-  std::string text = "'";
-  for (const char c : node.scalar) text += c == '\'' ? std::string("''") : std::string(1, c);
-  return text + "'";
-}
-
-std::string flow(const Node& node) {
-  switch (node.kind) {
-    case Node::Kind::kNull:
-      return "null";
-    case Node::Kind::kScalar:
-      return scalar_text(node);
-    case Node::Kind::kSequence: {
-      std::string text = "[";
-      for (const Node& item : node.items) text += fmt::format("{}{}", text.size() > 1 ? ", " : "", flow(item));
-      return text + "]";
-    }
-    case Node::Kind::kMap: {
-      std::string text = "{";
-      for (const auto& [key, value] : node.entries)
-        text += fmt::format("{}{}: {}", text.size() > 1 ? ", " : "", key, flow(value));
-      return text + "}";
-    }
-  }
-  return "";
-}
 
 std::string comment(const std::string& text) {
   std::string result;
@@ -64,18 +37,6 @@ const SensitivityStep* steepest(const SearchResult& result, std::size_t variable
 }
 
 }  // namespace
-
-std::string to_yaml(const Node& node, int indent) {
-  if (node.kind != Node::Kind::kMap) return flow(node) + "\n";
-  std::string text;
-  const std::string space(static_cast<std::size_t>(indent), ' ');
-  for (const auto& [key, value] : node.entries) {
-    const bool nested = value.kind == Node::Kind::kMap && !value.entries.empty();
-    text += fmt::format("{}{}:{}", space, key,
-                        nested ? fmt::format("\n{}", to_yaml(value, indent + 2)) : fmt::format(" {}\n", flow(value)));
-  }
-  return text;
-}
 
 std::string gains_table(const Tuning& tuning, const SearchResult& result) {
   std::string text = fmt::format("{:<28} {:>10} {:>10} {:>22} {:>11}  {}\n", "gain", "start", "found", "range",

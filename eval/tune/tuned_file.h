@@ -15,9 +15,6 @@ namespace moma::tune {
 std::string tuned_file(const Tuning& tuning, const SearchResult& result, const HeldOutVerdict* verdict,
                        const std::string& provenance);
 
-/// YAML of a node in block style; the values keep their text.
-std::string to_yaml(const config::Node& node, int indent = 0);
-
 /// What a search is going to do, in a sentence.
 std::string plan_text(const Tuning& tuning);
 

@@ -288,6 +288,9 @@ TEST_F(RobotFileErrors, MeshesBecomeHulls) {
                             facet("vertex 1 0 0\nvertex 0 0 1\nvertex 0 1 0\n");
   scratch_.write("solid.stl", "solid a\n" + solid + "endsolid a\n");
   scratch_.write("flat.stl", "solid a\n" + flat + "endsolid a\n");
+  const std::string leaning =
+      facet("vertex 0 0 0\nvertex 1 0 0.3\nvertex 0 1 0.7\n") + facet("vertex 1 0 0.3\nvertex 1 1 1\nvertex 0 1 0.7\n");
+  scratch_.write("leaning.stl", "solid a\n" + leaning + "endsolid a\n");
   const auto with = [&](const std::string& file) {
     scratch_.write("small.urdf",
                    replaced(urdf(), "<link name=\"root\"/>",
@@ -304,6 +307,7 @@ TEST_F(RobotFileErrors, MeshesBecomeHulls) {
   const config::LoadedRobot box = with("flat.stl");
   EXPECT_EQ(box.model->shapes.back().shape.kind, ShapeKind::kBox);
   EXPECT_GE(box.model->shapes.back().shape.size.z(), 1e-3);
+  EXPECT_EQ(with("leaning.stl").model->shapes.back().shape.kind, ShapeKind::kBox);
 }
 
 // A ball of 30 x 15 points becomes a smaller hull that still has every one of them inside, and is hardly larger.

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "controller/config/mesh_hull.h"
+
+namespace moma::config {
+
+/// One collision element of a URDF as it is: a primitive, or a mesh with every triangle.
+struct UrdfCollision {
+  std::string link;
+  std::string mesh;                      ///< as the URDF names it; empty for a primitive
+  Shape shape;                           ///< where `mesh` is empty
+  Mesh surface;                          ///< where it is not, in the mesh's frame, scaled
+  Isometry X_LS = Isometry::Identity();  ///< of the primitive, or of the mesh's frame
+};
+
+/// The collision geometry of the URDF under a robot file, in the order of the URDF's tree; what the robot file says
+/// under `collision` plays no part. Throws ConfigError: the file, its URDF, or a mesh that cannot be read.
+std::vector<UrdfCollision> load_urdf_collision(const std::filesystem::path& robot_file);
+
+}  // namespace moma::config

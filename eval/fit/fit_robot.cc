@@ -1,0 +1,242 @@
+#include "eval/fit/fit_robot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "controller/config/robot_build.h"
+#include "controller/config/robot_file.h"
+#include "controller/config/urdf_collision.h"
+#include "controller/config/yaml_text.h"
+#include "controller/model/proximity.h"
+
+namespace moma::fit {
+namespace {
+
+namespace fs = std::filesystem;
+using config::Node;
+using config::UrdfCollision;
+
+constexpr int kPrismSides = 96;
+
+// The prism around a cylinder, in the cylinder's frame.
+Triangles prism(const Vector3& size) {
+  const double radius = size.x() / std::cos(std::numbers::pi / kPrismSides);
+  const auto corner = [&](int i, double sign) {  // sides, not edges, look along x and y
+    const double turn = 2.0 * std::numbers::pi * (i % kPrismSides + 0.5) / kPrismSides;
+    return Vector3(radius * std::cos(turn), radius * std::sin(turn), 0.5 * sign * size.y());
+  };
+  Triangles triangles;
+  for (int i = 0; i < kPrismSides; ++i) {
+    triangles.push_back({corner(i, -1), corner(i + 1, -1), corner(i + 1, 1)});
+    triangles.push_back({corner(i, -1), corner(i + 1, 1), corner(i, 1)});
+    if (i < 2) continue;
+    for (const double end : {-1.0, 1.0}) triangles.push_back({corner(0, end), corner(i - 1, end), corner(i, end)});
+  }
+  return triangles;
+}
+
+Triangles surface_of(const UrdfCollision& element) {
+  Triangles triangles;
+  if (element.mesh.empty()) {
+    triangles = prism(element.shape.size);
+  } else {
+    const auto& vertices = element.surface.vertices;
+    for (const Eigen::Vector3i& t : element.surface.triangles) {
+      const auto at = [&](int i) { return vertices[static_cast<std::size_t>(t[i])]; };
+      triangles.push_back({at(0), at(1), at(2)});
+    }
+    if (triangles.empty())  // points only
+      for (const Vector3& v : vertices) triangles.push_back({v, v, v});
+  }
+  for (Triangle& t : triangles)
+    for (Vector3& p : t) p = element.X_LS * p;
+  return triangles;
+}
+
+std::string described(const std::vector<const UrdfCollision*>& elements) {
+  std::map<ShapeKind, int> primitives;
+  std::string name;
+  int meshes = 0;
+  std::size_t triangles = 0;
+  for (const UrdfCollision* element : elements) {
+    if (element->mesh.empty()) {
+      ++primitives[element->shape.kind];
+      continue;
+    }
+    name = ++meshes == 1 ? fs::path(element->mesh).filename().string() : fmt::format("{} meshes", meshes);
+    triangles += element->surface.triangles.size();
+  }
+  std::string text = meshes == 0 ? "" : fmt::format("{} ({} triangles)", name, triangles);
+  for (const auto& [kind, count] : primitives) {
+    const std::string one(to_string(kind));
+    text += text.empty() ? "" : ", ";
+    text += count == 1 ? one : fmt::format("{} {}{}", count, one, kind == ShapeKind::kBox ? "es" : "s");
+  }
+  return text;
+}
+
+LinkFit fit_link(const std::string& link, const std::vector<const UrdfCollision*>& elements,
+                 const FitOptions& options) {
+  LinkFit fit;
+  fit.link = link;
+  fit.had = described(elements);
+  std::vector<Triangles> surfaces;
+  for (const UrdfCollision* element : elements) {
+    const ShapeKind kind = element->shape.kind;
+    if (element->mesh.empty() && kind != ShapeKind::kCylinder) {
+      fit.kept.push_back(as_it_is(element->shape, element->X_LS));
+      continue;
+    }
+    surfaces.push_back(surface_of(*element));
+    fit.surface.insert(fit.surface.end(), surfaces.back().begin(), surfaces.back().end());
+  }
+  if (surfaces.empty()) return fit;
+  fit.fitted = fit_surfaces(surfaces, options);
+  fit.error = measure(fit.surface, fit.fitted);
+  return fit;
+}
+
+std::string numbers(std::initializer_list<double> values) {
+  std::string text;
+  for (const double value : values) text += fmt::format("{}{}", text.empty() ? "" : ", ", value + 0.0);
+  return "[" + text + "]";
+}
+
+std::string shape_line(const std::string& link, const Placed& placed) {
+  const Vector3& s = placed.solid.shape.size;
+  const ShapeKind kind = placed.solid.shape.kind;
+  const std::string size = kind == ShapeKind::kSphere ? numbers({s.x()})
+                           : kind == ShapeKind::kBox  ? numbers({s.x(), s.y(), s.z()})
+                                                      : numbers({s.x(), s.y()});
+  const Vector3& p = placed.position;
+  std::string line = fmt::format("  - {{link: {}, shape: {}, size: {}, position: {}", config::yaml_scalar(link),
+                                 to_string(kind), size, numbers({p.x(), p.y(), p.z()}));
+  if (kind != ShapeKind::kSphere && !placed.rpy.isZero(0.0))
+    line += fmt::format(", rpy: {}", numbers({placed.rpy.x(), placed.rpy.y(), placed.rpy.z()}));
+  return line + "}\n";
+}
+
+// LINK/2 may be another shape, or none, once LINK is fitted: the pair then means the whole link.
+std::string self_text(const Node& self, const std::set<std::string>& fitted) {
+  Node copy = self;
+  for (Node& pair : copy.items) {
+    for (Node& name : pair.items) {
+      const std::size_t slash = name.scalar.rfind('/');
+      if (slash != std::string::npos && fitted.count(name.scalar.substr(0, slash)) != 0) name.scalar.resize(slash);
+    }
+  }
+  return config::to_flow_yaml(copy);
+}
+
+SelfContact self_contact(const RobotModel& model) {
+  SelfContact contact;
+  contact.shapes = model.shapes.size();
+  contact.pairs = model.self_pairs.size();
+  const Kinematics at_ready(std::make_shared<RobotModel>(model));
+  std::set<std::pair<int, int>> links;
+  for (const SelfPair& pair : config::movable_pairs(model)) {
+    const CollisionShape& first = model.shapes[static_cast<std::size_t>(pair.first)];
+    const CollisionShape& second = model.shapes[static_cast<std::size_t>(pair.second)];
+    if (shape_distance(first.shape, at_ready.X_WS(first), second.shape, at_ready.X_WS(second)).d <= 0.0)
+      links.insert(std::minmax(first.link, second.link));
+  }
+  for (const auto& [a, b] : links)
+    contact.touching.emplace_back(model.links[static_cast<std::size_t>(a)].name,
+                                  model.links[static_cast<std::size_t>(b)].name);
+  return contact;
+}
+
+// A robot file, and what of its `collision` stays.
+class Source {
+ public:
+  explicit Source(const fs::path& file) : root_(config::load_yaml(file)) {
+    const Node* collision = root_.find("collision");
+    if (collision == nullptr) return;
+    if (const Node* pairs = collision->find("pairs"))
+      config::fail(pairs->mark, "collision.pairs", "pairs by number lose their meaning when shapes are fitted");
+    if (const Node* shapes = collision->find("shapes"))
+      for (const Node& shape : shapes->items) shapes_.push_back(shape);
+    if (const Node* self = collision->find("self")) self_ = *self;
+    if (const Node* stop = collision->find("self_stop")) stop_ = *stop;
+  }
+
+  std::vector<std::string> own_links() const {
+    std::vector<std::string> names;
+    for (const Node& shape : shapes_)
+      if (const Node* link = shape.find("link")) names.push_back(link->scalar);
+    return names;
+  }
+
+  [[noreturn]] void refuse(const std::string& why) const {
+    const Node* urdf = root_.find("urdf");
+    config::fail(urdf != nullptr ? urdf->mark : root_.mark, "urdf", why);
+  }
+
+  std::string collision(const std::vector<LinkFit>& links) const {
+    std::string text = "shapes:\n";
+    for (const Node& shape : shapes_) text += "  - " + config::to_flow_yaml(shape) + "\n";
+    std::set<std::string> names;
+    for (const LinkFit& fit : links) {
+      names.insert(fit.link);
+      for (const Placed& placed : fit.kept) text += shape_line(fit.link, placed);
+      for (const Placed& placed : fit.fitted) text += shape_line(fit.link, placed);
+    }
+    text += "self: " + (self_.kind == Node::Kind::kNull ? "auto" : self_text(self_, names)) + "\n";
+    if (stop_.kind != Node::Kind::kNull) text += "self_stop: " + config::to_flow_yaml(stop_) + "\n";
+    return text;
+  }
+
+  config::LoadedRobot with(const std::string& collision) const {
+    Node root = root_;
+    Node block = config::parse_yaml(collision, "the fitted collision block");
+    if (Node* old = root.find("collision"))
+      *old = std::move(block);
+    else
+      root.entries.emplace_back("collision", std::move(block));
+    return config::read_robot(root, "");
+  }
+
+ private:
+  Node root_;
+  std::vector<Node> shapes_;
+  Node self_;
+  Node stop_;
+};
+
+}  // namespace
+
+RobotFit fit_robot(const fs::path& robot_file, const FitOptions& options) {
+  RobotFit result;
+  result.before = self_contact(*config::load_robot(robot_file).model);
+  const Source source(robot_file);
+  const std::vector<UrdfCollision> geometry = config::load_urdf_collision(robot_file);
+  if (geometry.empty()) source.refuse("the URDF has no collision geometry that shapes could be fitted to");
+
+  const std::vector<std::string> own = source.own_links();
+  std::vector<std::pair<std::string, std::vector<const UrdfCollision*>>> links;
+  for (const UrdfCollision& element : geometry) {
+    if (std::find(own.begin(), own.end(), element.link) != own.end()) {
+      if (result.own.empty() || result.own.back() != element.link) result.own.push_back(element.link);
+      continue;
+    }
+    if (links.empty() || links.back().first != element.link) links.push_back({element.link, {}});
+    links.back().second.push_back(&element);
+  }
+  if (links.empty())
+    source.refuse("every link with collision geometry in the URDF has shapes under collision.shapes: nothing to fit");
+  for (const auto& [link, elements] : links) result.links.push_back(fit_link(link, elements, options));
+
+  result.collision = source.collision(result.links);
+  config::LoadedRobot after = source.with(result.collision);
+  result.after = self_contact(*after.model);
+  result.notes = std::move(after.notes);
+  result.warnings = std::move(after.warnings);
+  return result;
+}
+
+}  // namespace moma::fit

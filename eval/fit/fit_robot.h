@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "eval/fit/measure.h"
+#include "eval/fit/partition.h"
+
+namespace moma::fit {
+
+/// A link that gets its shapes from its collision geometry in the URDF.
+struct LinkFit {
+  std::string link;
+  std::string had;             ///< "link0.stl (200 triangles)", "cylinder", "4 boxes", ...
+  Triangles surface;           ///< meshes and cylinders in the link's frame; empty where there were none
+  std::vector<Placed> kept;    ///< the URDF's own spheres and boxes
+  std::vector<Placed> fitted;  ///< around `surface`
+  FitError error;              ///< of `fitted`
+};
+
+/// What a robot's shapes make of its self-collision.
+struct SelfContact {
+  std::size_t shapes = 0;
+  std::size_t pairs = 0;                                      ///< that are checked
+  std::vector<std::pair<std::string, std::string>> touching;  ///< links in touch at `ready`, adjacent ones left out
+};
+
+struct RobotFit {
+  std::vector<LinkFit> links;    ///< in the order of the URDF
+  std::vector<std::string> own;  ///< links that the file gives shapes: these stay as they are
+  std::string collision;         ///< the keys of the new `collision`, YAML in block style
+  SelfContact before;            ///< as the file has it
+  SelfContact after;
+  std::vector<std::string> notes;  ///< of the robot as it is after
+  std::vector<std::string> warnings;
+};
+
+/// Fits the collision geometry that the URDF of a robot file gives to links without shapes in the file. Spheres and
+/// boxes are kept; the meshes and cylinders of a link are fitted together, see fit_surfaces(). A cylinder counts as the
+/// prism of 96 sides around it, which is 0.05 % wider. The result has been read back as a robot file's `collision`.
+/// Deterministic. Throws config::ConfigError: what load_robot() refuses, a mesh that cannot be read, nothing to fit.
+RobotFit fit_robot(const std::filesystem::path& robot_file, const FitOptions& options);
+
+}  // namespace moma::fit

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+namespace moma::fit {
+
+/// What minimise() varies: start, first step and box of each variable.
+struct Variables {
+  std::vector<double> start;
+  std::vector<double> step;
+  std::vector<double> lower;
+  std::vector<double> upper;
+};
+
+/// A point near `start` where f is smallest, for functions with kinks: Subplex (Rowan 1990, NLopt's LN_SBPLX), which
+/// needs no derivatives and draws no random numbers. Never worse than the start. f must not throw.
+std::vector<double> minimise(const std::function<double(const std::vector<double>&)>& f, const Variables& variables,
+                             int evaluations);
+
+}  // namespace moma::fit

@@ -1,0 +1,217 @@
+#include "eval/fit/partition.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace moma::fit {
+namespace {
+
+constexpr int kSlabs = 12;                 // between the places where a part may be cut
+constexpr int kSlabPoints = 96;            // extreme points that stand for a slab in quick fits
+constexpr std::size_t kManyPoints = 1000;  // a hull is faster than comparing them all
+constexpr int kQuickSamples = 1024;        // of a union's volume while cuts are compared
+constexpr int kSamples = 8192;
+constexpr std::size_t kThorough = 3;  // cuts that are fitted with all their points
+
+constexpr double kSameAxis = 0.98;  // cosine
+
+// Part of a surface with the best shape around it.
+struct Part {
+  Triangles surface;
+  Points points;  // all corners
+  Solid solid;
+  Matrix3 axes = Matrix3::Identity();  // of its box
+};
+
+Part make_part(Triangles surface, const Kinds& kinds) {
+  Part part;
+  part.points = corners(surface);
+  part.surface = std::move(surface);
+  const Points hull = hull_points(part.points);
+  part.solid = best_solid(hull, kinds, Effort::kThorough);
+  part.axes = enclosing_box(hull, Effort::kQuick).X_LS.linear();
+  return part;
+}
+
+using Parts = std::vector<Part>;
+
+// Volume of the union times the mean weight of its kinds.
+double cost_of(const std::vector<Solid>& solids, int samples) {
+  double sum = 0.0;
+  double weighted = 0.0;
+  for (const Solid& solid : solids) {
+    sum += volume(solid.shape);
+    weighted += weight(solid.shape.kind) * volume(solid.shape);
+  }
+  return union_volume(solids, samples) * weighted / sum;
+}
+
+double cost_of(const Parts& parts) {
+  std::vector<Solid> solids;
+  for (const Part& part : parts) solids.push_back(part.solid);
+  return cost_of(solids, kSamples);
+}
+
+// Part `which` cut across `axis` at these places, in rising order.
+struct Cut {
+  std::size_t which = 0;
+  Vector3 axis = Vector3::UnitX();
+  std::vector<double> at;
+  double cost = 0.0;  // by quick fits
+};
+
+// One part in slabs across one axis, and the quick fits around runs of neighbouring slabs.
+class Slabs {
+ public:
+  Slabs(const Part& part, const Vector3& axis, const Kinds& kinds) : kinds_(kinds) {
+    double low = std::numeric_limits<double>::infinity();
+    double high = -low;
+    for (const Vector3& p : part.points) {
+      low = std::min(low, axis.dot(p));
+      high = std::max(high, axis.dot(p));
+    }
+    for (int i = 1; i < kSlabs; ++i) places_.push_back(low + (high - low) * i / kSlabs);
+    for (int i = 0; i < kSlabs; ++i) {
+      const double from = i == 0 ? low : places_[static_cast<std::size_t>(i - 1)];
+      const double to = i + 1 == kSlabs ? high : places_[static_cast<std::size_t>(i)];
+      Points slab = corners(clipped(part.surface, axis, from, to));
+      if (slab.size() > kManyPoints) slab = hull_points(slab);
+      points_.push_back(extreme_points(slab, kSlabPoints));
+    }
+  }
+
+  double place(int i) const { return places_[static_cast<std::size_t>(i - 1)]; }
+
+  /// Around the slabs [from, to); empty where there is nothing of the surface.
+  const std::optional<Solid>& around(int from, int to) {
+    std::optional<std::optional<Solid>>& entry = fits_[static_cast<std::size_t>(from)][static_cast<std::size_t>(to)];
+    if (entry) return *entry;
+    Points points;
+    for (int i = from; i < to; ++i) {
+      const Points& slab = points_[static_cast<std::size_t>(i)];
+      points.insert(points.end(), slab.begin(), slab.end());
+    }
+    entry.emplace();
+    if (!points.empty()) *entry = best_solid(extreme_points(points, kSlabPoints), kinds_, Effort::kQuick);
+    return *entry;
+  }
+
+ private:
+  Kinds kinds_;
+  std::vector<double> places_;
+  std::vector<Points> points_;
+  std::array<std::array<std::optional<std::optional<Solid>>, kSlabs + 1>, kSlabs> fits_;
+};
+
+// All cuts of one part in `pieces` (2 or 3), with what all parts together then cost.
+void add_cuts(const Parts& parts, std::size_t which, int pieces, const Kinds& kinds, std::vector<Cut>& cuts) {
+  std::vector<Solid> others;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    if (i != which) others.push_back(parts[i].solid);
+  std::vector<Vector3> axes;
+  for (int a = 0; a < 3; ++a) axes.emplace_back(parts[which].axes.col(a));
+  for (int a = 0; a < 3; ++a)
+    if ((parts[which].axes.transpose() * Vector3::Unit(a)).cwiseAbs().maxCoeff() < kSameAxis)
+      axes.emplace_back(Vector3::Unit(a));
+  for (const Vector3& axis : axes) {
+    Slabs slabs(parts[which], axis, kinds);
+    const auto consider = [&](const std::vector<int>& at) {
+      std::vector<Solid> solids = others;
+      Cut cut{which, axis, {}, 0.0};
+      int from = 0;
+      for (std::size_t i = 0; i <= at.size(); ++i) {
+        const int to = i < at.size() ? at[i] : kSlabs;
+        const std::optional<Solid>& solid = slabs.around(from, to);
+        if (!solid) return;
+        solids.push_back(*solid);
+        if (i < at.size()) cut.at.push_back(slabs.place(to));
+        from = to;
+      }
+      cut.cost = cost_of(solids, kQuickSamples);
+      cuts.push_back(std::move(cut));
+    };
+    for (int i = 1; i < kSlabs; ++i) {
+      if (pieces == 2) consider({i});
+      for (int j = i + 1; pieces == 3 && j < kSlabs; ++j) consider({i, j});
+    }
+  }
+}
+
+Parts applied(const Parts& parts, const Cut& cut, const Kinds& kinds) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  Parts result;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (i != cut.which) {
+      result.push_back(parts[i]);
+      continue;
+    }
+    for (std::size_t k = 0; k <= cut.at.size(); ++k) {
+      const double low = k == 0 ? -kFar : cut.at[k - 1];
+      const double high = k < cut.at.size() ? cut.at[k] : kFar;
+      Triangles surface = clipped(parts[i].surface, cut.axis, low, high);
+      if (!surface.empty()) result.push_back(make_part(std::move(surface), kinds));
+    }
+  }
+  return result;
+}
+
+// The best of the most promising cuts; empty where nothing can be cut.
+Parts best_cut(const Parts& whole, const Parts& parts, const Kinds& kinds) {
+  struct Choice {
+    const Parts* of;
+    Cut cut;
+  };
+  std::vector<Choice> choices;
+  const auto add = [&](const Parts& of, std::size_t which, int pieces) {
+    std::vector<Cut> cuts;
+    add_cuts(of, which, pieces, kinds, cuts);
+    for (Cut& cut : cuts) choices.push_back({&of, std::move(cut)});
+  };
+  for (std::size_t i = 0; i < parts.size(); ++i) add(parts, i, 2);
+  if (parts.size() == 2) add(whole, 0, 3);
+  std::stable_sort(choices.begin(), choices.end(),
+                   [](const Choice& a, const Choice& b) { return a.cut.cost < b.cut.cost; });
+  Parts best;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < std::min(kThorough, choices.size()); ++i) {
+    Parts next = applied(*choices[i].of, choices[i].cut, kinds);
+    const double cost = cost_of(next);
+    if (cost >= least) continue;
+    least = cost;
+    best = std::move(next);
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<Placed> fit_surfaces(const std::vector<Triangles>& surfaces, const FitOptions& options) {
+  Triangles all;
+  for (const Triangles& surface : surfaces) all.insert(all.end(), surface.begin(), surface.end());
+  const Parts whole{make_part(std::move(all), options.kinds)};
+  Parts current = whole;
+  Parts best = whole;
+  double least = cost_of(whole);
+  for (int count = 2; count <= options.max_shapes; ++count) {
+    Parts next = best_cut(whole, current, options.kinds);
+    if (count == static_cast<int>(surfaces.size())) {
+      Parts one_by_one;
+      for (const Triangles& surface : surfaces) one_by_one.push_back(make_part(surface, options.kinds));
+      if (next.empty() || cost_of(one_by_one) < cost_of(next)) next = std::move(one_by_one);
+    }
+    if (next.empty()) break;
+    current = std::move(next);
+    const double cost = cost_of(current) * std::pow(kGain, static_cast<double>(current.size()) - 1.0);
+    if (cost >= least) continue;
+    least = cost;
+    best = current;
+  }
+  std::vector<Placed> shapes;
+  for (const Part& part : best) shapes.push_back(rounded(part.solid, part.points));
+  return shapes;
+}
+
+}  // namespace moma::fit
