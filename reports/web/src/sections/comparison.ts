@@ -1,5 +1,6 @@
 // All shown controllers against one of them, on the worlds that both met.
 
+import { drawLater, drawOrWait } from '../chart';
 import { pairs, type Pairs } from '../compare';
 import type { Model, Series } from '../data';
 import { choice, download, h, replace } from '../dom';
@@ -82,9 +83,10 @@ export function comparison(model: Model): HTMLElement {
   };
   saveButton.addEventListener('click', () => download('comparison.csv', 'text/csv',
     csv(['controller', 'baseline', 'measure', 'n', 'difference', 'low', 'high', 'only_baseline', 'only_controller', 'p', 'p_holm'], table)));
-  // Bootstrapping takes its time: after what is seen first.
-  requestAnimationFrame(() => setTimeout(fill));
-  onView(fill);
-  onTheme(fill);
-  return h('div', { class: 'panel', id: 'comparison' }, h('div', { class: 'panel-head' }, h('h3', null, 'Paired comparison'), controls), box, h('footer', null, note, h('div', { class: 'actions' }, saveButton)));
+  const element = h('div', { class: 'panel', id: 'comparison' }, h('div', { class: 'panel-head' }, h('h3', null, 'Paired comparison'), controls), box, h('footer', null, note, h('div', { class: 'actions' }, saveButton)));
+  drawLater(element, fill);   // it takes its time
+  const refill = (): void => drawOrWait(element, fill);
+  onView(refill);
+  onTheme(refill);
+  return element;
 }
