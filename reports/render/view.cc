@@ -72,6 +72,7 @@ class Answers {
       ReportOptions options;
       options.trials = kTrials;
       options.served = true;
+      options.sight = options_.sight;
       Json page = read_stores(stores_, options);
       page["live"] = {{"token", token}, {"simulates", static_cast<bool>(options_.simulate)}};
       data_ = std::make_shared<const std::string>(dumped(page));

@@ -66,7 +66,7 @@ export function comparison(model: Model): HTMLElement {
         ...['Success', 'Collision'].map((name) => h('th', { scope: 'col' }, name, h('small', null, 'percentage points, exact McNemar'))),
         ...kMetrics.map((key) => h('th', { scope: 'col' }, metric(key).name, h('small', null, 'median difference'))))),
       h('tbody', null, ...rows.map((row) => h('tr', null,
-        h('th', { scope: 'row' }, h('span', { class: 'dotted', style: `--c:${seriesColour(palette(), row.series.index)}` }, row.series.name)),
+        h('th', { scope: 'row' }, h('span', { class: 'dotted', style: `--c:${seriesColour(palette(), row.series.mark)}` }, row.series.name)),
         h('td', null, integer(row.rates[0]?.n ?? 0)),
         ...row.rates.map((r) => {
           const p = corrected[place++] ?? 1;
