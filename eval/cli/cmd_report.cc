@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "eval/cli/command.h"
+#include "eval/cli/sight.h"
 #include "reports/render/report.h"
 
 namespace moma::cli {
@@ -46,7 +47,9 @@ void add_report(CLI::App& app, Action& action) {
       if (!options->html.empty() || (options->table.empty() && options->figures.empty())) {
         std::filesystem::path html = options->html;
         if (html.empty()) html = std::filesystem::path(stores.front()).replace_extension(".html");
-        write_report(stores, html, options->report);
+        ReportOptions report = options->report;
+        report.sight = known_before_contact;
+        write_report(stores, html, report);
         written.push_back(html);
       }
       for (const std::filesystem::path& file : written) std::cerr << fmt::format("wrote {}\n", file.string());

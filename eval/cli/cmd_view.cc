@@ -6,6 +6,7 @@
 
 #include "eval/cli/command.h"
 #include "eval/cli/interrupt.h"
+#include "eval/cli/sight.h"
 #include "eval/cli/stored_suites.h"
 #include "eval/store/samples.h"
 #include "eval/trial/trial.h"
@@ -48,6 +49,7 @@ void add_view(CLI::App& app, Action& action) {
       view.simulate = [&suites](const std::filesystem::path& db, const std::string& trial) {
         return simulate(suites, db, trial);
       };
+      view.sight = known_before_contact;
       const InterruptGuard guard;
       reports::serve(options->stores, view, InterruptGuard::flag(), [](const std::string& address) {
         std::cout << address << std::endl;

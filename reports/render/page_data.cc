@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "reports/render/assets.h"
+#include "reports/render/evidence.h"
 #include "reports/render/replays.h"
 #include "reports/render/store.h"
 
@@ -150,6 +151,7 @@ nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& o
   page["overall"] = rows(store, overall_sql());
   const Extent shown = extent(store, options.trials);
   page["trials"] = trials(store, shown);
+  add_evidence(store, shown.worlds, options.sight, page);
   page["tuning"] = tuning(store);
   page["samples_stored"] = store.execAndGet("SELECT count(*) FROM samples").getInt64();
   add_replays(store, options, shown.worlds, page);

@@ -18,19 +18,6 @@ static_assert(std::endian::native == std::endian::little, "samples are little-en
 
 using Column = std::vector<double>;
 
-/// Column by column, n doubles each.
-std::vector<double> unpack(const StoredSamples& samples) {
-  if (samples.layout != 1) throw std::runtime_error("samples: unknown layout");
-  if (samples.n < 0 || samples.columns.empty()) throw std::runtime_error("samples: empty");
-  const std::size_t wanted = static_cast<std::size_t>(samples.n) * samples.columns.size() * sizeof(double);
-  const unsigned long long said = ZSTD_getFrameContentSize(samples.data.data(), samples.data.size());
-  if (said != wanted) throw std::runtime_error("samples: size differs from its columns");
-  std::vector<double> values(wanted / sizeof(double));
-  const std::size_t got = ZSTD_decompress(values.data(), wanted, samples.data.data(), samples.data.size());
-  if (ZSTD_isError(got) || got != wanted) throw std::runtime_error("samples: damaged");
-  return values;
-}
-
 std::vector<std::size_t> kept_rows(const double* t, std::size_t n, double hz) {
   std::vector<std::size_t> rows;
   double next = -1e300;
@@ -73,6 +60,18 @@ std::string pack(const std::vector<float>& values) {
 }
 
 }  // namespace
+
+std::vector<double> unpack(const StoredSamples& samples) {
+  if (samples.layout != 1) throw std::runtime_error("samples: unknown layout");
+  if (samples.n < 0 || samples.columns.empty()) throw std::runtime_error("samples: empty");
+  const std::size_t wanted = static_cast<std::size_t>(samples.n) * samples.columns.size() * sizeof(double);
+  const unsigned long long said = ZSTD_getFrameContentSize(samples.data.data(), samples.data.size());
+  if (said != wanted) throw std::runtime_error("samples: size differs from its columns");
+  std::vector<double> values(wanted / sizeof(double));
+  const std::size_t got = ZSTD_decompress(values.data(), wanted, samples.data.data(), samples.data.size());
+  if (ZSTD_isError(got) || got != wanted) throw std::runtime_error("samples: damaged");
+  return values;
+}
 
 nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz) {
   const std::vector<double> values = unpack(samples);

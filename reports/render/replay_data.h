@@ -24,6 +24,9 @@ struct OwnedSamples {
   StoredSamples view() const { return {layout, n, columns, {reinterpret_cast<const char*>(data.data()), data.size()}}; }
 };
 
+/// All values, column by column, n each. Throws std::runtime_error on data that does not fit its layout.
+std::vector<double> unpack(const StoredSamples& samples);
+
 /// `{"hz", "n", "columns", "data"}`: the motion at about `hz` samples a second (first and last always kept), as
 /// float32 columns one after the other, their bytes regrouped by significance, deflated (zlib), in base64.
 /// Columns: t, base_x, base_y, base_phi, q0..., command0..., error_rotation, error_position, slack (norms),

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "reports/render/evidence.h"
+
 namespace moma::reports {
 
 struct ReportOptions {
@@ -14,6 +16,7 @@ struct ReportOptions {
   int replays = 40;         ///< at most so many trials carry their motion in the page; the worst of each kind first
   double replay_hz = 10.0;  ///< samples per second of those, > 0
   bool served = false;      ///< for a page that asks `moma view` for motions: trials are named, their motion left out
+  SightAnswer sight;        ///< for causes of collisions; without it they are not looked for
 };
 
 using Stores = std::vector<std::filesystem::path>;

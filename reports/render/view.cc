@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <mutex>
 #include <thread>
 
@@ -71,6 +72,7 @@ class Answers {
       ReportOptions options;
       options.trials = kTrials;
       options.served = true;
+      options.sight = options_.sight;
       Json page = read_stores(stores_, options);
       page["live"] = {{"token", token}, {"simulates", static_cast<bool>(options_.simulate)}};
       data_ = std::make_shared<const std::string>(dumped(page));
@@ -107,6 +109,14 @@ void refuse(httplib::Response& response, int status, const std::string& why) {
   response.set_content(dumped({{"error", why}}), kJson);
 }
 
+/// In pieces, as it is: the library would compress whole texts for seconds, so that they cross this machine sooner.
+void send(httplib::Response& response, std::shared_ptr<const std::string> text, const char* type) {
+  response.set_content_provider(
+      text->size(), type, [text](std::size_t from, std::size_t size, httplib::DataSink& sink) {
+        return sink.write(text->data() + from, std::min<std::size_t>(size, std::size_t{1} << 20));
+      });
+}
+
 /// Does what `answer` does; what goes wrong becomes an answer too.
 template <typename Answer>
 auto guarded(Answer answer) {
@@ -119,26 +129,22 @@ auto guarded(Answer answer) {
   };
 }
 
-void add_answers(httplib::Server& server, Answers& answers, const std::string& page) {
-  server.Get("/", guarded([&page](const httplib::Request&, httplib::Response& response) {
-               response.set_content(page, "text/html; charset=utf-8");
+void add_answers(httplib::Server& server, Answers& answers, const std::shared_ptr<const std::string>& page) {
+  server.Get("/", guarded([page](const httplib::Request&, httplib::Response& response) {
+               send(response, page, "text/html; charset=utf-8");
              }));
   server.Get("/state.json", guarded([&answers](const httplib::Request&, httplib::Response& response) {
                response.set_content(answers.state(), kJson);
              }));
   server.Get("/data.json", guarded([&answers](const httplib::Request&, httplib::Response& response) {
-               const std::shared_ptr<const std::string> data = answers.data();
-               response.set_content_provider(
-                   data->size(), kJson, [data](std::size_t from, std::size_t size, httplib::DataSink& sink) {
-                     return sink.write(data->data() + from, std::min<std::size_t>(size, std::size_t{1} << 20));
-                   });
+               send(response, answers.data(), kJson);
              }));
   server.Get(R"(/replay/([^/]*))", guarded([&answers](const httplib::Request& request, httplib::Response& response) {
                const std::string trial = request.matches[1];
                if (!is_trial(trial)) return refuse(response, 400, "not a trial's name; wanted: 16 hex digits");
                const std::optional<std::string> replay = answers.replay(trial);
                if (!replay) return refuse(response, 404, "the store has no such trial");
-               response.set_content(*replay, kJson);
+               send(response, std::make_shared<const std::string>(*replay), kJson);
              }));
 }
 
@@ -188,7 +194,7 @@ void serve(const Stores& stores, const ViewOptions& options, const std::atomic<b
   state_of(stores);  // says what is wrong with a store before anybody asks for it
   std::string title;
   for (const std::filesystem::path& store : stores) title += (title.empty() ? "" : " + ") + store.filename().string();
-  const std::string page = served_html(title);
+  const auto page = std::make_shared<const std::string>(served_html(title));
   Answers answers(stores, options);
 
   httplib::Server server;

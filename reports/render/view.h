@@ -15,6 +15,7 @@ struct ViewOptions {
   /// Simulates a trial whose samples the store does not hold again; empty: such trials are not played. One call at a
   /// time. Its exceptions' texts are shown in the page.
   std::function<std::optional<OwnedSamples>(const std::filesystem::path& store, const std::string& trial)> simulate;
+  SightAnswer sight;  ///< as in ReportOptions
 };
 
 /// Serves the report page of the stores on 127.0.0.1 until `stop` is set. The stores are only read, anew for every

@@ -89,6 +89,14 @@ TEST(View, ServesThePageItsDataAndAMotion) {
   EXPECT_EQ(page->get_header_value("X-Content-Type-Options"), "nosniff");
   EXPECT_EQ(page->get_header_value("Access-Control-Allow-Origin"), "");
 
+  // As it is: compressing it took seconds.
+  for (const char* path : {"/", "/data.json"}) {
+    const std::string head = raw(server.port(), std::string("GET ") + path +
+                                                    " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(server.port()) +
+                                                    "\r\nAccept-Encoding: br, gzip\r\nConnection: close\r\n\r\n");
+    EXPECT_EQ(head.substr(0, head.find("\r\n\r\n")).find("Content-Encoding"), std::string::npos) << path;
+  }
+
   // The same numbers as the written page.
   const auto answer = client.Get("/data.json");
   ASSERT_TRUE(answer);

@@ -111,6 +111,9 @@ export function tip(head: string, rows: readonly (readonly [string, string])[], 
     ...rows.map(([name, value]) => h('div', null, h('span', null, name), h('b', null, value))));
 }
 
+/** What is so near to the window is drawn [px]. */
+const kMargin = 300;
+
 const waiting = new Map<Element, () => void>();
 let observer: IntersectionObserver | null = null;
 
@@ -123,7 +126,7 @@ function seen(): IntersectionObserver {
       waiting.get(entry.target)?.();
       waiting.delete(entry.target);
     }
-  }, { rootMargin: '300px' });
+  }, { rootMargin: `${kMargin}px` });
 }
 
 /** Calls back once, when the element comes near the window. */
@@ -132,6 +135,13 @@ export function whenSeen(element: Element, call: () => void): void {
   seen().observe(element);
 }
 
+/** As far outside the window as whenSeen() looks. */
+export function isNear(element: Element): boolean {
+  const box = element.getBoundingClientRect();
+  return box.bottom > -kMargin && box.top < innerHeight + kMargin;
+}
+
+/** What is drawn when nothing else is to do, and for paper. */
 const figures: Element[] = [];
 
 function drawWaiting(element: Element): void {
@@ -142,16 +152,41 @@ function drawWaiting(element: Element): void {
   call();
 }
 
-/** Draws the figures that nobody has looked at yet, one at a time, while the reader does nothing; all for paper. */
-export function drawWhenIdle(): void {
+let idling = 0;
+
+/** Draws the figures that nobody has looked at yet, one at a time, when the reader has done nothing for a while. */
+function drawSoon(): void {
   const idle = (): void => {
     const next = figures.find((element) => waiting.has(element));
     if (next === undefined) return;
     drawWaiting(next);
     requestIdleCallback(idle);
   };
-  setTimeout(() => requestIdleCallback(idle), 1500);
+  clearTimeout(idling);
+  idling = window.setTimeout(() => requestIdleCallback(idle), 1500);
+}
+
+/** Draws all figures sooner or later, and for paper all at once. */
+export function drawWhenIdle(): void {
+  drawSoon();
   addEventListener('beforeprint', () => figures.forEach(drawWaiting));
+}
+
+/** An element like a figure: first drawn when it is seen, or nothing else is to do. */
+export function drawLater(element: Element, draw: () => void): void {
+  figures.push(element);
+  whenSeen(element, draw);
+}
+
+/** Draws now where the element is near the window, else when it comes there or nothing else is to do. */
+export function drawOrWait(element: Element, draw: () => void): void {
+  if (isNear(element)) {
+    waiting.delete(element);
+    draw();
+    return;
+  }
+  whenSeen(element, draw);
+  drawSoon();
 }
 
 /** The figure on white paper; null where it has nothing to show. Needs no browser. */
@@ -221,10 +256,9 @@ export function figure(spec: FigureSpec): HTMLElement {
   };
 
   const fillControls = (): void => replace(controls, ...(spec.controls?.(() => { fillControls(); draw(); }) ?? []));
-  fillControls();
-  figures.push(element);
-  whenSeen(element, () => {
+  drawLater(element, () => {
     started = true;
+    fillControls();
     if (spec.prepare === undefined) draw();
     else void spec.prepare().then(draw);
     let width = plot.clientWidth;
@@ -235,8 +269,11 @@ export function figure(spec: FigureSpec): HTMLElement {
       draw();
     }).observe(plot);
   });
-  onView(() => { fillControls(); draw(); });
-  onTheme(draw);
+  const redraw = (): void => {
+    if (started) drawOrWait(element, () => { fillControls(); draw(); });
+  };
+  onView(redraw);
+  onTheme(redraw);
   return element;
 }
 

@@ -16,7 +16,8 @@ export interface Pairs {
   /** Of B - A over the worlds in which both have the metric. */
   differences: number;
   median: number;
-  interval: Interval;
+  /** Of the median; only where it is asked for, since it takes its time. */
+  readonly interval: Interval;
 }
 
 export function pairs(model: Model, a: Series, b: Series, key: string): Pairs {
@@ -36,10 +37,11 @@ export function pairs(model: Model, a: Series, b: Series, key: string): Pairs {
   }
   const differences = worlds.filter((w) => Number.isFinite(w.x) && Number.isFinite(w.y)).map((w) => w.y - w.x);
   const sorted = Float64Array.from(differences).sort();
+  let interval: Interval | undefined;
   return {
     worlds, ...count, p: mcnemar(count.onlyA, count.onlyB), differences: differences.length,
     median: sorted.length > 0 ? quantile(sorted, 0.5) : NaN,
-    interval: bootstrapMedian(differences),
+    get interval() { return interval ??= bootstrapMedian(differences); },
   };
 }
 

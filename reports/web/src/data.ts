@@ -29,6 +29,8 @@ export interface PointInfo {
   control_period_s: number; physics_step_s: number; time_limit_s: number;
   success_position_m: number; success_orientation_rad: number; success_dwell_s: number;
   simulation_version: number;
+  /** What stands between robot and controller (docs/disturbances.md); empty: nothing. */
+  disturbances: Record<string, unknown>;
 }
 
 export interface Invocation {
@@ -153,7 +155,8 @@ export interface Slice {
 
 /** A controller at one sweep point, with its trials. */
 export interface Series {
-  index: number;   // within its slice: decides colour and mark
+  index: number;   // within its slice
+  mark: number;    // decides colour, dash and symbol; below 0: not shown
   name: string;
   controller: string;
   point: string;
@@ -241,8 +244,9 @@ export class Model {
   /** The series of a slice, in the order in which the store defined them, with the trials of `family` ('' all). */
   series(slice: Slice, family: string): Series[] {
     const infos = this.page.points.filter((point) => inSlice(point, slice));
+    const short = shortLabels(infos.map((info) => info.point));
     const series = infos.map((info, index): Series => ({
-      index, name: seriesName(info.controller, info.point), controller: info.controller, point: info.point, info, rows: [],
+      index, mark: index, name: seriesName(info.controller, short(info.point)), controller: info.controller, point: info.point, info, rows: [],
     }));
     const byName = new Map(series.map((s) => [`${s.controller}\n${s.point}`, s]));
     const t = this.trials;
@@ -271,6 +275,15 @@ async function fetchMotion(trial: string): Promise<Motion> {
 
 export function inSlice(row: { suite: string; robot: string; mode: string }, slice: Slice): boolean {
   return row.suite === slice.suite && row.robot === slice.robot && row.mode === slice.mode;
+}
+
+/** Where all points differ in one thing: its value, where that is a name ("disturbances=none"), else the key's last part with it. */
+function shortLabels(labels: readonly string[]): (label: string) => string {
+  const parts = labels.map((label) => /^([^\s=]+)=([^\s=]*)$/.exec(label));
+  const keys = new Set(parts.map((part) => part?.[1] ?? ''));
+  if (keys.size !== 1 || keys.has('')) return (label) => label;
+  const named = parts.every((part) => /^[A-Za-z]/.test(part?.[2] ?? ''));
+  return (label) => (named ? label.slice(label.indexOf('=') + 1) : label.slice(label.lastIndexOf('.', label.indexOf('=')) + 1));
 }
 
 export function seriesName(controller: string, point: string): string {

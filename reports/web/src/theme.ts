@@ -13,6 +13,9 @@ export interface Palette {
   outcomes: Record<Outcome, string>;
 }
 
+/** How many series have a colour of their own. */
+export const kColours = 8;
+
 const light: Palette = {
   dark: false, ink: '#20262f', muted: '#5a6472', faint: '#8b94a1', rule: '#e3e0d8', surface: '#ffffff',
   series: ['#27598f', '#b23a76', '#1b8578', '#a77a12', '#6a55b5', '#5c6b2f', '#4aa0c4', '#7a4a32'],
@@ -31,7 +34,7 @@ const dark: Palette = {
   },
 };
 
-export const kSymbols = ['circle', 'diamond', 'triangle', 'rect', 'roundRect', 'pin', 'arrow', 'circle'] as const;
+const kSymbols = ['circle', 'diamond', 'triangle', 'rect', 'roundRect', 'pin', 'arrow', 'circle'] as const;
 export const kDashes = ['solid', [6, 3], [2, 3], [9, 3, 2, 3], [12, 4], [1, 2], [4, 2, 1, 2], [8, 2]] as const;
 
 const system = (): MediaQueryList => matchMedia('(prefers-color-scheme: dark)');
@@ -47,8 +50,21 @@ export function palette(paper = false): Palette {
   return !paper && isDark() ? dark : light;
 }
 
-export function seriesColour(of: Palette, index: number): string {
-  return of.series[index % of.series.length] ?? of.ink;
+export function seriesColour(of: Palette, mark: number): string {
+  return mark < 0 ? of.faint : of.series[mark % of.series.length] ?? of.ink;
+}
+
+/** Where colours come round again, dash and symbol are others than the first time. */
+function again(mark: number, kinds: number): number {
+  return (mark + Math.floor(mark / kColours)) % kinds;
+}
+
+export function dashOf(mark: number): (typeof kDashes)[number] {
+  return kDashes[again(mark, kDashes.length)] ?? 'solid';
+}
+
+export function symbolOf(mark: number): (typeof kSymbols)[number] {
+  return kSymbols[again(mark, kSymbols.length)] ?? 'circle';
 }
 
 export function onTheme(call: () => void): void {

@@ -1,17 +1,20 @@
 // What the figures show now: the slice, the family and the series that the reader has chosen.
 
+import { meets, onlyConditions } from './conditions';
 import type { Model, Series, Slice } from './data';
 import * as state from './state';
+import { kColours } from './theme';
 
-/** More than this many series in one figure cannot be told apart. */
-const kMostSeries = 8;
+/** More than this many series in one figure cannot be told apart; where none of them may be left out, a few more. */
+const kMostSeries = kColours;
+const kMostConditions = 12;
 
 export interface View {
   model: Model;
   slice: Slice;
   family: string;     // '' all
   families: string[];
-  all: Series[];      // of the slice, with the trials of the family
+  all: Series[];      // of the slice under the chosen conditions, with the trials of the family
   series: Series[];   // those shown
 }
 
@@ -22,7 +25,7 @@ const listeners: (() => void)[] = [];
 export function startView(model: Model): void {
   source = model;
   state.setDefault('slice', model.slices[0]?.id ?? '');
-  state.listen(['slice', 'family', 'show'], () => {
+  state.listen(['slice', 'family', 'show', 'at'], () => {
     cached = null;
     for (const call of listeners) call();
   });
@@ -53,15 +56,22 @@ export function view(): View {
   const families = model.families(slice);
   const wanted = state.get('family');
   const family = families.includes(wanted) ? wanted : '';
-  const all = model.series(slice, family);
-  cached = { model, slice, family, families, all, series: all.filter((s) => shown(model, slice, all, s)) };
+  const points = model.series(slice, family);
+  const met = points.filter((s) => meets(model, slice, s.info));
+  const all = met.length > 0 ? met : points;
+  const most = onlyConditions(model, slice) ? kMostConditions : kMostSeries;
+  const series = all.filter((s) => shown(model, slice, all, s, most));
+  if (points.length > kColours) {   // colours go to those that are shown
+    for (const s of points) s.mark = series.indexOf(s);
+  }
+  cached = { model, slice, family, families, all, series };
   return cached;
 }
 
-function shown(model: Model, slice: Slice, all: readonly Series[], series: Series): boolean {
-  const chosen = state.get('show');
-  if (chosen !== '') return chosen.split(',').includes(String(series.index));
-  if (all.length <= kMostSeries) return true;
+function shown(model: Model, slice: Slice, all: readonly Series[], series: Series, most: number): boolean {
+  const chosen = state.get('show').split(',').filter((index) => all.some((s) => String(s.index) === index));
+  if (chosen.length > 0) return chosen.includes(String(series.index));
+  if (all.length <= most) return true;
   return best(model, slice, all).has(series.index);
 }
 
@@ -78,7 +88,8 @@ export function toggleSeries(index: number): void {
   if (now.has(index)) now.delete(index);
   else now.add(index);
   if (now.size === 0) return;
-  const all = view().all;
+  const { all, model, slice } = view();
+  const most = onlyConditions(model, slice) ? kMostConditions : kMostSeries;
   const text = [...now].sort((a, b) => a - b).join(',');
-  state.set({ show: now.size === all.length && all.length <= kMostSeries ? '' : text });
+  state.set({ show: now.size === all.length && all.length <= most ? '' : text });
 }

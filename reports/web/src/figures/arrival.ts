@@ -3,7 +3,7 @@
 import { axis, legend, legendHeight, tip, type FigureSpec } from '../chart';
 import { fixed, integer, percent, percentRange } from '../format';
 import { thinned, wilson } from '../stats';
-import { kDashes, seriesColour, type Palette } from '../theme';
+import { dashOf, seriesColour, type Palette } from '../theme';
 import { view } from '../view';
 
 export function arrival(): FigureSpec {
@@ -53,7 +53,7 @@ export function arrival(): FigureSpec {
             },
           },
           series: curves.flatMap(({ s, n, times }, i) => {
-            const colour = seriesColour(p, s.index);
+            const colour = seriesColour(p, s.mark);
             const bounds = (steps[i] ?? []).map(([t]) => {
               const hits = times.filter((x) => x <= t).length;
               return { t, ...wilson(hits, n) };
@@ -61,7 +61,7 @@ export function arrival(): FigureSpec {
             return [
               {
                 name: s.name, type: 'line', step: 'end', showSymbol: false, data: steps[i], z: 5,
-                lineStyle: { color: colour, width: 2, type: kDashes[s.index % kDashes.length] }, itemStyle: { color: colour },
+                lineStyle: { color: colour, width: 2, type: dashOf(s.mark) }, itemStyle: { color: colour },
                 emphasis: { disabled: true },
               },
               ...(curves.length > 4 ? [] : [

@@ -6,7 +6,7 @@ import { fixed, integer } from '../format';
 import { decode, type Trace } from '../replay/trace';
 import { select } from '../select';
 import { quantile } from '../stats';
-import { kDashes, seriesColour, type Palette } from '../theme';
+import { dashOf, seriesColour, type Palette } from '../theme';
 import { view } from '../view';
 
 /** More lines than this are a blur. */
@@ -79,11 +79,11 @@ export function course(model: Model): FigureSpec {
             ...groups.flatMap((g) => g.courses.map((c) => ({
               type: 'line', showSymbol: false, triggerEvent: 'line', cursor: 'pointer', z: 2,
               data: [...c.trace.t].map((t, i) => ({ value: [t, c.trace.column('manipulability')[i] ?? null], row: c.row })),
-              lineStyle: { color: seriesColour(p, g.s.index), width: 0.9, opacity: 0.4 }, itemStyle: { color: seriesColour(p, g.s.index) }, emphasis: { disabled: true },
+              lineStyle: { color: seriesColour(p, g.s.mark), width: 0.9, opacity: 0.4 }, itemStyle: { color: seriesColour(p, g.s.mark) }, emphasis: { disabled: true },
             }))),
             ...groups.map((g, i) => ({
               name: g.s.name, type: 'line', showSymbol: false, silent: true, z: 3, data: medians[i],
-              lineStyle: { color: seriesColour(p, g.s.index), width: 2.6, type: kDashes[g.s.index % kDashes.length] }, itemStyle: { color: seriesColour(p, g.s.index) },
+              lineStyle: { color: seriesColour(p, g.s.mark), width: 2.6, type: dashOf(g.s.mark) }, itemStyle: { color: seriesColour(p, g.s.mark) },
             })),
           ],
         },

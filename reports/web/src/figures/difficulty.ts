@@ -6,7 +6,7 @@ import { integer, percent, percentRange, sizes } from '../format';
 import { axisName, metric } from '../metrics';
 import * as state from '../state';
 import { wilson } from '../stats';
-import { kDashes, kSymbols, seriesColour, type Palette } from '../theme';
+import { dashOf, seriesColour, symbolOf, type Palette } from '../theme';
 import { view } from '../view';
 
 const kAxes = ['goal_distance_m', 'objects', 'blocked_fraction', 'witness_clearance_m', 'narrowest_gap_m'];
@@ -94,19 +94,19 @@ export function difficulty(): FigureSpec {
                 [of.name, `${of.write(c.from)} \u2026 ${of.write(c.to)} ${of.unit}`],
                 ['success', `${integer(c.hits)} of ${integer(c.n)}: ${percent(c.hits / c.n)}`],
                 ['95 % interval', percentRange(c.low, c.high)],
-              ], seriesColour(p, line.s.index));
+              ], seriesColour(p, line.s.mark));
             },
           },
           series: lines.flatMap(({ s, cells }, i) => {
-            const colour = seriesColour(p, s.index);
+            const colour = seriesColour(p, s.mark);
             return [
               {
                 type: 'custom', silent: true, data: cells.map((c) => [c.x + beside(i), c.low, c.high]), encode: { x: 0, y: [1, 2] },
                 renderItem: whisker(colour, false, 1.6), tooltip: { show: false },
               },
               {
-                name: s.name, type: 'line', data: cells.map((c) => [c.x + beside(i), c.hits / c.n]), symbol: kSymbols[s.index % kSymbols.length], symbolSize: 9,
-                lineStyle: { color: colour, width: 1.6, type: kDashes[s.index % kDashes.length] }, itemStyle: { color: colour },
+                name: s.name, type: 'line', data: cells.map((c) => [c.x + beside(i), c.hits / c.n]), symbol: symbolOf(s.mark), symbolSize: 9,
+                lineStyle: { color: colour, width: 1.6, type: dashOf(s.mark) }, itemStyle: { color: colour },
                 emphasis: { disabled: true }, z: 4,
               },
             ];

@@ -92,14 +92,14 @@ export function distribution(id: string, title: string, caption: string, first: 
                 ['middle half', `${of.write(s.q1)} \u2026 ${withUnit(of, s.q3)}`],
                 ['5 to 95 %', `${of.write(s.p5)} \u2026 ${withUnit(of, s.p95)}`],
                 ['least, greatest', `${of.write(s.min)} \u2026 ${withUnit(of, s.max)}`],
-              ], seriesColour(p, row.series.index));
+              ], seriesColour(p, row.series.mark));
             },
           },
           series: [{
             type: 'custom', clip: true, data: all.map((_, i) => [low, i]),
             renderItem: (params: { dataIndex: number }, api: CustomApi) => {
               const row = all[params.dataIndex] as Row;
-              const colour = seriesColour(p, row.series.index);
+              const colour = seriesColour(p, row.series.mark);
               const [, middle = 0] = api.coord([low, params.dataIndex]);
               const tall = (api.size([0, 1])[1] ?? 40) * 0.5;
               const x = (v: number): number => api.coord([Math.min(Math.max(v, low), high), params.dataIndex])[0] ?? 0;

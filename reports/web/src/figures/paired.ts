@@ -43,8 +43,8 @@ export function paired(): FigureSpec {
     draw: (p: Palette, width: number) => {
       const { model, all } = view();
       const [ia, ib] = chosen();
-      const a = all[ia];
-      const b = all[ib];
+      const a = all.find((s) => s.index === ia);
+      const b = all.find((s) => s.index === ib);
       if (a === undefined || b === undefined || ia === ib) return null;
       const of = metric(state.get('f.paired'));
       const result = pairs(model, a, b, of.key);

@@ -8,7 +8,7 @@ import { axisName, metric, withUnit } from '../metrics';
 import { select } from '../select';
 import * as state from '../state';
 import { extent, spearman, thinned } from '../stats';
-import { kSymbols, seriesColour, type Palette } from '../theme';
+import { seriesColour, symbolOf, type Palette } from '../theme';
 import { view } from '../view';
 import { presentMetrics } from './distribution';
 
@@ -57,9 +57,9 @@ export function scatter(): FigureSpec {
             ]),
           },
           series: groups.map((g) => {
-            const colour = seriesColour(p, g.s.index);
+            const colour = seriesColour(p, g.s.mark);
             return {
-              name: g.s.name, type: 'scatter', symbol: kSymbols[g.s.index % kSymbols.length], symbolSize: 7, itemStyle: { color: colour }, cursor: 'pointer',
+              name: g.s.name, type: 'scatter', symbol: symbolOf(g.s.mark), symbolSize: 7, itemStyle: { color: colour }, cursor: 'pointer',
               data: thinned(g.dots.length, Math.ceil((kMostDots * g.dots.length) / Math.max(total, kMostDots))).map((i) => {
                 const d = g.dots[i];
                 if (d === undefined) return null;

@@ -57,14 +57,14 @@ export function timing(): FigureSpec {
                 ['95 % of trials below', `${significant(quantile(c.values, 0.95))} \u00b5s`],
                 ['greatest', `${significant(c.values[c.values.length - 1])} \u00b5s`],
                 ['over the deadline', percent(c.values.filter((v) => v > deadline).length / c.values.length)],
-              ], seriesColour(p, c.s.index));
+              ], seriesColour(p, c.s.mark));
             },
           },
           series: curves.map((c) => ({
             name: c.s.name, type: 'line', step: 'end', triggerEvent: 'line', symbolSize: 3, showSymbol: false,
             data: thinned(c.values.length).map((k) => [c.values[k], (k + 1) / c.values.length]),
-            lineStyle: { color: seriesColour(p, c.s.index), width: c.kind === 1 ? 2 : 1.4, opacity: c.opacity, type: kDashes[[0, 0, 2][c.kind] ?? 0] },
-            itemStyle: { color: seriesColour(p, c.s.index) }, emphasis: { disabled: true },
+            lineStyle: { color: seriesColour(p, c.s.mark), width: c.kind === 1 ? 2 : 1.4, opacity: c.opacity, type: kDashes[[0, 0, 2][c.kind] ?? 0] },
+            itemStyle: { color: seriesColour(p, c.s.mark) }, emphasis: { disabled: true },
           })).concat(Number.isFinite(deadline) ? [{
             name: 'deadline', type: 'line', data: [[deadline, 0], [deadline, 1]], showSymbol: false, silent: true, z: 1,
             lineStyle: { color: p.outcomes.collision, width: 1.3, type: 'solid', opacity: 1 }, itemStyle: { color: p.outcomes.collision },

@@ -10,6 +10,8 @@ export interface Core {
   /** Farthest point of the core along a direction. */
   support: (direction: Vector3, out: Vector3) => Vector3;
   radius: number;
+  /** Half the length of a capsule between the centres of its caps; 0 for what is no capsule. */
+  half: number;
   /** Of a ball around the shape's origin that holds all of it. */
   reach: number;
 }
@@ -19,12 +21,12 @@ export function coreOf(shape: ShapeJson): Core {
   const sign = (v: number): number => (v < 0 ? -1 : 1);
   switch (shape.shape) {
     case 'box':
-      return { radius: 0, reach: Math.hypot(a, b, c) / 2, support: (d, out) => out.set((sign(d.x) * a) / 2, (sign(d.y) * b) / 2, (sign(d.z) * c) / 2) };
+      return { radius: 0, half: 0, reach: Math.hypot(a, b, c) / 2, support: (d, out) => out.set((sign(d.x) * a) / 2, (sign(d.y) * b) / 2, (sign(d.z) * c) / 2) };
     case 'capsule':
-      return { radius: a, reach: a + b / 2, support: (d, out) => out.set(0, 0, (sign(d.z) * b) / 2) };
+      return { radius: a, half: b / 2, reach: a + b / 2, support: (d, out) => out.set(0, 0, (sign(d.z) * b) / 2) };
     case 'cylinder':
       return {
-        radius: 0, reach: Math.hypot(a, b / 2),
+        radius: 0, half: 0, reach: Math.hypot(a, b / 2),
         support: (d, out) => {
           const flat = Math.hypot(d.x, d.y);
           return out.set(flat > 1e-12 ? (a * d.x) / flat : 0, flat > 1e-12 ? (a * d.y) / flat : 0, (sign(d.z) * b) / 2);
@@ -35,7 +37,7 @@ export function coreOf(shape: ShapeJson): Core {
       let reach = 0;
       for (let i = 0; i + 2 < v.length; i += 3) reach = Math.max(reach, Math.hypot(v[i] ?? 0, v[i + 1] ?? 0, v[i + 2] ?? 0));
       return {
-        radius: 0, reach,
+        radius: 0, half: 0, reach,
         support: (d, out) => {
           let best = -Infinity;
           for (let i = 0; i + 2 < v.length; i += 3) {
@@ -49,7 +51,7 @@ export function coreOf(shape: ShapeJson): Core {
       };
     }
     default:
-      return { radius: a, reach: a, support: (_, out) => out.set(0, 0, 0) };
+      return { radius: a, half: 0, reach: a, support: (_, out) => out.set(0, 0, 0) };
   }
 }
 

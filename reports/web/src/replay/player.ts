@@ -1,5 +1,6 @@
 // The replay section: choose a trial, play it, scrub, look around.
 
+import { disturbed } from '../conditions';
 import { kOutcomeNames, type Model } from '../data';
 import { h, replace } from '../dom';
 import { fixed, integer, plural } from '../format';
@@ -10,7 +11,7 @@ import * as state from '../state';
 import { onTheme, palette } from '../theme';
 import { onView } from '../view';
 import { Robot } from './robot';
-import { collisionParameters } from './rows';
+import { collisionParameters, type Row } from './rows';
 import { ReplayScene, type Colours, type WorldJson } from './scene';
 import { statusAt, Timeline } from './timeline';
 import { decode, type Trace } from './trace';
@@ -69,6 +70,7 @@ export function player(model: Model): HTMLElement {
   let trace: Trace | null = null;
   let robot: Robot | null = null;
   let current = '';
+  let sees = '';   // what of the controller's senses is disturbed
   let wanted = '';
   let time = 0;
   let rate = 1;
@@ -80,7 +82,7 @@ export function player(model: Model): HTMLElement {
 
   /** Distances at the arrows of the rows that hold the command back, and of the nearest one. */
   const drawLabels = (): void => {
-    const shown = scene?.rows.filter((row, i) => row.active || i === 0).slice(0, 8) ?? [];
+    const shown = scene?.rows.filter((row, i) => row.kind !== 'passing' && (row.active || i === 0)).slice(0, 8) ?? [];
     replace(labels, ...shown.flatMap((row) => {
       const at = scene?.project(row.first.clone().add(row.second).multiplyScalar(0.5)) ?? null;
       return at === null ? [] : [h('span', { class: row.active ? 'active' : null, style: `left:${at[0].toFixed(1)}px;top:${at[1].toFixed(1)}px` }, `${fixed(1000 * row.d, 0)} mm`)];
@@ -90,13 +92,24 @@ export function player(model: Model): HTMLElement {
   const tellRows = (): void => {
     const rows = scene?.rows ?? [];
     const active = rows.filter((row) => row.active);
+    const sides = rows.filter((row) => row.kind === 'passing');
+    const ends = rows.filter((row) => row.kind === 'end');
     const [first] = rows;
-    near.textContent = first === undefined ? 'No collision rows now: nothing is within the distance of influence.'
-      : `${plural(rows.length, 'collision row')}, ${integer(active.length)} active (the command approaches as fast as allowed)${active.length > 0 ? `: ${active.slice(0, 4).map((row) => `${row.link} to ${row.other} ${fixed(1000 * row.d, 0)} mm`).join(', ')}` : ''}. Nearest: ${first.link} to ${first.other}, ${fixed(1000 * first.d, 0)} mm.`;
+    const mm = (row: Row): string => `${row.link} to ${row.other} ${row.kind === 'passing' ? `(passing, ${fixed(row.d, 2)} m)` : `${fixed(1000 * row.d, 0)} mm`}`;
+    const sentences = first === undefined ? ['No collision rows now: nothing is within the distance of influence.'] : [
+      `${plural(rows.length, 'collision row')}${ends.length > 0 ? `, ${integer(ends.length)} of them of the ends of capsules` : ''}, ${integer(active.length)} active (the command approaches as fast as allowed)${active.length > 0 ? `: ${active.slice(0, 4).map(mm).join(', ')}` : ''}.`,
+      first.kind === 'passing' ? '' : `Nearest: ${mm(first)}.`,
+      sides.length > 0 ? `${plural(sides.length, 'row')} for passing objects: the long arrow points to the side that the base keeps to.` : '',
+    ];
+    if (sees !== '') sentences.push(`The controller saw measured poses, not these true ones (disturbed: ${sees}).`);
+    near.textContent = sentences.filter((text) => text !== '').join(' ');
     const objects = rows.filter((row) => row.kind === 'object').map((row) => row.d);
     stage.dataset['leastDistance'] = objects.length > 0 ? String(Math.min(...objects)) : '';
     stage.dataset['activeRows'] = String(active.length);
     stage.dataset['arrows'] = String(rows.length);
+    stage.dataset['ends'] = String(ends.length);
+    stage.dataset['passing'] = String(sides.length);
+    stage.dataset['leastRoom'] = String(Math.min(Infinity, ...rows.map((row) => row.room)));
   };
 
   const draw = (): void => {
@@ -176,6 +189,7 @@ export function player(model: Model): HTMLElement {
       },
         h('span', { class: 'dotted', style: `--c:${p.outcomes[t.outcome(row)]}` }, kOutcomeNames[t.outcome(row)]),
         h('small', null, `${t.text('controller', row)} \u00b7 ${t.text('family', row)} ${integer(t.number('world', row))}`),
+        t.text('point', row) === '' ? null : h('small', null, t.text('point', row)),
         t.text('link', row) === '' ? null : h('small', null, `${t.text('link', row)} \u2013 ${t.text('object', row)}`));
     }));
   };
@@ -196,6 +210,7 @@ export function player(model: Model): HTMLElement {
     robots.set(key, next);
     scene ??= new ReplayScene(canvas, colours(), () => requestAnimationFrame(draw));
     current = trial;
+    sees = disturbed(model.point(model.row(trial) ?? -1));
     trace = decoded;
     robot = next;
     const row = model.row(trial) ?? 0;
@@ -212,6 +227,7 @@ export function player(model: Model): HTMLElement {
       h('span', { class: 'chip', style: `--c:${palette().outcomes[outcome]}` }, kOutcomeNames[outcome]), ' ',
       h('b', null, t.text('controller', row)), ` ${t.text('point', row)} \u00b7 ${t.text('family', row)} world ${integer(t.number('world', row))}`,
       hit === '' ? (t.text('reason', row) === '' ? '' : ` \u00b7 ${t.text('reason', row)}`) : ` \u00b7 ${hit} against ${t.text('object', row)}`,
+      disturbed(model.point(row)) === '' ? '' : ` \u00b7 disturbed: ${disturbed(model.point(row))}`,
       simulated ? ' \u00b7 simulated again for this view' : '');
     replace(joints, ...next.driven.map((joint) => h('div', null, h('span', null, joint.name), h('div', { class: 'rail' }, h('i')))));
     time = 0;

@@ -11,7 +11,7 @@ export interface ShapeJson extends PoseJson {
 interface RobotJson {
   name: string;
   urdf_text: string;
-  base: { type: string; mount?: PoseJson; footprint?: ShapeJson };
+  base: { type: string; mount?: PoseJson; footprint?: ShapeJson; max_linear?: number; max_angular?: number };
   arm: { tip: string; tool?: PoseJson; locked?: Record<string, number>; limits?: Record<string, { lower?: number; upper?: number }>; ready?: number[] };
   collision?: { shapes?: ShapeJson[]; pairs?: [number, number, boolean][] };
 }
@@ -84,6 +84,8 @@ export class Robot {
   readonly driven: Driven[] = [];
   /** How the base moves: "differential", "omnidirectional" or "fixed". */
   readonly base: string;
+  /** Greatest speeds of the base [m/s, rad/s]. */
+  readonly fastest: { linear: number; angular: number };
   /** Pairs of shapes, by index, that have rows of their own in the QP. */
   readonly pairs: [number, number][];
   readonly shapes: { link: string; shape: ShapeJson; local: Matrix4 }[] = [];
@@ -98,6 +100,7 @@ export class Robot {
     const json = source as RobotJson;
     this.name = json.name;
     this.base = json.base.type;
+    this.fastest = { linear: json.base.max_linear ?? 0, angular: json.base.max_angular ?? 0 };
     this.pairs = (json.collision?.pairs ?? []).flatMap(([a, b, row]) => (row ? [[a, b] as [number, number]] : []));
     this.mount = poseMatrix(json.base.mount);
     this.tool = poseMatrix(json.arm.tool);

@@ -1,5 +1,6 @@
 // All shown controllers against one of them, on the worlds that both met.
 
+import { drawLater, drawOrWait } from '../chart';
 import { pairs, type Pairs } from '../compare';
 import type { Model, Series } from '../data';
 import { choice, download, h, replace } from '../dom';
@@ -65,7 +66,7 @@ export function comparison(model: Model): HTMLElement {
         ...['Success', 'Collision'].map((name) => h('th', { scope: 'col' }, name, h('small', null, 'percentage points, exact McNemar'))),
         ...kMetrics.map((key) => h('th', { scope: 'col' }, metric(key).name, h('small', null, 'median difference'))))),
       h('tbody', null, ...rows.map((row) => h('tr', null,
-        h('th', { scope: 'row' }, h('span', { class: 'dotted', style: `--c:${seriesColour(palette(), row.series.index)}` }, row.series.name)),
+        h('th', { scope: 'row' }, h('span', { class: 'dotted', style: `--c:${seriesColour(palette(), row.series.mark)}` }, row.series.name)),
         h('td', null, integer(row.rates[0]?.n ?? 0)),
         ...row.rates.map((r) => {
           const p = corrected[place++] ?? 1;
@@ -82,9 +83,10 @@ export function comparison(model: Model): HTMLElement {
   };
   saveButton.addEventListener('click', () => download('comparison.csv', 'text/csv',
     csv(['controller', 'baseline', 'measure', 'n', 'difference', 'low', 'high', 'only_baseline', 'only_controller', 'p', 'p_holm'], table)));
-  // Bootstrapping takes its time: after what is seen first.
-  requestAnimationFrame(() => setTimeout(fill));
-  onView(fill);
-  onTheme(fill);
-  return h('div', { class: 'panel', id: 'comparison' }, h('div', { class: 'panel-head' }, h('h3', null, 'Paired comparison'), controls), box, h('footer', null, note, h('div', { class: 'actions' }, saveButton)));
+  const element = h('div', { class: 'panel', id: 'comparison' }, h('div', { class: 'panel-head' }, h('h3', null, 'Paired comparison'), controls), box, h('footer', null, note, h('div', { class: 'actions' }, saveButton)));
+  drawLater(element, fill);   // it takes its time
+  const refill = (): void => drawOrWait(element, fill);
+  onView(refill);
+  onTheme(refill);
+  return element;
 }

@@ -1,59 +1,22 @@
 // The failure atlas: failures that look alike together, the worst of each ready to play.
 
-import { kOutcomeNames, type Model, type Outcome } from '../data';
-import { h, replace } from '../dom';
-import { integer, percent, plural } from '../format';
+import { drawLater, drawOrWait } from '../chart';
+import { causeOf, kCauses, kCauseTexts, type Cause } from '../causes';
+import { kOutcomeNames, type Model, type Outcome, type Series } from '../data';
+import { download, h, replace } from '../dom';
+import { csv, integer, percent, plural } from '../format';
 import { metric, withUnit } from '../metrics';
 import { select } from '../select';
 import * as state from '../state';
-import { onTheme, palette } from '../theme';
+import { onTheme, palette, seriesColour } from '../theme';
 import { onView, view } from '../view';
 
 interface Cluster {
   outcome: Outcome;
-  controller: string;
-  point: string;
+  series: Series;
+  cause: Cause;
   what: string;
   rows: number[];
-}
-
-/** "sphere3" and "sphere7" are one kind of thing; what follows "self:" is kept. */
-function kind(object: string): string {
-  if (object.startsWith('self:')) return `itself (${object.slice(5)})`;
-  const stem = object.replace(/[\s_-]*\d+$/, '') || object;
-  return stem === 'object' ? 'an object' : stem;
-}
-
-/** "@base" is the mobile base; "hand/2" the second shape of hand. */
-function part(link: string): string {
-  return link === '@base' ? 'base' : link.replace(/\/\d+$/, '');
-}
-
-/** Nearer than this, an object is taken for what holds the robot [m]. */
-const kHolds = 0.1;
-
-/**
- * What held a robot that did not arrive, from the situation that the store's reason describes: "0.4 m and 0.1 rad from
- * the goal; link4 is 0.02 m from sphere3; joint4 is 0.01 from its limit". Numbers differ from trial to trial and would
- * make every failure its own cluster.
- */
-function cause(reason: string): string {
-  const held: string[] = [];
-  let told = false;
-  for (const text of reason.split(';')) {
-    const near = /^\s*(\S+) is ([-+.\deE]+) m from (.+)$/.exec(text);
-    const limit = /^\s*(\S+) is ([-+.\deE]+) from its limit$/.exec(text);
-    const outside = /^\s*(\S+) at \S+ is outside /.exec(text);
-    if (/ from the goal$/.test(text)) told = true;
-    else if (outside !== null) return `${outside[1]} beyond its limit`;
-    else if (near !== null) {
-      if (Number(near[2]) < kHolds) held.push(`${part(near[1] ?? '')} close to ${kind(near[3] ?? '')}`);
-    } else if (limit !== null) held.push(`${limit[1]} at its limit`);
-  }
-  if (held.length > 0) return held.join(', ');
-  if (told) return 'clear of objects and limits';
-  // Digits that belong to a name stay.
-  return reason.replace(/(?<![\w.])-?\d+(\.\d+)?([eE][-+]?\d+)?/g, '\u2026').slice(0, 90);
 }
 
 function clusters(model: Model): Cluster[] {
@@ -63,10 +26,9 @@ function clusters(model: Model): Cluster[] {
     for (const row of s.rows) {
       const outcome = t.outcome(row);
       if (outcome === 'success') continue;
-      const link = t.text('link', row);
-      const what = outcome === 'collision' ? `${part(link) || 'robot'} against ${kind(t.text('object', row)) || 'something'}` : cause(t.text('reason', row));
-      const key = [outcome, s.index, what].join('\n');
-      const cluster = found.get(key) ?? { outcome, controller: s.controller, point: s.point, what, rows: [] };
+      const { cause, what } = causeOf(model, row);
+      const key = [outcome, s.index, cause, what].join('\n');
+      const cluster = found.get(key) ?? { outcome, series: s, cause, what, rows: [] };
       cluster.rows.push(row);
       found.set(key, cluster);
     }
@@ -81,12 +43,32 @@ function worst(model: Model, cluster: Cluster): number[] {
   return [...cluster.rows].sort((a, b) => value(b) - value(a));
 }
 
+/** Failures of each controller by cause. */
+function table(all: readonly Cluster[]): HTMLElement {
+  const { series } = view();
+  const causes = kCauses.filter((cause) => all.some((c) => c.cause === cause));
+  const count = (cause: Cause | null, s: Series): number => all.filter((c) => (cause === null || c.cause === cause) && c.series === s).reduce((sum, c) => sum + c.rows.length, 0);
+  const rows = causes.map((cause) => [cause, ...series.map((s) => count(cause, s))] as const);
+  const most = Math.max(1, ...rows.flatMap(([, ...counts]) => counts));
+  const save = (): void => download('causes.csv', 'text/csv', csv(['cause', 'controller', 'point', 'failures', 'n'],
+    causes.flatMap((cause) => series.map((s) => [cause, s.controller, s.point, count(cause, s), s.rows.length]))));
+  return h('div', { class: 'panel', id: 'causes' },
+    h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Failures by cause' }, h('table', { class: 'plain causes' },
+      h('thead', null, h('tr', null, h('th', { scope: 'col' }, 'Cause'), ...series.map((s) => h('th', { scope: 'col' }, h('span', { class: 'dotted', style: `--c:${seriesColour(palette(), s.mark)}` }, s.name), h('small', null, `${integer(count(null, s))} failures, n\u00a0=\u00a0${integer(s.rows.length)}`))))),
+      h('tbody', null, ...rows.map(([cause, ...counts]) => h('tr', null, h('th', { scope: 'row' }, cause, h('small', null, kCauseTexts[cause])),
+        ...counts.map((n, i) => h('td', null, n === 0 ? '\u2013' : h('span', { class: 'share', style: `--w:${(100 * n) / most}%` }, integer(n), h('small', null, percent(n / (series[i]?.rows.length ?? 1))))))))))),
+    h('footer', null, h('p', { class: 'note' }, 'Causes follow from what the store says of a trial, in the order of this table; they are no proof. \u201cBase misaligned\u201d and \u201clate detection\u201d need stored samples.'),
+      h('div', { class: 'actions' }, h('button', { type: 'button', class: 'quiet', click: save }, 'Data CSV'))));
+}
+
 export function failures(model: Model): HTMLElement {
   const box = h('div', { class: 'atlas' });
   const note = h('p', { class: 'note' });
+  const causes = h('div');
   let open = false;
   const fill = (): void => {
     const all = clusters(model);
+    replace(causes, all.length === 0 ? null : table(all));
     const p = palette();
     const few = innerWidth < 640 ? 5 : 12;
     const shown = open ? all : all.slice(0, few);
@@ -99,25 +81,28 @@ export function failures(model: Model): HTMLElement {
       const trial = model.trials.text('trial', row);
       const of = metric(c.outcome === 'collision' ? 'collision_depth_m' : 'position_error_m');
       const value = model.trials.number(of.key, row);
-      const of_ = view().series.find((s) => s.controller === c.controller && s.point === c.point)?.rows.length ?? 0;
+      const of_ = c.series.rows.length;
       return h('article', { style: `--c:${p.outcomes[c.outcome]}` },
-        h('h4', null, h('span', { class: 'chip' }, kOutcomeNames[c.outcome]), h('span', { class: 'who' }, c.point ? `${c.controller} \u00b7 ${c.point}` : c.controller)),
+        h('h4', null, h('span', { class: 'chip' }, kOutcomeNames[c.outcome]), h('span', { class: 'who', title: c.series.name }, c.series.name)),
+        h('p', { class: 'why', title: kCauseTexts[c.cause] }, c.cause),
         h('p', { class: 'what' }, c.what || (c.outcome === 'timeout' ? 'the time ran out' : 'no reason given')),
         h('p', { class: 'count' }, h('b', null, integer(c.rows.length)), ` of ${plural(of_, 'trial')}, ${percent(c.rows.length / of_)}`),
         h('p', { class: 'worst' }, `${playable === undefined ? 'Worst' : 'Worst to play'}: world ${integer(model.trials.number('world', row))}`, Number.isFinite(value) ? `, ${of.name} ${withUnit(of, value)}` : ''),
         h('div', { class: 'actions' },
           h('button', { type: 'button', class: playable === undefined ? 'quiet' : 'play', click: () => select(trial, true) }, playable === undefined ? 'Command' : 'Play'),
           h('button', { type: 'button', class: 'quiet', click: () => {
-            state.set({ outcome: c.outcome, q: c.outcome === 'collision' ? model.trials.text('link', row) : '', who: c.controller });
+            state.set({ outcome: c.outcome, q: c.outcome === 'collision' ? model.trials.text('link', row) : '', who: c.series.controller });
             document.getElementById('trials')?.scrollIntoView();
           } }, 'List')));
     }));
     if (all.length === 0) replace(box, h('p', { class: 'empty' }, met === 0 ? 'No trials here yet.' : 'No trial failed.'));
-    replace(note, all.length === 0 ? '' : `${integer(failed)} of n = ${integer(met)} trials failed, in ${plural(all.length, 'kind')} (outcome, controller, and what touched what or the reason given). `,
+    replace(note, all.length === 0 ? '' : `${integer(failed)} of n = ${integer(met)} trials failed, in ${plural(all.length, 'kind')} (outcome, controller, cause, and what took part). `,
       all.length > few ? h('button', { type: 'button', class: 'quiet', click: () => { open = !open; fill(); } }, open ? 'Show fewer' : `Show all ${integer(all.length)}`) : null);
   };
-  fill();
-  onView(fill);
-  onTheme(fill);
-  return h('div', null, box, h('footer', null, note));
+  const element = h('div', null, causes, box, h('footer', null, note));
+  drawLater(element, fill);
+  const refill = (): void => drawOrWait(element, fill);
+  onView(refill);
+  onTheme(refill);
+  return element;
 }

@@ -1,6 +1,7 @@
 // What was run, and what came of it: one sentence per controller.
 
 import { pairs } from '../compare';
+import { conditions, disturbances, onlyConditions } from '../conditions';
 import { inSlice, type Model, type PointInfo, type Series, type SummaryRow } from '../data';
 import { h, replace } from '../dom';
 import { integer, list, percent, percentNumber, percentRange, plural, probability, seconds, times } from '../format';
@@ -38,6 +39,8 @@ function facts(model: Model): [string, string][] {
     ['Simulation', `${slice.mode}, ${unique(points.map((p) => `${1e3 * p.control_period_s} ms`)).join(', ')} control period`],
     ['Trials', integer(trials)],
   ];
+  const between = disturbances(model, slice);
+  if (between !== '') out.splice(4, 0, ['Disturbances', between]);
   if (latest !== undefined) {
     out.push(['Run', `${when(latest.started)} on ${unique(runs.map((r) => r.host)).join(', ')}`], ['moma', versions.join(', ')]);
   }
@@ -75,7 +78,7 @@ function judged(model: Model): Judged[] {
   const { slice, family, series } = view();
   const rows = (family === '' ? model.page.overall : model.page.summary.filter((s) => s.family === family)).filter((r) => inSlice(r, slice));
   const all = series.map((s) => ({ series: s, row: rows.find((r) => r.controller === s.controller && r.point === s.point) }));
-  if (all.length <= kVerdicts) return all;
+  if (all.length <= kVerdicts || onlyConditions(model, slice)) return all;
   return all.sort((a, b) => (b.row?.success_rate ?? -1) - (a.row?.success_rate ?? -1)).slice(0, 3);
 }
 
@@ -83,7 +86,7 @@ function verdicts(model: Model): HTMLElement[] {
   const { all } = view();
   const shown = judged(model);
   return shown.map(({ series: s, row }) => {
-    const colour = seriesColour(palette(), s.index);
+    const colour = seriesColour(palette(), s.mark);
     if (row === undefined) {
       return h('article', { class: 'verdict', style: `--c:${colour}` }, h('h2', null, s.name), h('p', null, 'has no trials here yet.'));
     }
@@ -93,7 +96,8 @@ function verdicts(model: Model): HTMLElement[] {
       gauge(row, colour),
       h('p', { class: 'words' }, sentence(s.point === '' ? s.name : 'It', row)));
   }).concat(all.length > shown.length
-    ? [h('p', { class: 'aside' }, `The best ${integer(shown.length)} of ${plural(all.length, 'point')}; all are in the table below. The best of many look better on the worlds that chose them than they are: confirm them on other worlds.`)]
+    ? [h('p', { class: 'aside' }, shown.length === view().series.length ? `${integer(shown.length)} of ${plural(all.length, 'point')}, as chosen; all are in the table below.`
+      : `The best ${integer(shown.length)} of ${plural(all.length, 'point')}; all are in the table below. The best of many look better on the worlds that chose them than they are: confirm them on other worlds.`)]
     : []);
 }
 
@@ -102,6 +106,10 @@ function comparison(model: Model): HTMLElement | null {
   const shown = judged(model).map((j) => j.series);
   const first = shown[0];
   if (first === undefined) return null;
+  if (shown.length > kVerdicts) {
+    const under = conditions(model, view().slice).length > 0 ? 'Choose one condition in the bar below for its paired comparison in words; t' : 'T';
+    return h('p', { class: 'aside' }, `${under}he section World by world compares all of them with one, on the same worlds.`);
+  }
   // Of many points only the best two: each further comparison would cost the others power.
   const others = view().series.length > kVerdicts ? shown.slice(1, 2) : shown.slice(1);
   const all = others.map((s) => ({ s, r: pairs(model, first, s, 'time_to_goal_s') })).filter(({ r }) => r.worlds.length > 0);
@@ -126,7 +134,9 @@ export function masthead(model: Model, live: HTMLElement | null): HTMLElement {
     replace(title, slice.suite || model.page.store.file, family !== '' ? h('span', null, ` ${family} only`) : null);
     replace(strip, ...facts(model).map(([name, value]) => h('div', null, h('dt', null, name), h('dd', null, value))));
     replace(told, ...notices(model, suites).map((text) => h('p', null, text)));
-    replace(verdictBox, ...verdicts(model));
+    const all = verdicts(model);
+    verdictBox.classList.toggle('many', all.length > kVerdicts);
+    replace(verdictBox, ...all);
     replace(pairBox, comparison(model));
   };
   fill();

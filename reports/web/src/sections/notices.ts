@@ -13,6 +13,7 @@ const kSettings: readonly (readonly [keyof PointInfo, string])[] = [
 function settings(points: readonly PointInfo[], several: boolean): string[] {
   if (!several) return [];
   const differ = kSettings.filter(([key]) => new Set(points.map((p) => p[key])).size > 1).map(([key, name]) => `${name} (${list([...new Set(points.map((p) => String(p[key])))])})`);
+  if (new Set(points.map((p) => p.store)).size > 1 && new Set(points.map((p) => JSON.stringify(p.disturbances))).size > 1) differ.push('disturbances (below, under provenance)');
   return differ.length === 0 ? [] : [`The stores were not run alike, so that their rates must not be compared as they are: they differ in ${list(differ)}.`];
 }
 

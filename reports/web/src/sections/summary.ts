@@ -1,5 +1,6 @@
 // The table of the store's v_summary: one row per controller and family.
 
+import { onlyConditions } from '../conditions';
 import { inSlice, type Model, type SummaryRow } from '../data';
 import { download, h, replace } from '../dom';
 import { csv, fixed, integer, percent, percentRange, seconds, significant } from '../format';
@@ -25,21 +26,23 @@ const kHead: readonly (readonly [string, string])[] = [
 export function summary(model: Model): HTMLElement {
   const body = h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Table of results' });
   const fill = (): void => {
-    const { all } = view();
+    const { all, slice } = view();
+    const within = onlyConditions(model, slice);   // the best of each condition
     const groups = new Map<string, SummaryRow[]>();
     for (const row of rows(model)) {
       const family = row.family ?? 'all families';
       groups.set(family, [...(groups.get(family) ?? []), row]);
     }
-    const best = (group: SummaryRow[]): number => Math.max(...group.map((r) => r.success_rate));
+    const rivals = (group: SummaryRow[], row: SummaryRow): SummaryRow[] => (within ? group.filter((r) => r.point === row.point) : group);
+    const best = (group: SummaryRow[], row: SummaryRow): boolean => rivals(group, row).length > 1 && rivals(group, row).every((r) => r.success_rate <= row.success_rate);
     replace(body, h('table', { class: 'summary' },
       h('thead', null, h('tr', null, ...kHead.map(([name, detail], i) => h('th', { scope: 'col', class: i === 0 ? 'text' : 'num' }, name, detail ? h('small', null, detail) : null)))),
       ...[...groups].map(([family, group]) => h('tbody', null,
         h('tr', { class: 'group' }, h('th', { colspan: kHead.length, scope: 'rowgroup' }, family)),
         ...group.map((r) => {
           const series = all.find((s) => s.controller === r.controller && s.point === r.point);
-          return h('tr', { class: group.length > 1 && r.success_rate === best(group) ? 'best' : null },
-            h('th', { scope: 'row', class: 'text' }, h('span', { class: 'dotted', style: `--c:${seriesColour(palette(), series?.index ?? 0)}` }, r.controller), r.point ? h('small', null, r.point) : null),
+          return h('tr', { class: best(group, r) ? 'best' : null },
+            h('th', { scope: 'row', class: 'text' }, h('span', { class: 'dotted', style: `--c:${seriesColour(palette(), series?.mark ?? -1)}` }, r.controller), r.point ? h('small', null, r.point) : null),
             h('td', { class: 'num' }, integer(r.n)),
             h('td', { class: 'num' }, ...rate(r.success_rate, r.success_low, r.success_high)),
             h('td', { class: 'num' }, ...rate(r.collision_rate, r.collision_low, r.collision_high)),

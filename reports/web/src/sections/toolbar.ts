@@ -1,5 +1,6 @@
 // The bar that stays on top: sections, what is shown, light or dark.
 
+import { choose, chosenValue, conditions, shortValue, type Condition } from '../conditions';
 import type { Model } from '../data';
 import { choice, h, replace } from '../dom';
 import * as state from '../state';
@@ -10,6 +11,18 @@ export interface Toolbar {
   element: HTMLElement;
   /** To be called once the sections are in the page. */
   watch: () => void;
+}
+
+/** Few values side by side, many in a list. */
+function under(of: Condition, place: number): HTMLElement {
+  const now = chosenValue(place);
+  if (of.values.length > 5) {
+    return choice(of.name, [['', 'all'], ...of.values.map((v, i) => [String(i), shortValue(v)] as const)], now === undefined ? '' : String(now),
+      (value) => choose(place, value === '' ? undefined : Number(value)));
+  }
+  return h('div', { class: 'choice' }, h('span', null, of.name), h('div', { class: 'segments', role: 'group', 'aria-label': of.name },
+    ...[undefined, ...of.values.keys()].map((value) => h('button', { type: 'button', 'aria-pressed': value === now ? 'true' : 'false', click: () => choose(place, value) },
+      value === undefined ? 'all' : shortValue(of.values[value] ?? '')))));
 }
 
 export function toolbar(model: Model, sections: readonly (readonly [id: string, name: string])[]): Toolbar {
@@ -26,12 +39,13 @@ export function toolbar(model: Model, sections: readonly (readonly [id: string, 
     theme.textContent = isDark() ? 'Light' : 'Dark';
     theme.setAttribute('aria-label', isDark() ? 'Use light colours' : 'Use dark colours');
     replace(what,
-      model.slices.length > 1 ? choice('Shown', model.slices.map((s) => [s.id, s.id] as const), slice.id, (id) => state.set({ slice: id, family: '', show: '' })) : null,
+      model.slices.length > 1 ? choice('Shown', model.slices.map((s) => [s.id, s.id] as const), slice.id, (id) => state.set({ slice: id, family: '', show: '', at: '' })) : null,
       families.length > 1 ? h('div', { class: 'segments', role: 'group', 'aria-label': 'Family of worlds' }, ...['', ...families].map((name) =>
         h('button', { type: 'button', 'aria-pressed': name === family ? 'true' : 'false', click: () => state.set({ family: name }) }, name === '' ? 'all worlds' : name))) : null,
+      ...conditions(model, slice).slice(0, 3).map(under),
       all.length > 1 ? h('div', { class: 'who-shown', role: 'group', 'aria-label': 'Controllers' }, ...(all.length > 8
-        ? [choice(`Points (${series.length} of ${all.length})`, [['', 'best few'], ...all.map((s) => [String(s.index), s.name] as const)], '', (value) => (value === '' ? state.set({ show: '' }) : toggleSeries(Number(value))))]
-        : all.map((s) => h('button', { type: 'button', class: 'toggle', style: `--c:${seriesColour(p, s.index)}`, 'aria-pressed': series.includes(s) ? 'true' : 'false', click: () => toggleSeries(s.index) }, s.name)))) : null);
+        ? [choice(`Points (${series.length} of ${all.length})`, [['', series.length === all.length ? 'all' : 'best few'], ...all.map((s) => [String(s.index), s.name] as const)], '', (value) => (value === '' ? state.set({ show: '' }) : toggleSeries(Number(value))))]
+        : all.map((s) => h('button', { type: 'button', class: 'toggle', style: `--c:${seriesColour(p, s.mark)}`, 'aria-pressed': series.includes(s) ? 'true' : 'false', click: () => toggleSeries(s.index) }, s.name)))) : null);
   };
   fill();
   onView(fill);

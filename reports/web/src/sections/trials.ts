@@ -1,5 +1,6 @@
 // The table of trials: filtered, sorted, drawn only where it is seen.
 
+import { disturbed } from '../conditions';
 import { kOutcomeNames, kOutcomes, type Model } from '../data';
 import { choice, copy, download, h, replace } from '../dom';
 import { csv, integer, plural } from '../format';
@@ -176,7 +177,7 @@ export function trials(model: Model): HTMLElement {
         h('div', { class: 'actions' },
           !model.playable(trial) ? null : h('button', { type: 'button', class: 'play', click: () => select(trial, true) }, 'Play'),
           h('button', { type: 'button', class: 'quiet', click: () => state.set({ trial: '' }) }, 'Close'))),
-      h('p', null, [t.text('controller', row), t.text('point', row), `${t.text('family', row)} world ${integer(t.number('world', row))}`, contact(model, row)].filter((text) => text !== '').join(' \u00b7 ')),
+      h('p', null, [t.text('controller', row), t.text('point', row), `${t.text('family', row)} world ${integer(t.number('world', row))}`, disturbed(model.point(row)) && `disturbed: ${disturbed(model.point(row))}`, contact(model, row)].filter((text) => text !== '').join(' \u00b7 ')),
       h('p', { class: 'command' }, h('code', null, line), button),
       h('dl', { class: 'metrics' }, ...kMetrics.filter((m) => Number.isFinite(t.number(m.key, row))).map((m) => h('div', null, h('dt', null, m.name), h('dd', null, withUnit(m, t.number(m.key, row)))))));
   };

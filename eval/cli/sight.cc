@@ -1,0 +1,36 @@
+#include "eval/cli/sight.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "controller/config/node.h"
+#include "world/scenario/worlds.h"
+#include "world/sensing/detection.h"
+#include "world/sensing/disturbances_file.h"
+
+namespace moma::cli {
+
+std::optional<double> known_before_contact(const reports::SightQuestion& question) {
+  const World world = world_from_json(nlohmann::ordered_json::parse(question.world), "world");
+  const Disturbances disturbances =
+      read_disturbances(config::parse_yaml(question.disturbances, "disturbances"), "disturbances");
+  const auto hit = std::find_if(world.objects.begin(), world.objects.end(),
+                                [&](const WorldObject& object) { return object.name == question.object; });
+  Detection detection(disturbances.detection, world, question.control_period);
+  if (hit == world.objects.end() || !detection.on()) return {};
+  const auto place = static_cast<std::size_t>(hit - world.objects.begin());
+  std::vector<ObjectState> states(world.objects.size());
+  for (std::size_t k = 0; k < question.t.size(); ++k) {
+    const double* base = question.base.data() + 3 * k;
+    object_states(world, question.t[k], states);
+    for (ObjectState& state : states) state.visible = true;
+    detection.update({base[0], base[1], base[2]}, states);
+    if (!states[place].visible) continue;
+    // What is known from the start was never new.
+    const double since = k == 0 ? 0.0 : question.t[k] + disturbances.objects.delay;
+    return std::max(0.0, question.contact_time - since);
+  }
+  return 0.0;
+}
+
+}  // namespace moma::cli

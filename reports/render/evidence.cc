@@ -1,0 +1,108 @@
+#include "reports/render/evidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <span>
+#include <stdexcept>
+
+#include "reports/render/assets.h"
+#include "reports/render/replay_data.h"
+
+namespace moma::reports {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Found = std::map<std::string, double>;  // by trial
+
+/// A trial's samples by column.
+class Unpacked {
+ public:
+  explicit Unpacked(SQLite::Statement& row)
+      : n_(row.getColumn("n").getInt64()),
+        columns_(Json::parse(row.getColumn("columns").getString()).get<std::vector<std::string>>()) {
+    const SQLite::Column blob = row.getColumn("data");
+    values_ = unpack({row.getColumn("layout").getInt(),
+                      n_,
+                      columns_,
+                      {static_cast<const char*>(blob.getBlob()), static_cast<std::size_t>(blob.getBytes())}});
+  }
+
+  std::span<const double> column(const std::string& name) const {
+    const auto place = std::find(columns_.begin(), columns_.end(), name);
+    if (place == columns_.end()) throw std::runtime_error("samples: there is no column " + name);
+    const auto n = static_cast<std::size_t>(n_);
+    return std::span(values_).subspan(n * static_cast<std::size_t>(place - columns_.begin()), n);
+  }
+
+ private:
+  long long n_;
+  std::vector<std::string> columns_;
+  std::vector<double> values_;
+};
+
+/// Nothing where the goal moves or lies at the base.
+std::optional<double> goal_bearing(SQLite::Statement& row) {
+  const Json goal = Json::parse(row.getColumn("json_world").getString()).at("goal");
+  if (goal.contains("motion") && goal.at("motion").value("kind", "") != "static") return {};
+  const Unpacked samples(row);
+  if (samples.column("t").empty()) return {};
+  const double x = goal.at("position").at(0).get<double>() - samples.column("base_x").back();
+  const double y = goal.at("position").at(1).get<double>() - samples.column("base_y").back();
+  if (!(std::hypot(x, y) > 1e-6)) return {};
+  return std::remainder(std::atan2(y, x) - samples.column("base_phi").back(), 2.0 * 3.14159265358979323846);
+}
+
+SightQuestion question(SQLite::Statement& row) {
+  const Unpacked samples(row);
+  SightQuestion ask{row.getColumn("json_world").getString(),
+                    row.getColumn("disturbances").getString(),
+                    row.getColumn("object").getString(),
+                    row.getColumn("control_period_s").getDouble(),
+                    row.getColumn("collision_time_s").getDouble(),
+                    {},
+                    {}};
+  const auto t = samples.column("t");
+  ask.t.assign(t.begin(), t.end());
+  for (std::size_t i = 0; i < ask.t.size(); ++i)
+    for (const char* name : {"base_x", "base_y", "base_phi"}) ask.base.push_back(samples.column(name)[i]);
+  return ask;
+}
+
+void add_column(const std::string& name, const Found& found, Json& page) {
+  if (found.empty()) return;
+  Json& columns = page["trials"]["columns"];
+  const Json& trials = columns.at("trial");
+  Json cells = Json::array();
+  for (const Json& code : trials.at("codes")) {
+    const auto value = found.find(trials.at("values").at(code.get<std::size_t>()).get<std::string>());
+    cells.push_back(value == found.end() ? Json(nullptr) : Json(value->second));
+  }
+  columns[name] = std::move(cells);
+}
+
+}  // namespace
+
+void add_evidence(SQLite::Database& store, std::int64_t worlds, const SightAnswer& sight, Json& page) {
+  if (page.at("trials").at("n").get<long long>() == 0) return;
+  SQLite::Statement query(store, std::string(evidence_sql()));
+  query.bind(1, worlds);
+  query.bind(2, kMostEvidence);
+  Found bearings, known;
+  while (query.executeStep()) {
+    const std::string trial = query.getColumn("trial").getString();
+    try {
+      if (query.getColumn("kind").getString() == "bearing") {
+        if (const std::optional<double> bearing = goal_bearing(query)) bearings[trial] = *bearing;
+      } else if (sight) {
+        if (const std::optional<double> seconds = sight(question(query))) known[trial] = *seconds;
+      }
+    } catch (const std::exception&) {
+      // Samples or worlds that do not fit tell nothing; the replay says what is wrong with them.
+    }
+  }
+  add_column("goal_bearing_rad", bearings, page);
+  add_column("known_before_contact_s", known, page);
+}
+
+}  // namespace moma::reports

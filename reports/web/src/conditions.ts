@@ -1,0 +1,85 @@
+// What else than gains was swept: disturbances, worlds, the simulation. Controllers are compared under one condition, or
+// one controller over several; none of them is "the best".
+
+import { inSlice, type Model, type PointInfo, type Slice } from './data';
+import * as state from './state';
+
+export interface Condition {
+  key: string;
+  name: string;
+  /** Distinct values in the order of the points, as JSON. */
+  values: string[];
+}
+
+/** Of a controller, so that its values are candidates to choose from. */
+export function isGain(key: string): boolean {
+  return /^controllers?\./.test(key);
+}
+
+/** "../disturbances/realistic.yaml" -> "realistic"; maps are too long to be read. */
+export function shortValue(json: string): string {
+  const value = JSON.parse(json) as unknown;
+  if (typeof value === 'string') return value.replace(/^.*\//, '').replace(/\.ya?ml$/, '');
+  return json.length > 24 ? `${json.slice(0, 23)}\u2026` : json;
+}
+
+function valueOf(point: PointInfo, key: string): string {
+  return JSON.stringify(point.params[key] ?? null);
+}
+
+export function conditions(model: Model, slice: Slice): Condition[] {
+  const points = model.page.points.filter((p) => inSlice(p, slice));
+  const keys = [...new Set(points.flatMap((p) => Object.keys(p.params)))].filter((key) => !isGain(key));
+  return keys.map((key) => ({ key, name: key, values: [...new Set(points.map((p) => valueOf(p, key)))] })).filter((c) => c.values.length > 1);
+}
+
+/** Whether points differ in nothing but conditions. */
+export function onlyConditions(model: Model, slice: Slice): boolean {
+  return !model.page.points.some((p) => inSlice(p, slice) && Object.keys(p.params).some(isGain));
+}
+
+/** The chosen value of each condition, by its place; kept in the address as "0.2,1.0". */
+function chosen(): Map<number, number> {
+  return new Map(state.get('at').split(',').filter((text) => /^\d+\.\d+$/.test(text)).map((text) => text.split('.').map(Number) as [number, number]));
+}
+
+export function chosenValue(place: number): number | undefined {
+  return chosen().get(place);
+}
+
+export function choose(place: number, value: number | undefined): void {
+  const now = chosen();
+  if (value === undefined) now.delete(place);
+  else now.set(place, value);
+  state.set({ at: [...now].map((pair) => pair.join('.')).join(','), show: '' });
+}
+
+export function meets(model: Model, slice: Slice, point: PointInfo | undefined): boolean {
+  if (point === undefined || state.get('at') === '') return true;
+  return conditions(model, slice).every((c, place) => {
+    const value = c.values[chosenValue(place) ?? -1];
+    return value === undefined || valueOf(point, c.key) === value;
+  });
+}
+
+/** {"collision": {"stop": 1}} -> [["collision.stop", "1"]]. */
+export function flatten(value: unknown, prefix = ''): [string, string][] {
+  if (value !== null && typeof value === 'object' && !Array.isArray(value)) {
+    return Object.entries(value).flatMap(([key, inner]) => flatten(inner, prefix === '' ? key : `${prefix}.${key}`));
+  }
+  return [[prefix, typeof value === 'string' ? value : JSON.stringify(value)]];
+}
+
+/** "joints, base, goal": what of a point is disturbed; '' nothing. */
+export function disturbed(point: PointInfo | undefined): string {
+  return Object.keys(point?.disturbances ?? {}).filter((key) => key !== 'seed').join(', ');
+}
+
+/** What of the points of a slice is disturbed, in a few words; '' nothing. */
+export function disturbances(model: Model, slice: Slice): string {
+  const points = model.page.points.filter((p) => inSlice(p, slice));
+  const swept = conditions(model, slice).filter((c) => c.key === 'disturbances');
+  if (swept.length > 0) return swept.flatMap((c) => c.values.map(shortValue)).join(', ');
+  const kinds = new Set(points.map(disturbed));
+  return kinds.size > 1 ? 'differ from point to point' : [...kinds][0] ?? '';
+}
