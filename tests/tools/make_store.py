@@ -221,6 +221,7 @@ def make_row(r, world, controller, quality, only_failures):
         'fallback_no_acceleration': r.randint(0, 3), 'fallback_relaxed': r.randint(0, 3),
         'fallback_brake': r.randint(0, 9) if outcome == 'infeasible' else 0, 'slip_max_m_s': r.uniform(0, 0.1),
         'tracking_error_rms': r.uniform(0, 0.02), 'lcp_messages': 0, 'steps': round(end / 0.02),
+        'detector_checks': round(end), 'detector_disagreements': 0, 'detector_deepest_m': None,
     }
     median = r.lognormvariate(2.6 + 0.03 * world['difficulty']['objects'], 0.15)
     timing = {'t_solve_median_us': 0.4 * median, 't_solve_p99_us': 0.9 * median, 't_solve_max_us': 4 * median,
@@ -281,7 +282,7 @@ def main():
     args = parser.parse_args()
 
     db = sqlite3.connect(args.out)
-    db.executescript('PRAGMA journal_mode = WAL; PRAGMA application_id = 1836019041; PRAGMA user_version = 2;')
+    db.executescript('PRAGMA journal_mode = WAL; PRAGMA application_id = 1836019041; PRAGMA user_version = 3;')
     for name in ('schema.sql', 'views.sql'):
         db.executescript((args.definition / name).read_text(encoding='utf-8'))
     if args.kind == 'empty':
