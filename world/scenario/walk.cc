@@ -26,17 +26,23 @@ Vector3 way_point(Draws& draws, const WalkArea& area, double margin) {
   return area.from + along * area.forward + draws.uniform(-margin, margin) * left;
 }
 
-/// Least level distance of the leg's line to the circles, below 0 inside of one.
-double level_gap(const std::vector<Vector3>& circles, const Vector3& from, const Vector3& to) {
+/// Where the leg's line comes nearest to the circles, level.
+struct Passing {
+  double gap = std::numeric_limits<double>::infinity();  ///< below 0 inside of one
+  double part = 0.0;                                     ///< of the leg
+};
+
+Passing nearest_passing(const std::vector<Vector3>& circles, const Vector3& from, const Vector3& to) {
   const Vector2 a = from.head<2>();
   const Vector2 leg = (to - from).head<2>();
-  double least = std::numeric_limits<double>::infinity();
+  Passing out;
   for (const Vector3& circle : circles) {
     const Vector2 center = circle.head<2>();
-    const double s = std::clamp(leg.dot(center - a) / leg.squaredNorm(), 0.0, 1.0);
-    least = std::min(least, (a + s * leg - center).norm() - circle.z());
+    const double part = std::clamp(leg.dot(center - a) / leg.squaredNorm(), 0.0, 1.0);
+    const double gap = (a + part * leg - center).norm() - circle.z();
+    if (gap < out.gap) out = {gap, part};
   }
-  return least;
+  return out;
 }
 
 /// How far an object reaches from its centre, level.
@@ -45,12 +51,16 @@ double level_reach(const WorldObject& object, bool upright) {
 }
 
 /// Time that the leg takes where it is clear of start and witness all the way, else a negative number. What passes
-/// wide of `circles` needs no closer look.
+/// wide of `circles` needs no closer look, and most of what does not get by is found where it passes nearest.
 double clear_leg(SceneBuilder& builder, const std::vector<Vector3>& circles, double reach, WorldObject object,
                  const Vector3& from, const Vector3& to, double speed) {
   const double time = (to - from).norm() / speed;
   const double clearance = builder.clearance() + speed * SceneBuilder::kTimeStep;
-  if (level_gap(circles, from, to) - reach > clearance) return time;
+  const Passing passing = nearest_passing(circles, from, to);
+  if (passing.gap - reach > clearance) return time;
+  object.motion = StaticMotion{};
+  set_pose(object, from + passing.part * (to - from), object.file_rotation);
+  if (builder.distance_to_robot(object, 0.0, clearance + 1e-3) <= clearance) return -1.0;
   set_pose(object, from, object.file_rotation);
   LinearMotion straight;
   straight.V_W.tail<3>() = (to - from) / time;
