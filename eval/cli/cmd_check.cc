@@ -46,7 +46,7 @@ std::string expected_time(const Suite& suite, double enough, WorldSurvey& survey
     BatchJob job;
     job.point = n % suite.points.size();
     job.world = world;
-    survey.add_trial(suite.points[job.point], compute_job(suite.points[job.point], job, n, {}));
+    survey.run(suite.points[job.point], job);
     ++n;
     seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <set>
 
 #include "eval/cli/table.h"
@@ -15,6 +15,13 @@ namespace {
 using store::Cell;
 
 constexpr std::uint64_t kEnoughFailures = 3;  // the next worlds of the family would only take long to fail as well
+
+/// Of this thread.
+double processor_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
 
 double rounded(double value, double unit) { return std::round(value / unit) * unit; }
 
@@ -38,23 +45,30 @@ void WorldSurvey::make_worlds(const Point& point, std::uint64_t count) {
   for (std::uint64_t index = 0; index < count; ++index) {
     Tally& tally = tallies_[{point.robot->model->name, point.worlds.family_of(index)}];
     if (tally.failed >= kEnoughFailures) continue;
-    const auto start = std::chrono::steady_clock::now();
+    const double start = processor_seconds();
     try {
       (void)point.worlds.make(point.robot->model, index, &tally.log);
     } catch (const GenerationError& error) {
       if (tally.failed++ == 0) failures_.emplace_back(error.what());
     }
-    tally.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    tally.seconds += processor_seconds() - start;
   }
 }
 
-void WorldSurvey::add_trial(const Point& point, const BatchResult& result) {
-  const double time = result.output.row.timing.t_trial_us;
-  if (result.world == nullptr || !std::isfinite(time)) return;
+void WorldSurvey::run(const Point& point, const BatchJob& job) {
+  double start = 0.0;
+  BatchOptions options;
+  options.world = [&start](const Point& of, std::uint64_t index) {
+    auto world = std::make_shared<const World>(of.worlds.make(of.robot->model, index));
+    start = processor_seconds();
+    return world;
+  };
+  const BatchResult result = compute_job(point, job, 0, options);
+  if (result.world == nullptr || result.output.row.outcome == Outcome::kError) return;
   const auto found = tallies_.find({point.robot->model->name, result.world->family});
   if (found == tallies_.end()) return;
   ++found->second.trials;
-  found->second.trial_seconds += 1e-6 * time;
+  found->second.trial_seconds += processor_seconds() - start;
 }
 
 void WorldSurvey::print(std::ostream& out, bool times) const {
@@ -84,9 +98,9 @@ void WorldSurvey::print(std::ostream& out, bool times) const {
     std::vector<std::pair<std::string, std::uint64_t>> sorted(tally.log.rejections.begin(), tally.log.rejections.end());
     std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
     for (const auto& [why, count] : sorted)
-      reasons.rows.push_back(
-          {robot, family, whole(count),
-           rounded(100.0 * static_cast<double>(count) / static_cast<double>(tally.log.tries), 0.1), why});
+      reasons.rows.push_back({robot, family, whole(count),
+                              rounded(100.0 * static_cast<double>(count) / static_cast<double>(tally.log.tries), 0.1),
+                              why});
     for (const auto& [why, count] : tally.log.redraws)
       reasons.rows.push_back({robot, family, whole(count), Cell{}, why + " (drawn again)"});
   }

@@ -12,14 +12,15 @@
 namespace moma::cli {
 
 /// What `moma check` says about the making of a suite's worlds: by robot and family how many tries a world takes, why
-/// tries are rejected, how long it takes and how long beside a trial.
+/// tries are rejected, how long it takes and how long beside a trial (processor time, so that other programs do not
+/// count).
 class WorldSurvey {
  public:
   /// Makes about `count` worlds in all, the first ones of each robot and `worlds` section among the points, of which
   /// there are `trials`.
   void make_worlds(const std::vector<Point>& points, std::uint64_t count, std::uint64_t trials);
-  /// Counts a trial's time.
-  void add_trial(const Point& point, const BatchResult& result);
+  /// Computes a job on this thread and counts the trial's time.
+  void run(const Point& point, const BatchJob& job);
 
   /// Nothing where no world had to be made (frozen sets). Times only where asked for: all else is the same every time.
   void print(std::ostream& out, bool times) const;

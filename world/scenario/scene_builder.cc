@@ -155,6 +155,17 @@ bool SceneBuilder::clear_for(const WorldObject& object, double top_speed, double
   return true;
 }
 
+std::vector<Vector3> SceneBuilder::footprints() const {
+  std::vector<Vector3> out;
+  for (const Kinematics* kinematics : {&start_, &witness_}) {
+    for (const CollisionShape& shape : model_->shapes) {
+      const Vector3 center = kinematics->X_WS(shape).translation();
+      out.emplace_back(center.x(), center.y(), bounding_radius(shape.shape));
+    }
+  }
+  return out;
+}
+
 void SceneBuilder::measure(World& world) {
   constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();
   constexpr double kGrown = 0.05;

@@ -59,6 +59,9 @@ class SceneBuilder {
   /// kTimeStep apart: after one of them the object may come nearer by top_speed * kTimeStep.
   bool clear_for(const WorldObject& object, double top_speed, double horizon, double clearance);
 
+  /// Circles on the floor, (x, y, radius), outside of which nothing of start and witness is. After place_robot().
+  std::vector<Vector3> footprints() const;
+
   /// Fills in world.difficulty.
   void measure(World& world);
 

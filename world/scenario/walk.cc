@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
+#include <vector>
 
 namespace moma {
 namespace {
@@ -24,15 +26,46 @@ Vector3 way_point(Draws& draws, const WalkArea& area, double margin) {
   return area.from + along * area.forward + draws.uniform(-margin, margin) * left;
 }
 
-/// Time that the leg takes where it is clear of start and witness all the way, else a negative number.
-double clear_leg(SceneBuilder& builder, WorldObject object, const Vector3& from, const Vector3& to, double speed) {
+/// Where the leg's line comes nearest to the circles, level.
+struct Passing {
+  double gap = std::numeric_limits<double>::infinity();  ///< below 0 inside of one
+  double part = 0.0;                                     ///< of the leg
+};
+
+Passing nearest_passing(const std::vector<Vector3>& circles, const Vector3& from, const Vector3& to) {
+  const Vector2 a = from.head<2>();
+  const Vector2 leg = (to - from).head<2>();
+  Passing out;
+  for (const Vector3& circle : circles) {
+    const Vector2 center = circle.head<2>();
+    const double part = std::clamp(leg.dot(center - a) / leg.squaredNorm(), 0.0, 1.0);
+    const double gap = (a + part * leg - center).norm() - circle.z();
+    if (gap < out.gap) out = {gap, part};
+  }
+  return out;
+}
+
+/// How far an object reaches from its centre, level.
+double level_reach(const WorldObject& object, bool upright) {
+  return upright ? object.shape.size.x() : bounding_radius(object.shape);
+}
+
+/// Time that the leg takes where it is clear of start and witness all the way, else a negative number. What passes
+/// wide of `circles` needs no closer look, and most of what does not get by is found where it passes nearest.
+double clear_leg(SceneBuilder& builder, const std::vector<Vector3>& circles, double reach, WorldObject object,
+                 const Vector3& from, const Vector3& to, double speed) {
   const double time = (to - from).norm() / speed;
+  const double clearance = builder.clearance() + speed * SceneBuilder::kTimeStep;
+  const Passing passing = nearest_passing(circles, from, to);
+  if (passing.gap - reach > clearance) return time;
+  object.motion = StaticMotion{};
+  set_pose(object, from + passing.part * (to - from), object.file_rotation);
+  if (builder.distance_to_robot(object, 0.0, clearance + 1e-3) <= clearance) return -1.0;
   set_pose(object, from, object.file_rotation);
   LinearMotion straight;
   straight.V_W.tail<3>() = (to - from) / time;
   object.motion = straight;
-  const double between = speed * SceneBuilder::kTimeStep;
-  return builder.clear_for(object, speed, time, builder.clearance() + between) ? time : -1.0;
+  return builder.clear_for(object, speed, time, clearance) ? time : -1.0;
 }
 
 }  // namespace
@@ -73,6 +106,8 @@ bool Walk::sample(SceneBuilder& builder, const WalkArea& area, const ObjectMix& 
     mix.sample(solid, first.x(), first.y(), object);
   }
 
+  const std::vector<Vector3> circles = builder.footprints();
+  const double reach = level_reach(object, people);
   PathMotion path;
   path.times = {0.0};
   path.positions = {object.X_WO.translation()};
@@ -84,7 +119,7 @@ bool Walk::sample(SceneBuilder& builder, const WalkArea& area, const ObjectMix& 
     for (int k = 0; k < kLegTries && time < 0.0; ++k) {
       to = way_point(draws, area, margin);
       to.z() = at.z();
-      if ((to - at).norm() >= kLeastLeg) time = clear_leg(builder, object, at, to, pace);
+      if ((to - at).norm() >= kLeastLeg) time = clear_leg(builder, circles, reach, object, at, to, pace);
     }
     if (time < 0.0) {  // hemmed in: back the way it came
       if (path.times.size() == 1) return false;
