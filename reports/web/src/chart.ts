@@ -39,8 +39,8 @@ export interface FigureSpec {
   empty: string;
   /** What must be read before the first drawing. */
   prepare?: () => Promise<void>;
-  /** A mark was clicked; `data` is its datum. */
-  click?: (data: unknown) => void;
+  /** A mark was clicked; `data` is its datum, undefined for a line. */
+  click?: (data: unknown, mark: { seriesIndex: number; dataIndex: number }) => void;
 }
 
 export const kFont = '"Inter Variable", "Inter", system-ui, "Segoe UI", sans-serif';
@@ -238,9 +238,10 @@ export function figure(spec: FigureSpec): HTMLElement {
     }
     if (chart === null) {
       chart = echarts.init(plot, null, { renderer: 'canvas' });
-      chart.on('click', (event) => spec.click?.(event.data));
+      chart.on('click', (event) => spec.click?.(event.data, { seriesIndex: event.seriesIndex ?? -1, dataIndex: event.dataIndex }));
     }
-    chart.setOption({ ...base(palette()), ...drawing.option }, { notMerge: true });
+    const series = (drawing.option['series'] as Option[]).map((s) => (spec.click === undefined ? { cursor: 'default', ...s } : s));
+    chart.setOption({ ...base(palette()), ...drawing.option, series }, { notMerge: true });
     note.textContent = drawing.note;
     plot.setAttribute('aria-label', `${spec.title}. ${drawing.note}`);
   };

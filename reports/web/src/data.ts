@@ -93,14 +93,11 @@ interface TextColumn {
 /** One row per trial, by column. */
 export class Trials {
   n = 0;
-  /** What a search looks at, by row; filled when first needed. */
-  readonly haystacks: string[] = [];
   private readonly texts = new Map<string, TextColumn>();
   private readonly numbers = new Map<string, Float64Array>();
 
   load(source: PageData['trials']): void {
     this.n = source.n;
-    this.haystacks.length = 0;
     this.texts.clear();
     this.numbers.clear();
     for (const [name, column] of Object.entries(source.columns)) {

@@ -34,7 +34,7 @@ export function course(model: Model): FigureSpec {
   return {
     id: 'course',
     title: 'Manipulability along the motion',
-    caption: 'One thin line per trial whose motion is at hand, from its start to its end; bold: the median of those still moving.',
+    caption: 'One thin line per trial whose motion is at hand, from its start to its end; bold: the median of those still moving. A click plays the trial.',
     empty: 'No motion of these trials is at hand.',
     prepare: async () => {
       for (const { trial } of model.page.replays.slice(0, kMost)) {
@@ -68,8 +68,8 @@ export function course(model: Model): FigureSpec {
           yAxis: axis(p, 'manipulability', { min: 0, nameGap: 46, axisLabel: { color: p.muted, fontSize: 11, formatter: plain } }),
           tooltip: {
             trigger: 'item',
-            formatter: ({ data }: { data: unknown }) => {
-              const row = (data as { row?: number }).row;
+            formatter: ({ seriesIndex }: { seriesIndex: number }) => {
+              const row = groups.flatMap((g) => g.courses)[seriesIndex]?.row;
               if (row === undefined) return '';
               const t = model.trials;
               return tip(`${t.text('controller', row)}, ${t.text('family', row)} world ${integer(t.number('world', row))}`, [['outcome', kOutcomeNames[t.outcome(row)]], ['least', fixed(t.number('manip_min', row), 4)], ['mean', fixed(t.number('manip_mean', row), 4)]], p.outcomes[t.outcome(row)]);
@@ -89,9 +89,9 @@ export function course(model: Model): FigureSpec {
         },
       };
     },
-    click: (data) => {
-      const row = (data as { row?: number }).row;
-      if (row !== undefined) select(model.trials.text('trial', row), true);
+    click: (_, { seriesIndex }) => {
+      const course = shown().flatMap((g) => g.courses)[seriesIndex];   // lines come first, in this order
+      if (course !== undefined) select(model.trials.text('trial', course.row), true);
     },
   };
 }

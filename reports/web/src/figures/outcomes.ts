@@ -3,6 +3,7 @@
 import { axis, legend, legendHeight, tip, type FigureSpec } from '../chart';
 import { kOutcomeNames, kOutcomes, type Outcome, type Series } from '../data';
 import { integer, percent, plural } from '../format';
+import * as state from '../state';
 import type { Palette } from '../theme';
 import { view } from '../view';
 
@@ -37,7 +38,7 @@ export function outcomes(): FigureSpec {
   return {
     id: 'outcomes',
     title: 'How trials ended',
-    caption: 'Every trial has exactly one outcome; a bar is all trials of a controller in a family of worlds.',
+    caption: 'Every trial has exactly one outcome; a bar is all trials of a controller in a family of worlds. A click lists the trials.',
     empty: 'No trials here yet.',
     draw: (p: Palette, width: number) => {
       const all = bars();
@@ -92,6 +93,14 @@ export function outcomes(): FigureSpec {
           },
         },
       };
+    },
+    click: (_, { seriesIndex, dataIndex }) => {
+      const all = bars();
+      const bar = all[dataIndex];
+      const outcome = kOutcomes.filter((o) => all.some((b) => b.counts.has(o)))[seriesIndex];
+      if (bar === undefined || outcome === undefined) return;
+      state.set({ outcome, who: bar.series.controller, q: [bar.family, bar.series.point].filter((text) => /^\S+$/.test(text)).join(' ') });
+      document.getElementById('trials')?.scrollIntoView();
     },
   };
 }

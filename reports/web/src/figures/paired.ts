@@ -105,7 +105,7 @@ export function paired(): FigureSpec {
       };
     },
     click: (data) => {
-      const w = (data as { w?: { a: number; b: number } }).w;
+      const w = (data as { w?: { a: number; b: number } } | undefined)?.w;
       if (w === undefined) return;
       const { model } = view();
       // The failed one of the two is the one to look at.

@@ -72,7 +72,7 @@ export function scatter(): FigureSpec {
       };
     },
     click: (data) => {
-      const row = (data as { row?: number }).row;
+      const row = (data as { row?: number } | undefined)?.row;
       if (row !== undefined) select(view().model.trials.text('trial', row), true);
     },
   };

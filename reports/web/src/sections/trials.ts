@@ -3,6 +3,7 @@
 import { disturbed } from '../conditions';
 import { kOutcomeNames, kOutcomes, type Model } from '../data';
 import { choice, copy, download, h, replace } from '../dom';
+import { filtered } from '../filter';
 import { csv, integer, plural } from '../format';
 import { kMetrics, metric, withUnit } from '../metrics';
 import { onSelect, select } from '../select';
@@ -38,41 +39,6 @@ function columns(model: Model): string[] {
   const { series } = view();
   return ['trial', 'controller', ...(series.some((s) => s.point !== '') ? ['point'] : []), 'family', 'world', 'outcome',
     ...kNumbers.slice(1).filter((key) => series.some((s) => model.trials.any(key, s.rows))), 'contact'];
-}
-
-/** Rows that pass the filters, in the order asked for. */
-function filtered(model: Model): number[] {
-  const t = model.trials;
-  const outcome = state.get('outcome');
-  const who = state.get('who');
-  const query = state.get('q').trim().toLowerCase();
-  const words = query === '' ? [] : query.split(/\s+/);
-  const haystack = (row: number): string => t.haystacks[row] ??= [t.text('trial', row), t.text('controller', row), t.text('point', row), t.text('family', row),
-    `world:${t.number('world', row)}`, t.text('outcome', row), t.text('link', row), t.text('object', row), t.text('reason', row), t.text('store', row)].join(' ').toLowerCase();
-  let rows = view().series.flatMap((s) => s.rows);
-  if (outcome === 'failure') rows = rows.filter((row) => !t.success(row));
-  else if (outcome !== '') rows = rows.filter((row) => t.text('outcome', row) === outcome);
-  if (who !== '') rows = rows.filter((row) => t.text('controller', row) === who);
-  if (words.length > 0) rows = rows.filter((row) => { const text = haystack(row); return words.every((word) => text.includes(word)); });
-  const [key = 'world', direction = 'up'] = state.get('sort').split(':');
-  const sign = direction === 'down' ? -1 : 1;
-  if (key === 'contact') {
-    const contacts = new Map(rows.map((row) => [row, contact(model, row)]));
-    rows.sort((a, b) => sign * (contacts.get(a) ?? '').localeCompare(contacts.get(b) ?? ''));
-  } else if (key in kText) {
-    // Codes are compared through their rank, so that no string is compared twice.
-    const { values, codes } = t.column(key);
-    const rank = new Map([...values.keys()].sort((a, b) => ((values[a] ?? '') < (values[b] ?? '') ? -1 : 1)).map((code, i) => [code, i]));
-    const at = (row: number): number => rank.get(codes[row] ?? -1) ?? -1;
-    rows.sort((a, b) => sign * (at(a) - at(b)));
-  } else {
-    rows.sort((a, b) => {
-      const [x, y] = [t.number(key, a), t.number(key, b)];
-      if (Number.isNaN(x) || Number.isNaN(y)) return Number.isNaN(x) ? (Number.isNaN(y) ? 0 : 1) : -1;   // none: last
-      return sign * (x - y);
-    });
-  }
-  return rows;
 }
 
 export function trials(model: Model): HTMLElement {
@@ -131,7 +97,7 @@ export function trials(model: Model): HTMLElement {
   };
 
   const refresh = (): void => {
-    rows = filtered(model);
+    rows = filtered(model, (key) => key in kText, (row) => contact(model, row));
     shownColumns = columns(model);
     scroller.style.setProperty('--columns', shownColumns.map((key) => `minmax(${kWidths[key] ?? 96}px, ${key === 'contact' ? '2fr' : '1fr'})`).join(' '));
     scroller.style.setProperty('--total', `${shownColumns.reduce((sum, key) => sum + (kWidths[key] ?? 96) + 14, 16)}px`);
