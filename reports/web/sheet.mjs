@@ -1,5 +1,5 @@
-// Trials side by side, each as its replay shows its last moment:
-//   node sheet.mjs ADDRESS OUT.png COLUMNS TRIAL=CAPTION [TRIAL=CAPTION ...]
+// Trials side by side, each as its replay shows its last moment, as PNG or JPEG:
+//   node sheet.mjs ADDRESS OUT COLUMNS TRIAL=CAPTION [TRIAL=CAPTION ...]
 // ADDRESS is that of `moma view`, or a page file that holds the trials. Needs chromium and this folder's npm packages.
 import { existsSync } from 'node:fs';
 import { resolve } from 'node:path';
@@ -7,7 +7,7 @@ import { chromium } from 'playwright-core';
 
 const [, , address, out, columns, ...trials] = process.argv;
 if (trials.length === 0) {
-  console.error('usage: node sheet.mjs ADDRESS OUT.png COLUMNS TRIAL=CAPTION [TRIAL=CAPTION ...]');
+  console.error('usage: node sheet.mjs ADDRESS OUT COLUMNS TRIAL=CAPTION [TRIAL=CAPTION ...]');
   process.exit(2);
 }
 const url = /^https?:/.test(address) ? address : `file://${resolve(address)}`;
@@ -54,5 +54,5 @@ await sheet.evaluate((all) => {
   }
 }, cells);
 await sheet.waitForTimeout(500);
-await sheet.screenshot({ path: out, fullPage: true });
+await sheet.screenshot({ path: out, fullPage: true, ...(out.endsWith('.jpg') ? { type: 'jpeg', quality: 82 } : {}) });
 await browser.close();
