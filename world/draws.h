@@ -14,7 +14,8 @@ enum class Stream : std::uint64_t {
   kMotion = 4,
   kSensing = 5,
   kDisturbance = 6,
-  kDesign = 7
+  kDesign = 7,
+  kCrossCheck = 8
 };
 
 /// Random numbers as a pure function of (seed, index, stream, attempt, item, number of the draw): Philox4x64-10 of

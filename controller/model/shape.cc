@@ -81,6 +81,10 @@ Vector3 support_point(const Shape& shape, const Isometry& X_WS, const Vector3& n
   return p;
 }
 
+double extent_along(const Shape& shape, const Isometry& X_WS, const Vector3& n_W) noexcept {
+  return n_W.dot(support_point(shape, X_WS, n_W));
+}
+
 double lowest_point(const Shape& shape, const Isometry& X_WS, Vector3* p_W) noexcept {
   const Matrix3 R = X_WS.linear();
   Vector3 p = X_WS.translation();

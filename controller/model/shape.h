@@ -35,6 +35,9 @@ double bounding_radius(const Shape& shape) noexcept;
 /// The shape's point that is furthest along the unit vector n, exact for every kind; one of them where several are.
 Vector3 support_point(const Shape& shape, const Isometry& X_WS, const Vector3& n_W) noexcept;
 
+/// How far the shape reaches along n_W from the world's origin: n_W . support_point() [m].
+double extent_along(const Shape& shape, const Isometry& X_WS, const Vector3& n_W) noexcept;
+
 /// Smallest z of the shape placed at X_WS, exact for every kind [m]. Used for floor rows and clearances.
 double lowest_point(const Shape& shape, const Isometry& X_WS, Vector3* p_W = nullptr) noexcept;
 

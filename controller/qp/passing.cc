@@ -18,7 +18,7 @@ Vector3 horizontal(const Vector3& v) noexcept { return {v.x(), v.y(), 0.0}; }
 Vector3 left_of(const Vector3& v) noexcept { return {-v.y(), v.x(), 0.0}; }
 
 double highest_point(const Shape& shape, const Isometry& X_WS) noexcept {
-  return support_point(shape, X_WS, Vector3::UnitZ()).z();
+  return extent_along(shape, X_WS, Vector3::UnitZ());
 }
 
 }  // namespace

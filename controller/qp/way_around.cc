@@ -22,10 +22,6 @@ constexpr int kDirections = 8;
 constexpr double kX[kDirections] = {1.0, kDiagonal, 0.0, -kDiagonal, -1.0, -kDiagonal, 0.0, kDiagonal};
 constexpr double kY[kDirections] = {0.0, kDiagonal, 1.0, kDiagonal, 0.0, -kDiagonal, -1.0, -kDiagonal};
 
-double reach_along(const Shape& shape, const Isometry& X_WS, const Vector3& direction_W) noexcept {
-  return direction_W.dot(support_point(shape, X_WS, direction_W));
-}
-
 }  // namespace
 
 WayAround::WayAround(const RobotModel& model, const AroundParams& params) : params_(params) {
@@ -35,11 +31,11 @@ WayAround::WayAround(const RobotModel& model, const AroundParams& params) : para
   kinematics.update(Vector3::Zero(), model.ready);
   for (const CollisionShape& shape : model.shapes) {
     const Isometry X_WS = kinematics.X_WS(shape);
-    top_ = std::max(top_, reach_along(shape.shape, X_WS, Vector3::UnitZ()));
+    top_ = std::max(top_, extent_along(shape.shape, X_WS, Vector3::UnitZ()));
     if (!shape.rigid_with_base) continue;
     for (int k = 0; k < kRays; ++k) {
       const double angle = 2.0 * std::numbers::pi * k / kRays;
-      radius_ = std::max(radius_, reach_along(shape.shape, X_WS, {std::cos(angle), std::sin(angle), 0.0}));
+      radius_ = std::max(radius_, extent_along(shape.shape, X_WS, {std::cos(angle), std::sin(angle), 0.0}));
     }
   }
 }
@@ -71,7 +67,7 @@ void WayAround::take_shadows(const Proximity& proximity, std::span<const ObjectS
     if (lowest_point(shape, object.X_WO) > top_) continue;
     Shadow shadow{(object.X_WO.translation().head<2>() - from).norm(), static_cast<int>(j), {}};
     for (int k = 0; k < kDirections; ++k)
-      shadow.extent[static_cast<std::size_t>(k)] = reach_along(shape, object.X_WO, {kX[k], kY[k], 0.0});
+      shadow.extent[static_cast<std::size_t>(k)] = extent_along(shape, object.X_WO, {kX[k], kY[k], 0.0});
     shadows_.push_back(shadow);
   }
   std::sort(shadows_.begin(), shadows_.end(), [](const Shadow& a, const Shadow& b) {

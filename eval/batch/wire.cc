@@ -104,10 +104,12 @@ void visit(Archive& a, TrialRow& r) {
                     &r.slack_max,
                     &r.active_rows_mean,
                     &r.slip_max_m_s,
-                    &r.tracking_error_rms})
+                    &r.tracking_error_rms,
+                    &r.detector_deepest_m})
     a.number(*x);
-  for (int* n : {&r.collision_count, &r.qp_infeasible, &r.fallback_no_acceleration, &r.fallback_relaxed,
-                 &r.fallback_brake, &r.lcp_messages, &r.steps, &r.timing.deadline_misses})
+  for (int* n :
+       {&r.collision_count, &r.qp_infeasible, &r.fallback_no_acceleration, &r.fallback_relaxed, &r.fallback_brake,
+        &r.lcp_messages, &r.steps, &r.detector_checks, &r.detector_disagreements, &r.timing.deadline_misses})
     a.number(*n);
   TrialRow::Timing& t = r.timing;
   for (double* x : {&t.t_solve_median_us, &t.t_solve_p99_us, &t.t_solve_max_us, &t.t_step_median_us, &t.t_step_p99_us,

@@ -49,6 +49,9 @@ constexpr std::array kTrialColumns = std::to_array<TrialColumn>({
     {"tracking_error_rms", &Row::tracking_error_rms},
     {"lcp_messages", &Row::lcp_messages},
     {"steps", &Row::steps},
+    {"detector_checks", &Row::detector_checks},
+    {"detector_disagreements", &Row::detector_disagreements},
+    {"detector_deepest_m", &Row::detector_deepest_m},
 });
 
 constexpr std::array kTimingColumns = std::to_array<TimingColumn>({

@@ -13,9 +13,10 @@ namespace moma::store {
 extern const char* const kSchemaSql;
 extern const char* const kViewsSql;
 extern const char* const kMigrate1To2Sql;
+extern const char* const kMigrate2To3Sql;
 
 std::span<const Migration> migrations() noexcept {
-  static const Migration kSteps[] = {{1, kMigrate1To2Sql}};
+  static const Migration kSteps[] = {{1, kMigrate1To2Sql}, {2, kMigrate2To3Sql}};
   return kSteps;
 }
 

@@ -1,4 +1,4 @@
--- The tables of the store, version 2; its views are in views.sql. docs/store.md describes them all. Units are in the names of columns.
+-- The tables of the store, version 3; its views are in views.sql. docs/store.md describes them all. Units are in the names of columns.
 -- Content tables (robot, controller, resolved_suite, world) are addressed by the hash of their text, so that the
 -- same thing is kept once whatever run brought it, and stores of several machines can be joined.
 
@@ -148,7 +148,10 @@ CREATE TABLE trial (
   slip_max_m_s REAL,
   tracking_error_rms REAL,
   lcp_messages INTEGER NOT NULL,
-  steps INTEGER NOT NULL
+  steps INTEGER NOT NULL,
+  detector_checks INTEGER NOT NULL DEFAULT 0,
+  detector_disagreements INTEGER NOT NULL DEFAULT 0,
+  detector_deepest_m REAL
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX trial_by_name ON trial (trial);
 CREATE INDEX trial_by_world ON trial (world_id);

@@ -21,6 +21,8 @@ SELECT t.trial AS trial, s.name AS suite, r.name AS robot, p.controller AS contr
        t.fallback_no_acceleration AS fallback_no_acceleration, t.fallback_relaxed AS fallback_relaxed,
        t.fallback_brake AS fallback_brake, t.slip_max_m_s AS slip_max_m_s,
        t.tracking_error_rms AS tracking_error_rms, t.lcp_messages AS lcp_messages, t.steps AS steps,
+       t.detector_checks AS detector_checks, t.detector_disagreements AS detector_disagreements,
+       t.detector_deepest_m AS detector_deepest_m,
        e.t_solve_median_us AS t_solve_median_us, e.t_solve_p99_us AS t_solve_p99_us,
        e.t_solve_max_us AS t_solve_max_us, e.t_step_median_us AS t_step_median_us,
        e.t_step_p99_us AS t_step_p99_us, e.t_step_max_us AS t_step_max_us, e.t_trial_us AS t_trial_us

@@ -24,6 +24,7 @@ SimulationConfig read_simulation(const Node& node, const std::string& key) {
   in.read("control_period", simulation.control_period, {1e-4, 1.0, false, false});
   in.read("physics_step", simulation.physics_step, {1e-5, 0.02, false, false});
   in.read("time_limit", simulation.time_limit, {0.0, 3600.0, true, false});
+  in.read("cross_check", simulation.cross_check, {0.0, 1.0});
   in.finish();
   if (simulation.mode == SimulationMode::kDynamic) {
     const double ratio = simulation.control_period / simulation.physics_step;
@@ -96,7 +97,8 @@ nlohmann::ordered_json to_json(const SimulationConfig& simulation) {
   return {{"mode", to_string(simulation.mode)},
           {"control_period", simulation.control_period},
           {"physics_step", simulation.physics_step},
-          {"time_limit", simulation.time_limit}};
+          {"time_limit", simulation.time_limit},
+          {"cross_check", simulation.cross_check}};
 }
 
 nlohmann::ordered_json to_json(const SuccessRule& success) {

@@ -12,6 +12,7 @@
 #include "controller/model/manipulability.h"
 #include "eval/trial/observe.h"
 #include "eval/trial/rules.h"
+#include "world/draws.h"
 #include "world/sensing/actuation.h"
 #include "world/sensing/sensing.h"
 
@@ -49,6 +50,7 @@ class TickClock {
     for (long k = 0;; ++k) {
       take_report();
       const bool finite = measure_state(k);
+      if (finite) compare_detectors(k);
       if (end_at(k, last_step, finite, ending)) return finish(k, std::move(ending));
       command(k);
     }
@@ -89,6 +91,18 @@ class TickClock {
     r_.energy += report_.energy;
     r_.slip_max = std::max(r_.slip_max, report_.slip_max);
     r_.lcp_messages += report_.lcp_messages;
+  }
+
+  // At steps drawn from the world's own stream, and in every state that ends a trial by a contact.
+  void compare_detectors(long k) {
+    const double rate = point_.simulation.cross_check;
+    if (!(rate > 0.0)) return;
+    Draws draws(world_.seed, world_.index, Stream::kCrossCheck, static_cast<std::uint64_t>(k));
+    if (draws.uniform() >= rate && report_.contacts.empty()) return;
+    const DetectorCheck found = plant_.cross_check();
+    ++r_.detector_checks;
+    r_.detectors.disagreements += found.disagreements;
+    r_.detectors.deepest = std::max(r_.detectors.deepest, found.deepest);
   }
 
   // Errors, distances and everything else that is measured of the state. False where the state is not finite.

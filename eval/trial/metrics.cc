@@ -128,6 +128,9 @@ TrialRow measure(const Recording& r, const RobotModel& model) {
   if (r.dynamic) row.energy_j = r.energy;
   if (r.has_wheels) row.slip_max_m_s = r.slip_max;
   row.lcp_messages = r.lcp_messages;
+  row.detector_checks = r.detector_checks;
+  row.detector_disagreements = r.detectors.disagreements;
+  if (r.detectors.disagreements > 0) row.detector_deepest_m = r.detectors.deepest;
 
   TrialRow::Timing& timing = row.timing;
   time_summary(r.step_seconds, timing.t_step_median_us, timing.t_step_p99_us, timing.t_step_max_us);

@@ -33,6 +33,8 @@ struct Recording {
   double slip_max = 0.0;  ///< [m/s]
   double energy = 0.0;    ///< [J]
   int lcp_messages = 0;
+  int detector_checks = 0;
+  DetectorCheck detectors;            ///< all disagreements together
   std::vector<double> step_seconds;   ///< time of each controller step
   std::vector<double> solve_seconds;  ///< time of each solve, where the controller tells; else empty
 };
@@ -49,6 +51,7 @@ struct Recording {
 ///   its velocity limit. NULL with fewer than 2 steps.
 /// - slack_mean, slack_max: of |delta| over steps. NULL without slack. active_rows_mean: NULL without a QP.
 /// - tracking_error_rms [m]: root mean square of |e_p| over all samples; only for a goal that moves.
+/// - detector_deepest_m: NULL without a disagreement.
 /// - energy_j: dynamic mode only; slip_max_m_s: there with wheels only.
 TrialRow measure(const Recording& recording, const RobotModel& model);
 

@@ -53,6 +53,9 @@ struct TrialRow {
   double tracking_error_rms = kAbsent;
   int lcp_messages = 0;
   int steps = 0;
+  int detector_checks = 0;              ///< states in which the two detectors of contact were compared
+  int detector_disagreements = 0;       ///< pairs in them that touch by one of the two alone
+  double detector_deepest_m = kAbsent;  ///< the worst of these
 
   struct Timing {
     double t_solve_median_us = kAbsent, t_solve_p99_us = kAbsent, t_solve_max_us = kAbsent;

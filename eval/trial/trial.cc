@@ -5,6 +5,7 @@
 
 #include "controller/controller.h"
 #include "eval/trial/clock.h"
+#include "world/sensing/conditions.h"
 
 namespace moma {
 namespace {
@@ -15,6 +16,11 @@ std::unique_ptr<StepController> usual_controller(const Point& point) {
       std::make_unique<Controller>(point.robot->model, point.controller_params, point.simulation.control_period);
   controller->enable_timing(true);
   return controller;
+}
+
+std::unique_ptr<Plant> usual_plant(const Point& point, const World& world) {
+  const std::shared_ptr<const RobotModel>& model = point.robot->model;
+  return make_plant(model, world, point.simulation, plant_conditions(point.disturbances, *model, world));
 }
 
 }  // namespace
@@ -35,8 +41,7 @@ TrialOutput run_trial(const Point& point, const World& world, const TrialParts& 
     output.row.time_end_s = static_cast<double>(recording.trace.size()) * point.simulation.control_period;
   };
   try {
-    const std::unique_ptr<Plant> plant =
-        parts.plant ? parts.plant(point, world) : make_plant(point.robot->model, world, point.simulation);
+    const std::unique_ptr<Plant> plant = parts.plant ? parts.plant(point, world) : usual_plant(point, world);
     const std::unique_ptr<StepController> controller =
         parts.controller ? parts.controller(point) : usual_controller(point);
     output.row = run_clock(point, world, *plant, *controller, recording);

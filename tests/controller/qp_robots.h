@@ -159,6 +159,40 @@ inline Matrix3 random_rotation(Rng& rng) {
   return q.normalized().toRotationMatrix();
 }
 
+/// Any base, one to nine joints of any kind and axis, capsules on about half of the links.
+inline std::shared_ptr<const RobotModel> random_robot(Rng& rng) {
+  using enum JointType;
+  RobotBuilder b("random");
+  const auto somewhere = [&rng](double size) {
+    const Vector3 p = random_vector(rng, size);
+    return pose(p.x(), p.y(), p.z(), uniform(rng, -kPi, kPi), uniform(rng, -kPi, kPi), uniform(rng, -kPi, kPi));
+  };
+  constexpr BaseType kBases[] = {BaseType::kFixed, BaseType::kDifferential, BaseType::kOmnidirectional};
+  const BaseType base = kBases[rng() % 3];
+  if (base != BaseType::kFixed) b.base(base, pose(uniform(rng, -0.3, 0.3), 0, uniform(rng, 0, 0.5), 0, 0, 0));
+  std::vector<double> ready;
+  int shapes = 0;
+  const int joints = 1 + static_cast<int>(rng() % 9);
+  for (int i = 0; i < joints; ++i) {
+    constexpr JointType kTypes[] = {kRevolute, kRevolute, kPrismatic, kContinuous};
+    const JointType type = kTypes[rng() % 4];
+    const double middle = type == kPrismatic ? 0.0 : uniform(rng, -1.0, 1.0);
+    const double half = type == kPrismatic ? uniform(rng, 0.05, 0.4) : uniform(rng, 0.3, 3.0);
+    const double inf = std::numeric_limits<double>::infinity();
+    const double room = type == kContinuous ? inf : half;
+    // No faster than the laws of joint limits bear at a period of 0.02 s.
+    const double speed = std::min(uniform(rng, 0.05, 3.0), 8.0 * half);
+    b.joint(type, somewhere(0.35), middle - room, middle + room, speed);
+    ready.push_back(middle);
+    if (rng() % 2 == 0) {
+      b.capsule(i + 2, uniform(rng, 0.02, 0.08), uniform(rng, 0.0, 0.3), somewhere(0.1));
+      ++shapes;
+    }
+  }
+  if (shapes > 2) b.self_pair(0, shapes - 1);
+  return b.finish(somewhere(0.15), ready);
+}
+
 inline VectorX random_joints(const RobotModel& model, Rng& rng, double inside = 0.0) {
   VectorX q(model.num_joints());
   for (int i = 0; i < model.num_joints(); ++i) {

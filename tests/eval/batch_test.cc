@@ -204,16 +204,17 @@ std::string bits_of(const BatchJob& job, const TrialOutput& output) {
     text += std::to_string(bits) + " ";
   };
   for (const double value :
-       {row.time_end_s,        row.time_to_goal_s,       row.position_error_m, row.orientation_error_rad,
-        row.path_ee_m,         row.path_base_m,          row.manip_mean,       row.manip_min,
-        row.manip_final,       row.manip_all_mean,       row.manip_all_min,    row.manip_all_final,
-        row.clearance_min_m,   row.clearance_self_min_m, row.limit_margin_min, row.collision_time_s,
-        row.collision_depth_m, row.jerk_ee_rms,          row.jerk_joint_rms,   row.command_change_mean,
-        row.energy_j,          row.slack_mean,           row.slack_max,        row.active_rows_mean,
-        row.slip_max_m_s,      row.tracking_error_rms})
+       {row.time_end_s,        row.time_to_goal_s,       row.position_error_m,  row.orientation_error_rad,
+        row.path_ee_m,         row.path_base_m,          row.manip_mean,        row.manip_min,
+        row.manip_final,       row.manip_all_mean,       row.manip_all_min,     row.manip_all_final,
+        row.clearance_min_m,   row.clearance_self_min_m, row.limit_margin_min,  row.collision_time_s,
+        row.collision_depth_m, row.jerk_ee_rms,          row.jerk_joint_rms,    row.command_change_mean,
+        row.energy_j,          row.slack_mean,           row.slack_max,         row.active_rows_mean,
+        row.slip_max_m_s,      row.tracking_error_rms,   row.detector_deepest_m})
     add(value);
-  for (const int value : {row.collision_count, row.qp_infeasible, row.fallback_no_acceleration, row.fallback_relaxed,
-                          row.fallback_brake, row.lcp_messages, row.steps})
+  for (const int value :
+       {row.collision_count, row.qp_infeasible, row.fallback_no_acceleration, row.fallback_relaxed, row.fallback_brake,
+        row.lcp_messages, row.steps, row.detector_checks, row.detector_disagreements})
     text += std::to_string(value) + " ";
   for (const Sample& sample : output.trace) {
     add(sample.base[0]);

@@ -23,7 +23,9 @@ constexpr const char* kEverything = R"({
             bias: {position: 0.005, rotation: 0.005}, delay: 0.08, range: 3, detection: 0.1},
   goal: {frame: base, noise: {position: 0.002, rotation: 0.005}, velocity_noise: {linear: 0.01, angular: 0.01},
          bias: {position: 0.003, rotation: 0.01}, delay: 0.08},
-  actuators: {joints: {delay: 0.02, gain_error: 0.01}, base: {delay: 0.04, gain_error: {linear: 0.02, angular: 0.02}}}
+  actuators: {joints: {delay: 0.02, gain_error: 0.01, friction: {effort: 0.05, spread: 0.02}},
+              base: {delay: 0.04, gain_error: {linear: 0.02, angular: 0.02}}},
+  payload: {mass: 0.5, spread: 0.2}, floor: {friction: 0.7, spread: 0.1}
 })";
 
 std::vector<TrialOutput> run(const Suite& suite, int threads) {

@@ -105,7 +105,9 @@ inline TrialRow synthetic_row(std::size_t point, std::uint64_t world) {
                          &row.fallback_relaxed,
                          &row.fallback_brake,
                          &row.lcp_messages,
-                         &row.steps};
+                         &row.steps,
+                         &row.detector_checks,
+                         &row.detector_disagreements};
   int n = 1;
   for (int* count : counts) *count = n++ + static_cast<int>(world);
   row.timing.t_solve_median_us = 3.5;

@@ -64,7 +64,7 @@ TEST(Store, DifferencesNameEveryColumn) {
     EXPECT_EQ(found[0].rfind(std::string(column.name) + ":", 0), 0u) << found[0];
     ++columns;
   }
-  EXPECT_EQ(columns, 36u);
+  EXPECT_EQ(columns, 39u);
 }
 
 TEST(Store, AbsentAndInfiniteAreNull) {
@@ -137,6 +137,9 @@ TEST(Store, ViewsHaveTheDocumentedColumns) {
                                            "tracking_error_rms",
                                            "lcp_messages",
                                            "steps",
+                                           "detector_checks",
+                                           "detector_disagreements",
+                                           "detector_deepest_m",
                                            "t_solve_median_us",
                                            "t_solve_p99_us",
                                            "t_solve_max_us",
@@ -174,7 +177,7 @@ TEST(Store, TablesAreStrictAndMarkedAsOurs) {
                                  "AND NOT strict AND name NOT LIKE 'sqlite_%'")),
             0);
   EXPECT_EQ(integer(store::query(file, "PRAGMA application_id")), 0x6d6f6d61);
-  EXPECT_EQ(integer(store::query(file, "PRAGMA user_version")), 2);
+  EXPECT_EQ(integer(store::query(file, "PRAGMA user_version")), 3);
   EXPECT_EQ(texts(store::query(file, "PRAGMA journal_mode")), std::vector<std::string>{"wal"});
 }
 

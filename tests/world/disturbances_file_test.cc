@@ -60,8 +60,10 @@ goal:
   bias: {position: 0.002, rotation: 0.002}
   delay: 0.04
 actuators:
-  joints: {delay: 0.02, gain_error: 0.02}
+  joints: {delay: 0.02, gain_error: 0.02, friction: {effort: 0.05, spread: 0.02}}
   base: {delay: 0.04, gain_error: {linear: 0.03, angular: 0.03}}
+payload: {mass: 1.5, spread: 0.5, position: [0, 0, 0.05]}
+floor: {friction: 0.7, spread: 0.1}
 )");
   Disturbances expected = everything_on();
   expected.seed = 7;
@@ -109,18 +111,26 @@ TEST(DisturbancesFile, EachKeyAloneSurvivesWritingAndIsAllThatIsWritten) {
                            "actuators: {joints: {gain_error: 0.1}}",
                            "actuators: {base: {delay: 0.1}}",
                            "actuators: {base: {gain_error: {linear: 0.1}}}",
-                           "actuators: {base: {gain_error: {angular: 0.1}}}"}) {
+                           "actuators: {base: {gain_error: {angular: 0.1}}}",
+                           "actuators: {joints: {friction: {effort: 0.1}}}",
+                           "actuators: {joints: {friction: {spread: 0.1}}}",
+                           "payload: {mass: 0.1}",
+                           "payload: {spread: 0.1, position: [0.1, 0.2, 0.3]}",
+                           "floor: {friction: 0.1}",
+                           "floor: {friction: 0.0}",
+                           "floor: {spread: 0.1}"}) {
     const Disturbances d = read(yaml);
     EXPECT_TRUE(any(d)) << yaml;
-    EXPECT_NE(senses_with_errors(d), acts_with_errors(d)) << yaml;
+    EXPECT_EQ(senses_with_errors(d) + acts_with_errors(d) + moves_with_errors(d), 1) << yaml;
     EXPECT_EQ(to_json(d), config::node_to_json(config::parse_yaml(yaml, "text"))) << yaml;
   }
 }
 
 TEST(DisturbancesFile, NothingOnIsNothing) {
-  for (const char* yaml : {"none", "{}", "joints: {}", "joints: {noise: 0, delay: 0}", "seed: 9",
-                           "objects: {frame: base, sensor: [1, 2, 3], known_at_start: true, range: .inf}",
-                           "goal: {frame: base, resting_is_known: true}"}) {
+  for (const char* yaml :
+       {"none", "{}", "joints: {}", "joints: {noise: 0, delay: 0}", "seed: 9",
+        "objects: {frame: base, sensor: [1, 2, 3], known_at_start: true, range: .inf}",
+        "goal: {frame: base, resting_is_known: true}", "payload: {position: [0, 0, 1]}", "floor: {friction: 1}"}) {
     const Disturbances d = read(yaml);
     EXPECT_FALSE(any(d)) << yaml;
     EXPECT_TRUE(to_json(d).is_object() && to_json(d).empty()) << yaml;
@@ -146,6 +156,12 @@ TEST(DisturbancesFile, RefusesWhatIsWrongAndSaysWhere) {
   expect_error("goal: {range: 1}", {"disturbances.goal.range", "unknown key"});
   expect_error("actuators: {base: {gain_error: 0.1}}", {"disturbances.actuators.base.gain_error"});
   expect_error("actuators: {joints: {gain_error: 1.5}}", {"disturbances.actuators.joints.gain_error", "1.5"});
+  expect_error("actuators: {joints: {friction: 0.1}}", {"disturbances.actuators.joints.friction", "map"});
+  expect_error("actuators: {joints: {friction: {effort: 1}}}", {"joints.friction.effort", "'1'", "0.9"});
+  expect_error("payload: {mass: -1}", {"disturbances.payload.mass", "-1"});
+  expect_error("payload: {weight: 1}", {"disturbances.payload.weight", "mass"});
+  expect_error("payload: {position: [0, 0]}", {"disturbances.payload.position", "3"});
+  expect_error("floor: {friction: -0.1}", {"disturbances.floor.friction", "-0.1"});
   expect_error("seed: -1", {"disturbances.seed"});
   expect_error("seed: 4294967296", {"disturbances.seed"});
   expect_error("off", {"disturbances", "found 'off'", "none"});

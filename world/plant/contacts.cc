@@ -170,6 +170,15 @@ void ContactScene::detect(TouchSink& sink) {
   }
 }
 
+bool ContactScene::meets_floor(int shape) const {
+  return robot_geom(shape) != nullptr && dGeomGetCategoryBits(robot_geom(shape)) == kArm;
+}
+
+DetectorCheck ContactScene::cross_check() {
+  if (!cross_check_) cross_check_ = std::make_unique<CrossCheck>(*model_, world_);
+  return cross_check_->compare(*this);
+}
+
 void ContactScene::detect_exact(const Kinematics& kinematics, double time, ContactLog& log) {
   if (!exact_) return;
   exact_found_.clear();

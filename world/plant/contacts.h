@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "world/plant/cross_check.h"
 #include "world/plant/exact_contacts.h"
 #include "world/plant/ode_raii.h"
 #include "world/plant/plant.h"
@@ -63,6 +64,12 @@ class ContactScene {
 
   /// Hands every touching pair that ODE decides to `sink`, in a fixed order.
   void detect(TouchSink& sink);
+  /// The self-collision pairs that ODE decides.
+  const std::vector<SelfPair>& self_pairs() const { return self_pairs_; }
+  bool meets_floor(int shape) const;
+  /// See Plant::cross_check().
+  DetectorCheck cross_check();
+
   /// The pairs that ODE does not decide.
   bool has_exact() const { return exact_ != nullptr; }
   void detect_exact(const Kinematics& kinematics, double time, ContactLog& log);
@@ -87,6 +94,7 @@ class ContactScene {
   std::vector<ObjectState> states_;
   std::unique_ptr<ExactContacts> exact_;
   std::vector<Contact> exact_found_;
+  std::unique_ptr<CrossCheck> cross_check_;  // made when first asked for
 };
 
 }  // namespace moma

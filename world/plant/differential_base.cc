@@ -11,21 +11,21 @@
 namespace moma {
 namespace {
 
-constexpr double kFriction = 1.0;
 constexpr double kCasterSoftness = 1e-6;
 
 /// Two driven wheels (spheres: a cylinder would scrub as it turns on the spot), four casters at the corners.
 class DifferentialBase final : public OdeBase {
  public:
-  DifferentialBase(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3& base)
-      : wheels_(*model.base.wheels),
+  DifferentialBase(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3& base, double friction)
+      : friction_(friction),
+        wheels_(*model.base.wheels),
         base_(arm.body_of_link(0)),
         space_(ode::make_simple_space()),
         support_(arm, OdeSupport::corners(model, 0.5 * wheels_.radius, true), 0.5 * wheels_.radius, kCasterSoftness) {
     floor_ = dCreatePlane(space_.get(), 0.0, 0.0, 1.0, 0.0);
     const double mass = 0.5 * wheel_mass(model);
     // Enough to make the wheels slip under the whole weight, so that friction is what limits the drive.
-    const double torque = kFriction * arm.mass() * 9.81 * wheels_.radius;
+    const double torque = friction_ * arm.mass() * 9.81 * wheels_.radius;
     const Isometry X_WB = base_pose(base);
     for (std::size_t i = 0; i < 2; ++i) {
       Wheel& wheel = wheel_[i];
@@ -66,7 +66,7 @@ class DifferentialBase final : public OdeBase {
       wheel.touches = dCollide(wheel.geom, floor_, 1, &contact.geom, sizeof(dContactGeom)) > 0;
       if (!wheel.touches) continue;
       contact.surface.mode = dContactApprox1;
-      contact.surface.mu = kFriction;
+      contact.surface.mu = friction_;
       const double level = std::hypot(forward.x(), forward.y());
       if (level > 0.1) {  // not while the base stands on end
         contact.surface.mode |= dContactFDir1;
@@ -119,6 +119,7 @@ class DifferentialBase final : public OdeBase {
     bool touches = false;
   };
 
+  double friction_;
   Wheels wheels_;
   dBodyID base_;
   ode::Space space_;
@@ -130,11 +131,11 @@ class DifferentialBase final : public OdeBase {
 }  // namespace
 
 std::unique_ptr<OdeBase> make_differential_base(dWorldID world, const RobotModel& model, OdeArm& arm,
-                                                const Vector3& base) {
+                                                const Vector3& base, double friction) {
   if (!model.base.wheels)
     throw std::runtime_error(fmt::format(
         "robot {}: base.wheels is missing; dynamic simulation of a differential base drives its wheels", model.name));
-  return std::make_unique<DifferentialBase>(world, model, arm, base);
+  return std::make_unique<DifferentialBase>(world, model, arm, base, friction);
 }
 
 }  // namespace moma

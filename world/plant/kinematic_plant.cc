@@ -23,6 +23,7 @@ class KinematicPlant final : public Plant, private TouchSink {
 
   const PlantState& state() const override { return state_; }
   double time() const override { return time_; }
+  DetectorCheck cross_check() override { return scene_.cross_check(); }
 
   void check_start(PlantReport& report) override {
     report = PlantReport();

@@ -29,8 +29,8 @@ bool bounded(const ControlledJoint& joint) { return std::isfinite(joint.lower) &
 }  // namespace
 
 OdeArm::OdeArm(dWorldID world, std::shared_ptr<const RobotModel> model, const Vector3& base, const VectorX& q,
-               double drop, double base_mass)
-    : model_(std::move(model)), rigid_(rigid_bodies(*model_, base_mass)), q_(q) {
+               double drop, double base_mass, const PlantConditions& conditions)
+    : model_(std::move(model)), rigid_(rigid_bodies(*model_, base_mass, conditions.payload)), q_(q) {
   for (const RigidBody& body : rigid_.bodies) {
     const dBodyID id = dBodyCreate(world);
     dMass mass;
@@ -55,8 +55,38 @@ OdeArm::OdeArm(dWorldID world, std::shared_ptr<const RobotModel> model, const Ve
   place(kinematics, drop);
   for (const RigidBody& body : rigid_.bodies)
     if (body.joint >= 0) make_joint(world, body, kinematics);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(conditions.joint_friction.size()); ++i)
+    add_friction(world, joints_[i], conditions.joint_friction[static_cast<Eigen::Index>(i)]);
   kinematics.update(base, q);
   place(kinematics, drop);
+}
+
+/// Dry friction: a second motor that wants rest, with at most this torque or force. ODE's solver then finds sticking
+/// and sliding alike.
+void OdeArm::add_friction(dWorldID world, const Joint& joint, double most) {
+  if (!(most > 0.0)) return;
+  dVector3 axis;
+  const dBodyID child = dJointGetBody(joint.id, 0);
+  const dBodyID parent = dJointGetBody(joint.id, 1);
+  constexpr int kWithChild = 1;
+  if (joint.slides) {
+    dJointGetSliderAxis(joint.id, axis);
+    const dJointID brake = dJointCreateLMotor(world, nullptr);
+    dJointAttach(brake, child, parent);
+    dJointSetLMotorNumAxes(brake, 1);
+    dJointSetLMotorAxis(brake, 0, kWithChild, axis[0], axis[1], axis[2]);
+    dJointSetLMotorParam(brake, dParamVel, 0.0);
+    dJointSetLMotorParam(brake, dParamFMax, most);
+    return;
+  }
+  dJointGetHingeAxis(joint.id, axis);
+  const dJointID brake = dJointCreateAMotor(world, nullptr);
+  dJointAttach(brake, child, parent);
+  dJointSetAMotorMode(brake, dAMotorUser);
+  dJointSetAMotorNumAxes(brake, 1);
+  dJointSetAMotorAxis(brake, 0, kWithChild, axis[0], axis[1], axis[2]);
+  dJointSetAMotorParam(brake, dParamVel, 0.0);
+  dJointSetAMotorParam(brake, dParamFMax, most);
 }
 
 void OdeArm::place(const Kinematics& kinematics, double drop) {

@@ -15,7 +15,7 @@ class OdeArm {
  public:
   /// Places every body at the start configuration, `drop` metres lower (so that wheels begin in contact).
   OdeArm(dWorldID world, std::shared_ptr<const RobotModel> model, const Vector3& base, const VectorX& q, double drop,
-         double base_mass);
+         double base_mass, const PlantConditions& conditions);
   OdeArm(const OdeArm&) = delete;
   OdeArm& operator=(const OdeArm&) = delete;
 
@@ -44,6 +44,7 @@ class OdeArm {
     dJointFeedback feedback{};
   };
   void make_joint(dWorldID world, const RigidBody& body, const Kinematics& kinematics);
+  static void add_friction(dWorldID world, const Joint& joint, double most);
   void place(const Kinematics& kinematics, double drop);
 
   std::shared_ptr<const RobotModel> model_;

@@ -22,14 +22,15 @@ double OdeBase::wheel_mass(const RobotModel& model) {
   return 2.0 * std::min(1.0, 0.02 * base_mass);
 }
 
-std::unique_ptr<OdeBase> OdeBase::make(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3& base) {
+std::unique_ptr<OdeBase> OdeBase::make(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3& base,
+                                       double friction) {
   switch (model.base.type) {
     case BaseType::kFixed:
       return nullptr;
     case BaseType::kDifferential:
-      return make_differential_base(world, model, arm, base);
+      return make_differential_base(world, model, arm, base, friction);
     case BaseType::kOmnidirectional:
-      return make_omnidirectional_base(world, model, arm, base);
+      return make_omnidirectional_base(world, model, arm, friction);
   }
   return nullptr;
 }

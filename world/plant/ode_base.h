@@ -20,8 +20,10 @@ class OdeBase {
   virtual ~OdeBase() = default;
   /// Mass of the drive's own bodies; comes off the footprint's, where that has one [kg].
   static double wheel_mass(const RobotModel& model);
-  /// Null for a fixed base. Throws std::runtime_error naming the key where something is missing.
-  static std::unique_ptr<OdeBase> make(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3& base);
+  /// `friction`: between floor and driven wheels. Null for a fixed base. Throws std::runtime_error naming the key
+  /// where something is missing.
+  static std::unique_ptr<OdeBase> make(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3& base,
+                                       double friction);
 
   /// Sets the drive for one step of h seconds; `speeds` are the base's velocity coordinates, ramped already.
   virtual void command(const Eigen::Ref<const VectorX>& speeds, double h) = 0;

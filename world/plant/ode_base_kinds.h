@@ -5,8 +5,8 @@
 namespace moma {
 
 std::unique_ptr<OdeBase> make_differential_base(dWorldID world, const RobotModel& model, OdeArm& arm,
-                                                const Vector3& base);
+                                                const Vector3& base, double friction);
 std::unique_ptr<OdeBase> make_omnidirectional_base(dWorldID world, const RobotModel& model, OdeArm& arm,
-                                                   const Vector3& base);
+                                                   double friction);
 
 }  // namespace moma

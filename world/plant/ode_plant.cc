@@ -22,14 +22,16 @@ constexpr double kObjectFriction = 0.5;
 
 class OdePlant final : public Plant, private TouchSink {
  public:
-  OdePlant(std::shared_ptr<const RobotModel> model, const World& world, const SimulationConfig& simulation)
+  OdePlant(std::shared_ptr<const RobotModel> model, const World& world, const SimulationConfig& simulation,
+           const PlantConditions& conditions)
       : model_(std::move(model)),
         step_(simulation.physics_step),
         scene_(model_, world, true),
         kinematics_(model_),
         contacts_(dJointGroupCreate(0)),
-        arm_(world_.id(), model_, world.start.base, world.start.q, drop(*model_), mass_without_wheels(*model_)),
-        base_(OdeBase::make(world_.id(), *model_, arm_, world.start.base)) {
+        arm_(world_.id(), model_, world.start.base, world.start.q, drop(*model_), mass_without_wheels(*model_),
+             conditions),
+        base_(OdeBase::make(world_.id(), *model_, arm_, world.start.base, conditions.floor_friction)) {
     const dWorldID id = world_.id();
     dWorldSetGravity(id, 0.0, 0.0, -kGravity);
     dWorldSetCFM(id, 1e-9);
@@ -53,6 +55,7 @@ class OdePlant final : public Plant, private TouchSink {
 
   const PlantState& state() const override { return state_; }
   double time() const override { return time_; }
+  DetectorCheck cross_check() override { return scene_.cross_check(); }
 
   void check_start(PlantReport& report) override {
     clear(report);
@@ -278,8 +281,8 @@ class OdePlant final : public Plant, private TouchSink {
 }  // namespace
 
 std::unique_ptr<Plant> make_ode_plant(std::shared_ptr<const RobotModel> model, const World& world,
-                                      const SimulationConfig& simulation) {
-  return std::make_unique<OdePlant>(std::move(model), world, simulation);
+                                      const SimulationConfig& simulation, const PlantConditions& conditions) {
+  return std::make_unique<OdePlant>(std::move(model), world, simulation, conditions);
 }
 
 }  // namespace moma

@@ -99,4 +99,11 @@ inline Isometry pose(dBodyID body) {
   return X;
 }
 
+inline Isometry pose(dGeomID geom) {
+  Isometry X = Isometry::Identity();
+  X.linear() = from_matrix(dGeomGetRotation(geom));
+  X.translation() = from_vector(dGeomGetPosition(geom));
+  return X;
+}
+
 }  // namespace moma::ode

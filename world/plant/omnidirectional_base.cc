@@ -7,17 +7,15 @@
 namespace moma {
 namespace {
 
-constexpr double kFriction = 1.0;
-
 /// Four mecanum wheels as one planar velocity drive. Their rollers are not simulated: the wheels are frictionless
 /// supports where they stand, and motors between base and floor give the base its commanded velocity with what
 /// friction under the whole weight could pass on: force mu m g in each direction, moment mu m g times the lever of
 /// the wheels.
 class OmnidirectionalBase final : public OdeBase {
  public:
-  OmnidirectionalBase(dWorldID world, const RobotModel& model, OdeArm& arm)
+  OmnidirectionalBase(dWorldID world, const RobotModel& model, OdeArm& arm, double friction)
       : model_(model), arm_(arm), base_(arm.body_of_link(0)), support_(arm, feet(model), foot_radius(model), 1e-9) {
-    const double force = kFriction * arm.mass() * 9.81;
+    const double force = friction * arm.mass() * 9.81;
     linear_ = dJointCreateLMotor(world, nullptr);
     dJointAttach(linear_, base_, nullptr);
     dJointSetLMotorNumAxes(linear_, 2);
@@ -108,8 +106,8 @@ class OmnidirectionalBase final : public OdeBase {
 }  // namespace
 
 std::unique_ptr<OdeBase> make_omnidirectional_base(dWorldID world, const RobotModel& model, OdeArm& arm,
-                                                   const Vector3&) {
-  return std::make_unique<OmnidirectionalBase>(world, model, arm);
+                                                   double friction) {
+  return std::make_unique<OmnidirectionalBase>(world, model, arm, friction);
 }
 
 }  // namespace moma

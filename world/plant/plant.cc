@@ -35,12 +35,12 @@ void check_command(const RobotModel& model, const VectorX& command, double durat
 }
 
 std::unique_ptr<Plant> make_plant(std::shared_ptr<const RobotModel> model, const World& world,
-                                  const SimulationConfig& simulation) {
+                                  const SimulationConfig& simulation, const PlantConditions& conditions) {
   if (world.start.q.size() != model->num_joints())
     throw std::runtime_error("the world's start has " + std::to_string(world.start.q.size()) + " joint values, robot " +
                              model->name + " has " + std::to_string(model->num_joints()) + " joints");
   if (simulation.mode == SimulationMode::kKinematic) return make_kinematic_plant(std::move(model), world);
-  return make_ode_plant(std::move(model), world, simulation);
+  return make_ode_plant(std::move(model), world, simulation, conditions);
 }
 
 }  // namespace moma

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "world/plant/conditions.h"
 #include "world/world.h"
 
 namespace moma {
@@ -19,6 +20,7 @@ struct SimulationConfig {
   double control_period = 0.02;  ///< [s]
   double physics_step = 0.002;   ///< [s]; dynamic mode; control_period is a whole multiple of it
   double time_limit = 30.0;      ///< [s]
+  double cross_check = 0.02;     ///< part of the control steps at which the detectors of contact are compared
 };
 
 /// True state of the robot.
@@ -51,6 +53,12 @@ struct PlantReport {
   int lcp_messages = 0;
 };
 
+/// How ODE's contacts and the distance library agree about one state (cross_check.h).
+struct DetectorCheck {
+  int disagreements = 0;  ///< pairs that touch by one of them alone
+  double deepest = 0.0;   ///< by how much the distance library contradicts ODE at most: depth or gap [m]
+};
+
 /// The one interface between a trial and the simulated robot in its world.
 class Plant {
  public:
@@ -61,12 +69,14 @@ class Plant {
   virtual void check_start(PlantReport& report) = 0;
   /// Holds `command` (num_velocities(), finite) for `duration` seconds. Overwrites `report`.
   virtual void advance(const VectorX& command, double duration, PlantReport& report) = 0;
+  /// Compares the two detectors of contact in the present state; changes nothing.
+  virtual DetectorCheck cross_check() { return {}; }
 };
 
 /// Kinematic: exact integration, contacts at least every 5 ms of motion time by ODE's collision detection.
 /// Dynamic: rigid bodies, motors, wheels on the floor in ODE. Throws std::runtime_error (naming link and key)
-/// where the robot lacks what dynamics needs (inertia, effort, wheels).
+/// where the robot lacks what dynamics needs (inertia, effort, wheels). `conditions` say nothing to the kinematic one.
 std::unique_ptr<Plant> make_plant(std::shared_ptr<const RobotModel> model, const World& world,
-                                  const SimulationConfig& simulation);
+                                  const SimulationConfig& simulation, const PlantConditions& conditions = {});
 
 }  // namespace moma

@@ -110,9 +110,19 @@ void check(const RobotModel& model, const RigidBody& body) {
                     model.name, name, m.x(), m.y(), m.z()));
 }
 
+void add_payload(const RobotModel& model, const Payload& payload, RigidBodies& out) {
+  const auto tip = static_cast<std::size_t>(model.tip);
+  if (!(payload.mass > 0.0) || out.of_link[tip] < 0) return;
+  constexpr double kDensity = 1000.0;  // [kg/m^3]
+  const double radius = std::cbrt(payload.mass / (kDensity * 4.0 / 3.0 * std::numbers::pi));
+  const Vector3 center = out.X_ML[tip] * model.X_TE * payload.p_EP_E;
+  add(out.bodies[static_cast<std::size_t>(out.of_link[tip])], payload.mass, center,
+      0.4 * payload.mass * radius * radius * Matrix3::Identity());
+}
+
 }  // namespace
 
-RigidBodies rigid_bodies(const RobotModel& model, double base_mass) {
+RigidBodies rigid_bodies(const RobotModel& model, double base_mass, const Payload& payload) {
   RigidBodies out;
   const std::size_t links = model.links.size();
   out.of_link.assign(links, -1);
@@ -145,6 +155,7 @@ RigidBodies rigid_bodies(const RobotModel& model, double base_mass) {
     add(body, link.inertial->mass, out.X_ML[i] * link.inertial->com_L, R * link.inertial->I_C * R.transpose());
   }
   for (const RigidBody& body : out.bodies) check(model, body);
+  add_payload(model, payload, out);
   return out;
 }
 

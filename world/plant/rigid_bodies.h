@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "controller/model/kinematics.h"
+#include "world/plant/conditions.h"
 
 namespace moma {
 
@@ -23,7 +24,8 @@ struct RigidBodies {
 };
 
 /// Merges links and their inertias. A mobile base's own mass is spread evenly over the volume of the shapes of
-/// "@base". Throws std::runtime_error naming link and key where mass, inertia or effort are missing.
-RigidBodies rigid_bodies(const RobotModel& model, double base_mass);
+/// "@base"; `payload` is one with the link of the end effector. Throws std::runtime_error naming link and key where
+/// mass, inertia or effort are missing.
+RigidBodies rigid_bodies(const RobotModel& model, double base_mass, const Payload& payload = {});
 
 }  // namespace moma

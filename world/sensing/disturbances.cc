@@ -16,10 +16,17 @@ bool senses_with_errors(const Disturbances& disturbances) {
   reduced.detection.sensor = off.detection.sensor;
   reduced.detection.known_at_start = off.detection.known_at_start;
   reduced.actuators = off.actuators;
+  reduced.physics = off.physics;
   return reduced != off;
 }
 
 bool acts_with_errors(const Disturbances& disturbances) { return disturbances.actuators != ActuatorErrors{}; }
+
+bool moves_with_errors(const Disturbances& disturbances) {
+  PhysicsErrors reduced = disturbances.physics;
+  reduced.payload_position = {};
+  return reduced != PhysicsErrors{};
+}
 
 long delay_steps(double delay, double control_period) {
   const double periods = std::ceil(delay / control_period * (1.0 - 1e-12) - 1e-9);

@@ -82,6 +82,22 @@ struct ActuatorErrors {
   bool operator==(const ActuatorErrors&) const = default;
 };
 
+/// A quantity of the trial's physics: drawn once per trial, normally, and never below 0.
+struct Spread {
+  double mean = 0.0;
+  double spread = 0.0;  ///< standard deviation
+  bool operator==(const Spread&) const = default;
+};
+
+/// What the robot file does not know of the physics. Dynamic mode only.
+struct PhysicsErrors {
+  Spread joint_friction;                        ///< dry, as a fraction of the joint's effort limit, each joint its own
+  Spread payload_mass;                          ///< held at the end effector [kg]
+  std::array<double, 3> payload_position = {};  ///< of its centre in the end effector's frame [m]
+  Spread floor_friction = {1.0, 0.0};           ///< between floor and driven wheels [1]
+  bool operator==(const PhysicsErrors&) const = default;
+};
+
 /// The section `disturbances` of a suite: what stands between the simulated robot and its controller. All off by
 /// default. Each is drawn from a stream of its own (streams.h).
 struct Disturbances {
@@ -92,6 +108,7 @@ struct Disturbances {
   DetectionRule detection;  ///< of objects
   PoseSensing goal;
   ActuatorErrors actuators;
+  PhysicsErrors physics;
   bool operator==(const Disturbances&) const = default;
 };
 
@@ -99,7 +116,9 @@ struct Disturbances {
 bool senses_with_errors(const Disturbances& disturbances);
 /// Whether anything but the command is applied.
 bool acts_with_errors(const Disturbances& disturbances);
-inline bool any(const Disturbances& d) { return senses_with_errors(d) || acts_with_errors(d); }
+/// Whether the physics are others than the robot file's. The payload's position alone switches nothing on.
+bool moves_with_errors(const Disturbances& disturbances);
+inline bool any(const Disturbances& d) { return senses_with_errors(d) || acts_with_errors(d) || moves_with_errors(d); }
 
 /// Least number of control periods that last at least `delay` [s]; a billionth of a period of rounding is forgiven.
 long delay_steps(double delay, double control_period);

@@ -17,6 +17,8 @@ using Json = nlohmann::ordered_json;
 constexpr Range kDelay{0.0, 2.0};
 constexpr Range kSpread{0.0, 10.0};
 constexpr Range kGain{0.0, 1.0};
+constexpr Range kFriction{0.0, 0.9};
+constexpr Range kMass{0.0, 1000.0};
 
 const Node kNothing;
 
@@ -87,11 +89,27 @@ void read_objects(MapReader& in, PoseSensing& objects, DetectionRule& detection)
   map.finish();
 }
 
-void read_actuators(MapReader& in, ActuatorErrors& actuators) {
+void read_spread(MapReader& in, const char* name, const char* mean, Spread& spread, const Range& range) {
+  read_pair(in, name, mean, spread.mean, "spread", spread.spread, range);
+}
+
+void read_payload(MapReader& in, PhysicsErrors& physics) {
+  MapReader map(child(in, "payload"), in.key_of("payload"));
+  map.read("mass", physics.payload_mass.mean, kMass);
+  map.read("spread", physics.payload_mass.spread, kMass);
+  if (const Node* position = map.get("position")) {
+    const std::vector<double> place = config::read_numbers(*position, map.key_of("position"), 3, {-10.0, 10.0});
+    std::copy(place.begin(), place.end(), physics.payload_position.begin());
+  }
+  map.finish();
+}
+
+void read_actuators(MapReader& in, ActuatorErrors& actuators, PhysicsErrors& physics) {
   MapReader map(child(in, "actuators"), in.key_of("actuators"));
   MapReader joints(child(map, "joints"), map.key_of("joints"));
   joints.read("delay", actuators.joint_delay, kDelay);
   joints.read("gain_error", actuators.joint_gain, kGain);
+  read_spread(joints, "friction", "effort", physics.joint_friction, kFriction);
   joints.finish();
   MapReader base(child(map, "base"), map.key_of("base"));
   base.read("delay", actuators.base_delay, kDelay);
@@ -158,10 +176,18 @@ Json json_of(const PoseSensing& poses) {
   return out;
 }
 
-Json json_of(const ActuatorErrors& actuators) {
+void put(Json& out, const char* key, const char* mean, const Spread& spread, const Spread& standard) {
+  Json map;
+  put(map, mean, spread.mean, standard.mean);
+  put(map, "spread", spread.spread, standard.spread);
+  put(out, key, std::move(map));
+}
+
+Json json_of(const ActuatorErrors& actuators, const PhysicsErrors& physics) {
   Json out, joints, base;
   put(joints, "delay", actuators.joint_delay, 0.0);
   put(joints, "gain_error", actuators.joint_gain, 0.0);
+  put(joints, "friction", "effort", physics.joint_friction, {});
   put(base, "delay", actuators.base_delay, 0.0);
   put(base, "gain_error", actuators.base_gain);
   put(out, "joints", std::move(joints));
@@ -194,7 +220,9 @@ Disturbances read_disturbances(const Node& node, const std::string& key) {
   MapReader goal(child(in, "goal"), in.key_of("goal"));
   read_poses(goal, out.goal);
   goal.finish();
-  read_actuators(in, out.actuators);
+  read_actuators(in, out.actuators, out.physics);
+  read_payload(in, out.physics);
+  read_spread(in, "floor", "friction", out.physics.floor_friction, kSpread);
   in.finish();
   return out;
 }
@@ -214,7 +242,14 @@ Json to_json(const Disturbances& disturbances) {
   put(objects, "sensor", detection.sensor, off.sensor);
   put(out, "objects", std::move(objects));
   put(out, "goal", json_of(disturbances.goal));
-  put(out, "actuators", json_of(disturbances.actuators));
+  const PhysicsErrors usual;
+  put(out, "actuators", json_of(disturbances.actuators, disturbances.physics));
+  Json payload;
+  put(payload, "mass", disturbances.physics.payload_mass.mean, 0.0);
+  put(payload, "spread", disturbances.physics.payload_mass.spread, 0.0);
+  if (!payload.is_null()) put(payload, "position", disturbances.physics.payload_position, usual.payload_position);
+  put(out, "payload", std::move(payload));
+  put(out, "floor", "friction", disturbances.physics.floor_friction, usual.floor_friction);
   return out;
 }
 

@@ -38,7 +38,10 @@ enum class DisturbanceSource : std::uint64_t {
   kGoalBiasRotation = 26,
   kJointGain = 27,
   kBaseLinearGain = 28,
-  kBaseAngularGain = 29
+  kBaseAngularGain = 29,
+  kJointFriction = 30,
+  kPayloadMass = 31,
+  kFloorFriction = 32
 };
 
 /// The draws of a trial's disturbances: a pure function of (the world's seed and index, `seed`, source, control step,
