@@ -139,7 +139,7 @@ int fit_shapes(const RobotFitOptions& options) {
     const auto named = [&](const char* kind) {
       return std::find(options.kinds.begin(), options.kinds.end(), kind) != options.kinds.end();
     };
-    fit_options.kinds = {named("sphere"), named("capsule"), named("box")};
+    fit_options.kinds = {.sphere = named("sphere"), .capsule = named("capsule"), .box = named("box")};
   }
   const fit::RobotFit fit = fit::fit_robot(options.robot, fit_options);
   const std::string text = block(fit, options.robot.filename().string());

@@ -212,7 +212,8 @@ class Source {
 
 RobotFit fit_robot(const fs::path& robot_file, const FitOptions& options) {
   RobotFit result;
-  result.before = self_contact(*config::load_robot(robot_file).model);
+  const auto model = config::load_robot(robot_file).model;
+  result.before = self_contact(*model);
   const Source source(robot_file);
   const std::vector<UrdfCollision> geometry = config::load_urdf_collision(robot_file);
   if (geometry.empty()) source.refuse("the URDF has no collision geometry that shapes could be fitted to");
@@ -229,7 +230,12 @@ RobotFit fit_robot(const fs::path& robot_file, const FitOptions& options) {
   }
   if (links.empty())
     source.refuse("every link with collision geometry in the URDF has shapes under collision.shapes: nothing to fit");
-  for (const auto& [link, elements] : links) result.links.push_back(fit_link(link, elements, options));
+  for (const auto& [link, elements] : links) {
+    FitOptions of_link = options;
+    if (model->base.type != BaseType::kFixed && !config::can_move_against(*model, 0, model->find_link(link)))
+      of_link.kinds.box_weight = kBaseBoxWeight;
+    result.links.push_back(fit_link(link, elements, of_link));
+  }
 
   result.collision = source.collision(result.links);
   config::LoadedRobot after = source.with(result.collision);

@@ -39,20 +39,20 @@ Part make_part(Triangles surface, const Kinds& kinds) {
 using Parts = std::vector<Part>;
 
 // Volume of the union times the mean weight of its kinds.
-double cost_of(const std::vector<Solid>& solids, int samples) {
+double cost_of(const std::vector<Solid>& solids, const Kinds& kinds, int samples) {
   double sum = 0.0;
   double weighted = 0.0;
   for (const Solid& solid : solids) {
     sum += volume(solid.shape);
-    weighted += weight(solid.shape.kind) * volume(solid.shape);
+    weighted += weight(solid.shape.kind, kinds) * volume(solid.shape);
   }
   return union_volume(solids, samples) * weighted / sum;
 }
 
-double cost_of(const Parts& parts) {
+double cost_of(const Parts& parts, const Kinds& kinds) {
   std::vector<Solid> solids;
   for (const Part& part : parts) solids.push_back(part.solid);
-  return cost_of(solids, kSamples);
+  return cost_of(solids, kinds, kSamples);
 }
 
 // Part `which` cut across `axis` at these places, in rising order.
@@ -130,7 +130,7 @@ void add_cuts(const Parts& parts, std::size_t which, int pieces, const Kinds& ki
         if (i < at.size()) cut.at.push_back(slabs.place(to));
         from = to;
       }
-      cut.cost = cost_of(solids, kQuickSamples);
+      cut.cost = cost_of(solids, kinds, kQuickSamples);
       cuts.push_back(std::move(cut));
     };
     for (int i = 1; i < kSlabs; ++i) {
@@ -178,7 +178,7 @@ Parts best_cut(const Parts& whole, const Parts& parts, const Kinds& kinds) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < std::min(kThorough, choices.size()); ++i) {
     Parts next = applied(*choices[i].of, choices[i].cut, kinds);
-    const double cost = cost_of(next);
+    const double cost = cost_of(next, kinds);
     if (cost >= least) continue;
     least = cost;
     best = std::move(next);
@@ -194,17 +194,18 @@ std::vector<Placed> fit_surfaces(const std::vector<Triangles>& surfaces, const F
   const Parts whole{make_part(std::move(all), options.kinds)};
   Parts current = whole;
   Parts best = whole;
-  double least = cost_of(whole);
+  double least = cost_of(whole, options.kinds);
   for (int count = 2; count <= options.max_shapes; ++count) {
     Parts next = best_cut(whole, current, options.kinds);
     if (count == static_cast<int>(surfaces.size())) {
       Parts one_by_one;
       for (const Triangles& surface : surfaces) one_by_one.push_back(make_part(surface, options.kinds));
-      if (next.empty() || cost_of(one_by_one) < cost_of(next)) next = std::move(one_by_one);
+      if (next.empty() || cost_of(one_by_one, options.kinds) < cost_of(next, options.kinds))
+        next = std::move(one_by_one);
     }
     if (next.empty()) break;
     current = std::move(next);
-    const double cost = cost_of(current) * std::pow(kGain, static_cast<double>(current.size()) - 1.0);
+    const double cost = cost_of(current, options.kinds) * std::pow(kGain, static_cast<double>(current.size()) - 1.0);
     if (cost >= least) continue;
     least = cost;
     best = current;

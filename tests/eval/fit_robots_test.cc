@@ -131,6 +131,23 @@ TEST_F(FitRobot, LeavesShapesOfTheFileAlone) {
   EXPECT_NE(fit.collision.find("{link: arm, shape: cylinder, size: [0.1, 0.1]}"), std::string::npos) << fit.collision;
 }
 
+// A flat round body: a box where it stands, something round where it drives.
+TEST_F(FitRobot, ABaseThatTurnsGetsNoCorners) {
+  const auto kind = [&](const std::string& base) {
+    scratch_.write("round.urdf", "<robot name=\"round\"><link name=\"root\">" +
+                                     collision("<cylinder radius=\"0.25\" length=\"0.3\"/>") +
+                                     R"(</link><link name="arm"/>
+<joint name="turn" type="revolute"><parent link="root"/><child link="arm"/><axis xyz="0 0 1"/>
+  <limit lower="-2" upper="2" velocity="1.5" effort="80"/></joint></robot>)");
+    const auto file = scratch_.write("round.yaml", "urdf: round.urdf\narm: {tip: arm}\nbase: " + base + "\n");
+    return fit::fit_robot(file, {1, {}}).links.at(0).fitted.at(0).solid.shape.kind;
+  };
+  EXPECT_EQ(kind("{type: fixed}"), ShapeKind::kBox);
+  EXPECT_NE(kind("{type: omnidirectional, max_linear: 1, max_angular: 1, wheels: {radius: 0.1, separation: 0.4, "
+                 "wheelbase: 0.4}}"),
+            ShapeKind::kBox);
+}
+
 TEST_F(FitRobot, NeedsNoCollisionInTheFile) {
   const auto file = robot(collision("<cylinder radius=\"0.1\" length=\"0.1\"/>"), "", "");
   const fit::RobotFit fit = fit::fit_robot(file, {});
