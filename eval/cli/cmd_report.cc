@@ -6,9 +6,14 @@
 
 #include "eval/cli/command.h"
 #include "eval/cli/sight.h"
+#include "eval/store/migrations.h"
 #include "reports/render/report.h"
+#include "reports/render/store.h"
 
 namespace moma::cli {
+
+static_assert(store::kSchemaVersion <= reports::kNewestSchema,
+              "look whether reports/sql still fits the store, then raise reports/render/store.h");
 
 void add_report(CLI::App& app, Action& action) {
   struct Options {

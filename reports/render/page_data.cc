@@ -144,7 +144,7 @@ nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& o
   Json page;
   page["format"] = 1;
   page["store"] = {{"file", std::filesystem::path(store.getFilename()).filename().string()},
-                   {"schema", kSchemaVersion}};
+                   {"schema", store.execAndGet("PRAGMA user_version").getInt()}};
   page["invocations"] = rows(store, invocations_sql());
   page["points"] = rows(store, points_sql());
   page["summary"] = rows(store, summary_sql());

@@ -66,17 +66,17 @@ SQLite::Database open_store(const std::filesystem::path& db) {
                       name));
     }
     const int version = store.execAndGet("PRAGMA user_version").getInt();
-    if (version > kSchemaVersion) {
+    if (version > kNewestSchema) {
       throw ReportError(
           fmt::format("{}: a newer moma wrote this store (schema {}, this program knows {}): use that "
                       "version for the report",
-                      name, version, kSchemaVersion));
+                      name, version, kNewestSchema));
     }
-    if (version < kSchemaVersion) {
+    if (version < kOldestSchema) {
       throw ReportError(
-          fmt::format("{}: an older moma wrote this store (schema {}, this program wants {}): moma run "
-                      "on it brings it up to date",
-                      name, version, kSchemaVersion));
+          fmt::format("{}: an older moma wrote this store (schema {}, the report wants {} or newer): moma "
+                      "run on it brings it up to date",
+                      name, version, kOldestSchema));
     }
     return store;
   } catch (const SQLite::Exception& error) {

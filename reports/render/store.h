@@ -6,8 +6,9 @@
 
 namespace moma::reports {
 
-/// Schema version that the queries of reports/sql are written for.
-inline constexpr int kSchemaVersion = 3;
+/// Schema versions whose tables and views have what the queries of reports/sql ask for.
+inline constexpr int kOldestSchema = 2;
+inline constexpr int kNewestSchema = 3;
 
 /// Opens moma's store for reading. Throws ReportError naming the file and what is wrong with it.
 SQLite::Database open_store(const std::filesystem::path& db);

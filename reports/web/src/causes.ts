@@ -3,7 +3,7 @@
 
 import type { Model } from './data';
 
-export const kCauses = ['late detection', 'contact', 'infeasible', 'local minimum', 'limit', 'base misaligned', 'almost there', 'out of time', 'standstill', 'other'] as const;
+export const kCauses = ['late detection', 'contact', 'infeasible', 'local minimum', 'limit', 'almost there', 'base misaligned', 'out of time', 'standstill', 'other'] as const;
 export type Cause = (typeof kCauses)[number];
 
 export const kCauseTexts: Record<Cause, string> = {
@@ -12,8 +12,8 @@ export const kCauseTexts: Record<Cause, string> = {
   infeasible: 'no command kept all rows in more than a tenth of the steps, or at the end for too long',
   'local minimum': 'stands or circles before an object within 10 cm, away from the goal',
   limit: 'a joint is at its limit',
-  'base misaligned': 'nothing near, but the goal lies beside a base that cannot drive sideways (more than 30\u00b0 off its axis)',
   'almost there': 'nothing near, within three tolerances of the goal',
+  'base misaligned': 'nothing near, but the goal lies beside a base that cannot drive sideways (more than 30\u00b0 off its axis)',
   'out of time': 'nothing near, still on its way at the time limit',
   standstill: 'nothing near, and yet at rest',
   other: 'tipped over, diverged, a program error',

@@ -165,6 +165,46 @@ const data = dataOf(demo);
   await context.close();
 }
 
+/** Clicks marks of a figure, as a reader could, until one does something; false where none does. */
+const clickMark = async (page, id) => {
+  await page.locator(`#${id}`).scrollIntoViewIfNeeded();
+  await page.waitForSelector(`#${id} canvas`);
+  // Marks grow into place: until one is found.
+  return page.waitForFunction((figure) => {
+    const canvas = document.querySelector(`#${figure} canvas`);
+    const box = canvas.getBoundingClientRect();
+    const send = (type, clientX, clientY) => canvas.dispatchEvent(new MouseEvent(type, { clientX, clientY, bubbles: true, view: window }));
+    for (let y = box.top + 60; y < box.bottom - 40; y += 4) {
+      for (let x = box.left + 80; x < box.right - 20; x += 4) {
+        send('mousemove', x, y);
+        if (canvas.parentElement.style.cursor !== 'pointer') continue;
+        const before = location.hash;
+        for (const type of ['mousedown', 'mouseup', 'click']) send(type, x, y);
+        if (location.hash !== before) return true;
+      }
+    }
+    return false;
+  }, id, { polling: 500 }).then(() => true, () => false);
+};
+{
+  const inPage = new Set(data.replays.map((replay) => replay.trial));
+  for (const id of ['figure-scatter', 'figure-paired', 'figure-course']) {
+    const { context, page } = await open(demo);
+    check(await clickMark(page, id), `${id} has a mark to click`);
+    await page.waitForFunction(() => location.hash.includes('trial='));
+    const trial = new URLSearchParams(new URL(page.url()).hash.slice(1)).get('trial');
+    if (inPage.has(trial)) await page.waitForSelector(`.stage-box[data-trial="${trial}"]`);
+    else check((await page.locator('.detail code').innerText()).endsWith(trial), `${id}: the command that plays ${trial}`);
+    check(id !== 'figure-course' || inPage.has(trial), 'a line of the motions is a trial that can be played');
+    await context.close();
+  }
+  const { context, page } = await open(demo);
+  check(await clickMark(page, 'figure-outcomes'), 'outcomes have bars to click');
+  await page.waitForFunction(() => location.hash.includes('outcome='));
+  check(/^\d+ of 120/.test((await page.locator('#trials footer .note').innerText()).replace(/\s/g, ' ')), 'a bar lists its trials');
+  await context.close();
+}
+
 // ---- replay -------------------------------------------------------------------------------------------------------
 /** Column of a replay's samples, decoded independently of the page. */
 const column = (replay, name) => {
@@ -345,10 +385,11 @@ if (moma !== undefined) {
 }
 
 // ---- trials that moma simulated: robots, worlds and samples as the program writes them -----------------------------
-const suites = [['frankie', 'robots/frankie.yaml', 'clutter'], ['tiago', 'robots/examples/tiago.yaml', 'moving']];
-for (const [name, robot, family] of moma === undefined ? [] : suites) {
+const suites = [['frankie', 'robots/frankie.yaml', 'clutter', '{}'], ['tiago', 'robots/examples/tiago.yaml', 'moving', '{}'],
+  ['rows', 'robots/frankie.yaml', 'moving', join(source, 'configs/controllers/moma.yaml')]];
+for (const [name, robot, family, controller] of moma === undefined ? [] : suites) {
   const suite = join(work, `${name}.yaml`);
-  writeFileSync(suite, `name: ${name}\nrobot: ${join(source, 'configs', robot)}\ncontrollers: {moma: {}}\nworlds: {seed: 5, families: `
+  writeFileSync(suite, `name: ${name}\nrobot: ${join(source, 'configs', robot)}\ncontrollers: {moma: ${controller}}\nworlds: {seed: 5, families: `
     + `{${family}: {weight: 1}}}\nsimulation: {mode: kinematic, time_limit: 8}\ntrials: 3\nsamples: all\n`);
   execFileSync(moma, ['run', suite, '-o', join(work, `${name}.db`), '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });
   execFileSync(makeReport, [join(work, `${name}.db`), join(work, `${name}.html`)], { stdio: 'inherit' });
@@ -359,18 +400,18 @@ for (const [name, robot, family] of moma === undefined ? [] : suites) {
   await checkKinematics(page, dataOf(html));
   // Collision rows follow from poses and commands in the page; the controller stored the least distance and how many
   // constraints were active.
-  let [seen, active] = [0, 0];
+  let [seen, active, ends, passing] = [0, 0, 0, 0];
   for (const [i, replay] of dataOf(html).replays.entries()) {
     await page.locator('.shelf button').nth(i).click();
     await page.waitForFunction((trial) => document.querySelector('.stage-box').dataset.trial === trial, replay.trial);
-    const [times, least, rows, fallback] = ['t', 'least_distance', 'active_rows', 'fallback'].map((column_) => column(replay, column_));
+    const [times, least, rows, fallback, status] = ['t', 'least_distance', 'active_rows', 'fallback', 'status'].map((column_) => column(replay, column_));
     for (let k = 0; k < replay.n; k += 7) {
       const shown = await page.evaluate((t) => {
         const input = document.querySelector('.transport input[type=range]');
         input.value = t;
         input.dispatchEvent(new Event('input', { bubbles: true }));
-        const { leastDistance, activeRows } = document.querySelector('.stage-box').dataset;
-        return { least: leastDistance === '' ? Infinity : Number(leastDistance), active: Number(activeRows) };
+        const box = document.querySelector('.stage-box').dataset;
+        return { least: box.leastDistance === '' ? Infinity : Number(box.leastDistance), active: Number(box.activeRows), room: Number(box.leastRoom), ends: Number(box.ends), passing: Number(box.passing) };
       }, times[k]);
       if (least[k] < 0.29) {
         seen += 1;
@@ -378,10 +419,45 @@ for (const [name, robot, family] of moma === undefined ? [] : suites) {
       }
       if (fallback[k] === 0) check(shown.active <= rows[k], `${name}: at ${times[k]} s ${shown.active} active collision rows of ${rows[k]} active constraints`);
       active += shown.active;
+      ends += shown.ends;
+      passing += shown.passing;
+      // The solver kept its rows: were those of the page others, the command would break some.
+      if (fallback[k] === 0 && status[k] === 0 && k + 1 < replay.n) check(shown.room > -3e-3, `${name}: at ${times[k]} s a row is broken by ${-shown.room} m/s`);
     }
   }
-  check(seen > 5 && active > 0, `${name}: ${seen} distances compared, ${active} active rows`);
+  if (name === 'rows') check(ends > 0 && passing > 0, `${name}: ${ends} rows of ends, ${passing} of passing objects`);
+  else check(seen > 5 && active > 0, `${name}: ${seen} distances compared, ${active} active rows`);
   if (screenshots !== undefined) await page.locator('.replay').screenshot({ path: join(screenshots, `replay-${name}.png`) });
+  await context.close();
+}
+
+// ---- disturbances: what points differ by, and failures for want of sight --------------------------------------------
+if (moma !== undefined) {
+  const suite = join(work, 'sight.yaml');
+  writeFileSync(suite, `name: sight\nrobot: ${join(source, 'configs/robots/frankie.yaml')}\ncontrollers: {one: {}, two: ${join(source, 'configs/controllers/moma.yaml')}}\n`
+    + 'worlds: {seed: 12, families: {clutter: {weight: 1}}}\nsimulation: {mode: kinematic, time_limit: 6}\ntrials: 8\nsamples: failures\n'
+    + `sweep: {axes: {disturbances: [none, {objects: {range: 0.3}}, ${join(source, 'configs/disturbances/realistic.yaml')}]}}\n`);
+  execFileSync(moma, ['run', suite, '-o', join(work, 'sight.db'), '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });
+  execFileSync(moma, ['report', join(work, 'sight.db'), '-o', join(work, 'sight.html')], { stdio: 'ignore' });
+  const told = dataOf(join(work, 'sight.html'));
+  check(told.points.map((p) => Object.keys(p.disturbances).length > 0).join() === 'false,true,true,false,true,true', 'points say what disturbs them');
+  const { context, page } = await open(join(work, 'sight.html'));
+  check(/Disturbances\s+none/.test(await page.locator('.facts').innerText()), 'the top names the disturbances');
+  check((await page.locator('.verdict').count()) === 6, 'a verdict for each controller under each condition');
+  const failed = told.trials.columns.outcome.codes.filter((code) => told.trials.columns.outcome.values[code] !== 'success').length;
+  await page.locator('#failures').scrollIntoViewIfNeeded();
+  await page.waitForSelector('#causes tbody tr');
+  const counts = await page.locator('#causes td .share').evaluateAll((cells) => cells.map((cell) => Number(cell.firstChild.textContent)));
+  check(counts.reduce((sum, n) => sum + n, 0) === failed, `the causes of ${failed} failures: ${counts}`);
+  const known = told.trials.columns.known_before_contact_s ?? [];
+  check(known.some((seconds) => seconds !== null && seconds < 1), 'objects are hit before they are known');
+  check((await page.locator('#causes').innerText()).includes('late detection'), 'late detection is a cause');
+  await page.locator('.toolbar').getByRole('group', { name: 'disturbances' }).getByText('realistic').click();
+  check((await page.locator('.verdict').count()) === 2, 'one condition, two verdicts');
+  check(page.url().includes('at=0.2'), 'the address keeps the condition');
+  check((await page.locator('.paired-words').count()) === 1, 'under one condition they are compared');
+  check(/objects\.range/.test(await page.locator('#provenance').innerText()), 'provenance lists the values');
+  await noOverflow(page, 'conditions');
   await context.close();
 }
 

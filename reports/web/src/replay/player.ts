@@ -76,7 +76,7 @@ export function player(model: Model): HTMLElement {
   let rate = 1;
   let playing = false;
   let frame = 0;
-  let before = 0;
+  let before: number | null = null;   // time of the last frame
   const timeline = new Timeline(lines, (t) => { pause(); seek(t); });
   const robots = new Map<string, Robot>();
 
@@ -151,7 +151,8 @@ export function player(model: Model): HTMLElement {
 
   const tick = (now: number): void => {
     if (!playing) return;
-    time += Math.min(0.1, (now - before) / 1000) * rate;
+    // A frame's time is that of its begin, which may lie before start().
+    if (before !== null) time += Math.min(0.1, Math.max(0, now - before) / 1000) * rate;
     before = now;
     if (time >= (trace?.end ?? 0)) {
       time = trace?.end ?? 0;
@@ -168,10 +169,10 @@ export function player(model: Model): HTMLElement {
   };
 
   const start = (): void => {
-    if (trace === null) return;
+    if (trace === null || playing) return;
     if (time >= trace.end - 1e-6) time = 0;
     playing = true;
-    before = performance.now();
+    before = null;
     play.textContent = 'Pause';
     frame = requestAnimationFrame(tick);
   };

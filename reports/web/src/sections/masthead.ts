@@ -101,6 +101,11 @@ function verdicts(model: Model): HTMLElement[] {
     : []);
 }
 
+/** "failed twice", "never failed". */
+function often(verb: string, count: number): string {
+  return count === 0 ? `never ${verb}` : `${verb} ${times(count)}`;
+}
+
 /** Pairs on the same worlds; with several of them, Holm's correction. */
 function comparison(model: Model): HTMLElement | null {
   const shown = judged(model).map((j) => j.series);
@@ -118,7 +123,7 @@ function comparison(model: Model): HTMLElement | null {
   return h('div', { class: 'paired-words' }, ...all.map(({ s, r }, i) => {
     const p = corrected[i] ?? 1;
     const verdict = p < 0.05 ? `${(r.onlyB > r.onlyA ? s : first).name} is ahead` : 'the difference may be chance';
-    return h('p', null, `On the same ${plural(r.worlds.length, 'world')}, ${s.name} succeeded ${times(r.onlyB)} where ${first.name} failed, and failed ${times(r.onlyA)} where it succeeded: ${verdict} (exact McNemar ${probability(p)}${all.length > 1 ? ', Holm' : ''}).`);
+    return h('p', null, `On the same ${plural(r.worlds.length, 'world')}, ${s.name} ${often('succeeded', r.onlyB)} where ${first.name} failed, and ${often('failed', r.onlyA)} where it succeeded: ${verdict} (exact McNemar ${probability(p)}${all.length > 1 ? ', Holm' : ''}).`);
   }));
 }
 
