@@ -18,7 +18,8 @@ class FitRobots : public ::testing::TestWithParam<std::string> {};
 // The block in a robot file of its own, loaded as any other, against the URDF's meshes on dense samples.
 TEST_P(FitRobots, ShapesEncloseTheUrdfsGeometry) {
   const std::filesystem::path file = test::source_path(GetParam());
-  const int max_shapes = GetParam().starts_with("configs") ? 3 : 2;  // the others have very many links
+  const bool example = GetParam().starts_with("configs");
+  const int max_shapes = example ? 3 : 1;  // the others have very many links
   const fit::RobotFit fit = fit::fit_robot(file, {max_shapes, {}});
   const test::Scratch scratch;
   std::string block;
@@ -66,8 +67,8 @@ TEST_P(FitRobots, ShapesEncloseTheUrdfsGeometry) {
     EXPECT_EQ(shapes[link.link].size(), link.kept.size() + link.fitted.size()) << link.link;
     if (link.fitted.empty()) continue;
     const bool moves = !shapes[link.link].front()->rigid_with_base;
-    EXPECT_LT(link.error.mean_overshoot, moves && max_shapes == 3 ? 0.015 : 0.05) << link.link;
-    EXPECT_LT(link.error.volume_ratio.value_or(1.0), 2.0) << link.link;
+    EXPECT_LT(link.error.mean_overshoot, example && moves ? 0.015 : 0.07) << link.link;
+    EXPECT_LT(link.error.volume_ratio.value_or(1.0), example ? 2.0 : 2.5) << link.link;
   }
 }
 
