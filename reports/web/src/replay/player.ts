@@ -109,7 +109,8 @@ export function player(model: Model): HTMLElement {
     stage.dataset['arrows'] = String(rows.length);
     stage.dataset['ends'] = String(ends.length);
     stage.dataset['passing'] = String(sides.length);
-    stage.dataset['leastRoom'] = String(Math.min(Infinity, ...rows.map((row) => row.room)));
+    // Of rows whose nearest point is no matter of choice, as it is of parallel shapes.
+    stage.dataset['leastRoom'] = String(Math.min(Infinity, ...[...ends, ...sides].map((row) => row.room)));
   };
 
   const draw = (): void => {

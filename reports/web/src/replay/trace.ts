@@ -31,7 +31,8 @@ export class Trace {
     let high = this.n - 1;
     while (low < high) {
       const middle = (low + high + 1) >> 1;
-      if ((this.t[middle] ?? 0) <= t) low = middle;
+      // A slider rounds: its value may lie a hair before the sample that it was set to.
+      if ((this.t[middle] ?? 0) <= t + 1e-6) low = middle;
       else high = middle - 1;
     }
     if (low + 1 >= this.n) return [this.n - 1, 0];
