@@ -33,6 +33,8 @@ async function picture(page, trial) {
 const page = await browser.newPage({ viewport: { width: 900, height: 900 }, colorScheme: 'light' });
 await page.goto(url);
 await page.waitForSelector('main');
+// The bar on top would lie over the pictures.
+await page.addStyleTag({ content: '.toolbar { display: none }' });
 await page.locator('.replay').scrollIntoViewIfNeeded();
 const cells = [];
 for (const text of trials) {

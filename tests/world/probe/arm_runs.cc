@@ -23,7 +23,7 @@ std::vector<double> list_of(const VectorX& v) { return {v.data(), v.data() + v.s
 class HeldArm {
  public:
   HeldArm(std::shared_ptr<const RobotModel> model, const VectorX& q)
-      : model_(std::move(model)), arm_(world_.id(), model_, Vector3::Zero(), q, 0.0, 0.0), q_(q) {
+      : model_(std::move(model)), arm_(world_.id(), model_, Vector3::Zero(), q, 0.0, 0.0, {}), q_(q) {
     if (model_->base.type != BaseType::kFixed) throw std::invalid_argument("needs \"held\": true");
     dWorldSetGravity(world_.id(), 0.0, 0.0, -9.81);
     dWorldSetCFM(world_.id(), 1e-9);
