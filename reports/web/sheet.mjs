@@ -14,6 +14,9 @@ const url = /^https?:/.test(address) ? address : `file://${resolve(address)}`;
 const executablePath = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'].find(existsSync);
 const browser = await chromium.launch({ executablePath, args: ['--no-sandbox', '--enable-unsafe-swiftshader', '--use-angle=swiftshader'] });
 
+// A stage that is not drawn yet is one colour, and its PNG small.
+const kEmptyBytes = 10000;
+
 async function picture(page, trial) {
   await page.evaluate((key) => { location.hash = `trial=${key}`; }, trial);
   const stage = page.locator('.stage-box');
@@ -25,9 +28,14 @@ async function picture(page, trial) {
   }
   if (!(await loaded())) throw new Error(`trial ${trial} is not shown`);
   const scrub = page.locator('.transport input[type=range]');
-  await scrub.evaluate((input) => { input.value = input.max; input.dispatchEvent(new Event('input', { bubbles: true })); });
-  await page.waitForTimeout(700);
-  return (await page.locator('canvas.stage').screenshot()).toString('base64');
+  for (let i = 0; i < 10; ++i) {
+    await stage.scrollIntoViewIfNeeded();
+    await scrub.evaluate((input) => { input.value = input.max; input.dispatchEvent(new Event('input', { bubbles: true })); });
+    await page.waitForTimeout(700);
+    const image = await page.locator('canvas.stage').screenshot();
+    if (image.length > kEmptyBytes) return image.toString('base64');
+  }
+  throw new Error(`trial ${trial} is not drawn`);
 }
 
 const page = await browser.newPage({ viewport: { width: 900, height: 900 }, colorScheme: 'light' });
