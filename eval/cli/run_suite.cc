@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "eval/batch/sequential.h"
+#include "eval/cli/doubts.h"
 #include "eval/cli/interrupt.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
@@ -52,6 +53,7 @@ class Run {
     if (!warning.empty()) print_warnings({warning});
     const int code = suite_.until ? run_until(writer) : run_fixed(writer);
     print_summary(request_.file, writer.suite_name());
+    print_warnings(doubts_.warnings());
     return code;
   }
 
@@ -171,6 +173,7 @@ class Run {
                                            ? store::describe(*result.world)
                                            : store::describe_missing(suite_.points[job.point].worlds, job.world);
       const Trace& trace = result.output.trace;
+      doubts_.look(result.output.row);
       writer.add({job.point, job.world, job.key}, world, result.output.row, trace.empty() ? nullptr : &trace,
                  result.metrics);
       return true;
@@ -207,6 +210,7 @@ class Run {
   Suite suite_;
   Cluster* cluster_;
   std::function<void(const Point&, BatchResult&)> finish_;
+  Doubts doubts_;
 };
 
 }  // namespace
