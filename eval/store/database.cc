@@ -28,6 +28,24 @@ StoreError unusable(const fs::path& file, const std::string& message) {
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
+// SQLite itself tidies up, under its locks, where a connection that can write looks at the store and closes.
+void let_sqlite_tidy(const fs::path& file) noexcept {
+  try {
+    SQLite::Database db(file.string(), SQLite::OPEN_READWRITE);
+    (void)db.execAndGet("SELECT count(*) FROM sqlite_schema");
+  } catch (const std::exception&) {  // read-only places stay as they are
+  }
+}
+
+// A run that was killed while it made its store leaves a rollback journal, and in the file anything. Only a connection
+// that can write plays it back.
+void play_back_journal(const fs::path& file) noexcept {
+  constexpr char kMagic[] = "\xd9\xd5\x05\xf9\x20\xa1\x63\xd7";  // https://sqlite.org/fileformat.html, 3
+  std::ifstream journal(file.string() + "-journal", std::ios::binary);
+  char head[sizeof kMagic - 1] = {};
+  if (journal.read(head, sizeof head) && std::memcmp(head, kMagic, sizeof head) == 0) let_sqlite_tidy(file);
+}
+
 /// Faults that can be told before SQLite is asked, in better words than its own. Returns whether the file is there
 /// with content.
 bool look_at_file(const fs::path& file, Access access) {
@@ -48,6 +66,7 @@ bool look_at_file(const fs::path& file, Access access) {
     return false;
   }
   if (!fs::is_regular_file(status)) throw unusable(file, "is not a regular file; a store is one");
+  play_back_journal(file);
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw unusable(file, fmt::format("cannot be read: {}", std::strerror(errno)));
   char head[16] = {};
@@ -100,12 +119,7 @@ std::string read_only_uri(const fs::path& file) {
 void remove_empty_wal(const fs::path& file) noexcept {
   std::error_code error;
   const auto size = fs::file_size(file.string() + "-wal", error);
-  if (error || size != 0) return;
-  try {  // SQLite itself removes them, under its locks, when the last connection that can write closes
-    SQLite::Database db(file.string(), SQLite::OPEN_READWRITE);
-    (void)db.execAndGet("SELECT count(*) FROM sqlite_schema");
-  } catch (const std::exception&) {  // read-only places keep them
-  }
+  if (!error && size == 0) let_sqlite_tidy(file);
 }
 
 }  // namespace

@@ -105,6 +105,31 @@ TEST(StoreFiles, AnEmptyFileBecomesAStore) {
   EXPECT_EQ(store::Reader(folder / "a.db").keys().size(), 1u);
 }
 
+// What a run leaves behind that is killed in the very moment in which it makes its store.
+TEST(StoreFiles, AStoreWhoseMakingWasKilledIsMadeAgain) {
+  const TemporaryFolder folder;
+  const fs::path making = folder / "making.db";
+  const fs::path killed = folder / "killed.db";
+  {
+    SQLite::Database db(making.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+    db.exec("PRAGMA cache_size = 2; BEGIN IMMEDIATE; CREATE TABLE t (x)");
+    db.exec(
+        "WITH RECURSIVE n (i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 200) "
+        "INSERT INTO t SELECT randomblob(1000) FROM n");
+    for (const char* suffix : {"", "-journal"}) fs::copy_file(making.string() + suffix, killed.string() + suffix);
+  }
+  ASSERT_GT(fs::file_size(killed), 0u);
+  ASSERT_GT(fs::file_size(killed.string() + "-journal"), 0u);
+  try {
+    store::open_database(killed, Access::kReadOnly);
+    ADD_FAILURE() << "was opened";
+  } catch (const StoreError& error) {
+    EXPECT_NE(std::string(error.what()).find("a store written by 'moma run' is needed"), std::string::npos)
+        << error.what();
+  }
+  const SQLite::Database db = store::open_database(killed, Access::kCreate);
+}
+
 TEST(StoreFiles, NamesWithSpecialCharacters) {
   const TemporaryFolder folder;
   for (const std::string name : {"a b?c#d%41.db", "ünï.db", "quote'.db", "-dash.db"}) {
