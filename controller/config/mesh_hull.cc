@@ -32,7 +32,7 @@ double furthest(const Points& cloud, const Distance& distance, Vector3& point) {
 // complain about, since it is given a number in place of a file to write to.
 bool in_one_plane(const Points& cloud) {
   constexpr double kThin = 1e-7;
-  const Vector3 a = cloud.front();
+  const Vector3& a = cloud.front();
   Vector3 b = a;
   Vector3 c = a;
   Vector3 d = a;

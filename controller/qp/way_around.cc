@@ -51,7 +51,7 @@ Way WayAround::find(const Proximity& proximity, std::span<const ObjectState> obj
                     const Vector2& to) noexcept {
   take_shadows(proximity, objects, from);
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    const Way way = search(radius_ + (1 - attempt) * params_.clearance, from, to);
+    Way way = search(radius_ + (1 - attempt) * params_.clearance, from, to);
     if (way.found) return way;
   }
   return {};
