@@ -9,21 +9,20 @@
 #include <numbers>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 namespace moma::config {
 namespace {
 
 using Points = std::vector<coal::Vec3s>;
 
-// Furthest of `cloud` by `distance`, and that distance.
-template <typename Distance>
-double furthest(const Points& cloud, const Distance& distance, Vector3& point) {
-  double most = -1.0;
+// Greatest `distance` of a point of `cloud`, and the first point that has it.
+template <typename Measure>
+std::pair<double, Vector3> furthest(const Points& cloud, const Measure& distance) {
+  std::pair<double, Vector3> most(-1.0, cloud.front());
   for (const Vector3& p : cloud) {
     const double d = distance(p);
-    if (d <= most) continue;
-    most = d;
-    point = p;
+    if (d > most.first) most = {d, p};
   }
   return most;
 }
@@ -33,19 +32,14 @@ double furthest(const Points& cloud, const Distance& distance, Vector3& point) {
 bool in_one_plane(const Points& cloud) {
   constexpr double kThin = 1e-7;
   const Vector3& a = cloud.front();
-  Vector3 b = a;
-  Vector3 c = a;
-  Vector3 d = a;
-  const double length = furthest(
-      cloud, [&](const Vector3& p) { return (p - a).norm(); }, b);
+  const auto [length, b] = furthest(cloud, [&](const Vector3& p) { return (p - a).norm(); });
   if (!(length > 0.0)) return true;
   const Vector3 along = (b - a) / length;
-  const double width = furthest(
-      cloud, [&](const Vector3& p) { return (p - a).cross(along).norm(); }, c);
+  const auto [width, c] = furthest(cloud, [&](const Vector3& p) { return (p - a).cross(along).norm(); });
   if (!(width > kThin * length)) return true;
   const Vector3 normal = along.cross(c - a).normalized();
-  return !(furthest(
-               cloud, [&](const Vector3& p) { return std::abs(normal.dot(p - a)); }, d) > kThin * length);
+  const double thickness = furthest(cloud, [&](const Vector3& p) { return std::abs(normal.dot(p - a)); }).first;
+  return !(thickness > kThin * length);
 }
 
 std::shared_ptr<ConvexHull> hull_of(const Points& cloud) {

@@ -2,6 +2,7 @@
 
 #include "controller/config/json_node.h"
 #include "controller/config/robot_build.h"
+#include "controller/config/robot_file.h"
 
 namespace moma::config {
 namespace {
@@ -11,12 +12,6 @@ Vector3 read_vector(MapReader& in, std::string_view name, const Vector3& otherwi
   if (node == nullptr) return otherwise;
   const std::vector<double> v = read_numbers(*node, in.key_of(name), 3);
   return {v[0], v[1], v[2]};
-}
-
-Matrix3 rotation_of(const Vector3& rpy) {
-  return (Eigen::AngleAxisd(rpy.z(), Vector3::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Vector3::UnitY()) *
-          Eigen::AngleAxisd(rpy.x(), Vector3::UnitX()))
-      .toRotationMatrix();
 }
 
 void read_wheels(MapReader& base, MobileBase& model, nlohmann::ordered_json& written) {
@@ -40,6 +35,12 @@ void read_wheels(MapReader& base, MobileBase& model, nlohmann::ordered_json& wri
 }
 
 }  // namespace
+
+Matrix3 rotation_of(const Vector3& rpy) {
+  return (Eigen::AngleAxisd(rpy.z(), Vector3::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Vector3::UnitY()) *
+          Eigen::AngleAxisd(rpy.x(), Vector3::UnitX()))
+      .toRotationMatrix();
+}
 
 nlohmann::ordered_json to_json_list(const Eigen::Ref<const VectorX>& values) {
   auto list = nlohmann::ordered_json::array();

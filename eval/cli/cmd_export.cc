@@ -1,14 +1,12 @@
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 
 #include "eval/cli/command.h"
 #include "eval/cli/table.h"
+#include "eval/cli/whole_file.h"
 #include "eval/store/planner_arena.h"
 #include "eval/store/query.h"
 
@@ -43,21 +41,6 @@ constexpr Export kFiles[] = {
      "JOIN suite AS s ON s.id = i.suite_id ORDER BY i.id"},
 };
 
-/// The file appears whole or not at all.
-void write_file(const fs::path& file, const store::QueryResult& result) {
-  const fs::path part = file.string() + ".part";
-  std::ofstream out(part, std::ios::binary);
-  write(out, result, Format::kCsv);
-  out.close();
-  std::error_code error;
-  if (out) fs::rename(part, file, error);
-  if (!out || error) {
-    const std::string why = error ? error.message() : std::strerror(errno);
-    fs::remove(part, error);
-    throw UsageError(fmt::format("{}: cannot be written: {}", file.string(), why));
-  }
-}
-
 void export_csv(const fs::path& db, const fs::path& folder) {
   std::vector<store::QueryResult> results;  // all are read before the first is written
   for (const Export& file : kFiles) results.push_back(store::query(db, file.sql));
@@ -69,7 +52,7 @@ void export_csv(const fs::path& db, const fs::path& folder) {
   }
   for (std::size_t i = 0; i < results.size(); ++i) {
     const fs::path file = folder / fmt::format("{}.csv", kFiles[i].name);
-    write_file(file, results[i]);
+    write_whole(file, [&](std::ostream& out) { write(out, results[i], Format::kCsv); });
     std::cerr << fmt::format("wrote {} ({} rows)\n", file.string(), results[i].rows.size());
   }
 }

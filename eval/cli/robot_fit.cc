@@ -3,9 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <sstream>
@@ -14,6 +11,7 @@
 #include "eval/cli/command.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
+#include "eval/cli/whole_file.h"
 #include "eval/fit/fit_robot.h"
 
 namespace moma::cli {
@@ -114,21 +112,6 @@ void check_output(const RobotFitOptions& options) {
         fmt::format("{}: is there already; name another file, or replace it with --force", options.output.string()));
 }
 
-// The file appears whole or not at all.
-void write_file(const fs::path& file, const std::string& text) {
-  const fs::path part = file.string() + ".part";
-  std::ofstream out(part, std::ios::binary);
-  out << text;
-  out.close();
-  std::error_code error;
-  if (out) fs::rename(part, file, error);
-  if (!out || error) {
-    const std::string why = error ? error.message() : std::strerror(errno);
-    fs::remove(part, error);
-    throw UsageError(fmt::format("{}: cannot be written: {}", file.string(), why));
-  }
-}
-
 }  // namespace
 
 int fit_shapes(const RobotFitOptions& options) {
@@ -150,7 +133,9 @@ int fit_shapes(const RobotFitOptions& options) {
     const fs::path folder = fs::absolute(options.output).parent_path();
     fs::path robot = fs::relative(options.robot, folder, error);
     if (error || robot.empty()) robot = fs::absolute(options.robot);
-    write_file(options.output, fmt::format("include: {}\n{}", config::yaml_scalar(robot.generic_string()), text));
+    write_whole(options.output, [&](std::ostream& out) {
+      out << "include: " << config::yaml_scalar(robot.generic_string()) << '\n' << text;
+    });
     std::cout << report(fit) << std::flush;
     std::cerr << fmt::format("wrote {}, a robot file over {}\n", options.output.string(), options.robot.string());
   }

@@ -172,8 +172,8 @@ class Run {
       const store::WorldRecord world = result.world != nullptr
                                            ? store::describe(*result.world)
                                            : store::describe_missing(suite_.points[job.point].worlds, job.world);
-      const Trace& trace = result.output.trace;
       doubts_.look(result.output.row);
+      const Trace& trace = result.output.trace;
       writer.add({job.point, job.world, job.key}, world, result.output.row, trace.empty() ? nullptr : &trace,
                  result.metrics);
       return true;

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "controller/config/robot_file.h"
 
 namespace moma::fit {
 namespace {
@@ -29,9 +30,7 @@ Vector3 angles_of_axis(Vector3 axis) {
 
 Isometry pose_of(const Vector3& position, const Vector3& rpy) {
   Isometry X = Isometry::Identity();
-  X.linear() = (Eigen::AngleAxisd(rpy.z(), Vector3::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Vector3::UnitY()) *
-                Eigen::AngleAxisd(rpy.x(), Vector3::UnitX()))
-                   .toRotationMatrix();
+  X.linear() = config::rotation_of(rpy);
   X.translation() = position;
   return X;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <span>
 #include <stdexcept>
 
@@ -50,7 +51,7 @@ std::optional<double> goal_bearing(SQLite::Statement& row) {
   const double x = goal.at("position").at(0).get<double>() - samples.column("base_x").back();
   const double y = goal.at("position").at(1).get<double>() - samples.column("base_y").back();
   if (!(std::hypot(x, y) > 1e-6)) return {};
-  return std::remainder(std::atan2(y, x) - samples.column("base_phi").back(), 2.0 * 3.14159265358979323846);
+  return std::remainder(std::atan2(y, x) - samples.column("base_phi").back(), 2.0 * std::numbers::pi);
 }
 
 SightQuestion question(SQLite::Statement& row) {
@@ -64,8 +65,8 @@ SightQuestion question(SQLite::Statement& row) {
                     {}};
   const auto t = samples.column("t");
   ask.t.assign(t.begin(), t.end());
-  for (std::size_t i = 0; i < ask.t.size(); ++i)
-    for (const char* name : {"base_x", "base_y", "base_phi"}) ask.base.push_back(samples.column(name)[i]);
+  const auto x = samples.column("base_x"), y = samples.column("base_y"), phi = samples.column("base_phi");
+  for (std::size_t i = 0; i < t.size(); ++i) ask.base.insert(ask.base.end(), {x[i], y[i], phi[i]});
   return ask;
 }
 

@@ -92,18 +92,13 @@ inline void set_pose(dBodyID body, const Isometry& X) {
   dBodySetPosition(body, X.translation().x(), X.translation().y(), X.translation().z());
 }
 
-inline Isometry pose(dBodyID body) {
+inline Isometry pose(const dReal* R, const dReal* p) {
   Isometry X = Isometry::Identity();
-  X.linear() = from_matrix(dBodyGetRotation(body));
-  X.translation() = from_vector(dBodyGetPosition(body));
+  X.linear() = from_matrix(R);
+  X.translation() = from_vector(p);
   return X;
 }
-
-inline Isometry pose(dGeomID geom) {
-  Isometry X = Isometry::Identity();
-  X.linear() = from_matrix(dGeomGetRotation(geom));
-  X.translation() = from_vector(dGeomGetPosition(geom));
-  return X;
-}
+inline Isometry pose(dBodyID body) { return pose(dBodyGetRotation(body), dBodyGetPosition(body)); }
+inline Isometry pose(dGeomID geom) { return pose(dGeomGetRotation(geom), dGeomGetPosition(geom)); }
 
 }  // namespace moma::ode

@@ -56,7 +56,7 @@ class ClutterFamily final : public Family {
         if (k == 0) along = again;
         const Vector3 p = from + along * length * forward + lateral_.sample(draws) * left;
         mix_.sample(draws, p.x(), p.y(), object);
-        placed = builder.distance_to_robot(object, 0.0, builder.clearance() + 1e-3) > builder.clearance();
+        placed = builder.stands_clear(object, builder.clearance());
         if (!placed) builder.drawn_again("an object not clear of start and goal");
       }
       if (!placed) return builder.reject("objects: no place clear of start and goal (worlds.clearance)");

@@ -71,7 +71,7 @@ class CorridorFamily final : public Family {
         const Vector3 p = frame.point(own.uniform(0.0, 1.0) * length, own.uniform(-0.5, 0.5) * width, 0.0);
         mix_.sample(own, p.x(), p.y(), object);
         object.name = "object" + std::to_string(i + 1);
-        placed = builder.distance_to_robot(object, 0.0, builder.clearance() + 1e-3) > builder.clearance();
+        placed = builder.stands_clear(object, builder.clearance());
         if (!placed) builder.drawn_again("an object not clear of start and goal");
       }
       if (!placed) return builder.reject("corridor: no place for an object clear of start and goal (worlds.clearance)");

@@ -23,7 +23,7 @@ WorldObject furniture_box(const FurnitureFrame& frame, const std::string& name, 
 bool add_furniture(SceneBuilder& builder, std::vector<WorldObject> boxes, const std::string& what, World& world) {
   for (WorldObject& box : boxes) {
     if (box.X_WO.translation().z() + 0.5 * box.shape.size.z() <= 0.0 || box.shape.size.minCoeff() <= 0.0) continue;
-    if (builder.distance_to_robot(box, 0.0, builder.clearance() + 1e-3) <= builder.clearance())
+    if (!builder.stands_clear(box, builder.clearance()))
       return builder.reject(what + " not clear of start and goal (worlds.clearance)");
     world.objects.push_back(std::move(box));
   }

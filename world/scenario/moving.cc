@@ -82,7 +82,7 @@ class MovingFamily final : public Family {
       for (int k = 0; k < kObjectTries && !placed; ++k) {
         const auto item = 1 + static_cast<std::uint64_t>(i * kObjectTries + k);
         if (walks)
-          placed = walker_.sample(builder, {way.from, way.forward, way.length}, mix_, horizon_, item, object);
+          placed = walker_.sample(builder, way, mix_, horizon_, item, object);
         else if (kind < orbit_)
           placed = circle(builder, world, way, around_goal, item, object);
         else
@@ -96,13 +96,6 @@ class MovingFamily final : public Family {
   }
 
  private:
-  struct Way {
-    Vector3 from = Vector3::Zero();
-    Vector3 forward = Vector3::UnitX();
-    Vector3 left = Vector3::UnitY();
-    double length = 0.0;
-  };
-
   static Way straight_way(const SceneBuilder& builder, const World& world) {
     Way out;
     out.from = builder.mobile() ? Vector3(world.start.base.x(), world.start.base.y(), 0.0) : builder.start_tip();
@@ -110,7 +103,6 @@ class MovingFamily final : public Family {
     way.z() = 0.0;
     out.length = way.norm();
     if (out.length > 1e-6) out.forward = way / out.length;
-    out.left = {-out.forward.y(), out.forward.x(), 0.0};
     return out;
   }
 
@@ -128,10 +120,10 @@ class MovingFamily final : public Family {
     // Where object and robot would meet, the robot going straight at its nominal speed.
     const double meeting_time = along * way.length / robot_speed;
     Vector3 meeting = way.from + along * way.length * way.forward;
-    Vector3 heading = side * way.left;
+    Vector3 heading = side * way.left();
     if (!crosses) {
       heading = -way.forward;
-      meeting += side * offset * way.left;
+      meeting += side * offset * way.left();
     }
     const Vector3 direction = Eigen::AngleAxisd(angle, Vector3::UnitZ()) * heading;
     const Vector3 begin = meeting - speed * meeting_time * direction;
@@ -156,7 +148,7 @@ class MovingFamily final : public Family {
     const double sense = draws.uniform() < 0.5 ? -1.0 : 1.0;
     const double phase = draws.uniform(-std::numbers::pi, std::numbers::pi);
 
-    Vector3 center = way.from + along * way.length * way.forward + side * offset * way.left;
+    Vector3 center = way.from + along * way.length * way.forward + side * offset * way.left();
     if (around_goal) center = world.goal.X_WG.translation();
     Draws solid = builder.draws(Stream::kObjects, item);
     mix_.sample(solid, center.x() + radius * std::cos(phase), center.y() + radius * std::sin(phase), object);

@@ -133,20 +133,22 @@ void SceneBuilder::choose_object(const WorldObject& object) {
   proximity_.set_objects({&shape, 1});
 }
 
-double SceneBuilder::distance_to_robot(const WorldObject& object, double t, double range) {
-  choose_object(object);
+double SceneBuilder::distance_at(const WorldObject& object, double t, double range) {
   one_[0].X_WO = evaluate(object.motion, object.X_WO, t).X;
   const double at_start = nearest(proximity_.query(start_, one_, only_objects(range)), range);
   return nearest(proximity_.query(witness_, one_, only_objects(range)), at_start);
+}
+
+bool SceneBuilder::stands_clear(const WorldObject& object, double clearance) {
+  choose_object(object);
+  return distance_at(object, 0.0, clearance + 1e-3) > clearance;
 }
 
 bool SceneBuilder::clear_for(const WorldObject& object, double top_speed, double horizon, double clearance) {
   choose_object(object);
   const double range = clearance + 0.5;
   for (double t = 0.0; t <= horizon;) {
-    one_[0].X_WO = evaluate(object.motion, object.X_WO, t).X;
-    const double at_start = nearest(proximity_.query(start_, one_, only_objects(range)), range);
-    const double least = nearest(proximity_.query(witness_, one_, only_objects(range)), at_start);
+    const double least = distance_at(object, t, range);
     if (least <= clearance) return false;
     if (top_speed <= 0.0) return true;
     // Nothing can come within `clearance` sooner, but for the least step.

@@ -51,9 +51,8 @@ class SceneBuilder {
 
   /// Tool position at the start, after place_robot().
   const Vector3& start_tip() const { return start_tip_; }
-  /// Least distance of the object to start and witness, no more than `range` (returned where none is nearer).
-  /// The object is taken where its motion has it at time t.
-  double distance_to_robot(const WorldObject& object, double t, double range);
+  /// True where the object is farther than `clearance` from start and witness at t = 0.
+  bool stands_clear(const WorldObject& object, double clearance);
   /// True where the object is farther than `clearance` from start and witness at every t in [0, horizon], by
   /// conservative advancement with the object's own top speed (a bound on the speed of its points). Times are at least
   /// kTimeStep apart: after one of them the object may come nearer by top_speed * kTimeStep.
@@ -68,6 +67,8 @@ class SceneBuilder {
  private:
   bool check_pose(const Kinematics& kinematics, double floor_clearance, double self_clearance, const char* who);
   void choose_object(const WorldObject& object);
+  /// Least distance of the chosen object to start and witness where its motion has it at time t, no more than `range`.
+  double distance_at(const WorldObject& object, double t, double range);
 
   std::shared_ptr<const RobotModel> model_;
   std::uint64_t seed_, index_, attempt_ = 0;

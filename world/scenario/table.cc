@@ -94,7 +94,7 @@ class TableFamily final : public Family {
         item.name = "item" + std::to_string(i + 1);
         const double lift = top - lowest_point(item.shape, item.X_WO);
         set_pose(item, item.X_WO.translation() + Vector3(0.0, 0.0, lift), item.file_rotation);
-        placed = builder.distance_to_robot(item, 0.0, builder.clearance() + 1e-3) > builder.clearance();
+        placed = builder.stands_clear(item, builder.clearance());
         if (!placed) builder.drawn_again("an item not clear of start and goal");
       }
       if (!placed) return builder.reject("table: no place for an item clear of the goal (worlds.clearance)");

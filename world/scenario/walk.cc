@@ -20,10 +20,9 @@ double sample_within(const config::Range& range, const Distribution& value, Draw
   return std::clamp(value.sample(draws), range.low, range.high);
 }
 
-Vector3 way_point(Draws& draws, const WalkArea& area, double margin) {
-  const Vector3 left(-area.forward.y(), area.forward.x(), 0.0);
-  const double along = draws.uniform(-margin, area.length + margin);
-  return area.from + along * area.forward + draws.uniform(-margin, margin) * left;
+Vector3 way_point(Draws& draws, const Way& way, double margin) {
+  const double along = draws.uniform(-margin, way.length + margin);
+  return way.from + along * way.forward + draws.uniform(-margin, margin) * way.left();
 }
 
 /// Where the leg's line comes nearest to the circles, level.
@@ -60,7 +59,7 @@ double clear_leg(SceneBuilder& builder, const std::vector<Vector3>& circles, dou
   if (passing.gap - reach > clearance) return time;
   object.motion = StaticMotion{};
   set_pose(object, from + passing.part * (to - from), object.file_rotation);
-  if (builder.distance_to_robot(object, 0.0, clearance + 1e-3) <= clearance) return -1.0;
+  if (!builder.stands_clear(object, clearance)) return -1.0;
   set_pose(object, from, object.file_rotation);
   LinearMotion straight;
   straight.V_W.tail<3>() = (to - from) / time;
@@ -90,13 +89,13 @@ void Walk::write(nlohmann::ordered_json& out) const {
   out["walker"] = people ? "person" : "solid";
 }
 
-bool Walk::sample(SceneBuilder& builder, const WalkArea& area, const ObjectMix& mix, double horizon, std::uint64_t item,
+bool Walk::sample(SceneBuilder& builder, const Way& way, const ObjectMix& mix, double horizon, std::uint64_t item,
                   WorldObject& object) const {
   Draws draws = builder.draws(Stream::kMotion, item);
   const double pace = sample_within(kPace, speed, draws);
   const double r = sample_within(kSize, radius, draws);
   const double total = sample_within(kSize, height, draws);
-  const Vector3 first = way_point(draws, area, margin);
+  const Vector3 first = way_point(draws, way, margin);
   if (people) {
     object.shape.kind = ShapeKind::kCapsule;
     object.shape.size = {r, std::max(total - 2.0 * r, 1e-3), 0.0};
@@ -117,7 +116,7 @@ bool Walk::sample(SceneBuilder& builder, const WalkArea& area, const ObjectMix& 
     Vector3 to = before;
     double time = -1.0;
     for (int k = 0; k < kLegTries && time < 0.0; ++k) {
-      to = way_point(draws, area, margin);
+      to = way_point(draws, way, margin);
       to.z() = at.z();
       if ((to - at).norm() >= kLeastLeg) time = clear_leg(builder, circles, reach, object, at, to, pace);
     }

@@ -8,11 +8,12 @@
 
 namespace moma {
 
-/// Where people walk: a rectangle around the straight way from start to goal.
-struct WalkArea {
-  Vector3 from = Vector3::Zero();      ///< where the way begins, z = 0
-  Vector3 forward = Vector3::UnitX();  ///< unit vector along the way, level
-  double length = 0.0;                 ///< of the way [m]
+/// The straight way from start to goal.
+struct Way {
+  Vector3 from = Vector3::Zero();      ///< where it begins
+  Vector3 forward = Vector3::UnitX();  ///< unit vector along it, level
+  double length = 0.0;                 ///< [m]
+  Vector3 left() const { return {-forward.y(), forward.x(), 0.0}; }
 };
 
 /// People about their own business: each walks at a pace of its own from one random way-point straight to the next,
@@ -37,7 +38,7 @@ struct Walk {
   /// One walker with its path (a PathMotion, knots from t = 0 to `horizon` or a little beyond), clear of start and
   /// witness at every time: each leg is shown to be by SceneBuilder::clear_for() as it is drawn. False where no first
   /// leg is found; later ones can always be walked back. `item` numbers the draws.
-  bool sample(SceneBuilder& builder, const WalkArea& area, const ObjectMix& mix, double horizon, std::uint64_t item,
+  bool sample(SceneBuilder& builder, const Way& way, const ObjectMix& mix, double horizon, std::uint64_t item,
               WorldObject& object) const;
 };
 
