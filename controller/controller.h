@@ -10,13 +10,13 @@
 #include "controller/model/proximity.h"
 #include "controller/params.h"
 #include "controller/qp/collision.h"
-#include "controller/qp/escape.h"
-#include "controller/qp/fallback.h"
 #include "controller/qp/limits.h"
 #include "controller/qp/passing.h"
 #include "controller/qp/problem.h"
-#include "controller/qp/servo.h"
+#include "controller/solver/fallback.h"
 #include "controller/step.h"
+#include "controller/task/escape.h"
+#include "controller/task/servo.h"
 
 namespace moma {
 

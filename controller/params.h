@@ -19,7 +19,7 @@ enum class SolverKind { kDaqp, kQpoases, kEiquadprog };
 
 enum class VortexWhen { kStagnated, kAlways };
 
-/// A sideways part of nu along obstacles (qp/vortex.h).
+/// A sideways part of nu along obstacles (task/vortex.h).
 struct VortexParams {
   bool enabled = false;
   double gain = 2.5;      ///< sideways part where an obstacle is touched head-on, in units of |nu_lin|
@@ -101,7 +101,7 @@ struct PostureParams {
   VectorX target;       ///< resolved joint values
 };
 
-/// Detours that follow the shortest way around the obstacles, seen from above (qp/way_around.h).
+/// Detours that follow the shortest way around the obstacles, seen from above (task/way_around.h).
 struct AroundParams {
   bool enabled = false;
   double clearance = 0.08;  ///< beyond the base's footprint [m]
@@ -110,7 +110,7 @@ struct AroundParams {
   double duration = 6.0;    ///< of a detour around [s]
 };
 
-/// When the robot stagnates, and the detours that lead it out (qp/escape.h).
+/// When the robot stagnates, and the detours that lead it out (task/escape.h).
 struct EscapeParams {
   bool enabled = false;           ///< detours; stagnation is watched for the vortex, too
   double scale = 0.3;             ///< of the orientation's error in V = |e_p| + scale |e_R| [m/rad]

@@ -9,12 +9,17 @@ cmake_minimum_required(VERSION 3.25)
 
 set(rules
   "controller|(world|eval|reports)/|-|the controller is installable on its own and knows nothing of the evaluation"
-  "controller/model|controller/(qp|config|case|controller)|-|the robot model knows nothing of what is built on it"
-  "controller/qp|controller/(config|case)/|-|problems are built from plain parameters, not from files"
+  "controller/describe|controller/(model|task|qp|solver|closed_form|config|case|controller|params|step|types)|-|descriptions know no description"
+  "controller/model|controller/(task|qp|solver|closed_form|config|case|controller|params|step)|-|the robot model knows nothing of what is built on it"
+  "controller/task|controller/(qp|solver|closed_form|config|case|controller)[./]|-|what E is asked to do knows nothing of how a QP is made of it"
+  "controller/qp|controller/(solver|closed_form|controller)[./]|-|a problem is posed without knowing who solves it"
+  "controller/solver|controller/(task|closed_form|controller)[./]|-|solvers see the problem alone"
+  "controller/closed_form|controller/(task|solver|controller)[./]|-|the closed forms need no solver and no task"
+  "controller/(task|qp|solver|closed_form)|controller/(config|case)/|-|problems are built from plain parameters, not from files"
   "controller/config|controller/case/|-|configuration is read without the case files"
   "controller|(fmt|spdlog|CLI|SQLiteCpp|omp)[/.]|-|the controller depends on Eigen, urdfdom, coal and its QP solver only"
   "controller|nlohmann/|controller/(config|case)/|JSON belongs to the controller's file formats"
-  "world|(controller/(qp|case)/|eval/|reports/)|-|worlds see the robot, never the controller or the evaluation"
+  "world|(controller/(task|qp|solver|closed_form|case)/|eval/|reports/)|-|worlds see the robot, never the controller or the evaluation"
   "eval|reports/|eval/cli/|only the commands know the reports"
   "plugin|(world|eval|reports)/|-|a plugin knows the controller library and nothing of the evaluation"
   "(controller|world|reports|bench)|plugin/|-|plugins are loaded by eval/plugin"
@@ -31,9 +36,9 @@ set(rules
   ".*|mpi\\.h|(tests/)?eval/batch[/_].*|MPI belongs to eval/batch"
   ".*|(urdf|urdf_parser|urdf_model)/|controller/.*|URDFs are read by the controller's library"
   ".*|coal/|((tests/)?controller/.*|tests/support/coal_.*)|distances come from controller/model"
-  ".*|(api|auxiliary|avi|bnb|constants|daqp|daqp_prox|eq_elim|factorization|hierarchical|presolve|types|utils)\\.h|controller/qp/[a-z_]*daqp[a-z_]*\\.(h|cc)|DAQP is known to its adapter only"
-  ".*|qpOASES|controller/qp/[a-z_]*qpoases[a-z_]*\\.(h|cc)|qpOASES is known to its adapter only"
-  ".*|eiquadprog/|controller/qp/[a-z_]*eiquadprog[a-z_]*\\.(h|cc)|eiquadprog is known to its adapter only"
+  ".*|(api|auxiliary|avi|bnb|constants|daqp|daqp_prox|eq_elim|factorization|hierarchical|presolve|types|utils)\\.h|controller/solver/[a-z_]*daqp[a-z_]*\\.(h|cc)|DAQP is known to its adapter only"
+  ".*|qpOASES|controller/solver/[a-z_]*qpoases[a-z_]*\\.(h|cc)|qpOASES is known to its adapter only"
+  ".*|eiquadprog/|controller/solver/[a-z_]*eiquadprog[a-z_]*\\.(h|cc)|eiquadprog is known to its adapter only"
 )
 
 function(split_rule rule)
@@ -114,19 +119,21 @@ endif()
 # One file that breaks one rule, for each rule at least one; and one file that breaks none.
 set(samples
   "controller/a.cc=world/world.h" "controller/qp/a.h=eval/trial/row.h" "controller/model/a.h=reports/render/page.h"
-  "controller/model/b.cc=controller/qp/solver.h" "controller/qp/b.cc=controller/config/node.h"
+  "controller/model/b.cc=controller/solver/solver.h" "controller/qp/b.cc=controller/config/node.h"
+  "controller/describe/a.h=controller/types.h" "controller/task/a.cc=controller/qp/problem.h" "controller/qp/e.cc=controller/solver/solver.h"
+  "controller/solver/a.cc=controller/task/servo.h" "controller/closed_form/a.cc=controller/task/servo.h"
   "controller/config/a.cc=controller/case/solve.h" "controller/b.cc=fmt/format.h" "controller/c.cc=nlohmann/json.hpp"
   "world/a.cc=controller/qp/problem.h" "world/b.cc=eval/suite/suite.h" "eval/trial/a.cc=reports/render/page.h"
   "reports/a.cc=controller/step.h" "reports/b.cc=world/world.h" "controller/d.cc=tests/support/x.h"
   "eval/a.cc=tests/support/x.h" "eval/trial/b.cc=ode/ode.h" "world/c.cc=yaml-cpp/yaml.h" "eval/suite/a.cc=CLI/CLI.hpp"
   "eval/batch/a.cc=SQLiteCpp/SQLiteCpp.h" "eval/cli/a.cc=sqlite3.h" "eval/batch/b.cc=nlopt.hpp" "eval/cli/b.cc=mpi.h"
-  "world/d.cc=urdf_parser/urdf_parser.h" "world/e.cc=coal/distance.h" "tests/world/a.cc=coal/distance.h" "controller/qp/solver.cc=api.h"
+  "world/d.cc=urdf_parser/urdf_parser.h" "world/e.cc=coal/distance.h" "tests/world/a.cc=coal/distance.h" "controller/solver/solver.cc=api.h"
   "plugin/a.h=eval/trial/row.h" "controller/e.cc=plugin/moma_plugin.h" "eval/trial/c.cc=plugin/moma_plugin.h"
-  "eval/suite/b.cc=dlfcn.h" "controller/qp/c.cc=qpOASES.hpp" "tests/controller/a.cc=eiquadprog/eiquadprog-fast.hpp"
+  "eval/suite/b.cc=dlfcn.h" "controller/solver/c.cc=qpOASES.hpp" "tests/controller/a.cc=eiquadprog/eiquadprog-fast.hpp"
 )
 set(allowed "eval/plugin/a.cc=dlfcn.h" "eval/plugin/b.cc=plugin/moma_plugin.h" "plugin/b.h=controller/step.h"
             "examples/a.cc=plugin/plugin.h" "tests/eval/plugins/a.cc=plugin/plugin.h"
-            "controller/qp/solver_daqp.cc=api.h" "world/plant/ode_plant.cc=ode/ode.h" "eval/cli/c.cc=reports/render/page.h"
+            "controller/solver/solver_daqp.cc=api.h" "world/plant/ode_plant.cc=ode/ode.h" "eval/cli/c.cc=reports/render/page.h"
             "controller/case/solve.cc=nlohmann/json.hpp" "controller/qp/d.cc=controller/types.h"
             "world/f.cc=controller/model/kinematics.h" "tests/support/coal_distance.cc=coal/distance.h"
             "eval/fit/a.cc=nlopt.hpp")

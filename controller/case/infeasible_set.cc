@@ -4,7 +4,7 @@
 #include <cmath>
 #include <memory>
 
-#include "controller/qp/solver.h"
+#include "controller/solver/solver.h"
 
 namespace moma {
 namespace {

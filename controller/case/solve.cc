@@ -4,7 +4,7 @@
 
 #include "controller/case/case_step.h"
 #include "controller/config/controller_escape.h"
-#include "controller/qp/solver.h"
+#include "controller/solver/solver.h"
 
 namespace moma {
 namespace {

@@ -6,7 +6,7 @@
 #include "controller/config/controller_escape.h"
 #include "controller/config/json_node.h"
 #include "controller/config/reader.h"
-#include "controller/qp/solver.h"
+#include "controller/solver/solver.h"
 
 namespace moma::config {
 namespace {

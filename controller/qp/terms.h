@@ -2,8 +2,8 @@
 
 #include "controller/params.h"
 #include "controller/qp/problem.h"
-#include "controller/qp/servo.h"
 #include "controller/step.h"
+#include "controller/task/servo.h"
 
 namespace moma {
 

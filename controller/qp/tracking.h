@@ -2,7 +2,7 @@
 
 #include "controller/params.h"
 #include "controller/qp/problem.h"
-#include "controller/qp/servo.h"
+#include "controller/task/servo.h"
 
 namespace moma {
 

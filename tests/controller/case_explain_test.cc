@@ -9,7 +9,7 @@
 #include "controller/case/cost_terms.h"
 #include "controller/case/infeasible_set.h"
 #include "controller/case/solve.h"
-#include "controller/qp/solver.h"
+#include "controller/solver/solver.h"
 
 namespace moma {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "controller/case/solve.h"
-#include "controller/qp/solver.h"
+#include "controller/solver/solver.h"
 
 namespace moma {
 namespace {

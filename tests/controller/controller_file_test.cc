@@ -5,7 +5,7 @@
 #include "controller/config/controller_file.h"
 #include "controller/config/json_node.h"
 #include "controller/controller.h"
-#include "controller/qp/solver.h"
+#include "controller/solver/solver.h"
 #include "tests/controller/qp_robots.h"
 
 namespace moma {

@@ -1,10 +1,10 @@
 // Stagnation, detours and the vortex, step by step on made-up situations.
 
-#include "controller/qp/escape.h"
+#include "controller/task/escape.h"
 
 #include <gtest/gtest.h>
 
-#include "controller/qp/vortex.h"
+#include "controller/task/vortex.h"
 #include "tests/controller/qp_robots.h"
 
 namespace moma {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "controller/qp/limits.h"
-#include "controller/qp/servo.h"
+#include "controller/task/servo.h"
 #include "tests/controller/qp_robots.h"
 
 namespace moma {

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "controller/qp/fallback.h"
-#include "controller/qp/solver.h"
+#include "controller/solver/fallback.h"
+#include "controller/solver/solver.h"
 #include "tests/controller/qp_robots.h"
 
 namespace moma {

@@ -1,6 +1,6 @@
 // Ways around obstacles, against a search on a fine grid and against lengths that follow from geometry.
 
-#include "controller/qp/way_around.h"
+#include "controller/task/way_around.h"
 
 #include <gtest/gtest.h>
 

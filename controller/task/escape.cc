@@ -1,10 +1,10 @@
-#include "controller/qp/escape.h"
+#include "controller/task/escape.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "controller/qp/vortex.h"
+#include "controller/task/vortex.h"
 
 namespace moma {
 namespace {

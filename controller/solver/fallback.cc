@@ -1,4 +1,4 @@
-#include "controller/qp/fallback.h"
+#include "controller/solver/fallback.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "controller/qp/vortex.h"
+#include "controller/task/vortex.h"
 
 #include <algorithm>
 #include <cmath>

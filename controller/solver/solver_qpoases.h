@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "controller/qp/solver.h"
+#include "controller/solver/solver.h"
 
 namespace moma {
 

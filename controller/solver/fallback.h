@@ -4,7 +4,7 @@
 
 #include "controller/params.h"
 #include "controller/qp/problem.h"
-#include "controller/qp/solver.h"
+#include "controller/solver/solver.h"
 #include "controller/step.h"
 
 namespace moma {

@@ -2,16 +2,16 @@
 
 #include <memory>
 
-#include "controller/qp/solver.h"
+#include "controller/solver/solver.h"
 
 namespace moma {
 
-/// DAQP (Arnstrom, Bemporad, Axehill, IEEE TAC 67(8), 2022), a dual active-set method. Default: the fastest on
-/// this problem, finds every infeasibility and takes no memory once allocated.
-class DaqpSolver : public QpSolver {
+/// eiquadprog-fast, the Goldfarb-Idnani dual method (Math. Prog. 27, 1983). It needs H > 0: weights of zero are
+/// refused as invalid input. It cannot tell an infeasible from an unbounded problem; with H > 0 both mean infeasible.
+class EiquadprogSolver : public QpSolver {
  public:
-  DaqpSolver();
-  ~DaqpSolver() override;
+  EiquadprogSolver();
+  ~EiquadprogSolver() override;
   void allocate(int num_variables, int max_rows) override;
   bool real_time_safe() const noexcept override { return true; }
 

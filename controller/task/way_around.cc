@@ -1,4 +1,4 @@
-#include "controller/qp/way_around.h"
+#include "controller/task/way_around.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "controller/model/kinematics.h"
 #include "controller/model/shape.h"
-#include "controller/qp/vortex.h"
+#include "controller/task/vortex.h"
 
 namespace moma {
 namespace {

@@ -1,4 +1,4 @@
-#include "controller/qp/solver_eiquadprog.h"
+#include "controller/solver/solver_eiquadprog.h"
 
 #include <cmath>
 #include <eiquadprog/eiquadprog-fast.hpp>

@@ -1,15 +1,15 @@
-#include "controller/qp/solver.h"
+#include "controller/solver/solver.h"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "controller/qp/solver_daqp.h"
+#include "controller/solver/solver_daqp.h"
 #ifdef MOMA_HAVE_QPOASES
-#include "controller/qp/solver_qpoases.h"
+#include "controller/solver/solver_qpoases.h"
 #endif
 #ifdef MOMA_HAVE_EIQUADPROG
-#include "controller/qp/solver_eiquadprog.h"
+#include "controller/solver/solver_eiquadprog.h"
 #endif
 
 namespace moma {

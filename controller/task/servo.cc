@@ -1,4 +1,4 @@
-#include "controller/qp/servo.h"
+#include "controller/task/servo.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "controller/qp/solver_daqp.h"
+#include "controller/solver/solver_daqp.h"
 
 extern "C" {
 #include <api.h>

@@ -1,4 +1,4 @@
-#include "controller/qp/solver_qpoases.h"
+#include "controller/solver/solver_qpoases.h"
 
 #include <algorithm>
 #include <mutex>

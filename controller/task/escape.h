@@ -6,9 +6,9 @@
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
 #include "controller/params.h"
-#include "controller/qp/servo.h"
-#include "controller/qp/way_around.h"
 #include "controller/step.h"
+#include "controller/task/servo.h"
+#include "controller/task/way_around.h"
 
 namespace moma {
 
