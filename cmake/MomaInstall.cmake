@@ -11,10 +11,11 @@ install(TARGETS moma_controller moma_config moma_plugin moma_daqp EXPORT momaTar
         LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT library)
 install(EXPORT momaTargets NAMESPACE moma:: DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/moma" COMPONENT library)
 
-# Case files and their optimality check serve `moma solve` alone; solver adapters show the solvers' own headers.
+# Case files and their optimality check serve `moma solve` alone, the fitting of shapes `moma robot`; solver adapters show the solvers' own headers.
 install(DIRECTORY controller DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/moma" COMPONENT library
-        FILES_MATCHING PATTERN "*.h" PATTERN "case" EXCLUDE PATTERN "solver_*.h" EXCLUDE)
-install(DIRECTORY plugin DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/moma" COMPONENT library FILES_MATCHING PATTERN "*.h")
+        FILES_MATCHING PATTERN "*.h" PATTERN "case" EXCLUDE PATTERN "fit" EXCLUDE PATTERN "solver_*.h" EXCLUDE)
+install(DIRECTORY plugin DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/moma" COMPONENT library
+        FILES_MATCHING PATTERN "*.h" PATTERN "host" EXCLUDE)
 foreach(component program library)
   install(DIRECTORY configs/ DESTINATION "${CMAKE_INSTALL_DATADIR}/moma/configs" COMPONENT ${component})
   install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT ${component})

@@ -16,15 +16,17 @@ set(rules
   "controller/solver|controller/(task|closed_form|controller)[./]|-|solvers see the problem alone"
   "controller/closed_form|controller/(task|solver|controller)[./]|-|the closed forms need no solver and no task"
   "controller/(task|qp|solver|closed_form)|controller/(config|case)/|-|problems are built from plain parameters, not from files"
-  "controller/config|controller/case/|-|configuration is read without the case files"
-  "controller|(fmt|spdlog|CLI|SQLiteCpp|omp)[/.]|-|the controller depends on Eigen, urdfdom, coal and its QP solver only"
+  "controller/config|controller/(case|fit)/|-|configuration is read without case files and without fitting shapes"
+  "controller/(model|task|qp|solver|closed_form|case)|controller/fit/|-|shapes are fitted before there is a controller"
+  "controller/fit|controller/(task|qp|solver|closed_form|case|controller)[./]|-|fitting shapes knows the robot, not its controller"
+  "controller|(fmt|spdlog|CLI|SQLiteCpp|omp)[/.]|controller/fit/.*|the controller depends on Eigen, urdfdom, coal and its QP solver only"
   "controller|nlohmann/|controller/(config|case)/|JSON belongs to the controller's file formats"
   "world|(controller/(task|qp|solver|closed_form|case)/|eval/|reports/)|-|worlds see the robot, never the controller or the evaluation"
   "eval|reports/|eval/cli/|only the commands know the reports"
-  "plugin|(world|eval|reports)/|-|a plugin knows the controller library and nothing of the evaluation"
-  "(controller|world|reports|bench)|plugin/|-|plugins are loaded by eval/plugin"
-  "eval|plugin/|eval/plugin/.*|plugins are loaded by eval/plugin, and nothing else of eval knows their interface"
-  ".*|dlfcn\\.h|(eval/plugin/.*|(tests|bench)/.*)|shared libraries are loaded by eval/plugin"
+  "plugin|(world|eval|reports)/|-|plugins and their host know the controller library and nothing of the evaluation"
+  "(controller|world|reports|bench)|plugin/|-|plugins are loaded by plugin/host"
+  "eval|plugin/[a-z_]+\\.h|-|eval meets plugins through plugin/host and does not know their interface"
+  ".*|dlfcn\\.h|(plugin/host/.*|(tests|bench)/.*)|shared libraries are loaded by plugin/host"
   "reports|(controller|world|eval)/|-|reports see only the database"
   "controller|tests/|-|sources do not depend on tests"
   "(world|eval|reports|bench|examples)|tests/|bench/.*|sources do not depend on tests"
@@ -32,7 +34,7 @@ set(rules
   ".*|yaml-cpp/|controller/config/.*|YAML belongs to controller/config"
   ".*|CLI/|(tests/)?eval/cli[/_].*|CLI11 belongs to eval/cli"
   ".*|(sqlite3|SQLiteCpp/)|((tests/)?eval/store|(tests/)?reports)[/_].*|SQLite belongs to the store and the reports"
-  ".*|nlopt\\.|(tests/)?eval/(tune|fit)[/_].*|NLopt belongs to eval/tune and eval/fit"
+  ".*|nlopt\\.|((tests/)?eval/tune[/_].*|controller/fit/.*)|NLopt belongs to eval/tune and controller/fit"
   ".*|mpi\\.h|(tests/)?eval/batch[/_].*|MPI belongs to eval/batch"
   ".*|(urdf|urdf_parser|urdf_model)/|controller/.*|URDFs are read by the controller's library"
   ".*|coal/|((tests/)?controller/.*|tests/support/coal_.*)|distances come from controller/model"
@@ -78,7 +80,7 @@ function(check_tree root)
   file(GLOB_RECURSE files RELATIVE "${root}" "${root}/controller/*.h" "${root}/controller/*.cc" "${root}/world/*.h"
        "${root}/world/*.cc" "${root}/eval/*.h" "${root}/eval/*.cc" "${root}/reports/*.h" "${root}/reports/*.cc"
        "${root}/tests/*.h" "${root}/tests/*.cc" "${root}/bench/*.h" "${root}/bench/*.cc" "${root}/examples/*.cc"
-       "${root}/plugin/*.h")
+       "${root}/plugin/*.h" "${root}/plugin/*.cc")
   list(FILTER files EXCLUDE REGEX "/node_modules/")
   list(LENGTH files count)
   if(count EQUAL 0)
@@ -122,7 +124,9 @@ set(samples
   "controller/model/b.cc=controller/solver/solver.h" "controller/qp/b.cc=controller/config/node.h"
   "controller/describe/a.h=controller/types.h" "controller/task/a.cc=controller/qp/problem.h" "controller/qp/e.cc=controller/solver/solver.h"
   "controller/solver/a.cc=controller/task/servo.h" "controller/closed_form/a.cc=controller/task/servo.h"
-  "controller/config/a.cc=controller/case/solve.h" "controller/b.cc=fmt/format.h" "controller/c.cc=nlohmann/json.hpp"
+  "controller/config/a.cc=controller/case/solve.h" "controller/model/c.cc=controller/fit/solid.h"
+  "controller/fit/b.cc=controller/qp/problem.h" "controller/config/b.cc=controller/fit/fit_robot.h" "controller/b.cc=fmt/format.h"
+  "controller/c.cc=nlohmann/json.hpp"
   "world/a.cc=controller/qp/problem.h" "world/b.cc=eval/suite/suite.h" "eval/trial/a.cc=reports/render/page.h"
   "reports/a.cc=controller/step.h" "reports/b.cc=world/world.h" "controller/d.cc=tests/support/x.h"
   "eval/a.cc=tests/support/x.h" "eval/trial/b.cc=ode/ode.h" "world/c.cc=yaml-cpp/yaml.h" "eval/suite/a.cc=CLI/CLI.hpp"
@@ -131,12 +135,12 @@ set(samples
   "plugin/a.h=eval/trial/row.h" "controller/e.cc=plugin/moma_plugin.h" "eval/trial/c.cc=plugin/moma_plugin.h"
   "eval/suite/b.cc=dlfcn.h" "controller/solver/c.cc=qpOASES.hpp" "tests/controller/a.cc=eiquadprog/eiquadprog-fast.hpp"
 )
-set(allowed "eval/plugin/a.cc=dlfcn.h" "eval/plugin/b.cc=plugin/moma_plugin.h" "plugin/b.h=controller/step.h"
-            "examples/a.cc=plugin/plugin.h" "tests/eval/plugins/a.cc=plugin/plugin.h"
+set(allowed "plugin/host/a.cc=dlfcn.h" "plugin/host/b.cc=plugin/moma_plugin.h" "plugin/b.h=controller/step.h"
+            "examples/a.cc=plugin/plugin.h" "tests/plugin/plugins/a.cc=plugin/plugin.h"
             "controller/solver/solver_daqp.cc=api.h" "world/plant/ode_plant.cc=ode/ode.h" "eval/cli/c.cc=reports/render/page.h"
             "controller/case/solve.cc=nlohmann/json.hpp" "controller/qp/d.cc=controller/types.h"
             "world/f.cc=controller/model/kinematics.h" "tests/support/coal_distance.cc=coal/distance.h"
-            "eval/fit/a.cc=nlopt.hpp")
+            "controller/fit/a.cc=nlopt.hpp")
 set(broken 0)
 set(seen "")
 foreach(sample IN LISTS samples allowed)

@@ -8,11 +8,11 @@
 #include <sstream>
 
 #include "controller/config/yaml_text.h"
+#include "controller/fit/fit_robot.h"
 #include "eval/cli/command.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 #include "eval/cli/whole_file.h"
-#include "eval/fit/fit_robot.h"
 
 namespace moma::cli {
 namespace {

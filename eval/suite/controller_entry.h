@@ -8,8 +8,8 @@
 #include "controller/config/node.h"
 #include "controller/config/robot_file.h"
 #include "controller/params.h"
-#include "eval/plugin/plugin.h"
 #include "eval/suite/suite.h"
+#include "plugin/host/plugin.h"
 
 namespace moma {
 

@@ -11,7 +11,7 @@
 
 #include "controller/config/controller_file.h"
 #include "controller/config/robot_file.h"
-#include "eval/plugin/plugin.h"
+#include "plugin/host/plugin.h"
 #include "world/plant/plant.h"
 #include "world/scenario/worlds.h"
 #include "world/sensing/disturbances.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "eval/fit/enclosing.h"
+#include "controller/fit/enclosing.h"
 
 namespace moma::fit {
 

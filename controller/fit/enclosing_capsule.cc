@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
-#include "eval/fit/enclosing.h"
-#include "eval/fit/minimise.h"
-#include "eval/fit/smallest_ball.h"
+#include "controller/fit/enclosing.h"
+#include "controller/fit/minimise.h"
+#include "controller/fit/smallest_ball.h"
 
 namespace moma::fit {
 namespace {

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <thread>
 
-#include "eval/plugin/library.h"
 #include "eval/trial/trial.h"
+#include "plugin/host/library.h"
 #include "tests/eval/suite_fixture.h"
 #include "tests/support/no_alloc.h"
 

@@ -2,8 +2,8 @@
 
 #include <span>
 
+#include "controller/fit/cloud.h"
 #include "controller/model/shape.h"
-#include "eval/fit/cloud.h"
 
 namespace moma::fit {
 

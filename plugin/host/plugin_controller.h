@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "eval/plugin/plugin.h"
+#include "plugin/host/plugin.h"
 
 namespace moma {
 

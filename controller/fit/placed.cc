@@ -1,4 +1,4 @@
-#include "eval/fit/placed.h"
+#include "controller/fit/placed.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 
 #include "controller/config/robot_file.h"
 #include "controller/config/urdf_collision.h"
-#include "eval/fit/fit_robot.h"
+#include "controller/fit/fit_robot.h"
 #include "fit_oracle.h"
 #include "tests/support/robots.h"
 #include "tests/support/scratch.h"

@@ -1,4 +1,4 @@
-#include "eval/fit/smallest_ball.h"
+#include "controller/fit/smallest_ball.h"
 
 #include <Eigen/LU>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "eval/fit/solid.h"
+#include "controller/fit/solid.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "eval/fit/best_solid.h"
+#include "controller/fit/best_solid.h"
 
 #include <limits>
 

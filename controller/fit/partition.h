@@ -1,7 +1,7 @@
 #pragma once
 
-#include "eval/fit/best_solid.h"
-#include "eval/fit/placed.h"
+#include "controller/fit/best_solid.h"
+#include "controller/fit/placed.h"
 
 namespace moma::fit {
 

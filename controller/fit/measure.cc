@@ -1,4 +1,4 @@
-#include "eval/fit/measure.h"
+#include "controller/fit/measure.h"
 
 #include <algorithm>
 #include <cmath>

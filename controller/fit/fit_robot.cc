@@ -1,4 +1,4 @@
-#include "eval/fit/fit_robot.h"
+#include "controller/fit/fit_robot.h"
 
 #include <fmt/format.h>
 

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "eval/fit/measure.h"
-#include "eval/fit/partition.h"
+#include "controller/fit/measure.h"
+#include "controller/fit/partition.h"
 
 namespace moma::fit {
 

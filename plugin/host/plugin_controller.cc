@@ -1,4 +1,4 @@
-#include "eval/plugin/plugin_controller.h"
+#include "plugin/host/plugin_controller.h"
 
 #include <fmt/format.h>
 

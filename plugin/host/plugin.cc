@@ -1,9 +1,9 @@
-#include "eval/plugin/plugin.h"
+#include "plugin/host/plugin.h"
 
 #include <array>
 #include <vector>
 
-#include "eval/plugin/plugin_controller.h"
+#include "plugin/host/plugin_controller.h"
 
 namespace moma {
 

@@ -1,4 +1,4 @@
-#include "eval/fit/partition.h"
+#include "controller/fit/partition.h"
 
 #include <algorithm>
 #include <array>

@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "controller/config/mesh_hull.h"
-#include "eval/fit/enclosing.h"
-#include "eval/fit/minimise.h"
+#include "controller/fit/enclosing.h"
+#include "controller/fit/minimise.h"
 
 namespace moma::fit {
 namespace {

@@ -1,4 +1,4 @@
-#include "eval/fit/minimise.h"
+#include "controller/fit/minimise.h"
 
 #include <exception>
 #include <nlopt.hpp>

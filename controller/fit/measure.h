@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "eval/fit/placed.h"
+#include "controller/fit/placed.h"
 
 namespace moma::fit {
 

@@ -6,7 +6,7 @@
 
 #include "controller/config/robot_file.h"
 #include "controller/step.h"
-#include "eval/plugin/library.h"
+#include "plugin/host/library.h"
 
 namespace moma {
 

@@ -1,4 +1,4 @@
-#include "eval/plugin/library.h"
+#include "plugin/host/library.h"
 
 #include <dlfcn.h>
 #include <elf.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "eval/fit/solid.h"
+#include "controller/fit/solid.h"
 
 namespace moma::fit {
 

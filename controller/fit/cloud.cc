@@ -1,4 +1,4 @@
-#include "eval/fit/cloud.h"
+#include "controller/fit/cloud.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
