@@ -2,48 +2,12 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
+#include <limits>
+
+#include "controller/describe/accepted.h"
 
 namespace moma::config {
 namespace {
-
-std::string describe(const Node& node) {
-  switch (node.kind) {
-    case Node::Kind::kNull:
-      return "nothing";
-    case Node::Kind::kScalar:
-      return "'" + node.scalar + "'";
-    case Node::Kind::kSequence:
-      return "a list of " + std::to_string(node.items.size());
-    case Node::Kind::kMap:
-      return "a map";
-  }
-  return "?";
-}
-
-std::string number_text(double value) {
-  if (std::isinf(value)) return value > 0 ? ".inf" : "-.inf";
-  char buffer[32];
-  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
-  return {buffer, end};
-}
-
-std::string describe(const Range& range) {
-  const bool low = range.low > -std::numeric_limits<double>::max();
-  const bool high = range.high < std::numeric_limits<double>::max();
-  std::string text = "a number";
-  if (low && high) {
-    text += " from " + number_text(range.low) + " to " + number_text(range.high);
-    if (range.open_low) text += ", above " + number_text(range.low);
-    if (range.open_high) text += ", below " + number_text(range.high);
-  } else if (low) {
-    text += (range.open_low ? " above " : " of at least ") + number_text(range.low);
-  } else if (high) {
-    text += (range.open_high ? " below " : " of at most ") + number_text(range.high);
-  }
-  if (range.high == std::numeric_limits<double>::infinity()) text += ", or .inf";
-  return text;
-}
 
 bool parse_number(const Node& node, double& value) {
   if (node.kind != Node::Kind::kScalar) return false;
@@ -68,12 +32,26 @@ bool parse_number(const Node& node, double& value) {
 
 }  // namespace
 
+std::string found_text(const Node& node) {
+  switch (node.kind) {
+    case Node::Kind::kNull:
+      return "nothing";
+    case Node::Kind::kScalar:
+      return "'" + node.scalar + "'";
+    case Node::Kind::kSequence:
+      return "a list of " + std::to_string(node.items.size());
+    case Node::Kind::kMap:
+      return "a map";
+  }
+  return "?";
+}
+
 double read_number(const Node& node, const std::string& key, const Range& range) {
   double value = 0.0;
-  if (!parse_number(node, value)) fail(node.mark, key, "found " + describe(node) + ", expected " + describe(range));
-  const bool inside = value >= range.low && value <= range.high && !(range.open_low && value == range.low) &&
-                      !(range.open_high && value == range.high);
-  if (!inside) fail(node.mark, key, "found " + describe(node) + ", expected " + describe(range));
+  if (!parse_number(node, value))
+    fail(node.mark, key, "found " + found_text(node) + ", expected " + accepted_number(range));
+  if (!range.contains(value))
+    fail(node.mark, key, "found " + found_text(node) + ", expected " + accepted_number(range));
   return value;
 }
 
@@ -86,9 +64,7 @@ long long read_integer(const Node& node, const std::string& key, long long low, 
     ok = error == std::errc() && stop == end && value >= low && value <= high;
   }
   if (!ok) {
-    fail(node.mark, key,
-         "found " + describe(node) + ", expected a whole number from " + std::to_string(low) + " to " +
-             std::to_string(high));
+    fail(node.mark, key, "found " + found_text(node) + ", expected " + accepted_whole_number(low, high));
   }
   return value;
 }
@@ -98,18 +74,18 @@ bool read_bool(const Node& node, const std::string& key) {
     if (node.scalar == "true") return true;
     if (node.scalar == "false") return false;
   }
-  fail(node.mark, key, "found " + describe(node) + ", expected true or false");
+  fail(node.mark, key, "found " + found_text(node) + ", expected true or false");
 }
 
 std::string read_string(const Node& node, const std::string& key) {
-  if (node.kind != Node::Kind::kScalar) fail(node.mark, key, "found " + describe(node) + ", expected text");
+  if (node.kind != Node::Kind::kScalar) fail(node.mark, key, "found " + found_text(node) + ", expected text");
   return node.scalar;
 }
 
 std::vector<double> read_numbers(const Node& node, const std::string& key, int count, const Range& range) {
   if (node.kind != Node::Kind::kSequence || (count >= 0 && static_cast<int>(node.items.size()) != count)) {
     fail(node.mark, key,
-         "found " + describe(node) + ", expected a list of " +
+         "found " + found_text(node) + ", expected a list of " +
              (count >= 0 ? std::to_string(count) + " numbers" : std::string("numbers")));
   }
   std::vector<double> values;
@@ -118,9 +94,18 @@ std::vector<double> read_numbers(const Node& node, const std::string& key, int c
   return values;
 }
 
+void fail_choice(const Node& found, const std::string& key, const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& option : names) list += (list.empty() ? "" : ", ") + option;
+  const std::string near = found.kind == Node::Kind::kScalar ? nearest(found.scalar, names) : "";
+  fail(found.mark, key,
+       "found " + found_text(found) + ", expected one of: " + list +
+           (near.empty() ? "" : " (did you mean " + near + "?)"));
+}
+
 MapReader::MapReader(const Node& node, std::string key) : node_(&node), key_(std::move(key)) {
   if (node.kind != Node::Kind::kMap && node.kind != Node::Kind::kNull)
-    config::fail(node.mark, key_, "found " + describe(node) + ", expected a map of keys");
+    config::fail(node.mark, key_, "found " + found_text(node) + ", expected a map of keys");
 }
 
 std::string MapReader::key_of(std::string_view name) const {
@@ -176,15 +161,6 @@ void MapReader::fail_key(std::string_view name, const std::string& message) cons
 
 void MapReader::check(bool ok, std::string_view name, const std::string& message) const {
   if (!ok) fail_at(name, message);
-}
-
-void MapReader::fail_choice(std::string_view name, const Node& found, const std::vector<std::string>& names) const {
-  std::string list;
-  for (const std::string& option : names) list += (list.empty() ? "" : ", ") + option;
-  const std::string near = found.kind == Node::Kind::kScalar ? nearest(found.scalar, names) : "";
-  config::fail(found.mark, key_of(name),
-               "found " + describe(found) + ", expected one of: " + list +
-                   (near.empty() ? "" : " (did you mean " + near + "?)"));
 }
 
 void MapReader::finish() const {

@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <initializer_list>
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,21 +9,12 @@
 #include <vector>
 
 #include "controller/config/node.h"
+#include "controller/describe/enumeration.h"
+#include "controller/describe/range.h"
 
 namespace moma::config {
 
-/// Closed by default; infinities allowed only where the range includes them explicitly.
-struct Range {
-  double low = -std::numeric_limits<double>::max();
-  double high = std::numeric_limits<double>::max();
-  bool open_low = false;
-  bool open_high = false;
-  static Range positive() { return {0.0, std::numeric_limits<double>::max(), true, false}; }
-  static Range positive_or_inf() { return {0.0, std::numeric_limits<double>::infinity(), true, false}; }
-  static Range non_negative() { return {0.0, std::numeric_limits<double>::max(), false, false}; }
-  static Range non_negative_or_inf() { return {0.0, std::numeric_limits<double>::infinity(), false, false}; }
-  static Range any() { return {}; }
-};
+using moma::Range;
 
 /// Typed access to one value. `key` is its full dotted name for messages.
 double read_number(const Node& node, const std::string& key, const Range& range = {});
@@ -33,6 +23,11 @@ bool read_bool(const Node& node, const std::string& key);
 std::string read_string(const Node& node, const std::string& key);
 /// `count` < 0: any length.
 std::vector<double> read_numbers(const Node& node, const std::string& key, int count, const Range& range = {});
+
+/// What stands there, for messages: "'text'", "a list of 3", "a map", "nothing".
+std::string found_text(const Node& node);
+/// A text that is none of `names`: lists them and says which is near.
+[[noreturn]] void fail_choice(const Node& found, const std::string& key, const std::vector<std::string>& names);
 
 /// Strict reader of one map: every key must be read exactly by name; finish() makes any other key an error that
 /// names the nearest known one. Missing optional keys leave the target as it is. Null counts as missing.
@@ -58,6 +53,9 @@ class MapReader {
   /// Sets `value` by name; the error lists all names.
   template <typename Enum>
   void read_enum(std::string_view name, Enum& value, std::initializer_list<std::pair<const char*, Enum>> names);
+  /// The same by the words that stand beside the enumeration.
+  template <Worded Enum>
+  void read_enum(std::string_view name, Enum& value);
 
   /// Throws ConfigError at this map (or at the named key, where it was given).
   [[noreturn]] void fail(const std::string& message) const;
@@ -70,7 +68,6 @@ class MapReader {
   void finish() const;
 
  private:
-  [[noreturn]] void fail_choice(std::string_view name, const Node& found, const std::vector<std::string>& names) const;
   const Node* node_;
   std::string key_;
   std::vector<std::string> known_;
@@ -89,7 +86,18 @@ void MapReader::read_enum(std::string_view name, Enum& value,
     }
     all.emplace_back(text);
   }
-  fail_choice(name, *node, all);
+  fail_choice(*node, key_of(name), all);
+}
+
+template <Worded Enum>
+void MapReader::read_enum(std::string_view name, Enum& value) {
+  const Node* node = get(name);
+  if (node == nullptr) return;
+  const std::optional<Enum> named =
+      node->kind == Node::Kind::kScalar ? from_string<Enum>(node->scalar) : std::optional<Enum>();
+  constexpr auto all = words(Of<Enum>{});
+  if (!named.has_value()) fail_choice(*node, key_of(name), {all.begin(), all.end()});
+  value = *named;
 }
 
 }  // namespace moma::config

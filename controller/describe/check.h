@@ -1,0 +1,113 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "controller/describe/accepted.h"
+#include "controller/describe/describe.h"
+#include "controller/describe/kinds.h"
+
+namespace moma {
+
+/// A value that is not what its description says: "must be a finite number above 0, is -1".
+struct Violation {
+  std::string key;  ///< dotted, as in the files
+  std::string message;
+};
+
+/// What is wrong with a struct that code has filled: numbers outside their range, lists of a wrong length, values that
+/// are no enumerator. Parts that are switched off are checked as well. Empty where all is well.
+template <Described T>
+std::vector<Violation> violations(const T& value, const Lengths& lengths = {}, const std::string& prefix = "");
+
+namespace description {
+
+/// "" where the number is inside.
+std::string number_violation(double value, const Range& range);
+std::string whole_number_violation(long long value, long long low, long long high);
+/// The first that is wrong.
+std::string numbers_violation(std::span<const double> values, int count, const About& about);
+
+template <class T>
+class Check {
+ public:
+  Check(const T& value, const Lengths& lengths, std::string prefix, std::vector<Violation>& found)
+      : value_(value), lengths_(lengths), prefix_(std::move(prefix)), found_(found) {}
+
+  template <class P>
+  void member(std::string_view name, P pointer, const About& about) {
+    check(key_of(name), value_.*pointer, about);
+  }
+  template <class P, class E>
+  void optional(std::string_view name, P pointer, E, Off, std::string_view) {
+    check(key_of(name), value_.*pointer, {});
+  }
+  template <class F, class P>
+  void word_or(std::string_view name, std::string_view, F flag, P pointer, const About& about) {
+    if (!(value_.*flag)) check(key_of(name), value_.*pointer, about);
+  }
+  template <class P>
+  void inlined(P pointer) {
+    descend(prefix_, value_.*pointer);
+  }
+  template <class Body>
+  void group(std::string_view name, std::string_view, Body body) {
+    Check inner(value_, lengths_, key_of(name), found_);
+    body(inner);
+  }
+
+ private:
+  std::string key_of(std::string_view name) const {
+    return prefix_.empty() ? std::string(name) : prefix_ + "." + std::string(name);
+  }
+  template <class V>
+  void descend(const std::string& key, const V& value) {
+    Check<V> inner(value, lengths_, key, found_);
+    describe(inner, Of<V>{});
+  }
+  void note(const std::string& key, std::string message) {
+    if (!message.empty()) found_.push_back({key, std::move(message)});
+  }
+  template <class V>
+  void check(const std::string& key, const V& value, const About& about) {
+    if constexpr (Described<V>) {
+      descend(key, value);
+    } else if constexpr (std::same_as<V, double>) {
+      note(key, number_violation(value, about.range));
+    } else if constexpr (WholeNumber<V>) {
+      const auto [low, high] = whole_range<V>(about.range);
+      note(key, whole_number_violation(static_cast<long long>(value), low, high));
+    } else if constexpr (Worded<V>) {
+      if (static_cast<std::size_t>(value) >= words(Of<V>{}).size()) note(key, "must be " + accepted_as<V>(about));
+    } else if constexpr (Numbers<V>) {
+      const int count = fixed_length<V> > 0 ? -1 : lengths_.of(about.per);
+      note(key, numbers_violation(numbers_of(value), count, about));
+    } else if constexpr (HasAlternative<V>) {
+      constexpr auto either = alternative(Of<V>{});
+      if (!(value.*(either.flag))) check(key, value.*(either.value), about);
+    } else if constexpr (is_std_optional<V>) {
+      if (value.has_value()) check(key, *value, about);
+    } else if constexpr (is_std_vector<V>) {
+      for (std::size_t i = 0; i < value.size(); ++i) check(key + "[" + std::to_string(i) + "]", value[i], about);
+    }
+  }
+
+  const T& value_;
+  const Lengths& lengths_;
+  std::string prefix_;
+  std::vector<Violation>& found_;
+};
+
+}  // namespace description
+
+template <Described T>
+std::vector<Violation> violations(const T& value, const Lengths& lengths, const std::string& prefix) {
+  std::vector<Violation> found;
+  description::Check<T> check(value, lengths, prefix, found);
+  describe(check, Of<T>{});
+  return found;
+}
+
+}  // namespace moma

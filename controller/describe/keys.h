@@ -1,0 +1,128 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "controller/describe/accepted.h"
+#include "controller/describe/describe.h"
+#include "controller/describe/kinds.h"
+
+namespace moma {
+
+/// A key of a file: for tables in the reference, completion, and what is near to a key that is unknown.
+struct Key {
+  std::string name;       ///< dotted: "servo.vortex.gain"
+  std::string unit;       ///< "" where it has none
+  std::string accepted;   ///< "a number above 0", "one of: qp, rrmc", "none or a map"
+  std::string otherwise;  ///< the default, as it would be written; "" where there is none, or a map
+  std::string text;       ///< one line for the reference
+};
+
+/// All keys of T in the order of the file, those of parts that are off by default included. Defaults are those of
+/// `defaults`: give one that is resolved for a robot where lists get their length from it.
+template <Described T>
+std::vector<Key> keys_of(const T& defaults = {}, const std::string& prefix = "");
+
+namespace description {
+
+std::string list_text(std::span<const double> values, bool one_for_all);
+
+/// The value as it would be written. Beside a type of its own there may stand std::string text_of(const T&).
+template <class T>
+std::string default_text(const T& value, const About& about) {
+  if constexpr (requires { text_of(value); }) {
+    return text_of(value);
+  } else if constexpr (std::same_as<T, double>) {
+    return number_text(value);
+  } else if constexpr (std::same_as<T, bool>) {
+    return value ? "true" : "false";
+  } else if constexpr (WholeNumber<T>) {
+    return std::to_string(value);
+  } else if constexpr (std::same_as<T, std::string>) {
+    return value;
+  } else if constexpr (Worded<T>) {
+    return std::string(to_string(value));
+  } else if constexpr (Numbers<T>) {
+    return list_text(numbers_of(value), about.one_for_all);
+  } else if constexpr (HasAlternative<T>) {
+    constexpr auto either = alternative(Of<T>{});
+    return value.*(either.flag) ? std::string(either.word) : default_text(value.*(either.value), about);
+  } else if constexpr (is_std_optional<T>) {
+    return value.has_value() ? default_text(*value, about) : "";
+  } else {
+    return "";
+  }
+}
+
+template <class T>
+class Listing {
+ public:
+  Listing(const T& defaults, std::string prefix, std::vector<Key>& keys)
+      : defaults_(defaults), prefix_(std::move(prefix)), keys_(keys) {}
+
+  template <class P>
+  void member(std::string_view name, P pointer, const About& about) {
+    using V = std::remove_cvref_t<decltype(defaults_.*pointer)>;
+    if constexpr (Described<V>) {
+      descend(key_of(name), defaults_.*pointer);
+    } else {
+      add(name, about, accepted_as<V>(about), about.required ? "" : default_text(defaults_.*pointer, about));
+    }
+  }
+  template <class P, class E>
+  void optional(std::string_view name, P pointer, E enabled, Off off, std::string_view text) {
+    const auto& part = defaults_.*pointer;
+    add(name, {.text = text}, "none or a map", part.*enabled ? "" : "none");
+    if (off == Off::kKept) {
+      keys_.push_back({key_of(name) + ".enabled", "", "true or false", part.*enabled ? "true" : "false",
+                       "false keeps the other values and switches this off"});
+    }
+    descend(key_of(name), part);
+  }
+  template <class F, class P>
+  void word_or(std::string_view name, std::string_view word, F flag, P pointer, const About& about) {
+    using V = std::remove_cvref_t<decltype(defaults_.*pointer)>;
+    add(name, about, std::string(word) + " or " + accepted_as<V>(about),
+        defaults_.*flag ? std::string(word) : default_text(defaults_.*pointer, about));
+  }
+  template <class P>
+  void inlined(P pointer) {
+    descend(prefix_, defaults_.*pointer);
+  }
+  template <class Body>
+  void group(std::string_view name, std::string_view, Body body) {
+    Listing inner(defaults_, key_of(name), keys_);
+    body(inner);
+  }
+
+ private:
+  std::string key_of(std::string_view name) const {
+    return prefix_.empty() ? std::string(name) : prefix_ + "." + std::string(name);
+  }
+  void add(std::string_view name, const About& about, std::string accepted, std::string otherwise) {
+    keys_.push_back(
+        {key_of(name), std::string(about.unit), std::move(accepted), std::move(otherwise), std::string(about.text)});
+  }
+  template <class V>
+  void descend(const std::string& key, const V& defaults) {
+    Listing<V> inner(defaults, key, keys_);
+    describe(inner, Of<V>{});
+  }
+
+  const T& defaults_;
+  std::string prefix_;
+  std::vector<Key>& keys_;
+};
+
+}  // namespace description
+
+template <Described T>
+std::vector<Key> keys_of(const T& defaults, const std::string& prefix) {
+  std::vector<Key> keys;
+  description::Listing<T> listing(defaults, prefix, keys);
+  describe(listing, Of<T>{});
+  return keys;
+}
+
+}  // namespace moma
