@@ -6,6 +6,7 @@
 
 #include "controller/config/robot_file.h"
 #include "world/plant/plant.h"
+#include "world/scenario/family.h"
 #include "world/scenario/worlds.h"
 
 namespace moma {
@@ -52,16 +53,11 @@ void kinematic_control_step(benchmark::State& state) {
 }
 BENCHMARK(kinematic_control_step)->Arg(0)->Arg(10)->Arg(30)->Unit(benchmark::kMicrosecond);
 
-void make_world(benchmark::State& state, const char* family) {
-  const Worlds source = worlds(std::string(family) + ": {}");
+void make_world(benchmark::State& state, const std::string& family) {
+  const Worlds source = worlds(family + ": {}");
   std::uint64_t index = 0;
   for (auto _ : state) benchmark::DoNotOptimize(source.make(frankie(), index++));
 }
-BENCHMARK_CAPTURE(make_world, open, "open")->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(make_world, clutter, "clutter")->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(make_world, moving, "moving")->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(make_world, shelf, "shelf")->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(make_world, tracking, "tracking")->Unit(benchmark::kMicrosecond);
 
 void make_dynamic_plant(benchmark::State& state) {
   const World world = clutter(10).make(frankie(), 3);
@@ -72,4 +68,13 @@ BENCHMARK(make_dynamic_plant)->Unit(benchmark::kMicrosecond);
 }  // namespace
 }  // namespace moma
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  for (const moma::FamilyType& type : moma::family_types())
+    benchmark::RegisterBenchmark(("make_world/" + std::string(type.name)).c_str(), moma::make_world,
+                                 std::string(type.name))
+        ->Unit(benchmark::kMicrosecond);
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+}

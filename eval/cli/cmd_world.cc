@@ -3,11 +3,13 @@
 #include <cmath>
 #include <iostream>
 #include <memory>
+#include <string>
 
 #include "eval/cli/command.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 #include "eval/cli/text.h"
+#include "world/scenario/family.h"
 #include "world/scenario/worlds.h"
 
 namespace moma::cli {
@@ -70,7 +72,9 @@ void add_world(CLI::App& app, Action& action) {
       ->required()
       ->check(CLI::NonNegativeNumber);
   command->add_flag("--json", options->json, "As JSON, the format of frozen worlds");
-  command->footer("Example: moma world configs/suites/demo.yaml 17 --json");
+  std::string families;
+  for (const FamilyType& type : family_types()) families += (families.empty() ? "" : ", ") + std::string(type.name);
+  command->footer("Families of worlds: " + families + "\nExample: moma world configs/suites/demo.yaml 17 --json");
   command->callback([&action, options] {
     action = [options] {
       const Suite suite = options->suite.load();

@@ -17,6 +17,19 @@ inline std::shared_ptr<const RobotModel> robot(const std::string& name) {
 
 inline Worlds worlds(const std::string& yaml) { return Worlds::read(config::parse_yaml(yaml, "test.yaml"), "worlds"); }
 
+/// True where no world can be made because the family is for bases that drive, and this one does not. A family that
+/// cannot be made for another reason throws.
+inline bool needs_driving(const Worlds& source, const std::shared_ptr<const RobotModel>& model) {
+  if (model->base.type != BaseType::kFixed) return false;
+  try {
+    source.make(model, 0);
+    return false;
+  } catch (const GenerationError& error) {
+    if (std::string(error.what()).find("a fixed base cannot") == std::string::npos) throw;
+    return true;
+  }
+}
+
 /// The robot at rest at the origin, nothing around it.
 inline World empty_world(const RobotModel& model) {
   World world;

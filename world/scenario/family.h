@@ -27,16 +27,9 @@ struct FamilyType {
   std::unique_ptr<const Family> (*read)(config::MapReader& in);
 };
 
-/// Every family, in the order that messages list them.
+/// Every family, in the order that messages list them: families/NAME.cc defines
+///   std::unique_ptr<const Family> read_NAME(config::MapReader& in);
+/// and the list in world/CMakeLists.txt makes the table.
 std::span<const FamilyType> family_types();
-
-std::unique_ptr<const Family> read_open(config::MapReader& in);
-std::unique_ptr<const Family> read_clutter(config::MapReader& in);
-std::unique_ptr<const Family> read_table(config::MapReader& in);
-std::unique_ptr<const Family> read_shelf(config::MapReader& in);
-std::unique_ptr<const Family> read_doorway(config::MapReader& in);
-std::unique_ptr<const Family> read_corridor(config::MapReader& in);
-std::unique_ptr<const Family> read_moving(config::MapReader& in);
-std::unique_ptr<const Family> read_tracking(config::MapReader& in);
 
 }  // namespace moma
