@@ -19,6 +19,7 @@ packages=(
   libcpp-httplib-dev
   libopenmpi-dev openmpi-bin
   libgtest-dev librapidcheck-dev libbenchmark-dev clang-format sqlite3
+  librsvg2-bin poppler-utils   # draw and read the page's figures and prints in the tests
 )
 missing=()
 for package in "${packages[@]}"; do

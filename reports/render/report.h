@@ -36,7 +36,8 @@ void write_report(const Stores& stores, const std::filesystem::path& html, const
 void write_report(const std::filesystem::path& store, const std::filesystem::path& html,
                   const ReportOptions& options = {});
 
-/// Writes every figure of the page that has something to show as FOLDER/ID.svg, on white paper, drawn by the same code.
+/// Writes every figure of the page that has something to show as FOLDER/ID.svg and ID.pdf, on white paper, drawn by the
+/// same code.
 /// Returns the files. Runs the program `node`; throws ReportError where it is missing or the folder cannot be written.
 std::vector<std::filesystem::path> write_figures(const Stores& stores, const std::filesystem::path& folder);
 

@@ -1,20 +1,18 @@
-// One figure: its frame, the chart (ECharts), its data as CSV, itself as SVG on white paper.
+// What all figures share: their description, axes, legends, marks.
 
 import { BarChart, BoxplotChart, CustomChart, HeatmapChart, LineChart, ScatterChart } from 'echarts/charts';
 import {
-  AriaComponent, GridComponent, LegendComponent, TooltipComponent, VisualMapComponent,
+  AriaComponent, GridComponent, LegendComponent, TitleComponent, TooltipComponent, VisualMapComponent,
 } from 'echarts/components';
 import * as echarts from 'echarts/core';
 import { CanvasRenderer, SVGRenderer } from 'echarts/renderers';
 
-import { download, h, replace } from './dom';
-import { csv } from './format';
-import { onTheme, palette, type Palette } from './theme';
-import { onView } from './view';
+import { h } from './dom';
+import type { Palette } from './theme';
 
 echarts.use([
   BarChart, BoxplotChart, CustomChart, HeatmapChart, LineChart, ScatterChart, AriaComponent, GridComponent,
-  LegendComponent, TooltipComponent, VisualMapComponent, CanvasRenderer, SVGRenderer,
+  LegendComponent, TitleComponent, TooltipComponent, VisualMapComponent, CanvasRenderer, SVGRenderer,
 ]);
 
 export type Option = Record<string, unknown>;
@@ -30,7 +28,8 @@ export interface Drawing {
 
 export interface FigureSpec {
   id: string;
-  title: string;
+  /** Names the metric; a function where that is chosen. */
+  title: string | (() => string);
   /** One sentence on how to read it. */
   caption: string;
   controls?: (redraw: () => void) => Node[];
@@ -43,7 +42,8 @@ export interface FigureSpec {
   click?: (data: unknown, mark: { seriesIndex: number; dataIndex: number }) => void;
 }
 
-export const kFont = '"Inter Variable", "Inter", system-ui, "Segoe UI", sans-serif';
+/** Without double quotes: the SVG renderer writes it into an attribute as it is. */
+export const kFont = "'Inter Variable', Inter, system-ui, 'Segoe UI', sans-serif";
 
 /** Texts, lines and tooltip that all figures share. */
 export function base(p: Palette): Option {
@@ -96,7 +96,9 @@ export function nice(low: number, high: number, count = 6): { min: number; max: 
   const rough = span / count;
   const power = 10 ** Math.floor(Math.log10(rough));
   const interval = ([1, 2, 2.5, 5, 10].find((s) => s * power >= rough) ?? 10) * power;
-  return { min: Math.floor(low / interval + 1e-9) * interval, max: Math.ceil(high / interval - 1e-9) * interval || interval, interval };
+  const min = Math.floor(low / interval + 1e-9) * interval;
+  const max = Math.ceil(high / interval - 1e-9) * interval;
+  return { min, max: max > min ? max : min + interval, interval };
 }
 
 /** Labels of a nice() axis, without the digits that rounding adds. */
@@ -111,173 +113,6 @@ export function tip(head: string, rows: readonly (readonly [string, string])[], 
     ...rows.map(([name, value]) => h('div', null, h('span', null, name), h('b', null, value))));
 }
 
-/** What is so near to the window is drawn [px]. */
-const kMargin = 300;
-
-const waiting = new Map<Element, () => void>();
-let observer: IntersectionObserver | null = null;
-
-/** Made when first needed: figures are also drawn where there is no window. */
-function seen(): IntersectionObserver {
-  return observer ??= new IntersectionObserver((entries, self) => {
-    for (const entry of entries) {
-      if (!entry.isIntersecting) continue;
-      self.unobserve(entry.target);
-      waiting.get(entry.target)?.();
-      waiting.delete(entry.target);
-    }
-  }, { rootMargin: `${kMargin}px` });
-}
-
-/** Calls back once, when the element comes near the window. */
-export function whenSeen(element: Element, call: () => void): void {
-  waiting.set(element, call);
-  seen().observe(element);
-}
-
-/** As far outside the window as whenSeen() looks. */
-export function isNear(element: Element): boolean {
-  const box = element.getBoundingClientRect();
-  return box.bottom > -kMargin && box.top < innerHeight + kMargin;
-}
-
-/** What is drawn when nothing else is to do, and for paper. */
-const figures: Element[] = [];
-
-function drawWaiting(element: Element): void {
-  const call = waiting.get(element);
-  if (call === undefined) return;
-  seen().unobserve(element);
-  waiting.delete(element);
-  call();
-}
-
-let idling = 0;
-
-/** Draws the figures that nobody has looked at yet, one at a time, when the reader has done nothing for a while. */
-function drawSoon(): void {
-  const idle = (): void => {
-    const next = figures.find((element) => waiting.has(element));
-    if (next === undefined) return;
-    drawWaiting(next);
-    requestIdleCallback(idle);
-  };
-  clearTimeout(idling);
-  idling = window.setTimeout(() => requestIdleCallback(idle), 1500);
-}
-
-/** Draws all figures sooner or later, and for paper all at once. */
-export function drawWhenIdle(): void {
-  drawSoon();
-  addEventListener('beforeprint', () => figures.forEach(drawWaiting));
-}
-
-/** An element like a figure: first drawn when it is seen, or nothing else is to do. */
-export function drawLater(element: Element, draw: () => void): void {
-  figures.push(element);
-  whenSeen(element, draw);
-}
-
-/** Draws now where the element is near the window, else when it comes there or nothing else is to do. */
-export function drawOrWait(element: Element, draw: () => void): void {
-  if (isNear(element)) {
-    waiting.delete(element);
-    draw();
-    return;
-  }
-  whenSeen(element, draw);
-  drawSoon();
-}
-
-/** The figure on white paper; null where it has nothing to show. Needs no browser. */
-export function svgOf(spec: FigureSpec): string | null {
-  const width = 760;
-  const drawing = spec.draw(palette(true), width);
-  if (drawing === null) return null;
-  const paper = echarts.init(null, null, { renderer: 'svg', ssr: true, width, height: drawing.height ?? 340 });
-  paper.setOption({ ...base(palette(true)), ...drawing.option, animation: false, backgroundColor: '#ffffff' });
-  const svg = paper.renderToSVGString();
-  paper.dispose();
-  return svg;
-}
-
-export function figure(spec: FigureSpec): HTMLElement {
-  const plot = h('div', { class: 'plot', role: 'img', 'aria-label': spec.title });
-  const note = h('p', { class: 'note' });
-  const saveSvg = h('button', { type: 'button', class: 'quiet', click: () => save() }, 'Save SVG');
-  const saveCsv = h('button', { type: 'button', class: 'quiet', click: () => saveData() }, 'Data CSV');
-  const controls = h('div', { class: 'controls' });
-  const element = h('figure', { class: 'figure', id: `figure-${spec.id}` },
-    h('figcaption', null, h('div', null, h('h3', null, spec.title), h('p', null, spec.caption)), controls),
-    plot, h('footer', null, note, h('div', { class: 'actions' }, saveSvg, saveCsv)));
-  let chart: echarts.ECharts | null = null;
-  let started = false;
-  let height = 0;
-
-  const draw = (): void => {
-    if (!started) return;
-    const drawing = spec.draw(palette(), plot.clientWidth);
-    saveSvg.hidden = saveCsv.hidden = drawing === null;
-    if (drawing === null) {
-      chart?.dispose();
-      chart = null;
-      height = 0;
-      plot.style.height = 'auto';
-      plot.style.minHeight = '0';
-      replace(plot, h('p', { class: 'empty' }, spec.empty));
-      note.textContent = '';
-      return;
-    }
-    const wanted = drawing.height ?? 340;
-    if (chart === null) replace(plot);
-    if (wanted !== height) {
-      height = wanted;
-      plot.style.height = `${wanted}px`;
-      plot.style.minHeight = '0';   // no longer the place kept for it
-      chart?.resize();
-    }
-    if (chart === null) {
-      chart = echarts.init(plot, null, { renderer: 'canvas' });
-      chart.on('click', (event) => spec.click?.(event.data, { seriesIndex: event.seriesIndex ?? -1, dataIndex: event.dataIndex }));
-    }
-    const series = (drawing.option['series'] as Option[]).map((s) => (spec.click === undefined ? { cursor: 'default', ...s } : s));
-    chart.setOption({ ...base(palette()), ...drawing.option, series }, { notMerge: true });
-    note.textContent = drawing.note;
-    plot.setAttribute('aria-label', `${spec.title}. ${drawing.note}`);
-  };
-
-  const save = (): void => {
-    const svg = svgOf(spec);
-    if (svg !== null) download(`${spec.id}.svg`, 'image/svg+xml', svg);
-  };
-
-  const saveData = (): void => {
-    const drawing = spec.draw(palette(), 760);
-    if (drawing !== null) download(`${spec.id}.csv`, 'text/csv', csv(drawing.columns, drawing.rows));
-  };
-
-  const fillControls = (): void => replace(controls, ...(spec.controls?.(() => { fillControls(); draw(); }) ?? []));
-  drawLater(element, () => {
-    started = true;
-    fillControls();
-    if (spec.prepare === undefined) draw();
-    else void spec.prepare().then(draw);
-    let width = plot.clientWidth;
-    new ResizeObserver(() => {
-      if (plot.clientWidth === width) return;
-      width = plot.clientWidth;
-      chart?.resize();
-      draw();
-    }).observe(plot);
-  });
-  const redraw = (): void => {
-    if (started) drawOrWait(element, () => { fillControls(); draw(); });
-  };
-  onView(redraw);
-  onTheme(redraw);
-  return element;
-}
-
 /** Whiskers for a custom series: data [x, low, high] (vertical) or [low, high, y] (horizontal). */
 export function whisker(colour: string, horizontal: boolean, width = 1.5) {
   return (_: unknown, api: { value: (i: number) => number; coord: (p: number[]) => number[] }): Option => {
@@ -290,3 +125,94 @@ export function whisker(colour: string, horizontal: boolean, width = 1.5) {
   };
 }
 
+interface CustomApi { coord: (point: number[]) => number[] }
+
+/** From each point level to the next one's x, then straight up or down to it. */
+export function stairs(points: readonly (readonly [number, number])[]): [number, number][] {
+  const out: [number, number][] = [];
+  for (const [x, y] of points) {
+    const last = out[out.length - 1];
+    if (last !== undefined && last[1] !== y) out.push([x, last[1]]);
+    out.push([x, y]);
+  }
+  return out;
+}
+
+/**
+ * A series that draws `points` as one path, every corner of it. ECharts' own line leaves out corners less than 0.7 pixels
+ * from the one before, so that the riser of a low step is lost and the level stretch after it drawn aslant.
+ */
+export function pathSeries(name: string, points: readonly (readonly [number, number])[], style: { colour: string; width: number; dash?: unknown; opacity?: number }, more: Option = {}): Option {
+  return {
+    name, type: 'custom', clip: true, data: points.length === 0 ? [] : [[...(points[0] ?? [0, 0])]], encode: { x: 0, y: 1 }, itemStyle: { color: style.colour },
+    renderItem: (_: unknown, api: CustomApi) => ({
+      type: 'polyline', shape: { points: points.map(([x, y]) => api.coord([x, y])) },
+      style: { stroke: style.colour, fill: 'none', lineWidth: style.width, lineDash: style.dash === 'solid' ? undefined : style.dash, opacity: style.opacity ?? 1, lineJoin: 'miter' },
+    }),
+    ...more,
+  };
+}
+
+/** The area between two such paths over the same x. */
+export function bandSeries(lower: readonly (readonly [number, number])[], upper: readonly (readonly [number, number])[], colour: string, opacity: number): Option {
+  const outline = [...upper, ...[...lower].reverse()];
+  return {
+    type: 'custom', clip: true, silent: true, tooltip: { show: false }, data: outline.length === 0 ? [] : [[...(outline[0] ?? [0, 0])]], encode: { x: 0, y: 1 },
+    renderItem: (_: unknown, api: CustomApi) => ({ type: 'polygon', shape: { points: outline.map(([x, y]) => api.coord([x, y])) }, style: { fill: colour, opacity } }),
+  };
+}
+
+/** Height of a label beside a curve [px]. */
+const kLabel = 15;
+
+/** Names beside the right ends of curves, in `room` pixels, moved apart where they would overlap; `ends` at [x, y] in data. */
+export function endLabels(ends: readonly { name: string; x: number; y: number; colour: string }[], room: number): Option {
+  return {
+    type: 'custom', clip: false, silent: true, tooltip: { show: false }, z: 6, data: ends.length === 0 ? [] : [[ends[0]?.x ?? 0, ends[0]?.y ?? 0]], encode: { x: 0, y: 1 },
+    renderItem: (_: unknown, api: CustomApi) => {
+      const placed = ends.map((e) => { const [x = 0, y = 0] = api.coord([e.x, e.y]); return { e, x, y, at: y }; }).sort((a, b) => a.y - b.y);
+      for (let i = 1; i < placed.length; ++i) placed[i]!.at = Math.max(placed[i]!.at, placed[i - 1]!.at + kLabel);
+      for (let i = placed.length - 1, below = (placed[placed.length - 1]?.y ?? 0) + kLabel; i >= 0; --i) {   // not pushed below the last curve's end
+        placed[i]!.at = Math.min(placed[i]!.at, below);
+        below = placed[i]!.at - kLabel;
+      }
+      return {
+        type: 'group',
+        children: placed.map(({ e, x, at }) => ({ type: 'text', x: x + 7, y: at, style: { text: e.name, fill: e.colour, font: `600 12px ${kFont}`, align: 'left', verticalAlign: 'middle', width: room, overflow: 'truncate' } })),
+      };
+    },
+  };
+}
+
+/** What differs between plots of the same kind side by side. */
+interface Part { title: string; colour: string }
+
+/** A plot for each part under its title, all with the same axes; `series` gives what each shows. */
+export function smallMultiples(width: number, parts: readonly Part[], xAxis: Option, yAxis: Option, series: (place: number) => Option[]): { height: number; option: Option } {
+  const columns = Math.max(1, Math.min(4, Math.floor(width / 230)));
+  const rows = Math.ceil(parts.length / columns);
+  const [high, above, gap] = [118, 26, 26];
+  const wide = (100 - 5) / columns;
+  const grid = parts.map((_, i) => ({
+    left: `${5 + (i % columns) * wide}%`, width: `${wide - 2.2}%`, top: above + Math.floor(i / columns) * (high + above + gap), height: high, containLabel: false,
+  }));
+  const bottom = (i: number): boolean => i + columns >= parts.length;
+  const label = (of: Option, more: Option): Option => ({ ...(of['axisLabel'] as Option | undefined), fontSize: 10.5, hideOverlap: true, ...more });
+  return {
+    height: rows * (high + above + gap) + 18,
+    option: {
+      grid, tooltip: { show: false },
+      title: parts.map((part, i) => ({
+        text: part.title, left: grid[i]?.left, top: (grid[i]?.top ?? 0) - 22, padding: 0,
+        textStyle: { color: part.colour, fontSize: 12, fontWeight: 600, fontFamily: kFont, width: (width * (wide - 3)) / 100, overflow: 'truncate' },
+      })),
+      xAxis: parts.map((_, i) => ({ ...xAxis, gridIndex: i, name: bottom(i) ? xAxis['name'] : '', splitNumber: 3, axisLabel: label(xAxis, {}) })),
+      yAxis: parts.map((_, i) => ({ ...yAxis, gridIndex: i, name: '', splitNumber: 2, axisLabel: label(yAxis, { show: i % columns === 0 }) })),
+      series: parts.flatMap((_, i) => series(i).map((s) => ({ ...s, xAxisIndex: i, yAxisIndex: i }))),
+    },
+  };
+}
+
+export function titleOf(spec: FigureSpec): string {
+  return typeof spec.title === 'string' ? spec.title : spec.title();
+}

@@ -45,9 +45,14 @@ export function pairs(model: Model, a: Series, b: Series, key: string): Pairs {
   };
 }
 
+/** What bootstrapMedian() gives, in words. */
+export const kMedianInterval = 'bootstrap; of more than 300 worlds by order statistics';
+
 export function pairsText(of: Pairs, a: string, b: string, metric: Metric): string {
   const n = of.worlds.length;
-  const outcome = `n = ${integer(n)} worlds: both succeed in ${integer(of.both)}, only ${a} in ${integer(of.onlyA)}, only ${b} in ${integer(of.onlyB)}, neither in ${integer(of.neither)} (exact McNemar ${probability(of.p)}).`;
+  const test = of.onlyA + of.onlyB === 0 ? 'no world tells them apart' : `exact McNemar ${probability(of.p)}`;
+  const outcome = `n = ${integer(n)} worlds: both succeed in ${integer(of.both)}, only ${a} in ${integer(of.onlyA)}, only ${b} in ${integer(of.onlyB)}, neither in ${integer(of.neither)} (${test}).`;
   if (of.differences === 0) return outcome;
-  return `${outcome} Median difference of ${metric.name}, ${b} less ${a}, where both have it (n = ${integer(of.differences)}): ${withUnit(metric, of.median)}, 95 % bootstrap ${metric.write(of.interval.low)} to ${withUnit(metric, of.interval.high)}.`;
+  const interval = Number.isFinite(of.interval.low) ? `, 95 % interval ${metric.write(of.interval.low)} to ${withUnit(metric, of.interval.high)} (${kMedianInterval})` : ', no interval of so few';
+  return `${outcome} Median difference of ${metric.name}, ${b} less ${a}, where both have it (n = ${integer(of.differences)}): ${withUnit(metric, of.median)}${interval}.`;
 }

@@ -155,6 +155,8 @@ export interface Series {
   index: number;   // within its slice
   mark: number;    // decides colour, dash and symbol; below 0: not shown
   name: string;
+  /** For figures, where room is short: never longer than the name; namedBy() says what its numbers are. */
+  short: string;
   controller: string;
   point: string;
   info: PointInfo | undefined;
@@ -207,6 +209,11 @@ export class Model {
     return this.page.live === undefined ? this.replayOf.has(trial) : this.named.has(trial);
   }
 
+  /** A motion that the page itself holds. */
+  embedded(trial: string): ReplayData | undefined {
+    return this.replayOf.get(trial);
+  }
+
   /** From the page, or from the server that serves it. */
   motion(trial: string): Promise<Motion> {
     const replay = this.replayOf.get(trial);
@@ -241,9 +248,12 @@ export class Model {
   /** The series of a slice, in the order in which the store defined them, with the trials of `family` ('' all). */
   series(slice: Slice, family: string): Series[] {
     const infos = this.page.points.filter((point) => inSlice(point, slice));
-    const short = shortLabels(infos.map((info) => info.point));
+    const label = shortLabels(infos.map((info) => info.point));
+    const alone = new Set(infos.map((info) => info.controller)).size === 1;
+    const values = valuesOnly(infos.map((info) => info.point));
     const series = infos.map((info, index): Series => ({
-      index, mark: index, name: seriesName(info.controller, short(info.point)), controller: info.controller, point: info.point, info, rows: [],
+      index, mark: index, name: seriesName(info.controller, label(info.point)),
+      short: alone && info.point !== '' ? values?.(info.point) ?? label(info.point) : seriesName(info.controller, values?.(info.point) ?? label(info.point)), controller: info.controller, point: info.point, info, rows: [],
     }));
     const byName = new Map(series.map((s) => [`${s.controller}\n${s.point}`, s]));
     const t = this.trials;
@@ -281,6 +291,18 @@ function shortLabels(labels: readonly string[]): (label: string) => string {
   if (keys.size !== 1 || keys.has('')) return (label) => label;
   const named = parts.every((part) => /^[A-Za-z]/.test(part?.[2] ?? ''));
   return (label) => (named ? label.slice(label.indexOf('=') + 1) : label.slice(label.lastIndexOf('.', label.indexOf('=')) + 1));
+}
+
+/** The keys that all labels give values to, where those are too many to be repeated in every name: "lambda_q, k_epsilon". */
+export function namedBy(labels: readonly string[]): string {
+  const keys = new Set(labels.filter((label) => label !== '').map((label) => label.split(' ').map((part) => part.slice(0, part.indexOf('='))).join(', ')));
+  const [only = ''] = keys;
+  return keys.size === 1 && only.includes(', ') && labels.every((label) => label === '' || label.split(' ').every((part) => /^[^\s=]+=[^\s=]+$/.test(part))) ? only : '';
+}
+
+/** "lambda_q=0.01 k_epsilon=0.5" -> "0.01, 0.5", where all labels have these keys. */
+function valuesOnly(labels: readonly string[]): ((label: string) => string) | null {
+  return namedBy(labels) === '' ? null : (label) => label.split(' ').map((part) => part.slice(part.indexOf('=') + 1)).join(', ');
 }
 
 export function seriesName(controller: string, point: string): string {

@@ -1,10 +1,11 @@
-// Draws every figure that has something to show, without a browser: node figures.js PAGE.json FOLDER
+// Draws every figure that has something to show as SVG and PDF, without a browser: node figures.js PAGE.json FOLDER
 // What `moma report --figures` runs. The figures are those of the page, as its buttons save them.
 
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { svgOf } from './chart';
+import { svgOf } from './paper';
+import { pdfOf } from './pdf';
 import { Model, type PageData } from './data';
 import { kFigures } from './figures/all';
 import { showSlice, startView } from './view';
@@ -24,7 +25,10 @@ async function main(file: string, folder: string): Promise<void> {
       if (tuned.has(spec.id) && place > 0) continue;   // of the store, not of a suite
       await spec.prepare?.();
       const svg = svgOf(spec);
-      if (svg !== null) writeFileSync(join(folder, `${tuned.has(spec.id) ? '' : prefix}${spec.id}.svg`), svg);
+      if (svg === null) continue;
+      const name = join(folder, `${tuned.has(spec.id) ? '' : prefix}${spec.id}`);
+      writeFileSync(`${name}.svg`, svg);
+      writeFileSync(`${name}.pdf`, await pdfOf(svg));
     }
   }
 }

@@ -63,6 +63,11 @@ export function times(count: number): string {
   return count === 1 ? 'once' : count === 2 ? 'twice' : count === 0 ? 'never' : `${integer(count)}\u00a0times`;
 }
 
+/** "time to goal" -> "Time to goal". */
+export function upper(text: string): string {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}
+
 export function list(words: readonly string[]): string {
   if (words.length <= 1) return words[0] ?? '';
   return `${words.slice(0, -1).join(', ')} and ${words[words.length - 1]}`;

@@ -3,7 +3,9 @@
 
 import './style.css';
 
-import { drawWhenIdle, figure } from './chart';
+import { figure } from './figure';
+import { drawWhenIdle } from './later';
+import { startPaper } from './paper';
 import { Model, readPageData, type PageData } from './data';
 import { append, h, replace } from './dom';
 import { kFigures } from './figures/all';
@@ -65,6 +67,7 @@ function start(app: HTMLElement, page: PageData): void {
         h('p', null, 'Drawn with Apache ECharts (Apache-2.0) and three.js (MIT); set in Inter and Source Serif 4 (OFL-1.1).')));
     bar.watch();
     drawWhenIdle();
+    startPaper();
   }));
 }
 

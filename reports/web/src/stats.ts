@@ -92,11 +92,15 @@ function ranks(values: readonly number[]): Float64Array {
   return out;
 }
 
+/** Fisher's transformation is not near normal below this. */
+const kFewestRanks = 10;
+
 /**
  * Spearman's rank correlation with a 95 % interval by Fisher's transformation, whose variance is
- * (1 + rho^2 / 2) / (n - 3) (Bonett and Wright, Psychometrika 65, 2000). null where undefined.
+ * (1 + rho^2 / 2) / (n - 3) (Bonett and Wright, Psychometrika 65, 2000). null where undefined; no interval of few pairs,
+ * nor at -1 and 1, where the transformation has none.
  */
-export function spearman(x: readonly number[], y: readonly number[]): (Interval & { value: number }) | null {
+export function spearman(x: readonly number[], y: readonly number[]): { value: number; interval: Interval | null } | null {
   const n = x.length;
   if (n < 4) return null;
   const [a, b] = [ranks(x), ranks(y)];
@@ -110,9 +114,9 @@ export function spearman(x: readonly number[], y: readonly number[]): (Interval 
   }
   if (xx === 0 || yy === 0) return null;
   const value = Math.min(1, Math.max(-1, xy / Math.sqrt(xx * yy)));
-  if (Math.abs(value) === 1) return { value, low: value, high: value };
+  if (n < kFewestRanks || 1 - Math.abs(value) < 1e-12) return { value, interval: null };
   const half = kZ * Math.sqrt((1 + value * value / 2) / (n - 3));
-  return { value, low: Math.tanh(Math.atanh(value) - half), high: Math.tanh(Math.atanh(value) + half) };
+  return { value, interval: { low: Math.tanh(Math.atanh(value) - half), high: Math.tanh(Math.atanh(value) + half) } };
 }
 
 export interface Spread {
@@ -182,6 +186,9 @@ function generator(seed: number): () => number {
   };
 }
 
+/** All of fewer differences lie on one side of their median more than once in twenty times (2 * 0.5^n): no 95 % interval. */
+const kFewestDifferences = 6;
+
 /** More differences than this are not resampled. */
 const kResampled = 300;
 
@@ -189,10 +196,11 @@ const kResampled = 300;
  * 95 % percentile-bootstrap interval of the median of paired differences; seed fixed. Of many, the order statistics of
  * ranks n/2 -+ z sqrt(n)/2 (Conover, Practical Nonparametric Statistics, 1999, 3.2), which the bootstrap approaches: a
  * resampled median is at most the k-th smallest with the probability of at least n/2 hits in n draws of chance k/n.
+ * NaN of fewer than six.
  */
 export function bootstrapMedian(differences: readonly number[], rounds = 1000): Interval {
   const n = differences.length;
-  if (n === 0) return { low: NaN, high: NaN };
+  if (n < kFewestDifferences) return { low: NaN, high: NaN };
   if (n > kResampled) {
     const sorted = Float64Array.from(differences).sort();
     const half = (kZ * Math.sqrt(n)) / 2;

@@ -1,5 +1,6 @@
 // Colours of data, for light and dark. Series differ in mark and dash as well as in hue.
 
+import { readable } from './colour';
 import type { Outcome } from './data';
 
 export interface Palette {
@@ -16,21 +17,22 @@ export interface Palette {
 /** How many series have a colour of their own. */
 export const kColours = 8;
 
+// Within series and within outcomes any two can be told apart, by people who see no red or no green too; a test simulates it.
 const light: Palette = {
-  dark: false, ink: '#20262f', muted: '#5a6472', faint: '#8b94a1', rule: '#e3e0d8', surface: '#ffffff',
-  series: ['#27598f', '#b23a76', '#1b8578', '#a77a12', '#6a55b5', '#5c6b2f', '#4aa0c4', '#7a4a32'],
+  dark: false, ink: '#20262f', muted: '#5a6472', faint: '#6b7480', rule: '#e3e0d8', surface: '#ffffff',
+  series: ['#27598f', '#d96294', '#016155', '#d57e24', '#1d5ccb', '#3f8440', '#029edb', '#4a3518'],
   outcomes: {
-    success: '#4c9a7d', collision: '#c4472f', timeout: '#e0ae4a', stuck: '#a9793f', joint_limit: '#8170b8',
-    tipped: '#b5608f', infeasible: '#6d8db0', diverged: '#555c68', error: '#1d222a',
+    success: '#4c9a7d', collision: '#a7333f', timeout: '#fca347', stuck: '#836f07', joint_limit: '#5c57b9',
+    tipped: '#7a2b56', infeasible: '#76b8f1', diverged: '#5b6592', error: '#020b24',
   },
 };
 
 const dark: Palette = {
-  dark: true, ink: '#e9e7e2', muted: '#aab1bc', faint: '#7d8592', rule: '#2d333d', surface: '#1a1e25',
-  series: ['#7fb0e6', '#ea86b8', '#55c4b3', '#dcb45a', '#ab9cec', '#a9bd6b', '#8fd2ee', '#cf9a7c'],
+  dark: true, ink: '#e9e7e2', muted: '#aab1bc', faint: '#8b93a0', rule: '#2d333d', surface: '#1a1e25',
+  series: ['#7fb0e6', '#cb64a3', '#9ed4a6', '#ebb22a', '#6791f8', '#c9e67a', '#deeaf3', '#cd7a4f'],
   outcomes: {
-    success: '#56ad8d', collision: '#e2664c', timeout: '#e6b95c', stuck: '#bb8d55', joint_limit: '#9c8bd6',
-    tipped: '#cf7dab', infeasible: '#86a7cc', diverged: '#828a97', error: '#d5d8dd',
+    success: '#56ad8d', collision: '#da5118', timeout: '#e4c86a', stuck: '#9d5a36', joint_limit: '#6569ce',
+    tipped: '#98487c', infeasible: '#b1d9ec', diverged: '#7896c6', error: '#dff4d4',
   },
 };
 
@@ -39,19 +41,29 @@ export const kDashes = ['solid', [6, 3], [2, 3], [9, 3, 2, 3], [12, 4], [1, 2], 
 
 const system = (): MediaQueryList => matchMedia('(prefers-color-scheme: dark)');
 let chosen: 'light' | 'dark' | null = null;
+let paper = false;
 const listeners: (() => void)[] = [];
 
 export function isDark(): boolean {
+  if (paper) return false;
   return chosen === null ? system().matches : chosen === 'dark';
 }
 
-/** Of the page now; of paper (`paper`) for saved figures. */
-export function palette(paper = false): Palette {
-  return !paper && isDark() ? dark : light;
+/** Both, for tests. */
+export const kPalettes: readonly Palette[] = [light, dark];
+
+/** Of the page now; of paper (`saved`) for saved figures. */
+export function palette(saved = false): Palette {
+  return !saved && isDark() ? dark : light;
 }
 
 export function seriesColour(of: Palette, mark: number): string {
   return mark < 0 ? of.faint : of.series[mark % of.series.length] ?? of.ink;
+}
+
+/** The series' colour where it is a text's. */
+export function seriesInk(of: Palette, mark: number): string {
+  return readable(seriesColour(of, mark), of.ink, of.surface);
 }
 
 /** Where colours come round again, dash and symbol are others than the first time. */
@@ -84,6 +96,13 @@ export function toggleTheme(): void {
     // A page opened from a file may have no storage; the choice then lasts as long as the page.
   }
   apply();
+}
+
+/** While the page is printed it is light, whatever the reader has chosen. */
+export function usePaper(on: boolean): void {
+  const was = isDark();
+  paper = on;
+  if (isDark() !== was) apply();
 }
 
 export function startTheme(): void {

@@ -20,8 +20,8 @@ export const kFigures = {
   sweep: (model: Model) => (isSwept(model) ? sweep(model) : []),
   tuning: tuningFigures,
   quality: (model: Model) => [
-    distribution('manipulability', 'Manipulability', 'How the trials of each controller are spread, failures included. Choose any metric.', 'manip_mean'),
-    distribution('metric', 'Any other metric', 'The same for a second metric, to read side by side.', 'command_change_mean'),
+    distribution('manipulability', 'manip_mean'),
+    distribution('metric', 'command_change_mean'),
     scatter(), course(model),
   ],
   pairs: () => [paired()],

@@ -5,20 +5,29 @@ import { kOutcomeNames, type Model } from '../data';
 import { fixed, integer } from '../format';
 import { decode, type Trace } from '../replay/trace';
 import { select } from '../select';
-import { quantile } from '../stats';
-import { dashOf, seriesColour, type Palette } from '../theme';
+import { seriesColour, type Palette } from '../theme';
 import { view } from '../view';
 
 /** More lines than this are a blur. */
 const kMost = 40;
-const kSteps = 120;
-/** A median of fewer says little. */
-const kFewest = 3;
 
 interface Course { row: number; trace: Trace }
 
 export function course(model: Model): FigureSpec {
   const known = new Map<string, Trace>();
+
+  /** What the page itself holds is read when it is first drawn, on paper too. */
+  const readOwn = (): void => {
+    for (const { trial } of model.page.replays.slice(0, kMost)) {
+      const replay = known.has(trial) ? undefined : model.embedded(trial);
+      if (replay === undefined) continue;
+      try {
+        known.set(trial, decode(replay));
+      } catch {
+        continue;   // as above
+      }
+    }
+  };
 
   const shown = (): { s: ReturnType<typeof view>['series'][number]; courses: Course[] }[] => {
     const { series } = view();
@@ -34,36 +43,32 @@ export function course(model: Model): FigureSpec {
   return {
     id: 'course',
     title: 'Manipulability along the motion',
-    caption: 'One thin line per trial whose motion is at hand, from its start to its end; bold: the median of those still moving. A click plays the trial.',
+    caption: 'One line per trial whose motion is at hand, from its start to its end; broken where it failed. A click plays the trial.',
     empty: 'No motion of these trials is at hand.',
-    prepare: async () => {
+    ...(model.page.live === undefined ? {} : { prepare: async () => {
       for (const { trial } of model.page.replays.slice(0, kMost)) {
         try {
-          known.set(trial, await decode((await model.motion(trial)).replay));
+          known.set(trial, decode((await model.motion(trial)).replay));
         } catch {
           known.delete(trial);   // the replay says what is wrong with it
         }
       }
-    },
+    } }),
     draw: (p: Palette, width: number) => {
+      readOwn();
       const groups = shown();
       if (groups.length === 0) return null;
       const end = Math.max(...groups.flatMap((g) => g.courses.map((c) => c.trace.end)));
       if (!(end > 0)) return null;
-      const names = groups.map((g) => g.s.name);
-      const medians = groups.map((g) => Array.from({ length: kSteps + 1 }, (_, k) => {
-        const t = (end * k) / kSteps;
-        const values = g.courses.filter((c) => c.trace.end >= t).map((c) => c.trace.at('manipulability', t)).filter(Number.isFinite).sort((a, b) => a - b);
-        return [t, values.length >= kFewest ? quantile(values, 0.5) : null] as [number, number | null];
-      }));
+      const names = groups.map((g) => g.s.short);
       return {
         height: 380,
-        note: groups.map((g) => `${g.s.name}: n = ${integer(g.courses.length)}`).join('; ') + '. These are the trials chosen for replay, the worst of each kind first: not a sample of all.',
+        note: groups.map((g) => `${g.s.short}: n = ${integer(g.courses.length)}`).join('; ') + '. These are the trials chosen for replay, the worst of each kind first: not a sample of all.',
         columns: ['controller', 'point', 'trial', 't_s', 'manipulability'],
         rows: groups.flatMap((g) => g.courses.flatMap((c) => [...c.trace.t].map((t, i) => [g.s.controller, g.s.point, model.trials.text('trial', c.row), t, c.trace.column('manipulability')[i] ?? null]))),
         option: {
           legend: legend(p, names),
-          grid: { left: 26, right: 20, top: legendHeight(names, width), bottom: 28, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
+          grid: { left: 8, right: 20, top: legendHeight(names, width), bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
           xAxis: axis(p, 'time [s]', { ...nice(0, end), nameGap: 26 }),
           yAxis: axis(p, 'manipulability', { min: 0, nameGap: 46, axisLabel: { color: p.muted, fontSize: 11, formatter: plain } }),
           tooltip: {
@@ -79,12 +84,9 @@ export function course(model: Model): FigureSpec {
             ...groups.flatMap((g) => g.courses.map((c) => ({
               type: 'line', showSymbol: false, triggerEvent: 'line', cursor: 'pointer', z: 2,
               data: [...c.trace.t].map((t, i) => ({ value: [t, c.trace.column('manipulability')[i] ?? null], row: c.row })),
-              lineStyle: { color: seriesColour(p, g.s.mark), width: 0.9, opacity: 0.4 }, itemStyle: { color: seriesColour(p, g.s.mark) }, emphasis: { disabled: true },
+              lineStyle: { color: seriesColour(p, g.s.mark), width: 1.1, opacity: 0.65, type: model.trials.success(c.row) ? 'solid' : [4, 3] }, itemStyle: { color: seriesColour(p, g.s.mark) }, emphasis: { disabled: true },
             }))),
-            ...groups.map((g, i) => ({
-              name: g.s.name, type: 'line', showSymbol: false, silent: true, z: 3, data: medians[i],
-              lineStyle: { color: seriesColour(p, g.s.mark), width: 2.6, type: dashOf(g.s.mark) }, itemStyle: { color: seriesColour(p, g.s.mark) },
-            })),
+            ...groups.map((g) => ({ name: g.s.short, type: 'line', data: [], silent: true, itemStyle: { color: seriesColour(p, g.s.mark) } })),   // the legend's
           ],
         },
       };

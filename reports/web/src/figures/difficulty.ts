@@ -30,7 +30,7 @@ export function difficulty(): FigureSpec {
   state.setDefault('f.difficulty', 'goal_distance_m');
   return {
     id: 'difficulty',
-    title: 'Success in easy and hard worlds',
+    title: () => `Success against ${metric(state.get('f.difficulty')).name}`,
     caption: 'Worlds in bins of about equal number; each point is the success rate in its bin, at the mean difficulty, with its 95 % interval.',
     empty: 'Nothing varies here among the worlds shown.',
     controls: (redraw) => {
@@ -79,18 +79,18 @@ export function difficulty(): FigureSpec {
         columns: ['controller', 'point', `${of.key}_from`, `${of.key}_to`, `${of.key}_mean`, 'successes', 'n', 'success_rate', 'success_low', 'success_high'],
         rows: lines.flatMap(({ s, cells }) => cells.map((c) => [s.controller, s.point, c.from, c.to, c.x, c.hits, c.n, c.hits / c.n, c.low, c.high])),
         option: {
-          legend: legend(p, lines.map((line) => line.s.name)),
-          grid: { left: 8, right: 20, top: legendHeight(lines.map((line) => line.s.name), width), bottom: 28, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
+          legend: legend(p, lines.map((line) => line.s.short)),
+          grid: { left: 8, right: 20, top: legendHeight(lines.map((line) => line.s.short), width), bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
           xAxis: axis(p, axisName(of), { scale: true, nameGap: 28 }),
           yAxis: axis(p, '', { min: 0, max: 1, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` } }),
           textStyle: { fontFamily: kFont },
           tooltip: {
             trigger: 'item',
             formatter: ({ seriesName, dataIndex }: { seriesName: string; dataIndex: number }) => {
-              const line = lines.find((l) => l.s.name === seriesName);
+              const line = lines.find((l) => l.s.short === seriesName);
               const c = line?.cells[dataIndex];
               if (line === undefined || c === undefined) return '';
-              return tip(line.s.name, [
+              return tip(line.s.short, [
                 [of.name, `${of.write(c.from)} \u2026 ${of.write(c.to)} ${of.unit}`],
                 ['success', `${integer(c.hits)} of ${integer(c.n)}: ${percent(c.hits / c.n)}`],
                 ['95 % interval', percentRange(c.low, c.high)],
@@ -105,7 +105,7 @@ export function difficulty(): FigureSpec {
                 renderItem: whisker(colour, false, 1.6), tooltip: { show: false },
               },
               {
-                name: s.name, type: 'line', data: cells.map((c) => [c.x + beside(i), c.hits / c.n]), symbol: symbolOf(s.mark), symbolSize: 9,
+                name: s.short, type: 'line', data: cells.map((c) => [c.x + beside(i), c.hits / c.n]), symbol: symbolOf(s.mark), symbolSize: 9,
                 lineStyle: { color: colour, width: 1.6, type: dashOf(s.mark) }, itemStyle: { color: colour },
                 emphasis: { disabled: true }, z: 4,
               },

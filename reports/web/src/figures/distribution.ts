@@ -1,8 +1,8 @@
-// Distribution of any metric: density above, box below, one row per controller and family.
+// Distribution of any metric, one row per controller and family: density above, box below; of few trials, each as a dot.
 
 import { axis, nice, plain, tip, type FigureSpec } from '../chart';
 import { choice } from '../dom';
-import { integer } from '../format';
+import { integer, upper } from '../format';
 import { axisName, kMetrics, metric, withUnit } from '../metrics';
 import * as state from '../state';
 import { density, spread, type Spread } from '../stats';
@@ -31,6 +31,21 @@ function collect(key: string): Row[] {
   return out;
 }
 
+/** Of fewer values a density shows its kernel, and outer percentiles are single trials: they are drawn one by one. */
+const kFew = 30;
+
+/** Dots from the axis upwards, each as low as those before it leave room. */
+function pile(xs: readonly number[], size: number): number[] {
+  const placed: { x: number; level: number }[] = [];
+  return xs.map((x) => {
+    const taken = new Set(placed.filter((d) => Math.abs(d.x - x) < size).map((d) => d.level));
+    let level = 0;
+    while (taken.has(level)) ++level;
+    placed.push({ x, level });
+    return level;
+  });
+}
+
 /** Metrics that some shown trial has. */
 export function presentMetrics(): [string, string][] {
   const { model, series } = view();
@@ -42,11 +57,13 @@ interface CustomApi {
   size: (extent: number[]) => number[];
 }
 
-export function distribution(id: string, title: string, caption: string, first: string): FigureSpec {
+export function distribution(id: string, first: string): FigureSpec {
   const key = `f.${id}`;
   state.setDefault(key, first);
   return {
-    id, title, caption,
+    id,
+    title: () => upper(metric(state.get(key)).name),
+    caption: 'How the trials of each controller are spread, failures included. Choose any metric.',
     empty: 'No trial here has this metric.',
     controls: (redraw) => [choice('Metric', presentMetrics(), state.get(key), (value) => { state.set({ [key]: value }); redraw(); })],
     draw: (p: Palette, width: number) => {
@@ -63,12 +80,15 @@ export function distribution(id: string, title: string, caption: string, first: 
       const range = nice(low, high, narrow ? 4 : 8);
       return {
         height: 70 + all.length * (all.length > 10 ? 38 : 58),
-        note: `n = ${all.map((r) => integer(r.spread.n)).join(', ')} (from the top). Box: quartiles and median; whiskers: 5th to 95th percentile; curve: density.`
+        note: `n = ${all.map((r) => integer(r.spread.n)).join(', ')} (from the top). ${[
+          all.some((r) => r.spread.n >= kFew) ? 'Box: quartiles and median; whiskers: 5th to 95th percentile; curve: density.' : '',
+          all.some((r) => r.spread.n < kFew) ? `Fewer than ${kFew} trials: each is a dot, the ring is their median.` : '',
+        ].filter((text) => text !== '').join(' ')}`
           + (beyond > 0 ? ` ${integer(beyond)} beyond the axis.` : ''),
         columns: ['family', 'controller', 'point', of.key],
         rows: all.flatMap((r) => r.values.map((v) => [r.family, r.series.controller, r.series.point, v])),
         option: {
-          grid: { left: 4, right: 24, top: 8, bottom: 28, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
+          grid: { left: 4, right: 24, top: 8, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
           xAxis: axis(p, axisName(of), { ...range, nameGap: 28, axisLabel: { color: p.muted, fontSize: 11, hideOverlap: true, formatter: plain } }),
           yAxis: {
             type: 'category', inverse: true, data: all.map((_, i) => String(i)), axisLine: { show: false }, axisTick: { show: false },
@@ -77,9 +97,9 @@ export function distribution(id: string, title: string, caption: string, first: 
               color: p.ink, fontSize: 12.5, width: narrow ? 110 : 240, overflow: 'truncate',
               formatter: (i: string) => {
                 const row = all[Number(i)];
-                return row === undefined ? '' : view().families.length > 1 ? `${row.series.name}  {f|${row.family}}` : row.series.name;
+                return row === undefined ? '' : view().families.length > 1 ? `${row.series.short}  {f|${row.family}}` : row.series.short;
               },
-              rich: { f: { color: p.faint, fontSize: 12 } },
+              rich: { f: { color: p.muted, fontSize: 12 } },
             },
           },
           tooltip: {
@@ -87,10 +107,9 @@ export function distribution(id: string, title: string, caption: string, first: 
             formatter: ({ dataIndex }: { dataIndex: number }) => {
               const row = all[dataIndex] as Row;
               const s = row.spread;
-              return tip(`${row.series.name}, ${row.family}`, [
+              return tip(`${row.series.short}, ${row.family}`, [
                 ['n', integer(s.n)], ['median', withUnit(of, s.median)], ['mean', withUnit(of, s.mean)],
-                ['middle half', `${of.write(s.q1)} \u2026 ${withUnit(of, s.q3)}`],
-                ['5 to 95 %', `${of.write(s.p5)} \u2026 ${withUnit(of, s.p95)}`],
+                ...(s.n < kFew ? [] : [['middle half', `${of.write(s.q1)} \u2026 ${withUnit(of, s.q3)}`], ['5 to 95 %', `${of.write(s.p5)} \u2026 ${withUnit(of, s.p95)}`]] as const),
                 ['least, greatest', `${of.write(s.min)} \u2026 ${withUnit(of, s.max)}`],
               ], seriesColour(p, row.series.mark));
             },
@@ -104,6 +123,18 @@ export function distribution(id: string, title: string, caption: string, first: 
               const tall = (api.size([0, 1])[1] ?? 40) * 0.5;
               const x = (v: number): number => api.coord([Math.min(Math.max(v, low), high), params.dataIndex])[0] ?? 0;
               const floor = middle + tall * 0.18;
+              if (row.spread.n < kFew) {
+                const inside = row.values.filter((v) => v <= high).sort((a, b) => a - b).map(x);
+                const levels = pile(inside, 6.5);
+                const room = Math.min(6.5, (tall * 1.1) / Math.max(1, ...levels));
+                return {
+                  type: 'group',
+                  children: [
+                    ...inside.map((cx, i) => ({ type: 'circle', shape: { cx, cy: floor - (levels[i] ?? 0) * room, r: 3 }, style: { fill: colour, opacity: 0.62 } })),
+                    { type: 'circle', shape: { cx: x(row.spread.median), cy: middle + tall * 0.48, r: 4.5 }, style: { fill: p.surface, stroke: colour, lineWidth: 2 } },
+                  ],
+                };
+              }
               const curve = density(row.values, low, high, 90).map(([v, d]) => [x(v), floor - d * tall * 0.95]);
               const box = middle + tall * 0.48;
               const s = row.spread;

@@ -1,6 +1,7 @@
 // How trials ended: one bar per controller, within each family.
 
 import { axis, legend, legendHeight, tip, type FigureSpec } from '../chart';
+import { inkOn } from '../colour';
 import { kOutcomeNames, kOutcomes, type Outcome, type Series } from '../data';
 import { integer, percent, plural } from '../format';
 import * as state from '../state';
@@ -46,7 +47,7 @@ export function outcomes(): FigureSpec {
       const present = kOutcomes.filter((o) => all.some((bar) => bar.counts.has(o)));
       const narrow = width < 560;
       const top = legendHeight(present.map((o) => kOutcomeNames[o]), width);
-      const label = (bar: Bar): string => (view().families.length > 1 ? `${bar.series.name}  {f|${bar.family}}` : bar.series.name);
+      const label = (bar: Bar): string => (view().families.length > 1 ? `${bar.series.short}  {f|${bar.family}}` : bar.series.short);
       return {
         height: 30 + top + all.length * (all.length > 12 ? 26 : 38),
         note: `n = ${[...new Set(all.map((bar) => bar.n))].map(integer).join(', ')} trials a bar; counts of five and more are written in.`,
@@ -63,7 +64,7 @@ export function outcomes(): FigureSpec {
             axisLabel: {
               color: p.ink, fontSize: 12.5, width: narrow ? 110 : 240, overflow: 'truncate',
               formatter: (i: string) => label(all[Number(i)] as Bar).replaceAll('\n', ' '),
-              rich: { f: { color: p.faint, fontSize: 12 } },
+              rich: { f: { color: p.muted, fontSize: 12 } },
             },
           },
           series: present.map((o) => ({
@@ -71,7 +72,7 @@ export function outcomes(): FigureSpec {
             itemStyle: { color: p.outcomes[o], borderColor: p.surface, borderWidth: 1 },
             emphasis: { disabled: true },
             label: {
-              show: true, color: o === 'timeout' ? '#2a2208' : p.dark ? '#101317' : '#fff', fontSize: 11.5,
+              show: true, color: inkOn(p.outcomes[o]), fontSize: 11.5,
               formatter: ({ dataIndex }: { dataIndex: number }) => {
                 const count = all[dataIndex]?.counts.get(o) ?? 0;
                 return count >= 5 && count / (all[dataIndex]?.n ?? 1) > 0.04 ? String(count) : '';
@@ -86,7 +87,7 @@ export function outcomes(): FigureSpec {
               const o = present[seriesIndex] as Outcome;
               const count = bar.counts.get(o) ?? 0;
               return tip(kOutcomeNames[o], [
-                ['controller', bar.series.name], ['family', bar.family], ['trials', `${integer(count)} of ${plural(bar.n, 'trial')}`],
+                ['controller', bar.series.short], ['family', bar.family], ['trials', `${integer(count)} of ${plural(bar.n, 'trial')}`],
                 ['share', percent(count / bar.n)],
               ], p.outcomes[o]);
             },

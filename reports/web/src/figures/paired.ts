@@ -1,15 +1,15 @@
 // Two controllers on the same worlds: one dot per world, A along x, B along y.
 
-import { axis, legendHeight, nice, plain, tip, type FigureSpec } from '../chart';
+import { axis, kFont, legendHeight, nice, plain, tip, type FigureSpec } from '../chart';
 import { pairs, pairsText } from '../compare';
 import { kOutcomeNames } from '../data';
 import { choice } from '../dom';
-import { integer } from '../format';
+import { integer, upper } from '../format';
 import { axisName, kMetrics, metric, withUnit } from '../metrics';
 import { select } from '../select';
 import * as state from '../state';
 import { extent } from '../stats';
-import type { Palette } from '../theme';
+import { seriesColour, type Palette } from '../theme';
 import { view } from '../view';
 
 /** The two series that are compared: as chosen, else the first two shown. */
@@ -25,8 +25,8 @@ export function paired(): FigureSpec {
   state.setDefault('f.paired', 'time_to_goal_s');
   return {
     id: 'paired',
-    title: 'Two controllers on the same worlds',
-    caption: 'Each dot is one world that both controllers met. Where only one has a value, its dot lies in the margin named none. A click plays the trial.',
+    title: () => `${upper(metric(state.get('f.paired')).name)} on the same worlds`,
+    caption: 'Each dot is one world that both controllers met. Where only one has a value, its dot lies in the strip named none. A click plays the trial.',
     empty: 'Two controllers that met the same worlds are needed.',
     controls: (redraw) => {
       const { all, model, series } = view();
@@ -53,44 +53,66 @@ export function paired(): FigureSpec {
       const ends = extent(result.worlds.flatMap((w) => [w.x, w.y]));
       if (ends === null) return null;
       const range = nice(...ends);
-      // One step below the axis is for worlds in which a controller has no value.
-      const margin = range.min - 0.55 * range.interval;
-      const limits = { min: range.min - range.interval, max: range.max, interval: range.interval };
+      // Strips beside the axes, outside their numbers, are for worlds in which one has no value; dots are spread in them.
+      const strip = range.interval;
+      const least = range.min - strip;
+      const spread = (world: number): number => least + strip * (0.2 + 0.6 * ((world * 0.618033988749895) % 1));
+      const limits = { min: least, max: range.max, interval: range.interval };
       const dots = result.worlds.filter((w) => Number.isFinite(w.x) || Number.isFinite(w.y)).map((w) => ({
-        value: [Number.isFinite(w.x) ? w.x : margin, Number.isFinite(w.y) ? w.y : margin],
-        w, one: !(Number.isFinite(w.x) && Number.isFinite(w.y)),
+        value: [Number.isFinite(w.x) ? w.x : spread(w.world), Number.isFinite(w.y) ? w.y : spread(w.world)],
+        w,
       }));
       const colour = (w: (typeof result.worlds)[number]): string => {
         const sa = t.success(w.a);
         const sb = t.success(w.b);
-        return sa && sb ? p.outcomes.success : sa ? p.series[0] ?? p.ink : sb ? p.series[1] ?? p.ink : p.outcomes.collision;
+        return sa && sb ? p.outcomes.success : sa ? seriesColour(p, a.mark) : sb ? seriesColour(p, b.mark) : p.faint;
       };
       const groups: [string, (w: (typeof result.worlds)[number]) => boolean, string][] = [
         ['both succeed', (w) => t.success(w.a) && t.success(w.b), 'circle'],
-        [`only ${a.name}`, (w) => t.success(w.a) && !t.success(w.b), 'triangle'],
-        [`only ${b.name}`, (w) => !t.success(w.a) && t.success(w.b), 'diamond'],
+        [`only ${a.short}`, (w) => t.success(w.a) && !t.success(w.b), 'triangle'],
+        [`only ${b.short}`, (w) => !t.success(w.a) && t.success(w.b), 'diamond'],
         ['neither', (w) => !t.success(w.a) && !t.success(w.b), 'rect'],
       ];
       const used = groups.map(([name, belongs, symbol]) => ({ name, symbol, data: dots.filter((d) => belongs(d.w)) })).filter((g) => g.data.length > 0);
-      const label = { color: p.muted, fontSize: 11, formatter: (v: number) => (v < range.min - 0.5 * range.interval ? 'none' : plain(v)) };
+      const label = { color: p.muted, fontSize: 11, hideOverlap: true, formatter: (v: number) => (v < range.min - 1e-6 * range.interval ? '' : plain(v)) };
+      const top = legendHeight(used.map((g) => g.name), width);
+      const left = 74;
+      const side = Math.max(180, Math.min(width - left - 24, 460));
       return {
-        height: 440,
-        note: pairsText(result, a.name, b.name, of),
+        height: top + side + 62,
+        note: pairsText(result, a.short, b.short, of),
         columns: ['family', 'world', `${of.key}_a`, `${of.key}_b`, 'outcome_a', 'outcome_b', 'trial_a', 'trial_b'],
         rows: result.worlds.map((w) => [t.text('family', w.a), w.world, w.x, w.y, t.outcome(w.a), t.outcome(w.b), t.text('trial', w.a), t.text('trial', w.b)]),
         option: {
           legend: { data: used.map((g) => g.name), top: 0, left: 0, itemWidth: 10, itemHeight: 10, itemGap: 16, selectedMode: false, textStyle: { color: p.muted, fontSize: 12 } },
-          grid: { left: 24, right: 20, top: legendHeight(used.map((g) => g.name), width), bottom: 30, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
-          xAxis: axis(p, `${a.name}: ${axisName(of)}`, { ...limits, nameGap: 30, axisLabel: label }),
-          yAxis: axis(p, `${b.name}: ${axisName(of)}`, { ...limits, nameGap: 44, axisLabel: label }),
+          grid: { left, top, width: side, height: side, outerBoundsMode: 'none' },
+          xAxis: axis(p, `${a.short}: ${axisName(of)}`, { ...limits, nameGap: 30, axisLabel: label }),
+          yAxis: axis(p, `${b.short}: ${axisName(of)}`, { ...limits, nameGap: 50, axisLabel: label }),
           tooltip: {
             trigger: 'item',
             formatter: ({ data }: { data: (typeof dots)[number] }) => tip(`${t.text('family', data.w.a)} world ${integer(data.w.world)}`, [
-              [a.name, `${kOutcomeNames[t.outcome(data.w.a)]}, ${withUnit(of, data.w.x)}`],
-              [b.name, `${kOutcomeNames[t.outcome(data.w.b)]}, ${withUnit(of, data.w.y)}`],
+              [a.short, `${kOutcomeNames[t.outcome(data.w.a)]}, ${withUnit(of, data.w.x)}`],
+              [b.short, `${kOutcomeNames[t.outcome(data.w.b)]}, ${withUnit(of, data.w.y)}`],
             ]),
           },
           series: [
+            {
+              type: 'custom', silent: true, z: 0, tooltip: { show: false }, data: [[least, least]],
+              renderItem: (_: unknown, api: { coord: (at: number[]) => number[] }) => {
+                const [x0 = 0, y0 = 0] = api.coord([least, least]);
+                const [x1 = 0, y1 = 0] = api.coord([range.min, range.min]);
+                const [x2 = 0, y2 = 0] = api.coord([range.max, range.max]);
+                const text = (x: number, y: number, turn: number) => ({ type: 'text', x, y, rotation: turn, style: { text: 'none', fill: p.muted, font: `11px ${kFont}`, align: 'center', verticalAlign: 'middle' } });
+                return {
+                  type: 'group',
+                  children: [
+                    { type: 'rect', shape: { x: x0, y: y2, width: x1 - x0, height: y0 - y2 }, style: { fill: p.rule, opacity: 0.35 } },
+                    { type: 'rect', shape: { x: x0, y: y1, width: x2 - x0, height: y0 - y1 }, style: { fill: p.rule, opacity: 0.35 } },
+                    text((x0 + x1) / 2, y0 + 11, 0), text(x0 - 10, (y0 + y1) / 2, Math.PI / 2),
+                  ],
+                };
+              },
+            },
             {
               type: 'line', data: [[range.min, range.min], [range.max, range.max]], showSymbol: false, silent: true, tooltip: { show: false },
               lineStyle: { color: p.faint, width: 1, type: [4, 4] }, z: 1,

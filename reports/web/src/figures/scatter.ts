@@ -3,7 +3,7 @@
 import { axis, legend, legendHeight, nice, plain, tip, type FigureSpec } from '../chart';
 import { kOutcomeNames } from '../data';
 import { choice } from '../dom';
-import { fixed, integer } from '../format';
+import { fixed, integer, upper } from '../format';
 import { axisName, metric, withUnit } from '../metrics';
 import { select } from '../select';
 import * as state from '../state';
@@ -15,12 +15,17 @@ import { presentMetrics } from './distribution';
 /** More dots than this hide each other. */
 const kMostDots = 20000;
 
+function correlation(rho: ReturnType<typeof spearman>): string {
+  if (rho === null) return 'none, all values being equal';
+  return fixed(rho.value, 2) + (rho.interval === null ? ' (no interval of so few)' : ` (95 % interval ${fixed(rho.interval.low, 2)} to ${fixed(rho.interval.high, 2)})`);
+}
+
 export function scatter(): FigureSpec {
   state.setDefault('f.sx', 'goal_distance_m');
   state.setDefault('f.sy', 'manip_mean');
   return {
     id: 'scatter',
-    title: 'One metric against another',
+    title: () => `${upper(metric(state.get('f.sy')).name)} against ${metric(state.get('f.sx')).name}`,
     caption: 'Each dot is one trial that has both; hollow where it failed. A click plays the trial.',
     empty: 'No trial here has both metrics.',
     controls: (redraw) => (['sx', 'sy'] as const).map((key) =>
@@ -36,18 +41,18 @@ export function scatter(): FigureSpec {
       const ys = extent(groups.flatMap((g) => g.dots.map((d) => d.y)));
       if (xs === null || ys === null) return null;
       const total = groups.reduce((sum, g) => sum + g.dots.length, 0);
-      const names = groups.map((g) => g.s.name);
+      const names = groups.map((g) => g.s.short);
       return {
         height: 420,
         note: groups.map((g) => {
           const rho = spearman(g.dots.map((d) => d.x), g.dots.map((d) => d.y));
-          return `${g.s.name}: n = ${integer(g.dots.length)}, rank correlation ${rho === null ? 'none' : `${fixed(rho.value, 2)} (95 % interval ${fixed(rho.low, 2)} to ${fixed(rho.high, 2)})`}`;
+          return `${g.s.short}: n = ${integer(g.dots.length)}, rank correlation ${correlation(rho)}`;
         }).join('; ') + (total > kMostDots ? `. ${integer(kMostDots)} dots are drawn.` : '.'),
         columns: ['controller', 'point', 'trial', 'outcome', mx.key, my.key],
         rows: groups.flatMap((g) => g.dots.map((d) => [g.s.controller, g.s.point, t.text('trial', d.row), t.outcome(d.row), d.x, d.y])),
         option: {
           legend: legend(p, names),
-          grid: { left: 24, right: 20, top: legendHeight(names, width), bottom: 30, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
+          grid: { left: 8, right: 20, top: legendHeight(names, width), bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
           xAxis: axis(p, axisName(mx), { ...nice(...xs, width < 560 ? 4 : 8), nameGap: 30, axisLabel: { color: p.muted, fontSize: 11, formatter: plain } }),
           yAxis: axis(p, axisName(my), { ...nice(...ys), nameGap: 46, axisLabel: { color: p.muted, fontSize: 11, formatter: plain } }),
           tooltip: {
@@ -59,7 +64,7 @@ export function scatter(): FigureSpec {
           series: groups.map((g) => {
             const colour = seriesColour(p, g.s.mark);
             return {
-              name: g.s.name, type: 'scatter', symbol: symbolOf(g.s.mark), symbolSize: 7, itemStyle: { color: colour }, cursor: 'pointer',
+              name: g.s.short, type: 'scatter', symbol: symbolOf(g.s.mark), symbolSize: 7, itemStyle: { color: colour }, cursor: 'pointer',
               data: thinned(g.dots.length, Math.ceil((kMostDots * g.dots.length) / Math.max(total, kMostDots))).map((i) => {
                 const d = g.dots[i];
                 if (d === undefined) return null;

@@ -1,9 +1,10 @@
 // A sweep: success over two swept gains as a heat map, and all gains of all points as parallel coordinates.
 
 import { axis, nice, plain, tip, type FigureSpec } from '../chart';
+import { along, inkOn } from '../colour';
 import { inSlice, type Model, type SummaryRow } from '../data';
 import { choice } from '../dom';
-import { fixed, integer, percent, percentRange, seconds, significant, sizes } from '../format';
+import { fixed, integer, percent, percentRange, seconds, significant, sizes, upper } from '../format';
 import * as state from '../state';
 import type { Palette } from '../theme';
 import { view } from '../view';
@@ -66,7 +67,7 @@ function heat(model: Model): FigureSpec {
   };
   return {
     id: 'heat',
-    title: 'Over two gains',
+    title: () => `${upper(measure()[1])} over two gains`,
     caption: 'One cell per pair of values. Where other gains were swept too, a cell is the best of its points.',
     empty: 'Two gains with several values each are needed.',
     controls: (redraw) => {
@@ -95,20 +96,26 @@ function heat(model: Model): FigureSpec {
       const list = [...cells.values()];
       if (list.length === 0) return null;
       const range = [Math.min(...list.map((c) => c.value)), Math.max(...list.map((c) => c.value))] as const;
-      const middle = (range[0] + range[1]) / 2;
+      const ink = (value: number): string => inkOn(along(ramp(p), range[1] > range[0] ? (value - range[0]) / (range[1] - range[0]) : 0));
+      const isRate = key === 'success_rate' || key === 'collision_rate';
+      const interval = (r: SummaryRow): string => (key === 'collision_rate' ? percentRange(r.collision_low, r.collision_high) : percentRange(r.success_low, r.success_high));
       const ns = list.map((c) => c.point.row.n);
       const category = (title: string, values: number[], gap: number) => ({
         ...axis(p, short(title), { nameGap: gap }), type: 'category', data: values.map((v) => plain(v)), splitLine: { show: false }, axisLine: { show: false },
       });
       return {
-        height: Math.min(560, 96 + Math.max(3, ys.length) * 52),
-        note: `n = ${sizes(ns)} trials a point, ${integer(all.length)} points. Intervals are in the tooltips.`,
+        height: Math.min(620, 150 + Math.max(3, ys.length) * 52),
+        note: `n = ${sizes(ns)} trials a point, ${integer(all.length)} points.${isRate ? ' Below each rate its 95 % Wilson interval.' : ''} The best of many cells looks better than it is.`,
         columns: [short(kx), short(ky), key, 'success_low', 'success_high', 'n', 'point'],
         rows: list.map((c) => [xs[c.at[0]] ?? NaN, ys[c.at[1]] ?? NaN, c.value, c.point.row.success_low, c.point.row.success_high, c.point.row.n, c.point.name]),
         option: {
-          grid: { left: 30, right: 16, top: 12, bottom: 30, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
+          grid: { left: 8, right: 16, top: 58, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
           xAxis: category(kx, xs, 30), yAxis: category(ky, ys, 52),
-          visualMap: { show: false, min: range[0], max: range[1] > range[0] ? range[1] : range[0] + 1e-9, inRange: { color: ramp(p) } },
+          visualMap: {
+            show: true, type: 'continuous', calculable: false, hoverLink: false, orient: 'horizontal', left: 'center', top: 8, itemWidth: 12, itemHeight: 200,
+            text: [write(range[1]), `${name}  ${write(range[0])}`], textStyle: { color: p.muted, fontSize: 11.5 },
+            min: range[0], max: range[1] > range[0] ? range[1] : range[0] + 1e-9, inRange: { color: ramp(p) },
+          },
           tooltip: {
             trigger: 'item',
             formatter: ({ dataIndex }: { dataIndex: number }) => {
@@ -122,7 +129,10 @@ function heat(model: Model): FigureSpec {
             type: 'heatmap', itemStyle: { borderColor: p.surface, borderWidth: 2, borderRadius: 4 }, emphasis: { disabled: true },
             data: list.map((c) => ({
               value: [...c.at, c.value],
-              label: { show: xs.length <= 14, formatter: write(c.value), fontSize: 12, color: (c.value > middle) === p.dark ? '#14202c' : (c.value > middle) ? '#ffffff' : p.ink },
+              label: {
+                show: xs.length <= 14, formatter: isRate && xs.length <= 7 ? `${write(c.value)}\n{i|${interval(c.point.row)}}` : write(c.value), fontSize: 12,
+                color: ink(c.value), rich: { i: { fontSize: 10.5, lineHeight: 15, color: ink(c.value) } },
+              },
             })),
           }],
         },
@@ -134,7 +144,7 @@ function heat(model: Model): FigureSpec {
 function parallel(model: Model): FigureSpec {
   return {
     id: 'parallel',
-    title: 'All swept gains',
+    title: () => `${upper(measure()[1])} over all swept gains`,
     caption: 'One line per point, through its gains to its measure; the stronger the colour, the higher the measure.',
     empty: 'No gain takes several values.',
     controls: (redraw) => [measureChoice(redraw)],

@@ -1,6 +1,6 @@
 // How long control steps took, against the control period.
 
-import { axis, legend, legendHeight, tip, type FigureSpec } from '../chart';
+import { axis, legend, legendHeight, pathSeries, stairs, tip, type FigureSpec } from '../chart';
 import { integer, percent, plural, significant } from '../format';
 import { choice } from '../dom';
 import * as state from '../state';
@@ -36,12 +36,12 @@ export function timing(): FigureSpec {
       const steps = series.map((s) => s.rows.reduce((sum, row) => sum + (t.number('steps', row) || 0), 0));
       return {
         height: 350,
-        note: series.map((s, i) => `${s.name}: n = ${integer(s.rows.length)} trials, ${plural(misses[i] ?? 0, 'deadline miss', 'deadline misses')} in ${plural(steps[i] ?? 0, 'step')}`).join('; ') + '. Wall times of the machine named above; they differ from run to run.',
+        note: series.map((s, i) => `${s.short}: n = ${integer(s.rows.length)} trials, ${plural(misses[i] ?? 0, 'deadline miss', 'deadline misses')} in ${plural(steps[i] ?? 0, 'step')}`).join('; ') + '. Wall times of the machine named above; they differ from run to run.',
         columns: ['controller', 'point', 'statistic', 'microseconds', 'share'],
         rows: curves.flatMap((c) => c.values.map((v, i) => [c.s.controller, c.s.point, c.key, v, (i + 1) / c.values.length])),
         option: {
-          legend: legend(p, series.map((s) => s.name)),
-          grid: { left: 8, right: 26, top: legendHeight(series.map((s) => s.name), width) + 10, bottom: 28, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
+          legend: legend(p, series.map((s) => s.short)),
+          grid: { left: 8, right: 26, top: legendHeight(series.map((s) => s.short), width) + 10, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
           xAxis: axis(p, `time of the ${what()} [\u00b5s]`, {
             type: 'log', min: 10 ** Math.floor(Math.log10(least)), max: 10 ** Math.ceil(Math.log10(most * 1.01)), nameGap: 28,
             axisLabel: { color: p.muted, formatter: (v: number) => (v >= 1000 ? `${integer(v)}` : significant(v, 1)) },
@@ -52,7 +52,7 @@ export function timing(): FigureSpec {
             formatter: ({ seriesIndex }: { seriesIndex: number }) => {
               const c = curves[seriesIndex];
               if (c === undefined) return '';
-              return tip(`${c.s.name}: ${c.name}`, [
+              return tip(`${c.s.short}: ${c.name}`, [
                 ['n', integer(c.values.length)], ['median trial', `${significant(quantile(c.values, 0.5))} \u00b5s`],
                 ['95 % of trials below', `${significant(quantile(c.values, 0.95))} \u00b5s`],
                 ['greatest', `${significant(c.values[c.values.length - 1])} \u00b5s`],
@@ -60,16 +60,13 @@ export function timing(): FigureSpec {
               ], seriesColour(p, c.s.mark));
             },
           },
-          series: curves.map((c) => ({
-            name: c.s.name, type: 'line', step: 'end', triggerEvent: 'line', symbolSize: 3, showSymbol: false,
-            data: thinned(c.values.length).map((k) => [c.values[k], (k + 1) / c.values.length]),
-            lineStyle: { color: seriesColour(p, c.s.mark), width: c.kind === 1 ? 2 : 1.4, opacity: c.opacity, type: kDashes[[0, 0, 2][c.kind] ?? 0] },
-            itemStyle: { color: seriesColour(p, c.s.mark) }, emphasis: { disabled: true },
-          })).concat(Number.isFinite(deadline) ? [{
+          series: curves.map((c) => pathSeries(c.s.short,
+            stairs(thinned(c.values.length).map((k) => [c.values[k] ?? 0, (k + 1) / c.values.length] as const)),
+            { colour: seriesColour(p, c.s.mark), width: c.kind === 1 ? 2 : 1.4, opacity: c.opacity, dash: kDashes[[0, 0, 2][c.kind] ?? 0] })).concat(Number.isFinite(deadline) ? [{
             name: 'deadline', type: 'line', data: [[deadline, 0], [deadline, 1]], showSymbol: false, silent: true, z: 1,
             lineStyle: { color: p.outcomes.collision, width: 1.3, type: 'solid', opacity: 1 }, itemStyle: { color: p.outcomes.collision },
             endLabel: { show: true, formatter: 'deadline', color: p.outcomes.collision, fontSize: 11, offset: [-24, -9] },
-          } as never] : []),
+          }] : []),
         },
       };
     },

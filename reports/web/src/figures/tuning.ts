@@ -1,6 +1,7 @@
 // A search for gains: what was found and whether it holds on other worlds, how the search went, what matters.
 
-import { axis, figure, nice, plain, tip, type FigureSpec } from '../chart';
+import { axis, nice, pathSeries, plain, stairs, tip, type FigureSpec } from '../chart';
+import { figure } from '../figure';
 import type { Model, TuneSearch } from '../data';
 import { h } from '../dom';
 import { integer, percent, percentRange, plural, probability, significant } from '../format';
@@ -50,9 +51,9 @@ function history(search: TuneSearch, id: string): FigureSpec {
       const all = search.evaluations.filter((e) => e.phase !== 'sensitivity' && Number.isFinite(e.merit));
       if (all.length === 0) return null;
       let best = Infinity;
-      const front = all.map((e) => {
+      const front = all.flatMap((e): [number, number][] => {
         if (e.cut === 0 && e.valid === 1) best = Math.min(best, e.merit);
-        return [e.evaluation, Number.isFinite(best) ? best : null];
+        return Number.isFinite(best) ? [[e.evaluation, best]] : [];
       });
       // A few hopeless candidates would squeeze all others.
       const merits = all.map((e) => e.merit).sort((a, b) => a - b);
@@ -65,7 +66,7 @@ function history(search: TuneSearch, id: string): FigureSpec {
         columns: ['evaluation', 'phase', 'worlds', 'cut', 'valid', 'cost', 'merit', ...search.variables.map((v) => v.key)],
         rows: all.map((e) => [e.evaluation, e.phase, e.worlds, e.cut, e.valid, e.cost, e.merit, ...e.candidate]),
         option: {
-          grid: { left: 26, right: 16, top: 14, bottom: 28, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
+          grid: { left: 8, right: 16, top: 14, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
           xAxis: axis(p, 'candidate', { nameGap: 26, splitLine: { show: false } }),
           yAxis: axis(p, search.unit === '' ? 'objective' : `objective [${search.unit}]`, { ...range, nameGap: 42, axisLabel: { color: p.muted, formatter: plain } }),
           tooltip: {
@@ -82,7 +83,7 @@ function history(search: TuneSearch, id: string): FigureSpec {
               type: 'scatter', clip: true, symbolSize: 6,
               data: all.map((e) => ({ value: [e.evaluation, e.merit], itemStyle: { color: e.cut ? 'transparent' : colour, borderColor: colour, borderWidth: 1, opacity: e.cut ? 0.45 : 0.6 } })),
             },
-            { type: 'line', step: 'end', showSymbol: false, silent: true, data: front, lineStyle: { color: seriesColour(p, 1), width: 2 }, itemStyle: { color: seriesColour(p, 1) } },
+            pathSeries('best so far', stairs(front), { colour: seriesColour(p, 1), width: 2 }, { silent: true }),
           ],
         },
       };
@@ -109,7 +110,7 @@ function sensitivity(search: TuneSearch, id: string): FigureSpec {
         rows: lines.flatMap((line) => line.points.map(({ x, s }) => [line.v.key, s.value, x, s.change, s.error])),
         option: {
           legend: { data: lines.map((line) => short(line.v.key)), top: 0, left: 0, itemWidth: 14, itemHeight: 8, selectedMode: false, textStyle: { color: p.muted, fontSize: 12 } },
-          grid: { left: 26, right: 16, top: 40, bottom: 28, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
+          grid: { left: 8, right: 16, top: 40, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
           xAxis: axis(p, 'gain, as a multiple of what was found', { type: 'log', logBase: 2, nameGap: 26, axisLabel: { color: p.muted, formatter: (v: number) => `${significant(v, 2)}\u00d7` } }),
           yAxis: axis(p, search.unit === '' ? 'change' : `change [${search.unit}]`, { nameGap: 42, axisLabel: { color: p.muted, formatter: plain } }),
           tooltip: {

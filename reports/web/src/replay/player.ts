@@ -1,10 +1,11 @@
 // The replay section: choose a trial, play it, scrub, look around.
 
 import { disturbed } from '../conditions';
-import { kOutcomeNames, type Model } from '../data';
+import { kOutcomeNames, type Model, type Motion } from '../data';
 import { h, replace } from '../dom';
 import { fixed, integer, plural } from '../format';
-import { whenSeen } from '../chart';
+import { whenSeen } from '../later';
+import { onPaper, paperPlace } from '../paper';
 import { onSelect, select } from '../select';
 import { command } from '../sections/trials';
 import * as state from '../state';
@@ -66,6 +67,7 @@ export function player(model: Model): HTMLElement {
   const labels = h('div', { class: 'row-labels', 'aria-hidden': 'true' });
   const near = h('p', { class: 'note rows-near' });
   const stage = h('div', { class: 'stage-box' }, canvas, labels, caption);
+  const paper = paperPlace();
   let scene: ReplayScene | null = null;
   let trace: Trace | null = null;
   let robot: Robot | null = null;
@@ -196,27 +198,19 @@ export function player(model: Model): HTMLElement {
     }));
   };
 
-  const load = async (trial: string, thenPlay: boolean): Promise<void> => {
-    if (trial === current) {
-      if (thenPlay && !playing) start();
-      return;
-    }
-    wanted = trial;
-    pause();
-    if (model.page.live !== undefined) replace(caption, 'Reading the motion\u2026');
-    const { replay, robot: resolved, simulated } = await model.motion(trial);
-    const decoded = await decode(replay);
-    if (wanted !== trial) return;   // another was chosen meanwhile
-    const key = `${model.trials.text('store', model.row(trial) ?? -1)}:${replay.robot}`;
+  /** Shows a motion from its start. Throws an Error where samples or robot cannot be read. */
+  const present = (trial: string, { replay, robot: resolved, simulated }: Motion): void => {
+    const decoded = decode(replay);
+    const row = model.row(trial) ?? -1;
+    const t = model.trials;
+    const key = `${t.text('store', row)}:${replay.robot}`;
     const next = robots.get(key) ?? new Robot(resolved);
     robots.set(key, next);
     scene ??= new ReplayScene(canvas, colours(), () => requestAnimationFrame(draw));
     current = trial;
-    sees = disturbed(model.point(model.row(trial) ?? -1));
+    sees = disturbed(model.point(row));
     trace = decoded;
     robot = next;
-    const row = model.row(trial) ?? 0;
-    const t = model.trials;
     scene.follow = follow.checked;
     scene.render();
     scene.show(next, replay.world as WorldJson, decoded, { link: t.text('link', row), object: t.text('object', row) },
@@ -237,7 +231,35 @@ export function player(model: Model): HTMLElement {
     fillShelf();
     stage.dataset['trial'] = trial;
     stage.dataset['positionError'] = String(scene.positionError());
+  };
+
+  const load = async (trial: string, thenPlay: boolean): Promise<void> => {
+    if (trial === current) {
+      if (thenPlay && !playing) start();
+      return;
+    }
+    wanted = trial;
+    pause();
+    if (model.page.live !== undefined) replace(caption, 'Reading the motion\u2026');
+    const motion = await model.motion(trial);
+    if (wanted !== trial) return;   // another was chosen meanwhile
+    present(trial, motion);
     if (thenPlay) start();
+  };
+
+  /** The moment shown, or the first motion of the page, as pictures. */
+  const still = (): Node | null => {
+    const first = listed(model)[0] ?? '';
+    const replay = model.embedded(first);
+    try {
+      if (current === '' && replay !== undefined) present(first, { replay, robot: model.page.robots[replay.robot], simulated: false });
+    } catch {
+      return null;   // the caption on the screen says why
+    }
+    if (current === '') return null;
+    draw();
+    return h('div', null, h('p', null, ...[...caption.childNodes].map((node) => node.cloneNode(true)), ` \u00b7 at ${fixed(time, 2)} s`),
+      h('img', { src: canvas.toDataURL('image/png'), alt: 'The moment shown in the replay' }), h('img', { src: lines.toDataURL('image/png'), alt: 'The motion\u2019s time line' }));
   };
 
   const safely = (trial: string, thenPlay: boolean): void => {
@@ -256,7 +278,7 @@ export function player(model: Model): HTMLElement {
   onTheme(() => { scene?.setColours(colours()); fillShelf(); show(); });
   const element = h('div', { class: 'replay' },
     h('div', { class: 'replay-main' },
-      stage,
+      stage, paper,
       h('div', { class: 'transport' }, play, scrub, clock, speed, h('label', null, follow, ' follow'), home),
       lines, status, near),
     h('aside', null, h('h3', null, 'To play'), h('p', { class: 'note' }, shelfNote(model)), shelf,
@@ -270,6 +292,7 @@ export function player(model: Model): HTMLElement {
     event.preventDefault();
   });
   fillShelf();
+  onPaper(paper, still);
   onView(fillShelf);
   whenSeen(element, () => {
     const asked = state.get('trial');

@@ -1,4 +1,6 @@
-// A replay's samples: base64, inflated by the browser, bytes put back in order, columns of float32.
+// A replay's samples: base64, deflated, bytes put back in order, columns of float32.
+
+import { unzlibSync } from 'fflate';
 
 import type { ReplayData } from '../data';
 
@@ -49,10 +51,9 @@ export class Trace {
   }
 }
 
-export async function decode(source: ReplayData): Promise<Trace> {
-  const packed = Uint8Array.from(atob(source.data), (c) => c.charCodeAt(0));
-  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
-  const planes = new Uint8Array(await new Response(stream).arrayBuffer());
+/** Throws an Error where the samples do not fit their columns. */
+export function decode(source: ReplayData): Trace {
+  const planes = unzlibSync(Uint8Array.from(atob(source.data), (c) => c.charCodeAt(0)));
   const count = source.n * source.columns.length;
   if (planes.length !== 4 * count) throw new Error('the samples do not fit their columns');
   const bytes = new Uint8Array(4 * count);

@@ -1,7 +1,7 @@
 // All shown controllers against one of them, on the worlds that both met.
 
-import { drawLater, drawOrWait } from '../chart';
-import { pairs, type Pairs } from '../compare';
+import { drawLater, drawOrWait } from '../later';
+import { kMedianInterval, pairs, type Pairs } from '../compare';
 import type { Model, Series } from '../data';
 import { choice, download, h, replace } from '../dom';
 import { csv, fixed, integer, plural, probability } from '../format';
@@ -72,14 +72,14 @@ export function comparison(model: Model): HTMLElement {
           const p = corrected[place++] ?? 1;
           const d = pairedRate(...r.only, r.n);
           table.push([row.series.name, base.name, r.name.toLowerCase(), r.n, d.value, d.low, d.high, r.only[0], r.only[1], r.p, p]);
-          return h('td', null, h('b', null, signed(100 * d.value, (v) => fixed(v, 1))), h('small', null, `${fixed(100 * d.low, 1)} to ${fixed(100 * d.high, 1)}, ${probability(p)}`));
+          return h('td', null, h('b', null, signed(100 * d.value, (v) => fixed(v, 1))), h('small', null, `${fixed(100 * d.low, 1)} to ${fixed(100 * d.high, 1)}, ${r.only[0] + r.only[1] === 0 ? 'no world differs' : probability(p)}`));
         }),
         ...row.metrics.map(({ of, r }) => {
           table.push([row.series.name, base.name, of.key, r.differences, r.median, r.interval.low, r.interval.high, null, null, null, null]);
           return r.differences === 0 ? h('td', null, '\u2013')
-            : h('td', null, h('b', null, signed(r.median, (v) => withUnit(of, v))), h('small', null, `${of.write(r.interval.low)} to ${of.write(r.interval.high)}, n\u00a0=\u00a0${integer(r.differences)}`));
+            : h('td', null, h('b', null, signed(r.median, (v) => withUnit(of, v))), h('small', null, `${Number.isFinite(r.interval.low) ? `${of.write(r.interval.low)} to ${of.write(r.interval.high)}` : 'too few for an interval'}, n\u00a0=\u00a0${integer(r.differences)}`));
         }))))));
-    replace(note, `Each controller less ${base.name}, world by world. Rates: 95 % interval of paired proportions (Bonett and Price), exact McNemar test with Holm\u2019s correction over ${plural(corrected.length, 'test')}. Metrics: where both trials have them, median difference with its 95 % bootstrap interval.`);
+    replace(note, `Each controller less ${base.name}, world by world. Rates: 95 % interval of paired proportions (Bonett and Price), exact McNemar test with Holm\u2019s correction over ${plural(corrected.length, 'test')}. Metrics: where both trials have them, median difference with its 95 % interval (${kMedianInterval}).`);
   };
   saveButton.addEventListener('click', () => download('comparison.csv', 'text/csv',
     csv(['controller', 'baseline', 'measure', 'n', 'difference', 'low', 'high', 'only_baseline', 'only_controller', 'p', 'p_holm'], table)));

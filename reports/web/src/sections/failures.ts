@@ -1,6 +1,6 @@
 // The failure atlas: failures that look alike together, the worst of each ready to play.
 
-import { drawLater, drawOrWait } from '../chart';
+import { drawLater, drawOrWait } from '../later';
 import { causeOf, kCauses, kCauseTexts, type Cause } from '../causes';
 import { kOutcomeNames, type Model, type Outcome, type Series } from '../data';
 import { download, h, replace } from '../dom';
@@ -56,7 +56,7 @@ function table(all: readonly Cluster[]): HTMLElement {
     h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Failures by cause' }, h('table', { class: 'plain causes' },
       h('thead', null, h('tr', null, h('th', { scope: 'col' }, 'Cause'), ...series.map((s) => h('th', { scope: 'col' }, h('span', { class: 'dotted', style: `--c:${seriesColour(palette(), s.mark)}` }, s.name), h('small', null, `${integer(count(null, s))} failures, n\u00a0=\u00a0${integer(s.rows.length)}`))))),
       h('tbody', null, ...rows.map(([cause, ...counts]) => h('tr', null, h('th', { scope: 'row' }, cause, h('small', null, kCauseTexts[cause])),
-        ...counts.map((n, i) => h('td', null, n === 0 ? '\u2013' : h('span', { class: 'share', style: `--w:${(100 * n) / most}%` }, integer(n), h('small', null, percent(n / (series[i]?.rows.length ?? 1))))))))))),
+        ...counts.map((n, i) => h('td', null, n === 0 ? '\u2013' : h('span', { class: 'share', style: `--w:${(100 * n) / most}%;--c:${seriesColour(palette(), series[i]?.mark ?? -1)}` }, integer(n), h('small', null, percent(n / (series[i]?.rows.length ?? 1))))))))))),
     h('footer', null, h('p', { class: 'note' }, 'Causes follow from what the store says of a trial, in the order of this table; they are no proof. \u201cBase misaligned\u201d and \u201clate detection\u201d need stored samples.'),
       h('div', { class: 'actions' }, h('button', { type: 'button', class: 'quiet', click: save }, 'Data CSV'))));
 }

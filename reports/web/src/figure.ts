@@ -1,0 +1,99 @@
+// One figure: its frame, the chart (ECharts), its data as CSV, itself as SVG on white paper.
+
+import * as echarts from 'echarts/core';
+
+import { base, titleOf, type FigureSpec, type Option } from './chart';
+import { namedBy } from './data';
+import { download, h, replace } from './dom';
+import { csv } from './format';
+import { drawLater, drawOrWait } from './later';
+import { onPaper, paperFigure, paperPlace, svgOf } from './paper';
+import { onTheme, palette } from './theme';
+import { onView, view } from './view';
+
+/** What the numbers in names are, where names are only numbers. */
+function naming(): string {
+  const keys = namedBy(view().all.map((s) => s.point));
+  return keys === '' ? '' : ` Names are values of ${keys}.`;
+}
+
+export function figure(spec: FigureSpec): HTMLElement {
+  const plot = h('div', { class: 'plot', role: 'img', 'aria-label': titleOf(spec) });
+  const title = h('h3', null, titleOf(spec));
+  const note = h('p', { class: 'note' });
+  const saveSvg = h('button', { type: 'button', class: 'quiet', click: () => save() }, 'Save SVG');
+  const saveCsv = h('button', { type: 'button', class: 'quiet', click: () => saveData() }, 'Data CSV');
+  const controls = h('div', { class: 'controls' });
+  const paper = paperPlace();
+  const element = h('figure', { class: 'figure', id: `figure-${spec.id}` },
+    h('figcaption', null, h('div', null, title, h('p', null, spec.caption)), controls),
+    plot, paper, h('footer', null, note, h('div', { class: 'actions' }, saveSvg, saveCsv)));
+  let chart: echarts.ECharts | null = null;
+  let started = false;
+  let height = 0;
+
+  const draw = (): void => {
+    if (!started) return;
+    title.textContent = titleOf(spec);
+    const drawing = spec.draw(palette(), plot.clientWidth);
+    saveSvg.hidden = saveCsv.hidden = drawing === null;
+    if (drawing === null) {
+      chart?.dispose();
+      chart = null;
+      height = 0;
+      plot.style.height = 'auto';
+      plot.style.minHeight = '0';
+      replace(plot, h('p', { class: 'empty' }, spec.empty));
+      note.textContent = '';
+      return;
+    }
+    const wanted = drawing.height ?? 340;
+    if (chart === null) replace(plot);
+    if (wanted !== height) {
+      height = wanted;
+      plot.style.height = `${wanted}px`;
+      plot.style.minHeight = '0';   // no longer the place kept for it
+      chart?.resize();
+    }
+    if (chart === null) {
+      chart = echarts.init(plot, null, { renderer: 'canvas' });
+      chart.on('click', (event) => spec.click?.(event.data, { seriesIndex: event.seriesIndex ?? -1, dataIndex: event.dataIndex }));
+    }
+    const series = (drawing.option['series'] as Option[]).map((s) => (spec.click === undefined ? { cursor: 'default', ...s } : s));
+    chart.setOption({ ...base(palette()), ...drawing.option, series }, { notMerge: true });
+    note.textContent = drawing.note + naming();
+    plot.setAttribute('aria-label', `${titleOf(spec)}. ${drawing.note}`);
+  };
+
+  const save = (): void => {
+    const svg = svgOf(spec);
+    if (svg !== null) download(`${spec.id}.svg`, 'image/svg+xml', svg);
+  };
+
+  const saveData = (): void => {
+    const drawing = spec.draw(palette(), 760);
+    if (drawing !== null) download(`${spec.id}.csv`, 'text/csv', csv(drawing.columns, drawing.rows));
+  };
+
+  const fillControls = (): void => replace(controls, ...(spec.controls?.(() => { fillControls(); draw(); }) ?? []));
+  drawLater(element, () => {
+    started = true;
+    fillControls();
+    if (spec.prepare === undefined) draw();
+    else void spec.prepare().then(draw);
+    let width = plot.clientWidth;
+    new ResizeObserver(() => {
+      if (plot.clientWidth === width) return;
+      width = plot.clientWidth;
+      chart?.resize();
+      draw();
+    }).observe(plot);
+  });
+  const redraw = (): void => {
+    if (started) drawOrWait(element, () => { fillControls(); draw(); });
+  };
+  onView(redraw);
+  onTheme(redraw);
+  onPaper(paper, () => paperFigure(spec));
+  return element;
+}

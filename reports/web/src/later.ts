@@ -1,0 +1,83 @@
+// When things are drawn: when they come near the window, when nothing else is to do, and for paper at once.
+
+/** What is so near to the window is drawn [px]. */
+const kMargin = 300;
+
+const waiting = new Map<Element, () => void>();
+let observer: IntersectionObserver | null = null;
+
+/** Made when first needed: figures are also drawn where there is no window. */
+function seen(): IntersectionObserver {
+  return observer ??= new IntersectionObserver((entries, self) => {
+    for (const entry of entries) {
+      if (!entry.isIntersecting) continue;
+      self.unobserve(entry.target);
+      waiting.get(entry.target)?.();
+      waiting.delete(entry.target);
+    }
+  }, { rootMargin: `${kMargin}px` });
+}
+
+/** Calls back once, when the element comes near the window. */
+export function whenSeen(element: Element, call: () => void): void {
+  waiting.set(element, call);
+  seen().observe(element);
+}
+
+/** As far outside the window as whenSeen() looks. */
+export function isNear(element: Element): boolean {
+  const box = element.getBoundingClientRect();
+  return box.bottom > -kMargin && box.top < innerHeight + kMargin;
+}
+
+/** What is drawn when nothing else is to do, and for paper. */
+const figures: Element[] = [];
+
+function drawWaiting(element: Element): void {
+  const call = waiting.get(element);
+  if (call === undefined) return;
+  seen().unobserve(element);
+  waiting.delete(element);
+  call();
+}
+
+let idling = 0;
+
+/** Draws the figures that nobody has looked at yet, one at a time, when the reader has done nothing for a while. */
+function drawSoon(): void {
+  const idle = (): void => {
+    const next = figures.find((element) => waiting.has(element));
+    if (next === undefined) return;
+    drawWaiting(next);
+    requestIdleCallback(idle);
+  };
+  clearTimeout(idling);
+  idling = window.setTimeout(() => requestIdleCallback(idle), 1500);
+}
+
+/** Draws all figures sooner or later. */
+export function drawWhenIdle(): void {
+  drawSoon();
+}
+
+/** Draws all that still waits, now. */
+export function drawAll(): void {
+  figures.forEach(drawWaiting);
+}
+
+/** An element like a figure: first drawn when it is seen, or nothing else is to do. */
+export function drawLater(element: Element, draw: () => void): void {
+  figures.push(element);
+  whenSeen(element, draw);
+}
+
+/** Draws now where the element is near the window, else when it comes there or nothing else is to do. */
+export function drawOrWait(element: Element, draw: () => void): void {
+  if (isNear(element)) {
+    waiting.delete(element);
+    draw();
+    return;
+  }
+  whenSeen(element, draw);
+  drawSoon();
+}

@@ -1,0 +1,94 @@
+// Figures on white paper: as SVG to be saved, and in the page itself while it is printed.
+
+import * as echarts from 'echarts/core';
+
+import { base, type FigureSpec } from './chart';
+import { append, h, replace } from './dom';
+import { drawAll } from './later';
+import { palette, usePaper } from './theme';
+
+/** Advance widths of DejaVu Sans, by size of the font: the widest of the fonts that stand in for a missing one. */
+const kWide: readonly (readonly [letters: RegExp, width: number])[] = [
+  [/[ijl|'.,:;! \u00a0\u202f\u00b7]/, 0.35], [/[frt()[\]/"-]/, 0.42], [/[mMwW@%\u2026\u2212\u00b1\u00d7\u2192]/, 1], [/[A-Z_]/, 0.78], [/[\u0020-\u024f\u2010-\u2027]/, 0.64],
+];
+
+function width(text: string, font: string): number {
+  const size = Number(/([\d.]+)px/.exec(font)?.[1] ?? 12);
+  const bold = /\b(bold|[6-9]00)\b/.test(font) ? 1.1 : 1;
+  let sum = 0;
+  for (const letter of text) sum += kWide.find(([letters]) => letters.test(letter))?.[1] ?? 1;
+  return sum * size * bold;
+}
+
+/** A canvas measures in the page's own font; a saved figure is shown in whatever fonts its reader has. */
+function measured<T>(draw: () => T): T {
+  let own: ((text: string, font?: string) => { width: number }) | undefined;
+  const canvas = typeof document === 'undefined' ? null : document.createElement('canvas').getContext('2d');
+  if (canvas !== null) {
+    own = (text, font) => {
+      canvas.font = font ?? '12px sans-serif';
+      return canvas.measureText(text);
+    };
+  }
+  echarts.setPlatformAPI({ measureText: (text, font) => ({ width: width(text ?? '', font ?? '') }) as TextMetrics });
+  try {
+    return draw();
+  } finally {
+    if (own !== undefined) echarts.setPlatformAPI({ measureText: own as (text: string, font?: string) => TextMetrics });
+  }
+}
+
+const kWidth = 760;
+
+/** The figure on white paper; null where it has nothing to show. Needs no browser. */
+export function svgOf(spec: FigureSpec): string | null {
+  const drawing = spec.draw(palette(true), kWidth);
+  if (drawing === null) return null;
+  const { option, height = 340 } = drawing;
+  return measured(() => {
+    const paper = echarts.init(null, null, { renderer: 'svg', ssr: true, width: kWidth, height });
+    paper.setOption({ ...base(palette(true)), ...option, animation: false, backgroundColor: '#ffffff' });
+    const svg = paper.renderToSVGString();
+    paper.dispose();
+    return svg;
+  });
+}
+
+/** What stands in the page only while it is printed. */
+const stills: { place: HTMLElement; make: () => Node | null }[] = [];
+
+/** `make` is called for each print and gives what is printed in `place`. */
+export function onPaper(place: HTMLElement, make: () => Node | null): void {
+  stills.push({ place, make });
+}
+
+/** The figure's SVG as an element of this page. */
+export function paperFigure(spec: FigureSpec): Node | null {
+  const svg = svgOf(spec);
+  if (svg === null) return null;
+  const element = new DOMParser().parseFromString(svg, 'image/svg+xml').documentElement;
+  element.setAttribute('width', '100%');
+  element.removeAttribute('height');
+  return document.importNode(element, true);
+}
+
+/** Before the page is printed: light colours, and all that waits is drawn, as lines instead of pixels. */
+export function startPaper(): void {
+  addEventListener('beforeprint', () => {
+    usePaper(true);
+    drawAll();
+    for (const { place, make } of stills) {
+      replace(place);
+      append(place, make());
+    }
+  });
+  addEventListener('afterprint', () => {
+    for (const { place } of stills) replace(place);
+    usePaper(false);
+  });
+}
+
+/** An empty place for onPaper(). */
+export function paperPlace(): HTMLElement {
+  return h('div', { class: 'on-paper', 'aria-hidden': 'true' });
+}

@@ -1,0 +1,91 @@
+// What the tests of the page share: programs that must be there, stores, pages, checks.
+import { execFileSync, spawnSync } from 'node:child_process';
+import { existsSync, mkdirSync, readFileSync, rmSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { join } from 'node:path';
+
+export const skip = (why) => {
+  console.log(`skipped: ${why}; scripts/setup.sh installs what is missing`);
+  process.exit(77);
+};
+
+/** Node's packages of the page. */
+export const packagesOf = (source) => createRequire(join(source, 'reports/web/package.json'));
+
+export const needs = (...programs) => {
+  for (const program of programs) if (spawnSync('which', [program]).status !== 0) skip(`there is no ${program}`);
+};
+
+let failures = 0;
+export const check = (ok, what) => {
+  if (!ok) {
+    failures += 1;
+    console.log(`FAILED: ${what}`);
+  }
+};
+export const near = (a, b, tolerance) => Math.abs(a - b) <= tolerance;
+
+/** Exit 0: passed; 1: failed. */
+export const end = (what) => {
+  console.log(failures === 0 ? `${what} passed` : `${failures} checks failed`);
+  process.exit(failures === 0 ? 0 : 1);
+};
+
+export const launch = (source) => {
+  const executablePath = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'].find(existsSync);
+  if (executablePath === undefined) skip('there is no chromium');
+  let chromium;
+  try {
+    ({ chromium } = packagesOf(source)('playwright-core'));
+  } catch {
+    skip('playwright-core is not in reports/web/node_modules');
+  }
+  return chromium.launch({
+    executablePath, headless: true,
+    args: ['--no-sandbox', '--enable-unsafe-swiftshader', '--use-angle=swiftshader', '--disable-background-networking',
+      '--disable-component-update', '--disable-sync', '--no-first-run'],
+  });
+};
+
+/** Stores and pages of one test, in a folder of its own. */
+export const workshop = (source, makeReport, work) => {
+  rmSync(work, { recursive: true, force: true });
+  mkdirSync(work, { recursive: true });
+  const makeStore = (name, kind, worlds, samples = 8) => {
+    const db = join(work, `${name}.db`);
+    execFileSync('python3', [join(source, 'tests/tools/make_store.py'), join(source, 'eval/store'), db, '--kind', kind, '--worlds', String(worlds), '--samples', String(samples)], { stdio: 'inherit' });
+    return db;
+  };
+  const sql = (db, text) => execFileSync('python3', ['-c', `import sqlite3; db = sqlite3.connect(${JSON.stringify(db)}); db.executescript(${JSON.stringify(text)}); db.close()`]);
+  const makePage = (db) => {
+    const html = db.replace(/\.db$/, '.html');
+    execFileSync(makeReport, [db, html], { stdio: 'inherit' });
+    return html;
+  };
+  return { makeStore, makePage, sql };
+};
+
+export const dataOf = (html) => JSON.parse(readFileSync(html, 'utf8').split('id="moma-data">')[1].split('</script')[0]);
+
+/** Opens a page and notes everything it must not do. */
+export const opener = (browser) => async (html, { width = 1280, height = 900, hash = '', scheme = 'light', ratio = 1, touch = false, served = false, allowed = () => false } = {}) => {
+  const context = await browser.newContext({ viewport: { width, height }, deviceScaleFactor: ratio, hasTouch: touch, offline: !served, colorScheme: scheme, acceptDownloads: true });
+  const page = await context.newPage();
+  page.setDefaultTimeout(60000);
+  page.on('console', (message) => { if (message.type() === 'error' && !allowed(message.text())) check(false, `console error: ${message.text()}`); });
+  page.on('pageerror', (error) => check(false, `page error: ${error.stack}`));
+  page.on('dialog', (dialog) => { check(false, 'a dialog opened'); void dialog.dismiss(); });
+  page.on('request', (request) => { if (!/^(file|data|blob):/.test(request.url()) && !(served && request.url().startsWith(html))) check(false, `request to ${request.url()}`); });
+  await page.goto(served ? `${html}${hash}` : `file://${html}${hash}`);
+  await page.waitForSelector('main');   // built after the first paint
+  return { context, page };
+};
+
+/** Everything is drawn only where it is seen. */
+export const scrollThrough = async (page) => {
+  const height = await page.evaluate(() => document.documentElement.scrollHeight);
+  for (let y = 0; y < height; y += 600) {
+    await page.evaluate((top) => scrollTo({ top, behavior: 'instant' }), y);
+    await page.waitForTimeout(60);
+  }
+};

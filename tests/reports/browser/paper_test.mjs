@@ -1,0 +1,145 @@
+// The page on paper, and its figures' pixels: paper_test.mjs SOURCE_DIR MAKE_REPORT WORK_DIR
+// Saved figures go through a parser of XML and two renderers that are not the page's; prints are read back from the PDF.
+// Exit 0: passed; 1: failed; 77: left out, since node's packages, python3, chromium, librsvg2-bin or poppler-utils are missing.
+import { execFileSync } from 'node:child_process';
+import { readdirSync, readFileSync } from 'node:fs';
+import { join } from 'node:path';
+
+import { check, dataOf, end, launch, near, needs, opener, workshop } from './kit.mjs';
+
+const [, , source, makeReport, work] = process.argv;
+needs('python3', 'rsvg-convert', 'pdftoppm', 'pdftotext', 'pdftocairo', 'pdfimages');
+const { makeStore, makePage, sql } = workshop(source, makeReport, work);
+const run = (program, ...args) => execFileSync(program, args, { maxBuffer: 1 << 28 });
+
+/** A page of a PDF as pixels: width, height, rgb. */
+const pixelsOf = (pdf, dpi, page = 1) => {
+  const ppm = run('pdftoppm', '-r', String(dpi), '-f', String(page), '-l', String(page), pdf);
+  const head = /^P6\s+(\d+)\s+(\d+)\s+255\s/.exec(ppm.subarray(0, 40).toString('latin1'));
+  return { width: Number(head[1]), height: Number(head[2]), rgb: ppm.subarray(head[0].length) };
+};
+const hexAt = ({ rgb }, i) => `#${rgb.subarray(3 * i, 3 * i + 3).toString('hex')}`;
+
+// ---- saved figures: SVG that is XML, drawn by another renderer within its borders; the same as PDF ----------------------
+for (const kind of ['demo', 'sweep', 'hostile', 'tuned']) {
+  const folder = join(work, `figures-${kind}`);
+  run(makeReport, '--figures', makeStore(kind, kind, kind === 'demo' ? 60 : 12, 2), folder);
+  const files = readdirSync(folder);
+  const svgs = files.filter((file) => file.endsWith('.svg'));
+  check(svgs.length >= 7, `${kind}: ${svgs.length} figures`);
+  for (const file of svgs) {
+    const path = join(folder, file);
+    try {
+      run('python3', '-c', 'import sys, xml.dom.minidom; xml.dom.minidom.parse(sys.argv[1])', path);
+    } catch {
+      check(false, `${kind}: ${file} is not XML`);
+      continue;
+    }
+    const drawn = path.replace(/svg$/, 'rsvg.pdf');
+    run('rsvg-convert', '-f', 'pdf', '-o', drawn, path);
+    for (const [what, pdf] of [['librsvg', drawn], ['PDF', path.replace(/svg$/, 'pdf')]]) {
+      const image = pixelsOf(pdf, 72);
+      let [ink, border] = [0, 0];
+      for (let y = 0; y < image.height; ++y) {
+        for (let x = 0; x < image.width; ++x) {
+          const i = 3 * (y * image.width + x);
+          if (image.rgb[i] > 235 && image.rgb[i + 1] > 235 && image.rgb[i + 2] > 235) continue;
+          ink += 1;
+          if (x < 1 || y < 1 || x >= image.width - 1 || y >= image.height - 1) border += 1;
+        }
+      }
+      check(ink > 300, `${kind}: ${file} drawn by ${what} shows something (${ink} pixels)`);
+      check(border === 0, `${kind}: ${file} drawn by ${what} is cut off at its border (${border} pixels)`);
+    }
+    const texts = (name) => run('pdftotext', '-layout', name, '-').toString().split(/\s+/).filter((word) => /^[a-z]{4,}$/i.test(word)).sort().join(' ');
+    check(texts(drawn) === texts(path.replace(/svg$/, 'pdf')), `${kind}: ${file} and its PDF say the same:\n  ${texts(drawn)}\n  ${texts(path.replace(/svg$/, 'pdf'))}`);
+  }
+}
+
+// ---- the curve of arrivals is level where nobody arrives, at every pixel ratio ------------------------------------------
+const browser = await launch(source);
+const open = opener(browser);
+{
+  const db = makeStore('level', 'demo', 500, 0);
+  // Half of holistic's trials arrive from 3 s to 4 s, one of the rest at 16 s: level in between.
+  sql(db, "UPDATE trial SET outcome = 'success', time_to_goal_s = NULL; UPDATE trial SET outcome = 'timeout'; "
+    + "CREATE TEMP TABLE mine AS SELECT key, world_index FROM point_trial WHERE point_id = (SELECT id FROM point WHERE controller = 'holistic'); "
+    + "UPDATE trial SET outcome = 'success', time_to_goal_s = 3 + (SELECT world_index FROM mine WHERE mine.key = trial.key) / 250.0 WHERE key IN (SELECT key FROM mine WHERE world_index < 250); "
+    + "UPDATE trial SET outcome = 'success', time_to_goal_s = 16 WHERE key = (SELECT key FROM mine WHERE world_index = 300); "
+    + 'UPDATE point_trial SET outcome = (SELECT outcome FROM trial WHERE trial.key = point_trial.key), time_to_goal_s = (SELECT time_to_goal_s FROM trial WHERE trial.key = point_trial.key);');
+  const html = makePage(db);
+  for (const ratio of [1, 2]) {
+    const { context, page } = await open(html, { ratio });
+    await page.locator('#figure-arrival').scrollIntoViewIfNeeded();
+    await page.waitForSelector('#figure-arrival canvas');
+    await page.waitForTimeout(700);
+    const heights = await page.evaluate(() => {
+      const canvas = document.querySelector('#figure-arrival canvas');
+      const { width, height } = canvas;
+      const pixels = canvas.getContext('2d').getImageData(0, 0, width, height).data;
+      const scale = width / canvas.clientWidth;
+      const out = [];
+      // The plot spans 0 to 19 s from about 70 px to the names; 5 s to 14 s lies well inside of the level stretch.
+      for (let x = Math.round(0.36 * width); x < 0.7 * width; x += Math.round(4 * scale)) {
+        for (let y = 0; y < height; ++y) {
+          const i = 4 * (y * width + x);
+          if (pixels[i + 3] > 200 && Math.abs(pixels[i] - 0x27) < 24 && Math.abs(pixels[i + 1] - 0x59) < 24 && Math.abs(pixels[i + 2] - 0x8f) < 24) {
+            out.push(y / scale);
+            break;
+          }
+        }
+      }
+      return out;
+    });
+    check(heights.length > 40, `ratio ${ratio}: the curve is found in ${heights.length} columns`);
+    check(Math.max(...heights) - Math.min(...heights) < 0.6, `ratio ${ratio}: the level stretch goes from ${Math.max(...heights)} to ${Math.min(...heights)} px`);
+    await context.close();
+  }
+}
+
+// ---- print, from a dark screen, of a page that nobody has scrolled ------------------------------------------------------
+{
+  const html = join(work, 'demo.html');
+  const store = join(work, 'demo.db');
+  makePage(store);
+  const data = dataOf(html);
+  const { context, page } = await open(html, { scheme: 'dark', width: 1440 });
+  const pdf = join(work, 'print.pdf');
+  await page.pdf({ path: pdf, format: 'A4' });   // without backgrounds, as readers print
+  const pages = Number(/Pages:\s+(\d+)/.exec(run('pdfinfo', pdf).toString())[1]);
+  const texts = Array.from({ length: pages }, (_, i) => run('pdftotext', '-layout', '-f', String(i + 1), '-l', String(i + 1), pdf, '-').toString());
+  const all = texts.join('\n');
+  for (const words of ['Arrived by a given time', 'Success against goal distance', 'World by world', 'Replay', 'Provenance', 'Failures']) check(all.includes(words), `the print has ${words}`);
+  check(!/^\s*Trials\s*$/m.test(all), 'no heading of a part that is not printed');
+  texts.forEach((text, i) => {
+    const last = text.trimEnd().split('\n').pop() ?? '';
+    check(!/^(Results|Time to goal|Difficulty|Quality of motion|World by world|Failures|Replay|Timing|Provenance)$/.test(last.trim()), `page ${i + 1} ends with the heading ${last.trim()}`);
+  });
+  // Marks: the dots of the scatter plot, as paths of the series' colours.
+  const metrics = ['goal_distance_m', 'manip_mean'].map((key) => data.trials.columns[key]);
+  const successes = data.trials.columns.outcome.codes.map((code) => data.trials.columns.outcome.values[code] === 'success');
+  const dots = successes.filter((ok, row) => ok && metrics.every((column) => column[row] !== null)).length;
+  const scatter = texts.findIndex((text) => text.includes('against goal distance') && text.includes('rank correlation')) + 1;
+  check(scatter > 0, 'the scatter plot is printed');
+  const marks = run('pdftocairo', '-svg', '-f', String(scatter), '-l', String(scatter), pdf, '-').toString();
+  const filled = (hex) => {
+    const wanted = [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 2.55);
+    return [...marks.matchAll(/fill[:=]"?rgb\(([\d.]+)%,\s?([\d.]+)%,\s?([\d.]+)%\)"?;?\s?fill-opacity[:=]"?([\d.]+)/g)].filter((m) => wanted.every((v, i) => near(v, Number(m[i + 1]), 0.3)) && near(Number(m[4]), 0.55, 0.01)).length;
+  };
+  const counted = filled('#27598f') + filled('#d96294');
+  check(counted === dots, `the print has ${counted} dots of ${dots} successes`);
+  check(run('pdfimages', '-list', pdf).toString().trim().split('\n').length >= 4, 'the replay is printed as pictures');
+  // Dark ink on white, though the screen is dark, and bars with their colours.
+  const first = pixelsOf(pdf, 60);
+  const counts = new Map();
+  for (let i = 0; i < first.width * first.height; ++i) counts.set(hexAt(first, i), (counts.get(hexAt(first, i)) ?? 0) + 1);
+  check((counts.get('#ffffff') ?? 0) > 0.7 * first.width * first.height, 'the paper is white');
+  let darkest = 255;
+  for (const colour of counts.keys()) darkest = Math.min(darkest, parseInt(colour.slice(3, 5), 16));
+  check(darkest < 60, `the darkest ink is ${darkest}`);
+  check((await page.evaluate(() => document.documentElement.dataset.theme)) === 'dark', 'after the print the screen is dark again');
+  check((await page.locator('.on-paper').evaluateAll((places) => places.every((place) => place.childElementCount === 0))), 'and holds nothing of the print');
+  await context.close();
+}
+await browser.close();
+end('the page on paper');

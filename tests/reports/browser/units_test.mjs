@@ -1,0 +1,83 @@
+// Parts of the page that need no browser: units_test.mjs SOURCE_DIR
+import { check, end, near, packagesOf, skip } from './kit.mjs';
+import { join } from 'node:path';
+
+const [, , source] = process.argv;
+let esbuild;
+try {
+  esbuild = packagesOf(source)('esbuild');
+} catch {
+  skip('esbuild is not in reports/web/node_modules');
+}
+const load = async (...names) => {
+  const contents = names.map((name) => `export * from './${name}';`).join('\n');
+  const { outputFiles } = await esbuild.build({ stdin: { contents, resolveDir: join(source, 'reports/web/src'), loader: 'ts' }, bundle: true, write: false, format: 'esm', platform: 'node', target: 'node18', loader: { '.woff': 'binary' } });
+  return import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].contents).toString('base64')}`);
+};
+
+// ---- colours: told apart without red or green, text read on them ----------------------------------------------------
+const { kPalettes, inkOn, contrast, along, readable } = await load('theme', 'colour');
+/** CIELAB (D65) of what a person sees: all cones, or none for red or for green (Machado et al., IEEE TVCG 15(6), 2009). */
+const kSeen = {
+  'all cones': [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+  deuteranopia: [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.01182, 0.04294, 0.968881]],
+  protanopia: [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+};
+const linear = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255).map((c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4));
+const lab = (hex, matrix) => {
+  const rgb = linear(hex);
+  const [r, g, b] = matrix.map((row) => Math.min(1, Math.max(0, row[0] * rgb[0] + row[1] * rgb[1] + row[2] * rgb[2])));
+  const [x, y, z] = [(0.4124 * r + 0.3576 * g + 0.1805 * b) / 0.95047, 0.2126 * r + 0.7152 * g + 0.0722 * b, (0.0193 * r + 0.1192 * g + 0.9505 * b) / 1.08883]
+    .map((t) => (t > 0.008856 ? Math.cbrt(t) : 7.787 * t + 16 / 116));
+  return [116 * y - 16, 500 * (x - y), 200 * (y - z)];
+};
+for (const palette of kPalettes) {
+  const name = palette.dark ? 'dark' : 'light';
+  for (const [what, colours] of [['outcomes', Object.entries(palette.outcomes)], ['series', Object.entries(palette.series)]]) {
+    for (const [eye, matrix] of Object.entries(kSeen)) {
+      colours.forEach(([a, first], i) => colours.slice(i + 1).forEach(([b, second]) => {
+        const [p, q] = [lab(first, matrix), lab(second, matrix)];
+        const apart = Math.hypot(...p.map((v, k) => v - q[k]));
+        check(apart > 18, `${name}, ${eye}: ${what} ${a} and ${b} are ${apart.toFixed(1)} apart`);   // 2.3 is just seen
+      }));
+    }
+  }
+  for (const colour of [...Object.values(palette.outcomes), ...palette.series]) {
+    check(contrast(inkOn(colour), colour) >= 4.5, `${name}: text on ${colour}`);
+    check(contrast(readable(colour, palette.ink, palette.surface), palette.surface) >= 4.5, `${name}: text in ${colour}`);
+  }
+  for (const text of ['ink', 'muted', 'faint']) check(contrast(palette[text], palette.surface) >= 4.5, `${name}: ${text} text has a contrast of ${contrast(palette[text], palette.surface).toFixed(1)}`);
+}
+for (let i = 0; i <= 20; ++i) {
+  const colour = along(['#f3f1ea', '#c9dbe2', '#86b3c9', '#41799f', '#173d63'], i / 20);
+  check(contrast(inkOn(colour), colour) >= 4.5, `text on a cell of the colour ${colour}`);
+}
+check(along(['#000000', '#ffffff'], 0.5) === '#808080' && along(['#000000', '#ffffff'], 1) === '#ffffff', 'steps of a ramp');
+check(near(contrast('#767676', '#ffffff'), 4.54, 0.005), 'the contrast of #767676 on white is 4.54');
+
+// ---- statistics at the edges -----------------------------------------------------------------------------------------
+const { spearman, bootstrapMedian } = await load('stats');
+const six = [1, 2, 3, 4, 5, 6];
+check(spearman(six, six).value === 1 && spearman(six, six).interval === null, 'six trials in line: a correlation, and no interval');
+check(spearman(six, [1, 2, 3, 4, 6, 5]).interval === null, 'six trials are too few for an interval');
+const twenty = Array.from({ length: 20 }, (_, i) => i);
+check(spearman(twenty, twenty.map((i) => 3 * i)).interval === null, 'a perfect correlation has no interval');
+const some = spearman(twenty, twenty.map((i) => (7 * i) % 20));
+check(some.interval.low < some.value && some.value < some.interval.high && some.interval.low > -1 && some.interval.high < 1, 'else it has one');
+check(Number.isNaN(bootstrapMedian([1, 2, 3, 4, 5]).low), 'five differences are too few for the interval of a median');
+check(bootstrapMedian([1, 2, 3, 4, 5, 6]).low >= 1 && bootstrapMedian([1, 2, 3, 4, 5, 6]).high <= 6, 'six are enough');
+
+// ---- axes and steps --------------------------------------------------------------------------------------------------
+const { nice, stairs } = await load('chart');
+for (const [low, high] of [[0, 0], [3, 3], [0, 1], [2, 7], [0, 113], [1e-9, 2e-9]]) {
+  const axis = nice(low, high);
+  check(axis.max > axis.min && axis.min <= low && axis.max >= high, `an axis for ${low} to ${high}: ${JSON.stringify(axis)}`);
+  check(low < 0 || axis.min >= 0, `an axis for ${low} to ${high} begins at ${axis.min}`);
+}
+check(JSON.stringify(stairs([[0, 0], [2, 1], [5, 1], [6, 3]])) === '[[0,0],[2,0],[2,1],[5,1],[6,1],[6,3]]', 'steps are level, then upright');
+
+// ---- names -----------------------------------------------------------------------------------------------------------
+const { namedBy } = await load('data');
+check(namedBy(['lambda_q=0.01 k_epsilon=1', 'lambda_q=0.1 k_epsilon=2']) === 'lambda_q, k_epsilon', 'names of several keys');
+check(namedBy(['lambda_q=0.01', 'lambda_q=0.1']) === '' && namedBy(['a=1 b=2', 'a=1']) === '' && namedBy([]) === '', 'other names stay whole');
+end('units of the page');
