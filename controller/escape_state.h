@@ -1,5 +1,7 @@
 #pragma once
 
+#include "controller/describe/complete.h"
+#include "controller/describe/describe.h"
 #include "controller/types.h"
 
 namespace moma {
@@ -16,5 +18,22 @@ struct EscapeState {
   Vector3 target_W = Vector3::Zero();
   int circulation = 0;  ///< sigma of the vortex: +1, -1, or 0 as long as none was needed
 };
+
+/// As a trace and `moma solve` write it and a case file takes it (`state.escape`).
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<EscapeState>) {
+  v.member("best", &EscapeState::best, {.unit = "m", .text = "V at its last progress; negative: no step taken yet"});
+  v.member("idle", &EscapeState::idle,
+           {.unit = "s", .range = Range::non_negative(), .text = "time without progress since"});
+  v.member("stagnations", &EscapeState::stagnations, {.range = {0, 1e9}, .text = "how many there were"});
+  v.member("side", &EscapeState::side, {.range = {-1, 1}, .text = "where detours turn first; 0: not chosen"});
+  v.member("detour", &EscapeState::detour, {.text = "whether it is on one"});
+  v.member("around", &EscapeState::around, {.text = "and that one around the obstacles"});
+  v.member("remaining", &EscapeState::remaining, {.unit = "s", .text = "of the detour"});
+  v.member("target", &EscapeState::target_W, {.unit = "m", .text = "of the detour"});
+  v.member("circulation", &EscapeState::circulation, {.range = {-1, 1}, .text = "of the vortex; 0: not chosen"});
+}
+
+static_assert(is_complete<EscapeState>());
 
 }  // namespace moma

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "controller/describe/check.h"
+#include "controller/params_described.h"
 #include "controller/qp/limits.h"
 
 namespace moma {
@@ -22,9 +24,10 @@ class Checker {
 
   std::vector<ParamsIssue> run() {
     if (!(dt_ > 0.0 && std::isfinite(dt_))) error("control_period", "must be a finite number above 0");
-    sizes();
+    for (const Violation& v : violations(p_, {model_.num_joints(), model_.num_velocities()})) error(v.key, v.message);
     if (!issues_.empty()) return issues_;
-    numbers();
+    if (p_.error_norm.min > p_.error_norm.max) error("error_norm.min", "must not be above error_norm.max");
+    closed_forms();
     dampers();
     if (p_.joint_limits.method == JointLimitMethod::kSource) source_margins();
     if (p_.joint_limits.method == JointLimitMethod::kDamper) damper_margins();
@@ -36,96 +39,13 @@ class Checker {
   void error(const std::string& key, const std::string& message) { issues_.push_back({key, message, false}); }
   void warning(const std::string& key, const std::string& message) { issues_.push_back({key, message, true}); }
 
-  void size(const std::string& key, const VectorX& v, int wanted, const char* of) {
-    if (v.size() != wanted) {
-      error(key, "has " + std::to_string(v.size()) + " values, the robot has " + std::to_string(wanted) + " " + of);
-    }
-  }
-
-  void sizes() {
-    size("lambda_q", p_.lambda_q, model_.num_joints(), "joints");
-    size("joint_limits.margin", p_.joint_limits.margin, model_.num_joints(), "joints");
-    size("acceleration.weight", p_.acceleration_weight, model_.num_velocities(), "velocities");
-    size("limits.acceleration", p_.acceleration_limit, model_.num_velocities(), "velocities");
-    size("posture.target", p_.posture.target, model_.num_joints(), "joints");
-  }
-
-  void finite(const std::string& key, double value, bool positive) {
-    if (!std::isfinite(value) || value < 0.0 || (positive && value == 0.0))
-      error(key,
-            std::string("must be a finite number ") + (positive ? "above 0" : "of at least 0") + ", is " + text(value));
-  }
-  void positive_or_inf(const std::string& key, double value) {
-    if (!(value > 0.0)) error(key, "must be above 0 or infinite, is " + text(value));
-  }
-
-  void numbers() {
-    finite("servo.position", p_.servo.position, false);
-    finite("servo.orientation", p_.servo.orientation, false);
-    positive_or_inf("servo.max_linear", p_.servo.max_linear);
-    positive_or_inf("servo.max_angular", p_.servo.max_angular);
-    finite("error_norm.min", p_.error_norm.min, true);
-    finite("error_norm.max", p_.error_norm.max, true);
-    finite("error_norm.scale", p_.error_norm.scale, false);
-    if (p_.error_norm.min > p_.error_norm.max) error("error_norm.min", "must not be above error_norm.max");
-    if (!p_.base_weight.inverse_error) finite("base_weight", p_.base_weight.value, false);
-    if (!p_.slack.weight.inverse_error) finite("slack.weight", p_.slack.weight.value, false);
-    for (const double v : p_.lambda_q) finite("lambda_q", v, false);
-    for (const double v : p_.slack.limit) positive_or_inf("slack.limit", v);
-    for (const double v : p_.tracking_band) finite("tracking_band", v, false);
-    for (const double v : p_.acceleration_weight) finite("acceleration.weight", v, false);
-    for (const double v : p_.acceleration_limit) positive_or_inf("limits.acceleration", v);
-    finite("k_epsilon", p_.k_epsilon, false);
-    finite("manipulability.weight", p_.manipulability.weight, false);
-    finite("posture.weight", p_.posture.weight, false);
-    finite("posture.gain", p_.posture.gain, false);
-    if (!p_.posture.target.allFinite()) error("posture.target", "must be finite");
-    if (p_.output_scaling.enabled) {
-      finite("output_scaling.far", p_.output_scaling.far, true);
-      finite("output_scaling.near", p_.output_scaling.near, true);
-      finite("output_scaling.switch", p_.output_scaling.switch_distance, true);
-    }
-    escape();
-    finite("collision.passing.horizon", p_.collision.passing.horizon, true);
-    finite("collision.passing.clearance", p_.collision.passing.clearance, false);
-    if (p_.collision.max_pairs < 0) error("collision.max_pairs", "must be at least 0");
-  }
-
-  void escape() {
-    const EscapeParams& e = p_.escape;
-    const VortexParams& v = p_.servo.vortex;
-    finite("collision.end_rows", p_.collision.end_rows, false);
-    finite("servo.vortex.gain", v.gain, false);
-    finite("servo.vortex.distance", v.distance, true);
-    finite("escape.scale", e.scale, false);
-    finite("escape.progress", e.progress, true);
-    finite("escape.patience", e.patience, true);
-    finite("escape.traffic_patience", e.traffic_patience, true);
-    finite("escape.position", e.position, false);
-    finite("escape.orientation", e.orientation, false);
-    finite("escape.side_distance", e.side_distance, true);
-    finite("escape.angle", e.angle, false);
-    finite("escape.length", e.length, true);
-    finite("escape.growth", e.growth, false);
-    finite("escape.max_length", e.max_length, true);
-    finite("escape.duration", e.duration, true);
-    finite("escape.reached", e.reached, false);
-    finite("escape.slack_factor", e.slack_factor, true);
-    finite("escape.posture.weight", e.posture_weight, false);
-    finite("escape.posture.gain", e.posture_gain, false);
-    finite("escape.around.clearance", e.around.clearance, false);
-    finite("escape.around.reach", e.around.reach, false);
-    finite("escape.around.passed", e.around.passed, true);
-    finite("escape.around.duration", e.around.duration, true);
+  void closed_forms() {
     if (p_.method == Method::kQp) return;
-    if (e.enabled) error("escape", "needs method qp: the closed forms know no obstacles and have no slack");
-    if (v.enabled) error("servo.vortex", "needs method qp: the closed forms know no obstacles");
+    if (p_.escape.enabled) error("escape", "needs method qp: the closed forms know no obstacles and have no slack");
+    if (p_.servo.vortex.enabled) error("servo.vortex", "needs method qp: the closed forms know no obstacles");
   }
 
   void damper(const std::string& key, const DamperParams& d) {
-    finite(key + "influence", d.influence, true);
-    finite(key + "stop", d.stop, false);
-    finite(key + "gain", d.gain, true);
     if (!(d.stop < d.influence))
       error(key + "stop", "must be below " + key + "influence = " + text(d.influence) + ", is " + text(d.stop));
   }
@@ -156,9 +76,6 @@ class Checker {
 
   void damper_margins() {
     const JointLimitParams& d = p_.joint_limits;
-    finite("joint_limits.gain", d.gain, true);
-    finite("joint_limits.influence", d.influence, true);
-    finite("joint_limits.stop", d.stop, false);
     if (!(d.stop < d.influence)) {
       error("joint_limits.stop",
             "must be below joint_limits.influence = " + text(d.influence) + ", is " + text(d.stop));

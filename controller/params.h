@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "controller/describe/enumeration.h"
 #include "controller/model/manipulability.h"
 #include "controller/model/robot_model.h"
 #include "controller/types.h"
@@ -13,11 +14,19 @@ namespace moma {
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 enum class Method { kQp, kRrmc, kPark, kBaur };
+constexpr auto words(Of<Method>) { return std::to_array<std::string_view>({"qp", "rrmc", "park", "baur"}); }
+
 enum class ErrorNormKind { kEuclidean, kL1, kPose };
-enum class JointLimitMethod { kNone, kSource, kDamper };
+constexpr auto words(Of<ErrorNormKind>) { return std::to_array<std::string_view>({"euclidean", "l1", "pose"}); }
+
+enum class JointLimitMethod { kSource, kDamper, kNone };
+constexpr auto words(Of<JointLimitMethod>) { return std::to_array<std::string_view>({"source", "damper", "none"}); }
+
 enum class SolverKind { kDaqp, kQpoases, kEiquadprog };
+constexpr auto words(Of<SolverKind>) { return std::to_array<std::string_view>({"daqp", "qpoases", "eiquadprog"}); }
 
 enum class VortexWhen { kStagnated, kAlways };
+constexpr auto words(Of<VortexWhen>) { return std::to_array<std::string_view>({"stagnated", "always"}); }
 
 /// A sideways part of nu along obstacles (task/vortex.h).
 struct VortexParams {

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <limits>
 #include <span>
 #include <string_view>
 #include <vector>
 
+#include "controller/describe/enumeration.h"
 #include "controller/escape_state.h"
 #include "controller/model/proximity.h"
 #include "controller/types.h"
@@ -27,12 +29,14 @@ struct Observation {
 };
 
 enum class StepStatus { kSolved, kInfeasible, kMaxIterations, kInvalidInput };
-enum class Fallback { kNone, kNoAcceleration, kRelaxed, kBrake };
+constexpr auto words(Of<StepStatus>) {
+  return std::to_array<std::string_view>({"solved", "infeasible", "max_iterations", "invalid_input"});
+}
 
-/// solved, infeasible, max_iterations, invalid_input.
-std::string_view to_string(StepStatus status) noexcept;
-/// none, no_acceleration, relaxed, brake.
-std::string_view to_string(Fallback fallback) noexcept;
+enum class Fallback { kNone, kNoAcceleration, kRelaxed, kBrake };
+constexpr auto words(Of<Fallback>) {
+  return std::to_array<std::string_view>({"none", "no_acceleration", "relaxed", "brake"});
+}
 
 /// Command and how it came about. `status` is the original problem's; `fallback` says what replaced it.
 struct StepResult {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <set>
 
-#include "controller/config/controller_escape.h"
 #include "controller/config/controller_file.h"
+#include "controller/config/read_described.h"
 #include "controller/config/reader.h"
 
 namespace moma {
@@ -102,7 +102,7 @@ void read_objects(const Node& node, ControlCase& out) {
 
 void read_state(const Node& node, const RobotModel& model, Observation& out, EscapeState& escape) {
   MapReader in(node, "state");
-  if (const Node* remembered = in.get("escape")) escape = config::read_escape_state(*remembered, in.key_of("escape"));
+  if (const Node* remembered = in.get("escape")) config::read_described(*remembered, in.key_of("escape"), escape);
   // A fixed base may stand anywhere, but it has to stand somewhere only where it can move.
   if (model.base.type != BaseType::kFixed) in.require("base", "[x, y, phi] of the base in metres and radians");
   if (const Node* base = in.get("base")) out.base = read_vector3(*base, in.key_of("base"));

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "controller/case/case_step.h"
-#include "controller/config/controller_escape.h"
+#include "controller/config/write_described.h"
 #include "controller/solver/solver.h"
 
 namespace moma {
@@ -105,7 +105,7 @@ nlohmann::ordered_json solve(const ControlCase& control_case) {
   out["wheels"] = numbers(controller.wheels());
   out["kkt_residual"] = has_solution(step) ? number(check_stage(step).report.residual()) : Json();
   out["iterations"] = result.iterations;
-  out["escape"] = config::to_json(controller.escape_state());  // the next step's `state.escape`
+  out["escape"] = config::write_described(controller.escape_state());  // the next step's `state.escape`
   return out;
 }
 

@@ -18,7 +18,8 @@ struct Violation {
 };
 
 /// What is wrong with a struct that code has filled: numbers outside their range, lists of a wrong length, values that
-/// are no enumerator. Parts that are switched off are checked as well. Empty where all is well.
+/// are no enumerator. Parts that are switched off are checked as well, and so is what a word stands for (word_or): it
+/// has been filled in. Empty where all is well.
 template <Described T>
 std::vector<Violation> violations(const T& value, const Lengths& lengths = {}, const std::string& prefix = "");
 
@@ -45,8 +46,8 @@ class Check {
     check(key_of(name), value_.*pointer, {});
   }
   template <class F, class P>
-  void word_or(std::string_view name, std::string_view, F flag, P pointer, const About& about) {
-    if (!(value_.*flag)) check(key_of(name), value_.*pointer, about);
+  void word_or(std::string_view name, std::string_view, F, P pointer, const About& about) {
+    check(key_of(name), value_.*pointer, about);
   }
   template <class P>
   void inlined(P pointer) {

@@ -1,10 +1,14 @@
 #pragma once
 
+#include "controller/describe/enumeration.h"
 #include "controller/types.h"
 
 namespace moma {
 
 enum class ManipulabilityRows { kTranslation, kRotation, kAll };
+constexpr auto words(Of<ManipulabilityRows>) {
+  return std::to_array<std::string_view>({"translation", "rotation", "all"});
+}
 
 struct Manipulability {
   double value = 0.0;     ///< m >= 0

@@ -86,18 +86,6 @@ StepStatus QpSolver::solve(const QpProblem& problem, const Box& box, QpSolution&
   return accept_output(problem, box, solution.x) ? StepStatus::kSolved : StepStatus::kMaxIterations;
 }
 
-std::string_view to_string(SolverKind kind) noexcept {
-  switch (kind) {
-    case SolverKind::kDaqp:
-      return "daqp";
-    case SolverKind::kQpoases:
-      return "qpoases";
-    case SolverKind::kEiquadprog:
-      return "eiquadprog";
-  }
-  return "?";
-}
-
 std::vector<SolverKind> available_solvers() {
   return {
       SolverKind::kDaqp,

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "controller/params.h"
@@ -54,8 +52,6 @@ class QpSolver {
   virtual int max_rows() const noexcept = 0;
 };
 
-/// daqp, qpoases, eiquadprog.
-std::string_view to_string(SolverKind kind) noexcept;
 /// Those this build has; DAQP always.
 std::vector<SolverKind> available_solvers();
 /// Throws std::invalid_argument naming the available ones where `kind` was not built.

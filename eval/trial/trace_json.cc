@@ -3,7 +3,7 @@
 #include <cmath>
 #include <span>
 
-#include "controller/config/controller_escape.h"
+#include "controller/config/write_described.h"
 #include "eval/suite/sections.h"
 #include "world/sensing/disturbances_file.h"
 
@@ -38,7 +38,7 @@ ordered_json sample_json(const Sample& sample) {
   json["least_distance"] = number(sample.least_distance);
   json["status"] = to_string(sample.status);
   json["fallback"] = to_string(sample.fallback);
-  json["escape"] = config::to_json(sample.escape);
+  json["escape"] = config::write_described(sample.escape);
   return json;
 }
 
