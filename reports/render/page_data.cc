@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -15,6 +16,7 @@
 #include "reports/render/assets.h"
 #include "reports/render/evidence.h"
 #include "reports/render/replays.h"
+#include "reports/render/run_state.h"
 #include "reports/render/store.h"
 
 namespace moma::reports {
@@ -124,8 +126,23 @@ Json trials(SQLite::Database& store, const Extent& extent) {
   return {{"n", n}, {"stored", extent.trials}, {"worlds", extent.worlds}, {"columns", std::move(all)}};
 }
 
+/// What became of a run or search that never said how it ended; the latest comes first.
+void add_ends(const std::filesystem::path& db, Json& rows) {
+  bool latest = true;
+  for (Json& row : rows) {
+    if (row.at("status") == "running") {
+      const Writer writer = latest ? writer_of(db) : Writer::kGone;
+      row["writer"] = writer == Writer::kAtWork ? "at work" : writer == Writer::kGone ? "gone" : "unknown";
+    }
+    latest = false;
+  }
+}
+
 Json tuning(SQLite::Database& store) {
   Json searches = rows(store, tuning_sql());
+  std::reverse(searches.begin(), searches.end());  // the latest first, as add_ends() wants them
+  add_ends(store.getFilename(), searches);
+  std::reverse(searches.begin(), searches.end());
   for (Json& search : searches) {
     const std::int64_t id = search.at("id").get<std::int64_t>();
     search["variables"] = rows(store, tuning_variables_sql(), id);
@@ -146,6 +163,7 @@ nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& o
   page["store"] = {{"file", std::filesystem::path(store.getFilename()).filename().string()},
                    {"schema", store.execAndGet("PRAGMA user_version").getInt()}};
   page["invocations"] = rows(store, invocations_sql());
+  add_ends(store.getFilename(), page["invocations"]);
   page["points"] = rows(store, points_sql());
   page["summary"] = rows(store, summary_sql());
   page["overall"] = rows(store, overall_sql());

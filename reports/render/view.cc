@@ -12,6 +12,7 @@
 #include "reports/render/html.h"
 #include "reports/render/page_data.h"
 #include "reports/render/replays.h"
+#include "reports/render/run_state.h"
 #include "reports/render/store.h"
 
 namespace moma::reports {
@@ -29,9 +30,32 @@ std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::er
 /// What the stores hold, in a few numbers that differ whenever the page's data would.
 struct State {
   long long trials = 0;
+  long long stored = 0;   ///< of the suite that is being run
+  long long planned = 0;  ///< of it; 0 where nothing is
   bool running = false;
+  bool killed = false;
   std::string token;
 };
+
+/// Adds what the latest run of a store is doing.
+void add_run(const std::filesystem::path& db, SQLite::Database& store, State& state) {
+  SQLite::Statement latest(store,
+                           "SELECT trials_planned, (SELECT count(*) FROM point AS p JOIN point_trial AS m ON "
+                           "m.point_id = p.id WHERE p.suite_id = i.suite_id) "
+                           "FROM invocation AS i WHERE status = 'running' AND id = (SELECT max(id) FROM invocation)");
+  SQLite::Statement search(store,
+                           "SELECT 1 FROM tune_search WHERE status = 'running' AND id = (SELECT max(id) FROM "
+                           "tune_search)");
+  const bool runs = latest.executeStep();
+  if (!runs && !search.executeStep()) return;
+  const Writer writer = writer_of(db);
+  state.killed = state.killed || writer == Writer::kGone;
+  if (writer == Writer::kGone) return;
+  state.running = true;
+  if (!runs) return;
+  state.planned += latest.getColumn(0).getInt64();
+  state.stored += latest.getColumn(1).getInt64();
+}
 
 State state_of(const Stores& stores) {
   State state;
@@ -41,12 +65,14 @@ State state_of(const Stores& stores) {
         store,
         "SELECT (SELECT count(*) FROM point_trial), (SELECT count(*) FROM samples), "
         "(SELECT count(*) FROM invocation), (SELECT count(*) FROM invocation WHERE status = "
-        "'running'), (SELECT count(*) FROM tune_evaluation), (SELECT count(*) FROM tune_comparison)");
+        "'running'), (SELECT count(*) FROM tune_evaluation), (SELECT count(*) FROM tune_comparison), "
+        "(SELECT count(*) FROM tune_search WHERE status = 'running')");
     query.executeStep();
     state.trials += query.getColumn(0).getInt64();
-    state.running = state.running || query.getColumn(3).getInt64() > 0;
+    add_run(db, store, state);
     for (int i = 0; i < query.getColumnCount(); ++i) state.token += fmt::format("{}.", query.getColumn(i).getInt64());
   }
+  state.token += state.running ? "r" : state.killed ? "k" : "";
   return state;
 }
 
@@ -61,7 +87,12 @@ class Answers {
 
   std::string state() const {
     const State now = state_of(stores_);
-    return dumped({{"trials", now.trials}, {"running", now.running}, {"token", now.token}});
+    return dumped({{"trials", now.trials},
+                   {"running", now.running},
+                   {"killed", now.killed},
+                   {"stored", now.stored},
+                   {"planned", now.planned},
+                   {"token", now.token}});
   }
 
   /// The page's data; read anew only where the store has changed.

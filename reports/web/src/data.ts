@@ -39,6 +39,8 @@ export interface Invocation {
   compiler: string; compiler_flags: string; libraries: Record<string, string>; host: string; os: string;
   cpu: string; cpu_count: number; threads: number; machine_class: string;
   trials_planned: number; trials_present: number; trials_done: number; store?: string;
+  /** Of one that is "running": whether its program still holds the store's lock. */
+  writer?: 'at work' | 'gone' | 'unknown';
 }
 
 export interface ReplayData {
@@ -55,6 +57,7 @@ export interface TuneSearch {
   suite: string; controller: string; objective: string; unit: string; budget_trials: number; started: string; ended: string | null;
   status: string; trials: number | null; trials_saved: number | null; evaluations_cut: number | null;
   held_out_suite: string | null; verdict: string | null; notes: string[];
+  writer?: 'at work' | 'gone' | 'unknown';
   variables: { key: string; lower: number; upper: number; scale: string; start: number; found: number | null; importance: number | null }[];
   evaluations: { evaluation: number; phase: string; worlds: number; cut: number; valid: number; cost: number; merit: number; candidate: number[] }[];
   sensitivity: { variable: number; value: number | null; change: number; error: number; valid: number }[];

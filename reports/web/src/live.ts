@@ -2,18 +2,51 @@
 
 import { ask, type Model, type PageData } from './data';
 import { h, replace } from './dom';
-import { plural } from './format';
+import { integer, plural } from './format';
 import { isSwept } from './figures/sweep';
 import { refreshView } from './view';
 
-interface State { trials: number; running: boolean; token: string }
+interface State { trials: number; running: boolean; killed: boolean; stored: number; planned: number; token: string }
 
 const kPause = 3000;
+/** The rate is that of the last two minutes, as far as the page has looked. */
+const kWindow = 120000;
+
+/** "40 s", "12 min", "3.2 h". */
+function roughly(seconds: number): string {
+  if (seconds < 90) return `${integer(Math.max(1, Math.round(seconds)))}\u00a0s`;
+  if (seconds < 5400) return `${integer(Math.round(seconds / 60))}\u00a0min`;
+  return `${(seconds / 3600).toFixed(1)}\u00a0h`;
+}
+
+/** How many trials a second, from what was seen when; null until it can be told. */
+class Pace {
+  private readonly seen: { at: number; stored: number }[] = [];
+
+  add(stored: number): number | null {
+    const now = performance.now();
+    const before = this.seen[this.seen.length - 1];
+    if (before !== undefined && stored < before.stored) this.seen.length = 0;   // another run
+    this.seen.push({ at: now, stored });
+    while (this.seen.length > 2 && now - (this.seen[0]?.at ?? now) > kWindow) this.seen.shift();
+    const [first] = this.seen;
+    return first === undefined || stored <= first.stored || now <= first.at ? null : (1000 * (stored - first.stored)) / (now - first.at);
+  }
+}
+
+function words(now: State, rate: number | null): string {
+  if (now.killed) return `${plural(now.trials, 'trial')}; the last run was killed: nobody writes to this store.`;
+  if (!now.running) return `${plural(now.trials, 'trial')}; no run is going on.`;
+  if (now.planned === 0) return `${plural(now.trials, 'trial')}; a search goes on, and this page follows it.`;
+  const pace = rate === null ? '' : `, ${rate < 10 ? rate.toFixed(1) : integer(Math.round(rate))} a second, about ${roughly((now.planned - now.stored) / rate)} left`;
+  return `${integer(now.stored)} of ${plural(now.planned, 'trial')} (${integer(Math.floor((100 * now.stored) / now.planned))}\u00a0%)${pace}; a run goes on, and this page follows it.`;
+}
 
 /** A line that says what the store is doing, kept up to date while the page is looked at. */
 export function liveLine(model: Model): HTMLElement | null {
   if (model.page.live === undefined) return null;
   const line = h('p', { class: 'live', role: 'status' }, `${plural(model.page.trials.stored, 'trial')}, served live.`);
+  const pace = new Pace();
   let shown = model.page.live.token;
   let pause = kPause;
 
@@ -38,7 +71,7 @@ export function liveLine(model: Model): HTMLElement | null {
       if (!document.hidden) {
         const now = await ask('state.json') as State;
         if (now.token !== shown) await update();
-        replace(line, `${plural(now.trials, 'trial')}${now.running ? '; a run goes on, and this page follows it.' : '; no run is going on.'}`);
+        replace(line, words(now, now.running ? pace.add(now.stored) : null));
         line.classList.toggle('running', now.running);
       }
     } catch (error) {
@@ -47,6 +80,6 @@ export function liveLine(model: Model): HTMLElement | null {
     }
     setTimeout(() => void look(), pause);
   };
-  setTimeout(() => void look(), kPause);
+  void look();
   return line;
 }

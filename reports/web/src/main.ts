@@ -38,22 +38,22 @@ function start(app: HTMLElement, page: PageData): void {
   }
   const drawn = (part: keyof typeof kFigures): Node[] => kFigures[part](model).map(figure);
   const several = new Set(page.points.map((p) => [p.suite, p.controller, p.point].join('\n'))).size > 1;
-  type Section = [id: string, title: string, content: () => Node[], link?: string];
+  type Section = [id: string, title: string, content: () => Node[]];
   const sections: Section[] = [
+    ...(page.tuning.length > 0 ? [['tuning', 'Tuning', () => tuning(model)] as Section] : []),   // what the search was made for
     ['results', 'Results', () => [summary(model), ...drawn('results')]],
-    ['time', 'Time to goal', () => drawn('time'), 'Time'],
+    ['time', 'Time', () => drawn('time')],
     ['difficulty', 'Difficulty', () => drawn('difficulty')],
     ...(isSwept(model) ? [['sweep', 'Sweep', () => drawn('sweep')] as Section] : []),
-    ...(page.tuning.length > 0 ? [['tuning', 'Tuning', () => tuning(model)] as Section] : []),
-    ['quality', 'Quality of motion', () => drawn('quality'), 'Quality'],
-    ['pairs', 'World by world', () => [...(several ? [comparison(model)] : []), ...drawn('pairs')], 'Pairs'],
+    ['quality', 'Quality', () => drawn('quality')],
+    ['pairs', 'Pairs', () => [...(several ? [comparison(model)] : []), ...drawn('pairs')]],
     ['failures', 'Failures', () => [failures(model)]],
     ['replay', 'Replay', () => [player(model)]],
     ['timing', 'Timing', () => drawn('timing')],
     ['trials', 'Trials', () => [trials(model)]],
     ['provenance', 'Provenance', () => [provenance(model)]],
   ];
-  const bar = toolbar(model, sections.map(([id, title, , link]) => [id, link ?? title] as const));
+  const bar = toolbar(model, sections.map(([id, title]) => [id, title] as const));
   const skip = h('a', { class: 'skip', href: '#results', click: (event) => {
     event.preventDefault();
     document.getElementById('results')?.scrollIntoView();

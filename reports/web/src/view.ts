@@ -1,7 +1,7 @@
 // What the figures show now: the slice, the family and the series that the reader has chosen.
 
 import { meets, onlyConditions } from './conditions';
-import type { Model, Series, Slice } from './data';
+import { inSlice, type Model, type Series, type Slice } from './data';
 import * as state from './state';
 import { kColours } from './theme';
 
@@ -22,9 +22,15 @@ let cached: View | null = null;
 let source: Model | null = null;
 const listeners: (() => void)[] = [];
 
+/** The first slice that has trials: that of a search's own suite has none. */
+function firstSlice(model: Model): string {
+  const filled = model.slices.find((slice) => model.page.overall.some((row) => row.n > 0 && inSlice(row, slice)));
+  return (filled ?? model.slices[0])?.id ?? '';
+}
+
 export function startView(model: Model): void {
   source = model;
-  state.setDefault('slice', model.slices[0]?.id ?? '');
+  state.setDefault('slice', firstSlice(model));
   state.listen(['slice', 'family', 'show', 'at'], () => {
     cached = null;
     for (const call of listeners) call();
@@ -39,7 +45,7 @@ export function showSlice(id: string): void {
 
 /** The model's data has changed. */
 export function refreshView(): void {
-  if (source !== null) state.setDefault('slice', source.slices[0]?.id ?? '');
+  if (source !== null) state.setDefault('slice', firstSlice(source));
   cached = null;
   for (const call of listeners) call();
 }
@@ -52,7 +58,7 @@ export function view(): View {
   if (cached !== null) return cached;
   if (source === null) throw new Error('the view has no data yet');
   const model = source;
-  const slice = model.slices.find((s) => s.id === state.get('slice')) ?? model.slices[0] ?? { id: '', suite: '', robot: '', mode: '' };
+  const slice = model.slices.find((s) => s.id === state.get('slice')) ?? model.slices.find((s) => s.id === firstSlice(model)) ?? { id: '', suite: '', robot: '', mode: '' };
   const families = model.families(slice);
   const wanted = state.get('family');
   const family = families.includes(wanted) ? wanted : '';

@@ -2,76 +2,19 @@
 // With the program MOMA, also pages of trials that it simulates. MOMA_SCREENSHOTS=DIR writes screenshots there.
 // Exit 0: passed; 1: failed; 77: left out, since node's packages, python3 or chromium are missing.
 import { execFileSync, spawn } from 'node:child_process';
-import { existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
+import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { inflateSync } from 'node:zlib';
 
+import { check, dataOf, end, launch, near, opener, packagesOf, scrollThrough, workshop } from './kit.mjs';
+
 const [, , source, makeReport, work, moma] = process.argv;
 const screenshots = process.env.MOMA_SCREENSHOTS;
-const skip = (why) => {
-  console.log(`skipped: ${why}; scripts/setup.sh installs what is missing`);
-  process.exit(77);
-};
-const chromiumPath = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'].find(existsSync);
-if (chromiumPath === undefined) skip('there is no chromium');
-const require = createRequire(join(source, 'reports/web/package.json'));
-let chromium;
-try {
-  ({ chromium } = require('playwright-core'));
-} catch {
-  skip('playwright-core is not in reports/web/node_modules');
-}
-
-let failures = 0;
-const check = (ok, what) => {
-  if (!ok) {
-    failures += 1;
-    console.log(`FAILED: ${what}`);
-  }
-};
-const near = (a, b, tolerance) => Math.abs(a - b) <= tolerance;
-
-rmSync(work, { recursive: true, force: true });
-mkdirSync(work, { recursive: true });
-const makePage = (kind, worlds) => {
-  const db = join(work, `${kind}.db`);
-  const html = join(work, `${kind}.html`);
-  execFileSync('python3', [join(source, 'tests/tools/make_store.py'), join(source, 'eval/store'), db,
-    '--kind', kind, '--worlds', String(worlds), '--samples', '8'], { stdio: 'inherit' });
-  execFileSync(makeReport, [db, html], { stdio: 'inherit' });
-  return html;
-};
-const dataOf = (html) => JSON.parse(readFileSync(html, 'utf8').split('id="moma-data">')[1].split('</script')[0]);
-
-const browser = await chromium.launch({
-  executablePath: chromiumPath, headless: true,
-  args: ['--no-sandbox', '--enable-unsafe-swiftshader', '--use-angle=swiftshader', '--disable-background-networking',
-    '--disable-component-update', '--disable-sync', '--no-first-run'],
-});
-
-/** Opens a page and notes everything it must not do. */
-const open = async (html, { width = 1280, hash = '', scheme = 'light', served = false, allowed = () => false } = {}) => {
-  const context = await browser.newContext({ viewport: { width, height: 900 }, offline: !served, colorScheme: scheme, acceptDownloads: true });
-  const page = await context.newPage();
-  page.setDefaultTimeout(60000);
-  page.on('console', (message) => { if (message.type() === 'error' && !allowed(message.text())) check(false, `console error: ${message.text()}`); });
-  page.on('pageerror', (error) => check(false, `page error: ${error.stack}`));
-  page.on('dialog', (dialog) => { check(false, 'a dialog opened'); void dialog.dismiss(); });
-  page.on('request', (request) => { if (!/^(file|data|blob):/.test(request.url()) && !(served && request.url().startsWith(html))) check(false, `request to ${request.url()}`); });
-  await page.goto(served ? `${html}${hash}` : `file://${html}${hash}`);
-  await page.waitForSelector('main');   // built after the first paint
-  return { context, page };
-};
-
-/** Everything is drawn only where it is seen. */
-const scrollThrough = async (page) => {
-  const height = await page.evaluate(() => document.documentElement.scrollHeight);
-  for (let y = 0; y < height; y += 600) {
-    await page.evaluate((top) => scrollTo({ top, behavior: 'instant' }), y);
-    await page.waitForTimeout(60);
-  }
-};
+const { makeStore, makePage: pageOf } = workshop(source, makeReport, work);
+const makePage = (kind, worlds) => pageOf(makeStore(kind, kind, worlds));
+const browser = await launch(source);
+const open = opener(browser);
+const require = packagesOf(source);
 
 const noOverflow = async (page, what) => {
   const [wide, inner] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
@@ -94,10 +37,35 @@ const data = dataOf(demo);
   });
   for (const row of [...data.summary, ...data.overall]) {
     const cells = await page.locator('.summary tbody tr').filter({ has: page.locator('td') }).allInnerTexts();
-    const wanted = [String(row.n), row.manip_mean.toFixed(4), `${(100 * row.success_low).toFixed(1)}\u2013${(100 * row.success_high).toFixed(1)}`];
+    const wanted = [String(row.n), String(Number(row.manip_mean.toPrecision(3))), `${(100 * row.success_low).toFixed(1)}\u2013${(100 * row.success_high).toFixed(1)}`];
     check(cells.some((text) => text.includes(row.controller) && wanted.every((part) => text.includes(part))), `summary row ${JSON.stringify(row)}`);
   }
   await noOverflow(page, '1280');
+
+  // By how much, world by world, and where the one that is behind fails; counted here anew.
+  const text = (name) => data.trials.columns[name].codes.map((code) => data.trials.columns[name].values[code] ?? null);
+  const [who, what, where, world] = ['controller', 'outcome', 'family', 'world_key'].map(text);
+  const lines = await page.locator('.forest-row .difference').allInnerTexts();
+  ['', 'clutter', 'open'].forEach((family, i) => {
+    const won = (name) => new Map(who.flatMap((c, row) => (c === name && (family === '' || where[row] === family) ? [[world[row], what[row] === 'success']] : [])));
+    const [a, b] = [won('holistic'), won('moma')];
+    const points = (100 * [...a].reduce((sum, [key, ok]) => sum + Number(b.get(key)) - Number(ok), 0)) / a.size;
+    check(lines[i].startsWith(`${points > 0 ? '+' : ''}${points.toFixed(1).replace('-', '\u2212')} points`), `difference in ${family || 'all'}: ${points} points, shown ${lines[i]}`);
+    check(/\d to .*p\s[=<]\s/.test(lines[i]), `an interval and p: ${lines[i]}`);
+  });
+  await page.waitForFunction(() => document.querySelector('.fails').textContent !== '');
+  const failures = who.filter((c, row) => c === 'holistic' && what[row] !== 'success').length;
+  check(new RegExp(`^holistic fails .* of ${failures}.failures\\.$`).test(await page.locator('.fails').innerText()), `where it fails: ${await page.locator('.fails').innerText()}`);
+
+  // The table of results sorts by any column.
+  const first = async () => (await page.locator('.summary tbody').last().locator('tr').nth(1).innerText());
+  await page.locator('.summary').getByRole('button', { name: 'Success' }).click();
+  const best = data.overall.reduce((a, b) => (a.success_rate >= b.success_rate ? a : b)).controller;
+  check((await first()).includes(best), 'sorted by success, the best is first');
+  check((await page.locator('.summary th[aria-sort]').getAttribute('aria-sort')) === 'descending', 'the column says how it is sorted');
+  await page.locator('.summary').getByRole('button', { name: 'Success' }).click();
+  check(!(await first()).includes(best), 'once more, and it is last');
+  await page.locator('.summary').getByRole('button', { name: 'Success' }).click();
 
   // Figures: each saves itself as SVG and its data as CSV, and says its n.
   await scrollThrough(page);
@@ -306,6 +274,9 @@ for (const [kind, worlds] of [['empty', 0], ['one', 1], ['failures', 16], ['swee
   const text = await page.locator('#app').innerText();
   check(!/NaN|undefined|\[object/.test(text), `${kind}: ${/.{0,40}(NaN|undefined|\[object).{0,40}/.exec(text)?.[0]}`);
   if (kind === 'empty') check(text.includes('holds no trials yet'), 'an empty store says so');
+  if (kind === 'tuned') check(/judged|: better\./.test(await page.locator('#top').innerText()) && /success rate \+12\.0 points/.test(await page.locator('#top').innerText()), `a search begins with its verdict: ${await page.locator('#top').innerText()}`);
+  if (kind === 'tuned') check(!/no trials here yet/i.test(text) && (await page.locator('.verdict').count()) === 2, 'a search opens on a suite that has trials');
+  if (kind === 'failures') check(/neither \w+ nor \w+ reached a goal: nothing tells them apart/.test(text) && !/p\s=\s1\.000/.test(await page.locator('#top').innerText()), 'nobody reached anything, in plain words');
   if (kind === 'tuned') check(/0\.31/.test(await page.locator('#tuning').innerText()), 'the found gain is named');
   if (kind === 'failures') check(text.includes('No trial reached its goal'), 'only failures: the arrival figure says so');
   await context.close();
@@ -368,12 +339,23 @@ if (moma !== undefined) {
   const allowed = (error) => stopped && error.includes('ERR_CONNECTION_REFUSED');   // the page goes on asking
   const { context, page } = await open(address, { served: true, allowed });
   check((await page.locator('.live').innerText()).includes('30'), 'the page says that it is live');
+  // Whether a run that never said how it ended goes on: its program holds the store's lock, or does not.
+  const lock = `${db}-lock`;
+  writeFileSync(lock, '');
+  await page.waitForFunction(() => /was killed/.test(document.querySelector('.live').textContent));
+  check(!(await page.locator('.live').getAttribute('class')).includes('running'), 'a killed run is not called live');
+  check(/The last run was killed/.test(await page.locator('.notices').innerText()), `the notices say so: ${await page.locator('.notices').innerText()}`);
+  const holder = spawn('python3', ['-c', `import fcntl, sys; f = open(${JSON.stringify(lock)}); fcntl.flock(f, fcntl.LOCK_EX); print("held", flush=True); sys.stdin.read()`], { stdio: ['pipe', 'pipe', 'inherit'] });
+  await new Promise((done) => holder.stdout.once('data', done));
+  await page.waitForFunction(() => /30 of 40\strials \(75\s%\).*a run goes on/.test(document.querySelector('.live').textContent));
+  check(/interim/.test(await page.locator('.notices').innerText()), 'what is shown before the end is called interim');
   check((await page.locator('#trials footer .note').innerText()).startsWith('30'), 'the trials so far');
   await page.locator('.atlas .play').first().click();
   await page.waitForSelector('.stage-box[data-trial]');
   await page.waitForFunction(() => Number(document.querySelector('.transport input[type=range]').value) > 0.05);
   await page.locator('.transport .play').click();
   sql("INSERT INTO point_trial SELECT * FROM kept; DROP TABLE kept; UPDATE invocation SET status = 'finished';");
+  holder.stdin.end();
   await page.waitForFunction(() => document.querySelector('#trials footer .note').textContent.startsWith('40'));
   check((await page.locator('.summary tbody tr').last().locator('td').first().innerText()) === '20', 'the summary has followed');
   check((await page.locator('.live').innerText()).includes('no run is going on'), 'the end of the run is told');
@@ -472,5 +454,4 @@ if (screenshots !== undefined) {
   }
 }
 await browser.close();
-console.log(failures === 0 ? 'the page passed' : `${failures} checks failed`);
-process.exit(failures === 0 ? 0 : 1);
+end('the page');

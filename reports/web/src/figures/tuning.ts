@@ -1,10 +1,10 @@
 // A search for gains: what was found and whether it holds on other worlds, how the search went, what matters.
 
-import { axis, nice, pathSeries, plain, stairs, tip, type FigureSpec } from '../chart';
+import { axis, kFont, nice, pathSeries, plain, stairs, tip, whisker, type FigureSpec } from '../chart';
 import { figure } from '../figure';
 import type { Model, TuneSearch } from '../data';
 import { h } from '../dom';
-import { integer, percent, percentRange, plural, probability, significant } from '../format';
+import { fixed, integer, percent, percentRange, plural, probability, significant } from '../format';
 import { metric } from '../metrics';
 import { seriesColour, type Palette } from '../theme';
 
@@ -24,21 +24,126 @@ function gains(search: TuneSearch): HTMLElement {
       h('td', null, v.importance === null ? '\u2013' : h('span', { class: 'share', style: `--w:${(100 * v.importance) / most}%` }, percent(v.importance, 0))))))));
 }
 
+type Comparison = TuneSearch['comparisons'][number];
+
+function isRate(name: string): boolean {
+  return name === 'success' || name === 'collision';
+}
+
+function named(key: string): string {
+  return key === 'objective' ? 'objective' : isRate(key) ? `${key} rate` : metric(key).name;
+}
+
+/** A value of a metric of the comparison; rates in percent, their differences in points. */
+function written(key: string, v: number | null): string {
+  return v === null ? '\u2013' : isRate(key) ? percent(v) : metric(key).write(v);
+}
+
 function comparisons(search: TuneSearch): HTMLElement | null {
   if (search.comparisons.length === 0) return null;
-  const isRate = (name: string): boolean => name === 'success' || name === 'collision';
-  const value = (name: string, v: number | null): string => (v === null ? '\u2013' : isRate(name) ? percent(v) : metric(name).write(v));
   const range = (name: string, low: number | null, high: number | null): string =>
     (low === null || high === null ? '' : isRate(name) ? percentRange(low, high) : `${metric(name).write(low)} to ${metric(name).write(high)}`);
-  return h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Comparison on held-out worlds' }, h('table', { class: 'plain' },
-    h('thead', null, h('tr', null, ...['Metric', 'Worlds', 'Found gains', 'Compared with', 'Difference', 'Verdict'].map((name) => h('th', { scope: 'col' }, name)))),
-    h('tbody', null, ...search.comparisons.map((c) => h('tr', null,
-      h('th', { scope: 'row' }, metric(c.metric).name),
-      h('td', null, `${c.family}, n = ${integer(c.n)}`),
-      h('td', null, h('b', null, value(c.metric, c.found)), h('small', null, range(c.metric, c.found_low, c.found_high))),
-      h('td', null, value(c.metric, c.theirs), h('small', null, `${c.other} ${range(c.metric, c.theirs_low, c.theirs_high)}`)),
-      h('td', null, value(c.metric, c.difference), h('small', null, range(c.metric, c.difference_low, c.difference_high))),
-      h('td', null, c.verdict, c.p === null ? null : h('small', null, `${probability(c.p)}, Holm`)))))));
+  return h('details', null, h('summary', null, `All ${plural(search.comparisons.length, 'comparison')} in numbers`),
+    h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Comparison on held-out worlds' }, h('table', { class: 'plain' },
+      h('thead', null, h('tr', null, ...['Metric', 'Worlds', 'Found gains', 'Compared with', 'Difference', 'Verdict'].map((name) => h('th', { scope: 'col' }, name)))),
+      h('tbody', null, ...search.comparisons.map((c) => h('tr', null,
+        h('th', { scope: 'row' }, named(c.metric)),
+        h('td', null, `${c.family}, n = ${integer(c.n)}`),
+        h('td', null, h('b', null, written(c.metric, c.found)), h('small', null, range(c.metric, c.found_low, c.found_high))),
+        h('td', null, written(c.metric, c.theirs), h('small', null, `${c.other} ${range(c.metric, c.theirs_low, c.theirs_high)}`)),
+        h('td', null, written(c.metric, c.difference), h('small', null, range(c.metric, c.difference_low, c.difference_high))),
+        h('td', null, c.verdict, c.p === null ? null : h('small', null, `${probability(c.p)}, Holm`))))))));
+}
+
+/** "success rate +12.0 points (7.0 to 17.0), p < 0.001" */
+function difference(c: Comparison): string {
+  const scale = isRate(c.metric) ? 100 : 1;
+  const write = (v: number | null): string => (v === null ? '\u2013' : isRate(c.metric) ? fixed(scale * v, 1) : metric(c.metric).write(v));
+  const value = `${(c.difference ?? 0) > 0 ? '+' : ''}${write(c.difference)}${isRate(c.metric) ? ' points' : metric(c.metric).unit && ` ${metric(c.metric).unit}`}`;
+  const interval = c.difference_low === null || c.difference_high === null ? '' : ` (${write(c.difference_low)} to ${write(c.difference_high)})`;
+  return `${named(c.metric)} ${value}${interval}${c.p === null ? '' : `, ${probability(c.p)}`}`;
+}
+
+const kCriterion: Record<string, string> = {
+  better: 'success or the objective is shown to be better, and neither success nor collisions are shown to be worse',
+  worse: 'success or collisions are shown to be worse',
+  'no difference shown': 'neither success nor the objective is shown to be better, nor success or collisions to be worse',
+};
+
+/** What was found to hold on other worlds, by how much, and by which rule. */
+export function verdictOf(search: TuneSearch): string[] {
+  if (search.verdict === null) {
+    const still = search.writer === 'at work' ? 'still running' : search.writer === 'gone' ? 'was killed; the same command goes on' : 'still running, or was killed';
+    return [`The search for gains of ${search.controller} is ${search.status === 'running' ? still : search.status}: nothing has been judged yet.`.replace('is was', 'was')];
+  }
+  const families = new Set(search.comparisons.map((c) => c.family));
+  const whole = families.has('all') ? 'all' : [...families][0];
+  const others = [...new Set(search.comparisons.map((c) => c.other))];
+  const preset = others.includes(search.controller) ? search.controller : others[0];
+  const told = search.comparisons.filter((c) => c.family === whole && c.other === preset);
+  const shown = [...told.filter((c) => isRate(c.metric) || c.metric === 'objective'), ...told.filter((c) => !isRate(c.metric) && c.metric !== 'objective')].filter((c) => c.difference !== null).slice(0, 4);
+  return [
+    `Gains found for ${search.controller}, on ${told[0] === undefined ? 'worlds' : plural(told[0].n, 'world')} that took no part in the search: ${search.verdict}.`,
+    ...(shown.length === 0 ? [] : [`Against ${preset ?? ''}: ${shown.map(difference).join('; ')}.`]),
+    ...(kCriterion[search.verdict] === undefined ? [] : [`\u201c${search.verdict.charAt(0).toUpperCase()}${search.verdict.slice(1)}\u201d: ${kCriterion[search.verdict]} (exact McNemar with Holm\u2019s correction, paired bootstrap). The score of the search takes no part.`]),
+  ];
+}
+
+/** One forest plot per metric: the found gains less each other controller, in each family. */
+function held(search: TuneSearch, id: string): FigureSpec {
+  return {
+    id: `heldout${id}`,
+    title: 'Found gains less the others, on held-out worlds',
+    caption: 'A plot per metric, a row per family of worlds and controller compared with: the paired difference with its 95 % interval. Filled where it is shown to differ.',
+    empty: 'Nothing has been judged yet.',
+    draw: (p: Palette, width: number) => {
+      const all = search.comparisons.filter((c) => c.difference !== null);
+      const keys = [...new Set(all.map((c) => c.metric))];
+      if (all.length === 0) return null;
+      const row = (c: Comparison): string => `${c.family}, ${c.other}`;
+      const rows = [...new Set(all.map(row))];
+      const columns = Math.max(1, Math.min(keys.length, width < 560 ? 1 : width < 900 ? 2 : 3));
+      const label = Math.min(0.3 * width, 14 + 6.6 * Math.max(...rows.map((r) => r.length)));
+      const [high, above, below] = [22 * rows.length + 8, 30, 40];
+      const wide = (width - label - 24 * columns) / columns;
+      const left = (i: number): number => label + (i % columns) * (wide + 24);
+      const colour = seriesColour(p, 0);
+      const scale = (key: string): number => (isRate(key) ? 100 : 1);
+      const grid = keys.map((_, i) => ({ left: left(i), width: wide, top: above + Math.floor(i / columns) * (high + above + below), height: high, outerBoundsMode: 'none' }));
+      return {
+        height: Math.ceil(keys.length / columns) * (high + above + below) + 8,
+        note: `n = ${[...new Set(all.map((c) => c.n))].map(integer).join(', ')} worlds. Rates: exact McNemar, Holm\u2019s correction over all; others: paired bootstrap.`,
+        columns: ['metric', 'family', 'other', 'n', 'difference', 'low', 'high', 'p', 'verdict'],
+        rows: all.map((c) => [c.metric, c.family, c.other, c.n, c.difference, c.difference_low, c.difference_high, c.p, c.verdict]),
+        option: {
+          grid,
+          title: keys.map((key, i) => ({ text: `${named(key)}${isRate(key) ? ' [points]' : metric(key).unit && ` [${metric(key).unit}]`}`, left: left(i), top: (grid[i]?.top ?? 0) - 24, padding: 0, textStyle: { color: p.ink, fontSize: 12.5, fontWeight: 600, fontFamily: kFont, width: wide, overflow: 'truncate' } })),
+          xAxis: keys.map((key, i) => {
+            const of = all.filter((c) => c.metric === key);
+            const range = nice(Math.min(0, ...of.map((c) => scale(key) * (c.difference_low ?? c.difference ?? 0))), Math.max(0, ...of.map((c) => scale(key) * (c.difference_high ?? c.difference ?? 0))), 4);
+            return { ...axis(p, '', { ...range, axisLabel: { color: p.muted, fontSize: 11, hideOverlap: true, formatter: plain } }), gridIndex: i };
+          }),
+          yAxis: keys.map((_, i) => ({
+            type: 'category', inverse: true, data: rows, gridIndex: i, axisTick: { show: false }, splitLine: { show: false }, axisLine: { show: false },
+            axisLabel: { show: i % columns === 0, color: p.ink, fontSize: 12, width: label - 12, overflow: 'truncate' },
+          })),
+          tooltip: { trigger: 'item', formatter: ({ data }: { data: { c?: Comparison } }) => (data.c === undefined ? '' : tip(row(data.c), [['difference', difference(data.c)], ['verdict', data.c.verdict]], colour)) },
+          series: keys.flatMap((key, i) => {
+            const of = all.filter((c) => c.metric === key);
+            const at = { xAxisIndex: i, yAxisIndex: i };
+            return [
+              { type: 'line', ...at, data: [[0, rows[0]], [0, rows[rows.length - 1]]], showSymbol: false, silent: true, lineStyle: { color: p.faint, width: 1, type: [4, 3] }, z: 1 },
+              { type: 'custom', ...at, silent: true, data: of.filter((c) => c.difference_low !== null).map((c) => [scale(key) * (c.difference_low ?? 0), scale(key) * (c.difference_high ?? 0), rows.indexOf(row(c))]), encode: { x: [0, 1], y: 2 }, renderItem: whisker(colour, true, 2) },
+              {
+                type: 'scatter', ...at, symbolSize: 9, z: 4,
+                data: of.map((c) => ({ value: [scale(key) * (c.difference ?? 0), row(c)], c, itemStyle: { color: c.verdict === 'no difference shown' ? p.surface : colour, borderColor: colour, borderWidth: 2 } })),
+              },
+            ];
+          }),
+        },
+      };
+    },
+  };
 }
 
 function history(search: TuneSearch, id: string): FigureSpec {
@@ -95,7 +200,7 @@ function sensitivity(search: TuneSearch, id: string): FigureSpec {
   return {
     id: `sensitivity${id}`,
     title: 'What a gain matters',
-    caption: 'Change of the objective when one gain alone moves away from what was found; errors are in the tooltips.',
+    caption: 'Change of the objective when one gain alone moves away from what was found; bars are one standard error.',
     empty: 'This search measured no sensitivities.',
     draw: (p: Palette) => {
       const lines = search.variables.map((v, i) => ({
@@ -105,7 +210,7 @@ function sensitivity(search: TuneSearch, id: string): FigureSpec {
       if (lines.length === 0) return null;
       return {
         height: 340,
-        note: `n = ${integer(lines.length)} gains. A flat curve is a gain that need not be tuned.`,
+        note: `n = ${integer(lines.length)} gains; bars: one standard error. A flat curve is a gain that need not be tuned.`,
         columns: ['gain', 'value', 'factor', 'change', 'error'],
         rows: lines.flatMap((line) => line.points.map(({ x, s }) => [line.v.key, s.value, x, s.change, s.error])),
         option: {
@@ -122,10 +227,13 @@ function sensitivity(search: TuneSearch, id: string): FigureSpec {
               return tip(short(line.v.key), [['value', significant(point.s.value)], ['change', `${significant(point.s.change)} \u00b1 ${significant(point.s.error, 2)} ${search.unit}`]], seriesColour(p, line.i));
             },
           },
-          series: lines.map((line) => ({
+          series: [...lines.map((line) => ({
+            type: 'custom', silent: true, data: line.points.map(({ x, s }) => [x, s.change - s.error, s.change + s.error]), encode: { x: 0, y: [1, 2] },
+            renderItem: whisker(seriesColour(p, line.i), false), tooltip: { show: false }, itemStyle: { color: seriesColour(p, line.i) },
+          })), ...lines.map((line) => ({
             name: short(line.v.key), type: 'line', data: line.points.map(({ x, s }) => [x, s.change]), symbolSize: 7,
             lineStyle: { color: seriesColour(p, line.i), width: 1.8 }, itemStyle: { color: seriesColour(p, line.i) }, emphasis: { disabled: true },
-          })),
+          }))],
         },
       };
     },
@@ -134,7 +242,7 @@ function sensitivity(search: TuneSearch, id: string): FigureSpec {
 
 function figuresOf(search: TuneSearch, index: number): FigureSpec[] {
   const id = index === 0 ? '' : String(index + 1);
-  return [history(search, id), sensitivity(search, id)];
+  return [held(search, id), history(search, id), sensitivity(search, id)];
 }
 
 export function tuningFigures(model: Model): FigureSpec[] {
@@ -142,17 +250,11 @@ export function tuningFigures(model: Model): FigureSpec[] {
 }
 
 export function tuning(model: Model): Node[] {
-  return model.page.tuning.flatMap((search, i) => {
-    const verdict = search.verdict === null
-      ? `The search is ${search.status === 'running' ? 'still running, or was killed' : search.status}; nothing has been judged yet.`
-      : `On worlds that took no part in the search, the found gains are judged: ${search.verdict}.`;
-    return [
-      h('div', { class: 'panel' },
-        h('h3', null, `Gains of ${search.controller} in ${search.suite}`), h('p', { class: 'judged' }, verdict),
-        gains(search), comparisons(search),
-        ...search.notes.map((note) => h('p', { class: 'note' }, `Note: ${note}.`))),
-      ...figuresOf(search, i).map(figure),
-    ];
-  });
+  return model.page.tuning.flatMap((search, i) => [
+    h('div', { class: 'panel' },
+      h('h3', null, `Gains of ${search.controller} in ${search.suite}`), ...verdictOf(search).map((text, k) => h('p', { class: k === 0 ? 'judged' : 'note' }, text)),
+      gains(search), comparisons(search),
+      ...search.notes.map((note) => h('p', { class: 'note' }, `Note: ${note}.`))),
+    ...figuresOf(search, i).map(figure),
+  ]);
 }
-

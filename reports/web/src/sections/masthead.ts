@@ -1,13 +1,13 @@
 // What was run, and what came of it: one sentence per controller.
 
-import { pairs } from '../compare';
-import { conditions, disturbances, onlyConditions } from '../conditions';
-import { inSlice, type Model, type PointInfo, type Series, type SummaryRow } from '../data';
+import { disturbances } from '../conditions';
+import { verdictOf } from '../figures/tuning';
+import { inSlice, type Model, type PointInfo, type SummaryRow } from '../data';
 import { h, replace } from '../dom';
-import { integer, list, percent, percentNumber, percentRange, plural, probability, seconds, times } from '../format';
-import { holm } from '../stats';
+import { integer, list, percent, percentNumber, percentRange, plural, seconds } from '../format';
 import { palette, seriesColour, onTheme } from '../theme';
 import { onView, view } from '../view';
+import { fillHeadline, judged, kVerdicts } from './headline';
 import { notices } from './notices';
 
 function unique(values: readonly string[]): string[] {
@@ -47,15 +47,6 @@ function facts(model: Model): [string, string][] {
   return out;
 }
 
-/** A bar from 0 to 100 % with the interval as a band and the rate as a tick. */
-function gauge(row: SummaryRow, colour: string): HTMLElement {
-  const at = (v: number): string => `${(100 * v).toFixed(3)}%`;
-  return h('div', { class: 'gauge', style: `--c:${colour}`, role: 'img', 'aria-label': `success ${percent(row.success_rate)}, 95 % interval ${percentRange(row.success_low, row.success_high)}` },
-    h('i', { class: 'band', style: `left:${at(row.success_low)};width:${at(row.success_high - row.success_low)}` }),
-    h('i', { class: 'tick', style: `left:${at(row.success_rate)}` }),
-    ...[0, 25, 50, 75, 100].map((v) => h('span', { style: `left:${v}%` }, v === 0 || v === 50 || v === 100 ? `${v}` : '')));
-}
-
 function sentence(name: string, row: SummaryRow): string {
   const reached = Math.round(row.success_rate * row.n);
   const hits = Math.round(row.collision_rate * row.n);
@@ -63,23 +54,6 @@ function sentence(name: string, row: SummaryRow): string {
   const time = row.time_to_goal_median_s === null ? '' : ` Median time to goal ${seconds(row.time_to_goal_median_s)}.`;
   return `${name} reached the goal in ${integer(reached)} of ${plural(row.n, 'trial')} (95 % interval ${percentRange(row.success_low, row.success_high)}). `
     + `${collided} (${percent(row.collision_rate)}, ${percentRange(row.collision_low, row.collision_high)}).${time}`;
-}
-
-/** More verdicts than this do not help: the best are shown, the others are in the table. */
-const kVerdicts = 4;
-
-interface Judged {
-  series: Series;
-  row: SummaryRow | undefined;
-}
-
-/** The shown series with their rows; of many, the few with the highest success rate, best first. */
-function judged(model: Model): Judged[] {
-  const { slice, family, series } = view();
-  const rows = (family === '' ? model.page.overall : model.page.summary.filter((s) => s.family === family)).filter((r) => inSlice(r, slice));
-  const all = series.map((s) => ({ series: s, row: rows.find((r) => r.controller === s.controller && r.point === s.point) }));
-  if (all.length <= kVerdicts || onlyConditions(model, slice)) return all;
-  return all.sort((a, b) => (b.row?.success_rate ?? -1) - (a.row?.success_rate ?? -1)).slice(0, 3);
 }
 
 function verdicts(model: Model): HTMLElement[] {
@@ -93,7 +67,6 @@ function verdicts(model: Model): HTMLElement[] {
     return h('article', { class: 'verdict', style: `--c:${colour}` },
       h('h2', null, s.name),
       h('p', { class: 'rate' }, percentNumber(row.success_rate), h('small', null, '\u00a0%')),
-      gauge(row, colour),
       h('p', { class: 'words' }, sentence(s.point === '' ? s.name : 'It', row)));
   }).concat(all.length > shown.length
     ? [h('p', { class: 'aside' }, shown.length === view().series.length ? `${integer(shown.length)} of ${plural(all.length, 'point')}, as chosen; all are in the table below.`
@@ -101,37 +74,12 @@ function verdicts(model: Model): HTMLElement[] {
     : []);
 }
 
-/** "failed twice", "never failed". */
-function often(verb: string, count: number): string {
-  return count === 0 ? `never ${verb}` : `${verb} ${times(count)}`;
-}
-
-/** Pairs on the same worlds; with several of them, Holm's correction. */
-function comparison(model: Model): HTMLElement | null {
-  const shown = judged(model).map((j) => j.series);
-  const first = shown[0];
-  if (first === undefined) return null;
-  if (shown.length > kVerdicts) {
-    const under = conditions(model, view().slice).length > 0 ? 'Choose one condition in the bar below for its paired comparison in words; t' : 'T';
-    return h('p', { class: 'aside' }, `${under}he section World by world compares all of them with one, on the same worlds.`);
-  }
-  // Of many points only the best two: each further comparison would cost the others power.
-  const others = view().series.length > kVerdicts ? shown.slice(1, 2) : shown.slice(1);
-  const all = others.map((s) => ({ s, r: pairs(model, first, s, 'time_to_goal_s') })).filter(({ r }) => r.worlds.length > 0);
-  if (all.length === 0) return null;
-  const corrected = holm(all.map(({ r }) => r.p));
-  return h('div', { class: 'paired-words' }, ...all.map(({ s, r }, i) => {
-    const p = corrected[i] ?? 1;
-    const verdict = p < 0.05 ? `${(r.onlyB > r.onlyA ? s : first).name} is ahead` : 'the difference may be chance';
-    return h('p', null, `On the same ${plural(r.worlds.length, 'world')}, ${s.name} ${often('succeeded', r.onlyB)} where ${first.name} failed, and ${often('failed', r.onlyA)} where it succeeded: ${verdict} (exact McNemar ${probability(p)}${all.length > 1 ? ', Holm' : ''}).`);
-  }));
-}
-
 export function masthead(model: Model, live: HTMLElement | null): HTMLElement {
   const title = h('h1');
   const strip = h('dl', { class: 'facts' });
   const told = h('div', { class: 'notices' });
   const verdictBox = h('div', { class: 'verdicts' });
+  const found = h('div', { class: 'paired-words found' });
   const pairBox = h('div');
   const fill = (): void => {
     const { slice, family } = view();
@@ -142,12 +90,13 @@ export function masthead(model: Model, live: HTMLElement | null): HTMLElement {
     const all = verdicts(model);
     verdictBox.classList.toggle('many', all.length > kVerdicts);
     replace(verdictBox, ...all);
-    replace(pairBox, comparison(model));
+    fillHeadline(model, pairBox);
+    replace(found, ...model.page.tuning.map((search) => { const [first, ...rest] = verdictOf(search); return h('div', null, h('p', null, first ?? ''), ...rest.map((text) => h('p', { class: 'aside' }, text))); }));
   };
   fill();
   onView(fill);
   onTheme(fill);
   return h('header', { class: 'masthead', id: 'top' },
     h('p', { class: 'overline' }, 'moma \u00b7 Monte Carlo evaluation of mobile-manipulator controllers'),
-    title, strip, live, told, verdictBox, pairBox);
+    title, strip, live, told, found, verdictBox, pairBox);
 }

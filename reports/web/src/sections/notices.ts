@@ -36,9 +36,11 @@ export function notices(model: Model, suites: readonly string[]): string[] {
     const stored = page.overall.filter((o) => o.suite === slice.suite && o.store === store).reduce((sum, o) => sum + o.n, 0);
     const where = store === undefined ? '' : `${store}: `;
     const missing = latest.trials_planned - stored;
-    const why = { running: 'The run was still going on, or was killed, when this page was made', stopped: 'The last run was stopped early',
+    const running = { 'at work': page.live === undefined ? 'The run was still going on when this page was made' : 'The run goes on', gone: 'The last run was killed' }[latest.writer as string]
+      ?? 'The run was still going on, or was killed, when this page was made';
+    const why = { running, stopped: 'The last run was stopped early',
       failed: 'The last run failed', finished: 'The last run planned more' }[latest.status] ?? 'The last run did not finish';
-    if (missing > 0) out.push(`${where}${why}: ${integer(stored)} of ${plural(latest.trials_planned, 'trial')} are here, ${integer(missing)} missing. The same command goes on where it stopped.`);
+    if (missing > 0) out.push(`${where}${why}: ${integer(stored)} of ${plural(latest.trials_planned, 'trial')} are here, ${integer(missing)} missing.${latest.writer === 'at work' ? '' : ' The same command goes on where it stopped.'} What follows is interim: whoever looks before the end and stops when a difference shows finds more of them than there are. Its p-values hold for the whole run.`);
     else if (latest.status !== 'finished') out.push(`${where}${why}, yet all ${plural(latest.trials_planned, 'planned trial')} are here.`);
   }
   const counts = page.overall.filter((o) => inSlice(o, slice)).map((o) => o.n);
@@ -59,6 +61,6 @@ export function notices(model: Model, suites: readonly string[]): string[] {
   out.push(...settings(page.points.filter((p) => inSlice(p, slice)), page.stores !== undefined));
   const versions = new Set(page.points.filter((p) => inSlice(p, slice)).map((p) => p.simulation_version));
   if (versions.size > 1) out.push('Trials of different simulation versions are shown together: run the suite again before comparing.');
-  if (suites.length > 1) out.push(`The store holds ${integer(suites.length)} suites: ${list(suites)}. Choose above which one the page shows.`);
+  if (suites.length > 1) out.push(`The store holds ${integer(suites.length)} suites: ${list(suites)}. The bar below chooses the one that the page shows.`);
   return out;
 }

@@ -3,7 +3,8 @@
 import { onlyConditions } from '../conditions';
 import { inSlice, type Model, type SummaryRow } from '../data';
 import { download, h, replace } from '../dom';
-import { csv, fixed, integer, percent, percentRange, seconds, significant } from '../format';
+import { csv, integer, percent, percentRange, seconds, significant } from '../format';
+import * as state from '../state';
 import { onTheme, palette, seriesColour } from '../theme';
 import { onView, view } from '../view';
 
@@ -18,10 +19,29 @@ function rate(value: number, low: number, high: number): Node[] {
   return [h('b', null, percent(value)), h('span', { class: 'ci' }, percentRange(low, high))];
 }
 
-const kHead: readonly (readonly [string, string])[] = [
-  ['Controller', ''], ['n', 'trials'], ['Success', 'rate, 95 % Wilson'], ['Collision', 'rate, 95 % Wilson'], ['Time to goal', 'median of successes'],
-  ['Manipulability', 'mean'], ['Clearance', 'mean of least'], ['Command change', 'mean, share of limit'],
+const kHead: readonly (readonly [name: string, detail: string, key: keyof SummaryRow, first: 'up' | 'down'])[] = [
+  ['Controller', '', 'controller', 'up'], ['n', 'trials', 'n', 'down'], ['Success', 'rate, 95 % Wilson', 'success_rate', 'down'], ['Collision', 'rate, 95 % Wilson', 'collision_rate', 'up'],
+  ['Time to goal', 'median of successes', 'time_to_goal_median_s', 'up'], ['Manipulability', 'mean', 'manip_mean', 'down'], ['Clearance', 'mean of least', 'clearance_min_m', 'down'],
+  ['Command change', 'mean, share of limit', 'command_change_mean', 'up'],
 ];
+
+/** More rows than this in a group are in the order of their success, unless another is asked for. */
+const kAsDefined = 4;
+
+/** In the order asked for; rows without the value last. */
+function ordered(group: readonly SummaryRow[]): SummaryRow[] {
+  const asked = state.get('rank') || (group.length > kAsDefined ? 'success_rate:down' : '');
+  const [key = '', direction] = asked.split(':');
+  const column = kHead.find((head) => head[2] === key)?.[2];
+  if (column === undefined) return [...group];
+  const sign = direction === 'down' ? -1 : 1;
+  return [...group].sort((a, b) => {
+    const [x, y] = [a[column] ?? null, b[column] ?? null];
+    if (x === null || y === null) return x === y ? 0 : x === null ? 1 : -1;
+    if (typeof x === 'string' || typeof y === 'string') return sign * `${x} ${a.point}`.localeCompare(`${y} ${b.point}`, 'en', { numeric: true });
+    return sign * (x - y);
+  });
+}
 
 export function summary(model: Model): HTMLElement {
   const body = h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Table of results' });
@@ -36,10 +56,16 @@ export function summary(model: Model): HTMLElement {
     const rivals = (group: SummaryRow[], row: SummaryRow): SummaryRow[] => (within ? group.filter((r) => r.point === row.point) : group);
     const best = (group: SummaryRow[], row: SummaryRow): boolean => rivals(group, row).length > 1 && rivals(group, row).every((r) => r.success_rate <= row.success_rate);
     replace(body, h('table', { class: 'summary' },
-      h('thead', null, h('tr', null, ...kHead.map(([name, detail], i) => h('th', { scope: 'col', class: i === 0 ? 'text' : 'num' }, name, detail ? h('small', null, detail) : null)))),
+      h('thead', null, h('tr', null, ...kHead.map(([name, detail, key, first], i) => {
+        const [by, direction] = state.get('rank').split(':');
+        const next = by === key ? (direction === first ? (first === 'up' ? 'down' : 'up') : '') : first;
+        return h('th', { scope: 'col', class: i === 0 ? 'text' : 'num', 'aria-sort': by === key ? (direction === 'down' ? 'descending' : 'ascending') : null },
+          h('button', { type: 'button', class: 'sorter', click: () => { state.set({ rank: next === '' ? '' : `${key}:${next}` }); fill(); } }, name, by === key ? (direction === 'down' ? ' \u2193' : ' \u2191') : ''),
+          detail ? h('small', null, detail) : null);
+      }))),
       ...[...groups].map(([family, group]) => h('tbody', null,
         h('tr', { class: 'group' }, h('th', { colspan: kHead.length, scope: 'rowgroup' }, family)),
-        ...group.map((r) => {
+        ...ordered(group).map((r) => {
           const series = all.find((s) => s.controller === r.controller && s.point === r.point);
           return h('tr', { class: best(group, r) ? 'best' : null },
             h('th', { scope: 'row', class: 'text' }, h('span', { class: 'dotted', style: `--c:${seriesColour(palette(), series?.mark ?? -1)}` }, r.controller), r.point ? h('small', null, r.point) : null),
@@ -47,8 +73,8 @@ export function summary(model: Model): HTMLElement {
             h('td', { class: 'num' }, ...rate(r.success_rate, r.success_low, r.success_high)),
             h('td', { class: 'num' }, ...rate(r.collision_rate, r.collision_low, r.collision_high)),
             h('td', { class: 'num' }, seconds(r.time_to_goal_median_s)),
-            h('td', { class: 'num' }, fixed(r.manip_mean, 4)),
-            h('td', { class: 'num' }, r.clearance_min_m === null ? '\u2013' : `${fixed(r.clearance_min_m, 3)}\u00a0m`),
+            h('td', { class: 'num' }, significant(r.manip_mean)),
+            h('td', { class: 'num' }, r.clearance_min_m === null ? '\u2013' : `${significant(r.clearance_min_m)}\u00a0m`),
             h('td', { class: 'num' }, significant(r.command_change_mean)));
         })))));
     if (groups.size === 0) replace(body, h('p', { class: 'empty' }, 'No trials here yet.'));
@@ -62,6 +88,6 @@ export function summary(model: Model): HTMLElement {
     download('summary.csv', 'text/csv', csv(columns, all.map((r) => columns.map((c) => r[c] ?? null))));
   };
   return h('div', { class: 'panel' }, body,
-    h('footer', null, h('p', { class: 'note' }, 'As the store\u2019s view v_summary has it. Means are over the trials that have the value.'),
+    h('footer', null, h('p', { class: 'note' }, 'As the store\u2019s view v_summary has it; bold: the greatest success rate of its group. Means are over the trials that have the value.'),
       h('div', { class: 'actions' }, h('button', { type: 'button', class: 'quiet', click: save }, 'Data CSV'))));
 }

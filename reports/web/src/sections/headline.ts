@@ -1,0 +1,167 @@
+// By how much, and where: success of the judged controllers on one axis, a row per family of worlds, the paired difference
+// of two of them beside it, and what the one that is behind mostly fails by.
+
+import { causeOf } from '../causes';
+import { pairs } from '../compare';
+import { conditions, onlyConditions } from '../conditions';
+import { inSlice, type Model, type Series, type SummaryRow } from '../data';
+import { h, replace } from '../dom';
+import { fixed, integer, percent, percentRange, plural, probability, times } from '../format';
+import * as state from '../state';
+import { holm, pairedRate } from '../stats';
+import { palette, seriesColour } from '../theme';
+import { view } from '../view';
+
+export interface Judged {
+  series: Series;
+  row: SummaryRow | undefined;
+}
+
+/** More verdicts than this do not help: the best are shown, the others are in the table. */
+export const kVerdicts = 4;
+
+function rateOf(judged: Judged): number {
+  return judged.row?.success_rate ?? -1;
+}
+
+/** The shown series with their rows of the summary; of many, the few with the highest success rate, best first. */
+export function judged(model: Model): Judged[] {
+  const { slice, family, series } = view();
+  const rows = (family === '' ? model.page.overall : model.page.summary.filter((s) => s.family === family)).filter((r) => inSlice(r, slice));
+  const all = series.map((s) => ({ series: s, row: rows.find((r) => r.controller === s.controller && r.point === s.point) }));
+  if (all.length <= kVerdicts || onlyConditions(model, slice)) return all;
+  return all.sort((a, b) => rateOf(b) - rateOf(a)).slice(0, 3);
+}
+
+/** The chosen baseline, else the first that the suite defines, and the best of the others that are shown. */
+function rivals(shown: readonly Judged[]): [Series, Series] | null {
+  const { all, series } = view();
+  const asked = all.find((s) => state.get('base') !== '' && s.index === Number(state.get('base')));
+  // Of many, the first of all, though it may not be among the best: two neighbours at the top are mostly a tie.
+  const base = asked ?? (series.length > kVerdicts ? all[0] : series[0]);
+  const best = shown.filter((j) => j.series !== base).sort((a, b) => rateOf(b) - rateOf(a))[0]?.series;
+  return base === undefined || best === undefined ? null : [base, best];
+}
+
+interface Difference { family: string; n: number; onlyA: number; onlyB: number; both: number; neither: number; p: number }
+
+/** World by world, for all families together first; Holm's correction over the families. */
+function differences(model: Model, a: Series, b: Series, families: readonly string[]): Difference[] {
+  const t = model.trials;
+  const counts = new Map(['', ...families].map((family): [string, Difference] => [family, { family, n: 0, onlyA: 0, onlyB: 0, both: 0, neither: 0, p: 1 }]));
+  for (const w of pairs(model, a, b, 'time_to_goal_s').worlds) {
+    const [sa, sb] = [t.success(w.a), t.success(w.b)];
+    for (const d of [counts.get(''), counts.get(t.text('family', w.a))]) {
+      if (d === undefined) continue;
+      d.n += 1;
+      d[sa && sb ? 'both' : sa ? 'onlyA' : sb ? 'onlyB' : 'neither'] += 1;
+    }
+  }
+  const all = [...counts.values()].map((d) => ({ ...d, p: pairedRate(d.onlyA, d.onlyB, d.n).p }));
+  const corrected = holm(all.slice(1).map((d) => d.p));
+  return all.map((d, i) => (i === 0 ? d : { ...d, p: corrected[i - 1] ?? 1 }));
+}
+
+function signed(points: number): string {
+  return `${points > 0 ? '+' : ''}${fixed(points, 1)}`;
+}
+
+/** "+34.0 points, 26.9 to 40.5, p < 0.001" */
+function differenceText(d: Difference): Node[] {
+  if (d.n === 0) return [document.createTextNode('no common world')];
+  const r = pairedRate(d.onlyA, d.onlyB, d.n);
+  return [h('b', null, `${signed(100 * r.value)} points`), h('span', null, `${fixed(100 * r.low, 1)} to ${fixed(100 * r.high, 1)}, ${d.onlyA + d.onlyB === 0 ? 'no world differs' : probability(d.p)}`)];
+}
+
+/** Dots with whiskers on the axis from 0 to 100 %. */
+function track(rows: readonly { series: Series; row: SummaryRow }[]): HTMLElement {
+  const at = (v: number): string => `${(100 * v).toFixed(3)}%`;
+  return h('div', { class: 'track' }, ...rows.map(({ series, row }, i) => h('div', {
+    class: `whisker mark${series.mark % 4}`, style: `--c:${seriesColour(palette(), series.mark)};top:${(100 * (i + 0.5)) / rows.length}%`,
+    role: 'img', 'aria-label': `${series.name}: success ${percent(row.success_rate)}, 95 % interval ${percentRange(row.success_low, row.success_high)}, n = ${integer(row.n)}`,
+    title: `${series.name}: ${percent(row.success_rate)} (${percentRange(row.success_low, row.success_high)}), n = ${integer(row.n)}`,
+  }, h('i', { class: 'line', style: `left:${at(row.success_low)};width:${at(row.success_high - row.success_low)}` }), h('i', { class: 'dot', style: `left:${at(row.success_rate)}` }))));
+}
+
+function forest(model: Model, shown: readonly Judged[], pair: readonly [Series, Series] | null, told: readonly Difference[]): HTMLElement {
+  const { slice, family, families } = view();
+  const lines = [...(family === '' ? [''] : []), ...(family === '' ? (families.length > 1 ? families : []) : [family])];
+  const ticks = h('div', { class: 'ticks', 'aria-hidden': 'true' }, ...[0, 25, 50, 75, 100].map((v) => h('span', { style: `left:${v}%` }, v === 100 ? '100\u00a0%' : `${v}`)));
+  return h('div', { class: pair === null ? 'forest' : 'forest paired', style: `--rows:${shown.length}` },
+    h('div', { class: 'forest-head' }, h('span', null, 'worlds'), h('span', null, 'success, 95 % Wilson interval'),
+      pair === null ? null : h('span', null, `${pair[1].short} less ${pair[0].short}, same worlds`)),
+    ...lines.map((name) => {
+      const rows = (name === '' ? model.page.overall : model.page.summary.filter((s) => s.family === name)).filter((r) => inSlice(r, slice));
+      const found = shown.flatMap(({ series }) => {
+        const row = rows.find((r) => r.controller === series.controller && r.point === series.point);
+        return row === undefined ? [] : [{ series, row }];
+      });
+      const difference = told.find((d) => d.family === (family === '' ? name : ''));
+      return h('div', { class: 'forest-row' }, h('span', { class: 'where' }, name === '' ? 'all' : name), track(found),
+        pair === null ? null : h('span', { class: 'difference' }, ...(difference === undefined ? [] : differenceText(difference))));
+    }),
+    h('div', { class: 'forest-row axis' }, h('span'), ticks, pair === null ? null : h('span')));
+}
+
+/** "succeeded twice", "never failed". */
+function often(verb: string, count: number): string {
+  return count === 0 ? `never ${verb}` : `${verb} ${times(count)}`;
+}
+
+function sentence(a: Series, b: Series, d: Difference): string {
+  const on = `On the same ${plural(d.n, 'world')}, `;
+  if (d.both + d.onlyA + d.onlyB === 0) return `${on}neither ${a.name} nor ${b.name} reached a goal: nothing tells them apart.`;
+  if (d.onlyA + d.onlyB === 0) return `${on}${b.name} succeeded and failed exactly where ${a.name} did.`;
+  const r = pairedRate(d.onlyA, d.onlyB, d.n);
+  const verdict = d.p < 0.05 ? `${(d.onlyB > d.onlyA ? b : a).name} is ahead` : 'the difference may be chance';
+  return `${on}${b.name} ${often('succeeded', d.onlyB)} where ${a.name} failed, and ${often('failed', d.onlyA)} where it succeeded: ${verdict} `
+    + `(${signed(100 * r.value)} points, 95 % interval ${fixed(100 * r.low, 1)} to ${fixed(100 * r.high, 1)}; exact McNemar ${probability(d.p)}).`;
+}
+
+/** "holistic fails mainly in clutter: local minimum, 69 of 86." Of the trials at hand; null where it never fails. */
+function whereItFails(model: Model, loser: Series): string | null {
+  const t = model.trials;
+  const kinds = new Map<string, { family: string; cause: string; n: number }>();
+  let failed = 0;
+  for (const row of loser.rows) {
+    if (t.success(row)) continue;
+    failed += 1;
+    const [family, { cause }] = [t.text('family', row), causeOf(model, row)];
+    const kind = kinds.get(`${family}\n${cause}`) ?? { family, cause, n: 0 };
+    kind.n += 1;
+    kinds.set(`${family}\n${cause}`, kind);
+  }
+  const [top] = [...kinds.values()].sort((x, y) => y.n - x.n);
+  if (top === undefined) return null;
+  const several = view().families.length > 1 && view().family === '';
+  return `${loser.name} fails ${2 * top.n > failed ? 'mainly' : 'most often'}${several ? ` in ${top.family}` : ''}: ${top.cause}, ${integer(top.n)} of ${plural(failed, 'failure')}.`;
+}
+
+/** Fills `box`; what takes its time comes after the first paint. */
+export function fillHeadline(model: Model, box: HTMLElement): void {
+  const shown = judged(model);
+  let withRows = shown.filter((j) => j.row !== undefined);
+  if (withRows.length === 0) {
+    replace(box);
+    return;
+  }
+  if (shown.length > kVerdicts) {
+    const under = conditions(model, view().slice).length > 0 ? 'Choose one condition in the bar below for its paired comparison in words; t' : 'T';
+    replace(box, h('p', { class: 'aside' }, `${under}he section Pairs compares all of them with one, on the same worlds.`));
+    return;
+  }
+  const pair = rivals(withRows);
+  const told = pair === null ? [] : differences(model, ...pair, view().families);
+  const [all] = told;
+  // The baseline stands beside the best, though it may not be one of them.
+  if (pair !== null && !withRows.some((j) => j.series === pair[0])) withRows = [...withRows, { series: pair[0], row: undefined }];
+  const fails = h('p', { class: 'fails' });
+  replace(box, forest(model, withRows, pair, told),
+    pair === null || all === undefined || all.n === 0 ? null : h('div', { class: 'paired-words' }, h('p', null, sentence(...pair, all)), fails));
+  if (pair === null || all === undefined) return;
+  const loser = all.onlyB >= all.onlyA ? pair[0] : pair[1];
+  const told_ = view();
+  setTimeout(() => {
+    if (view() === told_) replace(fails, whereItFails(model, loser));
+  });
+}
