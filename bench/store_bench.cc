@@ -13,6 +13,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "eval/store/columns.h"
 #include "eval/store/query.h"
 #include "eval/store/writer.h"
 #include "world/draws.h"
@@ -77,32 +78,13 @@ TrialRow make_row(std::size_t point, std::uint64_t world) {
     row.collision_time_s = 10.0 * draws.uniform();
     row.collision_depth_m = 0.001 * draws.uniform();
   }
-  double* const numbers[] = {&row.time_end_s,
-                             &row.position_error_m,
-                             &row.orientation_error_rad,
-                             &row.path_ee_m,
-                             &row.path_base_m,
-                             &row.manip_mean,
-                             &row.manip_min,
-                             &row.manip_final,
-                             &row.manip_all_mean,
-                             &row.manip_all_min,
-                             &row.manip_all_final,
-                             &row.clearance_min_m,
-                             &row.limit_margin_min,
-                             &row.jerk_ee_rms,
-                             &row.jerk_joint_rms,
-                             &row.command_change_mean,
-                             &row.energy_j,
-                             &row.slack_mean,
-                             &row.slack_max,
-                             &row.active_rows_mean,
-                             &row.slip_max_m_s,
-                             &row.tracking_error_rms,
-                             &row.clearance_self_min_m};
-  for (double* number : numbers) *number = draws.uniform();
+  for (const store::TrialColumn& column : store::trial_columns())
+    if (const auto* number = std::get_if<double TrialRow::*>(&column.member))
+      if (std::isnan(row.*(*number)) && column.about.null_when.empty()) row.*(*number) = draws.uniform();
+  for (double* number : {&row.time_end_s, &row.path_ee_m, &row.path_base_m, &row.clearance_min_m, &row.energy_j})
+    *number = draws.uniform();
   row.steps = static_cast<int>(50.0 * row.time_end_s);
-  row.timing = {10.0, 20.0, 30.0, 11.0, 22.0, 33.0, 0, 1e4};
+  row.timing = {10.0, 20.0, 30.0, 11.0, 22.0, 33.0, 1e4, 0};
   return row;
 }
 

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include "controller/describe/complete.h"
 #include "world/scenario/worlds.h"
 
 namespace moma {
@@ -74,67 +75,46 @@ class Reader {
   std::span<const unsigned char> left_;
 };
 
-/// Every member, in one order for both directions.
-template <typename Archive>
-void visit(Archive& a, TrialRow& r) {
-  a.number(r.outcome);
-  for (std::string* text : {&r.reason, &r.link, &r.object}) a.text(*text);
-  for (double* x : {&r.time_end_s,
-                    &r.time_to_goal_s,
-                    &r.position_error_m,
-                    &r.orientation_error_rad,
-                    &r.path_ee_m,
-                    &r.path_base_m,
-                    &r.manip_mean,
-                    &r.manip_min,
-                    &r.manip_final,
-                    &r.manip_all_mean,
-                    &r.manip_all_min,
-                    &r.manip_all_final,
-                    &r.clearance_min_m,
-                    &r.limit_margin_min,
-                    &r.collision_time_s,
-                    &r.collision_depth_m,
-                    &r.jerk_ee_rms,
-                    &r.jerk_joint_rms,
-                    &r.energy_j,
-                    &r.command_change_mean,
-                    &r.clearance_self_min_m,
-                    &r.slack_mean,
-                    &r.slack_max,
-                    &r.active_rows_mean,
-                    &r.slip_max_m_s,
-                    &r.tracking_error_rms,
-                    &r.detector_deepest_m})
-    a.number(*x);
-  for (int* n :
-       {&r.collision_count, &r.qp_infeasible, &r.fallback_no_acceleration, &r.fallback_relaxed, &r.fallback_brake,
-        &r.lcp_messages, &r.steps, &r.detector_checks, &r.detector_disagreements, &r.timing.deadline_misses})
-    a.number(*n);
-  TrialRow::Timing& t = r.timing;
-  for (double* x : {&t.t_solve_median_us, &t.t_solve_p99_us, &t.t_solve_max_us, &t.t_step_median_us, &t.t_step_p99_us,
-                    &t.t_step_max_us, &t.t_trial_us})
-    a.number(*x);
-}
+template <typename Archive, typename Record>
+void transfer(Archive& archive, Record& record);
 
-template <typename Archive>
-void visit(Archive& a, Sample& s) {
-  a.number(s.t);
-  a.numbers(s.base);
-  for (VectorX* v : {&s.q, &s.qdot, &s.command}) a.numbers(*v);
-  a.numbers(s.error);
-  a.numbers(s.slack);
-  a.number(s.manipulability);
-  a.number(s.least_distance);
-  a.number(s.status);
-  a.number(s.fallback);
-  a.number(s.active_rows);
-  EscapeState& e = s.escape;
-  for (double* x : {&e.best, &e.idle, &e.remaining}) a.number(*x);
-  for (int* n : {&e.stagnations, &e.side, &e.circulation}) a.number(*n);
-  a.number(e.detour);
-  a.number(e.around);
-  a.numbers(e.target_W);
+/// Takes what a description names to or from the archive.
+template <typename Archive, typename Record>
+class Members {
+ public:
+  Members(Archive& archive, Record& record) : archive_(archive), record_(record) {}
+  template <typename M, typename C>
+  void member(std::string_view, M C::*member, const About&) {
+    put(record_.*member);
+  }
+  template <typename M, typename C>
+  void inlined(M C::*member) {
+    transfer(archive_, record_.*member);
+  }
+
+ private:
+  template <typename M>
+  void put(M& value) {
+    if constexpr (std::is_arithmetic_v<M> || std::is_enum_v<M>) {
+      archive_.number(value);
+    } else if constexpr (std::is_same_v<M, std::string>) {
+      archive_.text(value);
+    } else if constexpr (Described<M>) {
+      transfer(archive_, value);
+    } else {
+      archive_.numbers(value);
+    }
+  }
+  Archive& archive_;
+  Record& record_;
+};
+
+/// Every member that the record's description names, which is every one that it has.
+template <typename Archive, typename Record>
+void transfer(Archive& archive, Record& record) {
+  static_assert(is_complete<Record>());
+  Members<Archive, Record> members(archive, record);
+  describe(members, Of<Record>{});
 }
 
 }  // namespace
@@ -144,11 +124,11 @@ Bytes encode_result(std::uint64_t place, const BatchResult& result) {
   a.number(place);
   a.text(result.world == nullptr ? std::string() : to_json(*result.world).dump());
   TrialRow row = result.output.row;
-  visit(a, row);
+  transfer(a, row);
   a.number<std::uint64_t>(result.metrics.size());
   for (const double value : result.metrics) a.number(value);
   a.number<std::uint64_t>(result.output.trace.size());
-  for (Sample sample : result.output.trace) visit(a, sample);
+  for (Sample sample : result.output.trace) transfer(a, sample);
   return std::move(a.bytes);
 }
 
@@ -162,11 +142,11 @@ DecodedResult decode_result(std::span<const unsigned char> bytes) {
   if (!world.empty())
     result.world = std::make_shared<const World>(
         world_from_json(nlohmann::ordered_json::parse(world), "a world from another process"));
-  visit(a, result.output.row);
+  transfer(a, result.output.row);
   result.metrics.resize(a.size(sizeof(double)));
   for (double& value : result.metrics) a.number(value);
   result.output.trace.resize(a.size(sizeof(double)));
-  for (Sample& sample : result.output.trace) visit(a, sample);
+  for (Sample& sample : result.output.trace) transfer(a, sample);
   if (!a.done()) throw std::runtime_error("a result from another process is damaged");
   return decoded;
 }

@@ -10,54 +10,11 @@
 #include "eval/store/columns.h"
 #include "eval/store/machine.h"
 #include "eval/store/reader.h"
-#include "eval/suite/sections.h"
+#include "eval/trial/trace_json.h"
 #include "eval/trial/trial.h"
-#include "world/scenario/worlds.h"
-#include "world/sensing/disturbances_file.h"
 
 namespace moma::cli {
 namespace {
-
-using nlohmann::ordered_json;
-
-ordered_json list(const Eigen::Ref<const VectorX>& v) {
-  ordered_json json = ordered_json::array();
-  for (const double value : v) json.push_back(value);
-  return json;
-}
-
-ordered_json number(double value) {
-  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
-  return value;
-}
-
-ordered_json to_json(const Sample& s) {
-  return {{"t", s.t},
-          {"base", list(s.base)},
-          {"q", list(s.q)},
-          {"qdot", list(s.qdot)},
-          {"command", list(s.command)},
-          {"error", list(s.error)},
-          {"slack", list(s.slack)},
-          {"manipulability", number(s.manipulability)},
-          {"least_distance", number(s.least_distance)},
-          {"status", std::string(to_string(s.status))},
-          {"fallback", std::string(to_string(s.fallback))}};
-}
-
-ordered_json trace_json(const store::StoredTrial& trial, const Point& point, const TrialOutput& output) {
-  ordered_json samples = ordered_json::array();
-  for (const Sample& sample : output.trace) samples.push_back(to_json(sample));
-  ordered_json json = {
-      {"trial", trial.key.substr(0, 16)},        {"outcome", std::string(to_string(output.row.outcome))},
-      {"robot", point.robot->resolved},          {"success", to_json(point.success)},
-      {"stuck", to_json(point.stuck)},           {"infeasible", to_json(point.infeasible)},
-      {"controller", point.controller_resolved}, {"world", ordered_json::parse(trial.world)},
-      {"simulation", to_json(point.simulation)}};
-  if (any(point.disturbances)) json["disturbances"] = to_json(point.disturbances);
-  json["samples"] = std::move(samples);
-  return json;
-}
 
 void print_row(const store::StoredTrial& trial, const TrialRow& row) {
   std::cout << terminal_safe(fmt::format("trial {}: suite {}, controller {}{}, world {}", trial.key.substr(0, 16),
@@ -120,10 +77,11 @@ void add_replay(CLI::App& app, Action& action) {
       const store::StoredTrial trial = store::Reader(options->file).trial(options->trial);
       StoredSuites suites;
       const Point& point = suites.point_of(trial);
-      const TrialOutput output = run_trial(point, world_of(trial));
+      const World world = world_of(trial);
+      const TrialOutput output = run_trial(point, world);
       if (options->json) {
-        std::cout << trace_json(trial, point, output).dump(-1, ' ', false, ordered_json::error_handler_t::replace)
-                  << '\n';
+        const nlohmann::ordered_json json = trace_json(point, world, output, trial.key.substr(0, 16));
+        std::cout << json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
       } else {
         print_row(trial, output.row);
       }

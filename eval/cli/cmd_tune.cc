@@ -95,7 +95,7 @@ class Tune {
     std::cout << tune::table(*verdict) << '\n';
     for (const std::string& line : verdict->constraints) std::cout << "constraint " << line << '\n';
     std::cout << fmt::format("On worlds that took no part in the search, the found gains against '{}': {}{}.\n",
-                             verdict->against, tune::to_string(verdict->overall),
+                             verdict->against, to_string(verdict->overall),
                              verdict->why.empty() ? "" : fmt::format(" (by {})", verdict->why));
     write_gains(*result, &*verdict);
     return kOk;
@@ -202,7 +202,7 @@ class Tune {
     tune::HeldOutVerdict verdict = tune::judge(tuning_, held_out, in_order);
     store::TuneRecords records(writer, tune::search_record(tuning_));
     records.finish(tune::result_record(result));
-    records.verdict(writer.suite_name(), verdict.rows, std::string(tune::to_string(verdict.overall)));
+    records.verdict(writer.suite_name(), verdict.rows, std::string(to_string(verdict.overall)));
     return verdict;
   }
 

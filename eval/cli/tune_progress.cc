@@ -39,7 +39,7 @@ std::string TuneProgress::text() const {
   const std::uint64_t done = trials_ + since_update_;
   std::string text = phase_ == tune::Phase::kSensitivity
                          ? fmt::format("sensitivity: {} trials after the search", done - searched_)
-                         : fmt::format("{}: {} of {} trials", tune::to_string(phase_), done, budget_);
+                         : fmt::format("{}: {} of {} trials", to_string(phase_), done, budget_);
   if (evaluations_ > 0) {
     text += fmt::format(", {} candidates ({} cut short), best {:.4g}{} (start {:.4g})", evaluations_, cut_, best_,
                         unit_.empty() ? "" : " " + unit_, start_);

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -11,25 +11,30 @@ namespace moma::store {
 
 /// One column of table `trial` or `execution` and the member that it holds.
 struct TrialColumn {
-  const char* name;
+  std::string_view name;
   std::variant<double TrialRow::*, int TrialRow::*, std::string TrialRow::*> member;
+  Column about;
 };
 struct TimingColumn {
-  const char* name;
+  std::string_view name;
   std::variant<double TrialRow::Timing::*, int TrialRow::Timing::*> member;
+  Column about;
 };
 
-/// All deterministic columns but `outcome`, in the order of schema.sql.
-std::span<const TrialColumn> trial_columns() noexcept;
-std::span<const TimingColumn> timing_columns() noexcept;
-
-/// Throws std::invalid_argument where `text` is no outcome.
-Outcome outcome_from_string(const std::string& text);
+/// All deterministic columns but `outcome`, as the description of TrialRow lists them (eval/trial/row.h).
+const std::vector<TrialColumn>& trial_columns();
+const std::vector<TimingColumn>& timing_columns();
 
 /// A number as the store keeps it: infinities become absent (NaN), -0 becomes 0.
 double stored(double value) noexcept;
 
-/// "column: a != b" for every deterministic column whose bits differ after storing; empty where the rows agree.
+/// Whether two values of a column are the same bits after storing. Of a column that came later, a row without the value
+/// agrees with any: it was stored before.
+bool agree(const Column& about, double a, double b);
+bool agree(const Column& about, int a, int b);
+bool agree(const Column& about, const std::string& a, const std::string& b);
+
+/// "column: a != b" for every deterministic column that does not agree; empty where the rows agree.
 std::vector<std::string> differences(const TrialRow& a, const TrialRow& b);
 
 }  // namespace moma::store

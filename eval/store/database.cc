@@ -180,8 +180,9 @@ SQLite::Database open_database(const fs::path& file, Access access) {
     db.exec("PRAGMA foreign_keys = ON");
     if (empty) {
       create_schema(db);
-    } else if (schema_version(db) < kSchemaVersion) {
-      migrate(db, migrations(), kSchemaVersion);
+    } else {
+      if (schema_version(db) < kSchemaVersion) migrate(db, migrations(), kSchemaVersion);
+      add_described_columns(db);
     }
     return db;
   } catch (const SQLite::Exception& error) {

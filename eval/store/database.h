@@ -15,9 +15,9 @@ inline constexpr int kApplicationId = 0x6d6f6d61;  // "moma"
 enum class Access { kReadOnly, kReadWrite, kCreate };
 
 /// Opens a store. kCreate makes a missing or empty file into one, in a single transaction; kReadWrite and kCreate
-/// migrate an older version. A read-only connection refuses every write, also by SQL (query_only), and works
-/// where the folder cannot be written. Throws StoreError{kUnusable}: missing, a folder, no permission, not
-/// SQLite, another program's, from a newer moma, locked.
+/// migrate an older version and add the columns of new metrics. A read-only connection refuses every write, also by SQL
+/// (query_only), and works where the folder cannot be written. Throws StoreError{kUnusable}: missing, a folder, no
+/// permission, not SQLite, another program's, from a newer moma, locked.
 SQLite::Database open_database(const std::filesystem::path& file, Access access);
 
 /// A read-only connection that leaves no -wal and -shm files behind, which SQLite's read-only connections to a WAL

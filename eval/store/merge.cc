@@ -7,12 +7,14 @@
 #include <SQLiteCpp/Transaction.h>
 #include <fmt/format.h>
 
-#include <map>
+#include <set>
 #include <string>
 #include <system_error>
 
 #include "eval/store/columns.h"
 #include "eval/store/database.h"
+#include "eval/store/definition.h"
+#include "eval/store/migrations.h"
 #include "eval/store/registry.h"
 
 namespace moma::store {
@@ -46,6 +48,25 @@ class Importer {
   }
 
  private:
+  /// Columns of a table of results that both stores have: the other one may be from before a metric was there. One from
+  /// after would lose it.
+  std::string shared_columns(const std::string& table, const std::string& prefix = {}) {
+    const std::set<std::string> ours = stored_columns(db_, table);
+    for (const std::string& name : stored_columns(db_, table, "source")) {
+      if (ours.count(name) > 0) continue;
+      throw StoreError(
+          StoreError::Kind::kUnusable,
+          fmt::format("{}: was written by a newer moma, which measures {}; use that moma", file_.string(), name));
+    }
+    Statement s(db_,
+                "SELECT name FROM pragma_table_xinfo(?1, 'main') WHERE hidden = 0 AND name IN "
+                "(SELECT name FROM pragma_table_xinfo(?1, 'source'))");
+    s.bind(1, table);
+    std::string names;
+    while (s.executeStep()) names += (names.empty() ? "" : ", ") + prefix + s.getColumn(0).getString();
+    return names;
+  }
+
   void import_content(const std::string& table) {
     const std::string columns = columns_of(db_, table);
     db_.exec(fmt::format("INSERT OR IGNORE INTO {0} ({1}) SELECT {1} FROM source.{0} ORDER BY id", table, columns));
@@ -160,8 +181,15 @@ class Importer {
 
   /// Two results for one key must agree in every deterministic column, within a class of machines.
   void check_contradictions() {
+    const std::set<std::string> theirs = stored_columns(db_, "trial", "source");
     std::string differ = "t.outcome IS NOT o.outcome";
-    for (const TrialColumn& column : trial_columns()) differ += fmt::format(" OR t.{0} IS NOT o.{0}", column.name);
+    for (const TrialColumn& column : trial_columns()) {
+      if (theirs.count(std::string(column.name)) == 0) continue;  // from before it was measured
+      differ += fmt::format(" OR (t.{0} IS NOT o.{0}{1})", column.name,
+                            column.about.earlier == Earlier::kUnknown
+                                ? fmt::format(" AND t.{0} IS NOT NULL AND o.{0} IS NOT NULL", column.name)
+                                : "");
+    }
     Statement s(db_, fmt::format("SELECT t.trial FROM source.trial AS t JOIN main.trial AS o USING (key) "
                                  "LEFT JOIN source.execution AS te ON te.key = t.key "
                                  "LEFT JOIN source.invocation AS ti ON ti.id = te.invocation_id "
@@ -186,29 +214,30 @@ class Importer {
   MergeSummary import_trials() {
     MergeSummary summary;
     const auto total = static_cast<std::size_t>(db_.execAndGet("SELECT count(*) FROM source.trial").getInt64());
-    const std::string trial = columns_of(db_, "trial");
-    std::string values = columns_of(db_, "trial", "t.");
+    const std::string trial = shared_columns("trial");
+    std::string values = shared_columns("trial", "t.");
     values.replace(values.find("t.world_id"), 10, "mw.target");
     summary.added = static_cast<std::size_t>(
         db_.exec(fmt::format("INSERT OR IGNORE INTO main.trial ({}) SELECT {} FROM source.trial AS t "
                              "JOIN map_world AS mw ON mw.source = t.world_id ORDER BY t.key",
                              trial, values)));
     summary.present = total - summary.added;
-    std::string execution = columns_of(db_, "execution", "e.");
+    std::string execution = shared_columns("execution", "e.");
     execution.replace(execution.find("e.invocation_id"), 15, "mi.target");
     db_.exec(
         fmt::format("INSERT OR IGNORE INTO main.execution ({}) SELECT {} FROM source.execution AS e "
                     "JOIN map_invocation AS mi ON mi.source = e.invocation_id ORDER BY e.key",
-                    columns_of(db_, "execution"), execution));
+                    shared_columns("execution"), execution));
     db_.exec(fmt::format("INSERT OR IGNORE INTO main.samples ({0}) SELECT {0} FROM source.samples ORDER BY key",
                          columns_of(db_, "samples")));
     db_.exec(
-        "INSERT OR IGNORE INTO main.point_trial (point_id, world_index, key, world_id, family, outcome, "
-        "time_to_goal_s, manip_mean, clearance_min_m, command_change_mean) "
-        "SELECT mp.target, m.world_index, m.key, t.world_id, w.family, t.outcome, t.time_to_goal_s, t.manip_mean, "
-        "t.clearance_min_m, t.command_change_mean FROM source.point_trial AS m "
-        "JOIN map_point AS mp ON mp.source = m.point_id JOIN main.trial AS t ON t.key = m.key "
-        "JOIN main.world AS w ON w.id = t.world_id ORDER BY 1, 2");
+        fmt::format("INSERT OR IGNORE INTO main.point_trial (point_id, world_index, key, world_id, family, outcome, "
+                    "time_to_goal_s, {}) "
+                    "SELECT mp.target, m.world_index, m.key, t.world_id, w.family, t.outcome, t.time_to_goal_s, {} "
+                    "FROM source.point_trial AS m "
+                    "JOIN map_point AS mp ON mp.source = m.point_id JOIN main.trial AS t ON t.key = m.key "
+                    "JOIN main.world AS w ON w.id = t.world_id ORDER BY 1, 2",
+                    summary_list(), summary_list("t.")));
     import_metrics();
     for (const char* map : {"robot", "controller", "resolved_suite", "world", "suite", "point", "invocation"}) {
       db_.exec(fmt::format("DROP TABLE map_{}", map));

@@ -1,17 +1,20 @@
 #include "eval/store/migrations.h"
 
+#include <SQLiteCpp/Statement.h>
 #include <SQLiteCpp/Transaction.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
+#include "eval/store/columns.h"
 #include "eval/store/database.h"
+#include "eval/store/definition.h"
 
 namespace moma::store {
 
-extern const char* const kSchemaSql;
-extern const char* const kViewsSql;
 extern const char* const kMigrate1To2Sql;
 extern const char* const kMigrate2To3Sql;
 
@@ -26,8 +29,8 @@ void create_schema(SQLite::Database& db) {
   SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
   // Another process may have been quicker between the look at the file and the lock.
   if (schema_version(db) != 0) return;
-  db.exec(kSchemaSql);
-  db.exec(kViewsSql);
+  db.exec(tables_sql());
+  db.exec(views_sql());
   db.exec(fmt::format("PRAGMA application_id = {}", kApplicationId));
   db.exec(fmt::format("PRAGMA user_version = {}", kSchemaVersion));
   transaction.commit();
@@ -41,7 +44,58 @@ void migrate(SQLite::Database& db, std::span<const Migration> steps, int target)
     db.exec(step->sql);
     db.exec(fmt::format("PRAGMA user_version = {}", version + 1));
   }
-  db.exec(kViewsSql);
+  db.exec(views_sql());
+  transaction.commit();
+}
+
+std::set<std::string> stored_columns(SQLite::Database& db, const std::string& table, const std::string& schema) {
+  SQLite::Statement s(db, "SELECT name FROM pragma_table_xinfo(?, ?)");
+  s.bind(1, table);
+  s.bind(2, schema);
+  std::set<std::string> names;
+  while (s.executeStep()) names.insert(s.getColumn(0).getString());
+  return names;
+}
+
+namespace {
+
+/// ALTER TABLE for each described column that the table does not have.
+template <class TableColumn>
+std::vector<std::string> additions(SQLite::Database& db, const std::string& table,
+                                   const std::vector<TableColumn>& columns) {
+  const std::set<std::string> there = stored_columns(db, table);
+  std::vector<std::string> sql;
+  for (const TableColumn& column : columns)
+    if (there.count(std::string(column.name)) == 0)
+      sql.push_back(fmt::format("ALTER TABLE {} ADD COLUMN {} {}", table, column.name, type_of(column)));
+  return sql;
+}
+
+std::vector<std::string> all_additions(SQLite::Database& db) {
+  std::vector<std::string> sql = additions(db, "trial", trial_columns());
+  for (std::string& statement : additions(db, "execution", timing_columns())) sql.push_back(std::move(statement));
+  const std::set<std::string> there = stored_columns(db, "point_trial");
+  bool copied = false;
+  for (const TrialColumn& column : trial_columns()) {
+    if (!column.about.summary || there.count(std::string(column.name)) != 0) continue;
+    sql.push_back(fmt::format("ALTER TABLE point_trial ADD COLUMN {} REAL", column.name));
+    sql.push_back(fmt::format(
+        "UPDATE point_trial SET {0} = (SELECT t.{0} FROM trial AS t WHERE t.key = point_trial.key)", column.name));
+    copied = true;
+  }
+  if (copied) sql.push_back(summary_index_sql());
+  return sql;
+}
+
+}  // namespace
+
+void add_described_columns(SQLite::Database& db) {
+  if (all_additions(db).empty()) return;
+  SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
+  // Asked again under the lock: another process may have been quicker.
+  const std::vector<std::string> sql = all_additions(db);
+  for (const std::string& statement : sql) db.exec(statement);
+  if (!sql.empty()) db.exec(views_sql());
   transaction.commit();
 }
 

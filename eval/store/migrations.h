@@ -2,7 +2,9 @@
 
 #include <SQLiteCpp/Database.h>
 
+#include <set>
 #include <span>
+#include <string>
 
 namespace moma::store {
 
@@ -26,5 +28,14 @@ void create_schema(SQLite::Database& db);
 /// Applies the steps from the file's version up to `target` and makes the views anew, all in one transaction: either
 /// all or none happen. Throws SQLite::Exception; std::logic_error where a step is missing.
 void migrate(SQLite::Database& db, std::span<const Migration> steps, int target);
+
+/// Adds the columns of results that are described (eval/trial/row.h) and that a store of this version does not have
+/// yet, and makes the views anew: a new metric needs neither a version of the store nor a migration. Columns that this
+/// program does not know stay as they are. In one transaction; throws SQLite::Exception.
+void add_described_columns(SQLite::Database& db);
+
+/// Names of a table's columns.
+std::set<std::string> stored_columns(SQLite::Database& db, const std::string& table,
+                                     const std::string& schema = "main");
 
 }  // namespace moma::store

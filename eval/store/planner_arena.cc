@@ -7,12 +7,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
+#include <set>
+#include <string_view>
 #include <system_error>
 
 #include "eval/store/build_info.h"
 #include "eval/store/columns.h"
 #include "eval/store/database.h"
+#include "eval/store/migrations.h"
 #include "eval/store/row_binding.h"
 #include "eval/store/samples.h"
 
@@ -56,10 +58,6 @@ constexpr Property kProperties[] = {
     {"objects", "INTEGER", "w.objects"},
 };
 
-constexpr Outcome kOutcomes[] = {Outcome::kSuccess,    Outcome::kCollision,  Outcome::kTimeout,
-                                 Outcome::kStuck,      Outcome::kJointLimit, Outcome::kTipped,
-                                 Outcome::kInfeasible, Outcome::kDiverged,   Outcome::kError};
-
 class Exporter {
  public:
   Exporter(SQLite::Database& db, int progress_per_run) : db_(db), progress_per_run_(progress_per_run) {}
@@ -68,10 +66,11 @@ class Exporter {
     SQLite::Transaction transaction(db_);
     db_.exec(kTables);
     make_runs_table();
-    for (std::size_t i = 0; i < std::size(kOutcomes); ++i) {
+    constexpr auto outcomes = words(Of<Outcome>{});
+    for (std::size_t i = 0; i < outcomes.size(); ++i) {
       Statement s(db_, "INSERT INTO enums VALUES ('status', ?, ?)");
       s.bind(1, static_cast<std::int64_t>(i));
-      s.bind(2, std::string(to_string(kOutcomes[i])));
+      s.bind(2, std::string(outcomes[i]));
       s.exec();
     }
     fill_planners();
@@ -92,16 +91,18 @@ class Exporter {
   void make_runs_table() {
     std::string sql =
         "CREATE TABLE runs (id INTEGER PRIMARY KEY AUTOINCREMENT, experimentid INTEGER, plannerid INTEGER";
-    const auto add = [&](const std::string& name, const std::string& type, const std::string& value) {
+    const auto add = [&](std::string_view name, std::string_view type, const std::string& value) {
       sql += fmt::format(", {} {}", name, type);
-      names_ += ", " + name;
+      names_ += fmt::format(", {}", name);
       values_ += ", " + value;
     };
     for (const Property& p : kProperties) add(p.name, p.type, p.sql);
+    const std::set<std::string> stored = stored_columns(db_, "trial", "source");
     for (const TrialColumn& column : trial_columns()) {
       if (std::holds_alternative<std::string TrialRow::*>(column.member)) continue;
       const bool real = std::holds_alternative<double TrialRow::*>(column.member);
-      add(column.name, real ? "REAL" : "INTEGER", fmt::format("t.{}", column.name));
+      const bool there = stored.count(std::string(column.name)) > 0;  // else from before it was measured
+      add(column.name, real ? "REAL" : "INTEGER", there ? fmt::format("t.{}", column.name) : "NULL");
     }
     db_.exec(sql +
              ", FOREIGN KEY (experimentid) REFERENCES experiments(id) ON DELETE CASCADE, "

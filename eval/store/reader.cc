@@ -12,6 +12,7 @@
 #include "eval/store/columns.h"
 #include "eval/store/database.h"
 #include "eval/store/hash.h"
+#include "eval/store/migrations.h"
 #include "eval/store/row_binding.h"
 
 namespace moma::store {
@@ -94,7 +95,7 @@ StoredTrial Reader::trial(const std::string& prefix) const {
                     "LEFT JOIN execution AS e ON e.key = t.key "
                     "LEFT JOIN invocation AS i ON i.id = e.invocation_id "
                     "LEFT JOIN samples AS a ON a.key = t.key WHERE t.key = ? ORDER BY p.id LIMIT 1",
-                    trial_column_list("t.")));
+                    trial_column_list("t.", stored_columns(impl_->db, "trial"))));
     s.bind(1, hash.data(), static_cast<int>(hash.size()));
     if (!s.executeStep()) throw not_found(impl_->file, fmt::format("trial {} belongs to no suite", key));
     StoredTrial trial;
@@ -178,13 +179,19 @@ std::string Reader::result_hash() const {
     Hash chain{};
     Statement s(impl_->db, fmt::format("SELECT lower(hex(t.key)), w.hash, {} FROM trial AS t "
                                        "JOIN world AS w ON w.id = t.world_id ORDER BY t.key",
-                                       trial_column_list("t.")));
+                                       trial_column_list("t.", stored_columns(impl_->db, "trial"))));
+    const std::vector<TrialColumn>& columns = trial_columns();
+    const int first = s.getColumnCount() - static_cast<int>(columns.size());
     while (s.executeStep()) {
       std::string line = to_hex(chain);
       for (int c = 0; c < s.getColumnCount(); ++c) {
         const SQLite::Column value = s.getColumn(c);
+        const TrialColumn* column = c >= first ? &columns[static_cast<std::size_t>(c - first)] : nullptr;
+        const bool later = column != nullptr && column->about.earlier == Earlier::kUnknown;
+        // A row that does not know the value hashes as it did before the column was there.
+        if (later && value.isNull()) continue;
+        line += later ? fmt::format("|{}=", column->name) : "|";
         // The bits of a number, not its decimal form.
-        line += '|';
         if (value.isFloat()) {
           line += fmt::format("{:016x}", std::bit_cast<std::uint64_t>(value.getDouble()));
         } else if (!value.isNull()) {

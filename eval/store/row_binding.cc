@@ -1,8 +1,10 @@
 #include "eval/store/row_binding.h"
 
 #include <SQLiteCpp/Column.h>
+#include <fmt/format.h>
 
 #include <cmath>
+#include <stdexcept>
 
 namespace moma::store {
 namespace {
@@ -36,7 +38,16 @@ void bind_number(SQLite::Statement& statement, int index, double value) {
 
 std::string trial_column_list(const std::string& prefix) {
   std::string list = prefix + "outcome";
-  for (const TrialColumn& column : trial_columns()) list += ", " + prefix + column.name;
+  for (const TrialColumn& column : trial_columns()) list += fmt::format(", {}{}", prefix, column.name);
+  return list;
+}
+
+std::string trial_column_list(const std::string& prefix, const std::set<std::string>& stored) {
+  std::string list = prefix + "outcome";
+  for (const TrialColumn& column : trial_columns()) {
+    const bool there = stored.count(std::string(column.name)) > 0;
+    list += there ? fmt::format(", {}{}", prefix, column.name) : fmt::format(", NULL AS {}", column.name);
+  }
   return list;
 }
 
@@ -51,7 +62,10 @@ int bind_row(SQLite::Statement& statement, int first, const TrialRow& row) {
 
 TrialRow read_row(SQLite::Statement& statement, int first) {
   TrialRow row;
-  row.outcome = outcome_from_string(statement.getColumn(first++).getString());
+  const std::string outcome = statement.getColumn(first++).getString();
+  const auto known = from_string<Outcome>(outcome);
+  if (!known) throw std::invalid_argument("unknown outcome " + outcome);
+  row.outcome = *known;
   for (const TrialColumn& column : trial_columns()) {
     const SQLite::Column value = statement.getColumn(first++);
     std::visit([&](auto member) { read_value(value, row.*member); }, column.member);

@@ -3,11 +3,17 @@
 #include <fmt/format.h>
 #include <zstd.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+#include "controller/describe/complete.h"
 
 namespace moma::store {
 namespace {
@@ -31,43 +37,108 @@ Sizes sizes_of(const Sample& sample) {
   return {sample.q.size(), sample.qdot.size()};
 }
 
-// What the controller remembered. Samples of earlier versions end before these.
-constexpr const char* kEscapeColumns[] = {"escape_best", "escape_idle",      "stagnations", "detour_side",
-                                          "detour",      "detour_remaining", "detour_x",    "detour_y",
-                                          "detour_z",    "circulation"};
+/// Name of a column, put together only where it is wanted.
+struct ColumnName {
+  std::string_view prefix;
+  std::string_view stem;
+  int index = -1;         ///< of a component; -1: none
+  std::string_view part;  ///< of a component that has a name
+
+  std::string text() const {
+    if (!part.empty()) return fmt::format("{}{}_{}", prefix, stem, part);
+    return index < 0 ? fmt::format("{}{}", prefix, stem) : fmt::format("{}{}{}", prefix, stem, index);
+  }
+};
+
+/// How a member of what the controller remembered is called among the columns: of the first ones as it always was, of
+/// any later one escape_NAME.
+ColumnName memory_column(std::string_view member) {
+  constexpr std::pair<std::string_view, std::string_view> kNames[] = {
+      {"stagnations", "stagnations"},    {"side", "detour_side"}, {"detour", "detour"},
+      {"remaining", "detour_remaining"}, {"target", "detour"},    {"circulation", "circulation"}};
+  for (const auto& [name, column] : kNames)
+    if (name == member) return {"", column, -1, ""};
+  return {"escape_", member, -1, ""};
+}
+
+/// Visits the numbers of a sample with the names of their columns, in their order: `number(name, value, is_memory)`.
+template <class Number>
+class Numbers {
+ public:
+  Numbers(Sample& sample, const Number& number) : sample_(sample), number_(number) {}
+
+  template <class M>
+  void member(std::string_view name, M Sample::*member, const SampleColumn& about) {
+    if constexpr (std::is_same_v<M, EscapeState>) {
+      describe(*this, Of<EscapeState>{});
+    } else {
+      value({"", name, -1, ""}, sample_.*member, about.parts, false);
+    }
+  }
+  template <class M>
+  void member(std::string_view name, M EscapeState::*member, const About&) {
+    EscapeState& e = sample_.escape;
+    if (name == "around") return;  // one column tells both
+    if (name == "detour") {
+      double code = !e.detour ? 0.0 : e.around ? 2.0 : 1.0;  // 2: around the obstacles
+      number_(memory_column(name), code, true);
+      e.detour = code != 0.0;
+      e.around = code == 2.0;
+    } else {
+      value(memory_column(name), e.*member, "x y z", true);
+    }
+  }
+
+  template <class M>
+  void value(ColumnName name, M& member, std::string_view parts, bool memory) {
+    if constexpr (std::is_same_v<M, double>) {
+      number_(name, member, memory);
+    } else if constexpr (std::is_arithmetic_v<M> || std::is_enum_v<M>) {
+      auto number = static_cast<double>(member);
+      number_(name, number, memory);
+      member = static_cast<M>(std::lround(number));
+    } else {
+      for (double& number : member) {
+        ++name.index;
+        const std::size_t end = std::min(parts.find(' '), parts.size());
+        name.part = parts.substr(0, end);
+        parts.remove_prefix(std::min(end + 1, parts.size()));
+        number_(name, number, memory);
+      }
+    }
+  }
+
+ private:
+  Sample& sample_;
+  const Number& number_;
+};
+
+template <class Number>
+void visit_numbers(Sample& sample, const Number& number) {
+  static_assert(is_complete<Sample>() && is_complete<EscapeState>());
+  Numbers<Number> numbers(sample, number);
+  describe(numbers, Of<Sample>{});
+}
+
+Sample sized(const Sizes& sizes) {
+  Sample sample;
+  sample.q = VectorX::Zero(sizes.q);
+  sample.qdot = sample.command = VectorX::Zero(sizes.v);
+  return sample;
+}
 
 /// Names of the columns, in the order of flatten().
 std::vector<std::string> column_names(const Sizes& sizes) {
-  std::vector<std::string> names{"t", "base_x", "base_y", "base_phi"};
-  for (Eigen::Index i = 0; i < sizes.q; ++i) names.push_back(fmt::format("q{}", i));
-  for (Eigen::Index i = 0; i < sizes.v; ++i) names.push_back(fmt::format("qdot{}", i));
-  for (Eigen::Index i = 0; i < sizes.v; ++i) names.push_back(fmt::format("command{}", i));
-  for (int i = 0; i < 6; ++i) names.push_back(fmt::format("error{}", i));
-  for (int i = 0; i < 6; ++i) names.push_back(fmt::format("slack{}", i));
-  for (const char* name : {"manipulability", "least_distance", "status", "fallback", "active_rows"}) {
-    names.emplace_back(name);
-  }
-  names.insert(names.end(), std::begin(kEscapeColumns), std::end(kEscapeColumns));
+  std::vector<std::string> names;
+  Sample sample = sized(sizes);
+  visit_numbers(sample, [&](const ColumnName& name, double&, bool) { names.push_back(name.text()); });
   return names;
 }
 
-// 2: around the obstacles.
-double detour_code(const EscapeState& e) { return !e.detour ? 0.0 : e.around ? 2.0 : 1.0; }
-
 /// One sample as numbers, in the order of column_names().
-std::vector<double> flatten(const Sample& s) {
-  std::vector<double> row{s.t, s.base.x(), s.base.y(), s.base.z()};
-  row.insert(row.end(), s.q.begin(), s.q.end());
-  row.insert(row.end(), s.qdot.begin(), s.qdot.end());
-  row.insert(row.end(), s.command.begin(), s.command.end());
-  row.insert(row.end(), s.error.begin(), s.error.end());
-  row.insert(row.end(), s.slack.begin(), s.slack.end());
-  row.insert(row.end(), {s.manipulability, s.least_distance, static_cast<double>(s.status),
-                         static_cast<double>(s.fallback), static_cast<double>(s.active_rows)});
-  const EscapeState& e = s.escape;
-  row.insert(row.end(),
-             {e.best, e.idle, static_cast<double>(e.stagnations), static_cast<double>(e.side), detour_code(e),
-              e.remaining, e.target_W.x(), e.target_W.y(), e.target_W.z(), static_cast<double>(e.circulation)});
+std::vector<double> flatten(Sample s) {
+  std::vector<double> row;
+  visit_numbers(s, [&](const ColumnName&, double& value, bool) { row.push_back(value); });
   return row;
 }
 
@@ -131,43 +202,26 @@ SampleTable decode_table(const EncodedSamples& encoded) {
 
 Trace decode_samples(const EncodedSamples& encoded) {
   const SampleTable table = decode_table(encoded);
-  const Sizes sizes{count_of(table.names, "q"), count_of(table.names, "qdot")};
-  std::vector<std::string> known = column_names(sizes);
-  const bool has_escape = table.names == known;
-  if (!has_escape) known.resize(known.size() - std::size(kEscapeColumns));
-  if (table.names != known) throw std::runtime_error("samples have unknown columns");
-  Trace trace(static_cast<std::size_t>(encoded.n));
+  // Samples of earlier versions lack some or all of what the controller remembered.
+  std::vector<int> places;
+  std::size_t used = 0;
+  Sample sample = sized({count_of(table.names, "q"), count_of(table.names, "qdot")});
+  visit_numbers(sample, [&](const ColumnName& column, double&, bool memory) {
+    const std::string name = column.text();
+    const auto found = std::find(table.names.begin(), table.names.end(), name);
+    const bool there = found != table.names.end();
+    if (!there && !memory) throw std::runtime_error("samples have no column " + name);
+    places.push_back(there ? static_cast<int>(found - table.names.begin()) : -1);
+    used += there ? 1 : 0;
+  });
+  if (used != table.names.size()) throw std::runtime_error("samples have unknown columns");
+  Trace trace(static_cast<std::size_t>(encoded.n), sample);
   for (std::size_t k = 0; k < trace.size(); ++k) {
     std::size_t c = 0;
-    const auto next = [&] { return table.columns[c++][k]; };
-    Sample& s = trace[k];
-    s.t = next();
-    for (double& value : s.base) value = next();
-    s.q.resize(sizes.q);
-    for (double& value : s.q) value = next();
-    s.qdot.resize(sizes.v);
-    for (double& value : s.qdot) value = next();
-    s.command.resize(sizes.v);
-    for (double& value : s.command) value = next();
-    for (double& value : s.error) value = next();
-    for (double& value : s.slack) value = next();
-    s.manipulability = next();
-    s.least_distance = next();
-    s.status = static_cast<StepStatus>(std::lround(next()));
-    s.fallback = static_cast<Fallback>(std::lround(next()));
-    s.active_rows = static_cast<int>(std::lround(next()));
-    if (!has_escape) continue;
-    EscapeState& e = s.escape;
-    e.best = next();
-    e.idle = next();
-    e.stagnations = static_cast<int>(std::lround(next()));
-    e.side = static_cast<int>(std::lround(next()));
-    const double detour = next();
-    e.detour = detour != 0.0;
-    e.around = detour == 2.0;
-    e.remaining = next();
-    for (double& value : e.target_W) value = next();
-    e.circulation = static_cast<int>(std::lround(next()));
+    visit_numbers(trace[k], [&](const ColumnName&, double& value, bool) {
+      const int place = places[c++];
+      if (place >= 0) value = table.columns[static_cast<std::size_t>(place)][k];
+    });
   }
   return trace;
 }

@@ -1,4 +1,6 @@
--- The tables of the store, version 3; its views are in views.sql. docs/store.md describes them all. Units are in the names of columns.
+-- The tables of the store, version 3; its views are in views.sql. docs/store.md describes them all. Units are in the
+-- names of columns. Columns of results and words stand where they are described (eval/trial/row.h, eval/store/words.h
+-- and others); definition.cc puts them in here, in place of what stands in double braces.
 -- Content tables (robot, controller, resolved_suite, world) are addressed by the hash of their text, so that the
 -- same thing is kept once whatever run brought it, and stores of several machines can be joined.
 
@@ -45,7 +47,7 @@ CREATE TABLE point (
   content_hash BLOB NOT NULL CHECK (length(content_hash) = 16),
   robot_id INTEGER NOT NULL REFERENCES robot (id),
   controller_id INTEGER NOT NULL REFERENCES controller (id),
-  mode TEXT NOT NULL CHECK (mode IN ('kinematic', 'dynamic')),
+  mode TEXT NOT NULL CHECK (mode IN ({{modes}})),
   control_period_s REAL NOT NULL,
   physics_step_s REAL NOT NULL,
   time_limit_s REAL NOT NULL,
@@ -70,11 +72,7 @@ CREATE TABLE world (
   world_index INTEGER NOT NULL,
   seed TEXT NOT NULL,                                       -- unsigned 64 bit: more than INTEGER holds
   family TEXT NOT NULL,
-  goal_distance_m REAL,
-  objects INTEGER NOT NULL,
-  witness_clearance_m REAL,
-  blocked_fraction REAL,
-  narrowest_gap_m REAL,
+  {{difficulty columns}}
   json TEXT NOT NULL CHECK (json_valid(json))
 ) STRICT;
 
@@ -85,7 +83,7 @@ CREATE TABLE invocation (
   resolved_suite_id INTEGER NOT NULL REFERENCES resolved_suite (id),
   started TEXT NOT NULL,                                    -- UTC, ISO 8601
   ended TEXT,                                               -- NULL: still running, or killed
-  status TEXT NOT NULL CHECK (status IN ('running', 'finished', 'stopped', 'failed')),
+  status TEXT NOT NULL CHECK (status IN ({{run states}})),
   arguments TEXT NOT NULL CHECK (json_valid(arguments)),    -- the command line, a list
   moma_version TEXT NOT NULL,
   git_commit TEXT,                                          -- NULL: not built from a git checkout
@@ -111,47 +109,8 @@ CREATE TABLE trial (
   key BLOB PRIMARY KEY CHECK (length(key) = 16),            -- hash of everything that decides the row
   trial TEXT NOT NULL GENERATED ALWAYS AS (lower(substr(hex(key), 1, 16))) VIRTUAL,
   world_id INTEGER NOT NULL REFERENCES world (id),
-  outcome TEXT NOT NULL CHECK (outcome IN ('success', 'collision', 'timeout', 'stuck', 'joint_limit', 'tipped',
-                                           'infeasible', 'diverged', 'error')),
-  reason TEXT,
-  link TEXT,
-  object TEXT,
-  time_end_s REAL NOT NULL,
-  time_to_goal_s REAL,
-  position_error_m REAL,
-  orientation_error_rad REAL,
-  path_ee_m REAL,
-  path_base_m REAL,
-  manip_mean REAL,
-  manip_min REAL,
-  manip_final REAL,
-  manip_all_mean REAL,
-  manip_all_min REAL,
-  manip_all_final REAL,
-  clearance_min_m REAL,
-  clearance_self_min_m REAL,
-  limit_margin_min REAL,
-  collision_count INTEGER NOT NULL,
-  collision_time_s REAL,
-  collision_depth_m REAL,
-  jerk_ee_rms REAL,
-  jerk_joint_rms REAL,
-  command_change_mean REAL,
-  energy_j REAL,
-  slack_mean REAL,
-  slack_max REAL,
-  active_rows_mean REAL,
-  qp_infeasible INTEGER NOT NULL,
-  fallback_no_acceleration INTEGER NOT NULL,
-  fallback_relaxed INTEGER NOT NULL,
-  fallback_brake INTEGER NOT NULL,
-  slip_max_m_s REAL,
-  tracking_error_rms REAL,
-  lcp_messages INTEGER NOT NULL,
-  steps INTEGER NOT NULL,
-  detector_checks INTEGER NOT NULL DEFAULT 0,
-  detector_disagreements INTEGER NOT NULL DEFAULT 0,
-  detector_deepest_m REAL
+  outcome TEXT NOT NULL CHECK (outcome IN ({{outcomes}})),
+  {{trial columns}}
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX trial_by_name ON trial (trial);
 CREATE INDEX trial_by_world ON trial (world_id);
@@ -160,14 +119,7 @@ CREATE INDEX trial_by_world ON trial (world_id);
 CREATE TABLE execution (
   key BLOB PRIMARY KEY REFERENCES trial (key),
   invocation_id INTEGER NOT NULL REFERENCES invocation (id),
-  t_solve_median_us REAL,
-  t_solve_p99_us REAL,
-  t_solve_max_us REAL,
-  t_step_median_us REAL,
-  t_step_p99_us REAL,
-  t_step_max_us REAL,
-  t_trial_us REAL,
-  deadline_misses INTEGER NOT NULL                          -- steps longer than the control period
+  {{timing columns}}
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX execution_by_invocation ON execution (invocation_id);
 
@@ -182,14 +134,11 @@ CREATE TABLE point_trial (
   family TEXT NOT NULL,
   outcome TEXT NOT NULL,
   time_to_goal_s REAL,
-  manip_mean REAL,
-  clearance_min_m REAL,
-  command_change_mean REAL,
+  {{summary columns}},
   PRIMARY KEY (point_id, world_index)
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX point_trial_by_key ON point_trial (key, family);
-CREATE INDEX point_trial_summary ON point_trial (point_id, family, time_to_goal_s, outcome, manip_mean,
-                                                 clearance_min_m, command_change_mean);
+{{summary index}}
 CREATE INDEX point_trial_by_time ON point_trial (point_id, time_to_goal_s);
 
 -- Time series, one sample per control step, compressed; layout in docs/store.md.
@@ -232,12 +181,12 @@ CREATE TABLE tune_search (
   budget_trials INTEGER NOT NULL,
   started TEXT NOT NULL,                                    -- UTC, ISO 8601
   ended TEXT,
-  status TEXT NOT NULL CHECK (status IN ('running', 'finished', 'stopped')),
+  status TEXT NOT NULL CHECK (status IN ({{search states}})),
   trials INTEGER,                                           -- measured by search and confirmation
   trials_saved INTEGER,                                     -- by cutting candidates short
   evaluations_cut INTEGER,
   held_out_suite TEXT,                                      -- as shown in v_trials
-  verdict TEXT CHECK (verdict IN ('better', 'no difference shown', 'worse')),
+  verdict TEXT CHECK (verdict IN ({{verdicts}})),
   runs TEXT CHECK (runs IS NULL OR json_valid(runs)),       -- NLopt's runs: algorithm, trials, why it ended
   notes TEXT CHECK (notes IS NULL OR json_valid(notes))
 ) STRICT;
@@ -248,7 +197,7 @@ CREATE TABLE tune_variable (
   key TEXT NOT NULL,
   lower REAL NOT NULL,
   upper REAL NOT NULL,
-  scale TEXT NOT NULL CHECK (scale IN ('linear', 'log', 'integer')),
+  scale TEXT NOT NULL CHECK (scale IN ({{scales}})),
   start REAL NOT NULL,
   found REAL,
   importance REAL,                                          -- share of the variance over the search
@@ -259,7 +208,7 @@ CREATE TABLE tune_variable (
 CREATE TABLE tune_evaluation (
   search_id INTEGER NOT NULL REFERENCES tune_search (id),
   evaluation INTEGER NOT NULL,                              -- from 0
-  phase TEXT NOT NULL CHECK (phase IN ('start', 'global', 'local', 'confirm', 'neighbour', 'sensitivity')),
+  phase TEXT NOT NULL CHECK (phase IN ({{phases}})),
   run INTEGER NOT NULL,
   candidate TEXT NOT NULL CHECK (json_valid(candidate)),    -- values in the order of tune_variable
   first_world INTEGER NOT NULL,                             -- worlds known before, of the search's order
@@ -318,6 +267,6 @@ CREATE TABLE tune_comparison (
   difference_low REAL,
   difference_high REAL,
   p REAL,                                                   -- exact McNemar with Holm's correction; NULL for means
-  verdict TEXT NOT NULL CHECK (verdict IN ('better', 'no difference shown', 'worse')),
+  verdict TEXT NOT NULL CHECK (verdict IN ({{verdicts}})),
   PRIMARY KEY (search_id, entry)
 ) STRICT, WITHOUT ROWID;

@@ -12,12 +12,14 @@
 #include "eval/store/hash.h"
 #include "eval/store/machine.h"
 #include "eval/store/row_binding.h"
+#include "eval/store/words.h"
 
 namespace moma::store {
 namespace {
 
 using nlohmann::json;
 using SQLite::Statement;
+using tune::SearchStatus;
 
 // Little endian whatever the machine, so that a store can be carried anywhere.
 std::vector<unsigned char> to_bytes(const std::vector<double>& values) {
@@ -62,6 +64,8 @@ auto write(Writer& writer, const Work& work) {
   }
 }
 
+std::string word(tune::SearchStatus status) { return std::string(to_string(status)); }
+
 void insert_variables(SQLite::Database& db, std::int64_t id, const TuneSearchRecord& search) {
   Statement s(db,
               "INSERT INTO tune_variable (search_id, variable, key, lower, upper, scale, start) "
@@ -95,14 +99,15 @@ TuneRecords::TuneRecords(Writer& writer, const TuneSearchRecord& search) : write
     find.bind(1, hash.data(), static_cast<int>(hash.size()));
     if (find.executeStep()) {
       id_ = find.getColumn(0).getInt64();
-      Statement again(db, "UPDATE tune_search SET status = 'running', ended = NULL WHERE id = ?");
-      again.bind(1, id_);
+      Statement again(db, "UPDATE tune_search SET status = ?, ended = NULL WHERE id = ?");
+      again.bind(1, word(SearchStatus::kRunning));
+      again.bind(2, id_);
       again.exec();
     } else {
       Statement s(
           db,
           "INSERT INTO tune_search (hash, suite, controller, identity, objective, unit, budget_trials, started, "
-          "status) VALUES (?, ?, ?, ?, ?, ?, ?, ?, 'running')");
+          "status) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)");
       s.bind(1, hash.data(), static_cast<int>(hash.size()));
       s.bind(2, search.suite);
       s.bind(3, search.controller);
@@ -111,6 +116,7 @@ TuneRecords::TuneRecords(Writer& writer, const TuneSearchRecord& search) : write
       s.bind(6, search.unit);
       s.bind(7, static_cast<std::int64_t>(search.budget_trials));
       s.bind(8, utc_now());
+      s.bind(9, word(SearchStatus::kRunning));
       s.exec();
       id_ = db.getLastInsertRowid();
       insert_variables(db, id_, search);
@@ -178,9 +184,10 @@ void TuneRecords::append(const TuneEvaluationRecord& r) {
 
 void TuneRecords::stopped() {
   write(writer_, [&](SQLite::Database& db) {
-    Statement s(db, "UPDATE tune_search SET status = 'stopped', ended = ? WHERE id = ?");
+    Statement s(db, "UPDATE tune_search SET ended = ?, status = ? WHERE id = ?");
     s.bind(1, utc_now());
-    s.bind(2, id_);
+    s.bind(2, word(SearchStatus::kStopped));
+    s.bind(3, id_);
     s.exec();
   });
 }
@@ -188,15 +195,16 @@ void TuneRecords::stopped() {
 void TuneRecords::finish(const TuneResultRecord& result) {
   write(writer_, [&](SQLite::Database& db) {
     Statement search(db,
-                     "UPDATE tune_search SET status = 'finished', ended = ?, trials = ?, trials_saved = ?, "
-                     "evaluations_cut = ?, runs = ?, notes = ? WHERE id = ?");
+                     "UPDATE tune_search SET ended = ?, trials = ?, trials_saved = ?, "
+                     "evaluations_cut = ?, runs = ?, notes = ?, status = ? WHERE id = ?");
     search.bind(1, utc_now());
     search.bind(2, static_cast<std::int64_t>(result.trials));
     search.bind(3, static_cast<std::int64_t>(result.trials_saved));
     search.bind(4, static_cast<std::int64_t>(result.evaluations_cut));
     search.bind(5, result.runs);
     search.bind(6, result.notes);
-    search.bind(7, id_);
+    search.bind(7, word(SearchStatus::kFinished));
+    search.bind(8, id_);
     search.exec();
     Statement variable(db, "UPDATE tune_variable SET found = ?, importance = ? WHERE search_id = ? AND variable = ?");
     for (std::size_t i = 0; i < result.found.size(); ++i) {

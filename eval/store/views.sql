@@ -7,25 +7,8 @@ DROP VIEW IF EXISTS v_metrics;
 CREATE VIEW v_trials AS
 SELECT t.trial AS trial, s.name AS suite, r.name AS robot, p.controller AS controller, p.label AS point,
        p.params AS params, w.family AS family, w.world_index AS world, p.mode AS mode, t.outcome AS outcome,
-       t.reason AS reason, t.link AS link, t.object AS object, t.time_end_s AS time_end_s,
-       t.time_to_goal_s AS time_to_goal_s, t.position_error_m AS position_error_m,
-       t.orientation_error_rad AS orientation_error_rad, t.path_ee_m AS path_ee_m, t.path_base_m AS path_base_m,
-       t.manip_mean AS manip_mean, t.manip_min AS manip_min, t.manip_final AS manip_final,
-       t.manip_all_mean AS manip_all_mean, t.manip_all_min AS manip_all_min, t.manip_all_final AS manip_all_final,
-       t.clearance_min_m AS clearance_min_m, t.clearance_self_min_m AS clearance_self_min_m,
-       t.limit_margin_min AS limit_margin_min, t.collision_count AS collision_count,
-       t.collision_time_s AS collision_time_s, t.collision_depth_m AS collision_depth_m,
-       t.jerk_ee_rms AS jerk_ee_rms, t.jerk_joint_rms AS jerk_joint_rms,
-       t.command_change_mean AS command_change_mean, t.energy_j AS energy_j, t.slack_mean AS slack_mean,
-       t.slack_max AS slack_max, t.active_rows_mean AS active_rows_mean, t.qp_infeasible AS qp_infeasible,
-       t.fallback_no_acceleration AS fallback_no_acceleration, t.fallback_relaxed AS fallback_relaxed,
-       t.fallback_brake AS fallback_brake, t.slip_max_m_s AS slip_max_m_s,
-       t.tracking_error_rms AS tracking_error_rms, t.lcp_messages AS lcp_messages, t.steps AS steps,
-       t.detector_checks AS detector_checks, t.detector_disagreements AS detector_disagreements,
-       t.detector_deepest_m AS detector_deepest_m,
-       e.t_solve_median_us AS t_solve_median_us, e.t_solve_p99_us AS t_solve_p99_us,
-       e.t_solve_max_us AS t_solve_max_us, e.t_step_median_us AS t_step_median_us,
-       e.t_step_p99_us AS t_step_p99_us, e.t_step_max_us AS t_step_max_us, e.t_trial_us AS t_trial_us
+       {{trial view}},
+       {{timing view}}
 FROM point_trial AS m
 JOIN point AS p ON p.id = m.point_id
 JOIN suite AS s ON s.id = p.suite_id
@@ -40,8 +23,7 @@ CREATE VIEW v_summary AS
 WITH counted AS (
   SELECT point_id, family, count(*) AS n, 1.0 * count(*) AS m, 1.0 * sum(outcome = 'success') AS successes,
          1.0 * sum(outcome = 'collision') AS collisions, 3.8414588206941245 AS zz, count(time_to_goal_s) AS arrived,
-         avg(manip_mean) AS manip_mean, avg(clearance_min_m) AS clearance_min_m,
-         avg(command_change_mean) AS command_change_mean
+         {{summary means}}
   FROM point_trial
   GROUP BY point_id, family
 ), ranked AS (
@@ -70,8 +52,7 @@ SELECT s.name AS suite, b.name AS robot, p.controller AS controller, p.label AS 
        CASE WHEN collisions = m THEN 1.0 ELSE
          (collisions + zz / 2 + sqrt(zz * (collisions * (m - collisions) / m + zz / 4))) / (m + zz) END
          AS collision_high,
-       d.time_to_goal_median_s AS time_to_goal_median_s, c.manip_mean AS manip_mean,
-       c.clearance_min_m AS clearance_min_m, c.command_change_mean AS command_change_mean
+       d.time_to_goal_median_s AS time_to_goal_median_s, {{summary view}}
 FROM counted AS c
 JOIN point AS p ON p.id = c.point_id
 JOIN suite AS s ON s.id = p.suite_id

@@ -16,6 +16,8 @@
 #include "eval/store/build_info.h"
 #include "eval/store/columns.h"
 #include "eval/store/database.h"
+#include "eval/store/definition.h"
+#include "eval/store/difficulty.h"
 #include "eval/store/machine.h"
 #include "eval/store/registry.h"
 #include "eval/store/row_binding.h"
@@ -59,6 +61,32 @@ std::string insert_execution_sql() {
   return fmt::format("INSERT INTO execution ({}) VALUES ({})", names, placeholders(2 + timing_columns().size()));
 }
 
+/// The difficulty's columns: their names, and their values bound after parameter `index`.
+struct Difficulties {
+  Statement* statement = nullptr;
+  const Difficulty* values = nullptr;
+  int index = 0;
+  std::string names;
+  template <class M>
+  void member(std::string_view name, M Difficulty::*member, const Column&) {
+    ++index;
+    names += fmt::format(", {}", name);
+    if (statement == nullptr) return;
+    if constexpr (std::is_same_v<M, double>) {
+      bind_number(*statement, index, values->*member);
+    } else {
+      statement->bind(index, values->*member);
+    }
+  }
+};
+
+std::string insert_world_sql() {
+  Difficulties columns;
+  describe(columns, Of<Difficulty>{});
+  return fmt::format("INSERT INTO world (hash, world_index, seed, family, json{}) VALUES ({})", columns.names,
+                     placeholders(5 + static_cast<std::size_t>(columns.index)));
+}
+
 struct Pending {
   Wanted trial;
   Hash key{};
@@ -72,18 +100,15 @@ struct Pending {
 struct Statements {
   explicit Statements(SQLite::Database& db)
       : find_world(db, "SELECT id FROM world WHERE hash = ?"),
-        world(db,
-              "INSERT INTO world (hash, world_index, seed, family, goal_distance_m, objects, witness_clearance_m, "
-              "blocked_fraction, narrowest_gap_m, json) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"),
+        world(db, insert_world_sql()),
         trial(db, insert_trial_sql()),
         execution(db, insert_execution_sql()),
         samples(db, "INSERT OR IGNORE INTO samples (key, layout, n, columns, data) VALUES (?, ?, ?, ?, ?)"),
-        link(db,
-             "INSERT INTO point_trial (point_id, world_index, key, world_id, family, outcome, time_to_goal_s, "
-             "manip_mean, "
-             "clearance_min_m, command_change_mean) SELECT ?1, ?2, t.key, t.world_id, w.family, t.outcome, "
-             "t.time_to_goal_s, t.manip_mean, t.clearance_min_m, t.command_change_mean FROM trial AS t "
-             "JOIN world AS w ON w.id = t.world_id WHERE t.key = ?3 ON CONFLICT (point_id, world_index) DO NOTHING"),
+        link(db, fmt::format("INSERT INTO point_trial (point_id, world_index, key, world_id, family, outcome, "
+                             "time_to_goal_s, {}) SELECT ?1, ?2, t.key, t.world_id, w.family, t.outcome, "
+                             "t.time_to_goal_s, {} FROM trial AS t JOIN world AS w ON w.id = t.world_id "
+                             "WHERE t.key = ?3 ON CONFLICT (point_id, world_index) DO NOTHING",
+                             summary_list(), summary_list("t."))),
         find_trial(db, fmt::format("SELECT i.machine_class, {} FROM trial AS t LEFT JOIN execution AS e USING (key) "
                                    "LEFT JOIN invocation AS i ON i.id = e.invocation_id WHERE t.key = ?",
                                    trial_column_list("t."))),
@@ -128,12 +153,9 @@ struct Writer::Impl {
     s.bind(2, static_cast<std::int64_t>(world.index));
     s.bind(3, std::to_string(world.seed));
     s.bind(4, world.family);
-    bind_number(s, 5, world.difficulty.goal_distance_m);
-    s.bind(6, world.difficulty.objects);
-    bind_number(s, 7, world.difficulty.witness_clearance_m);
-    bind_number(s, 8, world.difficulty.blocked_fraction);
-    bind_number(s, 9, world.difficulty.narrowest_gap_m);
-    s.bind(10, world.json);
+    s.bind(5, world.json);
+    Difficulties columns{&s, &world.difficulty, 5, {}};
+    describe(columns, Of<Difficulty>{});
     s.exec();
     return db.getLastInsertRowid();
   }
@@ -222,11 +244,12 @@ struct Writer::Impl {
                 "INSERT INTO invocation (suite_id, resolved_suite_id, started, status, arguments, moma_version, "
                 "git_commit, git_dirty, build_type, compiler, compiler_flags, libraries, host, os, cpu, cpu_count, "
                 "threads, machine_class, trials_planned, trials_present, trials_done) VALUES "
-                "(?, ?, ?, 'running', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 0, 0)");
+                "(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 0, 0)");
     int i = 0;
     s.bind(++i, registered.suite_id);
     s.bind(++i, registered.resolved_suite_id);
     s.bind(++i, utc_now());
+    s.bind(++i, std::string(to_string(RunStatus::kRunning)));
     s.bind(++i, nlohmann::json(info.arguments).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
     s.bind(++i, std::string(kVersion));
     bind_text(s, ++i, kGitCommit);
@@ -394,11 +417,8 @@ void Writer::finish(RunStatus status) {
     impl_->flush();
     SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
     impl_->link_present(impl_->wanted);
-    const char* text = status == RunStatus::kFinished  ? "finished"
-                       : status == RunStatus::kStopped ? "stopped"
-                                                       : "failed";
     Statement s(impl_->db, "UPDATE invocation SET status = ?, ended = ? WHERE id = ?");
-    s.bind(1, std::string(text));
+    s.bind(1, std::string(to_string(status)));
     s.bind(2, utc_now());
     s.bind(3, impl_->invocation);
     s.exec();

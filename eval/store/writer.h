@@ -11,6 +11,7 @@
 
 #include "eval/store/error.h"
 #include "eval/store/records.h"
+#include "eval/store/words.h"
 #include "eval/trial/row.h"
 
 namespace SQLite {
@@ -34,8 +35,6 @@ struct Wanted {
   std::uint64_t world = 0;
   std::string key;  ///< 32 hex digits
 };
-
-enum class RunStatus { kFinished, kStopped, kFailed };
 
 /// The one writer of a store during a run. Rows are kept back and written in transactions of up to 64 rows or 20 ms, so
 /// that a kill at any moment loses at most those. Not thread-safe; may be called from different threads one after

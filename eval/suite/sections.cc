@@ -111,16 +111,4 @@ nlohmann::ordered_json to_json(const StuckRule& stuck) {
 
 nlohmann::ordered_json to_json(const InfeasibleRule& infeasible) { return {{"time", number_to_json(infeasible.time)}}; }
 
-std::string_view to_string(SamplesKept samples) noexcept {
-  switch (samples) {
-    case SamplesKept::kAll:
-      return "all";
-    case SamplesKept::kFailures:
-      return "failures";
-    case SamplesKept::kNone:
-      return "none";
-  }
-  return "?";
-}
-
 }  // namespace moma

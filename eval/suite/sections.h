@@ -31,7 +31,6 @@ nlohmann::ordered_json to_json(const StuckRule& stuck);
 nlohmann::ordered_json to_json(const InfeasibleRule& infeasible);
 
 /// all, failures, none.
-std::string_view to_string(SamplesKept samples) noexcept;
 
 /// XXH3-128 of `text`, 32 hex digits, most significant first.
 std::string digest_hex(std::string_view text);

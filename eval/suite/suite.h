@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -34,6 +35,8 @@ struct InfeasibleRule {
 };
 
 enum class SamplesKept { kAll, kFailures, kNone };
+constexpr auto words(Of<SamplesKept>) { return std::to_array<std::string_view>({"all", "failures", "none"}); }
+static_assert(all_worded<SamplesKept>());
 
 /// `trials: {until: ...}`: worlds are met in blocks until, at the end of one, every point's Wilson interval (95 %) of
 /// the metric's rate is narrow enough, or `max` is reached. See eval/batch/sequential.h.

@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <iterator>
-
 #include "controller/config/reader.h"
+#include "eval/trial/outcome.h"
 
 namespace moma {
 namespace {
@@ -14,16 +12,14 @@ using config::MapReader;
 using config::Node;
 
 constexpr long long kMaxTrials = 100'000'000;
-constexpr const char* kMetrics[] = {"success", "collision",  "timeout",  "stuck", "joint_limit",
-                                    "tipped",  "infeasible", "diverged", "error"};
 
 UntilRule read_until(const Node& node, const std::string& key) {
   UntilRule rule;
   MapReader in(node, key);
   in.read("metric", rule.metric);
-  if (std::find(std::begin(kMetrics), std::end(kMetrics), rule.metric) == std::end(kMetrics))
+  if (!from_string<Outcome>(rule.metric))
     in.fail_at("metric", fmt::format("found '{}', expected an outcome, whose rate is meant: {}", rule.metric,
-                                     fmt::join(kMetrics, ", ")));
+                                     list_of_words<Outcome>()));
   in.require("half_width", "half the width of the 95 % interval to reach, for instance 0.02");
   in.read("half_width", rule.half_width, {1e-4, 0.5, false, true});
   const auto count = [&](const char* name, std::uint64_t& value) {

@@ -4,6 +4,7 @@
 
 #include "controller/model/robot_model.h"
 #include "eval/trial/row.h"
+#include "world/plant/plant.h"
 
 namespace moma {
 

@@ -1,29 +1,12 @@
 #include "eval/trial/row.h"
 
+#include "controller/describe/complete.h"
+
 namespace moma {
 
-std::string_view to_string(Outcome outcome) noexcept {
-  switch (outcome) {
-    case Outcome::kSuccess:
-      return "success";
-    case Outcome::kCollision:
-      return "collision";
-    case Outcome::kTimeout:
-      return "timeout";
-    case Outcome::kStuck:
-      return "stuck";
-    case Outcome::kJointLimit:
-      return "joint_limit";
-    case Outcome::kTipped:
-      return "tipped";
-    case Outcome::kInfeasible:
-      return "infeasible";
-    case Outcome::kDiverged:
-      return "diverged";
-    case Outcome::kError:
-      return "error";
-  }
-  return "?";
-}
+static_assert(is_complete<TrialRow>(), "a member of TrialRow without its line in describe()");
+static_assert(is_complete<TrialRow::Timing>(), "a member of TrialRow::Timing without its line in describe()");
+static_assert(is_complete<Sample>(), "a member of Sample without its line in describe()");
+static_assert(is_complete<EscapeState>(), "a member of EscapeState without its line in describe()");
 
 }  // namespace moma

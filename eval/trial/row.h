@@ -1,24 +1,20 @@
 #pragma once
 
-#include <cstdint>
 #include <limits>
-#include <optional>
 #include <string>
-#include <string_view>
-#include <vector>
 
-#include "controller/step.h"
-#include "world/plant/plant.h"
+#include "controller/describe/describe.h"
+#include "eval/trial/column.h"
+#include "eval/trial/outcome.h"
+#include "eval/trial/sample.h"
 
 namespace moma {
 
-enum class Outcome { kSuccess, kCollision, kTimeout, kStuck, kJointLimit, kTipped, kInfeasible, kDiverged, kError };
-/// success, collision, timeout, stuck, joint_limit, tipped, infeasible, diverged, error.
-std::string_view to_string(Outcome outcome) noexcept;
-
 constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();  // NULL in the store
 
-/// Metrics of one trial; units in the names, as in v_trials. NaN is NULL. All but `timing` are deterministic.
+/// Metrics of one trial; units in the names, as in v_trials. NaN is NULL. All but `timing` are deterministic. A new one
+/// is a member here, its line in the description below, and where metrics.cc measures it; with Earlier::kUnknown,
+/// stored trials keep their keys and are not computed again.
 struct TrialRow {
   Outcome outcome = Outcome::kError;
   std::string reason;  ///< for a person; the exception's text for kError
@@ -60,28 +56,225 @@ struct TrialRow {
   struct Timing {
     double t_solve_median_us = kAbsent, t_solve_p99_us = kAbsent, t_solve_max_us = kAbsent;
     double t_step_median_us = kAbsent, t_step_p99_us = kAbsent, t_step_max_us = kAbsent;
-    int deadline_misses = 0;
     double t_trial_us = kAbsent;
+    int deadline_misses = 0;
   } timing;
 };
 
-/// One control step's record, the state *before* the step's command acts.
-struct Sample {
-  double t = 0.0;
-  Vector3 base = Vector3::Zero();
-  VectorX q;
-  VectorX qdot;  ///< measured
-  VectorX command;
-  Vector6 error = Vector6::Zero();  ///< true error [e_R; e_p]
-  Vector6 slack = Vector6::Zero();
-  double manipulability = 0.0;
-  double least_distance = std::numeric_limits<double>::infinity();
-  StepStatus status = StepStatus::kSolved;
-  Fallback fallback = Fallback::kNone;
-  int active_rows = 0;
-  EscapeState escape;  ///< what the controller remembered when the step began
-};
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<TrialRow>) {
+  using R = TrialRow;
+  using enum Better;
+  v.member("outcome", &R::outcome, Column{.text = "how the trial ended"});
+  v.member("reason", &R::reason, Column{.text = "for a person; the exception's text for `error`"});
+  v.member("link", &R::link, Column{.text = "what of the robot touched something (`collision` only)"});
+  v.member("object", &R::object, Column{.text = "what it touched: an object's name, `floor` or `self:LINK`"});
+  v.member("time_end_s", &R::time_end_s,
+           Column{.label = "end of the trial", .unit = "s", .decimals = 2, .always = true, .text = "simulated end"});
+  v.member("time_to_goal_s", &R::time_to_goal_s,
+           Column{.label = "time to goal",
+                  .unit = "s",
+                  .better = kLow,
+                  .decimals = 2,
+                  .null_when = "unless the trial succeeds",
+                  .text = "start of the dwell at the goal"});
+  v.member(
+      "position_error_m", &R::position_error_m,
+      Column{.label = "final position error", .unit = "m", .better = kLow, .text = "distance to the goal at the end"});
+  v.member(
+      "orientation_error_rad", &R::orientation_error_rad,
+      Column{
+          .label = "final orientation error", .unit = "rad", .better = kLow, .text = "angle to the goal at the end"});
+  v.member("path_ee_m", &R::path_ee_m,
+           Column{.label = "path of the end effector",
+                  .unit = "m",
+                  .better = kLow,
+                  .decimals = 2,
+                  .text = "length of the end effector's way"});
+  v.member("path_base_m", &R::path_base_m,
+           Column{.label = "path of the base",
+                  .unit = "m",
+                  .better = kLow,
+                  .decimals = 2,
+                  .text = "length of the base's way in the plane"});
+  v.member("manip_mean", &R::manip_mean,
+           Column{.label = "manipulability, mean",
+                  .better = kHigh,
+                  .decimals = 4,
+                  .summary = true,
+                  .text = "translational manipulability, mean over the trial"});
+  v.member("manip_min", &R::manip_min,
+           Column{.label = "manipulability, least", .better = kHigh, .decimals = 4, .text = "its least value"});
+  v.member("manip_final", &R::manip_final,
+           Column{.label = "manipulability at the end", .better = kHigh, .decimals = 4, .text = "its last value"});
+  v.member("manip_all_mean", &R::manip_all_mean,
+           Column{.label = "six-row manipulability, mean",
+                  .better = kHigh,
+                  .decimals = 4,
+                  .text = "manipulability with all six rows, mean over the trial"});
+  v.member("manip_all_min", &R::manip_all_min,
+           Column{.label = "six-row manipulability, least", .better = kHigh, .decimals = 4, .text = "its least value"});
+  v.member(
+      "manip_all_final", &R::manip_all_final,
+      Column{.label = "six-row manipulability at the end", .better = kHigh, .decimals = 4, .text = "its last value"});
+  v.member("clearance_min_m", &R::clearance_min_m,
+           Column{.label = "least clearance",
+                  .unit = "m",
+                  .better = kHigh,
+                  .null_when = "in a world without objects",
+                  .summary = true,
+                  .text = "least distance to an object"});
+  v.member("clearance_self_min_m", &R::clearance_self_min_m,
+           Column{.label = "least clearance to itself",
+                  .unit = "m",
+                  .better = kHigh,
+                  .text = "least distance of the robot to itself"});
+  v.member("limit_margin_min", &R::limit_margin_min,
+           Column{.label = "least joint-limit margin",
+                  .unit = "rad or m",
+                  .better = kHigh,
+                  .text = "least distance of a joint to its limit"});
+  v.member("collision_count", &R::collision_count,
+           Column{.label = "pairs in contact", .better = kLow, .decimals = 0, .text = "pairs in contact at the end"});
+  v.member("collision_time_s", &R::collision_time_s,
+           Column{.label = "time of collision",
+                  .unit = "s",
+                  .decimals = 2,
+                  .null_when = "unless the trial has a collision",
+                  .text = "time of the first contact"});
+  v.member("collision_depth_m", &R::collision_depth_m,
+           Column{.label = "collision depth",
+                  .unit = "m",
+                  .better = kLow,
+                  .significant = 2,
+                  .null_when = "unless the trial has a collision",
+                  .text = "depth of the worst contact"});
+  v.member("jerk_ee_rms", &R::jerk_ee_rms,
+           Column{.label = "jerk of the end effector, RMS",
+                  .unit = "m/s³",
+                  .better = kLow,
+                  .text = "smoothness of the end effector's way"});
+  v.member("jerk_joint_rms", &R::jerk_joint_rms,
+           Column{.label = "jerk of the joints, RMS",
+                  .unit = "rad/s³",
+                  .better = kLow,
+                  .text = "smoothness of the joints' motion"});
+  v.member("command_change_mean", &R::command_change_mean,
+           Column{.label = "command change, mean",
+                  .better = kLow,
+                  .summary = true,
+                  .text = "mean over steps of the largest |change| / limit"});
+  v.member("energy_j", &R::energy_j,
+           Column{.label = "energy",
+                  .unit = "J",
+                  .better = kLow,
+                  .null_when = "in kinematic mode",
+                  .text = "integral of |torque x speed|"});
+  v.member("slack_mean", &R::slack_mean,
+           Column{.label = "slack, mean", .better = kLow, .text = "length of the QP's slack, mean over steps"});
+  v.member("slack_max", &R::slack_max,
+           Column{.label = "slack, greatest", .better = kLow, .text = "its greatest value"});
+  v.member("active_rows_mean", &R::active_rows_mean,
+           Column{.label = "active constraints, mean",
+                  .decimals = 2,
+                  .text = "rows of the QP that hold back, mean over steps"});
+  v.member(
+      "qp_infeasible", &R::qp_infeasible,
+      Column{.label = "infeasible steps", .better = kLow, .decimals = 0, .text = "steps whose QP had no solution"});
+  v.member("fallback_no_acceleration", &R::fallback_no_acceleration,
+           Column{.label = "steps without acceleration bounds",
+                  .better = kLow,
+                  .decimals = 0,
+                  .text = "steps that fell back to a QP without acceleration bounds"});
+  v.member("fallback_relaxed", &R::fallback_relaxed,
+           Column{.label = "steps with relaxed rows",
+                  .better = kLow,
+                  .decimals = 0,
+                  .text = "steps that fell back to a QP with relaxed rows"});
+  v.member("fallback_brake", &R::fallback_brake,
+           Column{.label = "braking steps", .better = kLow, .decimals = 0, .text = "steps that could only brake"});
+  v.member("slip_max_m_s", &R::slip_max_m_s,
+           Column{.label = "wheel slip, greatest",
+                  .unit = "m/s",
+                  .better = kLow,
+                  .text = "greatest slip of a wheel (`dynamic` with wheels only)"});
+  v.member("tracking_error_rms", &R::tracking_error_rms,
+           Column{.label = "tracking error, RMS",
+                  .unit = "m",
+                  .better = kLow,
+                  .text = "root mean square of the distance to a goal that moves"});
+  v.member("lcp_messages", &R::lcp_messages,
+           Column{.label = "messages of the physics solver",
+                  .better = kLow,
+                  .decimals = 0,
+                  .text = "warnings of ODE's contact solver"});
+  v.member("steps", &R::steps, Column{.label = "control steps", .decimals = 0, .text = "control steps"});
+  v.member("detector_checks", &R::detector_checks,
+           Column{.label = "states in which contacts were cross-checked",
+                  .decimals = 0,
+                  .earlier = Earlier::kZero,
+                  .text = "states in which ODE's contacts were compared with the distance library's"});
+  v.member("detector_disagreements", &R::detector_disagreements,
+           Column{.label = "disagreements of the contact detectors",
+                  .better = kLow,
+                  .decimals = 0,
+                  .earlier = Earlier::kZero,
+                  .text = "pairs in them that touch by one of the two alone"});
+  v.member("detector_deepest_m", &R::detector_deepest_m,
+           Column{.label = "deepest disagreement of the contact detectors",
+                  .unit = "m",
+                  .better = kLow,
+                  .decimals = 6,
+                  .earlier = Earlier::kZero,
+                  .text = "the worst of these"});
+  v.inlined(&R::timing);
+}
 
-using Trace = std::vector<Sample>;
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<TrialRow::Timing>) {
+  using T = TrialRow::Timing;
+  using enum Better;
+  v.member("t_solve_median_us", &T::t_solve_median_us,
+           Column{.label = "QP solution, median",
+                  .unit = "µs",
+                  .better = kLow,
+                  .decimals = 1,
+                  .text = "time of the QP's solution in a step, median"});
+  v.member("t_solve_p99_us", &T::t_solve_p99_us,
+           Column{.label = "QP solution, 99th percentile",
+                  .unit = "µs",
+                  .better = kLow,
+                  .decimals = 1,
+                  .text = "its 99th percentile"});
+  v.member("t_solve_max_us", &T::t_solve_max_us,
+           Column{.label = "QP solution, longest", .unit = "µs", .better = kLow, .decimals = 1, .text = "the longest"});
+  v.member("t_step_median_us", &T::t_step_median_us,
+           Column{.label = "control step, median",
+                  .unit = "µs",
+                  .better = kLow,
+                  .decimals = 1,
+                  .text = "time of a whole control step, median"});
+  v.member("t_step_p99_us", &T::t_step_p99_us,
+           Column{.label = "control step, 99th percentile",
+                  .unit = "µs",
+                  .better = kLow,
+                  .decimals = 1,
+                  .text = "its 99th percentile"});
+  v.member(
+      "t_step_max_us", &T::t_step_max_us,
+      Column{.label = "control step, longest", .unit = "µs", .better = kLow, .decimals = 1, .text = "the longest"});
+  v.member("t_trial_us", &T::t_trial_us,
+           Column{.label = "whole trial, wall time",
+                  .unit = "µs",
+                  .better = kLow,
+                  .decimals = 0,
+                  .text = "wall time of the whole trial"});
+  v.member("deadline_misses", &T::deadline_misses,
+           Column{.label = "deadline misses",
+                  .better = kLow,
+                  .decimals = 0,
+                  .in_view = false,
+                  .text = "steps longer than the control period"});
+}
 
 }  // namespace moma

@@ -1,7 +1,10 @@
 #include "eval/trial/trace_json.h"
 
 #include <cmath>
-#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
 
 #include "controller/config/write_described.h"
 #include "eval/suite/sections.h"
@@ -25,21 +28,38 @@ ordered_json numbers(const Vector& vector) {
   return list;
 }
 
-ordered_json sample_json(const Sample& sample) {
+/// A sample's members under their names.
+class SampleJson {
+ public:
+  explicit SampleJson(const Sample& sample) : sample_(sample) {}
   ordered_json json = ordered_json::object();
-  json["t"] = sample.t;
-  json["base"] = numbers(sample.base);
-  json["q"] = numbers(sample.q);
-  json["qdot"] = numbers(sample.qdot);
-  json["command"] = numbers(sample.command);
-  json["error"] = numbers(sample.error);
-  json["slack"] = numbers(sample.slack);
-  json["manipulability"] = number(sample.manipulability);
-  json["least_distance"] = number(sample.least_distance);
-  json["status"] = to_string(sample.status);
-  json["fallback"] = to_string(sample.fallback);
-  json["escape"] = config::write_described(sample.escape);
-  return json;
+  template <class M>
+  void member(std::string_view name, M Sample::*member, const SampleColumn&) {
+    json[std::string(name)] = written(sample_.*member);
+  }
+
+ private:
+  template <class M>
+  static ordered_json written(const M& value) {
+    if constexpr (std::is_same_v<M, double>) {
+      return number(value);
+    } else if constexpr (std::is_arithmetic_v<M>) {
+      return value;
+    } else if constexpr (std::is_enum_v<M>) {
+      return to_string(value);
+    } else if constexpr (std::is_same_v<M, EscapeState>) {
+      return config::write_described(value);
+    } else {
+      return numbers(value);
+    }
+  }
+  const Sample& sample_;
+};
+
+ordered_json sample_json(const Sample& sample) {
+  SampleJson writer(sample);
+  describe(writer, Of<Sample>{});
+  return std::move(writer.json);
 }
 
 }  // namespace

@@ -4,16 +4,12 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "eval/store/words.h"
 #include "eval/tune/variables.h"
 
 namespace moma::tune {
-
-enum class Phase { kStart, kGlobal, kLocal, kConfirm, kNeighbour, kSensitivity };
-/// start, global, local, confirm, neighbour, sensitivity.
-std::string_view to_string(Phase phase) noexcept;
 
 /// One candidate met by the search, in order.
 struct Evaluation {

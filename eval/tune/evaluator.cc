@@ -20,24 +20,6 @@ bool same_bits(std::span<const double> a, std::span<const double> b) {
 
 }  // namespace
 
-std::string_view to_string(Phase phase) noexcept {
-  switch (phase) {
-    case Phase::kStart:
-      return "start";
-    case Phase::kGlobal:
-      return "global";
-    case Phase::kLocal:
-      return "local";
-    case Phase::kConfirm:
-      return "confirm";
-    case Phase::kNeighbour:
-      return "neighbour";
-    case Phase::kSensitivity:
-      return "sensitivity";
-  }
-  return "";
-}
-
 Evaluator::Evaluator(EvaluatorSettings settings, Objective& objective, EvaluationLog& log,
                      std::function<void(const Progress&)> progress)
     : settings_(std::move(settings)), objective_(objective), log_(log), report_(std::move(progress)) {

@@ -23,10 +23,6 @@ struct HeldOut {
 /// Throws config::ConfigError.
 HeldOut make_held_out(const Tuning& tuning, const Candidate& found);
 
-enum class Verdict { kBetter, kNoDifference, kWorse };
-/// better, no difference shown, worse.
-std::string_view to_string(Verdict verdict) noexcept;
-
 struct HeldOutVerdict {
   std::vector<store::TuneComparisonRecord> rows;
   std::string against;                       ///< the controller that `overall` is about

@@ -168,18 +168,6 @@ std::string interval(double value, double low, double high, bool percent) {
 
 }  // namespace
 
-std::string_view to_string(Verdict verdict) noexcept {
-  switch (verdict) {
-    case Verdict::kBetter:
-      return "better";
-    case Verdict::kNoDifference:
-      return "no difference shown";
-    case Verdict::kWorse:
-      return "worse";
-  }
-  return "";
-}
-
 HeldOutVerdict judge(const Tuning& tuning, const HeldOut& held_out, const std::vector<TrialRow>& rows) {
   // (part, world) -> controller -> row
   std::map<std::pair<std::size_t, std::uint64_t>, std::map<std::string, std::size_t>> cells;

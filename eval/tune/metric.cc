@@ -2,34 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <stdexcept>
-#include <utility>
 
 #include "controller/config/node.h"
 #include "eval/store/columns.h"
 
 namespace moma::tune {
-namespace {
-
-constexpr std::array kOutcomes{Outcome::kSuccess,    Outcome::kCollision,  Outcome::kTimeout,
-                               Outcome::kStuck,      Outcome::kJointLimit, Outcome::kTipped,
-                               Outcome::kInfeasible, Outcome::kDiverged,   Outcome::kError};
-
-// Metrics that some healthy trials do not have. Others are NULL only where a trial ended before its first step.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kOftenNull{{
-    {"time_to_goal_s", "unless the trial succeeds"},
-    {"collision_time_s", "unless the trial has a collision"},
-    {"collision_depth_m", "unless the trial has a collision"},
-    {"clearance_min_m", "in a world without objects"},
-    {"energy_j", "in kinematic mode"},
-}};
-
-}  // namespace
-
 std::vector<std::string> metric_names() {
   std::vector<std::string> names;
-  for (const Outcome outcome : kOutcomes) names.emplace_back(to_string(outcome));
+  for (const std::string_view outcome : words(Of<Outcome>{})) names.emplace_back(outcome);
   for (const store::TrialColumn& column : store::trial_columns()) {
     if (!std::holds_alternative<std::string TrialRow::*>(column.member)) names.emplace_back(column.name);
   }
@@ -39,14 +20,13 @@ std::vector<std::string> metric_names() {
 Metric Metric::find(std::string_view name) {
   Metric metric;
   metric.name_ = std::string(name);
-  for (const Outcome outcome : kOutcomes) {
-    if (to_string(outcome) == name) {
-      metric.source_ = outcome;
-      return metric;
-    }
+  if (const auto outcome = from_string<Outcome>(name)) {
+    metric.source_ = *outcome;
+    return metric;
   }
   for (const store::TrialColumn& column : store::trial_columns()) {
     if (name != column.name) continue;
+    metric.null_when_ = column.about.null_when;
     if (const auto* number = std::get_if<double TrialRow::*>(&column.member)) {
       metric.source_ = *number;
     } else if (const auto* count = std::get_if<int TrialRow::*>(&column.member)) {
@@ -73,13 +53,6 @@ double Metric::value(const TrialRow& row) const {
   if (const auto* outcome = std::get_if<Outcome>(&source_)) return row.outcome == *outcome ? 1.0 : 0.0;
   if (const auto* number = std::get_if<double TrialRow::*>(&source_)) return store::stored(row.*(*number));
   return static_cast<double>(row.*std::get<int TrialRow::*>(source_));
-}
-
-std::string_view Metric::null_when() const {
-  for (const auto& [name, when] : kOftenNull) {
-    if (name == name_) return when;
-  }
-  return {};
 }
 
 }  // namespace moma::tune

@@ -20,10 +20,11 @@ class Metric {
   /// NaN where the trial has no such value (NULL in the store). The same bits from a fresh and from a stored row.
   double value(const TrialRow& row) const;
   /// "" or when the metric is NULL by its nature: "unless the trial succeeds".
-  std::string_view null_when() const;
+  std::string_view null_when() const { return null_when_; }
 
  private:
   std::string name_;
+  std::string_view null_when_;
   std::variant<Outcome, double TrialRow::*, int TrialRow::*> source_ = Outcome::kSuccess;
 };
 

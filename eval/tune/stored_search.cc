@@ -11,10 +11,7 @@ namespace moma::tune {
 namespace {
 
 Phase phase_of(const std::string& text) {
-  for (const Phase phase :
-       {Phase::kStart, Phase::kGlobal, Phase::kLocal, Phase::kConfirm, Phase::kNeighbour, Phase::kSensitivity}) {
-    if (to_string(phase) == text) return phase;
-  }
+  if (const auto phase = from_string<Phase>(text)) return *phase;
   throw ReplayError("stored evaluation of an unknown phase '" + text + "': it was made by another version of moma");
 }
 

@@ -20,18 +20,6 @@ double six_digits(double value) {
 
 }  // namespace
 
-std::string_view to_string(Scale scale) noexcept {
-  switch (scale) {
-    case Scale::kLinear:
-      return "linear";
-    case Scale::kLog:
-      return "log";
-    case Scale::kInteger:
-      return "integer";
-  }
-  return "";
-}
-
 void check(const Variable& v) {
   const auto fail = [&](const std::string& message) { throw std::invalid_argument(v.key + ": " + message); };
   if (!std::isfinite(v.lower) || !std::isfinite(v.upper)) fail("range must be two finite numbers");

@@ -2,17 +2,14 @@
 
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
+
+#include "eval/store/words.h"
 
 namespace moma::tune {
 
 /// Values of all variables in their own units, in the order of the variables. Always rounded (see Variable).
 using Candidate = std::vector<double>;
-
-enum class Scale { kLinear, kLog, kInteger };
-/// linear, log, integer.
-std::string_view to_string(Scale scale) noexcept;
 
 /// One key that is searched. The search itself happens in the unit cube: u = 0 is `lower`, u = 1 is `upper`, evenly
 /// in the value, in its logarithm, or in whole numbers.

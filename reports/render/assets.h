@@ -17,6 +17,8 @@ std::string_view replays_sql() noexcept;
 std::string_view replay_sql() noexcept;
 std::string_view evidence_sql() noexcept;
 std::string_view figures_js() noexcept;
+/// What the store says of each metric, as JSON.
+std::string_view metrics_json() noexcept;
 std::string_view tuning_sql() noexcept;
 std::string_view tuning_variables_sql() noexcept;
 std::string_view tuning_evaluations_sql() noexcept;

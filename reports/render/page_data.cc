@@ -162,6 +162,7 @@ nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& o
   page["format"] = 1;
   page["store"] = {{"file", std::filesystem::path(store.getFilename()).filename().string()},
                    {"schema", store.execAndGet("PRAGMA user_version").getInt()}};
+  page["metrics"] = Json::parse(metrics_json());
   page["invocations"] = rows(store, invocations_sql());
   add_ends(store.getFilename(), page["invocations"]);
   page["points"] = rows(store, points_sql());

@@ -12,6 +12,7 @@
 #include "eval/batch/batch.h"
 #include "tests/eval/suite_fixture.h"
 #include "tests/eval/trial_fixture.h"
+#include "tests/support/filled.h"
 
 namespace moma::test {
 namespace {
@@ -195,32 +196,10 @@ TEST(Batch, JobsGoWorldByWorldAndPrefixesOfSeedsAgree) {
   EXPECT_EQ(later[0].key, jobs[8].key);
 }
 
-/// All bits of a row but its timings.
-std::string bits_of(const BatchJob& job, const TrialOutput& output) {
-  TrialRow row = output.row;
-  std::string text = job.key + std::string(to_string(row.outcome)) + row.reason + row.link + row.object;
-  const auto add = [&text](double value) {
-    const auto bits = std::bit_cast<std::uint64_t>(value);
-    text += std::to_string(bits) + " ";
-  };
-  for (const double value :
-       {row.time_end_s,        row.time_to_goal_s,       row.position_error_m,  row.orientation_error_rad,
-        row.path_ee_m,         row.path_base_m,          row.manip_mean,        row.manip_min,
-        row.manip_final,       row.manip_all_mean,       row.manip_all_min,     row.manip_all_final,
-        row.clearance_min_m,   row.clearance_self_min_m, row.limit_margin_min,  row.collision_time_s,
-        row.collision_depth_m, row.jerk_ee_rms,          row.jerk_joint_rms,    row.command_change_mean,
-        row.energy_j,          row.slack_mean,           row.slack_max,         row.active_rows_mean,
-        row.slip_max_m_s,      row.tracking_error_rms,   row.detector_deepest_m})
-    add(value);
-  for (const int value :
-       {row.collision_count, row.qp_infeasible, row.fallback_no_acceleration, row.fallback_relaxed, row.fallback_brake,
-        row.lcp_messages, row.steps, row.detector_checks, row.detector_disagreements})
-    text += std::to_string(value) + " ";
-  for (const Sample& sample : output.trace) {
-    add(sample.base[0]);
-    add(sample.q[0]);
-    add(sample.command[1]);
-  }
+/// All bits of a trial but its timings.
+std::string trial_bits(const BatchJob& job, const TrialOutput& output) {
+  std::string text = job.key + own_bits_of(output.row);
+  for (const Sample& sample : output.trace) text += bits_of(sample);
   return text;
 }
 
@@ -230,7 +209,7 @@ std::vector<std::string> rows_of(const Suite& suite, int threads) {
   options.threads = threads;
   run_batch(suite.points, make_jobs(suite), options, [&](const BatchJob& job, BatchResult&& result) {
     EXPECT_NE(result.output.row.outcome, Outcome::kError) << result.output.row.reason;
-    rows.push_back(bits_of(job, result.output));
+    rows.push_back(trial_bits(job, result.output));
     return true;
   });
   return rows;

@@ -113,8 +113,12 @@ TEST_F(Cli, ReplayVerifyAndRerunNeedNothingButTheStore) {
   EXPECT_EQ(trace["outcome"], trials[0]["outcome"]);
   EXPECT_EQ(trace["samples"].size(), trials[0]["steps"]);
   for (const char* key : {"t", "base", "q", "qdot", "command", "error", "slack", "manipulability", "least_distance",
-                          "status", "fallback"}) {
+                          "status", "fallback", "active_rows", "escape"}) {
     EXPECT_TRUE(trace["samples"][0].contains(key)) << key;
+  }
+  for (const char* key :
+       {"best", "idle", "stagnations", "side", "detour", "around", "remaining", "target", "circulation"}) {
+    EXPECT_TRUE(trace["samples"][0]["escape"].contains(key)) << key << " of what the controller remembered";
   }
   EXPECT_TRUE(trace["robot"].contains("urdf_text"));
   EXPECT_NE(good({"verify", "a.db", "--fraction", "1"}).out.find("12 of 12 trials replayed: all the same"),

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "eval/store/writer.h"
+#include "tests/support/filled.h"
 
 namespace moma::test {
 
@@ -76,42 +77,19 @@ inline store::Wanted synthetic_wanted(std::size_t point, std::uint64_t world) {
   return {point, world, synthetic_key(point, world)};
 }
 
-/// A row with every column set to something of its own.
+/// A row with every column set to something of its own, but what goes with an outcome, and without a clearance.
 inline TrialRow synthetic_row(std::size_t point, std::uint64_t world) {
   TrialRow row;
   const double x = static_cast<double>(world) + 100.0 * static_cast<double>(point);
+  Filler(x).fill(row);
   row.outcome = (world + point) % 3 == 0 ? Outcome::kCollision : Outcome::kSuccess;
   row.reason = fmt::format("because of {}", world);
-  if (row.outcome == Outcome::kCollision) {
-    row.link = "hand";
-    row.object = "floor";
-    row.collision_time_s = x / 3;
-  } else {
-    row.time_to_goal_s = 1.0 + x / 7;
-  }
-  double* const numbers[] = {&row.time_end_s,          &row.position_error_m, &row.orientation_error_rad,
-                             &row.path_ee_m,           &row.path_base_m,      &row.manip_mean,
-                             &row.manip_min,           &row.manip_final,      &row.manip_all_mean,
-                             &row.manip_all_min,       &row.manip_all_final,  &row.clearance_self_min_m,
-                             &row.limit_margin_min,    &row.jerk_ee_rms,      &row.jerk_joint_rms,
-                             &row.command_change_mean, &row.energy_j,         &row.slack_mean,
-                             &row.slack_max,           &row.active_rows_mean, &row.slip_max_m_s,
-                             &row.tracking_error_rms};
-  double k = 0.1;
-  for (double* number : numbers) *number = x + (k += 1.0 / 3.0);
-  int* const counts[] = {&row.collision_count,
-                         &row.qp_infeasible,
-                         &row.fallback_no_acceleration,
-                         &row.fallback_relaxed,
-                         &row.fallback_brake,
-                         &row.lcp_messages,
-                         &row.steps,
-                         &row.detector_checks,
-                         &row.detector_disagreements};
-  int n = 1;
-  for (int* count : counts) *count = n++ + static_cast<int>(world);
-  row.timing.t_solve_median_us = 3.5;
-  row.timing.deadline_misses = 2;
+  const bool collision = row.outcome == Outcome::kCollision;
+  row.link = collision ? "hand" : "";
+  row.object = collision ? "floor" : "";
+  row.collision_time_s = collision ? x / 3 : kAbsent;
+  row.time_to_goal_s = collision ? kAbsent : 1.0 + x / 7;
+  row.collision_depth_m = row.clearance_min_m = row.detector_deepest_m = kAbsent;
   return row;
 }
 

@@ -48,12 +48,13 @@ TEST(Store, RowsComeBackBitForBit) {
 }
 
 TEST(Store, DifferencesNameEveryColumn) {
-  const TrialRow row = synthetic_row(0, 1);
+  TrialRow row;
+  Filler(1.0).fill(row);
   std::size_t columns = 0;
   for (const store::TrialColumn& column : store::trial_columns()) {
     TrialRow other = row;
     if (const auto* number = std::get_if<double TrialRow::*>(&column.member)) {
-      other.*(*number) = std::isnan(row.*(*number)) ? 1.0 : std::nextafter(row.*(*number), 1e9);
+      other.*(*number) = std::nextafter(row.*(*number), 1e9);
     } else if (const auto* count = std::get_if<int TrialRow::*>(&column.member)) {
       other.*(*count) += 1;
     } else {
@@ -64,7 +65,7 @@ TEST(Store, DifferencesNameEveryColumn) {
     EXPECT_EQ(found[0].rfind(std::string(column.name) + ":", 0), 0u) << found[0];
     ++columns;
   }
-  EXPECT_EQ(columns, 39u);
+  EXPECT_GE(columns, 39u);
 }
 
 TEST(Store, AbsentAndInfiniteAreNull) {
@@ -147,7 +148,17 @@ TEST(Store, ViewsHaveTheDocumentedColumns) {
                                            "t_step_p99_us",
                                            "t_step_max_us",
                                            "t_trial_us"};
-  EXPECT_EQ(store::query(file, "SELECT * FROM v_trials").columns, trials);
+  // Metrics that came later stand among these.
+  std::vector<std::string> found = store::query(file, "SELECT * FROM v_trials").columns;
+  const auto remove_later = [&](const auto& columns) {
+    for (const auto& column : columns)
+      if (column.about.earlier == Earlier::kUnknown) {
+        EXPECT_EQ(std::erase(found, column.name), 1u) << column.name;
+      }
+  };
+  remove_later(store::trial_columns());
+  remove_later(store::timing_columns());
+  EXPECT_EQ(found, trials);
   const std::vector<std::string> summary = {"suite",
                                             "robot",
                                             "controller",
@@ -329,22 +340,19 @@ TEST(Store, AnyUniqueBeginningNamesATrial) {
 }
 
 TEST(Store, SamplesComeBackBitForBit) {
-  Trace trace;
+  Trace trace(50);
   for (int k = 0; k < 50; ++k) {
-    Sample s;
+    Sample& s = trace[static_cast<std::size_t>(k)];
+    s.q = VectorX::Zero(7);
+    s.qdot = s.command = VectorX::Zero(9);
+    Filler(k).fill(s);
     s.t = 0.02 * k;
-    s.base = Vector3(0.1 * k, -0.2, 1.0 / (k + 1));
-    s.q = VectorX::LinSpaced(7, 0.0, k);
-    s.qdot = VectorX::Constant(9, 1.0 / 3.0);
-    s.command = VectorX::Constant(9, -k);
-    s.error = Vector6::Constant(k);
-    s.slack = Vector6::Constant(1e-300);
-    s.manipulability = 0.1;
+    s.slack[2] = 1e-300;
     s.least_distance = k % 2 == 0 ? std::numeric_limits<double>::infinity() : 0.3;
     s.status = k % 5 == 0 ? StepStatus::kInfeasible : StepStatus::kSolved;
     s.fallback = k % 5 == 0 ? Fallback::kBrake : Fallback::kNone;
-    s.active_rows = k;
-    trace.push_back(s);
+    s.escape.detour = k % 3 > 0;
+    s.escape.around = k % 3 > 1;
   }
   const TemporaryFolder folder;
   const fs::path file = folder / "a.db";
@@ -359,17 +367,7 @@ TEST(Store, SamplesComeBackBitForBit) {
   const Trace back = store::decode_samples(*trial.samples);
   ASSERT_EQ(back.size(), trace.size());
   for (std::size_t k = 0; k < trace.size(); ++k) {
-    EXPECT_EQ(back[k].t, trace[k].t);
-    EXPECT_EQ(back[k].base, trace[k].base);
-    EXPECT_EQ(back[k].q, trace[k].q);
-    EXPECT_EQ(back[k].qdot, trace[k].qdot);
-    EXPECT_EQ(back[k].command, trace[k].command);
-    EXPECT_EQ(back[k].error, trace[k].error);
-    EXPECT_EQ(back[k].slack, trace[k].slack);
-    EXPECT_EQ(back[k].least_distance, trace[k].least_distance);
-    EXPECT_EQ(back[k].status, trace[k].status);
-    EXPECT_EQ(back[k].fallback, trace[k].fallback);
-    EXPECT_EQ(back[k].active_rows, trace[k].active_rows);
+    EXPECT_EQ(bits_of(back[k]), bits_of(trace[k])) << k;
   }
   store::EncodedSamples damaged = *trial.samples;
   damaged.data.resize(damaged.data.size() / 2);

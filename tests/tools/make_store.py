@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes a store with made-up but plausible rows, for tests of what reads stores. Standard library only.
 
-usage: make_store.py SCHEMA.sql OUT.db [--kind demo|empty|one|failures|hostile|sweep|tuned] [--worlds N]
+usage: make_store.py DEFINITION OUT.db [--kind demo|empty|one|failures|hostile|sweep|tuned] [--worlds N]
                      [--samples N]
 
 Every number is a pure function of the arguments. The motion of a trial is an interpolation between the start and
@@ -278,7 +278,7 @@ def add_search(db):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument('definition', type=pathlib.Path, help='folder of schema.sql and views.sql')
+    parser.add_argument('definition', type=pathlib.Path, help='folder of tables.sql and views.sql, as moma_define_store writes them')
     parser.add_argument('out')
     parser.add_argument('--kind', default='demo', choices=['demo', 'empty', 'one', 'failures', 'hostile', 'sweep', 'tuned'])
     parser.add_argument('--worlds', type=int, default=200)
@@ -287,7 +287,7 @@ def main():
 
     db = sqlite3.connect(args.out)
     db.executescript('PRAGMA journal_mode = WAL; PRAGMA application_id = 1836019041; PRAGMA user_version = 3;')
-    for name in ('schema.sql', 'views.sql'):
+    for name in ('tables.sql', 'views.sql'):
         db.executescript((args.definition / name).read_text(encoding='utf-8'))
     if args.kind == 'empty':
         return

@@ -1,18 +1,21 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "controller/describe/enumeration.h"
 #include "world/plant/conditions.h"
 #include "world/world.h"
 
 namespace moma {
 
 enum class SimulationMode { kKinematic, kDynamic };
-std::string_view to_string(SimulationMode mode) noexcept;
+constexpr auto words(Of<SimulationMode>) { return std::to_array<std::string_view>({"kinematic", "dynamic"}); }
+static_assert(all_worded<SimulationMode>());
 
 /// `simulation` of a suite. Defaults as in the specification of suites.
 struct SimulationConfig {

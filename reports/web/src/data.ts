@@ -1,5 +1,7 @@
 // The page's data block, as reports/render writes it, and the views of it that figures share.
 
+import { describeMetrics, type MetricData } from './metrics';
+
 export const kOutcomes = [
   'success', 'collision', 'timeout', 'stuck', 'joint_limit', 'tipped', 'infeasible', 'diverged', 'error',
 ] as const;
@@ -75,6 +77,7 @@ export interface PageData {
   stores?: { label: string; file: string }[];
   /** Where `moma view` serves the page: motions are asked for. */
   live?: { token: string; simulates: boolean };
+  metrics: MetricData[];
   invocations: Invocation[];
   points: PointInfo[];
   summary: SummaryRow[];
@@ -183,6 +186,7 @@ export class Model {
   /** Shows other data from now on; whoever draws must draw again. */
   load(page: PageData): void {
     this.page = page;
+    describeMetrics(page.metrics);
     this.trials.load(page.trials);
     this.slices = [];
     this.rowOf = new Map();

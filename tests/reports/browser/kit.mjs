@@ -53,7 +53,7 @@ export const workshop = (source, makeReport, work) => {
   mkdirSync(work, { recursive: true });
   const makeStore = (name, kind, worlds, samples = 8) => {
     const db = join(work, `${name}.db`);
-    execFileSync('python3', [join(source, 'tests/tools/make_store.py'), join(source, 'eval/store'), db, '--kind', kind, '--worlds', String(worlds), '--samples', String(samples)], { stdio: 'inherit' });
+    execFileSync('python3', [join(source, 'tests/tools/make_store.py'), process.env.MOMA_STORE_DEFINITION, db, '--kind', kind, '--worlds', String(worlds), '--samples', String(samples)], { stdio: 'inherit' });
     return db;
   };
   const sql = (db, text) => execFileSync('python3', ['-c', `import sqlite3; db = sqlite3.connect(${JSON.stringify(db)}); db.executescript(${JSON.stringify(text)}); db.close()`]);

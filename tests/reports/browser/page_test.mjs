@@ -296,7 +296,7 @@ if (moma !== undefined) {
 {
   const [before, after, html] = ['before.db', 'after.db', 'both.html'].map((name) => join(work, name));
   for (const [kind, db] of [['demo', before], ['demo', after]]) {
-    execFileSync('python3', [join(source, 'tests/tools/make_store.py'), join(source, 'eval/store'), db, '--kind', kind, '--worlds', '20', '--samples', '2']);
+    execFileSync('python3', [join(source, 'tests/tools/make_store.py'), process.env.MOMA_STORE_DEFINITION, db, '--kind', kind, '--worlds', '20', '--samples', '2']);
   }
   execFileSync('python3', ['-c', `import sqlite3; db = sqlite3.connect(${JSON.stringify(after)}); db.execute("UPDATE suite SET name = 'later'"); `
     + 'db.execute("UPDATE trial SET outcome = \'success\', time_to_goal_s = 5.0"); db.commit(); db.close()']);
@@ -328,7 +328,7 @@ if (moma !== undefined) {
 // ---- served by moma view, while a run goes on -----------------------------------------------------------------------
 {
   const db = join(work, 'served.db');
-  execFileSync('python3', [join(source, 'tests/tools/make_store.py'), join(source, 'eval/store'), db, '--kind', 'demo', '--worlds', '20', '--samples', '3']);
+  execFileSync('python3', [join(source, 'tests/tools/make_store.py'), process.env.MOMA_STORE_DEFINITION, db, '--kind', 'demo', '--worlds', '20', '--samples', '3']);
   const sql = (text) => execFileSync('python3', ['-c', `import sqlite3; db = sqlite3.connect(${JSON.stringify(db)}); db.executescript(${JSON.stringify(text)}); db.close()`]);
   sql("UPDATE invocation SET status = 'running'; CREATE TABLE kept AS SELECT * FROM point_trial WHERE world_index >= 15; DELETE FROM point_trial WHERE world_index >= 15;");
   const server = spawn(makeReport, ['--view', db], { stdio: ['ignore', 'pipe', 'inherit'] });

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+
+#include "eval/store/columns.h"
+
+namespace moma::store {
+
+// What the store looks like, made of schema.sql and views.sql and of the descriptions of what it keeps: columns and
+// words are not written down a second time.
+
+/// Definition of a column's values: "REAL", "INTEGER NOT NULL".
+std::string type_of(const TrialColumn& column);
+std::string type_of(const TimingColumn& column);
+
+/// All tables and indices, but no views.
+std::string tables_sql();
+/// Drops the views that are there and makes them.
+std::string views_sql();
+/// Drops and makes the index that v_summary is read from.
+std::string summary_index_sql();
+
+/// "PREFIXmanip_mean, PREFIXclearance_min_m, ...": what point_trial has a second time, beside outcome and time to goal.
+std::string summary_list(const std::string& prefix = {});
+
+/// What the report page says of each metric: a JSON list of {key, name, unit, better, decimals or significant, text}.
+std::string metrics_json();
+
+}  // namespace moma::store

@@ -1,0 +1,177 @@
+// Stores from before a metric was there, and what docs/store.md says of the columns.
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "eval/store/database.h"
+#include "eval/store/definition.h"
+#include "eval/store/merge.h"
+#include "eval/store/migrations.h"
+#include "eval/store/query.h"
+#include "eval/store/reader.h"
+#include "store_fixture.h"
+#include "tests/support/generated_part.h"
+
+namespace moma::test {
+namespace {
+
+using store::StoreError;
+
+constexpr const char* kViews[] = {"v_trials", "v_summary", "v_pairs", "v_metrics"};
+
+/// Makes the store one of a program that did not know these columns yet: without a view that shows them.
+void forget(const fs::path& file, const std::vector<std::string>& trial, const std::vector<std::string>& summary) {
+  SQLite::Database db(file.string(), SQLite::OPEN_READWRITE);
+  for (const char* view : kViews) db.exec(fmt::format("DROP VIEW {}", view));
+  for (const std::string& name : trial) db.exec(fmt::format("ALTER TABLE trial DROP COLUMN {}", name));
+  db.exec("DROP INDEX point_trial_summary");
+  for (const std::string& name : summary) db.exec(fmt::format("ALTER TABLE point_trial DROP COLUMN {}", name));
+  db.exec(
+      "CREATE VIEW v_trials AS SELECT t.trial AS trial, s.name AS suite FROM point_trial AS m "
+      "JOIN point AS p ON p.id = m.point_id JOIN suite AS s ON s.id = p.suite_id JOIN trial AS t ON t.key = m.key");
+  db.exec("CREATE VIEW v_summary AS SELECT 1 AS n");
+  db.exec("CREATE VIEW v_pairs AS SELECT 1 AS n");
+  db.exec("CREATE VIEW v_metrics AS SELECT 1 AS n");
+}
+
+TEST(StoreColumns, ANewMetricComesToAStoreByItself) {
+  const TemporaryFolder folder;
+  const fs::path old = folder / "old.db";
+  write_synthetic(old, {"one", "two"}, 4);
+  const TrialRow whole = store::Reader(old).trial(synthetic_key(0, 1)).row;
+  forget(old, {"slack_max", "steps"}, {"manip_mean"});
+
+  const TrialRow read = store::Reader(old).trial(synthetic_key(0, 1)).row;
+  EXPECT_TRUE(std::isnan(read.slack_max)) << "readable as it is";
+  EXPECT_EQ(read.steps, 0);
+  EXPECT_EQ(read.jerk_ee_rms, whole.jerk_ee_rms);
+  EXPECT_EQ(store::Reader(old).keys().size(), 8u);
+  EXPECT_FALSE(store::Reader(old).result_hash().empty());
+
+  // A count has to say what it is in rows from before; this one cannot, having been there from the start.
+  EXPECT_THROW(store::open_database(old, store::Access::kReadWrite), StoreError);
+  {
+    SQLite::Database db(old.string(), SQLite::OPEN_READWRITE);
+    db.exec("ALTER TABLE trial ADD COLUMN steps INTEGER");
+  }
+  EXPECT_EQ(write_synthetic(old, {"one", "two"}, 5), 8u) << "a run goes on with it";
+  const auto count = [&](const std::string& sql) {
+    return std::get<std::int64_t>(store::query(old, sql).rows.at(0).at(0));
+  };
+  EXPECT_EQ(count("SELECT count(*) FROM v_trials WHERE slack_max IS NULL"), 8);
+  EXPECT_EQ(count("SELECT count(*) FROM v_trials WHERE slack_max IS NOT NULL"), 2);
+  EXPECT_EQ(count("SELECT count(*) FROM point_trial WHERE manip_mean IS NULL"), 0) << "copied for every trial";
+  EXPECT_EQ(count("SELECT count(*) FROM point_trial AS m JOIN trial AS t USING (key) "
+                  "WHERE m.manip_mean IS NOT t.manip_mean"),
+            0);
+  EXPECT_EQ(count("SELECT count(*) FROM sqlite_schema WHERE name = 'point_trial_summary' AND sql LIKE '%manip_mean%'"),
+            1);
+  EXPECT_EQ(count("SELECT count(*) FROM v_summary WHERE manip_mean IS NULL"), 0);
+}
+
+TEST(StoreColumns, MergeKeepsWhatEitherStoreKnows) {
+  const TemporaryFolder folder;
+  write_synthetic(folder / "old.db", {"one"}, 4);
+  forget(folder / "old.db", {"slack_max"}, {});
+  write_synthetic(folder / "new.db", {"one"}, 6);
+  EXPECT_EQ(store::merge(folder / "out.db", {folder / "old.db", folder / "new.db"}).added, 6u);
+  const auto rows = store::query(folder / "out.db", "SELECT count(*), count(slack_max) FROM v_trials").rows;
+  EXPECT_EQ(std::get<std::int64_t>(rows[0][0]), 6);
+  EXPECT_EQ(std::get<std::int64_t>(rows[0][1]), 2) << "the first stored result stays";
+
+  {
+    SQLite::Database db((folder / "new.db").string(), SQLite::OPEN_READWRITE);
+    db.exec("ALTER TABLE trial ADD COLUMN novelty REAL");
+  }
+  try {
+    store::merge(folder / "lost.db", {folder / "new.db"});
+    FAIL() << "a metric was lost";
+  } catch (const StoreError& error) {
+    EXPECT_NE(std::string(error.what()).find("newer moma, which measures novelty"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(write_synthetic(folder / "new.db", {"one"}, 7), 6u) << "a run leaves the unknown column alone";
+  EXPECT_EQ(store::query(folder / "new.db", "SELECT novelty FROM trial").rows.size(), 7u);
+}
+
+TEST(StoreColumns, RowsFromBeforeAMetricAgreeWithAnyOfIt) {
+  const Column old;
+  const Column later{.earlier = Earlier::kUnknown};
+  for (const Column& about : {old, later}) {
+    EXPECT_TRUE(store::agree(about, 0.5, 0.5));
+    EXPECT_FALSE(store::agree(about, 0.5, 0.25));
+    EXPECT_FALSE(store::agree(about, 1, 2));
+    EXPECT_TRUE(store::agree(about, kAbsent, kAbsent));
+  }
+  EXPECT_FALSE(store::agree(old, kAbsent, 0.25));
+  EXPECT_TRUE(store::agree(later, kAbsent, 0.25));
+  EXPECT_FALSE(store::agree(old, 0, 2));
+  EXPECT_TRUE(store::agree(later, 0, 2));
+}
+
+// A column that was not in the store's version 3 must say that rows from before do not have it.
+TEST(StoreColumns, WhatIsNewerThanTheStoreSaysSo) {
+  SQLite::Database db(":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+  std::ifstream stream(MOMA_SOURCE_DIR "/tests/data/store/schema-3.sql");
+  db.exec(std::string{std::istreambuf_iterator<char>(stream), {}});
+  const auto check = [&](const std::string& table, const auto& columns) {
+    const std::set<std::string> there = store::stored_columns(db, table);
+    for (const auto& column : columns)
+      EXPECT_EQ(column.about.earlier == Earlier::kUnknown, there.count(std::string(column.name)) == 0)
+          << column.name << ": Earlier::kUnknown is for columns that came after version 3, and for all of them";
+  };
+  check("trial", store::trial_columns());
+  check("execution", store::timing_columns());
+}
+
+std::string cell(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) escaped += c == '|' ? std::string("\\|") : std::string(1, c);
+  return escaped;
+}
+
+template <class Columns>
+std::string table_rows(const Columns& columns) {
+  std::string rows;
+  for (const auto& column : columns) {
+    if (!column.about.in_view) continue;
+    const std::string null = column.about.null_when.empty() ? "" : fmt::format("; NULL {}", column.about.null_when);
+    rows += fmt::format("| `{}` | {} | {}{} |\n", column.name, column.about.unit, cell(column.about.text), null);
+  }
+  return rows;
+}
+
+struct SampleRows {
+  std::string rows = "| column | unit | meaning |\n| --- | --- | --- |\n";
+  template <class M>
+  void member(std::string_view name, M Sample::*, const SampleColumn& about) {
+    if constexpr (std::is_same_v<M, EscapeState>) return;
+    std::string columns = fmt::format("`{}`", name);
+    if constexpr (!std::is_arithmetic_v<M> && !std::is_enum_v<M>) {
+      columns = fmt::format("`{}0`...", name);
+      if (!about.parts.empty()) {
+        std::string parts(about.parts);
+        columns.clear();
+        for (std::size_t at = 0; at < parts.size(); at = std::min(parts.find(' ', at), parts.size()) + 1)
+          columns += fmt::format("{}`{}_{}`", columns.empty() ? "" : ", ", name,
+                                 parts.substr(at, std::min(parts.find(' ', at), parts.size()) - at));
+      }
+    }
+    rows += fmt::format("| {} | {} | {} |\n", columns, about.unit, cell(about.text));
+  }
+};
+
+TEST(StoreDocumentation, ItsTablesAreThoseOfTheProgram) {
+  const fs::path page = MOMA_SOURCE_DIR "/docs/store.md";
+  expect_generated(page, "columns of v_trials",
+                   "| column | unit | meaning |\n| --- | --- | --- |\n" +
+                       fmt::format("| `outcome` | | {} |\n", list_of_words<Outcome>(", ", "`")) +
+                       table_rows(store::trial_columns()) + table_rows(store::timing_columns()));
+  SampleRows samples;
+  describe(samples, Of<Sample>{});
+  expect_generated(page, "columns of samples", samples.rows);
+}
+
+}  // namespace
+}  // namespace moma::test
