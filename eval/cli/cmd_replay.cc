@@ -10,7 +10,7 @@
 #include "eval/store/columns.h"
 #include "eval/store/machine.h"
 #include "eval/store/reader.h"
-#include "eval/suite/sections.h"
+#include "eval/trial/spec_file.h"
 #include "eval/trial/trial.h"
 #include "world/scenario/worlds.h"
 #include "world/sensing/disturbances_file.h"

@@ -11,6 +11,8 @@
 #include "eval/suite/sections.h"
 #include "eval/suite/sweep.h"
 #include "eval/suite/trials.h"
+#include "eval/trial/digest.h"
+#include "eval/trial/key.h"
 
 namespace moma {
 namespace {
@@ -218,6 +220,10 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
   check_suite(suite, in.require("trials", "").mark);
   suite.resolved = resolved_json(suite, sweep != nullptr);
   return suite;
+}
+
+std::string trial_key(const Point& point, std::uint64_t world_index) {
+  return TrialKeys(point).key(point.worlds.identity(world_index));
 }
 
 }  // namespace moma

@@ -1,7 +1,7 @@
+#include "eval/trial/digest.h"
+
 #include <fmt/format.h>
 #include <xxhash.h>
-
-#include "eval/suite/sections.h"
 
 namespace moma {
 
