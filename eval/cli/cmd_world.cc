@@ -59,7 +59,7 @@ void print(const World& world) {
 
 }  // namespace
 
-void add_world(CLI::App& app, Action& action) {
+void add_world(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   struct Options {
     SuiteOptions suite;
     std::int64_t index = 0;

@@ -8,8 +8,8 @@
 
 namespace moma {
 
-// Strict readers and writers of what a trial needs besides robot and controller; read_x(node of to_json(x)) == x bit for
-// bit. All readers throw config::ConfigError naming place and key.
+// Strict readers and writers of what a trial needs besides robot and controller; read_x(node of to_json(x)) == x bit
+// for bit. All readers throw config::ConfigError naming place and key.
 
 SimulationConfig read_simulation(const config::Node& node, const std::string& key);
 /// `simulation` bounds what can be dwelt: a dwell that does not fit into the time limit is an error.

@@ -6,6 +6,7 @@
 #include "controller/config/write_described.h"
 #include "eval/trial/spec_file.h"
 #include "world/sensing/disturbances_file.h"
+#include "world/world_json.h"
 
 namespace moma {
 namespace {
@@ -44,7 +45,8 @@ ordered_json sample_json(const Sample& sample) {
 
 }  // namespace
 
-ordered_json trace_json(const TrialSpec& spec, const World& world, const TrialOutput& output, const std::string& trial) {
+ordered_json trace_json(const TrialSpec& spec, const World& world, const TrialOutput& output,
+                        const std::string& trial) {
   ordered_json json = ordered_json::object();
   json["trial"] = trial;
   json["outcome"] = to_string(output.row.outcome);

@@ -16,10 +16,7 @@
 namespace moma::test {
 namespace {
 
-Point tiny_point() {
-  Point point{tiny_spec(), "scripted", {}, nlohmann::ordered_json::object(), {}};
-  return point;
-}
+Point tiny_point() { return {tiny_spec(), "scripted", "", nlohmann::ordered_json::object(), {}}; }
 
 /// Trials that take no time: the scripted robot drives at a speed that depends on the world.
 struct FastBatch {
@@ -36,7 +33,9 @@ struct FastBatch {
       world.index = index;
       return std::make_shared<const World>(world);
     };
-    options.parts.plant = [](const TrialSpec& p, const World& w) { return std::make_unique<FakePlant>(p.robot->model, w); };
+    options.parts.plant = [](const TrialSpec& p, const World& w) {
+      return std::make_unique<FakePlant>(p.robot->model, w);
+    };
     options.parts.controller = [](const TrialSpec& p) {
       return std::make_unique<ScriptedController>(
           p.robot->model->num_velocities(),

@@ -162,12 +162,11 @@ TEST(TrialClock, ExceptionsAndBadCommandsAreErrorRows) {
 
 TEST(TrialClock, TheControllerSeesTheStateBeforeItsCommand) {
   std::vector<double> seen;
-  const TrialOutput out =
-      run_scripted(tiny_spec(), tiny_world(3.0), [&seen](const Observation& o, StepResult& result) {
-        seen.push_back(o.base.x());
-        EXPECT_NEAR(o.qdot[0], o.time > 0 ? 0.5 : 0.0, 0.0);
-        result.command[0] = 0.5;
-      });
+  const TrialOutput out = run_scripted(tiny_spec(), tiny_world(3.0), [&seen](const Observation& o, StepResult& result) {
+    seen.push_back(o.base.x());
+    EXPECT_NEAR(o.qdot[0], o.time > 0 ? 0.5 : 0.0, 0.0);
+    result.command[0] = 0.5;
+  });
   ASSERT_EQ(seen.size(), out.trace.size());
   for (std::size_t k = 0; k < seen.size(); k += 50) {
     EXPECT_NEAR(seen[k], 0.01 * static_cast<double>(k), 1e-12);

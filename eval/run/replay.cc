@@ -1,11 +1,12 @@
-#include "eval/cli/stored_suites.h"
+#include "eval/run/replay.h"
 
 #include <fmt/format.h>
 
-#include "eval/trial/trial.h"
+#include "eval/store/columns.h"
+#include "eval/store/machine.h"
 #include "world/scenario/worlds.h"
 
-namespace moma::cli {
+namespace moma::run {
 
 using store::StoreError;
 
@@ -42,4 +43,28 @@ World world_of(const store::StoredTrial& trial) {
   return world_from_json(json, fmt::format("world of trial {}", trial.key.substr(0, 16)));
 }
 
-}  // namespace moma::cli
+Suite stored_suite(const std::filesystem::path& store, const std::string& name, const std::string& trials) {
+  auto resolved = nlohmann::ordered_json::parse(store::Reader(store).latest_invocation(name).resolved_suite);
+  if (!trials.empty()) {
+    const auto parsed = nlohmann::ordered_json::parse(trials, nullptr, false);
+    resolved["trials"] = parsed.is_discarded() ? nlohmann::ordered_json(trials) : parsed;
+  }
+  return suite_from_resolved(resolved);
+}
+
+Replay replay(const std::filesystem::path& store, const std::string& name, StoredSuites& suites) {
+  Replay replay;
+  replay.trial = store::Reader(store).trial(name);
+  replay.point = &suites.point_of(replay.trial);
+  replay.world = world_of(replay.trial);
+  replay.output = run_trial(*replay.point, replay.world);
+  return replay;
+}
+
+ReplayDifferences differences(const TrialRow& stored, const std::string& machine_class, const TrialRow& replayed) {
+  ReplayDifferences found{store::differences(stored, replayed), "", store::this_machine().machine_class};
+  if (!machine_class.empty() && machine_class != found.this_machine) found.stored_machine = machine_class;
+  return found;
+}
+
+}  // namespace moma::run

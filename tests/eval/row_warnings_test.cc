@@ -1,35 +1,35 @@
-#include "eval/cli/doubts.h"
+#include "eval/run/row_warnings.h"
 
 #include <gtest/gtest.h>
 
-namespace moma::cli {
+namespace moma::run {
 namespace {
 
-TEST(Doubts, AreSilentWhereThereAreNone) {
-  Doubts doubts;
+TEST(RowWarnings, AreSilentWhereThereAreNone) {
+  RowWarnings found;
   TrialRow row;
   row.detector_checks = 50;
   for (const Outcome outcome : {Outcome::kSuccess, Outcome::kCollision, Outcome::kTimeout, Outcome::kTipped}) {
     row.outcome = outcome;
-    doubts.look(row);
+    found.look(row);
   }
-  EXPECT_TRUE(doubts.warnings().empty());
+  EXPECT_TRUE(found.sentences().empty());
 }
 
-TEST(Doubts, SayEachKindWithItsTrials) {
-  Doubts doubts;
+TEST(RowWarnings, SayEachKindWithItsTrials) {
+  RowWarnings found;
   TrialRow row;
   row.outcome = Outcome::kCollision;
   row.detector_disagreements = 2;
   row.detector_deepest_m = 3e-5;
-  doubts.look(row);
+  found.look(row);
   row.detector_deepest_m = 2e-5;
   row.lcp_messages = 4;
-  doubts.look(row);
+  found.look(row);
   row = {};
   row.outcome = Outcome::kError;
-  doubts.look(row);
-  const std::vector<std::string> warnings = doubts.warnings();
+  found.look(row);
+  const std::vector<std::string> warnings = found.sentences();
   ASSERT_EQ(warnings.size(), 3u);
   EXPECT_NE(warnings[0].find("2 trials where the two detectors of contact disagree, by 3e-05 m"), std::string::npos)
       << warnings[0];
@@ -38,4 +38,4 @@ TEST(Doubts, SayEachKindWithItsTrials) {
 }
 
 }  // namespace
-}  // namespace moma::cli
+}  // namespace moma::run

@@ -1,12 +1,12 @@
-#include "eval/cli/doubts.h"
+#include "eval/run/row_warnings.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-namespace moma::cli {
+namespace moma::run {
 
-void Doubts::look(const TrialRow& row) {
+void RowWarnings::look(const TrialRow& row) {
   if (row.detector_disagreements > 0) {
     ++contradicted_;
     deepest_ = std::max(deepest_, row.detector_deepest_m);
@@ -16,7 +16,7 @@ void Doubts::look(const TrialRow& row) {
   diverged_ += row.outcome == Outcome::kDiverged;
 }
 
-std::vector<std::string> Doubts::warnings() const {
+std::vector<std::string> RowWarnings::sentences() const {
   std::vector<std::string> out;
   const auto add = [&out](int trials, const std::string& what, const char* where) {
     if (trials == 0) return;
@@ -31,4 +31,4 @@ std::vector<std::string> Doubts::warnings() const {
   return out;
 }
 
-}  // namespace moma::cli
+}  // namespace moma::run
