@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "world/scenario/worlds.h"
+#include "world/world_json.h"
 
 namespace moma {
 namespace {

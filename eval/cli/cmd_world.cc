@@ -11,6 +11,7 @@
 #include "eval/cli/text.h"
 #include "world/scenario/family.h"
 #include "world/scenario/worlds.h"
+#include "world/world_json.h"
 
 namespace moma::cli {
 namespace {

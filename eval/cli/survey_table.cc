@@ -66,4 +66,4 @@ void print_survey(std::ostream& out, const run::WorldSurvey& survey, bool times)
   out << '\n';
 }
 
-}  // namespace moma::run
+}  // namespace moma::cli

@@ -17,11 +17,11 @@ class RunError : public std::runtime_error {
 /// What a run tells while it goes on; members may be empty. Called by one thread at a time. Texts are sentences for a
 /// person without a line end, and may hold anything that files and stores hold.
 struct Listener {
-  std::function<void(const std::string&)> note;          ///< what is being done
-  std::function<void(const std::string&)> notice;        ///< what a person has to know to understand a wait or a loss
-  std::function<void(const std::string&)> warning;       ///< what makes results doubtful
-  std::function<void(const BatchProgress&)> progress;    ///< after each trial
-  std::function<void()> progress_end;                    ///< no progress for a while; other texts may follow
+  std::function<void(const std::string&)> note;        ///< what is being done
+  std::function<void(const std::string&)> notice;      ///< what a person has to know to understand a wait or a loss
+  std::function<void(const std::string&)> warning;     ///< what makes results doubtful
+  std::function<void(const BatchProgress&)> progress;  ///< after each trial
+  std::function<void()> progress_end;                  ///< no progress for a while; other texts may follow
 
   void tell(const std::function<void(const std::string&)>& to, const std::string& text) const {
     if (to) to(text);
@@ -31,8 +31,8 @@ struct Listener {
 /// How a run ended. A store always holds what was done.
 enum class End {
   kFinished,
-  kStopped,      ///< by the stop flag
-  kNeverBegan,   ///< stopped while it waited for another run on the same store
+  kStopped,     ///< by the stop flag
+  kNeverBegan,  ///< stopped while it waited for another run on the same store
 };
 
 }  // namespace moma::run

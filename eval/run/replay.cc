@@ -4,7 +4,7 @@
 
 #include "eval/store/columns.h"
 #include "eval/store/machine.h"
-#include "world/scenario/worlds.h"
+#include "world/world_json.h"
 
 namespace moma::run {
 

@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "controller/config/node.h"
-#include "world/scenario/worlds.h"
 #include "world/sensing/detection.h"
 #include "world/sensing/disturbances_file.h"
+#include "world/world_json.h"
 
 namespace moma::run {
 

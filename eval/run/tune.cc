@@ -61,9 +61,7 @@ class Tune {
     return suite;
   }
 
-  void note(const std::string& text) const {
-    listener_.tell(listener_.note, text);
-  }
+  void note(const std::string& text) const { listener_.tell(listener_.note, text); }
 
   void tell_plan() const {
     note(fmt::format("{}, on {} thread{}: {}", tune::plan_text(tuning_), threads_, threads_ == 1 ? "" : "s",
@@ -102,8 +100,8 @@ class Tune {
   void tell_counts(const tune::TrialCounts& counts) const {
     note(fmt::format("{} trials computed, {} taken from the store", counts.computed, counts.reused));
     if (counts.errors > 0) {
-      listener_.tell(listener_.warning, fmt::format("{} trials ended with an error; the first: {}", counts.errors,
-                                                    counts.first_error));
+      listener_.tell(listener_.warning,
+                     fmt::format("{} trials ended with an error; the first: {}", counts.errors, counts.first_error));
     }
   }
 

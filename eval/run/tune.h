@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "eval/run/listener.h"
+#include "eval/search/search.h"
 #include "eval/tune/held_out.h"
-#include "eval/tune/search.h"
 #include "eval/tune/trial_objective.h"
 #include "eval/tune/tuning.h"
 
@@ -43,8 +43,8 @@ struct Tuned {
 /// directory.
 std::filesystem::path usual_gains(const tune::Tuning& tuning);
 
-/// Searches the gains of a suite's controller into a store, going on from what is there, judges them on worlds that took
-/// no part in the search, and writes them as a controller file. The same gains come out whatever the number of
+/// Searches the gains of a suite's controller into a store, going on from what is there, judges them on worlds that
+/// took no part in the search, and writes them as a controller file. The same gains come out whatever the number of
 /// threads and stops. Throws store::StoreError, RunError, config::ConfigError, tune::ReplayError.
 Tuned tune(const TuneRequest& request, const tune::Tuning& tuning, const TuneListener& listener = {});
 

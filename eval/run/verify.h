@@ -11,14 +11,14 @@ namespace moma::run {
 
 struct VerifyRequest {
   std::filesystem::path file;
-  double fraction = 0.1;   ///< of the trials; at least one
-  std::int64_t seed = 1;   ///< chooses other trials
-  int threads = 0;         ///< 0: one per core
+  double fraction = 0.1;  ///< of the trials; at least one
+  std::int64_t seed = 1;  ///< chooses other trials
+  int threads = 0;        ///< 0: one per core
   const std::atomic<bool>* stop = nullptr;
 };
 
 struct Verification {
-  std::size_t trials = 0;    ///< in the store
+  std::size_t trials = 0;  ///< in the store
   std::size_t replayed = 0;
   std::size_t skipped = 0;   ///< cannot be: another version of the simulation, or no world
   std::size_t findings = 0;  ///< told to Listener::warning as they are found

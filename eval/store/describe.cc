@@ -6,6 +6,7 @@
 #include "eval/trial/trial.h"
 #include "world/scenario/worlds.h"
 #include "world/sensing/disturbances_file.h"
+#include "world/world_json.h"
 
 namespace moma::store {
 namespace {

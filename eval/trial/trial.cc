@@ -5,7 +5,7 @@
 
 #include "controller/controller.h"
 #include "eval/trial/clock.h"
-#include "world/sensing/conditions.h"
+#include "world/sensing/plant_conditions.h"
 
 namespace moma {
 namespace {

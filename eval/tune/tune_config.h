@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "controller/config/node.h"
+#include "eval/search/search.h"
 #include "eval/suite/suite.h"
-#include "eval/tune/search.h"
 #include "eval/tune/trial_cost.h"
 
 namespace moma::tune {

@@ -12,6 +12,7 @@
 #include "eval/store/samples.h"
 #include "store_fixture.h"
 #include "suite_fixture.h"
+#include "world/world_json.h"
 
 namespace moma::test {
 namespace {

@@ -10,6 +10,7 @@
 #include "tests/eval/suite_fixture.h"
 #include "tests/eval/trial_fixture.h"
 #include "world/sensing/disturbances_file.h"
+#include "world/world_json.h"
 
 namespace moma::test {
 namespace {

@@ -53,8 +53,4 @@ class GenerationError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-nlohmann::ordered_json to_json(const World& world);
-/// `what` names the place in messages. Throws config::ConfigError.
-World world_from_json(const nlohmann::ordered_json& json, const std::string& what);
-
 }  // namespace moma

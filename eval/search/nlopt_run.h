@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "eval/tune/algorithms.h"
+#include "eval/search/algorithms.h"
 
 namespace moma::tune {
 

@@ -1,4 +1,4 @@
-#include "eval/tune/wilcoxon.h"
+#include "eval/search/wilcoxon.h"
 
 #include <algorithm>
 #include <cmath>

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "eval/tune/evaluation.h"
-#include "eval/tune/objective.h"
-#include "eval/tune/variables.h"
+#include "eval/search/evaluation.h"
+#include "eval/search/objective.h"
+#include "eval/search/variables.h"
 
 namespace moma::tune {
 

@@ -1,8 +1,8 @@
-#include "eval/tune/confirm.h"
+#include "eval/search/confirm.h"
 
 #include <algorithm>
 
-#include "eval/tune/random.h"
+#include "eval/search/random.h"
 
 namespace moma::tune {
 namespace {
@@ -24,7 +24,7 @@ std::vector<Candidate> neighbours(const SearchSettings& settings, const Candidat
     for (std::size_t i = 0; i < unit.size(); ++i) {
       const std::uint64_t position =
           (static_cast<std::uint64_t>(rank) << 40) | (static_cast<std::uint64_t>(k / 2) << 20) | i;
-      const double sign = uniform(settings.seed, Stream::kNeighbours, position) < 0.5 ? -1.0 : 1.0;
+      const double sign = uniform(settings.seed, SearchStream::kNeighbours, position) < 0.5 ? -1.0 : 1.0;
       other[i] = moved(unit[i], (k % 2 == 0 ? sign : -sign) * fitted.radius);
     }
     result.push_back(from_unit(settings.variables, other));

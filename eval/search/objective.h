@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "eval/tune/variables.h"
+#include "eval/search/variables.h"
 
 namespace moma::tune {
 

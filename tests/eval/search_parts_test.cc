@@ -4,13 +4,13 @@
 #include <set>
 #include <stdexcept>
 
-#include "eval/tune/algorithms.h"
-#include "eval/tune/random.h"
-#include "eval/tune/sensitivity.h"
-#include "eval/tune/told_scores.h"
-#include "eval/tune/variables.h"
-#include "eval/tune/wilcoxon.h"
-#include "tests/eval/tune_objectives.h"
+#include "eval/search/algorithms.h"
+#include "eval/search/nlopt_scores.h"
+#include "eval/search/random.h"
+#include "eval/search/sensitivity.h"
+#include "eval/search/variables.h"
+#include "eval/search/wilcoxon.h"
+#include "tests/eval/search_objectives.h"
 
 namespace moma::tune {
 namespace {
@@ -61,7 +61,7 @@ TEST(Wilcoxon, ExactWithTiesByEnumeration) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     std::vector<double> d;
     for (std::uint64_t i = 0; i < 9; ++i) {
-      double value = std::floor(7.0 * uniform(seed, Stream::kStarts, i)) - 2.5;
+      double value = std::floor(7.0 * uniform(seed, SearchStream::kStarts, i)) - 2.5;
       d.push_back(value);
     }
     EXPECT_NEAR(wilcoxon_greater(d), by_enumeration(d), 1e-12);
@@ -80,7 +80,7 @@ TEST(Wilcoxon, FalseAlarmsAreAsRareAsItSays) {
   int alarms = 0;
   for (std::uint64_t trial = 0; trial < 4000; ++trial) {
     std::vector<double> d;
-    for (std::uint64_t i = 0; i < 40; ++i) d.push_back(uniform(trial, Stream::kStarts, i) - 0.5);
+    for (std::uint64_t i = 0; i < 40; ++i) d.push_back(uniform(trial, SearchStream::kStarts, i) - 0.5);
     alarms += wilcoxon_greater(d) < 0.05 ? 1 : 0;
   }
   EXPECT_NEAR(alarms / 4000.0, 0.05, 0.014);  // four standard errors
@@ -136,13 +136,13 @@ TEST(TuneRandom, ShuffleIsAPermutationDecidedBySeedAndPart) {
   EXPECT_EQ(std::set<std::uint64_t>(a.begin(), a.end()).size(), 50u);
 }
 
-TEST(TuneToldScores, NoCutCandidateLooksBetterThanAFullOneInAnyOrder) {
+TEST(TuneNloptScores, NoCutCandidateLooksBetterThanAFullOneInAnyOrder) {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
-    ToldScores told;
+    NloptScores told;
     double worst_full = -1e300, best_cut = 1e300;
     for (std::uint64_t i = 0; i < 60; ++i) {
-      const bool cut = uniform(seed, Stream::kStarts, 2 * i) < 0.5;
-      const double value = told(10.0 * uniform(seed, Stream::kStarts, 2 * i + 1), cut);
+      const bool cut = uniform(seed, SearchStream::kStarts, 2 * i) < 0.5;
+      const double value = told(10.0 * uniform(seed, SearchStream::kStarts, 2 * i + 1), cut);
       if (cut) best_cut = std::min(best_cut, value);
       if (!cut) worst_full = std::max(worst_full, value);
       EXPECT_GE(best_cut, worst_full);
@@ -158,8 +158,8 @@ TEST(TuneImportance, FindsWhatMattersAndNothingElse) {
   for (std::uint64_t i = 0; i < 2000; ++i) {
     Evaluation e;
     e.phase = Phase::kGlobal;
-    for (std::uint64_t k = 0; k < 3; ++k) e.candidate.push_back(uniform(7, Stream::kStarts, 3 * i + k));
-    e.merit = 3 * e.candidate[0] + e.candidate[1] + 0.7 * (uniform(8, Stream::kStarts, i) - 0.5);
+    for (std::uint64_t k = 0; k < 3; ++k) e.candidate.push_back(uniform(7, SearchStream::kStarts, 3 * i + k));
+    e.merit = 3 * e.candidate[0] + e.candidate[1] + 0.7 * (uniform(8, SearchStream::kStarts, i) - 0.5);
     history.push_back(e);
   }
   const std::vector<double> share = importance(variables, history);
@@ -177,8 +177,8 @@ TEST(TuneImportance, DividesWhatGainsThatMoveTogetherExplain) {
   for (std::uint64_t i = 0; i < 500; ++i) {
     Evaluation e;
     e.phase = Phase::kGlobal;
-    const double x = uniform(7, Stream::kStarts, i);
-    e.candidate = {x, std::clamp(x + 0.2 * (uniform(9, Stream::kStarts, i) - 0.5), 0.0, 1.0)};
+    const double x = uniform(7, SearchStream::kStarts, i);
+    e.candidate = {x, std::clamp(x + 0.2 * (uniform(9, SearchStream::kStarts, i) - 0.5), 0.0, 1.0)};
     e.merit = e.candidate[0];
     history.push_back(e);
   }

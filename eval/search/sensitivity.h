@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "eval/tune/evaluator.h"
+#include "eval/search/evaluator.h"
 
 namespace moma::tune {
 

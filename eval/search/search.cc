@@ -1,4 +1,4 @@
-#include "eval/tune/search.h"
+#include "eval/search/search.h"
 
 #include <fmt/format.h>
 
@@ -6,10 +6,10 @@
 #include <map>
 #include <stdexcept>
 
-#include "eval/tune/confirm.h"
-#include "eval/tune/nlopt_run.h"
-#include "eval/tune/random.h"
-#include "eval/tune/told_scores.h"
+#include "eval/search/confirm.h"
+#include "eval/search/nlopt_run.h"
+#include "eval/search/nlopt_scores.h"
+#include "eval/search/random.h"
 
 namespace moma::tune {
 namespace {
@@ -44,7 +44,8 @@ class Searcher {
 
   std::vector<double> random_unit(std::uint64_t which) const {
     std::vector<double> unit(settings_.variables.size());
-    for (std::size_t i = 0; i < unit.size(); ++i) unit[i] = uniform(settings_.seed, Stream::kStarts, (which << 20) | i);
+    for (std::size_t i = 0; i < unit.size(); ++i)
+      unit[i] = uniform(settings_.seed, SearchStream::kStarts, (which << 20) | i);
     return unit;
   }
 
@@ -117,12 +118,12 @@ class Searcher {
     run.inner = inner;
     run.start = from;
     run.constraints = step.algorithm->takes_constraints ? settings_.constraints.size() : 0;
-    run.seed = bits(settings_.seed, Stream::kNlopt, static_cast<std::uint64_t>(number)) >> 33;
+    run.seed = bits(settings_.seed, SearchStream::kNlopt, static_cast<std::uint64_t>(number)) >> 33;
     run.population = population(step, limit > trials ? limit - trials : 0);
     run.initial_step = settings_.initial_step;
     run.tolerance = settings_.tolerance;
 
-    ToldScores told;
+    NloptScores told;
     std::map<Candidate, double> heard;  // the same point again gets the same answer
     std::size_t repeats = 0;
     const std::size_t most_repeats = 1000 + 100 * from.size();

@@ -1,4 +1,4 @@
-#include "eval/tune/evaluator.h"
+#include "eval/search/evaluator.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "eval/tune/wilcoxon.h"
+#include "eval/search/wilcoxon.h"
 
 namespace moma::tune {
 namespace {

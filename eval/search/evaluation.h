@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "eval/tune/variables.h"
+#include "eval/search/variables.h"
 
 namespace moma::tune {
 

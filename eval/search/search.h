@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "eval/tune/algorithms.h"
-#include "eval/tune/evaluation.h"
-#include "eval/tune/evaluator.h"
-#include "eval/tune/objective.h"
-#include "eval/tune/sensitivity.h"
-#include "eval/tune/variables.h"
+#include "eval/search/algorithms.h"
+#include "eval/search/evaluation.h"
+#include "eval/search/evaluator.h"
+#include "eval/search/objective.h"
+#include "eval/search/sensitivity.h"
+#include "eval/search/variables.h"
 
 namespace moma::tune {
 

@@ -1,4 +1,4 @@
-#include "eval/tune/algorithms.h"
+#include "eval/search/algorithms.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "eval/tune/variables.h"
+#include "eval/search/variables.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "eval/tune/nlopt_run.h"
+#include "eval/search/nlopt_run.h"
 
 #include <fmt/format.h>
 

@@ -10,9 +10,9 @@
 #include <span>
 #include <vector>
 
-#include "eval/tune/evaluation.h"
-#include "eval/tune/objective.h"
-#include "eval/tune/random.h"
+#include "eval/search/evaluation.h"
+#include "eval/search/objective.h"
+#include "eval/search/random.h"
 
 namespace moma::tune::testing {
 
@@ -26,7 +26,7 @@ inline double noise(const Candidate& candidate, std::uint64_t world, std::uint64
     mixed = (mixed ^ word) * 0xff51afd7ed558ccdULL;
     mixed ^= mixed >> 32;
   }
-  return uniform(mixed, Stream::kStarts, part);
+  return uniform(mixed, SearchStream::kStarts, part);
 }
 
 inline double normal(double u1, double u2) { return std::sqrt(-2.0 * std::log(1.0 - u1)) * std::cos(2.0 * M_PI * u2); }

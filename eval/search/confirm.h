@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "eval/tune/search.h"
+#include "eval/search/search.h"
 
 namespace moma::tune {
 

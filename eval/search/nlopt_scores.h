@@ -9,7 +9,7 @@ namespace moma::tune {
 /// but never better than any full score of this run: at least the worst full score told before, and a full score
 /// that comes later is told as no worse than any cut one before it. So in either order no cut candidate looks better
 /// than a fully measured one; what is lost is the ranking among candidates that are worse than a cut one anyway.
-class ToldScores {
+class NloptScores {
  public:
   double operator()(double value, bool cut) {
     if (cut) {

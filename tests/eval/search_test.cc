@@ -1,11 +1,11 @@
-#include "eval/tune/search.h"
+#include "eval/search/search.h"
 
 #include <gtest/gtest.h>
 
 #include <numeric>
 #include <stdexcept>
 
-#include "tests/eval/tune_objectives.h"
+#include "tests/eval/search_objectives.h"
 
 namespace moma::tune {
 namespace {

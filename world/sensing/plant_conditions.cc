@@ -1,4 +1,4 @@
-#include "world/sensing/conditions.h"
+#include "world/sensing/plant_conditions.h"
 
 #include <algorithm>
 

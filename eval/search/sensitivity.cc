@@ -1,4 +1,4 @@
-#include "eval/tune/sensitivity.h"
+#include "eval/search/sensitivity.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
