@@ -187,9 +187,9 @@ TEST(Disturbances, CommandsActLateAndScaledOnThePlant) {
   TrialSpec point = tiny_spec();
   point.simulation.time_limit = 1.0;
   point.stuck.time = kInfinity;
-  point.disturbances.actuators.joint_delay = 0.06;  // 3 steps
-  point.disturbances.actuators.base_delay = 0.1;    // 5
-  point.disturbances.actuators.base_gain.linear = 0.1;
+  point.disturbances.actuators.joints.delay = 0.06;  // 3 steps
+  point.disturbances.actuators.base.delay = 0.1;    // 5
+  point.disturbances.actuators.base.gain_error.linear = 0.1;
   World world = tiny_world(3.0);
   world.seed = 8;
   TrialParts parts;

@@ -207,7 +207,7 @@ TEST(PlantConditions, NothingIsDrawnWhereNothingIsOn) {
   const auto model = robot("frankie");
   Disturbances d;
   d.joints.noise = 0.1;
-  d.actuators.joint_gain = 0.1;
+  d.actuators.joints.gain_error = 0.1;
   const PlantConditions conditions = plant_conditions(d, *model, empty_world(*model));
   EXPECT_EQ(conditions.payload.mass, 0.0);
   EXPECT_EQ(conditions.floor_friction, 1.0);
@@ -219,10 +219,10 @@ TEST(PlantConditions, EachHasAStreamOfItsOwnAndTheWorldDecides) {
   World world = empty_world(*model);
   world.seed = 4;
   Disturbances d;
-  d.physics.joint_friction = {0.1, 0.05};
+  d.actuators.joints.friction = {0.1, 0.05};
   const PlantConditions friction = plant_conditions(d, *model, world);
-  d.physics.payload_mass = {2.0, 0.5};
-  d.physics.floor_friction = {0.8, 0.1};
+  d.payload = {2.0, 0.5};
+  d.floor = {0.8, 0.1};
   const PlantConditions all = plant_conditions(d, *model, world);
   EXPECT_EQ(friction.joint_friction, all.joint_friction);
   EXPECT_EQ(friction.payload.mass, 0.0);
