@@ -6,8 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "controller/config/node.h"
+#include "controller/describe/keys.h"
 #include "world/world.h"
 
 namespace moma {
@@ -46,6 +48,9 @@ class Worlds {
  private:
   std::shared_ptr<const Data> data_;
 };
+
+/// Every key of a `worlds` section, those of all families included.
+std::vector<Key> worlds_keys(const std::string& prefix = "worlds");
 
 /// Names the constraint that failed most often, with counts.
 class GenerationError : public std::runtime_error {

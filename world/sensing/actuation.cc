@@ -16,7 +16,8 @@ Actuation::Actuation(const Disturbances& disturbances, const RobotModel& model, 
   const DisturbanceStreams streams(world, disturbances.seed);
   Draws linear = streams.acting(kBaseLinearGain);
   for (int i = 0; i + 1 < base_dof_; ++i) factor_[i] += linear.normal(0.0, errors.base.gain_error.linear);
-  if (base_dof_ > 0) factor_[base_dof_ - 1] += streams.acting(kBaseAngularGain).normal(0.0, errors.base.gain_error.angular);
+  if (base_dof_ > 0)
+    factor_[base_dof_ - 1] += streams.acting(kBaseAngularGain).normal(0.0, errors.base.gain_error.angular);
   Draws joints = streams.acting(kJointGain);
   for (Eigen::Index i = base_dof_; i < factor_.size(); ++i) factor_[i] += joints.normal(0.0, errors.joints.gain_error);
   factor_ = factor_.cwiseMax(0.0);

@@ -71,8 +71,7 @@ constexpr void describe(Visitor& v, Of<JointSensing>) {
   using namespace disturbed;
   using T = JointSensing;
   v.member("noise", &T::noise, about("rad or m", kSpread, "of each joint's position, per step"));
-  v.member("velocity_noise", &T::velocity_noise,
-           about("rad/s or m/s", kSpread, "of each joint's velocity, per step"));
+  v.member("velocity_noise", &T::velocity_noise, about("rad/s or m/s", kSpread, "of each joint's velocity, per step"));
   v.member("bias", &T::bias, about("rad or m", kSpread, "of each joint's offset, per trial"));
   v.member("delay", &T::delay, about("s", kDelay, "of positions and velocities"));
 }
@@ -191,7 +190,8 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<JointDrives>) {
   using namespace disturbed;
   using T = JointDrives;
-  v.member("delay", &T::delay, about("s", kDelay, "from a command to its effect; until the first is due nothing moves"));
+  v.member("delay", &T::delay,
+           about("s", kDelay, "from a command to its effect; until the first is due nothing moves"));
   v.member("gain_error", &T::gain_error, about("1", kGain, "of g in v = (1 + g) command, of each joint, per trial"));
   v.member("friction", &T::friction, about("dry friction of each joint, per trial; dynamic mode"));
 }
@@ -235,7 +235,8 @@ constexpr void describe(Visitor& v, Of<Actuators>) {
   v.member("base", &Actuators::base, disturbed::about("the base's drives"));
 }
 
-/// A ball held at the end effector, which the robot file does not know of. Its mass is never below 0. Dynamic mode only.
+/// A ball held at the end effector, which the robot file does not know of. Its mass is never below 0. Dynamic mode
+/// only.
 struct UnknownPayload {
   double mass = 0.0;                    ///< [kg]
   double spread = 0.0;                  ///< [kg]
