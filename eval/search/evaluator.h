@@ -7,8 +7,10 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "controller/describe/describe.h"
 #include "eval/search/evaluation.h"
 #include "eval/search/objective.h"
 #include "eval/search/variables.h"
@@ -21,10 +23,20 @@ namespace moma::tune {
 /// succeeds in a few more. The incumbent is the best fully measured candidate, by merit.
 struct Racing {
   bool enabled = true;
-  std::size_t first = 10;      ///< worlds before the first look
-  std::size_t block = 10;      ///< worlds between looks
-  double significance = 0.01;  ///< per look
+  std::size_t first = 10;
+  std::size_t block = 10;
+  double significance = 0.01;
 };
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Racing>) {
+  using T = Racing;
+  v.member("first", &T::first, {.range = {2, 1'000'000}, .text = "worlds before the first look"});
+  v.member("block", &T::block, {.range = {1, 1'000'000}, .text = "worlds between looks"});
+  v.member("significance", &T::significance,
+           {.unit = "1", .range = {0.0, 0.5, true, false}, .text = "of the rank test, per look"});
+}
+inline bool from_word(std::string_view word, Racing& racing) { return word == "none" && !(racing.enabled = false); }
 
 struct EvaluatorSettings {
   std::vector<Variable> variables;

@@ -27,10 +27,25 @@ struct PlanStep {
 /// candidates with equal scores the one whose neighbours do well too is the safer one.
 struct Confirmation {
   std::size_t candidates = 5;
-  std::size_t worlds = 100;    ///< further ones
-  std::size_t neighbours = 8;  ///< per candidate; all variables moved by +-radius, signs at random, in pairs
-  double radius = 0.04;        ///< in the unit cube
+  std::size_t worlds = 100;
+  std::size_t neighbours = 8;  ///< all variables moved by +-radius, signs at random, in pairs
+  double radius = 0.04;
 };
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Confirmation>) {
+  using T = Confirmation;
+  v.member("candidates", &T::candidates, {.range = {1, 1000}, .text = "so many of the best are measured again"});
+  v.member("worlds", &T::worlds, {.range = {0, 1'000'000}, .text = "further ones; as many as the search's by default"});
+  v.member("neighbours", &T::neighbours, {.range = {0, 1000}, .text = "of each candidate, on the search's worlds"});
+  v.member("radius", &T::radius,
+           {.unit = "1", .range = {0.0, 0.5, true, false}, .text = "to the neighbours, in the unit cube"});
+}
+inline bool from_word(std::string_view word, Confirmation& confirmation) {
+  if (word != "none") return false;
+  confirmation.candidates = confirmation.worlds = confirmation.neighbours = 0;
+  return true;
+}
 
 struct SearchSettings {
   std::vector<Variable> variables;

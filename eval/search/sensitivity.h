@@ -9,10 +9,23 @@ namespace moma::tune {
 
 struct SensitivitySettings {
   bool enabled = true;
-  double near = 0.1;  ///< steps to both sides, in the unit cube
+  double near = 0.1;
   double far = 0.25;
-  std::size_t pairs_of = 4;  ///< the gains that matter most are also moved two at a time
+  std::size_t pairs_of = 4;
 };
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<SensitivitySettings>) {
+  using T = SensitivitySettings;
+  constexpr Range kStep{0.0, 1.0, true, false};
+  v.member("near", &T::near, {.unit = "1", .range = kStep, .text = "small step to both sides, in the unit cube"});
+  v.member("far", &T::far, {.unit = "1", .range = kStep, .text = "large step, likewise"});
+  v.member("pairs_of", &T::pairs_of,
+           {.range = {0, 1000}, .text = "so many of the gains that matter most are also moved two at a time"});
+}
+inline bool from_word(std::string_view word, SensitivitySettings& settings) {
+  return word == "none" && !(settings.enabled = false);
+}
 
 /// One gain moved alone from the found values; others stay.
 struct SensitivityStep {

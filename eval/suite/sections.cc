@@ -1,22 +1,18 @@
 #include "eval/suite/sections.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cctype>
 
-#include "controller/config/reader.h"
+#include "controller/config/read_described.h"
 
 namespace moma {
 
 using config::Node;
 
 SamplesKept read_samples(const Node& node, const std::string& key) {
-  if (node.kind == Node::Kind::kScalar) {
-    for (const SamplesKept kept : {SamplesKept::kAll, SamplesKept::kFailures, SamplesKept::kNone})
-      if (node.scalar == to_string(kept)) return kept;
-  }
-  config::fail(node.mark, key, fmt::format("found '{}', expected one of: all, failures, none", node.scalar));
+  SamplesKept samples{};
+  config::description::read_any(node, key, samples, {}, {});
+  return samples;
 }
 
 std::vector<std::pair<std::string, std::string>> read_metrics(const Node& node, const std::string& key) {
@@ -31,18 +27,6 @@ std::vector<std::pair<std::string, std::string>> read_metrics(const Node& node, 
     metrics.emplace_back(name, config::read_string(expression, full));
   }
   return metrics;
-}
-
-std::string_view to_string(SamplesKept samples) noexcept {
-  switch (samples) {
-    case SamplesKept::kAll:
-      return "all";
-    case SamplesKept::kFailures:
-      return "failures";
-    case SamplesKept::kNone:
-      return "none";
-  }
-  return "?";
 }
 
 }  // namespace moma

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -16,8 +15,5 @@ SamplesKept read_samples(const config::Node& node, const std::string& key);
 
 /// {NAME: SQL, ...}: names are words of letters, digits and _. The SQL itself is checked by eval/store.
 std::vector<std::pair<std::string, std::string>> read_metrics(const config::Node& node, const std::string& key);
-
-/// all, failures, none.
-std::string_view to_string(SamplesKept samples) noexcept;
 
 }  // namespace moma

@@ -1,28 +1,47 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "controller/describe/describe.h"
+#include "controller/describe/enumeration.h"
 #include "eval/trial/spec.h"
 #include "world/scenario/worlds.h"
 
 namespace moma {
 
 enum class SamplesKept { kAll, kFailures, kNone };
+constexpr auto words(Of<SamplesKept>) { return std::to_array<std::string_view>({"all", "failures", "none"}); }
 
 /// `trials: {until: ...}`: worlds are met in blocks until, at the end of one, every point's Wilson interval (95 %) of
 /// the metric's rate is narrow enough, or `max` is reached. See eval/batch/sequential.h.
 struct UntilRule {
-  std::string metric = "success";  ///< an outcome
+  std::string metric = "success";
   double half_width = 0.02;
-  std::uint64_t max = 0;      ///< [worlds]
-  std::uint64_t block = 100;  ///< [worlds]
+  std::uint64_t max = 0;
+  std::uint64_t block = 100;
 };
+
+/// Most worlds of a suite.
+inline constexpr std::uint64_t kMaxTrials = 100'000'000;
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<UntilRule>) {
+  using T = UntilRule;
+  v.member("metric", &T::metric, {.text = "the outcome whose rate is meant"});
+  v.member(
+      "half_width", &T::half_width,
+      {.range = {1e-4, 0.5, false, true}, .required = true, .text = "half the width of the 95 % interval to reach"});
+  v.member("max", &T::max, {.range = {1, kMaxTrials}, .required = true, .text = "the most worlds"});
+  v.member("block", &T::block, {.range = {1, kMaxTrials}, .text = "worlds between two looks at the interval"});
+}
 
 /// One column of the evaluation: a controller (at a sweep point) with everything but the world's index resolved.
 struct Point : TrialSpec {

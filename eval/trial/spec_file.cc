@@ -4,25 +4,18 @@
 
 #include <cmath>
 
-#include "controller/config/json_node.h"
-#include "controller/config/reader.h"
+#include "controller/config/read_described.h"
+#include "controller/config/write_described.h"
 
 namespace moma {
 
 using config::MapReader;
 using config::Node;
-using config::number_to_json;
-using config::Range;
 
 SimulationConfig read_simulation(const Node& node, const std::string& key) {
   SimulationConfig simulation;
   MapReader in(node, key);
-  in.read_enum("mode", simulation.mode,
-               {{"kinematic", SimulationMode::kKinematic}, {"dynamic", SimulationMode::kDynamic}});
-  in.read("control_period", simulation.control_period, {1e-4, 1.0, false, false});
-  in.read("physics_step", simulation.physics_step, {1e-5, 0.02, false, false});
-  in.read("time_limit", simulation.time_limit, {0.0, 3600.0, true, false});
-  in.read("cross_check", simulation.cross_check, {0.0, 1.0});
+  config::read_members(in, simulation);
   in.finish();
   if (simulation.mode == SimulationMode::kDynamic) {
     const double ratio = simulation.control_period / simulation.physics_step;
@@ -39,9 +32,7 @@ SimulationConfig read_simulation(const Node& node, const std::string& key) {
 SuccessRule read_success(const Node& node, const std::string& key, const SimulationConfig& simulation) {
   SuccessRule success;
   MapReader in(node, key);
-  in.read("position", success.position, {0.0, 10.0, true, false});
-  in.read("orientation", success.orientation, {0.0, 3.15, true, false});
-  in.read("dwell", success.dwell, {0.0, 3600.0, false, false});
+  config::read_members(in, success);
   in.finish();
   in.check(success.dwell < simulation.time_limit, "dwell",
            fmt::format("{} s does not fit into the time limit of {} s: no trial could succeed", success.dwell,
@@ -52,8 +43,7 @@ SuccessRule read_success(const Node& node, const std::string& key, const Simulat
 StuckRule read_stuck(const Node& node, const std::string& key, const SimulationConfig& simulation) {
   StuckRule stuck;
   MapReader in(node, key);
-  in.read("time", stuck.time, Range::positive_or_inf());
-  in.read("motion", stuck.motion, {0.0, 1.0, true, false});
+  config::read_members(in, stuck);
   in.finish();
   in.check(stuck.time >= 2.0 * simulation.control_period, "time",
            fmt::format("half of {} s is shorter than the control period of {} s; .inf switches the rule off",
@@ -63,28 +53,13 @@ StuckRule read_stuck(const Node& node, const std::string& key, const SimulationC
 
 InfeasibleRule read_infeasible(const Node& node, const std::string& key) {
   InfeasibleRule infeasible;
-  MapReader in(node, key);
-  in.read("time", infeasible.time, Range::positive_or_inf());
-  in.finish();
+  config::read_described(node, key, infeasible);
   return infeasible;
 }
 
-nlohmann::ordered_json to_json(const SimulationConfig& simulation) {
-  return {{"mode", to_string(simulation.mode)},
-          {"control_period", simulation.control_period},
-          {"physics_step", simulation.physics_step},
-          {"time_limit", simulation.time_limit},
-          {"cross_check", simulation.cross_check}};
-}
-
-nlohmann::ordered_json to_json(const SuccessRule& success) {
-  return {{"position", success.position}, {"orientation", success.orientation}, {"dwell", success.dwell}};
-}
-
-nlohmann::ordered_json to_json(const StuckRule& stuck) {
-  return {{"time", number_to_json(stuck.time)}, {"motion", stuck.motion}};
-}
-
-nlohmann::ordered_json to_json(const InfeasibleRule& infeasible) { return {{"time", number_to_json(infeasible.time)}}; }
+nlohmann::ordered_json to_json(const SimulationConfig& simulation) { return config::write_described(simulation); }
+nlohmann::ordered_json to_json(const SuccessRule& success) { return config::write_described(success); }
+nlohmann::ordered_json to_json(const StuckRule& stuck) { return config::write_described(stuck); }
+nlohmann::ordered_json to_json(const InfeasibleRule& infeasible) { return config::write_described(infeasible); }
 
 }  // namespace moma

@@ -10,16 +10,6 @@
 
 namespace moma {
 
-std::string_view to_string(SimulationMode mode) noexcept {
-  switch (mode) {
-    case SimulationMode::kKinematic:
-      return "kinematic";
-    case SimulationMode::kDynamic:
-      return "dynamic";
-  }
-  return "?";
-}
-
 void check_command(const RobotModel& model, const VectorX& command, double duration) {
   if (command.size() != model.num_velocities())
     throw std::invalid_argument("a command of " + std::to_string(command.size()) + " velocities for a robot of " +

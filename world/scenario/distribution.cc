@@ -118,8 +118,13 @@ void read_value(const config::Node& node, const std::string& key, Count& value, 
 nlohmann::ordered_json write_value(const Distribution& value, const About&) { return value.to_json(); }
 nlohmann::ordered_json write_value(const Count& value, const About&) { return value.distribution.to_json(); }
 
-std::string accepted(Of<Distribution>) { return "a number or a distribution"; }
-std::string accepted(Of<Count>) { return "a whole number or a distribution of such"; }
+std::string accepted(Of<Distribution>, const About& about) {
+  return accepted_number(about.range) + ", or a distribution of such";
+}
+std::string accepted(Of<Count>, const About& about) {
+  const auto [low, high] = whole_range<int>(about.range);
+  return accepted_whole_number(low, high) + ", or a distribution of such";
+}
 
 std::string text_of(const Distribution& value) {
   const auto list = [](const std::vector<double>& numbers) {

@@ -79,8 +79,8 @@ void read_value(const config::Node& node, const std::string& key, Distribution& 
 void read_value(const config::Node& node, const std::string& key, Count& value, const About& about);
 nlohmann::ordered_json write_value(const Distribution& value, const About& about);
 nlohmann::ordered_json write_value(const Count& value, const About& about);
-std::string accepted(Of<Distribution>);
-std::string accepted(Of<Count>);
+std::string accepted(Of<Distribution>, const About& about);
+std::string accepted(Of<Count>, const About& about);
 std::string text_of(const Distribution& value);
 std::string text_of(const Count& value);
 

@@ -39,7 +39,7 @@ nlohmann::ordered_json write_value(const SolidKinds& value, const About&) {
   return list;
 }
 
-std::string accepted(Of<SolidKinds>) { return "a list of sphere, box, capsule"; }
+std::string accepted(Of<SolidKinds>, const About&) { return "a list of sphere, box, capsule"; }
 
 std::string text_of(const SolidKinds& value) {
   std::string text;

@@ -18,7 +18,7 @@ struct SolidKinds {
 
 void read_value(const config::Node& node, const std::string& key, SolidKinds& value, const About& about);
 nlohmann::ordered_json write_value(const SolidKinds& value, const About& about);
-std::string accepted(Of<SolidKinds>);
+std::string accepted(Of<SolidKinds>, const About& about);
 std::string text_of(const SolidKinds& value);
 
 /// The random solids of a family: which shapes, how large, standing on the floor or floating.
