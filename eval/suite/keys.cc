@@ -4,11 +4,16 @@
 #include <iterator>
 
 #include "controller/config/node.h"
+#include "controller/describe/complete.h"
 #include "controller/params_described.h"
 #include "eval/suite/suite.h"
 #include "eval/suite/sweep.h"
 
 namespace moma {
+
+static_assert(is_complete<SimulationConfig>() && is_complete<SuccessRule>() && is_complete<StuckRule>() &&
+              is_complete<InfeasibleRule>() && is_complete<UntilRule>());
+
 namespace {
 
 void add(std::vector<Key>& to, std::vector<Key> keys) {

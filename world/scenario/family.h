@@ -10,6 +10,7 @@
 
 #include "controller/config/read_described.h"
 #include "controller/config/write_described.h"
+#include "controller/describe/complete.h"
 #include "controller/describe/keys.h"
 #include "world/scenario/scene_builder.h"
 #include "world/world.h"
@@ -52,6 +53,7 @@ bool build_world(const T& parameters, SceneBuilder& builder, World& world) {
 ///   void check(const T&, const config::MapReader&)        where a rule concerns several parameters: throws
 template <Described T>
 FamilyType family_type(std::string_view text) {
+  static_assert(is_complete<T>(), "a parameter that is not described is in no file");
   class Model final : public Family {
    public:
     explicit Model(T parameters) : parameters_(std::move(parameters)) {}

@@ -4,8 +4,11 @@
 
 #include "controller/config/read_described.h"
 #include "controller/config/write_described.h"
+#include "controller/describe/complete.h"
 
 namespace moma {
+
+static_assert(is_complete<Disturbances>());
 
 Disturbances read_disturbances(const config::Node& node, const std::string& key) {
   if (node.kind == config::Node::Kind::kScalar) {
