@@ -73,7 +73,7 @@ namespace {
 
 class TimedController final : public StepController {
  public:
-  TimedController(const Point& point, double& seconds)
+  TimedController(const TrialSpec& point, double& seconds)
       : controller_(point.robot->model, point.controller_params, point.simulation.control_period), seconds_(seconds) {}
 
   void reset(std::span<const ObjectShape> objects) override { controller_.reset(objects); }
@@ -108,7 +108,7 @@ Shares measure(const Point& point, std::uint64_t index, std::string& family) {
   out.trials = 1;
   ode_seconds = 0.0;
   TrialParts parts;
-  parts.controller = [&out](const Point& p) { return std::make_unique<TimedController>(p, out.controller); };
+  parts.controller = [&out](const TrialSpec& p) { return std::make_unique<TimedController>(p, out.controller); };
   const Clock::time_point start = Clock::now();
   const World world = point.worlds.make(point.robot->model, index);
   const Clock::time_point made = Clock::now();

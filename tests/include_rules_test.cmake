@@ -22,6 +22,14 @@ set(rules
   "controller|(fmt|spdlog|CLI|SQLiteCpp|omp)[/.]|controller/fit/.*|the controller depends on Eigen, urdfdom, coal and its QP solver only"
   "controller|nlohmann/|controller/(config|case)/|JSON belongs to the controller's file formats"
   "world|(controller/(task|qp|solver|closed_form|case)/|eval/|reports/)|-|worlds see the robot, never the controller or the evaluation"
+  "eval/(stats|search)|(controller/model|world|plugin|eval/(trial|suite|batch|store|tune|run|cli))/|-|statistics and the search for gains know no robot, no trial and no store"
+  "eval/trial|eval/(stats|suite|batch|store|search|tune|run|cli)/|-|a trial needs its spec and its world alone"
+  "eval/suite|eval/(stats|batch|store|search|tune|run|cli)/|-|a suite makes specs of files and computes nothing"
+  "eval/batch|eval/(store|search|tune|run|cli)/|-|a batch computes trials whoever keeps them"
+  "eval/store|eval/(stats|batch|search/([^w]|w[^o])|tune|run|cli)|-|the store keeps what it is given, and knows the words of a search"
+  "eval/tune|eval/(run|cli)/|-|tuning is measured by trials, whoever asks for it"
+  "eval/run|eval/cli/|-|what the commands do can be done without them"
+  "eval/(stats|trial|suite|batch|store|search|tune|run)|(iostream|cstdio)|-|only the commands print"
   "eval|reports/|eval/cli/|only the commands know the reports"
   "plugin|(world|eval|reports)/|-|plugins and their host know the controller library and nothing of the evaluation"
   "(controller|world|reports|bench)|plugin/|-|plugins are loaded by plugin/host"
@@ -34,7 +42,7 @@ set(rules
   ".*|yaml-cpp/|controller/config/.*|YAML belongs to controller/config"
   ".*|CLI/|(tests/)?eval/cli[/_].*|CLI11 belongs to eval/cli"
   ".*|(sqlite3|SQLiteCpp/)|((tests/)?eval/store|(tests/)?reports)[/_].*|SQLite belongs to the store and the reports"
-  ".*|nlopt\\.|((tests/)?eval/tune[/_].*|controller/fit/.*)|NLopt belongs to eval/tune and controller/fit"
+  ".*|nlopt\\.|((tests/)?eval/search[/_].*|controller/fit/.*)|NLopt belongs to eval/search and controller/fit"
   ".*|mpi\\.h|(tests/)?eval/batch[/_].*|MPI belongs to eval/batch"
   ".*|(urdf|urdf_parser|urdf_model)/|controller/.*|URDFs are read by the controller's library"
   ".*|coal/|((tests/)?controller/.*|tests/support/coal_.*)|distances come from controller/model"
@@ -133,6 +141,10 @@ set(samples
   "eval/batch/a.cc=SQLiteCpp/SQLiteCpp.h" "eval/cli/a.cc=sqlite3.h" "eval/batch/b.cc=nlopt.hpp" "eval/cli/b.cc=mpi.h"
   "world/d.cc=urdf_parser/urdf_parser.h" "world/e.cc=coal/distance.h" "tests/world/a.cc=coal/distance.h" "controller/solver/solver.cc=api.h"
   "plugin/a.h=eval/trial/row.h" "controller/e.cc=plugin/moma_plugin.h" "eval/trial/c.cc=plugin/moma_plugin.h"
+  "eval/stats/a.cc=eval/trial/row.h" "eval/search/a.cc=world/world.h" "eval/search/b.cc=eval/tune/tuning.h"
+  "eval/trial/d.cc=eval/suite/suite.h" "eval/suite/c.h=eval/batch/batch.h" "eval/batch/c.cc=eval/store/writer.h"
+  "eval/store/a.cc=eval/batch/batch.h" "eval/tune/a.cc=eval/run/evaluate.h" "eval/tune/b.cc=nlopt.hpp"
+  "eval/run/a.cc=eval/cli/table.h" "eval/run/b.cc=iostream" "eval/run/c.cc=reports/render/page.h"
   "eval/suite/b.cc=dlfcn.h" "controller/solver/c.cc=qpOASES.hpp" "tests/controller/a.cc=eiquadprog/eiquadprog-fast.hpp"
 )
 set(allowed "plugin/host/a.cc=dlfcn.h" "plugin/host/b.cc=plugin/moma_plugin.h" "plugin/b.h=controller/step.h"
@@ -140,7 +152,9 @@ set(allowed "plugin/host/a.cc=dlfcn.h" "plugin/host/b.cc=plugin/moma_plugin.h" "
             "controller/solver/solver_daqp.cc=api.h" "world/plant/ode_plant.cc=ode/ode.h" "eval/cli/c.cc=reports/render/page.h"
             "controller/case/solve.cc=nlohmann/json.hpp" "controller/qp/d.cc=controller/types.h"
             "world/f.cc=controller/model/kinematics.h" "tests/support/coal_distance.cc=coal/distance.h"
-            "controller/fit/a.cc=nlopt.hpp")
+            "controller/fit/a.cc=nlopt.hpp" "eval/search/c.cc=nlopt.hpp" "eval/suite/d.h=eval/trial/spec.h"
+            "eval/store/b.cc=eval/suite/suite.h" "eval/tune/c.cc=eval/store/writer.h" "eval/run/d.cc=eval/tune/tuning.h"
+            "eval/cli/d.cc=eval/run/evaluate.h" "eval/cli/e.cc=iostream")
 set(broken 0)
 set(seen "")
 foreach(sample IN LISTS samples allowed)

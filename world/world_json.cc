@@ -7,7 +7,6 @@
 
 #include "controller/config/json_node.h"
 #include "controller/config/reader.h"
-#include "world/scenario/worlds.h"
 
 namespace moma {
 namespace {

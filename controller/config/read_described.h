@@ -149,6 +149,10 @@ class Reading {
     body(inner);
     map.finish();
   }
+  template <class Holds, class Body>
+  void written_where(Holds, Body body) {
+    body(*this);
+  }
 
  private:
   MapReader& in_;

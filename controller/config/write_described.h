@@ -80,6 +80,10 @@ class Writing {
     body(inner);
     if (!map.empty()) put(name, std::move(map));
   }
+  template <class Holds, class Body>
+  void written_where(Holds holds, Body body) {
+    if (holds(value_)) body(*this);
+  }
 
  private:
   void put(std::string_view name, nlohmann::ordered_json value) { json_[std::string(name)] = std::move(value); }

@@ -33,11 +33,11 @@ constexpr std::pair<long long, long long> whole_range(const Range& range) {
 }
 
 /// What a member of type T may be. Beside a type of its own there may stand
-///   std::string accepted(Of<T>)
+///   std::string accepted(Of<T>, const About&)
 template <class T>
 std::string accepted_as(const About& about, const Lengths& lengths = {}) {
-  if constexpr (requires { accepted(Of<T>{}); }) {
-    return accepted(Of<T>{});
+  if constexpr (requires { accepted(Of<T>{}, about); }) {
+    return accepted(Of<T>{}, about);
   } else if constexpr (std::same_as<T, double>) {
     return accepted_number(about.range);
   } else if constexpr (std::same_as<T, bool>) {

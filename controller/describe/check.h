@@ -58,6 +58,10 @@ class Check {
     Check inner(value_, lengths_, key_of(name), found_);
     body(inner);
   }
+  template <class Holds, class Body>
+  void written_where(Holds, Body body) {
+    body(*this);
+  }
 
  private:
   std::string key_of(std::string_view name) const {

@@ -61,6 +61,10 @@ class Completeness {
   constexpr void group(std::string_view, std::string_view, Body body) {
     body(*this);
   }
+  template <class Holds, class Body>
+  constexpr void written_where(Holds, Body body) {
+    body(*this);
+  }
   constexpr bool complete(std::size_t unnamed) const { return all_below_ && named_ + unnamed == count_members<T>(); }
 
  private:

@@ -32,6 +32,8 @@ namespace moma {
 ///   word_or(name, word, flag pointer, pointer, About)     a value in whose place a word may stand, which sets the flag
 ///   inlined(pointer)                                      a described struct whose members stand among these
 ///   group(name, text, [](auto& g) { g.member(...); })     members of this struct under a key of their own
+///   written_where([](const T&) -> bool, [](auto& v) {})   members that are read always, and written only where the
+///                                                         first says so of the object
 ///
 /// Beside a type there may also stand (found by argument-dependent lookup):
 ///   constexpr auto alternative(Of<T>) { return WordOr{"word", &T::flag, &T::value}; }

@@ -42,6 +42,10 @@ class Comparison {
   void group(std::string_view, std::string_view, Body body) {
     body(*this);
   }
+  template <class Holds, class Body>
+  void written_where(Holds, Body body) {
+    body(*this);
+  }
 
   bool equal() const { return equal_; }
 

@@ -95,6 +95,10 @@ class Listing {
     Listing inner(defaults_, key_of(name), keys_);
     body(inner);
   }
+  template <class Holds, class Body>
+  void written_where(Holds, Body body) {
+    body(*this);
+  }
 
  private:
   std::string key_of(std::string_view name) const {

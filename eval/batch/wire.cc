@@ -7,6 +7,7 @@
 
 #include "controller/describe/complete.h"
 #include "world/scenario/worlds.h"
+#include "world/world_json.h"
 
 namespace moma {
 namespace {

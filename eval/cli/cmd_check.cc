@@ -1,60 +1,39 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <set>
-#include <thread>
 
 #include "controller/config/node.h"
-#include "eval/batch/batch.h"
 #include "eval/cli/command.h"
 #include "eval/cli/progress.h"
 #include "eval/cli/suite_options.h"
+#include "eval/cli/survey_table.h"
 #include "eval/cli/table.h"
-#include "eval/cli/world_survey.h"
+#include "eval/run/store_file.h"
+#include "eval/run/survey.h"
 #include "eval/tune/tuned_file.h"
 #include "eval/tune/tuning.h"
 
 namespace moma::cli {
 namespace {
 
-/// Worlds 0 .. n-1 by family.
-std::string family_counts(const Suite& suite) {
-  std::map<std::string, std::uint64_t> counts;
-  const std::uint64_t looked_at = std::min<std::uint64_t>(suite.trials, 100000);
-  for (std::uint64_t i = 0; i < looked_at; ++i) ++counts[suite.points.front().worlds.family_of(i)];
+std::string family_text(const Suite& suite) {
   std::string text;
-  for (const auto& [family, n] : counts) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", n, family);
+  for (const auto& [family, n] : run::family_counts(suite))
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", n, family);
   return text;
 }
 
-/// How long a run would take, from trials of about `enough` seconds: points in turn, worlds spread over the suite's.
-std::string expected_time(const Suite& suite, double enough, WorldSurvey& survey) {
-  const std::size_t most = static_cast<std::size_t>(64.0 * std::max(1.0, enough));
-  const auto start = std::chrono::steady_clock::now();
-  const std::size_t all = static_cast<std::size_t>(suite.trials) * suite.points.size();
-  double seconds = 0.0;
-  std::size_t n = 0;
-  while (n < std::min(all, most) && seconds < enough) {
-    // The golden ratio spreads the first few worlds evenly, so that families come up as often as in the whole.
-    const auto world = static_cast<std::uint64_t>(std::fmod(static_cast<double>(n) * 0.6180339887498949, 1.0) *
-                                                  static_cast<double>(suite.trials));
-    BatchJob job;
-    job.point = n % suite.points.size();
-    job.world = world;
-    survey.run(suite.points[job.point], job);
-    ++n;
-    seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  }
-  const double each = seconds / static_cast<double>(n);
-  const auto cores = std::max(1U, std::thread::hardware_concurrency());
+/// How long a run would take.
+std::string expected_time(const Suite& suite, double enough, run::WorldSurvey& survey) {
+  const run::TrialTime time = run::trial_time(suite, enough, survey);
+  const int cores = run::usual_threads();
+  const double all = static_cast<double>(suite.trials) * static_cast<double>(suite.points.size());
   return fmt::format("about {} on {} thread{} ({:.0f} ms a trial, from {} of them)",
-                     duration_text(each * static_cast<double>(all) / cores), cores, cores == 1 ? "" : "s", 1e3 * each,
-                     n);
+                     duration_text(time.each * all / cores), cores, cores == 1 ? "" : "s", 1e3 * time.each,
+                     time.measured);
 }
 
 struct CheckOptions {
@@ -81,7 +60,7 @@ int check(const CheckOptions& check_options) {
                                          labels.size() > 1 ? fmt::format(" x {} sweep points", labels.size()) : ""))
             << '\n'
             << terminal_safe(fmt::format("robot {}, {} mode, worlds: {} (seed {})", first.robot->model->name,
-                                         to_string(first.simulation.mode), family_counts(suite), first.worlds.seed()))
+                                         to_string(first.simulation.mode), family_text(suite), first.worlds.seed()))
             << std::endl;
   const auto disturbed = std::count_if(suite.points.begin(), suite.points.end(),
                                        [](const Point& point) { return any(point.disturbances); });
@@ -92,12 +71,12 @@ int check(const CheckOptions& check_options) {
   }
   // The first world shows whether this robot has a place in these worlds at all.
   (void)first.worlds.make(first.robot->model, 0);
-  WorldSurvey survey;
+  run::WorldSurvey survey;
   survey.make_worlds(suite.points, check_options.worlds, suite.trials);
   std::string time;
   if (!check_options.no_time) time = expected_time(suite, check_options.seconds, survey) + '\n';
   std::cout << '\n';
-  survey.print(std::cout, !check_options.no_time);
+  print_survey(std::cout, survey, !check_options.no_time);
   std::cout << time;
   print_warnings(suite.warnings);
   print_warnings(survey.failures());
@@ -113,7 +92,7 @@ int check(const CheckOptions& check_options) {
 
 }  // namespace
 
-void add_check(CLI::App& app, Action& action) {
+void add_check(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   auto options = std::make_shared<CheckOptions>();
   CLI::App* command = app.add_subcommand("check", "Validate a suite without running it");
   options->suite.add_to(*command);

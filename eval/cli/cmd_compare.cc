@@ -189,7 +189,7 @@ int compare(const CompareOptions& options) {
 
 }  // namespace
 
-void add_compare(CLI::App& app, Action& action) {
+void add_compare(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   auto options = std::make_shared<CompareOptions>();
   CLI::App* command =
       app.add_subcommand("compare", "Paired comparison of two controllers or points on the same worlds");

@@ -65,7 +65,7 @@ void export_arena(const fs::path& db, const fs::path& file) {
 
 }  // namespace
 
-void add_export(CLI::App& app, Action& action) {
+void add_export(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   struct Options {
     fs::path file;
     fs::path csv;

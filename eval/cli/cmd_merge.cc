@@ -11,7 +11,7 @@
 
 namespace moma::cli {
 
-void add_merge(CLI::App& app, Action& action) {
+void add_merge(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   struct Options {
     std::filesystem::path out;
     std::vector<std::filesystem::path> in;

@@ -45,7 +45,7 @@ std::string footer() {
 
 }  // namespace
 
-void add_query(CLI::App& app, Action& action) {
+void add_query(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   auto options = std::make_shared<QueryOptions>();
   CLI::App* command = app.add_subcommand("query", "Ask a store: read-only SQL, or a named query such as @summary");
   command->add_option("DB", options->file, "Store")->required();

@@ -5,11 +5,9 @@
 #include <memory>
 
 #include "eval/cli/command.h"
-#include "eval/cli/stored_suites.h"
 #include "eval/cli/table.h"
+#include "eval/run/replay.h"
 #include "eval/store/columns.h"
-#include "eval/store/machine.h"
-#include "eval/store/reader.h"
 #include "eval/trial/trace_json.h"
 #include "eval/trial/trial.h"
 
@@ -40,25 +38,25 @@ void print_row(const store::StoredTrial& trial, const TrialRow& row) {
   write(std::cout, table, Format::kTable);
 }
 
-int compare(const store::StoredTrial& trial, const TrialRow& again) {
-  const std::vector<std::string> found = store::differences(trial.row, again);
-  if (found.empty()) {
+int compare(const run::Replay& replay) {
+  const store::StoredTrial& trial = replay.trial;
+  const run::ReplayDifferences found = run::differences(trial.row, trial.machine_class, replay.output.row);
+  if (found.lines.empty()) {
     std::cerr << "the same, bit for bit\n";
     return kOk;
   }
   std::cerr << terminal_safe(fmt::format("trial {} differs (stored != replayed):", trial.key.substr(0, 16))) << '\n';
-  for (const std::string& line : found) std::cerr << "  " << terminal_safe(line) << '\n';
-  const std::string here = store::this_machine().machine_class;
-  if (!trial.machine_class.empty() && trial.machine_class != here) {
+  for (const std::string& line : found.lines) std::cerr << "  " << terminal_safe(line) << '\n';
+  if (!found.stored_machine.empty()) {
     std::cerr << "it was computed on a machine of another class, where last bits may differ:\n  "
-              << terminal_safe(trial.machine_class) << "\n  " << here << " (here)\n";
+              << terminal_safe(found.stored_machine) << "\n  " << found.this_machine << " (here)\n";
   }
   return kCheckFailed;
 }
 
 }  // namespace
 
-void add_replay(CLI::App& app, Action& action) {
+void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   struct Options {
     std::string file;
     std::string trial;
@@ -74,19 +72,17 @@ void add_replay(CLI::App& app, Action& action) {
   command->footer("Example: moma replay results/demo.db 3f9a12 --check");
   command->callback([&action, options] {
     action = [options] {
-      const store::StoredTrial trial = store::Reader(options->file).trial(options->trial);
-      StoredSuites suites;
-      const Point& point = suites.point_of(trial);
-      const World world = world_of(trial);
-      const TrialOutput output = run_trial(point, world);
+      run::StoredSuites suites;
+      const run::Replay replay = run::replay(options->file, options->trial, suites);
       if (options->json) {
-        const nlohmann::ordered_json json = trace_json(point, world, output, trial.key.substr(0, 16));
+        const nlohmann::ordered_json json =
+            trace_json(*replay.point, replay.world, replay.output, replay.trial.key.substr(0, 16));
         std::cout << json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
       } else {
-        print_row(trial, output.row);
+        print_row(replay.trial, replay.output.row);
       }
       std::cout.flush();
-      return options->check ? compare(trial, output.row) : static_cast<int>(kOk);
+      return options->check ? compare(replay) : static_cast<int>(kOk);
     };
   });
 }

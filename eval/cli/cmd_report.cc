@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "eval/cli/command.h"
-#include "eval/cli/sight.h"
+#include "eval/cli/time_known.h"
 #include "eval/store/migrations.h"
 #include "reports/render/report.h"
 #include "reports/render/store.h"
@@ -15,7 +15,7 @@ namespace moma::cli {
 static_assert(store::kSchemaVersion <= reports::kNewestSchema,
               "look whether reports/sql still fits the store, then raise reports/render/store.h");
 
-void add_report(CLI::App& app, Action& action) {
+void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   struct Options {
     reports::Stores stores;
     std::filesystem::path html;
@@ -53,7 +53,7 @@ void add_report(CLI::App& app, Action& action) {
         std::filesystem::path html = options->html;
         if (html.empty()) html = std::filesystem::path(stores.front()).replace_extension(".html");
         ReportOptions report = options->report;
-        report.sight = known_before_contact;
+        report.sight = time_known;
         write_report(stores, html, report);
         written.push_back(html);
       }

@@ -127,7 +127,7 @@ ordered_json to_json(const config::LoadedRobot& robot) {
 
 }  // namespace
 
-void add_robot(CLI::App& app, Action& action) {
+void add_robot(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   struct Options {
     std::string file;
     bool json = false;

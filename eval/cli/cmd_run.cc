@@ -1,33 +1,30 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
+#include <charconv>
 #include <iostream>
 #include <memory>
-#include <thread>
 
 #include "eval/cli/command.h"
 #include "eval/cli/interrupt.h"
-#include "eval/cli/run_suite.h"
+#include "eval/cli/listener.h"
+#include "eval/cli/progress.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
-#include "eval/store/machine.h"
-#include "eval/store/reader.h"
+#include "eval/run/evaluate.h"
+#include "eval/run/replay.h"
+#include "eval/store/query.h"
 
 namespace moma::cli {
 namespace {
 
-namespace fs = std::filesystem;
-
 struct RunOptions {
   SuiteOptions suite;
-  std::string output;
+  run::EvaluateRequest request;
   std::string rerun;
   std::string shard;
   double lost_after = 30.0;
-  int threads = 0;
   bool quiet = false;
-  Arguments arguments;
 };
 
 Suite load(const RunOptions& options) {
@@ -35,72 +32,50 @@ Suite load(const RunOptions& options) {
   if (!options.suite.set.empty() || !options.suite.seed.empty()) {
     throw UsageError("run: --rerun takes the suite as it is in the store; --set and --seed do not go with it");
   }
-  nlohmann::ordered_json resolved =
-      nlohmann::ordered_json::parse(store::Reader(options.suite.file).latest_invocation(options.rerun).resolved_suite);
-  if (!options.suite.trials.empty()) {
-    const auto parsed = nlohmann::ordered_json::parse(options.suite.trials, nullptr, false);
-    resolved["trials"] = parsed.is_discarded() ? nlohmann::ordered_json(options.suite.trials) : parsed;
+  return run::stored_suite(options.suite.file, options.rerun, options.suite.trials);
+}
+
+run::Shard read_shard(const std::string& text) {
+  run::Shard shard;
+  if (text.empty()) return shard;
+  const char* const end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, shard.index);
+  if (first.ec == std::errc() && first.ptr != end && *first.ptr == '/') {
+    const auto second = std::from_chars(first.ptr + 1, end, shard.count);
+    if (second.ec == std::errc() && second.ptr == end && shard.index >= 1 && shard.index <= shard.count) return shard;
   }
-  return suite_from_resolved(resolved);
+  throw UsageError(fmt::format("run: --shard {}: expected I/N with 1 <= I <= N, for instance 2/8", text));
 }
 
-/// All cores, but one thread for each rank of an mpirun: ranks are usually as many as cores.
-int threads_of(const RunOptions& options, bool cluster) {
-  if (options.threads > 0) return options.threads;
-  return cluster ? 1 : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-}
-
-fs::path output_file(const RunOptions& options, const Suite& suite, const Shard& shard) {
-  if (!options.output.empty()) return options.output;
-  if (!options.rerun.empty() && shard.count == 1) return options.suite.file;
-  std::string name = suite.name;
-  std::replace(name.begin(), name.end(), '/', '_');
-  std::error_code error;
-  fs::create_directory("results", error);  // where it cannot be, opening the store says why
-  if (shard.count > 1) name += fmt::format(".shard-{}-of-{}", shard.index, shard.count);
-  return fs::path("results") / (name + ".db");
+void print_summary(const std::filesystem::path& file, const std::string& suite) {
+  const auto& queries = store::named_queries();
+  const auto summary = std::find_if(queries.begin(), queries.end(), [](const auto& q) { return q.name == "summary"; });
+  std::string quoted;
+  for (const char c : suite) quoted += c == '\'' ? std::string("''") : std::string(1, c);
+  write(std::cout, store::query(file, fmt::format("SELECT * FROM ({}) WHERE suite = '{}'", summary->display, quoted)),
+        Format::kTable);
+  std::cout.flush();
 }
 
 int lead(const RunOptions& options, Cluster* cluster) {
-  Suite suite = load(options);
+  const Suite suite = load(options);
   if (!options.quiet) print_warnings(suite.warnings);
-  RunRequest request;
-  request.arguments = options.arguments;
-  request.quiet = options.quiet;
-  if (!options.shard.empty()) request.shard = Shard::read(options.shard);
-  if (suite.until && request.shard.count > 1) {
-    throw UsageError(
-        "run: --shard needs a fixed number of trials: when 'trials: {until: ...}' ends depends on all worlds");
-  }
-  request.file = output_file(options, suite, request.shard);
-  request.threads = threads_of(options, cluster != nullptr);
-  if (cluster != nullptr) {
-    cluster->lead(suite.resolved.dump(), store::this_machine().machine_class,
-                  [](const std::string& words) { std::cerr << terminal_safe(words) << std::endl; });
-  }
-  return run_suite(request, std::move(suite), cluster);
+  run::EvaluateRequest request = options.request;
+  request.shard = read_shard(options.shard);
+  if (request.file.empty() && !options.rerun.empty() && request.shard.count == 1) request.file = options.suite.file;
+  request.cluster = cluster;
+  const InterruptGuard interrupt;
+  request.stop = &InterruptGuard::flag();
+  ProgressPrinter progress(options.quiet, "success");
+  const run::Evaluation done = run::evaluate(request, suite, listener_on_stderr(options.quiet, &progress));
+  if (!done.stopped.empty()) std::cerr << terminal_safe(done.stopped) << std::endl;
+  if (done.end == run::End::kNeverBegan) return kStoppedEarly;
+  print_summary(done.file, done.suite);
+  print_warnings(done.warnings);
+  return done.end == run::End::kFinished ? kOk : kStoppedEarly;
 }
 
-/// A rank other than 0: it gets the suite from rank 0 and reads no file.
-int follow(const RunOptions& options, Cluster& cluster) {
-  const InterruptGuard interrupt;  // a signal reaches every rank; rank 0 decides what becomes of it
-  const std::optional<std::string> setup = cluster.setup();
-  if (!setup) return kOk;
-  Suite suite;
-  try {
-    suite = suite_from_resolved(nlohmann::ordered_json::parse(*setup));
-  } catch (const std::exception& error) {
-    cluster.refuse(error.what());
-    return kOk;
-  }
-  BatchOptions batch;
-  batch.threads = threads_of(options, true);
-  batch.finish = finishing(suite);
-  cluster.work(suite.points, store::this_machine().machine_class, batch);
-  return kOk;
-}
-
-int run(const RunOptions& options) {
+int run_suite(const RunOptions& options) {
   if (Cluster::launched() == 1) return lead(options, nullptr);
   if (!Cluster::built()) {
     throw UsageError(
@@ -108,18 +83,21 @@ int run(const RunOptions& options) {
         "install libopenmpi-dev and build again, or use --shard");
   }
   Cluster cluster(options.lost_after);
-  return cluster.rank() == 0 ? lead(options, &cluster) : follow(options, cluster);
+  if (cluster.rank() == 0) return lead(options, &cluster);
+  const InterruptGuard interrupt;  // a signal reaches every rank; rank 0 decides what becomes of it
+  run::follow(cluster, options.request.threads);
+  return kOk;
 }
 
 }  // namespace
 
 void add_run(CLI::App& app, Action& action, const Arguments& arguments) {
   auto options = std::make_shared<RunOptions>();
-  options->arguments = arguments;
+  options->request.arguments = arguments;
   CLI::App* command = app.add_subcommand("run", "Evaluate a suite: every controller and sweep point in every world");
   options->suite.add_to(*command);
-  command->add_option("-o,--output", options->output, "Store to write, made if missing (results/NAME.db)");
-  command->add_option("--threads", options->threads, "Threads (all cores)")->check(CLI::Range(1, 4096));
+  command->add_option("-o,--output", options->request.file, "Store to write, made if missing (results/NAME.db)");
+  command->add_option("--threads", options->request.threads, "Threads (all cores)")->check(CLI::Range(1, 4096));
   command->add_option("--rerun", options->rerun,
                       "SUITE is a store: run its suite of this name again, from the store alone");
   command->add_option("--shard", options->shard,
@@ -133,7 +111,7 @@ void add_run(CLI::App& app, Action& action, const Arguments& arguments) {
       "Ctrl-C finishes the trials in flight and saves them. A second run on the same store waits for the first.\n"
       "On a cluster (docs/cluster.md): mpirun -n N moma run SUITE, or --shard I/N in every task and moma merge.\n"
       "Example: moma run configs/suites/demo.yaml -o results/demo.db --set simulation.mode=kinematic");
-  command->callback([&action, options] { action = [options] { return run(*options); }; });
+  command->callback([&action, options] { action = [options] { return run_suite(*options); }; });
 }
 
 }  // namespace moma::cli

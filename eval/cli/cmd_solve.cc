@@ -10,7 +10,7 @@
 
 namespace moma::cli {
 
-void add_solve(CLI::App& app, Action& action) {
+void add_solve(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   struct Options {
     std::string file;
     bool explain = false;

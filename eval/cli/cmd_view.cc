@@ -6,22 +6,20 @@
 
 #include "eval/cli/command.h"
 #include "eval/cli/interrupt.h"
-#include "eval/cli/sight.h"
-#include "eval/cli/stored_suites.h"
+#include "eval/cli/time_known.h"
+#include "eval/run/replay.h"
 #include "eval/store/samples.h"
-#include "eval/trial/trial.h"
 #include "reports/render/view.h"
 
 namespace moma::cli {
 namespace {
 
 /// The trial's motion, from the store alone.
-std::optional<reports::OwnedSamples> simulate(StoredSuites& suites, const std::filesystem::path& db,
+std::optional<reports::OwnedSamples> simulate(run::StoredSuites& suites, const std::filesystem::path& db,
                                               const std::string& name) {
-  const store::StoredTrial trial = store::Reader(db).trial(name);
-  const TrialOutput output = run_trial(suites.point_of(trial), world_of(trial));
-  if (output.trace.empty()) return {};
-  store::EncodedSamples encoded = store::encode_samples(output.trace);
+  const run::Replay replay = run::replay(db, name, suites);
+  if (replay.output.trace.empty()) return {};
+  store::EncodedSamples encoded = store::encode_samples(replay.output.trace);
   return reports::OwnedSamples{encoded.layout, encoded.n,
                                nlohmann::json::parse(encoded.columns).get<std::vector<std::string>>(),
                                std::move(encoded.data)};
@@ -29,7 +27,7 @@ std::optional<reports::OwnedSamples> simulate(StoredSuites& suites, const std::f
 
 }  // namespace
 
-void add_view(CLI::App& app, Action& action) {
+void add_view(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   struct Options {
     reports::Stores stores;
     int port = 8080;
@@ -43,13 +41,13 @@ void add_view(CLI::App& app, Action& action) {
   command->footer("Example: moma view results/demo.db --port 0");
   command->callback([&action, options] {
     action = [options] {
-      StoredSuites suites;
+      run::StoredSuites suites;
       reports::ViewOptions view;
       view.port = options->port;
       view.simulate = [&suites](const std::filesystem::path& db, const std::string& trial) {
         return simulate(suites, db, trial);
       };
-      view.sight = known_before_contact;
+      view.sight = time_known;
       const InterruptGuard guard;
       reports::serve(options->stores, view, InterruptGuard::flag(), [](const std::string& address) {
         std::cout << address << std::endl;

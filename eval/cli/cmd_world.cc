@@ -11,6 +11,7 @@
 #include "eval/cli/text.h"
 #include "world/scenario/family.h"
 #include "world/scenario/worlds.h"
+#include "world/world_json.h"
 
 namespace moma::cli {
 namespace {
@@ -59,7 +60,7 @@ void print(const World& world) {
 
 }  // namespace
 
-void add_world(CLI::App& app, Action& action) {
+void add_world(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   struct Options {
     SuiteOptions suite;
     std::int64_t index = 0;

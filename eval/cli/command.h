@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -23,22 +24,11 @@ using Action = std::function<int()>;
 /// The command line as given, for provenance and for "how to go on".
 using Arguments = std::vector<std::string>;
 
-// One function per command, each in its own file: adds the command with its options to `app`; when the command is
-// parsed, `action` is set.
-void add_run(CLI::App& app, Action& action, const Arguments& arguments);
-void add_tune(CLI::App& app, Action& action, const Arguments& arguments);
-void add_query(CLI::App& app, Action& action);
-void add_report(CLI::App& app, Action& action);
-void add_view(CLI::App& app, Action& action);
-void add_replay(CLI::App& app, Action& action);
-void add_verify(CLI::App& app, Action& action);
-void add_compare(CLI::App& app, Action& action);
-void add_merge(CLI::App& app, Action& action);
-void add_export(CLI::App& app, Action& action);
-void add_world(CLI::App& app, Action& action);
-void add_robot(CLI::App& app, Action& action);
-void add_solve(CLI::App& app, Action& action);
-void add_check(CLI::App& app, Action& action);
+/// Adds a command with its options to `app`; when the command is parsed, `action` is set. The command NAME has the
+/// function add_NAME() of this form in cmd_NAME.cc, and its place in the list of eval/cli/CMakeLists.txt.
+using AddCommand = void (*)(CLI::App& app, Action& action, const Arguments& arguments);
+/// All commands, in the order of the help.
+std::span<const AddCommand> commands();
 
 /// Parses and executes: the whole program but for main(). Errors go to stderr, one line or a few, no traces.
 int run_program(const Arguments& arguments);

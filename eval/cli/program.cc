@@ -8,6 +8,7 @@
 #include "controller/config/node.h"
 #include "eval/cli/command.h"
 #include "eval/cli/table.h"
+#include "eval/run/listener.h"
 #include "eval/store/build_info.h"
 #include "eval/store/error.h"
 #include "eval/store/query.h"
@@ -27,20 +28,7 @@ std::string version_text() {
 }
 
 void add_commands(CLI::App& app, Action& action, const Arguments& arguments) {
-  add_run(app, action, arguments);
-  add_tune(app, action, arguments);
-  add_query(app, action);
-  add_report(app, action);
-  add_view(app, action);
-  add_replay(app, action);
-  add_verify(app, action);
-  add_compare(app, action);
-  add_merge(app, action);
-  add_export(app, action);
-  add_world(app, action);
-  add_robot(app, action);
-  add_solve(app, action);
-  add_check(app, action);
+  for (const AddCommand add : commands()) add(app, action, arguments);
   for (CLI::App* command : app.get_subcommands(nullptr)) command->allow_extras();  // reported by us, with a suggestion
 }
 
@@ -141,6 +129,8 @@ int run_program(const Arguments& arguments) {
   } catch (const StoreError& error) {
     return complain(error.what(), exit_code(error.kind()));
   } catch (const UsageError& error) {
+    return complain(error.what(), kBadInput);
+  } catch (const run::RunError& error) {
     return complain(error.what(), kBadInput);
   } catch (const config::ConfigError& error) {
     return complain(error.what(), kBadInput);

@@ -1,15 +1,12 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "controller/model/shape.h"
 #include "controller/types.h"
 
 namespace moma::cli {
 
-/// Arguments as a shell would take them again.
-std::string command_line(const std::vector<std::string>& arguments);
 /// "sphere, radius 0.1", "box 0.1 x 0.2 x 0.3", ..., in metres.
 std::string shape_text(const Shape& shape);
 /// "(0.1, 0.2, 0.3)", four digits behind the point.

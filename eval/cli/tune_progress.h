@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "eval/tune/evaluator.h"
+#include "eval/search/evaluator.h"
 
 namespace moma::cli {
 

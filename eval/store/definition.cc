@@ -12,6 +12,7 @@
 
 #include "controller/describe/complete.h"
 #include "eval/store/difficulty.h"
+#include "eval/search/words.h"
 #include "eval/store/words.h"
 #include "world/plant/plant.h"
 

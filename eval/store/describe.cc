@@ -2,10 +2,11 @@
 #include <memory>
 
 #include "eval/store/records.h"
-#include "eval/suite/sections.h"
+#include "eval/trial/spec_file.h"
 #include "eval/trial/trial.h"
 #include "world/scenario/worlds.h"
 #include "world/sensing/disturbances_file.h"
+#include "world/world_json.h"
 
 namespace moma::store {
 namespace {

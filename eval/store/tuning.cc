@@ -12,6 +12,7 @@
 #include "eval/store/hash.h"
 #include "eval/store/machine.h"
 #include "eval/store/row_binding.h"
+#include "eval/search/words.h"
 #include "eval/store/words.h"
 
 namespace moma::store {

@@ -78,15 +78,15 @@ SuiteController read_suite_controller(const Node& node, const std::string& key,
   return out;
 }
 
-void set_controller(Point& point, const SuiteController& controller) {
-  point.controller_params = controller.params;
-  point.plugin = controller.plugin;
-  point.controller_resolved = controller.resolved;
+void set_controller(TrialSpec& spec, const SuiteController& controller) {
+  spec.controller_params = controller.params;
+  spec.plugin = controller.plugin;
+  spec.controller_resolved = controller.resolved;
 }
 
-ordered_json stored_controller(const Point& point) {
-  ordered_json json = point.controller_resolved;
-  if (point.plugin != nullptr) json["path"] = point.plugin->library().file.string();
+ordered_json stored_controller(const TrialSpec& spec) {
+  ordered_json json = spec.controller_resolved;
+  if (spec.plugin != nullptr) json["path"] = spec.plugin->library().file.string();
   return json;
 }
 

@@ -8,7 +8,7 @@
 #include "controller/config/node.h"
 #include "controller/config/robot_file.h"
 #include "controller/params.h"
-#include "eval/suite/suite.h"
+#include "eval/trial/spec.h"
 #include "plugin/host/plugin.h"
 
 namespace moma {
@@ -17,7 +17,7 @@ namespace moma {
 struct SuiteController {
   ControllerParams params;
   std::shared_ptr<const Plugin> plugin;
-  nlohmann::ordered_json resolved;  ///< see Point::controller_resolved
+  nlohmann::ordered_json resolved;  ///< see TrialSpec::controller_resolved
 };
 
 /// Reads an entry: a map, or the path of a controller file. Besides what config::read_controller() takes:
@@ -28,9 +28,9 @@ SuiteController read_suite_controller(const config::Node& node, const std::strin
                                       std::shared_ptr<const config::LoadedRobot> robot, double control_period,
                                       std::vector<std::string>& warnings);
 
-void set_controller(Point& point, const SuiteController& controller);
+void set_controller(TrialSpec& spec, const SuiteController& controller);
 
-/// What read_suite_controller() needs to read the point's controller again: controller_resolved, and a plugin's path.
-nlohmann::ordered_json stored_controller(const Point& point);
+/// What read_suite_controller() needs to read the spec's controller again: controller_resolved, and a plugin's path.
+nlohmann::ordered_json stored_controller(const TrialSpec& spec);
 
 }  // namespace moma

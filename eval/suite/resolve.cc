@@ -8,6 +8,8 @@
 #include "controller/config/reader.h"
 #include "eval/suite/sections.h"
 #include "eval/suite/trials.h"
+#include "eval/trial/digest.h"
+#include "eval/trial/spec_file.h"
 #include "world/sensing/disturbances_file.h"
 
 namespace moma {

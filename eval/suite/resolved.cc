@@ -5,6 +5,7 @@
 #include "eval/suite/resolve.h"
 #include "eval/suite/sections.h"
 #include "eval/suite/trials.h"
+#include "eval/trial/digest.h"
 
 namespace moma {
 namespace {

@@ -3,14 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 
 #include "controller/config/json_node.h"
 #include "controller/config/reader.h"
+#include "eval/suite/keys.h"
 #include "eval/suite/resolve.h"
 #include "eval/suite/sections.h"
 #include "eval/suite/sweep.h"
 #include "eval/suite/trials.h"
+#include "eval/trial/digest.h"
+#include "eval/trial/key.h"
 
 namespace moma {
 namespace {
@@ -136,9 +140,16 @@ void describe(Point& point, const Assignment& assignment) {
   }
 }
 
+constexpr const char* kOtherKeys[] = {"name", "robot", "controllers", "trials", "samples", "metrics", "sweep", "tune"};
+
+bool is_section(const std::string& key) {
+  return std::find(std::begin(kOtherKeys), std::end(kOtherKeys), key) != std::end(kOtherKeys) ||
+         std::find(std::begin(kSectionKeys), std::end(kSectionKeys), key) != std::end(kSectionKeys);
+}
+
 MapReader known_keys(const Node& root) {
   MapReader in(root, "");
-  for (const char* key : {"name", "robot", "controllers", "trials", "samples", "metrics", "sweep", "tune"}) in.get(key);
+  for (const char* key : kOtherKeys) in.get(key);
   for (const char* key : kSectionKeys) in.get(key);
   return in;
 }
@@ -175,6 +186,11 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
   for (const auto& [key, text] : overrides) {
     Node value = config::parse_yaml(text, "--set " + key + "=" + text);
     value.mark = {"--set " + key + "=" + text, 0, 0};
+    const std::string first = key.substr(0, key.find('.'));
+    if (first != "controller" && !is_section(first)) {
+      if (const std::string meant = meant_key(key); !meant.empty())
+        config::fail(value.mark, key, "unknown key (did you mean " + meant + "?)");
+    }
     draft.set(key, value);
   }
 
@@ -218,6 +234,10 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
   check_suite(suite, in.require("trials", "").mark);
   suite.resolved = resolved_json(suite, sweep != nullptr);
   return suite;
+}
+
+std::string trial_key(const Point& point, std::uint64_t world_index) {
+  return TrialKeys(point).key(point.worlds.identity(world_index));
 }
 
 }  // namespace moma

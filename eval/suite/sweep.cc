@@ -2,9 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string_view>
 
-#include "controller/config/reader.h"
+#include "controller/config/read_described.h"
+#include "controller/describe/enumeration.h"
 
 namespace moma {
 namespace {
@@ -112,24 +117,46 @@ std::vector<Assignment> listed_points(const Node& list, const std::string& key) 
 }
 
 enum class Design { kGrid, kLatinHypercube, kSobol, kList };
+constexpr auto words(Of<Design>) {
+  return std::to_array<std::string_view>({"grid", "latin_hypercube", "sobol", "list"});
+}
+
+/// What is not a key to be swept.
+struct Spread {
+  Design design = Design::kGrid;
+  std::optional<int> n;
+  std::uint64_t seed = 1;
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Spread>) {
+  v.member("design", &Spread::design, {.text = "how points lie; list where `points` are given"});
+  v.member("n", &Spread::n,
+           {.range = {1, kMaxSweepPoints},
+            .text = "number of points, of latin_hypercube and sobol; a grid has one on each axis"});
+  v.member("seed", &Spread::seed, {.text = "of latin_hypercube"});
+}
 
 }  // namespace
+
+std::vector<Key> sweep_keys(const std::string& prefix) {
+  std::vector<Key> keys = keys_of(Spread{}, prefix);
+  keys.push_back({prefix + ".axes", "", "a map {KEY: AXIS}: a list of values, or {linear or log: [low, high], n: 5}",
+                  "", "keys of the suite and the values that they take"});
+  keys.push_back({prefix + ".points", "", "a list of maps {KEY: VALUE}", "", "points one by one, instead of axes"});
+  return keys;
+}
 
 std::vector<Assignment> read_sweep(const Node& node, const std::string& key) {
   MapReader in(node, key);
   const Node* list = in.get("points");
   const Node* axes_node = in.get("axes");
-  Design design = list != nullptr ? Design::kList : Design::kGrid;
-  in.read_enum("design", design,
-               {{"grid", Design::kGrid},
-                {"latin_hypercube", Design::kLatinHypercube},
-                {"sobol", Design::kSobol},
-                {"list", Design::kList}});
-  int n = 0;
-  in.read("n", n, 1, static_cast<int>(kMaxSweepPoints));
-  unsigned long long seed = 1;
-  in.read("seed", seed);
+  Spread spread;
+  if (list != nullptr) spread.design = Design::kList;
+  config::read_members(in, spread);
   in.finish();
+  const Design design = spread.design;
+  const int n = spread.n.value_or(0);
   const bool sampled = design == Design::kLatinHypercube || design == Design::kSobol;
   in.check(sampled || n == 0, "n", "belongs to latin_hypercube and sobol; a grid has an n on each axis");
   in.check(!sampled || n > 0, "n", "missing; expected the number of points");
@@ -149,7 +176,7 @@ std::vector<Assignment> read_sweep(const Node& node, const std::string& key) {
 
   const auto count = static_cast<std::size_t>(n);
   const std::vector<std::vector<double>> unit =
-      design == Design::kSobol ? sobol(count, axes.size()) : latin_hypercube(seed, count, axes.size());
+      design == Design::kSobol ? sobol(count, axes.size()) : latin_hypercube(spread.seed, count, axes.size());
   std::vector<Assignment> points;
   for (const std::vector<double>& u : unit) {
     Assignment& point = points.emplace_back();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "controller/config/node.h"
+#include "controller/describe/keys.h"
 
 namespace moma {
 
@@ -22,6 +23,9 @@ using Assignment = std::vector<std::pair<std::string, config::Node>>;
 /// list takes each of its values for an equal share of the points (within one for latin_hypercube).
 /// Throws config::ConfigError.
 std::vector<Assignment> read_sweep(const config::Node& node, const std::string& key);
+
+/// Every key of the section.
+std::vector<Key> sweep_keys(const std::string& prefix = "sweep");
 
 /// Largest number of points of one sweep.
 inline constexpr std::size_t kMaxSweepPoints = 100000;

@@ -2,7 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "controller/config/reader.h"
+#include "controller/config/read_described.h"
+#include "controller/config/write_described.h"
 #include "eval/trial/outcome.h"
 
 namespace moma {
@@ -11,24 +12,14 @@ namespace {
 using config::MapReader;
 using config::Node;
 
-constexpr long long kMaxTrials = 100'000'000;
 
 UntilRule read_until(const Node& node, const std::string& key) {
   UntilRule rule;
   MapReader in(node, key);
-  in.read("metric", rule.metric);
+  config::read_members(in, rule);
   if (!from_string<Outcome>(rule.metric))
     in.fail_at("metric", fmt::format("found '{}', expected an outcome, whose rate is meant: {}", rule.metric,
                                      list_of_words<Outcome>()));
-  in.require("half_width", "half the width of the 95 % interval to reach, for instance 0.02");
-  in.read("half_width", rule.half_width, {1e-4, 0.5, false, true});
-  const auto count = [&](const char* name, std::uint64_t& value) {
-    if (const Node* number = in.get(name))
-      value = static_cast<std::uint64_t>(config::read_integer(*number, in.key_of(name), 1, kMaxTrials));
-  };
-  in.require("max", "the most worlds, for instance 5000");
-  count("max", rule.max);
-  count("block", rule.block);
   in.finish();
   return rule;
 }
@@ -44,14 +35,12 @@ void read_trials(const Node& node, const std::string& key, Suite& suite) {
     suite.trials = suite.until->max;
     return;
   }
-  suite.trials = static_cast<std::uint64_t>(config::read_integer(node, key, 1, kMaxTrials));
+  suite.trials = static_cast<std::uint64_t>(config::read_integer(node, key, 1, static_cast<long long>(kMaxTrials)));
 }
 
 nlohmann::ordered_json trials_json(const Suite& suite) {
   if (!suite.until) return suite.trials;
-  const UntilRule& rule = *suite.until;
-  return {
-      {"until", {{"metric", rule.metric}, {"half_width", rule.half_width}, {"max", rule.max}, {"block", rule.block}}}};
+  return {{"until", config::write_described(*suite.until)}};
 }
 
 }  // namespace moma

@@ -28,23 +28,23 @@ struct Ending {
 
 class TickClock {
  public:
-  TickClock(const Point& point, const World& world, Plant& plant, StepController& controller, Recording& recording)
-      : point_(point),
+  TickClock(const TrialSpec& spec, const World& world, Plant& plant, StepController& controller, Recording& recording)
+      : spec_(spec),
         world_(world),
-        model_(*point.robot->model),
+        model_(*spec.robot->model),
         plant_(plant),
         controller_(controller),
         r_(recording),
-        period_(point.simulation.control_period),
-        kinematics_(point.robot->model),
-        proximity_(point.robot->model),
-        dwell_(point.success, period_),
-        stuck_(point.stuck, period_),
-        infeasible_(point.infeasible, period_) {}
+        period_(spec.simulation.control_period),
+        kinematics_(spec.robot->model),
+        proximity_(spec.robot->model),
+        dwell_(spec.success, period_),
+        stuck_(spec.stuck, period_),
+        infeasible_(spec.infeasible, period_) {}
 
   TrialRow run() {
     prepare();
-    const long last_step = std::max(1L, periods_in(point_.simulation.time_limit, period_));
+    const long last_step = std::max(1L, periods_in(spec_.simulation.time_limit, period_));
     plant_.check_start(report_);
     Ending ending;
     for (long k = 0;; ++k) {
@@ -70,16 +70,16 @@ class TickClock {
     goal_moves_ = !at_rest(world_.goal.motion, 0.0);
     has_self_pairs_ =
         std::any_of(model_.self_pairs.begin(), model_.self_pairs.end(), [](const SelfPair& pair) { return pair.row; });
-    const Disturbances& disturbances = point_.disturbances;
+    const Disturbances& disturbances = spec_.disturbances;
     if (senses_with_errors(disturbances)) sensing_.emplace(disturbances, model_, world_, period_);
     if (acts_with_errors(disturbances)) actuation_.emplace(disturbances, model_, world_, period_);
     r_.control_period = period_;
     r_.moving_goal = goal_moves_;
-    r_.has_qp = has_qp(point_);
-    r_.has_slack = r_.has_qp && point_.controller_params.slack.enabled;
-    r_.dynamic = point_.simulation.mode == SimulationMode::kDynamic;
+    r_.has_qp = has_qp(spec_);
+    r_.has_slack = r_.has_qp && spec_.controller_params.slack.enabled;
+    r_.dynamic = spec_.simulation.mode == SimulationMode::kDynamic;
     r_.has_wheels = r_.dynamic && model_.base_dof() > 0;
-    const auto expected = static_cast<std::size_t>(std::min(periods_in(point_.simulation.time_limit, period_), 4096L));
+    const auto expected = static_cast<std::size_t>(std::min(periods_in(spec_.simulation.time_limit, period_), 4096L));
     r_.trace.reserve(expected);
     r_.states.reserve(expected + 1);
     r_.step_seconds.reserve(expected);
@@ -95,7 +95,7 @@ class TickClock {
 
   // At steps drawn from the world's own stream, and in every state that ends a trial by a contact.
   void compare_detectors(long k) {
-    const double rate = point_.simulation.cross_check;
+    const double rate = spec_.simulation.cross_check;
     if (!(rate > 0.0)) return;
     Draws draws(world_.seed, world_.index, Stream::kCrossCheck, static_cast<std::uint64_t>(k));
     if (draws.uniform() >= rate && report_.contacts.empty()) return;
@@ -158,9 +158,9 @@ class TickClock {
     if (report_.tipped) return end(Outcome::kTipped, report_.reason);
     if (std::string over = joint_over_limit(); !over.empty()) return end(Outcome::kJointLimit, std::move(over));
     if (infeasible_.reached())
-      return end(Outcome::kInfeasible, fmt::format("no solved QP for {} s; {}", point_.infeasible.time, situation()));
+      return end(Outcome::kInfeasible, fmt::format("no solved QP for {} s; {}", spec_.infeasible.time, situation()));
     if (stuck_.due(k) && stuck_.update(plant_.state().base, plant_.state().q, all_at_rest(k)) && !dwell_.inside())
-      return end(Outcome::kStuck, fmt::format("nothing moved for {} s; {}", point_.stuck.time, situation()));
+      return end(Outcome::kStuck, fmt::format("nothing moved for {} s; {}", spec_.stuck.time, situation()));
     if (k >= last_step) return end(Outcome::kTimeout, situation());
     return false;
   }
@@ -274,7 +274,7 @@ class TickClock {
                              contact.depth, contact.by_ode ? "" : " (by the distance library)");
   }
 
-  const Point& point_;
+  const TrialSpec& spec_;
   const World& world_;
   const RobotModel& model_;
   Plant& plant_;
@@ -301,9 +301,9 @@ class TickClock {
 
 }  // namespace
 
-TrialRow run_clock(const Point& point, const World& world, Plant& plant, StepController& controller,
+TrialRow run_clock(const TrialSpec& spec, const World& world, Plant& plant, StepController& controller,
                    Recording& recording) {
-  return TickClock(point, world, plant, controller, recording).run();
+  return TickClock(spec, world, plant, controller, recording).run();
 }
 
 }  // namespace moma

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "eval/suite/suite.h"
 #include "eval/trial/metrics.h"
+#include "eval/trial/spec.h"
 #include "eval/trial/trial.h"
 
 namespace moma {
@@ -10,12 +10,12 @@ namespace moma {
 /// softness of a simulated stop, less than anything a robot would survive.
 inline constexpr double kJointLimitTolerance = 1e-3;
 
-/// The tick clock: runs `controller` on `plant` in `world` under the rules of `point` until one outcome is reached.
+/// The tick clock: runs `controller` on `plant` in `world` under the rules of `spec` until one outcome is reached.
 /// At each sample t = k control_period, in this order: errors and distances at the state; collision; dwell; diverged,
 /// tipped, joint_limit, infeasible, stuck, timeout; then the command for the next period.
-/// Everything that is measured or decides is the truth; only the controller sees what point.disturbances make of it.
+/// Everything that is measured or decides is the truth; only the controller sees what spec.disturbances make of it.
 /// Exceptions of plant or controller pass through; what was recorded until then is in `recording`.
-TrialRow run_clock(const Point& point, const World& world, Plant& plant, StepController& controller,
+TrialRow run_clock(const TrialSpec& spec, const World& world, Plant& plant, StepController& controller,
                    Recording& recording);
 
 }  // namespace moma

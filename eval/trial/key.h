@@ -1,21 +1,22 @@
 #pragma once
 
-#include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
 
-#include "eval/suite/suite.h"
+#include "eval/trial/spec.h"
 
 namespace moma {
 
-/// trial_key() for many worlds of one point: everything but the world is digested once.
+/// Keys of the trials of one spec: 32 hex digits, XXH3-128 of everything resolved that decides the row (see
+/// kSimulationVersion). Everything but the world is digested once.
 class TrialKeys {
  public:
-  explicit TrialKeys(const Point& point);
-  /// `world_identity`: point.worlds.identity(index).
+  explicit TrialKeys(const TrialSpec& spec);
+  /// `world_identity`: Worlds::identity(index).
   std::string key(const nlohmann::ordered_json& world_identity) const;
 
  private:
-  std::string point_digest_;
+  std::string spec_digest_;
 };
 
 }  // namespace moma

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "controller/types.h"
-#include "eval/suite/suite.h"
+#include "eval/trial/spec.h"
 
 namespace moma {
 

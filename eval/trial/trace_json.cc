@@ -7,8 +7,9 @@
 #include <utility>
 
 #include "controller/config/write_described.h"
-#include "eval/suite/sections.h"
+#include "eval/trial/spec_file.h"
 #include "world/sensing/disturbances_file.h"
+#include "world/world_json.h"
 
 namespace moma {
 namespace {
@@ -64,18 +65,19 @@ ordered_json sample_json(const Sample& sample) {
 
 }  // namespace
 
-ordered_json trace_json(const Point& point, const World& world, const TrialOutput& output, const std::string& trial) {
+ordered_json trace_json(const TrialSpec& spec, const World& world, const TrialOutput& output,
+                        const std::string& trial) {
   ordered_json json = ordered_json::object();
   json["trial"] = trial;
   json["outcome"] = to_string(output.row.outcome);
-  json["robot"] = point.robot->resolved;
-  json["success"] = to_json(point.success);
-  json["stuck"] = to_json(point.stuck);
-  json["infeasible"] = to_json(point.infeasible);
-  json["controller"] = point.controller_resolved;
+  json["robot"] = spec.robot->resolved;
+  json["success"] = to_json(spec.success);
+  json["stuck"] = to_json(spec.stuck);
+  json["infeasible"] = to_json(spec.infeasible);
+  json["controller"] = spec.controller_resolved;
   json["world"] = to_json(world);
-  json["simulation"] = to_json(point.simulation);
-  if (any(point.disturbances)) json["disturbances"] = to_json(point.disturbances);
+  json["simulation"] = to_json(spec.simulation);
+  if (any(spec.disturbances)) json["disturbances"] = to_json(spec.disturbances);
   ordered_json& samples = json["samples"] = ordered_json::array();
   for (const Sample& sample : output.trace) samples.push_back(sample_json(sample));
   return json;

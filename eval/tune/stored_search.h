@@ -2,10 +2,10 @@
 
 #include <string>
 
+#include "eval/search/search.h"
 #include "eval/store/tuning.h"
 #include "eval/store/writer.h"
 #include "eval/tune/held_out.h"
-#include "eval/tune/search.h"
 #include "eval/tune/trial_objective.h"
 #include "eval/tune/tuning.h"
 

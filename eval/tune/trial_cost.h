@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "eval/search/objective.h"
 #include "eval/suite/suite.h"
 #include "eval/trial/row.h"
 #include "eval/tune/metric.h"
-#include "eval/tune/objective.h"
 
 namespace moma::tune {
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "eval/batch/batch.h"
+#include "eval/search/objective.h"
 #include "eval/trial/key.h"
-#include "eval/tune/objective.h"
 #include "eval/tune/tuning.h"
 
 namespace moma::tune {

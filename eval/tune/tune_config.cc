@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "controller/config/json_node.h"
-#include "controller/config/reader.h"
+#include "controller/config/read_described.h"
 
 namespace moma::tune {
 namespace {
@@ -18,6 +18,7 @@ using config::Node;
 using config::Range;
 
 constexpr long long kMost = 100'000'000;
+constexpr long long kMostBudget = 1'000'000'000;
 
 // Turns a complaint of a part that knows no files into one that names the place.
 template <typename Work>
@@ -197,57 +198,6 @@ WorldRange read_worlds(const Node* node, const std::string& key, std::uint64_t f
   return range;
 }
 
-void read_parts(MapReader& in, TuneConfig& tune) {
-  if (const Node* node = in.get("racing")) {
-    if (is_word(node, "none")) {
-      tune.racing.enabled = false;
-    } else {
-      MapReader racing(*node, in.key_of("racing"));
-      int first = static_cast<int>(tune.racing.first);
-      int block = static_cast<int>(tune.racing.block);
-      racing.read("first", first, 2, 1'000'000);
-      racing.read("block", block, 1, 1'000'000);
-      racing.read("significance", tune.racing.significance, {0.0, 0.5, true, false});
-      racing.finish();
-      tune.racing.first = static_cast<std::size_t>(first);
-      tune.racing.block = static_cast<std::size_t>(block);
-    }
-  }
-  if (const Node* node = in.get("sensitivity")) {
-    if (is_word(node, "none")) {
-      tune.sensitivity.enabled = false;
-    } else {
-      MapReader part(*node, in.key_of("sensitivity"));
-      part.read("near", tune.sensitivity.near, {0.0, 1.0, true, false});
-      part.read("far", tune.sensitivity.far, {0.0, 1.0, true, false});
-      int pairs = static_cast<int>(tune.sensitivity.pairs_of);
-      part.read("pairs_of", pairs, 0, 1000);
-      part.finish();
-      part.check(tune.sensitivity.near < tune.sensitivity.far, "far", "must be larger than near");
-      tune.sensitivity.pairs_of = static_cast<std::size_t>(pairs);
-    }
-  }
-  Confirmation& confirm = tune.confirmation;
-  confirm.worlds = tune.worlds.count;
-  if (const Node* node = in.get("confirm")) {
-    if (is_word(node, "none")) {
-      confirm.candidates = confirm.worlds = confirm.neighbours = 0;
-    } else {
-      MapReader part(*node, in.key_of("confirm"));
-      int candidates = static_cast<int>(confirm.candidates), worlds = static_cast<int>(confirm.worlds),
-          neighbours = static_cast<int>(confirm.neighbours);
-      part.read("candidates", candidates, 1, 1000);
-      part.read("worlds", worlds, 0, 1'000'000);
-      part.read("neighbours", neighbours, 0, 1000);
-      part.read("radius", confirm.radius, {0.0, 0.5, true, false});
-      part.finish();
-      confirm.candidates = static_cast<std::size_t>(candidates);
-      confirm.worlds = static_cast<std::size_t>(worlds);
-      confirm.neighbours = static_cast<std::size_t>(neighbours);
-    }
-  }
-}
-
 std::vector<Overrides> read_mixture(const Node* node) {
   std::vector<Overrides> mixture;
   if (node == nullptr) return {{}};
@@ -294,7 +244,7 @@ TuneConfig read_tune(const Node& node, const std::vector<std::string>& controlle
   {
     MapReader budget(in.require("budget", "{trials: 20000}"), "tune.budget");
     const Node& trials = budget.require("trials", "the number of trials that the search may use");
-    tune.budget = static_cast<std::uint64_t>(config::read_integer(trials, "tune.budget.trials", 1, 1'000'000'000));
+    tune.budget = static_cast<std::uint64_t>(config::read_integer(trials, "tune.budget.trials", 1, kMostBudget));
     budget.finish();
   }
   tune.controller = controllers.empty() ? "" : controllers.front();
@@ -303,19 +253,14 @@ TuneConfig read_tune(const Node& node, const std::vector<std::string>& controlle
     in.fail_at("controller", fmt::format("the suite has no controller '{}'; it has {}", tune.controller,
                                          fmt::join(controllers, ", ")));
   }
-  unsigned long long seed = tune.seed;
-  in.read("seed", seed);
-  tune.seed = seed;
-  in.read("starts", tune.starts, 1, 1000);
-  in.read("penalty", tune.penalty, Range::positive());
-  in.read("initial_step", tune.initial_step, {0.0, 1.0, true, false});
-  in.read("tolerance", tune.tolerance, {0.0, 1.0, true, false});
   std::string output;
   in.read("output", output);
   if (!output.empty()) tune.output = std::filesystem::path(in.get("output")->mark.file).parent_path() / output;
   tune.mixture = read_mixture(in.get("mixture"));
   tune.worlds = read_worlds(in.get("worlds"), "tune.worlds", 0, 100);
-  read_parts(in, tune);
+  tune.confirmation.worlds = tune.worlds.count;
+  config::read_members(in, tune);
+  in.check(tune.sensitivity.near < tune.sensitivity.far, "sensitivity", "far must be larger than near");
   tune.confirm = {tune.worlds.end(), tune.confirmation.candidates > 0 ? tune.confirmation.worlds : 0};
   const Node* held_out = in.get("held_out");
   tune.held_out = read_worlds(held_out, "tune.held_out", tune.confirm.end(), 500, &tune.held_out_seed);
@@ -337,6 +282,28 @@ TuneConfig read_tune(const Node& node, const std::vector<std::string>& controlle
     }
   }
   return tune;
+}
+
+std::vector<Key> tune_keys(const std::string& prefix) {
+  const auto key = [&](const char* name, const char* accepted, const char* otherwise, const char* text) {
+    return Key{prefix + "." + name, "", accepted, otherwise, text};
+  };
+  std::vector<Key> keys{
+      key("variables", "a map {KEY: {range: [low, high], scale: linear, log or integer, start: x}}", "",
+          "what is searched"),
+      key("controller", "text", "the first", "the suite's controller that is tuned"),
+      key("objective", "default, {minimize: METRIC} or {maximize: METRIC}, or weighted sums", "default",
+          "what is best"),
+      key("constraints", "a map {METRIC: {at_most or at_least: x}}", "", "what has to hold"),
+      key("algorithm", "default, a name, or a list of names or maps {name, share, population}", "default", "of NLopt"),
+      key("budget.trials", accepted_whole_number(1, kMostBudget).c_str(), "", "that the search may use"),
+      key("worlds", "a number, or {first, count}", "100", "of the search"),
+      key("held_out", "a number, or {first, count, seed}", "500", "for the verdict, apart from the others"),
+      key("mixture", "a list of maps {KEY: VALUE}", "", "parts of the suite that count alike"),
+      key("output", "a file", "", "where the tuned controller is written"),
+  };
+  for (Key& more : keys_of(TuneConfig{}, prefix)) keys.push_back(std::move(more));
+  return keys;
 }
 
 void check_held_out(const TuneConfig& tune) {

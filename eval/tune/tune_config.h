@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "controller/config/node.h"
+#include "controller/describe/describe.h"
+#include "controller/describe/keys.h"
+#include "eval/search/search.h"
 #include "eval/suite/suite.h"
-#include "eval/tune/search.h"
 #include "eval/tune/trial_cost.h"
 
 namespace moma::tune {
@@ -48,6 +50,27 @@ struct TuneConfig {
   config::Mark held_out_mark;
   nlohmann::ordered_json written;  ///< the section as it stands in the file
 };
+
+/// What is a plain number, a word or a map of such; the other keys have readers of their own.
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<TuneConfig>) {
+  using T = TuneConfig;
+  v.member("seed", &T::seed, {.text = "of the search's random draws"});
+  v.member("starts", &T::starts, {.range = {1, 1000}, .text = "independent searches that share the budget"});
+  v.member("penalty", &T::penalty,
+           {.range = Range::positive(),
+            .text = "merit per violation of a constraint; the size of the start's cost by default"});
+  v.member("initial_step", &T::initial_step,
+           {.unit = "1", .range = {0.0, 1.0, true, false}, .text = "of local algorithms, in the unit cube"});
+  v.member("tolerance", &T::tolerance,
+           {.unit = "1", .range = {0.0, 1.0, true, false}, .text = "steps of local algorithms below this end them"});
+  v.member("racing", &T::racing, {.text = "none, or when a candidate is cut short"});
+  v.member("sensitivity", &T::sensitivity, {.text = "none, or how far the found gains are moved one by one"});
+  v.member("confirm", &T::confirmation, {.text = "none, or how the best few are measured again"});
+}
+
+/// Every key of the section.
+std::vector<Key> tune_keys(const std::string& prefix = "tune");
 
 /// Reads `tune`:
 ///   variables: {KEY: {range: [low, high], scale: linear | log | integer, start: x}, ...}

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "eval/search/search.h"
 #include "eval/tune/held_out.h"
-#include "eval/tune/search.h"
 #include "eval/tune/tuning.h"
 
 namespace moma::tune {

@@ -17,6 +17,8 @@
 namespace moma::test {
 namespace {
 
+Point tiny_point() { return {tiny_spec(), "scripted", "", nlohmann::ordered_json::object(), {}}; }
+
 /// Trials that take no time: the scripted robot drives at a speed that depends on the world.
 struct FastBatch {
   std::vector<Point> points{tiny_point(), tiny_point()};
@@ -32,8 +34,10 @@ struct FastBatch {
       world.index = index;
       return std::make_shared<const World>(world);
     };
-    options.parts.plant = [](const Point& p, const World& w) { return std::make_unique<FakePlant>(p.robot->model, w); };
-    options.parts.controller = [](const Point& p) {
+    options.parts.plant = [](const TrialSpec& p, const World& w) {
+      return std::make_unique<FakePlant>(p.robot->model, w);
+    };
+    options.parts.controller = [](const TrialSpec& p) {
       return std::make_unique<ScriptedController>(
           p.robot->model->num_velocities(),
           [](const Observation& o, StepResult& r) { r.command[0] = o.goal.X_WG.translation().x() - 0.9 - o.base.x(); });
@@ -148,7 +152,7 @@ TEST(Batch, ATrialOrWorldThatFailsIsARow) {
     return good(point, index);
   };
   const auto plant = batch.options.parts.plant;
-  batch.options.parts.plant = [plant](const Point& point, const World& world) {
+  batch.options.parts.plant = [plant](const TrialSpec& point, const World& world) {
     if (world.index == 4) throw std::runtime_error("no wheels");
     return plant(point, world);
   };

@@ -24,7 +24,32 @@ simulation: {mode: kinematic, time_limit: 4}
 trials: 6
 )";
 
+  /// Its trials stop at the gate (tests/plugin/plugins/gate_plugin.c), so that a test knows that a run is on.
+  static constexpr const char* kGatedSuite = R"(name: gated
+robot: robots/tiny.yaml
+controllers: {gated: {method: plugin, path: gate.so}}
+worlds: {seed: 1, families: {open: {}}}
+simulation: {mode: kinematic, time_limit: 4}
+trials: 300
+)";
+
   void SetUp() override { write("suite.yaml", kSuite); }
+
+  /// Writes gated.yaml, and closes the gate after `trials` trials of each process.
+  void close_gate(int trials) const {
+    write("gated.yaml", kGatedSuite);
+    fs::copy_file(MOMA_BINARY_DIR "/tests/plugins/gate.so", path("gate.so"), fs::copy_options::skip_existing);
+    write("gate", std::to_string(trials));
+  }
+  void open_gate() const { fs::remove(path("gate")); }
+  /// False where the process ended before.
+  bool wait_at_gate(Process& process, pid_t pid) const {
+    while (!fs::exists(path("gate." + std::to_string(pid)))) {
+      if (!process.running()) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return true;
+  }
 
   fs::path write(const std::string& name, const std::string& text) const { return folder_.write(name, text); }
   fs::path path(const std::string& name) const { return folder_.root() / name; }

@@ -12,6 +12,7 @@
 #include "store_fixture.h"
 #include "suite_fixture.h"
 #include "tests/support/filled.h"
+#include "world/world_json.h"
 
 namespace moma::test {
 namespace {

@@ -92,29 +92,22 @@ TEST_F(ClusterRun, UntilAndShardsToo) {
 }
 
 TEST_F(ClusterRun, AKilledRanksWorkIsHandedOutAgain) {
-  const std::vector<std::string> work = {"--trials", "150", "--set", "simulation.time_limit=12"};
-  std::vector<std::string> alone = {"run", "suite.yaml", "-o", "one.db", "-q"};
-  alone.insert(alone.end(), work.begin(), work.end());
-  good(alone);
-  bool had_work = false;
-  // A rank that dies before it takes part, or after the last trial, is missed by nobody: then once more.
-  for (const int delay : {300, 100, 600, 50}) {
-    const std::string db = "killed" + std::to_string(delay) + ".db";
-    std::vector<std::string> arguments = {"run", "suite.yaml", "-o", db, "--lost-after", "1"};
-    arguments.insert(arguments.end(), work.begin(), work.end());
-    Process process(mpirun("3", arguments, true), folder_.root());
-    while (process.running() && !fs::exists(path(db + "-wal"))) std::this_thread::sleep_for(milliseconds(5));
-    std::this_thread::sleep_for(milliseconds(delay));
-    const pid_t victim = process.running() ? find_rank(folder_.root(), "2") : 0;
-    if (victim != 0) ::kill(victim, SIGKILL);
-    const ProcessResult result = process.wait();
-    EXPECT_EQ(result.code, 0) << result.out << result.err;
-    EXPECT_EQ(hash(db), hash("one.db")) << result.err;
-    EXPECT_NE(good({"query", db, "SELECT status FROM invocation"}).out.find("finished"), std::string::npos);
-    had_work = result.err.find("rank 2: no word for 1 s; its ") != std::string::npos;
-    if (had_work) break;
-  }
-  if (!had_work) GTEST_SKIP() << "the rank never had work when it was killed";
+  close_gate(0);
+  open_gate();
+  good({"run", "gated.yaml", "-o", "one.db", "-q"});
+  close_gate(0);
+  Process process(mpirun("3", {"run", "gated.yaml", "-o", "killed.db", "--lost-after", "1"}, true), folder_.root());
+  pid_t victim = 0;
+  while ((victim = find_rank(folder_.root(), "2")) == 0 && process.running())
+    std::this_thread::sleep_for(milliseconds(5));
+  ASSERT_TRUE(wait_at_gate(process, victim)) << process.wait().err;
+  ::kill(victim, SIGKILL);
+  open_gate();
+  const ProcessResult result = process.wait();
+  EXPECT_EQ(result.code, 0) << result.out << result.err;
+  EXPECT_NE(result.err.find("rank 2: no word for 1 s; its "), std::string::npos) << result.err;
+  EXPECT_EQ(hash("killed.db"), hash("one.db")) << result.err;
+  EXPECT_NE(good({"query", "killed.db", "SELECT status FROM invocation"}).out.find("finished"), std::string::npos);
 }
 
 TEST_F(ClusterRun, BadInputIsSaidOnceAndEndsAllRanks) {

@@ -10,6 +10,7 @@
 #include "tests/eval/suite_fixture.h"
 #include "tests/eval/trial_fixture.h"
 #include "world/sensing/disturbances_file.h"
+#include "world/world_json.h"
 
 namespace moma::test {
 namespace {
@@ -127,7 +128,7 @@ TEST(Disturbances, OneAndFourThreadsGiveTheSameBitsWithEverythingOn) {
 }
 
 TEST(Disturbances, TheControllerSeesWhatIsSensedAndEverythingElseTheTruth) {
-  Point point = tiny_point();
+  TrialSpec point = tiny_spec();
   point.disturbances.base.bias.position = 0.3;
   point.disturbances.joints.noise = 0.01;
   point.disturbances.goal.bias.position = 0.5;
@@ -154,7 +155,7 @@ TEST(Disturbances, TheControllerSeesWhatIsSensedAndEverythingElseTheTruth) {
 }
 
 TEST(Disturbances, HiddenObjectsAreHitAndMeasuredAllTheSame) {
-  Point point = tiny_point();
+  TrialSpec point = tiny_spec();
   World world = tiny_world(3.0);
   world.objects = {sphere("ball", Vector3(1.5, 0, 0.1), 0.2)};
   point.disturbances.detection.range = 0.5;
@@ -167,7 +168,7 @@ TEST(Disturbances, HiddenObjectsAreHitAndMeasuredAllTheSame) {
   };
   // On the exact plant, which has contacts.
   TrialParts parts;
-  parts.controller = [&](const Point& p) {
+  parts.controller = [&](const TrialSpec& p) {
     return std::make_unique<ScriptedController>(p.robot->model->num_velocities(), script);
   };
   const TrialOutput out = run_trial(point, world, parts);
@@ -183,16 +184,16 @@ TEST(Disturbances, HiddenObjectsAreHitAndMeasuredAllTheSame) {
 }
 
 TEST(Disturbances, CommandsActLateAndScaledOnThePlant) {
-  Point point = tiny_point();
+  TrialSpec point = tiny_spec();
   point.simulation.time_limit = 1.0;
   point.stuck.time = kInfinity;
-  point.disturbances.actuators.joint_delay = 0.06;  // 3 steps
-  point.disturbances.actuators.base_delay = 0.1;    // 5
-  point.disturbances.actuators.base_gain.linear = 0.1;
+  point.disturbances.actuators.joints.delay = 0.06;  // 3 steps
+  point.disturbances.actuators.base.delay = 0.1;    // 5
+  point.disturbances.actuators.base.gain_error.linear = 0.1;
   World world = tiny_world(3.0);
   world.seed = 8;
   TrialParts parts;
-  parts.controller = [](const Point& p) {
+  parts.controller = [](const TrialSpec& p) {
     return std::make_unique<ScriptedController>(
         p.robot->model->num_velocities(), [](const Observation& o, StepResult& result) {
           result.command << 0.1 + 0.1 * o.time, 0.0, 0.2 * std::cos(o.time), 0.1 * std::sin(o.time), 0.05;

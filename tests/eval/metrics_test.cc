@@ -130,7 +130,7 @@ TEST(Metrics, ClearanceIsExactHoweverFarAndNearestOfAllSamples) {
   // The base passes a sphere 2 m to the side and one 30 m above: 2 - 0.2 - 0.05 at its nearest, at x = 1.
   World world = tiny_world(4.0);
   world.objects = {sphere("high", {0, 0, 30}, 1.0), sphere("side", {1.0, -2.0, 0.1}, 0.2)};
-  const TrialOutput out = run_scripted(tiny_point(), world, drive(0.5, 4.0));
+  const TrialOutput out = run_scripted(tiny_spec(), world, drive(0.5, 4.0));
   EXPECT_NEAR(out.row.clearance_min_m, 1.75, 1e-6);
   // Self: "@base" to "slide" is nearer than "upper" to "slide": sqrt(0.6^2 + 0.4^2) - 0.1, and 0.6 - 0.1.
   EXPECT_NEAR(out.row.clearance_self_min_m, 0.5, 1e-6);

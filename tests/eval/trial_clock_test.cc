@@ -10,7 +10,7 @@ namespace {
 
 TEST(TrialClock, SuccessIsTheStartOfADwellThatLasts) {
   // 0.4 m at 0.5 m/s: within 2 cm of the goal from 0.76 s on, at rest on it from 0.8 s on.
-  const TrialOutput out = run_scripted(tiny_point(), tiny_world(0.4), drive(0.5, 0.8));
+  const TrialOutput out = run_scripted(tiny_spec(), tiny_world(0.4), drive(0.5, 0.8));
   EXPECT_EQ(to_string(out.row.outcome), "success") << out.row.reason;
   EXPECT_DOUBLE_EQ(out.row.time_to_goal_s, 0.76);
   EXPECT_DOUBLE_EQ(out.row.time_end_s, 0.96);  // 0.76 + dwell of 0.2
@@ -22,7 +22,7 @@ TEST(TrialClock, SuccessIsTheStartOfADwellThatLasts) {
 
 TEST(TrialClock, PassingThroughTheGoalIsNoSuccess) {
   // 4 cm of tolerance in all, crossed in 0.08 s.
-  const TrialOutput out = run_scripted(tiny_point(), tiny_world(0.4), drive(0.5, 3.0));
+  const TrialOutput out = run_scripted(tiny_spec(), tiny_world(0.4), drive(0.5, 3.0));
   EXPECT_EQ(to_string(out.row.outcome), "stuck") << out.row.reason;
   EXPECT_TRUE(std::isnan(out.row.time_to_goal_s));
 }
@@ -30,9 +30,9 @@ TEST(TrialClock, PassingThroughTheGoalIsNoSuccess) {
 TEST(TrialClock, OrientationMustBeWithinToleranceToo) {
   World world = tiny_world(0.0);
   world.goal.X_WG.linear() = Eigen::AngleAxisd(0.06, Vector3::UnitX()).toRotationMatrix();
-  EXPECT_EQ(run_scripted(tiny_point(), world, {}).row.outcome, Outcome::kStuck);
+  EXPECT_EQ(run_scripted(tiny_spec(), world, {}).row.outcome, Outcome::kStuck);
   world.goal.X_WG.linear() = Eigen::AngleAxisd(0.04, Vector3::UnitX()).toRotationMatrix();
-  const TrialOutput out = run_scripted(tiny_point(), world, {});
+  const TrialOutput out = run_scripted(tiny_spec(), world, {});
   EXPECT_EQ(out.row.outcome, Outcome::kSuccess);
   EXPECT_DOUBLE_EQ(out.row.time_to_goal_s, 0.0);
   EXPECT_NEAR(out.row.orientation_error_rad, 0.04, 1e-12);
@@ -46,7 +46,7 @@ TEST(TrialClock, CollisionWinsOverADwellThatEndsAtTheSameSample) {
   };
   World world = tiny_world(0.0);
   world.objects = {sphere("far", {5, 5, 1}, 0.1), sphere("ball", {4, 4, 1}, 0.1)};
-  const TrialOutput out = run_scripted(tiny_point(), world, {}, touch(0.2));
+  const TrialOutput out = run_scripted(tiny_spec(), world, {}, touch(0.2));
   EXPECT_EQ(to_string(out.row.outcome), "collision");
   EXPECT_EQ(out.row.link, "slide");
   EXPECT_EQ(out.row.object, "ball");
@@ -54,14 +54,14 @@ TEST(TrialClock, CollisionWinsOverADwellThatEndsAtTheSameSample) {
   EXPECT_DOUBLE_EQ(out.row.collision_time_s, 0.19);
   EXPECT_DOUBLE_EQ(out.row.collision_depth_m, 0.004);
   EXPECT_TRUE(std::isnan(out.row.time_to_goal_s));
-  EXPECT_EQ(run_scripted(tiny_point(), world, {}, touch(0.22)).row.outcome, Outcome::kSuccess)
+  EXPECT_EQ(run_scripted(tiny_spec(), world, {}, touch(0.22)).row.outcome, Outcome::kSuccess)
       << "a contact after the dwell comes too late";
-  EXPECT_EQ(run_scripted(tiny_point(), world, {}, touch(0.0)).row.steps, 0) << "a start in contact has no step";
+  EXPECT_EQ(run_scripted(tiny_spec(), world, {}, touch(0.0)).row.steps, 0) << "a start in contact has no step";
 }
 
 TEST(TrialClock, NamesFloorAndSelfContacts) {
   const auto with = [](PairKind kind, int second) {
-    return run_scripted(tiny_point(), tiny_world(1.0), {},
+    return run_scripted(tiny_spec(), tiny_world(1.0), {},
                         [=](double, PlantState&, PlantReport& report) {
                           report.contacts.push_back({kind, 1, second, 0.0, 0.0, true});
                         })
@@ -74,16 +74,16 @@ TEST(TrialClock, NamesFloorAndSelfContacts) {
 
 TEST(TrialClock, StuckAfterTwoStillHalvesCountedFromZero) {
   // Moves until 1.5 s: the half from 1 to 2 s is not still, those from 2 to 3 and 3 to 4 s are.
-  const TrialOutput out = run_scripted(tiny_point(), tiny_world(3.0), drive(0.2, 1.5));
+  const TrialOutput out = run_scripted(tiny_spec(), tiny_world(3.0), drive(0.2, 1.5));
   EXPECT_EQ(out.row.outcome, Outcome::kStuck);
   EXPECT_DOUBLE_EQ(out.row.time_end_s, 4.0);
-  EXPECT_EQ(run_scripted(tiny_point(), tiny_world(3.0), {}).row.time_end_s, 2.0);
+  EXPECT_EQ(run_scripted(tiny_spec(), tiny_world(3.0), {}).row.time_end_s, 2.0);
 }
 
 TEST(TrialClock, SlowMotionBelowTheThresholdIsStillAndAboveIsNot) {
   // 0.0005 m in a half of 1 s.
-  EXPECT_EQ(run_scripted(tiny_point(), tiny_world(3.0), drive(0.00045, 99)).row.outcome, Outcome::kStuck);
-  EXPECT_EQ(run_scripted(tiny_point(), tiny_world(3.0), drive(0.00055, 99)).row.outcome, Outcome::kTimeout);
+  EXPECT_EQ(run_scripted(tiny_spec(), tiny_world(3.0), drive(0.00045, 99)).row.outcome, Outcome::kStuck);
+  EXPECT_EQ(run_scripted(tiny_spec(), tiny_world(3.0), drive(0.00055, 99)).row.outcome, Outcome::kTimeout);
 }
 
 TEST(TrialClock, NotStuckWhileGoalOrObjectsMove) {
@@ -91,7 +91,7 @@ TEST(TrialClock, NotStuckWhileGoalOrObjectsMove) {
   world.goal.motion = PathMotion{{0.0, 5.0},
                                  {world.goal.X_WG.translation(), {3, 1, 0.5}},
                                  {Eigen::Quaterniond::Identity(), Eigen::Quaterniond::Identity()}};
-  TrialOutput out = run_scripted(tiny_point(), world, {});
+  TrialOutput out = run_scripted(tiny_spec(), world, {});
   EXPECT_EQ(out.row.outcome, Outcome::kStuck);
   EXPECT_DOUBLE_EQ(out.row.time_end_s, 7.0) << "halves count from 5 s, when the goal has come to rest";
   EXPECT_FALSE(std::isnan(out.row.tracking_error_rms));
@@ -99,7 +99,7 @@ TEST(TrialClock, NotStuckWhileGoalOrObjectsMove) {
   world = tiny_world(3.0);
   world.objects = {sphere("walker", {0, 5, 0.5}, 0.1)};
   world.objects[0].motion = LinearMotion{(Vector6() << 0, 0, 0, 0.1, 0, 0).finished()};
-  out = run_scripted(tiny_point(), world, {});
+  out = run_scripted(tiny_spec(), world, {});
   EXPECT_EQ(out.row.outcome, Outcome::kTimeout);
   EXPECT_DOUBLE_EQ(out.row.time_end_s, 10.0);
   EXPECT_EQ(out.row.steps, 500);
@@ -113,19 +113,19 @@ TEST(TrialClock, InfeasibleCountsConsecutiveBrakes) {
       result.fallback = every > 0 && ++k % every == 0 ? Fallback::kRelaxed : Fallback::kBrake;
     };
   };
-  TrialOutput out = run_scripted(tiny_point(), tiny_world(3.0), braking(0));
+  TrialOutput out = run_scripted(tiny_spec(), tiny_world(3.0), braking(0));
   EXPECT_EQ(out.row.outcome, Outcome::kInfeasible);
   EXPECT_DOUBLE_EQ(out.row.time_end_s, 0.5);
   EXPECT_EQ(out.row.fallback_brake, 25);
   EXPECT_EQ(out.row.qp_infeasible, 25);
-  out = run_scripted(tiny_point(), tiny_world(3.0), braking(25));  // 24 brakes, then a relaxed step, and again
+  out = run_scripted(tiny_spec(), tiny_world(3.0), braking(25));  // 24 brakes, then a relaxed step, and again
   EXPECT_EQ(out.row.outcome, Outcome::kTimeout);
   EXPECT_EQ(out.row.fallback_relaxed, 20);
 }
 
 TEST(TrialClock, OtherEnds) {
   const auto faulty = [](FakePlant::Fault fault) {
-    return run_scripted(tiny_point(), tiny_world(3.0), drive(0.1, 99), fault).row;
+    return run_scripted(tiny_spec(), tiny_world(3.0), drive(0.1, 99), fault).row;
   };
   const TrialRow limit = faulty([](double, PlantState& state, PlantReport&) { state.q[1] = -1.0011; });
   EXPECT_EQ(limit.outcome, Outcome::kJointLimit);
@@ -145,7 +145,7 @@ TEST(TrialClock, OtherEnds) {
 
 TEST(TrialClock, ExceptionsAndBadCommandsAreErrorRows) {
   TrialOutput out =
-      run_scripted(tiny_point(), tiny_world(3.0), drive(0.1, 99), [](double time, PlantState&, PlantReport&) {
+      run_scripted(tiny_spec(), tiny_world(3.0), drive(0.1, 99), [](double time, PlantState&, PlantReport&) {
         if (time > 0.19) throw std::runtime_error("motor on fire");
       });
   EXPECT_EQ(out.row.outcome, Outcome::kError);
@@ -153,21 +153,20 @@ TEST(TrialClock, ExceptionsAndBadCommandsAreErrorRows) {
   EXPECT_EQ(out.row.steps, 10) << "what was done until then is kept";
   EXPECT_GT(out.row.path_base_m, 0.01);
 
-  out = run_scripted(tiny_point(), tiny_world(3.0), [](const Observation&, StepResult& r) { r.command[1] = kAbsent; });
+  out = run_scripted(tiny_spec(), tiny_world(3.0), [](const Observation&, StepResult& r) { r.command[1] = kAbsent; });
   EXPECT_EQ(out.row.outcome, Outcome::kError);
   EXPECT_NE(out.row.reason.find("5 finite numbers"), std::string::npos) << out.row.reason;
-  out = run_scripted(tiny_point(), tiny_world(3.0), [](const Observation&, StepResult& r) { r.command.resize(2); });
+  out = run_scripted(tiny_spec(), tiny_world(3.0), [](const Observation&, StepResult& r) { r.command.resize(2); });
   EXPECT_EQ(out.row.outcome, Outcome::kError);
 }
 
 TEST(TrialClock, TheControllerSeesTheStateBeforeItsCommand) {
   std::vector<double> seen;
-  const TrialOutput out =
-      run_scripted(tiny_point(), tiny_world(3.0), [&seen](const Observation& o, StepResult& result) {
-        seen.push_back(o.base.x());
-        EXPECT_NEAR(o.qdot[0], o.time > 0 ? 0.5 : 0.0, 0.0);
-        result.command[0] = 0.5;
-      });
+  const TrialOutput out = run_scripted(tiny_spec(), tiny_world(3.0), [&seen](const Observation& o, StepResult& result) {
+    seen.push_back(o.base.x());
+    EXPECT_NEAR(o.qdot[0], o.time > 0 ? 0.5 : 0.0, 0.0);
+    result.command[0] = 0.5;
+  });
   ASSERT_EQ(seen.size(), out.trace.size());
   for (std::size_t k = 0; k < seen.size(); k += 50) {
     EXPECT_NEAR(seen[k], 0.01 * static_cast<double>(k), 1e-12);

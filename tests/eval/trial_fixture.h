@@ -8,15 +8,13 @@
 
 namespace moma::test {
 
-/// A point of the tiny robot: kinematic, 0.02 s, 10 s.
-inline Point tiny_point() {
-  Point point;
-  point.controller = "scripted";
-  point.params = nlohmann::ordered_json::object();
-  point.robot = tiny_loaded_robot();
-  point.simulation.mode = SimulationMode::kKinematic;
-  point.simulation.time_limit = 10.0;
-  return point;
+/// The tiny robot: kinematic, 0.02 s, 10 s.
+inline TrialSpec tiny_spec() {
+  TrialSpec spec;
+  spec.robot = tiny_loaded_robot();
+  spec.simulation.mode = SimulationMode::kKinematic;
+  spec.simulation.time_limit = 10.0;
+  return spec;
 }
 
 /// Robot at the origin, goal `ahead` metres in front of the tip at rest, in the tip's own orientation.
@@ -39,16 +37,16 @@ inline WorldObject sphere(const std::string& name, const Vector3& position, doub
 }
 
 /// Runs a scripted controller on the exact plant.
-inline TrialOutput run_scripted(const Point& point, const World& world, ScriptedController::Script script,
+inline TrialOutput run_scripted(const TrialSpec& spec, const World& world, ScriptedController::Script script,
                                 FakePlant::Fault fault = {}) {
   TrialParts parts;
-  parts.plant = [fault](const Point& p, const World& w) {
+  parts.plant = [fault](const TrialSpec& p, const World& w) {
     return std::make_unique<FakePlant>(p.robot->model, w, fault);
   };
-  parts.controller = [script](const Point& p) {
+  parts.controller = [script](const TrialSpec& p) {
     return std::make_unique<ScriptedController>(p.robot->model->num_velocities(), script);
   };
-  return run_trial(point, world, parts);
+  return run_trial(spec, world, parts);
 }
 
 /// Drives straight at `speed` until `stop_at` seconds.

@@ -6,6 +6,7 @@
 #include "eval/trial/trace_json.h"
 #include "eval/trial/trial.h"
 #include "tests/eval/suite_fixture.h"
+#include "world/world_json.h"
 
 namespace moma::test {
 namespace {

@@ -23,8 +23,8 @@ Folder::~Folder() {
 void make_store(const std::filesystem::path& db, const std::string& kind, int worlds) {
   const std::string root = MOMA_SOURCE_DIR;
   const std::string command = "python3 '" + root + "/tests/tools/make_store.py' '" + MOMA_BINARY_DIR +
-                              "/eval/store/definition' '" +
-                              db.string() + "' --kind " + kind + " --worlds " + std::to_string(worlds) + " --samples 8";
+                              "/eval/store/definition' '" + db.string() + "' --kind " + kind + " --worlds " +
+                              std::to_string(worlds) + " --samples 8";
   if (std::system(command.c_str()) != 0) throw std::runtime_error("failed: " + command);
 }
 

@@ -57,6 +57,7 @@ class Process {
   Process& operator=(const Process&) = delete;
 
   void kill(int signal) const { ::kill(pid_, signal); }
+  pid_t pid() const { return pid_; }
 
   bool running() {
     if (pid_ <= 0) return false;

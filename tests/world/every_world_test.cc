@@ -11,6 +11,7 @@
 
 #include "tests/world/world_proof.h"
 #include "world/scenario/family.h"
+#include "world/world_json.h"
 
 namespace moma::test {
 namespace {

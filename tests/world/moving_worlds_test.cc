@@ -5,6 +5,7 @@
 #include <set>
 
 #include "tests/world/support.h"
+#include "world/world_json.h"
 
 namespace moma::test {
 namespace {

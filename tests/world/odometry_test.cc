@@ -181,10 +181,10 @@ TEST(Detection, TakesItsTimeAndStartsAgainWhenTheObjectLeaves) {
 TEST(Actuation, DelaysInStepsAndScalesByAConstantFactor) {
   const auto model = tiny_robot();
   Disturbances d;
-  d.actuators.joint_delay = 0.04;  // 2 steps
-  d.actuators.base_delay = 0.1;    // 5
-  d.actuators.joint_gain = 0.05;
-  d.actuators.base_gain = {0.1, 0.2};
+  d.actuators.joints.delay = 0.04;  // 2 steps
+  d.actuators.base.delay = 0.1;    // 5
+  d.actuators.joints.gain_error = 0.05;
+  d.actuators.base.gain_error = {0.1, 0.2};
   std::vector<double> joint, linear, angular;
   for (std::uint64_t world = 0; world < 800; ++world) {
     Actuation actuation(d, *model, numbered(world), 0.02);
@@ -215,7 +215,7 @@ TEST(Actuation, DelaysInStepsAndScalesByAConstantFactor) {
 TEST(Actuation, NeverTurnsACommandRound) {
   const auto model = tiny_robot();
   Disturbances d;
-  d.actuators.joint_gain = 1.0;
+  d.actuators.joints.gain_error = 1.0;
   int stopped = 0;
   for (std::uint64_t world = 0; world < 200; ++world) {
     Actuation actuation(d, *model, numbered(world), 0.02);

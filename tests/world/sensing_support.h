@@ -53,8 +53,9 @@ inline Disturbances everything_on() {
   d.objects = {SensingFrame::kBase, {0.01, 0.01}, {0.02, 0.02}, true, {0.01, 0.01}, 0.1};
   d.detection = {2.0, 0.2, {0.0, 0.0, 0.5}, true};
   d.goal = {SensingFrame::kBase, {0.002, 0.002}, {0.01, 0.01}, true, {0.002, 0.002}, 0.04};
-  d.actuators = {0.02, 0.02, 0.04, {0.03, 0.03}};
-  d.physics = {{0.05, 0.02}, {1.5, 0.5}, {0.0, 0.0, 0.05}, {0.7, 0.1}};
+  d.actuators = {{0.02, 0.02, {0.05, 0.02}}, {0.04, {0.03, 0.03}}};
+  d.payload = {1.5, 0.5, {0.0, 0.0, 0.05}};
+  d.floor = {0.7, 0.1};
   return d;
 }
 

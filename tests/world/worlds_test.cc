@@ -11,6 +11,7 @@
 
 #include "tests/world/support.h"
 #include "world/scenario/family.h"
+#include "world/world_json.h"
 
 namespace moma {
 namespace {

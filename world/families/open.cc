@@ -4,24 +4,20 @@ namespace moma {
 namespace {
 
 /// Goals anywhere reachable around the robot, no obstacles.
-class OpenFamily final : public Family {
- public:
-  explicit OpenFamily(config::MapReader& in) { placement_.read(in); }
-
-  nlohmann::ordered_json to_json() const override {
-    nlohmann::ordered_json out;
-    placement_.write(out);
-    return out;
-  }
-
-  bool build(SceneBuilder& builder, World& world) const override { return builder.place_robot(placement_, world); }
-
- private:
-  Placement placement_;
+struct Open {
+  Placement placement;
 };
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Open>) {
+  using T = Open;
+  v.inlined(&T::placement);
+}
+
+bool build(const Open& p, SceneBuilder& builder, World& world) { return builder.place_robot(p.placement, world); }
 
 }  // namespace
 
-std::unique_ptr<const Family> read_open(config::MapReader& in) { return std::make_unique<OpenFamily>(in); }
+FamilyType open_family() { return family_type<Open>("goals anywhere in reach around the robot, no objects"); }
 
 }  // namespace moma

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "controller/describe/describe.h"
 #include "controller/describe/enumeration.h"
 #include "world/plant/conditions.h"
 #include "world/world.h"
@@ -17,14 +18,29 @@ enum class SimulationMode { kKinematic, kDynamic };
 constexpr auto words(Of<SimulationMode>) { return std::to_array<std::string_view>({"kinematic", "dynamic"}); }
 static_assert(all_worded<SimulationMode>());
 
-/// `simulation` of a suite. Defaults as in the specification of suites.
+/// `simulation` of a suite. In dynamic mode control_period is a whole multiple of physics_step.
 struct SimulationConfig {
   SimulationMode mode = SimulationMode::kDynamic;
   double control_period = 0.02;  ///< [s]
-  double physics_step = 0.002;   ///< [s]; dynamic mode; control_period is a whole multiple of it
+  double physics_step = 0.002;   ///< [s]
   double time_limit = 30.0;      ///< [s]
-  double cross_check = 0.02;     ///< part of the control steps at which the detectors of contact are compared
+  double cross_check = 0.02;     ///< [1]
 };
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<SimulationConfig>) {
+  using T = SimulationConfig;
+  v.member("mode", &T::mode, {.text = "kinematic: the command is the velocity; dynamic: ODE"});
+  v.member("control_period", &T::control_period,
+           {.unit = "s", .range = {1e-4, 1.0}, .text = "between two steps of the controller"});
+  v.member("physics_step", &T::physics_step,
+           {.unit = "s", .range = {1e-5, 0.02}, .text = "of ODE; the control period is a whole multiple of it"});
+  v.member("time_limit", &T::time_limit, {.unit = "s", .range = {0.0, 3600.0, true, false}, .text = "of a trial"});
+  v.member("cross_check", &T::cross_check,
+           {.unit = "1",
+            .range = {0.0, 1.0},
+            .text = "part of the control steps at which the two detectors of contact are compared"});
+}
 
 /// True state of the robot.
 struct PlantState {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/describe/accepted.h"
+
 namespace moma {
 namespace {
 
@@ -103,13 +105,47 @@ Distribution Distribution::read(const config::Node& node, const std::string& key
   fail(ends.key_place(), inner, std::string("unknown distribution; expected ") + kAccepted);
 }
 
-void read(config::MapReader& in, std::string_view name, Distribution& value, const config::Range& range) {
-  if (const config::Node* node = in.get(name)) value = Distribution::read(*node, in.key_of(name), range);
+bool operator==(const Distribution& a, const Distribution& b) { return a.kind() == b.kind(); }
+
+void read_value(const config::Node& node, const std::string& key, Distribution& value, const About& about) {
+  value = Distribution::read(node, key, about.range);
 }
 
-void read_count(config::MapReader& in, std::string_view name, Distribution& value, int low, int high) {
-  const config::Range range{static_cast<double>(low), static_cast<double>(high)};
-  if (const config::Node* node = in.get(name)) value = Distribution::read(*node, in.key_of(name), range, true);
+void read_value(const config::Node& node, const std::string& key, Count& value, const About& about) {
+  value.distribution = Distribution::read(node, key, about.range, true);
 }
+
+nlohmann::ordered_json write_value(const Distribution& value, const About&) { return value.to_json(); }
+nlohmann::ordered_json write_value(const Count& value, const About&) { return value.distribution.to_json(); }
+
+std::string accepted(Of<Distribution>, const About& about) {
+  return accepted_number(about.range) + ", or a distribution of such";
+}
+std::string accepted(Of<Count>, const About& about) {
+  const auto [low, high] = whole_range<int>(about.range);
+  return accepted_whole_number(low, high) + ", or a distribution of such";
+}
+
+std::string text_of(const Distribution& value) {
+  const auto list = [](const std::vector<double>& numbers) {
+    std::string text;
+    for (const double number : numbers) text += (text.empty() ? "[" : ", ") + number_text(number);
+    return text + "]";
+  };
+  return std::visit(Overloaded{[](const Distribution::Fixed& d) { return number_text(d.value); },
+                               [&](const Distribution::Uniform& d) {
+                                 return "{uniform: " + list({d.low, d.high}) + "}";
+                               },
+                               [&](const Distribution::LogUniform& d) {
+                                 return "{log_uniform: " + list({d.low, d.high}) + "}";
+                               },
+                               [&](const Distribution::Normal& d) {
+                                 return "{normal: " + list({d.mean, d.sigma}) + "}";
+                               },
+                               [&](const Distribution::Choice& d) { return "{choice: " + list(d.values) + "}"; }},
+                    value.kind());
+}
+
+std::string text_of(const Count& value) { return text_of(value.distribution); }
 
 }  // namespace moma

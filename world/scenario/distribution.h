@@ -1,35 +1,42 @@
 #pragma once
 
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include "controller/config/reader.h"
+#include "controller/describe/describe.h"
 #include "world/draws.h"
 
 namespace moma {
 
 /// A number of a family's parameters: fixed, or drawn anew for each world. In files a plain number, or one of
 /// {uniform: [low, high]}, {log_uniform: [low, high]}, {normal: [mean, sigma]}, {choice: [a, b, ...]}.
-/// Draws of a normal are clipped to the key's range.
+/// Draws of a normal are clipped to the key's range. A value of described structs.
 class Distribution {
  public:
   struct Fixed {
     double value;
+    bool operator==(const Fixed&) const = default;
   };
   struct Uniform {
     double low, high;
+    bool operator==(const Uniform&) const = default;
   };
   struct LogUniform {
     double low, high;
+    bool operator==(const LogUniform&) const = default;
   };
   struct Normal {
     double mean, sigma;
+    bool operator==(const Normal&) const = default;
   };
   struct Choice {
     std::vector<double> values;
+    bool operator==(const Choice&) const = default;
   };
   using Kind = std::variant<Fixed, Uniform, LogUniform, Normal, Choice>;
 
@@ -54,9 +61,27 @@ class Distribution {
   double clip_high_ = std::numeric_limits<double>::max();
 };
 
-/// Reads the key `name` where it is present.
-void read(config::MapReader& in, std::string_view name, Distribution& value,
-          const config::Range& range = config::Range::any());
-void read_count(config::MapReader& in, std::string_view name, Distribution& value, int low, int high);
+bool operator==(const Distribution& a, const Distribution& b);
+
+/// A number of things: whole, from a distribution that has whole numbers only.
+struct Count {
+  explicit Count(Distribution::Kind kind) : distribution(std::move(kind)) {}
+
+  Distribution distribution;
+
+  /// Takes exactly one draw.
+  int sample(Draws& draws) const { return distribution.sample_count(draws); }
+  bool operator==(const Count&) const = default;
+};
+
+// What readers, writers and tables of described structs ask of values of their own.
+void read_value(const config::Node& node, const std::string& key, Distribution& value, const About& about);
+void read_value(const config::Node& node, const std::string& key, Count& value, const About& about);
+nlohmann::ordered_json write_value(const Distribution& value, const About& about);
+nlohmann::ordered_json write_value(const Count& value, const About& about);
+std::string accepted(Of<Distribution>, const About& about);
+std::string accepted(Of<Count>, const About& about);
+std::string text_of(const Distribution& value);
+std::string text_of(const Count& value);
 
 }  // namespace moma

@@ -3,9 +3,15 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
-#include "controller/config/reader.h"
+#include "controller/config/read_described.h"
+#include "controller/config/write_described.h"
+#include "controller/describe/complete.h"
+#include "controller/describe/keys.h"
 #include "world/scenario/scene_builder.h"
 #include "world/world.h"
 
@@ -22,14 +28,51 @@ class Family {
 };
 
 struct FamilyType {
-  std::string_view name;
+  std::string_view text;  ///< what its worlds are, one line for the reference
   /// Reads all its keys; the caller reads `weight` and calls finish().
   std::unique_ptr<const Family> (*read)(config::MapReader& in);
+  std::vector<Key> (*keys)(const std::string& prefix);
+  std::string_view name = "";
 };
 
-/// Every family, in the order that messages list them: families/NAME.cc defines
-///   std::unique_ptr<const Family> read_NAME(config::MapReader& in);
-/// and the list in world/CMakeLists.txt makes the table.
+/// Every family, in the order that messages list them. families/NAME.cc defines
+///   FamilyType NAME_family() { return family_type<T>("what its worlds are"); }
+/// and the list of names in world/CMakeLists.txt makes the table.
 std::span<const FamilyType> family_types();
+
+namespace families {
+/// Family::build() hides the function beside T from itself.
+template <class T>
+bool build_world(const T& parameters, SceneBuilder& builder, World& world) {
+  return build(parameters, builder, world);
+}
+}  // namespace families
+
+/// T is a described struct of parameters; beside it stand
+///   bool build(const T&, SceneBuilder&, World&)           as Family's build()
+///   void check(const T&, const config::MapReader&)        where a rule concerns several parameters: throws
+template <Described T>
+FamilyType family_type(std::string_view text) {
+  static_assert(is_complete<T>(), "a parameter that is not described is in no file");
+  class Model final : public Family {
+   public:
+    explicit Model(T parameters) : parameters_(std::move(parameters)) {}
+    nlohmann::ordered_json to_json() const override { return config::write_described(parameters_); }
+    bool build(SceneBuilder& builder, World& world) const override {
+      return families::build_world(parameters_, builder, world);
+    }
+
+   private:
+    T parameters_;
+  };
+  return {.text = text,
+          .read = [](config::MapReader& in) -> std::unique_ptr<const Family> {
+            T parameters;
+            config::read_members(in, parameters);
+            if constexpr (requires { check(parameters, in); }) check(parameters, in);
+            return std::make_unique<Model>(std::move(parameters));
+          },
+          .keys = [](const std::string& prefix) { return keys_of(T{}, prefix); }};
+}
 
 }  // namespace moma

@@ -19,48 +19,37 @@ Eigen::Quaterniond random_rotation(Draws& draws) {
 
 }  // namespace
 
-void ObjectMix::read(config::MapReader& in) {
-  const auto positive = config::Range::positive();
-  if (const config::Node* node = in.get("shapes")) {
-    const std::string key = in.key_of("shapes");
-    shapes.clear();
-    if (node->kind != config::Node::Kind::kSequence || node->items.empty())
-      config::fail(node->mark, key, "expected a list of sphere, box, capsule");
-    for (const config::Node& item : node->items) {
-      const std::string name = config::read_string(item, key);
-      bool known = false;
-      for (const ShapeKind kind : {ShapeKind::kSphere, ShapeKind::kBox, ShapeKind::kCapsule}) {
-        if (name != to_string(kind)) continue;
-        shapes.push_back(kind);
-        known = true;
-      }
-      if (!known) config::fail(item.mark, key, "found '" + name + "', expected one of: sphere, box, capsule");
-    }
+void read_value(const config::Node& node, const std::string& key, SolidKinds& value, const About&) {
+  if (node.kind != config::Node::Kind::kSequence || node.items.empty())
+    config::fail(node.mark, key, "expected a list of sphere, box, capsule");
+  value.kinds.clear();
+  for (const config::Node& item : node.items) {
+    const std::string name = config::read_string(item, key);
+    const std::size_t before = value.kinds.size();
+    for (const ShapeKind kind : {ShapeKind::kSphere, ShapeKind::kBox, ShapeKind::kCapsule})
+      if (name == to_string(kind)) value.kinds.push_back(kind);
+    if (value.kinds.size() == before)
+      config::fail(item.mark, key, "found '" + name + "', expected one of: sphere, box, capsule");
   }
-  in.read("standing", standing, {0.0, 1.0});
-  moma::read(in, "sphere_radius", sphere_radius, positive);
-  moma::read(in, "box_edge", box_edge, positive);
-  moma::read(in, "capsule_radius", capsule_radius, positive);
-  moma::read(in, "capsule_length", capsule_length, positive);
-  moma::read(in, "standing_height", standing_height, positive);
-  moma::read(in, "height", height);
 }
 
-void ObjectMix::write(nlohmann::ordered_json& out) const {
-  out["shapes"] = nlohmann::ordered_json::array();
-  for (const ShapeKind kind : shapes) out["shapes"].push_back(to_string(kind));
-  out["standing"] = standing;
-  out["sphere_radius"] = sphere_radius.to_json();
-  out["box_edge"] = box_edge.to_json();
-  out["capsule_radius"] = capsule_radius.to_json();
-  out["capsule_length"] = capsule_length.to_json();
-  out["standing_height"] = standing_height.to_json();
-  out["height"] = height.to_json();
+nlohmann::ordered_json write_value(const SolidKinds& value, const About&) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const ShapeKind kind : value.kinds) list.push_back(to_string(kind));
+  return list;
+}
+
+std::string accepted(Of<SolidKinds>, const About&) { return "a list of sphere, box, capsule"; }
+
+std::string text_of(const SolidKinds& value) {
+  std::string text;
+  for (const ShapeKind kind : value.kinds) text += (text.empty() ? "[" : ", ") + std::string(to_string(kind));
+  return text + "]";
 }
 
 void ObjectMix::sample(Draws& draws, double x, double y, WorldObject& object) const {
   // Everything is drawn whatever the shape, so that each quantity has its own place in the stream.
-  const ShapeKind kind = shapes[draws.choice(shapes.size())];
+  const ShapeKind kind = shapes.kinds[draws.choice(shapes.kinds.size())];
   const bool stands = draws.uniform() < standing && kind != ShapeKind::kSphere;
   const double total_height = standing_height.sample(draws);
   const double center_height = height.sample(draws);

@@ -10,24 +10,49 @@
 
 namespace moma {
 
+/// Kinds of solids, each entry equally likely.
+struct SolidKinds {
+  std::vector<ShapeKind> kinds{ShapeKind::kSphere, ShapeKind::kBox, ShapeKind::kCapsule};
+  bool operator==(const SolidKinds&) const = default;
+};
+
+void read_value(const config::Node& node, const std::string& key, SolidKinds& value, const About& about);
+nlohmann::ordered_json write_value(const SolidKinds& value, const About& about);
+std::string accepted(Of<SolidKinds>, const About& about);
+std::string text_of(const SolidKinds& value);
+
 /// The random solids of a family: which shapes, how large, standing on the floor or floating.
 struct ObjectMix {
   using Uniform = Distribution::Uniform;
-  std::vector<ShapeKind> shapes{ShapeKind::kSphere, ShapeKind::kBox, ShapeKind::kCapsule};  ///< equally likely
-  double standing = 0.5;                             ///< part of boxes and capsules that stand on the floor
+  SolidKinds shapes = {};
+  double standing = 0.5;                             ///< [1]
   Distribution sphere_radius{Uniform{0.05, 0.2}};    ///< [m]
-  Distribution box_edge{Uniform{0.1, 0.4}};          ///< each edge of a floating box, x and y of a standing one [m]
+  Distribution box_edge{Uniform{0.1, 0.4}};          ///< [m]
   Distribution capsule_radius{Uniform{0.04, 0.12}};  ///< [m]
-  Distribution capsule_length{Uniform{0.1, 0.5}};    ///< of a floating one, without caps [m]
-  Distribution standing_height{Uniform{0.4, 1.2}};   ///< total height of what stands [m]
-  Distribution height{Uniform{0.1, 1.2}};            ///< of the centre of what floats [m]
-
-  void read(config::MapReader& in);
-  void write(nlohmann::ordered_json& out) const;
+  Distribution capsule_length{Uniform{0.1, 0.5}};    ///< [m]
+  Distribution standing_height{Uniform{0.4, 1.2}};   ///< [m]
+  Distribution height{Uniform{0.1, 1.2}};            ///< [m]
 
   /// A solid above the horizontal point (x, y), at rest. Floating ones have any orientation (spheres, boxes,
   /// capsules alike) and are lifted where they would reach through the floor.
   void sample(Draws& draws, double x, double y, WorldObject& object) const;
 };
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<ObjectMix>) {
+  using T = ObjectMix;
+  constexpr Range kSize = Range::positive();
+  v.member("shapes", &T::shapes, {.text = "of the solids, each kind that is named equally likely"});
+  v.member("standing", &T::standing,
+           {.unit = "1", .range = {0.0, 1.0}, .text = "part of boxes and capsules that stand on the floor"});
+  v.member("sphere_radius", &T::sphere_radius, {.unit = "m", .range = kSize, .text = "of spheres"});
+  v.member("box_edge", &T::box_edge,
+           {.unit = "m", .range = kSize, .text = "each edge of a floating box, x and y of a standing one"});
+  v.member("capsule_radius", &T::capsule_radius, {.unit = "m", .range = kSize, .text = "of capsules"});
+  v.member("capsule_length", &T::capsule_length,
+           {.unit = "m", .range = kSize, .text = "of a floating capsule, without its caps"});
+  v.member("standing_height", &T::standing_height, {.unit = "m", .range = kSize, .text = "total, of what stands"});
+  v.member("height", &T::height, {.unit = "m", .text = "of the centre of what floats"});
+}
 
 }  // namespace moma

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "world/scenario/distribution.h"
@@ -12,16 +11,32 @@ namespace moma {
 struct Placement {
   using Uniform = Distribution::Uniform;
   Distribution start_heading{Uniform{-std::numbers::pi, std::numbers::pi}};  ///< [rad]
-  Distribution distance{Uniform{0.5, 4.0}};                                  ///< start to witness base [m]
-  Distribution direction{Uniform{-std::numbers::pi, std::numbers::pi}};      ///< of that line in W [rad]
-  Distribution heading{Uniform{-std::numbers::pi, std::numbers::pi}};        ///< of the witness base [rad]
-  double limit_margin = 0.1;      ///< witness joints keep from their limits [rad or m]; a quarter of the range at most
-  double tip_height = 0.1;        ///< least height of the goal [m]
-  double floor_clearance = 0.02;  ///< of the witness's moving shapes [m]
-  double self_clearance = 0.01;   ///< of the witness's self-collision pairs [m]
-
-  void read(config::MapReader& in);
-  void write(nlohmann::ordered_json& out) const;
+  Distribution distance{Uniform{0.5, 4.0}};                                  ///< [m]
+  Distribution direction{Uniform{-std::numbers::pi, std::numbers::pi}};      ///< [rad]
+  Distribution heading{Uniform{-std::numbers::pi, std::numbers::pi}};        ///< [rad]
+  double limit_margin = 0.1;      ///< [rad or m]; a quarter of the joint's range at most
+  double tip_height = 0.1;        ///< [m]
+  double floor_clearance = 0.02;  ///< [m]
+  double self_clearance = 0.01;   ///< [m]
 };
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Placement>) {
+  using T = Placement;
+  v.member("start_heading", &T::start_heading, {.unit = "rad", .text = "of the base at the start"});
+  v.member("distance", &T::distance,
+           {.unit = "m", .range = Range::non_negative(), .text = "from the start to the witness's base"});
+  v.member("direction", &T::direction, {.unit = "rad", .text = "of that line in the world"});
+  v.member("heading", &T::heading, {.unit = "rad", .text = "of the witness's base"});
+  v.member("limit_margin", &T::limit_margin,
+           {.unit = "rad or m",
+            .range = Range::non_negative(),
+            .text = "the witness's joints keep so far from their limits, a quarter of their range at most"});
+  v.member("tip_height", &T::tip_height, {.unit = "m", .text = "least height of the goal"});
+  v.member("floor_clearance", &T::floor_clearance,
+           {.unit = "m", .range = Range::non_negative(), .text = "of the witness's moving shapes over the floor"});
+  v.member("self_clearance", &T::self_clearance,
+           {.unit = "m", .range = Range::non_negative(), .text = "between the witness's own shapes"});
+}
 
 }  // namespace moma

@@ -10,13 +10,10 @@ namespace moma {
 namespace {
 
 constexpr int kLegTries = 20;
-constexpr double kLeastLeg = 0.5;    // nearer way-points are drawn again [m]
 constexpr double kLeastStay = 1e-3;  // shorter stops are none [s]
-constexpr config::Range kPace{0.05, 10.0};
-constexpr config::Range kSize{0.01, 10.0};
 
 /// The defaults' tails too.
-double sample_within(const config::Range& range, const Distribution& value, Draws& draws) {
+double sample_within(const Range& range, const Distribution& value, Draws& draws) {
   return std::clamp(value.sample(draws), range.low, range.high);
 }
 
@@ -69,26 +66,6 @@ double clear_leg(SceneBuilder& builder, const std::vector<Vector3>& circles, dou
 
 }  // namespace
 
-void Walk::read(config::MapReader& in) {
-  moma::read(in, "walk_speed", speed, kPace);
-  moma::read(in, "walk_radius", radius, kSize);
-  moma::read(in, "walk_height", height, kSize);
-  in.read("walk_pause", pause, {0.0, 1.0});
-  moma::read(in, "walk_pause_time", pause_time, config::Range::non_negative());
-  in.read("walk_margin", margin, {kLeastLeg, 1000.0});
-  in.read_enum("walker", people, {{"person", true}, {"solid", false}});
-}
-
-void Walk::write(nlohmann::ordered_json& out) const {
-  out["walk_speed"] = speed.to_json();
-  out["walk_radius"] = radius.to_json();
-  out["walk_height"] = height.to_json();
-  out["walk_pause"] = pause;
-  out["walk_pause_time"] = pause_time.to_json();
-  out["walk_margin"] = margin;
-  out["walker"] = people ? "person" : "solid";
-}
-
 bool Walk::sample(SceneBuilder& builder, const Way& way, const ObjectMix& mix, double horizon, std::uint64_t item,
                   WorldObject& object) const {
   Draws draws = builder.draws(Stream::kMotion, item);
@@ -96,6 +73,7 @@ bool Walk::sample(SceneBuilder& builder, const Way& way, const ObjectMix& mix, d
   const double r = sample_within(kSize, radius, draws);
   const double total = sample_within(kSize, height, draws);
   const Vector3 first = way_point(draws, way, margin);
+  const bool people = walker == Walker::kPerson;
   if (people) {
     object.shape.kind = ShapeKind::kCapsule;
     object.shape.size = {r, std::max(total - 2.0 * r, 1e-3), 0.0};

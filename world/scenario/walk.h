@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <nlohmann/json.hpp>
+#include <string_view>
 
+#include "controller/describe/enumeration.h"
 #include "world/scenario/object_mix.h"
 #include "world/scenario/scene_builder.h"
 
@@ -16,24 +18,27 @@ struct Way {
   Vector3 left() const { return {-forward.y(), forward.x(), 0.0}; }
 };
 
+enum class Walker { kPerson, kSolid };
+constexpr auto words(Of<Walker>) { return std::to_array<std::string_view>({"person", "solid"}); }
+
 /// People about their own business: each walks at a pace of its own from one random way-point straight to the next,
 /// and stands still at some of them for a while. No one looks out for the robot.
 struct Walk {
   using Normal = Distribution::Normal;
   using Uniform = Distribution::Uniform;
-  /// Pace [m/s]. Free walking speeds of pedestrians, mean and deviation: Weidmann, Transporttechnik der Fussgaenger,
+  static constexpr Range kPace{0.05, 10.0};
+  static constexpr Range kSize{0.01, 10.0};
+  static constexpr double kLeastLeg = 0.5;  ///< nearer way-points are drawn again [m]
+
+  /// [m/s]. Free walking speeds of pedestrians, mean and deviation: Weidmann, Transporttechnik der Fussgaenger,
   /// ETH Zurich, 1993.
   Distribution speed{Normal{1.34, 0.26}};
-  Distribution radius{Uniform{0.2, 0.3}};    ///< of the standing capsule that is a person [m]
-  Distribution height{Normal{1.7, 0.1}};     ///< total [m]
-  double pause = 0.3;                        ///< part of the way-points where a person stops
-  Distribution pause_time{Uniform{0.5, 4}};  ///< and stands for so long [s]
-  double margin = 2.0;                       ///< way-points lie within this of the way [m]
-  bool people = true;                        ///< false: the family's own solids walk
-
-  /// Keys `walk_...` and `walker`.
-  void read(config::MapReader& in);
-  void write(nlohmann::ordered_json& out) const;
+  Distribution radius{Uniform{0.2, 0.3}};    ///< [m]
+  Distribution height{Normal{1.7, 0.1}};     ///< [m]
+  double pause = 0.3;                        ///< [1]
+  Distribution pause_time{Uniform{0.5, 4}};  ///< [s]
+  double margin = 2.0;                       ///< [m]
+  Walker walker = Walker::kPerson;
 
   /// One walker with its path (a PathMotion, knots from t = 0 to `horizon` or a little beyond), clear of start and
   /// witness at every time: each leg is shown to be by SceneBuilder::clear_for() as it is drawn. False where no first
@@ -41,5 +46,22 @@ struct Walk {
   bool sample(SceneBuilder& builder, const Way& way, const ObjectMix& mix, double horizon, std::uint64_t item,
               WorldObject& object) const;
 };
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Walk>) {
+  using T = Walk;
+  v.member("walk_speed", &T::speed,
+           {.unit = "m/s", .range = T::kPace, .text = "pace of each walker; free walking by default"});
+  v.member("walk_radius", &T::radius,
+           {.unit = "m", .range = T::kSize, .text = "of the standing capsule that is a person"});
+  v.member("walk_height", &T::height, {.unit = "m", .range = T::kSize, .text = "of a person, total"});
+  v.member("walk_pause", &T::pause,
+           {.unit = "1", .range = {0.0, 1.0}, .text = "part of the way-points where a walker stops"});
+  v.member("walk_pause_time", &T::pause_time,
+           {.unit = "s", .range = Range::non_negative(), .text = "and stands for so long"});
+  v.member("walk_margin", &T::margin,
+           {.unit = "m", .range = {T::kLeastLeg, 1000.0}, .text = "way-points lie within this of the way"});
+  v.member("walker", &T::walker, {.text = "solid: the family's own solids walk instead of people"});
+}
 
 }  // namespace moma

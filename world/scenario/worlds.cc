@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -18,15 +19,34 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// What stands beside `families`.
+struct Making {
+  std::uint64_t seed = 1;
+  double clearance = 0.05;  ///< [m]
+  int tries = 10000;
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Making>) {
+  v.member("seed", &Making::seed, {.text = "other worlds"});
+  v.member("clearance", &Making::clearance,
+           {.unit = "m", .range = Range::non_negative(), .text = "objects keep so far from start and witness"});
+  v.member("tries", &Making::tries, {.range = {1, 1000000}, .text = "at one world, before it is an error"});
+}
+
 struct Member {
   std::string name;
   double weight = 1.0;
   std::unique_ptr<const Family> family;
 };
 
+/// The key of every family besides its own.
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Member>) {
+  v.member("weight", &Member::weight, {.range = Range::non_negative(), .text = "share of the worlds"});
+}
+
 struct Mixture {
-  std::uint64_t seed = 1;
-  int tries = 10000;
   std::vector<Member> members;
   std::unique_ptr<const Apportionment> shares;
 
@@ -43,7 +63,7 @@ Member read_member(const std::string& name, const config::Node& node, const std:
     config::MapReader in(node, key);
     Member member;
     member.name = name;
-    in.read("weight", member.weight, config::Range::non_negative());
+    config::read_members(in, member);
     member.family = type.read(in);
     in.finish();
     return member;
@@ -57,10 +77,6 @@ Member read_member(const std::string& name, const config::Node& node, const std:
 
 Mixture read_mixture(config::MapReader& in) {
   Mixture mixture;
-  unsigned long long seed = mixture.seed;
-  in.read("seed", seed);
-  mixture.seed = seed;
-  in.read("tries", mixture.tries, 1, 1000000);
   const config::Node& families =
       in.require("families", "a map from family to its parameters, as in {open: {weight: 1}}");
   const std::string key = in.key_of("families");
@@ -115,19 +131,37 @@ void add(MakingLog& log, const SceneBuilder& builder, bool found, std::uint64_t 
 
 }  // namespace
 
+std::vector<Key> worlds_keys(const std::string& prefix) {
+  const auto add = [](std::vector<Key>& to, std::vector<Key> keys) {
+    to.insert(to.end(), std::make_move_iterator(keys.begin()), std::make_move_iterator(keys.end()));
+  };
+  std::vector<Key> keys = keys_of(Making{}, prefix);
+  keys.push_back(
+      {prefix + ".frozen", "", "a file of one world a line, instead of families", "", "the worlds themselves"});
+  for (const FamilyType& type : family_types()) {
+    const std::string family = prefix + ".families." + std::string(type.name);
+    keys.push_back({family, "", "a map", "", std::string(type.text)});
+    add(keys, keys_of(Member{}, family));
+    add(keys, type.keys(family));
+  }
+  return keys;
+}
+
 struct Worlds::Data {
-  double clearance = 0.05;
+  Making making;  ///< of frozen worlds the clearance alone
   std::variant<Mixture, Frozen> source;
 };
 
 Worlds Worlds::read(const config::Node& node, const std::string& key) {
   config::MapReader in(node, key);
   auto data = std::make_shared<Data>();
-  in.read("clearance", data->clearance, config::Range::non_negative());
-  if (const config::Node* frozen = in.get("frozen"))
+  if (const config::Node* frozen = in.get("frozen")) {
+    in.read("clearance", data->making.clearance, Range::non_negative());
     data->source = read_frozen(*frozen, in.key_of("frozen"));
-  else
+  } else {
+    config::read_members(in, data->making);
     data->source = read_mixture(in);
+  }
   in.finish();
   Worlds out;
   out.data_ = std::move(data);
@@ -137,18 +171,16 @@ Worlds Worlds::read(const config::Node& node, const std::string& key) {
 Json Worlds::to_json() const {
   Json out;
   if (const auto* frozen = std::get_if<Frozen>(&data_->source)) {
-    out["clearance"] = data_->clearance;
+    out["clearance"] = data_->making.clearance;
     out["frozen"] = Json::array();
     for (const World& world : *frozen) out["frozen"].push_back(moma::to_json(world));
     return out;
   }
   const auto& mixture = std::get<Mixture>(data_->source);
-  out["seed"] = mixture.seed;
-  out["clearance"] = data_->clearance;
-  out["tries"] = mixture.tries;
+  out = config::write_described(data_->making);
   out["families"] = Json::object();
   for (const Member& member : mixture.members) {
-    Json family = {{"weight", member.weight}};
+    Json family = config::write_described(member);
     family.update(member.family->to_json());
     out["families"][member.name] = std::move(family);
   }
@@ -167,13 +199,13 @@ World Worlds::make(const std::shared_ptr<const RobotModel>& model, std::uint64_t
     if (log != nullptr) ++log->worlds;
     return world;
   }
-  const auto& mixture = std::get<Mixture>(data_->source);
-  const Member& member = mixture.at(index);
-  SceneBuilder builder(model, mixture.seed, index, data_->clearance);
+  const Member& member = std::get<Mixture>(data_->source).at(index);
+  const Making& making = data_->making;
+  SceneBuilder builder(model, making.seed, index, making.clearance);
   World world;
   bool found = false;
   int tries = 0;
-  while (!found && tries < mixture.tries) {
+  while (!found && tries < making.tries) {
     builder.begin(static_cast<std::uint64_t>(tries++), world);
     world.family = member.name;
     found = member.family->build(builder, world);
@@ -185,7 +217,7 @@ World Worlds::make(const std::shared_ptr<const RobotModel>& model, std::uint64_t
   }
   throw GenerationError(fmt::format(
       "worlds.families.{}: no world {} (seed {}) for robot {} in {} tries; the constraint that failed most often: {}",
-      member.name, index, mixture.seed, model->name, mixture.tries, builder.worst_constraint()));
+      member.name, index, making.seed, model->name, making.tries, builder.worst_constraint()));
 }
 
 std::string Worlds::family_of(std::uint64_t index) const {
@@ -200,20 +232,19 @@ Json Worlds::identity(std::uint64_t index) const {
     out["frozen"] = index < frozen->size() ? moma::to_json((*frozen)[index]) : Json();
     return out;
   }
-  const auto& mixture = std::get<Mixture>(data_->source);
-  const Member& member = mixture.at(index);
-  return {{"seed", mixture.seed},
+  const Member& member = std::get<Mixture>(data_->source).at(index);
+  return {{"seed", data_->making.seed},
           {"index", index},
-          {"clearance", data_->clearance},
+          {"clearance", data_->making.clearance},
           {"family", member.name},
           {"parameters", member.family->to_json()}};
 }
 
-double Worlds::clearance() const { return data_->clearance; }
+double Worlds::clearance() const { return data_->making.clearance; }
 
 std::uint64_t Worlds::seed() const {
   if (const auto* frozen = std::get_if<Frozen>(&data_->source)) return frozen->front().seed;
-  return std::get<Mixture>(data_->source).seed;
+  return data_->making.seed;
 }
 
 long long Worlds::size() const {

@@ -6,8 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "controller/config/node.h"
+#include "controller/describe/keys.h"
 #include "world/world.h"
 
 namespace moma {
@@ -47,14 +49,13 @@ class Worlds {
   std::shared_ptr<const Data> data_;
 };
 
+/// Every key of a `worlds` section, those of all families included.
+std::vector<Key> worlds_keys(const std::string& prefix = "worlds");
+
 /// Names the constraint that failed most often, with counts.
 class GenerationError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
-
-nlohmann::ordered_json to_json(const World& world);
-/// `what` names the place in messages. Throws config::ConfigError.
-World world_from_json(const nlohmann::ordered_json& json, const std::string& what);
 
 }  // namespace moma

@@ -9,16 +9,17 @@ Actuation::Actuation(const Disturbances& disturbances, const RobotModel& model, 
       base_(VectorX::Zero(base_dof_)),
       joints_(VectorX::Zero(model.num_joints())),
       applied_(VectorX::Zero(model.num_velocities())),
-      late_base_(delay_steps(disturbances.actuators.base_delay, control_period), base_, BeforeFirst::kPrototype),
-      late_joints_(delay_steps(disturbances.actuators.joint_delay, control_period), joints_, BeforeFirst::kPrototype) {
+      late_base_(delay_steps(disturbances.actuators.base.delay, control_period), base_, BeforeFirst::kPrototype),
+      late_joints_(delay_steps(disturbances.actuators.joints.delay, control_period), joints_, BeforeFirst::kPrototype) {
   using enum DisturbanceSource;
-  const ActuatorErrors& errors = disturbances.actuators;
+  const Actuators& errors = disturbances.actuators;
   const DisturbanceStreams streams(world, disturbances.seed);
   Draws linear = streams.acting(kBaseLinearGain);
-  for (int i = 0; i + 1 < base_dof_; ++i) factor_[i] += linear.normal(0.0, errors.base_gain.linear);
-  if (base_dof_ > 0) factor_[base_dof_ - 1] += streams.acting(kBaseAngularGain).normal(0.0, errors.base_gain.angular);
+  for (int i = 0; i + 1 < base_dof_; ++i) factor_[i] += linear.normal(0.0, errors.base.gain_error.linear);
+  if (base_dof_ > 0)
+    factor_[base_dof_ - 1] += streams.acting(kBaseAngularGain).normal(0.0, errors.base.gain_error.angular);
   Draws joints = streams.acting(kJointGain);
-  for (Eigen::Index i = base_dof_; i < factor_.size(); ++i) factor_[i] += joints.normal(0.0, errors.joint_gain);
+  for (Eigen::Index i = base_dof_; i < factor_.size(); ++i) factor_[i] += joints.normal(0.0, errors.joints.gain_error);
   factor_ = factor_.cwiseMax(0.0);
 }
 

@@ -7,7 +7,7 @@
 
 namespace moma {
 
-/// The drives between controller and plant (ActuatorErrors): nothing moves until the first command is due, and a
+/// The drives between controller and plant (Actuators): nothing moves until the first command is due, and a
 /// factor 1 + g is never below 0. A command at its limit may thus be exceeded by the gain's error. One per trial.
 class Actuation {
  public:

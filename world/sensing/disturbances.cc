@@ -16,16 +16,22 @@ bool senses_with_errors(const Disturbances& disturbances) {
   reduced.detection.sensor = off.detection.sensor;
   reduced.detection.known_at_start = off.detection.known_at_start;
   reduced.actuators = off.actuators;
-  reduced.physics = off.physics;
+  reduced.payload = off.payload;
+  reduced.floor = off.floor;
   return reduced != off;
 }
 
-bool acts_with_errors(const Disturbances& disturbances) { return disturbances.actuators != ActuatorErrors{}; }
+bool acts_with_errors(const Disturbances& disturbances) {
+  Actuators reduced = disturbances.actuators;
+  reduced.joints.friction = {};
+  return reduced != Actuators{};
+}
 
 bool moves_with_errors(const Disturbances& disturbances) {
-  PhysicsErrors reduced = disturbances.physics;
-  reduced.payload_position = {};
-  return reduced != PhysicsErrors{};
+  UnknownPayload payload = disturbances.payload;
+  payload.position = {};
+  return disturbances.actuators.joints.friction != JointFriction{} || payload != UnknownPayload{} ||
+         disturbances.floor != FloorFriction{};
 }
 
 long delay_steps(double delay, double control_period) {

@@ -1,0 +1,236 @@
+#include "eval/run/evaluate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <unordered_set>
+
+#include "eval/batch/sequential.h"
+#include "eval/run/recording.h"
+#include "eval/run/row_warnings.h"
+#include "eval/run/store_file.h"
+#include "eval/store/database.h"
+#include "eval/store/machine.h"
+#include "eval/store/run_lock.h"
+#include "eval/store/writer.h"
+
+namespace moma::run {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::atomic<bool> kNever{false};
+
+/// One evaluation into one store.
+class Run {
+ public:
+  Run(const EvaluateRequest& request, const Suite& suite, const Listener& listener)
+      : request_(request), suite_(suite), listener_(listener), finish_(finishing(suite)) {
+    if (suite.until && request.shard.count > 1) {
+      throw RunError(
+          "run: --shard needs a fixed number of trials: when 'trials: {until: ...}' ends depends on all worlds");
+    }
+    const Shard& shard = request.shard;
+    result_.file = request.file;
+    if (result_.file.empty()) {
+      result_.file = usual_store(
+          suite.name, shard.count > 1 ? fmt::format(".shard-{}-of-{}", shard.index, shard.count) : std::string());
+    }
+    threads_ = request.threads > 0 ? request.threads : usual_threads(request.cluster != nullptr);
+  }
+
+  Evaluation execute() {
+    const auto notice = [this](const std::string& text) { listener_.tell(listener_.notice, text); };
+    if (request_.cluster != nullptr)
+      request_.cluster->lead(suite_.resolved.dump(), store::this_machine().machine_class, notice);
+    const store::RunLock lock(result_.file, stop(), notice);
+    if (!lock.held()) {
+      result_.end = End::kNeverBegan;
+      result_.stopped = "stopped while waiting; nothing was done";
+      return std::move(result_);
+    }
+    store::Writer writer(result_.file);
+    const std::string warning = store::file_system_warning(result_.file);
+    if (!warning.empty()) listener_.tell(listener_.warning, warning);
+    suite_.until ? run_until(writer) : run_fixed(writer);
+    result_.suite = writer.suite_name();
+    result_.warnings = row_warnings_.sentences();
+    return std::move(result_);
+  }
+
+ private:
+  std::vector<BatchJob> jobs_of(std::uint64_t first, std::uint64_t count) const {
+    std::vector<BatchJob> jobs = make_jobs(suite_.points, first, count);
+    if (request_.shard.count > 1)
+      std::erase_if(jobs, [&](const BatchJob& job) { return !request_.shard.has(job.world); });
+    return jobs;
+  }
+
+  static std::vector<store::Wanted> wanted(const std::vector<BatchJob>& jobs) {
+    std::vector<store::Wanted> wanted;
+    wanted.reserve(jobs.size());
+    for (const BatchJob& job : jobs) wanted.push_back({job.point, job.world, job.key});
+    return wanted;
+  }
+
+  std::unordered_set<std::string> begin(store::Writer& writer, const std::vector<BatchJob>& jobs) {
+    auto present = writer.begin(store::describe(suite_), {request_.arguments, threads_}, wanted(jobs));
+    tell_names(writer);
+    return present;
+  }
+
+  void run_fixed(store::Writer& writer) {
+    const std::vector<BatchJob> jobs = jobs_of(0, suite_.trials);
+    const auto present = begin(writer, jobs);
+    const std::size_t there = count_present(jobs, present);
+    const std::string of =
+        request_.shard.count > 1 ? fmt::format(" of shard {} of {}", request_.shard.index, request_.shard.count) : "";
+    if (there == jobs.size()) {
+      note(fmt::format("{} of {} trials{} already there: nothing left to do", there, jobs.size(), of));
+    } else if (there > 0) {
+      note(fmt::format("{} of {} trials{} already there, {} to do, on {}", there, jobs.size(), of, jobs.size() - there,
+                       computers()));
+    } else {
+      note(fmt::format("{} trials{} to do, on {}: {}", jobs.size(), of, computers(), result_.file.string()));
+    }
+    const BatchSummary summary = compute(writer, jobs, present);
+    if (!summary.stopped) {
+      if (summary.delivered > 0) note(fmt::format("{} trials in {:.1f} s", summary.delivered, summary.seconds));
+      return;
+    }
+    stopped(there + summary.delivered, fmt::format("{}", jobs.size()));
+  }
+
+  void run_until(store::Writer& writer) {
+    const UntilRule& until = *suite_.until;
+    SequentialRule rule(until, suite_.points.size());
+    std::size_t there = 0;
+    std::size_t done = 0;
+    for (std::uint64_t worlds = rule.next_block(); worlds > 0; worlds = rule.next_block()) {
+      const std::vector<BatchJob> jobs = jobs_of(rule.worlds(), worlds);
+      const auto present = rule.worlds() == 0 ? begin(writer, jobs) : writer.extend(wanted(jobs));
+      if (rule.worlds() == 0) {
+        note(fmt::format("until the {} rate of every point is known to +-{:g} %, at most {} worlds: on {}, {}",
+                         until.metric, 100.0 * until.half_width, until.max, computers(), result_.file.string()));
+      }
+      there += count_present(jobs, present);
+      const BatchSummary summary = compute(writer, jobs, present);
+      done += summary.delivered;
+      if (summary.stopped)
+        return stopped(there + done, fmt::format("at most {}", suite_.trials * suite_.points.size()));
+      for (const BatchJob& job : jobs) {
+        const std::optional<TrialRow> row = writer.find(job.key);
+        if (row) rule.add(job.point, row->outcome);
+      }
+      rule.end_block(worlds);
+      note(fmt::format("{} worlds: the widest interval is +-{:.2f} %", rule.worlds(), 100.0 * rule.half_width()));
+    }
+    writer.finish(store::RunStatus::kFinished);
+    note(fmt::format("{} after {} worlds: {} trials, {} of them were there already",
+                     rule.reached() ? "reached" : "NOT reached", rule.worlds(), there + done, there));
+  }
+
+  static std::size_t count_present(const std::vector<BatchJob>& jobs, const std::unordered_set<std::string>& present) {
+    return static_cast<std::size_t>(
+        std::count_if(jobs.begin(), jobs.end(), [&](const BatchJob& job) { return present.count(job.key) > 0; }));
+  }
+
+  void note(const std::string& text) const { listener_.tell(listener_.note, text); }
+
+  std::string computers() const {
+    const std::string threads = fmt::format("{} thread{}", threads_, threads_ == 1 ? "" : "s");
+    return request_.cluster == nullptr ? threads
+                                       : fmt::format("{} ranks with {} each", request_.cluster->size(), threads);
+  }
+
+  void tell_names(const store::Writer& writer) const {
+    if (writer.suite_name() != suite_.name) {
+      note(fmt::format("{} already holds another setting of suite {}: this one is kept apart as {}",
+                       result_.file.string(), suite_.name, writer.suite_name()));
+    }
+    for (std::size_t i = 0; i < suite_.points.size(); ++i) {
+      if (writer.controller_name(i) != suite_.points[i].controller) {
+        note(fmt::format("{} already holds other parameters of controller {}: these are kept apart as {}",
+                         result_.file.string(), suite_.points[i].controller, writer.controller_name(i)));
+      }
+    }
+  }
+
+  BatchSummary compute(store::Writer& writer, const std::vector<BatchJob>& jobs,
+                       const std::unordered_set<std::string>& present) {
+    BatchOptions batch;
+    batch.threads = threads_;
+    batch.stop = &stop();
+    batch.skip = &present;
+    batch.remote = request_.cluster;
+    batch.finish = finish_;
+    batch.progress = listener_.progress;
+    const auto sink = [&](const BatchJob& job, BatchResult&& result) {
+      const store::WorldRecord world = world_record(suite_.points[job.point], job, result);
+      row_warnings_.look(result.output.row);
+      const Trace& trace = result.output.trace;
+      writer.add({job.point, job.world, job.key}, world, result.output.row, trace.empty() ? nullptr : &trace,
+                 result.metrics);
+      return true;
+    };
+    try {
+      const BatchSummary summary = run_batch(suite_.points, jobs, batch, sink);
+      if (summary.stopped) {
+        writer.finish(store::RunStatus::kStopped);
+      } else if (!suite_.until) {
+        writer.finish(store::RunStatus::kFinished);
+      }
+      if (listener_.progress_end) listener_.progress_end();
+      return summary;
+    } catch (const store::StoreError& error) {
+      if (listener_.progress_end) listener_.progress_end();
+      throw store::StoreError(error.kind(), fmt::format("{}\n{} trials of this run are saved{}", error.what(),
+                                                        writer.committed(), how_to_go_on(error.kind())));
+    }
+  }
+
+  void stopped(std::size_t saved, const std::string& of) {
+    result_.end = End::kStopped;
+    result_.stopped = stopped_text("", fmt::format("{} of {} trials are", saved, of), result_.file, request_.arguments);
+  }
+
+  std::string how_to_go_on(store::StoreError::Kind kind) const {
+    if (kind != store::StoreError::Kind::kInterrupted) return "";
+    return fmt::format("; when that is cured, go on with: {}", command_line(request_.arguments));
+  }
+
+  const std::atomic<bool>& stop() const { return request_.stop != nullptr ? *request_.stop : kNever; }
+
+  const EvaluateRequest& request_;
+  const Suite& suite_;
+  const Listener& listener_;
+  std::function<void(const Point&, BatchResult&)> finish_;
+  int threads_ = 1;
+  RowWarnings row_warnings_;
+  Evaluation result_;
+};
+
+}  // namespace
+
+Evaluation evaluate(const EvaluateRequest& request, const Suite& suite, const Listener& listener) {
+  return Run(request, suite, listener).execute();
+}
+
+void follow(Cluster& cluster, int threads) {
+  const std::optional<std::string> setup = cluster.setup();
+  if (!setup) return;
+  Suite suite;
+  try {
+    suite = suite_from_resolved(nlohmann::ordered_json::parse(*setup));
+  } catch (const std::exception& error) {
+    cluster.refuse(error.what());
+    return;
+  }
+  BatchOptions batch;
+  batch.threads = threads > 0 ? threads : usual_threads(true);
+  batch.finish = finishing(suite);
+  cluster.work(suite.points, store::this_machine().machine_class, batch);
+}
+
+}  // namespace moma::run

@@ -1,0 +1,70 @@
+#include "eval/run/replay.h"
+
+#include <fmt/format.h>
+
+#include "eval/store/columns.h"
+#include "eval/store/machine.h"
+#include "world/world_json.h"
+
+namespace moma::run {
+
+using store::StoreError;
+
+const Suite& StoredSuites::suite_of(const store::StoredTrial& trial) {
+  const auto found = suites_.find(trial.resolved_suite);
+  if (found != suites_.end()) return found->second;
+  Suite suite = suite_from_resolved(nlohmann::ordered_json::parse(trial.resolved_suite));
+  return suites_.emplace(trial.resolved_suite, std::move(suite)).first->second;
+}
+
+const Point& StoredSuites::point_of(const store::StoredTrial& trial) {
+  if (trial.simulation_version != kSimulationVersion) {
+    throw StoreError(StoreError::Kind::kNotFound,
+                     fmt::format("trial {} was simulated by version {} of the simulation, this program has version {}: "
+                                 "it would not give the same result",
+                                 trial.key.substr(0, 16), trial.simulation_version, kSimulationVersion));
+  }
+  const Suite& suite = suite_of(trial);
+  if (trial.position >= suite.points.size()) {
+    throw StoreError(StoreError::Kind::kUnusable,
+                     fmt::format("trial {}: its suite has no point {}; the store is damaged", trial.key.substr(0, 16),
+                                 trial.position));
+  }
+  return suite.points[trial.position];
+}
+
+World world_of(const store::StoredTrial& trial) {
+  const auto json = nlohmann::ordered_json::parse(trial.world);
+  if (json.contains("missing")) {
+    throw StoreError(StoreError::Kind::kNotFound,
+                     fmt::format("trial {}: its world could not be made, so there is nothing to replay ({})",
+                                 trial.key.substr(0, 16), trial.row.reason));
+  }
+  return world_from_json(json, fmt::format("world of trial {}", trial.key.substr(0, 16)));
+}
+
+Suite stored_suite(const std::filesystem::path& store, const std::string& name, const std::string& trials) {
+  auto resolved = nlohmann::ordered_json::parse(store::Reader(store).latest_invocation(name).resolved_suite);
+  if (!trials.empty()) {
+    const auto parsed = nlohmann::ordered_json::parse(trials, nullptr, false);
+    resolved["trials"] = parsed.is_discarded() ? nlohmann::ordered_json(trials) : parsed;
+  }
+  return suite_from_resolved(resolved);
+}
+
+Replay replay(const std::filesystem::path& store, const std::string& name, StoredSuites& suites) {
+  Replay replay;
+  replay.trial = store::Reader(store).trial(name);
+  replay.point = &suites.point_of(replay.trial);
+  replay.world = world_of(replay.trial);
+  replay.output = run_trial(*replay.point, replay.world);
+  return replay;
+}
+
+ReplayDifferences differences(const TrialRow& stored, const std::string& machine_class, const TrialRow& replayed) {
+  ReplayDifferences found{store::differences(stored, replayed), "", store::this_machine().machine_class};
+  if (!machine_class.empty() && machine_class != found.this_machine) found.stored_machine = machine_class;
+  return found;
+}
+
+}  // namespace moma::run

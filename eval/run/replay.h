@@ -1,0 +1,51 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "eval/store/reader.h"
+#include "eval/suite/suite.h"
+#include "eval/trial/trial.h"
+
+namespace moma::run {
+
+/// Suites built again from a store, each once: reading a robot takes much longer than looking up a trial.
+class StoredSuites {
+ public:
+  /// The point that `trial` belongs to. Throws StoreError where this program simulates differently by now.
+  const Point& point_of(const store::StoredTrial& trial);
+  const Suite& suite_of(const store::StoredTrial& trial);
+
+ private:
+  std::map<std::string, Suite> suites_;  ///< by resolved text
+};
+
+/// Throws StoreError{kNotFound} where the trial's world could not be made, so that there is nothing to simulate.
+World world_of(const store::StoredTrial& trial);
+
+/// The suite of this name as the store has it, with another number of worlds where `trials` is not empty (checked like
+/// a file's). Throws StoreError, config::ConfigError.
+Suite stored_suite(const std::filesystem::path& store, const std::string& name, const std::string& trials = "");
+
+/// A stored trial simulated again, from the store alone.
+struct Replay {
+  store::StoredTrial trial;
+  World world;
+  const Point* point = nullptr;  ///< in the StoredSuites that were given
+  TrialOutput output;
+};
+
+/// `name`: of the trial, or any unique beginning of it. Throws StoreError where there is no such trial or it cannot be
+/// simulated again.
+Replay replay(const std::filesystem::path& store, const std::string& name, StoredSuites& suites);
+
+/// What a replay has to say to a row that was computed before.
+struct ReplayDifferences {
+  std::vector<std::string> lines;  ///< one for each metric, "stored != replayed"; none: the same, bit for bit
+  std::string stored_machine;      ///< machine class, where it is another than this machine's; else ""
+  std::string this_machine;
+};
+ReplayDifferences differences(const TrialRow& stored, const std::string& machine_class, const TrialRow& replayed);
+
+}  // namespace moma::run

@@ -1,0 +1,34 @@
+#include "eval/run/row_warnings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace moma::run {
+
+void RowWarnings::look(const TrialRow& row) {
+  if (row.detector_disagreements > 0) {
+    ++contradicted_;
+    deepest_ = std::max(deepest_, row.detector_deepest_m);
+  }
+  messages_ += row.lcp_messages > 0;
+  errors_ += row.outcome == Outcome::kError;
+  diverged_ += row.outcome == Outcome::kDiverged;
+}
+
+std::vector<std::string> RowWarnings::sentences() const {
+  std::vector<std::string> out;
+  const auto add = [&out](int trials, const std::string& what, const char* where) {
+    if (trials == 0) return;
+    out.push_back(fmt::format("{} {} {}: SELECT trial, outcome, reason FROM v_trials WHERE {}", trials,
+                              trials == 1 ? "trial" : "trials", what, where));
+  };
+  add(contradicted_, fmt::format("where the two detectors of contact disagree, by {:.2g} m at most", deepest_),
+      "detector_disagreements > 0");
+  add(messages_, "with messages of the physics solver", "lcp_messages > 0");
+  add(diverged_, "that diverged", "outcome = 'diverged'");
+  add(errors_, "ended by an error", "outcome = 'error'");
+  return out;
+}
+
+}  // namespace moma::run

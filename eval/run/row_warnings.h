@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "eval/trial/row.h"
+
+namespace moma::run {
+
+/// What a run's rows say against its physics: a person should hear of it without asking.
+class RowWarnings {
+ public:
+  void look(const TrialRow& row);
+  /// A sentence for each kind met, with the SQL that lists its trials.
+  std::vector<std::string> sentences() const;
+
+ private:
+  int contradicted_ = 0, messages_ = 0, errors_ = 0, diverged_ = 0;  // trials
+  double deepest_ = 0.0;                                             // [m]
+};
+
+}  // namespace moma::run

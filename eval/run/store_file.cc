@@ -1,0 +1,55 @@
+#include "eval/run/store_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <string_view>
+#include <thread>
+
+namespace moma::run {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One shell word.
+std::string shell_word(const std::string& word) {
+  const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || std::string_view("_-./=,:@%+").find(static_cast<char>(c)) != std::string_view::npos;
+  });
+  if (plain) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+}  // namespace
+
+fs::path usual_store(const std::string& suite, const std::string& part) {
+  std::string name = suite;
+  std::replace(name.begin(), name.end(), '/', '_');
+  std::error_code error;
+  fs::create_directory("results", error);  // where it cannot be, opening the store says why
+  return fs::path("results") / (name + part + ".db");
+}
+
+std::string command_line(const std::vector<std::string>& arguments) {
+  std::string line;
+  for (const std::string& word : arguments) {
+    if (!line.empty()) line += ' ';
+    line += shell_word(word);
+  }
+  return line;
+}
+
+std::string stopped_text(const std::string& what, const std::string& saved, const fs::path& file,
+                         const std::vector<std::string>& arguments) {
+  return fmt::format("stopped{}{}: {} saved in {}; to go on: {}", what.empty() ? "" : " ", what, saved, file.string(),
+                     command_line(arguments));
+}
+
+int usual_threads(bool cluster) {
+  return cluster ? 1 : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+}  // namespace moma::run

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace moma::run {
+
+/// Where results go unless told otherwise: results/NAME.db under the working directory; the folder is made. `part`
+/// stands behind the name, e.g. ".shard-1-of-8".
+std::filesystem::path usual_store(const std::string& suite, const std::string& part = "");
+
+/// Arguments as a shell would take them again.
+std::string command_line(const std::vector<std::string>& arguments);
+
+/// "stopped WHAT: SAVED saved in FILE; to go on: COMMAND".
+std::string stopped_text(const std::string& what, const std::string& saved, const std::filesystem::path& file,
+                         const std::vector<std::string>& arguments);
+
+/// All cores, but one thread for each rank of an mpirun: ranks are usually as many as cores.
+int usual_threads(bool cluster = false);
+
+}  // namespace moma::run

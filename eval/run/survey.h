@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "eval/batch/batch.h"
+
+namespace moma::run {
+
+/// How a suite's worlds are made: by robot and family how many tries a world takes, why tries are rejected, how long it
+/// takes and how long beside a trial (processor time, so that other programs do not count).
+class WorldSurvey {
+ public:
+  struct Tally {
+    MakingLog log;
+    double seconds = 0.0;  ///< spent on making
+    std::uint64_t failed = 0;
+    std::uint64_t trials = 0;
+    double trial_seconds = 0.0;  ///< without the making of the world
+  };
+  using Place = std::pair<std::string, std::string>;  ///< robot, family
+
+  /// Makes about `count` worlds in all, the first ones of each robot and `worlds` section among the points, of which
+  /// there are `trials`.
+  void make_worlds(const std::vector<Point>& points, std::uint64_t count, std::uint64_t trials);
+  /// Computes a job on this thread and counts the trial's time.
+  void run(const Point& point, const BatchJob& job);
+
+  /// Empty where no world had to be made (frozen sets).
+  const std::map<Place, Tally>& tallies() const { return tallies_; }
+  /// Worlds that cannot be made, one sentence per robot and family.
+  const std::vector<std::string>& failures() const { return failures_; }
+
+ private:
+  void make_worlds(const Point& point, std::uint64_t count);
+
+  std::map<Place, Tally> tallies_;
+  std::vector<std::string> failures_;
+};
+
+/// How long trials of a suite take.
+struct TrialTime {
+  double each = 0.0;         ///< [s], by the wall clock
+  std::size_t measured = 0;  ///< trials
+};
+
+/// From trials of about `enough` seconds in all: points in turn, worlds spread over the suite's. They count in
+/// `survey`.
+TrialTime trial_time(const Suite& suite, double enough, WorldSurvey& survey);
+
+/// Worlds 0 .. n-1 of a suite (100,000 at most) by family.
+std::map<std::string, std::uint64_t> family_counts(const Suite& suite);
+
+}  // namespace moma::run

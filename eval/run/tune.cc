@@ -1,0 +1,203 @@
+#include "eval/run/tune.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <unordered_map>
+
+#include "eval/batch/batch.h"
+#include "eval/run/recording.h"
+#include "eval/run/store_file.h"
+#include "eval/store/build_info.h"
+#include "eval/store/database.h"
+#include "eval/store/machine.h"
+#include "eval/store/run_lock.h"
+#include "eval/store/writer.h"
+#include "eval/tune/stored_search.h"
+#include "eval/tune/tuned_file.h"
+
+namespace moma::run {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::atomic<bool> kNever{false};
+
+/// One search into one store.
+class Tune {
+ public:
+  Tune(const TuneRequest& request, const tune::Tuning& tuning, const TuneListener& listener)
+      : request_(request),
+        tuning_(tuning),
+        listener_(listener),
+        file_(request.file.empty() ? usual_store(tuning.suites.front().name) : request.file),
+        gains_(request.gains.empty() ? usual_gains(tuning) : request.gains),
+        threads_(request.threads > 0 ? request.threads : usual_threads()) {}
+
+  Tuned execute() {
+    Tuned tuned;
+    const auto notice = [this](const std::string& text) { listener_.tell(listener_.notice, text); };
+    const store::RunLock lock(file_, stop(), notice);
+    if (!lock.held()) return stopped(std::move(tuned), End::kNeverBegan, "the wait for the store");
+    check_gains_file();
+    tell_plan();
+    tuned.search = search();
+    if (!tuned.search) return stopped(std::move(tuned), End::kStopped, "the search");
+    if (listener_.searched) listener_.searched(*tuned.search);
+    if (request_.verdict) {
+      tuned.verdict = judge(*tuned.search);
+      if (!tuned.verdict) return stopped(std::move(tuned), End::kStopped, "the held-out evaluation");
+      if (listener_.judged) listener_.judged(*tuned.verdict);
+    }
+    write_gains(*tuned.search, tuned.verdict ? &*tuned.verdict : nullptr);
+    tuned.gains = gains_;
+    return tuned;
+  }
+
+ private:
+  /// A search has no use for the suite's own metrics, and a trial without their values would count as missing.
+  static store::SuiteRecord without_metrics(store::SuiteRecord suite) {
+    suite.metrics.clear();
+    return suite;
+  }
+
+  void note(const std::string& text) const { listener_.tell(listener_.note, text); }
+
+  void tell_plan() const {
+    note(fmt::format("{}, on {} thread{}: {}", tune::plan_text(tuning_), threads_, threads_ == 1 ? "" : "s",
+                     file_.string()));
+    note("objective: " + tune::objective_text(tuning_));
+  }
+
+  std::optional<tune::SearchResult> search() {
+    store::Writer writer(file_);
+    const std::string warning = store::file_system_warning(file_);
+    if (!warning.empty()) listener_.tell(listener_.warning, warning);
+    writer.begin(without_metrics(store::describe(tune::searched_suite(tuning_))), {request_.arguments, threads_}, {});
+    store::TuneRecords records(writer, tune::search_record(tuning_));
+    if (records.present() > 0) note(fmt::format("{} evaluations are stored: going on from there", records.present()));
+    tune::StoredTrials trials(writer);
+    tune::StoredLog log(records);
+    tune::TrialObjective objective(tuning_, trials, threads_, &stop());
+    objective.on_trial = [this] {
+      if (listener_.trial) listener_.trial();
+    };
+    try {
+      tune::SearchResult result = tune::search(tune::search_settings(tuning_), objective, log, listener_.evaluation);
+      progress_end();
+      records.finish(tune::result_record(result));
+      writer.finish(store::RunStatus::kFinished);
+      tell_counts(objective.counts());
+      return result;
+    } catch (const tune::Interrupted&) {
+      progress_end();
+      records.stopped();
+      writer.finish(store::RunStatus::kStopped);
+      return std::nullopt;
+    }
+  }
+
+  void tell_counts(const tune::TrialCounts& counts) const {
+    note(fmt::format("{} trials computed, {} taken from the store", counts.computed, counts.reused));
+    if (counts.errors > 0) {
+      listener_.tell(listener_.warning,
+                     fmt::format("{} trials ended with an error; the first: {}", counts.errors, counts.first_error));
+    }
+  }
+
+  std::optional<tune::HeldOutVerdict> judge(const tune::SearchResult& result) {
+    const tune::HeldOut held_out = tune::make_held_out(tuning_, result.found);
+    std::vector<store::Wanted> wanted;
+    for (const BatchJob& job : held_out.jobs) wanted.push_back({job.point, job.world, job.key});
+    store::Writer writer(file_);
+    const auto present =
+        writer.begin(without_metrics(store::describe(held_out.suite)), {request_.arguments, threads_}, wanted);
+    std::unordered_map<std::string, TrialRow> rows;
+    for (const std::string& key : present) rows.emplace(key, *writer.find(key));
+    note(fmt::format("held-out worlds: {} trials, {} of them already there", held_out.jobs.size(), present.size()));
+    BatchOptions batch;
+    batch.threads = threads_;
+    batch.stop = &stop();
+    batch.skip = &present;
+    batch.progress = listener_.progress;
+    batch.finish = [samples = held_out.suite.samples](const Point&, BatchResult& done) {
+      drop_samples(samples, done.output);
+    };
+    const std::vector<Point>& points = held_out.suite.points;
+    const BatchSummary summary = run_batch(points, held_out.jobs, batch, [&](const BatchJob& job, BatchResult&& done) {
+      const TrialRow& row = done.output.row;
+      const Trace& trace = done.output.trace;
+      writer.add({job.point, job.world, job.key}, world_record(points[job.point], job, done), row,
+                 trace.empty() ? nullptr : &trace);
+      rows.emplace(job.key, row);
+      return true;
+    });
+    progress_end();
+    writer.finish(summary.stopped ? store::RunStatus::kStopped : store::RunStatus::kFinished);
+    if (summary.stopped) return std::nullopt;
+    std::vector<TrialRow> in_order;
+    for (const BatchJob& job : held_out.jobs) in_order.push_back(rows.at(job.key));
+    tune::HeldOutVerdict verdict = tune::judge(tuning_, held_out, in_order);
+    store::TuneRecords records(writer, tune::search_record(tuning_));
+    records.finish(tune::result_record(result));
+    records.verdict(writer.suite_name(), verdict.rows, std::string(tune::to_string(verdict.overall)));
+    return verdict;
+  }
+
+  void write_gains(const tune::SearchResult& result, const tune::HeldOutVerdict* verdict) const {
+    const std::string commit = store::kGitCommit;
+    const std::string provenance = fmt::format(
+        "Suite {}, seed {}, on {}, moma {}{}.\nObjective: {}", tuning_.file.filename().string(), tuning_.config.seed,
+        store::utc_now().substr(0, 10), store::kVersion,
+        commit.empty() ? "" : fmt::format(" ({}{})", commit.substr(0, 12), store::kGitDirty ? ", changed" : ""),
+        tune::objective_text(tuning_));
+    std::ofstream stream(gains_);
+    stream << tune::tuned_file(tuning_, result, verdict, provenance);
+    if (!stream.flush()) throw RunError(fmt::format("{}: could not be written", gains_.string()));
+  }
+
+  /// Now rather than after half an hour.
+  void check_gains_file() const {
+    {
+      std::ofstream probe(gains_, std::ios::app);
+      if (!probe) throw RunError(fmt::format("{}: cannot be written; name another file with --gains", gains_.string()));
+    }
+    std::error_code ignored;
+    if (fs::file_size(gains_, ignored) == 0) fs::remove(gains_, ignored);
+  }
+
+  Tuned stopped(Tuned tuned, End end, const std::string& what) const {
+    tuned.end = end;
+    tuned.stopped = stopped_text("during " + what, "everything measured is", file_, request_.arguments);
+    return tuned;
+  }
+
+  void progress_end() const {
+    if (listener_.progress_end) listener_.progress_end();
+  }
+
+  const std::atomic<bool>& stop() const { return request_.stop != nullptr ? *request_.stop : kNever; }
+
+  const TuneRequest& request_;
+  const tune::Tuning& tuning_;
+  const TuneListener& listener_;
+  fs::path file_;
+  fs::path gains_;
+  int threads_;
+};
+
+}  // namespace
+
+fs::path usual_gains(const tune::Tuning& tuning) {
+  if (!tuning.config.output.empty()) return fs::path(tuning.config.output).lexically_normal();
+  const std::string name = tuning.config.controller + "-tuned.yaml";
+  const fs::path usual = "configs/controllers";
+  std::error_code error;
+  return fs::is_directory(usual, error) ? usual / name : fs::path(name);
+}
+
+Tuned tune(const TuneRequest& request, const tune::Tuning& tuning, const TuneListener& listener) {
+  return Tune(request, tuning, listener).execute();
+}
+
+}  // namespace moma::run

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "controller/describe/describe.h"
+#include "eval/search/evaluation.h"
+#include "eval/search/objective.h"
+#include "eval/search/variables.h"
+
+namespace moma::tune {
+
+/// A candidate is cut short when, after a block of worlds, its mean cost on the worlds met so far is above the
+/// incumbent's on the same worlds and the paired one-sided Wilcoxon signed-rank test says so with p < `significance`.
+/// Both are asked for: the rank test alone would cut a candidate that is a little slower in most worlds but
+/// succeeds in a few more. The incumbent is the best fully measured candidate, by merit.
+struct Racing {
+  bool enabled = true;
+  std::size_t first = 10;
+  std::size_t block = 10;
+  double significance = 0.01;
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Racing>) {
+  using T = Racing;
+  v.member("first", &T::first, {.range = {2, 1'000'000}, .text = "worlds before the first look"});
+  v.member("block", &T::block, {.range = {1, 1'000'000}, .text = "worlds between looks"});
+  v.member("significance", &T::significance,
+           {.unit = "1", .range = {0.0, 0.5, true, false}, .text = "of the rank test, per look"});
+}
+inline bool from_word(std::string_view word, Racing& racing) { return word == "none" && !(racing.enabled = false); }
+
+struct EvaluatorSettings {
+  std::vector<Variable> variables;
+  std::vector<Constraint> constraints;
+  std::vector<std::uint64_t> worlds;  ///< shuffled; the first `search_worlds` make a full score
+  std::size_t search_worlds = 0;
+  std::uint64_t budget = 0;  ///< world measurements of the whole search
+  Racing racing;
+  double penalty = 0.0;  ///< merit per violation; 0: the size of the start's cost, at least 1
+};
+
+/// Where the search stands, for a person.
+struct Progress {
+  Phase phase = Phase::kStart;
+  std::uint64_t evaluations = 0;
+  std::uint64_t cut = 0;
+  std::uint64_t trials = 0;  ///< of `budget`
+  std::uint64_t budget = 0;
+  bool replayed = false;  ///< the last one came from the log
+  const Evaluation* last = nullptr;
+  const Evaluation* best = nullptr;  ///< fully measured, null before the first
+};
+
+/// Measures candidates: memory, racing, budget, log. Everything it does is a function of its settings and the
+/// sequence of calls, never of time, threads or what the log already held.
+class Evaluator {
+ public:
+  Evaluator(EvaluatorSettings settings, Objective& objective, EvaluationLog& log,
+            std::function<void(const Progress&)> progress = {});
+
+  /// A full or cut score on the search's worlds. A candidate met before is answered from memory and logs nothing.
+  const Evaluation& score(const Candidate& candidate, Phase phase, int run);
+  /// Measures without racing on the first `count` worlds of the order.
+  const Evaluation& extend(const Candidate& candidate, std::size_t count, Phase phase);
+
+  bool knows(const Candidate& candidate) const { return known_.contains(candidate); }
+  std::uint64_t trials() const { return trials_; }
+  /// Measurements that cutting short left out so far.
+  std::uint64_t trials_saved() const { return saved_; }
+  const Evaluation* best() const { return best_ < 0 ? nullptr : &history_[static_cast<std::size_t>(best_)]; }
+  const std::deque<Evaluation>& history() const { return history_; }
+  const EvaluatorSettings& settings() const { return settings_; }
+  /// Cost per world of a candidate, in the order of the worlds.
+  std::vector<double> costs(const Candidate& candidate) const;
+  double penalty() const { return penalty_; }
+  /// Sum of the constraints' relative excesses: max(0, mean - bound) / max(|bound|, 0.01).
+  double violation(std::span<const double> constraint_means) const;
+
+ private:
+  struct Known {
+    std::vector<double> values;  ///< worlds x width
+    std::size_t latest = 0;      ///< its latest evaluation in the history
+  };
+  bool race_lost(const Known& known, std::size_t worlds) const;
+  void summarise(Evaluation& evaluation, const std::vector<double>& values) const;
+  void estimate(Evaluation& evaluation) const;
+  const Evaluation& conclude(Evaluation evaluation, Known& known, const Evaluation* stored);
+  std::optional<Evaluation> logged(const Evaluation& begun);
+  void take(Evaluation& evaluation, Known& known, std::size_t count, const std::optional<Evaluation>& stored);
+
+  EvaluatorSettings settings_;
+  Objective& objective_;
+  EvaluationLog& log_;
+  std::function<void(const Progress&)> report_;
+  std::map<Candidate, Known> known_;
+  std::deque<Evaluation> history_;  // references to evaluations stay valid
+  long long best_ = -1;
+  std::uint64_t trials_ = 0;
+  std::uint64_t saved_ = 0;
+  std::uint64_t cuts_ = 0;
+  double penalty_ = 1.0;
+};
+
+}  // namespace moma::tune

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace moma::tune {
+
+/// Draws of a search: pure functions of (seed, stream, position), by Philox 4x64 (Random123).
+enum class SearchStream : std::uint64_t { kShuffle = 1, kNlopt = 2, kStarts = 3, kNeighbours = 4 };
+
+std::uint64_t bits(std::uint64_t seed, SearchStream stream, std::uint64_t position) noexcept;
+/// In [0, 1), 53 bits.
+double uniform(std::uint64_t seed, SearchStream stream, std::uint64_t position) noexcept;
+/// Fisher-Yates over `values`; `part` keeps several shuffles of one search apart.
+void shuffle(std::vector<std::uint64_t>& values, std::uint64_t seed, std::uint64_t part);
+
+}  // namespace moma::tune

@@ -1,0 +1,262 @@
+#include "eval/search/search.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <stdexcept>
+
+#include "eval/search/confirm.h"
+#include "eval/search/nlopt_run.h"
+#include "eval/search/nlopt_scores.h"
+#include "eval/search/random.h"
+
+namespace moma::tune {
+namespace {
+
+constexpr double kLocalApart = 0.1;  // local searches start at least this far from each other
+constexpr double kAtBound = 0.01;    // of a gain's range
+// Cutting short makes an evaluation cheaper than all its worlds; measured on the test problems, and only used to
+// choose a population that leaves a global algorithm time to do more than draw its first points.
+constexpr double kCheaper = 2.5;
+
+class Searcher {
+ public:
+  Searcher(const SearchSettings& settings, Evaluator& evaluator, SearchResult& result)
+      : settings_(settings),
+        evaluator_(evaluator),
+        result_(result),
+        plan_(settings.plan.empty() ? default_plan() : settings.plan) {}
+
+  void run(std::uint64_t limit) {
+    const Candidate start = start_of(settings_.variables);
+    evaluator_.score(start, Phase::kStart, 0);
+    const std::uint64_t begin = evaluator_.trials();
+    const auto starts = static_cast<std::uint64_t>(settings_.starts);
+    for (std::uint64_t s = 0; s < starts; ++s) {
+      const std::uint64_t to = begin + (limit - begin) / starts * (s + 1);
+      run_plan(static_cast<int>(s), s + 1 == starts ? limit : to);
+    }
+  }
+
+ private:
+  bool affords(std::uint64_t limit) const { return evaluator_.trials() + settings_.worlds.size() <= limit; }
+
+  std::vector<double> random_unit(std::uint64_t which) const {
+    std::vector<double> unit(settings_.variables.size());
+    for (std::size_t i = 0; i < unit.size(); ++i)
+      unit[i] = uniform(settings_.seed, SearchStream::kStarts, (which << 20) | i);
+    return unit;
+  }
+
+  void run_plan(int start, std::uint64_t limit) {
+    const std::size_t first = start == 0 ? 0 : evaluator_.history().size();
+    std::vector<double> origin = start == 0 ? to_unit(settings_.variables, start_of(settings_.variables))
+                                            : random_unit(static_cast<std::uint64_t>(start));
+    const std::uint64_t begin = evaluator_.trials();
+    for (std::size_t i = 0; i < plan_.size(); ++i) {
+      const PlanStep& step = plan_[i];
+      const bool last = i + 1 == plan_.size();
+      double share = step.share;
+      if (share <= 0.0) share = last ? 1.0 : 0.5;
+      const auto slice = static_cast<std::uint64_t>(share * static_cast<double>(limit - begin));
+      const std::uint64_t to = last ? limit : std::min(limit, evaluator_.trials() + slice);
+      const AlgorithmInfo* inner = nullptr;
+      if (step.algorithm->needs_local) {
+        inner = &find_algorithm("LN_BOBYQA");
+        if (!last && !plan_[i + 1].algorithm->global && !plan_[i + 1].algorithm->needs_local) {
+          inner = plan_[i + 1].algorithm;
+        }
+      }
+      if (step.algorithm->global) {
+        run_once(step, inner, start, origin, Phase::kGlobal, to);
+      } else {
+        run_local(step, inner, start, origin, first, to);
+      }
+    }
+  }
+
+  // From the best candidate of this start, then from the next best that is elsewhere, then from anywhere.
+  void run_local(const PlanStep& step, const AlgorithmInfo* inner, int start, const std::vector<double>& origin,
+                 std::size_t first, std::uint64_t limit) {
+    std::vector<Candidate> begun;
+    for (std::uint64_t again = 0; affords(limit) && idle_ < 3; ++again) {
+      std::vector<double> from = origin;
+      const auto& history = evaluator_.history();
+      const std::deque<Evaluation> own(history.begin() + static_cast<std::ptrdiff_t>(first), history.end());
+      const std::vector<Evaluation> best = best_of(settings_.variables, own, begun.size() + 1, kLocalApart);
+      const auto fresh = std::find_if(best.begin(), best.end(), [&](const Evaluation& e) {
+        return std::none_of(begun.begin(), begun.end(), [&](const Candidate& b) {
+          return distance(settings_.variables, e.candidate, b) < kLocalApart;
+        });
+      });
+      if (fresh != best.end()) {
+        from = to_unit(settings_.variables, fresh->candidate);
+      } else if (again > 0) {
+        from = random_unit((static_cast<std::uint64_t>(start + 1) << 16) | again);
+      }
+      begun.push_back(from_unit(settings_.variables, from));
+      run_once(step, inner, start, from, Phase::kLocal, limit);
+    }
+    idle_ = 0;
+  }
+
+  std::size_t population(const PlanStep& step, std::uint64_t trials) const {
+    if (step.population > 0 || !step.algorithm->has_population || step.algorithm->needs_local) return step.population;
+    const std::size_t n = settings_.variables.size();
+    const double evaluations = kCheaper * static_cast<double>(trials) / static_cast<double>(settings_.worlds.size());
+    return std::clamp(static_cast<std::size_t>(evaluations / 4), n + 2, 10 * (n + 1));
+  }
+
+  void run_once(const PlanStep& step, const AlgorithmInfo* inner, int start, const std::vector<double>& from,
+                Phase phase, std::uint64_t limit) {
+    const std::uint64_t trials = evaluator_.trials();
+    const std::size_t evaluations = evaluator_.history().size();
+    const int number = static_cast<int>(result_.runs.size());
+    NloptRun run;
+    run.algorithm = step.algorithm;
+    run.inner = inner;
+    run.start = from;
+    run.constraints = step.algorithm->takes_constraints ? settings_.constraints.size() : 0;
+    run.seed = bits(settings_.seed, SearchStream::kNlopt, static_cast<std::uint64_t>(number)) >> 33;
+    run.population = population(step, limit > trials ? limit - trials : 0);
+    run.initial_step = settings_.initial_step;
+    run.tolerance = settings_.tolerance;
+
+    NloptScores told;
+    std::map<Candidate, double> heard;  // the same point again gets the same answer
+    std::size_t repeats = 0;
+    const std::size_t most_repeats = 1000 + 100 * from.size();
+    const std::string end = run_nlopt(run, [&](std::span<const double> unit) -> std::optional<Told> {
+      const Candidate candidate = from_unit(settings_.variables, unit);
+      const std::size_t before = evaluator_.history().size();
+      if (!evaluator_.knows(candidate) && !affords(limit)) return std::nullopt;
+      const Evaluation& e = evaluator_.score(candidate, phase, number);
+      // A search that only meets what it knows (few whole numbers, a degenerate simplex) would never end.
+      repeats = evaluator_.history().size() > before ? 0 : repeats + 1;
+      if (repeats > most_repeats) return std::nullopt;
+      const double value =
+          run.constraints == 0 ? e.merit : e.merit - evaluator_.penalty() * evaluator_.violation(e.constraints);
+      Told answer;
+      const auto known = heard.find(candidate);
+      answer.value = known != heard.end() ? known->second : heard.emplace(candidate, told(value, e.cut)).first->second;
+      for (std::size_t k = 0; k < run.constraints; ++k) {
+        answer.constraints.push_back(e.constraints[k] - settings_.constraints[k].at_most);
+      }
+      return answer;
+    });
+    RunNote note;
+    note.algorithm = std::string(step.algorithm->name);
+    note.start = start;
+    note.trials = evaluator_.trials() - trials;
+    note.evaluations = evaluator_.history().size() - evaluations;
+    note.end = repeats > most_repeats ? "met nothing new" : end;
+    idle_ = note.evaluations == 0 ? idle_ + 1 : 0;
+    result_.runs.push_back(std::move(note));
+  }
+
+  const SearchSettings& settings_;
+  Evaluator& evaluator_;
+  SearchResult& result_;
+  std::vector<PlanStep> plan_;
+  int idle_ = 0;  // runs in a row that measured nothing
+};
+
+void check(const SearchSettings& s) {
+  const auto fail = [](const std::string& message) { throw std::invalid_argument(message); };
+  if (s.variables.empty()) fail("variables: name at least one key to search");
+  for (const Variable& v : s.variables) check(v);
+  if (s.worlds.empty()) fail("worlds: a search needs at least one");
+  if (s.budget == 0) fail("budget.trials is 0: give the number of trials that the search may use");
+  if (s.budget < 2 * s.worlds.size()) {
+    fail(
+        fmt::format("budget.trials {} does not reach for two candidates in {} worlds; raise it to {} or more, or use "
+                    "fewer worlds",
+                    s.budget, s.worlds.size(), 20 * s.worlds.size()));
+  }
+  if (s.starts < 1) fail("starts must be at least 1");
+  for (const PlanStep& step : s.plan) {
+    const int most = step.algorithm->most_variables;
+    if (most > 0 && s.variables.size() > static_cast<std::size_t>(most)) {
+      fail(fmt::format("algorithm {} takes at most {} variables, not {}", step.algorithm->name, most,
+                       s.variables.size()));
+    }
+  }
+}
+
+void add_notes(const SearchSettings& settings, const Confirmation& fitted, SearchResult& result) {
+  if (!settings.constraints.empty()) {
+    for (const PlanStep& step : settings.plan.empty() ? default_plan() : settings.plan) {
+      result.notes.push_back(step.algorithm->takes_constraints
+                                 ? fmt::format("{} takes the constraints as they are", step.algorithm->name)
+                                 : fmt::format("{} takes no constraints: the cost grows by {:.4g} for an excess as "
+                                               "large as the bound itself",
+                                               step.algorithm->name, result.penalty));
+    }
+  }
+  if (fitted.candidates == 0) {
+    result.notes.emplace_back(
+        "the budget leaves no room to confirm the best candidates on other worlds: the best "
+        "score of the search was taken");
+  } else if (fitted.candidates < settings.confirmation.candidates ||
+             fitted.neighbours < settings.confirmation.neighbours) {
+    result.notes.push_back(fmt::format("confirmation was held to a quarter of the budget: {} candidates, {} neighbours",
+                                       fitted.candidates, fitted.neighbours));
+  }
+  for (std::size_t i = 0; i < settings.variables.size(); ++i) {
+    const Variable& v = settings.variables[i];
+    const double u = to_unit(v, result.found[i]);
+    if (u > kAtBound && u < 1.0 - kAtBound) continue;
+    result.notes.push_back(fmt::format("{} = {} is at the {} bound of its range [{}, {}]: a wider range may do better",
+                                       v.key, to_text(result.found[i]), u < 0.5 ? "lower" : "upper", v.lower, v.upper));
+  }
+}
+
+}  // namespace
+
+std::vector<PlanStep> default_plan() {
+  return {{&find_algorithm("GN_CRS2_LM"), 0.5, 0}, {&find_algorithm("LN_BOBYQA"), 0.0, 0}};
+}
+
+bool SearchResult::operator==(const SearchResult& o) const {
+  return start == o.start && found == o.found && finalists == o.finalists && runs == o.runs && history == o.history &&
+         sensitivity == o.sensitivity && trials == o.trials && trials_saved == o.trials_saved &&
+         evaluations_cut == o.evaluations_cut && penalty == o.penalty && notes == o.notes;
+}
+
+SearchResult search(const SearchSettings& settings, Objective& objective, EvaluationLog& log,
+                    const std::function<void(const Progress&)>& progress) {
+  check(settings);
+  EvaluatorSettings evaluation;
+  evaluation.variables = settings.variables;
+  evaluation.constraints = settings.constraints;
+  evaluation.search_worlds = settings.worlds.size();
+  evaluation.budget = settings.budget;
+  evaluation.racing = settings.racing;
+  evaluation.penalty = settings.penalty;
+  evaluation.worlds = settings.worlds;
+  shuffle(evaluation.worlds, settings.seed, 0);
+  std::vector<std::uint64_t> further = settings.confirm_worlds;
+  shuffle(further, settings.seed, 1);
+  evaluation.worlds.insert(evaluation.worlds.end(), further.begin(), further.end());
+
+  Confirmation fitted;
+  const std::uint64_t reserved = fit_confirmation(settings, fitted);
+  Evaluator evaluator(std::move(evaluation), objective, log, progress);
+  SearchResult result;
+  Searcher(settings, evaluator, result).run(settings.budget - reserved);
+  result.finalists = confirm(settings, fitted, evaluator);
+  result.start = start_of(settings.variables);
+  result.found = result.finalists.front().candidate;
+  result.trials = evaluator.trials();
+  result.sensitivity = sensitivity(settings.sensitivity, result.found, evaluator);
+  result.importance = importance(settings.variables, evaluator.history());
+  result.history = evaluator.history();
+  result.trials_saved = evaluator.trials_saved();
+  for (const Evaluation& e : result.history) result.evaluations_cut += e.cut ? 1 : 0;
+  result.penalty = evaluator.penalty();
+  add_notes(settings, fitted, result);
+  return result;
+}
+
+}  // namespace moma::tune

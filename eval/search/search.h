@@ -1,0 +1,113 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "eval/search/algorithms.h"
+#include "eval/search/evaluation.h"
+#include "eval/search/evaluator.h"
+#include "eval/search/objective.h"
+#include "eval/search/sensitivity.h"
+#include "eval/search/variables.h"
+
+namespace moma::tune {
+
+/// One algorithm of a plan. A global one gets `share` of the budget; local ones get what is left.
+struct PlanStep {
+  const AlgorithmInfo* algorithm = nullptr;
+  double share = 0.0;          ///< of a start's budget; 0: default (half for a global one with a local after it)
+  std::size_t population = 0;  ///< 0: chosen from the budget
+};
+
+/// After the search: the best few candidates are measured on worlds that took no part in it (a score that won a
+/// contest is too good on the contest's own worlds), and so are neighbours of each on the search's worlds: of two
+/// candidates with equal scores the one whose neighbours do well too is the safer one.
+struct Confirmation {
+  std::size_t candidates = 5;
+  std::size_t worlds = 100;
+  std::size_t neighbours = 8;  ///< all variables moved by +-radius, signs at random, in pairs
+  double radius = 0.04;
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Confirmation>) {
+  using T = Confirmation;
+  v.member("candidates", &T::candidates, {.range = {1, 1000}, .text = "so many of the best are measured again"});
+  v.member("worlds", &T::worlds, {.range = {0, 1'000'000}, .text = "further ones; as many as the search's by default"});
+  v.member("neighbours", &T::neighbours, {.range = {0, 1000}, .text = "of each candidate, on the search's worlds"});
+  v.member("radius", &T::radius,
+           {.unit = "1", .range = {0.0, 0.5, true, false}, .text = "to the neighbours, in the unit cube"});
+}
+inline bool from_word(std::string_view word, Confirmation& confirmation) {
+  if (word != "none") return false;
+  confirmation.candidates = confirmation.worlds = confirmation.neighbours = 0;
+  return true;
+}
+
+struct SearchSettings {
+  std::vector<Variable> variables;
+  std::vector<Constraint> constraints;
+  std::vector<std::uint64_t> worlds;          ///< of the search
+  std::vector<std::uint64_t> confirm_worlds;  ///< others, for the best few
+  std::uint64_t budget = 0;                   ///< measurements (trials) of search and confirmation together
+  std::vector<PlanStep> plan;                 ///< empty: default_plan()
+  int starts = 1;                             ///< independent searches that share the budget; the first from `start`
+  std::uint64_t seed = 1;
+  Racing racing;
+  Confirmation confirmation;
+  SensitivitySettings sensitivity;
+  double penalty = 0.0;       ///< see EvaluatorSettings
+  double initial_step = 0.2;  ///< of local algorithms, in the unit cube
+  double tolerance = 0.004;
+};
+
+/// GN_CRS2_LM for half of the budget, then LN_BOBYQA from the best: the best of the plans tried on noisy test
+/// problems of 6 and 12 variables (docs/tuning.md has the table).
+std::vector<PlanStep> default_plan();
+
+struct Finalist {
+  Candidate candidate;
+  double search_merit = 0.0;  ///< on the search's worlds
+  double merit = 0.0;         ///< on the search's and the confirming worlds
+  double neighbours = 0.0;    ///< mean merit of the neighbours, on the search's worlds; = search_merit without any
+  double robust = 0.0;        ///< mean of `merit` and `neighbours`: the smallest is chosen
+  std::size_t worlds = 0;
+  bool operator==(const Finalist&) const = default;
+};
+
+struct RunNote {
+  std::string algorithm;
+  int start = 0;
+  std::uint64_t trials = 0;
+  std::size_t evaluations = 0;
+  std::string end;  ///< why it ended
+  bool operator==(const RunNote&) const = default;
+};
+
+struct SearchResult {
+  Candidate start;
+  Candidate found;
+  std::vector<Finalist> finalists;  ///< best first
+  std::vector<RunNote> runs;
+  std::deque<Evaluation> history;
+  Sensitivity sensitivity;         ///< around `found`
+  std::vector<double> importance;  ///< per variable, over the search
+  std::uint64_t trials = 0;        ///< of the budget: measured by search and confirmation
+  std::uint64_t trials_saved = 0;  ///< by cutting short
+  std::uint64_t evaluations_cut = 0;
+  double penalty = 0.0;
+  std::vector<std::string> notes;  ///< constraints by penalty, gains at a bound, confirmation left out, ...
+  /// All but `importance`, which may hold NaN and follows from the rest.
+  bool operator==(const SearchResult& other) const;
+};
+
+/// The whole search: start, plan, confirmation. Deterministic: the same settings and objective give the same bits
+/// whatever the log already holds (a log of the same search saves its measurements). Throws std::invalid_argument
+/// for settings that make no sense, Interrupted when the objective was asked to stop, ReplayError.
+SearchResult search(const SearchSettings& settings, Objective& objective, EvaluationLog& log,
+                    const std::function<void(const Progress&)>& progress = {});
+
+}  // namespace moma::tune

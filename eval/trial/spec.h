@@ -1,0 +1,78 @@
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "controller/config/robot_file.h"
+#include "controller/describe/describe.h"
+#include "controller/params.h"
+#include "plugin/host/plugin.h"
+#include "world/plant/plant.h"
+#include "world/sensing/disturbances.h"
+
+namespace moma {
+
+/// Within both tolerances at every sample for so long (rules.h).
+struct SuccessRule {
+  double position = 0.02;     ///< [m]
+  double orientation = 0.05;  ///< [rad]
+  double dwell = 0.2;         ///< [s]
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<SuccessRule>) {
+  using T = SuccessRule;
+  v.member("position", &T::position, {.unit = "m", .range = {0.0, 10.0, true, false}, .text = "tolerance"});
+  v.member("orientation", &T::orientation, {.unit = "rad", .range = {0.0, 3.15, true, false}, .text = "tolerance"});
+  v.member("dwell", &T::dwell, {.unit = "s", .range = {0.0, 3600.0}, .text = "within both for so long"});
+}
+
+struct StuckRule {
+  double time = 2.0;       ///< [s]
+  double motion = 0.0005;  ///< [m or rad]
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<StuckRule>) {
+  using T = StuckRule;
+  v.member("time", &T::time,
+           {.unit = "s", .range = Range::positive_or_inf(), .text = "still over both halves of it; .inf: never stuck"});
+  v.member("motion", &T::motion,
+           {.unit = "m or rad", .range = {0.0, 1.0, true, false}, .text = "of each coordinate; less counts as still"});
+}
+
+struct InfeasibleRule {
+  double time = 0.5;  ///< [s]
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<InfeasibleRule>) {
+  v.member("time", &InfeasibleRule::time,
+           {.unit = "s", .range = Range::positive_or_inf(), .text = "the controller brakes for so long on end"});
+}
+
+/// All that decides a trial besides its world: robot, controller, simulation, the rules by which it ends, disturbances.
+/// A suite makes one for each of its points; a program of one's own can fill it by hand. trial_key() digests
+/// what is resolved here.
+struct TrialSpec {
+  std::shared_ptr<const config::LoadedRobot> robot;
+  std::string robot_digest;  ///< XXH3-128 of robot->resolved, 32 hex digits; shared by all specs of a robot
+  ControllerParams controller_params;
+  std::shared_ptr<const Plugin> plugin;  ///< with `method: plugin`: stands in for controller_params
+  /// All of its parameters. Of a plugin: the digest of its library and the parameters handed over, not the path, so
+  /// that trials are known again wherever the library lies.
+  nlohmann::ordered_json controller_resolved;
+  SimulationConfig simulation;
+  SuccessRule success;
+  StuckRule stuck;
+  InfeasibleRule infeasible;
+  Disturbances disturbances;  ///< all off by default
+};
+
+/// Whether the controller is one of moma's QPs.
+inline bool has_qp(const TrialSpec& spec) noexcept {
+  return spec.plugin == nullptr && spec.controller_params.method == Method::kQp;
+}
+
+}  // namespace moma

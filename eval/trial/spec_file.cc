@@ -1,0 +1,65 @@
+#include "eval/trial/spec_file.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "controller/config/read_described.h"
+#include "controller/config/write_described.h"
+
+namespace moma {
+
+using config::MapReader;
+using config::Node;
+
+SimulationConfig read_simulation(const Node& node, const std::string& key) {
+  SimulationConfig simulation;
+  MapReader in(node, key);
+  config::read_members(in, simulation);
+  in.finish();
+  if (simulation.mode == SimulationMode::kDynamic) {
+    const double ratio = simulation.control_period / simulation.physics_step;
+    in.check(ratio > 0.5 && std::abs(ratio - std::round(ratio)) < 1e-9 * ratio, "control_period",
+             fmt::format("{} s is not a whole multiple of physics_step ({} s)", simulation.control_period,
+                         simulation.physics_step));
+  }
+  in.check(
+      simulation.time_limit >= simulation.control_period, "time_limit",
+      fmt::format("{} s is shorter than one control period ({} s)", simulation.time_limit, simulation.control_period));
+  return simulation;
+}
+
+SuccessRule read_success(const Node& node, const std::string& key, const SimulationConfig& simulation) {
+  SuccessRule success;
+  MapReader in(node, key);
+  config::read_members(in, success);
+  in.finish();
+  in.check(success.dwell < simulation.time_limit, "dwell",
+           fmt::format("{} s does not fit into the time limit of {} s: no trial could succeed", success.dwell,
+                       simulation.time_limit));
+  return success;
+}
+
+StuckRule read_stuck(const Node& node, const std::string& key, const SimulationConfig& simulation) {
+  StuckRule stuck;
+  MapReader in(node, key);
+  config::read_members(in, stuck);
+  in.finish();
+  in.check(stuck.time >= 2.0 * simulation.control_period, "time",
+           fmt::format("half of {} s is shorter than the control period of {} s; .inf switches the rule off",
+                       stuck.time, simulation.control_period));
+  return stuck;
+}
+
+InfeasibleRule read_infeasible(const Node& node, const std::string& key) {
+  InfeasibleRule infeasible;
+  config::read_described(node, key, infeasible);
+  return infeasible;
+}
+
+nlohmann::ordered_json to_json(const SimulationConfig& simulation) { return config::write_described(simulation); }
+nlohmann::ordered_json to_json(const SuccessRule& success) { return config::write_described(success); }
+nlohmann::ordered_json to_json(const StuckRule& stuck) { return config::write_described(stuck); }
+nlohmann::ordered_json to_json(const InfeasibleRule& infeasible) { return config::write_described(infeasible); }
+
+}  // namespace moma

@@ -1,0 +1,41 @@
+#include "eval/run/row_warnings.h"
+
+#include <gtest/gtest.h>
+
+namespace moma::run {
+namespace {
+
+TEST(RowWarnings, AreSilentWhereThereAreNone) {
+  RowWarnings found;
+  TrialRow row;
+  row.detector_checks = 50;
+  for (const Outcome outcome : {Outcome::kSuccess, Outcome::kCollision, Outcome::kTimeout, Outcome::kTipped}) {
+    row.outcome = outcome;
+    found.look(row);
+  }
+  EXPECT_TRUE(found.sentences().empty());
+}
+
+TEST(RowWarnings, SayEachKindWithItsTrials) {
+  RowWarnings found;
+  TrialRow row;
+  row.outcome = Outcome::kCollision;
+  row.detector_disagreements = 2;
+  row.detector_deepest_m = 3e-5;
+  found.look(row);
+  row.detector_deepest_m = 2e-5;
+  row.lcp_messages = 4;
+  found.look(row);
+  row = {};
+  row.outcome = Outcome::kError;
+  found.look(row);
+  const std::vector<std::string> warnings = found.sentences();
+  ASSERT_EQ(warnings.size(), 3u);
+  EXPECT_NE(warnings[0].find("2 trials where the two detectors of contact disagree, by 3e-05 m"), std::string::npos)
+      << warnings[0];
+  EXPECT_NE(warnings[1].find("1 trial with messages"), std::string::npos) << warnings[1];
+  EXPECT_NE(warnings[2].find("outcome = 'error'"), std::string::npos) << warnings[2];
+}
+
+}  // namespace
+}  // namespace moma::run
