@@ -16,7 +16,6 @@ find_package(yaml-cpp REQUIRED)
 find_package(nlohmann_json REQUIRED)
 if(MOMA_BUILD_EVALUATION)
   find_package(fmt REQUIRED)
-  find_package(spdlog REQUIRED)
   find_package(CLI11 REQUIRED)
   find_package(SQLite3 REQUIRED)
   find_package(SQLiteCpp REQUIRED)
@@ -30,6 +29,12 @@ if(MOMA_BUILD_EVALUATION)
 endif()
 find_package(eiquadprog QUIET)
 find_package(qpOASES QUIET)
+
+# moma_link_packaged(TARGET NAME LIBRARY): links LIBRARY in the build; what is installed links moma::NAME, which
+# momaConfig.cmake makes of the copy in the installed prefix, or of the package that is on the system.
+function(moma_link_packaged target name library)
+  target_link_libraries(${target} PRIVATE "$<BUILD_INTERFACE:${library}>" "$<INSTALL_INTERFACE:moma::${name}>")
+endfunction()
 
 # DAQP has no CMake package: its C sources, fetched and checked by scripts/setup.sh, become a static library.
 set(DAQP_SOURCE_DIR "${CMAKE_CURRENT_SOURCE_DIR}/.deps/daqp-0.11.0/csrc" CACHE PATH "Folder with DAQP's include/ and src/")

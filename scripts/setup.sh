@@ -15,7 +15,7 @@ say() { printf 'setup: %s\n' "$*" >&2; }
 packages=(
   build-essential ca-certificates ccache cmake ninja-build pkg-config python3-venv
   libode-dev libeigen3-dev liburdfdom-dev libnlopt-cxx-dev libsqlite3-dev libsqlitecpp-dev libyaml-cpp-dev
-  nlohmann-json3-dev libcli11-dev libfmt-dev libspdlog-dev librandom123-dev libzstd-dev libxxhash-dev zlib1g-dev
+  nlohmann-json3-dev libcli11-dev libfmt-dev librandom123-dev libzstd-dev libxxhash-dev zlib1g-dev
   libcpp-httplib-dev
   libopenmpi-dev openmpi-bin
   libgtest-dev librapidcheck-dev libbenchmark-dev clang-format sqlite3

@@ -35,14 +35,6 @@ Mark mark_of(const Node& root, const std::string& key) {
   return node->mark;
 }
 
-std::string placed(const Mark& mark, const std::string& key, const std::string& message) {
-  try {
-    fail(mark, key, message);
-  } catch (const ConfigError& e) {
-    return e.what();
-  }
-}
-
 }  // namespace
 
 ControllerParams read_controller(const Node& node, const std::string& key, const RobotModel& model,

@@ -15,6 +15,13 @@ class ConfigError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A key that is unknown, missing, or whose value is refused whatever the others are; other errors may lie in how
+/// values go together.
+class KeyError : public ConfigError {
+ public:
+  using ConfigError::ConfigError;
+};
+
 /// Where a value was written; line and column start at 1, 0 where there is none (a --set option).
 struct Mark {
   std::string file;
@@ -59,6 +66,11 @@ Node parse_yaml(const std::string& text, const std::string& name, const std::fil
 void set_value(Node& root, std::string_view dotted_key, const std::string& text);
 
 [[noreturn]] void fail(const Mark& mark, const std::string& key, const std::string& message);
+/// As fail(), with a KeyError.
+[[noreturn]] void refuse(const Mark& mark, const std::string& key, const std::string& message);
+
+/// "FILE:LINE:COLUMN: KEY: message", without what is not known of it.
+std::string placed(const Mark& mark, const std::string& key, const std::string& message);
 
 /// The nearest of `known` to `word` by edit distance, or "" where none is near.
 std::string nearest(std::string_view word, const std::vector<std::string>& known);

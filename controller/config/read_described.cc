@@ -23,11 +23,11 @@ std::vector<double> read_list(const Node& node, const std::string& key, int coun
 void refuse_other_words(const Node& node, const std::string& key, std::string_view word, const std::string& accepted) {
   if (node.kind != Node::Kind::kScalar || node.scalar.empty()) return;
   if (std::isalpha(static_cast<unsigned char>(node.scalar[0])) == 0) return;
-  fail(node.mark, key, "found '" + node.scalar + "', expected " + std::string(word) + " or " + accepted);
+  refuse(node.mark, key, "found '" + node.scalar + "', expected " + std::string(word) + " or " + accepted);
 }
 
 const Node& sequence(const Node& node, const std::string& key) {
-  if (node.kind != Node::Kind::kSequence) fail(node.mark, key, "found " + found_text(node) + ", expected a list");
+  if (node.kind != Node::Kind::kSequence) refuse(node.mark, key, "found " + found_text(node) + ", expected a list");
   return node;
 }
 

@@ -49,9 +49,9 @@ std::string found_text(const Node& node) {
 double read_number(const Node& node, const std::string& key, const Range& range) {
   double value = 0.0;
   if (!parse_number(node, value))
-    fail(node.mark, key, "found " + found_text(node) + ", expected " + accepted_number(range));
+    refuse(node.mark, key, "found " + found_text(node) + ", expected " + accepted_number(range));
   if (!range.contains(value))
-    fail(node.mark, key, "found " + found_text(node) + ", expected " + accepted_number(range));
+    refuse(node.mark, key, "found " + found_text(node) + ", expected " + accepted_number(range));
   return value;
 }
 
@@ -64,7 +64,7 @@ long long read_integer(const Node& node, const std::string& key, long long low, 
     ok = error == std::errc() && stop == end && value >= low && value <= high;
   }
   if (!ok) {
-    fail(node.mark, key, "found " + found_text(node) + ", expected " + accepted_whole_number(low, high));
+    refuse(node.mark, key, "found " + found_text(node) + ", expected " + accepted_whole_number(low, high));
   }
   return value;
 }
@@ -74,19 +74,19 @@ bool read_bool(const Node& node, const std::string& key) {
     if (node.scalar == "true") return true;
     if (node.scalar == "false") return false;
   }
-  fail(node.mark, key, "found " + found_text(node) + ", expected true or false");
+  refuse(node.mark, key, "found " + found_text(node) + ", expected true or false");
 }
 
 std::string read_string(const Node& node, const std::string& key) {
-  if (node.kind != Node::Kind::kScalar) fail(node.mark, key, "found " + found_text(node) + ", expected text");
+  if (node.kind != Node::Kind::kScalar) refuse(node.mark, key, "found " + found_text(node) + ", expected text");
   return node.scalar;
 }
 
 std::vector<double> read_numbers(const Node& node, const std::string& key, int count, const Range& range) {
   if (node.kind != Node::Kind::kSequence || (count >= 0 && static_cast<int>(node.items.size()) != count)) {
-    fail(node.mark, key,
-         "found " + found_text(node) + ", expected a list of " +
-             (count >= 0 ? std::to_string(count) + " numbers" : std::string("numbers")));
+    refuse(node.mark, key,
+           "found " + found_text(node) + ", expected a list of " +
+               (count >= 0 ? std::to_string(count) + " numbers" : std::string("numbers")));
   }
   std::vector<double> values;
   for (std::size_t i = 0; i < node.items.size(); ++i)
@@ -98,14 +98,14 @@ void fail_choice(const Node& found, const std::string& key, const std::vector<st
   std::string list;
   for (const std::string& option : names) list += (list.empty() ? "" : ", ") + option;
   const std::string near = found.kind == Node::Kind::kScalar ? nearest(found.scalar, names) : "";
-  fail(found.mark, key,
-       "found " + found_text(found) + ", expected one of: " + list +
-           (near.empty() ? "" : " (did you mean " + near + "?)"));
+  refuse(found.mark, key,
+         "found " + found_text(found) + ", expected one of: " + list +
+             (near.empty() ? "" : " (did you mean " + near + "?)"));
 }
 
 MapReader::MapReader(const Node& node, std::string key) : node_(&node), key_(std::move(key)) {
   if (node.kind != Node::Kind::kMap && node.kind != Node::Kind::kNull)
-    config::fail(node.mark, key_, "found " + found_text(node) + ", expected a map of keys");
+    config::refuse(node.mark, key_, "found " + found_text(node) + ", expected a map of keys");
 }
 
 std::string MapReader::key_of(std::string_view name) const {
@@ -120,7 +120,7 @@ const Node* MapReader::get(std::string_view name) {
 
 const Node& MapReader::require(std::string_view name, std::string_view what) {
   const Node* node = get(name);
-  if (node == nullptr) config::fail(node_->mark, key_of(name), "missing; expected " + std::string(what));
+  if (node == nullptr) config::refuse(node_->mark, key_of(name), "missing; expected " + std::string(what));
   return *node;
 }
 
@@ -175,7 +175,7 @@ void MapReader::finish() const {
       for (const std::string& k : known_) list += (list.empty() ? "" : ", ") + k;
       message += known_.empty() ? "; no keys are accepted here" : "; accepted here: " + list;
     }
-    config::fail(value.key_place(), key_of(name), message);
+    config::refuse(value.key_place(), key_of(name), message);
   }
 }
 

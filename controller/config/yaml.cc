@@ -179,11 +179,19 @@ void set_value(Node& root, std::string_view dotted_key, const std::string& text)
 }
 
 void fail(const Mark& mark, const std::string& key, const std::string& message) {
+  throw ConfigError(placed(mark, key, message));
+}
+
+void refuse(const Mark& mark, const std::string& key, const std::string& message) {
+  throw KeyError(placed(mark, key, message));
+}
+
+std::string placed(const Mark& mark, const std::string& key, const std::string& message) {
   std::string where = mark.file;
   if (mark.line > 0) where += ":" + std::to_string(mark.line) + ":" + std::to_string(mark.column);
   if (!where.empty()) where += ": ";
   if (!key.empty()) where += key + ": ";
-  throw ConfigError(where + message);
+  return where + message;
 }
 
 std::string nearest(std::string_view word, const std::vector<std::string>& known) {

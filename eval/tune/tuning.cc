@@ -190,10 +190,9 @@ Tuning load_tuning(const fs::path& file, const Overrides& overrides) {
       Points(probe).make(start_of(probe.config.variables));
     } catch (const ConfigError& error) {
       // One gain alone may contradict the preset's others; all together must not.
-      const std::string what = error.what();
-      if (!all && what.find("unknown key") == std::string::npos && what.find("expected") == std::string::npos) continue;
+      if (!all && dynamic_cast<const config::KeyError*>(&error) == nullptr) continue;
       config::fail(all ? tune.mark : tune.marks[i], all ? "tune.variables" : "tune.variables." + tune.variables[i].key,
-                   what);
+                   error.what());
     }
   }
 

@@ -259,6 +259,23 @@ TEST_F(ControllerFile, MistakesAreNamedWithTheirPlace) {
   expect_error("none.yaml", "c.yaml:1:1: controller:", "no file");
 }
 
+// The search for gains tries one alone: what is wrong with it whatever the others are is told apart from
+// contradictions.
+TEST_F(ControllerFile, ErrorsOfOneKeyAreToldApartFromContradictions) {
+  EXPECT_THROW(read("methd: qp"), config::KeyError);
+  EXPECT_THROW(read("servo: {position: -1}"), config::KeyError);
+  EXPECT_THROW(read("collision: {passing: {horizon: soon}}"), config::KeyError);
+  for (const char* text : {"collision: {stop: 0.3}", "error_norm: {min: 11}", "joint_limits: {margin: 2}"}) {
+    try {
+      read(text);
+      ADD_FAILURE() << text << " is accepted";
+    } catch (const config::KeyError& e) {
+      ADD_FAILURE() << "taken for an error of the key alone: " << e.what();
+    } catch (const config::ConfigError&) {
+    }
+  }
+}
+
 TEST_F(ControllerFile, EverySolverIsReadOrRefusedByName) {
   const std::vector<SolverKind> built = available_solvers();
   for (const SolverKind kind : {SolverKind::kDaqp, SolverKind::kQpoases, SolverKind::kEiquadprog}) {
