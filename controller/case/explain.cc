@@ -68,6 +68,9 @@ std::string row_meaning(const CaseStep& step, const QpProblem& problem, int row)
     }
     case RowKind::kWheel:
       return "at most " + number(problem.ubA[row]) + " rad/s either way";
+    case RowKind::kDrive:
+      return "of what the drives can change in a period, " + number(0.5 * (problem.ubA[row] - problem.lbA[row])) +
+             " m/s either way";
     case RowKind::kPassing: {
       const double wanted = problem.ubA[row];
       return std::string(wanted >= 0.0 ? "may move into its way at no more than "
