@@ -8,6 +8,7 @@
 #include "controller/model/manipulability.h"
 #include "controller/model/robot_model.h"
 #include "controller/safe/params.h"
+#include "controller/plan/plan_params.h"
 #include "controller/types.h"
 
 namespace moma {
@@ -176,6 +177,7 @@ struct ControllerParams {
   UncertaintyParams uncertainty;
   OutputScalingParams output_scaling;
   EscapeParams escape;
+  PlanParams plan;
   SolverKind solver = SolverKind::kDaqp;
 };
 
