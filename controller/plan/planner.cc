@@ -15,6 +15,8 @@ constexpr double kMoment = 0.08;
 constexpr double kMoreWay = 0.3;
 constexpr double kAnyLength = 1e18;
 constexpr int kTiers = 2;
+// How far beyond start and goal a way may lead at each clearance [m].
+constexpr double kBeyond[kTiers] = {1.5, 2.5};
 
 }  // namespace
 
@@ -133,7 +135,7 @@ void Planner::try_goal() noexcept {
 void Planner::begin_run() noexcept {
   ++run_;
   ++counts_.runs;
-  search_.begin({start_, X_WG_.translation().head<2>(), goals_, params_.roots, &tuck_, longest_});
+  search_.begin({start_, X_WG_.translation().head<2>(), goals_, params_.roots, &tuck_, kBeyond[tier_], longest_});
   stage_ = PlanStage::kSearch;
 }
 

@@ -10,7 +10,6 @@ namespace {
 
 constexpr int kNodes = 3000;
 constexpr double kStep = 0.8;      // of a tree, in the metric of distance_squared()
-constexpr double kBeyond = 1.5;    // samples' bases lie so far beyond start and goal [m]
 constexpr double kReach = 0.6;     // of the arm, in the base's way [m]
 constexpr double kNoWay = 0.05;    // shorter steps keep their heading [m]
 constexpr int kBlocked = 2;        // checks for looking through a tree in vain
@@ -48,8 +47,8 @@ Search::Search(const MotionLimits& limits, double check_step)
 void Search::begin(const SearchTask& task) {
   task_ = task;
   const Vector2 at = task.start.head<2>();
-  box_low_ = at.cwiseMin(task.goal_W).array() - kBeyond;
-  box_high_ = at.cwiseMax(task.goal_W).array() + kBeyond;
+  box_low_ = at.cwiseMin(task.goal_W).array() - task.beyond;
+  box_high_ = at.cwiseMax(task.goal_W).array() + task.beyond;
   from_start_.clear();
   from_goal_.clear();
   from_start_.add(task.start, -1);

@@ -48,6 +48,7 @@ struct SearchTask {
   std::span<const GoalConfiguration> goals;   ///< the best first; samples are drawn near any of them ...
   int roots = 0;                              ///< ... and so many of the first are roots
   const VectorX* tuck = nullptr;              ///< joint values of an arm that takes little room
+  double beyond = 1.5;                        ///< samples' bases lie so far beyond start and goal, at most [m]
   double longest = 1e18;                      ///< of the base's way to a sample and from there to the goal [m]
 };
 

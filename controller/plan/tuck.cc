@@ -41,8 +41,11 @@ VectorX tucked_arm(const RobotModel& model, FreeSpace& space, const Clearances& 
   const int joints = limits.num_joints();
   Configuration c = Configuration::Zero(3 + joints);
   c.tail(joints) = best;
+  // Some links are nearer to each other than that however the arm is held.
+  space.set_clearances({-1.0, clearances.floor, clearances.self}, c);
+  const Clearances kept = space.clearances();
   const auto cost = [&] {
-    if (!space.clear(c, {-1.0, clearances.floor, clearances.self})) return std::numeric_limits<double>::infinity();
+    if (!space.clear(c, kept)) return std::numeric_limits<double>::infinity();
     return sprawl(model, space.kinematics(), c.tail(joints));
   };
   double least = cost();

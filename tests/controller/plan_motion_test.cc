@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "controller/plan/follow.h"
 #include "tests/controller/plan_scenes.h"
 
 namespace moma::test {

@@ -87,7 +87,7 @@ inline Scene make_scene(const std::shared_ptr<const RobotModel>& model, std::uin
     }
     if (mobile) base = {uniform(engine, 1.5, 3.5), uniform(engine, -1.5, 1.5), uniform(engine, -3.0, 3.0)};
     goal.update(base, q);
-  } while (own_clearance(*model, goal) < 0.05 || goal.X_WE().translation().z() < 0.1);
+  } while (own_clearance(*model, goal) < 0.005 || goal.X_WE().translation().z() < 0.1);
   scene.X_WG = goal.X_WE();
   while (static_cast<int>(scene.shapes.size()) < count) {
     Shape shape = make_sphere(uniform(engine, 0.08, 0.25));
