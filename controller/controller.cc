@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "controller/ahead/lookahead.h"
 #include "controller/qp/terms.h"
 #include "controller/qp/tracking.h"
 
@@ -56,8 +57,12 @@ Controller::Controller(std::shared_ptr<const RobotModel> model, ControllerParams
       scratch_(VectorX::Zero(nv_)) {
   for (int i = 0; i < model_->num_joints(); ++i)
     prismatic_[i] = model_->joints[static_cast<std::size_t>(i)].type == JointType::kPrismatic ? 1 : 0;
+  if (params_.plan.enabled && params_.method == Method::kQp)
+    lookahead_ = std::make_unique<Lookahead>(model_, params_, control_period_);
   reset({});
 }
+
+Controller::~Controller() = default;
 
 void Controller::reset(std::span<const ObjectShape> objects) {
   proximity_.set_objects(objects);
@@ -78,6 +83,7 @@ void Controller::reset(std::span<const ObjectShape> objects) {
   escape_.reset();
   if (predictor_.on()) predictor_.reset(num_objects);
   check_.set_objects(objects);
+  if (lookahead_) lookahead_->reset(objects);
   task_ = Task{};
   outcome_ = {};
   counters_ = {};
@@ -132,6 +138,7 @@ void Controller::step(const Observation& observation, StepResult& result) noexce
     result.manipulability = 0.0;
   }
   counters_.count(outcome_.status, outcome_.fallback, collision_.left_out());
+  if (lookahead_) lookahead_->work(seen, begun_with_);
 }
 
 // Remembers the command, and hands on what is to be sent now: of a predictor, that of base or joints may wait.
@@ -215,9 +222,14 @@ void Controller::build(const Observation& o) noexcept {
   bound_acceleration(o.qdot);
   collision_.select(proximity_.query(kinematics_, o.objects, collision_.ranges()));
   passing_.select(kinematics_, proximity_, o.objects);
-  escape_.update({kinematics_, o.goal, collision_.sorted(), o.objects, passing_.near(), &proximity_}, task_);
-  add_base_term(params_, base_dof_, task_, problem_);
-  add_manipulability_term(params_.manipulability, base_dof_, J_m_, problem_);
+  look_ahead(o);
+  if (lookahead_ && lookahead_->guides()) {
+    ask_for(lookahead_->velocities(), o);
+  } else {
+    escape_.update({kinematics_, o.goal, collision_.sorted(), o.objects, passing_.near(), &proximity_}, task_);
+    add_base_term(params_, base_dof_, task_, problem_);
+    add_manipulability_term(params_.manipulability, base_dof_, J_m_, problem_);
+  }
   add_slack_term(params_.slack, nv_, task_, problem_);
   add_acceleration_term(params_.acceleration_weight, o.qdot, problem_);
   add_posture_term(params_.posture, base_dof_, params_.posture.target, o.q, problem_);
@@ -236,6 +248,30 @@ void Controller::bound_acceleration(const VectorX& qdot) noexcept {
   // What the drives can do holds in every stage of the fallback.
   hard_lower_.head(base_dof_) = problem_.lb.head(base_dof_);
   hard_upper_.head(base_dof_) = problem_.ub.head(base_dof_);
+}
+
+void Controller::look_ahead(const Observation& o) noexcept {
+  if (!lookahead_) return;
+  lookahead_->decide(o);
+  if (lookahead_->begins_anew()) escape_.set_state(lookahead_->start());
+  begun_with_ = escape_.state();
+}
+
+// The velocities of a path, or none: what keeps clear and inside limits stays as it is, and so do all bounds but those
+// of the joints' limits, which a path keeps away from by itself.
+void Controller::ask_for(const VectorX& velocities, const Observation& o) noexcept {
+  constexpr double kSlack = 1e-4;  // tracking gives way to the velocities
+  lookahead_->bounds().joint_limits(o.q, hard_lower_, hard_upper_);
+  bound_acceleration(o.qdot);
+  task_.nu.setZero();
+  const Matrix6X& J = kinematics_.J_WE_W();
+  for (int i = 0; i < nv_; ++i) task_.nu += velocities[i] * J.col(i);
+  task_.slack_scale.setConstant(kSlack);
+  const double weight = params_.plan.weight;
+  for (int i = 0; i < nv_; ++i) {
+    problem_.H[i] += weight;
+    problem_.g[i] -= weight * velocities[i];
+  }
 }
 
 void Controller::solve_qp(const Observation& o, StepResult& result) noexcept {

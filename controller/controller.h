@@ -23,6 +23,8 @@
 
 namespace moma {
 
+class Lookahead;
+
 /// moma's controller: the QP of docs/controller.md in all its presets, and the closed-form baselines. Built from a
 /// robot, parameters and the control period; one per worker. A step depends on its observation alone (cold-started
 /// solver), and on memory() where something that remembers is on: detours, the vortex, prediction. It takes no memory with a real-time safe
@@ -33,6 +35,7 @@ class Controller : public StepController {
   /// `params` may leave vectors empty for their defaults (see resolved()). Throws std::invalid_argument naming the
   /// keys that are wrong, or a solver that this build lacks.
   Controller(std::shared_ptr<const RobotModel> model, ControllerParams params, double control_period);
+  ~Controller() override;
 
   void reset(std::span<const ObjectShape> objects) override;
   void step(const Observation& observation, StepResult& result) noexcept override;
@@ -76,6 +79,9 @@ class Controller : public StepController {
   /// Goes on from what a controller of the same parameters remembered among as many objects; after reset(), which
   /// clears it. Takes no memory. What the next step does is a function of this and its observation.
   void set_memory(const ControllerMemory& memory) noexcept;
+  /// Looking ahead: its state, its last choice, its plans; nothing where `plan` is off.
+  const Lookahead* lookahead() const noexcept { return lookahead_.get(); }
+  Lookahead* lookahead() noexcept { return lookahead_.get(); }
   const std::vector<std::string>& object_names() const noexcept { return object_names_; }
   /// Wheel speeds [rad/s] of the last command: left, right or FL, FR, RL, RR; empty without wheels. Allocates.
   VectorX wheels() const;
@@ -86,6 +92,8 @@ class Controller : public StepController {
   void brake(const Observation& observation, StepResult& result) noexcept;
   void observe(const Observation& observation) noexcept;
   void build(const Observation& observation) noexcept;
+  void look_ahead(const Observation& observation) noexcept;
+  void ask_for(const VectorX& velocities, const Observation& observation) noexcept;
   void solve_qp(const Observation& observation, StepResult& result) noexcept;
   void solve_closed_form(const Observation& observation, StepResult& result) noexcept;
   void bound_acceleration(const VectorX& qdot) noexcept;
@@ -123,6 +131,8 @@ class Controller : public StepController {
   FallbackSolver::Outcome outcome_;
   VectorX command_, gradient_, scratch_;
   StepCounters counters_;
+  std::unique_ptr<Lookahead> lookahead_;
+  EscapeState begun_with_;  // of this step
 };
 
 /// A controller of moma behind the step interface.

@@ -247,6 +247,8 @@ constexpr void describe(Visitor& v, Of<ControllerParams>) {
              "scales the command as a whole (holistic)");
   v.optional("escape", &ControllerParams::escape, &EscapeParams::enabled, Off::kKept,
              "detours that lead out of local minima; stagnation is watched for the vortex, too");
+  v.optional("plan", &ControllerParams::plan, &PlanParams::enabled, Off::kOmitted,
+             "looking ahead: predictions, detours tried in them, and planned paths of base and arm");
   v.member("solver", &ControllerParams::solver, {.text = "of the QP"});
 }
 

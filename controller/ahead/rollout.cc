@@ -6,11 +6,6 @@
 namespace moma {
 namespace {
 
-ControllerParams on_time(ControllerParams params) {
-  params.prediction.enabled = false;
-  return params;
-}
-
 void advance(Isometry& X, const Vector6& V, double dt) noexcept {
   X.translation() += dt * V.tail<3>();
   const double angle = dt * V.head<3>().norm();
@@ -24,7 +19,7 @@ Rollout::Rollout(std::shared_ptr<const RobotModel> model, ControllerParams param
     : model_(model),
       period_(period),
       patience_(params.escape.patience),
-      policy_(std::move(model), on_time(std::move(params)), period) {
+      policy_(std::move(model), std::move(params), period) {
   policy_.prepare(result_);
   reset({});
 }
