@@ -6,6 +6,15 @@
 namespace moma {
 namespace {
 
+// The model is not late, and nothing in it is uncertain. What is checked ahead is looked at as often as in the robot's
+// own steps, whose period is shorter.
+ControllerParams on_time(ControllerParams params) {
+  params.prediction.enabled = false;
+  params.uncertainty.enabled = false;
+  params.collision.check.every = std::max(1, params.collision.check.every / 2);
+  return params;
+}
+
 void advance(Isometry& X, const Vector6& V, double dt) noexcept {
   X.translation() += dt * V.tail<3>();
   const double angle = dt * V.head<3>().norm();
@@ -19,7 +28,7 @@ Rollout::Rollout(std::shared_ptr<const RobotModel> model, ControllerParams param
     : model_(model),
       period_(period),
       patience_(params.escape.patience),
-      policy_(std::move(model), std::move(params), period) {
+      policy_(std::move(model), on_time(std::move(params)), period) {
   policy_.prepare(result_);
   reset({});
 }
