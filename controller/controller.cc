@@ -112,6 +112,7 @@ void Controller::step(const Observation& observation, StepResult& result) noexce
   result.least_distance = kInfinity;
   result.escape = escape_.state();
   result.kept = 1.0;
+  result.plan = !lookahead_ ? PlanBrief{} : lookahead_->state().brief;
   problem_.clear();
   outcome_ = {};
   if (!valid(observation) || result.command.size() != nv_) {
@@ -155,11 +156,13 @@ void Controller::send(StepResult& result) noexcept {
 void Controller::get_memory(ControllerMemory& memory) const {
   memory.escape = escape_.memory();
   if (predictor_.on()) memory.prediction = predictor_.memory();
+  if (lookahead_) memory.plan = lookahead_->state();
 }
 
 void Controller::set_memory(const ControllerMemory& memory) noexcept {
   escape_.set_memory(memory.escape);
   if (predictor_.on()) predictor_.set_memory(memory.prediction);
+  if (lookahead_) lookahead_->set_state(memory.plan);
 }
 
 // Each velocity by itself: what is known of the state still bounds what is done about it.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "controller/ahead/plan_state.h"
 #include "controller/escape_state.h"
 #include "controller/safe/prediction_memory.h"
 #include "controller/step.h"
@@ -18,6 +19,7 @@ struct EscapeMemory {
 struct ControllerMemory {
   EscapeMemory escape;
   PredictionMemory prediction;  ///< empty where prediction is off
+  PlanState plan;               ///< of looking ahead; as at the start where it is off
 };
 
 }  // namespace moma
