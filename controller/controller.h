@@ -8,11 +8,14 @@
 #include "controller/closed_form/closed_form.h"
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
+#include "controller/memory.h"
 #include "controller/params.h"
 #include "controller/qp/collision.h"
 #include "controller/qp/limits.h"
 #include "controller/qp/passing.h"
 #include "controller/qp/problem.h"
+#include "controller/safe/brake_check.h"
+#include "controller/safe/predictor.h"
 #include "controller/solver/fallback.h"
 #include "controller/step.h"
 #include "controller/task/escape.h"
@@ -20,9 +23,11 @@
 
 namespace moma {
 
+class Lookahead;
+
 /// moma's controller: the QP of docs/controller.md in all its presets, and the closed-form baselines. Built from a
 /// robot, parameters and the control period; one per worker. A step depends on its observation alone (cold-started
-/// solver), and on the escape state where detours or the vortex are on; it takes no memory with a real-time safe
+/// solver), and on memory() where something that remembers is on: detours, the vortex, prediction. It takes no memory with a real-time safe
 /// solver, and never returns a command that is not finite or outside its bounds. Accessors describe the last step;
 /// those marked "allocates" are for inspection.
 class Controller : public StepController {
@@ -30,6 +35,7 @@ class Controller : public StepController {
   /// `params` may leave vectors empty for their defaults (see resolved()). Throws std::invalid_argument naming the
   /// keys that are wrong, or a solver that this build lacks.
   Controller(std::shared_ptr<const RobotModel> model, ControllerParams params, double control_period);
+  ~Controller() override;
 
   void reset(std::span<const ObjectShape> objects) override;
   void step(const Observation& observation, StepResult& result) noexcept override;
@@ -63,10 +69,19 @@ class Controller : public StepController {
   QpProblem final_problem() const { return fallback_.final_problem(problem_); }
   /// Pairs within their influence, nearest first by d - d_s.
   std::span<const ProximityPair> distances() const noexcept { return collision_.sorted(); }
-  /// What the controller remembers between steps; all zero where nothing of escape.h is on.
+  /// What of that is about detours; all zero where nothing of escape.h is on.
   const EscapeState& escape_state() const noexcept { return escape_.state(); }
   /// Goes on from such a state; after reset(), which clears it.
   void set_escape_state(const EscapeState& state) noexcept { escape_.set_state(state); }
+  /// All that the controller remembers between steps. `memory` is written without taking memory if it was before, with
+  /// as many objects.
+  void get_memory(ControllerMemory& memory) const;
+  /// Goes on from what a controller of the same parameters remembered among as many objects; after reset(), which
+  /// clears it. Takes no memory. What the next step does is a function of this and its observation.
+  void set_memory(const ControllerMemory& memory) noexcept;
+  /// Looking ahead: its state, its last choice, its plans; nothing where `plan` is off.
+  const Lookahead* lookahead() const noexcept { return lookahead_.get(); }
+  Lookahead* lookahead() noexcept { return lookahead_.get(); }
   const std::vector<std::string>& object_names() const noexcept { return object_names_; }
   /// Wheel speeds [rad/s] of the last command: left, right or FL, FR, RL, RR; empty without wheels. Allocates.
   VectorX wheels() const;
@@ -77,8 +92,13 @@ class Controller : public StepController {
   void brake(const Observation& observation, StepResult& result) noexcept;
   void observe(const Observation& observation) noexcept;
   void build(const Observation& observation) noexcept;
+  void look_ahead(const Observation& observation) noexcept;
+  void ask_for(const VectorX& velocities, const Observation& observation) noexcept;
   void solve_qp(const Observation& observation, StepResult& result) noexcept;
   void solve_closed_form(const Observation& observation, StepResult& result) noexcept;
+  void bound_acceleration(const VectorX& qdot) noexcept;
+  void check_braking(const Observation& observation, StepResult& result) noexcept;
+  void send(StepResult& result) noexcept;
   void scale_output() noexcept;
   int count_active() const noexcept;
 
@@ -92,6 +112,8 @@ class Controller : public StepController {
   Proximity proximity_;
   CollisionRows collision_;
   PassingRows passing_;
+  Predictor predictor_;
+  BrakeCheck check_;
   Escape escape_;
   VelocityBounds bounds_;
   FallbackSolver fallback_;
@@ -104,10 +126,13 @@ class Controller : public StepController {
   double manipulability_ = 0.0;
   VectorX J_m_;
   VectorX hard_lower_, hard_upper_;
+  LinearPair pair_;
   QpProblem problem_;
   FallbackSolver::Outcome outcome_;
   VectorX command_, gradient_, scratch_;
   StepCounters counters_;
+  std::unique_ptr<Lookahead> lookahead_;
+  EscapeState begun_with_;  // of this step
 };
 
 /// A controller of moma behind the step interface.

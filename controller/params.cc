@@ -32,6 +32,7 @@ class Checker {
     if (p_.joint_limits.method == JointLimitMethod::kSource) source_margins();
     if (p_.joint_limits.method == JointLimitMethod::kDamper) damper_margins();
     weights();
+    safe();
     return issues_;
   }
 
@@ -42,7 +43,12 @@ class Checker {
   void closed_forms() {
     if (p_.method == Method::kQp) return;
     if (p_.escape.enabled) error("escape", "needs method qp: the closed forms know no obstacles and have no slack");
-    if (p_.servo.vortex.enabled) error("servo.vortex", "needs method qp: the closed forms know no obstacles");
+    const std::string no_obstacles = "needs method qp: the closed forms know no obstacles";
+    if (p_.servo.vortex.enabled) error("servo.vortex", no_obstacles);
+    if (p_.collision.braking.enabled) error("collision.braking", no_obstacles);
+    if (p_.collision.check.enabled) error("collision.check", no_obstacles);
+    if (p_.collision.relaxation != Relaxation::kCommon) error("collision.relaxation", "needs method qp: there are no rows");
+    if (p_.base_share > 0.0) error("limits.base", "needs method qp: the closed forms know no accelerations");
   }
 
   void damper(const std::string& key, const DamperParams& d) {
@@ -106,6 +112,20 @@ class Checker {
     }
   }
 
+  void safe() {
+    const bool base = p_.base_share > 0.0 && model_.base_dof() > 0;
+    if (base && p_.output_scaling.enabled)
+      error("output_scaling", "cannot keep limits.base: it changes the command after the bounds");
+    if (p_.uncertainty.enabled && !p_.prediction.enabled)
+      error("uncertainty", "needs `prediction`: without its tracks nothing is known of how far noise is averaged");
+    if (p_.sight.enabled && model_.base_dof() > 0 && !(sight_speed(p_.sight, model_, p_.acceleration_limit[0]) > 0.0))
+      error("limits.sight", "leaves no speed: range must be above reach + speed x reaction");
+    if (base && !p_.prediction.enabled) {
+      warning("limits.base", "without `prediction` holds around the measured velocity: late measurements and drives "
+                             "then do more harm than without it");
+    }
+  }
+
   const ControllerParams& p_;
   const RobotModel& model_;
   double dt_;
@@ -118,6 +138,15 @@ ControllerParams resolved(ControllerParams p, const RobotModel& model) {
   if (p.lambda_q.size() == 0) p.lambda_q = VectorX::Constant(model.num_joints(), 0.01);
   if (p.acceleration_weight.size() == 0) p.acceleration_weight = VectorX::Zero(model.num_velocities());
   if (p.acceleration_limit.size() == 0) p.acceleration_limit = VectorX::Constant(model.num_velocities(), kInfinity);
+  if (p.base_share > 0.0) {
+    for (int i = 0; i < model.base_dof(); ++i) {
+      const Vector2& most = model.base.max_acceleration;
+      const bool turn = i + 1 == model.base_dof();
+      // Drives bound the length of (v_x, v_y); the QP has an octagon in that circle (qp/limits.h).
+      const double inside = model.base_dof() == 3 && !turn ? kOctagon : 1.0;
+      p.acceleration_limit[i] = p.base_share * inside * (turn ? most.y() : most.x());
+    }
+  }
   if (p.joint_limits.auto_margin) p.joint_limits.margin = resolve_margin(model, p.joint_limits);
   if (p.posture.ready) p.posture.target = model.ready;
   return p;

@@ -7,6 +7,8 @@
 #include "controller/describe/enumeration.h"
 #include "controller/model/manipulability.h"
 #include "controller/model/robot_model.h"
+#include "controller/safe/params.h"
+#include "controller/plan/plan_params.h"
 #include "controller/types.h"
 
 namespace moma {
@@ -101,6 +103,9 @@ struct CollisionParams {
   PassingParams passing;
   DamperParams floor;
   DamperParams self;
+  BrakingParams braking;
+  Relaxation relaxation = Relaxation::kCommon;
+  BrakeCheckParams check;
 };
 
 struct PostureParams {
@@ -166,8 +171,13 @@ struct ControllerParams {
   VectorX acceleration_weight;  ///< lambda_qdd per velocity; default 0
   PostureParams posture;
   VectorX acceleration_limit;  ///< per velocity, default infinite [rad/s^2, m/s^2]
+  double base_share = 0.0;     ///< of the robot's own base.max_acceleration, held in every stage; 0: `acceleration_limit`
+  SightParams sight;
+  PredictionParams prediction;
+  UncertaintyParams uncertainty;
   OutputScalingParams output_scaling;
   EscapeParams escape;
+  PlanParams plan;
   SolverKind solver = SolverKind::kDaqp;
 };
 

@@ -116,6 +116,12 @@ constexpr void describe(Visitor& v, Of<CollisionParams>) {
              "rows that let objects in motion pass on one side of the base");
   v.member("floor", &CollisionParams::floor, {.text = "rows against the floor"});
   v.member("self", &CollisionParams::self, {.text = "rows between the robot's own shapes"});
+  v.optional("braking", &CollisionParams::braking, &BrakingParams::enabled, Off::kOmitted,
+             "rows know from which speeds the robot can still stop");
+  v.member("relaxation", &CollisionParams::relaxation,
+           {.written = Written::kUnlessDefault, .text = "how rows give way that cannot all be kept"});
+  v.optional("check", &CollisionParams::check, &BrakeCheckParams::enabled, Off::kOmitted,
+             "commands from which braking comes too near to something at rest give way");
 }
 
 template <class Visitor>
@@ -225,11 +231,24 @@ constexpr void describe(Visitor& v, Of<ControllerParams>) {
               .per = Per::kVelocity,
               .one_for_all = true,
               .text = "of each velocity; default .inf"});
+    g.member("base", &ControllerParams::base_share,
+             {.unit = "1",
+              .range = {0.0, 1.0},
+              .written = Written::kUnlessDefault,
+              .text = "share of the robot's base.max_acceleration that holds in every stage; 0: as of acceleration"});
+    g.optional("sight", &ControllerParams::sight, &SightParams::enabled, Off::kOmitted,
+               "the base's speed, so that it stops in front of what comes into sight");
   });
+  v.optional("prediction", &ControllerParams::prediction, &PredictionParams::enabled, Off::kOmitted,
+             "the controller is given the state in which its command takes effect");
+  v.optional("uncertainty", &ControllerParams::uncertainty, &UncertaintyParams::enabled, Off::kOmitted,
+             "rows keep a margin for what is not known exactly");
   v.optional("output_scaling", &ControllerParams::output_scaling, &OutputScalingParams::enabled, Off::kNone,
              "scales the command as a whole (holistic)");
   v.optional("escape", &ControllerParams::escape, &EscapeParams::enabled, Off::kKept,
              "detours that lead out of local minima; stagnation is watched for the vortex, too");
+  v.optional("plan", &ControllerParams::plan, &PlanParams::enabled, Off::kOmitted,
+             "looking ahead: predictions, detours tried in them, and planned paths of base and arm");
   v.member("solver", &ControllerParams::solver, {.text = "of the QP"});
 }
 

@@ -14,6 +14,8 @@ set(rules
   "controller/task|controller/(qp|solver|closed_form|config|case|controller)[./]|-|what E is asked to do knows nothing of how a QP is made of it"
   "controller/qp|controller/(solver|closed_form|controller)[./]|-|a problem is posed without knowing who solves it"
   "controller/solver|controller/(task|closed_form|controller)[./]|-|solvers see the problem alone"
+  "controller/plan|controller/(ahead|qp|solver|closed_form|config|case|controller)[./]|-|paths are laid for a robot, not for a controller"
+  "controller/(task|qp|solver|closed_form|safe)|controller/ahead/|-|a step does not know that another looks ahead over it"
   "controller/closed_form|controller/(task|solver|controller)[./]|-|the closed forms need no solver and no task"
   "controller/(task|qp|solver|closed_form)|controller/(config|case)/|-|problems are built from plain parameters, not from files"
   "controller/config|controller/(case|fit)/|-|configuration is read without case files and without fitting shapes"

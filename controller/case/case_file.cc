@@ -3,6 +3,7 @@
 #include <cmath>
 #include <set>
 
+#include "controller/case/plan_case.h"
 #include "controller/config/controller_file.h"
 #include "controller/config/read_described.h"
 #include "controller/config/reader.h"
@@ -100,8 +101,13 @@ void read_objects(const Node& node, ControlCase& out) {
   }
 }
 
-void read_state(const Node& node, const RobotModel& model, Observation& out, EscapeState& escape) {
+void read_state(const Node& node, const RobotModel& model, const ControllerParams& params, Observation& out,
+                EscapeState& escape, std::optional<PlanState>& plan) {
   MapReader in(node, "state");
+  if (const Node* remembered = in.get("plan")) {
+    in.check(params.plan.enabled, "plan", "the controller does not look ahead: its `plan` is off");
+    plan = read_plan_state(*remembered, in.key_of("plan"), model);
+  }
   if (const Node* remembered = in.get("escape")) config::read_described(*remembered, in.key_of("escape"), escape);
   // A fixed base may stand anywhere, but it has to stand somewhere only where it can move.
   if (model.base.type != BaseType::kFixed) in.require("base", "[x, y, phi] of the base in metres and radians");
@@ -159,7 +165,7 @@ ControlCase read_case(const Node& root) {
   in.read("control_period", out.control_period, Range::positive());
   const Node& controller = in.require("controller", "the path of a controller file, or its parameters");
   out.controller = config::read_controller(controller, "controller", model, out.control_period, out.warnings);
-  read_state(in.require("state", "{base, q, qdot}"), model, out.observation, out.escape);
+  read_state(in.require("state", "{base, q, qdot}"), model, out.controller, out.observation, out.escape, out.plan);
   read_goal(in.require("goal", "{position, quaternion, twist}"), out.observation.goal);
   if (const Node* objects = in.get("objects")) read_objects(*objects, out);
   in.finish();

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "controller/ahead/plan_state.h"
 #include "controller/config/node.h"
 #include "controller/config/robot_file.h"
 #include "controller/escape_state.h"
@@ -19,6 +21,7 @@ struct ControlCase {
   double control_period = 0.02;  ///< [s]
   std::vector<ObjectShape> objects;
   EscapeState escape;                 ///< what the controller remembers of earlier steps; by default nothing
+  std::optional<PlanState> plan;      ///< and, of a controller that looks ahead, of its plans
   Observation observation;            ///< time 0; observation.objects in the order of `objects`
   std::vector<std::string> warnings;  ///< of the robot and the controller, for a person
 };

@@ -1,11 +1,14 @@
 #include "controller/case/case_step.h"
 
+#include "controller/ahead/lookahead.h"
+
 namespace moma {
 
 CaseStep::CaseStep(const ControlCase& control_case)
     : given(control_case), controller(control_case.robot.model, control_case.controller, control_case.control_period) {
   controller.reset(control_case.objects);
   controller.set_escape_state(control_case.escape);
+  if (control_case.plan && controller.lookahead() != nullptr) controller.lookahead()->set_state(*control_case.plan);
   controller.prepare(result);
   controller.step(control_case.observation, result);
 }

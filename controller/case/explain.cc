@@ -5,6 +5,7 @@
 
 #include "controller/case/case_step.h"
 #include "controller/case/cost_terms.h"
+#include "controller/case/foresee.h"
 #include "controller/case/infeasible_set.h"
 #include "controller/case/solve.h"
 #include "controller/qp/limits.h"
@@ -68,6 +69,9 @@ std::string row_meaning(const CaseStep& step, const QpProblem& problem, int row)
     }
     case RowKind::kWheel:
       return "at most " + number(problem.ubA[row]) + " rad/s either way";
+    case RowKind::kDrive:
+      return "of what the drives can change in a period, " + number(0.5 * (problem.ubA[row] - problem.lbA[row])) +
+             " m/s either way";
     case RowKind::kPassing: {
       const double wanted = problem.ubA[row];
       return std::string(wanted >= 0.0 ? "may move into its way at no more than "
@@ -202,7 +206,7 @@ std::string describe_task(const CaseStep& step) {
          " rad/s; along that the command gives " +
          number(100.0 * along(nu.tail<3>().eval(), got.tail<3>().eval()), "%.0f") + " % and " +
          number(100.0 * along(nu.head<3>().eval(), got.head<3>().eval()), "%.0f") + " %.\n";
-  return out + describe_escape(step.controller);
+  return out + describe_escape(step.controller) + describe_plan(step.controller);
 }
 
 std::string describe_surroundings(const CaseStep& step) {

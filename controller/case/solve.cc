@@ -2,7 +2,9 @@
 
 #include <cmath>
 
+#include "controller/ahead/lookahead.h"
 #include "controller/case/case_step.h"
+#include "controller/case/plan_case.h"
 #include "controller/config/write_described.h"
 #include "controller/solver/solver.h"
 
@@ -106,6 +108,7 @@ nlohmann::ordered_json solve(const ControlCase& control_case) {
   out["kkt_residual"] = has_solution(step) ? number(check_stage(step).report.residual()) : Json();
   out["iterations"] = result.iterations;
   out["escape"] = config::write_described(controller.escape_state());  // the next step's `state.escape`
+  if (controller.lookahead() != nullptr) out["plan"] = to_json(controller.lookahead()->state());  // and its `state.plan`
   return out;
 }
 

@@ -13,7 +13,8 @@ namespace moma {
 ///
 /// Keys: status, fallback, qdot, delta, cost (of the original objective, constants left out), pose, error [e_R; e_p],
 /// error_norm (clamped, as weighed), nu, J (6 x n), manipulability, J_m, theta_eps, Q, c, A, lbA, ubA, lb, ub, rows
-/// (names), distances, wheels, kkt_residual, iterations, escape (what the controller remembers after the step). Methods
+/// (names), distances, wheels, kkt_residual, iterations, escape (what the controller remembers after the step), plan
+/// (the same of looking ahead, where that is on). Methods
 /// without a QP have empty Q .. rows and a null residual.
 ///
 /// kkt_residual is the largest violation of the optimality conditions (kkt.h) of the problem whose solution the command

@@ -61,17 +61,60 @@ struct Proximity::Impl {
     return distance;
   }
 
-  // Adds the pair where it is closer than `range`: cheap lower bounds first, then the true distance.
-  void try_pair(PairKind kind, int i, const Solid& a, const Isometry& X_Wa, int j, const Solid& b, const Isometry& X_Wb,
-                double range) noexcept {
+  // The distance where it is less than `range`: cheap lower bounds first.
+  std::optional<Distance> within(const Solid& a, const Isometry& X_Wa, const Solid& b, const Isometry& X_Wb,
+                                 double range) noexcept {
     const Vector3 ca = X_Wa.translation();
     const Vector3 cb = X_Wb.translation();
     const double reach = range + a.radius + b.radius;
-    if (!((ca - cb).squaredNorm() <= reach * reach)) return;
-    if (!(a.gap(X_Wa, cb) - b.radius <= range) || !(b.gap(X_Wb, ca) - a.radius <= range)) return;
+    if (!((ca - cb).squaredNorm() <= reach * reach)) return {};
+    if (!(a.gap(X_Wa, cb) - b.radius <= range) || !(b.gap(X_Wb, ca) - a.radius <= range)) return {};
     const auto exact = analytic_distance(a.shape, X_Wa, b.shape, X_Wb);
     const Distance distance = exact ? *exact : convex->distance(a.geometry, X_Wa, b.geometry, X_Wb);
-    if (distance.d < range) pairs.push_back({kind, i, j, distance});
+    if (!(distance.d < range)) return {};
+    return distance;
+  }
+
+  // Calls found(pair) for every pair inside its range, in the fixed order, until it says false.
+  template <class Found>
+  void each(const Kinematics& kinematics, std::span<const ObjectState> states, const ProximityRanges& ranges,
+            Found&& found) noexcept {
+    const std::vector<CollisionShape>& shapes = model->shapes;
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      robot_X_WS[i] = kinematics.X_WS(shapes[i]);
+      if (!is_pose(robot_X_WS[i])) return;
+    }
+    if (ranges.object >= 0.0) {
+      const std::size_t count = std::min(states.size(), objects.size());
+      for (std::size_t j = 0; j < count; ++j) usable[j] = states[j].visible && is_pose(states[j].X_WO) ? 1 : 0;
+      for (std::size_t i = 0; i < shapes.size(); ++i) {
+        for (std::size_t j = 0; j < count; ++j) {
+          if (usable[j] == 0) continue;
+          const auto d = within(robot[i], robot_X_WS[i], objects[j], states[j].X_WO, ranges.object);
+          if (d && !found(ProximityPair{PairKind::kObject, static_cast<int>(i), static_cast<int>(j), *d})) return;
+        }
+      }
+    }
+    if (ranges.floor >= 0.0) {
+      for (std::size_t i = 0; i < shapes.size(); ++i) {
+        if (shapes[i].rigid_with_base) continue;
+        if (!(robot_X_WS[i].translation().z() - robot[i].radius < ranges.floor)) continue;
+        Distance d;
+        d.d = lowest_point(shapes[i].shape, robot_X_WS[i], &d.p_first_W);
+        d.p_second_W = d.p_first_W;
+        d.p_second_W.z() = 0.0;
+        if (d.d < ranges.floor && !found(ProximityPair{PairKind::kFloor, static_cast<int>(i), -1, d})) return;
+      }
+    }
+    if (ranges.self >= 0.0) {
+      for (const SelfPair& pair : model->self_pairs) {
+        if (!pair.row) continue;
+        const auto a = static_cast<std::size_t>(pair.first);
+        const auto b = static_cast<std::size_t>(pair.second);
+        const auto d = within(robot[a], robot_X_WS[a], robot[b], robot_X_WS[b], ranges.self);
+        if (d && !found(ProximityPair{PairKind::kSelf, pair.first, pair.second, *d})) return;
+      }
+    }
   }
 };
 
@@ -103,46 +146,19 @@ int Proximity::num_objects() const noexcept { return static_cast<int>(impl_->obj
 
 std::span<const ProximityPair> Proximity::query(const Kinematics& kinematics, std::span<const ObjectState> states,
                                                 const ProximityRanges& ranges) noexcept {
-  Impl& impl = *impl_;
-  const std::vector<CollisionShape>& shapes = impl.model->shapes;
-  impl.pairs.clear();
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    impl.robot_X_WS[i] = kinematics.X_WS(shapes[i]);
-    if (!is_pose(impl.robot_X_WS[i])) return {};
-  }
+  impl_->pairs.clear();
+  impl_->each(kinematics, states, ranges, [&](const ProximityPair& pair) {
+    impl_->pairs.push_back(pair);
+    return true;
+  });
+  return impl_->pairs;
+}
 
-  if (ranges.object >= 0.0) {
-    const std::size_t count = std::min(states.size(), impl.objects.size());
-    for (std::size_t j = 0; j < count; ++j) impl.usable[j] = states[j].visible && is_pose(states[j].X_WO) ? 1 : 0;
-    for (std::size_t i = 0; i < shapes.size(); ++i) {
-      for (std::size_t j = 0; j < count; ++j) {
-        if (impl.usable[j] == 0) continue;
-        impl.try_pair(PairKind::kObject, static_cast<int>(i), impl.robot[i], impl.robot_X_WS[i], static_cast<int>(j),
-                      impl.objects[j], states[j].X_WO, ranges.object);
-      }
-    }
-  }
-  if (ranges.floor >= 0.0) {
-    for (std::size_t i = 0; i < shapes.size(); ++i) {
-      if (shapes[i].rigid_with_base) continue;
-      if (!(impl.robot_X_WS[i].translation().z() - impl.robot[i].radius < ranges.floor)) continue;
-      Distance distance;
-      distance.d = lowest_point(shapes[i].shape, impl.robot_X_WS[i], &distance.p_first_W);
-      distance.p_second_W = distance.p_first_W;
-      distance.p_second_W.z() = 0.0;
-      if (distance.d < ranges.floor) impl.pairs.push_back({PairKind::kFloor, static_cast<int>(i), -1, distance});
-    }
-  }
-  if (ranges.self >= 0.0) {
-    for (const SelfPair& pair : impl.model->self_pairs) {
-      if (!pair.row) continue;
-      const auto a = static_cast<std::size_t>(pair.first);
-      const auto b = static_cast<std::size_t>(pair.second);
-      impl.try_pair(PairKind::kSelf, pair.first, impl.robot[a], impl.robot_X_WS[a], pair.second, impl.robot[b],
-                    impl.robot_X_WS[b], ranges.self);
-    }
-  }
-  return impl.pairs;
+bool Proximity::clear(const Kinematics& kinematics, std::span<const ObjectState> states,
+                      const ProximityRanges& ranges) noexcept {
+  bool none = true;
+  impl_->each(kinematics, states, ranges, [&](const ProximityPair&) { return none = false; });
+  return none;
 }
 
 Distance Proximity::ball_to_robot(const Vector3& centre_W, double radius, int shape) noexcept {

@@ -10,6 +10,7 @@ namespace {
 
 // Below this largest coefficient [m/s per unit velocity] a row holds nothing the robot can do.
 constexpr double kNoEffect = 1e-9;
+constexpr double kMoving = 0.01;  // an object of a smaller twist counts as at rest [m/s, rad/s]
 
 RowKind row_kind(PairKind kind) noexcept {
   switch (kind) {
@@ -29,12 +30,15 @@ double approach_speed(const DamperParams& params, double d) noexcept {
   return params.gain * (d - params.stop) / (params.influence - params.stop);
 }
 
-CollisionRows::CollisionRows(const RobotModel& model, const CollisionParams& params)
+CollisionRows::CollisionRows(const RobotModel& model, const CollisionParams& params, const Deceleration& deceleration,
+                             const Uncertainty& uncertainty)
     : model_(&model),
       params_(params),
       J_first_(3, model.num_velocities()),
       J_second_(3, model.num_velocities()),
-      row_(model.num_velocities()) {}
+      row_(model.num_velocities()),
+      deceleration_(deceleration),
+      uncertainty_(uncertainty) {}
 
 int CollisionRows::allocate(int num_objects) {
   const std::size_t shapes = model_->shapes.size();
@@ -86,7 +90,8 @@ void CollisionRows::select(std::span<const ProximityPair> pairs) noexcept {
 }
 
 void CollisionRows::add(const Kinematics& kinematics, Proximity& proximity, std::span<const ObjectState> states,
-                        QpProblem& problem) noexcept {
+                        std::span<const PlaceSpread> spreads, QpProblem& problem) noexcept {
+  spreads_ = spreads;
   const std::size_t kept = std::min(sorted_.size(), static_cast<std::size_t>(params_.max_pairs));
   for (const PairKind kind : {PairKind::kObject, PairKind::kFloor, PairKind::kSelf}) {
     for (std::size_t i = 0; i < kept; ++i) {
@@ -114,23 +119,38 @@ bool CollisionRows::fill(const Kinematics& kinematics, const ProximityPair& pair
                          int end, QpProblem& problem) noexcept {
   const Distance& distance = pair.distance;
   const int first_link = model_->shapes[static_cast<std::size_t>(pair.first)].link;
-  double limit = approach_speed(damper(pair.kind), distance.d);
   kinematics.point_jacobian(first_link, distance.p_first_W, J_first_);
   row_.noalias() = -J_first_.transpose() * distance.n_W;
-  if (pair.kind == PairKind::kObject) {
-    const ObjectState& object = states[static_cast<std::size_t>(pair.second)];
-    const Vector3 arm = distance.p_second_W - object.X_WO.translation();
-    const Vector3 p_dot = object.V_WO_W.tail<3>() + object.V_WO_W.head<3>().cross(arm);
-    limit -= distance.n_W.dot(p_dot);
-  } else if (pair.kind == PairKind::kSelf) {
+  if (pair.kind == PairKind::kSelf) {
     const int second_link = model_->shapes[static_cast<std::size_t>(pair.second)].link;
     kinematics.point_jacobian(second_link, distance.p_second_W, J_second_);
     // n12 = -n_W points from the first link to the second.
     row_.noalias() += J_second_.transpose() * distance.n_W;
   }
+  double d = distance.d;
+  if (uncertainty_.on()) {
+    const auto second = static_cast<std::size_t>(pair.second);
+    const bool object = pair.kind == PairKind::kObject;
+    d -= uncertainty_.margin(pair, kinematics, row_, object ? &states[second] : nullptr,
+                             object && second < spreads_.size() ? spreads_[second] : PlaceSpread{});
+  }
+  double limit = approach_speed(damper(pair.kind), d);
+  const double room = d - damper(pair.kind).stop;
+  if (params_.braking.enabled && room > 0.0) {
+    const double a = params_.braking.share * deceleration_.along(row_);
+    limit = std::min(limit, stoppable_speed(room, a, params_.braking.reaction));
+  }
+  bool moves = false;
+  if (pair.kind == PairKind::kObject) {
+    const ObjectState& object = states[static_cast<std::size_t>(pair.second)];
+    const Vector3 arm = distance.p_second_W - object.X_WO.translation();
+    const Vector3 p_dot = object.V_WO_W.tail<3>() + object.V_WO_W.head<3>().cross(arm);
+    limit -= distance.n_W.dot(p_dot);
+    moves = object.V_WO_W.squaredNorm() > kMoving * kMoving;
+  }
   // Written so that a NaN keeps the row: the solver's input check then reports it.
   if (row_.cwiseAbs().maxCoeff() < kNoEffect) return false;
-  const int row = problem.append({row_kind(pair.kind), pair.first, pair.second, end}, -kInfinity, limit);
+  const int row = problem.append({row_kind(pair.kind), pair.first, pair.second, end, moves}, -kInfinity, limit);
   if (row < 0) return false;
   problem.A.row(row).head(row_.size()) = row_.transpose();
   return true;

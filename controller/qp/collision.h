@@ -7,16 +7,22 @@
 #include "controller/model/proximity.h"
 #include "controller/params.h"
 #include "controller/qp/problem.h"
+#include "controller/safe/braking.h"
+#include "controller/safe/uncertainty.h"
 #include "controller/step.h"
 
 namespace moma {
 
 /// Rows n^T (v_robot - v_object) >= -zeta, zeta = xi (d - d_s)/(d_i - d_s), for objects, the floor and the robot
-/// itself. Signs follow "d grows along n" (checked by differencing d), where the source's formulas for objects and
+/// itself. With `braking`, zeta is no more than what the robot can still stop from (stoppable_speed() of d - d_s), at
+/// a share of the deceleration that it has along the row, before the object's own velocity is taken off: dampers that
+/// know the limits of acceleration, as Del Prete's bounds of joints do (IEEE RA-L 3(1), 2018). With `uncertainty` d is
+/// taken to be less by its margin. Signs follow "d grows along n" (checked by differencing d), where the source's formulas for objects and
 /// for two links use opposite directions. One per worker; only allocate() takes memory.
 class CollisionRows {
  public:
-  CollisionRows(const RobotModel& model, const CollisionParams& params);
+  CollisionRows(const RobotModel& model, const CollisionParams& params, const Deceleration& deceleration,
+                const Uncertainty& uncertainty);
 
   /// Sizes the buffers for so many objects. Returns the most rows that add() can append: max_pairs, and up to
   /// kMaxEnds for each of them where end rows are on.
@@ -29,9 +35,9 @@ class CollisionRows {
 
   /// Appends the rows of the first max_pairs selected: objects, floor, self, each in that order; after an object's row
   /// those of its ends (end_rows.h) where it is near enough. Rows that nothing the robot can do would change
-  /// (max |n^T J| < 1e-9) are left out and counted.
+  /// (max |n^T J| < 1e-9) are left out and counted. `spreads`: of the objects' places, empty where they are exact.
   void add(const Kinematics& kinematics, Proximity& proximity, std::span<const ObjectState> states,
-           QpProblem& problem) noexcept;
+           std::span<const PlaceSpread> spreads, QpProblem& problem) noexcept;
 
   /// The pairs of the last select() within their d_i, sorted nearest first; more than max_pairs if there were.
   std::span<const ProximityPair> sorted() const noexcept { return {sorted_.data(), sorted_.size()}; }
@@ -54,6 +60,9 @@ class CollisionRows {
   std::vector<ProximityPair> sorted_;
   Matrix3X J_first_, J_second_;
   VectorX row_;
+  Deceleration deceleration_;
+  Uncertainty uncertainty_;
+  std::span<const PlaceSpread> spreads_;
   int left_out_ = 0;
 };
 

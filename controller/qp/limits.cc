@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/safe/braking.h"
+
 namespace moma {
 
 VelocityBounds::VelocityBounds(const RobotModel& model, const ControllerParams& params, double control_period)
@@ -12,10 +14,18 @@ VelocityBounds::VelocityBounds(const RobotModel& model, const ControllerParams& 
       q_lower_(model.num_joints()),
       q_upper_(model.num_joints()),
       margin_(resolve_margin(model, params.joint_limits)),
-      step_(params.acceleration_limit * control_period) {
+      step_(params.acceleration_limit * control_period),
+      hard_base_(params.base_share > 0.0 && base_dof_ > 0),
+      pair_(hard_base_ && base_dof_ == 3) {
   for (int i = 0; i < model.num_joints(); ++i) {
     q_lower_[i] = model.joints[static_cast<std::size_t>(i)].lower;
     q_upper_[i] = model.joints[static_cast<std::size_t>(i)].upper;
+  }
+  if (params.sight.enabled && base_dof_ > 0) {
+    // Of two linear velocities each has its part.
+    const double part = base_dof_ == 3 ? std::sqrt(0.5) : 1.0;
+    const double most = part * sight_speed(params.sight, model, params.acceleration_limit[0]);
+    for (int i = 0; i + 1 < base_dof_; ++i) speed_[i] = std::min(speed_[i], most);
   }
   for (const double a : params.acceleration_limit) has_acceleration_ = has_acceleration_ || std::isfinite(a);
 }
@@ -60,6 +70,45 @@ void VelocityBounds::acceleration(const VectorX& qdot, const Eigen::Ref<const Ve
   for (int i = 0; i < static_cast<int>(step_.size()); ++i) {
     lower[i] = std::min(std::max(qdot[i] - step_[i], hard_lower[i]), hard_upper[i]);
     upper[i] = std::min(std::max(qdot[i] + step_[i], hard_lower[i]), hard_upper[i]);
+  }
+}
+
+double sight_speed(const SightParams& sight, const RobotModel& model, double deceleration) noexcept {
+  const double room = sight.range - sight.reach - sight.speed * sight.reaction;
+  const double reaction = sight.reaction + (std::isinf(deceleration) ? 0.0 : sight.speed / deceleration);
+  return std::min(model.base.max_linear, stoppable_speed(room, deceleration, reaction));
+}
+
+LinearPair VelocityBounds::linear_pair(const VectorX& qdot) const noexcept {
+  if (!pair_) return {};
+  // What is measured may be faster than is allowed.
+  const Vector2 most = speed_.head<2>();
+  return {true, qdot.head<2>().cwiseMax(-most).cwiseMin(most), step_[0]};
+}
+
+double braking(double lower, double upper) noexcept {
+  const double value = std::min(std::max(0.0, lower), upper);
+  return std::isfinite(value) && lower <= upper ? value : 0.0;
+}
+
+void smallest_command(const Eigen::Ref<const VectorX>& lower, const Eigen::Ref<const VectorX>& upper,
+                      const LinearPair& pair, Eigen::Ref<VectorX> out) noexcept {
+  for (Eigen::Index i = 0; i < out.size(); ++i) out[i] = braking(lower[i], upper[i]);
+  if (!pair.on) return;
+  const double speed = pair.velocity.norm();
+  out.head<2>() = speed > pair.step ? Vector2((1.0 - pair.step / speed) * pair.velocity) : Vector2(0.0, 0.0);
+}
+
+void add_drive_rows(const LinearPair& pair, QpProblem& problem) noexcept {
+  if (!pair.on) return;
+  constexpr double kHalf = 0.70710678118654752;
+  for (int i = 0; i < 2; ++i) {
+    const double y = i == 0 ? kHalf : -kHalf;
+    const double now = kHalf * pair.velocity.x() + y * pair.velocity.y();
+    const int row = problem.append({RowKind::kDrive, i, -1}, now - pair.step, now + pair.step);
+    if (row < 0) return;
+    problem.A(row, 0) = kHalf;
+    problem.A(row, 1) = y;
   }
 }
 

@@ -12,7 +12,7 @@ namespace moma {
 
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-enum class RowKind { kTracking, kObject, kFloor, kSelf, kPassing, kWheel };
+enum class RowKind { kTracking, kObject, kFloor, kSelf, kPassing, kWheel, kDrive };
 
 /// Rows that bound how fast a distance shrinks.
 constexpr bool is_collision(RowKind kind) noexcept {
@@ -21,13 +21,14 @@ constexpr bool is_collision(RowKind kind) noexcept {
 
 /// What a constraint row is about, enough to name it later. tracking: (component 0-5, -); object: (robot shape,
 /// object); floor: (robot shape, -); self: (robot shape, robot shape); passing: (robot shape, object); wheel: (wheel,
-/// -). An object's row may be that of a capsule's end: 1, 2 of the robot's shape, 3, 4 of the object's; 0 is the usual
+/// -); drive: (0 or 1: the diagonal x + y or x - y, -). An object's row may be that of a capsule's end: 1, 2 of the robot's shape, 3, 4 of the object's; 0 is the usual
 /// row.
 struct RowId {
   RowKind kind = RowKind::kTracking;
   int first = 0;
   int second = 0;
   int end = 0;
+  bool moves = false;  ///< it is about an object in motion
 };
 
 /// min 1/2 x^T diag(H) x + g^T x  subject to  lbA <= A x <= ubA, lb <= x <= ub (the form of qpOASES).
@@ -58,7 +59,7 @@ struct QpProblem {
 };
 
 /// "tracking/3", "object/NAME/SHAPE", "object/NAME/SHAPE@1" (a capsule's end), "floor/SHAPE", "self/A/B",
-/// "passing/NAME/SHAPE", "wheel/left".
+/// "passing/NAME/SHAPE", "wheel/left", "drive/+".
 std::string row_name(const RowId& id, const RobotModel& model, std::span<const std::string> object_names);
 
 /// Largest of: violation of bounds and rows; |H x + g + A^T lambda + mu|; a multiplier's wrong sign; |multiplier|

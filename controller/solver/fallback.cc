@@ -19,11 +19,6 @@ bool has_soft(const QpProblem& problem, bool only_passing) noexcept {
 
 }  // namespace
 
-double braking(double lower, double upper) noexcept {
-  const double value = std::min(std::max(0.0, lower), upper);
-  return std::isfinite(value) && lower <= upper ? value : 0.0;
-}
-
 void StepCounters::count(StepStatus status, Fallback fallback, int left_out) noexcept {
   ++steps;
   switch (status) {
@@ -56,25 +51,28 @@ void StepCounters::count(StepStatus status, Fallback fallback, int left_out) noe
   rows_left_out += left_out;
 }
 
-bool FallbackSolver::Outcome::relaxes(RowKind kind) const noexcept {
-  return fallback == Fallback::kRelaxed && is_soft(kind, only_passing);
-}
-
-FallbackSolver::FallbackSolver(SolverKind kind) : solver_(make_solver(kind)), relaxed_solver_(make_solver(kind)) {}
+FallbackSolver::FallbackSolver(SolverKind kind, Relaxation relaxation)
+    : solver_(make_solver(kind)),
+      relaxed_solver_(make_solver(kind)),
+      slacks_(relaxation == Relaxation::kBackup ? 2 : 1) {}
 
 void FallbackSolver::allocate(int num_variables, int max_rows) {
   solver_->allocate(num_variables, max_rows);
-  relaxed_solver_->allocate(num_variables + 1, max_rows);
-  relaxed_.allocate(num_variables + 1, max_rows);
-  solution_.allocate(num_variables + 1, max_rows);
+  relaxed_solver_->allocate(num_variables + slacks_, max_rows);
+  relaxed_.allocate(num_variables + slacks_, max_rows);
+  solution_.allocate(num_variables + slacks_, max_rows);
   stage_lower_ = VectorX::Zero(num_variables);
   stage_upper_ = VectorX::Zero(num_variables);
+  backup_ = VectorX::Zero(num_variables);
   last_ = Fallback::kNone;
 }
 
 FallbackSolver::Outcome FallbackSolver::solve(const QpProblem& problem, const VectorX& hard_lower,
-                                              const VectorX& hard_upper, bool has_acceleration) noexcept {
+                                              const VectorX& hard_upper, bool has_acceleration,
+                                              const LinearPair& pair) noexcept {
   Outcome out;
+  pair_ = pair;
+  num_velocities_ = static_cast<int>(hard_lower.size());
   last_ = Fallback::kNone;
   out.status = solver_->solve(problem, solution_);
   out.iterations = solution_.iterations;
@@ -100,7 +98,7 @@ FallbackSolver::Outcome FallbackSolver::solve(const QpProblem& problem, const Ve
   out.fallback = last_ = Fallback::kBrake;
   const auto nv = hard_lower.size();
   solution_.x.setZero();
-  for (Eigen::Index i = 0; i < nv; ++i) solution_.x[i] = braking(problem.lb[i], problem.ub[i]);
+  smallest_command(problem.lb.head(nv), problem.ub.head(nv), pair, solution_.x.head(nv));
   solution_.bound_multipliers.setZero();
   solution_.row_multipliers.setZero();
   return out;
@@ -112,10 +110,10 @@ bool FallbackSolver::relax(const QpProblem& problem, bool only_passing, Outcome&
   relaxed_.g.head(n) = problem.g;
   relaxed_.lb.head(n) = stage_lower_;
   relaxed_.ub.head(n) = stage_upper_;
-  relaxed_.H[n] = kSlackCost;
-  relaxed_.g[n] = 0.0;
-  relaxed_.lb[n] = 0.0;
-  relaxed_.ub[n] = kInfinity;
+  relaxed_.H.tail(slacks_).setConstant(kSlackCost);
+  relaxed_.g.tail(slacks_).setZero();
+  relaxed_.lb.tail(slacks_).setZero();
+  relaxed_.ub.tail(slacks_).setConstant(kInfinity);
   relaxed_.rows = problem.rows;
   relaxed_.A.topLeftCorner(problem.rows, n) = problem.A.topRows(problem.rows);
   relaxed_.lbA.head(problem.rows) = problem.lbA.head(problem.rows);
@@ -124,14 +122,46 @@ bool FallbackSolver::relax(const QpProblem& problem, bool only_passing, Outcome&
     const RowId& id = problem.ids[static_cast<std::size_t>(i)];
     relaxed_.ids[static_cast<std::size_t>(i)] = id;
     relaxed_.A(i, n) = is_soft(id.kind, only_passing) ? -1.0 : 0.0;
+    if (slacks_ == 2) relaxed_.A(i, n + 1) = 0.0;
   }
+  if (slacks_ == 2 && !only_passing) weigh_by_backup(problem);
   const StepStatus status = relaxed_solver_->solve(relaxed_, solution_);
   out.iterations += solution_.iterations;
   if (status != StepStatus::kSolved) return false;
   out.fallback = last_ = Fallback::kRelaxed;
-  out.collision_slack = solution_.x[n];
+  for (int i = 0; i < problem.rows; ++i) out.collision_slack = std::max(out.collision_slack, given(i));
   out.only_passing = only_passing;
   return true;
+}
+
+void FallbackSolver::weigh_by_backup(const QpProblem& problem) noexcept {
+  const int n = problem.n();
+  const int nv = num_velocities_;
+  smallest_command(stage_lower_.head(nv), stage_upper_.head(nv), pair_, backup_.head(nv));
+  double worst = 0.0;
+  for (int i = 0; i < problem.rows; ++i) {
+    const RowId& id = problem.ids[static_cast<std::size_t>(i)];
+    if (!is_soft(id.kind, false)) continue;
+    if (id.moves || id.kind == RowKind::kPassing) {
+      relaxed_.A(i, n) = 0.0;
+      relaxed_.A(i, n + 1) = -1.0;
+      continue;
+    }
+    double braked = 0.0;
+    for (int j = 0; j < nv; ++j) braked += problem.A(i, j) * backup_[j];
+    const double broken = std::max(0.0, braked - problem.ubA[i]);
+    relaxed_.A(i, n) = -broken;
+    worst = std::max(worst, broken);
+  }
+  // In units of the row that breaks most [m/s], or the solver takes small coefficients for none.
+  if (worst > 0.0) relaxed_.A.col(n).head(problem.rows) /= worst;
+}
+
+double FallbackSolver::given(int row) const noexcept {
+  if (last_ != Fallback::kRelaxed) return 0.0;
+  double sum = 0.0;
+  for (Eigen::Index k = relaxed_.n() - slacks_; k < relaxed_.n(); ++k) sum -= relaxed_.A(row, k) * solution_.x[k];
+  return sum;
 }
 
 QpProblem FallbackSolver::final_problem(const QpProblem& original) const {

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "controller/params.h"
+#include "controller/qp/limits.h"
 #include "controller/qp/problem.h"
 #include "controller/solver/solver.h"
 #include "controller/step.h"
@@ -15,6 +16,10 @@ namespace moma {
 ///  2. no_acceleration: the original without acceleration bounds (skipped where there are none);
 ///  3. relaxed: also the slack on all collision and passing rows (skipped without such rows);
 ///  4. brake: x = clip(0, lb, ub) in the original bounds, acceleration included; delta = 0.
+/// With Relaxation::kBackup, 3 has two slacks. With u_b the smallest command of the stage's bounds, rows of resting
+/// objects, floor and self give way by s g_r / max g, g_r = max(0, c_r u_b - zeta_r), s >= 0 at cost 1/2 1e6 s^2: full
+/// braking, s = max g, is a solution, and what braking keeps is not loosened. Rows of objects in motion and passing
+/// rows, before which standing still is no way out, share the other slack.
 /// Every workspace is sized for the largest stage by allocate(); solve() takes no memory with a real-time safe solver.
 class FallbackSolver {
  public:
@@ -22,39 +27,44 @@ class FallbackSolver {
     StepStatus status = StepStatus::kSolved;  ///< of the original problem
     Fallback fallback = Fallback::kNone;
     int iterations = 0;            ///< all stages together
-    double collision_slack = 0.0;  ///< s of the relaxed stage [m/s]
+    double collision_slack = 0.0;  ///< what the relaxed stage gives the row that gets most [m/s]
     bool only_passing = false;     ///< relaxed, the passing rows alone and within the acceleration bounds
 
     /// Whether the command had room beyond the acceleration bounds.
     bool beyond_acceleration() const noexcept {
       return fallback == Fallback::kNoAcceleration || (fallback == Fallback::kRelaxed && !only_passing);
     }
-    /// Whether rows of this kind had the slack.
-    bool relaxes(RowKind kind) const noexcept;
   };
 
-  explicit FallbackSolver(SolverKind kind);
+  explicit FallbackSolver(SolverKind kind, Relaxation relaxation = Relaxation::kCommon);
 
   void allocate(int num_variables, int max_rows);
 
   /// @param hard_lower, hard_upper num_velocities bounds without acceleration; problem.lb and .ub hold those with.
-  /// An invalid problem goes to the brake at once.
-  Outcome solve(const QpProblem& problem, const VectorX& hard_lower, const VectorX& hard_upper,
-                bool has_acceleration) noexcept;
+  /// `pair`: see smallest_command(). An invalid problem goes to the brake at once.
+  Outcome solve(const QpProblem& problem, const VectorX& hard_lower, const VectorX& hard_upper, bool has_acceleration,
+                const LinearPair& pair = {}) noexcept;
 
-  /// x of the stage that succeeded (n values, then s for the relaxed stage); zero multipliers for the brake.
+  /// x of the stage that succeeded (n values, then the slacks of the relaxed stage); zero multipliers for the brake.
   const QpSolution& solution() const noexcept { return solution_; }
+  /// What the stage that succeeded gave to this row [m/s]; 0 where it is not relaxed.
+  double given(int row) const noexcept;
   /// The problem that was solved in the end, with its own bounds; for the brake the original. Allocates.
   QpProblem final_problem(const QpProblem& original) const;
 
  private:
   bool relax(const QpProblem& problem, bool only_passing, Outcome& out) noexcept;
+  void weigh_by_backup(const QpProblem& problem) noexcept;
 
   std::unique_ptr<QpSolver> solver_;
   std::unique_ptr<QpSolver> relaxed_solver_;
   QpProblem relaxed_;
   QpSolution solution_;
   VectorX stage_lower_, stage_upper_;
+  VectorX backup_;  // u_b
+  LinearPair pair_;
+  int slacks_;
+  int num_velocities_ = 0;
   Fallback last_ = Fallback::kNone;
 };
 
@@ -67,8 +77,5 @@ struct StepCounters {
 
   void count(StepStatus status, Fallback fallback, int left_out) noexcept;
 };
-
-/// clip(0, lower, upper), 0 where a bound is not a number or infinite on the wrong side.
-double braking(double lower, double upper) noexcept;
 
 }  // namespace moma

@@ -60,9 +60,10 @@ Escape::Escape(const EscapeParams& params, const ServoParams& servo, const Robot
 
 void Escape::reset() noexcept { set_state({}); }
 
-void Escape::set_state(const EscapeState& state) noexcept {
-  state_ = state;
-  has_goal_ = false;
+void Escape::set_memory(const EscapeMemory& memory) noexcept {
+  state_ = memory.state;
+  last_goal_ = memory.last_goal;
+  has_goal_ = memory.has_goal;
 }
 
 bool Escape::goal_jumped(const GoalState& goal) const noexcept {

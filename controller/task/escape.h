@@ -3,6 +3,7 @@
 #include <span>
 
 #include "controller/escape_state.h"
+#include "controller/memory.h"
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
 #include "controller/params.h"
@@ -48,8 +49,10 @@ class Escape {
   void update(const EscapeInput& input, Task& task) noexcept;
 
   const EscapeState& state() const noexcept { return state_; }
-  /// Goes on from a state of an earlier run.
-  void set_state(const EscapeState& state) noexcept;
+  /// Goes on from a state of an earlier run, whose last goal is not known.
+  void set_state(const EscapeState& state) noexcept { set_memory({state, {}, false}); }
+  EscapeMemory memory() const noexcept { return {state_, last_goal_, has_goal_}; }
+  void set_memory(const EscapeMemory& memory) noexcept;
 
  private:
   bool goal_jumped(const GoalState& goal) const noexcept;

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "controller/case/case_file.h"
+#include "controller/case/foresee.h"
 #include "controller/case/solve.h"
 #include "eval/cli/command.h"
 #include "eval/cli/suite_options.h"
@@ -15,11 +16,15 @@ void add_solve(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
     std::string file;
     bool explain = false;
     bool solvers = false;
+    double ahead = 0.0;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("solve", "One control step: every matrix of the QP and its solution, as JSON");
   command->add_option("CASE", options->file, "Case file (JSON); its format is in docs/controller.md");
   command->add_flag("--explain", options->explain, "In words: what holds the command, why it is infeasible");
+  command
+      ->add_option("--ahead", options->ahead, "In words: what the robot will do in so many seconds, and why it will stop")
+      ->check(CLI::Range(1e-3, 3600.0));
   command->add_flag("--solvers", options->solvers, "Lists the QP solvers by name, and which of them are built in");
   command->footer(
       "An infeasible problem is an answer, not an error.\n"
@@ -34,7 +39,10 @@ void add_solve(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
         return static_cast<int>(kOk);
       }
       const ControlCase control_case = read_case(options->file);
-      if (options->explain) {
+      if (options->ahead > 0.0) {
+        print_warnings(control_case.warnings);
+        std::cout << foresee(control_case, options->ahead);
+      } else if (options->explain) {
         std::cout << explain(control_case);  // the warnings are part of the explanation
       } else {
         print_warnings(control_case.warnings);

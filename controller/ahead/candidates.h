@@ -1,0 +1,19 @@
+#pragma once
+
+#include "controller/escape_state.h"
+#include "controller/model/kinematics.h"
+#include "controller/params.h"
+#include "controller/step.h"
+
+namespace moma {
+
+/// States of the direct policy's memory that are worth a prediction each: the vortex the one way round and the other,
+/// stagnation at once (so that a detour begins, around the obstacles where there is such a way), and detours of half a
+/// metre and more in directions all around the goal's.
+inline constexpr int kCandidates = 17;
+
+/// The `index`-th of them for a robot placed by `kinematics`.
+EscapeState candidate(const EscapeParams& params, const Kinematics& kinematics, const GoalState& goal,
+                      int index) noexcept;
+
+}  // namespace moma

@@ -1,0 +1,95 @@
+#include "controller/ahead/path_watch.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "controller/task/vortex.h"
+
+namespace moma {
+namespace {
+
+constexpr double kMoment = 0.08;  // between the moments that are looked at [s]
+// Seen elsewhere: by more than sensors that are filtered say of an object at rest.
+constexpr double kMoved = 0.008;   // [m]
+constexpr double kTurned = 0.03;   // [rad]
+// What is seen now may be nearer than the path's clearance says: it was laid with what was seen then.
+constexpr double kLeast = 0.015, kLess = 0.005, kPart = 0.5;  // [m, m, 1]
+
+double least_clearance(const Path& path) noexcept {
+  return std::max(0.0, std::min(kLeast, kPart * path.clearance - kLess));
+}
+
+}  // namespace
+
+PathWatch::PathWatch(std::shared_ptr<const RobotModel> model, const MotionLimits& limits)
+    : space_(model, limits), movers_(model) {}
+
+void PathWatch::set_objects(std::span<const ObjectShape> objects) {
+  space_.set_objects(objects);
+  movers_.set_objects(objects);
+  looked_at_.assign(objects.size(), ObjectState{});
+  moving_.assign(objects.size(), ObjectState{});
+  forget();
+}
+
+void PathWatch::forget() noexcept { known_ = false; }
+
+bool PathWatch::news(std::span<const ObjectState> objects, const PlanarShift& shift) noexcept {
+  if (!known_ || (shift.move - looked_shift_.move).norm() > kMoved ||
+      std::abs(wrapped(shift.turn - looked_shift_.turn)) > kTurned)
+    return true;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const bool counts = objects[i].visible && !in_motion(objects[i]);
+    if (!counts) continue;
+    const ObjectState& then = looked_at_[i];
+    if (!then.visible || in_motion(then)) return true;
+    if ((objects[i].X_WO.translation() - then.X_WO.translation()).squaredNorm() > kMoved * kMoved) return true;
+    if ((objects[i].X_WO.linear() - then.X_WO.linear()).squaredNorm() > 2.0 * kTurned * kTurned) return true;
+  }
+  return false;
+}
+
+bool PathWatch::holds(const Path& path, const PlanarShift& shift, double t, std::span<const ObjectState> objects,
+                      long& budget) noexcept {
+  if (objects.size() != looked_at_.size()) return true;
+  if (news(objects, shift)) {
+    std::copy(objects.begin(), objects.end(), looked_at_.begin());
+    space_.set_states(objects);
+    looked_shift_ = shift;
+    known_ = true;
+    from_ = t;
+  }
+  from_ = std::max(from_, t);
+  const Clearances clearances{least_clearance(path), -1.0, -1.0};
+  while (from_ < path.duration + kMoment && budget > 0) {
+    path.at(std::min(from_, path.duration), point_);
+    point_ = looked_shift_.of(point_);
+    --budget;
+    from_ += kMoment;
+    if (!space_.clear(point_, clearances)) return false;
+  }
+  return true;
+}
+
+double PathWatch::met_after(const Path& path, const PlanarShift& shift, double t, double ahead, double clearance,
+                            std::span<const ObjectState> objects, long& budget) noexcept {
+  if (objects.size() != moving_.size()) return ahead;
+  bool any = false;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    moving_[i] = objects[i];
+    moving_[i].visible = objects[i].visible && in_motion(objects[i]);
+    any = any || moving_[i].visible;
+  }
+  if (!any) return ahead;
+  constexpr double kBetween = 2.0 * kMoment;
+  for (double after = kBetween; after < ahead && budget > 0; after += kBetween) {
+    for (ObjectState& object : moving_)
+      if (object.visible) object.X_WO.translation() += kBetween * object.V_WO_W.tail<3>();
+    path.at(std::min(t + after, path.duration), point_);
+    --budget;
+    if (!movers_.clear(space_.place(shift.of(point_)), moving_, {clearance, -1.0, -1.0})) return after;
+  }
+  return ahead;
+}
+
+}  // namespace moma

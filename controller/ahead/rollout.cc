@@ -1,0 +1,80 @@
+#include "controller/ahead/rollout.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace moma {
+namespace {
+
+// The model is not late, and nothing in it is uncertain. What is checked ahead is looked at as often as in the robot's
+// own steps, whose period is shorter.
+ControllerParams on_time(ControllerParams params) {
+  params.prediction.enabled = false;
+  params.uncertainty.enabled = false;
+  params.collision.check.every = std::max(1, params.collision.check.every / 2);
+  return params;
+}
+
+void advance(Isometry& X, const Vector6& V, double dt) noexcept {
+  X.translation() += dt * V.tail<3>();
+  const double angle = dt * V.head<3>().norm();
+  if (angle > 0.0)
+    X.linear() = Eigen::AngleAxisd(angle, V.head<3>().normalized()).toRotationMatrix() * X.linear();
+}
+
+}  // namespace
+
+Rollout::Rollout(std::shared_ptr<const RobotModel> model, ControllerParams params, double period)
+    : model_(model),
+      period_(period),
+      patience_(params.escape.patience),
+      policy_(std::move(model), on_time(std::move(params)), period) {
+  policy_.prepare(result_);
+  reset({});
+}
+
+void Rollout::reset(std::span<const ObjectShape> objects) {
+  policy_.reset(objects);
+  state_.q = model_->ready;
+  state_.qdot = VectorX::Zero(model_->num_velocities());
+  state_.objects.assign(objects.size(), ObjectState{});
+  end_ = RolloutEnd::kGoesOn;
+  time_ = 0.0;
+}
+
+void Rollout::begin(const Observation& o, const EscapeState& escape, const RolloutLimits& limits) noexcept {
+  limits_ = limits;
+  state_.time = o.time;
+  state_.base = o.base;
+  state_.q = o.q;
+  state_.qdot = o.qdot;
+  state_.goal = o.goal;
+  std::copy_n(o.objects.begin(), std::min(o.objects.size(), state_.objects.size()), state_.objects.begin());
+  policy_.set_escape_state(escape);
+  allowed_ = escape.stagnations + (escape.idle >= patience_ ? 1 : 0);
+  time_ = 0.0;
+  end_ = RolloutEnd::kGoesOn;
+}
+
+RolloutEnd Rollout::step() noexcept {
+  if (end_ != RolloutEnd::kGoesOn) return end_;
+  policy_.step(state_, result_);
+  if (result_.error.tail<3>().norm() < limits_.position && result_.error.head<3>().norm() < limits_.orientation)
+    return end_ = RolloutEnd::kArrives;
+  if (result_.least_distance < limits_.touch) return end_ = RolloutEnd::kTouches;
+  if (limits_.stagnation_ends && policy_.escape_state().stagnations > allowed_) return end_ = RolloutEnd::kStagnates;
+  const int base = model_->base_dof();
+  for (int i = 0; i < base; ++i) {
+    const double most = period_ * model_->base.max_acceleration[i + 1 == base ? 1 : 0];
+    result_.command[i] = std::clamp(result_.command[i], state_.qdot[i] - most, state_.qdot[i] + most);
+  }
+  integrate(*model_, state_.base, state_.q, result_.command, period_);
+  state_.qdot = result_.command;
+  for (ObjectState& object : state_.objects) advance(object.X_WO, object.V_WO_W, period_);
+  advance(state_.goal.X_WG, state_.goal.V_WG_W, period_);
+  time_ += period_;
+  state_.time += period_;
+  return end_;
+}
+
+}  // namespace moma

@@ -1,0 +1,161 @@
+#include "controller/case/plan_case.h"
+
+#include <vector>
+
+#include "controller/case/case_file.h"
+#include "controller/config/read_described.h"
+#include "controller/config/write_described.h"
+
+namespace moma {
+namespace {
+
+using config::MapReader;
+using config::Node;
+
+// The members that stand beside brief, escape state, poses and path.
+struct Counts {
+  std::int64_t steps = 0, next = 0, stop_end = 0, mark = 0;
+  double mark_clock = 0.0;
+  int stagnations = 0;
+  double direct_time = -1.0;
+  bool left_path = false;
+  bool fresh = false;
+  int known = 0;
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Counts>) {
+  constexpr Range kSteps{0.0, 1e12};
+  v.member("steps", &Counts::steps, {.range = kSteps, .text = "since the start or the goal's last jump"});
+  v.member("next", &Counts::next, {.range = kSteps, .text = "step of the next prediction"});
+  v.member("stop_end", &Counts::stop_end, {.range = kSteps, .text = "step at which a stop has lasted long enough"});
+  v.member("mark", &Counts::mark, {.range = kSteps, .text = "step of the last progress along the path"});
+  v.member("mark_clock", &Counts::mark_clock, {.unit = "s", .range = Range::non_negative(), .text = "and where that was"});
+  v.member("stagnations", &Counts::stagnations, {.range = {0, 1e9}, .text = "up to which nothing is news"});
+  v.member("direct_time", &Counts::direct_time, {.unit = "s", .text = "predicted of the direct policy; negative: it fails"});
+  v.member("left_path", &Counts::left_path, {.text = "whether the stop interrupted a path"});
+  v.member("fresh", &Counts::fresh, {.text = "whether the direct policy begins anew, as `start` says"});
+  v.member("known", &Counts::known, {.range = {0, 1e9}, .text = "objects that were seen in the step before"});
+}
+
+struct StoredMotion {
+  double start = 0.0, time = 0.0, ramp = 0.0;
+  std::vector<double> change;
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<StoredMotion>) {
+  constexpr About kTime{.unit = "s", .range = Range::non_negative(), .required = true};
+  v.member("start", &StoredMotion::start, kTime);
+  v.member("time", &StoredMotion::time, kTime);
+  v.member("ramp", &StoredMotion::ramp, kTime);
+  v.member("change", &StoredMotion::change, {.required = true, .text = "x, y, phi of the base, and each joint"});
+}
+
+nlohmann::ordered_json numbers(const Configuration& c) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const double value : c) list.push_back(value);
+  return list;
+}
+
+Configuration read_configuration(const Node& node, const std::string& key, const RobotModel& model) {
+  const std::vector<double> v = config::read_numbers(node, key, 3 + model.num_joints());
+  return Eigen::Map<const VectorX>(v.data(), static_cast<Eigen::Index>(v.size()));
+}
+
+Isometry read_goal(const Node& node, const std::string& key) {
+  MapReader in(node, key);
+  const Isometry X = read_pose(in.require("position", "[x, y, z] in metres"), in.require("quaternion", "[w, x, y, z]"), key);
+  in.finish();
+  return X;
+}
+
+nlohmann::ordered_json pose(const Isometry& X) {
+  const Eigen::Quaterniond q(X.linear());
+  const Vector3 p = X.translation();
+  return {{"position", {p.x(), p.y(), p.z()}}, {"quaternion", {q.w(), q.x(), q.y(), q.z()}}};
+}
+
+void read_path(const Node& node, const std::string& key, const RobotModel& model, Path& path) {
+  MapReader in(node, key);
+  path.origin = read_configuration(in.require("origin", "a value for x, y, phi and each joint"), in.key_of("origin"), model);
+  path.X_WG = read_goal(in.require("goal", "a pose"), in.key_of("goal"));
+  in.read("clearance", path.clearance, Range::non_negative());
+  in.require("duration", "its time in seconds");
+  in.read("duration", path.duration, Range::non_negative());
+  const Node& motions = in.require("motions", "a list of motions");
+  const std::string list = in.key_of("motions");
+  if (motions.kind != Node::Kind::kSequence || motions.items.empty() || motions.items.size() > Path::kMostMotions)
+    config::fail(motions.mark, list, "expected a list of 1 to " + std::to_string(Path::kMostMotions) + " motions");
+  for (const Node& item : motions.items) {
+    const std::string at = list + "[" + std::to_string(path.count) + "]";
+    StoredMotion stored;
+    config::read_described(item, at, stored);
+    if (static_cast<int>(stored.change.size()) != 3 + model.num_joints())
+      config::fail(item.mark, at + ".change", "found " + std::to_string(stored.change.size()) + " numbers, expected " +
+                                                  std::to_string(3 + model.num_joints()) +
+                                                  ": x, y, phi of the base, and each joint");
+    if (!(2.0 * stored.ramp <= stored.time * (1.0 + 1e-9)))
+      config::fail(item.mark, at + ".ramp", "expected no more than half of `time`");
+    PathMotion& motion = path.motions[static_cast<std::size_t>(path.count++)];
+    motion = {stored.start, stored.time, stored.ramp,
+              Eigen::Map<const VectorX>(stored.change.data(), static_cast<Eigen::Index>(stored.change.size()))};
+  }
+  in.finish();
+}
+
+nlohmann::ordered_json to_json(const Path& path) {
+  nlohmann::ordered_json motions = nlohmann::ordered_json::array();
+  for (int k = 0; k < path.count; ++k) {
+    const PathMotion& motion = path.motions[static_cast<std::size_t>(k)];
+    motions.push_back({{"start", motion.start}, {"time", motion.time}, {"ramp", motion.ramp}, {"change", numbers(motion.change)}});
+  }
+  return {{"origin", numbers(path.origin)},
+          {"motions", std::move(motions)},
+          {"duration", path.duration},
+          {"clearance", path.clearance},
+          {"goal", pose(path.X_WG)}};
+}
+
+}  // namespace
+
+PlanState read_plan_state(const Node& node, const std::string& key, const RobotModel& model) {
+  MapReader in(node, key);
+  PlanState state;
+  state.path.origin = Configuration::Zero(3 + model.num_joints());
+  Counts counts;
+  config::read_members(in, state.brief);
+  config::read_members(in, counts);
+  if (const Node* start = in.get("start")) config::read_described(*start, in.key_of("start"), state.start);
+  if (const Node* goal = in.get("goal")) {
+    state.X_WG = read_goal(*goal, in.key_of("goal"));
+    state.has_goal = true;
+  }
+  if (const Node* path = in.get("path")) read_path(*path, in.key_of("path"), model, state.path);
+  in.check(state.brief.mode != PlanMode::kFollow || state.path.count > 0, "mode", "follow needs a path");
+  in.finish();
+  state.steps = counts.steps;
+  state.next = counts.next;
+  state.stop_end = counts.stop_end;
+  state.mark = counts.mark;
+  state.mark_clock = counts.mark_clock;
+  state.stagnations = counts.stagnations;
+  state.direct_time = counts.direct_time;
+  state.left_path = counts.left_path;
+  state.fresh = counts.fresh;
+  state.known = counts.known;
+  return state;
+}
+
+nlohmann::ordered_json to_json(const PlanState& state) {
+  nlohmann::ordered_json json = config::write_described(state.brief);
+  const Counts counts{state.steps, state.next, state.stop_end, state.mark, state.mark_clock, state.stagnations,
+                      state.direct_time, state.left_path, state.fresh, state.known};
+  config::write_members(counts, json);
+  json["start"] = config::write_described(state.start);
+  if (state.has_goal) json["goal"] = pose(state.X_WG);
+  if (state.path.count > 0) json["path"] = to_json(state.path);
+  return json;
+}
+
+}  // namespace moma

@@ -1,0 +1,76 @@
+#include "controller/plan/configuration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace moma {
+namespace {
+
+// How far E and the links after a joint reach from it: the lengths between, straightened. Arms are rarely straight.
+constexpr double kBent = 0.7;
+constexpr double kLongest = 1.0;
+constexpr double kHand = 0.05;
+
+double lever_of(const RobotModel& model, const ControlledJoint& joint) {
+  if (joint.type == JointType::kPrismatic) return kBent;
+  double length = model.X_TE.translation().norm() + kHand;
+  for (int link = model.tip; link != joint.link && link > 1; link = model.links[static_cast<std::size_t>(link)].parent)
+    length += model.links[static_cast<std::size_t>(link)].X_PJ.translation().norm();
+  return kBent * std::min(length, kLongest);
+}
+
+// The part of the base's speeds at which no wheel is too fast, whichever way it drives and turns.
+double wheels_part(const MobileBase& base) {
+  if (!base.wheels || base.type != BaseType::kOmnidirectional) return 1.0;
+  const Wheels& w = *base.wheels;
+  const double k = 0.5 * (w.wheelbase + w.separation);
+  const double fastest = (std::numbers::sqrt2 * base.max_linear + k * base.max_angular) / w.radius;
+  return fastest > w.max_speed ? w.max_speed / fastest : 1.0;
+}
+
+}  // namespace
+
+double wrapped(double angle) noexcept { return std::remainder(angle, 2.0 * std::numbers::pi); }
+
+MotionLimits::MotionLimits(const RobotModel& model, const ControllerParams& params)
+    : base(model.base.type),
+      lower(model.num_joints()),
+      upper(model.num_joints()),
+      margin(model.num_joints()),
+      joint_speed(model.num_joints()),
+      joint_acceleration(model.num_joints()),
+      lever(model.num_joints()) {
+  const PlanParams& plan = params.plan;
+  const int first = model.base_dof();
+  for (int i = 0; i < model.num_joints(); ++i) {
+    const ControlledJoint& joint = model.joints[static_cast<std::size_t>(i)];
+    lower[i] = std::isfinite(joint.lower) ? joint.lower : -std::numbers::pi;
+    upper[i] = std::isfinite(joint.upper) ? joint.upper : std::numbers::pi;
+    margin[i] = std::min(plan.joint_margin, 0.4 * (upper[i] - lower[i]));
+    joint_speed[i] = plan.speed * joint.velocity;
+    joint_acceleration[i] = plan.acceleration * params.acceleration_limit[first + i];
+    lever[i] = lever_of(model, joint);
+  }
+  const double part = plan.speed * wheels_part(model.base);
+  linear = part * model.base.max_linear;
+  angular = part * model.base.max_angular;
+  double a_linear = model.base.max_acceleration[0], a_angular = model.base.max_acceleration[1];
+  if (first > 0) {
+    a_linear = std::min(a_linear, params.acceleration_limit[0]);
+    a_angular = std::min(a_angular, params.acceleration_limit[first - 1]);
+  }
+  linear_acceleration = plan.acceleration * a_linear;
+  angular_acceleration = plan.acceleration * a_angular;
+}
+
+double distance_squared(const Eigen::Ref<const VectorX>& a, const Configuration& b) noexcept {
+  constexpr double kTurn = 0.3, kJoint = 0.25;
+  double joints = 0.0;
+  for (Eigen::Index i = 3; i < a.size(); ++i) joints += (a[i] - b[i]) * (a[i] - b[i]);
+  const double turn = kTurn * wrapped(a[2] - b[2]);
+  const double x = a[0] - b[0], y = a[1] - b[1];
+  return x * x + y * y + turn * turn + kJoint * kJoint * joints;
+}
+
+}  // namespace moma

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "controller/plan/plan_params.h"
+#include "controller/model/robot_model.h"
+#include "controller/params.h"
+
+namespace moma {
+
+/// Base (x, y, phi) in W and one value per controlled joint; phi is not wrapped. Of at most 3 + kMaxJoints values, so
+/// that it never takes memory.
+using Configuration = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3 + kMaxJoints, 1>;
+
+/// Into [-pi, pi].
+double wrapped(double angle) noexcept;
+
+/// What a path may ask of a robot, and how far its parts reach: numbers of one robot and one controller.
+struct MotionLimits {
+  MotionLimits(const RobotModel& model, const ControllerParams& params);
+
+  BaseType base;
+  VectorX lower, upper;         ///< of the joints; +-pi for one without limits [rad, m]
+  VectorX margin;               ///< that a path keeps from them
+  VectorX joint_speed;          ///< [rad/s, m/s]
+  VectorX joint_acceleration;   ///< may be infinite [rad/s^2, m/s^2]
+  double linear, angular;       ///< of the base [m/s, rad/s]
+  double linear_acceleration;   ///< [m/s^2]
+  double angular_acceleration;  ///< [rad/s^2]
+  VectorX lever;                ///< way of the robot's farthest point per joint's motion, as a rule [m/rad, 1]
+  double base_lever = 0.8;      ///< and per turn of the base [m/rad]
+
+  int num_joints() const noexcept { return static_cast<int>(lower.size()); }
+};
+
+/// Squared distance of two configurations, in which a metre of the base's way, 3.3 rad of its heading and 4 rad of a
+/// joint are alike.
+double distance_squared(const Eigen::Ref<const VectorX>& a, const Configuration& b) noexcept;
+
+}  // namespace moma

@@ -1,0 +1,73 @@
+#include "controller/plan/follow.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace moma {
+namespace {
+
+// Ways of the hand per error of the heading and of a joint [m/rad].
+constexpr double kHeadingLag = 0.4, kJointLag = 0.3;
+// Turn to the path per metre beside it, for each metre driven [rad/m^2].
+constexpr double kAcross = 6.0;
+
+}  // namespace
+
+Configuration PlanarShift::of(const Configuration& c) const noexcept {
+  Configuration out = c;
+  const double cs = std::cos(turn), sn = std::sin(turn);
+  out[0] = move.x() + cs * c[0] - sn * c[1];
+  out[1] = move.y() + sn * c[0] + cs * c[1];
+  out[2] = c[2] + turn;
+  return out;
+}
+
+PlanarShift shift_of_goal(BaseType base, const Isometry& X_WG_then, const Isometry& X_WG_now) noexcept {
+  PlanarShift shift;
+  if (base == BaseType::kFixed) return shift;
+  // The turn about z that is nearest to the goal's rotation (in the Frobenius norm).
+  const Matrix3 R = X_WG_now.linear() * X_WG_then.linear().transpose();
+  shift.turn = std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1));
+  const double cs = std::cos(shift.turn), sn = std::sin(shift.turn);
+  const Vector3 then = X_WG_then.translation(), now = X_WG_now.translation();
+  shift.move << now.x() - (cs * then.x() - sn * then.y()), now.y() - (sn * then.x() + cs * then.y());
+  return shift;
+}
+
+FollowStep follow_path(const MotionLimits& limits, const PlanParams& params, const Path& path, double t, double dt,
+                       double most_rate, const PlanarShift& shift, const Observation& o, VectorX& u) noexcept {
+  const int joints = limits.num_joints();
+  Configuration here, next;
+  path.at(t, here);
+  path.at(t + dt, next);
+  here = shift.of(here);
+  next = shift.of(next);
+  const double ex = here[0] - o.base.x(), ey = here[1] - o.base.y(), turn = wrapped(here[2] - o.base.z());
+  double joint = 0.0;
+  for (int i = 0; i < joints; ++i) joint = std::max(joint, std::abs(here[3 + i] - o.q[i]));
+  FollowStep step;
+  step.lag = std::max(kJointLag * joint,
+                      limits.base == BaseType::kFixed ? 0.0 : std::max(std::hypot(ex, ey), kHeadingLag * std::abs(turn)));
+  step.rate = std::clamp(1.5 - step.lag / params.lag, 0.0, most_rate);
+  const double per_second = step.rate / dt;
+  const double cs = std::cos(o.base.z()), sn = std::sin(o.base.z());
+  const double along = cs * ex + sn * ey, across = -sn * ex + cs * ey;
+  const double vx = per_second * (next[0] - here[0]), vy = per_second * (next[1] - here[1]);
+  const double omega = per_second * (next[2] - here[2]);
+  const double k = params.gain;
+  u.setZero();
+  if (limits.base == BaseType::kDifferential) {
+    const double forwards = std::cos(here[2]) * vx + std::sin(here[2]) * vy;
+    u[0] = forwards * std::cos(turn) + k * along;
+    u[1] = omega + k * turn + kAcross * forwards * across;
+  } else if (limits.base == BaseType::kOmnidirectional) {
+    u[0] = cs * vx + sn * vy + k * along;
+    u[1] = -sn * vx + cs * vy + k * across;
+    u[2] = omega + k * turn;
+  }
+  const Eigen::Index first = u.size() - joints;
+  for (int i = 0; i < joints; ++i) u[first + i] = per_second * (next[3 + i] - here[3 + i]) + k * (here[3 + i] - o.q[i]);
+  return step;
+}
+
+}  // namespace moma

@@ -1,0 +1,86 @@
+#include "controller/plan/free_space.h"
+
+#include <algorithm>
+
+#include "controller/task/vortex.h"
+
+namespace moma {
+namespace {
+
+// Of what a start has to spare where it is nearer to something than the clearances [m].
+constexpr double kSpare = 0.003;
+
+ProximityRanges ranges_of(const Clearances& c) noexcept { return {c.object, c.floor, c.self}; }
+
+}  // namespace
+
+FreeSpace::FreeSpace(std::shared_ptr<const RobotModel> model, const MotionLimits& limits)
+    : limits_(&limits),
+      kinematics_(model),
+      proximity_(model),
+      lower_(limits.lower),
+      upper_(limits.upper),
+      point_(Configuration::Zero(3 + limits.num_joints())) {}
+
+void FreeSpace::set_objects(std::span<const ObjectShape> objects) {
+  proximity_.set_objects(objects);
+  states_.assign(objects.size(), ObjectState{});
+  for (ObjectState& state : states_) state.visible = false;
+}
+
+void FreeSpace::set_states(std::span<const ObjectState> states) noexcept {
+  const std::size_t count = std::min(states.size(), states_.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    states_[i] = states[i];
+    if (in_motion(states[i])) states_[i].visible = false;
+  }
+}
+
+Kinematics& FreeSpace::place(const Configuration& c) noexcept {
+  kinematics_.update(c.head<3>(), c.tail(c.size() - 3));
+  return kinematics_;
+}
+
+void FreeSpace::set_clearances(const Clearances& clearances, const Configuration& start) noexcept {
+  clearances_ = clearances;
+  place(start);
+  ++checks_;
+  for (const ProximityPair& pair : proximity_.query(kinematics_, states_, ranges_of(clearances))) {
+    double& clearance = pair.kind == PairKind::kObject  ? clearances_.object
+                        : pair.kind == PairKind::kFloor ? clearances_.floor
+                                                        : clearances_.self;
+    clearance = std::min(clearance, std::max(0.0, pair.distance.d - kSpare));
+  }
+  for (int i = 0; i < limits_->num_joints(); ++i) {
+    lower_[i] = std::min(limits_->lower[i] + limits_->margin[i], start[3 + i]);
+    upper_[i] = std::max(limits_->upper[i] - limits_->margin[i], start[3 + i]);
+  }
+}
+
+bool FreeSpace::free(const Configuration& c) noexcept {
+  for (int i = 0; i < limits_->num_joints(); ++i)
+    if (c[3 + i] < lower_[i] || c[3 + i] > upper_[i]) return false;
+  return clear(c, clearances_);
+}
+
+bool FreeSpace::clear(const Configuration& c, const Clearances& clearances) noexcept {
+  ++checks_;
+  place(c);
+  return proximity_.clear(kinematics_, states_, ranges_of(clearances));
+}
+
+bool FreeSpace::free(const Edge& edge, double step) noexcept {
+  const double way = longest_way(*limits_, edge);
+  int parts = 1;
+  while (parts * step < way && parts < kMostParts) parts *= 2;
+  if (!free(edge.b)) return false;
+  for (int stride = parts; stride > 1; stride /= 2) {
+    for (int k = stride / 2; k < parts; k += stride) {
+      edge_at(*limits_, edge, edge.time * k / parts, point_);
+      if (!free(point_)) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace moma

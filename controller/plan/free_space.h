@@ -1,0 +1,68 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "controller/plan/edge.h"
+#include "controller/model/proximity.h"
+
+namespace moma {
+
+/// Distances that a configuration has to keep [m].
+struct Clearances {
+  double object = 0.0;
+  double floor = 0.0;
+  double self = 0.0;
+};
+
+/// Which configurations and edges keep clear of objects at rest, the floor and the robot itself, and inside the joints'
+/// limits. Counts what it does in checks, each one configuration's distances. One per worker; set_objects() may take
+/// memory, nothing else does.
+class FreeSpace {
+ public:
+  FreeSpace(std::shared_ptr<const RobotModel> model, const MotionLimits& limits);
+
+  void set_objects(std::span<const ObjectShape> objects);
+  /// Where the objects are while the work lasts; a copy is kept. Those that move or are not seen are left out. As many
+  /// as set_objects() was given.
+  void set_states(std::span<const ObjectState> states) noexcept;
+  std::span<const ObjectState> states() const noexcept { return states_; }
+
+  /// Margins to limits and clearances from here on. Where `start` is nearer than that to a limit or to something, as
+  /// near is near enough everywhere: else no way would lead out.
+  void set_clearances(const Clearances& clearances, const Configuration& start) noexcept;
+  const Clearances& clearances() const noexcept { return clearances_; }
+  const VectorX& lower() const noexcept { return lower_; }  ///< of the joints, margins kept
+  const VectorX& upper() const noexcept { return upper_; }
+
+  bool free(const Configuration& c) noexcept;
+  /// The same with other clearances, whatever the joints are.
+  bool clear(const Configuration& c, const Clearances& clearances) noexcept;
+  /// The edge's end first, then its middle, its quarters ... until no point of the robot goes farther than `step`
+  /// between two checks, or it has been cut into kMostParts.
+  bool free(const Edge& edge, double step) noexcept;
+
+  static constexpr int kMostParts = 128;
+
+  long checks() const noexcept { return checks_; }
+  /// Work of other kinds, in units of a check.
+  void charge(long checks) noexcept { checks_ += checks; }
+
+  /// Of the last configuration that was looked at.
+  const Kinematics& kinematics() const noexcept { return kinematics_; }
+  /// That of any other, for those who need one.
+  Kinematics& place(const Configuration& c) noexcept;
+  const MotionLimits& limits() const noexcept { return *limits_; }
+
+ private:
+  const MotionLimits* limits_;
+  Kinematics kinematics_;
+  Proximity proximity_;
+  std::vector<ObjectState> states_;
+  Clearances clearances_;
+  VectorX lower_, upper_;
+  Configuration point_;
+  long checks_ = 0;
+};
+
+}  // namespace moma

@@ -1,0 +1,121 @@
+#include "controller/plan/path.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace moma {
+namespace {
+
+enum class Kind { kTurn, kDrive, kArm };
+
+// Whether the acceleration of one motion's end and of the next one's beginning stays inside the limits.
+bool may_overlap(const MotionLimits& limits, const PathMotion& last, const Trapezoid& motion,
+                 const Configuration& change) noexcept {
+  if (last.ramp <= 0.0 || motion.ramp <= 0.0) return false;
+  constexpr double kRounding = 1.0 + 1e-9;
+  const double falls = 1.0 / ((last.time - last.ramp) * last.ramp);
+  const double rises = 1.0 / ((motion.time - motion.ramp) * motion.ramp);
+  const double x = rises * change[0] - falls * last.change[0], y = rises * change[1] - falls * last.change[1];
+  if (std::hypot(x, y) > kRounding * limits.linear_acceleration) return false;
+  if (std::abs(rises * change[2] - falls * last.change[2]) > kRounding * limits.angular_acceleration) return false;
+  for (int i = 0; i < limits.num_joints(); ++i)
+    if (std::abs(rises * change[3 + i] - falls * last.change[3 + i]) > kRounding * limits.joint_acceleration[i])
+      return false;
+  return true;
+}
+
+// Motions one after another.
+class Layout {
+ public:
+  Layout(const MotionLimits& limits, double overlap, Path& path) : limits_(&limits), overlap_(overlap), path_(&path) {}
+
+  double end() const noexcept { return end_; }
+  bool full() const noexcept { return full_; }
+  // The soonest for a motion of this kind, whatever others do. The last one's fall and this one's rise may overlap.
+  double free_from(Kind kind, const Trapezoid& motion, const Configuration& change) const noexcept {
+    const int last = last_[static_cast<std::size_t>(kind)];
+    if (last < 0) return 0.0;
+    const PathMotion& before = path_->motions[static_cast<std::size_t>(last)];
+    const double early = std::min({overlap_, before.ramp, motion.ramp});
+    return before.start + before.time - (may_overlap(*limits_, before, motion, change) ? early : 0.0);
+  }
+  // When it begins as the successor of what ends last.
+  double begin(Kind kind, const Trapezoid& motion, const Configuration& change) const noexcept {
+    const double early = std::min(overlap_, 0.5 * std::min(end_time_, motion.time));
+    return std::max({end_ - early, free_from(kind, motion, change), 0.0});
+  }
+  void put(Kind kind, double start, const Trapezoid& motion, const Configuration& change) noexcept {
+    if (path_->count == Path::kMostMotions) {
+      full_ = true;
+      return;
+    }
+    last_[static_cast<std::size_t>(kind)] = path_->count;
+    path_->motions[static_cast<std::size_t>(path_->count++)] = {start, motion.time, motion.ramp, change};
+    if (start + motion.time < end_) return;
+    end_ = start + motion.time;
+    end_time_ = motion.time;
+  }
+
+ private:
+  const MotionLimits* limits_;
+  double overlap_;
+  Path* path_;
+  double end_ = 0.0;       // of all so far
+  double end_time_ = 0.0;  // how long the motion takes that ends there
+  std::array<int, 3> last_{-1, -1, -1};
+  bool full_ = false;
+};
+
+}  // namespace
+
+void Path::at(double t, Configuration& c) const noexcept {
+  c = origin;
+  for (int k = 0; k < count; ++k) {
+    const PathMotion& motion = motions[static_cast<std::size_t>(k)];
+    const double part = Trapezoid{motion.time, motion.ramp}.part(t - motion.start);
+    if (part > 0.0) c += part * motion.change;
+  }
+}
+
+bool lay_path(const MotionLimits& limits, std::span<const Edge> edges, double overlap, Path& path) noexcept {
+  path.count = 0;
+  path.duration = 0.0;
+  if (edges.empty()) return false;
+  path.origin = edges.front().a;
+  const Eigen::Index joints = limits.num_joints();
+  Configuration change = Configuration::Zero(3 + joints);
+  Layout layout(limits, overlap, path);
+  for (const Edge& edge : edges) {
+    // As fast as the slower of base and arm.
+    const double slower = edge.base_time() > 0.0 ? edge.time / edge.base_time() : 1.0;
+    double first = -1.0;
+    const auto base = [&](Kind kind, const Trapezoid& motion, const Vector3& by) {
+      if (motion.time <= 0.0) return;
+      const Trapezoid slow = motion.stretched(slower);
+      change.setZero();
+      change.head<3>() = by;
+      const double start = layout.begin(kind, slow, change);
+      layout.put(kind, start, slow, change);
+      if (first < 0.0) first = start;
+    };
+    const Vector2 way = (edge.b - edge.a).head<2>();
+    if (limits.base == BaseType::kDifferential) {
+      base(Kind::kTurn, edge.first, {0.0, 0.0, edge.turn1});
+      base(Kind::kDrive, edge.middle, {way.x(), way.y(), 0.0});
+      base(Kind::kTurn, edge.last, {0.0, 0.0, edge.turn2});
+    } else if (limits.base == BaseType::kOmnidirectional) {
+      base(Kind::kDrive, edge.middle, {way.x(), way.y(), edge.turn1});
+    }
+    if (edge.arm.time <= 0.0) continue;
+    change.setZero();
+    change.tail(joints) = (edge.b - edge.a).tail(joints);
+    const double start = first < 0.0 ? layout.begin(Kind::kArm, edge.arm, change)
+                                     : std::max(first, layout.free_from(Kind::kArm, edge.arm, change));
+    const double time = std::max(edge.arm.time, layout.end() - start);
+    layout.put(Kind::kArm, start, edge.arm.stretched(time / edge.arm.time), change);
+  }
+  path.duration = layout.end();
+  return !layout.full();
+}
+
+}  // namespace moma

@@ -1,0 +1,198 @@
+#include "controller/plan/planner.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "controller/plan/shorten.h"
+#include "controller/plan/tuck.h"
+
+namespace moma {
+namespace {
+
+// Moments at which a path is looked at [s]; the way between them is less than that of the edges' checks.
+constexpr double kMoment = 0.08;
+// Added to the best run's way for the ellipse of the next [m].
+constexpr double kMoreWay = 0.3;
+constexpr double kAnyLength = 1e18;
+constexpr int kTiers = 2;
+// How far beyond start and goal a way may lead at each clearance [m].
+constexpr double kBeyond[kTiers] = {1.5, 2.5};
+
+}  // namespace
+
+Planner::Planner(std::shared_ptr<const RobotModel> model, const ControllerParams& params)
+    : model_(model),
+      params_(params.plan),
+      limits_(std::make_unique<const MotionLimits>(*model, params)),
+      space_(model, *limits_),
+      ik_(model, *limits_),
+      search_(*limits_, params.plan.check_step),
+      tuck_(tucked_arm(*model, space_, {-1.0, params.plan.self, params.plan.self})) {
+  goals_.reserve(static_cast<std::size_t>(params_.ik_enough));
+}
+
+void Planner::set_objects(std::span<const ObjectShape> objects) {
+  space_.set_objects(objects);
+  stage_ = PlanStage::kIdle;
+}
+
+void Planner::begin(const Configuration& start, const Isometry& X_WG, std::span<const ObjectState> objects,
+                    std::uint64_t seed) noexcept {
+  start_ = start;
+  X_WG_ = X_WG;
+  draws_ = {seed, 0};
+  space_.set_states(objects);
+  counts_ = {};
+  begin_tier(0);
+}
+
+bool Planner::advance(long& budget) noexcept {
+  while (budget > 0 && stage_ != PlanStage::kFound && stage_ != PlanStage::kFailed && stage_ != PlanStage::kIdle) {
+    const long before = space_.checks();
+    work();
+    const long used = std::max(1L, space_.checks() - before);
+    counts_.checks += used;
+    budget -= used;
+  }
+  return stage_ != PlanStage::kFound && stage_ != PlanStage::kFailed && stage_ != PlanStage::kIdle;
+}
+
+// The roomy clearance, then the other; a single tier where they are the same.
+void Planner::begin_tier(int tier) noexcept {
+  tier_ = tier;
+  const double object = tier == 0 ? std::max(params_.roomy, params_.clearance) : params_.clearance;
+  space_.set_clearances({object, params_.self, params_.self}, start_);
+  goals_.clear();
+  tries_ = 0;
+  stage_ = PlanStage::kGoals;
+}
+
+void Planner::work() noexcept {
+  switch (stage_) {
+    case PlanStage::kGoals:
+      try_goal();
+      break;
+    case PlanStage::kSearch:
+      switch (search_.advance(space_, draws_)) {
+        case Progress::kMore:
+          if (counts_.checks >= search_end_) end_tier();
+          break;
+        case Progress::kDone:
+          end_run(true);
+          break;
+        case Progress::kFailed:
+          end_run(false);
+          break;
+      }
+      break;
+    case PlanStage::kShorten:
+      if (shortcut_ < params_.shortcuts && (edges_.size() > 1 || shortcut_ <= 10)) {
+        try_shortcut(space_, params_.check_step, shortcut_++, draws_, edges_, work_, spare_);
+        break;
+      }
+      if (edges_.time() < best_time_) {
+        best_time_ = edges_.time();
+        best_.swap(edges_);
+        longest_ = best_.base_way() + kMoreWay;
+      }
+      if (best_.size() == 1 || run_ >= params_.runs || counts_.checks >= search_end_)
+        end_tier();
+      else
+        begin_run();
+      break;
+    case PlanStage::kLay:
+      lay();
+      break;
+    case PlanStage::kIdle:
+    case PlanStage::kFound:
+    case PlanStage::kFailed:
+      break;
+  }
+}
+
+void Planner::try_goal() noexcept {
+  GoalConfiguration goal;
+  ++counts_.ik_tries;
+  if (ik_.find(space_, X_WG_, params_.roomy, start_, tries_++, draws_, goal)) goals_.push_back(goal);
+  if (tries_ < params_.ik_tries && static_cast<int>(goals_.size()) < params_.ik_enough) return;
+  counts_.goals = static_cast<int>(goals_.size());
+  best_.clear();
+  best_time_ = std::numeric_limits<double>::infinity();
+  if (goals_.empty()) {
+    end_tier();
+    return;
+  }
+  // Insertion: stable, few of them, and it takes no memory.
+  for (std::size_t i = 1; i < goals_.size(); ++i)
+    for (std::size_t j = i; j > 0 && goals_[j].cost < goals_[j - 1].cost; --j) std::swap(goals_[j], goals_[j - 1]);
+  const bool half = tier_ == 0 && params_.roomy > params_.clearance;
+  search_end_ = counts_.checks + (half ? params_.checks / 2 : params_.checks);
+  run_ = 0;
+  longest_ = kAnyLength;
+  begin_run();
+}
+
+void Planner::begin_run() noexcept {
+  ++run_;
+  ++counts_.runs;
+  search_.begin({start_, X_WG_.translation().head<2>(), goals_, params_.roots, &tuck_, kBeyond[tier_], longest_});
+  stage_ = PlanStage::kSearch;
+}
+
+void Planner::end_run(bool found) noexcept {
+  if (!found) {
+    end_tier();
+    return;
+  }
+  edges_.clear();
+  for (const Edge& edge : search_.edges().all()) edges_.push(edge);
+  shortcut_ = 0;
+  stage_ = PlanStage::kShorten;
+}
+
+void Planner::end_tier() noexcept {
+  if (!best_.empty()) {
+    overlap_ = params_.overlap;
+    laid_ = -1;
+    stage_ = PlanStage::kLay;
+  } else if (tier_ + 1 < kTiers && params_.roomy > params_.clearance) {
+    begin_tier(tier_ + 1);
+  } else {
+    stage_ = PlanStage::kFailed;
+  }
+}
+
+// Half the clearances are enough for what the overlaps cut off. Without overlaps the path is that of the edges.
+void Planner::lay() noexcept {
+  if (laid_ < 0) {
+    if (!lay_path(*limits_, best_.all(), overlap_, path_)) {
+      stage_ = PlanStage::kFailed;
+      return;
+    }
+    path_.X_WG = X_WG_;
+    path_.clearance = space_.clearances().object;
+    laid_ = 0;
+  }
+  constexpr int kAtOnce = 16;
+  const Clearances& whole = space_.clearances();
+  const Clearances half{0.5 * whole.object, 0.5 * whole.floor, 0.5 * whole.self};
+  for (int k = 0; k < kAtOnce; ++k) {
+    const double t = kMoment * laid_++;
+    path_.at(std::min(t, path_.duration), spare_.a);
+    if (!space_.clear(spare_.a, half)) {
+      if (overlap_ > 0.0) {
+        overlap_ = 0.0;
+        laid_ = -1;
+      } else {
+        stage_ = PlanStage::kFailed;
+      }
+      return;
+    }
+    if (t >= path_.duration) {
+      stage_ = PlanStage::kFound;
+      return;
+    }
+  }
+}
+
+}  // namespace moma

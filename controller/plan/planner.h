@@ -1,0 +1,95 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "controller/plan/path.h"
+#include "controller/plan/search.h"
+#include "controller/plan/whole_body_ik.h"
+
+namespace moma {
+
+/// How far a plan has come.
+enum class PlanStage { kIdle, kGoals, kSearch, kShorten, kLay, kFound, kFailed };
+
+/// What was done for one plan.
+struct PlanCounts {
+  long checks = 0;
+  int ik_tries = 0;
+  int goals = 0;
+  int runs = 0;
+};
+
+/// A timed path of base and arm from where the robot is to one of many configurations that put E at the goal:
+///
+/// 1. goal configurations by whole-body inverse kinematics (whole_body_ik.h), the cheapest first;
+/// 2. edges to one of them (search.h), shortened (shorten.h); several runs, each in the ellipse that the best one
+///    leaves open, the quickest counts;
+/// 3. a path of motions that overlap where half the clearances hold, one after another where they do not (path.h).
+///
+/// All of it at the roomy clearance first, then at the smaller one. The work is cut into pieces of one inverse
+/// kinematics or one edge's checks, so that it can be spread over control steps: the same plan comes out however it is
+/// spread. No clock decides anything, all draws come from the seed. After set_objects() nothing takes memory.
+class Planner {
+ public:
+  Planner(std::shared_ptr<const RobotModel> model, const ControllerParams& params);
+
+  void set_objects(std::span<const ObjectShape> objects);
+  /// Begins a plan among the objects that are seen and at rest. The start is where the robot stands.
+  void begin(const Configuration& start, const Isometry& X_WG, std::span<const ObjectState> objects,
+             std::uint64_t seed) noexcept;
+  /// Works until `budget` checks are used up or the plan is found or failed; takes what it used from `budget`, which a
+  /// last piece of work may leave below zero. True as long as there is more to do.
+  bool advance(long& budget) noexcept;
+
+  PlanStage stage() const noexcept { return stage_; }
+  bool found() const noexcept { return stage_ == PlanStage::kFound; }
+  /// Of a plan that was found.
+  const Path& path() const noexcept { return path_; }
+  const PlanCounts& counts() const noexcept { return counts_; }
+  const MotionLimits& limits() const noexcept { return *limits_; }
+  const VectorX& tuck() const noexcept { return tuck_; }
+  /// The goal configurations of the plan so far, the cheapest first from the search on.
+  std::span<const GoalConfiguration> goals() const noexcept { return goals_; }
+  /// The shortened edges of a plan that was found.
+  const EdgeList& edges() const noexcept { return best_; }
+
+ private:
+  void work() noexcept;
+  void begin_tier(int tier) noexcept;
+  void try_goal() noexcept;
+  void begin_run() noexcept;
+  void end_run(bool found) noexcept;
+  void end_tier() noexcept;
+  void lay() noexcept;
+
+  std::shared_ptr<const RobotModel> model_;
+  PlanParams params_;
+  std::unique_ptr<const MotionLimits> limits_;
+  FreeSpace space_;
+  WholeBodyIk ik_;
+  Search search_;
+  VectorX tuck_;
+
+  PlanStage stage_ = PlanStage::kIdle;
+  Configuration start_;
+  Isometry X_WG_ = Isometry::Identity();
+  CountedDraws draws_;
+  int tier_ = 0;
+  std::vector<GoalConfiguration> goals_;
+  int tries_ = 0;  // of inverse kinematics, in this tier
+  int run_ = 0;    // of the search, in this tier
+  long search_end_ = 0;
+  double longest_ = 0.0;
+  int shortcut_ = 0;
+  EdgeList edges_, work_, best_;
+  Edge spare_;
+  double best_time_ = 0.0;
+  double overlap_ = 0.0;
+  int laid_ = 0;  // moments of the path that are known to be clear
+  Path path_;
+  PlanCounts counts_;
+};
+
+}  // namespace moma

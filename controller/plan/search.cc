@@ -1,0 +1,192 @@
+#include "controller/plan/search.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace moma {
+namespace {
+
+constexpr int kNodes = 3000;
+constexpr double kStep = 0.8;      // of a tree, in the metric of distance_squared()
+constexpr double kReach = 0.6;     // of the arm, in the base's way [m]
+constexpr double kNoWay = 0.05;    // shorter steps keep their heading [m]
+constexpr int kBlocked = 2;        // checks for looking through a tree in vain
+
+}  // namespace
+
+double EdgeList::time() const noexcept {
+  double sum = 0.0;
+  for (const Edge& edge : edges_) sum += edge.time;
+  return sum;
+}
+
+double EdgeList::base_way() const noexcept {
+  double sum = 0.0;
+  for (const Edge& edge : edges_) sum += std::abs(edge.drive);
+  return sum;
+}
+
+void EdgeList::at(const MotionLimits& limits, double t, Configuration& c) const noexcept {
+  for (const Edge& edge : edges_) {
+    if (t <= edge.time || &edge == &edges_.back()) {
+      edge_at(limits, edge, std::min(t, edge.time), c);
+      return;
+    }
+    t -= edge.time;
+  }
+}
+
+Search::Search(const MotionLimits& limits, double check_step)
+    : limits_(&limits),
+      check_step_(check_step),
+      from_start_(3 + limits.num_joints(), kNodes),
+      from_goal_(3 + limits.num_joints(), kNodes) {}
+
+void Search::begin(const SearchTask& task) {
+  task_ = task;
+  const Vector2 at = task.start.head<2>();
+  box_low_ = at.cwiseMin(task.goal_W).array() - task.beyond;
+  box_high_ = at.cwiseMax(task.goal_W).array() + task.beyond;
+  from_start_.clear();
+  from_goal_.clear();
+  from_start_.add(task.start, -1);
+  edges_.clear();
+  stage_ = Stage::kStraight;
+  straight_ = 0;
+  side_ = 1;
+}
+
+Progress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
+  if (stage_ == Stage::kStraight) {
+    const int roots = std::min(task_.roots, static_cast<int>(task_.goals.size()));
+    if (straight_ < roots) {
+      const Configuration& goal = task_.goals[static_cast<std::size_t>(straight_++)].c;
+      from_goal_.add(goal, -1);
+      make_edge(*limits_, task_.start, goal, edge_);
+      if (!edges_.empty() && edge_.time >= quickest_) return Progress::kMore;
+      if (!space.free(edge_, check_step_)) return Progress::kMore;
+      quickest_ = edge_.time;
+      edges_.clear();
+      edges_.push(edge_);
+      return Progress::kMore;
+    }
+    if (!edges_.empty()) return Progress::kDone;
+    if (roots == 0) return Progress::kFailed;
+    stage_ = Stage::kGrow;
+  }
+  if (stage_ == Stage::kGrow) {
+    side_ = 1 - side_;
+    Configuration target;
+    sample(space, draws, target);
+    space.charge(kBlocked);
+    bool reached = false;
+    Tree& growing = tree(side_);
+    grown_ = grow(space, growing, growing.nearest(target), target, reached);
+    if (from_start_.full() || from_goal_.full()) return Progress::kFailed;
+    if (grown_ < 0) return Progress::kMore;
+    reaching_ = tree(1 - side_).nearest(growing.node(grown_));
+    stage_ = Stage::kConnect;
+    return Progress::kMore;
+  }
+  bool reached = false;
+  const Configuration meet = tree(side_).node(grown_);
+  reaching_ = grow(space, tree(1 - side_), reaching_, meet, reached);
+  if (from_start_.full() || from_goal_.full()) return Progress::kFailed;
+  if (reaching_ < 0 || (reached && !join(side_ == 0 ? grown_ : reaching_, side_ == 0 ? reaching_ : grown_)))
+    stage_ = Stage::kGrow;
+  else if (reached)
+    return Progress::kDone;
+  return Progress::kMore;
+}
+
+// One edge from a node towards the target, a step at most. The new node, or -1 where something is in the way.
+int Search::grow(FreeSpace& space, Tree& tree, int from, const Configuration& target, bool& reached) noexcept {
+  const Configuration a = tree.node(from);
+  Configuration b = target;
+  const double way = std::sqrt(distance_squared(a, target));
+  reached = way <= kStep;
+  if (!reached) {
+    const double f = kStep / way;
+    b = a + f * (target - a);
+    b[2] = target[2];
+    const bool mobile = limits_->base != BaseType::kFixed;
+    if (limits_->base == BaseType::kDifferential && (b - a).head<2>().norm() > kNoWay)
+      head_along(*limits_, a, kNoWay, b);
+    else
+      b[2] = mobile ? a[2] + f * wrapped(target[2] - a[2]) : a[2];
+  }
+  make_edge(*limits_, a, b, edge_);
+  if (!space.free(edge_, check_step_)) return -1;
+  return tree.add(b, from);
+}
+
+// The way from the start to where the trees meet, and on along the goals' tree.
+bool Search::join(int from_start, int from_goal) noexcept {
+  std::array<int, EdgeList::kMost> forwards;
+  std::size_t count = 0;
+  for (int i = from_start; i >= 0; i = from_start_.parent(i)) {
+    if (count == forwards.size()) return false;
+    forwards[count++] = i;
+  }
+  edges_.clear();
+  Configuration a = task_.start, b;
+  const auto on = [&](const Configuration& next) {
+    b = next;
+    b[2] = a[2] + wrapped(b[2] - a[2]);
+    make_edge(*limits_, a, b, edge_);
+    a = b;
+    return edges_.push(edge_);
+  };
+  for (std::size_t k = count - 1; k-- > 0;)
+    if (!on(from_start_.node(forwards[k]))) return false;
+  for (int i = from_goal_.parent(from_goal); i >= 0; i = from_goal_.parent(i))
+    if (!on(from_goal_.node(i))) return false;
+  return !edges_.empty();
+}
+
+void Search::sample(const FreeSpace& space, CountedDraws& draws, Configuration& c) const noexcept {
+  constexpr double kTucked = 0.45, kBetween = 0.65, kNearGoal = 0.8, kNearStart = 0.9;
+  constexpr int kTries = 10;
+  const bool mobile = limits_->base != BaseType::kFixed;
+  const int joints = limits_->num_joints();
+  c = task_.start;
+  if (mobile) {
+    for (int k = 0; k < kTries; ++k) {
+      c[0] = draws.uniform(box_low_.x(), box_high_.x());
+      c[1] = draws.uniform(box_low_.y(), box_high_.y());
+      const double there = (c - task_.start).head<2>().norm();
+      const double on = std::max(0.0, (c.head<2>() - task_.goal_W).norm() - kReach);
+      if (there + on < task_.longest) break;
+    }
+    c[2] = draws.uniform(-std::numbers::pi, std::numbers::pi);
+  }
+  const double kind = draws.uniform();
+  const Configuration& goal = task_.goals[draws.choice(task_.goals.size())].c;
+  if (kind < kTucked && mobile) {
+    c.tail(joints) = *task_.tuck;
+  } else if (kind < kBetween) {
+    const double f = draws.uniform();
+    c.tail(joints) += f * (goal - task_.start).tail(joints);
+  } else if (kind < kNearGoal) {
+    constexpr double kAway = 0.4, kTurned = 1.0, kBent = 0.8;  // [m, rad, rad]
+    if (mobile) {
+      c[0] = goal[0] + draws.uniform(-kAway, kAway);
+      c[1] = goal[1] + draws.uniform(-kAway, kAway);
+      c[2] = goal[2] + draws.uniform(-kTurned, kTurned);
+    }
+    for (int i = 0; i < joints; ++i)
+      c[3 + i] = std::clamp(goal[3 + i] + draws.uniform(-kBent, kBent), space.lower()[i], space.upper()[i]);
+  } else {
+    constexpr double kAway = 0.3, kTurned = 1.0;
+    if (mobile && kind < kNearStart) {
+      c[0] = task_.start[0] + draws.uniform(-kAway, kAway);
+      c[1] = task_.start[1] + draws.uniform(-kAway, kAway);
+      c[2] = task_.start[2] + draws.uniform(-kTurned, kTurned);
+    }
+    for (int i = 0; i < joints; ++i) c[3 + i] = draws.uniform(space.lower()[i], space.upper()[i]);
+  }
+}
+
+}  // namespace moma

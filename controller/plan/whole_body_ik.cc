@@ -1,0 +1,137 @@
+#include "controller/plan/whole_body_ik.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "controller/model/manipulability.h"
+#include "controller/task/servo.h"
+
+namespace moma {
+namespace {
+
+constexpr int kIterations = 20;
+constexpr double kPosition = 1e-3, kOrientation = 2e-3;  // [m, rad]
+constexpr double kMostTurn = 0.6, kMostWay = 0.3;        // of one iteration [rad, m]
+constexpr double kDamping = 1e-4;
+constexpr double kPlaceWeight = 0.5;
+// Further inside the joints' limits than a path has to be, so that the result is free.
+constexpr double kInside = 0.03;  // [rad, m]
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 3 + kMaxJoints>;
+
+// Columns: the base's place (x, y) and heading in W, then the joints; zero for a base that is bolted down.
+void free_jacobian(const Kinematics& kinematics, bool mobile, Jacobian& J) noexcept {
+  const Eigen::Index joints = J.cols() - 3;
+  J.leftCols<3>().setZero();
+  if (mobile) {
+    const Vector3 r = kinematics.X_WE().translation() - kinematics.X_WB().translation();
+    J(3, 0) = J(4, 1) = J(2, 2) = 1.0;
+    J(3, 2) = -r.y();
+    J(4, 2) = r.x();
+  }
+  J.rightCols(joints) = kinematics.J_WE_W().rightCols(joints);
+}
+
+double shortened(double length, double most) noexcept { return length > most ? most / length : 1.0; }
+
+}  // namespace
+
+WholeBodyIk::WholeBodyIk(std::shared_ptr<const RobotModel> model, const MotionLimits& limits)
+    : model_(std::move(model)),
+      limits_(&limits),
+      mobile_(limits.base != BaseType::kFixed),
+      lower_(limits.num_joints()),
+      upper_(limits.num_joints()) {
+  for (int i = 0; i < limits.num_joints(); ++i) {
+    const double inside = std::min(limits.margin[i] + kInside, 0.45 * (limits.upper[i] - limits.lower[i]));
+    lower_[i] = limits.lower[i] + inside;
+    upper_[i] = limits.upper[i] - inside;
+  }
+}
+
+bool WholeBodyIk::solve(FreeSpace& space, const Isometry& X_WG, Configuration& c) const noexcept {
+  const int joints = limits_->num_joints();
+  Jacobian J(6, 3 + joints);
+  Matrix6 M;
+  for (int k = 0; k < kIterations; ++k) {
+    space.charge(1);
+    const Kinematics& kinematics = space.place(c);
+    const Vector6 e = pose_error(kinematics.X_WE(), X_WG);
+    const double turn = e.head<3>().norm(), way = e.tail<3>().norm();
+    if (way < kPosition && turn < kOrientation) return true;
+    free_jacobian(kinematics, mobile_, J);
+    Vector6 wanted = e;
+    wanted.head<3>() *= shortened(turn, kMostTurn);
+    wanted.tail<3>() *= shortened(way, kMostWay);
+    for (int i = 0; i < 6; ++i) {
+      for (int j = 0; j <= i; ++j) {
+        double sum = i == j ? kDamping : 0.0;
+        for (int l = 0; l < 3 + joints; ++l) sum += (l < 2 ? kPlaceWeight : 1.0) * J(i, l) * J(j, l);
+        M(i, j) = M(j, i) = sum;
+      }
+    }
+    const Vector6 y = M.ldlt().solve(wanted);
+    for (int l = 0; l < 3 + joints; ++l) {
+      double sum = 0.0;
+      for (int i = 0; i < 6; ++i) sum += J(i, l) * y[i];
+      c[l] += (l < 2 ? kPlaceWeight : 1.0) * sum;
+    }
+    for (int i = 0; i < joints; ++i) c[3 + i] = std::clamp(c[3 + i], lower_[i], upper_[i]);
+  }
+  return false;
+}
+
+void WholeBodyIk::seed(const Isometry& X_WG, const Configuration& start, int index, CountedDraws& draws,
+                       Configuration& c) const noexcept {
+  const int joints = limits_->num_joints();
+  c = start;
+  if (mobile_) {
+    constexpr double kNear = 0.2, kFar = 1.0, kStand = 0.7;  // from the goal [m]
+    const Vector2 goal = X_WG.translation().head<2>();
+    const double angle = draws.uniform(-std::numbers::pi, std::numbers::pi), r = draws.uniform(kNear, kFar);
+    Vector2 from = r * Vector2(std::cos(angle), std::sin(angle));
+    if (index % 4 == 0) {
+      from = start.head<2>() - goal;
+      from *= shortened(from.norm(), kStand);
+    }
+    c.head<2>() = goal + from;
+    const double anyhow = draws.uniform(-std::numbers::pi, std::numbers::pi);
+    c[2] = index % 3 == 0 ? angle + std::numbers::pi : anyhow;
+  }
+  const int arm = index % 5;  // the start's, `ready`, or one of three that are drawn
+  if (mobile_ ? arm > 1 : index > 0) {
+    constexpr double kRoom = 0.15;
+    for (int i = 0; i < joints; ++i) {
+      const double room = std::min(kRoom, 0.4 * (limits_->upper[i] - limits_->lower[i]));
+      c[3 + i] = draws.uniform(limits_->lower[i] + room, limits_->upper[i] - room);
+    }
+  } else if (arm == 1) {
+    c.tail(joints) = model_->ready;
+  }
+}
+
+bool WholeBodyIk::find(FreeSpace& space, const Isometry& X_WG, double roomy, const Configuration& start, int index,
+                       CountedDraws& draws, GoalConfiguration& out) const noexcept {
+  const int joints = limits_->num_joints();
+  Configuration& c = out.c;
+  seed(X_WG, start, index, draws, c);
+  if (!solve(space, X_WG, c)) return false;
+  c[2] = start[2] + wrapped(c[2] - start[2]);
+  if (!space.free(c)) return false;
+  // Penalties [s], each growing to its whole as clearance, room or manipulability vanish.
+  constexpr double kTight = 0.7, kLimit = 0.4, kLimitRoom = 0.5, kSingular = 1.0, kAgile = 0.06;
+  out.cost = edge_time(*limits_, start, c);
+  const Clearances& now = space.clearances();
+  if (now.object < roomy && !space.clear(c, {roomy, now.floor, now.self})) out.cost += kTight;
+  for (int i = 0; i < joints; ++i) {
+    const double room = std::min(limits_->upper[i] - c[3 + i], c[3 + i] - limits_->lower[i]);
+    out.cost += kLimit * std::max(0.0, 1.0 - room / kLimitRoom);
+  }
+  const double m = manipulability(space.kinematics().J_WE_W().rightCols(joints), ManipulabilityRows::kTranslation);
+  out.cost += kSingular * std::max(0.0, 1.0 - m / kAgile);
+  return true;
+}
+
+}  // namespace moma

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "controller/model/kinematics.h"
+#include "controller/model/proximity.h"
+#include "controller/safe/base_ramp.h"
+#include "controller/safe/braking.h"
+#include "controller/safe/params.h"
+#include "controller/step.h"
+
+namespace moma {
+
+/// The last check of a command: the places of the robot if it follows the command for one period and brakes from then
+/// on. There are two ways to brake: (a) all velocities in proportion, in the time that the slowest needs, which keeps
+/// the path, and (b) each as fast as it can. The command passes where on one of them the distance to all objects at
+/// rest stays `margin` or more; it then has a backup trajectory (after Hobbs et al., IEEE CSM 43(2), 2023, "Runtime
+/// assurance"; Singletary et al., IEEE L-CSS 6, 2022), whatever comes after.
+///
+/// Where both fail, commands between it and two that slow down are tried, slower + f (u - slower), f = 0.75, 0.5, 0.25,
+/// 0; slower is the present velocity less one period's braking in proportion, and the smallest command that is allowed.
+/// The first that passes is taken, else the one that stays furthest away. Objects in motion are left out: to stand
+/// still is no way out of somebody's way. One per controller; only set_objects() takes memory. Distances are looked
+/// at every `every` periods on the way, and as it ends.
+class BrakeCheck {
+ public:
+  /// `acceleration` per velocity, resolved; `pair_together` as of Deceleration.
+  BrakeCheck(std::shared_ptr<const RobotModel> model, const BrakeCheckParams& params, const VectorX& acceleration,
+             bool pair_together, double control_period);
+
+  bool on() const noexcept { return params_.enabled; }
+  void set_objects(std::span<const ObjectShape> objects);
+
+  /// Box of the commands that are allowed.
+  struct Allowed {
+    const VectorX& lower;
+    const VectorX& upper;
+    const VectorX& slowest;  ///< the smallest command in it
+  };
+  /// `o`: where the command begins to act. Returns the share of `command` that was kept, 1 where it passes.
+  double apply(const Observation& o, const Allowed& allowed, VectorX& command) noexcept;
+
+  /// Least distance to objects at rest on the way to a stop, as far as it is below the margin, else infinite.
+  double least_distance(const Observation& o, const VectorX& command, bool in_proportion) noexcept;
+
+ private:
+  double clearance(const Observation& o, const VectorX& command) noexcept;
+  double distance() noexcept;
+
+  std::shared_ptr<const RobotModel> model_;
+  BrakeCheckParams params_;
+  double dt_;
+  Kinematics kinematics_;
+  Proximity proximity_;
+  BaseRamp ramp_;
+  Deceleration deceleration_;
+  VectorX q_, mean_, times_;
+  VectorX trial_, full_, in_proportion_;
+  Vector3 base_ = Vector3::Zero();
+  std::vector<ObjectState> states_;
+};
+
+}  // namespace moma

@@ -1,0 +1,154 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "controller/describe/describe.h"
+#include "controller/describe/enumeration.h"
+#include "controller/describe/range.h"
+
+namespace moma {
+
+/// Speeds from which the robot can still stop in front of what is near (braking.h).
+struct BrakingParams {
+  bool enabled = false;
+  double share = 0.5;      ///< of the deceleration that all velocities have along a row together
+  double reaction = 0.02;  ///< until braking begins [s]
+};
+
+template <class V>
+constexpr void describe(V& v, Of<BrakingParams>) {
+  using P = BrakingParams;
+  v.member("share", &P::share,
+           {.unit = "1", .range = {0.0, 1.0, true}, .text = "of the deceleration that all velocities have together"});
+  v.member("reaction", &P::reaction, {.unit = "s", .range = Range::non_negative(), .text = "until braking begins"});
+}
+
+/// How infeasible collision rows give way (solver/fallback.h): by one common slack, or as far as braking would break
+/// them and no further.
+enum class Relaxation { kCommon, kBackup };
+constexpr auto words(Of<Relaxation>) { return std::to_array<std::string_view>({"common", "backup"}); }
+static_assert(all_worded<Relaxation>());
+
+/// Commands from which braking would come too near to something at rest give way (brake_check.h).
+struct BrakeCheckParams {
+  bool enabled = false;
+  double margin = 0.02;  ///< distance that is kept on the way to a stop [m]
+  int every = 4;         ///< control periods between the places that are looked at
+};
+
+template <class V>
+constexpr void describe(V& v, Of<BrakeCheckParams>) {
+  using P = BrakeCheckParams;
+  v.member("margin", &P::margin, {.unit = "m", .range = Range::positive(), .text = "kept on the way to a stop"});
+  v.member("every", &P::every, {.range = {1.0, 1000.0}, .text = "control periods between the places looked at"});
+}
+
+/// Known lateness of drives and sensing, rounded up to control periods, and filters (predictor.h). All in seconds.
+struct PredictionParams {
+  bool enabled = false;
+  double base_drive = 0.0;      ///< from a command to the base's motion
+  double joint_drive = 0.0;     ///< and to the joints'
+  double base_sensing = 0.0;    ///< age of the base's measured pose and velocity
+  double joint_sensing = 0.0;   ///< of the joints'
+  double object_sensing = 0.0;  ///< of objects' poses and twists
+  double goal_sensing = 0.0;    ///< of the goal's
+  double base_filter = 0.0;     ///< time constants; 0: none
+  double resting_filter = 0.0;  ///< of poses of objects and goal at rest,
+  double moving_filter = 0.0;   ///< of those in motion,
+  double twist_filter = 0.0;    ///< and of their twists
+  bool identify = false;  ///< round trips of base and joints are found from their motion; the above are first guesses
+};
+
+template <class V>
+constexpr void describe(V& v, Of<PredictionParams>) {
+  using P = PredictionParams;
+  constexpr Range kLateness{0.0, 2.0};
+  v.group("drives", "from a command to its effect", [=](auto& g) {
+    g.member("base", &P::base_drive, {.unit = "s", .range = kLateness});
+    g.member("joints", &P::joint_drive, {.unit = "s", .range = kLateness});
+  });
+  v.group("sensing", "age of what is measured", [=](auto& g) {
+    g.member("base", &P::base_sensing, {.unit = "s", .range = kLateness, .text = "of pose and velocity"});
+    g.member("joints", &P::joint_sensing, {.unit = "s", .range = kLateness, .text = "of positions and velocities"});
+    g.member("objects", &P::object_sensing, {.unit = "s", .range = kLateness, .text = "of poses and twists"});
+    g.member("goal", &P::goal_sensing, {.unit = "s", .range = kLateness, .text = "of pose and twist"});
+  });
+  v.group("filters", "time constants, 0: none", [](auto& g) {
+    g.member("base", &P::base_filter, {.unit = "s", .range = Range::non_negative(), .text = "of the base's pose"});
+    g.member("resting", &P::resting_filter,
+             {.unit = "s", .range = Range::non_negative(), .text = "of poses of objects and goal at rest"});
+    g.member("moving", &P::moving_filter,
+             {.unit = "s", .range = Range::non_negative(), .text = "of poses of those in motion"});
+    g.member("twist", &P::twist_filter, {.unit = "s", .range = Range::non_negative(), .text = "of their twists"});
+  });
+  v.member("identify", &P::identify, {.text = "find the round trips of base and joints from their motion"});
+}
+
+/// How far what is measured may be off (uncertainty.h): standard deviations per axis, as `disturbances` has them.
+struct UncertaintyParams {
+  bool enabled = false;
+  double probability = 0.99;  ///< with which a row's distance is kept, one-sided
+  double object_noise = 0.0;  ///< of an object's position, new at each step [m],
+  double object_rotation_noise = 0.0;    ///< of its orientation [rad],
+  double object_bias = 0.0;              ///< and what stays the same [m],
+  double object_rotation_bias = 0.0;     ///< [rad]
+  double object_velocity = 0.0;          ///< of its linear velocity, at each step [m/s],
+  double object_angular_velocity = 0.0;  ///< and its angular one [rad/s]
+  double growth = 0.0;                   ///< of its place while it is not seen [m/s]
+  double keep = 0.0;                     ///< how long it is believed to be there while it is not seen [s]
+  double base_position = 0.0;            ///< of the base to what is seen [m],
+  double base_rotation = 0.0;            ///< [rad]
+  double joints = 0.0;                   ///< of each joint [rad or m]
+};
+
+template <class V>
+constexpr void describe(V& v, Of<UncertaintyParams>) {
+  using P = UncertaintyParams;
+  constexpr Range kSpread = Range::non_negative();
+  v.member("probability", &P::probability,
+           {.unit = "1", .range = {0.5, 1.0, false, true}, .text = "with which a row's distance is kept"});
+  v.group("objects", "of the poses and twists of objects", [=](auto& objects) {
+    objects.group("noise", "new at each step", [=](auto& g) {
+      g.member("position", &P::object_noise, {.unit = "m", .range = kSpread});
+      g.member("rotation", &P::object_rotation_noise, {.unit = "rad", .range = kSpread});
+    });
+    objects.group("bias", "the same all the time", [=](auto& g) {
+      g.member("position", &P::object_bias, {.unit = "m", .range = kSpread});
+      g.member("rotation", &P::object_rotation_bias, {.unit = "rad", .range = kSpread});
+    });
+    objects.group("velocity_noise", "new at each step", [=](auto& g) {
+      g.member("linear", &P::object_velocity, {.unit = "m/s", .range = kSpread});
+      g.member("angular", &P::object_angular_velocity, {.unit = "rad/s", .range = kSpread});
+    });
+    objects.member("growth", &P::growth, {.unit = "m/s", .range = kSpread, .text = "of the place while not seen"});
+    objects.member("keep", &P::keep,
+                   {.unit = "s", .range = kSpread, .text = "how long an object is believed in while not seen"});
+  });
+  v.group("base", "of the base to what is seen", [=](auto& g) {
+    g.member("position", &P::base_position, {.unit = "m", .range = kSpread});
+    g.member("rotation", &P::base_rotation, {.unit = "rad", .range = kSpread});
+  });
+  v.member("joints", &P::joints, {.unit = "rad or m", .range = kSpread, .text = "of each joint"});
+}
+
+/// A base's speed is limited to what can be stopped in front of what comes into sight (qp/limits.h).
+struct SightParams {
+  bool enabled = false;
+  double range = 3.0;     ///< where something is seen for sure, from the base's middle [m]
+  double reach = 1.0;     ///< how far the robot sticks out beyond that, and what is to be left [m]
+  double reaction = 0.3;  ///< from coming into range to braking: detection, lateness [s]
+  double speed = 0.0;     ///< at which it may come [m/s]
+};
+
+template <class V>
+constexpr void describe(V& v, Of<SightParams>) {
+  using P = SightParams;
+  v.member("range", &P::range, {.unit = "m", .range = Range::positive(), .text = "where something is seen for sure"});
+  v.member("reach", &P::reach, {.unit = "m", .range = Range::non_negative(), .text = "of the robot, and what is left"});
+  v.member("reaction", &P::reaction,
+           {.unit = "s", .range = Range::non_negative(), .text = "from coming into range to braking"});
+  v.member("speed", &P::speed, {.unit = "m/s", .range = Range::non_negative(), .text = "at which it may come"});
+}
+
+}  // namespace moma

@@ -1,0 +1,100 @@
+#include "controller/safe/pose_track.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "controller/model/kinematics.h"
+
+namespace moma {
+namespace {
+
+constexpr double kAnother = 0.1;  // an innovation of so much is that of another pose [m, rad]
+
+void turn(const Vector3& rotation_W, Isometry& X_W) noexcept {
+  const double angle = rotation_W.norm();
+  if (angle > 0.0) X_W.linear() = Eigen::AngleAxisd(angle, rotation_W / angle).toRotationMatrix() * X_W.linear();
+}
+
+// Variance of a filtered value, in units of one measurement's, after a measurement at this gain.
+double averaged(double spread, double gain) noexcept { return (1.0 - gain) * (1.0 - gain) * spread + gain * gain; }
+
+}  // namespace
+
+void advance(const Vector6& V_W, double dt, Isometry& X_W) noexcept {
+  X_W.translation() += dt * V_W.tail<3>();
+  turn(dt * V_W.head<3>(), X_W);
+}
+
+double PoseFilter::gain(double first, double time_constant) const noexcept {
+  return time_constant > dt_ ? std::max(first, dt_ / time_constant) : 1.0;
+}
+
+bool PoseFilter::significant(const Vector6& V_W, double spread) const noexcept {
+  const double root = std::sqrt(spread);
+  return V_W.tail<3>().norm() > threshold_.linear * root || V_W.head<3>().norm() > threshold_.angular * root;
+}
+
+void PoseFilter::begin(const Isometry& X_W, const Vector6& V_W, bool moving, PoseTrack& track) const noexcept {
+  track.seen = 1;
+  track.moving = moving;
+  track.place(X_W);
+  track.V_W = V_W;
+  track.pose_spread = 1.0;
+  track.unseen = 0.0;
+}
+
+void PoseFilter::measure(const Isometry& X_W, const Vector6& V_W, PoseTrack& track) const noexcept {
+  // A twist of exactly 0 is a sensor's word that the thing is at rest.
+  const bool at_rest = V_W.isZero(0.0);
+  const bool noisy = threshold_.linear > 0.0 || threshold_.angular > 0.0;
+  if (track.seen == 0) {
+    track.twist_spread = 1.0;
+    begin(X_W, V_W, !at_rest && significant(V_W, 1.0), track);
+    return;
+  }
+  ++track.seen;
+  track.unseen = 0.0;
+  const double first = 1.0 / track.seen;
+  if (at_rest) {
+    track.V_W.setZero();
+    track.twist_spread = 1.0;
+  } else if (track.moving || noisy) {
+    const double g = gain(first, params_.velocity);
+    track.V_W += g * (V_W - track.V_W);
+    track.twist_spread = averaged(track.twist_spread, g);
+  } else {
+    track.V_W = V_W;
+    track.twist_spread = 1.0;
+  }
+  const bool moving = !at_rest && significant(track.V_W, track.twist_spread);
+  if (moving != track.moving) {
+    begin(X_W, track.V_W, moving, track);
+    return;
+  }
+  Isometry X = track.X_W();
+  if (moving) advance(track.V_W, dt_, X);
+  const Vector3 away = X_W.translation() - X.translation();
+  const Vector3 turned = log_so3(X_W.linear() * X.linear().transpose());
+  if (!(away.norm() < kAnother && turned.norm() < kAnother)) {
+    track.twist_spread = 1.0;
+    begin(X_W, V_W, moving, track);
+    return;
+  }
+  const double g = gain(first, moving ? params_.moving : params_.resting);
+  X.translation() += g * away;
+  turn(g * turned, X);
+  track.place(X);
+  track.pose_spread = averaged(track.pose_spread, g);
+}
+
+void PoseFilter::coast(PoseTrack& track) const noexcept {
+  if (track.seen == 0) return;
+  if (track.moving) {
+    Isometry X = track.X_W();
+    advance(track.V_W, dt_, X);
+    track.place(X);
+  }
+  track.unseen += dt_;
+}
+
+}  // namespace moma

@@ -1,0 +1,85 @@
+#pragma once
+
+#include "controller/describe/describe.h"
+#include "controller/types.h"
+
+namespace moma {
+
+using Vector9 = Eigen::Matrix<double, 9, 1>;
+
+/// What is remembered of an object, or of the goal, from its measurements so far.
+struct PoseTrack {
+  int seen = 0;         ///< measurements since it was begun afresh; 0: nothing is known
+  bool moving = false;  ///< in motion, as far as can be told
+  Vector3 p_W = Vector3::Zero();
+  Vector9 R_W = Matrix3::Identity().reshaped();  ///< rotation matrix, column by column
+  Vector6 V_W = Vector6::Zero();  ///< [angular; linear] in world axes, 0 at rest
+  double pose_spread = 1.0;       ///< variance of X_W's noise, in units of one measurement's [1]
+  double twist_spread = 1.0;      ///< and of V_W's
+  double unseen = 0.0;            ///< time since the last measurement [s]
+
+  Isometry X_W() const noexcept {
+    Isometry X = Isometry::Identity();
+    X.translation() = p_W;
+    X.linear() = R_W.reshaped(3, 3);
+    return X;
+  }
+  void place(const Isometry& X_W) noexcept {
+    p_W = X_W.translation();
+    R_W = X_W.linear().reshaped();
+  }
+};
+
+template <class V>
+constexpr void describe(V& v, Of<PoseTrack>) {
+  using T = PoseTrack;
+  v.member("seen", &T::seen, {.range = Range::non_negative(), .text = "measurements since it was begun afresh"});
+  v.member("moving", &T::moving, {.text = "whether it is in motion"});
+  v.member("position", &T::p_W, {.unit = "m"});
+  v.member("rotation", &T::R_W, {.unit = "1", .text = "matrix, column by column"});
+  v.member("velocity", &T::V_W, {.unit = "rad/s or m/s", .text = "angular, then linear"});
+  v.member("pose_spread", &T::pose_spread, {.unit = "1", .range = Range::non_negative()});
+  v.member("twist_spread", &T::twist_spread, {.unit = "1", .range = Range::non_negative()});
+  v.member("unseen", &T::unseen, {.unit = "s", .range = Range::non_negative()});
+}
+
+/// Time constants of exponential filters [s]; 0: none.
+struct PoseFilterParams {
+  double resting = 0.0;   ///< of the pose of what is at rest,
+  double moving = 0.0;    ///< of what moves,
+  double velocity = 0.0;  ///< and of its twist
+};
+
+/// When a measured twist is motion and not noise: beyond `linear` or `angular`, which are so many standard deviations
+/// of one measurement [m/s, rad/s]; 0: any twist that is not exactly 0.
+struct MotionThreshold {
+  double linear = 0.0;
+  double angular = 0.0;
+};
+
+/// Filters measured poses and twists. A pose is moved on by its twist, then by max(1/n, T/tau) of the innovation, n
+/// measurements so far: the mean at first, and exponential later; the twist likewise. A track is begun afresh at an
+/// innovation of 0.1 m or rad, and as rest turns to motion or motion to rest. A stateless function of its arguments.
+class PoseFilter {
+ public:
+  PoseFilter(const PoseFilterParams& params, const MotionThreshold& threshold, double control_period) noexcept
+      : params_(params), threshold_(threshold), dt_(control_period) {}
+
+  void measure(const Isometry& X_W, const Vector6& V_W, PoseTrack& track) const noexcept;
+  /// A step without a measurement: what moves goes on as it did.
+  void coast(PoseTrack& track) const noexcept;
+
+ private:
+  double gain(double first, double time_constant) const noexcept;
+  bool significant(const Vector6& V_W, double spread) const noexcept;
+  void begin(const Isometry& X_W, const Vector6& V_W, bool moving, PoseTrack& track) const noexcept;
+
+  PoseFilterParams params_;
+  MotionThreshold threshold_;
+  double dt_;
+};
+
+/// Moves a pose by a twist at its own origin for `dt` [s].
+void advance(const Vector6& V_W, double dt, Isometry& X_W) noexcept;
+
+}  // namespace moma

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <vector>
+
+#include "controller/describe/describe.h"
+#include "controller/safe/pose_track.h"
+#include "controller/safe/round_trip.h"
+#include "controller/types.h"
+
+namespace moma {
+
+/// What the predictor remembers from step to step. Sizes are fixed by Predictor::reset(): copies among equal sizes take
+/// no memory.
+struct PredictionMemory {
+  // One for each control period, the latest first.
+  std::vector<VectorX> computed;       ///< commands as the steps computed them
+  std::vector<VectorX> sent;           ///< as they were sent, those of base or joints later than computed
+  std::vector<Vector3> base_velocity;  ///< by the base's ramp, when the period of `sent` has passed in its drive
+  bool begun = false;                  ///< `base` is known
+  Vector3 base = Vector3::Zero();      ///< filtered (x, y, phi) as of the last measurement
+  RoundTrip base_trip;                 ///< from a command sent to the base's measured velocity
+  RoundTrip joint_trip;                ///< and to that of the joints
+  std::vector<PoseTrack> objects;
+  PoseTrack goal;
+};
+
+template <class V>
+constexpr void describe(V& v, Of<PredictionMemory>) {
+  using M = PredictionMemory;
+  v.member("computed", &M::computed, {.unit = "rad/s or m/s", .text = "commands of past periods, the latest first"});
+  v.member("sent", &M::sent, {.unit = "rad/s or m/s", .text = "the same as they were sent to the drives"});
+  v.member("base_velocity", &M::base_velocity, {.unit = "m/s or rad/s", .text = "the base's, by its ramp"});
+  v.member("begun", &M::begun, {.text = "whether base is known"});
+  v.member("base", &M::base, {.unit = "m or rad", .text = "filtered x, y, phi as of the last measurement"});
+  v.member("base_trip", &M::base_trip, {.text = "from a command to the base's measured velocity"});
+  v.member("joint_trip", &M::joint_trip, {.text = "from a command to the joints' measured velocity"});
+  v.member("objects", &M::objects, {.text = "one for each object, in their order"});
+  v.member("goal", &M::goal, {});
+}
+
+}  // namespace moma

@@ -1,0 +1,246 @@
+#include "controller/safe/predictor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "controller/model/kinematics.h"
+
+namespace moma {
+namespace {
+
+constexpr int kLeastTried = 12;  // periods of round trips that are tried at least
+constexpr int kBeyond = 3;       // and so many more than configured
+// What noise leaves of every misfit: (0.01 m/s)^2 + (0.01 rad/s)^2, and of the joints as much.
+constexpr double kFloor = 2e-4;
+constexpr double kRelocated = 0.5;  // a base measured so far from where it should be was put there [m, rad]
+
+int whole_periods(double seconds, double dt) noexcept { return static_cast<int>(std::ceil(seconds / dt - 1e-9)); }
+
+// Of the base alone.
+void move(const RobotModel& model, Vector3& base, const Vector3& velocity, double dt) noexcept {
+  VectorX no_joints;
+  integrate(model, base, no_joints, velocity.head(model.base_dof()), dt);
+}
+
+// Of a vector's length: its three axes together.
+MotionThreshold motion_threshold(const UncertaintyParams& u, double quantile) noexcept {
+  if (!u.enabled) return {};
+  const double size = quantile * std::numbers::sqrt3;
+  return {size * u.object_velocity, size * u.object_angular_velocity};
+}
+
+std::size_t at(int age) noexcept { return static_cast<std::size_t>(age); }
+
+// Makes the oldest the latest, which is to be written.
+template <class T>
+T& shifted(std::vector<T>& latest_first) noexcept {
+  std::rotate(latest_first.begin(), latest_first.end() - 1, latest_first.end());
+  return latest_first.front();
+}
+
+}  // namespace
+
+Predictor::Predictor(const RobotModel& model, const PredictionParams& params, const UncertaintyParams& uncertainty,
+                     double control_period)
+    : model_(&model),
+      params_(params),
+      dt_(control_period),
+      base_dof_(model.base_dof()),
+      num_joints_(model.num_joints()),
+      ramp_(model),
+      uncertain_(uncertainty),
+      uncertainty_(uncertainty, base_dof_),
+      filter_({params.resting_filter, params.moving_filter, params.twist_filter},
+              motion_threshold(uncertainty, uncertainty_.quantile()), control_period),
+      base_age_(whole_periods(params.base_sensing, dt_)),
+      joint_age_(whole_periods(params.joint_sensing, dt_)),
+      object_age_(whole_periods(params.object_sensing, dt_)),
+      goal_age_(whole_periods(params.goal_sensing, dt_)) {
+  const int base_trip = whole_periods(params.base_drive, dt_) + base_age_;
+  const int joint_trip = whole_periods(params.joint_drive, dt_) + joint_age_;
+  tried_ = std::max(kLeastTried, kBeyond + std::max(base_trip, joint_trip));
+  // The commands of the longest round trip, one before it, and those that wait, which are no more than the trip.
+  periods_ = tried_ + 2;
+  out_.q = VectorX::Zero(num_joints_);
+  out_.qdot = VectorX::Zero(model.num_velocities());
+  reset(0);
+}
+
+void Predictor::reset(int num_objects) {
+  PredictionMemory& m = memory_;
+  const int nv = base_dof_ + num_joints_;
+  m.computed.assign(at(periods_), VectorX::Zero(nv));
+  m.sent.assign(at(periods_), VectorX::Zero(nv));
+  m.base_velocity.assign(at(periods_), Vector3::Zero());
+  m.begun = false;
+  m.base.setZero();
+  m.base_trip = {base_dof_ > 0 ? whole_periods(params_.base_drive, dt_) + base_age_ : 0, VectorX::Zero(tried_)};
+  m.joint_trip = {whole_periods(params_.joint_drive, dt_) + joint_age_, VectorX::Zero(tried_)};
+  m.objects.assign(static_cast<std::size_t>(num_objects), PoseTrack{});
+  m.goal = {};
+  out_.objects.assign(static_cast<std::size_t>(num_objects), ObjectState{});
+  out_.qdot.setZero();
+  spreads_.assign(uncertainty_.on() ? static_cast<std::size_t>(num_objects) : 0, PlaceSpread{});
+  synchronise();
+}
+
+void Predictor::set_memory(const PredictionMemory& memory) noexcept {
+  memory_ = memory;
+  synchronise();
+}
+
+// What base and joints wait for so that they act together: the later one of their drives.
+void Predictor::synchronise() noexcept {
+  const int base = base_dof_ > 0 ? std::max(0, memory_.base_trip.periods - base_age_) : 0;
+  const int joints = num_joints_ > 0 ? std::max(0, memory_.joint_trip.periods - joint_age_) : 0;
+  late_ = std::max(base, joints);
+  hold_base_ = late_ - base;
+  hold_joints_ = late_ - joints;
+  if (base_dof_ == 0) hold_base_ = 0;
+}
+
+void Predictor::identify(const Observation& o) noexcept {
+  PredictionMemory& m = memory_;
+  for (int age = 0; age < tried_; ++age) {
+    double squared = 0.0;
+    for (int i = 0; i < base_dof_; ++i) {
+      const double off = o.qdot[i] - m.base_velocity[at(age)][i];
+      squared += off * off;
+    }
+    settle(m.base_trip, age, squared, dt_);
+    squared = 0.0;
+    for (int i = base_dof_; i < base_dof_ + num_joints_; ++i) {
+      const double off = o.qdot[i] - m.sent[at(age)][i];
+      squared += off * off;
+    }
+    settle(m.joint_trip, age, squared, dt_);
+  }
+  const bool base = base_dof_ > 0 && choose(m.base_trip, kFloor);
+  const bool joints = choose(m.joint_trip, kFloor);
+  if (base) m.begun = false;  // what was filtered is as of another time
+  if (base || joints) synchronise();
+}
+
+// Of the period in which the command sent `age` periods before the latest acts.
+Vector3 Predictor::mean_velocity(int age) const noexcept {
+  Vector3 command = Vector3::Zero(), velocity = memory_.base_velocity[at(age + 1)];
+  for (int i = 0; i < base_dof_; ++i) command[i] = memory_.sent[at(age)][i];
+  return ramp_.follow(command, dt_, velocity);
+}
+
+const Observation& Predictor::predict(const Observation& o) noexcept {
+  PredictionMemory& m = memory_;
+  if (params_.identify) identify(o);
+  out_.time = o.time + late_ * dt_;
+  predict_joints(o.q);
+  if (base_dof_ == 0) {
+    out_.base = o.base;
+  } else {
+    if (m.begun) {
+      move(*model_, m.base, mean_velocity(m.base_trip.periods), dt_);
+      correct_base(o.base);
+    } else {
+      m.base = o.base;
+      m.begun = true;
+    }
+    predict_base();
+  }
+  predict_velocity();
+  for (std::size_t i = 0; i < o.objects.size(); ++i) predict_object(o.objects[i], i);
+  filter_.measure(o.goal.X_WG, o.goal.V_WG_W, m.goal);
+  out_.goal.X_WG = m.goal.X_W();
+  out_.goal.V_WG_W.setZero();
+  if (m.goal.moving) {
+    out_.goal.V_WG_W = m.goal.V_W;
+    advance(m.goal.V_W, (goal_age_ + late_) * dt_, out_.goal.X_WG);
+  }
+  return out_;
+}
+
+void Predictor::predict_object(const ObjectState& seen, std::size_t i) noexcept {
+  PoseTrack& track = memory_.objects[i];
+  ObjectState& object = out_.objects[i];
+  const double lateness = (object_age_ + late_) * dt_;
+  object = seen;
+  if (seen.visible) {
+    filter_.measure(seen.X_WO, seen.V_WO_W, track);
+  } else if (uncertainty_.on() && track.seen > 0 && track.unseen + dt_ <= uncertain_.keep) {
+    filter_.coast(track);
+    object.visible = true;
+  } else {
+    track = PoseTrack{};
+    return;
+  }
+  object.X_WO = track.X_W();
+  object.V_WO_W.setZero();
+  if (track.moving) {
+    object.V_WO_W = track.V_W;
+    advance(track.V_W, lateness, object.X_WO);
+  }
+  if (uncertainty_.on()) spreads_[i] = uncertainty_.spread(track, lateness);
+}
+
+void Predictor::correct_base(const Vector3& measured) noexcept {
+  Vector3& base = memory_.base;
+  Vector3 innovation = measured - base;
+  innovation.z() = std::remainder(innovation.z(), 2.0 * std::numbers::pi);  // headings may be wrapped or not
+  if (!(innovation.head<2>().norm() < kRelocated && std::abs(innovation.z()) < kRelocated)) {
+    base = measured;
+    return;
+  }
+  base += (params_.base_filter > dt_ ? dt_ / params_.base_filter : 1.0) * innovation;
+}
+
+void Predictor::predict_joints(const VectorX& q) noexcept {
+  const PredictionMemory& m = memory_;
+  out_.q = q;
+  for (int age = m.joint_trip.periods - 1; age >= 0; --age) out_.q += dt_ * m.sent[at(age)].tail(num_joints_);
+  for (int age = hold_joints_ - 1; age >= 0; --age) out_.q += dt_ * m.computed[at(age)].tail(num_joints_);
+}
+
+void Predictor::predict_base() noexcept {
+  const PredictionMemory& m = memory_;
+  out_.base = m.base;
+  for (int age = m.base_trip.periods - 1; age >= 0; --age) move(*model_, out_.base, mean_velocity(age), dt_);
+  Vector3 velocity = m.base_velocity.front();
+  for (int age = hold_base_ - 1; age >= 0; --age) {
+    Vector3 command = Vector3::Zero();
+    for (int i = 0; i < base_dof_; ++i) command[i] = m.computed[at(age)][i];
+    move(*model_, out_.base, ramp_.follow(command, dt_, velocity), dt_);
+  }
+}
+
+void Predictor::predict_velocity() noexcept {
+  const PredictionMemory& m = memory_;
+  Vector3 velocity = m.base_velocity.front();
+  for (int age = hold_base_ - 1; age >= 0; --age) {
+    Vector3 command = Vector3::Zero();
+    for (int i = 0; i < base_dof_; ++i) command[i] = m.computed[at(age)][i];
+    ramp_.follow(command, dt_, velocity);
+  }
+  out_.qdot = m.computed.front();
+  for (int i = 0; i < base_dof_; ++i) out_.qdot[i] = velocity[i];
+}
+
+void Predictor::skip() noexcept {
+  PredictionMemory& m = memory_;
+  if (m.begun) move(*model_, m.base, mean_velocity(m.base_trip.periods), dt_);
+  predict_velocity();
+  for (PoseTrack& track : m.objects) filter_.coast(track);
+  filter_.coast(m.goal);
+}
+
+void Predictor::send(const VectorX& command, VectorX& sent) noexcept {
+  PredictionMemory& m = memory_;
+  shifted(m.computed) = command;
+  for (int i = 0; i < base_dof_ + num_joints_; ++i)
+    sent[i] = m.computed[at(i < base_dof_ ? hold_base_ : hold_joints_)][i];
+  shifted(m.sent) = sent;
+  Vector3 base = Vector3::Zero(), velocity = m.base_velocity.front();
+  for (int i = 0; i < base_dof_; ++i) base[i] = sent[i];
+  ramp_.follow(base, dt_, velocity);
+  shifted(m.base_velocity) = velocity;
+}
+
+}  // namespace moma

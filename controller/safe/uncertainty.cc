@@ -1,0 +1,61 @@
+#include "controller/safe/uncertainty.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace moma {
+namespace {
+
+double square(double x) noexcept { return x * x; }
+
+}  // namespace
+
+double normal_quantile(double probability) noexcept {
+  // Newton's method for Phi(z) = p, from 0 and so from below, where Phi is concave: it converges from one side.
+  double z = 0.0;
+  for (int i = 0; i < 100; ++i) {
+    const double upper = 0.5 * std::erfc(z / std::numbers::sqrt2);
+    const double density = std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
+    const double step = (upper - (1.0 - probability)) / density;
+    z += step;
+    if (std::abs(step) < 1e-14 * (1.0 + z)) break;
+  }
+  return z;
+}
+
+Uncertainty::Uncertainty(const UncertaintyParams& params, int base_dof) noexcept
+    : params_(params), base_dof_(base_dof), z_(normal_quantile(params.probability)) {}
+
+PlaceSpread Uncertainty::spread(const PoseTrack& track, double lateness) const noexcept {
+  const UncertaintyParams& u = params_;
+  double position = square(u.object_bias) + square(u.object_noise) * track.pose_spread;
+  double rotation = square(u.object_rotation_bias) + square(u.object_rotation_noise) * track.pose_spread;
+  if (track.moving) {
+    const double late = square(lateness + track.unseen) * track.twist_spread;
+    position += square(u.object_velocity) * late;
+    rotation += square(u.object_angular_velocity) * late;
+  }
+  position += square(u.growth * track.unseen);
+  return {std::sqrt(position), std::sqrt(rotation)};
+}
+
+double Uncertainty::margin(const ProximityPair& pair, const Kinematics& kinematics,
+                           const Eigen::Ref<const VectorX>& row, const ObjectState* object,
+                           const PlaceSpread& spread) const noexcept {
+  const UncertaintyParams& u = params_;
+  const Vector3& n = pair.distance.n_W;
+  double variance = 0.0;
+  if (object != nullptr) {
+    const Vector3& p = pair.distance.p_second_W;
+    variance += square(spread.position) +
+                (p - object->X_WO.translation()).cross(n).squaredNorm() * square(spread.rotation);
+    if (base_dof_ > 0) {
+      const Vector3 arm = p - kinematics.X_WB().translation();
+      variance += square(u.base_position) + square(arm.x() * n.y() - arm.y() * n.x()) * square(u.base_rotation);
+    }
+  }
+  for (Eigen::Index i = base_dof_; i < row.size(); ++i) variance += square(row[i] * u.joints);
+  return z_ * std::sqrt(variance);
+}
+
+}  // namespace moma

@@ -1,0 +1,186 @@
+// The ways to a stop, against the same in steps of a fifth of a millisecond that share no code with the check.
+
+#include "controller/safe/brake_check.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/controller/qp_robots.h"
+#include "tests/support/no_alloc.h"
+
+namespace moma {
+namespace {
+
+using namespace test;
+
+constexpr double kPeriod = 0.02;
+
+struct Scene {
+  std::shared_ptr<const RobotModel> model;
+  VectorX acceleration;
+  std::vector<ObjectShape> shapes;
+
+  explicit Scene(std::shared_ptr<const RobotModel> m, Rng& rng) : model(std::move(m)) {
+    acceleration = VectorX::Constant(model->num_velocities(), 5.0);
+    if (model->base_dof() > 0) acceleration.head(model->base_dof() - 1).setConstant(model->base.max_acceleration.x());
+    if (model->base_dof() > 0) acceleration[model->base_dof() - 1] = model->base.max_acceleration.y();
+    shapes = random_objects(rng, 6);
+  }
+  BrakeCheck check(double margin, int every) const {
+    BrakeCheck c(model, {.enabled = true, .margin = margin, .every = every}, acceleration, true, kPeriod);
+    c.set_objects(shapes);
+    return c;
+  }
+};
+
+// Of the base, as a drive does it: the linear velocity is one vector.
+double rate(const Scene& scene, const VectorX& u, Eigen::Index i) {
+  const bool pair = scene.model->base_dof() == 3 && i < 2;
+  const double size = pair ? std::hypot(u[0], u[1]) : std::abs(u[i]);
+  return size > 0.0 ? scene.acceleration[i] * std::abs(u[i]) / size : 0.0;
+}
+
+// Least distance on the way: one period towards u by the drive, then braking.
+double simulated(const Scene& scene, const Observation& o, const VectorX& u, bool in_proportion) {
+  Kinematics kinematics(scene.model);
+  Proximity proximity(scene.model);
+  proximity.set_objects(scene.shapes);
+  constexpr double h = 2e-4;
+  Vector3 base = o.base;
+  VectorX q = o.q, v = u;
+  const int dof = scene.model->base_dof();
+  v.head(dof) = o.qdot.head(dof);
+  double last = 0.0;
+  for (Eigen::Index i = 0; i < u.size(); ++i)
+    if (u[i] != 0.0) last = std::max(last, std::abs(u[i]) / rate(scene, u, i));
+  double least = 1e9;
+  for (double t = 0.0; t < kPeriod + last; t += h) {
+    if (t < kPeriod) {
+      VectorX change = u - v;
+      if (dof > 0) {
+        const double linear = change.head(dof - 1).norm(), most = scene.model->base.max_acceleration.x() * h;
+        if (linear > most) change.head(dof - 1) *= most / linear;
+        const double turn = scene.model->base.max_acceleration.y() * h;
+        change[dof - 1] = std::min(std::max(change[dof - 1], -turn), turn);
+      }
+      v += change;
+    } else {
+      for (Eigen::Index i = 0; i < u.size(); ++i) {
+        const double down = in_proportion ? std::abs(u[i]) / last : rate(scene, u, i);
+        v[i] = std::copysign(std::max(0.0, std::abs(u[i]) - down * (t - kPeriod)), u[i]);
+      }
+    }
+    base.z() += 0.5 * h * (dof > 0 ? v[dof - 1] : 0.0);
+    if (dof > 0) {
+      const double vy = dof == 3 ? v[1] : 0.0;
+      base.x() += h * (v[0] * std::cos(base.z()) - vy * std::sin(base.z()));
+      base.y() += h * (v[0] * std::sin(base.z()) + vy * std::cos(base.z()));
+      base.z() += 0.5 * h * v[dof - 1];
+    }
+    q += h * v.tail(q.size());
+    const long step = std::lround(t / h);
+    if (step % 5 != 0) continue;
+    kinematics.update(base, q);
+    for (const ProximityPair& pair : proximity.query(kinematics, o.objects, {1.0, -1.0, -1.0}))
+      least = std::min(least, pair.distance.d);
+  }
+  return least;
+}
+
+Observation still_objects(const Scene& scene, Rng& rng) {
+  Observation o = random_observation(*scene.model, scene.shapes.size(), rng, 1.2);
+  for (ObjectState& object : o.objects) object.V_WO_W.setZero();
+  return o;
+}
+
+VectorX near_velocity(const Scene& scene, const VectorX& qdot, Rng& rng) {
+  VectorX u = qdot;
+  for (Eigen::Index i = 0; i < u.size(); ++i) u[i] += uniform(rng, -0.6, 0.6) * scene.acceleration[i] * kPeriod;
+  return u;
+}
+
+TEST(BrakeCheck, FindsTheLeastDistanceOnTheWayToAStop) {
+  Rng rng(1);
+  int within = 0;
+  for (const auto& model : all_robots()) {
+    for (int trial = 0; trial < 40; ++trial) {
+      const Scene scene(model, rng);
+      BrakeCheck fine = scene.check(0.5, 1);
+      const Observation o = still_objects(scene, rng);
+      const VectorX u = near_velocity(scene, o.qdot, rng);
+      VectorX out = u;
+      // apply() is what hands over where the objects are.
+      fine.apply(o, {u, u, u}, out);
+      for (const bool in_proportion : {true, false}) {
+        const double expected = simulated(scene, o, u, in_proportion);
+        const double found = fine.least_distance(o, u, in_proportion);
+        if (expected > 0.45) continue;
+        ++within;
+        // Places are looked at every period, and tips move at up to 3 m/s.
+        EXPECT_GT(found, expected - 0.004) << model->name << " trial " << trial << " together " << in_proportion;
+        EXPECT_LT(found, expected + 0.03) << model->name << " trial " << trial << " together " << in_proportion;
+      }
+    }
+  }
+  EXPECT_GT(within, 100);
+}
+
+TEST(BrakeCheck, GivesWayOnlyWhereItMustAndStaysInsideTheBox) {
+  Rng rng(2);
+  int passed = 0, mended = 0;
+  for (const auto& model : all_robots()) {
+    for (int trial = 0; trial < 400; ++trial) {
+      const Scene scene(model, rng);
+      BrakeCheck check = scene.check(0.02, 2);
+      const Observation o = still_objects(scene, rng);
+      const VectorX step = kPeriod * scene.acceleration;
+      const VectorX lower = o.qdot - step, upper = o.qdot + step;
+      const VectorX slowest = VectorX::Zero(o.qdot.size()).cwiseMax(lower).cwiseMin(upper);
+      const VectorX u = near_velocity(scene, o.qdot, rng);
+      VectorX command = u;
+      NoAlloc guard;
+      const double kept = check.apply(o, {lower, upper, slowest}, command);
+      EXPECT_EQ(guard.count(), 0);
+      for (Eigen::Index i = 0; i < u.size(); ++i) {
+        EXPECT_GE(command[i], lower[i] - 1e-12);
+        EXPECT_LE(command[i], upper[i] + 1e-12);
+      }
+      const auto clearance = [&](const VectorX& v) {
+        return std::max(check.least_distance(o, v, true), check.least_distance(o, v, false));
+      };
+      EXPECT_GE(clearance(command), std::min(clearance(u), 0.02) - 1e-12);
+      if (clearance(u) >= 0.02) {
+        ++passed;
+        EXPECT_EQ(kept, 1.0);
+        EXPECT_EQ(command, u);
+      } else if (clearance(command) >= 0.02) {
+        ++mended;
+        EXPECT_LT(kept, 1.0);
+      }
+    }
+  }
+  EXPECT_GT(passed, 100);
+  EXPECT_GT(mended, 10);
+}
+
+TEST(BrakeCheck, LeavesWhatMovesOut) {
+  Rng rng(3);
+  const Scene scene(frankie(), rng);
+  BrakeCheck check = scene.check(0.3, 1);
+  Observation o = still_objects(scene, rng);
+  o.objects[0].X_WO.translation() = Vector3(o.base.x() + 0.4, o.base.y(), 0.4);
+  for (std::size_t i = 1; i < o.objects.size(); ++i) o.objects[i].visible = false;
+  o.qdot.setZero();
+  VectorX command = VectorX::Zero(9);
+  command[0] = 0.04;
+  const VectorX given = command, box = VectorX::Constant(9, 0.04);
+  EXPECT_LT(check.apply(o, {-box, box, VectorX::Zero(9)}, command), 1.0);
+  command = given;
+  o.objects[0].V_WO_W[3] = -0.2;
+  EXPECT_EQ(check.apply(o, {-box, box, VectorX::Zero(9)}, command), 1.0);
+  EXPECT_EQ(command, given);
+}
+
+}  // namespace
+}  // namespace moma

@@ -1,0 +1,270 @@
+// Rollouts against a plant of its own, choices against what they lead to, and what a step may cost and depend on.
+#include "controller/ahead/lookahead.h"
+
+#include <gtest/gtest.h>
+
+#include "controller/config/controller_file.h"
+#include "controller/config/node.h"
+#include "tests/controller/plan_scenes.h"
+#include "tests/support/no_alloc.h"
+
+namespace moma::test {
+namespace {
+
+constexpr double kPeriod = 0.02;
+
+ControllerParams read_params(const RobotModel& model, bool plan) {
+  std::vector<std::string> warnings;
+  const config::Node file = config::load_yaml(source_path("configs/controllers/moma.yaml"));
+  ControllerParams params = config::read_controller(file, "controller", model, kPeriod, warnings);
+  params.plan.enabled = plan;
+  return params;
+}
+
+// A robot whose base ramps and that otherwise does what it is told.
+class Loop {
+ public:
+  Loop(std::shared_ptr<const RobotModel> model, const ControllerParams& params, const Scene& scene)
+      : controller(model, params, kPeriod), model_(std::move(model)), kinematics_(model_), scene_(scene) {
+    controller.reset(scene.shapes);
+    controller.prepare(result);
+    o.base = scene.start.head<3>();
+    o.q = scene.start.tail(model_->num_joints());
+    o.qdot = VectorX::Zero(model_->num_velocities());
+    o.goal.X_WG = scene.X_WG;
+    o.objects = scene.states;
+  }
+  void step() {
+    controller.step(o, result);
+    VectorX v = result.command;
+    for (int i = 0; i < model_->base_dof(); ++i) {
+      const double most = kPeriod * model_->base.max_acceleration[i + 1 == model_->base_dof() ? 1 : 0];
+      v[i] = std::clamp(v[i], o.qdot[i] - most, o.qdot[i] + most);
+    }
+    integrate(*model_, o.base, o.q, v, kPeriod);
+    o.qdot = v;
+    o.time += kPeriod;
+  }
+  bool there() {
+    kinematics_.update(o.base, o.q);
+    const Isometry& X = kinematics_.X_WE();
+    return (X.translation() - scene_.X_WG.translation()).norm() < 0.02 &&
+           log_so3(X.linear() * scene_.X_WG.linear().transpose()).norm() < 0.05;
+  }
+  double clearance() {
+    kinematics_.update(o.base, o.q);
+    return object_clearance(*model_, kinematics_, scene_);
+  }
+  /// Time until it is there, negative where that takes more than `most`; `least` is its least clearance on the way.
+  double run(double most, double& least) {
+    least = 1e9;
+    while (o.time < most) {
+      if (there()) return o.time;
+      step();
+      least = std::min(least, clearance());
+    }
+    return -1.0;
+  }
+
+  Controller controller;
+  Observation o;
+  StepResult result;
+
+ private:
+  std::shared_ptr<const RobotModel> model_;
+  Kinematics kinematics_;
+  Scene scene_;
+};
+
+// A wall between the robot and its goal, with a way round it.
+Scene behind_a_wall(const std::shared_ptr<const RobotModel>& model, std::uint64_t seed) {
+  Scene scene = make_scene(model, seed, 0);
+  scene.X_WG.translation() << 2.6, 0.2, 0.6;
+  scene.shapes = {{"wall", make_box(0.2, 2.4, 1.6)}};
+  scene.states.resize(1);
+  scene.states[0].X_WO.translation() << 1.4, 0.0, 0.8;
+  return scene;
+}
+
+class Ahead : public testing::TestWithParam<std::string> {
+ protected:
+  Ahead() : model(load_model(GetParam())) {}
+  std::shared_ptr<const RobotModel> model;
+};
+
+INSTANTIATE_TEST_SUITE_P(Robots, Ahead,
+                         testing::Values("configs/robots/frankie.yaml", "configs/robots/frankie_omni.yaml",
+                                         "configs/robots/panda.yaml"),
+                         [](const auto& param) { return test_name(param.param); });
+
+TEST_P(Ahead, ARolloutIsWhatTheRobotDoes) {
+  int arrived = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const Scene scene = make_scene(model, seed, 8);
+    const ControllerParams params = read_params(*model, false);
+    Loop loop(model, params, scene);
+    Rollout rollout(model, params, kPeriod);
+    rollout.reset(scene.shapes);
+    rollout.begin(loop.o, EscapeState{}, {.time = 8.0, .touch = 0.0, .stagnation_ends = false});
+    RolloutEnd end = RolloutEnd::kGoesOn;
+    while (end == RolloutEnd::kGoesOn && !rollout.over()) {
+      end = rollout.step();
+      if (end != RolloutEnd::kGoesOn) break;
+      loop.step();
+      ASSERT_EQ((rollout.state().base - loop.o.base).norm(), 0.0) << "at " << loop.o.time;
+      ASSERT_EQ((rollout.state().q - loop.o.q).norm(), 0.0) << "at " << loop.o.time;
+    }
+    if (end != RolloutEnd::kArrives) continue;
+    ++arrived;
+    EXPECT_TRUE(loop.there());
+    EXPECT_NEAR(rollout.time(), loop.o.time, 1e-9);
+  }
+  EXPECT_GT(arrived, 0) << "no rollout arrived: its end was never tried";
+}
+
+TEST_P(Ahead, ARolloutSaysWhyItStops) {
+  const Scene empty = make_scene(model, 2, 0);
+  const ControllerParams params = read_params(*model, false);
+  Rollout rollout(model, params, 0.04);
+  Observation o = Loop(model, params, empty).o;
+  const auto run = [&](const RolloutLimits& limits) {
+    rollout.begin(o, EscapeState{}, limits);
+    while (!rollout.over())
+      if (rollout.step() != RolloutEnd::kGoesOn) break;
+    return rollout.end();
+  };
+  rollout.reset({});
+  EXPECT_EQ(run({.time = 0.2}), RolloutEnd::kGoesOn);
+  EXPECT_NEAR(rollout.time(), 0.2, 0.021);
+  // Within reach of nothing: the goal is 3 m up.
+  o.goal.X_WG.translation().z() = 3.0;
+  EXPECT_EQ(run({.time = 20.0}), RolloutEnd::kStagnates);
+  // Something falls on the robot.
+  const std::vector<ObjectShape> ball{{"ball", make_sphere(0.2)}};
+  rollout.reset(ball);
+  o.objects.resize(1);
+  Kinematics kinematics(model);
+  kinematics.update(o.base, o.q);
+  o.objects[0].X_WO.translation() = kinematics.X_WE().translation() + Vector3(0.0, 0.0, 1.0);
+  o.objects[0].V_WO_W[5] = -3.0;
+  EXPECT_EQ(run({.time = 20.0}), RolloutEnd::kTouches);
+  EXPECT_LT(rollout.time(), 1.0);
+}
+
+TEST_P(Ahead, GetsRoundAWallThatThePolicyDoesNot) {
+  if (model->base.type == BaseType::kFixed) GTEST_SKIP() << "only for a mobile robot";
+  int with = 0, without = 0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const Scene scene = behind_a_wall(model, seed);
+    double least = 0.0;
+    Loop plain(model, read_params(*model, false), scene);
+    without += plain.run(20.0, least) >= 0.0 ? 1 : 0;
+    Loop ahead(model, read_params(*model, true), scene);
+    const double time = ahead.run(20.0, least);
+    EXPECT_GE(time, 0.0) << "seed " << seed;
+    EXPECT_GT(least, 0.0) << "seed " << seed;
+    with += time >= 0.0 ? 1 : 0;
+    EXPECT_GT(ahead.controller.lookahead()->state().brief.attempts, 0);
+  }
+  EXPECT_GE(with, without);
+}
+
+TEST_P(Ahead, OffIsAsIfItWereNotThere) {
+  const Scene scene = make_scene(model, 3, 10);
+  ControllerParams off = read_params(*model, false);
+  off.plan.budget = 7;
+  Loop a(model, read_params(*model, false), scene), b(model, off, scene);
+  for (int i = 0; i < 150; ++i) {
+    a.step();
+    b.step();
+    ASSERT_EQ((a.result.command - b.result.command).norm(), 0.0) << "step " << i;
+  }
+  EXPECT_EQ(a.controller.lookahead(), nullptr);
+}
+
+TEST_P(Ahead, TheSameInputsGiveTheSameBits) {
+  const Scene scene = make_scene(model, 5, 20);
+  const ControllerParams params = read_params(*model, true);
+  Loop a(model, params, scene), b(model, params, scene);
+  for (int i = 0; i < 400; ++i) {
+    a.step();
+    b.step();
+    ASSERT_EQ((a.result.command - b.result.command).norm(), 0.0) << "step " << i;
+  }
+}
+
+// What is remembered and the observation decide a step, in whatever the robot is about.
+TEST_P(Ahead, AStepFollowsFromMemory) {
+  int modes[4] = {};
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const Scene scene = model->base.type == BaseType::kFixed ? make_scene(model, seed, 12) : behind_a_wall(model, seed);
+    const ControllerParams params = read_params(*model, true);
+    Loop loop(model, params, scene);
+    Controller other(model, params, kPeriod);
+    other.reset(scene.shapes);
+    StepResult result;
+    other.prepare(result);
+    ControllerMemory memory;
+    for (int i = 0; i < 300; ++i) {
+      loop.controller.get_memory(memory);
+      ++modes[static_cast<int>(memory.plan.brief.mode)];
+      const Observation o = loop.o;
+      loop.step();
+      other.set_memory(memory);
+      other.step(o, result);
+      ASSERT_EQ((result.command - loop.result.command).norm(), 0.0)
+          << "step " << i << " in mode " << to_string(memory.plan.brief.mode);
+    }
+  }
+  EXPECT_GT(modes[static_cast<int>(PlanMode::kDirect)], 0);
+  EXPECT_GT(modes[static_cast<int>(PlanMode::kChoose)], 0);
+  EXPECT_GT(modes[static_cast<int>(PlanMode::kFollow)], 0);
+}
+
+TEST_P(Ahead, StepsTakeNoMemoryAndNoMoreThanTheBudget) {
+  const Scene scene = model->base.type == BaseType::kFixed ? make_scene(model, 1, 12) : behind_a_wall(model, 1);
+  ControllerParams params = read_params(*model, true);
+  params.plan.budget = 300;
+  Loop loop(model, params, scene);
+  long most = 0, sum = 0;
+  int taken = 0;
+  for (int i = 0; i < 400; ++i) {
+    const NoAlloc guard;
+    loop.controller.step(loop.o, loop.result);
+    taken += guard.count();
+    const long checks = loop.controller.lookahead()->checks();
+    most = std::max(most, checks);
+    sum += checks;
+    loop.step();
+    sum += loop.controller.lookahead()->checks();
+  }
+  EXPECT_EQ(taken, 0);
+  EXPECT_GT(sum, 1000);
+  EXPECT_LE(most, params.plan.budget + 3 * (FreeSpace::kMostParts + 1));
+}
+
+// What comes to stand in a path's way is seen, and the path given up.
+TEST_P(Ahead, ABlockedPathIsGivenUp) {
+  if (model->base.type == BaseType::kFixed) GTEST_SKIP() << "only for a mobile robot";
+  Scene scene = behind_a_wall(model, 1);
+  scene.shapes.push_back({"late", make_cylinder(0.25, 1.5)});
+  scene.states.resize(2);
+  scene.states[1].visible = false;
+  Loop loop(model, read_params(*model, true), scene);
+  const auto& state = [&]() -> const PlanState& { return loop.controller.lookahead()->state(); };
+  for (int i = 0; i < 300 && state().brief.mode != PlanMode::kFollow; ++i) loop.step();
+  ASSERT_EQ(state().brief.mode, PlanMode::kFollow);
+  Configuration ahead;
+  state().path.at(0.7 * state().path.duration, ahead);
+  loop.o.objects[1].visible = true;
+  loop.o.objects[1].X_WO.translation() << ahead[0], ahead[1], 0.75;
+  bool given_up = false;
+  for (int i = 0; i < 10 && !given_up; ++i) {
+    loop.step();
+    given_up = state().brief.reason == PlanReason::kPathBroken;
+  }
+  EXPECT_TRUE(given_up);
+}
+
+}  // namespace
+}  // namespace moma::test

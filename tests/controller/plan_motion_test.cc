@@ -1,0 +1,209 @@
+// Trapezoids, edges and the timing of paths against differences and against what a base can do.
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "controller/plan/follow.h"
+#include "tests/controller/plan_scenes.h"
+
+namespace moma::test {
+namespace {
+
+class PlanMotion : public testing::TestWithParam<std::string> {
+ protected:
+  PlanMotion() : model(load_model(GetParam())), limits(*model, plan_params(*model)) {}
+
+  Configuration anywhere(std::mt19937_64& engine) const {
+    Configuration c(3 + limits.num_joints());
+    c.head<3>() << uniform(engine, -2, 2), uniform(engine, -2, 2), uniform(engine, -4, 4);
+    if (limits.base == BaseType::kFixed) c.head<3>().setZero();
+    for (int i = 0; i < limits.num_joints(); ++i) c[3 + i] = uniform(engine, limits.lower[i], limits.upper[i]);
+    return c;
+  }
+
+  std::shared_ptr<const RobotModel> model;
+  MotionLimits limits;
+};
+
+INSTANTIATE_TEST_SUITE_P(Robots, PlanMotion, testing::ValuesIn(plan_robots()),
+                         [](const auto& param) { return test_name(param.param); });
+
+TEST(Trapezoid, IsTheQuickestInsideItsLimits) {
+  for (const double length : {0.01, 0.3, 2.0, 7.0}) {
+    for (const double speed : {0.2, 1.0, 2.0}) {
+      for (const double acceleration : {0.5, 4.0}) {
+        const Trapezoid motion = quickest_way(length, speed, acceleration);
+        // Bang-bang: full acceleration to the middle or to the top speed.
+        const double flat = length - speed * speed / acceleration;
+        const double least = flat > 0.0 ? 2.0 * speed / acceleration + flat / speed : 2.0 * std::sqrt(length / acceleration);
+        EXPECT_NEAR(motion.time, least, 1e-12) << length << " m";
+        const int n = 2000;
+        const double h = motion.time / n;
+        double top = 0.0, hardest = 0.0;
+        for (int i = 1; i < n; ++i) {
+          const double before = motion.part(h * (i - 1)), now = motion.part(h * i), after = motion.part(h * (i + 1));
+          top = std::max(top, length * (after - before) / (2.0 * h));
+          hardest = std::max(hardest, length * std::abs(after - 2.0 * now + before) / (h * h));
+        }
+        EXPECT_LE(top, speed * (1.0 + 1e-9));
+        EXPECT_LE(hardest, acceleration * (1.0 + 1e-6));
+        EXPECT_GE(std::max(top / speed, hardest / acceleration), 0.999);
+      }
+    }
+  }
+}
+
+TEST_P(PlanMotion, EdgesEndWhereTheyShould) {
+  std::mt19937_64 engine(1);
+  Edge edge;
+  Configuration c;
+  for (int k = 0; k < 200; ++k) {
+    const Configuration a = anywhere(engine), b = anywhere(engine);
+    make_edge(limits, a, b, edge);
+    edge_at(limits, edge, 0.0, c);
+    EXPECT_LT((c - a).lpNorm<Eigen::Infinity>(), 1e-12);
+    edge_at(limits, edge, edge.time, c);
+    c[2] = b[2] + wrapped(c[2] - b[2]);
+    EXPECT_LT((c - b).lpNorm<Eigen::Infinity>(), 1e-9);
+    EXPECT_EQ(edge.time, edge_time(limits, a, b));
+  }
+}
+
+// A tree grows from the goals backwards: what was checked has to be what is driven.
+TEST_P(PlanMotion, EdgesBackwardsVisitTheSamePlaces) {
+  std::mt19937_64 engine(2);
+  Edge there, back;
+  Configuration c, d;
+  for (int k = 0; k < 200; ++k) {
+    const Configuration a = anywhere(engine), b = anywhere(engine);
+    make_edge(limits, a, b, there);
+    make_edge(limits, b, a, back);
+    ASSERT_NEAR(there.time, back.time, 1e-9);
+    for (int i = 0; i <= 20; ++i) {
+      edge_at(limits, there, there.time * i / 20, c);
+      edge_at(limits, back, back.time * (20 - i) / 20, d);
+      d[2] = c[2] + wrapped(d[2] - c[2]);
+      ASSERT_LT((c - d).lpNorm<Eigen::Infinity>(), 1e-6) << "pair " << k << " at " << i;
+    }
+  }
+}
+
+TEST_P(PlanMotion, ADifferentialBaseNeverGoesSideways) {
+  if (limits.base != BaseType::kDifferential) GTEST_SKIP() << "only for a differential base";
+  std::mt19937_64 engine(3);
+  Edge edge;
+  Configuration before, now, after;
+  for (int k = 0; k < 100; ++k) {
+    make_edge(limits, anywhere(engine), anywhere(engine), edge);
+    const double h = 1e-5;
+    for (int i = 1; i < 40; ++i) {
+      const double t = edge.time * i / 40;
+      edge_at(limits, edge, t - h, before);
+      edge_at(limits, edge, t, now);
+      edge_at(limits, edge, t + h, after);
+      const Vector2 v = (after - before).head<2>() / (2.0 * h);
+      // Where a turn becomes a drive the difference spans both.
+      EXPECT_LT(std::abs(-std::sin(now[2]) * v.x() + std::cos(now[2]) * v.y()), 1e-4) << "edge " << k << " at " << t;
+    }
+  }
+}
+
+// Speeds and accelerations of whole paths, overlaps included, by differences.
+TEST_P(PlanMotion, PathsStayInsideSpeedsAndAccelerations) {
+  std::mt19937_64 engine(4);
+  double fullest = 0.0;
+  for (int k = 0; k < 40; ++k) {
+    EdgeList edges;
+    Edge edge;
+    Configuration a = anywhere(engine);
+    for (int i = 0; i < 5; ++i) {
+      const Configuration b = anywhere(engine);
+      make_edge(limits, a, b, edge);
+      edges.push(edge);
+      a = b;
+    }
+    Path path;
+    ASSERT_TRUE(lay_path(limits, edges.all(), 0.35, path));
+    EXPECT_LE(path.duration, edges.time() + 1e-9);
+    Configuration end;
+    path.at(path.duration, end);
+    end[2] = a[2] + wrapped(end[2] - a[2]);
+    EXPECT_LT((end - a).lpNorm<Eigen::Infinity>(), 1e-9);
+    const double h = 0.002;
+    Configuration before, now, after;
+    for (double t = h; t < path.duration; t += h) {
+      path.at(t - h, before);
+      path.at(t, now);
+      path.at(t + h, after);
+      const Configuration v = (after - before) / (2.0 * h);
+      const Configuration acc = (after - 2.0 * now + before) / (h * h);
+      constexpr double kMore = 1.0 + 1e-6;
+      if (limits.base != BaseType::kFixed) {
+        ASSERT_LE(v.head<2>().norm(), kMore * limits.linear) << "path " << k << " at " << t;
+        ASSERT_LE(acc.head<2>().norm(), kMore * limits.linear_acceleration) << "path " << k << " at " << t;
+        ASSERT_LE(std::abs(v[2]), kMore * limits.angular) << "path " << k << " at " << t;
+        ASSERT_LE(std::abs(acc[2]), kMore * limits.angular_acceleration) << "path " << k << " at " << t;
+      }
+      for (int i = 0; i < limits.num_joints(); ++i) {
+        ASSERT_LE(std::abs(v[3 + i]), kMore * limits.joint_speed[i]) << "joint " << i << " at " << t;
+        ASSERT_LE(std::abs(acc[3 + i]), kMore * limits.joint_acceleration[i]) << "joint " << i << " at " << t;
+        fullest = std::max(fullest, std::abs(v[3 + i]) / limits.joint_speed[i]);
+      }
+    }
+  }
+  EXPECT_GT(fullest, 0.95) << "no path ever reached a speed: the bounds above say nothing";
+}
+
+// A unicycle, a mecanum base and joints that start beside the path come back to it.
+TEST_P(PlanMotion, FollowingComesBackToThePath) {
+  std::mt19937_64 engine(5);
+  for (int k = 0; k < 20; ++k) {
+    EdgeList edges;
+    Edge edge;
+    Configuration a = anywhere(engine), b = anywhere(engine);
+    make_edge(limits, a, b, edge);
+    edges.push(edge);
+    Path path;
+    ASSERT_TRUE(lay_path(limits, edges.all(), 0.0, path));
+    Observation o;
+    o.base = a.head<3>();
+    if (limits.base != BaseType::kFixed) o.base += Vector3(0.03, -0.04, 0.1);
+    o.q = a.tail(limits.num_joints()).array() + 0.05;
+    o.qdot = VectorX::Zero(model->num_velocities());
+    VectorX u = o.qdot;
+    const PlanParams params = plan_params(*model).plan;
+    double t = 0.0;
+    FollowStep step;
+    for (int i = 0; i < 3000 && (t < path.duration || i < 200); ++i) {
+      step = follow_path(limits, params, path, t, 0.02, 1.0, {}, o, u);
+      integrate(*model, o.base, o.q, u, 0.02);
+      t = std::min(t + 0.02 * step.rate, path.duration);
+    }
+    EXPECT_GE(t, path.duration) << "path " << k;
+    EXPECT_LT(step.lag, 0.05) << "path " << k;
+  }
+}
+
+TEST(PlanarShift, TakesTheGoalToWhereItIsSeen) {
+  std::mt19937 engine(6);
+  for (int k = 0; k < 50; ++k) {
+    const Isometry then = random_pose(engine, 3.0);
+    const double turn = 0.02 * k - 0.5;
+    const Vector2 move(0.1 * k, -0.05 * k);
+    const Isometry drift = base_pose({move.x(), move.y(), turn});
+    const PlanarShift shift = shift_of_goal(BaseType::kDifferential, then, drift * then);
+    EXPECT_NEAR(shift.turn, turn, 1e-12);
+    EXPECT_LT((shift.move - move).norm(), 1e-12);
+    Configuration c = Configuration::Zero(4);
+    c << 1.0, 2.0, 0.3, 0.7;
+    const Isometry moved = drift * base_pose(c.head<3>());
+    const Configuration shifted = shift.of(c);
+    EXPECT_LT((shifted.head<2>() - moved.translation().head<2>()).norm(), 1e-12);
+    EXPECT_NEAR(shifted[2], 0.3 + turn, 1e-12);
+    EXPECT_EQ(shifted[3], 0.7);
+    EXPECT_EQ(shift_of_goal(BaseType::kFixed, then, drift * then).turn, 0.0);
+  }
+}
+
+}  // namespace
+}  // namespace moma::test

@@ -1,0 +1,124 @@
+#pragma once
+
+// Robots of configs/robots among balls, boxes and cylinders that leave start and goal free, judged by coal alone.
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "controller/controller.h"
+#include "controller/plan/planner.h"
+#include "tests/support/coal_distance.h"
+#include "tests/support/robots.h"
+#include "tests/support/shapes.h"
+
+namespace moma::test {
+
+/// As configs/controllers/moma.yaml where it matters for paths.
+inline ControllerParams plan_params(const RobotModel& model) {
+  ControllerParams params;
+  params.acceleration_limit = VectorX::Constant(model.num_velocities(), 5.0);
+  params.plan.enabled = true;
+  return resolved(params, model);
+}
+
+struct Scene {
+  std::vector<ObjectShape> shapes;
+  std::vector<ObjectState> states;
+  Configuration start;
+  Isometry X_WG = Isometry::Identity();
+};
+
+inline double uniform(std::mt19937_64& engine, double low, double high) {
+  return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1.0p-53;
+}
+
+/// Least distance of a configuration from objects, by coal's own entry point. Shapes of robots without hulls.
+inline double object_clearance(const RobotModel& model, const Kinematics& kinematics, const Scene& scene) {
+  double least = 1e9;
+  for (const CollisionShape& shape : model.shapes) {
+    const Isometry X_WS = kinematics.X_WS(shape);
+    for (std::size_t j = 0; j < scene.shapes.size(); ++j) {
+      const double reach = bounding_radius(shape.shape) + bounding_radius(scene.shapes[j].shape);
+      const double apart = (X_WS.translation() - scene.states[j].X_WO.translation()).norm() - reach;
+      if (apart > 0.3) continue;
+      least = std::min(least, coal_distance(shape.shape, X_WS, scene.shapes[j].shape, scene.states[j].X_WO));
+    }
+  }
+  return least;
+}
+
+/// Least distance from floor and from itself, over the pairs that have rows.
+inline double own_clearance(const RobotModel& model, const Kinematics& kinematics) {
+  double least = 1e9;
+  for (const CollisionShape& shape : model.shapes)
+    if (!shape.rigid_with_base)
+      least = std::min(least, -support(shape.shape, kinematics.X_WS(shape), -Vector3::UnitZ()));
+  for (const SelfPair& pair : model.self_pairs) {
+    if (!pair.row) continue;
+    const CollisionShape& a = model.shapes[static_cast<std::size_t>(pair.first)];
+    const CollisionShape& b = model.shapes[static_cast<std::size_t>(pair.second)];
+    least = std::min(least, coal_distance(a.shape, kinematics.X_WS(a), b.shape, kinematics.X_WS(b)));
+  }
+  return least;
+}
+
+/// The robot at the origin with its arm at `ready`, a goal that some free configuration reaches, and `count` objects
+/// that stay 0.12 m away from both.
+inline Scene make_scene(const std::shared_ptr<const RobotModel>& model, std::uint64_t seed, int count) {
+  std::mt19937_64 engine(seed);
+  Scene scene;
+  const int joints = model->num_joints();
+  scene.start = Configuration::Zero(3 + joints);
+  scene.start.tail(joints) = model->ready;
+  Kinematics start(model), goal(model);
+  start.update(scene.start.head<3>(), scene.start.tail(joints));
+  const bool mobile = model->base.type != BaseType::kFixed;
+  VectorX q(joints);
+  Vector3 base = Vector3::Zero();
+  do {
+    for (int i = 0; i < joints; ++i) {
+      const ControlledJoint& joint = model->joints[static_cast<std::size_t>(i)];
+      const double low = std::isfinite(joint.lower) ? joint.lower : -3.0;
+      const double high = std::isfinite(joint.upper) ? joint.upper : 3.0;
+      q[i] = uniform(engine, low + 0.2 * (high - low), high - 0.2 * (high - low));
+    }
+    if (mobile) base = {uniform(engine, 1.5, 3.5), uniform(engine, -1.5, 1.5), uniform(engine, -3.0, 3.0)};
+    goal.update(base, q);
+  } while (own_clearance(*model, goal) < 0.005 || goal.X_WE().translation().z() < 0.1);
+  scene.X_WG = goal.X_WE();
+  while (static_cast<int>(scene.shapes.size()) < count) {
+    Shape shape = make_sphere(uniform(engine, 0.08, 0.25));
+    if (engine() % 3 == 0) shape = make_box(uniform(engine, 0.1, 0.5), uniform(engine, 0.1, 0.5), uniform(engine, 0.2, 1.2));
+    if (engine() % 3 == 0) shape = make_cylinder(uniform(engine, 0.05, 0.2), uniform(engine, 0.3, 1.5));
+    ObjectState state;
+    state.X_WO.translation() =
+        mobile ? Vector3(uniform(engine, -1.0, 4.5), uniform(engine, -2.5, 2.5), uniform(engine, 0.1, 1.0))
+               : Vector3(uniform(engine, -0.9, 0.9), uniform(engine, -0.9, 0.9), uniform(engine, 0.1, 1.2));
+    Scene one = scene;
+    one.shapes = {{"one", shape}};
+    one.states = {state};
+    if (object_clearance(*model, start, one) < 0.12 || object_clearance(*model, goal, one) < 0.12) continue;
+    scene.shapes.push_back({"o" + std::to_string(scene.shapes.size()), shape});
+    scene.states.push_back(state);
+  }
+  return scene;
+}
+
+/// A whole plan at once.
+inline bool plan_whole(Planner& planner, const Scene& scene, std::uint64_t seed) {
+  planner.set_objects(scene.shapes);
+  planner.begin(scene.start, scene.X_WG, scene.states, seed);
+  long budget = 1L << 40;
+  planner.advance(budget);
+  return planner.found();
+}
+
+inline std::vector<std::string> plan_robots() {
+  return {"configs/robots/frankie.yaml", "configs/robots/frankie_omni.yaml", "configs/robots/panda.yaml",
+          "configs/robots/lift_ur5.yaml"};
+}
+
+}  // namespace moma::test

@@ -1,0 +1,162 @@
+// Inverse kinematics and whole plans against forward kinematics and coal's distances; the same plan however its work
+// is spread; no memory taken.
+#include "controller/plan/planner.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/controller/plan_scenes.h"
+#include "tests/support/no_alloc.h"
+
+namespace moma::test {
+namespace {
+
+class PlannerOf : public testing::TestWithParam<std::string> {
+ protected:
+  PlannerOf() : model(load_model(GetParam())), params(plan_params(*model)), planner(model, params) {}
+
+  std::shared_ptr<const RobotModel> model;
+  ControllerParams params;
+  Planner planner;
+};
+
+INSTANTIATE_TEST_SUITE_P(Robots, PlannerOf, testing::ValuesIn(plan_robots()),
+                         [](const auto& param) { return test_name(param.param); });
+
+TEST_P(PlannerOf, GoalConfigurationsReachTheGoalAndAreFree) {
+  Kinematics kinematics(model), start(model);
+  int goals = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const Scene scene = make_scene(model, seed, 15);
+    plan_whole(planner, scene, seed);
+    for (const GoalConfiguration& goal : planner.goals()) {
+      ++goals;
+      kinematics.update(goal.c.head<3>(), goal.c.tail(model->num_joints()));
+      EXPECT_LT((kinematics.X_WE().translation() - scene.X_WG.translation()).norm(), 1e-3);
+      const Eigen::AngleAxisd turn(kinematics.X_WE().linear().transpose() * scene.X_WG.linear());
+      EXPECT_LT(std::abs(turn.angle()), 2e-3);
+      EXPECT_GE(object_clearance(*model, kinematics, scene), params.plan.clearance - 1e-6);
+      // Some pairs are always nearer than that; then as near as at the start is near enough.
+      start.update(scene.start.head<3>(), scene.start.tail(model->num_joints()));
+      EXPECT_GE(own_clearance(*model, kinematics), std::min(params.plan.self, own_clearance(*model, start) - 0.003) - 1e-6);
+      if (model->base.type == BaseType::kFixed) {
+        EXPECT_EQ(goal.c.head<3>().norm(), 0.0);
+      }
+    }
+    for (std::size_t i = 1; i < planner.goals().size(); ++i)
+      EXPECT_LE(planner.goals()[i - 1].cost, planner.goals()[i].cost);
+  }
+  EXPECT_GT(goals, 12) << "too few to say anything";
+}
+
+TEST_P(PlannerOf, PathsLeadToTheGoalAndKeepClear) {
+  Kinematics kinematics(model);
+  int found = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const Scene scene = make_scene(model, seed, 20);
+    if (!plan_whole(planner, scene, seed)) continue;
+    ++found;
+    const Path& path = planner.path();
+    EXPECT_GT(path.count, 0);
+    Configuration c;
+    path.at(0.0, c);
+    EXPECT_EQ((c - scene.start).norm(), 0.0);
+    double least = 1e9, own = 1e9;
+    for (double t = 0.0; t < path.duration + 0.01; t += 0.01) {
+      path.at(t, c);
+      kinematics.update(c.head<3>(), c.tail(model->num_joints()));
+      least = std::min(least, object_clearance(*model, kinematics, scene));
+      own = std::min(own, own_clearance(*model, kinematics));
+    }
+    EXPECT_LT((kinematics.X_WE().translation() - scene.X_WG.translation()).norm(), 2e-3);
+    // Half the clearance where motions overlap, less what may happen between two checks.
+    EXPECT_GT(least, 0.5 * path.clearance - 0.02) << "seed " << seed << ", laid with " << path.clearance;
+    EXPECT_GT(least, 0.0) << "seed " << seed;
+    EXPECT_GT(own, 0.0) << "seed " << seed;
+  }
+  EXPECT_GE(found, model->base.type == BaseType::kFixed ? 5 : 9);
+}
+
+TEST_P(PlannerOf, TheSamePlanHoweverItIsSpread) {
+  Planner other(model, params);
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const Scene scene = make_scene(model, seed, 20);
+    plan_whole(planner, scene, seed);
+    other.set_objects(scene.shapes);
+    for (const long budget : {50L, 700L, 5000L}) {
+      other.begin(scene.start, scene.X_WG, scene.states, seed);
+      long steps = 0, debt = 0;
+      do {
+        long left = budget - debt;
+        ++steps;
+        if (!other.advance(left)) break;
+        debt = std::max(0L, -left);
+        EXPECT_LE(debt, 3 * (FreeSpace::kMostParts + 1)) << "one piece of work is more than three edges";
+      } while (steps < 1000000);
+      ASSERT_EQ(other.stage(), planner.stage()) << "seed " << seed << " at " << budget;
+      EXPECT_EQ(other.counts().checks, planner.counts().checks);
+      EXPECT_GE(steps, planner.counts().checks / (budget + FreeSpace::kMostParts));
+      if (!planner.found()) continue;
+      ASSERT_EQ(other.path().count, planner.path().count);
+      EXPECT_EQ(other.path().duration, planner.path().duration);
+      for (int k = 0; k < planner.path().count; ++k) {
+        const PathMotion &a = planner.path().motions[static_cast<std::size_t>(k)],
+                         &b = other.path().motions[static_cast<std::size_t>(k)];
+        EXPECT_EQ(a.start, b.start);
+        EXPECT_EQ(a.time, b.time);
+        EXPECT_EQ((a.change - b.change).norm(), 0.0);
+      }
+    }
+  }
+}
+
+TEST_P(PlannerOf, TakesNoMemory) {
+  if (!NoAlloc::works()) GTEST_SKIP() << "sanitizers bring a malloc of their own";
+  const Scene scene = make_scene(model, 3, 20);
+  planner.set_objects(scene.shapes);
+  const NoAlloc guard;
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    planner.begin(scene.start, scene.X_WG, scene.states, seed);
+    long budget = 1L << 40;
+    planner.advance(budget);
+  }
+  EXPECT_EQ(guard.count(), 0);
+}
+
+TEST_P(PlannerOf, SaysWhereThereIsNoWay) {
+  Scene scene = make_scene(model, 1, 0);
+  // A box around the goal.
+  scene.shapes = {{"block", make_box(0.3, 0.3, 0.3)}};
+  scene.states.resize(1);
+  scene.states[0].X_WO.translation() = scene.X_WG.translation();
+  EXPECT_FALSE(plan_whole(planner, scene, 1));
+  EXPECT_EQ(planner.stage(), PlanStage::kFailed);
+  EXPECT_EQ(planner.counts().goals, 0);
+  EXPECT_EQ(planner.counts().ik_tries, 2 * params.plan.ik_tries);
+  // What moves or is not seen is in nobody's way here.
+  scene.states[0].V_WO_W[3] = 0.2;
+  EXPECT_TRUE(plan_whole(planner, scene, 1));
+  scene.states[0].V_WO_W[3] = 0.0;
+  scene.states[0].visible = false;
+  EXPECT_TRUE(plan_whole(planner, scene, 1));
+}
+
+// Straight there is a wall: round it is the only way for a base.
+TEST_P(PlannerOf, GoesRoundAWall) {
+  if (model->base.type == BaseType::kFixed) GTEST_SKIP() << "only for a mobile robot";
+  Scene scene = make_scene(model, 2, 0);
+  scene.X_WG.translation().head<2>() << 2.6, 0.0;
+  scene.shapes = {{"wall", make_box(0.2, 3.0, 3.0)}};
+  scene.states.resize(1);
+  scene.states[0].X_WO.translation() << 1.3, 0.0, 1.5;
+  ASSERT_TRUE(plan_whole(planner, scene, 1));
+  Configuration c;
+  double beside = 0.0;
+  for (double t = 0.0; t < planner.path().duration; t += 0.05) {
+    planner.path().at(t, c);
+    if (std::abs(c[0] - 1.3) < 0.1) beside = std::max(beside, std::abs(c[1]));
+  }
+  EXPECT_GT(beside, 1.5);
+}
+
+}  // namespace
+}  // namespace moma::test

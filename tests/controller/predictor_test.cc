@@ -1,0 +1,278 @@
+// The predicted state is the state that is reached: a robot is driven with late drives and late sensors, in fine steps
+// that share no code with the predictor.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+
+#include "controller/safe/predictor.h"
+#include "tests/controller/qp_robots.h"
+
+namespace moma {
+namespace {
+
+using namespace test;
+
+constexpr double kPeriod = 0.02;
+
+// Drives of a robot that are so many periods late, and measurements of so many periods ago.
+struct Lateness {
+  int base_drive = 0, joint_drive = 0, base_sensing = 0, joint_sensing = 0;
+};
+
+class LateRobot {
+ public:
+  LateRobot(const RobotModel& model, const Lateness& late, const Vector3& base, const VectorX& q)
+      : model_(model), late_(late) {
+    state_.base = base;
+    state_.q = q;
+    state_.qdot = VectorX::Zero(model.num_velocities());
+    past_.push_front(state_);
+  }
+
+  const Observation& state() const { return state_; }
+  Observation measured() const {
+    Observation o = old(late_.joint_sensing);
+    const Observation& base = old(late_.base_sensing);
+    o.base = base.base;
+    o.qdot.head(model_.base_dof()) = base.qdot.head(model_.base_dof());
+    return o;
+  }
+  void drive(const VectorX& sent) {
+    sent_.push_front(sent);
+    const VectorX base = late(late_.base_drive), joints = late(late_.joint_drive);
+    constexpr int kSteps = 400;
+    const double h = kPeriod / kSteps;
+    const int dof = model_.base_dof();
+    for (int k = 0; k < kSteps && dof > 0; ++k) {
+      VectorX change = base.head(dof) - state_.qdot.head(dof);
+      const double linear = change.head(dof - 1).norm(), most = model_.base.max_acceleration.x() * h;
+      if (linear > most) change.head(dof - 1) *= most / linear;
+      const double turn = model_.base.max_acceleration.y() * h;
+      change[dof - 1] = std::min(std::max(change[dof - 1], -turn), turn);
+      const VectorX before = state_.qdot.head(dof);
+      state_.qdot.head(dof) += change;
+      const VectorX v = 0.5 * (before + state_.qdot.head(dof));
+      const double phi = state_.base.z() + 0.5 * h * v[dof - 1];
+      const double vy = dof == 3 ? v[1] : 0.0;
+      state_.base += h * Vector3(v[0] * std::cos(phi) - vy * std::sin(phi), v[0] * std::sin(phi) + vy * std::cos(phi),
+                                 v[dof - 1]);
+    }
+    state_.qdot.tail(state_.q.size()) = joints.tail(state_.q.size());
+    state_.q += kPeriod * joints.tail(state_.q.size());
+    past_.push_front(state_);
+  }
+
+ private:
+  const Observation& old(int periods) const {
+    return past_[std::min(static_cast<std::size_t>(periods), past_.size() - 1)];
+  }
+  VectorX late(int periods) const {
+    const auto k = static_cast<std::size_t>(periods);
+    return k < sent_.size() ? sent_[k] : VectorX(VectorX::Zero(model_.num_velocities()));
+  }
+
+  const RobotModel& model_;
+  Lateness late_;
+  Observation state_;
+  std::deque<Observation> past_;
+  std::deque<VectorX> sent_;
+};
+
+PredictionParams known(const Lateness& late) {
+  PredictionParams p;
+  p.enabled = true;
+  p.base_drive = late.base_drive * kPeriod;
+  p.joint_drive = late.joint_drive * kPeriod;
+  p.base_sensing = late.base_sensing * kPeriod;
+  p.joint_sensing = late.joint_sensing * kPeriod;
+  return p;
+}
+
+constexpr Lateness kCases[] = {{}, {3, 1, 1, 0}, {0, 4, 0, 2}, {2, 5, 1, 3}, {4, 0, 0, 1}, {3, 3, 2, 0}};
+
+TEST(Predictor, SeesTheStateThatIsReached) {
+  Rng rng(1);
+  for (const auto& model : all_robots()) {
+    for (const Lateness& late : kCases) {
+      Predictor predictor(*model, known(late), {}, kPeriod);
+      predictor.reset(0);
+      LateRobot robot(*model, late, Vector3(0.3, -0.2, 1.0), random_joints(*model, rng));
+      const int acts = std::max(model->base_dof() > 0 ? late.base_drive : 0, late.joint_drive);
+      EXPECT_NEAR(predictor.lateness(), acts * kPeriod, 1e-12);
+      std::deque<Observation> predicted;
+      VectorX command = VectorX::Zero(model->num_velocities()), sent = command;
+      const VectorX target_scale = 0.5 * model->velocity_limits();
+      for (int k = 0; k < 120; ++k) {
+        predicted.push_front(predictor.predict(robot.measured()));
+        if (predicted.size() > static_cast<std::size_t>(acts)) {
+          const Observation& p = predicted[static_cast<std::size_t>(acts)];
+          // The mean velocity along an arc stands for the ramp: no more than a v omega T^2 a period.
+          EXPECT_LT((p.base - robot.state().base).norm(), 2e-3) << model->name << " step " << k;
+          EXPECT_LT(std::abs(p.base.z() - robot.state().base.z()), 1e-4) << model->name << " step " << k;
+          EXPECT_LT((p.q - robot.state().q).norm(), 1e-9) << model->name << " step " << k;
+          EXPECT_LT((p.qdot - robot.state().qdot).norm(), 1e-9) << model->name << " step " << k;
+        }
+        // Jumps that no drive follows within a period, too.
+        if (k % 7 == 0)
+          command = target_scale.cwiseProduct(VectorX::NullaryExpr(command.size(), [&] { return uniform(rng, -1, 1); }));
+        predictor.send(command, sent);
+        robot.drive(sent);
+      }
+    }
+  }
+}
+
+// Without the predictor's knowledge the error would be that of the commands on their way: the test above can fail.
+TEST(Predictor, WrongLatenessIsSeenInTheError) {
+  const auto model = frankie();
+  Predictor predictor(*model, known({}), {}, kPeriod);
+  predictor.reset(0);
+  LateRobot robot(*model, {3, 1, 1, 0}, Vector3::Zero(), model->ready);
+  VectorX command = VectorX::Zero(9), sent = command;
+  command[0] = 0.5;
+  double worst = 0.0;
+  for (int k = 0; k < 40; ++k) {
+    worst = std::max(worst, (predictor.predict(robot.measured()).base - robot.state().base).norm());
+    predictor.send(command, sent);
+    robot.drive(sent);
+  }
+  EXPECT_GT(worst, 9e-3);
+}
+
+TEST(Predictor, FindsLatenessThatNobodyToldIt) {
+  Rng rng(2);
+  for (const auto& model : all_robots()) {
+    for (const Lateness& late : kCases) {
+      PredictionParams params = known({1, 2, 1, 0});
+      params.identify = true;
+      Predictor predictor(*model, params, {}, kPeriod);
+      predictor.reset(0);
+      LateRobot robot(*model, late, Vector3::Zero(), model->ready);
+      VectorX command = VectorX::Zero(model->num_velocities()), sent = command;
+      for (int k = 0; k < 250; ++k) {
+        Observation o = robot.measured();
+        std::normal_distribution<double> noise(0.0, 0.005);
+        for (double& v : o.qdot) v += noise(rng);
+        predictor.predict(o);
+        if (k % 10 == 0) command = 0.3 * VectorX::NullaryExpr(command.size(), [&] { return uniform(rng, -1, 1); });
+        predictor.send(command, sent);
+        robot.drive(sent);
+      }
+      if (model->base_dof() > 0) {
+        EXPECT_NEAR(predictor.base_round_trip(), (late.base_drive + late.base_sensing) * kPeriod, 1e-12)
+            << model->name << " base " << late.base_drive << "+" << late.base_sensing;
+      }
+      EXPECT_NEAR(predictor.joint_round_trip(), (late.joint_drive + late.joint_sensing) * kPeriod, 1e-12)
+          << model->name << " joints " << late.joint_drive << "+" << late.joint_sensing;
+    }
+  }
+}
+
+TEST(Predictor, MovesOnWhatMoves) {
+  PredictionParams params = known({3, 1, 1, 0});
+  params.object_sensing = 0.08;
+  params.goal_sensing = 0.04;
+  Predictor predictor(*frankie(), params, {}, kPeriod);
+  predictor.reset(3);
+  Observation o;
+  o.q = frankie()->ready;
+  o.qdot = VectorX::Zero(9);
+  o.objects.resize(3);
+  o.objects[0].V_WO_W << 0, 0, 1.0, 0.5, 0, 0;
+  o.objects[1].X_WO.translation() << 1, 2, 3;
+  o.objects[2].visible = false;
+  o.goal.V_WG_W << 0, 0, 0, 0, 0.2, 0;
+  const Observation& p = predictor.predict(o);
+  EXPECT_NEAR(p.objects[0].X_WO.translation().x(), 0.5 * (0.08 + 0.06), 1e-12);
+  EXPECT_NEAR(log_so3(p.objects[0].X_WO.linear()).z(), 0.14, 1e-12);
+  EXPECT_EQ(p.objects[1].X_WO.translation(), Vector3(1, 2, 3));
+  EXPECT_FALSE(p.objects[2].visible);
+  EXPECT_NEAR(p.goal.X_WG.translation().y(), 0.2 * (0.04 + 0.06), 1e-12);
+}
+
+// Headings that are measured wrapped, and a base that is put somewhere else.
+TEST(Predictor, TakesWrappedHeadingsAndRelocations) {
+  PredictionParams params = known({});
+  params.base_filter = 0.2;
+  Predictor predictor(*frankie(), params, {}, kPeriod);
+  predictor.reset(0);
+  Observation o;
+  o.q = frankie()->ready;
+  o.qdot = VectorX::Zero(9);
+  VectorX sent = VectorX::Zero(9);
+  double heading = 3.0;
+  for (int k = 0; k < 100; ++k, heading += 0.01) {
+    o.base = Vector3(0, 0, std::remainder(heading, 2 * kPi));
+    VectorX command = VectorX::Zero(9);
+    command[1] = 0.5;
+    const Observation& p = predictor.predict(o);
+    if (k > 0) {
+      EXPECT_LT(std::abs(p.base.z() - heading), 0.1) << k;
+    }
+    predictor.send(command, sent);
+  }
+  o.base = Vector3(3, 0, 0);
+  EXPECT_EQ(predictor.predict(o).base, o.base);
+}
+
+TEST(Predictor, GoesOnFromWhatItRemembers) {
+  Rng rng(7);
+  const auto model = mecanum();
+  PredictionParams params = known({2, 4, 1, 1});
+  params.identify = true;
+  params.base_filter = params.resting_filter = params.moving_filter = params.twist_filter = 0.1;
+  Predictor first(*model, params, {}, kPeriod), second(*model, params, {}, kPeriod);
+  first.reset(4);
+  second.reset(4);
+  VectorX sent = VectorX::Zero(model->num_velocities()), other = sent;
+  for (int k = 0; k < 60; ++k) {
+    Observation o = random_observation(*model, 4, rng);
+    o.objects[static_cast<std::size_t>(k % 4)].V_WO_W.setZero();
+    if (k % 5 == 3) o.objects[0].visible = false;
+    const VectorX command = VectorX::NullaryExpr(sent.size(), [&] { return uniform(rng, -0.3, 0.3); });
+    second.set_memory(first.memory());
+    const Observation p = first.predict(o);
+    const Observation& q = second.predict(o);
+    EXPECT_EQ(p.base, q.base) << k;
+    EXPECT_EQ(p.q, q.q) << k;
+    EXPECT_EQ(p.qdot, q.qdot) << k;
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(p.objects[i].X_WO.matrix(), q.objects[i].X_WO.matrix()) << k;
+    EXPECT_EQ(p.goal.X_WG.matrix(), q.goal.X_WG.matrix()) << k;
+    first.send(command, sent);
+    second.send(command, other);
+    EXPECT_EQ(sent, other) << k;
+  }
+}
+
+// A step without a usable observation: what was sent goes on acting.
+TEST(Predictor, KnowsWhereTheBaseIsAfterAStepWithoutMeasurements) {
+  const auto model = frankie();
+  const Lateness late{3, 1, 1, 0};
+  PredictionParams params = known(late);
+  params.base_filter = 1.0;  // so that the model, not the measurement, decides
+  Predictor predictor(*model, params, {}, kPeriod);
+  predictor.reset(0);
+  LateRobot robot(*model, late, Vector3::Zero(), model->ready);
+  VectorX command = VectorX::Zero(9), sent = command;
+  std::deque<Observation> predicted;
+  for (int k = 0; k < 60; ++k) {
+    command[0] = 0.4;
+    command[1] = 0.3;
+    if (k % 4 == 2) {
+      predictor.skip();
+      predicted.push_front({});
+    } else {
+      predicted.push_front(predictor.predict(robot.measured()));
+    }
+    if (k >= 3 && (k - 3) % 4 != 2) {
+      EXPECT_LT((predicted[3].base - robot.state().base).norm(), 1e-3) << k;
+    }
+    predictor.send(command, sent);
+    robot.drive(sent);
+  }
+}
+
+}  // namespace
+}  // namespace moma
