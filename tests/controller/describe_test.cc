@@ -69,7 +69,7 @@ void read_value(const config::Node& node, const std::string& key, Apples& value,
 nlohmann::ordered_json write_value(const Apples& value, const About&) {
   return std::to_string(value.count) + " apples";
 }
-std::string accepted(Of<Apples>) { return "N apples"; }
+std::string accepted(Of<Apples>, const About&) { return "N apples"; }
 std::string text_of(const Apples& value) { return std::to_string(value.count) + " apples"; }
 
 struct Whole {
