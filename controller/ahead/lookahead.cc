@@ -121,7 +121,7 @@ bool Lookahead::near_mover(const Observation& o) const noexcept {
 }
 
 void Lookahead::decide(const Observation& o) noexcept {
-  static constexpr EscapeState kNothing{};
+  const EscapeState kNothing;
   if (state_.has_goal && jumped(state_.X_WG, o.goal.X_WG)) {
     const bool was_direct = state_.brief.mode == PlanMode::kDirect;
     go_direct(PlanReason::kStart, was_direct ? nullptr : &kNothing);
@@ -159,7 +159,7 @@ void Lookahead::decide(const Observation& o) noexcept {
 
 // Pushed off its path or held up by what moves, the robot is the policy's again.
 void Lookahead::decide_among_traffic() noexcept {
-  static constexpr EscapeState kNothing{};
+  const EscapeState kNothing;
   if (state_.brief.mode != PlanMode::kFollow) return;
   if (state_.brief.lag > kPushed || state_.steps - state_.mark > periods(2.0 * params_.stuck))
     go_direct(PlanReason::kTraffic, &kNothing);
@@ -185,7 +185,7 @@ void Lookahead::follow(const Observation& o) noexcept {
 }
 
 void Lookahead::work(const Observation& o, const EscapeState& escape) noexcept {
-  static constexpr EscapeState kNothing{};
+  const EscapeState kNothing;
   long budget = params_.budget - debt_;
   const long whole = budget;
   PlanBrief& brief = state_.brief;
@@ -272,7 +272,7 @@ void Lookahead::watch_path(const Observation& o, long& budget) noexcept {
 }
 
 void Lookahead::begin_prediction(const Observation& o, const EscapeState& escape) noexcept {
-  static constexpr EscapeState kNothing{};
+  const EscapeState kNothing;
   rollout_.begin(o, state_.brief.mode == PlanMode::kDirect ? escape : kNothing,
                  {params_.horizon, params_.touch, kSure * escape_.position, kSure * escape_.orientation, true});
   news_ = false;
@@ -280,7 +280,7 @@ void Lookahead::begin_prediction(const Observation& o, const EscapeState& escape
 }
 
 void Lookahead::end_prediction() noexcept {
-  static constexpr EscapeState kNothing{};
+  const EscapeState kNothing;
   PlanBrief& brief = state_.brief;
   const bool arrives = rollout_.end() == RolloutEnd::kArrives;
   const double time = arrives ? rollout_.time() : kNever;
@@ -343,7 +343,7 @@ void Lookahead::next_detour() noexcept {
 
 // The quickest counts; where nothing arrives, the direct policy goes on, anew where it was not the policy's turn.
 void Lookahead::choose() noexcept {
-  static constexpr EscapeState kNothing{};
+  const EscapeState kNothing;
   const PlanCandidate& best = candidates_[static_cast<std::size_t>(best_)];
   PlanBrief& brief = state_.brief;
   state_.next = state_.steps + periods(params_.period);
