@@ -37,7 +37,7 @@ void print(const tune::HeldOutVerdict& verdict) {
   std::cout << tune::table(verdict) << '\n';
   for (const std::string& line : verdict.constraints) std::cout << "constraint " << line << '\n';
   std::cout << fmt::format("On worlds that took no part in the search, the found gains against '{}': {}{}.\n",
-                           verdict.against, tune::to_string(verdict.overall),
+                           verdict.against, to_string(verdict.overall),
                            verdict.why.empty() ? "" : fmt::format(" (by {})", verdict.why));
 }
 

@@ -140,7 +140,7 @@ class Tune {
     tune::HeldOutVerdict verdict = tune::judge(tuning_, held_out, in_order);
     store::TuneRecords records(writer, tune::search_record(tuning_));
     records.finish(tune::result_record(result));
-    records.verdict(writer.suite_name(), verdict.rows, std::string(tune::to_string(verdict.overall)));
+    records.verdict(writer.suite_name(), verdict.rows, std::string(to_string(verdict.overall)));
     return verdict;
   }
 
