@@ -36,7 +36,7 @@ void Planner::set_objects(std::span<const ObjectShape> objects) {
   stage_ = PlanStage::kIdle;
 }
 
-void Planner::begin(const BodyConfiguration& start, const Isometry& X_WG, std::span<const ObjectState> objects,
+void Planner::begin(const Configuration& start, const Isometry& X_WG, std::span<const ObjectState> objects,
                     std::uint64_t seed) noexcept {
   start_ = start;
   X_WG_ = X_WG;

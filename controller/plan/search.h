@@ -32,8 +32,8 @@ class EdgeList {
   double time() const noexcept;
   /// Way of the base [m].
   double base_way() const noexcept;
-  /// BodyConfiguration at t from the first one's start.
-  void at(const MotionLimits& limits, double t, BodyConfiguration& c) const noexcept;
+  /// Configuration at t from the first one's start.
+  void at(const MotionLimits& limits, double t, Configuration& c) const noexcept;
 
  private:
   std::vector<Edge> edges_;
@@ -43,13 +43,13 @@ enum class Progress { kMore, kDone, kFailed };
 
 /// What a search starts from.
 struct SearchTask {
-  BodyConfiguration start;
-  Vector2 goal_W = Vector2::Zero();          ///< the goal's place, seen from above
-  std::span<const GoalConfiguration> goals;  ///< the best first; samples are drawn near any of them ...
-  int roots = 0;                             ///< ... and so many of the first are roots
-  const VectorX* tuck = nullptr;             ///< joint values of an arm that takes little room
-  double beyond = 1.5;                       ///< samples' bases lie so far beyond start and goal, at most [m]
-  double longest = 1e18;                     ///< of the base's way to a sample and from there to the goal [m]
+  Configuration start;
+  Vector2 goal_W = Vector2::Zero();           ///< the goal's place, seen from above
+  std::span<const GoalConfiguration> goals;   ///< the best first; samples are drawn near any of them ...
+  int roots = 0;                              ///< ... and so many of the first are roots
+  const VectorX* tuck = nullptr;              ///< joint values of an arm that takes little room
+  double beyond = 1.5;                        ///< samples' bases lie so far beyond start and goal, at most [m]
+  double longest = 1e18;                      ///< of the base's way to a sample and from there to the goal [m]
 };
 
 /// Edges from the start to one of several goal configurations: straight there, the quickest; else by two trees that
@@ -68,8 +68,8 @@ class Search {
 
  private:
   enum class Stage { kStraight, kGrow, kConnect };
-  void sample(const FreeSpace& space, CountedDraws& draws, BodyConfiguration& c) const noexcept;
-  int grow(FreeSpace& space, Tree& tree, int from, const BodyConfiguration& target, bool& reached) noexcept;
+  void sample(const FreeSpace& space, CountedDraws& draws, Configuration& c) const noexcept;
+  int grow(FreeSpace& space, Tree& tree, int from, const Configuration& target, bool& reached) noexcept;
   bool join(int from_start, int from_goal) noexcept;
   Tree& tree(int side) noexcept { return side == 0 ? from_start_ : from_goal_; }
 
