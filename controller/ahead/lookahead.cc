@@ -27,7 +27,7 @@ constexpr double kProgress = 0.05;                // on the path's clock that is
 constexpr double kPushed = 0.3;                   // lag among objects in motion that gives a path up [m]
 // Robot and object on their ways meet: the path's clock slows down from so soon on, and stands from so soon on [s].
 constexpr double kMeetAhead = 2.0, kMeetNear = 0.5;
-constexpr int kTrusted = 3;                       // choices after which detours, which were not kept, give way to paths
+constexpr int kTrusted = 3;  // choices after which detours, which were not kept, give way to paths
 // While a path is followed a moment of it costs more than anything else in a step: few of them.
 constexpr long kWatched = 40;
 
@@ -64,7 +64,7 @@ Lookahead::Lookahead(std::shared_ptr<const RobotModel> model, const ControllerPa
   candidates_.reserve(2 + kCandidates);
   chosen_from_.q = model->ready;
   chosen_from_.qdot = wanted_;
-  state_.path.origin = Configuration::Zero(3 + model->num_joints());
+  state_.path.origin = WholeConfiguration::Zero(3 + model->num_joints());
 }
 
 void Lookahead::reset(std::span<const ObjectShape> objects) {
@@ -73,7 +73,7 @@ void Lookahead::reset(std::span<const ObjectShape> objects) {
   rollout_.reset(objects);
   chosen_from_.objects.assign(objects.size(), ObjectState{});
   candidates_.clear();
-  Configuration origin = Configuration::Zero(3 + planner_.limits().num_joints());
+  WholeConfiguration origin = WholeConfiguration::Zero(3 + planner_.limits().num_joints());
   state_ = PlanState{};
   state_.path.origin = origin;
   job_ = Job::kNone;
@@ -143,8 +143,7 @@ void Lookahead::decide(const Observation& o) noexcept {
   if (goal_moves && brief.mode != PlanMode::kDirect) go_direct(PlanReason::kTraffic, &kNothing);
   if (movers && !goal_moves) decide_among_traffic();
 
-  if (brief.mode == PlanMode::kStop &&
-      (o.qdot.lpNorm<Eigen::Infinity>() <= kSlow || state_.steps >= state_.stop_end))
+  if (brief.mode == PlanMode::kStop && (o.qdot.lpNorm<Eigen::Infinity>() <= kSlow || state_.steps >= state_.stop_end))
     brief.mode = PlanMode::kChoose;
   guides_ = brief.mode != PlanMode::kDirect;
   wanted_.setZero();
@@ -170,9 +169,9 @@ void Lookahead::follow(const Observation& o) noexcept {
   shift_ = shift_of_goal(base_, state_.path.X_WG, o.goal.X_WG);
   // The clock waits for what will pass.
   long looks = kWatched;
-  const double met = traffic_ ? watch_.met_after(state_.path, shift_, brief.clock, kMeetAhead,
-                                                 state_.path.clearance, o.objects, looks)
-                              : kMeetAhead;
+  const double met =
+      traffic_ ? watch_.met_after(state_.path, shift_, brief.clock, kMeetAhead, state_.path.clearance, o.objects, looks)
+               : kMeetAhead;
   const double most_rate = std::clamp((met - kMeetNear) / (kMeetAhead - kMeetNear), 0.0, 1.0);
   const FollowStep step =
       follow_path(planner_.limits(), params_, state_.path, brief.clock, dt_, most_rate, shift_, o, wanted_);
@@ -316,13 +315,12 @@ void Lookahead::begin_choice(const Observation& o) noexcept {
   chosen_from_.q = o.q;
   chosen_from_.qdot = o.qdot;
   chosen_from_.goal = o.goal;
-  std::copy_n(o.objects.begin(), std::min(o.objects.size(), chosen_from_.objects.size()),
-              chosen_from_.objects.begin());
+  std::copy_n(o.objects.begin(), std::min(o.objects.size(), chosen_from_.objects.size()), chosen_from_.objects.begin());
   candidates_.clear();
   candidates_.push_back({PlanCandidate::Kind::kDirect, 0, state_.direct_time});
   least_ = state_.direct_time >= 0.0 ? state_.direct_time : kNever;
   best_ = 0;
-  Configuration start(3 + o.q.size());
+  WholeConfiguration start(3 + o.q.size());
   start << o.base, o.q;
   planner_.begin(start, o.goal.X_WG, o.objects, static_cast<std::uint64_t>(state_.brief.attempts++));
   kinematics_.update(o.base, o.q);

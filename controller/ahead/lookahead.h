@@ -28,9 +28,9 @@ struct PlanCandidate {
 /// no more than `budget` checks of predictions and plans that are spread over steps. What they lead to is in the state
 /// for the next step. While a choice is worked out the robot slows down and stands.
 ///
-/// The direct policy is predicted every `period` seconds. At the start, after a goal's jump and where it is predicted to
-/// fail or has stagnated, there is a choice. On a path, the direct policy takes over where it is predicted to take no
-/// longer than the path's rest; a robot that does not get on, or whose path is no longer clear, chooses again. Among
+/// The direct policy is predicted every `period` seconds. At the start, after a goal's jump and where it is predicted
+/// to fail or has stagnated, there is a choice. On a path, the direct policy takes over where it is predicted to take
+/// no longer than the path's rest; a robot that does not get on, or whose path is no longer clear, chooses again. Among
 /// objects in motion the policy's own ways count: only where it stagnates and none of them is near is there a choice;
 /// a goal in motion is the policy's.
 ///
@@ -103,11 +103,11 @@ class Lookahead {
   Job job_ = Job::kNone;
   long debt_ = 0;  // checks of the last step beyond its budget
   long checks_ = 0;
-  bool news_ = false;           // objects came into sight or left it since the last prediction began
-  Observation chosen_from_;     // where the robot stood when the choice began
+  bool news_ = false;        // objects came into sight or left it since the last prediction began
+  Observation chosen_from_;  // where the robot stood when the choice began
   std::vector<PlanCandidate> candidates_;
-  double least_ = 0.0;          // of the candidates so far [s]
-  int best_ = 0;                // its index
+  double least_ = 0.0;  // of the candidates so far [s]
+  int best_ = 0;        // its index
   int detour_ = 0;
 };
 

@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kMoment = 0.08;  // between the moments that are looked at [s]
 // Seen elsewhere: by more than sensors that are filtered say of an object at rest.
-constexpr double kMoved = 0.008;   // [m]
-constexpr double kTurned = 0.03;   // [rad]
+constexpr double kMoved = 0.008;  // [m]
+constexpr double kTurned = 0.03;  // [rad]
 // What is seen now may be nearer than the path's clearance says: it was laid with what was seen then.
 constexpr double kLeast = 0.015, kLess = 0.005, kPart = 0.5;  // [m, m, 1]
 

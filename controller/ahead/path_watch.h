@@ -37,7 +37,7 @@ class PathWatch {
   PlanarShift looked_shift_;
   std::vector<ObjectState> moving_;
   Proximity movers_;
-  Configuration point_;
+  WholeConfiguration point_;
   bool known_ = false;
   double from_ = 0.0;  // the path is looked at up to here; its end where all is
 };

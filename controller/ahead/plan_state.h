@@ -13,15 +13,15 @@ namespace moma {
 /// it. Times count control periods.
 struct PlanState {
   PlanBrief brief;
-  std::int64_t steps = 0;       ///< since the start or the goal's last jump
-  std::int64_t next = 0;        ///< step of the next prediction
-  std::int64_t stop_end = 0;    ///< step at which a stop has lasted long enough
-  std::int64_t mark = 0;        ///< step of the last progress along the path ...
-  double mark_clock = 0.0;      ///< ... and where that was on it [s]
-  int stagnations = 0;          ///< the policy's, up to which nothing is news
-  double direct_time = -1.0;    ///< predicted of the direct policy when the stop began [s]; negative: it fails
-  bool left_path = false;       ///< the stop interrupted a path
-  bool fresh = false;           ///< the direct policy begins anew, as `start` says, in the next step
+  std::int64_t steps = 0;     ///< since the start or the goal's last jump
+  std::int64_t next = 0;      ///< step of the next prediction
+  std::int64_t stop_end = 0;  ///< step at which a stop has lasted long enough
+  std::int64_t mark = 0;      ///< step of the last progress along the path ...
+  double mark_clock = 0.0;    ///< ... and where that was on it [s]
+  int stagnations = 0;        ///< the policy's, up to which nothing is news
+  double direct_time = -1.0;  ///< predicted of the direct policy when the stop began [s]; negative: it fails
+  bool left_path = false;     ///< the stop interrupted a path
+  bool fresh = false;         ///< the direct policy begins anew, as `start` says, in the next step
   EscapeState start;
   bool has_goal = false;
   Isometry X_WG = Isometry::Identity();  ///< the goal's, in the step before

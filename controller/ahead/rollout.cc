@@ -18,8 +18,7 @@ ControllerParams on_time(ControllerParams params) {
 void advance(Isometry& X, const Vector6& V, double dt) noexcept {
   X.translation() += dt * V.tail<3>();
   const double angle = dt * V.head<3>().norm();
-  if (angle > 0.0)
-    X.linear() = Eigen::AngleAxisd(angle, V.head<3>().normalized()).toRotationMatrix() * X.linear();
+  if (angle > 0.0) X.linear() = Eigen::AngleAxisd(angle, V.head<3>().normalized()).toRotationMatrix() * X.linear();
 }
 
 }  // namespace

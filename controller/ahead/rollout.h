@@ -10,10 +10,10 @@ namespace moma {
 
 /// How a rollout ended.
 enum class RolloutEnd {
-  kGoesOn,      ///< not yet, or only its time is up
-  kArrives,     ///< E is at the goal
-  kTouches,     ///< an object comes too near
-  kStagnates,   ///< no progress: one stagnation more than allowed
+  kGoesOn,     ///< not yet, or only its time is up
+  kArrives,    ///< E is at the goal
+  kTouches,    ///< an object comes too near
+  kStagnates,  ///< no progress: one stagnation more than allowed
 };
 
 constexpr auto words(Of<RolloutEnd>) {
@@ -22,11 +22,11 @@ constexpr auto words(Of<RolloutEnd>) {
 
 /// When a rollout ends.
 struct RolloutLimits {
-  double time = 10.0;            ///< [s]
-  double touch = 0.005;          ///< distance to an object at which it fails [m]
-  double position = 0.02;        ///< of E from the goal at which it has arrived [m]
-  double orientation = 0.05;     ///< [rad]
-  bool stagnation_ends = true;   ///< a stagnation, further to one that is due anyway, ends it
+  double time = 10.0;           ///< [s]
+  double touch = 0.005;         ///< distance to an object at which it fails [m]
+  double position = 0.02;       ///< of E from the goal at which it has arrived [m]
+  double orientation = 0.05;    ///< [rad]
+  bool stagnation_ends = true;  ///< a stagnation, further to one that is due anyway, ends it
 };
 
 /// A controller's own policy, rolled out in a model of the world: what the robot will do, and why it will stop. In the

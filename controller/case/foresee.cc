@@ -73,8 +73,8 @@ std::string names_of_active(const Controller& controller) {
 std::string place(const Rollout& rollout) {
   const StepResult& r = rollout.result();
   const Vector3& base = rollout.state().base;
-  std::string out = text("%6.2f s  goal %.3f m, %.3f rad away", rollout.time(), r.error.tail<3>().norm(),
-                         r.error.head<3>().norm());
+  std::string out =
+      text("%6.2f s  goal %.3f m, %.3f rad away", rollout.time(), r.error.tail<3>().norm(), r.error.head<3>().norm());
   if (rollout.policy().model().base.type != BaseType::kFixed)
     out += text("; base at (%.2f, %.2f), heading %.2f", base.x(), base.y(), base.z());
   if (std::isfinite(r.least_distance)) out += text("; nearest object %.3f m", r.least_distance);
@@ -126,7 +126,8 @@ std::string foresee(const ControlCase& control_case, double seconds) {
     }
     if (now.stagnations > stagnations)
       out += text("%6.2f s  stagnates, held by ", time) + names_of_active(rollout.policy()) + "\n";
-    if (now.detour != detour) out += text(now.detour ? "%6.2f s  begins a detour\n" : "%6.2f s  ends its detour\n", time);
+    if (now.detour != detour)
+      out += text(now.detour ? "%6.2f s  begins a detour\n" : "%6.2f s  ends its detour\n", time);
     if (ahead != nullptr && ahead->state().brief.mode != mode) {
       mode = ahead->state().brief.mode;
       out += text("%6.2f s  ", time) + meaning(mode) + ": " + meaning(ahead->state().brief.reason) + "\n";

@@ -30,9 +30,11 @@ constexpr void describe(Visitor& v, Of<Counts>) {
   v.member("next", &Counts::next, {.range = kSteps, .text = "step of the next prediction"});
   v.member("stop_end", &Counts::stop_end, {.range = kSteps, .text = "step at which a stop has lasted long enough"});
   v.member("mark", &Counts::mark, {.range = kSteps, .text = "step of the last progress along the path"});
-  v.member("mark_clock", &Counts::mark_clock, {.unit = "s", .range = Range::non_negative(), .text = "and where that was"});
+  v.member("mark_clock", &Counts::mark_clock,
+           {.unit = "s", .range = Range::non_negative(), .text = "and where that was"});
   v.member("stagnations", &Counts::stagnations, {.range = {0, 1e9}, .text = "up to which nothing is news"});
-  v.member("direct_time", &Counts::direct_time, {.unit = "s", .text = "predicted of the direct policy; negative: it fails"});
+  v.member("direct_time", &Counts::direct_time,
+           {.unit = "s", .text = "predicted of the direct policy; negative: it fails"});
   v.member("left_path", &Counts::left_path, {.text = "whether the stop interrupted a path"});
   v.member("fresh", &Counts::fresh, {.text = "whether the direct policy begins anew, as `start` says"});
   v.member("known", &Counts::known, {.range = {0, 1e9}, .text = "objects that were seen in the step before"});
@@ -52,20 +54,21 @@ constexpr void describe(Visitor& v, Of<StoredMotion>) {
   v.member("change", &StoredMotion::change, {.required = true, .text = "x, y, phi of the base, and each joint"});
 }
 
-nlohmann::ordered_json numbers(const Configuration& c) {
+nlohmann::ordered_json numbers(const WholeConfiguration& c) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const double value : c) list.push_back(value);
   return list;
 }
 
-Configuration read_configuration(const Node& node, const std::string& key, const RobotModel& model) {
+WholeConfiguration read_configuration(const Node& node, const std::string& key, const RobotModel& model) {
   const std::vector<double> v = config::read_numbers(node, key, 3 + model.num_joints());
   return Eigen::Map<const VectorX>(v.data(), static_cast<Eigen::Index>(v.size()));
 }
 
 Isometry read_goal(const Node& node, const std::string& key) {
   MapReader in(node, key);
-  const Isometry X = read_pose(in.require("position", "[x, y, z] in metres"), in.require("quaternion", "[w, x, y, z]"), key);
+  const Isometry X =
+      read_pose(in.require("position", "[x, y, z] in metres"), in.require("quaternion", "[w, x, y, z]"), key);
   in.finish();
   return X;
 }
@@ -78,7 +81,8 @@ nlohmann::ordered_json pose(const Isometry& X) {
 
 void read_path(const Node& node, const std::string& key, const RobotModel& model, Path& path) {
   MapReader in(node, key);
-  path.origin = read_configuration(in.require("origin", "a value for x, y, phi and each joint"), in.key_of("origin"), model);
+  path.origin =
+      read_configuration(in.require("origin", "a value for x, y, phi and each joint"), in.key_of("origin"), model);
   path.X_WG = read_goal(in.require("goal", "a pose"), in.key_of("goal"));
   in.read("clearance", path.clearance, Range::non_negative());
   in.require("duration", "its time in seconds");
@@ -92,12 +96,12 @@ void read_path(const Node& node, const std::string& key, const RobotModel& model
     StoredMotion stored;
     config::read_described(item, at, stored);
     if (static_cast<int>(stored.change.size()) != 3 + model.num_joints())
-      config::fail(item.mark, at + ".change", "found " + std::to_string(stored.change.size()) + " numbers, expected " +
-                                                  std::to_string(3 + model.num_joints()) +
-                                                  ": x, y, phi of the base, and each joint");
+      config::fail(item.mark, at + ".change",
+                   "found " + std::to_string(stored.change.size()) + " numbers, expected " +
+                       std::to_string(3 + model.num_joints()) + ": x, y, phi of the base, and each joint");
     if (!(2.0 * stored.ramp <= stored.time * (1.0 + 1e-9)))
       config::fail(item.mark, at + ".ramp", "expected no more than half of `time`");
-    PathMotion& motion = path.motions[static_cast<std::size_t>(path.count++)];
+    PathPart& motion = path.motions[static_cast<std::size_t>(path.count++)];
     motion = {stored.start, stored.time, stored.ramp,
               Eigen::Map<const VectorX>(stored.change.data(), static_cast<Eigen::Index>(stored.change.size()))};
   }
@@ -107,8 +111,9 @@ void read_path(const Node& node, const std::string& key, const RobotModel& model
 nlohmann::ordered_json to_json(const Path& path) {
   nlohmann::ordered_json motions = nlohmann::ordered_json::array();
   for (int k = 0; k < path.count; ++k) {
-    const PathMotion& motion = path.motions[static_cast<std::size_t>(k)];
-    motions.push_back({{"start", motion.start}, {"time", motion.time}, {"ramp", motion.ramp}, {"change", numbers(motion.change)}});
+    const PathPart& motion = path.motions[static_cast<std::size_t>(k)];
+    motions.push_back(
+        {{"start", motion.start}, {"time", motion.time}, {"ramp", motion.ramp}, {"change", numbers(motion.change)}});
   }
   return {{"origin", numbers(path.origin)},
           {"motions", std::move(motions)},
@@ -122,7 +127,7 @@ nlohmann::ordered_json to_json(const Path& path) {
 PlanState read_plan_state(const Node& node, const std::string& key, const RobotModel& model) {
   MapReader in(node, key);
   PlanState state;
-  state.path.origin = Configuration::Zero(3 + model.num_joints());
+  state.path.origin = WholeConfiguration::Zero(3 + model.num_joints());
   Counts counts;
   config::read_members(in, state.brief);
   config::read_members(in, counts);
@@ -149,8 +154,8 @@ PlanState read_plan_state(const Node& node, const std::string& key, const RobotM
 
 nlohmann::ordered_json to_json(const PlanState& state) {
   nlohmann::ordered_json json = config::write_described(state.brief);
-  const Counts counts{state.steps, state.next, state.stop_end, state.mark, state.mark_clock, state.stagnations,
-                      state.direct_time, state.left_path, state.fresh, state.known};
+  const Counts counts{state.steps,       state.next,        state.stop_end,  state.mark,  state.mark_clock,
+                      state.stagnations, state.direct_time, state.left_path, state.fresh, state.known};
   config::write_members(counts, json);
   json["start"] = config::write_described(state.start);
   if (state.has_goal) json["goal"] = pose(state.X_WG);

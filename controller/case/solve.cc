@@ -108,7 +108,8 @@ nlohmann::ordered_json solve(const ControlCase& control_case) {
   out["kkt_residual"] = has_solution(step) ? number(check_stage(step).report.residual()) : Json();
   out["iterations"] = result.iterations;
   out["escape"] = config::write_described(controller.escape_state());  // the next step's `state.escape`
-  if (controller.lookahead() != nullptr) out["plan"] = to_json(controller.lookahead()->state());  // and its `state.plan`
+  if (controller.lookahead() != nullptr)
+    out["plan"] = to_json(controller.lookahead()->state());  // and its `state.plan`
   return out;
 }
 

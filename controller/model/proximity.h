@@ -77,8 +77,7 @@ class Proximity {
                                        const ProximityRanges& ranges) noexcept;
 
   /// Whether query() would find nothing: false at the first pair inside its range.
-  bool clear(const Kinematics& kinematics, std::span<const ObjectState> states,
-             const ProximityRanges& ranges) noexcept;
+  bool clear(const Kinematics& kinematics, std::span<const ObjectState> states, const ProximityRanges& ranges) noexcept;
 
   /// Signed distance from a robot shape, or from an object at X_WO, to a ball: `first` is the ball in both. The
   /// robot's shapes are where the last query() found them.

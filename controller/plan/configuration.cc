@@ -64,7 +64,7 @@ MotionLimits::MotionLimits(const RobotModel& model, const ControllerParams& para
   angular_acceleration = plan.acceleration * a_angular;
 }
 
-double distance_squared(const Eigen::Ref<const VectorX>& a, const Configuration& b) noexcept {
+double distance_squared(const Eigen::Ref<const VectorX>& a, const WholeConfiguration& b) noexcept {
   constexpr double kTurn = 0.3, kJoint = 0.25;
   double joints = 0.0;
   for (Eigen::Index i = 3; i < a.size(); ++i) joints += (a[i] - b[i]) * (a[i] - b[i]);

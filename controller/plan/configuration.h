@@ -1,14 +1,14 @@
 #pragma once
 
-#include "controller/plan/plan_params.h"
 #include "controller/model/robot_model.h"
 #include "controller/params.h"
+#include "controller/plan/plan_params.h"
 
 namespace moma {
 
 /// Base (x, y, phi) in W and one value per controlled joint; phi is not wrapped. Of at most 3 + kMaxJoints values, so
 /// that it never takes memory.
-using Configuration = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3 + kMaxJoints, 1>;
+using WholeConfiguration = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3 + kMaxJoints, 1>;
 
 /// Into [-pi, pi].
 double wrapped(double angle) noexcept;
@@ -33,6 +33,6 @@ struct MotionLimits {
 
 /// Squared distance of two configurations, in which a metre of the base's way, 3.3 rad of its heading and 4 rad of a
 /// joint are alike.
-double distance_squared(const Eigen::Ref<const VectorX>& a, const Configuration& b) noexcept;
+double distance_squared(const Eigen::Ref<const VectorX>& a, const WholeConfiguration& b) noexcept;
 
 }  // namespace moma

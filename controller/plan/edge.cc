@@ -10,8 +10,7 @@ namespace {
 // Shorter drives have no direction worth turning to [m].
 constexpr double kNoWay = 1e-4;
 
-Trapezoid arm_time(const MotionLimits& limits, const Configuration& a,
-                   const Configuration& b) noexcept {
+Trapezoid arm_time(const MotionLimits& limits, const WholeConfiguration& a, const WholeConfiguration& b) noexcept {
   double at_speed = 0.0, square = 0.0;
   for (int i = 0; i < limits.num_joints(); ++i) {
     const double way = std::abs(b[3 + i] - a[3 + i]);
@@ -25,7 +24,7 @@ struct BaseWay {
   double turn1 = 0.0, drive = 0.0, turn2 = 0.0;
 };
 
-BaseWay differential_way(const Configuration& a, const Configuration& b) noexcept {
+BaseWay differential_way(const WholeConfiguration& a, const WholeConfiguration& b) noexcept {
   BaseWay way;
   const Vector2 d = b.head<2>() - a.head<2>();
   const double length = d.norm();
@@ -45,8 +44,8 @@ BaseWay differential_way(const Configuration& a, const Configuration& b) noexcep
 
 }  // namespace
 
-void make_edge(const MotionLimits& limits, const Configuration& a,
-               const Configuration& b, Edge& edge) noexcept {
+void make_edge(const MotionLimits& limits, const WholeConfiguration& a, const WholeConfiguration& b,
+               Edge& edge) noexcept {
   edge.a = a;
   edge.b = b;
   edge.turn1 = edge.turn2 = edge.drive = 0.0;
@@ -71,7 +70,7 @@ void make_edge(const MotionLimits& limits, const Configuration& a,
   edge.time = std::max({edge.base_time(), edge.arm.time, 1e-6});
 }
 
-void edge_at(const MotionLimits& limits, const Edge& edge, double t, Configuration& c) noexcept {
+void edge_at(const MotionLimits& limits, const Edge& edge, double t, WholeConfiguration& c) noexcept {
   const double share = edge.arm.time > 0.0 ? edge.arm.stretched(edge.time / edge.arm.time).part(t) : 1.0;
   c = edge.a;
   const Eigen::Index joints = limits.num_joints();
@@ -100,15 +99,13 @@ double longest_way(const MotionLimits& limits, const Edge& edge) noexcept {
   return way;
 }
 
-double edge_time(const MotionLimits& limits, const Configuration& a,
-                 const Configuration& b) noexcept {
+double edge_time(const MotionLimits& limits, const WholeConfiguration& a, const WholeConfiguration& b) noexcept {
   Edge edge;
   make_edge(limits, a, b, edge);
   return edge.time;
 }
 
-void head_along(const MotionLimits& limits, const Configuration& a, double near,
-                Configuration& b) noexcept {
+void head_along(const MotionLimits& limits, const WholeConfiguration& a, double near, WholeConfiguration& b) noexcept {
   if (limits.base == BaseType::kDifferential) {
     const Vector2 way = b.head<2>() - a.head<2>();
     if (way.norm() > near) {

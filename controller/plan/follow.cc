@@ -13,8 +13,8 @@ constexpr double kAcross = 6.0;
 
 }  // namespace
 
-Configuration PlanarShift::of(const Configuration& c) const noexcept {
-  Configuration out = c;
+WholeConfiguration PlanarShift::of(const WholeConfiguration& c) const noexcept {
+  WholeConfiguration out = c;
   const double cs = std::cos(turn), sn = std::sin(turn);
   out[0] = move.x() + cs * c[0] - sn * c[1];
   out[1] = move.y() + sn * c[0] + cs * c[1];
@@ -37,7 +37,7 @@ PlanarShift shift_of_goal(BaseType base, const Isometry& X_WG_then, const Isomet
 FollowStep follow_path(const MotionLimits& limits, const PlanParams& params, const Path& path, double t, double dt,
                        double most_rate, const PlanarShift& shift, const Observation& o, VectorX& u) noexcept {
   const int joints = limits.num_joints();
-  Configuration here, next;
+  WholeConfiguration here, next;
   path.at(t, here);
   path.at(t + dt, next);
   here = shift.of(here);
@@ -46,8 +46,9 @@ FollowStep follow_path(const MotionLimits& limits, const PlanParams& params, con
   double joint = 0.0;
   for (int i = 0; i < joints; ++i) joint = std::max(joint, std::abs(here[3 + i] - o.q[i]));
   FollowStep step;
-  step.lag = std::max(kJointLag * joint,
-                      limits.base == BaseType::kFixed ? 0.0 : std::max(std::hypot(ex, ey), kHeadingLag * std::abs(turn)));
+  step.lag =
+      std::max(kJointLag * joint,
+               limits.base == BaseType::kFixed ? 0.0 : std::max(std::hypot(ex, ey), kHeadingLag * std::abs(turn)));
   step.rate = std::clamp(1.5 - step.lag / params.lag, 0.0, most_rate);
   const double per_second = step.rate / dt;
   const double cs = std::cos(o.base.z()), sn = std::sin(o.base.z());

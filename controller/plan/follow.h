@@ -10,7 +10,7 @@ struct PlanarShift {
   Vector2 move = Vector2::Zero();
   double turn = 0.0;
 
-  Configuration of(const Configuration& c) const noexcept;
+  WholeConfiguration of(const WholeConfiguration& c) const noexcept;
 };
 
 /// The shift that takes the goal from where it was to where it is seen now: odometry drifts, and the path goes to where
@@ -24,10 +24,10 @@ struct FollowStep {
 };
 
 /// The velocities wanted of base and joints at time t of the path, for a robot at `o`. The clock's rate is clip(1.5 -
-/// lag / params.lag, 0, most_rate). With the path's velocity v_r, omega_r and the errors e_x, e_y in base axes and e_theta: a
-/// differential base does v = v_r cos e_theta + k e_x, omega = omega_r + k e_theta + 6 v_r e_y (after Kanayama, Kimura,
-/// Miyazaki & Noguchi, ICRA 1990, whose Lyapunov function shows it stable for v_r > 0 with v_r sin e_theta in place of
-/// v_r e_theta; v_r < 0 mirrors it); an omnidirectional one and the joints do feed-forward + k e.
+/// lag / params.lag, 0, most_rate). With the path's velocity v_r, omega_r and the errors e_x, e_y in base axes and
+/// e_theta: a differential base does v = v_r cos e_theta + k e_x, omega = omega_r + k e_theta + 6 v_r e_y (after
+/// Kanayama, Kimura, Miyazaki & Noguchi, ICRA 1990, whose Lyapunov function shows it stable for v_r > 0 with v_r sin
+/// e_theta in place of v_r e_theta; v_r < 0 mirrors it); an omnidirectional one and the joints do feed-forward + k e.
 FollowStep follow_path(const MotionLimits& limits, const PlanParams& params, const Path& path, double t, double dt,
                        double most_rate, const PlanarShift& shift, const Observation& o, VectorX& u) noexcept;
 

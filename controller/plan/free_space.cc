@@ -20,7 +20,7 @@ FreeSpace::FreeSpace(std::shared_ptr<const RobotModel> model, const MotionLimits
       proximity_(model),
       lower_(limits.lower),
       upper_(limits.upper),
-      point_(Configuration::Zero(3 + limits.num_joints())) {}
+      point_(WholeConfiguration::Zero(3 + limits.num_joints())) {}
 
 void FreeSpace::set_objects(std::span<const ObjectShape> objects) {
   proximity_.set_objects(objects);
@@ -36,12 +36,12 @@ void FreeSpace::set_states(std::span<const ObjectState> states) noexcept {
   }
 }
 
-Kinematics& FreeSpace::place(const Configuration& c) noexcept {
+Kinematics& FreeSpace::place(const WholeConfiguration& c) noexcept {
   kinematics_.update(c.head<3>(), c.tail(c.size() - 3));
   return kinematics_;
 }
 
-void FreeSpace::set_clearances(const Clearances& clearances, const Configuration& start) noexcept {
+void FreeSpace::set_clearances(const Clearances& clearances, const WholeConfiguration& start) noexcept {
   clearances_ = clearances;
   place(start);
   ++checks_;
@@ -57,13 +57,13 @@ void FreeSpace::set_clearances(const Clearances& clearances, const Configuration
   }
 }
 
-bool FreeSpace::free(const Configuration& c) noexcept {
+bool FreeSpace::free(const WholeConfiguration& c) noexcept {
   for (int i = 0; i < limits_->num_joints(); ++i)
     if (c[3 + i] < lower_[i] || c[3 + i] > upper_[i]) return false;
   return clear(c, clearances_);
 }
 
-bool FreeSpace::clear(const Configuration& c, const Clearances& clearances) noexcept {
+bool FreeSpace::clear(const WholeConfiguration& c, const Clearances& clearances) noexcept {
   ++checks_;
   place(c);
   return proximity_.clear(kinematics_, states_, ranges_of(clearances));

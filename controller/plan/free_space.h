@@ -3,8 +3,8 @@
 #include <span>
 #include <vector>
 
-#include "controller/plan/edge.h"
 #include "controller/model/proximity.h"
+#include "controller/plan/edge.h"
 
 namespace moma {
 
@@ -30,14 +30,14 @@ class FreeSpace {
 
   /// Margins to limits and clearances from here on. Where `start` is nearer than that to a limit or to something, as
   /// near is near enough everywhere: else no way would lead out.
-  void set_clearances(const Clearances& clearances, const Configuration& start) noexcept;
+  void set_clearances(const Clearances& clearances, const WholeConfiguration& start) noexcept;
   const Clearances& clearances() const noexcept { return clearances_; }
   const VectorX& lower() const noexcept { return lower_; }  ///< of the joints, margins kept
   const VectorX& upper() const noexcept { return upper_; }
 
-  bool free(const Configuration& c) noexcept;
+  bool free(const WholeConfiguration& c) noexcept;
   /// The same with other clearances, whatever the joints are.
-  bool clear(const Configuration& c, const Clearances& clearances) noexcept;
+  bool clear(const WholeConfiguration& c, const Clearances& clearances) noexcept;
   /// The edge's end first, then its middle, its quarters ... until no point of the robot goes farther than `step`
   /// between two checks, or it has been cut into kMostParts.
   bool free(const Edge& edge, double step) noexcept;
@@ -51,7 +51,7 @@ class FreeSpace {
   /// Of the last configuration that was looked at.
   const Kinematics& kinematics() const noexcept { return kinematics_; }
   /// That of any other, for those who need one.
-  Kinematics& place(const Configuration& c) noexcept;
+  Kinematics& place(const WholeConfiguration& c) noexcept;
   const MotionLimits& limits() const noexcept { return *limits_; }
 
  private:
@@ -61,7 +61,7 @@ class FreeSpace {
   std::vector<ObjectState> states_;
   Clearances clearances_;
   VectorX lower_, upper_;
-  Configuration point_;
+  WholeConfiguration point_;
   long checks_ = 0;
 };
 

@@ -9,8 +9,8 @@ namespace {
 enum class Kind { kTurn, kDrive, kArm };
 
 // Whether the acceleration of one motion's end and of the next one's beginning stays inside the limits.
-bool may_overlap(const MotionLimits& limits, const PathMotion& last, const Trapezoid& motion,
-                 const Configuration& change) noexcept {
+bool may_overlap(const MotionLimits& limits, const PathPart& last, const Trapezoid& motion,
+                 const WholeConfiguration& change) noexcept {
   if (last.ramp <= 0.0 || motion.ramp <= 0.0) return false;
   constexpr double kRounding = 1.0 + 1e-9;
   const double falls = 1.0 / ((last.time - last.ramp) * last.ramp);
@@ -32,19 +32,19 @@ class Layout {
   double end() const noexcept { return end_; }
   bool full() const noexcept { return full_; }
   // The soonest for a motion of this kind, whatever others do. The last one's fall and this one's rise may overlap.
-  double free_from(Kind kind, const Trapezoid& motion, const Configuration& change) const noexcept {
+  double free_from(Kind kind, const Trapezoid& motion, const WholeConfiguration& change) const noexcept {
     const int last = last_[static_cast<std::size_t>(kind)];
     if (last < 0) return 0.0;
-    const PathMotion& before = path_->motions[static_cast<std::size_t>(last)];
+    const PathPart& before = path_->motions[static_cast<std::size_t>(last)];
     const double early = std::min({overlap_, before.ramp, motion.ramp});
     return before.start + before.time - (may_overlap(*limits_, before, motion, change) ? early : 0.0);
   }
   // When it begins as the successor of what ends last.
-  double begin(Kind kind, const Trapezoid& motion, const Configuration& change) const noexcept {
+  double begin(Kind kind, const Trapezoid& motion, const WholeConfiguration& change) const noexcept {
     const double early = std::min(overlap_, 0.5 * std::min(end_time_, motion.time));
     return std::max({end_ - early, free_from(kind, motion, change), 0.0});
   }
-  void put(Kind kind, double start, const Trapezoid& motion, const Configuration& change) noexcept {
+  void put(Kind kind, double start, const Trapezoid& motion, const WholeConfiguration& change) noexcept {
     if (path_->count == Path::kMostMotions) {
       full_ = true;
       return;
@@ -68,10 +68,10 @@ class Layout {
 
 }  // namespace
 
-void Path::at(double t, Configuration& c) const noexcept {
+void Path::at(double t, WholeConfiguration& c) const noexcept {
   c = origin;
   for (int k = 0; k < count; ++k) {
-    const PathMotion& motion = motions[static_cast<std::size_t>(k)];
+    const PathPart& motion = motions[static_cast<std::size_t>(k)];
     const double part = Trapezoid{motion.time, motion.ramp}.part(t - motion.start);
     if (part > 0.0) c += part * motion.change;
   }
@@ -83,7 +83,7 @@ bool lay_path(const MotionLimits& limits, std::span<const Edge> edges, double ov
   if (edges.empty()) return false;
   path.origin = edges.front().a;
   const Eigen::Index joints = limits.num_joints();
-  Configuration change = Configuration::Zero(3 + joints);
+  WholeConfiguration change = WholeConfiguration::Zero(3 + joints);
   Layout layout(limits, overlap, path);
   for (const Edge& edge : edges) {
     // As fast as the slower of base and arm.

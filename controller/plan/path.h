@@ -8,11 +8,11 @@
 namespace moma {
 
 /// A part of a path: `change` is added to the configuration between `start` and `start + time`, as a trapezoid.
-struct PathMotion {
+struct PathPart {
   double start = 0.0;  ///< on the path's clock [s]
   double time = 0.0;   ///< [s]
   double ramp = 0.0;   ///< at either end [s]
-  Configuration change;
+  WholeConfiguration change;
 };
 
 /// A timed path of base and arm: motions that overlap a little, each from rest to rest. Everything that following it
@@ -21,15 +21,15 @@ struct PathMotion {
 struct Path {
   static constexpr int kMostMotions = 40;
 
-  Configuration origin;
-  std::array<PathMotion, kMostMotions> motions;
+  WholeConfiguration origin;
+  std::array<PathPart, kMostMotions> motions;
   int count = 0;
   double duration = 0.0;   ///< [s]
   double clearance = 0.0;  ///< from objects at rest [m]; half of it where motions overlap
   Isometry X_WG = Isometry::Identity();
 
   /// Where it is at t; its ends beyond them. Meaningless for a path without motions.
-  void at(double t, Configuration& c) const noexcept;
+  void at(double t, WholeConfiguration& c) const noexcept;
 };
 
 /// Lays out edges as motions. Each begins up to `overlap` seconds before the one before it ends, by half of the shorter

@@ -8,14 +8,14 @@ namespace moma {
 /// it plans for base and arm. Work is counted in checks, each about that of one configuration's distances.
 struct PlanParams {
   bool enabled = false;
-  int budget = 600;          ///< checks in one control step, at most by one piece of work more
-  double period = 0.5;       ///< between predictions [s]
-  double horizon = 10.0;     ///< of a prediction [s]
-  double step = 0.04;        ///< of a prediction [s]
-  double touch = 0.005;      ///< a prediction that comes nearer to an object fails [m]
-  double roomy = 0.08;       ///< clearance of a path from objects, tried first [m]
-  double clearance = 0.035;  ///< and where that finds none [m]
-  double self = 0.015;       ///< clearance from the robot itself and from the floor [m]
+  int budget = 600;            ///< checks in one control step, at most by one piece of work more
+  double period = 0.5;         ///< between predictions [s]
+  double horizon = 10.0;       ///< of a prediction [s]
+  double step = 0.04;          ///< of a prediction [s]
+  double touch = 0.005;        ///< a prediction that comes nearer to an object fails [m]
+  double roomy = 0.08;         ///< clearance of a path from objects, tried first [m]
+  double clearance = 0.035;    ///< and where that finds none [m]
+  double self = 0.015;         ///< clearance from the robot itself and from the floor [m]
   double joint_margin = 0.12;  ///< from a path to the joints' limits [rad, m]
   double speed = 0.9;          ///< part of the greatest speeds that a path uses
   double acceleration = 0.85;  ///< and of the accelerations
@@ -62,10 +62,15 @@ constexpr void describe(Visitor& v, Of<PlanParams>) {
   v.member("settle", &PlanParams::settle,
            {.unit = "s", .range = Range::non_negative(), .text = "from a path's end to the goal"});
   v.member("stuck", &PlanParams::stuck,
-           {.unit = "s", .range = Range::positive(), .text = "time without progress on a path after which a new one is sought"});
+           {.unit = "s",
+            .range = Range::positive(),
+            .text = "time without progress on a path after which a new one is sought"});
   v.member("lag", &PlanParams::lag,
-           {.unit = "m", .range = Range::positive(), .text = "the path's clock runs at clip(1.5 - lag of the robot / this, 0, 1)"});
-  v.member("weight", &PlanParams::weight, {.unit = "1", .range = Range::positive(), .text = "of the path's velocities"});
+           {.unit = "m",
+            .range = Range::positive(),
+            .text = "the path's clock runs at clip(1.5 - lag of the robot / this, 0, 1)"});
+  v.member("weight", &PlanParams::weight,
+           {.unit = "1", .range = Range::positive(), .text = "of the path's velocities"});
   v.member("gain", &PlanParams::gain, {.unit = "1/s", .range = Range::non_negative(), .text = "of the path's servo"});
   v.member("ik_tries", &PlanParams::ik_tries,
            {.range = {1.0, 1e5}, .text = "of whole-body inverse kinematics at each clearance"});

@@ -36,7 +36,7 @@ void Planner::set_objects(std::span<const ObjectShape> objects) {
   stage_ = PlanStage::kIdle;
 }
 
-void Planner::begin(const Configuration& start, const Isometry& X_WG, std::span<const ObjectState> objects,
+void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::span<const ObjectState> objects,
                     std::uint64_t seed) noexcept {
   start_ = start;
   X_WG_ = X_WG;
@@ -74,13 +74,13 @@ void Planner::work() noexcept {
       break;
     case PlanStage::kSearch:
       switch (search_.advance(space_, draws_)) {
-        case Progress::kMore:
+        case SearchProgress::kMore:
           if (counts_.checks >= search_end_) end_tier();
           break;
-        case Progress::kDone:
+        case SearchProgress::kDone:
           end_run(true);
           break;
-        case Progress::kFailed:
+        case SearchProgress::kFailed:
           end_run(false);
           break;
       }

@@ -37,7 +37,7 @@ class Planner {
 
   void set_objects(std::span<const ObjectShape> objects);
   /// Begins a plan among the objects that are seen and at rest. The start is where the robot stands.
-  void begin(const Configuration& start, const Isometry& X_WG, std::span<const ObjectState> objects,
+  void begin(const WholeConfiguration& start, const Isometry& X_WG, std::span<const ObjectState> objects,
              std::uint64_t seed) noexcept;
   /// Works until `budget` checks are used up or the plan is found or failed; takes what it used from `budget`, which a
   /// last piece of work may leave below zero. True as long as there is more to do.
@@ -73,7 +73,7 @@ class Planner {
   VectorX tuck_;
 
   PlanStage stage_ = PlanStage::kIdle;
-  Configuration start_;
+  WholeConfiguration start_;
   Isometry X_WG_ = Isometry::Identity();
   CountedDraws draws_;
   int tier_ = 0;

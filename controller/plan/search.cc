@@ -9,10 +9,10 @@ namespace moma {
 namespace {
 
 constexpr int kNodes = 3000;
-constexpr double kStep = 0.8;      // of a tree, in the metric of distance_squared()
-constexpr double kReach = 0.6;     // of the arm, in the base's way [m]
-constexpr double kNoWay = 0.05;    // shorter steps keep their heading [m]
-constexpr int kBlocked = 2;        // checks for looking through a tree in vain
+constexpr double kStep = 0.8;    // of a tree, in the metric of distance_squared()
+constexpr double kReach = 0.6;   // of the arm, in the base's way [m]
+constexpr double kNoWay = 0.05;  // shorter steps keep their heading [m]
+constexpr int kBlocked = 2;      // checks for looking through a tree in vain
 
 }  // namespace
 
@@ -28,7 +28,7 @@ double EdgeList::base_way() const noexcept {
   return sum;
 }
 
-void EdgeList::at(const MotionLimits& limits, double t, Configuration& c) const noexcept {
+void EdgeList::at(const MotionLimits& limits, double t, WholeConfiguration& c) const noexcept {
   for (const Edge& edge : edges_) {
     if (t <= edge.time || &edge == &edges_.back()) {
       edge_at(limits, edge, std::min(t, edge.time), c);
@@ -58,53 +58,53 @@ void Search::begin(const SearchTask& task) {
   side_ = 1;
 }
 
-Progress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
+SearchProgress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
   if (stage_ == Stage::kStraight) {
     const int roots = std::min(task_.roots, static_cast<int>(task_.goals.size()));
     if (straight_ < roots) {
-      const Configuration& goal = task_.goals[static_cast<std::size_t>(straight_++)].c;
+      const WholeConfiguration& goal = task_.goals[static_cast<std::size_t>(straight_++)].c;
       from_goal_.add(goal, -1);
       make_edge(*limits_, task_.start, goal, edge_);
-      if (!edges_.empty() && edge_.time >= quickest_) return Progress::kMore;
-      if (!space.free(edge_, check_step_)) return Progress::kMore;
+      if (!edges_.empty() && edge_.time >= quickest_) return SearchProgress::kMore;
+      if (!space.free(edge_, check_step_)) return SearchProgress::kMore;
       quickest_ = edge_.time;
       edges_.clear();
       edges_.push(edge_);
-      return Progress::kMore;
+      return SearchProgress::kMore;
     }
-    if (!edges_.empty()) return Progress::kDone;
-    if (roots == 0) return Progress::kFailed;
+    if (!edges_.empty()) return SearchProgress::kDone;
+    if (roots == 0) return SearchProgress::kFailed;
     stage_ = Stage::kGrow;
   }
   if (stage_ == Stage::kGrow) {
     side_ = 1 - side_;
-    Configuration target;
+    WholeConfiguration target;
     sample(space, draws, target);
     space.charge(kBlocked);
     bool reached = false;
     Tree& growing = tree(side_);
     grown_ = grow(space, growing, growing.nearest(target), target, reached);
-    if (from_start_.full() || from_goal_.full()) return Progress::kFailed;
-    if (grown_ < 0) return Progress::kMore;
+    if (from_start_.full() || from_goal_.full()) return SearchProgress::kFailed;
+    if (grown_ < 0) return SearchProgress::kMore;
     reaching_ = tree(1 - side_).nearest(growing.node(grown_));
     stage_ = Stage::kConnect;
-    return Progress::kMore;
+    return SearchProgress::kMore;
   }
   bool reached = false;
-  const Configuration meet = tree(side_).node(grown_);
+  const WholeConfiguration meet = tree(side_).node(grown_);
   reaching_ = grow(space, tree(1 - side_), reaching_, meet, reached);
-  if (from_start_.full() || from_goal_.full()) return Progress::kFailed;
+  if (from_start_.full() || from_goal_.full()) return SearchProgress::kFailed;
   if (reaching_ < 0 || (reached && !join(side_ == 0 ? grown_ : reaching_, side_ == 0 ? reaching_ : grown_)))
     stage_ = Stage::kGrow;
   else if (reached)
-    return Progress::kDone;
-  return Progress::kMore;
+    return SearchProgress::kDone;
+  return SearchProgress::kMore;
 }
 
 // One edge from a node towards the target, a step at most. The new node, or -1 where something is in the way.
-int Search::grow(FreeSpace& space, Tree& tree, int from, const Configuration& target, bool& reached) noexcept {
-  const Configuration a = tree.node(from);
-  Configuration b = target;
+int Search::grow(FreeSpace& space, Tree& tree, int from, const WholeConfiguration& target, bool& reached) noexcept {
+  const WholeConfiguration a = tree.node(from);
+  WholeConfiguration b = target;
   const double way = std::sqrt(distance_squared(a, target));
   reached = way <= kStep;
   if (!reached) {
@@ -131,8 +131,8 @@ bool Search::join(int from_start, int from_goal) noexcept {
     forwards[count++] = i;
   }
   edges_.clear();
-  Configuration a = task_.start, b;
-  const auto on = [&](const Configuration& next) {
+  WholeConfiguration a = task_.start, b;
+  const auto on = [&](const WholeConfiguration& next) {
     b = next;
     b[2] = a[2] + wrapped(b[2] - a[2]);
     make_edge(*limits_, a, b, edge_);
@@ -146,7 +146,7 @@ bool Search::join(int from_start, int from_goal) noexcept {
   return !edges_.empty();
 }
 
-void Search::sample(const FreeSpace& space, CountedDraws& draws, Configuration& c) const noexcept {
+void Search::sample(const FreeSpace& space, CountedDraws& draws, WholeConfiguration& c) const noexcept {
   constexpr double kTucked = 0.45, kBetween = 0.65, kNearGoal = 0.8, kNearStart = 0.9;
   constexpr int kTries = 10;
   const bool mobile = limits_->base != BaseType::kFixed;
@@ -163,7 +163,7 @@ void Search::sample(const FreeSpace& space, CountedDraws& draws, Configuration& 
     c[2] = draws.uniform(-std::numbers::pi, std::numbers::pi);
   }
   const double kind = draws.uniform();
-  const Configuration& goal = task_.goals[draws.choice(task_.goals.size())].c;
+  const WholeConfiguration& goal = task_.goals[draws.choice(task_.goals.size())].c;
   if (kind < kTucked && mobile) {
     c.tail(joints) = *task_.tuck;
   } else if (kind < kBetween) {

@@ -32,24 +32,24 @@ class EdgeList {
   double time() const noexcept;
   /// Way of the base [m].
   double base_way() const noexcept;
-  /// Configuration at t from the first one's start.
-  void at(const MotionLimits& limits, double t, Configuration& c) const noexcept;
+  /// WholeConfiguration at t from the first one's start.
+  void at(const MotionLimits& limits, double t, WholeConfiguration& c) const noexcept;
 
  private:
   std::vector<Edge> edges_;
 };
 
-enum class Progress { kMore, kDone, kFailed };
+enum class SearchProgress { kMore, kDone, kFailed };
 
 /// What a search starts from.
 struct SearchTask {
-  Configuration start;
-  Vector2 goal_W = Vector2::Zero();           ///< the goal's place, seen from above
-  std::span<const GoalConfiguration> goals;   ///< the best first; samples are drawn near any of them ...
-  int roots = 0;                              ///< ... and so many of the first are roots
-  const VectorX* tuck = nullptr;              ///< joint values of an arm that takes little room
-  double beyond = 1.5;                        ///< samples' bases lie so far beyond start and goal, at most [m]
-  double longest = 1e18;                      ///< of the base's way to a sample and from there to the goal [m]
+  WholeConfiguration start;
+  Vector2 goal_W = Vector2::Zero();          ///< the goal's place, seen from above
+  std::span<const GoalConfiguration> goals;  ///< the best first; samples are drawn near any of them ...
+  int roots = 0;                             ///< ... and so many of the first are roots
+  const VectorX* tuck = nullptr;             ///< joint values of an arm that takes little room
+  double beyond = 1.5;                       ///< samples' bases lie so far beyond start and goal, at most [m]
+  double longest = 1e18;                     ///< of the base's way to a sample and from there to the goal [m]
 };
 
 /// Edges from the start to one of several goal configurations: straight there, the quickest; else by two trees that
@@ -62,14 +62,14 @@ class Search {
   /// The spans and pointers of `task` have to last as long as the search.
   void begin(const SearchTask& task);
   /// One piece of work. kFailed where a tree is full.
-  Progress advance(FreeSpace& space, CountedDraws& draws) noexcept;
+  SearchProgress advance(FreeSpace& space, CountedDraws& draws) noexcept;
   /// Of a search that is done.
   const EdgeList& edges() const noexcept { return edges_; }
 
  private:
   enum class Stage { kStraight, kGrow, kConnect };
-  void sample(const FreeSpace& space, CountedDraws& draws, Configuration& c) const noexcept;
-  int grow(FreeSpace& space, Tree& tree, int from, const Configuration& target, bool& reached) noexcept;
+  void sample(const FreeSpace& space, CountedDraws& draws, WholeConfiguration& c) const noexcept;
+  int grow(FreeSpace& space, Tree& tree, int from, const WholeConfiguration& target, bool& reached) noexcept;
   bool join(int from_start, int from_goal) noexcept;
   Tree& tree(int side) noexcept { return side == 0 ? from_start_ : from_goal_; }
 

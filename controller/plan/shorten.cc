@@ -33,7 +33,7 @@ void try_shortcut(FreeSpace& space, double check_step, int index, CountedDraws& 
   const auto [from, to] = two_times(edges, index % 3 == 0, draws);
   space.charge(1);
   if (to - from < kApart) return;
-  Configuration a, b;
+  WholeConfiguration a, b;
   edges.at(limits, from, a);
   edges.at(limits, to, b);
   if (index % 2 == 0 && to < T - kSame)

@@ -2,7 +2,7 @@
 
 namespace moma {
 
-int Tree::nearest(const Configuration& c) const noexcept {
+int Tree::nearest(const WholeConfiguration& c) const noexcept {
   int best = -1;
   double least = 0.0;
   for (int i = 0; i < size_; ++i) {

@@ -15,15 +15,15 @@ class Tree {
   int size() const noexcept { return size_; }
   bool full() const noexcept { return size_ == static_cast<int>(parents_.size()); }
   /// Index of the new node; not where the tree is full.
-  int add(const Configuration& c, int parent) noexcept {
+  int add(const WholeConfiguration& c, int parent) noexcept {
     nodes_.col(size_) = c;
     parents_[static_cast<std::size_t>(size_)] = parent;
     return size_++;
   }
-  Configuration node(int i) const noexcept { return nodes_.col(i); }
+  WholeConfiguration node(int i) const noexcept { return nodes_.col(i); }
   int parent(int i) const noexcept { return parents_[static_cast<std::size_t>(i)]; }
   /// The first of those nearest to c; -1 for an empty tree.
-  int nearest(const Configuration& c) const noexcept;
+  int nearest(const WholeConfiguration& c) const noexcept;
 
  private:
   MatrixX nodes_;  // a column each

@@ -24,7 +24,8 @@ double sprawl(const RobotModel& model, const Kinematics& kinematics, const Eigen
     double reach = 0.0;
     for (int k = 0; k < kDirections; ++k) {
       const double angle = 2.0 * std::numbers::pi * k / kDirections;
-      reach = std::max(reach, extent_along(shape.shape, kinematics.X_WS(shape), {std::cos(angle), std::sin(angle), 0.0}));
+      reach =
+          std::max(reach, extent_along(shape.shape, kinematics.X_WS(shape), {std::cos(angle), std::sin(angle), 0.0}));
     }
     farthest = std::max(farthest, reach);
     sum += reach;
@@ -39,7 +40,7 @@ VectorX tucked_arm(const RobotModel& model, FreeSpace& space, const Clearances& 
   if (model.base.type == BaseType::kFixed) return best;
   const MotionLimits& limits = space.limits();
   const int joints = limits.num_joints();
-  Configuration c = Configuration::Zero(3 + joints);
+  WholeConfiguration c = WholeConfiguration::Zero(3 + joints);
   c.tail(joints) = best;
   // Some links are nearer to each other than that however the arm is held.
   space.set_clearances({-1.0, clearances.floor, clearances.self}, c);

@@ -51,7 +51,7 @@ WholeBodyIk::WholeBodyIk(std::shared_ptr<const RobotModel> model, const MotionLi
   }
 }
 
-bool WholeBodyIk::solve(FreeSpace& space, const Isometry& X_WG, Configuration& c) const noexcept {
+bool WholeBodyIk::solve(FreeSpace& space, const Isometry& X_WG, WholeConfiguration& c) const noexcept {
   const int joints = limits_->num_joints();
   Jacobian J(6, 3 + joints);
   Matrix6 M;
@@ -83,8 +83,8 @@ bool WholeBodyIk::solve(FreeSpace& space, const Isometry& X_WG, Configuration& c
   return false;
 }
 
-void WholeBodyIk::seed(const Isometry& X_WG, const Configuration& start, int index, CountedDraws& draws,
-                       Configuration& c) const noexcept {
+void WholeBodyIk::seed(const Isometry& X_WG, const WholeConfiguration& start, int index, CountedDraws& draws,
+                       WholeConfiguration& c) const noexcept {
   const int joints = limits_->num_joints();
   c = start;
   if (mobile_) {
@@ -112,10 +112,10 @@ void WholeBodyIk::seed(const Isometry& X_WG, const Configuration& start, int ind
   }
 }
 
-bool WholeBodyIk::find(FreeSpace& space, const Isometry& X_WG, double roomy, const Configuration& start, int index,
+bool WholeBodyIk::find(FreeSpace& space, const Isometry& X_WG, double roomy, const WholeConfiguration& start, int index,
                        CountedDraws& draws, GoalConfiguration& out) const noexcept {
   const int joints = limits_->num_joints();
-  Configuration& c = out.c;
+  WholeConfiguration& c = out.c;
   seed(X_WG, start, index, draws, c);
   if (!solve(space, X_WG, c)) return false;
   c[2] = start[2] + wrapped(c[2] - start[2]);

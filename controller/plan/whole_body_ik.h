@@ -10,7 +10,7 @@ namespace moma {
 /// A configuration with E at the goal, and what it costs to be there: the time of an edge from the start, and
 /// penalties for little clearance, little room to the joints' limits and little manipulability [s].
 struct GoalConfiguration {
-  Configuration c;
+  WholeConfiguration c;
   double cost = 0.0;
 };
 
@@ -24,17 +24,17 @@ class WholeBodyIk {
   /// Trans. SMC 16(1), 1986). The base counts as free to go sideways: it is a place to stand at, not a motion. Joints
   /// are kept a little further from their limits than a path has to be. At most 20 iterations, each charged as one
   /// check. True where E came within 1 mm and 2 mrad.
-  bool solve(FreeSpace& space, const Isometry& X_WG, Configuration& c) const noexcept;
+  bool solve(FreeSpace& space, const Isometry& X_WG, WholeConfiguration& c) const noexcept;
 
   /// One try of the `index`-th kind: a base around the goal (each fourth as far from it as the start, 0.7 m at most),
   /// turned to it or anyhow; the arm as it is at the start, at `ready`, or anyhow. True where solve() succeeds from
   /// there and the result is free. `roomy` [m] is the clearance that is worth something.
-  bool find(FreeSpace& space, const Isometry& X_WG, double roomy, const Configuration& start, int index,
+  bool find(FreeSpace& space, const Isometry& X_WG, double roomy, const WholeConfiguration& start, int index,
             CountedDraws& draws, GoalConfiguration& out) const noexcept;
 
  private:
-  void seed(const Isometry& X_WG, const Configuration& start, int index, CountedDraws& draws,
-            Configuration& c) const noexcept;
+  void seed(const Isometry& X_WG, const WholeConfiguration& start, int index, CountedDraws& draws,
+            WholeConfiguration& c) const noexcept;
 
   std::shared_ptr<const RobotModel> model_;
   const MotionLimits* limits_;

@@ -23,7 +23,8 @@ void add_solve(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   command->add_option("CASE", options->file, "Case file (JSON); its format is in docs/controller.md");
   command->add_flag("--explain", options->explain, "In words: what holds the command, why it is infeasible");
   command
-      ->add_option("--ahead", options->ahead, "In words: what the robot will do in so many seconds, and why it will stop")
+      ->add_option("--ahead", options->ahead,
+                   "In words: what the robot will do in so many seconds, and why it will stop")
       ->check(CLI::Range(1e-3, 3600.0));
   command->add_flag("--solvers", options->solvers, "Lists the QP solvers by name, and which of them are built in");
   command->footer(

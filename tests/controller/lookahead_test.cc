@@ -254,7 +254,7 @@ TEST_P(Ahead, ABlockedPathIsGivenUp) {
   const auto& state = [&]() -> const PlanState& { return loop.controller.lookahead()->state(); };
   for (int i = 0; i < 300 && state().brief.mode != PlanMode::kFollow; ++i) loop.step();
   ASSERT_EQ(state().brief.mode, PlanMode::kFollow);
-  Configuration ahead;
+  WholeConfiguration ahead;
   state().path.at(0.7 * state().path.duration, ahead);
   loop.o.objects[1].visible = true;
   loop.o.objects[1].X_WO.translation() << ahead[0], ahead[1], 0.75;

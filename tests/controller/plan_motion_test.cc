@@ -13,8 +13,8 @@ class PlanMotion : public testing::TestWithParam<std::string> {
  protected:
   PlanMotion() : model(load_model(GetParam())), limits(*model, plan_params(*model)) {}
 
-  Configuration anywhere(std::mt19937_64& engine) const {
-    Configuration c(3 + limits.num_joints());
+  WholeConfiguration anywhere(std::mt19937_64& engine) const {
+    WholeConfiguration c(3 + limits.num_joints());
     c.head<3>() << uniform(engine, -2, 2), uniform(engine, -2, 2), uniform(engine, -4, 4);
     if (limits.base == BaseType::kFixed) c.head<3>().setZero();
     for (int i = 0; i < limits.num_joints(); ++i) c[3 + i] = uniform(engine, limits.lower[i], limits.upper[i]);
@@ -35,7 +35,8 @@ TEST(Trapezoid, IsTheQuickestInsideItsLimits) {
         const Trapezoid motion = quickest_way(length, speed, acceleration);
         // Bang-bang: full acceleration to the middle or to the top speed.
         const double flat = length - speed * speed / acceleration;
-        const double least = flat > 0.0 ? 2.0 * speed / acceleration + flat / speed : 2.0 * std::sqrt(length / acceleration);
+        const double least =
+            flat > 0.0 ? 2.0 * speed / acceleration + flat / speed : 2.0 * std::sqrt(length / acceleration);
         EXPECT_NEAR(motion.time, least, 1e-12) << length << " m";
         const int n = 2000;
         const double h = motion.time / n;
@@ -56,9 +57,9 @@ TEST(Trapezoid, IsTheQuickestInsideItsLimits) {
 TEST_P(PlanMotion, EdgesEndWhereTheyShould) {
   std::mt19937_64 engine(1);
   Edge edge;
-  Configuration c;
+  WholeConfiguration c;
   for (int k = 0; k < 200; ++k) {
-    const Configuration a = anywhere(engine), b = anywhere(engine);
+    const WholeConfiguration a = anywhere(engine), b = anywhere(engine);
     make_edge(limits, a, b, edge);
     edge_at(limits, edge, 0.0, c);
     EXPECT_LT((c - a).lpNorm<Eigen::Infinity>(), 1e-12);
@@ -73,9 +74,9 @@ TEST_P(PlanMotion, EdgesEndWhereTheyShould) {
 TEST_P(PlanMotion, EdgesBackwardsVisitTheSamePlaces) {
   std::mt19937_64 engine(2);
   Edge there, back;
-  Configuration c, d;
+  WholeConfiguration c, d;
   for (int k = 0; k < 200; ++k) {
-    const Configuration a = anywhere(engine), b = anywhere(engine);
+    const WholeConfiguration a = anywhere(engine), b = anywhere(engine);
     make_edge(limits, a, b, there);
     make_edge(limits, b, a, back);
     ASSERT_NEAR(there.time, back.time, 1e-9);
@@ -92,7 +93,7 @@ TEST_P(PlanMotion, ADifferentialBaseNeverGoesSideways) {
   if (limits.base != BaseType::kDifferential) GTEST_SKIP() << "only for a differential base";
   std::mt19937_64 engine(3);
   Edge edge;
-  Configuration before, now, after;
+  WholeConfiguration before, now, after;
   for (int k = 0; k < 100; ++k) {
     make_edge(limits, anywhere(engine), anywhere(engine), edge);
     const double h = 1e-5;
@@ -115,9 +116,9 @@ TEST_P(PlanMotion, PathsStayInsideSpeedsAndAccelerations) {
   for (int k = 0; k < 40; ++k) {
     EdgeList edges;
     Edge edge;
-    Configuration a = anywhere(engine);
+    WholeConfiguration a = anywhere(engine);
     for (int i = 0; i < 5; ++i) {
-      const Configuration b = anywhere(engine);
+      const WholeConfiguration b = anywhere(engine);
       make_edge(limits, a, b, edge);
       edges.push(edge);
       a = b;
@@ -125,18 +126,18 @@ TEST_P(PlanMotion, PathsStayInsideSpeedsAndAccelerations) {
     Path path;
     ASSERT_TRUE(lay_path(limits, edges.all(), 0.35, path));
     EXPECT_LE(path.duration, edges.time() + 1e-9);
-    Configuration end;
+    WholeConfiguration end;
     path.at(path.duration, end);
     end[2] = a[2] + wrapped(end[2] - a[2]);
     EXPECT_LT((end - a).lpNorm<Eigen::Infinity>(), 1e-9);
     const double h = 0.002;
-    Configuration before, now, after;
+    WholeConfiguration before, now, after;
     for (double t = h; t < path.duration; t += h) {
       path.at(t - h, before);
       path.at(t, now);
       path.at(t + h, after);
-      const Configuration v = (after - before) / (2.0 * h);
-      const Configuration acc = (after - 2.0 * now + before) / (h * h);
+      const WholeConfiguration v = (after - before) / (2.0 * h);
+      const WholeConfiguration acc = (after - 2.0 * now + before) / (h * h);
       constexpr double kMore = 1.0 + 1e-6;
       if (limits.base != BaseType::kFixed) {
         ASSERT_LE(v.head<2>().norm(), kMore * limits.linear) << "path " << k << " at " << t;
@@ -160,7 +161,7 @@ TEST_P(PlanMotion, FollowingComesBackToThePath) {
   for (int k = 0; k < 20; ++k) {
     EdgeList edges;
     Edge edge;
-    Configuration a = anywhere(engine), b = anywhere(engine);
+    WholeConfiguration a = anywhere(engine), b = anywhere(engine);
     make_edge(limits, a, b, edge);
     edges.push(edge);
     Path path;
@@ -194,10 +195,10 @@ TEST(PlanarShift, TakesTheGoalToWhereItIsSeen) {
     const PlanarShift shift = shift_of_goal(BaseType::kDifferential, then, drift * then);
     EXPECT_NEAR(shift.turn, turn, 1e-12);
     EXPECT_LT((shift.move - move).norm(), 1e-12);
-    Configuration c = Configuration::Zero(4);
+    WholeConfiguration c = WholeConfiguration::Zero(4);
     c << 1.0, 2.0, 0.3, 0.7;
     const Isometry moved = drift * base_pose(c.head<3>());
-    const Configuration shifted = shift.of(c);
+    const WholeConfiguration shifted = shift.of(c);
     EXPECT_LT((shifted.head<2>() - moved.translation().head<2>()).norm(), 1e-12);
     EXPECT_NEAR(shifted[2], 0.3 + turn, 1e-12);
     EXPECT_EQ(shifted[3], 0.7);

@@ -27,7 +27,7 @@ inline ControllerParams plan_params(const RobotModel& model) {
 struct Scene {
   std::vector<ObjectShape> shapes;
   std::vector<ObjectState> states;
-  Configuration start;
+  WholeConfiguration start;
   Isometry X_WG = Isometry::Identity();
 };
 
@@ -71,7 +71,7 @@ inline Scene make_scene(const std::shared_ptr<const RobotModel>& model, std::uin
   std::mt19937_64 engine(seed);
   Scene scene;
   const int joints = model->num_joints();
-  scene.start = Configuration::Zero(3 + joints);
+  scene.start = WholeConfiguration::Zero(3 + joints);
   scene.start.tail(joints) = model->ready;
   Kinematics start(model), goal(model);
   start.update(scene.start.head<3>(), scene.start.tail(joints));
@@ -91,7 +91,8 @@ inline Scene make_scene(const std::shared_ptr<const RobotModel>& model, std::uin
   scene.X_WG = goal.X_WE();
   while (static_cast<int>(scene.shapes.size()) < count) {
     Shape shape = make_sphere(uniform(engine, 0.08, 0.25));
-    if (engine() % 3 == 0) shape = make_box(uniform(engine, 0.1, 0.5), uniform(engine, 0.1, 0.5), uniform(engine, 0.2, 1.2));
+    if (engine() % 3 == 0)
+      shape = make_box(uniform(engine, 0.1, 0.5), uniform(engine, 0.1, 0.5), uniform(engine, 0.2, 1.2));
     if (engine() % 3 == 0) shape = make_cylinder(uniform(engine, 0.05, 0.2), uniform(engine, 0.3, 1.5));
     ObjectState state;
     state.X_WO.translation() =

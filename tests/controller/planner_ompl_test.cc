@@ -26,18 +26,18 @@ class EdgeSpace : public ob::RealVectorStateSpace {
   explicit EdgeSpace(const MotionLimits& limits)
       : ob::RealVectorStateSpace(static_cast<unsigned>(3 + limits.num_joints())), limits_(limits) {}
 
-  Configuration get(const ob::State* state) const {
-    Configuration c(3 + limits_.num_joints());
+  WholeConfiguration get(const ob::State* state) const {
+    WholeConfiguration c(3 + limits_.num_joints());
     for (Eigen::Index i = 0; i < c.size(); ++i) c[i] = state->as<StateType>()->values[i];
     return c;
   }
-  static void set(const Configuration& c, ob::State* state) {
+  static void set(const WholeConfiguration& c, ob::State* state) {
     for (Eigen::Index i = 0; i < c.size(); ++i) state->as<StateType>()->values[i] = c[i];
   }
   void interpolate(const ob::State* from, const ob::State* to, double t, ob::State* out) const override {
     Edge edge;
     make_edge(limits_, get(from), get(to), edge);
-    Configuration c;
+    WholeConfiguration c;
     edge_at(limits_, edge, t * edge.time, c);
     set(c, out);
   }
@@ -108,7 +108,7 @@ Answer ask_ompl(const std::shared_ptr<const RobotModel>& model, const Controller
   auto ends = std::make_shared<ob::GoalStates>(info);
   for (std::size_t i = 0; i < goals.size() && static_cast<int>(i) < params.plan.roots; ++i) {
     ob::ScopedState<> end(space);
-    Configuration c = goals[i].c;
+    WholeConfiguration c = goals[i].c;
     if (mobile) c[2] = wrapped(c[2]);
     EdgeSpace::set(c, end.get());
     ends->addState(end);
@@ -159,8 +159,8 @@ TEST_P(AgainstOmpl, FindsWaysAsOftenAndAsQuick) {
     our_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (planner.goals().empty()) continue;
     ++asked;
-    const Answer answer = ask_ompl(model, params, scene, planner.goals(), clearances, planner.limits(), seed,
-                                   params.plan.checks);
+    const Answer answer =
+        ask_ompl(model, params, scene, planner.goals(), clearances, planner.limits(), seed, params.plan.checks);
     their_seconds += answer.seconds;
     ours += planner.found() ? 1 : 0;
     theirs += answer.found ? 1 : 0;
@@ -172,10 +172,11 @@ TEST_P(AgainstOmpl, FindsWaysAsOftenAndAsQuick) {
   std::sort(ratios.begin(), ratios.end());
   ASSERT_FALSE(ratios.empty());
   const double median = ratios[ratios.size() / 2];
-  std::printf("%d queries: found %d, OMPL %d; mean time of the way %.2f s, OMPL %.2f s, median ratio %.2f; "
-              "computed in %.1f ms a query (goal configurations and four runs included), OMPL %.1f ms\n",
-              asked, ours, theirs, our_time / static_cast<double>(ratios.size()),
-              their_time / static_cast<double>(ratios.size()), median, 1e3 * our_seconds / 24, 1e3 * their_seconds / 24);
+  std::printf(
+      "%d queries: found %d, OMPL %d; mean time of the way %.2f s, OMPL %.2f s, median ratio %.2f; "
+      "computed in %.1f ms a query (goal configurations and four runs included), OMPL %.1f ms\n",
+      asked, ours, theirs, our_time / static_cast<double>(ratios.size()),
+      their_time / static_cast<double>(ratios.size()), median, 1e3 * our_seconds / 24, 1e3 * their_seconds / 24);
   EXPECT_GE(asked, 12);
   EXPECT_GE(ours, theirs - 1);
   EXPECT_LE(median, 1.05);

@@ -37,7 +37,8 @@ TEST_P(PlannerOf, GoalConfigurationsReachTheGoalAndAreFree) {
       EXPECT_GE(object_clearance(*model, kinematics, scene), params.plan.clearance - 1e-6);
       // Some pairs are always nearer than that; then as near as at the start is near enough.
       start.update(scene.start.head<3>(), scene.start.tail(model->num_joints()));
-      EXPECT_GE(own_clearance(*model, kinematics), std::min(params.plan.self, own_clearance(*model, start) - 0.003) - 1e-6);
+      EXPECT_GE(own_clearance(*model, kinematics),
+                std::min(params.plan.self, own_clearance(*model, start) - 0.003) - 1e-6);
       if (model->base.type == BaseType::kFixed) {
         EXPECT_EQ(goal.c.head<3>().norm(), 0.0);
       }
@@ -57,7 +58,7 @@ TEST_P(PlannerOf, PathsLeadToTheGoalAndKeepClear) {
     ++found;
     const Path& path = planner.path();
     EXPECT_GT(path.count, 0);
-    Configuration c;
+    WholeConfiguration c;
     path.at(0.0, c);
     EXPECT_EQ((c - scene.start).norm(), 0.0);
     double least = 1e9, own = 1e9;
@@ -99,8 +100,8 @@ TEST_P(PlannerOf, TheSamePlanHoweverItIsSpread) {
       ASSERT_EQ(other.path().count, planner.path().count);
       EXPECT_EQ(other.path().duration, planner.path().duration);
       for (int k = 0; k < planner.path().count; ++k) {
-        const PathMotion &a = planner.path().motions[static_cast<std::size_t>(k)],
-                         &b = other.path().motions[static_cast<std::size_t>(k)];
+        const PathPart &a = planner.path().motions[static_cast<std::size_t>(k)],
+                       &b = other.path().motions[static_cast<std::size_t>(k)];
         EXPECT_EQ(a.start, b.start);
         EXPECT_EQ(a.time, b.time);
         EXPECT_EQ((a.change - b.change).norm(), 0.0);
@@ -149,7 +150,7 @@ TEST_P(PlannerOf, GoesRoundAWall) {
   scene.states.resize(1);
   scene.states[0].X_WO.translation() << 1.3, 0.0, 1.5;
   ASSERT_TRUE(plan_whole(planner, scene, 1));
-  Configuration c;
+  WholeConfiguration c;
   double beside = 0.0;
   for (double t = 0.0; t < planner.path().duration; t += 0.05) {
     planner.path().at(t, c);
