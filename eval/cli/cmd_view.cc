@@ -2,33 +2,14 @@
 
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "eval/cli/command.h"
 #include "eval/cli/interrupt.h"
+#include "eval/cli/play_again.h"
 #include "eval/cli/sight.h"
-#include "eval/cli/stored_suites.h"
-#include "eval/store/samples.h"
-#include "eval/trial/trial.h"
 #include "reports/render/view.h"
 
 namespace moma::cli {
-namespace {
-
-/// The trial's motion, from the store alone.
-std::optional<reports::OwnedSamples> simulate(StoredSuites& suites, const std::filesystem::path& db,
-                                              const std::string& name) {
-  const store::StoredTrial trial = store::Reader(db).trial(name);
-  const TrialOutput output = run_trial(suites.point_of(trial), world_of(trial));
-  if (output.trace.empty()) return {};
-  store::EncodedSamples encoded = store::encode_samples(output.trace);
-  return reports::OwnedSamples{encoded.layout, encoded.n,
-                               nlohmann::json::parse(encoded.columns).get<std::vector<std::string>>(),
-                               std::move(encoded.data)};
-}
-
-}  // namespace
-
 void add_view(CLI::App& app, Action& action) {
   struct Options {
     reports::Stores stores;
@@ -47,7 +28,7 @@ void add_view(CLI::App& app, Action& action) {
       reports::ViewOptions view;
       view.port = options->port;
       view.simulate = [&suites](const std::filesystem::path& db, const std::string& trial) {
-        return simulate(suites, db, trial);
+        return play_again(suites, db, trial);
       };
       view.sight = known_before_contact;
       const InterruptGuard guard;
