@@ -24,6 +24,7 @@ struct ReportOptions {
   int replays = 40;         ///< at most so many trials carry their motion in the page; the worst of each kind first
   double replay_hz = 10.0;  ///< samples per second of those, > 0
   bool served = false;      ///< for a page that asks `moma view` for motions: trials are named, their motion left out
+  bool history = false;     ///< the stores are runs of one suite over time: they are shown in the order of their runs
   SightAnswer sight;        ///< for causes of collisions; without it they are not looked for
   int twins = 12;  ///< of so many failures with motion the page has a success in the same world too, to play beside it
   Simulate simulate;  ///< for successes without samples; without it they are left out

@@ -1,12 +1,14 @@
 // What a reader does with the page: keys, the browser's Back, a phone, two motions in one world, many points.
 //   reader_test.mjs SOURCE_DIR MAKE_REPORT WORK_DIR
 // Exit 0: passed; 1: failed; 77: left out, since node's packages, python3 or chromium are missing.
+import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
 
 import { accessible, check, dataOf, end, launch, noOverflow, opener, scrollThrough, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work] = process.argv;
-const { makeStore, makePage } = workshop(source, makeReport, work);
+const { makeStore, makePage, sql } = workshop(source, makeReport, work);
 const browser = await launch(source);
 const open = opener(browser);
 const html = makePage(makeStore('pair', 'demo', 24, 4, 6));
@@ -141,6 +143,32 @@ for (const scheme of ['light', 'dark']) {
   check((await page.locator('#figure-pareto .note').innerText()).includes(`${best}\u00a0point`), `${best} points on the front: ${await page.locator('#figure-pareto .note').innerText()}`);
   check(/looks better on the worlds that chose it/.test(await page.locator('#figure-forest .note').innerText()), 'the best of many carries its warning');
   await noOverflow(page, 'sweep');
+  await context.close();
+}
+// ---- the same suite over time, what changed, and notes -------------------------------------------------------------------
+{
+  const notes = '# Why\n\nA *quick* look at **gains**, see [the paper](https://example.org/a?b=1&c=2).\n\n- one\n- two `x < y`\n\n<script>document.title = "taken"</script>\n\n[bad](javascript:alert(1)) ![pic](https://example.org/x.png)\n';
+  const [late, early] = [makeStore('late', 'demo', 20, 1), makeStore('early', 'demo', 20, 1)];
+  const quoted = notes.replaceAll("'", "''");
+  sql(late, "UPDATE controller SET resolved = json_set(resolved, '$.lambda_q', 0.02) WHERE id IN (SELECT controller_id FROM point WHERE controller = 'moma'); UPDATE invocation SET started = '2025-06-01T08:00:00Z'; "
+    + `UPDATE resolved_suite SET resolved = json_set(resolved, '$.notes', '${quoted}');`);
+  const page_ = join(work, 'history.html');
+  execFileSync(makeReport, ['--history', early, late, page_], { stdio: 'inherit' });
+  const { context, page } = await open(page_);
+  const changed = await page.locator('.changes').innerText();
+  check(changed.includes('moma (late) differs from moma (early) in lambda_q: 0.01 \u2192 0.02.'), `what changed: ${changed}`);
+  check(changed.includes('holistic (late) has the settings of holistic (early).'), `and what did not: ${changed}`);
+  await page.locator('#figure-history').scrollIntoViewIfNeeded();
+  await page.waitForSelector('#figure-history canvas');
+  await page.waitForTimeout(500);
+  const [table] = await Promise.all([page.waitForEvent('download'), page.locator('#figure-history').getByText('Data CSV').click()]);
+  const rows = readFileSync(await table.path(), 'utf8').trim().split('\n').slice(1).map((line) => line.split(','));
+  check(rows.length === 4 && rows.filter((row) => row[2] === 'moma').map((row) => row[0]).join() === 'early,late', `versions of a controller in the order of their runs: ${JSON.stringify(rows)}`);
+  const told = page.locator('.notes');
+  check((await told.locator('strong').innerText()) === 'gains' && (await told.locator('li').count()) === 2 && (await told.locator('code').innerText()) === 'x < y', 'notes are read as Markdown');
+  check((await told.locator('a').evaluateAll((links) => links.map((a) => a.href).join())) === 'https://example.org/a?b=1&c=2', 'links lead to web pages only');
+  check((await told.locator('img, script').count()) === 0 && (await told.innerText()).includes('<script>') && (await page.title()) !== 'taken', 'of HTML the text is shown');
+  await accessible(page, source, 'history');
   await context.close();
 }
 await browser.close();
