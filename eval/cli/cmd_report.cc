@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "eval/cli/command.h"
+#include "eval/cli/play_again.h"
 #include "eval/cli/time_known.h"
 #include "eval/store/migrations.h"
 #include "reports/render/report.h"
@@ -32,7 +33,14 @@ void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       ->capture_default_str();
   command->add_option("--replays", options->report.replays, "At most so many trials with their motion")
       ->check(CLI::Range(0, 100000));
-  command->add_option("--figures", options->figures, "Write every figure as SVG into this folder (needs node)");
+  command->add_flag("--history", options->report.history,
+                    "The stores are runs of one suite over time: show how each controller did and what changed");
+  command
+      ->add_option("--twins", options->report.twins,
+                   "Of so many failures a success in the same world too, to play beside them")
+      ->check(CLI::Range(0, 100000))
+      ->capture_default_str();
+  command->add_option("--figures", options->figures, "Write every figure as SVG and PDF into this folder (needs node)");
   command->add_option("--table", options->table, "Write the table of results as .tex, .md or .csv");
   command->footer(
       "With --figures or --table the page is written only where -o asks for it.\n"
@@ -54,6 +62,10 @@ void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
         if (html.empty()) html = std::filesystem::path(stores.front()).replace_extension(".html");
         ReportOptions report = options->report;
         report.sight = time_known;
+        run::StoredSuites suites;
+        report.simulate = [&suites](const std::filesystem::path& db, const std::string& trial) {
+          return play_again(suites, db, trial);
+        };
         write_report(stores, html, report);
         written.push_back(html);
       }

@@ -2,30 +2,14 @@
 
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "eval/cli/command.h"
 #include "eval/cli/interrupt.h"
+#include "eval/cli/play_again.h"
 #include "eval/cli/time_known.h"
-#include "eval/run/replay.h"
-#include "eval/store/samples.h"
 #include "reports/render/view.h"
 
 namespace moma::cli {
-namespace {
-
-/// The trial's motion, from the store alone.
-std::optional<reports::OwnedSamples> simulate(run::StoredSuites& suites, const std::filesystem::path& db,
-                                              const std::string& name) {
-  const run::Replay replay = run::replay(db, name, suites);
-  if (replay.output.trace.empty()) return {};
-  store::EncodedSamples encoded = store::encode_samples(replay.output.trace);
-  return reports::OwnedSamples{encoded.layout, encoded.n,
-                               nlohmann::json::parse(encoded.columns).get<std::vector<std::string>>(),
-                               std::move(encoded.data)};
-}
-
-}  // namespace
 
 void add_view(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   struct Options {
@@ -45,7 +29,7 @@ void add_view(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       reports::ViewOptions view;
       view.port = options->port;
       view.simulate = [&suites](const std::filesystem::path& db, const std::string& trial) {
-        return simulate(suites, db, trial);
+        return play_again(suites, db, trial);
       };
       view.sight = time_known;
       const InterruptGuard guard;

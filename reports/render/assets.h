@@ -15,6 +15,7 @@ std::string_view points_sql() noexcept;
 std::string_view invocations_sql() noexcept;
 std::string_view replays_sql() noexcept;
 std::string_view replay_sql() noexcept;
+std::string_view twin_sql() noexcept;
 std::string_view evidence_sql() noexcept;
 std::string_view figures_js() noexcept;
 /// What the store says of each metric, as JSON.

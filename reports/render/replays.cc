@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "reports/render/assets.h"
 
 namespace moma::reports {
@@ -32,6 +34,27 @@ Json head(SQLite::Statement& row) {
           {"world", Json::parse(row.getColumn("json_world").getString())}};
 }
 
+/// Adds the success in the world of a failed trial, where there is one whose motion can be had.
+void add_twin(SQLite::Database& store, const ReportOptions& options, const std::string& failed, Json& page) {
+  SQLite::Statement query(store, std::string(twin_sql()));
+  query.bind(1, failed);
+  if (!query.executeStep()) return;
+  const std::string trial = query.getColumn("trial").getString();
+  for (const Json& replay : page["replays"]) {
+    if (replay.at("trial") == trial) return;
+  }
+  Json replay = head(query);
+  if (!query.getColumn("n").isNull() && query.getColumn("n").getInt64() > 0) {
+    replay.update(replay_data(samples_of(query), options.replay_hz));
+  } else {
+    if (!options.simulate) return;
+    const std::optional<OwnedSamples> made = options.simulate(store.getFilename(), trial);
+    if (!made || made->n == 0) return;
+    replay.update(replay_data(made->view(), options.replay_hz));
+  }
+  page["replays"].push_back(std::move(replay));
+}
+
 }  // namespace
 
 void add_replays(SQLite::Database& store, const ReportOptions& options, std::int64_t worlds, Json& page) {
@@ -55,6 +78,16 @@ void add_replays(SQLite::Database& store, const ReportOptions& options, std::int
       page["replays"].push_back(std::move(replay));
     } catch (const std::exception& error) {
       throw ReportError(fmt::format("{}: trial {}: {}", store.getFilename(), trial, error.what()));
+    }
+  }
+  if (options.served) return;
+  const std::size_t failures = std::min<std::size_t>(page["replays"].size(), std::max(options.twins, 0));
+  for (std::size_t i = 0; i < failures; ++i) {
+    const std::string trial = page["replays"][i].at("trial");
+    try {
+      add_twin(store, options, trial, page);
+    } catch (const std::exception&) {
+      // A trial that cannot be simulated here, its robot's file being gone for instance, is played alone.
     }
   }
 }

@@ -43,7 +43,10 @@ nlohmann::ordered_json read_stores(const Stores& stores, const ReportOptions& op
       throw ReportError(fmt::format("{}: holds JSON that cannot be read: {}", db.string(), error.what()));
     }
   }
-  return pages.size() == 1 ? std::move(pages.front()) : combined(std::move(pages), labels_of(stores));
+  if (pages.size() == 1) return std::move(pages.front());
+  nlohmann::ordered_json all = combined(std::move(pages), labels_of(stores));
+  if (options.history) all["history"] = true;
+  return all;
 }
 
 void write_report(const Stores& stores, const std::filesystem::path& html_file, const ReportOptions& options) {

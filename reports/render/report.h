@@ -2,12 +2,20 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "reports/render/evidence.h"
+#include "reports/render/replay_data.h"
 
 namespace moma::reports {
+
+/// Simulates a trial again whose samples the store does not hold; nothing where it has none.
+using Simulate =
+    std::function<std::optional<OwnedSamples>(const std::filesystem::path& store, const std::string& trial)>;
 
 struct ReportOptions {
   /// At most so many trials are in the page one by one, those of the first worlds of every point. Rates, intervals,
@@ -16,7 +24,10 @@ struct ReportOptions {
   int replays = 40;         ///< at most so many trials carry their motion in the page; the worst of each kind first
   double replay_hz = 10.0;  ///< samples per second of those, > 0
   bool served = false;      ///< for a page that asks `moma view` for motions: trials are named, their motion left out
+  bool history = false;     ///< the stores are runs of one suite over time: they are shown in the order of their runs
   SightAnswer sight;        ///< for causes of collisions; without it they are not looked for
+  int twins = 12;  ///< of so many failures with motion the page has a success in the same world too, to play beside it
+  Simulate simulate;  ///< for successes without samples; without it they are left out
 };
 
 using Stores = std::vector<std::filesystem::path>;

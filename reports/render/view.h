@@ -14,7 +14,7 @@ struct ViewOptions {
   int port = 8080;  ///< 0: any free one
   /// Simulates a trial whose samples the store does not hold again; empty: such trials are not played. One call at a
   /// time. Its exceptions' texts are shown in the page.
-  std::function<std::optional<OwnedSamples>(const std::filesystem::path& store, const std::string& trial)> simulate;
+  Simulate simulate;
   SightAnswer sight;  ///< as in ReportOptions
 };
 

@@ -2,7 +2,7 @@
 """Writes a store with made-up but plausible rows, for tests of what reads stores. Standard library only.
 
 usage: make_store.py DEFINITION OUT.db [--kind demo|empty|one|failures|hostile|sweep|tuned] [--worlds N]
-                     [--samples N]
+                     [--samples N] [--whole N]
 
 Every number is a pure function of the arguments. The motion of a trial is an interpolation between the start and
 the goal's configuration, and its errors follow from forward kinematics of the robot below.
@@ -283,6 +283,7 @@ def main():
     parser.add_argument('--kind', default='demo', choices=['demo', 'empty', 'one', 'failures', 'hostile', 'sweep', 'tuned'])
     parser.add_argument('--worlds', type=int, default=200)
     parser.add_argument('--samples', type=int, default=12, help='failures of each point whose samples are kept')
+    parser.add_argument('--whole', type=int, default=0, help='worlds of which the samples of all trials are kept')
     args = parser.parse_args()
 
     db = sqlite3.connect(args.out)
@@ -367,7 +368,7 @@ def main():
                 'family': world['family'],
                 **{name: row.get(name) for name in ('outcome', 'time_to_goal_s', 'manip_mean', 'clearance_min_m',
                                                     'command_change_mean')}})
-            if (row['outcome'] != 'success' and kept < args.samples) or args.kind == 'one':
+            if (row['outcome'] != 'success' and kept < args.samples) or args.kind == 'one' or world['index'] < args.whole:
                 kept += 1
                 trace = make_trace(world, x, row['time_end_s'], 1.0 if row['outcome'] == 'success' else 0.8, 0.02)
                 data = b''.join(struct.pack(f'<{len(c)}d', *c) for c in trace.values())

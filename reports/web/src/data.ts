@@ -40,6 +40,8 @@ export interface Invocation {
   moma_version: string; git_commit: string | null; git_dirty: number | null; build_type: string;
   compiler: string; compiler_flags: string; libraries: Record<string, string>; host: string; os: string;
   cpu: string; cpu_count: number; threads: number; machine_class: string;
+  /** `notes` of the suite, Markdown. */
+  notes?: string | null;
   trials_planned: number; trials_present: number; trials_done: number; store?: string;
   /** Of one that is "running": whether its program still holds the store's lock. */
   writer?: 'at work' | 'gone' | 'unknown';
@@ -75,6 +77,8 @@ export interface PageData {
   store: { file: string; schema: number };
   /** Where several stores are compared; rows then name their store. */
   stores?: { label: string; file: string }[];
+  /** The stores are runs of one suite over time. */
+  history?: boolean;
   /** Where `moma view` serves the page: motions are asked for. */
   live?: { token: string; simulates: boolean };
   metrics: MetricData[];

@@ -42,9 +42,39 @@ export function choice(
   return h('label', { class: 'choice' }, h('span', null, label), select);
 }
 
+/** One stop of the Tab key for all of `selector` in `box`: arrows, Home and End move between them. */
+export function roving(box: HTMLElement, selector: string): HTMLElement {
+  const items = (): HTMLElement[] => [...box.querySelectorAll<HTMLElement>(selector)];
+  const settle = (on?: HTMLElement): void => {
+    const all = items();
+    const stop = on ?? all.find((item) => item.getAttribute('aria-selected') === 'true' || item.hasAttribute('aria-current')) ?? all[0];
+    for (const item of all) item.tabIndex = item === stop ? 0 : -1;
+  };
+  new MutationObserver(() => settle()).observe(box, { childList: true, subtree: true });
+  box.addEventListener('focusin', (event) => {
+    if (event.target instanceof HTMLElement && event.target.matches(selector)) settle(event.target);
+  });
+  box.addEventListener('keydown', (event) => {
+    const all = items();
+    const place = all.indexOf(event.target as HTMLElement);
+    if (place < 0) return;
+    const next = { ArrowRight: place + 1, ArrowDown: place + 1, ArrowLeft: place - 1, ArrowUp: place - 1, Home: 0, End: all.length - 1 }[event.key];
+    if (next === undefined) return;
+    event.preventDefault();
+    event.stopPropagation();
+    all[Math.min(Math.max(0, next), all.length - 1)]?.focus();
+  });
+  settle();
+  return box;
+}
+
 /** Gives the user a file, from memory. */
 export function download(name: string, type: string, text: string): void {
-  const url = URL.createObjectURL(new Blob([text], { type }));
+  downloadBlob(name, new Blob([text], { type }));
+}
+
+export function downloadBlob(name: string, blob: Blob): void {
+  const url = URL.createObjectURL(blob);
   const link = h('a', { href: url, download: name });
   document.body.appendChild(link);
   link.click();

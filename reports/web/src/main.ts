@@ -67,6 +67,8 @@ function start(app: HTMLElement, page: PageData): void {
         h('p', null, 'Drawn with Apache ECharts (Apache-2.0) and three.js (MIT); set in Inter and Source Serif 4 (OFL-1.1).')));
     bar.watch();
     drawWhenIdle();
+    // A link that names a part of the page; reading on or going back is the browser's.
+    if (state.get('in') !== '' && scrollY === 0) document.getElementById(state.get('in'))?.scrollIntoView();
     startPaper();
   }));
 }

@@ -10,6 +10,6 @@ export function onSelect(call: (trial: string, play: boolean) => void): void {
 }
 
 export function select(trial: string, play: boolean): void {
-  state.set({ trial });
+  state.set({ trial }, play);
   for (const call of listeners) call(trial, play);
 }

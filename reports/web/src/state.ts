@@ -19,8 +19,11 @@ export function setDefault(key: string, value: string): void {
   defaults[key] = value;
 }
 
-/** Changes values and tells those who listen; a value equal to its default leaves the URL. */
-export function set(changes: Record<string, string>): void {
+/**
+ * Changes values and tells those who listen; a value equal to its default leaves the URL. `step`: the reader has gone
+ * somewhere, and the browser's Back leads back from there.
+ */
+export function set(changes: Record<string, string>, step = false): void {
   const changed = new Set<string>();
   for (const [key, value] of Object.entries(changes)) {
     if (get(key) === value) continue;
@@ -30,7 +33,9 @@ export function set(changes: Record<string, string>): void {
   }
   if (changed.size === 0) return;
   const text = new URLSearchParams([...values]).toString();
-  history.replaceState(null, '', text === '' ? location.pathname + location.search : `#${text}`);
+  const address = text === '' ? location.pathname + location.search : `#${text}`;
+  if (step) history.pushState(null, '', address);
+  else history.replaceState(null, '', address);
   tell(changed);
 }
 

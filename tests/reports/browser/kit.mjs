@@ -51,9 +51,9 @@ export const launch = (source) => {
 export const workshop = (source, makeReport, work) => {
   rmSync(work, { recursive: true, force: true });
   mkdirSync(work, { recursive: true });
-  const makeStore = (name, kind, worlds, samples = 8) => {
+  const makeStore = (name, kind, worlds, samples = 8, whole = 0) => {
     const db = join(work, `${name}.db`);
-    execFileSync('python3', [join(source, 'tests/tools/make_store.py'), process.env.MOMA_STORE_DEFINITION, db, '--kind', kind, '--worlds', String(worlds), '--samples', String(samples)], { stdio: 'inherit' });
+    execFileSync('python3', [join(source, 'tests/tools/make_store.py'), process.env.MOMA_STORE_DEFINITION, db, '--kind', kind, '--worlds', String(worlds), '--samples', String(samples), '--whole', String(whole)], { stdio: 'inherit' });
     return db;
   };
   const sql = (db, text) => execFileSync('python3', ['-c', `import sqlite3; db = sqlite3.connect(${JSON.stringify(db)}); db.executescript(${JSON.stringify(text)}); db.close()`]);
@@ -79,6 +79,20 @@ export const opener = (browser) => async (html, { width = 1280, height = 900, ha
   await page.goto(served ? `${html}${hash}` : `file://${html}${hash}`);
   await page.waitForSelector('main');   // built after the first paint
   return { context, page };
+};
+
+/** What axe-core finds that is serious or worse. */
+export const accessible = async (page, source, what) => {
+  await page.evaluate(readFileSync(packagesOf(source).resolve('axe-core/axe.min.js'), 'utf8'));
+  const serious = await page.evaluate(async () => (await window.axe.run(document, { resultTypes: ['violations'] })).violations
+    .filter((v) => v.impact === 'serious' || v.impact === 'critical')
+    .map((v) => `${v.id}: ${v.help}: ${v.nodes.slice(0, 3).map((n) => `${n.target} ${n.failureSummary}`).join(' | ')}`));
+  for (const violation of serious) check(false, `${what}: accessibility: ${violation}`);
+};
+
+export const noOverflow = async (page, what) => {
+  const [wide, inner] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
+  check(wide <= inner, `${what}: the page is ${wide} wide in a window of ${inner}`);
 };
 
 /** Everything is drawn only where it is seen. */

@@ -6,7 +6,7 @@ import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { inflateSync } from 'node:zlib';
 
-import { check, dataOf, end, launch, near, opener, packagesOf, scrollThrough, workshop } from './kit.mjs';
+import { accessible, check, dataOf, end, launch, near, noOverflow, opener, scrollThrough, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work, moma] = process.argv;
 const screenshots = process.env.MOMA_SCREENSHOTS;
@@ -14,12 +14,6 @@ const { makeStore, makePage: pageOf } = workshop(source, makeReport, work);
 const makePage = (kind, worlds) => pageOf(makeStore(kind, kind, worlds));
 const browser = await launch(source);
 const open = opener(browser);
-const require = packagesOf(source);
-
-const noOverflow = async (page, what) => {
-  const [wide, inner] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
-  check(wide <= inner, `${what}: the page is ${wide} wide in a window of ${inner}`);
-};
 
 const textOf = (download) => download.path().then((path) => readFileSync(path, 'utf8'));
 
@@ -246,11 +240,7 @@ for (const scheme of ['light', 'dark']) {
   const { context, page } = await open(demo, { scheme });
   await scrollThrough(page);
   await page.waitForTimeout(500);
-  await page.evaluate(readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8'));
-  const serious = await page.evaluate(async () => (await window.axe.run(document, { resultTypes: ['violations'] })).violations
-    .filter((v) => v.impact === 'serious' || v.impact === 'critical')
-    .map((v) => `${v.id}: ${v.help}: ${v.nodes.slice(0, 3).map((n) => `${n.target} ${n.failureSummary}`).join(' | ')}`));
-  for (const violation of serious) check(false, `${scheme}: accessibility: ${violation}`);
+  await accessible(page, source, scheme);
   await context.close();
 }
 {

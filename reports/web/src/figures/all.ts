@@ -6,18 +6,21 @@ import { arrival } from './arrival';
 import { course } from './course';
 import { difficulty } from './difficulty';
 import { distribution } from './distribution';
+import { forest } from './forest';
+import { history, isHistory } from './history';
 import { outcomes } from './outcomes';
 import { paired } from './paired';
+import { pareto } from './pareto';
 import { scatter } from './scatter';
 import { isSwept, sweep } from './sweep';
 import { timing } from './timing';
 import { tuningFigures } from './tuning';
 
 export const kFigures = {
-  results: () => [outcomes()],
+  results: (model: Model) => [...(isHistory(model) ? [history(model)] : []), forest(), outcomes()],
   time: () => [arrival()],
   difficulty: () => [difficulty()],
-  sweep: (model: Model) => (isSwept(model) ? sweep(model) : []),
+  sweep: (model: Model) => (isSwept(model) ? [...sweep(model), pareto()] : []),
   tuning: tuningFigures,
   quality: (model: Model) => [
     distribution('manipulability', 'manip_mean'),

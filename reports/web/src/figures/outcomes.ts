@@ -100,7 +100,7 @@ export function outcomes(): FigureSpec {
       const bar = all[dataIndex];
       const outcome = kOutcomes.filter((o) => all.some((b) => b.counts.has(o)))[seriesIndex];
       if (bar === undefined || outcome === undefined) return;
-      state.set({ outcome, who: bar.series.controller, q: [bar.family, bar.series.point].filter((text) => /^\S+$/.test(text)).join(' ') });
+      state.set({ outcome, who: bar.series.controller, q: [bar.family, bar.series.point].filter((text) => /^\S+$/.test(text)).join(' '), in: 'trials' }, true);
       document.getElementById('trials')?.scrollIntoView();
     },
   };

@@ -132,6 +132,7 @@ export function paired(): FigureSpec {
       const { model } = view();
       // The failed one of the two is the one to look at.
       const row = model.trials.success(w.a) && !model.trials.success(w.b) ? w.b : w.a;
+      state.set({ beside: model.trials.text('trial', row === w.a ? w.b : w.a) });
       select(model.trials.text('trial', row), true);
     },
   };

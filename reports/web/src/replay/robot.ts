@@ -8,10 +8,13 @@ export interface ShapeJson extends PoseJson {
   link?: string; shape: string; size?: number[]; vertices?: number[]; triangles?: number[];
 }
 
+/** Of the base [m]: two, or four with a wheelbase between the axles. */
+export interface Wheels { radius?: number; separation?: number; wheelbase?: number }
+
 interface RobotJson {
   name: string;
   urdf_text: string;
-  base: { type: string; mount?: PoseJson; footprint?: ShapeJson; max_linear?: number; max_angular?: number };
+  base: { type: string; mount?: PoseJson; footprint?: ShapeJson; max_linear?: number; max_angular?: number; wheels?: Wheels };
   arm: { tip: string; tool?: PoseJson; locked?: Record<string, number>; limits?: Record<string, { lower?: number; upper?: number }>; ready?: number[] };
   collision?: { shapes?: ShapeJson[]; pairs?: [number, number, boolean][] };
 }
@@ -88,6 +91,7 @@ export class Robot {
   readonly fastest: { linear: number; angular: number };
   /** Pairs of shapes, by index, that have rows of their own in the QP. */
   readonly pairs: [number, number][];
+  readonly wheels: Wheels | null;
   readonly shapes: { link: string; shape: ShapeJson; local: Matrix4 }[] = [];
   /** "@base" and every link, parents first. */
   private readonly order: { link: string; parent: string; joint: Joint | null; driven: number; held: number }[] = [];
@@ -100,8 +104,8 @@ export class Robot {
     const json = source as RobotJson;
     this.name = json.name;
     this.base = json.base.type;
+    this.wheels = json.base.wheels ?? null;
     this.fastest = { linear: json.base.max_linear ?? 0, angular: json.base.max_angular ?? 0 };
-    this.pairs = (json.collision?.pairs ?? []).flatMap(([a, b, row]) => (row ? [[a, b] as [number, number]] : []));
     this.mount = poseMatrix(json.base.mount);
     this.tool = poseMatrix(json.arm.tool);
     this.tip = json.arm.tip;
@@ -140,6 +144,7 @@ export class Robot {
     const add = (shape: ShapeJson, link: string): void => { this.shapes.push({ link, shape, local: poseMatrix(shape) }); };
     if (json.base.footprint !== undefined) add(json.base.footprint, '@base');
     for (const shape of json.collision?.shapes ?? []) add(shape, shape.link ?? '@base');
+    this.pairs = (json.collision?.pairs ?? []).flatMap(([a, b, row]) => (row ? [[a, b] as [number, number]] : []));
     this.poses.set('@base', new Matrix4());
     for (const { link } of this.order) this.poses.set(link, new Matrix4());
   }
@@ -167,12 +172,24 @@ export class Robot {
     return found;
   }
 
+  /** The link that the nearest driven joint above `link` moves; '@base' where none does. Links of one are rigid to each other. */
+  rigid(link: string): string {
+    for (let at = this.order.find((o) => o.link === link); at !== undefined; at = this.order.find((o) => o.link === at?.parent)) {
+      if (at.driven >= 0) return at.link;
+    }
+    return '@base';
+  }
+
   /** Whether the arm moves a link against the base. */
   moves(link: string): boolean {
-    for (let at = this.order.find((o) => o.link === link); at !== undefined; at = this.order.find((o) => o.link === at?.parent)) {
-      if (at.driven >= 0) return true;
-    }
-    return false;
+    return this.rigid(link) !== '@base';
+  }
+
+  /** Shapes that the end effector carries, placed against its pose. Leaves the robot posed as it was. */
+  hand(): { shape: ShapeJson; local: Matrix4 }[] {
+    const toTip = this.tipPose(new Matrix4()).invert();
+    return this.shapes.filter((s) => this.has(s.link) && this.moves(s.link) && this.rigid(s.link) === this.rigid(this.tip))
+      .map(({ link, shape, local }) => ({ shape, local: toTip.clone().multiply(this.pose(link)).multiply(local) }));
   }
 
   has(link: string): boolean {

@@ -108,6 +108,8 @@ export class CollisionRows {
     if (self !== null) {
       for (const [i, j] of robot.pairs) {
         const [a, b] = [this.cores[i], this.cores[j]];
+        // Of shapes that never move against each other nothing can be seen.
+        if (robot.rigid(robot.shapes[i]?.link ?? '') === robot.rigid(robot.shapes[j]?.link ?? '')) continue;
         if (a !== undefined && b !== undefined) this.add(rows, 'self', self, i, a, this.now[i]!, b, this.now[j]!, this.later[j]!, robot.shapes[i]?.link ?? '', robot.shapes[j]?.link ?? '');
       }
     }

@@ -21,7 +21,7 @@ export interface WorldJson {
 }
 
 export interface Colours {
-  background: string; floor: string; grid: string; base: string; arm: string; object: string; moving: string; hit: string; goal: string; path: string;
+  background: string; floor: string; grid: string; base: string; arm: string; object: string; moving: string; hit: string; goal: string; path: string; begin: string; ghost: string; wheel: string;
 }
 
 function geometry(shape: ShapeJson): BufferGeometry {
@@ -71,6 +71,21 @@ function triad(size: number, solid: boolean): Group {
   return group;
 }
 
+/** Another controller in the same world, on the same clock. */
+export interface Ghost { robot: Robot; trace: Trace }
+
+/** Radius and place of a wheel's centre in base axes. */
+function wheelsOf(robot: Robot): { radius: number; x: number; y: number }[] {
+  const { radius, separation, wheelbase = 0 } = robot.wheels ?? {};
+  if (radius === undefined || separation === undefined) return [];
+  return (wheelbase > 0 ? [-wheelbase / 2, wheelbase / 2] : [0]).flatMap((x) => [-1, 1].map((side) => ({ radius, x, y: (side * separation) / 2 })));
+}
+
+function poseAt(robot: Robot, trace: Trace, t: number): void {
+  const at = Math.min(t, trace.end);
+  robot.update(trace.at('base_x', at), trace.at('base_y', at), trace.at('base_phi', at), (i) => trace.at(`q${i}`, at));
+}
+
 export class ReplayScene {
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
@@ -89,6 +104,10 @@ export class ReplayScene {
   private goal = new Group();
   private tip = new Group();
   private past: Line | null = null;
+  private ghost: Ghost | null = null;
+  private ghostPast: Line | null = null;
+  private ghostLinks: { mesh: Mesh; link: string; local: Matrix4 }[] = [];
+  private tolerance = 0;
   private lastBase = new Vector3();
   follow = false;
 
@@ -102,6 +121,10 @@ export class ReplayScene {
     this.controls.minDistance = 0.4;
     this.controls.maxDistance = 30;
     this.controls.addEventListener('change', changed);
+    // The wheel scrolls the page until the scene has been clicked, and again once the pointer has left it.
+    this.controls.enableZoom = false;
+    canvas.addEventListener('pointerdown', () => { this.controls.enableZoom = true; });
+    canvas.addEventListener('pointerleave', (event) => { if (event.pointerType !== 'touch') this.controls.enableZoom = false; });
     this.scene.add(this.content);
   }
 
@@ -110,14 +133,23 @@ export class ReplayScene {
     if (this.robot !== null && this.world !== null && this.trace !== null) this.build();
   }
 
-  show(robot: Robot, world: WorldJson, trace: Trace, hit: { link: string; object: string }, collision: CollisionParameters | null): void {
+  /** `tolerance`: radius around the goal that counts as reached [m]. */
+  show(robot: Robot, world: WorldJson, trace: Trace, hit: { link: string; object: string }, collision: CollisionParameters | null, tolerance: number): void {
     this.robot = robot;
+    this.ghost = null;
+    this.tolerance = tolerance;
     this.rowsOf = collision === null || !trace.has('command0') ? null : new CollisionRows(robot, collision);
     this.world = world;
     this.trace = trace;
     this.hit = hit;
     this.build();
     this.home();
+  }
+
+  /** Shows another motion in the same world too; null takes it away. The view stays. */
+  beside(ghost: Ghost | null): void {
+    this.ghost = ghost;
+    this.build();
   }
 
   private hit = { link: '', object: '' };
@@ -168,48 +200,86 @@ export class ReplayScene {
       return { mesh, name: body.name, core: coreOf(body), start: { position: new Vector3(x, y, z), turn: quaternion(body.quaternion) }, motion: body.motion };
     });
 
-    this.goal = triad(0.26, true);
-    const ball = new Mesh(new SphereGeometry(0.028, 20, 14), this.material(colours.goal));
-    this.goal.add(ball);
+    for (const { radius, x, y } of wheelsOf(robot)) {
+      const mesh = new Mesh(new CylinderGeometry(radius, radius, 0.05, 28), this.material(colours.wheel));
+      mesh.matrixAutoUpdate = false;
+      mesh.castShadow = true;
+      this.content.add(mesh);
+      this.links.push({ mesh, link: '@base', local: new Matrix4().makeTranslation(x, y, radius) });
+    }
+    this.addGhost();
+    this.addGoal(robot);
     this.tip = triad(0.16, false);
     this.arrows = new Group();
-    this.content.add(this.goal, this.tip, this.arrows);
-    this.addPath();
+    this.content.add(this.tip, this.arrows);
+    this.past = this.addPath(robot, trace, colours.begin, colours.path);
   }
 
-  /** Path of the end effector: all of it faint, what has been travelled bold. */
-  private addPath(): void {
-    const { robot, trace } = this;
-    if (robot === null || trace === null) return;
+  private addGhost(): void {
+    this.ghostLinks = [];
+    this.ghostPast = null;
+    const { ghost, colours } = this;
+    if (ghost === null) return;
+    this.ghostLinks = ghost.robot.shapes.filter((s) => ghost.robot.has(s.link)).map(({ link, shape, local }) => {
+      const mesh = new Mesh(geometry(shape), this.material(colours.ghost, { transparent: true, opacity: 0.38, depthWrite: false }));
+      mesh.matrixAutoUpdate = false;
+      this.content.add(mesh);
+      return { mesh, link, local };
+    });
+    this.ghostPast = this.addPath(ghost.robot, ghost.trace, colours.ghost, colours.ghost);
+  }
+
+  /** Axes, a ball as large as the tolerance, and the hand as it has to arrive. */
+  private addGoal(robot: Robot): void {
+    const { colours } = this;
+    this.goal = triad(0.26, true);
+    this.goal.add(new Mesh(new SphereGeometry(Math.max(this.tolerance, 0.008), 24, 16), this.material(colours.goal, { transparent: true, opacity: 0.75 })));
+    poseAt(robot, this.trace as Trace, 0);
+    for (const { shape, local } of robot.hand()) {
+      const mesh = new Mesh(geometry(shape), this.material(colours.goal, { transparent: true, opacity: 0.24, depthWrite: false }));
+      mesh.matrixAutoUpdate = false;
+      mesh.matrix.copy(local);
+      this.goal.add(mesh);
+    }
+    this.content.add(this.goal);
+  }
+
+  /** Path of an end effector, coloured from its begin to its end: all of it faint, what has been travelled bold. */
+  private addPath(robot: Robot, trace: Trace, begin: string, end: string): Line {
     const points = new Float32Array(3 * trace.n);
+    const shades = new Float32Array(3 * trace.n);
     const pose = new Matrix4();
+    const [from, to] = [new Color(begin), new Color(end)];
     for (let i = 0; i < trace.n; ++i) {
-      this.pose(trace.t[i] ?? 0);
+      poseAt(robot, trace, trace.t[i] ?? 0);
       robot.tipPose(pose);
       points.set([pose.elements[12] ?? 0, pose.elements[13] ?? 0, pose.elements[14] ?? 0], 3 * i);
+      const shade = from.clone().lerp(to, trace.end > 0 ? (trace.t[i] ?? 0) / trace.end : 0);
+      shades.set([shade.r, shade.g, shade.b], 3 * i);
     }
     const line = (opacity: number): Line => {
       const shape = new BufferGeometry();
       shape.setAttribute('position', new BufferAttribute(points, 3));
-      const out = new Line(shape, new LineBasicMaterial({ color: new Color(this.colours.path), transparent: true, opacity }));
+      shape.setAttribute('color', new BufferAttribute(shades, 3));
+      const out = new Line(shape, new LineBasicMaterial({ vertexColors: true, transparent: true, opacity }));
       out.frustumCulled = false;
       return out;
     };
-    this.past = line(1);
-    this.content.add(line(0.3), this.past);
-  }
-
-  private pose(t: number): void {
-    const { robot, trace } = this;
-    if (robot === null || trace === null) return;
-    robot.update(trace.at('base_x', t), trace.at('base_y', t), trace.at('base_phi', t), (i) => trace.at(`q${i}`, t));
+    const past = line(1);
+    this.content.add(line(0.3), past);
+    return past;
   }
 
   /** Moves everything to time t. */
   set(t: number): void {
     const { robot, trace, world } = this;
     if (robot === null || trace === null || world === null) return;
-    this.pose(t);
+    if (this.ghost !== null) {
+      poseAt(this.ghost.robot, this.ghost.trace, t);
+      for (const { mesh, link, local } of this.ghostLinks) mesh.matrix.multiplyMatrices(this.ghost.robot.pose(link), local);
+      this.ghostPast?.geometry.setDrawRange(0, this.ghost.trace.locate(t)[0] + 1);
+    }
+    poseAt(robot, trace, t);
     for (const { mesh, link, local } of this.links) mesh.matrix.multiplyMatrices(robot.pose(link), local);
     for (const { mesh, start, motion } of this.bodies) {
       const now = placeAt(motion, start, t);
@@ -277,21 +347,52 @@ export class ReplayScene {
     return this.tip.position.distanceTo(this.goal.position);
   }
 
-  /** Looks at robot and goal from the side. */
+  /** Every tenth of a second: where base, hand and goal are, with some room around them. */
+  private extent(): Vector3[] {
+    const { world } = this;
+    const out: Vector3[] = [];
+    const pose = new Matrix4();
+    for (const of of [this.robot !== null && this.trace !== null ? { robot: this.robot, trace: this.trace } : null, this.ghost]) {
+      if (of === null) continue;
+      for (let t = 0; t <= of.trace.end; t += Math.max(0.1, of.trace.end / 60)) {
+        poseAt(of.robot, of.trace, t);
+        const base = new Vector3().setFromMatrixPosition(of.robot.pose('@base'));
+        const hand = new Vector3().setFromMatrixPosition(of.robot.tipPose(pose));
+        for (const [x, y] of [[-0.4, -0.4], [-0.4, 0.4], [0.4, -0.4], [0.4, 0.4]] as const) out.push(base.clone().add(new Vector3(x, y, 0)), base.clone().add(new Vector3(x, y, 0.8)));
+        out.push(hand.clone().add(new Vector3(0, 0, 0.15)));
+      }
+    }
+    const [x = 0, y = 0, z = 0] = world?.goal.position ?? [];
+    out.push(new Vector3(x, y, z + 0.25), new Vector3(x, y, 0));
+    return out;
+  }
+
+  /** Looks from the side, as near as the whole motion allows. */
   home(): void {
     const { robot, world } = this;
     if (robot === null || world === null) return;
+    const points = this.extent();
     this.set(0);
-    const [gx = 0, gy = 0, gz = 0] = world.goal.position;
-    const middle = new Vector3((this.lastBase.x + gx) / 2, (this.lastBase.y + gy) / 2, Math.max(0.45, gz / 2));
+    const [gx = 0, gy = 0] = world.goal.position;
     const along = new Vector3(gx - this.lastBase.x, gy - this.lastBase.y, 0);
-    const span = along.length();
-    if (span < 1e-6) along.set(1, 0, 0);
+    if (along.length() < 1e-6) along.set(1, 0, 0);
     along.normalize();
-    const side = new Vector3(along.y, -along.x, 0);
-    const away = Math.max(2.6, 1.25 * span + 1.4) * (this.camera.aspect < 1 ? 1.5 : 1);
+    const towards = new Vector3(along.y, -along.x, 0).multiplyScalar(0.84).addScaledVector(along, -0.34).add(new Vector3(0, 0, 0.5)).normalize();
+    const right = new Vector3(0, 0, 1).cross(towards).normalize();
+    const up = towards.clone().cross(right);
+    // In the camera's axes: the middle of what is to be seen, then the distance from which all of it is.
+    const span = (axis: Vector3): [number, number] => { const values = points.map((p) => p.dot(axis)); return [Math.min(...values), Math.max(...values)]; };
+    const [r, u, d] = [span(right), span(up), span(towards)];
+    const middle = right.clone().multiplyScalar((r[0] + r[1]) / 2).addScaledVector(up, (u[0] + u[1]) / 2).addScaledVector(towards, (d[0] + d[1]) / 2);
+    const tall = Math.tan((this.camera.fov * Math.PI) / 360) * 0.9;
+    const wide = tall * this.camera.aspect;
+    let away = 0.6;
+    for (const point of points) {
+      const of = point.clone().sub(middle);
+      away = Math.max(away, of.dot(towards) + Math.max(Math.abs(of.dot(right)) / wide, Math.abs(of.dot(up)) / tall));
+    }
     this.controls.target.copy(middle);
-    this.camera.position.copy(middle).addScaledVector(side, away * 0.84).addScaledVector(along, -away * 0.34).add(new Vector3(0, 0, away * 0.48));
+    this.camera.position.copy(middle).addScaledVector(towards, away);
     this.controls.update();
   }
 

@@ -5,11 +5,11 @@ import { kFont } from '../chart';
 import type { Palette } from '../theme';
 import type { Trace } from './trace';
 
-interface Track { name: string; column: string; unit: string; colour: (p: Palette) => string }
+interface Track { name: string; column: string; unit: string; colour: (p: Palette) => string; limit?: 'position' | 'rotation' }
 
 const kTracks: readonly Track[] = [
-  { name: 'position error', column: 'error_position', unit: 'm', colour: (p) => p.series[0] ?? p.ink },
-  { name: 'rotation error', column: 'error_rotation', unit: 'rad', colour: (p) => p.series[4] ?? p.ink },
+  { name: 'position error', column: 'error_position', unit: 'm', colour: (p) => p.series[0] ?? p.ink, limit: 'position' },
+  { name: 'rotation error', column: 'error_rotation', unit: 'rad', colour: (p) => p.series[4] ?? p.ink, limit: 'rotation' },
   { name: 'manipulability', column: 'manipulability', unit: '', colour: (p) => p.series[2] ?? p.ink },
   { name: 'least distance', column: 'least_distance', unit: 'm', colour: (p) => p.series[3] ?? p.ink },
   { name: 'slack', column: 'slack', unit: '', colour: (p) => p.series[1] ?? p.ink },
@@ -34,22 +34,39 @@ export function statusAt(trace: Trace, t: number): string {
   return fallback === '' ? status : `${status}, ${fallback}`;
 }
 
+/** What counts as arrived [m, rad]. */
+export interface Tolerances { position: number; rotation: number }
+
 export class Timeline {
   private trace: Trace | null = null;
+  private ghost: Trace | null = null;
+  private tolerances: Tolerances | null = null;
 
   constructor(private readonly canvas: HTMLCanvasElement, seek: (t: number) => void) {
     const at = (event: PointerEvent): void => {
       if (this.trace === null) return;
       const box = canvas.getBoundingClientRect();
       const left = this.left(box.width);
-      seek(Math.min(1, Math.max(0, (event.clientX - box.left - left) / (box.width - left - 8))) * this.trace.end);
+      seek(Math.min(1, Math.max(0, (event.clientX - box.left - left) / (box.width - left - 8))) * this.end);
     };
     canvas.addEventListener('pointerdown', (event) => { canvas.setPointerCapture(event.pointerId); at(event); });
     canvas.addEventListener('pointermove', (event) => { if (event.buttons > 0) at(event); });
   }
 
-  show(trace: Trace): void {
+  show(trace: Trace, tolerances: Tolerances | null): void {
     this.trace = trace;
+    this.tolerances = tolerances;
+    this.ghost = null;
+  }
+
+  /** Another motion on the same clock, drawn pale; null takes it away. */
+  beside(ghost: Trace | null): void {
+    this.ghost = ghost;
+  }
+
+  /** Of the longer motion [s]. */
+  get end(): number {
+    return Math.max(this.trace?.end ?? 0, this.ghost?.end ?? 0);
   }
 
   private left(width: number): number {
@@ -70,13 +87,14 @@ export class Timeline {
     c.scale(ratio, ratio);
     const left = this.left(width);
     const wide = width - left - 8;
-    const x = (time: number): number => left + (trace.end > 0 ? time / trace.end : 0) * wide;
+    const end = this.end;
+    const x = (time: number): number => left + (end > 0 ? time / end : 0) * wide;
     c.textBaseline = 'middle';
     kTracks.forEach((track, row) => {
       const top = row * kRow;
-      const values = trace.column(track.column);
       let most = 0;
-      for (const value of values) if (Number.isFinite(value)) most = Math.max(most, value);
+      for (const of of [trace, this.ghost]) for (const value of of?.column(track.column) ?? []) if (Number.isFinite(value)) most = Math.max(most, value);
+      const limit = track.limit === undefined ? undefined : this.tolerances?.[track.limit];
       const y = (value: number): number => top + kRow - 5 - (most > 0 ? Math.max(0, value) / most : 0) * (kRow - 10);
       c.strokeStyle = p.rule;
       c.lineWidth = 1;
@@ -84,25 +102,45 @@ export class Timeline {
       c.moveTo(left, top + kRow - 4.5);
       c.lineTo(left + wide, top + kRow - 4.5);
       c.stroke();
+      if (limit !== undefined && most > 0 && limit < most) {   // arrived below this
+        c.strokeStyle = p.outcomes.success;
+        c.setLineDash([4, 3]);
+        c.beginPath();
+        c.moveTo(left, y(limit));
+        c.lineTo(left + wide, y(limit));
+        c.stroke();
+        c.setLineDash([]);
+      }
+      const curve = (of: Trace): void => {
+        const column = of.column(track.column);
+        c.beginPath();
+        let down = false;
+        for (let i = 0; i < of.n; ++i) {
+          const value = column[i] ?? NaN;
+          if (!Number.isFinite(value)) {
+            down = false;
+            continue;
+          }
+          if (down) c.lineTo(x(of.t[i] ?? 0), y(value));
+          else c.moveTo(x(of.t[i] ?? 0), y(value));
+          down = true;
+        }
+        c.stroke();
+      };
+      if (this.ghost !== null) {
+        c.strokeStyle = p.muted;
+        c.lineWidth = 1;
+        c.setLineDash([2, 2]);
+        curve(this.ghost);
+        c.setLineDash([]);
+      }
       c.strokeStyle = track.colour(p);
       c.lineWidth = 1.5;
-      c.beginPath();
-      let down = false;
-      for (let i = 0; i < trace.n; ++i) {
-        const value = values[i] ?? NaN;
-        if (!Number.isFinite(value)) {
-          down = false;
-          continue;
-        }
-        if (down) c.lineTo(x(trace.t[i] ?? 0), y(value));
-        else c.moveTo(x(trace.t[i] ?? 0), y(value));
-        down = true;
-      }
-      c.stroke();
+      curve(trace);
       c.font = `12px ${kFont}`;
       c.fillStyle = p.muted;
       c.fillText(track.name, 0, top + 13);
-      const now = trace.at(track.column, t);
+      const now = trace.at(track.column, Math.min(t, trace.end));
       c.font = `600 12px ${kFont}`;
       c.fillStyle = p.ink;
       c.fillText(Number.isFinite(now) ? `${significant(now)} ${track.unit}` : 'none near', 0, top + 29);
@@ -123,8 +161,8 @@ export class Timeline {
     c.fillText('solver', 0, top + 5);
     c.fillStyle = p.faint;
     c.font = `11px ${kFont}`;
-    const step = [0.5, 1, 2, 5, 10].find((s) => trace.end / s <= (width < 520 ? 5 : 10)) ?? 10;
-    for (let mark = 0; mark <= trace.end; mark += step) c.fillText(`${mark}${mark === 0 ? ' s' : ''}`, x(mark), top + 22);
+    const step = [0.5, 1, 2, 5, 10].find((s) => end / s <= (width < 520 ? 5 : 10)) ?? 10;
+    for (let mark = 0; mark <= end; mark += step) c.fillText(`${mark}${mark === 0 ? ' s' : ''}`, x(mark), top + 22);
     c.strokeStyle = p.ink;
     c.lineWidth = 1;
     c.beginPath();

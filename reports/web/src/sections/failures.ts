@@ -3,7 +3,7 @@
 import { drawLater, drawOrWait } from '../later';
 import { causeOf, kCauses, kCauseTexts, type Cause } from '../causes';
 import { kOutcomeNames, type Model, type Outcome, type Series } from '../data';
-import { download, h, replace } from '../dom';
+import { download, h, replace, roving } from '../dom';
 import { csv, integer, percent, plural } from '../format';
 import { metric, withUnit } from '../metrics';
 import { select } from '../select';
@@ -62,7 +62,7 @@ function table(all: readonly Cluster[]): HTMLElement {
 }
 
 export function failures(model: Model): HTMLElement {
-  const box = h('div', { class: 'atlas' });
+  const box = roving(h('div', { class: 'atlas' }), 'button');
   const note = h('p', { class: 'note' });
   const causes = h('div');
   let open = false;
@@ -91,7 +91,7 @@ export function failures(model: Model): HTMLElement {
         h('div', { class: 'actions' },
           h('button', { type: 'button', class: playable === undefined ? 'quiet' : 'play', click: () => select(trial, true) }, playable === undefined ? 'Command' : 'Play'),
           h('button', { type: 'button', class: 'quiet', click: () => {
-            state.set({ outcome: c.outcome, q: c.outcome === 'collision' ? model.trials.text('link', row) : '', who: c.series.controller });
+            state.set({ outcome: c.outcome, q: c.outcome === 'collision' ? model.trials.text('link', row) : '', who: c.series.controller, in: 'trials' }, true);
             document.getElementById('trials')?.scrollIntoView();
           } }, 'List')));
     }));

@@ -160,8 +160,9 @@ export function fillHeadline(model: Model, box: HTMLElement): void {
     pair === null || all === undefined || all.n === 0 ? null : h('div', { class: 'paired-words' }, h('p', null, sentence(...pair, all)), fails));
   if (pair === null || all === undefined) return;
   const loser = all.onlyB >= all.onlyA ? pair[0] : pair[1];
-  const told_ = view();
-  setTimeout(() => {
-    if (view() === told_) replace(fails, whereItFails(model, loser));
-  });
+  const now = view();
+  // After the frame that shows the rest.
+  requestAnimationFrame(() => setTimeout(() => {
+    if (view() === now) replace(fails, whereItFails(model, loser));
+  }));
 }

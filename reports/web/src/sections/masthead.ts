@@ -5,6 +5,7 @@ import { verdictOf } from '../figures/tuning';
 import { inSlice, type Model, type PointInfo, type SummaryRow } from '../data';
 import { h, replace } from '../dom';
 import { integer, list, percent, percentNumber, percentRange, plural, seconds } from '../format';
+import { markdown } from '../markdown';
 import { palette, seriesColour, onTheme } from '../theme';
 import { onView, view } from '../view';
 import { fillHeadline, judged, kVerdicts } from './headline';
@@ -79,6 +80,7 @@ export function masthead(model: Model, live: HTMLElement | null): HTMLElement {
   const strip = h('dl', { class: 'facts' });
   const told = h('div', { class: 'notices' });
   const verdictBox = h('div', { class: 'verdicts' });
+  const noteBox = h('div');
   const found = h('div', { class: 'paired-words found' });
   const pairBox = h('div');
   const fill = (): void => {
@@ -86,6 +88,8 @@ export function masthead(model: Model, live: HTMLElement | null): HTMLElement {
     const suites = unique(model.page.points.map((p) => p.suite));
     replace(title, slice.suite || model.page.store.file, family !== '' ? h('span', null, ` ${family} only`) : null);
     replace(strip, ...facts(model).map(([name, value]) => h('div', null, h('dt', null, name), h('dd', null, value))));
+    const noted = model.page.invocations.find((i) => i.suite === slice.suite && (i.notes ?? '') !== '')?.notes ?? '';
+    replace(noteBox, noted === '' ? null : markdown(noted));
     replace(told, ...notices(model, suites).map((text) => h('p', null, text)));
     const all = verdicts(model);
     verdictBox.classList.toggle('many', all.length > kVerdicts);
@@ -98,5 +102,5 @@ export function masthead(model: Model, live: HTMLElement | null): HTMLElement {
   onTheme(fill);
   return h('header', { class: 'masthead', id: 'top' },
     h('p', { class: 'overline' }, 'moma \u00b7 Monte Carlo evaluation of mobile-manipulator controllers'),
-    title, strip, live, told, found, verdictBox, pairBox);
+    title, noteBox, strip, live, told, found, verdictBox, pairBox);
 }

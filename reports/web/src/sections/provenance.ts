@@ -5,6 +5,7 @@ import { inSlice, type Model, type PointInfo } from '../data';
 import { h, replace } from '../dom';
 import { integer, plural } from '../format';
 import { onView, view } from '../view';
+import { changes } from './changes';
 
 const kMost = 8;
 
@@ -71,6 +72,7 @@ export function provenance(model: Model): HTMLElement {
         ] as const).map(([name, value]) => h('div', null, h('dt', null, name), h('dd', null, value)))),
         runs.length > 1 ? h('div', null, h('h3', null, 'Earlier runs'), h('ul', null, ...runs.slice(1, 12).map((r) =>
           h('li', null, `${r.started}, ${r.host}, moma ${r.moma_version}: ${plural(r.trials_done, 'trial')}, ${r.status}`)))) : null),
+      changes(model),
       disturbances(model.page.points.filter((p) => inSlice(p, slice))),
       parameters(model.page.points.filter((p) => inSlice(p, slice))));
     if (latest === undefined) replace(box, h('p', { class: 'empty' }, 'No run is recorded in this store.'));

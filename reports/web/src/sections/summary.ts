@@ -2,7 +2,7 @@
 
 import { onlyConditions } from '../conditions';
 import { inSlice, type Model, type SummaryRow } from '../data';
-import { download, h, replace } from '../dom';
+import { download, h, replace, roving } from '../dom';
 import { csv, integer, percent, percentRange, seconds, significant } from '../format';
 import * as state from '../state';
 import { onTheme, palette, seriesColour } from '../theme';
@@ -44,7 +44,7 @@ function ordered(group: readonly SummaryRow[]): SummaryRow[] {
 }
 
 export function summary(model: Model): HTMLElement {
-  const body = h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Table of results' });
+  const body = roving(h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Table of results' }), 'button');
   const fill = (): void => {
     const { all, slice } = view();
     const within = onlyConditions(model, slice);   // the best of each condition

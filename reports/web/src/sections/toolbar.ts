@@ -2,7 +2,7 @@
 
 import { choose, chosenValue, conditions, shortValue, type Condition } from '../conditions';
 import type { Model } from '../data';
-import { choice, h, replace } from '../dom';
+import { choice, h, replace, roving } from '../dom';
 import * as state from '../state';
 import { isDark, onTheme, palette, seriesColour, toggleTheme } from '../theme';
 import { onView, toggleSeries, view } from '../view';
@@ -27,10 +27,11 @@ function under(of: Condition, place: number): HTMLElement {
 
 export function toolbar(model: Model, sections: readonly (readonly [id: string, name: string])[]): Toolbar {
   const links = new Map(sections.map(([id, name]) => [id, h('a', { href: `#${id}`, click: (event) => {
-    event.preventDefault();   // the hash belongs to the view
+    event.preventDefault();
+    state.set({ in: id }, true);   // the hash belongs to the view
     document.getElementById(id)?.scrollIntoView();
   } }, name)]));
-  const nav = h('nav', { 'aria-label': 'Sections' }, ...links.values());
+  const nav = roving(h('nav', { 'aria-label': 'Sections' }, ...links.values()), 'a');
   const what = h('div', { class: 'what-shown' });
   const theme = h('button', { type: 'button', class: 'quiet', click: toggleTheme });
   const fill = (): void => {

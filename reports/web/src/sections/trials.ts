@@ -2,7 +2,7 @@
 
 import { disturbed } from '../conditions';
 import { kOutcomeNames, kOutcomes, type Model } from '../data';
-import { choice, copy, download, h, replace } from '../dom';
+import { choice, copy, download, h, replace, roving } from '../dom';
 import { filtered } from '../filter';
 import { csv, integer, plural } from '../format';
 import { kMetrics, metric, withUnit } from '../metrics';
@@ -45,7 +45,7 @@ export function trials(model: Model): HTMLElement {
   state.setDefault('sort', 'world:up');
   const t = model.trials;
   const count = h('p', { class: 'note', 'aria-live': 'polite' });
-  const head = h('div', { class: 'row head', role: 'row' });
+  const head = roving(h('div', { class: 'row head', role: 'row' }), 'button');
   const rowsBox = h('div', { class: 'rows' });
   const scroller = h('div', { class: 'grid-scroll', tabindex: 0, role: 'table', 'aria-label': 'Trials' }, head, rowsBox);
   const detail = h('div', { class: 'detail', hidden: true });

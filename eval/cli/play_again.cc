@@ -1,0 +1,19 @@
+#include "eval/cli/play_again.h"
+
+#include <nlohmann/json.hpp>
+
+#include "eval/store/samples.h"
+
+namespace moma::cli {
+
+std::optional<reports::OwnedSamples> play_again(run::StoredSuites& suites, const std::filesystem::path& db,
+                                                const std::string& trial) {
+  const run::Replay replay = run::replay(db, trial, suites);
+  if (replay.output.trace.empty()) return {};
+  store::EncodedSamples encoded = store::encode_samples(replay.output.trace);
+  return reports::OwnedSamples{encoded.layout, encoded.n,
+                               nlohmann::json::parse(encoded.columns).get<std::vector<std::string>>(),
+                               std::move(encoded.data)};
+}
+
+}  // namespace moma::cli

@@ -1,0 +1,175 @@
+// What a reader does with the page: keys, the browser's Back, a phone, two motions in one world, many points.
+//   reader_test.mjs SOURCE_DIR MAKE_REPORT WORK_DIR
+// Exit 0: passed; 1: failed; 77: left out, since node's packages, python3 or chromium are missing.
+import { execFileSync } from 'node:child_process';
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
+
+import { accessible, check, dataOf, end, launch, noOverflow, opener, scrollThrough, workshop } from './kit.mjs';
+
+const [, , source, makeReport, work] = process.argv;
+const { makeStore, makePage, sql } = workshop(source, makeReport, work);
+const browser = await launch(source);
+const open = opener(browser);
+const html = makePage(makeStore('pair', 'demo', 24, 4, 6));
+const data = dataOf(html);
+const cells = data.trials.columns;
+const text = (name) => cells[name].codes.map((code) => cells[name].values[code] ?? null);
+const [trials, worlds, outcomes, controllers] = ['trial', 'world_key', 'outcome', 'controller'].map(text);
+
+// ---- two motions in one world ------------------------------------------------------------------------------------------
+{
+  const inPage = new Set(data.replays.map((replay) => replay.trial));
+  const rowOf = (trial) => trials.indexOf(trial);
+  const twinOf = (trial) => trials.find((other, row) => other !== trial && inPage.has(other) && worlds[row] === worlds[rowOf(trial)] && outcomes[row] === 'success');
+  const failed = data.replays.map((replay) => replay.trial).filter((trial) => outcomes[rowOf(trial)] !== 'success');
+  const both = failed.filter((trial) => twinOf(trial) !== undefined);
+  check(both.length > 0, `failures with a success in the same world: ${both.length} of ${failed.length}`);
+  // Every failure of the page whose world another controller mastered, with samples, has that motion beside it.
+  for (const trial of failed.slice(0, 12)) {
+    const row = rowOf(trial);
+    const possible = trials.some((other, i) => worlds[i] === worlds[row] && outcomes[i] === 'success' && cells.world[i] < 6);
+    check(!possible || twinOf(trial) !== undefined, `trial ${trial} has the success of its world beside it`);
+  }
+  const { context, page } = await open(html, { hash: `#trial=${both[0]}`, ratio: 2 });
+  await page.locator('#replay').scrollIntoViewIfNeeded();
+  await page.waitForFunction((trial) => document.querySelector('.stage-box')?.dataset.trial === trial, both[0]);
+  check((await page.locator('.stage-box').getAttribute('data-beside')) === twinOf(both[0]), 'the success plays beside the failure by itself');
+  const lengths = [both[0], twinOf(both[0])].map((trial) => cells.time_end_s[rowOf(trial)]);
+  const clock = Number(/of ([\d.]+) s/.exec(await page.locator('.clock').innerText())[1]);
+  check(Math.abs(clock - Math.max(...lengths)) < 0.11, `one clock for both: ${clock} of ${lengths}`);
+  check((await page.locator('.replay-legend').innerText()).includes(`${controllers[rowOf(twinOf(both[0]))]} in the same world`), 'the legend names the other one');
+  await page.getByLabel('Beside it').selectOption('none');
+  await page.waitForFunction(() => document.querySelector('.stage-box').dataset.beside === '');
+  check(page.url().includes('beside=none'), 'the address keeps what is beside');
+
+  // Jumps, the wheel, and what can be taken along.
+  const time = async () => Number(await page.locator('.transport input[type=range]').inputValue());
+  await page.getByText('Why it stopped').click();
+  check(Math.abs((await time()) - cells.time_end_s[rowOf(both[0])]) < 0.11, `the end of the motion: ${await time()}`);
+  await page.getByText('Closest approach').click();
+  check((await time()) <= cells.time_end_s[rowOf(both[0])], 'the closest approach');
+  const scroll = async () => page.evaluate(() => scrollY);
+  await page.locator('.stage').scrollIntoViewIfNeeded();
+  const box = await page.locator('.stage').boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  const before = await scroll();
+  await page.mouse.wheel(0, 120);
+  await page.waitForTimeout(400);
+  check((await scroll()) > before, 'the wheel scrolls the page over a scene that was not clicked');
+  const shown = await page.locator('.stage').boundingBox();
+  await page.mouse.click(shown.x + shown.width / 2, shown.y + shown.height / 2);
+  const after = await scroll();
+  await page.mouse.wheel(0, 120);
+  await page.waitForTimeout(400);
+  check((await scroll()) === after, 'after a click it moves the camera');
+  const [picture] = await Promise.all([page.waitForEvent('download'), page.getByText('Save PNG').click()]);
+  const png = readFileSync(await picture.path());
+  check(png.subarray(1, 4).toString() === 'PNG' && png.length > 20000, `a frame as PNG, ${png.length} bytes`);
+  await page.getByLabel('Speed').selectOption('4');
+  const [film] = await Promise.all([page.waitForEvent('download'), page.getByText('Save WebM').click()]);
+  const webm = readFileSync(await film.path());
+  check(webm.readUInt32BE(0) === 0x1a45dfa3 && webm.length > 10000, `the motion as WebM, ${webm.length} bytes`);
+  await context.close();
+}
+
+// ---- Back leads back, and lists are one stop of the Tab key --------------------------------------------------------------
+{
+  const { context, page } = await open(html);
+  await page.emulateMedia({ reducedMotion: 'reduce' });
+  await page.getByRole('navigation').getByText('Failures').click();
+  await page.waitForFunction(() => scrollY > 1000);
+  await page.locator('.atlas article').first().getByRole('button', { name: 'List' }).click();
+  await page.waitForFunction(() => location.hash.includes('in=trials'));
+  const deep = await page.evaluate(() => scrollY);
+  await page.goBack();
+  await page.waitForFunction(() => location.hash.includes('in=failures') && !location.hash.includes('outcome='));
+  await page.waitForFunction((from) => scrollY < from - 300, deep);
+  await page.goBack();
+  await page.waitForFunction(() => !location.hash.includes('in='));
+  check(page.url().startsWith('file:'), 'Back stays within the page');
+  await scrollThrough(page);
+  const stops = await page.evaluate(() => [...document.querySelectorAll('a[href], button, input, select, summary, [tabindex]')].filter((e) => e.tabIndex >= 0 && !e.disabled && e.getClientRects().length > 0).length);
+  check(stops < 75, `${stops} stops of the Tab key`);
+  await page.locator('.shelf button').first().focus();
+  await page.keyboard.press('ArrowDown');
+  check(await page.evaluate(() => document.activeElement === document.querySelectorAll('.shelf button')[1]), 'an arrow moves within the list');
+  check((await page.locator('.shelf button[tabindex="0"]').count()) === 1, 'a list is one stop');
+  await context.close();
+}
+
+// ---- a phone: both controllers, nothing cut off, accessible --------------------------------------------------------------
+for (const scheme of ['light', 'dark']) {
+  const { context, page } = await open(html, { width: 390, height: 844, ratio: 2, touch: true, scheme });
+  for (const verdict of await page.locator('.verdict').all()) {
+    const box = await verdict.boundingBox();
+    check(box.y + box.height < 844, `both controllers are on the first screen of a phone: one ends at ${box.y + box.height}`);
+  }
+  await scrollThrough(page);
+  await noOverflow(page, 'phone');
+  await accessible(page, source, `phone, ${scheme}`);
+  await context.close();
+}
+
+// ---- on paper: as accessible as on the screen ----------------------------------------------------------------------------
+{
+  const { context, page } = await open(html, { width: 800 });
+  await page.evaluate(() => dispatchEvent(new Event('beforeprint')));
+  await page.emulateMedia({ media: 'print' });
+  await accessible(page, source, 'print');
+  await context.close();
+}
+
+// ---- many points: sorted, the best against the baseline, a front ---------------------------------------------------------
+{
+  const swept = makePage(makeStore('sweep', 'sweep', 16, 1));
+  const sweep = dataOf(swept);
+  const { context, page } = await open(swept, { width: 1440 });
+  const rates = sweep.overall.map((row) => row.success_rate);
+  const table = await page.locator('.summary tbody').last().locator('tr td:nth-child(3) b').allInnerTexts();
+  const sorted = [...rates].sort((a, b) => b - a).map((rate) => (100 * rate).toFixed(rate === 0 || rate === 1 ? 0 : 1));
+  check(table.map((cell) => cell.replace(/[^\d.]/g, '')).join() === sorted.join(), `the table is sorted by success: ${table}`);
+  const top = await page.locator('.paired-words').last().innerText();
+  check(top.includes(sweep.points[0].point), `the best is compared with the baseline ${sweep.points[0].point}: ${top}`);
+  await scrollThrough(page);
+  for (const id of ['figure-forest', 'figure-pareto', 'figure-heat', 'figure-parallel']) {
+    await page.locator(`#${id}`).scrollIntoViewIfNeeded();
+    await page.waitForSelector(`#${id} canvas`);
+  }
+  // The front, found by comparing all with all.
+  const points = sweep.overall.map((row) => [row.command_change_mean, row.success_rate]);
+  const better = (a, b) => a[0] <= b[0] && a[1] >= b[1] && (a[0] < b[0] || a[1] > b[1]);
+  const best = points.filter((point) => !points.some((other) => better(other, point))).length;
+  check((await page.locator('#figure-pareto .note').innerText()).includes(`${best}\u00a0point`), `${best} points on the front: ${await page.locator('#figure-pareto .note').innerText()}`);
+  check(/looks better on the worlds that chose it/.test(await page.locator('#figure-forest .note').innerText()), 'the best of many carries its warning');
+  await noOverflow(page, 'sweep');
+  await context.close();
+}
+// ---- the same suite over time, what changed, and notes -------------------------------------------------------------------
+{
+  const notes = '# Why\n\nA *quick* look at **gains**, see [the paper](https://example.org/a?b=1&c=2).\n\n- one\n- two `x < y`\n\n<script>document.title = "taken"</script>\n\n[bad](javascript:alert(1)) ![pic](https://example.org/x.png)\n';
+  const [late, early] = [makeStore('late', 'demo', 20, 1), makeStore('early', 'demo', 20, 1)];
+  const quoted = notes.replaceAll("'", "''");
+  sql(late, "UPDATE controller SET resolved = json_set(resolved, '$.lambda_q', 0.02) WHERE id IN (SELECT controller_id FROM point WHERE controller = 'moma'); UPDATE invocation SET started = '2025-06-01T08:00:00Z'; "
+    + `UPDATE resolved_suite SET resolved = json_set(resolved, '$.notes', '${quoted}');`);
+  const page_ = join(work, 'history.html');
+  execFileSync(makeReport, ['--history', early, late, page_], { stdio: 'inherit' });
+  const { context, page } = await open(page_);
+  const changed = await page.locator('.changes').innerText();
+  check(changed.includes('moma (late) differs from moma (early) in lambda_q: 0.01 \u2192 0.02.'), `what changed: ${changed}`);
+  check(changed.includes('holistic (late) has the settings of holistic (early).'), `and what did not: ${changed}`);
+  await page.locator('#figure-history').scrollIntoViewIfNeeded();
+  await page.waitForSelector('#figure-history canvas');
+  await page.waitForTimeout(500);
+  const [table] = await Promise.all([page.waitForEvent('download'), page.locator('#figure-history').getByText('Data CSV').click()]);
+  const rows = readFileSync(await table.path(), 'utf8').trim().split('\n').slice(1).map((line) => line.split(','));
+  check(rows.length === 4 && rows.filter((row) => row[2] === 'moma').map((row) => row[0]).join() === 'early,late', `versions of a controller in the order of their runs: ${JSON.stringify(rows)}`);
+  const told = page.locator('.notes');
+  check((await told.locator('strong').innerText()) === 'gains' && (await told.locator('li').count()) === 2 && (await told.locator('code').innerText()) === 'x < y', 'notes are read as Markdown');
+  check((await told.locator('a').evaluateAll((links) => links.map((a) => a.href).join())) === 'https://example.org/a?b=1&c=2', 'links lead to web pages only');
+  check((await told.locator('img, script').count()) === 0 && (await told.innerText()).includes('<script>') && (await page.title()) !== 'taken', 'of HTML the text is shown');
+  await accessible(page, source, 'history');
+  await context.close();
+}
+await browser.close();
+end('the page in its reader\u2019s hands');
