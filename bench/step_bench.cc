@@ -158,7 +158,8 @@ void PartRows(benchmark::State& state) {
   const Drive drive(params, static_cast<int>(state.range(0)));
   const auto model = frankie();
   const VelocityBounds bounds(*model, params, 0.02);
-  CollisionRows collision(*model, params.collision);
+  CollisionRows collision(*model, params.collision, {*model, params.acceleration_limit, false},
+                          {params.uncertainty, model->base_dof()});
   const int rows = 8 + collision.allocate(static_cast<int>(drive.shapes.size()));
   QpProblem problem;
   problem.allocate(15, rows);
@@ -192,7 +193,7 @@ void PartRows(benchmark::State& state) {
     add_acceleration_term(params.acceleration_weight, o.qdot, problem);
     add_tracking_rows(kin[i].J_WE_W(), task.nu, params.tracking_band, true, problem);
     collision.select(pairs[i]);
-    collision.add(kin[i], proximity, o.objects, problem);
+    collision.add(kin[i], proximity, o.objects, {}, problem);
     add_wheel_rows(model->base, problem);
     count += problem.rows;
     benchmark::DoNotOptimize(problem.A.data());

@@ -42,7 +42,7 @@ Controller::Controller(std::shared_ptr<const RobotModel> model, ControllerParams
       collision_(*model_, params_.collision, {*model_, params_.acceleration_limit, params_.base_share > 0.0},
                  {params_.uncertainty, base_dof_}),
       passing_(*model_, params_.collision),
-      predictor_(*model_, params_.prediction, params_.uncertainty, control_period),
+      predictor_(*model_, params_.prediction, params_.uncertainty, params_.base_share, control_period),
       check_(model_, params_.collision.check, params_.acceleration_limit, params_.base_share > 0.0, control_period),
       escape_(params_.escape, params_.servo, *model_, control_period),
       bounds_(*model_, params_, control_period),

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "controller/closed_form/closed_form.h"
+#include "controller/memory.h"
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
-#include "controller/memory.h"
 #include "controller/params.h"
 #include "controller/qp/collision.h"
 #include "controller/qp/limits.h"
@@ -27,9 +27,9 @@ class Lookahead;
 
 /// moma's controller: the QP of docs/controller.md in all its presets, and the closed-form baselines. Built from a
 /// robot, parameters and the control period; one per worker. A step depends on its observation alone (cold-started
-/// solver), and on memory() where something that remembers is on: detours, the vortex, prediction. It takes no memory with a real-time safe
-/// solver, and never returns a command that is not finite or outside its bounds. Accessors describe the last step;
-/// those marked "allocates" are for inspection.
+/// solver), and on memory() where something that remembers is on: detours, the vortex, prediction. It takes no memory
+/// with a real-time safe solver, and never returns a command that is not finite or outside its bounds. Accessors
+/// describe the last step; those marked "allocates" are for inspection.
 class Controller : public StepController {
  public:
   /// `params` may leave vectors empty for their defaults (see resolved()). Throws std::invalid_argument naming the

@@ -6,7 +6,8 @@
 
 namespace moma {
 
-/// What of its detours a controller remembers from step to step (task/escape.h). Times count control periods, never a clock.
+/// What of its detours a controller remembers from step to step (task/escape.h). Times count control periods, never a
+/// clock.
 struct EscapeState {
   double best = -1.0;  ///< V at its last progress [m]; negative: no step taken yet
   double idle = 0.0;   ///< time without progress since [s]

@@ -47,7 +47,8 @@ class Checker {
     if (p_.servo.vortex.enabled) error("servo.vortex", no_obstacles);
     if (p_.collision.braking.enabled) error("collision.braking", no_obstacles);
     if (p_.collision.check.enabled) error("collision.check", no_obstacles);
-    if (p_.collision.relaxation != Relaxation::kCommon) error("collision.relaxation", "needs method qp: there are no rows");
+    if (p_.collision.relaxation != Relaxation::kCommon)
+      error("collision.relaxation", "needs method qp: there are no rows");
     if (p_.base_share > 0.0) error("limits.base", "needs method qp: the closed forms know no accelerations");
   }
 
@@ -121,8 +122,9 @@ class Checker {
     if (p_.sight.enabled && model_.base_dof() > 0 && !(sight_speed(p_.sight, model_, p_.acceleration_limit[0]) > 0.0))
       error("limits.sight", "leaves no speed: range must be above reach + speed x reaction");
     if (base && !p_.prediction.enabled) {
-      warning("limits.base", "without `prediction` holds around the measured velocity: late measurements and drives "
-                             "then do more harm than without it");
+      warning("limits.base",
+              "without `prediction` holds around the measured velocity: late measurements and drives "
+              "then do more harm than without it");
     }
   }
 

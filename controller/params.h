@@ -171,7 +171,7 @@ struct ControllerParams {
   VectorX acceleration_weight;  ///< lambda_qdd per velocity; default 0
   PostureParams posture;
   VectorX acceleration_limit;  ///< per velocity, default infinite [rad/s^2, m/s^2]
-  double base_share = 0.0;     ///< of the robot's own base.max_acceleration, held in every stage; 0: `acceleration_limit`
+  double base_share = 0.0;  ///< of the robot's own base.max_acceleration, held in every stage; 0: `acceleration_limit`
   SightParams sight;
   PredictionParams prediction;
   UncertaintyParams uncertainty;

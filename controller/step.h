@@ -53,8 +53,8 @@ struct StepResult {
   int active_rows = 0;  ///< rows and bounds at their limit in the solution
   int iterations = 0;
   EscapeState escape;  ///< what moma's controller remembered when the step began: with the observation, all it knew
-  double kept = 1.0;            ///< share of the QP's command that the check of braking kept
-  double latency_base = -1.0;   ///< from a command to the velocity measured of it, as found [s]; -1: not looked for
+  double kept = 1.0;   ///< share of the QP's command that the check of braking kept
+  double latency_base = -1.0;  ///< from a command to the velocity measured of it, as found [s]; -1: not looked for
   double latency_joints = -1.0;
   PlanBrief plan;  ///< of looking ahead, when the step began; as by default where it is off
   double solve_seconds = 0.0;  ///< 0 unless timing was asked for; never part of a comparison

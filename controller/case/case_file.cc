@@ -7,6 +7,7 @@
 #include "controller/config/controller_file.h"
 #include "controller/config/read_described.h"
 #include "controller/config/reader.h"
+#include "controller/safe/predictor.h"
 
 namespace moma {
 namespace {
@@ -101,14 +102,57 @@ void read_objects(const Node& node, ControlCase& out) {
   }
 }
 
-void read_state(const Node& node, const RobotModel& model, const ControllerParams& params, Observation& out,
-                EscapeState& escape, std::optional<PlanState>& plan) {
-  MapReader in(node, "state");
-  if (const Node* remembered = in.get("plan")) {
-    in.check(params.plan.enabled, "plan", "the controller does not look ahead: its `plan` is off");
-    plan = read_plan_state(*remembered, in.key_of("plan"), model);
+// Rotation matrix, column by column: what a quaternion cannot give back to the last bit.
+Matrix3 read_rotation(const Node& node, const std::string& key) {
+  const std::vector<double> v = config::read_numbers(node, key, 9);
+  const Matrix3 R = Eigen::Map<const Matrix3>(v.data());
+  if (!((R * R.transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff() < 1e-6 && R.determinant() > 0.0))
+    config::fail(node.mark, key, "expected a rotation matrix, column by column");
+  return R;
+}
+
+// Position with a quaternion or a rotation; neither is required.
+void read_orientation(MapReader& in, Isometry& X) {
+  if (const Node* quaternion = in.get("quaternion"))
+    X.linear() = read_quaternion(*quaternion, in.key_of("quaternion")).toRotationMatrix();
+  if (const Node* rotation = in.get("rotation")) X.linear() = read_rotation(*rotation, in.key_of("rotation"));
+}
+
+void read_remembered(MapReader& in, ControllerMemory& memory) {
+  if (const Node* escape = in.get("escape")) config::read_described(*escape, in.key_of("escape"), memory.escape.state);
+  if (const Node* node = in.get("last_goal")) {
+    MapReader goal(*node, in.key_of("last_goal"));
+    GoalState& last = memory.escape.last_goal;
+    last.X_WG.translation() = read_vector3(goal.require("position", "[x, y, z] in metres"), goal.key_of("position"));
+    read_orientation(goal, last.X_WG);
+    if (const Node* twist = goal.get("twist")) last.V_WG_W = read_vector6(*twist, goal.key_of("twist"));
+    goal.finish();
+    memory.escape.has_goal = true;
   }
-  if (const Node* remembered = in.get("escape")) config::read_described(*remembered, in.key_of("escape"), escape);
+  if (const Node* prediction = in.get("prediction"))
+    config::read_described(*prediction, in.key_of("prediction"), memory.prediction);
+}
+
+// A memory has the sizes of its controller, or nothing is known of what it means.
+void check_prediction(const ControlCase& c, const Node& state) {
+  if (c.memory.prediction.computed.empty()) return;
+  const Node* node = state.find("prediction");
+  const auto wrong = [&](const std::string& what) { config::fail(node->mark, "state.prediction", what); };
+  if (!c.controller.prediction.enabled) wrong("the controller has no `prediction`");
+  const std::string mismatch =
+      prediction_mismatch(c.memory.prediction, *c.robot.model, c.controller, c.control_period, c.objects.size());
+  if (!mismatch.empty()) wrong(mismatch);
+}
+
+void read_state(const Node& node, const RobotModel& model, ControlCase& c) {
+  MapReader in(node, "state");
+  Observation& out = c.observation;
+  if (const Node* remembered = in.get("plan")) {
+    in.check(c.controller.plan.enabled, "plan", "the controller does not look ahead: its `plan` is off");
+    c.memory.plan = read_plan_state(*remembered, in.key_of("plan"), model);
+    c.has_plan = true;
+  }
+  read_remembered(in, c.memory);
   // A fixed base may stand anywhere, but it has to stand somewhere only where it can move.
   if (model.base.type != BaseType::kFixed) in.require("base", "[x, y, phi] of the base in metres and radians");
   if (const Node* base = in.get("base")) out.base = read_vector3(*base, in.key_of("base"));
@@ -123,8 +167,9 @@ void read_state(const Node& node, const RobotModel& model, const ControllerParam
 void read_goal(const Node& node, GoalState& out) {
   MapReader in(node, "goal");
   const Node& position = in.require("position", "[x, y, z] in metres");
-  const Node& quaternion = in.require("quaternion", "[w, x, y, z]");
-  out.X_WG = read_pose(position, quaternion, "goal");
+  if (in.get("rotation") == nullptr) in.require("quaternion", "[w, x, y, z]");
+  out.X_WG.translation() = read_vector3(position, "goal.position");
+  read_orientation(in, out.X_WG);
   if (const Node* twist = in.get("twist")) out.V_WG_W = read_vector6(*twist, in.key_of("twist"));
   in.finish();
 }
@@ -146,13 +191,11 @@ void read_object(const Node& node, const std::string& key, int index, ObjectShap
   shape.shape = read_shape(in);
   const Node& position = in.require("position", "[x, y, z] in metres");
   state.X_WO.setIdentity();
-  if (const Node* quaternion = in.get("quaternion")) {
-    state.X_WO = read_pose(position, *quaternion, key);
-  } else {
-    state.X_WO.translation() = read_vector3(position, in.key_of("position"));
-  }
+  state.X_WO.translation() = read_vector3(position, in.key_of("position"));
+  read_orientation(in, state.X_WO);
   state.V_WO_W.setZero();
   if (const Node* velocity = in.get("velocity")) state.V_WO_W = read_vector6(*velocity, in.key_of("velocity"));
+  in.read("visible", state.visible);
   in.finish();
 }
 
@@ -165,9 +208,10 @@ ControlCase read_case(const Node& root) {
   in.read("control_period", out.control_period, Range::positive());
   const Node& controller = in.require("controller", "the path of a controller file, or its parameters");
   out.controller = config::read_controller(controller, "controller", model, out.control_period, out.warnings);
-  read_state(in.require("state", "{base, q, qdot}"), model, out.controller, out.observation, out.escape, out.plan);
+  read_state(in.require("state", "{base, q, qdot}"), model, out);
   read_goal(in.require("goal", "{position, quaternion, twist}"), out.observation.goal);
   if (const Node* objects = in.get("objects")) read_objects(*objects, out);
+  check_prediction(out, in.require("state", ""));
   in.finish();
   return out;
 }

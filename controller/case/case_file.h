@@ -5,10 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "controller/ahead/plan_state.h"
 #include "controller/config/node.h"
 #include "controller/config/robot_file.h"
-#include "controller/escape_state.h"
+#include "controller/memory.h"
 #include "controller/params.h"
 #include "controller/step.h"
 
@@ -20,8 +19,8 @@ struct ControlCase {
   ControllerParams controller;
   double control_period = 0.02;  ///< [s]
   std::vector<ObjectShape> objects;
-  EscapeState escape;                 ///< what the controller remembers of earlier steps; by default nothing
-  std::optional<PlanState> plan;      ///< and, of a controller that looks ahead, of its plans
+  ControllerMemory memory;            ///< what the controller remembers of earlier steps; by default nothing
+  bool has_plan = false;              ///< memory.plan is part of it
   Observation observation;            ///< time 0; observation.objects in the order of `objects`
   std::vector<std::string> warnings;  ///< of the robot and the controller, for a person
 };
@@ -34,9 +33,15 @@ ControlCase read_case(const std::filesystem::path& file);
 /// The same from a value already read.
 ControlCase read_case(const config::Node& root);
 
-/// One entry of `objects`: {name, shape, size, position, quaternion, velocity}; any further key is an error.
+/// One entry of `objects`: {name, shape, size, position, quaternion or rotation, velocity, visible}; any further key is
+/// an error.
 /// `name` may be absent: "object" and its index then.
 void read_object(const config::Node& node, const std::string& key, int index, ObjectShape& shape, ObjectState& state);
+
+/// The file that read_case() takes back to the same bits: robot and controller as they were resolved, rotations as
+/// matrices, what is remembered in `state`. Throws std::invalid_argument for an object whose shape files have no word
+/// for.
+nlohmann::ordered_json case_to_json(const ControlCase& control_case);
 
 /// A pose written as `position` and `quaternion` (w x y z).
 Isometry read_pose(const config::Node& position, const config::Node& quaternion, const std::string& key);

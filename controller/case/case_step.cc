@@ -7,8 +7,12 @@ namespace moma {
 CaseStep::CaseStep(const ControlCase& control_case)
     : given(control_case), controller(control_case.robot.model, control_case.controller, control_case.control_period) {
   controller.reset(control_case.objects);
-  controller.set_escape_state(control_case.escape);
-  if (control_case.plan && controller.lookahead() != nullptr) controller.lookahead()->set_state(*control_case.plan);
+  ControllerMemory memory;
+  controller.get_memory(memory);
+  memory.escape = control_case.memory.escape;
+  if (!control_case.memory.prediction.computed.empty()) memory.prediction = control_case.memory.prediction;
+  if (control_case.has_plan) memory.plan = control_case.memory.plan;
+  controller.set_memory(memory);
   controller.prepare(result);
   controller.step(control_case.observation, result);
 }

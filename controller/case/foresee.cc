@@ -106,15 +106,15 @@ std::string foresee(const ControlCase& control_case, double seconds) {
   Rollout rollout(control_case.robot.model, control_case.controller, control_case.control_period);
   rollout.reset(control_case.objects);
   const EscapeParams& escape = control_case.controller.escape;
-  rollout.begin(control_case.observation, control_case.escape,
+  rollout.begin(control_case.observation, control_case.memory.escape.state,
                 {seconds, 0.0, escape.position, escape.orientation, false});
   Lookahead* ahead = rollout.policy().lookahead();
-  if (ahead != nullptr && control_case.plan) ahead->set_state(*control_case.plan);
+  if (ahead != nullptr && control_case.has_plan) ahead->set_state(control_case.memory.plan);
   constexpr double kEvery = 0.5;  // [s]
   std::string out;
   double next = 0.0;
-  int stagnations = control_case.escape.stagnations;
-  bool detour = control_case.escape.detour;
+  int stagnations = control_case.memory.escape.state.stagnations;
+  bool detour = control_case.memory.escape.state.detour;
   PlanMode mode = ahead != nullptr ? ahead->state().brief.mode : PlanMode::kDirect;
   Fallback fallback = Fallback::kNone;
   while (!rollout.over() && rollout.step() == RolloutEnd::kGoesOn) {

@@ -21,8 +21,8 @@ constexpr bool is_collision(RowKind kind) noexcept {
 
 /// What a constraint row is about, enough to name it later. tracking: (component 0-5, -); object: (robot shape,
 /// object); floor: (robot shape, -); self: (robot shape, robot shape); passing: (robot shape, object); wheel: (wheel,
-/// -); drive: (0 or 1: the diagonal x + y or x - y, -). An object's row may be that of a capsule's end: 1, 2 of the robot's shape, 3, 4 of the object's; 0 is the usual
-/// row.
+/// -); drive: (0 or 1: the diagonal x + y or x - y, -). An object's row may be that of a capsule's end: 1, 2 of the
+/// robot's shape, 3, 4 of the object's; 0 is the usual row.
 struct RowId {
   RowKind kind = RowKind::kTracking;
   int first = 0;

@@ -1,6 +1,7 @@
 #include "controller/safe/base_ramp.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace moma {
 namespace {
@@ -39,6 +40,23 @@ Vector3 BaseRamp::follow(const Vector3& command, double dt, Vector3& velocity) c
   }
   velocity[dof_ - 1] += turn[0];
   return velocity - behind;
+}
+
+Vector3 BaseRamp::limited(const Vector3& command, const Vector3& before, double share, double dt) const noexcept {
+  if (dof_ == 0) return command;
+  Vector3 out = command;
+  // What differs by rounding alone is left as it is.
+  const auto part = [&](double change, double acceleration) {
+    const double most = share * acceleration * dt;
+    return change > most * (1.0 + 1e-9) ? most / change : 1.0;
+  };
+  const Vector3 change = command - before;
+  const double linear = dof_ == 3 ? change.head<2>().norm() : std::abs(change[0]);
+  const double along = part(linear, acceleration_.x());
+  const double turn = part(std::abs(change[dof_ - 1]), acceleration_.y());
+  if (along < 1.0) out.head(dof_ - 1) = before.head(dof_ - 1) + along * change.head(dof_ - 1);
+  if (turn < 1.0) out[dof_ - 1] = before[dof_ - 1] + turn * change[dof_ - 1];
+  return out;
 }
 
 double BaseRamp::stopping_time(const Vector3& velocity, double share) const noexcept {

@@ -16,6 +16,9 @@ class BaseRamp {
   /// velocity of that time: over a ramp from u to u + D within dt, u + D - D/2 min(1, |D|/(a dt)).
   Vector3 follow(const Vector3& command, double dt, Vector3& velocity) const noexcept;
 
+  /// `command`, no further from the one before than `share` of what the drive can follow in `dt`.
+  Vector3 limited(const Vector3& command, const Vector3& before, double share, double dt) const noexcept;
+
   /// Time in which the base comes to rest from `velocity` at `share` of its accelerations [s].
   double stopping_time(const Vector3& velocity, double share) const noexcept;
 

@@ -88,8 +88,8 @@ constexpr void describe(V& v, Of<PredictionParams>) {
 /// How far what is measured may be off (uncertainty.h): standard deviations per axis, as `disturbances` has them.
 struct UncertaintyParams {
   bool enabled = false;
-  double probability = 0.99;  ///< with which a row's distance is kept, one-sided
-  double object_noise = 0.0;  ///< of an object's position, new at each step [m],
+  double probability = 0.99;             ///< with which a row's distance is kept, one-sided
+  double object_noise = 0.0;             ///< of an object's position, new at each step [m],
   double object_rotation_noise = 0.0;    ///< of its orientation [rad],
   double object_bias = 0.0;              ///< and what stays the same [m],
   double object_rotation_bias = 0.0;     ///< [rad]

@@ -13,10 +13,10 @@ struct PoseTrack {
   bool moving = false;  ///< in motion, as far as can be told
   Vector3 p_W = Vector3::Zero();
   Vector9 R_W = Matrix3::Identity().reshaped();  ///< rotation matrix, column by column
-  Vector6 V_W = Vector6::Zero();  ///< [angular; linear] in world axes, 0 at rest
-  double pose_spread = 1.0;       ///< variance of X_W's noise, in units of one measurement's [1]
-  double twist_spread = 1.0;      ///< and of V_W's
-  double unseen = 0.0;            ///< time since the last measurement [s]
+  Vector6 V_W = Vector6::Zero();                 ///< [angular; linear] in world axes, 0 at rest
+  double pose_spread = 1.0;                      ///< variance of X_W's noise, in units of one measurement's [1]
+  double twist_spread = 1.0;                     ///< and of V_W's
+  double unseen = 0.0;                           ///< time since the last measurement [s]
 
   Isometry X_W() const noexcept {
     Isometry X = Isometry::Identity();

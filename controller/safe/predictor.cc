@@ -42,13 +42,14 @@ T& shifted(std::vector<T>& latest_first) noexcept {
 }  // namespace
 
 Predictor::Predictor(const RobotModel& model, const PredictionParams& params, const UncertaintyParams& uncertainty,
-                     double control_period)
+                     double base_share, double control_period)
     : model_(&model),
       params_(params),
       dt_(control_period),
       base_dof_(model.base_dof()),
       num_joints_(model.num_joints()),
       ramp_(model),
+      base_share_(base_share),
       uncertain_(uncertainty),
       uncertainty_(uncertainty, base_dof_),
       filter_({params.resting_filter, params.moving_filter, params.twist_filter},
@@ -236,11 +237,43 @@ void Predictor::send(const VectorX& command, VectorX& sent) noexcept {
   shifted(m.computed) = command;
   for (int i = 0; i < base_dof_ + num_joints_; ++i)
     sent[i] = m.computed[at(i < base_dof_ ? hold_base_ : hold_joints_)][i];
+  Vector3 base = Vector3::Zero(), before = Vector3::Zero(), velocity = m.base_velocity.front();
+  for (int i = 0; i < base_dof_; ++i) {
+    base[i] = sent[i];
+    before[i] = m.sent.front()[i];
+  }
+  if (base_share_ > 0.0) base = ramp_.limited(base, before, base_share_, dt_);
+  for (int i = 0; i < base_dof_; ++i) sent[i] = base[i];
   shifted(m.sent) = sent;
-  Vector3 base = Vector3::Zero(), velocity = m.base_velocity.front();
-  for (int i = 0; i < base_dof_; ++i) base[i] = sent[i];
   ramp_.follow(base, dt_, velocity);
   shifted(m.base_velocity) = velocity;
+}
+
+std::string prediction_mismatch(const PredictionMemory& memory, const RobotModel& model, const ControllerParams& params,
+                                double control_period, std::size_t objects) {
+  Predictor fresh(model, params.prediction, params.uncertainty, params.base_share, control_period);
+  fresh.reset(static_cast<int>(objects));
+  const PredictionMemory& wanted = fresh.memory();
+  const auto count = [](std::string_view key, std::size_t found, std::size_t expected) {
+    return found == expected ? std::string()
+                             : std::string(key) + " has " + std::to_string(found) + " entries, expected " +
+                                   std::to_string(expected) + " for this robot, controller and objects";
+  };
+  const auto size = [](const VectorX& v) { return static_cast<std::size_t>(v.size()); };
+  std::string wrong = count("computed", memory.computed.size(), wanted.computed.size());
+  if (wrong.empty()) wrong = count("sent", memory.sent.size(), wanted.sent.size());
+  if (wrong.empty()) wrong = count("base_velocity", memory.base_velocity.size(), wanted.base_velocity.size());
+  if (wrong.empty()) wrong = count("objects", memory.objects.size(), wanted.objects.size());
+  for (const auto* commands : {&memory.computed, &memory.sent})
+    for (const VectorX& u : *commands)
+      if (wrong.empty()) wrong = count("each command", size(u), size(wanted.sent.front()));
+  for (const auto* trip : {&memory.base_trip, &memory.joint_trip}) {
+    if (wrong.empty()) wrong = count("misfit", size(trip->misfit), size(wanted.base_trip.misfit));
+    if (wrong.empty() && !(trip->periods >= 0 && trip->periods < trip->misfit.size()))
+      wrong =
+          "periods is " + std::to_string(trip->periods) + ", expected 0 to " + std::to_string(trip->misfit.size() - 1);
+  }
+  return wrong;
 }
 
 }  // namespace moma

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "controller/model/robot_model.h"
+#include "controller/params.h"
 #include "controller/safe/base_ramp.h"
 #include "controller/safe/params.h"
 #include "controller/safe/pose_track.h"
@@ -33,7 +35,7 @@ namespace moma {
 class Predictor {
  public:
   Predictor(const RobotModel& model, const PredictionParams& params, const UncertaintyParams& uncertainty,
-            double control_period);
+            double base_share, double control_period);
 
   bool on() const noexcept { return params_.enabled; }
   bool identifies() const noexcept { return params_.enabled && params_.identify; }
@@ -44,7 +46,8 @@ class Predictor {
   const Observation& predict(const Observation& o) noexcept;
   /// A step whose observation cannot be used: the commands go on acting.
   void skip() noexcept;
-  /// Takes the command of this step (finite), and writes what is to be sent now.
+  /// Takes the command of this step (finite), and writes what is to be sent now. Where a wait has become shorter, a
+  /// base comes to it no faster than at `base_share` of its accelerations (0: at once).
   void send(const VectorX& command, VectorX& sent) noexcept;
 
   /// The velocity that the latest command leads to: that of the last predict() or skip().
@@ -76,6 +79,7 @@ class Predictor {
   double dt_;
   int base_dof_, num_joints_;
   BaseRamp ramp_;
+  double base_share_;
   UncertaintyParams uncertain_;
   Uncertainty uncertainty_;
   PoseFilter filter_;
@@ -87,5 +91,9 @@ class Predictor {
   std::vector<PlaceSpread> spreads_;
   Observation out_;
 };
+
+/// Why a memory is not one of such a controller among so many objects; "" where it is.
+std::string prediction_mismatch(const PredictionMemory& memory, const RobotModel& model, const ControllerParams& params,
+                                double control_period, std::size_t objects);
 
 }  // namespace moma

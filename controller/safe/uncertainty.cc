@@ -47,11 +47,12 @@ double Uncertainty::margin(const ProximityPair& pair, const Kinematics& kinemati
   double variance = 0.0;
   if (object != nullptr) {
     const Vector3& p = pair.distance.p_second_W;
-    variance += square(spread.position) +
-                (p - object->X_WO.translation()).cross(n).squaredNorm() * square(spread.rotation);
+    variance +=
+        square(spread.position) + (p - object->X_WO.translation()).cross(n).squaredNorm() * square(spread.rotation);
     if (base_dof_ > 0) {
       const Vector3 arm = p - kinematics.X_WB().translation();
-      variance += square(u.base_position) + square(arm.x() * n.y() - arm.y() * n.x()) * square(u.base_rotation);
+      variance += n.head<2>().squaredNorm() * square(u.base_position) +
+                  square(arm.x() * n.y() - arm.y() * n.x()) * square(u.base_rotation);
     }
   }
   for (Eigen::Index i = base_dof_; i < row.size(); ++i) variance += square(row[i] * u.joints);

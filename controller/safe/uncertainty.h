@@ -21,14 +21,17 @@ struct PlaceSpread {
 };
 
 /// How far a distance may be off, stated once (UncertaintyParams) and carried to each row: with n the row's normal, p
-/// the nearest point of the object or of the robot itself, o the object's origin, b the base's, c the row's coefficients,
+/// the nearest point of the object or of the robot itself, o the object's origin, b the base's, c the row's
+/// coefficients,
 ///
-///   variance of d = s_o^2 + |(p - o) x n|^2 s_R^2                       the object, as far as its filter has averaged it,
-///                   + s_b^2 + ((p - b) x n)_z^2 s_phi^2                 the base,
+///   variance of d = s_o^2 + |(p - o) x n|^2 s_R^2                       the object, as far as its filter has averaged
+///   it,
+///                   + |n_xy|^2 s_b^2 + ((p - b) x n)_z^2 s_phi^2                 the base,
 ///                   + sum over the joints of c_i^2 s_q^2                and the arm,
 ///
 /// to first order in what is off. A margin is z standard deviations, with P(Z <= z) = `probability`: a row that keeps d
-/// - margin keeps d with at least that probability as far as the distance goes. Floor and self rows have the arm's part.
+/// - margin keeps d with at least that probability as far as the distance goes. Floor and self rows have the arm's
+/// part.
 class Uncertainty {
  public:
   Uncertainty(const UncertaintyParams& params, int base_dof) noexcept;

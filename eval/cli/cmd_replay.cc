@@ -6,8 +6,11 @@
 
 #include "eval/cli/command.h"
 #include "eval/cli/table.h"
+#include "eval/cli/whole_file.h"
 #include "eval/run/replay.h"
 #include "eval/store/columns.h"
+#include "eval/store/reader.h"
+#include "eval/trial/case_of_step.h"
 #include "eval/trial/trace_json.h"
 #include "eval/trial/trial.h"
 
@@ -54,6 +57,15 @@ int compare(const run::Replay& replay) {
   return kCheckFailed;
 }
 
+void write_case(const Point& point, const World& world, long step, const std::string& file) {
+  try {
+    const nlohmann::ordered_json json = case_to_json(case_of_step(point, world, step));
+    write_whole(file, [&](std::ostream& out) { out << json.dump() << '\n'; });
+  } catch (const std::invalid_argument& e) {
+    throw UsageError(e.what());
+  }
+}
+
 }  // namespace
 
 void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
@@ -62,6 +74,8 @@ void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
     std::string trial;
     bool json = false;
     bool check = false;
+    long step = 0;
+    std::string case_file;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("replay", "Simulate a stored trial again, from the store alone");
@@ -69,10 +83,18 @@ void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   command->add_option("TRIAL", options->trial, "The trial's name, or any unique beginning of it")->required();
   command->add_flag("--json", options->json, "Print the whole trial with its samples as JSON");
   command->add_flag("--check", options->check, "Compare with the stored row, bit for bit; exit 1 where it differs");
+  CLI::Option* step = command->add_option(
+      "--case", options->case_file, "Write one control step as a case for moma solve, what is remembered included");
+  command->add_option("--step", options->step, "Which one, from 0")->needs(step)->check(CLI::NonNegativeNumber);
   command->footer("Example: moma replay results/demo.db 3f9a12 --check");
   command->callback([&action, options] {
     action = [options] {
       run::StoredSuites suites;
+      if (!options->case_file.empty()) {
+        const store::StoredTrial trial = store::Reader(options->file).trial(options->trial);
+        write_case(suites.point_of(trial), run::world_of(trial), options->step, options->case_file);
+        return static_cast<int>(kOk);
+      }
       const run::Replay replay = run::replay(options->file, options->trial, suites);
       if (options->json) {
         const nlohmann::ordered_json json =

@@ -11,7 +11,8 @@
 namespace moma {
 namespace {
 
-const std::vector<std::string> kPresets = {"rrmc", "park", "baur", "mmc", "neo", "holistic", "source", "moma"};
+const std::vector<std::string> kPresets = {"rrmc",     "park",   "baur", "mmc",      "neo",
+                                           "holistic", "source", "moma", "moma-safe"};
 
 ControllerParams preset(const std::string& name, const RobotModel& model, double period = 0.02) {
   std::vector<std::string> warnings;

@@ -56,8 +56,8 @@ class LateRobot {
       const VectorX v = 0.5 * (before + state_.qdot.head(dof));
       const double phi = state_.base.z() + 0.5 * h * v[dof - 1];
       const double vy = dof == 3 ? v[1] : 0.0;
-      state_.base += h * Vector3(v[0] * std::cos(phi) - vy * std::sin(phi), v[0] * std::sin(phi) + vy * std::cos(phi),
-                                 v[dof - 1]);
+      state_.base +=
+          h * Vector3(v[0] * std::cos(phi) - vy * std::sin(phi), v[0] * std::sin(phi) + vy * std::cos(phi), v[dof - 1]);
     }
     state_.qdot.tail(state_.q.size()) = joints.tail(state_.q.size());
     state_.q += kPeriod * joints.tail(state_.q.size());
@@ -96,7 +96,7 @@ TEST(Predictor, SeesTheStateThatIsReached) {
   Rng rng(1);
   for (const auto& model : all_robots()) {
     for (const Lateness& late : kCases) {
-      Predictor predictor(*model, known(late), {}, kPeriod);
+      Predictor predictor(*model, known(late), {}, 0.0, kPeriod);
       predictor.reset(0);
       LateRobot robot(*model, late, Vector3(0.3, -0.2, 1.0), random_joints(*model, rng));
       const int acts = std::max(model->base_dof() > 0 ? late.base_drive : 0, late.joint_drive);
@@ -116,7 +116,8 @@ TEST(Predictor, SeesTheStateThatIsReached) {
         }
         // Jumps that no drive follows within a period, too.
         if (k % 7 == 0)
-          command = target_scale.cwiseProduct(VectorX::NullaryExpr(command.size(), [&] { return uniform(rng, -1, 1); }));
+          command =
+              target_scale.cwiseProduct(VectorX::NullaryExpr(command.size(), [&] { return uniform(rng, -1, 1); }));
         predictor.send(command, sent);
         robot.drive(sent);
       }
@@ -127,7 +128,7 @@ TEST(Predictor, SeesTheStateThatIsReached) {
 // Without the predictor's knowledge the error would be that of the commands on their way: the test above can fail.
 TEST(Predictor, WrongLatenessIsSeenInTheError) {
   const auto model = frankie();
-  Predictor predictor(*model, known({}), {}, kPeriod);
+  Predictor predictor(*model, known({}), {}, 0.0, kPeriod);
   predictor.reset(0);
   LateRobot robot(*model, {3, 1, 1, 0}, Vector3::Zero(), model->ready);
   VectorX command = VectorX::Zero(9), sent = command;
@@ -147,7 +148,7 @@ TEST(Predictor, FindsLatenessThatNobodyToldIt) {
     for (const Lateness& late : kCases) {
       PredictionParams params = known({1, 2, 1, 0});
       params.identify = true;
-      Predictor predictor(*model, params, {}, kPeriod);
+      Predictor predictor(*model, params, {}, 0.0, kPeriod);
       predictor.reset(0);
       LateRobot robot(*model, late, Vector3::Zero(), model->ready);
       VectorX command = VectorX::Zero(model->num_velocities()), sent = command;
@@ -174,7 +175,7 @@ TEST(Predictor, MovesOnWhatMoves) {
   PredictionParams params = known({3, 1, 1, 0});
   params.object_sensing = 0.08;
   params.goal_sensing = 0.04;
-  Predictor predictor(*frankie(), params, {}, kPeriod);
+  Predictor predictor(*frankie(), params, {}, 0.0, kPeriod);
   predictor.reset(3);
   Observation o;
   o.q = frankie()->ready;
@@ -196,7 +197,7 @@ TEST(Predictor, MovesOnWhatMoves) {
 TEST(Predictor, TakesWrappedHeadingsAndRelocations) {
   PredictionParams params = known({});
   params.base_filter = 0.2;
-  Predictor predictor(*frankie(), params, {}, kPeriod);
+  Predictor predictor(*frankie(), params, {}, 0.0, kPeriod);
   predictor.reset(0);
   Observation o;
   o.q = frankie()->ready;
@@ -223,7 +224,7 @@ TEST(Predictor, GoesOnFromWhatItRemembers) {
   PredictionParams params = known({2, 4, 1, 1});
   params.identify = true;
   params.base_filter = params.resting_filter = params.moving_filter = params.twist_filter = 0.1;
-  Predictor first(*model, params, {}, kPeriod), second(*model, params, {}, kPeriod);
+  Predictor first(*model, params, {}, 0.0, kPeriod), second(*model, params, {}, 0.0, kPeriod);
   first.reset(4);
   second.reset(4);
   VectorX sent = VectorX::Zero(model->num_velocities()), other = sent;
@@ -252,7 +253,7 @@ TEST(Predictor, KnowsWhereTheBaseIsAfterAStepWithoutMeasurements) {
   const Lateness late{3, 1, 1, 0};
   PredictionParams params = known(late);
   params.base_filter = 1.0;  // so that the model, not the measurement, decides
-  Predictor predictor(*model, params, {}, kPeriod);
+  Predictor predictor(*model, params, {}, 0.0, kPeriod);
   predictor.reset(0);
   LateRobot robot(*model, late, Vector3::Zero(), model->ready);
   VectorX command = VectorX::Zero(9), sent = command;

@@ -1,0 +1,64 @@
+#include "eval/trial/case_of_step.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "controller/controller.h"
+
+namespace moma {
+namespace {
+
+/// moma's controller, and before one of its steps what it sees and remembers.
+class Witness final : public StepController {
+ public:
+  Witness(const TrialSpec& spec, long k, ControlCase& out, bool& found)
+      : controller_(spec.robot->model, spec.controller_params, spec.simulation.control_period),
+        left_(k),
+        out_(out),
+        found_(found) {}
+
+  void reset(std::span<const ObjectShape> objects) override {
+    controller_.reset(objects);
+    out_.objects.assign(objects.begin(), objects.end());
+  }
+  void step(const Observation& observation, StepResult& result) noexcept override {
+    if (left_-- == 0) {
+      out_.observation = observation;
+      controller_.get_memory(out_.memory);
+      found_ = true;
+    }
+    controller_.step(observation, result);
+  }
+  void prepare(StepResult& result) const override { controller_.prepare(result); }
+  std::string_view failure() const noexcept override { return found_ ? "is where the case was taken" : ""; }
+
+ private:
+  Controller controller_;
+  long left_;
+  ControlCase& out_;
+  bool& found_;
+};
+
+}  // namespace
+
+ControlCase case_of_step(const TrialSpec& spec, const World& world, long k) {
+  if (spec.plugin != nullptr)
+    throw std::invalid_argument("a plugin's steps have no cases: what it remembers is its own");
+  ControlCase out;
+  out.robot = *spec.robot;
+  out.controller = spec.controller_params;
+  out.control_period = spec.simulation.control_period;
+  out.has_plan = out.controller.plan.enabled;
+  bool found = false;
+  TrialParts parts;
+  parts.controller = [&](const TrialSpec& p) { return std::make_unique<Witness>(p, k, out, found); };
+  const TrialOutput trial = run_trial(spec, world, parts);
+  if (!found) {
+    throw std::invalid_argument(
+        fmt::format("the trial has no control step {}: it ends after {}", k, trial.trace.size()));
+  }
+  return out;
+}
+
+}  // namespace moma

@@ -1,0 +1,107 @@
+// A case that was written is the step that was taken, to the last bit, whatever the controller remembers.
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "controller/case/case_file.h"
+#include "controller/case/case_step.h"
+#include "controller/config/controller_file.h"
+#include "tests/controller/qp_robots.h"
+
+namespace moma {
+namespace {
+
+using namespace test;
+using Json = nlohmann::ordered_json;
+
+std::string source_path(const std::string& file) { return std::string(MOMA_SOURCE_DIR) + "/" + file; }
+
+ControlCase safe_case(const std::string& robot) {
+  ControlCase c;
+  c.robot = config::load_robot(source_path(robot));
+  c.controller = config::read_controller(config::load_yaml(source_path("configs/controllers/moma-safe.yaml")),
+                                         "controller", *c.robot.model, c.control_period, c.warnings);
+  return c;
+}
+
+ControlCase read_text(const Json& json) { return read_case(config::parse_yaml(json.dump(), "case.json")); }
+
+TEST(CaseMemory, AStepIsRepeatedBitForBitFromItsFile) {
+  for (const std::string robot : {"configs/robots/frankie.yaml", "configs/robots/frankie_omni.yaml"}) {
+    Rng rng(1);
+    ControlCase c = safe_case(robot);
+    c.objects = random_objects(rng, 5);
+    Controller controller(c.robot.model, c.controller, c.control_period);
+    controller.reset(c.objects);
+    StepResult result;
+    controller.prepare(result);
+    Observation o = random_observation(*c.robot.model, 5, rng, 1.0);
+    int detours = 0;
+    for (int k = 0; k < 400; ++k) {
+      if (k % 100 == 50) o = random_observation(*c.robot.model, 5, rng, 1.0);
+      // Among what moves the robot is more patient than this test.
+      for (ObjectState& object : o.objects)
+        if (k < 200) object.V_WO_W.setZero();
+      o.objects[4].visible = k % 3 != 0;
+      controller.get_memory(c.memory);
+      c.observation = o;
+      controller.step(o, result);
+      detours += result.escape.detour ? 1 : 0;
+      if (k % 40 != 7) continue;
+      const ControlCase again = read_text(case_to_json(c));
+      const CaseStep step(again);
+      ASSERT_EQ(step.result.command, result.command) << robot << " step " << k;
+      ASSERT_EQ(step.result.slack, result.slack) << robot << " step " << k;
+      ASSERT_EQ(step.result.kept, result.kept) << robot << " step " << k;
+      // Without what is remembered it is another step.
+      ControlCase forgotten = again;
+      forgotten.memory.prediction = {};
+      const CaseStep other(forgotten);
+      EXPECT_NE(other.result.command, result.command) << robot << " step " << k;
+    }
+    EXPECT_GT(detours, 20) << robot;
+  }
+}
+
+std::string error_of(const Json& json) {
+  try {
+    read_text(json);
+  } catch (const config::ConfigError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(CaseMemory, IsRefusedWhereItIsAnotherControllers) {
+  Rng rng(2);
+  ControlCase c = safe_case("configs/robots/frankie.yaml");
+  c.objects = random_objects(rng, 2);
+  Controller controller(c.robot.model, c.controller, c.control_period);
+  controller.reset(c.objects);
+  controller.get_memory(c.memory);
+  c.observation = random_observation(*c.robot.model, 2, rng, 1.0);
+  const Json good = case_to_json(c);
+  ASSERT_EQ(error_of(good), "");
+  Json bad = good;
+  bad["state"]["prediction"]["sent"].erase(0);
+  EXPECT_NE(error_of(bad).find("sent has 13 entries, expected 14"), std::string::npos) << error_of(bad);
+  bad = good;
+  bad["state"]["prediction"]["sent"][3].erase(0);
+  EXPECT_NE(error_of(bad).find("each command has 8 entries, expected 9"), std::string::npos) << error_of(bad);
+  bad = good;
+  bad["state"]["prediction"]["base_trip"]["periods"] = 12;
+  EXPECT_NE(error_of(bad).find("periods is 12, expected 0 to 11"), std::string::npos) << error_of(bad);
+  bad = good;
+  bad["objects"].erase(1);
+  EXPECT_NE(error_of(bad).find("objects has 2 entries, expected 1"), std::string::npos) << error_of(bad);
+  bad = good;
+  bad["controller"].erase("prediction");
+  EXPECT_NE(error_of(bad).find("the controller has no `prediction`"), std::string::npos) << error_of(bad);
+  bad = good;
+  bad["goal"]["rotation"][0] = 0.2;
+  EXPECT_NE(error_of(bad).find("expected a rotation matrix"), std::string::npos) << error_of(bad);
+}
+
+}  // namespace
+}  // namespace moma
