@@ -1,12 +1,12 @@
-// A picture of a report page: node screenshot.mjs PAGE.html OUT.png [WIDTH] [light|dark] [HEIGHT] [SELECTOR]
-// Without HEIGHT the whole page; with SELECTOR that part of it, for instance .replay. Needs chromium and this folder's npm packages.
+// A picture of a report page: node screenshot.mjs PAGE.html OUT.png [WIDTH] [light|dark] [HEIGHT] [SELECTOR] [SECONDS]
+// Without HEIGHT the whole page; with SELECTOR that part of it, for instance .replay, at SECONDS of its motion. Needs chromium and this folder's npm packages.
 import { existsSync } from 'node:fs';
 import { resolve } from 'node:path';
 import { chromium } from 'playwright-core';
 
-const [, , html, out, width = '1280', scheme = 'light', height, selector] = process.argv;
+const [, , html, out, width = '1280', scheme = 'light', height, selector, seconds] = process.argv;
 if (html === undefined || out === undefined) {
-  console.error('usage: node screenshot.mjs PAGE.html OUT.png [WIDTH] [light|dark] [HEIGHT] [SELECTOR]');
+  console.error('usage: node screenshot.mjs PAGE.html OUT.png [WIDTH] [light|dark] [HEIGHT] [SELECTOR] [SECONDS]');
   process.exit(2);
 }
 const executablePath = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'].find(existsSync);
@@ -16,12 +16,21 @@ await page.goto(`file://${resolve(html)}`);
 await page.waitForSelector('main');
 await page.evaluate(() => document.documentElement.style.setProperty('scroll-behavior', 'auto'));
 // Every figure is drawn once it has been in the window.
-for (const figure of await page.locator('.figure, .replay').all()) {
+for (const figure of height === undefined ? await page.locator('.figure, .replay').all() : []) {
   await figure.scrollIntoViewIfNeeded();
   await page.waitForTimeout(700);
 }
 await page.evaluate(() => scrollTo(0, 0));
 await page.waitForTimeout(1500);
 if (selector === undefined) await page.screenshot({ path: out, fullPage: height === undefined });
-else await page.locator(selector).first().screenshot({ path: out });
+else {
+  await page.addStyleTag({ content: '.toolbar { display: none }' });   // it would lie over the picture
+  const part = page.locator(selector).first();
+  await part.scrollIntoViewIfNeeded();
+  if (seconds !== undefined) {
+    await page.locator('.transport input[type=range]').evaluate((input, value) => { input.value = value; input.dispatchEvent(new Event('input', { bubbles: true })); }, seconds);
+  }
+  await page.waitForTimeout(1000);
+  await part.screenshot({ path: out });
+}
 await browser.close();

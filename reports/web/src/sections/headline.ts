@@ -98,7 +98,7 @@ function forest(model: Model, shown: readonly Judged[], pair: readonly [Series, 
       });
       const difference = told.find((d) => d.family === (family === '' ? name : ''));
       return h('div', { class: 'forest-row' }, h('span', { class: 'where' }, name === '' ? 'all' : name), track(found),
-        pair === null ? null : h('span', { class: 'difference' }, ...(difference === undefined ? [] : differenceText(difference))));
+        pair === null ? null : h('span', { class: 'difference' }, ...(difference === undefined ? [document.createTextNode('\u00a0')] : differenceText(difference))));
     }),
     h('div', { class: 'forest-row axis' }, h('span'), ticks, pair === null ? null : h('span')));
 }
@@ -137,7 +137,9 @@ function whereItFails(model: Model, loser: Series): string | null {
   return `${loser.name} fails ${2 * top.n > failed ? 'mainly' : 'most often'}${several ? ` in ${top.family}` : ''}: ${top.cause}, ${integer(top.n)} of ${plural(failed, 'failure')}.`;
 }
 
-/** Fills `box`; what takes its time comes after the first paint. */
+let painted = false;
+
+/** Fills `box`. The first time the rates are painted before worlds are paired, whose place is kept. */
 export function fillHeadline(model: Model, box: HTMLElement): void {
   const shown = judged(model);
   let withRows = shown.filter((j) => j.row !== undefined);
@@ -151,16 +153,22 @@ export function fillHeadline(model: Model, box: HTMLElement): void {
     return;
   }
   const pair = rivals(withRows);
-  const told = pair === null ? [] : differences(model, ...pair, view().families);
+  const now = view();
+  const later = !painted && pair !== null;
+  painted = true;
+  if (later) {
+    requestAnimationFrame(() => setTimeout(() => { if (view() === now) fillHeadline(model, box); }));
+  }
+  const told = pair === null || later ? [] : differences(model, ...pair, now.families);
   const [all] = told;
   // The baseline stands beside the best, though it may not be one of them.
   if (pair !== null && !withRows.some((j) => j.series === pair[0])) withRows = [...withRows, { series: pair[0], row: undefined }];
   const fails = h('p', { class: 'fails' });
   replace(box, forest(model, withRows, pair, told),
-    pair === null || all === undefined || all.n === 0 ? null : h('div', { class: 'paired-words' }, h('p', null, sentence(...pair, all)), fails));
+    later ? h('div', { class: 'paired-words soon' })
+      : pair === null || all === undefined || all.n === 0 ? null : h('div', { class: 'paired-words' }, h('p', null, sentence(...pair, all)), fails));
   if (pair === null || all === undefined) return;
   const loser = all.onlyB >= all.onlyA ? pair[0] : pair[1];
-  const now = view();
   // After the frame that shows the rest.
   requestAnimationFrame(() => setTimeout(() => {
     if (view() === now) replace(fails, whereItFails(model, loser));
