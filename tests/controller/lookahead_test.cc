@@ -139,14 +139,14 @@ TEST_P(Ahead, ARolloutSaysWhyItStops) {
   // Within reach of nothing: the goal is 3 m up.
   o.goal.X_WG.translation().z() = 3.0;
   EXPECT_EQ(run({.time = 20.0}), RolloutEnd::kStagnates);
-  // Something falls on the robot.
-  const std::vector<ObjectShape> ball{{"ball", make_sphere(0.2)}};
+  // Something falls on the robot, too wide and too fast to get out of its way.
+  const std::vector<ObjectShape> ball{{"ball", make_sphere(0.8)}};
   rollout.reset(ball);
   o.objects.resize(1);
   Kinematics kinematics(model);
   kinematics.update(o.base, o.q);
-  o.objects[0].X_WO.translation() = kinematics.X_WE().translation() + Vector3(0.0, 0.0, 1.0);
-  o.objects[0].V_WO_W[5] = -3.0;
+  o.objects[0].X_WO.translation() = kinematics.X_WE().translation() + Vector3(0.0, 0.0, 2.0);
+  o.objects[0].V_WO_W[5] = -8.0;
   EXPECT_EQ(run({.time = 20.0}), RolloutEnd::kTouches);
   EXPECT_LT(rollout.time(), 1.0);
 }
