@@ -71,15 +71,17 @@ TEST(StoreColumns, ANewMetricComesToAStoreByItself) {
   EXPECT_EQ(count("SELECT count(*) FROM v_summary WHERE manip_mean IS NULL"), 0);
 }
 
-TEST(StoreColumns, MergeKeepsWhatEitherStoreKnows) {
+TEST(StoreColumns, MergeTakesStoresFromBeforeAMetric) {
   const TemporaryFolder folder;
   write_synthetic(folder / "old.db", {"one"}, 4);
   forget(folder / "old.db", {"slack_max"}, {});
   write_synthetic(folder / "new.db", {"one"}, 6);
-  EXPECT_EQ(store::merge(folder / "out.db", {folder / "old.db", folder / "new.db"}).added, 6u);
+  // slack_max was there from the start: the same trials with and without it contradict each other.
+  EXPECT_THROW(store::merge(folder / "both.db", {folder / "old.db", folder / "new.db"}), StoreError);
+  EXPECT_EQ(store::merge(folder / "out.db", {folder / "old.db"}).added, 4u);
   const auto rows = store::query(folder / "out.db", "SELECT count(*), count(slack_max) FROM v_trials").rows;
-  EXPECT_EQ(std::get<std::int64_t>(rows[0][0]), 6);
-  EXPECT_EQ(std::get<std::int64_t>(rows[0][1]), 2) << "the first stored result stays";
+  EXPECT_EQ(std::get<std::int64_t>(rows[0][0]), 4);
+  EXPECT_EQ(std::get<std::int64_t>(rows[0][1]), 0) << "a store without the column joins one that has it";
 
   {
     SQLite::Database db((folder / "new.db").string(), SQLite::OPEN_READWRITE);

@@ -112,7 +112,7 @@ TEST(Suite, OverridesReachAnyKey) {
   EXPECT_EQ(suite.points[0].robot->model->num_joints(), 3) << "the robot file's other keys stay";
   EXPECT_EQ(suite.points[0].success.position, 0.1);
 
-  EXPECT_REFUSED(file, (Overrides{{"simulaton.mode", "dynamic"}}), "did you mean simulation?");
+  EXPECT_REFUSED(file, (Overrides{{"simulaton.mode", "dynamic"}}), "did you mean simulation.mode?");
   EXPECT_REFUSED(file, (Overrides{{"controllers.three.lambda_q", "x"}}), "controllers.three.lambda_q");
   EXPECT_REFUSED(file, (Overrides{{"controller.lambda_p", "1"}}), "lambda_p");
   const Suite swapped = load_suite(file, {{"controllers.two", (folder.root() / "controllers/plain.yaml").string()}});

@@ -196,7 +196,7 @@ TEST(Figures, DrawnWithoutABrowser) {
   }
   std::set<std::string> wanted;
   for (const char* id :
-       {"arrival", "course", "difficulty", "manipulability", "metric", "outcomes", "paired", "scatter", "timing"}) {
+       {"arrival", "course", "difficulty", "forest", "manipulability", "metric", "outcomes", "paired", "scatter", "timing"}) {
     wanted.insert({std::string(id) + ".svg", std::string(id) + ".pdf"});
   }
   EXPECT_EQ(names, wanted);

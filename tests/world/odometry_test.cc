@@ -232,7 +232,9 @@ TEST(Actuation, MovesThePlantAsMuch) {
   World world = empty_world(*model);
   world.seed = 3;
   Disturbances d;
-  d.actuators = {.joints = {.delay = 0.2, .gain_error = 0.05}, .base = {0.2, {0.1, 0.1}}};
+  d.actuators.joints.delay = 0.2;
+  d.actuators.joints.gain_error = 0.05;
+  d.actuators.base = {0.2, {0.1, 0.1}};
   for (const SimulationMode mode : {SimulationMode::kKinematic, SimulationMode::kDynamic}) {
     SimulationConfig simulation;
     simulation.mode = mode;
@@ -261,7 +263,9 @@ TEST(Actuation, AllocatesNothing) {
   if (!NoAlloc::works()) GTEST_SKIP() << "malloc is another's here";
   const auto model = tiny_robot();
   Disturbances d;
-  d.actuators = {.joints = {.delay = 0.04, .gain_error = 0.1}, .base = {0.1, {0.1, 0.1}}};
+  d.actuators.joints.delay = 0.04;
+  d.actuators.joints.gain_error = 0.1;
+  d.actuators.base = {0.1, {0.1, 0.1}};
   Actuation actuation(d, *model, numbered(0), 0.02);
   const VectorX command = VectorX::Ones(5);
   const NoAlloc guard;
