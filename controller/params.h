@@ -7,8 +7,8 @@
 #include "controller/describe/enumeration.h"
 #include "controller/model/manipulability.h"
 #include "controller/model/robot_model.h"
-#include "controller/safe/params.h"
 #include "controller/plan/plan_params.h"
+#include "controller/safe/params.h"
 #include "controller/types.h"
 
 namespace moma {

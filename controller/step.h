@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "controller/describe/enumeration.h"
 #include "controller/ahead/plan_brief.h"
+#include "controller/describe/enumeration.h"
 #include "controller/escape_state.h"
 #include "controller/model/proximity.h"
 #include "controller/types.h"
@@ -56,7 +56,7 @@ struct StepResult {
   double kept = 1.0;   ///< share of the QP's command that the check of braking kept
   double latency_base = -1.0;  ///< from a command to the velocity measured of it, as found [s]; -1: not looked for
   double latency_joints = -1.0;
-  PlanBrief plan;  ///< of looking ahead, when the step began; as by default where it is off
+  PlanBrief plan;              ///< of looking ahead, when the step began; as by default where it is off
   double solve_seconds = 0.0;  ///< 0 unless timing was asked for; never part of a comparison
 };
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "controller/describe/complete.h"
-#include "eval/store/difficulty.h"
 #include "eval/search/words.h"
+#include "eval/store/difficulty.h"
 #include "eval/store/words.h"
 #include "world/plant/plant.h"
 

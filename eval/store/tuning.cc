@@ -8,11 +8,11 @@
 #include <bit>
 #include <nlohmann/json.hpp>
 
+#include "eval/search/words.h"
 #include "eval/store/database.h"
 #include "eval/store/hash.h"
 #include "eval/store/machine.h"
 #include "eval/store/row_binding.h"
-#include "eval/search/words.h"
 #include "eval/store/words.h"
 
 namespace moma::store {

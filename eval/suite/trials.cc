@@ -12,7 +12,6 @@ namespace {
 using config::MapReader;
 using config::Node;
 
-
 UntilRule read_until(const Node& node, const std::string& key) {
   UntilRule rule;
   MapReader in(node, key);

@@ -188,7 +188,7 @@ TEST(Disturbances, CommandsActLateAndScaledOnThePlant) {
   point.simulation.time_limit = 1.0;
   point.stuck.time = kInfinity;
   point.disturbances.actuators.joints.delay = 0.06;  // 3 steps
-  point.disturbances.actuators.base.delay = 0.1;    // 5
+  point.disturbances.actuators.base.delay = 0.1;     // 5
   point.disturbances.actuators.base.gain_error.linear = 0.1;
   World world = tiny_world(3.0);
   world.seed = 8;

@@ -182,7 +182,7 @@ TEST(Actuation, DelaysInStepsAndScalesByAConstantFactor) {
   const auto model = tiny_robot();
   Disturbances d;
   d.actuators.joints.delay = 0.04;  // 2 steps
-  d.actuators.base.delay = 0.1;    // 5
+  d.actuators.base.delay = 0.1;     // 5
   d.actuators.joints.gain_error = 0.05;
   d.actuators.base.gain_error = {0.1, 0.2};
   std::vector<double> joint, linear, angular;
