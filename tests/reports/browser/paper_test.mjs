@@ -109,7 +109,7 @@ const open = opener(browser);
   const pages = Number(/Pages:\s+(\d+)/.exec(run('pdfinfo', pdf).toString())[1]);
   const texts = Array.from({ length: pages }, (_, i) => run('pdftotext', '-layout', '-f', String(i + 1), '-l', String(i + 1), pdf, '-').toString());
   const all = texts.join('\n');
-  for (const words of ['Arrived by a given time', 'Success against goal distance', 'World by world', 'Replay', 'Provenance', 'Failures']) check(all.includes(words), `the print has ${words}`);
+  for (const words of ['Arrived by a given time', 'Success against goal distance', 'on the same worlds', 'Replay', 'Provenance', 'Failures']) check(all.includes(words), `the print has ${words}`);
   check(!/^\s*Trials\s*$/m.test(all), 'no heading of a part that is not printed');
   texts.forEach((text, i) => {
     const last = text.trimEnd().split('\n').pop() ?? '';
