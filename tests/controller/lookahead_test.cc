@@ -15,7 +15,7 @@ constexpr double kPeriod = 0.02;
 
 ControllerParams read_params(const RobotModel& model, bool plan) {
   std::vector<std::string> warnings;
-  const config::Node file = config::load_yaml(source_path("configs/controllers/moma.yaml"));
+  const config::Node file = config::load_yaml(source_path("configs/controllers/moma-reactive.yaml"));
   ControllerParams params = config::read_controller(file, "controller", model, kPeriod, warnings);
   params.plan.enabled = plan;
   return params;

@@ -16,7 +16,7 @@
 
 namespace moma::test {
 
-/// As configs/controllers/moma.yaml where it matters for paths.
+/// As configs/controllers/moma-reactive.yaml where it matters for paths.
 inline ControllerParams plan_params(const RobotModel& model) {
   ControllerParams params;
   params.acceleration_limit = VectorX::Constant(model.num_velocities(), 5.0);

@@ -225,7 +225,7 @@ TEST(Batch, ThreadsChangeNoBit) {
         MOMA_SOURCE_DIR "/configs/suites/demo.yaml",
         {{"simulation.mode", mode}, {"simulation.time_limit", "3"}, {"trials", mode[0] == 'k' ? "12" : "4"}});
     const std::vector<std::string> one = rows_of(suite, 1);
-    EXPECT_EQ(one.size(), 2 * suite.trials);
+    EXPECT_EQ(one.size(), suite.points.size() * suite.trials);
     EXPECT_EQ(rows_of(suite, 2), one) << mode;
     EXPECT_EQ(rows_of(suite, 4), one) << mode;
   }

@@ -294,8 +294,7 @@ TEST(Disturbances, TheLargestThatAreAllowedEndTrialsInAnOutcome) {
 
 TEST(Disturbances, TheShippedSuiteIsGood) {
   const Suite suite = load_suite(MOMA_SOURCE_DIR "/configs/suites/disturbances.yaml");
-  ASSERT_EQ(suite.warnings.size(), 1u);
-  EXPECT_NE(suite.warnings[0].find("controllers.careful.collision.stop"), std::string::npos) << suite.warnings[0];
+  EXPECT_TRUE(suite.warnings.empty()) << suite.warnings.front();
   ASSERT_EQ(suite.points.size(), 9u);
   int on = 0;
   for (const Point& point : suite.points) on += any(point.disturbances) ? 1 : 0;

@@ -34,7 +34,7 @@ TEST(EscapeBatch, OneAndFourThreadsGiveTheSameBits) {
   const std::string configs = MOMA_SOURCE_DIR "/configs/";
   const Suite suite =
       load_suite(folder.write("escape.yaml", "robot: " + configs + "robots/frankie.yaml\n" +
-                                                 "controllers: {moma: " + configs + "controllers/moma.yaml}\n" + R"(
+                                                 "controllers: {moma: " + configs + "controllers/moma-reactive.yaml}\n" + R"(
 worlds: {seed: 3, families: {clutter: {weight: 3}, moving: {weight: 1}}}
 simulation: {mode: kinematic, time_limit: 10}
 trials: 12

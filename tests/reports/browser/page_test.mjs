@@ -358,7 +358,7 @@ if (moma !== undefined) {
 
 // ---- trials that moma simulated: robots, worlds and samples as the program writes them -----------------------------
 const suites = [['frankie', 'robots/frankie.yaml', 'clutter', '{}'], ['tiago', 'robots/examples/tiago.yaml', 'moving', '{}'],
-  ['rows', 'robots/frankie.yaml', 'moving', join(source, 'configs/controllers/moma.yaml')]];
+  ['rows', 'robots/frankie.yaml', 'moving', join(source, 'configs/controllers/moma-reactive.yaml')]];
 for (const [name, robot, family, controller] of moma === undefined ? [] : suites) {
   const suite = join(work, `${name}.yaml`);
   writeFileSync(suite, `name: ${name}\nrobot: ${join(source, 'configs', robot)}\ncontrollers: {moma: ${controller}}\nworlds: {seed: 5, families: `
@@ -406,7 +406,7 @@ for (const [name, robot, family, controller] of moma === undefined ? [] : suites
 // ---- disturbances: what points differ by, and failures for want of sight --------------------------------------------
 if (moma !== undefined) {
   const suite = join(work, 'sight.yaml');
-  writeFileSync(suite, `name: sight\nrobot: ${join(source, 'configs/robots/frankie.yaml')}\ncontrollers: {one: {}, two: ${join(source, 'configs/controllers/moma.yaml')}}\n`
+  writeFileSync(suite, `name: sight\nrobot: ${join(source, 'configs/robots/frankie.yaml')}\ncontrollers: {one: {}, two: ${join(source, 'configs/controllers/moma-reactive.yaml')}}\n`
     + 'worlds: {seed: 12, families: {clutter: {weight: 1}}}\nsimulation: {mode: kinematic, time_limit: 6}\ntrials: 8\nsamples: failures\n'
     + `sweep: {axes: {disturbances: [none, {objects: {range: 0.3}}, ${join(source, 'configs/disturbances/realistic.yaml')}]}}\n`);
   execFileSync(moma, ['run', suite, '-o', join(work, 'sight.db'), '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });
