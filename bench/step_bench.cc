@@ -8,6 +8,7 @@
 #include "controller/config/controller_file.h"
 #include "controller/config/robot_file.h"
 #include "controller/controller.h"
+#include "controller/controller_core.h"
 #include "controller/model/manipulability.h"
 #include "controller/qp/terms.h"
 #include "controller/qp/tracking.h"
@@ -206,7 +207,7 @@ BENCHMARK(PartRows)->Arg(0)->Arg(10)->Arg(40)->ArgName("objects");
 void solve(benchmark::State& state, SolverKind kind) {
   const ControllerParams params = preset("holistic");
   const Drive drive(params, static_cast<int>(state.range(0)));
-  Controller controller(frankie(), params, 0.02);
+  ControllerCore controller(frankie(), params, 0.02);
   controller.reset(drive.shapes);
   StepResult r;
   controller.prepare(r);

@@ -6,16 +6,13 @@ set_target_properties(moma_controller PROPERTIES EXPORT_NAME controller)
 set_target_properties(moma_config PROPERTIES EXPORT_NAME config)
 set_target_properties(moma_daqp PROPERTIES EXPORT_NAME daqp)
 set_target_properties(moma_plugin PROPERTIES EXPORT_NAME plugin)
+# Headers are those that each target lists in its file set.
 install(TARGETS moma_controller moma_config moma_plugin moma_daqp EXPORT momaTargets
+        FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/moma" COMPONENT library
         ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT library
         LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT library)
 install(EXPORT momaTargets NAMESPACE moma:: DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/moma" COMPONENT library)
 
-# Case files and their optimality check serve `moma solve` alone, the fitting of shapes `moma robot`; solver adapters show the solvers' own headers.
-install(DIRECTORY controller DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/moma" COMPONENT library
-        FILES_MATCHING PATTERN "*.h" PATTERN "case" EXCLUDE PATTERN "fit" EXCLUDE PATTERN "solver_*.h" EXCLUDE)
-install(DIRECTORY plugin DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/moma" COMPONENT library
-        FILES_MATCHING PATTERN "*.h" PATTERN "host" EXCLUDE)
 foreach(component program library)
   install(DIRECTORY configs/ DESTINATION "${CMAKE_INSTALL_DATADIR}/moma/configs" COMPONENT ${component})
   install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT ${component})
@@ -39,22 +36,9 @@ if(MOMA_WHEEL_PREFIX)
   foreach(package IN LISTS MOMA_PACKAGES)
     list(APPEND libraries "${MOMA_WHEEL_PREFIX}/lib/lib${package}${CMAKE_SHARED_LIBRARY_SUFFIX}")
   endforeach()
+  configure_file(cmake/install_wheels.cmake.in "${PROJECT_BINARY_DIR}/install_wheels.cmake" @ONLY)
   foreach(component program library)
-    install(CODE "
-      set(moma_wheel \"${MOMA_WHEEL_PREFIX}/lib\")
-      file(GET_RUNTIME_DEPENDENCIES LIBRARIES ${libraries} DIRECTORIES \"\${moma_wheel}\"
-           RESOLVED_DEPENDENCIES_VAR moma_needed UNRESOLVED_DEPENDENCIES_VAR moma_missing)
-      if(moma_missing)
-        message(FATAL_ERROR \"the wheels' libraries need what is nowhere: \${moma_missing}\")
-      endif()
-      list(FILTER moma_needed INCLUDE REGEX \"^\${moma_wheel}/\")
-      # Loaders ask for the name that a library gives itself, which may be another than the linker's.
-      foreach(moma_library IN ITEMS ${libraries})
-        file(GLOB moma_names \"\${moma_library}*\")
-        list(APPEND moma_needed \${moma_names})
-      endforeach()
-      file(INSTALL \${moma_needed} DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${MOMA_WHEEL_LIBDIR}\" FOLLOW_SYMLINK_CHAIN)"
-      COMPONENT ${component})
+    install(SCRIPT "${PROJECT_BINARY_DIR}/install_wheels.cmake" COMPONENT ${component})
   endforeach()
 endif()
 

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
+#include <string_view>
 
-#include "controller/controller.h"
+#include "controller/controller_core.h"
 #include "controller/describe/enumeration.h"
 
 namespace moma {
@@ -60,14 +62,14 @@ class Rollout {
   /// Where everything is now, and what the last step came to.
   const Observation& state() const noexcept { return state_; }
   const StepResult& result() const noexcept { return result_; }
-  const Controller& policy() const noexcept { return policy_; }
-  Controller& policy() noexcept { return policy_; }
+  const ControllerCore& policy() const noexcept { return policy_; }
+  ControllerCore& policy() noexcept { return policy_; }
 
  private:
   std::shared_ptr<const RobotModel> model_;
   double period_;
   double patience_;
-  Controller policy_;
+  ControllerCore policy_;
   RolloutLimits limits_;
   int allowed_ = 0;  // stagnations
   Observation state_;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "controller/case/plan_case.h"
 #include "controller/config/controller_file.h"

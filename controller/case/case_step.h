@@ -2,7 +2,7 @@
 
 #include "controller/case/case_file.h"
 #include "controller/case/kkt.h"
-#include "controller/controller.h"
+#include "controller/controller_core.h"
 
 namespace moma {
 
@@ -11,7 +11,7 @@ struct CaseStep {
   explicit CaseStep(const ControlCase& control_case);
 
   const ControlCase& given;
-  Controller controller;
+  ControllerCore controller;
   StepResult result;
 };
 

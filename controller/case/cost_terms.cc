@@ -3,7 +3,7 @@
 namespace moma {
 
 std::vector<CostTerm> cost_terms(const CaseStep& step) {
-  const Controller& controller = step.controller;
+  const ControllerCore& controller = step.controller;
   const ControllerParams& params = controller.params();
   const RobotModel& model = controller.model();
   const int base = model.base_dof(), joints = model.num_joints(), velocities = model.num_velocities();

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <cstdio>
 #include <numeric>
+#include <string>
+#include <vector>
 
 #include "controller/case/case_step.h"
 #include "controller/case/cost_terms.h"
@@ -21,14 +23,14 @@ std::string number(double value, const char* format = "%.4g") {
   return buffer;
 }
 
-std::string name_of(const Controller& controller, int variable) {
+std::string name_of(const ControllerCore& controller, int variable) {
   const std::vector<std::string> names = controller.model().velocity_names();
   const int n = static_cast<int>(names.size());
   return variable < n ? names[static_cast<std::size_t>(variable)] : "delta/" + std::to_string(variable - n);
 }
 
 // Base velocities of a differential base are m/s, then rad/s; of an omnidirectional one the first two are m/s.
-std::string unit_of(const Controller& controller, int variable) {
+std::string unit_of(const ControllerCore& controller, int variable) {
   const RobotModel& model = controller.model();
   const int base = model.base_dof();
   if (variable < base) return variable < base - 1 ? "m/s" : "rad/s";
@@ -41,7 +43,7 @@ std::string unit_of(const Controller& controller, int variable) {
 
 // Which of speed limit, joint limit and acceleration makes this bound.
 std::string bound_cause(const CaseStep& step, int variable, bool upper, double bound) {
-  const Controller& controller = step.controller;
+  const ControllerCore& controller = step.controller;
   const RobotModel& model = controller.model();
   const int velocities = model.num_velocities();
   if (variable >= velocities) return "the slack's limit";
@@ -178,7 +180,7 @@ std::string describe_fallback(const CaseStep& step) {
   return "";
 }
 
-std::string describe_escape(const Controller& controller) {
+std::string describe_escape(const ControllerCore& controller) {
   const EscapeParams& params = controller.params().escape;
   const EscapeState& state = controller.escape_state();
   if (!params.enabled && !controller.params().servo.vortex.enabled) return "";
@@ -210,7 +212,7 @@ std::string describe_task(const CaseStep& step) {
 }
 
 std::string describe_surroundings(const CaseStep& step) {
-  const Controller& controller = step.controller;
+  const ControllerCore& controller = step.controller;
   std::string out;
   if (controller.params().method == Method::kQp) {
     const auto pairs = controller.distances();

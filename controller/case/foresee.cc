@@ -56,7 +56,7 @@ std::string meaning(PlanReason reason) {
   return "";
 }
 
-std::string names_of_active(const Controller& controller) {
+std::string names_of_active(const ControllerCore& controller) {
   constexpr double kActive = 1e-7;
   const QpProblem& p = controller.problem();
   const VectorX& x = controller.solution().x;
@@ -83,7 +83,7 @@ std::string place(const Rollout& rollout) {
 
 }  // namespace
 
-std::string describe_plan(const Controller& controller) {
+std::string describe_plan(const ControllerCore& controller) {
   const Lookahead* ahead = controller.lookahead();
   if (ahead == nullptr) return "";
   const PlanState& state = ahead->state();

@@ -1,5 +1,7 @@
 #include "controller/case/plan_case.h"
 
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "controller/case/case_file.h"

@@ -37,7 +37,7 @@ Json pose(const Isometry& X) {
   return {{"position", numbers(X.translation())}, {"quaternion", {q.w(), q.x(), q.y(), q.z()}}};
 }
 
-Json distance(const ProximityPair& pair, const Controller& controller) {
+Json distance(const ProximityPair& pair, const ControllerCore& controller) {
   const RobotModel& model = controller.model();
   const auto shape = [&](int i) -> const CollisionShape& { return model.shapes[static_cast<std::size_t>(i)]; };
   std::string kind = "object", second;
@@ -65,7 +65,7 @@ Json distance(const ProximityPair& pair, const Controller& controller) {
 }
 
 // Closed-form methods pose no problem: their matrices are empty.
-void add_problem(const Controller& controller, Json& out) {
+void add_problem(const ControllerCore& controller, Json& out) {
   const QpProblem& p = controller.problem();
   const bool qp = controller.params().method == Method::kQp;
   const int n = qp ? p.n() : 0;
@@ -84,7 +84,7 @@ void add_problem(const Controller& controller, Json& out) {
 
 nlohmann::ordered_json solve(const ControlCase& control_case) {
   const CaseStep step(control_case);
-  const Controller& controller = step.controller;
+  const ControllerCore& controller = step.controller;
   const StepResult& result = step.result;
   const bool qp = controller.params().method == Method::kQp;
   Json out;

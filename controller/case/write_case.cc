@@ -1,4 +1,6 @@
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 #include "controller/case/case_file.h"
 #include "controller/case/plan_case.h"

@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-#include "controller/controller.h"
+#include "controller/controller_core.h"
 
 namespace moma {
 namespace {
@@ -34,7 +34,7 @@ class Witness final : public StepController {
   std::string_view failure() const noexcept override { return found_ ? "is where the case was taken" : ""; }
 
  private:
-  Controller controller_;
+  ControllerCore controller_;
   long left_;
   ControlCase& out_;
   bool& found_;

@@ -33,7 +33,7 @@ TEST(CaseMemory, AStepIsRepeatedBitForBitFromItsFile) {
     Rng rng(1);
     ControlCase c = safe_case(robot);
     c.objects = random_objects(rng, 5);
-    Controller controller(c.robot.model, c.controller, c.control_period);
+    ControllerCore controller(c.robot.model, c.controller, c.control_period);
     controller.reset(c.objects);
     StepResult result;
     controller.prepare(result);
@@ -77,7 +77,7 @@ TEST(CaseMemory, IsRefusedWhereItIsAnotherControllers) {
   Rng rng(2);
   ControlCase c = safe_case("configs/robots/frankie.yaml");
   c.objects = random_objects(rng, 2);
-  Controller controller(c.robot.model, c.controller, c.control_period);
+  ControllerCore controller(c.robot.model, c.controller, c.control_period);
   controller.reset(c.objects);
   controller.get_memory(c.memory);
   c.observation = random_observation(*c.robot.model, 2, rng, 1.0);

@@ -4,7 +4,7 @@
 
 #include <Eigen/SVD>
 
-#include "controller/controller.h"
+#include "controller/controller_core.h"
 #include "tests/controller/qp_robots.h"
 
 namespace moma {
@@ -29,7 +29,7 @@ struct Answer {
 };
 
 Answer run(const std::shared_ptr<const RobotModel>& model, ControllerParams p, const Observation& o) {
-  Controller c(model, std::move(p), 0.02);
+  ControllerCore c(model, std::move(p), 0.02);
   StepResult r;
   c.prepare(r);
   c.step(o, r);

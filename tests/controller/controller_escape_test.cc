@@ -5,7 +5,7 @@
 
 #include <cstdlib>
 
-#include "controller/controller.h"
+#include "controller/controller_core.h"
 #include "tests/controller/qp_robots.h"
 #include "tests/support/no_alloc.h"
 
@@ -34,7 +34,7 @@ ControllerParams everything() {
 // A robot that is driven by its own commands among obstacles, for so many steps.
 struct Drive {
   std::shared_ptr<const RobotModel> model;
-  Controller controller;
+  ControllerCore controller;
   std::vector<ObjectShape> shapes;
   Observation now;
   StepResult result;
@@ -85,7 +85,7 @@ TEST(ControllerEscape, ResetGivesTheSameBits) {
 TEST(ControllerEscape, AStepCanBeRepeatedFromItsState) {
   for (const auto& model : all_robots()) {
     Drive drive(model, everything(), 6);
-    Controller other(model, everything(), 0.02);
+    ControllerCore other(model, everything(), 0.02);
     StepResult result;
     other.prepare(result);
     int on_detour = 0;
@@ -149,7 +149,7 @@ TEST(ControllerEscape, RandomStepsStayFiniteAndInsideTheirBounds) {
     p.acceleration_limit = VectorX::Constant(model->num_velocities(), uniform(rng, 2.0, 20.0));
     p.collision.max_pairs = static_cast<int>(rng() % 40);
     const std::vector<ObjectShape> shapes = random_objects(rng, rng() % 12);
-    Controller c(model, p, 0.02);
+    ControllerCore c(model, p, 0.02);
     c.reset(shapes);
     StepResult result;
     c.prepare(result);

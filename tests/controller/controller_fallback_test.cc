@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "controller/controller.h"
+#include "controller/controller_core.h"
 #include "tests/controller/qp_robots.h"
 
 namespace moma {
@@ -36,7 +36,7 @@ class Fallbacks : public ::testing::TestWithParam<SolverKind> {
     observation_.objects[0].V_WO_W.tail<3>() = Vector3(-speed, 0, 0);
   }
   const StepResult& step() {
-    controller_ = std::make_unique<Controller>(model_, params_, 0.02);
+    controller_ = std::make_unique<ControllerCore>(model_, params_, 0.02);
     controller_->reset(shapes_);
     controller_->prepare(result_);
     controller_->step(observation_, result_);
@@ -48,7 +48,7 @@ class Fallbacks : public ::testing::TestWithParam<SolverKind> {
   std::vector<ObjectShape> shapes_;
   Observation observation_;
   Isometry tip_;
-  std::unique_ptr<Controller> controller_;
+  std::unique_ptr<ControllerCore> controller_;
   StepResult result_;
 };
 

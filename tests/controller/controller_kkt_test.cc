@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "controller/controller.h"
+#include "controller/controller_core.h"
 #include "tests/controller/qp_robots.h"
 
 namespace moma {
@@ -38,7 +38,7 @@ ControllerParams random_params(const RobotModel& model, Rng& rng) {
   return p;
 }
 
-void expect_bounds(const Controller& c, const StepResult& r, const Observation& o, int trial) {
+void expect_bounds(const ControllerCore& c, const StepResult& r, const Observation& o, int trial) {
   const VectorX limit = c.model().velocity_limits();
   ASSERT_TRUE(r.command.allFinite()) << "trial " << trial;
   for (int i = 0; i < r.command.size(); ++i) {
@@ -65,7 +65,7 @@ TEST(ControllerKkt, OptimalOverRandomStatesAndGains) {
   int solved = 0, infeasible = 0, relaxed = 0, rows = 0;
   for (int trial = 0; trial < 1500; ++trial) {
     const auto model = all_robots()[rng() % 3];
-    Controller c(model, random_params(*model, rng), 0.02);
+    ControllerCore c(model, random_params(*model, rng), 0.02);
     const std::vector<ObjectShape> shapes = random_objects(rng, rng() % 12);
     c.reset(shapes);
     StepResult r;
@@ -107,7 +107,7 @@ TEST(ControllerKkt, SolversAgree) {
     StepResult first;
     for (std::size_t k = 0; k < kinds.size(); ++k) {
       p.solver = kinds[k];
-      Controller c(model, p, 0.02);
+      ControllerCore c(model, p, 0.02);
       c.reset(shapes);
       StepResult r;
       c.prepare(r);
@@ -136,14 +136,14 @@ TEST(ControllerKkt, SameBitsWhateverCameBefore) {
   Rng rng(3);
   const auto model = frankie();
   const std::vector<ObjectShape> shapes = random_objects(rng, 8);
-  Controller used(model, {}, 0.02);
+  ControllerCore used(model, {}, 0.02);
   used.reset(shapes);
   StepResult a, b;
   used.prepare(a);
   for (int trial = 0; trial < 100; ++trial) {
     const Observation o = random_observation(*model, shapes.size(), rng);
     used.step(o, a);
-    Controller fresh(model, {}, 0.02);
+    ControllerCore fresh(model, {}, 0.02);
     fresh.reset(shapes);
     fresh.prepare(b);
     fresh.step(o, b);

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <sstream>
 
-#include "controller/controller.h"
+#include "controller/controller_core.h"
 #include "tests/controller/qp_robots.h"
 
 namespace moma {
@@ -92,14 +92,14 @@ Drawn draw() {
 }
 
 struct Stepped {
-  std::unique_ptr<Controller> controller;
+  std::unique_ptr<ControllerCore> controller;
   StepResult result;
 };
 
 Stepped step(const Drawn& d, SolverKind solver = SolverKind::kDaqp) {
   ControllerParams p = d.params;
   p.solver = solver;
-  Stepped s{std::make_unique<Controller>(d.model, p, kPeriod), {}};
+  Stepped s{std::make_unique<ControllerCore>(d.model, p, kPeriod), {}};
   s.controller->reset(d.shapes);
   s.controller->prepare(s.result);
   s.controller->step(d.seen, s.result);
@@ -125,7 +125,7 @@ TEST(ControllerProperties, SolvedStepsAreOptimalAndEveryCommandIsWithinItsBounds
   EXPECT_TRUE(rc::check([] {
     const Drawn d = draw();
     const Stepped s = step(d);
-    const Controller& c = *s.controller;
+    const ControllerCore& c = *s.controller;
     RC_CLASSIFY(s.result.status == StepStatus::kSolved, "solved");
     RC_LOG() << describe(d, s) << std::endl;
     RC_CLASSIFY(s.result.fallback == Fallback::kRelaxed, "relaxed");
@@ -216,7 +216,7 @@ Entry enter(const std::shared_ptr<const RobotModel>& model, const ControllerPara
   }
   const auto command = [&](double along, StepResult& result, int& rows) {
     seen.objects[0].X_WO.translation() = centre + along * direction;
-    Controller controller(model, params, kPeriod);
+    ControllerCore controller(model, params, kPeriod);
     controller.reset(ball);
     controller.prepare(result);
     controller.step(seen, result);
@@ -289,7 +289,7 @@ TEST(ControllerProperties, ABallThatPassesChangesTheCommandGradually) {
   ControllerParams p = entering(1.0);
   const std::vector<ObjectShape> ball = {{"ball", {ShapeKind::kSphere, {0.1, 0, 0}, nullptr}}};
   const auto largest_change = [&](int samples, int& entered) {
-    Controller controller(model, p, kPeriod);
+    ControllerCore controller(model, p, kPeriod);
     controller.reset(ball);
     StepResult result;
     controller.prepare(result);

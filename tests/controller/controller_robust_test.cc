@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "controller/controller.h"
+#include "controller/controller_core.h"
 #include "tests/controller/qp_robots.h"
 
 namespace moma {
@@ -15,7 +15,7 @@ class Robust : public ::testing::Test {
   void start(ControllerParams params, std::size_t objects, std::uint64_t seed = 21) {
     rng_.seed(seed);
     shapes_ = random_objects(rng_, objects);
-    controller_ = std::make_unique<Controller>(model_, std::move(params), 0.02);
+    controller_ = std::make_unique<ControllerCore>(model_, std::move(params), 0.02);
     controller_->reset(shapes_);
     controller_->prepare(result_);
   }
@@ -33,7 +33,7 @@ class Robust : public ::testing::Test {
 
   std::shared_ptr<const RobotModel> model_ = frankie();
   std::vector<ObjectShape> shapes_;
-  std::unique_ptr<Controller> controller_;
+  std::unique_ptr<ControllerCore> controller_;
   StepResult result_;
   Rng rng_;
 };
@@ -192,7 +192,7 @@ TEST_F(Robust, ConstructionRefusesNonsense) {
     ControllerParams p;
     change(p);
     try {
-      Controller c(model_, p, period);
+      ControllerCore c(model_, p, period);
       ADD_FAILURE() << key << " was taken";
     } catch (const std::invalid_argument& e) {
       EXPECT_NE(std::string(e.what()).find(key), std::string::npos) << e.what();
@@ -213,7 +213,7 @@ TEST_F(Robust, ConstructionRefusesNonsense) {
     p.method = Method::kPark;
     p.lambda_q = VectorX::Zero(7);
   });
-  EXPECT_THROW(Controller(nullptr, {}, 0.02), std::invalid_argument);
+  EXPECT_THROW(ControllerCore(nullptr, {}, 0.02), std::invalid_argument);
 }
 
 }  // namespace

@@ -56,7 +56,7 @@ TEST(ControllerRows, CollisionRowsMatchTheMeasuredRateOfDistance) {
     if (still)
       for (ObjectState& s : o.objects) s.V_WO_W.setZero();
     rig.step(o);
-    const Controller& c = rig.controller;
+    const ControllerCore& c = rig.controller;
     for (int r = 0; r < c.problem().rows; ++r) {
       const RowId& id = c.problem().ids[static_cast<std::size_t>(r)];
       if (id.kind == RowKind::kTracking || id.kind == RowKind::kWheel) continue;
@@ -103,7 +103,7 @@ TEST(ControllerRows, NearestFirstAndLimitedInNumber) {
   Rig rig(model, p, shapes);
   for (int trial = 0; trial < 50; ++trial) {
     rig.step(random_observation(*model, shapes.size(), rng, 0.6));
-    const Controller& c = rig.controller;
+    const ControllerCore& c = rig.controller;
     const auto pairs = c.distances();
     int collision_rows = 0;
     std::vector<RowKind> kinds;
@@ -177,7 +177,7 @@ TEST(ControllerRows, TrackingRows) {
   for (int trial = 0; trial < 50; ++trial) {
     const Observation o = random_observation(*model, 0, rng);
     rig.step(o);
-    const Controller& c = rig.controller;
+    const ControllerCore& c = rig.controller;
     const Isometry& X = c.kinematics().X_WE();
     // Independent of log_so3: the angle-axis of R_d R^T.
     const Eigen::AngleAxisd turn(Matrix3(o.goal.X_WG.linear() * X.linear().transpose()));
@@ -207,7 +207,7 @@ TEST(ControllerRows, WheelsMatchTheRollingOfTheBase) {
     const Wheels& w = *model->base.wheels;
     Rig rig(model, {});
     rig.step(random_observation(*model, 0, rng));
-    const Controller& c = rig.controller;
+    const ControllerCore& c = rig.controller;
     VectorX v = VectorX::Zero(c.problem().n());
     const int dof = model->base_dof();
     for (int i = 0; i < dof; ++i) v[i] = uniform(rng, -1, 1);
@@ -250,7 +250,7 @@ TEST(ControllerRows, ObjectiveIsTheSumOfItsTerms) {
   Rig rig(model, p);
   const Observation o = random_observation(*model, 0, rng);
   rig.step(o);
-  const Controller& c = rig.controller;
+  const ControllerCore& c = rig.controller;
   const Vector3 e_p = o.goal.X_WG.translation() - c.kinematics().X_WE().translation();
   const double e = e_p.cwiseAbs().sum();
   const Vector3 in_base = Eigen::AngleAxisd(-o.base.z(), Vector3::UnitZ()) *

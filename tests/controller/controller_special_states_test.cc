@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "controller/config/controller_file.h"
-#include "controller/controller.h"
+#include "controller/controller_core.h"
 #include "controller/qp/end_rows.h"
 #include "tests/support/robots.h"
 
@@ -37,7 +37,7 @@ class SpecialStates : public ::testing::TestWithParam<std::string> {
     seen_.goal.X_WG.translation() += by;
   }
   const StepResult& step(const std::string& what) {
-    controller_ = std::make_unique<Controller>(model_, params_, kPeriod);
+    controller_ = std::make_unique<ControllerCore>(model_, params_, kPeriod);
     controller_->reset(shapes_);
     controller_->prepare(result_);
     controller_->step(seen_, result_);
@@ -56,7 +56,7 @@ class SpecialStates : public ::testing::TestWithParam<std::string> {
   ControllerParams params_;
   Observation seen_;
   std::vector<ObjectShape> shapes_;
-  std::unique_ptr<Controller> controller_;
+  std::unique_ptr<ControllerCore> controller_;
   StepResult result_;
 };
 

@@ -57,7 +57,7 @@ TEST(EndRows, MatchTheMeasuredRateOfTheBallsDistance) {
     const ControllerParams p = with_ends();
     const std::vector<ObjectShape> shapes = random_objects(rng, 6);
     Rig rig(model, p, shapes);
-    const Controller& c = rig.controller;
+    const ControllerCore& c = rig.controller;
     const Observation o = random_observation(*model, shapes.size(), rng, 0.9);
     rig.step(o);
     for (int r = 0; r < c.problem().rows; ++r) {
@@ -88,7 +88,7 @@ TEST(EndRows, ExistForNearPairsWithCapsulesAndAreNamed) {
   for (int trial = 0; trial < 60; ++trial) {
     const std::vector<ObjectShape> shapes = random_objects(rng, 8);
     Rig rig(model, with_ends(), shapes);
-    const Controller& c = rig.controller;
+    const ControllerCore& c = rig.controller;
     const Observation o = random_observation(*model, shapes.size(), rng, 0.9);
     rig.step(o);
     std::set<std::tuple<int, int, int>> seen;
@@ -134,7 +134,7 @@ TEST(EndRows, DoNotCountAsPairsAndNeverOverflow) {
     p.collision.end_rows = 5.0;
     p.collision.object.influence = 5.0;
     Rig rig(model, p, shapes);
-    const Controller& c = rig.controller;
+    const ControllerCore& c = rig.controller;
     for (int trial = 0; trial < 20; ++trial) {
       rig.step(random_observation(*model, shapes.size(), rng, 0.5));
       int usual = 0, ends = 0, objects = 0;
@@ -171,7 +171,7 @@ TEST(EndRows, HoldBothEndsOfParallelCapsules) {
   for (const bool on : {false, true}) {
     p.collision.end_rows = on ? kRange : 0.0;
     Rig rig(model, p, shapes);
-    const Controller& c = rig.controller;
+    const ControllerCore& c = rig.controller;
     std::set<int> ends;
     rig.step(o);
     for (int r = 0; r < c.problem().rows; ++r) {

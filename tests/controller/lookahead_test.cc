@@ -66,7 +66,7 @@ class Loop {
     return -1.0;
   }
 
-  Controller controller;
+  ControllerCore controller;
   Observation o;
   StepResult result;
 
@@ -200,7 +200,7 @@ TEST_P(Ahead, AStepFollowsFromMemory) {
     const Scene scene = model->base.type == BaseType::kFixed ? make_scene(model, seed, 12) : behind_a_wall(model, seed);
     const ControllerParams params = read_params(*model, true);
     Loop loop(model, params, scene);
-    Controller other(model, params, kPeriod);
+    ControllerCore other(model, params, kPeriod);
     other.reset(scene.shapes);
     StepResult result;
     other.prepare(result);

@@ -113,7 +113,7 @@ TEST(Passing, RowsMatchThePredictedMotion) {
     const ControllerParams p = with_passing();
     const std::vector<ObjectShape> shapes = random_objects(rng, 6);
     Rig rig(model, p, shapes);
-    const Controller& c = rig.controller;
+    const ControllerCore& c = rig.controller;
     Observation o = random_observation(*model, shapes.size(), rng, 1.5);
     for (ObjectState& s : o.objects) s.X_WO.translation().z() = 0.3;
     rig.step(o);
@@ -269,7 +269,7 @@ TEST(Passing, AreBoundedByMaxPairsAndTakeNoMemory) {
     p.collision.end_rows = 0.2;
     p.acceleration_limit = VectorX::Constant(9, 3.0);
     Rig rig(model, p, shapes);
-    const Controller& c = rig.controller;
+    const ControllerCore& c = rig.controller;
     int most = 0;
     for (int trial = 0; trial < 60; ++trial) {
       const Observation o = random_observation(*model, shapes.size(), rng, 1.5);
@@ -299,7 +299,7 @@ TEST(Passing, GiveWayToTheUsualRows) {
     p.acceleration_limit = VectorX::Constant(model->num_velocities(), 2.0);
     const std::vector<ObjectShape> shapes = random_objects(rng, 3);
     Rig rig(model, p, shapes);
-    const Controller& c = rig.controller;
+    const ControllerCore& c = rig.controller;
     Observation o = random_observation(*model, shapes.size(), rng, 1.5);
     for (ObjectState& s : o.objects) s.X_WO.translation().z() = 0.3;
     rig.step(o);

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "controller/controller.h"
+#include "controller/controller_core.h"
 #include "tests/controller/qp_robots.h"
 
 namespace moma::test {
@@ -13,7 +13,7 @@ namespace moma::test {
 struct Rig {
   std::shared_ptr<const RobotModel> model;
   std::vector<ObjectShape> shapes;
-  Controller controller;
+  ControllerCore controller;
   StepResult result;
 
   Rig(std::shared_ptr<const RobotModel> m, ControllerParams p, std::vector<ObjectShape> s = {})

@@ -21,12 +21,26 @@ foreach(component IN LISTS components)
   run("installing ${component}" "${CMAKE_COMMAND}" --install "${BINARY_DIR}" --prefix "${prefix}" --component ${component})
 endforeach()
 
-# The installed headers must do without the source tree and its third-party sources.
-file(GLOB_RECURSE headers "${prefix}/include/*.h")
-list(LENGTH headers count)
-if(count LESS 15)
-  message(FATAL_ERROR "only ${count} headers were installed under ${prefix}/include")
+# The public face is what the targets list, and none of the controller's parts.
+file(GLOB_RECURSE headers RELATIVE "${prefix}/include/moma" "${prefix}/include/moma/*")
+set(listed "")
+foreach(header IN LISTS HEADERS)
+  file(RELATIVE_PATH header "${SOURCE_DIR}" "${header}")
+  list(APPEND listed "${header}")
+endforeach()
+list(SORT headers)
+list(SORT listed)
+if(NOT headers STREQUAL listed OR NOT "controller/controller.h" IN_LIST headers)
+  message(FATAL_ERROR "installed are\n  ${headers}\nand listed\n  ${listed}")
 endif()
+foreach(header IN LISTS headers)
+  if(header MATCHES "_core|/(qp|solver|task|closed_form|case|fit|host)/")
+    message(FATAL_ERROR "${header} is installed: it is an inner part")
+  endif()
+endforeach()
+list(TRANSFORM headers PREPEND "${prefix}/include/moma/")
+
+# Installed files must do without the source tree and its third-party sources.
 file(GLOB_RECURSE packages "${prefix}/*/cmake/moma/*.cmake")
 foreach(file IN LISTS headers packages)
   file(READ "${file}" text)
@@ -37,9 +51,21 @@ foreach(file IN LISTS headers packages)
   endif()
 endforeach()
 
+# What the prefix carries of other people's is there with its licence.
+foreach(wheel IN ITEMS coal:libcoal boost_filesystem:cmeel_boost eiquadprog:eiquadprog qpOASES:cmeel_qpoases)
+  string(REGEX REPLACE ":.*" "" library "${wheel}")
+  string(REGEX REPLACE ".*:" "" wheel "${wheel}")
+  file(GLOB_RECURSE carried "${prefix}/lib*/lib${library}.so*")
+  file(GLOB texts "${prefix}/share/doc/moma/licenses/${wheel}/*")
+  if(carried AND NOT texts)
+    message(FATAL_ERROR "no licence of ${wheel} under ${prefix}/share/doc/moma/licenses, but ${carried}")
+  endif()
+endforeach()
+
 run("configuring a consumer" "${CMAKE_COMMAND}" -S "${SOURCE_DIR}/tests/install/consumer" -B "${SCRATCH}/build"
     -G "${GENERATOR}" "-DCMAKE_PREFIX_PATH=${prefix}" "-DCMAKE_CXX_COMPILER=${CXX}" "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}"
-    "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}" "-DEXAMPLE=${SOURCE_DIR}/examples/steer_frankie.cc")
+    "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}" "-DEXAMPLE=${SOURCE_DIR}/examples/steer_frankie.cc"
+    "-DHEADERS=${prefix}/include/moma")
 run("building a consumer" "${CMAKE_COMMAND}" --build "${SCRATCH}/build")
 run("running the consumer" "${SCRATCH}/build/consumer")
 if(NOT output MATCHES "frankie: solved")

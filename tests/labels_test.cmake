@@ -1,0 +1,38 @@
+# Every test that ctest knows is labelled fast or slow, none both.
+#   cmake -DBINARY_DIR=... -DCTEST=... -P labels_test.cmake
+cmake_minimum_required(VERSION 3.25)
+
+# Sets `names` to the tests that ctest lists with these arguments.
+function(tests_of)
+  execute_process(COMMAND "${CTEST}" --test-dir "${BINARY_DIR}" -N ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE output)
+  if(NOT code EQUAL 0)
+    message(FATAL_ERROR "ctest -N ${ARGN} failed:\n${output}")
+  endif()
+  string(REGEX MATCHALL "Test +#[0-9]+: [^\n]+" names "${output}")
+  set(names "${names}" PARENT_SCOPE)
+endfunction()
+
+tests_of(-L "^fast$")
+set(labelled "${names}")
+tests_of(-L "^slow$")
+list(APPEND labelled ${names})
+tests_of()
+list(TRANSFORM names REPLACE ".*: " "")
+list(TRANSFORM labelled REPLACE ".*: " "")
+list(FILTER names EXCLUDE REGEX "_NOT_BUILT$")  # programs that are not built have no cases yet
+list(LENGTH names count)
+if(count LESS 20)
+  message(FATAL_ERROR "ctest lists ${count} tests only")
+endif()
+set(missing ${names})
+list(REMOVE_ITEM missing ${labelled})
+set(once ${labelled})
+list(REMOVE_DUPLICATES once)
+list(LENGTH labelled all)
+list(LENGTH once different)
+if(missing)
+  message(FATAL_ERROR "neither fast nor slow: ${missing}")
+endif()
+if(NOT all EQUAL different)
+  message(FATAL_ERROR "${all} labels, but ${different} tests have them: some are fast and slow")
+endif()
