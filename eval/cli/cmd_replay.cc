@@ -7,6 +7,8 @@
 #include "eval/cli/command.h"
 #include "eval/cli/table.h"
 #include "eval/cli/whole_file.h"
+#include "eval/identify/log_file.h"
+#include "eval/run/log_of_trial.h"
 #include "eval/run/replay.h"
 #include "eval/store/columns.h"
 #include "eval/store/reader.h"
@@ -76,6 +78,7 @@ void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
     bool check = false;
     long step = 0;
     std::string case_file;
+    std::string log_file;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("replay", "Simulate a stored trial again, from the store alone");
@@ -86,6 +89,7 @@ void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   CLI::Option* step = command->add_option(
       "--case", options->case_file, "Write one control step as a case for moma solve, what is remembered included");
   command->add_option("--step", options->step, "Which one, from 0")->needs(step)->check(CLI::NonNegativeNumber);
+  command->add_option("--log", options->log_file, "Write what was commanded and measured as a log for moma identify");
   command->footer("Example: moma replay results/demo.db 3f9a12 --check");
   command->callback([&action, options] {
     action = [options] {
@@ -93,6 +97,12 @@ void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       if (!options->case_file.empty()) {
         const store::StoredTrial trial = store::Reader(options->file).trial(options->trial);
         write_case(suites.point_of(trial), run::world_of(trial), options->step, options->case_file);
+        return static_cast<int>(kOk);
+      }
+      if (!options->log_file.empty()) {
+        const store::StoredTrial trial = store::Reader(options->file).trial(options->trial);
+        const identify::MotionLog log = run::log_of_trial(suites.point_of(trial), run::world_of(trial));
+        write_whole(options->log_file, [&](std::ostream& out) { identify::write_log(out, log); });
         return static_cast<int>(kOk);
       }
       const run::Replay replay = run::replay(options->file, options->trial, suites);

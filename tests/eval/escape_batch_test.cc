@@ -32,9 +32,9 @@ Trials run(const Suite& suite, int threads) {
 TEST(EscapeBatch, OneAndFourThreadsGiveTheSameBits) {
   SuiteFolder folder;
   const std::string configs = MOMA_SOURCE_DIR "/configs/";
-  const Suite suite =
-      load_suite(folder.write("escape.yaml", "robot: " + configs + "robots/frankie.yaml\n" +
-                                                 "controllers: {moma: " + configs + "controllers/moma-reactive.yaml}\n" + R"(
+  const Suite suite = load_suite(folder.write("escape.yaml", "robot: " + configs + "robots/frankie.yaml\n" +
+                                                                 "controllers: {moma: " + configs +
+                                                                 "controllers/moma-reactive.yaml}\n" + R"(
 worlds: {seed: 3, families: {clutter: {weight: 3}, moving: {weight: 1}}}
 simulation: {mode: kinematic, time_limit: 10}
 trials: 12

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace moma::identify {
+
+/// One velocity of a robot over a log: what was commanded and what was measured, one value a row.
+struct Axis {
+  std::string name;              ///< "base.vx", "base.vy", "base.omega", or a joint's
+  bool prismatic = false;        ///< of a joint: m and m/s in place of rad and rad/s
+  std::vector<double> command;   ///< sent at the row's time [rad/s or m/s]
+  std::vector<double> velocity;  ///< measured, as known at the row's time [rad/s or m/s]
+  std::vector<double> position;  ///< of a joint, likewise [rad or m]; empty where the log has none
+};
+
+/// Something that was seen at rest.
+struct SeenPoint {
+  std::string name;
+  std::vector<double> x, y, z;  ///< in the world, as measured [m]
+  std::vector<double> stamp;    ///< when it was measured [s]; empty where the log does not say
+};
+
+/// A log of commands and measured states, one row a control period. In files it is CSV with a head (docs/identify.md).
+struct MotionLog {
+  std::string source;                                ///< for messages
+  std::vector<double> time;                          ///< [s]
+  std::vector<Axis> base;                            ///< none, (vx, omega) or (vx, vy, omega), in base axes
+  std::vector<double> base_x, base_y, base_heading;  ///< measured pose in the world; all empty or none [m, m, rad]
+  std::vector<double> base_stamp;                    ///< when base.* was measured [s]; may be empty
+  std::vector<Axis> joints;
+  std::vector<double> joint_stamp;  ///< when joints were measured [s]; may be empty
+  std::vector<SeenPoint> objects;
+  int first_line = 2;  ///< of the first row in the file
+
+  std::size_t rows() const noexcept { return time.size(); }
+};
+
+/// Median of the times between rows [s].
+double period_of(const MotionLog& log);
+
+/// Throws config::ConfigError naming the line where the times cannot be those of control periods: not growing, or a
+/// step off the median by more than half of it; and where there are fewer than 100 rows.
+void check_times(const MotionLog& log);
+
+}  // namespace moma::identify
