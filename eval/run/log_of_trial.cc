@@ -41,7 +41,7 @@ class Listened final : public StepController {
 
 std::unique_ptr<StepController> usual(const TrialSpec& spec) {
   if (spec.plugin != nullptr) return spec.plugin->make();
-  return make_controller(spec.robot->model, spec.controller_params, spec.simulation.control_period);
+  return std::make_unique<Controller>(spec.robot->model, spec.controller_params, spec.simulation.control_period);
 }
 
 /// When what is there at each row was measured: `delay` before, the first one until that is due.
