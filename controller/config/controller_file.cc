@@ -5,6 +5,7 @@
 
 #include "controller/config/read_described.h"
 #include "controller/config/reader.h"
+#include "controller/config/text_file.h"
 #include "controller/config/write_described.h"
 #include "controller/params_described.h"
 #include "controller/solver/solver.h"
@@ -46,7 +47,10 @@ ControllerParams read_controller(const Node& node, const std::string& key, const
       fail(node.mark, key,
            "found '" + node.scalar + "', expected a map of parameters or the path of a controller file (no file " +
                file.string() + ")");
-    return read_controller(load_yaml(file), "", model, control_period, warnings);
+    const Node inside = load_yaml(file);
+    if (inside.kind == Node::Kind::kScalar)
+      fail(inside.mark, "", "found '" + shortened(inside.scalar) + "', expected a map of parameters");
+    return read_controller(inside, "", model, control_period, warnings);
   }
   ControllerParams params;
   read_described(node, key, params, {model.num_joints(), model.num_velocities()});

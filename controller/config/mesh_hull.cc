@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "controller/config/mesh_check.h"
+
 namespace moma::config {
 namespace {
 
@@ -107,6 +109,8 @@ Eigen::AlignedBox3d box_of(const Points& points) {
 }  // namespace
 
 Mesh read_mesh(const std::filesystem::path& file, const Vector3& scale) {
+  if (const std::string fault = mesh_fault(file); !fault.empty())
+    throw std::runtime_error("the mesh " + file.string() + " cannot be read: " + fault);
   coal::BVHModelPtr_t loaded;
   try {
     loaded = coal::MeshLoader(coal::BV_AABB).load(file.string(), scale);
@@ -115,6 +119,10 @@ Mesh read_mesh(const std::filesystem::path& file, const Vector3& scale) {
   }
   if (!loaded || !loaded->vertices || loaded->num_vertices == 0)
     throw std::runtime_error("the mesh " + file.string() + " has no vertices");
+  if (loaded->num_vertices > kMaxMeshVertices) {
+    throw std::runtime_error("the mesh " + file.string() + " has more than " + std::to_string(kMaxMeshVertices) +
+                             " vertices");
+  }
   Mesh mesh;
   mesh.vertices.assign(loaded->vertices->begin(), loaded->vertices->begin() + loaded->num_vertices);
   for (const Vector3& p : mesh.vertices)

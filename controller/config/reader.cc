@@ -4,6 +4,7 @@
 #include <charconv>
 #include <limits>
 
+#include "controller/config/text_file.h"
 #include "controller/describe/accepted.h"
 
 namespace moma::config {
@@ -37,7 +38,7 @@ std::string found_text(const Node& node) {
     case Node::Kind::kNull:
       return "nothing";
     case Node::Kind::kScalar:
-      return "'" + node.scalar + "'";
+      return "'" + shortened(node.scalar) + "'";
     case Node::Kind::kSequence:
       return "a list of " + std::to_string(node.items.size());
     case Node::Kind::kMap:

@@ -1,11 +1,9 @@
 #include "controller/config/robot_file.h"
 
-#include <fstream>
-#include <sstream>
-
 #include "controller/config/json_node.h"
 #include "controller/config/reader.h"
 #include "controller/config/robot_build.h"
+#include "controller/config/text_file.h"
 
 namespace moma::config {
 namespace {
@@ -15,14 +13,6 @@ namespace fs = std::filesystem;
 // Folder that paths in a value are relative to: that of its file, or the working directory (a --set option).
 fs::path directory_of(const Node& node) {
   return node.mark.line > 0 ? fs::path(node.mark.file).parent_path() : fs::path();
-}
-
-std::string read_text(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::stringstream text;
-  text << in.rdbuf();
-  if (!in) throw std::runtime_error("cannot read " + file.string());
-  return text.str();
 }
 
 PackagePaths read_packages(MapReader& robot) {
@@ -77,17 +67,26 @@ void read_urdf_of(MapReader& robot, RobotBuild& build) {
       const fs::path file = build.packages.resolve(uri, directory_of(node));
       build.urdf_directory = file.parent_path();
       name = file.string();
-      text = read_text(file);
+      text = read_text_file(file);
     } catch (const std::exception& e) {
       robot.fail_at("urdf", e.what());
     }
   }
+  bool lenient = false;
+  robot.read("lenient", lenient);
   try {
-    build.tree = read_urdf(text);
+    build.tree = read_urdf(text, lenient ? UrdfReading::kLenient : UrdfReading::kStrict);
   } catch (const UrdfError& e) {
     robot.fail_at(text_node != nullptr ? "urdf_text" : "urdf", name + ": " + e.what());
   }
+  for (const std::string& what : build.tree.left_out)
+    build.warnings.push_back("left out, since `lenient` is set: " + name + ": " + what);
   build.resolved["urdf_text"] = text;
+  if (robot.get("left_out") != nullptr) robot.check(text_node != nullptr, "left_out", "belongs to resolved robots");
+  if (lenient) {
+    build.resolved["lenient"] = true;
+    build.resolved["left_out"] = build.tree.left_out;
+  }
 }
 
 LoadedRobot load_robot(const fs::path& file) { return build_robot(load_yaml(file), ""); }

@@ -1,210 +1,194 @@
+#include "controller/config/yaml.h"
+
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <fstream>
-#include <set>
+#include <optional>
 #include <sstream>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+#include <vector>
 
-#include "controller/config/node.h"
+#include "controller/config/budget.h"
 
 namespace moma::config {
 namespace {
 
-namespace fs = std::filesystem;
-
-struct Source {
-  std::string name;            // as shown in messages
-  fs::path directory;          // what includes are relative to
-  std::vector<fs::path> open;  // files being read, outermost first: cycles
+struct Extent {
+  std::size_t values = 1;
+  int levels = 0;
 };
 
-Node load(const fs::path& file, std::vector<fs::path> open, const Mark* from);
-
-Mark mark_of(const YAML::Node& yaml, const Source& source) {
-  const YAML::Mark m = yaml.Mark();
-  return {source.name, m.line + 1, m.column + 1};
-}
-
-// Keys of `over` win; maps are merged key by key, anything else is replaced whole.
-void merge(Node& base, const Node& over) {
-  for (const auto& [key, value] : over.entries) {
-    Node* old = base.find(key);
-    if (old == nullptr) {
-      base.entries.emplace_back(key, value);
-    } else if (old->kind == Node::Kind::kMap && value.kind == Node::Kind::kMap) {
-      merge(*old, value);
-    } else {
-      *old = value;
-    }
-  }
-}
-
-Node convert(const YAML::Node& yaml, const Source& source, int depth) {
-  Node node;
-  node.mark = mark_of(yaml, source);
-  if (depth > 64) fail(node.mark, "", "nested more than 64 levels deep");
-  switch (yaml.Type()) {
-    case YAML::NodeType::Undefined:
-    case YAML::NodeType::Null:
-      break;
-    case YAML::NodeType::Scalar:
-      node.kind = Node::Kind::kScalar;
-      node.scalar = yaml.Scalar();
-      node.quoted = yaml.Tag() == "!";
-      break;
-    case YAML::NodeType::Sequence:
-      node.kind = Node::Kind::kSequence;
-      for (const auto& item : yaml) node.items.push_back(convert(item, source, depth + 1));
-      break;
-    case YAML::NodeType::Map: {
-      node.kind = Node::Kind::kMap;
-      std::set<std::string> seen;
-      for (const auto& entry : yaml) {
-        if (!entry.first.IsScalar()) fail(mark_of(entry.first, source), "", "a key must be plain text");
-        const std::string key = entry.first.Scalar();
-        if (!seen.insert(key).second) fail(mark_of(entry.first, source), key, "the key is there twice");
-        node.entries.emplace_back(key, convert(entry.second, source, depth + 1));
-        node.entries.back().second.key_mark = mark_of(entry.first, source);
-      }
-      const Node* include = node.find("include");
-      if (include != nullptr) {
-        if (include->kind != Node::Kind::kScalar) fail(include->mark, "include", "expected the path of a YAML file");
-        const Mark at = include->mark;
-        Node base = load(source.directory / include->scalar, source.open, &at);
-        if (base.kind != Node::Kind::kMap) fail(at, "include", base.mark.file + " does not hold a map of keys");
-        std::erase_if(node.entries, [](const auto& e) { return e.first == "include"; });
-        merge(base, node);
-        base.mark = node.mark;
-        return base;
-      }
-      break;
-    }
-  }
-  return node;
-}
-
-Node parse(const std::string& text, const Source& source) {
-  try {
-    return convert(YAML::Load(text), source, 0);
-  } catch (const YAML::Exception& e) {
-    fail({source.name, e.mark.line + 1, e.mark.column + 1}, "", "not valid YAML: " + e.msg);
-  }
-}
-
-Node load(const fs::path& file, std::vector<fs::path> open, const Mark* from) {
-  const auto refuse = [&](const std::string& why) {
-    const Mark here{file.string(), 0, 0};
-    fail(from != nullptr ? *from : here, "", (from != nullptr ? file.string() + ": " : std::string()) + why);
+Extent extent_of(const Node& node) {
+  Extent extent;
+  const auto add = [&extent](const Node& inner) {
+    const Extent of = extent_of(inner);
+    extent.values += of.values;
+    extent.levels = std::max(extent.levels, of.levels + 1);
   };
-  std::error_code error;
-  const fs::path canonical = fs::weakly_canonical(file, error);
-  if (std::find(open.begin(), open.end(), canonical) != open.end()) refuse("the file includes itself");
-  if (!fs::exists(file, error)) refuse("no such file");
-  if (!fs::is_regular_file(file, error)) refuse("not a file");
-  std::ifstream in(file, std::ios::binary);
-  if (!in) refuse("cannot be read (permissions?)");
-  std::stringstream text;
-  text << in.rdbuf();
-  open.push_back(canonical);
-  return parse(text.str(), {file.string(), file.parent_path(), std::move(open)});
+  for (const Node& item : node.items) add(item);
+  for (const auto& [key, value] : node.entries) add(value);
+  return extent;
 }
 
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t up = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
-      diagonal = up;
+// Builds the tree while the text is read, so that no budget is exceeded by more than one value: the library's own tree
+// would be whole, and its aliases expanded by whoever walks it, before anything could be counted.
+class Builder : public YAML::EventHandler {
+ public:
+  Builder(const std::string& name, int depth, YamlUse& use) : name_(name), depth_(depth), use_(use) {
+    root_.mark.file = name;
+  }
+
+  Node take_root() { return std::move(root_); }
+
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (documents_++ > 0) fail(place(mark), "", "a second document starts here; a file holds one");
+  }
+  void OnDocumentEnd() override {}
+
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { add(scalar(mark), anchor); }
+
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    if (++use_.aliases > kMaxAliases) over(mark, std::to_string(kMaxAliases) + " aliases");
+    const auto found = anchors_.find(anchor);
+    if (found == anchors_.end()) fail(place(mark), "", "the alias is inside of what it stands for");
+    const Extent extent = extent_of(found->second);
+    count(mark, extent.values);
+    if (level() + extent.levels > kMaxNesting) too_deep(mark);
+    attach(Node(found->second));
+  }
+
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                const std::string& value) override {
+    Node node = scalar(mark);
+    node.kind = Node::Kind::kScalar;
+    node.scalar = value;
+    node.quoted = tag == "!";
+    add(std::move(node), anchor);
+  }
+
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& /*tag*/, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value /*style*/) override {
+    open(mark, Node::Kind::kSequence, anchor);
+  }
+  void OnSequenceEnd() override { close(); }
+  void OnMapStart(const YAML::Mark& mark, const std::string& /*tag*/, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value /*style*/) override {
+    open(mark, Node::Kind::kMap, anchor);
+  }
+  void OnMapEnd() override { close(); }
+
+ private:
+  struct Open {
+    Node node;
+    YAML::anchor_t anchor = 0;
+    std::optional<Node> key;
+    std::unordered_set<std::string> seen;
+  };
+
+  Mark place(const YAML::Mark& mark) const { return {name_, mark.line + 1, mark.column + 1}; }
+  int level() const { return depth_ + static_cast<int>(open_.size()); }
+
+  [[noreturn]] void over(const YAML::Mark& mark, const std::string& limit) const {
+    fail(place(mark), "", "more than " + limit + ", the limit for a file with all that it includes");
+  }
+  [[noreturn]] void too_deep(const YAML::Mark& mark) const {
+    fail(place(mark), "", "nested more than " + std::to_string(kMaxNesting) + " levels deep");
+  }
+
+  void count(const YAML::Mark& mark, std::size_t values) const {
+    use_.values += values;
+    if (use_.values > kMaxValues) over(mark, std::to_string(kMaxValues) + " values");
+  }
+
+  Node scalar(const YAML::Mark& mark) const {
+    count(mark, 1);
+    if (level() > kMaxNesting) too_deep(mark);
+    Node node;
+    node.mark = place(mark);
+    return node;
+  }
+
+  void open(const YAML::Mark& mark, Node::Kind kind, YAML::anchor_t anchor) {
+    Open opened;
+    opened.node = scalar(mark);
+    opened.node.kind = kind;
+    opened.anchor = anchor;
+    open_.push_back(std::move(opened));
+  }
+
+  void close() {
+    Open closed = std::move(open_.back());
+    open_.pop_back();
+    add(std::move(closed.node), closed.anchor);
+  }
+
+  void add(Node node, YAML::anchor_t anchor) {
+    if (anchor != 0) {
+      use_.values += extent_of(node).values;  // the copy kept for aliases
+      if (use_.values > kMaxValues)
+        fail(node.mark, "", "more than " + std::to_string(kMaxValues) + " values, those of anchors counted twice");
+      anchors_.insert_or_assign(anchor, node);
+    }
+    attach(std::move(node));
+  }
+
+  void attach(Node node) {
+    if (open_.empty()) {
+      root_ = std::move(node);
+      return;
+    }
+    Open& in = open_.back();
+    if (std::max(in.node.items.size(), in.node.entries.size()) >= kMaxListLength)
+      fail(node.mark, "", "more than " + std::to_string(kMaxListLength) + " entries, the limit for one list or map");
+    if (in.node.kind == Node::Kind::kSequence) {
+      in.node.items.push_back(std::move(node));
+    } else if (!in.key) {
+      check_key(node, in);
+      in.key = std::move(node);
+    } else {
+      node.key_mark = in.key->mark;
+      in.node.entries.emplace_back(std::move(in.key->scalar), std::move(node));
+      in.key.reset();
     }
   }
-  return row.back();
-}
+
+  static void check_key(const Node& key, Open& in) {
+    if (key.kind != Node::Kind::kScalar) fail(key.mark, "", "a key must be plain text");
+    if (key.scalar.size() > kMaxKeyBytes) {
+      fail(key.mark, "",
+           "a key of " + std::to_string(key.scalar.size()) + " bytes; at most " + std::to_string(kMaxKeyBytes) +
+               " are accepted");
+    }
+    if (!in.seen.insert(key.scalar).second) fail(key.mark, key.scalar, "the key is there twice");
+  }
+
+  const std::string& name_;
+  int depth_;
+  YamlUse& use_;
+  Node root_;
+  int documents_ = 0;
+  std::vector<Open> open_;
+  std::unordered_map<YAML::anchor_t, Node> anchors_;
+};
 
 }  // namespace
 
-Node::Node() = default;
-Node::Node(const Node&) = default;
-Node::Node(Node&&) noexcept = default;
-Node& Node::operator=(const Node&) = default;
-Node& Node::operator=(Node&&) noexcept = default;
-Node::~Node() = default;
-
-const Node* Node::find(std::string_view key) const noexcept {
-  for (const auto& [name, value] : entries)
-    if (name == key) return &value;
-  return nullptr;
-}
-
-Node* Node::find(std::string_view key) noexcept { return const_cast<Node*>(static_cast<const Node*>(this)->find(key)); }
-
-Node load_yaml(const fs::path& file) { return load(file, {}, nullptr); }
-
-Node parse_yaml(const std::string& text, const std::string& name, const fs::path& directory) {
-  return parse(text, {name, directory, {}});
-}
-
-void set_value(Node& root, std::string_view dotted_key, const std::string& text) {
-  const std::string key(dotted_key);
-  const Mark origin{"--set " + key + "=" + text, 0, 0};
-  Node* node = &root;
-  std::size_t start = 0;
-  while (true) {
-    const std::size_t dot = key.find('.', start);
-    const std::string part = key.substr(start, dot == std::string::npos ? dot : dot - start);
-    if (part.empty()) fail(origin, key, "expected key.key=value");
-    if (node->kind != Node::Kind::kMap) {
-      *node = Node{};
-      node->kind = Node::Kind::kMap;
-      node->mark = origin;
+Node read_document(const std::string& text, const std::string& name, int depth, YamlUse& use) {
+  if (text.size() > kMaxTextBytes)
+    fail({name, 0, 0}, "", "more than " + std::to_string(kMaxTextBytes >> 20U) + " MiB of text");
+  Builder builder(name, depth, use);
+  try {
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    while (parser.HandleNextDocument(builder)) {
     }
-    Node* next = node->find(part);
-    if (next == nullptr) {
-      node->entries.emplace_back(part, Node{});
-      next = &node->entries.back().second;
-      next->mark = origin;
-      next->key_mark = origin;
-    }
-    node = next;
-    if (dot == std::string::npos) break;
-    start = dot + 1;
+  } catch (const YAML::Exception& e) {
+    fail({name, e.mark.line + 1, e.mark.column + 1}, "", "not valid YAML: " + e.msg);
   }
-  Node value = parse_yaml(text, origin.file);
-  value.mark = origin;
-  value.key_mark = origin;
-  *node = std::move(value);
-}
-
-void fail(const Mark& mark, const std::string& key, const std::string& message) {
-  throw ConfigError(placed(mark, key, message));
-}
-
-void refuse(const Mark& mark, const std::string& key, const std::string& message) {
-  throw KeyError(placed(mark, key, message));
-}
-
-std::string placed(const Mark& mark, const std::string& key, const std::string& message) {
-  std::string where = mark.file;
-  if (mark.line > 0) where += ":" + std::to_string(mark.line) + ":" + std::to_string(mark.column);
-  if (!where.empty()) where += ": ";
-  if (!key.empty()) where += key + ": ";
-  return where + message;
-}
-
-std::string nearest(std::string_view word, const std::vector<std::string>& known) {
-  std::string best;
-  std::size_t least = std::max<std::size_t>(2, word.size() / 2) + 1;
-  for (const std::string& candidate : known) {
-    const std::size_t distance = edit_distance(word, candidate);
-    if (distance < least) {
-      least = distance;
-      best = candidate;
-    }
-  }
-  return best;
+  return builder.take_root();
 }
 
 }  // namespace moma::config

@@ -4,15 +4,17 @@
 #include <tinyxml.h>
 #include <urdf_parser/urdf_parser.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <mutex>
 #include <set>
 
+#include "controller/model/urdf_check.h"
+#include "controller/model/xml_depth.h"
+
 namespace moma {
 namespace {
-
-constexpr int kMaxDepth = 200;  // of XML elements: the parser recurses
 
 // What urdfdom would print, kept for the error's text. Its handler is global, hence the lock.
 class MessageCapture : public console_bridge::OutputHandler {
@@ -32,22 +34,6 @@ class MessageCapture : public console_bridge::OutputHandler {
   std::lock_guard<std::mutex> lock_;
   std::string text_;
 };
-
-void check_depth(const std::string& text) {
-  int depth = 0;
-  for (std::size_t i = 0; i + 1 < text.size(); ++i) {
-    if (text.compare(i, 4, "<!--") == 0) {
-      i = text.find("-->", i);
-      if (i == std::string::npos) return;
-    } else if (text[i] == '<' && text[i + 1] == '/') {
-      --depth;
-    } else if (text[i] == '<' && text[i + 1] != '?' && text[i + 1] != '!') {
-      if (++depth > kMaxDepth) throw UrdfError("elements are nested more than " + std::to_string(kMaxDepth) + " deep");
-    } else if (text[i] == '/' && text[i + 1] == '>') {
-      --depth;
-    }
-  }
-}
 
 using MissingLimits = std::map<std::string, std::set<std::string>>;  // joint -> lower, upper, velocity, effort
 
@@ -83,10 +69,20 @@ struct Amended {
   std::string text;
   bool named = true;
   MissingLimits missing;
+  std::vector<std::string> left_out;
 };
 
-Amended amend(const std::string& text) {
-  check_depth(text);
+[[noreturn]] void refuse(const std::vector<std::string>& faults) {
+  constexpr std::size_t kShown = 5;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(faults.size(), kShown); ++i) text += (i > 0 ? "; " : "") + faults[i];
+  if (faults.size() > kShown) text += "; and " + std::to_string(faults.size() - kShown) + " more";
+  throw UrdfError(text + " (--lenient, or `lenient: true` in the robot file, leaves out what is not understood)");
+}
+
+Amended amend(const std::string& text, UrdfReading reading) {
+  if (xml_depth(text) > kMaxXmlDepth)
+    throw UrdfError("elements are nested more than " + std::to_string(kMaxXmlDepth) + " deep");
   TiXmlDocument document;
   document.Parse(text.c_str());
   if (document.Error()) {
@@ -99,6 +95,8 @@ Amended amend(const std::string& text) {
   for (TiXmlElement* link = robot->FirstChildElement("link"); link != nullptr; link = link->NextSiblingElement("link"))
     remove_all(*link, "visual");
   Amended amended;
+  amended.left_out = take_out_misunderstood(*robot);
+  if (reading == UrdfReading::kStrict && !amended.left_out.empty()) refuse(amended.left_out);
   if (robot->Attribute("name") == nullptr) {
     amended.named = false;
     robot->SetAttribute("name", "robot");  // urdfdom insists on one
@@ -237,8 +235,15 @@ struct LoopBreaker {
   }
 };
 
-UrdfTree parse(const std::string& text) {
-  const Amended amended = amend(text);
+void check_size(const urdf::ModelInterface& model) {
+  std::size_t shapes = 0;
+  for (const auto& [name, link] : model.links_) shapes += link->collision_array.size();
+  if (model.links_.size() > kMaxUrdfLinks) throw UrdfError("more than " + std::to_string(kMaxUrdfLinks) + " links");
+  if (shapes > kMaxUrdfShapes) throw UrdfError("more than " + std::to_string(kMaxUrdfShapes) + " collision elements");
+}
+
+UrdfTree parse(const std::string& text, UrdfReading reading) {
+  Amended amended = amend(text, reading);
   urdf::ModelInterfaceSharedPtr model;
   {
     MessageCapture capture;
@@ -248,12 +253,17 @@ UrdfTree parse(const std::string& text) {
       throw UrdfError(e.what() + (capture.text().empty() ? std::string() : "; " + capture.text()));
     }
     if (!model) throw UrdfError(capture.text().empty() ? "not a valid URDF" : capture.text());
+    // What urdfdom complained of and dropped, although nothing above has found it.
+    if (!capture.text().empty()) amended.left_out.push_back(capture.text());
   }
   const LoopBreaker breaker{*model};
+  if (reading == UrdfReading::kStrict && !amended.left_out.empty()) refuse(amended.left_out);
+  check_size(*model);
   if (!model->getRoot()) throw UrdfError("there is no root link");
 
   UrdfTree tree;
   if (amended.named) tree.name = model->getName();
+  tree.left_out = std::move(amended.left_out);
   std::set<std::string> seen;
   struct Open {
     urdf::LinkConstSharedPtr link;
@@ -300,9 +310,9 @@ std::string_view to_string(UrdfJointType type) noexcept {
   return "?";
 }
 
-UrdfTree read_urdf(const std::string& text) {
+UrdfTree read_urdf(const std::string& text, UrdfReading reading) {
   try {
-    return parse(text);
+    return parse(text, reading);
   } catch (const UrdfError& e) {
     // Elements that xacro left behind do no harm, so this is only a hint.
     const bool xacro = text.find("<xacro:") != std::string::npos;

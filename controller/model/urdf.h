@@ -60,11 +60,22 @@ struct UrdfLink {
 struct UrdfTree {
   std::string name;
   std::vector<UrdfLink> links;
+  std::vector<std::string> left_out;  ///< by UrdfReading::kLenient: a sentence each, with line, link and element
 };
+
+/// What to do with shapes, masses and elements that are not understood (urdf_check.h).
+enum class UrdfReading {
+  kStrict,   ///< they are errors
+  kLenient,  ///< they are left out, and listed
+};
+
+inline constexpr std::size_t kMaxUrdfLinks = 1000;
+inline constexpr std::size_t kMaxUrdfShapes = 256;  ///< collision elements
 
 /// Reads a URDF's text through urdfdom. Looks at links and joints only: visuals, materials, transmissions and
 /// simulator extensions are left aside, so that nothing wrong with them matters. Limits may be missing.
-/// Throws UrdfError: broken XML (with its row and column), no or several roots, loops, a bad number, a zero axis.
-UrdfTree read_urdf(const std::string& text);
+/// Throws UrdfError: broken XML (with its row and column), no or several roots, loops, a bad number, a zero axis, more
+/// than the limits above, and, read strictly, whatever else is not understood.
+UrdfTree read_urdf(const std::string& text, UrdfReading reading = UrdfReading::kStrict);
 
 }  // namespace moma

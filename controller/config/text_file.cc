@@ -1,0 +1,33 @@
+#include "controller/config/text_file.h"
+
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include "controller/config/budget.h"
+
+namespace moma::config {
+
+namespace fs = std::filesystem;
+
+std::string read_text_file(const fs::path& file) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (!fs::exists(status)) throw std::runtime_error("no such file");
+  if (!fs::is_regular_file(status)) throw std::runtime_error("not a file");
+  const std::uintmax_t bytes = fs::file_size(file, error);
+  if (!error && bytes > kMaxTextBytes)
+    throw std::runtime_error("more than " + std::to_string(kMaxTextBytes >> 20U) + " MiB of text");
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw std::runtime_error("cannot be read (permissions?)");
+  std::stringstream text;
+  text << in.rdbuf();
+  return std::move(text).str();
+}
+
+std::string shortened(const std::string& text) {
+  constexpr std::size_t kMost = 200;
+  return text.size() <= kMost ? text : text.substr(0, kMost) + "... (" + std::to_string(text.size()) + " bytes)";
+}
+
+}  // namespace moma::config
