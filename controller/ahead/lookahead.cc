@@ -4,15 +4,12 @@
 #include <cmath>
 #include <limits>
 
-#include "controller/ahead/candidates.h"
 #include "controller/task/vortex.h"
 
 namespace moma {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-// Of a rollout's step, in checks: what it takes, measured.
-constexpr long kRolloutChecks = 6;
 // A goal that is elsewhere from one step to the next by more than this has jumped.
 constexpr double kJump = 0.02, kJumpTurn = 0.05;  // [m, rad]
 constexpr double kStill = 1e-6;                   // of a goal's twist
@@ -20,14 +17,15 @@ constexpr double kNearMover = 2.5;                // from the base to an object 
 constexpr double kSlow = 0.1;                     // velocities at which a robot stands, to choose [rad/s, m/s]
 constexpr double kLongestStop = 1.0;              // [s]
 constexpr double kArrived = 0.03;                 // lag at a path's end [m]
-constexpr double kGain = 0.1;                     // of a detour over the best so far, at least [s]
 constexpr double kThere = 0.3;                    // a goal that is reached so soon needs no choice [s]
-constexpr double kSure = 0.7;                     // part of the tolerances within which a prediction arrives
 constexpr double kProgress = 0.05;                // on the path's clock that is progress [s]
 constexpr double kPushed = 0.3;                   // lag among objects in motion that gives a path up [m]
 // Robot and object on their ways meet: the path's clock slows down from so soon on, and stands from so soon on [s].
 constexpr double kMeetAhead = 2.0, kMeetNear = 0.5;
-constexpr int kTrusted = 3;  // choices after which detours, which were not kept, give way to paths
+constexpr double kGoOn = 0.52;  // of the policy's motion while a choice is worked out, at most [s]
+// A prediction that touches something so much later than the robot would go on is no reason to stop [s].
+constexpr double kSafe = 0.5;
+constexpr double kNeverMind = 1.5;  // a start whose policy takes no longer than this times a free way needs no choice
 // While a path is followed a moment of it costs more than anything else in a step: few of them.
 constexpr long kWatched = 40;
 
@@ -53,27 +51,26 @@ bool jumped(const Isometry& from, const Isometry& to) noexcept {
 Lookahead::Lookahead(std::shared_ptr<const RobotModel> model, const ControllerParams& params, double control_period)
     : params_(params.plan),
       escape_(params.escape),
+      servo_(params.servo),
       dt_(control_period),
       base_(model->base.type),
-      planner_(model, params),
-      watch_(model, planner_.limits()),
+      choice_(model, params),
+      watch_(model, planner().limits()),
       bounds_(*model, late_limits(params), control_period),
       rollout_(model, without_plan(params), params.plan.step),
-      kinematics_(model),
       wanted_(VectorX::Zero(model->num_velocities())) {
-  candidates_.reserve(2 + kCandidates);
-  chosen_from_.q = model->ready;
-  chosen_from_.qdot = wanted_;
+  later_.q = model->ready;
+  later_.qdot = wanted_;
   state_.path.origin = WholeConfiguration::Zero(3 + model->num_joints());
 }
 
 void Lookahead::reset(std::span<const ObjectShape> objects) {
-  planner_.set_objects(objects);
+  choice_.reset(objects);
   watch_.set_objects(objects);
   rollout_.reset(objects);
-  chosen_from_.objects.assign(objects.size(), ObjectState{});
-  candidates_.clear();
-  WholeConfiguration origin = WholeConfiguration::Zero(3 + planner_.limits().num_joints());
+  later_.objects.assign(objects.size(), ObjectState{});
+  later_time_ = -1.0;
+  WholeConfiguration origin = WholeConfiguration::Zero(3 + planner().limits().num_joints());
   state_ = PlanState{};
   state_.path.origin = origin;
   job_ = Job::kNone;
@@ -86,16 +83,20 @@ void Lookahead::set_state(const PlanState& state) noexcept {
   job_ = Job::kNone;
   debt_ = 0;
   news_ = false;
+  later_time_ = -1.0;
   watch_.forget();
 }
 
 std::int64_t Lookahead::periods(double seconds) const noexcept { return std::llround(seconds / dt_); }
 
+// The policy's turn; `start` is what it begins with, null where it goes on.
 void Lookahead::go_direct(PlanReason reason, const EscapeState* start) noexcept {
-  state_.brief.mode = PlanMode::kDirect;
-  state_.brief.reason = reason;
-  state_.brief.clock = state_.brief.duration = state_.brief.lag = 0.0;
+  PlanBrief& brief = state_.brief;
+  brief.mode = PlanMode::kDirect;
+  brief.reason = reason;
+  brief.clock = brief.duration = brief.lag = 0.0;
   state_.path.count = 0;
+  state_.going_on = state_.chosen = false;
   job_ = Job::kNone;
   if (start == nullptr) return;
   state_.fresh = true;
@@ -109,7 +110,53 @@ void Lookahead::stop(PlanReason reason, double direct_time) noexcept {
   state_.brief.reason = reason;
   state_.direct_time = direct_time;
   state_.stop_end = state_.steps + periods(kLongestStop);
+  state_.going_on = state_.chosen = false;
   job_ = Job::kNone;
+}
+
+// Chooses for where the robot is predicted to be soon. Where that is unknown, or not safely reached, it stops.
+void Lookahead::go_on(PlanReason reason, double direct_time) noexcept {
+  const std::int64_t commit = predicted_from_ + periods(later_time_);
+  const bool touches = rollout_.end() == RolloutEnd::kTouches && rollout_.time() < later_time_ + kSafe;
+  if (later_time_ < 0.0 || touches || commit <= state_.steps) {
+    stop(reason, direct_time);
+    return;
+  }
+  state_.left_path = false;
+  state_.going_on = true;
+  state_.brief.reason = reason;
+  state_.direct_time = direct_time < 0.0 ? direct_time : std::max(0.0, direct_time - later_time_);
+  state_.commit = commit;
+  state_.chosen = false;
+  choice_.begin(later_, state_.direct_time, ++state_.brief.attempts);
+  job_ = Job::kChoose;
+}
+
+// Of state_.path.
+void Lookahead::begin_path() noexcept {
+  PlanBrief& brief = state_.brief;
+  brief.mode = PlanMode::kFollow;
+  brief.reason = PlanReason::kQuicker;
+  brief.clock = brief.lag = 0.0;
+  brief.duration = state_.path.duration;
+  state_.going_on = state_.chosen = false;
+  state_.mark = state_.steps;
+  state_.mark_clock = 0.0;
+  watch_.forget();
+}
+
+// Where going on ends: what was chosen, or a stop until it is.
+void Lookahead::take_effect() noexcept {
+  if (!state_.chosen) {
+    state_.going_on = false;
+    state_.brief.mode = PlanMode::kStop;
+    state_.stop_end = state_.steps + periods(kLongestStop);
+  } else if (state_.path.count > 0) {
+    begin_path();
+  } else {
+    const EscapeState start = state_.start;
+    go_direct(PlanReason::kQuicker, &start);
+  }
 }
 
 bool Lookahead::near_mover(const Observation& o) const noexcept {
@@ -140,9 +187,10 @@ void Lookahead::decide(const Observation& o) noexcept {
   const bool goal_moves = o.goal.V_WG_W.norm() >= kStill;
   traffic_ = movers || goal_moves;
   PlanBrief& brief = state_.brief;
-  if (goal_moves && brief.mode != PlanMode::kDirect) go_direct(PlanReason::kTraffic, &kNothing);
+  if (goal_moves && (brief.mode != PlanMode::kDirect || state_.going_on)) go_direct(PlanReason::kTraffic, &kNothing);
   if (movers && !goal_moves) decide_among_traffic();
 
+  if (state_.going_on && state_.steps >= state_.commit) take_effect();
   if (brief.mode == PlanMode::kStop && (o.qdot.lpNorm<Eigen::Infinity>() <= kSlow || state_.steps >= state_.stop_end))
     brief.mode = PlanMode::kChoose;
   guides_ = brief.mode != PlanMode::kDirect;
@@ -174,7 +222,7 @@ void Lookahead::follow(const Observation& o) noexcept {
                : kMeetAhead;
   const double most_rate = std::clamp((met - kMeetNear) / (kMeetAhead - kMeetNear), 0.0, 1.0);
   const FollowStep step =
-      follow_path(planner_.limits(), params_, state_.path, brief.clock, dt_, most_rate, shift_, o, wanted_);
+      follow_path(planner().limits(), params_, state_.path, brief.clock, dt_, most_rate, shift_, o, wanted_);
   brief.lag = step.lag;
   brief.clock = std::min(brief.clock + step.rate * dt_, state_.path.duration);
   if (brief.clock > state_.mark_clock + kProgress) {
@@ -184,121 +232,127 @@ void Lookahead::follow(const Observation& o) noexcept {
 }
 
 void Lookahead::work(const Observation& o, const EscapeState& escape) noexcept {
-  const EscapeState kNothing;
   long budget = params_.budget - debt_;
   const long whole = budget;
-  PlanBrief& brief = state_.brief;
-  switch (brief.mode) {
+  switch (state_.brief.mode) {
     case PlanMode::kDirect:
-    case PlanMode::kFollow: {
-      if (brief.mode == PlanMode::kFollow) watch_path(o, budget);
-      const bool follows = brief.mode == PlanMode::kFollow;
-      if (!follows && brief.mode != PlanMode::kDirect) break;
-      const bool goal_moves = o.goal.V_WG_W.norm() >= kStill;
-      const bool stagnated = !follows && escape.stagnations > state_.stagnations;
-      state_.stagnations = state_.fresh ? state_.stagnations : escape.stagnations;
-      if (traffic_ && !follows && (goal_moves || !stagnated || near_mover(o))) {
-        job_ = Job::kNone;
-        state_.next = state_.steps;
-        break;
-      }
-      if (stagnated) {
-        stop(PlanReason::kStagnates, -1.0);
-        break;
-      }
-      if (follows && at_end()) {
-        go_direct(PlanReason::kPathEnds, &kNothing);
-        break;
-      }
-      if (job_ == Job::kNone && (state_.steps >= state_.next || news_ || (follows && stuck())))
-        begin_prediction(o, escape);
-      if (job_ == Job::kPredict) {
-        run_rollout(budget);
-        if (job_ == Job::kNone) end_prediction();
-      }
+      if (state_.going_on)
+        work_going_on(o, escape, budget);
+      else
+        work_direct(o, escape, budget);
       break;
-    }
+    case PlanMode::kFollow:
+      work_path(o, escape, budget);
+      break;
     case PlanMode::kStop:
+      if (job_ == Job::kChoose) work_choice(o, budget);
       break;
     case PlanMode::kChoose:
-      if (job_ == Job::kNone) begin_choice(o);
-      if (job_ == Job::kPlan && !planner_.advance(budget)) {
-        candidates_.push_back({PlanCandidate::Kind::kPath, 0, -1.0});
-        if (planner_.found()) {
-          candidates_.back().time = planner_.path().duration + params_.settle;
-          if (candidates_.back().time < least_) {
-            least_ = candidates_.back().time;
-            best_ = static_cast<int>(candidates_.size()) - 1;
-          }
-        }
-        const bool detours = params_.detours && (state_.brief.attempts <= kTrusted || !planner_.found());
-        detour_ = detours ? 0 : kCandidates;
-        next_detour();
-      }
-      while (job_ == Job::kDetours && budget > 0) {
-        run_rollout(budget);
-        if (job_ != Job::kNone) break;
-        candidates_.push_back({PlanCandidate::Kind::kDetour, detour_ - 1, -1.0});
-        if (rollout_.end() == RolloutEnd::kArrives) {
-          least_ = candidates_.back().time = rollout_.time();
-          best_ = static_cast<int>(candidates_.size()) - 1;
-        }
-        next_detour();
-      }
-      if (job_ == Job::kNone) choose();
+      work_choice(o, budget);
       break;
   }
   checks_ = whole - budget;
   debt_ = std::max(0L, -budget);
 }
 
-void Lookahead::run_rollout(long& budget) noexcept {
-  while (budget > 0) {
-    const RolloutEnd end = rollout_.step();
-    budget -= kRolloutChecks;
-    if (end == RolloutEnd::kGoesOn && !rollout_.over()) continue;
+void Lookahead::work_direct(const Observation& o, const EscapeState& escape, long& budget) noexcept {
+  const bool goal_moves = o.goal.V_WG_W.norm() >= kStill;
+  const bool stagnated = escape.stagnations > state_.stagnations;
+  state_.stagnations = state_.fresh ? state_.stagnations : escape.stagnations;
+  if (traffic_ && (goal_moves || !stagnated || near_mover(o))) {
     job_ = Job::kNone;
+    state_.next = state_.steps;
     return;
   }
+  if (stagnated) {
+    stop(PlanReason::kStagnates, -1.0);
+    return;
+  }
+  if (job_ == Job::kNone && state_.steps < state_.next && !news_) return;
+  if (!predict(o, escape, params_.horizon, budget)) return;
+  end_direct_prediction();
+  if (state_.going_on) work_choice(o, budget);
 }
 
-void Lookahead::watch_path(const Observation& o, long& budget) noexcept {
+void Lookahead::work_going_on(const Observation& o, const EscapeState& escape, long& budget) noexcept {
+  state_.stagnations = escape.stagnations;
+  if (!state_.chosen && job_ != Job::kChoose)  // what was under way is not known any more
+    go_direct(state_.brief.reason, nullptr);
+  else
+    work_choice(o, budget);
+}
+
+void Lookahead::work_path(const Observation& o, const EscapeState& escape, long& budget) noexcept {
+  const EscapeState kNothing;
+  state_.stagnations = escape.stagnations;
   long looks = std::min(budget, kWatched);
-  const long before = looks;
+  budget -= looks;
   const bool holds = watch_.holds(state_.path, shift_, state_.brief.clock, o.objects, looks);
-  budget -= before - looks;
-  if (!holds) stop(PlanReason::kPathBroken, -1.0);
+  budget += looks;
+  if (!holds) {
+    stop(PlanReason::kPathBroken, -1.0);
+    return;
+  }
+  if (at_end()) {
+    go_direct(PlanReason::kPathEnds, &kNothing);
+    return;
+  }
+  if (job_ == Job::kNone && state_.steps < state_.next && !news_ && !stuck()) return;
+  const double rest = state_.path.duration - state_.brief.clock + params_.settle;
+  if (!predict(o, kNothing, std::min(params_.horizon, rest), budget)) return;
+  state_.next = state_.steps + periods(params_.period);
+  if (rollout_.end() == RolloutEnd::kArrives && rollout_.time() <= rest)
+    go_direct(PlanReason::kArrives, &kNothing);
+  else if (stuck())
+    stop(PlanReason::kNoProgress, -1.0);
 }
 
-void Lookahead::begin_prediction(const Observation& o, const EscapeState& escape) noexcept {
-  const EscapeState kNothing;
-  rollout_.begin(o, state_.brief.mode == PlanMode::kDirect ? escape : kNothing,
-                 {params_.horizon, params_.touch, kSure * escape_.position, kSure * escape_.orientation, true});
-  news_ = false;
-  job_ = Job::kPredict;
+void Lookahead::work_choice(const Observation& o, long& budget) noexcept {
+  if (state_.chosen) return;  // it waits to take effect
+  if (job_ != Job::kChoose) {
+    choice_.begin(o, state_.direct_time, ++state_.brief.attempts);
+    job_ = Job::kChoose;
+  }
+  if (!choice_.advance(rollout_, budget)) choose();
 }
 
-void Lookahead::end_prediction() noexcept {
-  const EscapeState kNothing;
-  PlanBrief& brief = state_.brief;
+// Begins a prediction or goes on with the one that is under way. True where it has ended.
+bool Lookahead::predict(const Observation& o, const EscapeState& escape, double time, long& budget) noexcept {
+  if (job_ != Job::kPredict) {
+    rollout_.begin(o, escape, prediction_limits(params_, escape_, time));
+    predicted_from_ = state_.steps - 1;
+    later_time_ = -1.0;
+    news_ = false;
+    job_ = Job::kPredict;
+  }
+  while (budget > 0) {
+    budget -= Rollout::kChecks;
+    const bool first = rollout_.time() <= 0.0;
+    const bool ended = rollout_.step() != RolloutEnd::kGoesOn || rollout_.over();
+    if (first) bound_ = least_time(servo_, rollout_.result().error, prediction_limits(params_, escape_, time));
+    if (later_time_ < 0.0 && rollout_.time() + 0.5 * rollout_.period() > kGoOn) {
+      copy_observation(rollout_.state(), later_);
+      later_time_ = rollout_.time();
+    }
+    if (!ended) continue;
+    job_ = Job::kNone;
+    return true;
+  }
+  return false;
+}
+
+void Lookahead::end_direct_prediction() noexcept {
   const bool arrives = rollout_.end() == RolloutEnd::kArrives;
   const double time = arrives ? rollout_.time() : kNever;
   const bool first = state_.next == 0;
   state_.next = state_.steps + periods(params_.period);
-  if (brief.mode == PlanMode::kDirect) {
-    if (time < kThere) return;
-    if (!arrives)
-      stop(PlanReason::kFails, -1.0);
-    else if (first)
-      stop(PlanReason::kStart, time);
-    else
-      brief.reason = PlanReason::kArrives;
-    return;
-  }
-  if (time <= state_.path.duration - brief.clock + params_.settle)
-    go_direct(PlanReason::kArrives, &kNothing);
-  else if (stuck())
-    stop(PlanReason::kNoProgress, -1.0);
+  if (time < kThere) return;
+  if (!arrives)
+    go_on(PlanReason::kFails, -1.0);
+  else if (first && time > kNeverMind * bound_)
+    go_on(PlanReason::kStart, time);
+  else
+    state_.brief.reason = PlanReason::kArrives;
 }
 
 bool Lookahead::stuck() const noexcept {
@@ -309,58 +363,24 @@ bool Lookahead::at_end() const noexcept {
   return state_.brief.clock >= state_.path.duration && (state_.brief.lag < kArrived || stuck());
 }
 
-void Lookahead::begin_choice(const Observation& o) noexcept {
-  chosen_from_.time = o.time;
-  chosen_from_.base = o.base;
-  chosen_from_.q = o.q;
-  chosen_from_.qdot = o.qdot;
-  chosen_from_.goal = o.goal;
-  std::copy_n(o.objects.begin(), std::min(o.objects.size(), chosen_from_.objects.size()), chosen_from_.objects.begin());
-  candidates_.clear();
-  candidates_.push_back({PlanCandidate::Kind::kDirect, 0, state_.direct_time});
-  least_ = state_.direct_time >= 0.0 ? state_.direct_time : kNever;
-  best_ = 0;
-  WholeConfiguration start(3 + o.q.size());
-  start << o.base, o.q;
-  planner_.begin(start, o.goal.X_WG, o.objects, static_cast<std::uint64_t>(state_.brief.attempts++));
-  kinematics_.update(o.base, o.q);
-  job_ = Job::kPlan;
-}
-
-void Lookahead::next_detour() noexcept {
-  if (detour_ == kCandidates) {
-    job_ = Job::kNone;
-    return;
-  }
-  const EscapeState from = candidate(escape_, kinematics_, chosen_from_.goal, detour_++);
-  rollout_.begin(chosen_from_, from,
-                 {std::min(params_.horizon, least_ - kGain), params_.touch, kSure * escape_.position,
-                  kSure * escape_.orientation, true});
-  job_ = Job::kDetours;
-}
-
 // The quickest counts; where nothing arrives, the direct policy goes on, anew where it was not the policy's turn.
 void Lookahead::choose() noexcept {
   const EscapeState kNothing;
-  const PlanCandidate& best = candidates_[static_cast<std::size_t>(best_)];
-  PlanBrief& brief = state_.brief;
+  const PlanCandidate& best = choice_.best();
+  const bool waits = state_.going_on;
+  job_ = Job::kNone;
   state_.next = state_.steps + periods(params_.period);
-  if (best.time < 0.0) {
-    go_direct(PlanReason::kNoPath, state_.left_path ? &kNothing : nullptr);
+  if (best.time < 0.0 || best.kind == PlanCandidate::Kind::kDirect) {
+    go_direct(best.time < 0.0 ? PlanReason::kNoPath : PlanReason::kQuicker, state_.left_path ? &kNothing : nullptr);
   } else if (best.kind == PlanCandidate::Kind::kPath) {
-    brief.mode = PlanMode::kFollow;
-    brief.reason = PlanReason::kQuicker;
-    state_.path = planner_.path();
-    brief.clock = brief.lag = 0.0;
-    brief.duration = state_.path.duration;
-    state_.mark = state_.steps;
-    state_.mark_clock = 0.0;
-    watch_.forget();
-  } else if (best.kind == PlanCandidate::Kind::kDetour) {
-    const EscapeState from = candidate(escape_, kinematics_, chosen_from_.goal, best.index);
-    go_direct(PlanReason::kQuicker, &from);
+    state_.path = planner().path();
+    state_.chosen = true;
+    if (!waits) begin_path();
   } else {
-    go_direct(PlanReason::kQuicker, state_.left_path ? &kNothing : nullptr);
+    state_.start = choice_.start();
+    state_.path.count = 0;
+    state_.chosen = true;
+    if (!waits) take_effect();
   }
 }
 

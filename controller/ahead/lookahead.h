@@ -1,32 +1,26 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
+#include "controller/ahead/choice.h"
 #include "controller/ahead/path_watch.h"
 #include "controller/ahead/plan_state.h"
 #include "controller/ahead/rollout.h"
 #include "controller/plan/follow.h"
-#include "controller/plan/planner.h"
 #include "controller/qp/limits.h"
 
 namespace moma {
-
-/// What a candidate of a choice came to.
-struct PlanCandidate {
-  enum class Kind { kDirect, kPath, kDetour };
-  Kind kind = Kind::kDirect;
-  int index = 0;       ///< of a detour (candidates.h)
-  double time = -1.0;  ///< until the goal is reached [s]; negative: it fails, or takes longer than the best before it
-};
 
 /// Decides between the controller's own policy, detours and planned paths, by predicting the first two (rollout.h) and
 /// laying the third (planner.h). The quickest counts.
 ///
 /// A step is decide(), which follows from PlanState and the observation alone, and, once the command is found, work():
 /// no more than `budget` checks of predictions and plans that are spread over steps. What they lead to is in the state
-/// for the next step. While a choice is worked out the robot slows down and stands.
+/// for the next step. While a choice is worked out the direct policy goes on for the first half second of its
+/// prediction where that is safe, and the choice begins where it ends; else, and where that was too short, the robot
+/// slows down and stands.
 ///
 /// The direct policy is predicted every `period` seconds. At the start, after a goal's jump and where it is predicted
 /// to fail or has stagnated, there is a choice. On a path, the direct policy takes over where it is predicted to take
@@ -60,25 +54,28 @@ class Lookahead {
   void set_state(const PlanState& state) noexcept;
 
   /// Of the last choice: what was tried, the direct policy first. For inspection.
-  std::span<const PlanCandidate> candidates() const noexcept { return candidates_; }
+  std::span<const PlanCandidate> candidates() const noexcept { return choice_.candidates(); }
   /// Checks that the last step's work took.
   long checks() const noexcept { return checks_; }
-  const Planner& planner() const noexcept { return planner_; }
+  const Planner& planner() const noexcept { return choice_.planner(); }
 
  private:
-  enum class Job { kNone, kPredict, kPlan, kDetours };
+  enum class Job { kNone, kPredict, kChoose };
 
   void decide_among_traffic() noexcept;
   void go_direct(PlanReason reason, const EscapeState* start) noexcept;
+  void go_on(PlanReason reason, double direct_time) noexcept;
   void stop(PlanReason reason, double direct_time) noexcept;
+  void begin_path() noexcept;
+  void take_effect() noexcept;
   void follow(const Observation& o) noexcept;
-  void watch_path(const Observation& o, long& budget) noexcept;
-  void begin_prediction(const Observation& o, const EscapeState& escape) noexcept;
-  void end_prediction() noexcept;
-  void begin_choice(const Observation& o) noexcept;
-  void next_detour() noexcept;
+  void work_direct(const Observation& o, const EscapeState& escape, long& budget) noexcept;
+  void work_going_on(const Observation& o, const EscapeState& escape, long& budget) noexcept;
+  void work_path(const Observation& o, const EscapeState& escape, long& budget) noexcept;
+  void work_choice(const Observation& o, long& budget) noexcept;
+  bool predict(const Observation& o, const EscapeState& escape, double time, long& budget) noexcept;
+  void end_direct_prediction() noexcept;
   void choose() noexcept;
-  void run_rollout(long& budget) noexcept;
   bool stuck() const noexcept;
   bool at_end() const noexcept;
   bool near_mover(const Observation& o) const noexcept;
@@ -86,13 +83,13 @@ class Lookahead {
 
   PlanParams params_;
   EscapeParams escape_;
+  ServoParams servo_;
   double dt_;
   BaseType base_;
-  Planner planner_;
+  Choice choice_;
   PathWatch watch_;
   VelocityBounds bounds_;
   Rollout rollout_;
-  Kinematics kinematics_;
 
   PlanState state_;
   bool guides_ = false, anew_ = false, traffic_ = false;
@@ -103,12 +100,13 @@ class Lookahead {
   Job job_ = Job::kNone;
   long debt_ = 0;  // checks of the last step beyond its budget
   long checks_ = 0;
-  bool news_ = false;        // objects came into sight or left it since the last prediction began
-  Observation chosen_from_;  // where the robot stood when the choice began
-  std::vector<PlanCandidate> candidates_;
-  double least_ = 0.0;  // of the candidates so far [s]
-  int best_ = 0;        // its index
-  int detour_ = 0;
+  bool news_ = false;  // objects came into sight or left it since the last prediction began
+  // Of the prediction that is going on or was the last: the step in which it began, how long a free way would take, and
+  // where the robot will be when a choice takes effect.
+  std::int64_t predicted_from_ = 0;
+  double bound_ = 0.0;
+  Observation later_;
+  double later_time_ = -1.0;  // after its beginning; negative: it has not come so far [s]
 };
 
 }  // namespace moma

@@ -16,10 +16,13 @@ struct PlanState {
   std::int64_t steps = 0;     ///< since the start or the goal's last jump
   std::int64_t next = 0;      ///< step of the next prediction
   std::int64_t stop_end = 0;  ///< step at which a stop has lasted long enough
+  bool going_on = false;      ///< the direct policy goes on while a choice is worked out ...
+  std::int64_t commit = 0;    ///< ... until this step, at which it takes effect
+  bool chosen = false;        ///< the choice is made and waits for that: `path`, or else a detour from `start` on
   std::int64_t mark = 0;      ///< step of the last progress along the path ...
   double mark_clock = 0.0;    ///< ... and where that was on it [s]
   int stagnations = 0;        ///< the policy's, up to which nothing is news
-  double direct_time = -1.0;  ///< predicted of the direct policy when the stop began [s]; negative: it fails
+  double direct_time = -1.0;  ///< predicted of the direct policy from the choice on [s]; negative: it fails
   bool left_path = false;     ///< the stop interrupted a path
   bool fresh = false;         ///< the direct policy begins anew, as `start` says, in the next step
   EscapeState start;

@@ -1,6 +1,7 @@
 #include "controller/ahead/rollout.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace moma {
@@ -15,18 +16,48 @@ ControllerParams on_time(ControllerParams params) {
   return params;
 }
 
-void advance(Isometry& X, const Vector6& V, double dt) noexcept {
+// From `error` to `tolerance` at no more than `speed`, and no faster than it decays.
+double least_time(double error, double gain, double speed, double tolerance) noexcept {
+  if (error <= tolerance) return 0.0;
+  const double slow = std::max(speed / gain, tolerance);
+  return std::max(0.0, error - slow) / speed + std::log(std::min(error, slow) / tolerance) / gain;
+}
+
+void advance_pose(Isometry& X, const Vector6& V, double dt) noexcept {
   X.translation() += dt * V.tail<3>();
   const double angle = dt * V.head<3>().norm();
   if (angle > 0.0) X.linear() = Eigen::AngleAxisd(angle, V.head<3>().normalized()).toRotationMatrix() * X.linear();
 }
 
+// Rows and slack may bring E nearer than the servo asks.
+constexpr double kSooner = 0.9;
+
 }  // namespace
+
+RolloutLimits prediction_limits(const PlanParams& plan, const EscapeParams& escape, double time) noexcept {
+  constexpr double kSure = 0.7;
+  return {time, plan.touch, kSure * escape.position, kSure * escape.orientation, true, true};
+}
+
+double least_time(const ServoParams& servo, const Vector6& error, const RolloutLimits& limits) noexcept {
+  return std::max(least_time(error.tail<3>().norm(), servo.position, servo.max_linear, limits.position),
+                  least_time(error.head<3>().norm(), servo.orientation, servo.max_angular, limits.orientation));
+}
+
+void copy_observation(const Observation& from, Observation& to) noexcept {
+  to.time = from.time;
+  to.base = from.base;
+  to.q = from.q;
+  to.qdot = from.qdot;
+  to.goal = from.goal;
+  std::copy_n(from.objects.begin(), std::min(from.objects.size(), to.objects.size()), to.objects.begin());
+}
 
 Rollout::Rollout(std::shared_ptr<const RobotModel> model, ControllerParams params, double period)
     : model_(model),
       period_(period),
       patience_(params.escape.patience),
+      servo_(params.servo),
       policy_(std::move(model), on_time(std::move(params)), period) {
   policy_.prepare(result_);
   reset({});
@@ -43,12 +74,7 @@ void Rollout::reset(std::span<const ObjectShape> objects) {
 
 void Rollout::begin(const Observation& o, const EscapeState& escape, const RolloutLimits& limits) noexcept {
   limits_ = limits;
-  state_.time = o.time;
-  state_.base = o.base;
-  state_.q = o.q;
-  state_.qdot = o.qdot;
-  state_.goal = o.goal;
-  std::copy_n(o.objects.begin(), std::min(o.objects.size(), state_.objects.size()), state_.objects.begin());
+  copy_observation(o, state_);
   policy_.set_escape_state(escape);
   allowed_ = escape.stagnations + (escape.idle >= patience_ ? 1 : 0);
   time_ = 0.0;
@@ -62,6 +88,8 @@ RolloutEnd Rollout::step() noexcept {
     return end_ = RolloutEnd::kArrives;
   if (result_.least_distance < limits_.touch) return end_ = RolloutEnd::kTouches;
   if (limits_.stagnation_ends && policy_.escape_state().stagnations > allowed_) return end_ = RolloutEnd::kStagnates;
+  if (limits_.late_ends && time_ + kSooner * least_time(servo_, result_.error, limits_) > limits_.time)
+    return end_ = RolloutEnd::kLate;
   const int base = model_->base_dof();
   for (int i = 0; i < base; ++i) {
     const double most = period_ * model_->base.max_acceleration[i + 1 == base ? 1 : 0];
@@ -69,11 +97,19 @@ RolloutEnd Rollout::step() noexcept {
   }
   integrate(*model_, state_.base, state_.q, result_.command, period_);
   state_.qdot = result_.command;
-  for (ObjectState& object : state_.objects) advance(object.X_WO, object.V_WO_W, period_);
-  advance(state_.goal.X_WG, state_.goal.V_WG_W, period_);
+  for (ObjectState& object : state_.objects) advance_pose(object.X_WO, object.V_WO_W, period_);
+  advance_pose(state_.goal.X_WG, state_.goal.V_WG_W, period_);
   time_ += period_;
   state_.time += period_;
   return end_;
+}
+
+bool Rollout::advance(long& budget) noexcept {
+  while (budget > 0) {
+    budget -= kChecks;
+    if (step() != RolloutEnd::kGoesOn || over()) return false;
+  }
+  return true;
 }
 
 }  // namespace moma

@@ -16,10 +16,11 @@ enum class RolloutEnd {
   kArrives,    ///< E is at the goal
   kTouches,    ///< an object comes too near
   kStagnates,  ///< no progress: one stagnation more than allowed
+  kLate,       ///< E cannot be at the goal within its time any more
 };
 
 constexpr auto words(Of<RolloutEnd>) {
-  return std::to_array<std::string_view>({"goes_on", "arrives", "touches", "stagnates"});
+  return std::to_array<std::string_view>({"goes_on", "arrives", "touches", "stagnates", "late"});
 }
 
 /// When a rollout ends.
@@ -29,7 +30,18 @@ struct RolloutLimits {
   double position = 0.02;       ///< of E from the goal at which it has arrived [m]
   double orientation = 0.05;    ///< [rad]
   bool stagnation_ends = true;  ///< a stagnation, further to one that is due anyway, ends it
+  bool late_ends = false;       ///< so does what the servo's speed leaves no time for
 };
+
+/// Limits of a prediction of at most `time` seconds: it arrives well inside the tolerances of the detours.
+RolloutLimits prediction_limits(const PlanParams& plan, const EscapeParams& escape, double time) noexcept;
+
+/// The time that the servo needs to bring E from an error [e_R; e_p] into the limits' tolerances where nothing holds it
+/// back [s]: at the speed to which its twist is clamped, and where that is less as k e decays.
+double least_time(const ServoParams& servo, const Vector6& error, const RolloutLimits& limits) noexcept;
+
+/// Takes over all of an observation among no more objects. Takes no memory where the sizes are those of before.
+void copy_observation(const Observation& from, Observation& to) noexcept;
 
 /// A controller's own policy, rolled out in a model of the world: what the robot will do, and why it will stop. In the
 /// model drives ramp the base as the robot's do and velocities are otherwise what is commanded, integrated exactly;
@@ -52,6 +64,11 @@ class Rollout {
   void begin(const Observation& o, const EscapeState& escape, const RolloutLimits& limits) noexcept;
   /// One step of it. kGoesOn until it ends.
   RolloutEnd step() noexcept;
+  /// Steps until it ends, its time is up or `budget` checks are used up, kChecks a step. True as long as there is more
+  /// to do.
+  bool advance(long& budget) noexcept;
+  /// What a step takes, in checks of a configuration's distances: measured.
+  static constexpr long kChecks = 6;
 
   RolloutEnd end() const noexcept { return end_; }
   /// True where its time is up.
@@ -69,6 +86,7 @@ class Rollout {
   std::shared_ptr<const RobotModel> model_;
   double period_;
   double patience_;
+  ServoParams servo_;
   ControllerCore policy_;
   RolloutLimits limits_;
   int allowed_ = 0;  // stagnations

@@ -167,20 +167,19 @@ void read_state(const Node& node, const RobotModel& model, ControlCase& c) {
 
 void read_goal(const Node& node, GoalState& out) {
   MapReader in(node, "goal");
-  const Node& position = in.require("position", "[x, y, z] in metres");
-  if (in.get("rotation") == nullptr) in.require("quaternion", "[w, x, y, z]");
-  out.X_WG.translation() = read_vector3(position, "goal.position");
-  read_orientation(in, out.X_WG);
+  out.X_WG = read_pose(in);
   if (const Node* twist = in.get("twist")) out.V_WG_W = read_vector6(*twist, in.key_of("twist"));
   in.finish();
 }
 
 }  // namespace
 
-Isometry read_pose(const Node& position, const Node& quaternion, const std::string& key) {
+Isometry read_pose(MapReader& in) {
   Isometry X = Isometry::Identity();
-  X.translation() = read_vector3(position, key + ".position");
-  X.linear() = read_quaternion(quaternion, key + ".quaternion").toRotationMatrix();
+  const Node& position = in.require("position", "[x, y, z] in metres");
+  if (in.get("rotation") == nullptr) in.require("quaternion", "[w, x, y, z]");
+  X.translation() = read_vector3(position, in.key_of("position"));
+  read_orientation(in, X);
   return X;
 }
 

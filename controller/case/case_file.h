@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "controller/config/node.h"
+#include "controller/config/reader.h"
 #include "controller/config/robot_file.h"
 #include "controller/memory.h"
 #include "controller/params.h"
@@ -43,7 +44,7 @@ void read_object(const config::Node& node, const std::string& key, int index, Ob
 /// for.
 nlohmann::ordered_json case_to_json(const ControlCase& control_case);
 
-/// A pose written as `position` and `quaternion` (w x y z).
-Isometry read_pose(const config::Node& position, const config::Node& quaternion, const std::string& key);
+/// A pose: `position`, and `quaternion` (w x y z) or `rotation` (a matrix, column by column).
+Isometry read_pose(config::MapReader& in);
 
 }  // namespace moma

@@ -91,6 +91,7 @@ std::string describe_plan(const ControllerCore& controller) {
   std::string out = "Looking ahead: the robot " + meaning(brief.mode) + ": " + meaning(brief.reason) + ".";
   if (brief.mode == PlanMode::kFollow)
     out += text(" It is at %.2f of %.2f s, %.3f m behind.", brief.clock, brief.duration, brief.lag);
+  if (state.going_on) out += " Meanwhile a path and detours are worked out.";
   out += text(" Choices so far: %d.\n", brief.attempts);
   for (const PlanCandidate& candidate : ahead->candidates()) {
     if (candidate.kind == PlanCandidate::Kind::kDetour && candidate.time < 0.0) continue;
@@ -146,6 +147,7 @@ std::string foresee(const ControlCase& control_case, double seconds) {
       return out + text("It touches an object after %.2f s; held by ", rollout.time()) +
              names_of_active(rollout.policy()) + ".\n";
     case RolloutEnd::kStagnates:
+    case RolloutEnd::kLate:
     case RolloutEnd::kGoesOn:
       break;
   }

@@ -16,7 +16,8 @@ using config::Node;
 
 // The members that stand beside brief, escape state, poses and path.
 struct Counts {
-  std::int64_t steps = 0, next = 0, stop_end = 0, mark = 0;
+  std::int64_t steps = 0, next = 0, stop_end = 0, commit = 0, mark = 0;
+  bool going_on = false, chosen = false;
   double mark_clock = 0.0;
   int stagnations = 0;
   double direct_time = -1.0;
@@ -31,6 +32,9 @@ constexpr void describe(Visitor& v, Of<Counts>) {
   v.member("steps", &Counts::steps, {.range = kSteps, .text = "since the start or the goal's last jump"});
   v.member("next", &Counts::next, {.range = kSteps, .text = "step of the next prediction"});
   v.member("stop_end", &Counts::stop_end, {.range = kSteps, .text = "step at which a stop has lasted long enough"});
+  v.member("going_on", &Counts::going_on, {.text = "whether the policy goes on while a choice is worked out"});
+  v.member("commit", &Counts::commit, {.range = kSteps, .text = "step at which a choice takes effect"});
+  v.member("chosen", &Counts::chosen, {.text = "whether it is made, and waits for that step"});
   v.member("mark", &Counts::mark, {.range = kSteps, .text = "step of the last progress along the path"});
   v.member("mark_clock", &Counts::mark_clock,
            {.unit = "s", .range = Range::non_negative(), .text = "and where that was"});
@@ -56,12 +60,6 @@ constexpr void describe(Visitor& v, Of<StoredMotion>) {
   v.member("change", &StoredMotion::change, {.required = true, .text = "x, y, phi of the base, and each joint"});
 }
 
-nlohmann::ordered_json numbers(const WholeConfiguration& c) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const double value : c) list.push_back(value);
-  return list;
-}
-
 WholeConfiguration read_configuration(const Node& node, const std::string& key, const RobotModel& model) {
   const std::vector<double> v = config::read_numbers(node, key, 3 + model.num_joints());
   return Eigen::Map<const VectorX>(v.data(), static_cast<Eigen::Index>(v.size()));
@@ -69,16 +67,21 @@ WholeConfiguration read_configuration(const Node& node, const std::string& key, 
 
 Isometry read_goal(const Node& node, const std::string& key) {
   MapReader in(node, key);
-  const Isometry X =
-      read_pose(in.require("position", "[x, y, z] in metres"), in.require("quaternion", "[w, x, y, z]"), key);
+  const Isometry X = read_pose(in);
   in.finish();
   return X;
 }
 
+template <class Values>
+nlohmann::ordered_json numbers(const Values& values) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const double value : values) list.push_back(value);
+  return list;
+}
+
+// With a matrix: a quaternion does not give back the last bit.
 nlohmann::ordered_json pose(const Isometry& X) {
-  const Eigen::Quaterniond q(X.linear());
-  const Vector3 p = X.translation();
-  return {{"position", {p.x(), p.y(), p.z()}}, {"quaternion", {q.w(), q.x(), q.y(), q.z()}}};
+  return {{"position", numbers(X.translation())}, {"rotation", numbers(Matrix3(X.linear()).reshaped())}};
 }
 
 void read_path(const Node& node, const std::string& key, const RobotModel& model, Path& path) {
@@ -144,6 +147,9 @@ PlanState read_plan_state(const Node& node, const std::string& key, const RobotM
   state.steps = counts.steps;
   state.next = counts.next;
   state.stop_end = counts.stop_end;
+  state.going_on = counts.going_on;
+  state.commit = counts.commit;
+  state.chosen = counts.chosen;
   state.mark = counts.mark;
   state.mark_clock = counts.mark_clock;
   state.stagnations = counts.stagnations;
@@ -156,8 +162,20 @@ PlanState read_plan_state(const Node& node, const std::string& key, const RobotM
 
 nlohmann::ordered_json to_json(const PlanState& state) {
   nlohmann::ordered_json json = config::write_described(state.brief);
-  const Counts counts{state.steps,       state.next,        state.stop_end,  state.mark,  state.mark_clock,
-                      state.stagnations, state.direct_time, state.left_path, state.fresh, state.known};
+  Counts counts;
+  counts.steps = state.steps;
+  counts.next = state.next;
+  counts.stop_end = state.stop_end;
+  counts.going_on = state.going_on;
+  counts.commit = state.commit;
+  counts.chosen = state.chosen;
+  counts.mark = state.mark;
+  counts.mark_clock = state.mark_clock;
+  counts.stagnations = state.stagnations;
+  counts.direct_time = state.direct_time;
+  counts.left_path = state.left_path;
+  counts.fresh = state.fresh;
+  counts.known = state.known;
   config::write_members(counts, json);
   json["start"] = config::write_described(state.start);
   if (state.has_goal) json["goal"] = pose(state.X_WG);

@@ -14,6 +14,8 @@ constexpr double kMoment = 0.08;
 // Added to the best run's way for the ellipse of the next [m].
 constexpr double kMoreWay = 0.3;
 constexpr double kAnyLength = 1e18;
+// Part of an edge's time that may be left where it overlaps with others, and of the best run's after further runs.
+constexpr double kOverlapped = 0.75, kShortened = 0.6;
 constexpr int kTiers = 2;
 // How far beyond start and goal a way may lead at each clearance [m].
 constexpr double kBeyond[kTiers] = {1.5, 2.5};
@@ -37,7 +39,8 @@ void Planner::set_objects(std::span<const ObjectShape> objects) {
 }
 
 void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::span<const ObjectState> objects,
-                    std::uint64_t seed) noexcept {
+                    std::uint64_t seed, double within) noexcept {
+  within_ = within;
   start_ = start;
   X_WG_ = X_WG;
   draws_ = {seed, 0};
@@ -63,7 +66,7 @@ void Planner::begin_tier(int tier) noexcept {
   const double object = tier == 0 ? std::max(params_.roomy, params_.clearance) : params_.clearance;
   space_.set_clearances({object, params_.self, params_.self}, start_);
   goals_.clear();
-  tries_ = 0;
+  tries_ = late_ = 0;
   stage_ = PlanStage::kGoals;
 }
 
@@ -95,7 +98,8 @@ void Planner::work() noexcept {
         best_.swap(edges_);
         longest_ = best_.base_way() + kMoreWay;
       }
-      if (best_.size() == 1 || run_ >= params_.runs || counts_.checks >= search_end_)
+      if (best_.size() == 1 || run_ >= params_.runs || counts_.checks >= search_end_ ||
+          kShortened * best_time_ > within_)
         end_tier();
       else
         begin_run();
@@ -113,8 +117,13 @@ void Planner::work() noexcept {
 void Planner::try_goal() noexcept {
   GoalConfiguration goal;
   ++counts_.ik_tries;
-  if (ik_.find(space_, X_WG_, params_.roomy, start_, tries_++, draws_, goal)) goals_.push_back(goal);
-  if (tries_ < params_.ik_tries && static_cast<int>(goals_.size()) < params_.ik_enough) return;
+  if (ik_.find(space_, X_WG_, params_.roomy, start_, tries_++, draws_, goal)) {
+    if (kOverlapped * goal.time > within_)
+      ++late_;
+    else
+      goals_.push_back(goal);
+  }
+  if (tries_ < params_.ik_tries && static_cast<int>(goals_.size()) + late_ < params_.ik_enough) return;
   counts_.goals = static_cast<int>(goals_.size());
   best_.clear();
   best_time_ = std::numeric_limits<double>::infinity();
@@ -128,7 +137,7 @@ void Planner::try_goal() noexcept {
   const bool half = tier_ == 0 && params_.roomy > params_.clearance;
   search_end_ = counts_.checks + (half ? params_.checks / 2 : params_.checks);
   run_ = 0;
-  longest_ = kAnyLength;
+  longest_ = within_ < kAnyLength ? within_ * limits_->linear : kAnyLength;
   begin_run();
 }
 
@@ -155,7 +164,7 @@ void Planner::end_tier() noexcept {
     overlap_ = params_.overlap;
     laid_ = -1;
     stage_ = PlanStage::kLay;
-  } else if (tier_ + 1 < kTiers && params_.roomy > params_.clearance) {
+  } else if (tier_ + 1 < kTiers && params_.roomy > params_.clearance && !(late_ > 0 && goals_.empty())) {
     begin_tier(tier_ + 1);
   } else {
     stage_ = PlanStage::kFailed;

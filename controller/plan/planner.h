@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -36,9 +37,10 @@ class Planner {
   Planner(std::shared_ptr<const RobotModel> model, const ControllerParams& params);
 
   void set_objects(std::span<const ObjectShape> objects);
-  /// Begins a plan among the objects that are seen and at rest. The start is where the robot stands.
+  /// Begins a plan among the objects that are seen and at rest. The start is where the robot stands. What would take
+  /// longer than `within` [s] is not looked for: the plan fails where there is nothing else.
   void begin(const WholeConfiguration& start, const Isometry& X_WG, std::span<const ObjectState> objects,
-             std::uint64_t seed) noexcept;
+             std::uint64_t seed, double within = std::numeric_limits<double>::infinity()) noexcept;
   /// Works until `budget` checks are used up or the plan is found or failed; takes what it used from `budget`, which a
   /// last piece of work may leave below zero. True as long as there is more to do.
   bool advance(long& budget) noexcept;
@@ -78,6 +80,8 @@ class Planner {
   CountedDraws draws_;
   int tier_ = 0;
   std::vector<GoalConfiguration> goals_;
+  double within_ = 0.0;
+  int late_ = 0;   // goal configurations that are too far away
   int tries_ = 0;  // of inverse kinematics, in this tier
   int run_ = 0;    // of the search, in this tier
   long search_end_ = 0;

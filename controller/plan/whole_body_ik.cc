@@ -122,7 +122,7 @@ bool WholeBodyIk::find(FreeSpace& space, const Isometry& X_WG, double roomy, con
   if (!space.free(c)) return false;
   // Penalties [s], each growing to its whole as clearance, room or manipulability vanish.
   constexpr double kTight = 0.7, kLimit = 0.4, kLimitRoom = 0.5, kSingular = 1.0, kAgile = 0.06;
-  out.cost = edge_time(*limits_, start, c);
+  out.cost = out.time = edge_time(*limits_, start, c);
   const Clearances& now = space.clearances();
   if (now.object < roomy && !space.clear(c, {roomy, now.floor, now.self})) out.cost += kTight;
   for (int i = 0; i < joints; ++i) {

@@ -11,6 +11,7 @@ namespace moma {
 /// penalties for little clearance, little room to the joints' limits and little manipulability [s].
 struct GoalConfiguration {
   WholeConfiguration c;
+  double time = 0.0;  ///< of that edge [s]
   double cost = 0.0;
 };
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "controller/ahead/candidates.h"
+#include "controller/ahead/choice.h"
 #include "controller/config/controller_file.h"
 #include "controller/config/node.h"
 #include "tests/controller/plan_scenes.h"
@@ -75,16 +77,6 @@ class Loop {
   Kinematics kinematics_;
   Scene scene_;
 };
-
-// A wall between the robot and its goal, with a way round it.
-Scene behind_a_wall(const std::shared_ptr<const RobotModel>& model, std::uint64_t seed) {
-  Scene scene = make_scene(model, seed, 0);
-  scene.X_WG.translation() << 2.6, 0.2, 0.6;
-  scene.shapes = {{"wall", make_box(0.2, 2.4, 1.6)}};
-  scene.states.resize(1);
-  scene.states[0].X_WO.translation() << 1.4, 0.0, 0.8;
-  return scene;
-}
 
 class Ahead : public testing::TestWithParam<std::string> {
  protected:
@@ -193,12 +185,105 @@ TEST_P(Ahead, TheSameInputsGiveTheSameBits) {
   }
 }
 
+// While a choice is worked out the robot does what the policy alone would do, bit for bit, and does not stand.
+TEST_P(Ahead, GoesOnWhileItChooses) {
+  if (model->base.type == BaseType::kFixed) GTEST_SKIP() << "only for a mobile robot";
+  int going_on = 0, chosen = 0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const Scene scene = behind_a_wall(model, seed);
+    ControllerParams params = read_params(*model, true);
+    params.plan.budget = 2000;
+    params.plan.detours = false;
+    Loop ahead(model, params, scene), plain(model, read_params(*model, false), scene);
+    const PlanState& state = ahead.controller.lookahead()->state();
+    for (int i = 0; i < 60; ++i) {
+      const bool goes_on = state.going_on && state.steps < state.commit;
+      const bool direct = state.brief.mode == PlanMode::kDirect && (goes_on || !state.going_on);
+      ahead.step();
+      plain.step();
+      if (!direct || state.brief.attempts > 1) break;
+      going_on += goes_on ? 1 : 0;
+      ASSERT_EQ((ahead.result.command - plain.result.command).norm(), 0.0) << "seed " << seed << " step " << i;
+    }
+    // What was chosen takes effect where the robot is: a path begins where it would come to rest.
+    if (state.brief.mode != PlanMode::kFollow) continue;
+    ++chosen;
+    WholeConfiguration stand = state.path.origin;
+    EXPECT_LT((stand.head<2>() - ahead.o.base.head<2>()).norm(), 0.3) << "seed " << seed;
+    EXPECT_LT(state.brief.lag, 0.3) << "seed " << seed;
+  }
+  EXPECT_GT(going_on, 10);
+  EXPECT_GT(chosen, 0);
+}
+
+// A choice is the same however it is spread, and its best candidate is the least.
+TEST_P(Ahead, AChoiceDoesNotDependOnTheBudget) {
+  const Scene scene = model->base.type == BaseType::kFixed ? make_scene(model, 1, 12) : behind_a_wall(model, 2);
+  const ControllerParams params = read_params(*model, true);
+  Choice choice(model, params);
+  Rollout rollout(model, read_params(*model, false), params.plan.step);
+  choice.reset(scene.shapes);
+  rollout.reset(scene.shapes);
+  const Observation o = Loop(model, params, scene).o;
+  std::vector<PlanCandidate> whole;
+  for (const long per_step : {1L << 30, 300L, 7L}) {
+    choice.begin(o, -1.0, 1);
+    bool more = true;
+    for (int k = 0; more && k < 1000000; ++k) {
+      long budget = per_step;
+      more = choice.advance(rollout, budget);
+    }
+    ASSERT_FALSE(more);
+    if (whole.empty()) whole.assign(choice.candidates().begin(), choice.candidates().end());
+    ASSERT_EQ(choice.candidates().size(), whole.size());
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+      EXPECT_EQ(choice.candidates()[i].time, whole[i].time) << i;
+      if (whole[i].time >= 0.0) {
+        EXPECT_LE(choice.best().time, whole[i].time) << i;
+      }
+    }
+  }
+  EXPECT_EQ(whole.size(), 2u + kCandidates);
+  EXPECT_GE(choice.best().time, 0.0);
+}
+
+// A rollout that is too late to arrive ends early, and never one that would have arrived in time.
+TEST_P(Ahead, ARolloutEndsEarlyOnlyWhereItIsTooLate) {
+  int late = 0, arrived = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const Scene scene = make_scene(model, seed, 4);
+    const ControllerParams params = read_params(*model, false);
+    Rollout rollout(model, params, 0.04);
+    rollout.reset(scene.shapes);
+    const Observation o = Loop(model, params, scene).o;
+    const auto run = [&](double time, bool late_ends) {
+      rollout.begin(o, EscapeState{}, {.time = time, .late_ends = late_ends});
+      long budget = 1L << 40;
+      rollout.advance(budget);
+      return rollout.end();
+    };
+    if (run(12.0, false) != RolloutEnd::kArrives) continue;
+    ++arrived;
+    const double time = rollout.time();
+    EXPECT_EQ(run(time + 0.1, true), RolloutEnd::kArrives) << "seed " << seed;
+    EXPECT_EQ(rollout.time(), time) << "seed " << seed;
+    if (run(0.5 * time, true) == RolloutEnd::kLate) {
+      ++late;
+      EXPECT_LT(rollout.time(), 0.5 * time) << "seed " << seed;
+    }
+  }
+  EXPECT_GT(arrived, 0);
+  EXPECT_GT(late, 0);
+}
+
 // What is remembered and the observation decide a step, in whatever the robot is about.
 TEST_P(Ahead, AStepFollowsFromMemory) {
-  int modes[4] = {};
+  int modes[4] = {}, going_on = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const Scene scene = model->base.type == BaseType::kFixed ? make_scene(model, seed, 12) : behind_a_wall(model, seed);
-    const ControllerParams params = read_params(*model, true);
+    ControllerParams params = read_params(*model, true);
+    params.plan.detours = seed == 2;
+    if (seed == 1) params.plan.budget = 100;  // so little that the robot comes to stand while it chooses
     Loop loop(model, params, scene);
     ControllerCore other(model, params, kPeriod);
     other.reset(scene.shapes);
@@ -208,6 +293,7 @@ TEST_P(Ahead, AStepFollowsFromMemory) {
     for (int i = 0; i < 300; ++i) {
       loop.controller.get_memory(memory);
       ++modes[static_cast<int>(memory.plan.brief.mode)];
+      going_on += memory.plan.going_on ? 1 : 0;
       const Observation o = loop.o;
       loop.step();
       other.set_memory(memory);
@@ -217,6 +303,8 @@ TEST_P(Ahead, AStepFollowsFromMemory) {
     }
   }
   EXPECT_GT(modes[static_cast<int>(PlanMode::kDirect)], 0);
+  if (model->base.type == BaseType::kFixed) return;  // whose policy gets there
+  EXPECT_GT(going_on, 0);
   EXPECT_GT(modes[static_cast<int>(PlanMode::kChoose)], 0);
   EXPECT_GT(modes[static_cast<int>(PlanMode::kFollow)], 0);
 }
@@ -250,7 +338,9 @@ TEST_P(Ahead, ABlockedPathIsGivenUp) {
   scene.shapes.push_back({"late", make_cylinder(0.25, 1.5)});
   scene.states.resize(2);
   scene.states[1].visible = false;
-  Loop loop(model, read_params(*model, true), scene);
+  ControllerParams params = read_params(*model, true);
+  params.plan.detours = false;
+  Loop loop(model, params, scene);
   const auto& state = [&]() -> const PlanState& { return loop.controller.lookahead()->state(); };
   for (int i = 0; i < 300 && state().brief.mode != PlanMode::kFollow; ++i) loop.step();
   ASSERT_EQ(state().brief.mode, PlanMode::kFollow);

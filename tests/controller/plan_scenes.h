@@ -108,6 +108,16 @@ inline Scene make_scene(const std::shared_ptr<const RobotModel>& model, std::uin
   return scene;
 }
 
+/// A wall between the robot and its goal, with a way round it.
+inline Scene behind_a_wall(const std::shared_ptr<const RobotModel>& model, std::uint64_t seed) {
+  Scene scene = make_scene(model, seed, 0);
+  scene.X_WG.translation() << 2.6, 0.2, 0.6;
+  scene.shapes = {{"wall", make_box(0.2, 2.4, 1.6)}};
+  scene.states.resize(1);
+  scene.states[0].X_WO.translation() << 1.4, 0.0, 0.8;
+  return scene;
+}
+
 /// A whole plan at once.
 inline bool plan_whole(Planner& planner, const Scene& scene, std::uint64_t seed) {
   planner.set_objects(scene.shapes);

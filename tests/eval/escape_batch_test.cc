@@ -1,4 +1,5 @@
-// Detours, vortex and end rows in real trials: the same bits for any number of threads, in rows and in traces.
+// Detours, vortex, end rows and looking ahead in real trials: the same bits for any number of threads, and for a run
+// that was stopped and gone on with, in rows and in traces.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -14,11 +15,15 @@ struct Trials {
   long on_detour = 0, circling = 0;
 };
 
-Trials run(const Suite& suite, int threads) {
-  Trials out;
+// From the `first` job on, and no more than `most` results.
+void run(const Suite& suite, int threads, Trials& out, std::size_t first = 0, std::size_t most = 1000) {
   BatchOptions options;
   options.threads = threads;
-  run_batch(suite.points, make_jobs(suite), options, [&](const BatchJob&, BatchResult&& result) {
+  std::vector<BatchJob> jobs = make_jobs(suite);
+  jobs.erase(jobs.begin(), jobs.begin() + static_cast<std::ptrdiff_t>(first));
+  std::size_t taken = 0;
+  run_batch(suite.points, jobs, options, [&](const BatchJob&, BatchResult&& result) {
+    if (taken++ >= most) return false;
     for (const Sample& sample : result.output.trace) {
       out.on_detour += sample.escape.detour ? 1 : 0;
       out.circling += sample.escape.circulation != 0 ? 1 : 0;
@@ -26,23 +31,20 @@ Trials run(const Suite& suite, int threads) {
     out.trials.push_back(std::move(result.output));
     return true;
   });
-  return out;
 }
 
-TEST(EscapeBatch, OneAndFourThreadsGiveTheSameBits) {
-  SuiteFolder folder;
+Suite load(SuiteFolder& folder, const std::string& controller, const std::string& changes = "") {
   const std::string configs = MOMA_SOURCE_DIR "/configs/";
-  const Suite suite = load_suite(folder.write("escape.yaml", "robot: " + configs + "robots/frankie.yaml\n" +
-                                                                 "controllers: {moma: " + configs +
-                                                                 "controllers/moma-reactive.yaml}\n" + R"(
+  return load_suite(folder.write(controller + "-suite.yaml",
+                                 "robot: " + configs + "robots/frankie.yaml\n" + "controllers: {one: {include: " +
+                                     configs + "controllers/" + controller + ".yaml" + changes + "}}\n" + R"(
 worlds: {seed: 3, families: {clutter: {weight: 3}, moving: {weight: 1}}}
 simulation: {mode: kinematic, time_limit: 10}
 trials: 12
 )"));
-  const Trials one = run(suite, 1);
-  const Trials four = run(suite, 4);
-  EXPECT_GT(one.on_detour, 50);
-  EXPECT_GT(one.circling, 50);
+}
+
+void expect_equal(const Trials& one, const Trials& four) {
   ASSERT_EQ(one.trials.size(), four.trials.size());
   for (std::size_t i = 0; i < one.trials.size(); ++i) {
     const TrialOutput& a = one.trials[i];
@@ -58,6 +60,36 @@ trials: 12
       ASSERT_EQ(a.trace[k].escape.stagnations, b.trace[k].escape.stagnations);
     }
   }
+}
+
+TEST(EscapeBatch, OneAndFourThreadsGiveTheSameBits) {
+  SuiteFolder folder;
+  const Suite suite = load(folder, "moma-reactive");
+  Trials one, four;
+  run(suite, 1, one);
+  run(suite, 4, four);
+  EXPECT_GT(one.on_detour, 50);
+  EXPECT_GT(one.circling, 50);
+  expect_equal(one, four);
+}
+
+TEST(AheadBatch, OneAndFourThreadsAndARunInTwoPartsGiveTheSameBits) {
+  SuiteFolder folder;
+  const Suite suite = load(folder, "moma-ahead");
+  Trials one, four, parts, without;
+  run(suite, 1, one);
+  run(suite, 4, four);
+  expect_equal(one, four);
+  run(suite, 2, parts, 0, 5);
+  ASSERT_EQ(parts.trials.size(), 5u);
+  run(suite, 3, parts, 5);
+  expect_equal(one, parts);
+  // It did look ahead: most of these trials are others without.
+  run(load(folder, "moma-ahead", ", plan: {enabled: false}"), 4, without);
+  int others = 0;
+  for (std::size_t i = 0; i < one.trials.size(); ++i)
+    others += one.trials[i].trace.size() != without.trials[i].trace.size() ? 1 : 0;
+  EXPECT_GT(others, 4);
 }
 
 }  // namespace

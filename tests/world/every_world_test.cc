@@ -130,7 +130,7 @@ TEST(EveryFamily, IsNamedWhereAnUnknownOneIsAskedFor) {
   std::string list;
   for (const FamilyType& type : family_types()) list += (list.empty() ? "" : ", ") + std::string(type.name);
   try {
-    worlds("families: {maze: {}}");
+    worlds("families: {labyrinth: {}}");
     FAIL() << "accepted";
   } catch (const config::ConfigError& error) {
     EXPECT_NE(std::string(error.what()).find("families are: " + list), std::string::npos) << error.what();

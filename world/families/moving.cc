@@ -78,16 +78,6 @@ void check(const Moving& p, const config::MapReader& in) {
   in.check(p.orbit + p.walk <= 1.0 + 1e-12, "orbit", "orbit and walk are parts of the objects: at most 1 together");
 }
 
-Way straight_way(const SceneBuilder& builder, const World& world) {
-  Way out;
-  out.from = builder.mobile() ? Vector3(world.start.base.x(), world.start.base.y(), 0.0) : builder.start_tip();
-  Vector3 way = world.goal.X_WG.translation() - out.from;
-  way.z() = 0.0;
-  out.length = way.norm();
-  if (out.length > 1e-6) out.forward = way / out.length;
-  return out;
-}
-
 /// One object that crosses or approaches. False where its path is not clear.
 bool straight(const Moving& p, SceneBuilder& builder, const Way& way, std::uint64_t item, WorldObject& object) {
   Draws draws = builder.draws(Stream::kMotion, item);

@@ -1,5 +1,6 @@
 #include "world/scenario/furniture.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace moma {
@@ -28,6 +29,19 @@ bool add_furniture(SceneBuilder& builder, std::vector<WorldObject> boxes, const 
     world.objects.push_back(std::move(box));
   }
   return true;
+}
+
+double base_half_width(const SceneBuilder& builder) {
+  const RobotModel& model = builder.model();
+  Kinematics kinematics(builder.model_pointer());
+  kinematics.update(Vector3::Zero(), model.ready);
+  double half = 0.0;
+  for (const CollisionShape& shape : model.shapes) {
+    if (!shape.rigid_with_base) continue;
+    for (const double side : {1.0, -1.0})
+      half = std::max(half, extent_along(shape.shape, kinematics.X_WS(shape), {0.0, side, 0.0}));
+  }
+  return half;
 }
 
 double heading_to_goal(const World& world) {

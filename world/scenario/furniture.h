@@ -23,6 +23,9 @@ WorldObject furniture_box(const FurnitureFrame& frame, const std::string& name, 
 /// otherwise rejects the try as `what`.
 bool add_furniture(SceneBuilder& builder, std::vector<WorldObject> boxes, const std::string& what, World& world);
 
+/// Half the way across the direction in which the base drives that its shapes take [m]; the arm's are not counted.
+double base_half_width(const SceneBuilder& builder);
+
 /// Heading from the witness's base to the goal: how the robot stands to the goal.
 double heading_to_goal(const World& world);
 

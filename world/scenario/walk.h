@@ -18,6 +18,9 @@ struct Way {
   Vector3 left() const { return {-forward.y(), forward.x(), 0.0}; }
 };
 
+/// From the base of a robot that drives, or the tool of one that does not, to the goal. After place_robot().
+Way straight_way(const SceneBuilder& builder, const World& world);
+
 enum class Walker { kPerson, kSolid };
 constexpr auto words(Of<Walker>) { return std::to_array<std::string_view>({"person", "solid"}); }
 

@@ -1,0 +1,148 @@
+// A case of a robot that looks ahead: its step is repeated to the last bit, whatever it is about; bad files are
+// refused; what it will do is foreseen as it does it.
+#include <gtest/gtest.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "controller/ahead/lookahead.h"
+#include "controller/case/case_file.h"
+#include "controller/case/case_step.h"
+#include "controller/case/foresee.h"
+#include "controller/config/controller_file.h"
+#include "controller/controller_core.h"
+#include "tests/controller/plan_scenes.h"
+
+namespace moma::test {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+ControlCase ahead_case(const std::string& controller) {
+  ControlCase c;
+  c.robot = config::load_robot(source_path("configs/robots/frankie.yaml"));
+  c.controller = config::read_controller(config::load_yaml(source_path("configs/controllers/" + controller)),
+                                         "controller", *c.robot.model, c.control_period, c.warnings);
+  c.has_plan = true;
+  return c;
+}
+
+/// A robot that does what it is told, behind a wall.
+class Drive {
+ public:
+  Drive(ControlCase& control_case, std::uint64_t seed) : case_(control_case) {
+    const Scene scene = behind_a_wall(case_.robot.model, seed);
+    case_.objects = scene.shapes;
+    controller_ = std::make_unique<ControllerCore>(case_.robot.model, case_.controller, case_.control_period);
+    controller_->reset(case_.objects);
+    controller_->prepare(result);
+    o_.base = scene.start.head<3>();
+    o_.q = scene.start.tail(case_.robot.model->num_joints());
+    o_.qdot = VectorX::Zero(case_.robot.model->num_velocities());
+    // No rotation that a quaternion gives back.
+    o_.goal.X_WG = scene.X_WG;
+    o_.goal.X_WG.linear() *= Eigen::AngleAxisd(0.3, Vector3(1.0, 2.0, -0.5).normalized()).toRotationMatrix();
+    o_.objects = scene.states;
+  }
+  /// One step; the case is that of its beginning.
+  void step() {
+    controller_->get_memory(case_.memory);
+    case_.observation = o_;
+    controller_->step(o_, result);
+    integrate(*case_.robot.model, o_.base, o_.q, result.command, case_.control_period);
+    o_.qdot = result.command;
+    o_.time += case_.control_period;
+  }
+  StepResult result;
+
+ private:
+  ControlCase& case_;
+  std::unique_ptr<ControllerCore> controller_;
+  Observation o_;
+};
+
+ControlCase read_text(const Json& json) { return read_case(config::parse_yaml(json.dump(), "case.json")); }
+
+std::string error_of(const Json& json) {
+  try {
+    read_text(json);
+  } catch (const config::ConfigError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(PlanCase, AStepIsRepeatedBitForBitInEveryMode) {
+  std::map<PlanMode, int> modes;
+  int going_on = 0;
+  for (const std::string controller : {"moma-ahead.yaml", "moma.yaml"}) {
+    for (const int budget : {100, 900}) {
+      ControlCase c = ahead_case(controller);
+      c.controller.plan.budget = budget;
+      Drive drive(c, 1);
+      for (int k = 0; k < 250; ++k) {
+        drive.step();
+        if (k % 5 != 0) continue;
+        ++modes[c.memory.plan.brief.mode];
+        going_on += c.memory.plan.going_on ? 1 : 0;
+        const ControlCase again = read_text(case_to_json(c));
+        ASSERT_EQ((again.memory.plan.X_WG.matrix() - c.memory.plan.X_WG.matrix()).norm(), 0.0) << "step " << k;
+        if (c.memory.plan.path.count > 0) {
+          ASSERT_EQ((again.memory.plan.path.X_WG.matrix() - c.memory.plan.path.X_WG.matrix()).norm(), 0.0);
+        }
+        const CaseStep step(again);
+        ASSERT_EQ(step.result.command, drive.result.command)
+            << controller << " step " << k << " in " << to_string(c.memory.plan.brief.mode);
+      }
+    }
+  }
+  for (const PlanMode mode : {PlanMode::kDirect, PlanMode::kFollow, PlanMode::kChoose})
+    EXPECT_GT(modes[mode], 0) << to_string(mode);
+  EXPECT_GT(going_on, 0);
+}
+
+TEST(PlanCase, IsRefusedWhereItIsNone) {
+  ControlCase c = ahead_case("moma-ahead.yaml");
+  Drive drive(c, 1);
+  for (int k = 0; k < 400 && c.memory.plan.brief.mode != PlanMode::kFollow; ++k) drive.step();
+  ASSERT_EQ(c.memory.plan.brief.mode, PlanMode::kFollow);
+  const Json good = case_to_json(c);
+  ASSERT_EQ(error_of(good), "");
+  const auto expect = [&](const std::string& words, const auto& change) {
+    Json bad = good;
+    change(bad["state"]["plan"]);
+    const std::string error = error_of(bad);
+    EXPECT_NE(error.find(words), std::string::npos) << words << "\n" << error;
+  };
+  expect("follow needs a path", [](Json& plan) { plan.erase("path"); });
+  expect("state.plan.mode", [](Json& plan) { plan["mode"] = "flies"; });
+  expect("state.plan.path.motions", [](Json& plan) { plan["path"]["motions"] = Json::array(); });
+  expect("expected no more than half of `time`", [](Json& plan) { plan["path"]["motions"][0]["ramp"] = 100.0; });
+  expect("expected 10: x, y, phi", [](Json& plan) { plan["path"]["motions"][0]["change"].erase(0); });
+  expect("state.plan.goal", [](Json& plan) { plan["goal"].erase("rotation"); });
+  expect("expected a rotation matrix", [](Json& plan) { plan["path"]["goal"]["rotation"][0] = 3.0; });
+  expect("state.plan.commit", [](Json& plan) { plan["commit"] = -1; });
+  Json off = good;
+  off["controller"]["plan"]["enabled"] = false;
+  EXPECT_NE(error_of(off).find("does not look ahead"), std::string::npos) << error_of(off);
+}
+
+TEST(PlanCase, TheNextSecondsAreForeseenInWords) {
+  ControlCase c = ahead_case("moma-ahead.yaml");
+  Drive drive(c, 1);
+  drive.step();
+  const std::string ahead = foresee(c, 20.0);
+  EXPECT_NE(ahead.find("follows a path"), std::string::npos) << ahead;
+  EXPECT_NE(ahead.find("E is at the goal after"), std::string::npos) << ahead;
+  // Without looking ahead it stops before the wall, and the wall is what holds it.
+  ControlCase plain = c;
+  plain.controller.plan.enabled = false;
+  plain.controller.escape.enabled = false;
+  plain.has_plan = false;
+  const std::string stops = foresee(plain, 20.0);
+  EXPECT_EQ(stops.find("E is at the goal"), std::string::npos) << stops;
+  EXPECT_NE(stops.find("wall"), std::string::npos) << stops;
+}
+
+}  // namespace
+}  // namespace moma::test

@@ -1,0 +1,94 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "world/scenario/family.h"
+#include "world/scenario/furniture.h"
+
+namespace moma {
+namespace {
+
+/// A bookshelf with its back to the robot's start: the goal lies between two boards, open on the far side, so that the
+/// robot has to drive round before it can reach in. The witness stands before the open side. For mobile bases.
+struct Bookshelf {
+  using Uniform = Distribution::Uniform;
+  Placement placement{.distance = Distribution(Uniform{2.5, 4.0}), .tip_height = 0.3};
+  Distribution opening{Distribution::Fixed{0.35}};  ///< [m]
+  Distribution inset{Distribution::Fixed{0.15}};    ///< [m]
+  Distribution width{Uniform{1.0, 1.6}};            ///< [m]
+  Distribution depth{Uniform{0.3, 0.4}};            ///< [m]
+  Distribution height{Uniform{1.2, 1.8}};           ///< [m]
+  double thickness = 0.03;                          ///< [m]
+  double level = 0.8;                               ///< [1]
+  double turned_away = 0.3;                         ///< [1]
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Bookshelf>) {
+  using T = Bookshelf;
+  constexpr Range kPositive = Range::positive();
+  v.inlined(&T::placement);
+  v.member("opening", &T::opening, {.unit = "m", .range = kPositive, .text = "between two boards"});
+  v.member("inset", &T::inset, {.unit = "m", .text = "of the goal behind the front"});
+  v.member("width", &T::width, {.unit = "m", .range = kPositive, .text = "between its sides"});
+  v.member("depth", &T::depth, {.unit = "m", .range = kPositive, .text = "of its boards"});
+  v.member("height", &T::height, {.unit = "m", .range = kPositive, .text = "of the whole, at least"});
+  v.member("thickness", &T::thickness, {.unit = "m", .range = kPositive, .text = "of boards, sides and back"});
+  v.member("level", &T::level,
+           {.unit = "1", .range = {0.0, 1.0}, .text = "least horizontal part of the tool's direction"});
+  v.member("turned_away", &T::turned_away,
+           {.unit = "1",
+            .range = {-1.0, 1.0},
+            .text = "least cosine of the angle between the way out of the shelf and the way from the start to it"});
+}
+
+bool build(const Bookshelf& p, SceneBuilder& builder, World& world) {
+  if (!builder.mobile()) return builder.reject("bookshelf: a fixed base cannot drive round it");
+  if (!builder.place_robot(p.placement, world)) return false;
+  const Vector3 approach = builder.approach();
+  if (std::hypot(approach.x(), approach.y()) < p.level)
+    return builder.reject("bookshelf: the tool does not point into it (level)");
+  FurnitureFrame frame;
+  frame.yaw = std::atan2(approach.y(), approach.x());
+  const Vector3 in(std::cos(frame.yaw), std::sin(frame.yaw), 0.0), left(-in.y(), in.x(), 0.0);
+  const Vector3 goal = world.goal.X_WG.translation();
+  Vector3 there(goal.x(), goal.y(), 0.0);
+  if (there.norm() < 1e-6 || -in.dot(there.normalized()) < p.turned_away)
+    return builder.reject("bookshelf: open towards the start (turned_away)");
+
+  Draws draws = builder.draws(Stream::kObjects);
+  const double opening = p.opening.sample(draws);
+  const double inset = p.inset.sample(draws);
+  const double width = p.width.sample(draws);
+  const double depth = std::max(p.depth.sample(draws), inset + p.thickness);
+  const double height = p.height.sample(draws);
+  const double sideways = draws.uniform(-0.3, 0.3) * width;
+  const double up = draws.uniform(0.4, 0.6) * opening;  // goal above the board below it
+  frame.origin = there - inset * in + sideways * left;
+
+  const double pitch = opening + p.thickness;
+  const double board = goal.z() - up - 0.5 * p.thickness;
+  const double total = std::max(height, board + pitch + p.thickness);
+  std::vector<WorldObject> boxes;
+  int number = 0;
+  for (double z = board - pitch * std::floor(board / pitch); z < total + 0.5 * p.thickness; z += pitch)
+    boxes.push_back(
+        furniture_box(frame, "board" + std::to_string(++number), {0.5 * depth, 0.0, z}, {depth, width, p.thickness}));
+  for (const double side : {1.0, -1.0})
+    boxes.push_back(furniture_box(frame, side > 0.0 ? "shelf_left" : "shelf_right",
+                                  {0.5 * depth, side * 0.5 * (width + p.thickness), 0.5 * total},
+                                  {depth, p.thickness, total}));
+  boxes.push_back(furniture_box(frame, "shelf_back", {depth + 0.5 * p.thickness, 0.0, 0.5 * total},
+                                {p.thickness, width + 2.0 * p.thickness, total}));
+  return add_furniture(builder, std::move(boxes), "bookshelf:", world);
+}
+
+}  // namespace
+
+FamilyType bookshelf_family() {
+  return family_type<Bookshelf>(
+      "a shelf with its back to the start: round it, and in between two of its boards; mobile bases");
+}
+
+}  // namespace moma

@@ -1,0 +1,97 @@
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "world/scenario/family.h"
+#include "world/scenario/object_mix.h"
+
+namespace moma {
+namespace {
+
+constexpr int kTries = 200;
+
+/// A goal on a conveyor: it goes to and fro on a line at one speed, and things stand about between it and the start.
+/// For mobile bases. Solvable by construction: the line leads along the direction in which the witness's base drives,
+/// so that a robot that has reached the goal follows it by driving straight, and all that stands about is clear of the
+/// witness at every place on its way.
+struct Conveyor {
+  using Uniform = Distribution::Uniform;
+  Placement placement{.distance = Distribution(Uniform{2.0, 4.0}), .tip_height = 0.3};
+  Distribution speed{Uniform{0.05, 0.2}};  ///< [m/s]
+  Distribution length{Uniform{0.8, 2.0}};  ///< [m]
+  double duration = 120.0;                 ///< [s]
+  Count objects{Uniform{3.0, 8.0}};
+  Distribution along{Uniform{0.2, 0.9}};     ///< [1]
+  Distribution lateral{Uniform{-1.0, 1.0}};  ///< [m]
+  ObjectMix mix{.standing = 0.8};
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Conveyor>) {
+  using T = Conveyor;
+  v.inlined(&T::placement);
+  v.member("speed", &T::speed, {.unit = "m/s", .range = Range::positive(), .text = "of the goal"});
+  v.member("length", &T::length, {.unit = "m", .range = Range::positive(), .text = "of the line on which it moves"});
+  v.member("duration", &T::duration, {.unit = "s", .range = {0.0, 3600.0, true, false}, .text = "then it rests"});
+  v.member("objects", &T::objects, {.range = {0, 1000}, .text = "number of solids about the way"});
+  v.member("along", &T::along, {.unit = "1", .text = "where they are: part of the way from start to goal"});
+  v.member("lateral", &T::lateral, {.unit = "m", .text = "beside the way"});
+  v.inlined(&T::mix);
+}
+
+bool build(const Conveyor& p, SceneBuilder& builder, World& world) {
+  if (!builder.mobile()) return builder.reject("conveyor: a fixed base cannot drive along it");
+  if (!builder.place_robot(p.placement, world)) return false;
+  Draws draws = builder.draws(Stream::kMotion);
+  const double speed = p.speed.sample(draws);
+  const double length = p.length.sample(draws);
+  const double sense = draws.uniform() < 0.5 ? -1.0 : 1.0;
+  Draws number = builder.draws(Stream::kObjects);
+  const int count = p.objects.sample(number);
+  if (speed > builder.model().base.max_linear) return builder.reject("conveyor: too fast to follow (speed)");
+
+  const double heading = world.witness.base.z();
+  const Vector3 forward = sense * Vector3(std::cos(heading), std::sin(heading), 0.0);
+  const Vector3 from = world.goal.X_WG.translation();
+  const double leg = length / speed;
+  PathMotion motion;
+  for (int k = 0; k * leg < p.duration + leg; ++k) {
+    motion.times.push_back(k * leg);
+    motion.positions.emplace_back(k % 2 == 0 ? from : Vector3(from + length * forward));
+  }
+  world.goal.motion = std::move(motion);
+
+  const Vector3 way(from.x(), from.y(), 0.0);  // the start is the origin
+  const Vector3 left = way.norm() > 1e-6 ? Vector3(Vector3(-way.y(), way.x(), 0.0).normalized()) : Vector3::UnitY();
+  for (int i = 0; i < count; ++i) {
+    WorldObject object;
+    object.name = "object" + std::to_string(i + 1);
+    bool placed = false;
+    for (int k = 0; k < kTries && !placed; ++k) {
+      Draws own = builder.draws(Stream::kObjects, 1 + static_cast<std::uint64_t>(i * kTries + k));
+      const double along = p.along.sample(own);
+      const double lateral = p.lateral.sample(own);
+      const Vector3 at = along * way + lateral * left;
+      p.mix.sample(own, at.x(), at.y(), object);
+      // Seen from the witness that drives along, what stands comes towards it.
+      WorldObject passing = object;
+      LinearMotion relative;
+      relative.V_W.tail<3>() = -speed * forward;
+      passing.motion = relative;
+      placed = builder.stands_clear(object, builder.clearance()) &&
+               builder.clear_for(passing, speed, leg, builder.clearance());
+      if (!placed) builder.drawn_again("an object not clear of start and the goal's way");
+    }
+    if (!placed) return builder.reject("conveyor: no place for an object clear of the goal's way (worlds.clearance)");
+    world.objects.push_back(std::move(object));
+  }
+  return true;
+}
+
+}  // namespace
+
+FamilyType conveyor_family() {
+  return family_type<Conveyor>("a goal that goes to and fro on a line behind things that stand about; mobile bases");
+}
+
+}  // namespace moma

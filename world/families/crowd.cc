@@ -1,0 +1,59 @@
+#include <string>
+#include <utility>
+
+#include "world/scenario/family.h"
+#include "world/scenario/walk.h"
+
+namespace moma {
+namespace {
+
+constexpr int kTries = 400;
+
+/// Many people about their own business around the robot's way: more and more of them make it harder. Their whole paths
+/// over `horizon` are clear of start and witness, so that a robot that waits is not run into, and one that has arrived
+/// can stay.
+struct Crowd {
+  using Uniform = Distribution::Uniform;
+  Placement placement{.distance = Distribution(Uniform{2.0, 4.0})};
+  Count people{Uniform{5.0, 10.0}};
+  double horizon = 60.0;  ///< [s]
+  Walk walker{.speed = Distribution(Distribution::Normal{0.8, 0.2}), .margin = 3.0};
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Crowd>) {
+  using T = Crowd;
+  v.inlined(&T::placement);
+  v.member("people", &T::people, {.range = {0, 200}, .text = "number of people who walk"});
+  v.member("horizon", &T::horizon,
+           {.unit = "s", .range = {0.0, 3600.0, true, false}, .text = "start and witness are clear for so long"});
+  v.inlined(&T::walker);
+}
+
+bool build(const Crowd& p, SceneBuilder& builder, World& world) {
+  if (!builder.place_robot(p.placement, world)) return false;
+  Draws number = builder.draws(Stream::kObjects);
+  const int count = p.people.sample(number);
+  const Way way = straight_way(builder, world);
+  const ObjectMix mix{.standing = 1.0};
+  for (int i = 0; i < count; ++i) {
+    WorldObject person;
+    person.name = "person" + std::to_string(i + 1);
+    bool placed = false;
+    for (int k = 0; k < kTries && !placed; ++k) {
+      placed = p.walker.sample(builder, way, mix, p.horizon, 1 + static_cast<std::uint64_t>(i * kTries + k), person);
+      if (!placed) builder.drawn_again("a path not clear of start and goal");
+    }
+    if (!placed) return builder.reject("people: no path clear of start and goal (worlds.clearance)");
+    world.objects.push_back(std::move(person));
+  }
+  return true;
+}
+
+}  // namespace
+
+FamilyType crowd_family() {
+  return family_type<Crowd>("people who walk about around the way, never through start or witness");
+}
+
+}  // namespace moma

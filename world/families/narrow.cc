@@ -1,0 +1,79 @@
+#include <cmath>
+#include <numbers>
+
+#include "world/scenario/family.h"
+#include "world/scenario/furniture.h"
+
+namespace moma {
+namespace {
+
+/// A passage between two high walls, as wide as what is needed of the robot's footprint and a margin, with the goal
+/// behind it. For mobile bases. Solvable by construction where the margin is positive and the arm can be held above
+/// the footprint: the base drives straight through.
+struct Narrow {
+  using Uniform = Distribution::Uniform;
+  Placement placement{.distance = Distribution(Uniform{2.5, 4.0})};
+  Distribution margin{Distribution::Fixed{0.15}};  ///< [m]
+  Distribution along{Uniform{0.4, 0.6}};           ///< [1]
+  Distribution offset{Uniform{-0.5, 0.5}};         ///< [m]
+  Distribution turn{Uniform{-0.4, 0.4}};           ///< [rad]
+  Distribution length{Uniform{0.3, 0.8}};          ///< [m]
+  double wall = 2.5;                               ///< [m]
+  double height = 2.0;                             ///< [m]
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Narrow>) {
+  using T = Narrow;
+  constexpr Range kPositive = Range::positive();
+  v.inlined(&T::placement);
+  v.member("margin", &T::margin,
+           {.unit = "m", .text = "of the passage on either side of the base driving straight through it"});
+  v.member("along", &T::along,
+           {.unit = "1", .range = {0.0, 1.0}, .text = "where the passage is: part of the way from start to goal"});
+  v.member("offset", &T::offset, {.unit = "m", .text = "of its middle beside the way"});
+  v.member("turn", &T::turn, {.unit = "rad", .text = "of its walls against the way"});
+  v.member("length", &T::length, {.unit = "m", .range = kPositive, .text = "of the passage: thickness of its walls"});
+  v.member("wall", &T::wall, {.unit = "m", .range = kPositive, .text = "length of the wall on each side"});
+  v.member("height", &T::height, {.unit = "m", .range = kPositive, .text = "of the walls"});
+}
+
+bool build(const Narrow& p, SceneBuilder& builder, World& world) {
+  if (!builder.mobile()) return builder.reject("narrow: a fixed base cannot drive through it");
+  if (!builder.place_robot(p.placement, world)) return false;
+  Draws draws = builder.draws(Stream::kObjects);
+  const double margin = p.margin.sample(draws);
+  const double along = p.along.sample(draws);
+  const double offset = p.offset.sample(draws);
+  const double turn = p.turn.sample(draws);
+  const double length = p.length.sample(draws);
+
+  const Vector3 start(world.start.base.x(), world.start.base.y(), 0.0);
+  const Vector3 end(world.witness.base.x(), world.witness.base.y(), 0.0);
+  const Vector3 way = end - start;
+  FurnitureFrame frame;  // in the middle of the passage, x through it
+  frame.yaw = std::atan2(way.y(), way.x());
+  frame.origin = start + along * way;
+  frame.origin = frame.point(0.0, offset, 0.0);
+  frame.yaw += turn;
+  const Vector3 through(std::cos(frame.yaw), std::sin(frame.yaw), 0.0);
+  if (through.dot(world.goal.X_WG.translation() - frame.origin) < 0.0 || through.dot(end - frame.origin) < 0.0)
+    return builder.reject("narrow: the goal is not behind it");
+
+  const double width = 2.0 * (base_half_width(builder) + margin);
+  if (!(width > 0.0)) return builder.reject("narrow: no room between the walls (margin)");
+  const double side = 0.5 * (width + p.wall);
+  std::vector<WorldObject> boxes;
+  for (const double sign : {1.0, -1.0})
+    boxes.push_back(furniture_box(frame, sign > 0.0 ? "wall_left" : "wall_right", {0.0, sign * side, 0.5 * p.height},
+                                  {length, p.wall, p.height}));
+  return add_furniture(builder, std::move(boxes), "narrow:", world);
+}
+
+}  // namespace
+
+FamilyType narrow_family() {
+  return family_type<Narrow>("a passage as wide as the base and a margin, the goal behind; mobile bases");
+}
+
+}  // namespace moma
