@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "controller/describe/check.h"
+#include "controller/model/base_kind.h"
 #include "controller/params_described.h"
 #include "controller/qp/limits.h"
 
@@ -145,7 +146,7 @@ ControllerParams resolved(ControllerParams p, const RobotModel& model) {
       const Vector2& most = model.base.max_acceleration;
       const bool turn = i + 1 == model.base_dof();
       // Drives bound the length of (v_x, v_y); the QP has an octagon in that circle (qp/limits.h).
-      const double inside = model.base_dof() == 3 && !turn ? kOctagon : 1.0;
+      const double inside = kind_of(model.base.type).lateral() && !turn ? kOctagon : 1.0;
       p.acceleration_limit[i] = p.base_share * inside * (turn ? most.y() : most.x());
     }
   }

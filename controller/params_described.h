@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string_view>
+
 #include "controller/describe/complete.h"
 #include "controller/describe/describe.h"
 #include "controller/params.h"

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <string_view>
+#include <utility>
 
 #include "controller/config/read_described.h"
 #include "controller/config/reader.h"

@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <set>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "controller/config/mesh_check.h"

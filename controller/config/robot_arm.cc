@@ -1,6 +1,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "controller/config/json_node.h"
 #include "controller/config/robot_build.h"

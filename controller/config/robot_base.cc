@@ -1,8 +1,12 @@
 #include <cmath>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "controller/config/json_node.h"
 #include "controller/config/robot_build.h"
 #include "controller/config/robot_file.h"
+#include "controller/model/base_kind.h"
 
 namespace moma::config {
 namespace {
@@ -22,10 +26,10 @@ void read_wheels(MapReader& base, MobileBase& model, nlohmann::ordered_json& wri
   in.read("radius", wheels.radius, Range::positive());
   in.read("separation", wheels.separation, Range::positive());
   in.read("max_speed", wheels.max_speed, Range::positive());
-  if (model.type == BaseType::kOmnidirectional) in.require("wheelbase", "the distance of front and rear wheels [m]");
+  const bool wheelbase = kind_of(model.type).wheelbase;
+  if (wheelbase) in.require("wheelbase", "the distance of front and rear wheels [m]");
   in.read("wheelbase", wheels.wheelbase, Range::non_negative());
-  in.check(model.type != BaseType::kOmnidirectional || wheels.wheelbase > 0.0, "wheelbase",
-           "mecanum wheels need a number above 0");
+  in.check(!wheelbase || wheels.wheelbase > 0.0, "wheelbase", "mecanum wheels need a number above 0");
   in.finish();
   written["wheels"] = {{"radius", wheels.radius},
                        {"separation", wheels.separation},
@@ -85,7 +89,7 @@ void read_base(MapReader& robot, RobotBuild& build) {
     base.X_BM = read_pose(at, written["mount"]);
     at.finish();
   }
-  const bool mobile = base.type != BaseType::kFixed;
+  const bool mobile = build.model.base_dof() > 0;
   if (mobile) {
     in.require("max_linear", "the base's largest speed [m/s]");
     in.require("max_angular", "the base's largest turning speed [rad/s]");

@@ -1,5 +1,10 @@
+#include <algorithm>
 #include <map>
+#include <memory>
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "controller/config/json_node.h"
 #include "controller/config/mesh_hull.h"

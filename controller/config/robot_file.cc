@@ -1,5 +1,8 @@
 #include "controller/config/robot_file.h"
 
+#include <map>
+#include <utility>
+
 #include "controller/config/json_node.h"
 #include "controller/config/reader.h"
 #include "controller/config/robot_build.h"

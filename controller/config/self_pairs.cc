@@ -1,6 +1,10 @@
 #include <algorithm>
+#include <memory>
 #include <numbers>
 #include <random>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "controller/config/robot_build.h"
 #include "controller/model/proximity.h"

@@ -1,5 +1,7 @@
 #include "controller/config/urdf_collision.h"
 
+#include <utility>
+
 #include "controller/config/robot_build.h"
 
 namespace moma::config {

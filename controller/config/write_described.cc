@@ -1,6 +1,7 @@
 #include "controller/config/write_described.h"
 
 #include <algorithm>
+#include <span>
 
 namespace moma::config::description {
 

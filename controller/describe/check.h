@@ -1,13 +1,16 @@
 #pragma once
 
+#include <concepts>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "controller/describe/accepted.h"
 #include "controller/describe/describe.h"
 #include "controller/describe/kinds.h"
+#include "controller/describe/look.h"
 
 namespace moma {
 
@@ -32,10 +35,10 @@ std::string whole_number_violation(long long value, long long low, long long hig
 std::string numbers_violation(std::span<const double> values, int count, const About& about);
 
 template <class T>
-class Check {
+class Check : public Look<Check<T>, T> {
  public:
   Check(const T& value, const Lengths& lengths, std::string prefix, std::vector<Violation>& found)
-      : value_(value), lengths_(lengths), prefix_(std::move(prefix)), found_(found) {}
+      : Look<Check, T>(value, std::move(prefix)), lengths_(lengths), found_(found) {}
 
   template <class P>
   void member(std::string_view name, P pointer, const About& about) {
@@ -49,24 +52,13 @@ class Check {
   void word_or(std::string_view name, std::string_view, F, P pointer, const About& about) {
     check(key_of(name), value_.*pointer, about);
   }
-  template <class P>
-  void inlined(P pointer) {
-    descend(prefix_, value_.*pointer);
-  }
-  template <class Body>
-  void group(std::string_view name, std::string_view, Body body) {
-    Check inner(value_, lengths_, key_of(name), found_);
-    body(inner);
-  }
-  template <class Holds, class Body>
-  void written_where(Holds, Body body) {
-    body(*this);
-  }
 
  private:
-  std::string key_of(std::string_view name) const {
-    return prefix_.empty() ? std::string(name) : prefix_ + "." + std::string(name);
-  }
+  friend class Look<Check, T>;
+  using Look<Check, T>::key_of;
+  using Look<Check, T>::value_;
+
+  Check below(std::string key) const { return {value_, lengths_, std::move(key), found_}; }
   template <class V>
   void descend(const std::string& key, const V& value) {
     Check<V> inner(value, lengths_, key, found_);
@@ -99,9 +91,7 @@ class Check {
     }
   }
 
-  const T& value_;
   const Lengths& lengths_;
-  std::string prefix_;
   std::vector<Violation>& found_;
 };
 

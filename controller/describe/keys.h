@@ -1,12 +1,17 @@
 #pragma once
 
+#include <concepts>
+#include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "controller/describe/accepted.h"
 #include "controller/describe/describe.h"
 #include "controller/describe/kinds.h"
+#include "controller/describe/look.h"
 
 namespace moma {
 
@@ -56,23 +61,23 @@ std::string default_text(const T& value, const About& about) {
 }
 
 template <class T>
-class Listing {
+class Listing : public Look<Listing<T>, T> {
  public:
   Listing(const T& defaults, std::string prefix, std::vector<Key>& keys)
-      : defaults_(defaults), prefix_(std::move(prefix)), keys_(keys) {}
+      : Look<Listing, T>(defaults, std::move(prefix)), keys_(keys) {}
 
   template <class P>
   void member(std::string_view name, P pointer, const About& about) {
-    using V = std::remove_cvref_t<decltype(defaults_.*pointer)>;
+    using V = std::remove_cvref_t<decltype(value_.*pointer)>;
     if constexpr (Described<V>) {
-      descend(key_of(name), defaults_.*pointer);
+      descend(key_of(name), value_.*pointer);
     } else {
-      add(name, about, accepted_as<V>(about), about.required ? "" : default_text(defaults_.*pointer, about));
+      add(name, about, accepted_as<V>(about), about.required ? "" : default_text(value_.*pointer, about));
     }
   }
   template <class P, class E>
   void optional(std::string_view name, P pointer, E enabled, Off off, std::string_view text) {
-    const auto& part = defaults_.*pointer;
+    const auto& part = value_.*pointer;
     add(name, {.text = text}, "none or a map", part.*enabled ? "" : "none");
     if (off == Off::kKept) {
       keys_.push_back({key_of(name) + ".enabled", "", "true or false", part.*enabled ? "true" : "false",
@@ -82,28 +87,17 @@ class Listing {
   }
   template <class F, class P>
   void word_or(std::string_view name, std::string_view word, F flag, P pointer, const About& about) {
-    using V = std::remove_cvref_t<decltype(defaults_.*pointer)>;
+    using V = std::remove_cvref_t<decltype(value_.*pointer)>;
     add(name, about, std::string(word) + " or " + accepted_as<V>(about),
-        defaults_.*flag ? std::string(word) : default_text(defaults_.*pointer, about));
-  }
-  template <class P>
-  void inlined(P pointer) {
-    descend(prefix_, defaults_.*pointer);
-  }
-  template <class Body>
-  void group(std::string_view name, std::string_view, Body body) {
-    Listing inner(defaults_, key_of(name), keys_);
-    body(inner);
-  }
-  template <class Holds, class Body>
-  void written_where(Holds, Body body) {
-    body(*this);
+        value_.*flag ? std::string(word) : default_text(value_.*pointer, about));
   }
 
  private:
-  std::string key_of(std::string_view name) const {
-    return prefix_.empty() ? std::string(name) : prefix_ + "." + std::string(name);
-  }
+  friend class Look<Listing, T>;
+  using Look<Listing, T>::key_of;
+  using Look<Listing, T>::value_;
+
+  Listing below(std::string key) const { return {value_, std::move(key), keys_}; }
   void add(std::string_view name, const About& about, std::string accepted, std::string otherwise) {
     keys_.push_back(
         {key_of(name), std::string(about.unit), std::move(accepted), std::move(otherwise), std::string(about.text)});
@@ -114,8 +108,6 @@ class Listing {
     describe(inner, Of<V>{});
   }
 
-  const T& defaults_;
-  std::string prefix_;
   std::vector<Key>& keys_;
 };
 

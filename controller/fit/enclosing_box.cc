@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "controller/config/mesh_hull.h"
 #include "controller/fit/enclosing.h"

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "controller/fit/enclosing.h"
 #include "controller/fit/minimise.h"

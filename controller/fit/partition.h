@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "controller/fit/best_solid.h"
 #include "controller/fit/placed.h"
 

@@ -2,7 +2,9 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <utility>
 
 namespace moma::fit {
 namespace {

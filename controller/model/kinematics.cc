@@ -1,6 +1,9 @@
 #include "controller/model/kinematics.h"
 
 #include <cmath>
+#include <utility>
+
+#include "controller/model/base_kind.h"
 
 namespace moma {
 namespace {
@@ -63,7 +66,7 @@ void Kinematics::point_jacobian(int link, const Vector3& p_W, Eigen::Ref<Matrix3
   if (base_dof > 0) {
     const Matrix3 R_WB = X_WB().linear();
     out.col(0) = R_WB.col(0);
-    if (base_dof == 3) out.col(1) = R_WB.col(1);
+    if (kind_of(model_->base.type).lateral()) out.col(1) = R_WB.col(1);
     const Vector3 r = p_W - X_WB().translation();
     out.col(base_dof - 1) = Vector3(-r.y(), r.x(), 0.0);
   }
@@ -82,14 +85,14 @@ void Kinematics::point_jacobian(int link, const Vector3& p_W, Eigen::Ref<Matrix3
 
 void integrate(const RobotModel& model, Vector3& base, Eigen::Ref<VectorX> q, const Eigen::Ref<const VectorX>& v,
                double dt) noexcept {
-  const int base_dof = model.base_dof();
-  if (base_dof > 0) {
+  if (model.base_dof() > 0) {
     // Constant (v_x, v_y, omega) in B for dt: p += R(phi) V(theta) (v_x, v_y) dt with theta = omega dt and
     // V = [sin/theta, -(1-cos)/theta; (1-cos)/theta, sin/theta] (Lynch & Park 2017, 3.88, in the plane).
-    const double theta = v[base_dof - 1] * dt;
+    const Vector3 velocity_B = kind_of(model.base.type).velocity_B(v);
+    const double theta = velocity_B.z() * dt;
     const double along = sinc(theta);
     const double across = sinc(0.5 * theta) * std::sin(0.5 * theta);
-    const Vector2 u(v[0] * dt, base_dof == 3 ? v[1] * dt : 0.0);
+    const Vector2 u = velocity_B.head<2>() * dt;
     const Vector2 d(along * u.x() - across * u.y(), across * u.x() + along * u.y());
     const double c = std::cos(base.z());
     const double s = std::sin(base.z());

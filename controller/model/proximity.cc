@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "controller/model/analytic_distance.h"
 #include "controller/model/convex_distance.h"

@@ -1,5 +1,7 @@
 #include "controller/model/robot_model.h"
 
+#include "controller/model/base_kind.h"
+
 namespace moma {
 
 std::string_view to_string(BaseType type) noexcept {
@@ -44,9 +46,8 @@ VectorX RobotModel::velocity_limits() const {
 }
 
 std::vector<std::string> RobotModel::velocity_names() const {
-  std::vector<std::string> names;
-  if (base.type == BaseType::kDifferential) names = {"v", "omega"};
-  if (base.type == BaseType::kOmnidirectional) names = {"v_x", "v_y", "omega"};
+  const BaseKind& kind = kind_of(base.type);
+  std::vector<std::string> names(kind.velocities.begin(), kind.velocities.end());
   for (const ControlledJoint& joint : joints) names.push_back(joint.name);
   return names;
 }

@@ -9,6 +9,8 @@
 #include <map>
 #include <mutex>
 #include <set>
+#include <string_view>
+#include <utility>
 
 #include "controller/model/urdf_check.h"
 #include "controller/model/xml_depth.h"

@@ -1,6 +1,7 @@
 #include "controller/plan/free_space.h"
 
 #include <algorithm>
+#include <memory>
 
 #include "controller/task/vortex.h"
 

@@ -1,7 +1,9 @@
 #include "controller/plan/planner.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "controller/plan/shorten.h"
 #include "controller/plan/tuck.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "controller/model/manipulability.h"
 #include "controller/task/servo.h"

@@ -1,6 +1,7 @@
 #include "controller/qp/collision.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "controller/qp/end_rows.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/model/base_kind.h"
 #include "controller/safe/braking.h"
 
 namespace moma {
@@ -16,14 +17,14 @@ VelocityBounds::VelocityBounds(const RobotModel& model, const ControllerParams& 
       margin_(resolve_margin(model, params.joint_limits)),
       step_(params.acceleration_limit * control_period),
       hard_base_(params.base_share > 0.0 && base_dof_ > 0),
-      pair_(hard_base_ && base_dof_ == 3) {
+      pair_(hard_base_ && kind_of(model.base.type).lateral()) {
   for (int i = 0; i < model.num_joints(); ++i) {
     q_lower_[i] = model.joints[static_cast<std::size_t>(i)].lower;
     q_upper_[i] = model.joints[static_cast<std::size_t>(i)].upper;
   }
   if (params.sight.enabled && base_dof_ > 0) {
     // Of two linear velocities each has its part.
-    const double part = base_dof_ == 3 ? std::sqrt(0.5) : 1.0;
+    const double part = std::sqrt(1.0 / kind_of(model.base.type).num_linear());
     const double most = part * sight_speed(params.sight, model, params.acceleration_limit[0]);
     for (int i = 0; i + 1 < base_dof_; ++i) speed_[i] = std::min(speed_[i], most);
   }
@@ -133,34 +134,16 @@ double damper_bound(double room, const JointLimitParams& params) noexcept {
 }
 
 int num_wheels(const MobileBase& base) noexcept {
-  if (!base.wheels) return 0;
-  return base.type == BaseType::kDifferential ? 2 : base.type == BaseType::kOmnidirectional ? 4 : 0;
+  return base.wheels ? static_cast<int>(kind_of(base.type).wheel_names.size()) : 0;
 }
-
-namespace {
-
-// One wheel's speed per base velocity [rad/m, 1]; Lynch & Park 2017, 13.3, and the mecanum map of docs/conventions.md.
-Vector3 wheel_row(const MobileBase& base, int wheel) noexcept {
-  const Wheels& w = *base.wheels;
-  if (base.type == BaseType::kDifferential) {
-    const double side = wheel == 0 ? -1.0 : 1.0;
-    return {1.0 / w.radius, side * w.separation / (2.0 * w.radius), 0.0};
-  }
-  const double k = 0.5 * (w.wheelbase + w.separation);
-  static constexpr double kSideways[] = {-1.0, 1.0, 1.0, -1.0};
-  static constexpr double kTurn[] = {-1.0, 1.0, -1.0, 1.0};
-  return Vector3(1.0, kSideways[wheel], kTurn[wheel] * k) / w.radius;
-}
-
-}  // namespace
 
 int wheel_speeds(const MobileBase& base, const Eigen::Ref<const VectorX>& velocity, Eigen::Vector4d& speeds) noexcept {
   const int wheels = num_wheels(base);
-  const int dof = base.type == BaseType::kDifferential ? 2 : 3;
+  const BaseKind& kind = kind_of(base.type);
   for (int i = 0; i < wheels; ++i) {
-    const Vector3 row = wheel_row(base, i);
+    const Vector3 row = kind.wheel_row(*base.wheels, i);
     double sum = 0.0;
-    for (int j = 0; j < dof; ++j) sum += row[j] * velocity[j];
+    for (int j = 0; j < kind.dof(); ++j) sum += row[j] * velocity[j];
     speeds[i] = sum;
   }
   return wheels;
@@ -168,12 +151,12 @@ int wheel_speeds(const MobileBase& base, const Eigen::Ref<const VectorX>& veloci
 
 void add_wheel_rows(const MobileBase& base, QpProblem& problem) noexcept {
   const int wheels = num_wheels(base);
-  const int dof = base.type == BaseType::kDifferential ? 2 : 3;
+  const BaseKind& kind = kind_of(base.type);
   for (int i = 0; i < wheels; ++i) {
     const int row = problem.append({RowKind::kWheel, i, -1}, -base.wheels->max_speed, base.wheels->max_speed);
     if (row < 0) return;
-    const Vector3 map = wheel_row(base, i);
-    for (int j = 0; j < dof; ++j) problem.A(row, j) = map[j];
+    const Vector3 map = kind.wheel_row(*base.wheels, i);
+    for (int j = 0; j < kind.dof(); ++j) problem.A(row, j) = map[j];
   }
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/model/base_kind.h"
+
 namespace moma {
 namespace {
 
@@ -84,7 +86,8 @@ void PassingRows::select(const Kinematics& kinematics, const Proximity& proximit
       // The fastest that the shape's centre can go: it is turned about B as well.
       const double offset = horizontal(X_WS.translation() - kinematics.X_WB().translation()).norm();
       const double fastest =
-          std::sqrt(model_->base_dof() - 1.0) * model_->base.max_linear + offset * model_->base.max_angular;
+          std::sqrt(static_cast<double>(kind_of(model_->base.type).num_linear())) * model_->base.max_linear +
+          offset * model_->base.max_angular;
       if (gap < params_.horizon * (speed + fastest)) candidates_.push_back({gap, i, static_cast<int>(j)});
     }
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/model/base_kind.h"
+
 namespace moma {
 
 void QpProblem::allocate(int num_variables, int max_rows) {
@@ -54,11 +56,8 @@ std::string row_name(const RowId& id, const RobotModel& model, std::span<const s
       return "passing/" + object_names[static_cast<std::size_t>(id.second)] + "/" + shape(id.first);
     case RowKind::kDrive:
       return id.first == 0 ? "drive/+" : "drive/-";
-    case RowKind::kWheel: {
-      static constexpr const char* kTwo[] = {"left", "right"};
-      static constexpr const char* kFour[] = {"front_left", "front_right", "rear_left", "rear_right"};
-      return std::string("wheel/") + (model.base.type == BaseType::kDifferential ? kTwo[id.first] : kFour[id.first]);
-    }
+    case RowKind::kWheel:
+      return "wheel/" + std::string(kind_of(model.base.type).wheel_names[static_cast<std::size_t>(id.first)]);
   }
   return "?";
 }

@@ -2,10 +2,12 @@
 
 #include <cmath>
 
+#include "controller/model/base_kind.h"
+
 namespace moma {
 
 Deceleration::Deceleration(const RobotModel& model, const VectorX& acceleration_limit, bool pair_together)
-    : acceleration_(acceleration_limit), pair_(pair_together && model.base_dof() == 3) {}
+    : acceleration_(acceleration_limit), pair_(pair_together && kind_of(model.base.type).lateral()) {}
 
 double Deceleration::along(const Eigen::Ref<const VectorX>& c) const noexcept {
   double sum = 0.0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string>
 
 #include "controller/solver/solver_daqp.h"
 #ifdef MOMA_HAVE_QPOASES

@@ -1,7 +1,9 @@
 #include "controller/solver/solver_eiquadprog.h"
 
+#include <algorithm>
 #include <cmath>
 #include <eiquadprog/eiquadprog-fast.hpp>
+#include <vector>
 
 namespace moma {
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <mutex>
 #include <qpOASES.hpp>
+#include <vector>
 
 namespace moma {
 

@@ -152,19 +152,25 @@ const Evaluation& Evaluator::conclude(Evaluation evaluation, Known& known, const
   return done;
 }
 
-const Evaluation& Evaluator::score(const Candidate& candidate, Phase phase, int run) {
-  if (const auto found = known_.find(candidate); found != known_.end()) return history_[found->second.latest];
+Evaluator::Begun Evaluator::begin(const Candidate& candidate, Phase phase, int run, std::size_t first) {
   Evaluation evaluation;
   evaluation.index = history_.size();
   evaluation.phase = phase;
   evaluation.run = run;
   evaluation.candidate = candidate;
-  const std::optional<Evaluation> stored = logged(evaluation);
+  evaluation.first = first;
+  std::optional<Evaluation> stored = logged(evaluation);
+  evaluation.valid = objective_.valid(candidate);
+  evaluation.cut = !evaluation.valid;
+  return {std::move(evaluation), std::move(stored)};
+}
+
+const Evaluation& Evaluator::score(const Candidate& candidate, Phase phase, int run) {
+  if (const auto found = known_.find(candidate); found != known_.end()) return history_[found->second.latest];
+  auto [evaluation, stored] = begin(candidate, phase, run, 0);
   Known known;
   const Racing& racing = settings_.racing;
   const std::size_t full = settings_.search_worlds;
-  evaluation.valid = objective_.valid(candidate);
-  evaluation.cut = !evaluation.valid;
   if (evaluation.cut && history_.empty()) throw std::invalid_argument("the start values contradict each other");
   for (std::size_t worlds = racing.enabled ? std::min(racing.first, full) : full; !evaluation.cut;
        worlds = std::min(worlds + std::max<std::size_t>(racing.block, 1), full)) {
@@ -184,14 +190,7 @@ const Evaluation& Evaluator::extend(const Candidate& candidate, std::size_t coun
     const Evaluation& latest = history_[found->second.latest];
     if (have >= count || !latest.valid) return latest;
   }
-  Evaluation evaluation;
-  evaluation.index = history_.size();
-  evaluation.phase = phase;
-  evaluation.candidate = candidate;
-  evaluation.first = have;
-  const std::optional<Evaluation> stored = logged(evaluation);
-  evaluation.valid = objective_.valid(candidate);
-  evaluation.cut = !evaluation.valid;
+  auto [evaluation, stored] = begin(candidate, phase, 0, have);
   Known& known = known_[candidate];
   if (evaluation.valid) take(evaluation, known, count, stored);
   return conclude(std::move(evaluation), known, stored ? &*stored : nullptr);

@@ -90,6 +90,12 @@ class Evaluator {
     std::vector<double> values;  ///< worlds x width
     std::size_t latest = 0;      ///< its latest evaluation in the history
   };
+  struct Begun {
+    Evaluation evaluation;
+    std::optional<Evaluation> stored;  ///< what the log has of it
+  };
+  /// The next of the history, nothing measured yet; `first` worlds are known before. Cut where it is not valid.
+  Begun begin(const Candidate& candidate, Phase phase, int run, std::size_t first);
   bool race_lost(const Known& known, std::size_t worlds) const;
   void summarise(Evaluation& evaluation, const std::vector<double>& values) const;
   void estimate(Evaluation& evaluation) const;

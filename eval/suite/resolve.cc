@@ -74,11 +74,11 @@ Sections read_sections(const Node& root, const SuiteRobot& robot, std::vector<st
     check_name(name, node, key);
     if (node.kind == Node::Kind::kNull)
       config::fail(node.mark, key, "found nothing, expected a file or a map ({} takes every default)");
-    std::vector<std::string> doubts;
+    std::vector<std::string> of_it;
     sections.controllers.emplace_back(
-        name, read_suite_controller(node, key, robot.robot, sections.simulation.control_period, doubts));
-    for (const std::string& doubt : doubts)
-      add_warning(warnings, doubt.find(key) == std::string::npos ? key + ": " + doubt : doubt);
+        name, read_suite_controller(node, key, robot.robot, sections.simulation.control_period, of_it));
+    for (const std::string& warning : of_it)
+      add_warning(warnings, warning.find(key) == std::string::npos ? key + ": " + warning : warning);
   }
   return sections;
 }

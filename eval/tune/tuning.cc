@@ -293,9 +293,9 @@ std::vector<Point> Points::from_controller(const Candidate& candidate) const {
     Point point = tuning_.suites[part].points[tuning_.tuned_point[part]];
     Node node = resolved_[part];
     for (std::size_t i = 0; i < candidate.size(); ++i) config::set_value(node, inner_keys_[i], to_text(candidate[i]));
-    std::vector<std::string> doubts;
+    std::vector<std::string> warnings;  // said of the start already
     set_controller(point, read_suite_controller(node, "controllers." + point.controller, point.robot,
-                                                point.simulation.control_period, doubts));
+                                                point.simulation.control_period, warnings));
     points.push_back(std::move(point));
   }
   return points;

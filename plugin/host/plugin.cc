@@ -1,6 +1,8 @@
 #include "plugin/host/plugin.h"
 
 #include <array>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "plugin/host/plugin_controller.h"

@@ -4,7 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <span>
+#include <string_view>
+#include <utility>
 
 #include "controller/closed_form/closed_form.h"
 

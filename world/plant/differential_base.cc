@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <stdexcept>
+#include <vector>
 
 #include "world/plant/ode_base_kinds.h"
 #include "world/plant/ode_support.h"
@@ -12,6 +14,20 @@ namespace moma {
 namespace {
 
 constexpr double kCasterSoftness = 1e-6;
+
+// Both wheels: 2 % of the base's mass each, at most 1 kg: light beside the base, not so light as to be stiff.
+double mass_of_wheels(const RobotModel& model) {
+  double base_mass = model.base.mass;
+  if (!(base_mass > 0.0)) {  // then the links that are rigid with the base carry it
+    std::vector<bool> rigid(model.links.size(), true);
+    for (std::size_t i = 1; i < model.links.size(); ++i) {
+      const Link& link = model.links[i];
+      rigid[i] = rigid[static_cast<std::size_t>(link.parent)] && link.controlled < 0;
+      if (rigid[i] && link.inertial) base_mass += link.inertial->mass;
+    }
+  }
+  return 2.0 * std::min(1.0, 0.02 * base_mass);
+}
 
 /// Two driven wheels (spheres: a cylinder would scrub as it turns on the spot), four casters at the corners.
 class DifferentialBase final : public OdeBase {
@@ -23,7 +39,7 @@ class DifferentialBase final : public OdeBase {
         space_(ode::make_simple_space()),
         support_(arm, OdeSupport::corners(model, 0.5 * wheels_.radius, true), 0.5 * wheels_.radius, kCasterSoftness) {
     floor_ = dCreatePlane(space_.get(), 0.0, 0.0, 1.0, 0.0);
-    const double mass = 0.5 * wheel_mass(model);
+    const double mass = 0.5 * mass_of_wheels(model);
     // Enough to make the wheels slip under the whole weight, so that friction is what limits the drive.
     const double torque = friction_ * arm.mass() * 9.81 * wheels_.radius;
     const Isometry X_WB = base_pose(base);
@@ -128,14 +144,16 @@ class DifferentialBase final : public OdeBase {
   std::array<Wheel, 2> wheel_;
 };
 
-}  // namespace
-
-std::unique_ptr<OdeBase> make_differential_base(dWorldID world, const RobotModel& model, OdeArm& arm,
-                                                const Vector3& base, double friction) {
+std::unique_ptr<OdeBase> make(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3& base,
+                              double friction) {
   if (!model.base.wheels)
     throw std::runtime_error(fmt::format(
         "robot {}: base.wheels is missing; dynamic simulation of a differential base drives its wheels", model.name));
   return std::make_unique<DifferentialBase>(world, model, arm, base, friction);
 }
+
+}  // namespace
+
+const OdeBaseKind kDifferentialBase{make, mass_of_wheels};
 
 }  // namespace moma

@@ -14,14 +14,14 @@ namespace moma {
 inline constexpr double kContactLayer = 1e-4;
 inline constexpr double kStartDrop = 0.5 * kContactLayer;
 
-/// What drives and carries a mobile base: one kind for each base type.
+/// What drives and carries a mobile base. Each kind is a file, NAME_base.cc, and its entry in ode_base.cc.
 class OdeBase {
  public:
   virtual ~OdeBase() = default;
   /// Mass of the drive's own bodies; comes off the footprint's, where that has one [kg].
-  static double wheel_mass(const RobotModel& model);
-  /// `friction`: between floor and driven wheels. Null for a fixed base. Throws std::runtime_error naming the key
-  /// where something is missing.
+  static double own_mass(const RobotModel& model);
+  /// The base begins at (x, y, phi); `friction`: between floor and driven wheels. Null for a base that does not move.
+  /// Throws std::runtime_error naming the key where something is missing.
   static std::unique_ptr<OdeBase> make(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3& base,
                                        double friction);
 

@@ -1,12 +1,19 @@
 #pragma once
 
+#include <memory>
+
 #include "world/plant/ode_base.h"
 
 namespace moma {
 
-std::unique_ptr<OdeBase> make_differential_base(dWorldID world, const RobotModel& model, OdeArm& arm,
-                                                const Vector3& base, double friction);
-std::unique_ptr<OdeBase> make_omnidirectional_base(dWorldID world, const RobotModel& model, OdeArm& arm,
-                                                   double friction);
+/// The drive of one kind of base: its two functions are those of OdeBase.
+struct OdeBaseKind {
+  std::unique_ptr<OdeBase> (*make)(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3& base,
+                                   double friction);
+  double (*own_mass)(const RobotModel& model);
+};
+
+extern const OdeBaseKind kDifferentialBase;
+extern const OdeBaseKind kOmnidirectionalBase;
 
 }  // namespace moma

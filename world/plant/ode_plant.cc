@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "controller/model/base_kind.h"
 #include "world/plant/command_check.h"
 #include "world/plant/contacts.h"
 #include "world/plant/ode_arm.h"
@@ -86,9 +87,9 @@ class OdePlant final : public Plant, private TouchSink {
   }
 
  private:
-  static double drop(const RobotModel& model) { return model.base.type == BaseType::kFixed ? 0.0 : kStartDrop; }
+  static double drop(const RobotModel& model) { return model.base_dof() > 0 ? kStartDrop : 0.0; }
   static double mass_without_wheels(const RobotModel& model) {
-    return std::max(0.0, model.base.mass - OdeBase::wheel_mass(model));
+    return std::max(0.0, model.base.mass - OdeBase::own_mass(model));
   }
 
   static void clear(PlantReport& report) {
@@ -206,9 +207,7 @@ class OdePlant final : public Plant, private TouchSink {
     const Vector3 v = ode::from_vector(dBodyGetLinearVel(body)) +
                       w.cross(X_WB.translation() - ode::from_vector(dBodyGetPosition(body)));
     const double c = std::cos(phi), s = std::sin(phi);
-    state_.qdot[0] = c * v.x() + s * v.y();
-    if (model_->base.type == BaseType::kOmnidirectional) state_.qdot[1] = c * v.y() - s * v.x();
-    state_.qdot[model_->base_dof() - 1] = w.z();
+    kind_of(model_->base.type).set_coordinates({c * v.x() + s * v.y(), c * v.y() - s * v.x(), w.z()}, state_.qdot);
   }
 
   void check_upright(PlantReport& report) const {

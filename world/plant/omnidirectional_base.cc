@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <vector>
 
 #include "world/plant/ode_base_kinds.h"
 #include "world/plant/ode_support.h"
@@ -103,11 +105,12 @@ class OmnidirectionalBase final : public OdeBase {
   double turn_ = 0.0;
 };
 
-}  // namespace
-
-std::unique_ptr<OdeBase> make_omnidirectional_base(dWorldID world, const RobotModel& model, OdeArm& arm,
-                                                   double friction) {
+std::unique_ptr<OdeBase> make(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3&, double friction) {
   return std::make_unique<OmnidirectionalBase>(world, model, arm, friction);
 }
+
+}  // namespace
+
+const OdeBaseKind kOmnidirectionalBase{make, [](const RobotModel&) { return 0.0; }};
 
 }  // namespace moma

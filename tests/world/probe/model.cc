@@ -46,7 +46,7 @@ json link_json(const RobotModel& model, const Link& link) {
 
 /// Where the plant puts what the robot file does not place.
 json support(const RobotModel& model) {
-  json out = {{"wheel_mass", 0.5 * OdeBase::wheel_mass(model)}};
+  json out = {{"wheel_mass", 0.5 * OdeBase::own_mass(model)}};
   if (model.base.type != BaseType::kDifferential || !model.base.wheels) return out;
   const Wheels& wheels = *model.base.wheels;
   out["wheels"] = {{"radius", wheels.radius}, {"separation", wheels.separation}, {"max_speed", wheels.max_speed}};

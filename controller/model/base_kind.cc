@@ -1,0 +1,39 @@
+#include "controller/model/base_kind.h"
+
+#include <cstddef>
+
+namespace moma {
+namespace {
+
+constexpr std::string_view kUnicycle[] = {"v", "omega"};
+constexpr std::string_view kPlanar[] = {"v_x", "v_y", "omega"};
+
+constexpr std::string_view kTwoWheels[] = {"left", "right"};
+constexpr std::string_view kFourWheels[] = {"front_left", "front_right", "rear_left", "rear_right"};
+
+// Lynch & Park 2017, 13.3.
+Vector3 driven_wheel(const Wheels& w, int wheel) noexcept {
+  const double side = wheel == 0 ? -1.0 : 1.0;
+  return {1.0 / w.radius, side * w.separation / (2.0 * w.radius), 0.0};
+}
+
+// The map of docs/conventions.md.
+Vector3 mecanum_wheel(const Wheels& w, int wheel) noexcept {
+  const double k = 0.5 * (w.wheelbase + w.separation);
+  static constexpr double kSideways[] = {-1.0, 1.0, 1.0, -1.0};
+  static constexpr double kTurn[] = {-1.0, 1.0, -1.0, 1.0};
+  return Vector3(1.0, kSideways[wheel], kTurn[wheel] * k) / w.radius;
+}
+
+// In the order of BaseType.
+constexpr BaseKind kKinds[] = {
+    {},
+    {kUnicycle, kTwoWheels, false, driven_wheel},
+    {kPlanar, kFourWheels, true, mecanum_wheel},
+};
+
+}  // namespace
+
+const BaseKind& kind_of(BaseType type) noexcept { return kKinds[static_cast<std::size_t>(type)]; }
+
+}  // namespace moma

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "controller/model/robot_model.h"
+
+namespace moma {
+
+/// What there is to know about a kind of base: nothing but its entry in base_kind.cc and its drive in world/plant
+/// tells one kind from another. Immutable, of static storage. Nothing here takes memory or throws.
+struct BaseKind {
+  /// Names of its velocity coordinates: linear ones in base axes, forwards and then to the left, the turn last. None:
+  /// it does not move.
+  std::span<const std::string_view> velocities;
+  /// Names of its wheels, as wheel_row() counts them.
+  std::span<const std::string_view> wheel_names;
+  /// Whether its wheels stand in front and at the rear.
+  bool wheelbase = false;
+  /// Speed of one wheel per velocity coordinate [rad/m, 1], what is beyond them 0; null where there are no wheels.
+  Vector3 (*wheel_row)(const Wheels& wheels, int wheel) noexcept = nullptr;
+
+  int dof() const noexcept { return static_cast<int>(velocities.size()); }
+  /// How many of them are linear: 0, 1 or 2.
+  int num_linear() const noexcept { return dof() > 0 ? dof() - 1 : 0; }
+  /// Whether it goes sideways: drives then bound (v_x, v_y) as one vector.
+  bool lateral() const noexcept { return num_linear() == 2; }
+
+  /// (v_x, v_y, omega) in base axes of the leading dof() coordinates of `v`, and back: what a base that does not go
+  /// sideways has of v_y is left out.
+  Vector3 velocity_B(const Eigen::Ref<const VectorX>& v) const noexcept {
+    if (dof() == 0) return Vector3::Zero();
+    return {v[0], lateral() ? v[1] : 0.0, v[dof() - 1]};
+  }
+  void set_coordinates(const Vector3& velocity_B, Eigen::Ref<VectorX> v) const noexcept {
+    if (dof() == 0) return;
+    v[0] = velocity_B.x();
+    if (lateral()) v[1] = velocity_B.y();
+    v[dof() - 1] = velocity_B.z();
+  }
+};
+
+const BaseKind& kind_of(BaseType type) noexcept;
+
+}  // namespace moma
