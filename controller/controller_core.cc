@@ -43,8 +43,10 @@ ControllerCore::ControllerCore(std::shared_ptr<const RobotModel> model, Controll
       collision_(*model_, params_.collision, {*model_, params_.acceleration_limit, params_.base_share > 0.0},
                  {params_.uncertainty, base_dof_}),
       passing_(*model_, params_.collision),
-      predictor_(*model_, params_.prediction, params_.uncertainty, params_.base_share, control_period),
-      check_(model_, params_.collision.check, params_.acceleration_limit, params_.base_share > 0.0, control_period),
+      predictor_(*model_, params_.prediction, params_.uncertainty, params_.base_share, control_period,
+                 params_.acceleration_limit),
+      check_(model_, params_.collision.check, params_.acceleration_limit, params_.base_share > 0.0, control_period,
+             {params_.uncertainty, base_dof_}),
       escape_(params_.escape, params_.servo, *model_, control_period),
       bounds_(*model_, params_, control_period),
       fallback_(params_.solver, params_.collision.relaxation),
@@ -299,7 +301,7 @@ void ControllerCore::solve_qp(const Observation& o, StepResult& result) noexcept
 
 void ControllerCore::check_braking(const Observation& o, StepResult& result) noexcept {
   smallest_command(problem_.lb.head(nv_), problem_.ub.head(nv_), pair_, scratch_);
-  result.kept = check_.apply(o, {hard_lower_, hard_upper_, scratch_}, command_);
+  result.kept = check_.apply(o, {hard_lower_, hard_upper_, scratch_}, predictor_.spreads(), command_);
 }
 
 void ControllerCore::scale_output() noexcept {

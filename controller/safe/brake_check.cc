@@ -9,6 +9,8 @@ namespace moma {
 namespace {
 
 constexpr int kMostPlaces = 200;  // on one way to a stop
+constexpr double kNear = 1.0;     // what is further takes no part in how wide margins may be [m]
+constexpr double kWider = 1.5;    // and they may become so much wider on the way
 
 // Of a velocity that falls evenly from 1 to 0 in `time`: the mean over [from, to].
 double mean_left(double time, double from, double to) noexcept {
@@ -19,7 +21,8 @@ double mean_left(double time, double from, double to) noexcept {
 }  // namespace
 
 BrakeCheck::BrakeCheck(std::shared_ptr<const RobotModel> model, const BrakeCheckParams& params,
-                       const VectorX& acceleration, bool pair_together, double control_period)
+                       const VectorX& acceleration, bool pair_together, double control_period,
+                       const Uncertainty& uncertainty)
     : model_(std::move(model)),
       params_(params),
       dt_(control_period),
@@ -27,6 +30,9 @@ BrakeCheck::BrakeCheck(std::shared_ptr<const RobotModel> model, const BrakeCheck
       proximity_(model_),
       ramp_(*model_),
       deceleration_(*model_, acceleration, pair_together),
+      uncertainty_(uncertainty),
+      J_(3, model_->num_velocities()),
+      row_(VectorX::Zero(model_->num_velocities())),
       q_(VectorX::Zero(model_->num_joints())),
       mean_(VectorX::Zero(model_->num_velocities())),
       times_(mean_),
@@ -43,9 +49,28 @@ void BrakeCheck::set_objects(std::span<const ObjectShape> objects) {
 double BrakeCheck::distance() noexcept {
   kinematics_.update(base_, q_);
   double d = std::numeric_limits<double>::infinity();
-  for (const ProximityPair& pair : proximity_.query(kinematics_, states_, {params_.margin, -1.0, -1.0}))
-    d = std::min(d, pair.distance.d);
-  return d;
+  for (const ProximityPair& pair : proximity_.query(kinematics_, states_, {params_.margin + widest_, -1.0, -1.0}))
+    d = std::min(d, pair.distance.d - margin_of(pair));
+  return d < params_.margin ? d : std::numeric_limits<double>::infinity();
+}
+
+// As kinematics_ stands.
+double BrakeCheck::margin_of(const ProximityPair& pair) noexcept {
+  if (!uncertainty_.on()) return 0.0;
+  const auto second = static_cast<std::size_t>(pair.second);
+  kinematics_.point_jacobian(model_->shapes[static_cast<std::size_t>(pair.first)].link, pair.distance.p_first_W, J_);
+  row_.noalias() = -J_.transpose() * pair.distance.n_W;
+  return uncertainty_.margin(pair, kinematics_, row_, &states_[second],
+                             second < spreads_.size() ? spreads_[second] : PlaceSpread{});
+}
+
+double BrakeCheck::widest_margin(const Observation& o) noexcept {
+  if (!uncertainty_.on()) return 0.0;
+  kinematics_.update(o.base, o.q);
+  double widest = 0.0;
+  for (const ProximityPair& pair : proximity_.query(kinematics_, states_, {kNear, -1.0, -1.0}))
+    widest = std::max(widest, margin_of(pair));
+  return kWider * widest;
 }
 
 double BrakeCheck::least_distance(const Observation& o, const VectorX& command, bool in_proportion) noexcept {
@@ -80,11 +105,14 @@ double BrakeCheck::clearance(const Observation& o, const VectorX& command) noexc
   return d >= params_.margin ? d : std::max(d, least_distance(o, command, false));
 }
 
-double BrakeCheck::apply(const Observation& o, const Allowed& allowed, VectorX& command) noexcept {
+double BrakeCheck::apply(const Observation& o, const Allowed& allowed, std::span<const PlaceSpread> spreads,
+                         VectorX& command) noexcept {
+  spreads_ = spreads;
   for (std::size_t i = 0; i < states_.size(); ++i) {
     states_[i] = o.objects[i];
     if (!states_[i].V_WO_W.isZero(0.0)) states_[i].visible = false;
   }
+  widest_ = widest_margin(o);
   double best = clearance(o, command);
   if (best >= params_.margin) return 1.0;
   double kept = 1.0;

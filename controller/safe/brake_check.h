@@ -9,6 +9,7 @@
 #include "controller/safe/base_ramp.h"
 #include "controller/safe/braking.h"
 #include "controller/safe/params.h"
+#include "controller/safe/uncertainty.h"
 #include "controller/step.h"
 
 namespace moma {
@@ -22,13 +23,15 @@ namespace moma {
 /// Where both fail, commands between it and two that slow down are tried, slower + f (u - slower), f = 0.75, 0.5, 0.25,
 /// 0; slower is the present velocity less one period's braking in proportion, and the smallest command that is allowed.
 /// The first that passes is taken, else the one that stays furthest away. Objects in motion are left out: to stand
-/// still is no way out of somebody's way. One per controller; only set_objects() takes memory. Distances are looked
-/// at every `every` periods on the way, and as it ends.
+/// still is no way out of somebody's way. With `uncertainty` each distance is taken to be less by its margin there, of
+/// pairs that are no further than 1.5 times the largest margin of those within 1 m as the step begins. One per
+/// controller; only set_objects() takes memory. Distances are looked at every `every` periods on the way, and as it
+/// ends.
 class BrakeCheck {
  public:
   /// `acceleration` per velocity, resolved; `pair_together` as of Deceleration.
   BrakeCheck(std::shared_ptr<const RobotModel> model, const BrakeCheckParams& params, const VectorX& acceleration,
-             bool pair_together, double control_period);
+             bool pair_together, double control_period, const Uncertainty& uncertainty = {{}, 0});
 
   bool on() const noexcept { return params_.enabled; }
   void set_objects(std::span<const ObjectShape> objects);
@@ -40,7 +43,9 @@ class BrakeCheck {
     const VectorX& slowest;  ///< the smallest command in it
   };
   /// `o`: where the command begins to act. Returns the share of `command` that was kept, 1 where it passes.
-  double apply(const Observation& o, const Allowed& allowed, VectorX& command) noexcept;
+  /// `spreads`: of the objects' places, empty where they are exact.
+  double apply(const Observation& o, const Allowed& allowed, std::span<const PlaceSpread> spreads,
+               VectorX& command) noexcept;
 
   /// Least distance to objects at rest on the way to a stop, as far as it is below the margin, else infinite.
   double least_distance(const Observation& o, const VectorX& command, bool in_proportion) noexcept;
@@ -48,6 +53,8 @@ class BrakeCheck {
  private:
   double clearance(const Observation& o, const VectorX& command) noexcept;
   double distance() noexcept;
+  double margin_of(const ProximityPair& pair) noexcept;
+  double widest_margin(const Observation& o) noexcept;
 
   std::shared_ptr<const RobotModel> model_;
   BrakeCheckParams params_;
@@ -56,6 +63,11 @@ class BrakeCheck {
   Proximity proximity_;
   BaseRamp ramp_;
   Deceleration deceleration_;
+  Uncertainty uncertainty_;
+  std::span<const PlaceSpread> spreads_;  // of the present step
+  double widest_ = 0.0;                   // margin that is thought of
+  Matrix3X J_;
+  VectorX row_;
   VectorX q_, mean_, times_;
   VectorX trial_, full_, in_proportion_;
   Vector3 base_ = Vector3::Zero();

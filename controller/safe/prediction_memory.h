@@ -18,6 +18,7 @@ struct PredictionMemory {
   std::vector<Vector3> base_velocity;  ///< by the base's ramp, when the period of `sent` has passed in its drive
   bool begun = false;                  ///< `base` is known
   Vector3 base = Vector3::Zero();      ///< filtered (x, y, phi) as of the last measurement
+  bool catching_up = false;            ///< joints follow commands that waited longer before (Predictor::send)
   RoundTrip base_trip;                 ///< from a command sent to the base's measured velocity
   RoundTrip joint_trip;                ///< and to that of the joints
   std::vector<PoseTrack> objects;
@@ -32,6 +33,8 @@ constexpr void describe(V& v, Of<PredictionMemory>) {
   v.member("base_velocity", &M::base_velocity, {.unit = "m/s or rad/s", .text = "the base's, by its ramp"});
   v.member("begun", &M::begun, {.text = "whether base is known"});
   v.member("base", &M::base, {.unit = "m or rad", .text = "filtered x, y, phi as of the last measurement"});
+  v.member("catching_up", &M::catching_up,
+           {.written = Written::kUnlessDefault, .text = "joints follow commands that waited longer before"});
   v.member("base_trip", &M::base_trip, {.text = "from a command to the base's measured velocity"});
   v.member("joint_trip", &M::joint_trip, {.text = "from a command to the joints' measured velocity"});
   v.member("objects", &M::objects, {.text = "one for each object, in their order"});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string_view>
 
@@ -43,7 +44,7 @@ T& shifted(std::vector<T>& latest_first) noexcept {
 }  // namespace
 
 Predictor::Predictor(const RobotModel& model, const PredictionParams& params, const UncertaintyParams& uncertainty,
-                     double base_share, double control_period)
+                     double base_share, double control_period, const VectorX& acceleration_limit)
     : model_(&model),
       params_(params),
       dt_(control_period),
@@ -64,6 +65,8 @@ Predictor::Predictor(const RobotModel& model, const PredictionParams& params, co
   tried_ = std::max(kLeastTried, kBeyond + std::max(base_trip, joint_trip));
   // The commands of the longest round trip, one before it, and those that wait, which are no more than the trip.
   periods_ = tried_ + 2;
+  joint_step_ = VectorX::Constant(num_joints_, std::numeric_limits<double>::infinity());
+  if (acceleration_limit.size() == model.num_velocities()) joint_step_ = dt_ * acceleration_limit.tail(num_joints_);
   out_.q = VectorX::Zero(num_joints_);
   out_.qdot = VectorX::Zero(model.num_velocities());
   reset(0);
@@ -76,6 +79,7 @@ void Predictor::reset(int num_objects) {
   m.sent.assign(at(periods_), VectorX::Zero(nv));
   m.base_velocity.assign(at(periods_), Vector3::Zero());
   m.begun = false;
+  m.catching_up = false;
   m.base.setZero();
   m.base_trip = {base_dof_ > 0 ? whole_periods(params_.base_drive, dt_) + base_age_ : 0, VectorX::Zero(tried_)};
   m.joint_trip = {whole_periods(params_.joint_drive, dt_) + joint_age_, VectorX::Zero(tried_)};
@@ -121,7 +125,10 @@ void Predictor::identify(const Observation& o) noexcept {
   const bool base = base_dof_ > 0 && choose(m.base_trip, kFloor);
   const bool joints = choose(m.joint_trip, kFloor);
   if (base) m.begun = false;  // what was filtered is as of another time
-  if (base || joints) synchronise();
+  if (!base && !joints) return;
+  const int waited = hold_joints_;
+  synchronise();
+  if (hold_joints_ < waited) memory_.catching_up = true;
 }
 
 // Of the period in which the command sent `age` periods before the latest acts.
@@ -245,6 +252,17 @@ void Predictor::send(const VectorX& command, VectorX& sent) noexcept {
   }
   if (base_share_ > 0.0) base = ramp_.limited(base, before, base_share_, dt_);
   for (int i = 0; i < base_dof_; ++i) sent[i] = base[i];
+  // A wait that has become shorter leaves commands out: what they would have changed one after the other is changed as
+  // fast as the joints may.
+  if (m.catching_up) {
+    m.catching_up = false;
+    for (int i = 0; i < num_joints_; ++i) {
+      double& u = sent[base_dof_ + i];
+      const double now = m.sent.front()[base_dof_ + i], wanted = u;
+      u = std::min(std::max(u, now - joint_step_[i]), now + joint_step_[i]);
+      if (u != wanted) m.catching_up = true;
+    }
+  }
   shifted(m.sent) = sent;
   ramp_.follow(base, dt_, velocity);
   shifted(m.base_velocity) = velocity;

@@ -35,7 +35,7 @@ namespace moma {
 class Predictor {
  public:
   Predictor(const RobotModel& model, const PredictionParams& params, const UncertaintyParams& uncertainty,
-            double base_share, double control_period);
+            double base_share, double control_period, const VectorX& acceleration_limit = {});
 
   bool on() const noexcept { return params_.enabled; }
   bool identifies() const noexcept { return params_.enabled && params_.identify; }
@@ -47,7 +47,8 @@ class Predictor {
   /// A step whose observation cannot be used: the commands go on acting.
   void skip() noexcept;
   /// Takes the command of this step (finite), and writes what is to be sent now. Where a wait has become shorter, a
-  /// base comes to it no faster than at `base_share` of its accelerations (0: at once).
+  /// base comes to it no faster than at `base_share` of its accelerations (0: at once), and joints no faster than at
+  /// their part of `acceleration_limit` (not given: at once).
   void send(const VectorX& command, VectorX& sent) noexcept;
 
   /// The velocity that the latest command leads to: that of the last predict() or skip().
@@ -79,6 +80,7 @@ class Predictor {
   double dt_;
   int base_dof_, num_joints_;
   BaseRamp ramp_;
+  VectorX joint_step_;  // most that a joint's command may change in a period
   double base_share_;
   UncertaintyParams uncertain_;
   Uncertainty uncertainty_;

@@ -111,7 +111,7 @@ TEST(BrakeCheck, FindsTheLeastDistanceOnTheWayToAStop) {
       const VectorX u = near_velocity(scene, o.qdot, rng);
       VectorX out = u;
       // apply() is what hands over where the objects are.
-      fine.apply(o, {u, u, u}, out);
+      fine.apply(o, {u, u, u}, {}, out);
       for (const bool in_proportion : {true, false}) {
         const double expected = simulated(scene, o, u, in_proportion);
         const double found = fine.least_distance(o, u, in_proportion);
@@ -140,7 +140,7 @@ TEST(BrakeCheck, GivesWayOnlyWhereItMustAndStaysInsideTheBox) {
       const VectorX u = near_velocity(scene, o.qdot, rng);
       VectorX command = u;
       NoAlloc guard;
-      const double kept = check.apply(o, {lower, upper, slowest}, command);
+      const double kept = check.apply(o, {lower, upper, slowest}, {}, command);
       EXPECT_EQ(guard.count(), 0);
       for (Eigen::Index i = 0; i < u.size(); ++i) {
         EXPECT_GE(command[i], lower[i] - 1e-12);
@@ -164,6 +164,57 @@ TEST(BrakeCheck, GivesWayOnlyWhereItMustAndStaysInsideTheBox) {
   EXPECT_GT(mended, 10);
 }
 
+// What is uncertain by the same in all directions is nearer by the same on the whole way.
+TEST(BrakeCheck, KeepsItsMarginForWhatIsUncertain) {
+  Rng rng(4);
+  UncertaintyParams params;
+  params.enabled = true;
+  params.object_bias = 0.02;
+  const double margin = normal_quantile(params.probability) * 0.02;
+  const std::vector<PlaceSpread> spreads(6, PlaceSpread{0.02, 0.0});
+  int compared = 0, mended = 0;
+  for (const auto& model : all_robots()) {
+    const Uncertainty uncertainty(params, model->base_dof());
+    for (int trial = 0; trial < 60; ++trial) {
+      const Scene scene(model, rng);
+      BrakeCheck plain = scene.check(0.4, 2);
+      const auto uncertain = [&](double kept) {
+        BrakeCheck c(model, {.enabled = true, .margin = kept, .every = 2}, scene.acceleration, true, kPeriod,
+                     uncertainty);
+        c.set_objects(scene.shapes);
+        return c;
+      };
+      BrakeCheck far = uncertain(0.4), near = uncertain(0.02);
+      const Observation o = still_objects(scene, rng);
+      const VectorX u = near_velocity(scene, o.qdot, rng);
+      VectorX out = u;
+      plain.apply(o, {u, u, u}, {}, out);
+      NoAlloc guard;
+      far.apply(o, {u, u, u}, spreads, out);
+      EXPECT_EQ(guard.count(), 0);
+      for (const bool in_proportion : {true, false}) {
+        const double d = plain.least_distance(o, u, in_proportion);
+        if (!(d < 0.4)) continue;
+        EXPECT_NEAR(far.least_distance(o, u, in_proportion), d - margin, 1e-12) << model->name << " trial " << trial;
+        ++compared;
+      }
+      // From 2 cm to 2 cm and the margin, one gives way and the other does not.
+      const double d = std::max(plain.least_distance(o, u, true), plain.least_distance(o, u, false));
+      const VectorX zero = VectorX::Zero(u.size()), box = VectorX::Constant(u.size(), 10.0);
+      out = u;
+      const double kept = near.apply(o, {-box, box, zero}, spreads, out);
+      if (d >= 0.02 + margin) EXPECT_EQ(kept, 1.0);
+      if (d < 0.02 + margin && d >= 0.02) {
+        mended += kept < 1.0 ? 1 : 0;
+        out = u;
+        EXPECT_EQ(scene.check(0.02, 2).apply(o, {-box, box, zero}, {}, out), 1.0);
+      }
+    }
+  }
+  EXPECT_GT(compared, 100);
+  EXPECT_GT(mended, 3);
+}
+
 TEST(BrakeCheck, LeavesWhatMovesOut) {
   Rng rng(3);
   const Scene scene(frankie(), rng);
@@ -175,10 +226,10 @@ TEST(BrakeCheck, LeavesWhatMovesOut) {
   VectorX command = VectorX::Zero(9);
   command[0] = 0.04;
   const VectorX given = command, box = VectorX::Constant(9, 0.04);
-  EXPECT_LT(check.apply(o, {-box, box, VectorX::Zero(9)}, command), 1.0);
+  EXPECT_LT(check.apply(o, {-box, box, VectorX::Zero(9)}, {}, command), 1.0);
   command = given;
   o.objects[0].V_WO_W[3] = -0.2;
-  EXPECT_EQ(check.apply(o, {-box, box, VectorX::Zero(9)}, command), 1.0);
+  EXPECT_EQ(check.apply(o, {-box, box, VectorX::Zero(9)}, {}, command), 1.0);
   EXPECT_EQ(command, given);
 }
 

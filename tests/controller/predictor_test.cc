@@ -171,6 +171,44 @@ TEST(Predictor, FindsLatenessThatNobodyToldIt) {
   }
 }
 
+// The joints wait for a base that is believed to be late. As it turns out not to be, commands that wait are left out:
+// what is sent still changes no faster than the joints may.
+TEST(Predictor, CatchesUpWithinTheLimitsWhereAWaitBecomesShorter) {
+  const auto model = frankie();
+  PredictionParams params = known({6, 0, 0, 0});
+  params.identify = true;
+  const VectorX limit = VectorX::Constant(model->num_velocities(), 5.0);
+  for (const bool limited : {true, false}) {
+    Predictor predictor(*model, params, {}, 0.0, kPeriod, limited ? limit : VectorX());
+    predictor.reset(0);
+    LateRobot robot(*model, {}, Vector3::Zero(), model->ready);
+    VectorX command = VectorX::Zero(model->num_velocities()), sent = command, before = command;
+    const double step = 5.0 * kPeriod;
+    double largest = 0.0, lateness = predictor.lateness();
+    bool shorter = false;
+    for (int k = 0; k < 200; ++k) {
+      predictor.predict(robot.measured());
+      shorter = shorter || predictor.lateness() < lateness;
+      lateness = predictor.lateness();
+      // To and fro as fast as allowed, then still.
+      const double to = k < 150 && k / 7 % 2 == 0 ? 0.5 : k < 150 ? -0.5 : 0.0;
+      for (double& u : command) u += std::clamp(to - u, -step, step);
+      predictor.send(command, sent);
+      largest = std::max(largest, (sent - before).tail(7).cwiseAbs().maxCoeff());
+      before = sent;
+      robot.drive(sent);
+    }
+    EXPECT_TRUE(shorter);
+    EXPECT_NEAR(predictor.lateness(), 0.0, 1e-12);
+    EXPECT_EQ(sent.tail(7), command.tail(7)) << "it has caught up";
+    if (limited) {
+      EXPECT_LE(largest, step * (1.0 + 1e-9));
+    } else {
+      EXPECT_GT(largest, 1.5 * step) << "nothing was left out: this shows nothing";
+    }
+  }
+}
+
 TEST(Predictor, MovesOnWhatMoves) {
   PredictionParams params = known({3, 1, 1, 0});
   params.object_sensing = 0.08;
