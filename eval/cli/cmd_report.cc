@@ -6,6 +6,7 @@
 
 #include "eval/cli/command.h"
 #include "eval/cli/play_again.h"
+#include "eval/cli/robot_look.h"
 #include "eval/cli/time_known.h"
 #include "eval/store/migrations.h"
 #include "reports/render/report.h"
@@ -22,6 +23,8 @@ void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
     std::filesystem::path html;
     std::filesystem::path figures;
     std::filesystem::path table;
+    std::vector<std::filesystem::path> robots;
+    bool shapes = false;
     ReportOptions report;
   };
   auto options = std::make_shared<Options>();
@@ -40,6 +43,7 @@ void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
                    "Of so many failures a success in the same world too, to play beside them")
       ->check(CLI::Range(0, 100000))
       ->capture_default_str();
+  add_look_options(*command, options->robots, options->shapes);
   command->add_option("--figures", options->figures, "Write every figure as SVG and PDF into this folder (needs node)");
   command->add_option("--table", options->table, "Write the table of results as .tex, .md or .csv");
   command->footer(
@@ -62,6 +66,7 @@ void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
         if (html.empty()) html = std::filesystem::path(stores.front()).replace_extension(".html");
         ReportOptions report = options->report;
         report.sight = time_known;
+        if (!options->shapes) report.look = robot_look(options->robots);
         run::StoredSuites suites;
         report.simulate = [&suites](const std::filesystem::path& db, const std::string& trial) {
           return play_again(suites, db, trial);

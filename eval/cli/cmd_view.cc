@@ -6,6 +6,7 @@
 #include "eval/cli/command.h"
 #include "eval/cli/interrupt.h"
 #include "eval/cli/play_again.h"
+#include "eval/cli/robot_look.h"
 #include "eval/cli/time_known.h"
 #include "reports/render/view.h"
 
@@ -15,6 +16,8 @@ void add_view(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   struct Options {
     reports::Stores stores;
     int port = 8080;
+    std::vector<std::filesystem::path> robots;
+    bool shapes = false;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command =
@@ -22,6 +25,7 @@ void add_view(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   command->add_option("DB", options->stores, "Store; several are compared")->required();
   command->add_option("--port", options->port, "Port of 127.0.0.1 (8080); 0: any free one")
       ->check(CLI::Range(0, 65535));
+  add_look_options(*command, options->robots, options->shapes);
   command->footer("Example: moma view results/demo.db --port 0");
   command->callback([&action, options] {
     action = [options] {
@@ -32,6 +36,7 @@ void add_view(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
         return play_again(suites, db, trial);
       };
       view.sight = time_known;
+      if (!options->shapes) view.look = robot_look(options->robots);
       const InterruptGuard guard;
       reports::serve(options->stores, view, InterruptGuard::flag(), [](const std::string& address) {
         std::cout << address << std::endl;

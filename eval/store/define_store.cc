@@ -1,4 +1,5 @@
-// Writes a part of the store's definition to a file: moma_define_store tables.sql|views.sql|metrics.json FILE
+// Writes a part of the store's definition to a file: moma_define_store tables.sql|views.sql|metrics.json|outcomes.json
+// FILE
 #include <cstdio>
 #include <fstream>
 #include <string>
@@ -14,8 +15,10 @@ int main(int argc, char** argv) {
     text = moma::store::views_sql();
   } else if (part == "metrics.json") {
     text = moma::store::metrics_json();
+  } else if (part == "outcomes.json") {
+    text = moma::store::outcomes_json();
   } else {
-    std::fprintf(stderr, "usage: moma_define_store tables.sql|views.sql|metrics.json FILE\n");
+    std::fprintf(stderr, "usage: moma_define_store tables.sql|views.sql|metrics.json|outcomes.json FILE\n");
     return 2;
   }
   std::ofstream file(argv[2], std::ios::binary);

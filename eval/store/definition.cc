@@ -137,11 +137,12 @@ std::string filled(std::string text) {
 class MetricList {
  public:
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  std::string_view of;  // whose member it is
   template <class M, class C>
   void member(std::string_view name, M C::*, const Column& about) {
     if (about.label.empty()) return;
     nlohmann::ordered_json metric = {
-        {"key", name}, {"name", about.label}, {"unit", about.unit}, {"better", to_string(about.better)}};
+        {"key", name}, {"of", of}, {"name", about.label}, {"unit", about.unit}, {"better", to_string(about.better)}};
     if (about.decimals >= 0) {
       metric["decimals"] = about.decimals;
     } else {
@@ -175,10 +176,15 @@ std::string summary_list(const std::string& prefix) {
 
 std::string metrics_json() {
   MetricList metrics;
+  metrics.of = "trial";
   describe(metrics, Of<TrialRow>{});
+  metrics.of = "world";
   describe(metrics, Of<Difficulty>{});
+  metrics.of = "machine";
   describe(metrics, Of<TrialRow::Timing>{});
   return metrics.list.dump();
 }
+
+std::string outcomes_json() { return nlohmann::json(words(Of<Outcome>{})).dump(); }
 
 }  // namespace moma::store

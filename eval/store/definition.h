@@ -23,7 +23,11 @@ std::string summary_index_sql();
 /// "PREFIXmanip_mean, PREFIXclearance_min_m, ...": what point_trial has a second time, beside outcome and time to goal.
 std::string summary_list(const std::string& prefix = {});
 
-/// What the report page says of each metric: a JSON list of {key, name, unit, better, decimals or significant, text}.
+/// What the report page says of each metric: a JSON list of {key, of, name, unit, better, decimals or significant,
+/// text}. `of`: "trial", "world" (its difficulty) or "machine" (timings).
 std::string metrics_json();
+
+/// The words for how a trial ends, a JSON list.
+std::string outcomes_json();
 
 }  // namespace moma::store

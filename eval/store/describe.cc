@@ -16,9 +16,8 @@ using Json = nlohmann::ordered_json;
 /// What all points of a suite share: every key but those that name or count points.
 Hash setting_hash(const Json& resolved) {
   Json setting = resolved;
-  for (const char* key :
-       {"name", "controllers", "points", "more_robots", "trials", "samples", "metrics", "sweep", "tune"})
-    setting.erase(key);
+  for (const std::string_view key : kKeysOfTheWhole) setting.erase(std::string(key));
+  for (const char* key : {"controllers", "points", "more_robots"}) setting.erase(key);
   // Unordered: where a key stands in a file changes nothing.
   return hash_text(nlohmann::json(setting).dump() + "#" + std::to_string(kSimulationVersion));
 }

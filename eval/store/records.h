@@ -30,7 +30,7 @@ struct PointRecord {
 
 struct SuiteRecord {
   std::string name;
-  Hash setting_hash{};   ///< of the resolved suite without its controllers, points, trials and samples
+  Hash setting_hash{};   ///< of the resolved suite without controllers, points and kKeysOfTheWhole
   std::string resolved;  ///< JSON
   std::vector<PointRecord> points;
   std::vector<std::pair<std::string, std::string>> metrics;  ///< name, SQL expression

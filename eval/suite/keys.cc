@@ -35,6 +35,7 @@ std::vector<Key> suite_keys() {
   keys.push_back({"samples", "", "one of: " + list_of_words<SamplesKept>(), std::string(to_string(Suite{}.samples)),
                   "the trials whose samples are stored"});
   keys.push_back({"metrics", "", "a map {NAME: SQL}", "", "metrics of the suite's own, over a trial's samples"});
+  keys.push_back({"notes", "", "text", "", "Markdown for the head of the report page"});
   add(keys, keys_of(SimulationConfig{}, "simulation"));
   add(keys, keys_of(SuccessRule{}, "success"));
   add(keys, keys_of(StuckRule{}, "stuck"));

@@ -138,6 +138,7 @@ ordered_json resolved_json(const Suite& suite, bool swept) {
   json["trials"] = trials_json(suite);
   json["samples"] = to_string(suite.samples);
   for (const auto& [name, expression] : suite.metrics) json["metrics"][name] = expression;
+  if (!suite.notes.empty()) json["notes"] = suite.notes;
   if (!swept) return json;
 
   // Robots are large: each is kept once.

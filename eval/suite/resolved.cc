@@ -36,6 +36,7 @@ Suite suite_from_resolved(const ordered_json& resolved) {
   read_trials(in.require("trials", "the number of worlds"), "trials", suite);
   suite.samples = read_samples(in.require("samples", "all, failures or none"), "samples");
   if (const Node* metrics = in.get("metrics")) suite.metrics = read_metrics(*metrics, "metrics");
+  if (const Node* notes = in.get("notes")) suite.notes = read_notes(*notes, "notes");
   in.require("robot", "a resolved robot");
   for (const char* key : kSectionKeys) in.get(key);
   in.get("controllers");

@@ -1,5 +1,7 @@
 #include "eval/suite/sections.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 
@@ -27,6 +29,14 @@ std::vector<std::pair<std::string, std::string>> read_metrics(const Node& node, 
     metrics.emplace_back(name, config::read_string(expression, full));
   }
   return metrics;
+}
+
+std::string read_notes(const Node& node, const std::string& key) {
+  if (node.kind == Node::Kind::kScalar) return node.scalar;
+  const char* found = node.kind == Node::Kind::kMap ? "a map" : "a list";
+  config::fail(
+      node.mark, key,
+      fmt::format("found {}, expected text in Markdown; after `{}: |` it has any number of lines", found, key));
 }
 
 }  // namespace moma

@@ -16,4 +16,7 @@ SamplesKept read_samples(const config::Node& node, const std::string& key);
 /// {NAME: SQL, ...}: names are words of letters, digits and _. The SQL itself is checked by eval/store.
 std::vector<std::pair<std::string, std::string>> read_metrics(const config::Node& node, const std::string& key);
 
+/// Text of one line or more.
+std::string read_notes(const config::Node& node, const std::string& key);
+
 }  // namespace moma

@@ -140,16 +140,23 @@ void describe(Point& point, const Assignment& assignment) {
   }
 }
 
-constexpr const char* kOtherKeys[] = {"name", "robot", "controllers", "trials", "samples", "metrics", "sweep", "tune"};
+constexpr const char* kContentKeys[] = {"robot", "controllers"};
+
+bool of_the_whole(std::string_view key) {
+  return std::find(kKeysOfTheWhole.begin(), kKeysOfTheWhole.end(), key.substr(0, key.find('.'))) !=
+         kKeysOfTheWhole.end();
+}
 
 bool is_section(const std::string& key) {
-  return std::find(std::begin(kOtherKeys), std::end(kOtherKeys), key) != std::end(kOtherKeys) ||
+  return of_the_whole(key) ||
+         std::find(std::begin(kContentKeys), std::end(kContentKeys), key) != std::end(kContentKeys) ||
          std::find(std::begin(kSectionKeys), std::end(kSectionKeys), key) != std::end(kSectionKeys);
 }
 
 MapReader known_keys(const Node& root) {
   MapReader in(root, "");
-  for (const char* key : kOtherKeys) in.get(key);
+  for (const std::string_view key : kKeysOfTheWhole) in.get(std::string(key));
+  for (const char* key : kContentKeys) in.get(key);
   for (const char* key : kSectionKeys) in.get(key);
   return in;
 }
@@ -203,6 +210,7 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
   read_trials(in.require("trials", "the number of worlds, 1 or more"), "trials", suite);
   if (const Node* samples = in.get("samples")) suite.samples = read_samples(*samples, "samples");
   if (const Node* metrics = in.get("metrics")) suite.metrics = read_metrics(*metrics, "metrics");
+  if (const Node* notes = in.get("notes")) suite.notes = read_notes(*notes, "notes");
   const Node* sweep = in.get("sweep");
   std::vector<Assignment> assignments(1);
   if (sweep != nullptr) assignments = read_sweep(*sweep, "sweep");
@@ -212,8 +220,7 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
   for (const Assignment& assignment : assignments) {
     Draft assigned = draft;
     for (const auto& [key, value] : assignment) {
-      if (key == "name" || key == "trials" || key.starts_with("trials.") || key == "samples" || key == "metrics" ||
-          key.starts_with("metrics.") || key == "sweep" || key.starts_with("sweep."))
+      if (of_the_whole(key))
         config::fail(value.mark, "sweep", fmt::format("'{}' cannot be swept: it is one for the whole suite", key));
       assigned.set(key, value);
     }

@@ -64,9 +64,15 @@ struct Suite {
   /// The suite's own metrics, `metrics: {NAME: EXPRESSION}`: aggregate SQL expressions over a trial's samples
   /// (eval/store/user_metrics.h).
   std::vector<std::pair<std::string, std::string>> metrics;
+  std::string notes;                ///< Markdown for the head of the report page; decides no trial
   nlohmann::ordered_json resolved;  ///< the whole suite: suite_from_resolved() gives it back
   std::vector<std::string> warnings;
 };
+
+/// Keys of a suite that stand for the whole of it and decide no trial: they cannot be swept, and are no part of what
+/// its points share.
+inline constexpr std::array kKeysOfTheWhole =
+    std::to_array<std::string_view>({"name", "trials", "samples", "metrics", "notes", "sweep", "tune"});
 
 /// Key and text of each --set option.
 using Overrides = std::vector<std::pair<std::string, std::string>>;

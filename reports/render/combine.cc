@@ -158,6 +158,7 @@ Json combined(std::vector<Json> pages, const Texts& labels) {
   for (const char* part : {"invocations", "points", "summary", "overall", "tuning", "replays"})
     all[part] = Json::array();
   all["robots"] = Json::object();
+  all["looks"] = Json::object();
   all["samples_stored"] = 0;
   all["store"]["file"] = fmt::format("{}", fmt::join(labels, " + "));
   for (std::size_t i = 0; i < pages.size(); ++i) {
@@ -175,7 +176,8 @@ Json combined(std::vector<Json> pages, const Texts& labels) {
       replay["store"] = labels[i];
       all["replays"].push_back(std::move(replay));
     }
-    for (auto& [id, robot] : page.at("robots").items()) all["robots"][prefix + id] = std::move(robot);
+    for (const char* part : {"robots", "looks"})
+      for (auto& [id, robot] : page.at(part).items()) all[part][prefix + id] = std::move(robot);
     all["samples_stored"] = all["samples_stored"].get<long long>() + page.at("samples_stored").get<long long>();
   }
   // Families together, as v_summary has them.

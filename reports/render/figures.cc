@@ -23,14 +23,6 @@ constexpr const char* kNode =
     "figures are drawn by the program node, 18 or newer (Debian package nodejs), which is not found; without it, the "
     "page's own buttons save them (moma report STORE -o PAGE.html)";
 
-fs::path temporary_folder() {
-  std::string name = (fs::temp_directory_path() / "moma-figures-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) {
-    throw ReportError(fmt::format("{}: no temporary folder can be made: {}", name, std::strerror(errno)));
-  }
-  return name;
-}
-
 std::string text_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
@@ -60,7 +52,7 @@ void run_node(const std::vector<std::string>& arguments) {
 
 std::vector<fs::path> write_figures(const Stores& stores, const fs::path& folder) {
   const nlohmann::ordered_json page = read_stores(stores, {});
-  const Temporary work{temporary_folder()};
+  const Temporary work{temporary_folder("figures")};
   const fs::path drawn = work.path / "drawn";
   write_atomically(work.path / "figures.mjs", std::string(figures_js()));
   write_atomically(work.path / "page.json", page.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 
 #include "reports/render/report.h"
@@ -12,6 +14,14 @@ namespace moma::reports {
 Temporary::~Temporary() {
   std::error_code ignored;
   std::filesystem::remove_all(path, ignored);
+}
+
+std::filesystem::path temporary_folder(const std::string& purpose) {
+  std::string name = (std::filesystem::temp_directory_path() / ("moma-" + purpose + "-XXXXXX")).string();
+  if (mkdtemp(name.data()) == nullptr) {
+    throw ReportError(fmt::format("{}: no temporary folder can be made: {}", name, std::strerror(errno)));
+  }
+  return name;
 }
 
 void write_atomically(const std::filesystem::path& file, const std::string& text) {

@@ -110,20 +110,67 @@ Extent extent(SQLite::Database& store, std::int64_t most) {
   return {query.getColumn(0).getInt64(), query.getColumn(1).getInt64()};
 }
 
-Json trials(SQLite::Database& store, const Extent& extent) {
-  SQLite::Statement query = prepare(store, trials_sql());
-  query.bind(1, extent.worlds);
+/// The columns of a world's difficulty, "w.goal_distance_m, w.objects, ...".
+std::string difficulty() {
+  std::string list;
+  for (const Json& metric : Json::parse(metrics_json()))
+    if (metric.at("of") == "world") list += (list.empty() ? "w." : ", w.") + metric.at("key").get<std::string>();
+  return list;
+}
+
+std::string all_trials_sql() {
+  static constexpr std::string_view kPlace = "{{difficulty}}";
+  std::string sql(trials_sql());
+  return sql.replace(sql.find(kPlace), kPlace.size(), difficulty());
+}
+
+/// Rows by column.
+Json columns_of(SQLite::Statement& query, long long& n) {
   std::vector<Column> columns(static_cast<std::size_t>(query.getColumnCount()));
   for (std::size_t i = 0; i < columns.size(); ++i) columns[i].name = query.getColumnName(static_cast<int>(i));
-  long long n = 0;
-  for (; query.executeStep(); ++n) {
+  for (n = 0; query.executeStep(); ++n) {
     for (std::size_t i = 0; i < columns.size(); ++i) columns[i].add(query.getColumn(static_cast<int>(i)));
   }
   Json all = Json::object();
   for (Column& column : columns) {
     if (column.name != "params") all[column.name] = column.take();  // swept values are with the points
   }
-  return {{"n", n}, {"stored", extent.trials}, {"worlds", extent.worlds}, {"columns", std::move(all)}};
+  return all;
+}
+
+Json trials(SQLite::Database& store, const Extent& extent) {
+  SQLite::Statement query = prepare(store, all_trials_sql());
+  query.bind(1, extent.worlds);
+  long long n = 0;
+  Json columns = columns_of(query, n);
+  return {{"n", n}, {"stored", extent.trials}, {"worlds", extent.worlds}, {"columns", std::move(columns)}};
+}
+
+/// What every page has.
+Json begin(SQLite::Database& store) {
+  Json page;
+  page["format"] = 1;
+  page["store"] = {{"file", std::filesystem::path(store.getFilename()).filename().string()},
+                   {"schema", store.execAndGet("PRAGMA user_version").getInt()}};
+  page["metrics"] = Json::parse(metrics_json());
+  page["outcomes"] = Json::parse(outcomes_json());
+  page["points"] = rows(store, points_sql());
+  return page;
+}
+
+/// What the robots of the page look like, by their ids; where motions are asked for later, all robots of the store.
+void add_looks(SQLite::Database& store, const ReportOptions& options, Json& page) {
+  page["looks"] = Json::object();
+  if (!options.look) return;
+  Json robots = page.at("robots");
+  if (options.served) {
+    SQLite::Statement query(store, "SELECT CAST(id AS TEXT), resolved FROM robot");
+    while (query.executeStep()) robots[query.getColumn(0).getString()] = Json::parse(query.getColumn(1).getString());
+  }
+  for (const auto& [id, robot] : robots.items()) {
+    Json look = mesh_data(options.look(robot));
+    if (!look.empty()) page["looks"][id] = std::move(look);
+  }
 }
 
 /// What became of a run or search that never said how it ended; the latest comes first.
@@ -158,14 +205,9 @@ Json tuning(SQLite::Database& store) {
 nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& options) {
   // One transaction: all parts show the store at one moment, whatever a run adds meanwhile.
   SQLite::Transaction snapshot(store);
-  Json page;
-  page["format"] = 1;
-  page["store"] = {{"file", std::filesystem::path(store.getFilename()).filename().string()},
-                   {"schema", store.execAndGet("PRAGMA user_version").getInt()}};
-  page["metrics"] = Json::parse(metrics_json());
+  Json page = begin(store);
   page["invocations"] = rows(store, invocations_sql());
   add_ends(store.getFilename(), page["invocations"]);
-  page["points"] = rows(store, points_sql());
   page["summary"] = rows(store, summary_sql());
   page["overall"] = rows(store, overall_sql());
   const Extent shown = extent(store, options.trials);
@@ -174,6 +216,28 @@ nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& o
   page["tuning"] = tuning(store);
   page["samples_stored"] = store.execAndGet("SELECT count(*) FROM samples").getInt64();
   add_replays(store, options, shown.worlds, page);
+  add_looks(store, options, page);
+  return page;
+}
+
+std::optional<nlohmann::ordered_json> film_data(SQLite::Database& store, const std::string& trial, double hz,
+                                                const ReportOptions& options) {
+  SQLite::Transaction snapshot(store);
+  const std::optional<Json> replay = replay_of(
+      store, trial, hz, [&] { return options.simulate ? options.simulate(store.getFilename(), trial) : std::nullopt; });
+  if (!replay) return {};
+  Json page = begin(store);
+  SQLite::Statement query = prepare(store, film_sql());
+  query.bind(1, trial);
+  long long n = 0;
+  Json columns = columns_of(query, n);
+  page["trials"] = {{"n", n}, {"stored", n}, {"worlds", n}, {"columns", std::move(columns)}};
+  for (const char* part : {"invocations", "summary", "overall", "tuning"}) page[part] = Json::array();
+  page["samples_stored"] = n;
+  page["robots"][replay->at("robot").get<std::string>()] = replay->at("resolved");
+  page["replays"] = Json::array({*replay});
+  page["replays"][0].erase("resolved");
+  add_looks(store, options, page);
   return page;
 }
 

@@ -1,7 +1,6 @@
 #include "reports/render/replay_data.h"
 
 #include <fmt/format.h>
-#include <zlib.h>
 #include <zstd.h>
 
 #include <algorithm>
@@ -10,6 +9,8 @@
 #include <cstdint>
 #include <cstring>
 #include <stdexcept>
+
+#include "reports/render/packed.h"
 
 namespace moma::reports {
 namespace {
@@ -30,19 +31,6 @@ std::vector<std::size_t> kept_rows(const double* t, std::size_t n, double hz) {
   return rows;
 }
 
-std::string base64(const std::vector<unsigned char>& bytes) {
-  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t word = 0;
-    for (std::size_t k = 0; k < 3; ++k) word = (word << 8) | (k < left ? bytes[i + k] : 0u);
-    for (std::size_t k = 0; k < 4; ++k) text += k <= left ? kDigits[(word >> (18 - 6 * k)) & 63u] : '=';
-  }
-  return text;
-}
-
 std::string pack(const std::vector<float>& values) {
   std::vector<unsigned char> bytes(values.size() * sizeof(float));
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -50,13 +38,7 @@ std::string pack(const std::vector<float>& values) {
     std::memcpy(word, &values[i], sizeof(float));
     for (std::size_t k = 0; k < sizeof(float); ++k) bytes[k * values.size() + i] = word[k];
   }
-  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
-  std::vector<unsigned char> small(size);
-  if (compress2(small.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), 9) != Z_OK) {
-    throw std::runtime_error("samples: cannot be compressed");
-  }
-  small.resize(size);
-  return base64(small);
+  return packed(bytes);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "reports/render/evidence.h"
+#include "reports/render/mesh_data.h"
 #include "reports/render/replay_data.h"
 
 namespace moma::reports {
@@ -27,6 +28,7 @@ struct ReportOptions {
   bool history = false;     ///< the stores are runs of one suite over time: they are shown in the order of their runs
   SightAnswer sight;        ///< for causes of collisions; without it they are not looked for
   int twins = 12;  ///< of so many failures with motion the page has a success in the same world too, to play beside it
+  Look look;       ///< what robots look like; without it they are shown as the shapes that count in collisions
   Simulate simulate;  ///< for successes without samples; without it they are left out
 };
 

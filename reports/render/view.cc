@@ -104,6 +104,7 @@ class Answers {
       options.trials = kTrials;
       options.served = true;
       options.sight = options_.sight;
+      options.look = options_.look;
       Json page = read_stores(stores_, options);
       page["live"] = {{"token", token}, {"simulates", static_cast<bool>(options_.simulate)}};
       data_ = std::make_shared<const std::string>(dumped(page));
@@ -114,14 +115,19 @@ class Answers {
 
   /// Nothing where no store has the trial.
   std::optional<std::string> replay(const std::string& trial) {
-    for (const std::filesystem::path& db : stores_) {
+    for (std::size_t i = 0; i < stores_.size(); ++i) {
+      const std::filesystem::path& db = stores_[i];
       SQLite::Database store = open_store(db);
       const auto simulated = [&]() -> std::optional<OwnedSamples> {
         if (!options_.simulate) return {};
         const std::lock_guard lock(simulation_mutex_);
         return options_.simulate(db, trial);
       };
-      if (const std::optional<Json> found = replay_of(store, trial, kReplayHz, simulated)) return dumped(*found);
+      std::optional<Json> found = replay_of(store, trial, kReplayHz, simulated);
+      if (!found) continue;
+      // As combined() calls the robots of several stores.
+      if (stores_.size() > 1) (*found)["robot"] = fmt::format("{}:{}", i, found->at("robot").get<std::string>());
+      return dumped(*found);
     }
     return {};
   }

@@ -1,6 +1,6 @@
--- The trials of every point in its worlds before ?1, flat, with the world's difficulty, the deadline misses, and a name
--- for the world that is the same in every store.
-SELECT v.*, w.goal_distance_m, w.objects, w.witness_clearance_m, w.blocked_fraction, w.narrowest_gap_m,
+-- The trials of every point in its worlds before ?1, flat, with the world's difficulty in the columns that the store
+-- describes, the deadline misses, and a name for the world that is the same in every store.
+SELECT v.*, {{difficulty}},
        e.deadline_misses, substr(lower(hex(w.hash)), 1, 12) AS world_key
 FROM point AS p -- in this order and, by the pluses, by the indices of worlds, keys and names: else each trial would
                 -- search its whole point

@@ -187,6 +187,26 @@ TEST_F(CliBatch, ALockedStoreStopsWithWhatIsSaved) {
   EXPECT_EQ(hash("a.db"), hash("b.db"));
 }
 
+TEST_F(CliBatch, NotesChangeNoTrial) {
+  good({"run", "suite.yaml", "-o", "a.db", "-q"});
+  const std::string before = hash("a.db");
+  write("noted.yaml", std::string(kSuite) + "notes: |\n  # Why\n  One *more* look.\n");
+  EXPECT_NE(good({"run", "noted.yaml", "-o", "a.db"}).err.find("12 of 12 trials already there"), std::string::npos);
+  EXPECT_EQ(hash("a.db"), before);
+  const json rows = json::parse(good({"query", "a.db",
+                                      "SELECT (SELECT count(*) FROM point) AS points, (SELECT count(*) FROM suite) AS "
+                                      "suites, (SELECT json_extract(u.resolved, '$.notes') FROM invocation AS i JOIN "
+                                      "resolved_suite AS u ON u.id = i.resolved_suite_id ORDER BY i.id DESC LIMIT 1) "
+                                      "AS notes",
+                                      "-f", "json"})
+                                    .out)[0];
+  good({"run", "suite.yaml", "-o", "b.db", "-q"});
+  EXPECT_EQ(rows["points"],
+            json::parse(good({"query", "b.db", "SELECT count(*) AS n FROM point", "-f", "json"}).out)[0]["n"]);
+  EXPECT_EQ(rows["suites"], 1);
+  EXPECT_EQ(rows["notes"], "# Why\nOne *more* look.\n");
+}
+
 TEST_F(CliBatch, ASuitesOwnMetrics) {
   write("metrics.yaml", std::string(kSuite) +
                             "samples: none\nmetrics:\n  fastest: max(abs(command0))\n"

@@ -138,7 +138,8 @@ TEST(Sweep, WrongKeysAreRefusedByName) {
     }
     return std::string("accepted");
   };
-  EXPECT_NE(refused("trials").find("cannot be swept"), std::string::npos);
+  for (const std::string key : {"trials", "name", "samples", "metrics.peak", "notes", "tune"})
+    EXPECT_NE(refused(key).find("'" + key + "' cannot be swept"), std::string::npos) << refused(key);
   EXPECT_NE(refused("simulaton.time_limit").find("did you mean simulation?"), std::string::npos)
       << refused("simulaton.time_limit");
   EXPECT_NE(refused("controller.lamda_q").find("suite.yaml:7:"), std::string::npos) << refused("controller.lamda_q");

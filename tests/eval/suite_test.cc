@@ -168,6 +168,24 @@ TEST(Suite, ResolvedFormReadsBackBitForBit) {
   EXPECT_EQ(swept.resolved["more_robots"].size(), 1u) << "each robot is kept once";
 }
 
+TEST(Suite, NotesAreKeptAndDecideNothing) {
+  SuiteFolder folder;
+  const Suite plain = load_suite(folder.suite());
+  EXPECT_EQ(plain.notes, "");
+  EXPECT_FALSE(plain.resolved.contains("notes"));
+  const Suite noted = load_suite(folder.suite("notes: |\n  # Why\n  Colon: kept, *so* is this.\n"));
+  EXPECT_EQ(noted.notes, "# Why\nColon: kept, *so* is this.\n");
+  EXPECT_EQ(noted.resolved.at("notes"), noted.notes);
+  expect_same_keys(plain, noted);
+  const Suite again = suite_from_resolved(nlohmann::ordered_json::parse(noted.resolved.dump()));
+  EXPECT_EQ(again.notes, noted.notes);
+  expect_same_keys(noted, again);
+  EXPECT_REFUSED(folder.suite("notes: [one, two]\n"), Overrides{}, "notes: found a list, expected text in Markdown");
+  EXPECT_REFUSED(folder.suite("notes: {one: two}\n"), Overrides{}, "notes: found a map, expected text");
+  EXPECT_EQ(load_suite(folder.suite("notes:\n")).resolved.dump(), plain.resolved.dump()) << "nothing is none";
+  EXPECT_REFUSED(folder.suite("note: one\n"), Overrides{}, "did you mean notes?");
+}
+
 TEST(Suite, ResolvedFormIsReadStrictly) {
   SuiteFolder folder;
   nlohmann::ordered_json resolved = load_suite(folder.suite()).resolved;

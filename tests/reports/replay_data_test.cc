@@ -13,6 +13,7 @@
 #include <set>
 
 #include "reports/render/report.h"
+#include "tests/reports/packed_text.h"
 #include "tests/reports/store_files.h"
 
 namespace moma::reports {
@@ -20,24 +21,13 @@ namespace {
 
 using Table = std::map<std::string, std::vector<double>>;
 
-/// What the page's script does, written again here: base64, inflate, byte planes, float32 columns.
+/// What the page's script does, written again here: byte planes, float32 columns.
 Table unpack(const nlohmann::json& replay) {
-  static const std::string kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::vector<unsigned char> packed;
-  unsigned word = 0;
-  int bits = 0;
-  for (const char c : replay.at("data").get<std::string>()) {
-    if (c == '=') break;
-    word = word << 6 | static_cast<unsigned>(kDigits.find(c));
-    if ((bits += 6) >= 8) packed.push_back(static_cast<unsigned char>(word >> (bits -= 8)));
-  }
   const std::size_t n = replay.at("n").get<std::size_t>();
   const auto names = replay.at("columns").get<std::vector<std::string>>();
   const std::size_t count = n * names.size();
-  std::vector<unsigned char> planes(4 * count);
-  uLongf size = planes.size();
-  EXPECT_EQ(uncompress(planes.data(), &size, packed.data(), packed.size()), Z_OK);
-  EXPECT_EQ(size, planes.size());
+  const std::vector<unsigned char> planes = unpacked(replay.at("data"), 4 * count);
+  EXPECT_EQ(planes.size(), 4 * count);
   Table table;
   for (std::size_t i = 0; i < count; ++i) {
     unsigned char bytes[4];

@@ -2,16 +2,16 @@
 
 import { describeMetrics, type MetricData } from './metrics';
 
-export const kOutcomes = [
-  'success', 'collision', 'timeout', 'stuck', 'joint_limit', 'tipped', 'infeasible', 'diverged', 'error',
-] as const;
-export type Outcome = (typeof kOutcomes)[number];
+/** How a trial ends, in the words of the store. */
+export type Outcome = string;
 
-/** Outcomes as a person reads them. */
-export const kOutcomeNames: Record<Outcome, string> = {
-  success: 'success', collision: 'collision', timeout: 'time-out', stuck: 'stuck', joint_limit: 'joint limit',
-  tipped: 'tipped over', infeasible: 'infeasible', diverged: 'diverged', error: 'error',
-};
+/** All of them, in the order of their description. */
+export let kOutcomes: readonly Outcome[] = [];
+
+/** As a person reads it: "joint limit". */
+export function outcomeName(outcome: Outcome): string {
+  return outcome.replaceAll('_', ' ');
+}
 
 type Cell = number | string | null;
 
@@ -82,6 +82,7 @@ export interface PageData {
   /** Where `moma view` serves the page: motions are asked for. */
   live?: { token: string; simulates: boolean };
   metrics: MetricData[];
+  outcomes: Outcome[];
   invocations: Invocation[];
   points: PointInfo[];
   summary: SummaryRow[];
@@ -89,11 +90,17 @@ export interface PageData {
   /** Those of each point's first `worlds` worlds, of `stored` in all; the summary is over all. */
   trials: { n: number; stored: number; worlds: number; columns: Record<string, Cell[] | { values: string[]; codes: number[] }> };
   robots: Record<string, unknown>;
+  /** What robots look like, by the ids of `robots`; none of those whose URDF says nothing. */
+  looks?: Record<string, unknown>;
   /** The worst of each kind; with `live` their names only. */
   replays: (ReplayData | { trial: string })[];
   samples_stored: number;
   tuning: TuneSearch[];
+  /** The page is one frame of a film after another: of so many pixels, frames a second, seconds of motion per second. */
+  film?: FilmSize;
 }
+
+export interface FilmSize { width: number; height: number; fps: number; speed: number }
 
 interface TextColumn {
   values: string[];
@@ -138,7 +145,7 @@ export class Trials {
   }
 
   outcome(row: number): Outcome {
-    return this.text('outcome', row) as Outcome;
+    return this.text('outcome', row);
   }
 
   success(row: number): boolean {
@@ -191,6 +198,7 @@ export class Model {
   load(page: PageData): void {
     this.page = page;
     describeMetrics(page.metrics);
+    kOutcomes = page.outcomes;
     this.trials.load(page.trials);
     this.slices = [];
     this.rowOf = new Map();

@@ -60,7 +60,9 @@ export function figure(spec: FigureSpec): HTMLElement {
       chart.on('click', (event) => spec.click?.(event.data, { seriesIndex: event.seriesIndex ?? -1, dataIndex: event.dataIndex }));
     }
     const series = (drawing.option['series'] as Option[]).map((s) => (spec.click === undefined ? { cursor: 'default', ...s } : s));
-    chart.setOption({ ...base(palette()), ...drawing.option, series }, { notMerge: true });
+    // Who has asked their system for less motion gets none.
+    const still = matchMedia('(prefers-reduced-motion: reduce)').matches ? { animation: false } : {};
+    chart.setOption({ ...base(palette()), ...drawing.option, ...still, series }, { notMerge: true });
     note.textContent = drawing.note + naming();
     plot.setAttribute('aria-label', `${titleOf(spec)}. ${drawing.note}`);
   };

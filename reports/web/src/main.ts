@@ -12,6 +12,7 @@ import { kFigures } from './figures/all';
 import { tuning } from './figures/tuning';
 import { isSwept } from './figures/sweep';
 import { liveLine } from './live';
+import { startFilm } from './replay/film_page';
 import { player } from './replay/player';
 import { comparison } from './sections/comparison';
 import { failures } from './sections/failures';
@@ -31,6 +32,10 @@ function section(id: string, title: string, ...content: Node[]): HTMLElement {
 function start(app: HTMLElement, page: PageData): void {
   const model = new Model(page);
   startView(model);
+  if (page.film !== undefined) {
+    startFilm(app, model, page.film);
+    return;
+  }
   const live = liveLine(model);
   if (model.trials.n === 0) {
     replace(app, masthead(model, live), h('main', null, section('provenance', 'Provenance', provenance(model))));
@@ -48,7 +53,7 @@ function start(app: HTMLElement, page: PageData): void {
     ['quality', 'Quality', () => drawn('quality')],
     ['pairs', 'Pairs', () => [...(several ? [comparison(model)] : []), ...drawn('pairs')]],
     ['failures', 'Failures', () => [failures(model)]],
-    ['replay', 'Replay', () => [player(model)]],
+    ['replay', 'Replay', () => [player(model).element]],
     ['timing', 'Timing', () => drawn('timing')],
     ['trials', 'Trials', () => [trials(model)]],
     ['provenance', 'Provenance', () => [provenance(model)]],

@@ -8,21 +8,24 @@ export interface Metric {
   unit: string;
   /** '' where neither end is better by itself. */
   better: 'high' | 'low' | '';
+  of: 'trial' | 'world' | 'machine';
   write: (value: number) => string;
 }
 
 /** A metric as the page's data describes it: the description of the store's columns. */
 export interface MetricData {
   key: string; name: string; unit: string; better: Metric['better']; text: string;
+  /** Whose figure it is: the trial's, the world's (its difficulty), or the machine's (timings). */
+  of: Metric['of'];
   /** How it is written: with so many decimals, or else so many significant digits. */
   decimals?: number; significant?: number;
 }
 
-function made({ key, name, unit, better, decimals, significant: digits }: MetricData): Metric {
+function made({ key, of, name, unit, better, decimals, significant: digits }: MetricData): Metric {
   const write = decimals === undefined
     ? (value: number): string => significant(value, digits ?? 3)
     : (value: number): string => fixed(value, decimals);
-  return { key, name, unit, better, write };
+  return { key, of, name, unit, better, write };
 }
 
 /** All metrics that a trial may have, in the order of their description. */
@@ -35,7 +38,7 @@ export function describeMetrics(data: readonly MetricData[]): void {
 }
 
 export function metric(key: string): Metric {
-  return byKey.get(key) ?? made({ key, name: key, unit: '', better: '', text: '' });
+  return byKey.get(key) ?? made({ key, of: 'trial', name: key, unit: '', better: '', text: '' });
 }
 
 /** "time to goal [s]", for axes and table heads. */

@@ -11,7 +11,7 @@ export interface Palette {
   rule: string;
   surface: string;
   series: readonly string[];
-  outcomes: Record<Outcome, string>;
+  outcomes: Readonly<Record<Outcome, string>>;
 }
 
 /** How many series have a colour of their own. */
@@ -59,6 +59,11 @@ export function palette(saved = false): Palette {
 
 export function seriesColour(of: Palette, mark: number): string {
   return mark < 0 ? of.faint : of.series[mark % of.series.length] ?? of.ink;
+}
+
+/** Of an outcome that has none, as of a newer store: the faintest. */
+export function outcomeColour(of: Palette, outcome: Outcome): string {
+  return of.outcomes[outcome] ?? of.faint;
 }
 
 /** The series' colour where it is a text's. */

@@ -69,7 +69,7 @@ export const dataOf = (html) => JSON.parse(readFileSync(html, 'utf8').split('id=
 
 /** Opens a page and notes everything it must not do. */
 export const opener = (browser) => async (html, { width = 1280, height = 900, hash = '', scheme = 'light', ratio = 1, touch = false, served = false, allowed = () => false } = {}) => {
-  const context = await browser.newContext({ viewport: { width, height }, deviceScaleFactor: ratio, hasTouch: touch, offline: !served, colorScheme: scheme, acceptDownloads: true });
+  const context = await browser.newContext({ viewport: { width, height }, deviceScaleFactor: ratio, hasTouch: touch, offline: !served, colorScheme: scheme, reducedMotion: 'reduce', acceptDownloads: true });
   const page = await context.newPage();
   page.setDefaultTimeout(60000);
   page.on('console', (message) => { if (message.type() === 'error' && !allowed(message.text())) check(false, `console error: ${message.text()}`); });

@@ -66,7 +66,7 @@ const data = dataOf(demo);
   for (const id of await page.locator('.figure').evaluateAll((all) => all.map((f) => f.id))) {
     const figure = page.locator(`#${id}`);
     await figure.scrollIntoViewIfNeeded();
-    await page.waitForTimeout(500);   // Chromium drops a page's downloads past ten in a second, silently
+    await page.waitForTimeout(250);   // Chromium drops a page's downloads past ten in a second, silently
     await page.waitForFunction((name) => document.querySelector(`#${name} canvas`) !== null, id);
     check(/n = \d/.test(await figure.locator('.note').innerText()), `${id} states n`);
     const [svg] = await Promise.all([page.waitForEvent('download'), figure.getByText('Save SVG').click()]);
@@ -136,31 +136,33 @@ const clickMark = async (page, id) => {
     const canvas = document.querySelector(`#${figure} canvas`);
     const box = canvas.getBoundingClientRect();
     const send = (type, clientX, clientY) => canvas.dispatchEvent(new MouseEvent(type, { clientX, clientY, bubbles: true, view: window }));
-    for (let y = box.top + 60; y < box.bottom - 40; y += 4) {
-      for (let x = box.left + 80; x < box.right - 20; x += 4) {
-        send('mousemove', x, y);
-        if (canvas.parentElement.style.cursor !== 'pointer') continue;
-        const before = location.hash;
-        for (const type of ['mousedown', 'mouseup', 'click']) send(type, x, y);
-        if (location.hash !== before) return true;
-      }
+    // Evenly spread (van der Corput in bases 2 and 3), so that a mark is soon met.
+    const spread = (i, base) => { let [out, part] = [0, 1]; for (let k = i; k > 0; k = Math.floor(k / base)) out += (k % base) * (part /= base); return out; };
+    for (let i = 1; i < 6000; ++i) {
+      const [x, y] = [box.left + 80 + spread(i, 2) * (box.width - 100), box.top + 60 + spread(i, 3) * (box.height - 100)];
+      send('mousemove', x, y);
+      if (canvas.parentElement.style.cursor !== 'pointer') continue;
+      const before = location.hash;
+      for (const type of ['mousedown', 'mouseup', 'click']) send(type, x, y);
+      if (location.hash !== before) return true;
     }
     return false;
   }, id, { polling: 500 }).then(() => true, () => false);
 };
 {
   const inPage = new Set(data.replays.map((replay) => replay.trial));
+  const { context, page } = await open(demo);
   for (const id of ['figure-scatter', 'figure-paired', 'figure-course']) {
-    const { context, page } = await open(demo);
+    await page.evaluate(() => { location.hash = ''; });
     check(await clickMark(page, id), `${id} has a mark to click`);
     await page.waitForFunction(() => location.hash.includes('trial='));
     const trial = new URLSearchParams(new URL(page.url()).hash.slice(1)).get('trial');
     if (inPage.has(trial)) await page.waitForSelector(`.stage-box[data-trial="${trial}"]`);
     else check((await page.locator('.detail code').innerText()).endsWith(trial), `${id}: the command that plays ${trial}`);
     check(id !== 'figure-course' || inPage.has(trial), 'a line of the motions is a trial that can be played');
-    await context.close();
+    await page.locator('.transport .play').filter({ hasText: 'Pause' }).click({ timeout: 500 }).catch(() => undefined);
   }
-  const { context, page } = await open(demo);
+  await page.evaluate(() => { location.hash = ''; });
   check(await clickMark(page, 'figure-outcomes'), 'outcomes have bars to click');
   await page.waitForFunction(() => location.hash.includes('outcome='));
   check(/^\d+ of 120/.test((await page.locator('#trials footer .note').innerText()).replace(/\s/g, ' ')), 'a bar lists its trials');
@@ -182,14 +184,14 @@ const checkKinematics = async (page, pageData) => {
   for (const [i, replay] of pageData.replays.entries()) {
     await page.locator('.shelf button').nth(i).click();
     await page.waitForFunction((trial) => document.querySelector('.stage-box').dataset.trial === trial, replay.trial);
-    const shown = Number(await page.locator('.stage-box').getAttribute('data-position-error'));
-    const stored = column(replay, 'error_position')[0];
-    check(near(shown, stored, 1e-5), `trial ${replay.trial}: end effector ${shown} m from the goal, stored ${stored} m`);
-    await page.locator('.transport input[type=range]').evaluate((input) => {
+    const [shown, end] = (await page.locator('.transport input[type=range]').evaluate((input) => {
       input.value = input.max;
       input.dispatchEvent(new Event('input', { bubbles: true }));
-    });
-    const end = Number(await page.locator('.stage-box').getAttribute('data-position-error-now'));
+      const box = document.querySelector('.stage-box').dataset;
+      return [box.positionError, box.positionErrorNow];
+    })).map(Number);
+    const stored = column(replay, 'error_position')[0];
+    check(near(shown, stored, 1e-5), `trial ${replay.trial}: end effector ${shown} m from the goal, stored ${stored} m`);
     const last = column(replay, 'error_position').pop();
     check(near(end, last, 1e-5), `trial ${replay.trial}: at the end ${end} m from the goal, stored ${last} m`);
   }
@@ -215,12 +217,14 @@ const checkKinematics = async (page, pageData) => {
     copy.width = canvas.width;
     copy.height = canvas.height;
     return new Promise((done) => requestAnimationFrame(() => {
-      document.querySelector('.transport input[type=range]').dispatchEvent(new Event('input', { bubbles: true }));   // draws now
-      copy.getContext('2d').drawImage(canvas, 0, 0);
-      const pixels = copy.getContext('2d').getImageData(0, 0, copy.width, copy.height).data;
-      const found = new Set();
-      for (let i = 0; i < pixels.length; i += 404) found.add(`${pixels[i] >> 3},${pixels[i + 1] >> 3},${pixels[i + 2] >> 3}`);
-      done(found.size);
+      document.querySelector('.transport input[type=range]').dispatchEvent(new Event('input', { bubbles: true }));   // draws with the next frame
+      requestAnimationFrame(() => {   // in which this comes after it
+        copy.getContext('2d').drawImage(canvas, 0, 0);
+        const pixels = copy.getContext('2d').getImageData(0, 0, copy.width, copy.height).data;
+        const found = new Set();
+        for (let i = 0; i < pixels.length; i += 404) found.add(`${pixels[i] >> 3},${pixels[i + 1] >> 3},${pixels[i + 2] >> 3}`);
+        done(found.size);
+      });
     }));
   });
   check(colours > 20, `the scene shows ${colours} colours`);
@@ -231,16 +235,16 @@ const checkKinematics = async (page, pageData) => {
 
 // ---- a phone, accessibility, odd stores ---------------------------------------------------------------------------
 {
-  const { context, page } = await open(demo, { width: 390 });
+  const { context, page } = await open(demo);
   await scrollThrough(page);
+  for (const scheme of ['light', 'dark']) {
+    if (scheme === 'dark') await page.locator('.toolbar').getByText('Dark').click();
+    check((await page.evaluate(() => document.documentElement.dataset.theme)) === scheme, `the page is ${scheme}`);
+    await accessible(page, source, scheme);
+  }
+  await page.setViewportSize({ width: 390, height: 900 });
+  await page.waitForFunction(() => innerWidth === 390);
   await noOverflow(page, '390');
-  await context.close();
-}
-for (const scheme of ['light', 'dark']) {
-  const { context, page } = await open(demo, { scheme });
-  await scrollThrough(page);
-  await page.waitForTimeout(500);
-  await accessible(page, source, scheme);
   await context.close();
 }
 {
@@ -364,10 +368,27 @@ for (const [name, robot, family, controller] of moma === undefined ? [] : suites
   writeFileSync(suite, `name: ${name}\nrobot: ${join(source, 'configs', robot)}\ncontrollers: {moma: ${controller}}\nworlds: {seed: 5, families: `
     + `{${family}: {weight: 1}}}\nsimulation: {mode: kinematic, time_limit: 8}\ntrials: 3\nsamples: all\n`);
   execFileSync(moma, ['run', suite, '-o', join(work, `${name}.db`), '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });
-  execFileSync(makeReport, [join(work, `${name}.db`), join(work, `${name}.html`)], { stdio: 'inherit' });
+  execFileSync(moma, ['report', join(work, `${name}.db`), '-o', join(work, `${name}.html`)], { stdio: 'ignore' });
   const html = join(work, `${name}.html`);
-  const { context, page } = await open(html);
+  const { context, page } = await open(html, { ratio: name === 'rows' ? 2 : 1 });
   await page.locator('#replay').scrollIntoViewIfNeeded();
+  // A robot whose URDF has visual meshes is shown as these, or as its shapes.
+  const looks = Object.values(dataOf(html).looks);
+  check(looks.length === (name === 'tiago' ? 1 : 0), `${name}: ${looks.length} looks`);
+  await page.waitForSelector('.stage-box[data-triangles]');
+  const triangles = async () => Number(await page.locator('.stage-box').getAttribute('data-triangles'));
+  const switched = page.locator('.transport label', { hasText: 'shapes' });
+  check((await switched.isVisible()) === (looks.length > 0), `${name}: shapes are a switch where there is something else`);
+  if (looks.length > 0) {
+    const seen = await triangles();
+    check(seen > 5000 && seen < 26000, `${name}: ${seen} triangles of its meshes`);
+    await switched.click();
+    const plain = await triangles();
+    check(plain !== seen, `${name}: as shapes ${plain} triangles, else ${seen}`);
+    await switched.click();
+    check((await triangles()) === seen, `${name}: and back`);
+    if (screenshots !== undefined) await page.locator('.replay').screenshot({ path: join(screenshots, 'replay-meshes.png') });
+  }
   check(dataOf(html).replays.length === 3, `${name}: all trials can be played`);
   await checkKinematics(page, dataOf(html));
   // Collision rows follow from poses and commands in the page; the controller stored the least distance and how many
@@ -377,14 +398,16 @@ for (const [name, robot, family, controller] of moma === undefined ? [] : suites
     await page.locator('.shelf button').nth(i).click();
     await page.waitForFunction((trial) => document.querySelector('.stage-box').dataset.trial === trial, replay.trial);
     const [times, least, rows, fallback, status] = ['t', 'least_distance', 'active_rows', 'fallback', 'status'].map((column_) => column(replay, column_));
-    for (let k = 0; k < replay.n; k += 7) {
-      const shown = await page.evaluate((t) => {
-        const input = document.querySelector('.transport input[type=range]');
-        input.value = t;
-        input.dispatchEvent(new Event('input', { bubbles: true }));
-        const box = document.querySelector('.stage-box').dataset;
-        return { least: box.leastDistance === '' ? Infinity : Number(box.leastDistance), active: Number(box.activeRows), room: Number(box.leastRoom), ends: Number(box.ends), passing: Number(box.passing) };
-      }, times[k]);
+    const looks = Array.from({ length: Math.ceil(replay.n / 7) }, (_, i_) => 7 * i_);
+    const all = await page.evaluate((moments) => moments.map((t) => {
+      const input = document.querySelector('.transport input[type=range]');
+      input.value = t;
+      input.dispatchEvent(new Event('input', { bubbles: true }));
+      const box = document.querySelector('.stage-box').dataset;
+      return { least: box.leastDistance, active: Number(box.activeRows), room: Number(box.leastRoom), ends: Number(box.ends), passing: Number(box.passing) };
+    }), looks.map((k) => times[k]));
+    for (const [at, k] of looks.entries()) {
+      const shown = { ...all[at], least: all[at].least === '' ? Infinity : Number(all[at].least) };
       if (least[k] < 0.29) {
         seen += 1;
         check(near(shown.least, least[k], 1e-5), `${name}: at ${times[k]} s the nearest object is ${shown.least} m away, stored ${least[k]} m`);

@@ -5,7 +5,7 @@ import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { accessible, check, dataOf, end, launch, noOverflow, opener, scrollThrough, workshop } from './kit.mjs';
+import { accessible, check, dataOf, end, launch, noOverflow, opener, packagesOf, scrollThrough, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work] = process.argv;
 const { makeStore, makePage, sql } = workshop(source, makeReport, work);
@@ -55,21 +55,43 @@ const [trials, worlds, outcomes, controllers] = ['trial', 'world_key', 'outcome'
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
   const before = await scroll();
   await page.mouse.wheel(0, 120);
-  await page.waitForTimeout(400);
-  check((await scroll()) > before, 'the wheel scrolls the page over a scene that was not clicked');
+  check(await page.waitForFunction((from) => scrollY > from, before).then(() => true, () => false), 'the wheel scrolls the page over a scene that was not clicked');
   const shown = await page.locator('.stage').boundingBox();
   await page.mouse.click(shown.x + shown.width / 2, shown.y + shown.height / 2);
   const after = await scroll();
+  const wheels = () => page.evaluate(() => window.wheels);
+  await page.evaluate(() => { window.wheels = 0; addEventListener('wheel', () => { window.wheels += 1; }); });
   await page.mouse.wheel(0, 120);
-  await page.waitForTimeout(400);
-  check((await scroll()) === after, 'after a click it moves the camera');
+  await page.waitForFunction(() => window.wheels > 0);   // it has arrived
+  check((await wheels()) > 0 && (await scroll()) === after, 'after a click it moves the camera');
   const [picture] = await Promise.all([page.waitForEvent('download'), page.getByText('Save PNG').click()]);
   const png = readFileSync(await picture.path());
   check(png.subarray(1, 4).toString() === 'PNG' && png.length > 20000, `a frame as PNG, ${png.length} bytes`);
+  await context.close();
+}
+
+// ---- the motion as video: every frame at its time, however long it takes to draw; stopped, there is none ------------------
+{
+  const { ALL_FORMATS, BlobSource, EncodedPacketSink, Input } = packagesOf(source)('mediabunny');
+  const shortest = data.replays.map((replay) => replay.trial).reduce((a, b) => (cells.time_end_s[trials.indexOf(a)] < cells.time_end_s[trials.indexOf(b)] ? a : b));
+  const { context, page } = await open(html, { hash: `#trial=${shortest}&beside=none`, width: 390, height: 500 });
+  await page.locator('#replay').scrollIntoViewIfNeeded();
+  await page.waitForFunction((trial) => document.querySelector('.stage-box')?.dataset.trial === trial, shortest);
+  await page.addStyleTag({ content: '.stage { height: 120px !important; width: 160px !important; }' });
   await page.getByLabel('Speed').selectOption('4');
-  const [film] = await Promise.all([page.waitForEvent('download'), page.getByText('Save WebM').click()]);
-  const webm = readFileSync(await film.path());
-  check(webm.readUInt32BE(0) === 0x1a45dfa3 && webm.length > 10000, `the motion as WebM, ${webm.length} bytes`);
+  const [film] = await Promise.all([page.waitForEvent('download', { timeout: 240000 }), page.getByText('Save WebM').click()]);
+  const input = new Input({ formats: ALL_FORMATS, source: new BlobSource(new Blob([readFileSync(await film.path())])) });
+  const track = await input.getPrimaryVideoTrack();
+  const times = [];
+  for await (const packet of new EncodedPacketSink(track).packets()) times.push(packet.timestamp);
+  const end = Number(/of ([\d.]+) s/.exec(await page.locator('.clock').innerText())[1]);
+  const frames = Math.ceil((end / 4) * 30) + 1;
+  check(Math.abs(times.length - frames) <= 1, `${times.length} frames of ${frames}`);
+  check(times.every((t, k) => Math.abs(t - k / 30) < 2e-3), `thirty a second: ${times.slice(0, 4)}`);
+  check(track.codec === 'vp9', `VP9 in WebM: ${track.codec}`);
+  await page.getByText('Save WebM').click();
+  await page.getByText(/^Stop at/).click();
+  await page.getByText('Save WebM').waitFor();
   await context.close();
 }
 

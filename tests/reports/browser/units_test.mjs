@@ -1,5 +1,6 @@
 // Parts of the page that need no browser: units_test.mjs SOURCE_DIR
 import { check, end, near, packagesOf, skip } from './kit.mjs';
+import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 const [, , source] = process.argv;
@@ -66,6 +67,45 @@ const some = spearman(twenty, twenty.map((i) => (7 * i) % 20));
 check(some.interval.low < some.value && some.value < some.interval.high && some.interval.low > -1 && some.interval.high < 1, 'else it has one');
 check(Number.isNaN(bootstrapMedian([1, 2, 3, 4, 5]).low), 'five differences are too few for the interval of a median');
 check(bootstrapMedian([1, 2, 3, 4, 5, 6]).low >= 1 && bootstrapMedian([1, 2, 3, 4, 5, 6]).high <= 6, 'six are enough');
+
+// ---- how much a gain explains: worlds with a known answer, and the spread over many of them ---------------------------
+{
+  const { shares, shareErrors } = await load('importance');
+  // A generator of its own (Lehmer), so that every run sees the same.
+  let state = 12345;
+  const draw = () => { state = (state * 48271) % 2147483647; return state / 2147483647; };
+  const variables = [{ lower: 0, upper: 1, scale: 'linear' }, { lower: 0.01, upper: 100, scale: 'log' }, { lower: 2, upper: 4, scale: 'linear' }];
+  const search = () => ({
+    variables,
+    evaluations: Array.from({ length: 240 }, () => {
+      const u = [draw(), draw(), draw()];
+      // Independent parts: 3 u0 has nine times the variance of u1 (each is uniform); the third gain does nothing.
+      return { phase: 'global', valid: 1, merit: 3 * u[0] + u[1], candidate: [u[0], 0.01 * 10 ** (4 * u[1]), 2 + 2 * u[2]] };
+    }),
+  });
+  const all = Array.from({ length: 60 }, search).map((one) => [shares(one.variables, one.evaluations), shareErrors(one)]);
+  [0.9, 0.1, 0].forEach((truth, i) => {
+    const values = all.map(([share]) => share[i]);
+    const mean = values.reduce((a, b) => a + b) / values.length;
+    const spread = Math.sqrt(values.reduce((sum, v) => sum + (v - mean) ** 2, 0) / (values.length - 1));
+    const told = all.reduce((sum, [, error]) => sum + error[i], 0) / all.length;
+    check(near(mean, truth, 0.02), `gain ${i} explains ${truth} of the variance, found ${mean}`);
+    check(i === 2 || (told > 0.6 * spread && told < 1.6 * spread), `the error of gain ${i}: told ${told}, the spread of sixty searches is ${spread}`);
+  });
+  const few = search();
+  few.evaluations.length = 20;
+  check(shares(variables, few.evaluations) === null && shareErrors(few) === null, 'twenty candidates are too few for three gains');
+}
+
+// ---- words of the store: each outcome has a colour, none is that of another --------------------------------------------
+if (process.env.MOMA_STORE_DEFINITION !== undefined) {
+  const outcomes = JSON.parse(readFileSync(join(process.env.MOMA_STORE_DEFINITION, 'outcomes.json'), 'utf8'));
+  check(outcomes.length > 5 && outcomes[0] === 'success', `the words for outcomes: ${outcomes}`);
+  for (const palette of kPalettes) {
+    for (const outcome of outcomes) check(palette.outcomes[outcome] !== undefined, `${outcome} has a colour`);
+    check(Object.keys(palette.outcomes).every((name) => outcomes.includes(name)), `no colour of an outcome that there is not: ${Object.keys(palette.outcomes)}`);
+  }
+}
 
 // ---- axes and steps --------------------------------------------------------------------------------------------------
 const { nice, stairs } = await load('chart');

@@ -1,11 +1,11 @@
 // Manipulability along the motion of the trials whose samples are at hand.
 
 import { axis, legend, legendHeight, nice, plain, tip, type FigureSpec } from '../chart';
-import { kOutcomeNames, type Model } from '../data';
+import { outcomeName, type Model } from '../data';
 import { fixed, integer } from '../format';
 import { decode, type Trace } from '../replay/trace';
 import { select } from '../select';
-import { seriesColour, type Palette } from '../theme';
+import { outcomeColour, seriesColour, type Palette } from '../theme';
 import { view } from '../view';
 
 /** More lines than this are a blur. */
@@ -77,7 +77,7 @@ export function course(model: Model): FigureSpec {
               const row = groups.flatMap((g) => g.courses)[seriesIndex]?.row;
               if (row === undefined) return '';
               const t = model.trials;
-              return tip(`${t.text('controller', row)}, ${t.text('family', row)} world ${integer(t.number('world', row))}`, [['outcome', kOutcomeNames[t.outcome(row)]], ['least', fixed(t.number('manip_min', row), 4)], ['mean', fixed(t.number('manip_mean', row), 4)]], p.outcomes[t.outcome(row)]);
+              return tip(`${t.text('controller', row)}, ${t.text('family', row)} world ${integer(t.number('world', row))}`, [['outcome', outcomeName(t.outcome(row))], ['least', fixed(t.number('manip_min', row), 4)], ['mean', fixed(t.number('manip_mean', row), 4)]], outcomeColour(p, t.outcome(row)));
             },
           },
           series: [

@@ -3,13 +3,12 @@
 import { axis, kFont, legend, legendHeight, tip, whisker, type FigureSpec } from '../chart';
 import { choice } from '../dom';
 import { integer, percent, percentRange, sizes } from '../format';
-import { axisName, metric } from '../metrics';
+import { axisName, kMetrics, metric } from '../metrics';
 import * as state from '../state';
 import { wilson } from '../stats';
 import { dashOf, seriesColour, symbolOf, type Palette } from '../theme';
 import { view } from '../view';
 
-const kAxes = ['goal_distance_m', 'objects', 'blocked_fraction', 'witness_clearance_m', 'narrowest_gap_m'];
 const kBins = 6;
 
 /** Inner edges of bins that hold about equally many of `values`; distinct. */
@@ -35,7 +34,7 @@ export function difficulty(): FigureSpec {
     empty: 'Nothing varies here among the worlds shown.',
     controls: (redraw) => {
       const { model, series } = view();
-      const options = kAxes.filter((key) => series.some((s) => model.trials.any(key, s.rows)));
+      const options = kMetrics.filter((m) => m.of === 'world').map((m) => m.key).filter((key) => series.some((s) => model.trials.any(key, s.rows)));
       return [choice('Against', options.map((key) => [key, axisName(metric(key))] as const), state.get('f.difficulty'),
         (value) => { state.set({ 'f.difficulty': value }); redraw(); })];
     },

@@ -2,10 +2,10 @@
 
 import { axis, legend, legendHeight, tip, type FigureSpec } from '../chart';
 import { inkOn } from '../colour';
-import { kOutcomeNames, kOutcomes, type Outcome, type Series } from '../data';
+import { outcomeName, kOutcomes, type Outcome, type Series } from '../data';
 import { integer, percent, plural } from '../format';
 import * as state from '../state';
-import type { Palette } from '../theme';
+import { outcomeColour, type Palette } from '../theme';
 import { view } from '../view';
 
 interface Bar {
@@ -46,7 +46,7 @@ export function outcomes(): FigureSpec {
       if (all.length === 0) return null;
       const present = kOutcomes.filter((o) => all.some((bar) => bar.counts.has(o)));
       const narrow = width < 560;
-      const top = legendHeight(present.map((o) => kOutcomeNames[o]), width);
+      const top = legendHeight(present.map((o) => outcomeName(o)), width);
       const label = (bar: Bar): string => (view().families.length > 1 ? `${bar.series.short}  {f|${bar.family}}` : bar.series.short);
       return {
         height: 30 + top + all.length * (all.length > 12 ? 26 : 38),
@@ -56,7 +56,7 @@ export function outcomes(): FigureSpec {
           bar.family, bar.series.controller, bar.series.point, o, bar.counts.get(o) ?? 0, (bar.counts.get(o) ?? 0) / bar.n, bar.n,
         ])),
         option: {
-          legend: legend(p, present.map((o) => kOutcomeNames[o])),
+          legend: legend(p, present.map((o) => outcomeName(o))),
           grid: { left: 4, right: 20, top, bottom: 4, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
           xAxis: axis(p, '', { min: 0, max: 1, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` }, splitLine: { show: false } }),
           yAxis: {
@@ -68,11 +68,11 @@ export function outcomes(): FigureSpec {
             },
           },
           series: present.map((o) => ({
-            name: kOutcomeNames[o], type: 'bar', stack: 'all', barWidth: '68%', barCategoryGap: '20%',
-            itemStyle: { color: p.outcomes[o], borderColor: p.surface, borderWidth: 1 },
+            name: outcomeName(o), type: 'bar', stack: 'all', barWidth: '68%', barCategoryGap: '20%',
+            itemStyle: { color: outcomeColour(p, o), borderColor: p.surface, borderWidth: 1 },
             emphasis: { disabled: true },
             label: {
-              show: true, color: inkOn(p.outcomes[o]), fontSize: 11.5,
+              show: true, color: inkOn(outcomeColour(p, o)), fontSize: 11.5,
               formatter: ({ dataIndex }: { dataIndex: number }) => {
                 const count = all[dataIndex]?.counts.get(o) ?? 0;
                 return count >= 5 && count / (all[dataIndex]?.n ?? 1) > 0.04 ? String(count) : '';
@@ -86,10 +86,10 @@ export function outcomes(): FigureSpec {
               const bar = all[dataIndex] as Bar;
               const o = present[seriesIndex] as Outcome;
               const count = bar.counts.get(o) ?? 0;
-              return tip(kOutcomeNames[o], [
+              return tip(outcomeName(o), [
                 ['controller', bar.series.short], ['family', bar.family], ['trials', `${integer(count)} of ${plural(bar.n, 'trial')}`],
                 ['share', percent(count / bar.n)],
-              ], p.outcomes[o]);
+              ], outcomeColour(p, o));
             },
           },
         },

@@ -2,14 +2,14 @@
 
 import { axis, kFont, legendHeight, nice, plain, tip, type FigureSpec } from '../chart';
 import { pairs, pairsText } from '../compare';
-import { kOutcomeNames } from '../data';
+import { outcomeName } from '../data';
 import { choice } from '../dom';
 import { integer, upper } from '../format';
 import { axisName, kMetrics, metric, withUnit } from '../metrics';
 import { select } from '../select';
 import * as state from '../state';
 import { extent } from '../stats';
-import { seriesColour, type Palette } from '../theme';
+import { outcomeColour, seriesColour, type Palette } from '../theme';
 import { view } from '../view';
 
 /** The two series that are compared: as chosen, else the first two shown. */
@@ -33,7 +33,7 @@ export function paired(): FigureSpec {
       const [a, b] = chosen();
       const names = all.map((s) => [String(s.index), s.name] as const);
       const metrics = kMetrics.filter((m) => series.some((s) => model.trials.any(m.key, s.rows))
-        && !['goal_distance_m', 'objects', 'witness_clearance_m', 'blocked_fraction', 'narrowest_gap_m'].includes(m.key));
+        && m.of !== 'world');
       const pick = (key: string) => (value: string) => { state.set({ [key]: value }); redraw(); };
       return [
         choice('Metric', metrics.map((m) => [m.key, axisName(m)] as const), state.get('f.paired'), pick('f.paired')),
@@ -65,7 +65,7 @@ export function paired(): FigureSpec {
       const colour = (w: (typeof result.worlds)[number]): string => {
         const sa = t.success(w.a);
         const sb = t.success(w.b);
-        return sa && sb ? p.outcomes.success : sa ? seriesColour(p, a.mark) : sb ? seriesColour(p, b.mark) : p.faint;
+        return sa && sb ? outcomeColour(p, 'success') : sa ? seriesColour(p, a.mark) : sb ? seriesColour(p, b.mark) : p.faint;
       };
       const groups: [string, (w: (typeof result.worlds)[number]) => boolean, string][] = [
         ['both succeed', (w) => t.success(w.a) && t.success(w.b), 'circle'],
@@ -91,8 +91,8 @@ export function paired(): FigureSpec {
           tooltip: {
             trigger: 'item',
             formatter: ({ data }: { data: (typeof dots)[number] }) => tip(`${t.text('family', data.w.a)} world ${integer(data.w.world)}`, [
-              [a.short, `${kOutcomeNames[t.outcome(data.w.a)]}, ${withUnit(of, data.w.x)}`],
-              [b.short, `${kOutcomeNames[t.outcome(data.w.b)]}, ${withUnit(of, data.w.y)}`],
+              [a.short, `${outcomeName(t.outcome(data.w.a))}, ${withUnit(of, data.w.x)}`],
+              [b.short, `${outcomeName(t.outcome(data.w.b))}, ${withUnit(of, data.w.y)}`],
             ]),
           },
           series: [

@@ -1,7 +1,7 @@
 // Any metric against any other: one dot per trial.
 
 import { axis, legend, legendHeight, nice, plain, tip, type FigureSpec } from '../chart';
-import { kOutcomeNames } from '../data';
+import { outcomeName } from '../data';
 import { choice } from '../dom';
 import { fixed, integer, upper } from '../format';
 import { axisName, metric, withUnit } from '../metrics';
@@ -58,7 +58,7 @@ export function scatter(): FigureSpec {
           tooltip: {
             trigger: 'item',
             formatter: ({ data }: { data: { row: number } }) => tip(`${t.text('controller', data.row)}, ${t.text('family', data.row)} world ${integer(t.number('world', data.row))}`, [
-              ['outcome', kOutcomeNames[t.outcome(data.row)]], [mx.name, withUnit(mx, t.number(mx.key, data.row))], [my.name, withUnit(my, t.number(my.key, data.row))],
+              ['outcome', outcomeName(t.outcome(data.row))], [mx.name, withUnit(mx, t.number(mx.key, data.row))], [my.name, withUnit(my, t.number(my.key, data.row))],
             ]),
           },
           series: groups.map((g) => {

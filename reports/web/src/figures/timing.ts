@@ -5,7 +5,7 @@ import { integer, percent, plural, significant } from '../format';
 import { choice } from '../dom';
 import * as state from '../state';
 import { quantile, thinned } from '../stats';
-import { kDashes, seriesColour, type Palette } from '../theme';
+import { outcomeColour, kDashes, seriesColour, type Palette } from '../theme';
 import { view } from '../view';
 
 const kKinds = [['median_us', 'median', 0.55], ['p99_us', '99th percentile', 1], ['max_us', 'longest', 0.75]] as const;
@@ -64,8 +64,8 @@ export function timing(): FigureSpec {
             stairs(thinned(c.values.length).map((k) => [c.values[k] ?? 0, (k + 1) / c.values.length] as const)),
             { colour: seriesColour(p, c.s.mark), width: c.kind === 1 ? 2 : 1.4, opacity: c.opacity, dash: kDashes[[0, 0, 2][c.kind] ?? 0] })).concat(Number.isFinite(deadline) ? [{
             name: 'deadline', type: 'line', data: [[deadline, 0], [deadline, 1]], showSymbol: false, silent: true, z: 1,
-            lineStyle: { color: p.outcomes.collision, width: 1.3, type: 'solid', opacity: 1 }, itemStyle: { color: p.outcomes.collision },
-            endLabel: { show: true, formatter: 'deadline', color: p.outcomes.collision, fontSize: 11, offset: [-24, -9] },
+            lineStyle: { color: outcomeColour(p, 'collision'), width: 1.3, type: 'solid', opacity: 1 }, itemStyle: { color: outcomeColour(p, 'collision') },
+            endLabel: { show: true, formatter: 'deadline', color: outcomeColour(p, 'collision'), fontSize: 11, offset: [-24, -9] },
           }] : []),
         },
       };

@@ -5,6 +5,7 @@ import { figure } from '../figure';
 import type { Model, TuneSearch } from '../data';
 import { h } from '../dom';
 import { fixed, integer, percent, percentRange, plural, probability, significant } from '../format';
+import { shareErrors } from '../importance';
 import { metric } from '../metrics';
 import { seriesColour, type Palette } from '../theme';
 
@@ -240,9 +241,51 @@ function sensitivity(search: TuneSearch, id: string): FigureSpec {
   };
 }
 
+function importance(search: TuneSearch, id: string): FigureSpec {
+  return {
+    id: `importance${id}`,
+    title: 'How much of the search each gain explains',
+    caption: 'Share of the variance of the candidates\u2019 ranks that a gain accounts for by itself; bars are one standard error.',
+    empty: 'This search measured too few candidates to tell.',
+    draw: (p: Palette, width: number) => {
+      const errors = shareErrors(search);
+      const bars = search.variables.map((v, i) => ({ v, share: v.importance, error: errors?.[i] ?? 0 }))
+        .filter((bar): bar is { v: typeof bar.v; share: number; error: number } => bar.share !== null).sort((a, b) => b.share - a.share);
+      if (bars.length === 0) return null;
+      const most = Math.max(...bars.map((bar) => bar.share + bar.error));
+      const colour = seriesColour(p, 0);
+      return {
+        height: 60 + 26 * bars.length,
+        note: `n = ${integer(search.evaluations.length)} candidates.${errors === null ? ' Too few for errors.' : ' Errors: jackknife over twentieths of them.'} What is left of 100 % is interaction and noise.`,
+        columns: ['gain', 'share', 'error'],
+        rows: bars.map((bar) => [bar.v.key, bar.share, errors === null ? null : bar.error]),
+        option: {
+          grid: { left: 4, right: 24, top: 8, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
+          xAxis: axis(p, '', { ...nice(0, Math.max(most, 0.05)), axisLabel: { color: p.muted, formatter: (v: number) => `${plain(100 * v)} %` } }),
+          yAxis: {
+            type: 'category', inverse: true, data: bars.map((_, i) => String(i)), axisLine: { show: false }, axisTick: { show: false }, splitLine: { show: false },
+            axisLabel: { color: p.ink, fontSize: 12.5, fontFamily: kFont, interval: 0, width: Math.min(320, 0.4 * width), overflow: 'truncate', formatter: (i: string) => short(bars[Number(i)]?.v.key ?? '') },
+          },
+          tooltip: {
+            trigger: 'item',
+            formatter: ({ dataIndex }: { dataIndex: number }) => {
+              const bar = bars[dataIndex];
+              return bar === undefined ? '' : tip(short(bar.v.key), [['share', percent(bar.share)], ...(errors === null ? [] : [['error', percent(bar.error)] as const])], colour);
+            },
+          },
+          series: [
+            { type: 'bar', barWidth: 12, data: bars.map((bar, i) => ({ value: [bar.share, String(i)], itemStyle: { color: colour, opacity: 0.75 } })) },
+            ...(errors === null ? [] : [{ type: 'custom', silent: true, tooltip: { show: false }, z: 3, data: bars.map((bar, i) => [Math.max(0, bar.share - bar.error), bar.share + bar.error, i]), encode: { x: [0, 1], y: 2 }, renderItem: whisker(p.ink, true, 1.5) }]),
+          ],
+        },
+      };
+    },
+  };
+}
+
 function figuresOf(search: TuneSearch, index: number): FigureSpec[] {
   const id = index === 0 ? '' : String(index + 1);
-  return [held(search, id), history(search, id), sensitivity(search, id)];
+  return [held(search, id), history(search, id), importance(search, id), sensitivity(search, id)];
 }
 
 export function tuningFigures(model: Model): FigureSpec[] {

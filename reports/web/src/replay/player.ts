@@ -1,7 +1,7 @@
 // The replay section: choose a trial, play it, scrub, look around.
 
 import { disturbed } from '../conditions';
-import { kOutcomeNames, type Model, type Motion } from '../data';
+import { outcomeName, type Model, type Motion } from '../data';
 import { downloadBlob, h, replace, roving } from '../dom';
 import { fixed, integer, plural } from '../format';
 import { whenSeen } from '../later';
@@ -9,13 +9,19 @@ import { onPaper, paperPlace } from '../paper';
 import { onSelect, select } from '../select';
 import { command } from '../sections/trials';
 import * as state from '../state';
-import { onTheme, palette } from '../theme';
+import { outcomeColour, onTheme, palette } from '../theme';
 import { onView } from '../view';
+import { canFilm, Film } from './film';
+import { readLook, type Part } from './look';
+import { Plate, type Words } from './plate';
 import { Robot } from './robot';
 import { collisionParameters, type Row } from './rows';
 import { ReplayScene, type Colours, type WorldJson } from './scene';
 import { statusAt, Timeline } from './timeline';
 import { decode, type Trace } from './trace';
+
+/** Frames a second of a saved motion. */
+const kFps = 30;
 
 const kSpeeds = [0.25, 0.5, 1, 2, 4] as const;
 
@@ -23,7 +29,7 @@ function colours(): Colours {
   const p = palette();
   return p.dark
     ? { background: '#171b21', floor: '#1b2027', grid: '#2c343f', base: '#8794a6', arm: '#d7dde6', object: '#6b6257', moving: '#8a7450', hit: '#e2664c', goal: '#dcb45a', path: '#7fb0e6', begin: '#5d6570', ghost: '#cb64a3', wheel: '#4a525e' }
-    : { background: '#eeece6', floor: '#f4f2ed', grid: '#d8d4c9', base: '#5d6b7e', arm: '#f7f8fa', object: '#b5ab9b', moving: '#cfae74', hit: '#c4472f', goal: '#c79a2b', path: '#27598f', begin: '#b9c2cc', ghost: '#b8447b', wheel: '#3a424d' };
+    : { background: '#eeece6', floor: '#f4f2ed', grid: '#d8d4c9', base: '#5d6b7e', arm: '#f7f8fa', object: '#b5ab9b', moving: '#cfae74', hit: '#c4472f', goal: '#c79a2b', path: '#27598f', begin: '#9db4cc', ghost: '#b8447b', wheel: '#3a424d' };
 }
 
 /** Trials to choose from: the worst of each kind with samples; where none has any but all can be asked for, failures. */
@@ -45,12 +51,28 @@ function shelfNote(model: Model): string {
   return `${plural(model.page.replays.length, 'trial')} of ${integer(model.page.samples_stored)} with stored samples; the worst of each kind first, at ${first !== undefined && 'hz' in first ? first.hz : 10} Hz.`;
 }
 
-export function player(model: Model): HTMLElement {
+/** A motion from its begin to its end, frame by frame. */
+export interface Reel {
+  /** Resolves with the motion's length [s]. */
+  begin(): Promise<number>;
+  /** Frame k, which shows the time k * speed / fps, or the end. */
+  add(k: number): Promise<void>;
+  end(): Promise<Uint8Array>;
+}
+
+export interface Player {
+  element: HTMLElement;
+  /** Of the first motion of the page; null where it has none. */
+  reel: ((fps: number, speed: number) => Reel) | null;
+}
+
+export function player(model: Model): Player {
   if (listed(model).length === 0) {
     const trial = model.trials.n > 0 ? model.trials.text('trial', 0) : 'TRIAL';
-    return h('div', { class: 'empty' },
+    const element = h('div', { class: 'empty' },
       h('p', null, model.trials.n === 0 ? 'No trials, no replays.' : 'The store keeps no samples of these trials, so none can be played here. A trial is simulated again, bit for bit, by'),
       model.trials.n === 0 ? null : h('p', { class: 'command' }, h('code', null, command(model, trial))));
+    return { element, reel: null };
   }
   const canvas = h('canvas', { class: 'stage', tabindex: 0, 'aria-label': 'Replay in 3-D; drag to turn; after a click the wheel comes closer' });
   const lines = h('canvas', { class: 'timeline', 'aria-hidden': 'true' });
@@ -68,8 +90,10 @@ export function player(model: Model): HTMLElement {
   const otherBox = h('label', { class: 'choice', hidden: true }, h('span', null, 'beside it'), other);
   const closest = h('button', { type: 'button', class: 'quiet', click: () => jump('least') }, 'Closest approach');
   const stopped = h('button', { type: 'button', class: 'quiet', click: () => jump('end') }, 'Why it stopped');
-  const picture = h('button', { type: 'button', class: 'quiet', click: () => savePicture() }, 'Save PNG');
-  const film = h('button', { type: 'button', class: 'quiet', click: () => saveFilm() }, 'Save WebM');
+  const asPicture = h('button', { type: 'button', class: 'quiet', click: () => savePicture() }, 'Save PNG');
+  const asFilm = h('button', { type: 'button', class: 'quiet', click: () => void saveFilm() }, 'Save WebM');
+  const shapes = h('input', { type: 'checkbox', change: () => { scene?.setShapes(shapes.checked); tellTriangles(); show(); } });
+  const shapesBox = h('label', { hidden: true, title: 'What counts in collisions, in place of what the robot looks like' }, shapes, ' shapes');
   const legend = h('p', { class: 'replay-legend' });
   const labels = h('div', { class: 'row-labels', 'aria-hidden': 'true' });
   const near = h('p', { class: 'note rows-near' });
@@ -80,7 +104,7 @@ export function player(model: Model): HTMLElement {
   let robot: Robot | null = null;
   let current = '';
   let ghost: { trial: string; trace: Trace } | null = null;
-  let recorder: MediaRecorder | null = null;
+  let filming: Film | null = null;
   let sees = '';   // what of the controller's senses is disturbed
   let wanted = '';
   let time = 0;
@@ -90,18 +114,24 @@ export function player(model: Model): HTMLElement {
   let before: number | null = null;   // time of the last frame
   const timeline = new Timeline(lines, (t) => { pause(); seek(t); });
   const robots = new Map<string, Robot>();
+  const looks = new Map<string, readonly Part[]>();
+  const plate = new Plate();
+  let words: Words = { outcome: '', colour: '', caption: '', clock: '', labels: [] };
 
   /** Distances at the arrows of the rows that hold the command back, and of the nearest one. */
   const drawLabels = (): void => {
     const shown = scene?.rows.filter((row, i) => row.kind !== 'passing' && (row.active || i === 0)).slice(0, 8) ?? [];
     const placed: [number, number][] = [];
+    const written: { x: number; y: number; text: string; active: boolean }[] = [];
     replace(labels, ...shown.flatMap((row) => {
       const at = scene?.project(row.first.clone().add(row.second).multiplyScalar(0.5)) ?? null;
       // Nearest first: what would lie over a nearer one's label is left out; the sentence below names it.
       if (at === null || placed.some(([x, y]) => Math.abs(x - at[0]) < 62 && Math.abs(y - at[1]) < 16)) return [];
       placed.push(at);
+      written.push({ x: at[0], y: at[1], text: `${fixed(1000 * row.d, 0)} mm`, active: row.active });
       return [h('span', { class: row.active ? 'active' : null, style: `left:${at[0].toFixed(1)}px;top:${at[1].toFixed(1)}px` }, `${fixed(1000 * row.d, 0)} mm`)];
     }));
+    words.labels = written;
   };
 
   const tellRows = (): void => {
@@ -128,10 +158,20 @@ export function player(model: Model): HTMLElement {
     stage.dataset['leastRoom'] = String(Math.min(Infinity, ...[...ends, ...sides].map((row) => row.room)));
   };
 
-  const draw = (): void => {
+  const drawNow = (): void => {
     scene?.render();
     drawLabels();
     timeline.draw(palette(), time);
+  };
+
+  let asked = 0;
+  /** With the next frame, and once for all that was asked for until then. */
+  const draw = (): void => {
+    if (asked !== 0) return;
+    asked = requestAnimationFrame(() => {
+      asked = 0;
+      drawNow();
+    });
   };
 
   const drawJoints = (): void => {
@@ -159,10 +199,12 @@ export function player(model: Model): HTMLElement {
       part(c.hit, 'touched, or a row that holds the command back'), ghost === null ? null : part(c.ghost, `${t.text('controller', model.row(ghost.trial) ?? -1)} in the same world`));
   };
 
+  const tellTriangles = (): void => { stage.dataset['triangles'] = String(scene?.triangles() ?? 0); };
+
   const show = (): void => {
     scene?.set(time);
     scrub.value = String(time);
-    clock.textContent = `${fixed(time, 2)} of ${fixed(last(), 2)} s`;
+    clock.textContent = words.clock = `${fixed(time, 2)} of ${fixed(last(), 2)} s`;
     if (trace !== null) status.textContent = `Solver: ${statusAt(trace, Math.min(time, trace.end))}; ${plural(Math.round(trace.at('active_rows', Math.min(time, trace.end))), 'active constraint')}.`;
     if (scene !== null) stage.dataset['positionErrorNow'] = String(scene.positionError());
     tellRows();
@@ -190,7 +232,6 @@ export function player(model: Model): HTMLElement {
 
   const pause = (): void => {
     playing = false;
-    if (recorder?.state === 'recording') recorder.stop();
     cancelAnimationFrame(frame);
     play.textContent = 'Play';
   };
@@ -218,32 +259,51 @@ export function player(model: Model): HTMLElement {
 
   const fileName = (): string => `replay-${current || 'trial'}`;
 
-  const savePicture = (): void => {
-    draw();   // the canvas holds a picture only until the frame is shown
-    canvas.toBlob((blob) => { if (blob !== null) downloadBlob(`${fileName()}-${fixed(time, 2)}s.png`, blob); });
+  /** The moment shown, with its words. */
+  const picture = (): HTMLCanvasElement => {
+    drawNow();   // the canvas holds a picture only until the frame is shown
+    plate.draw(canvas, palette(), colours().hit, words);
+    return plate.canvas;
   };
 
-  /** Plays the motion from its begin and records what is seen, in real time. */
-  const saveFilm = (): void => {
-    if (trace === null || recorder?.state === 'recording') return;
-    const type = ['video/webm;codecs=vp9', 'video/webm;codecs=vp8', 'video/webm'].find((t) => typeof MediaRecorder !== 'undefined' && MediaRecorder.isTypeSupported(t));
-    if (type === undefined) {
-      film.textContent = 'No WebM here';
+  const savePicture = (): void => {
+    picture().toBlob((blob) => { if (blob !== null) downloadBlob(`${fileName()}-${fixed(time, 2)}s.png`, blob); });
+  };
+
+  const addFrame = async (film: Film, t: number): Promise<void> => {
+    seek(t);
+    picture();
+    await film.add();
+  };
+
+  /** Records the motion from its begin to its end at the chosen speed, 30 frames a second; once more: not. */
+  const saveFilm = async (): Promise<void> => {
+    if (trace === null || filming !== null) {
+      filming = null;
       return;
     }
-    const parts: Blob[] = [];
+    if (!canFilm()) {
+      asFilm.textContent = 'No WebM here';
+      return;
+    }
+    const [name, of, from] = [fileName(), trace, time];
     pause();
-    seek(0);
-    const name = fileName();
-    recorder = new MediaRecorder(canvas.captureStream(30), { mimeType: type, videoBitsPerSecond: 6e6 });
-    recorder.addEventListener('dataavailable', (event) => { if (event.data.size > 0) parts.push(event.data); });
-    recorder.addEventListener('stop', () => {
-      film.textContent = 'Save WebM';
-      downloadBlob(`${name}.webm`, new Blob(parts, { type: 'video/webm' }));
-    });
-    recorder.start(500);
-    film.textContent = 'Recording\u2026';
-    start();
+    const film = filming = new Film(picture(), kFps);
+    const frames = Math.ceil((last() * kFps) / rate) + 1;
+    try {
+      await film.begin();
+      for (let k = 0; k < frames && filming === film && trace === of; ++k) {
+        await addFrame(film, (k * rate) / kFps);
+        asFilm.textContent = `Stop at ${integer(Math.round((100 * k) / frames))} %`;
+      }
+      if (filming === film && trace === of) downloadBlob(`${name}.webm`, new Blob([await film.end() as BlobPart], { type: 'video/webm' }));
+      else await film.cancel();
+      asFilm.textContent = 'Save WebM';
+    } catch {
+      asFilm.textContent = 'No WebM here';
+    }
+    if (filming === film) filming = null;
+    if (trace === of) seek(from);
   };
 
   /** Trials of other controllers in the world of `trial` that can be played, successes first. */
@@ -276,8 +336,15 @@ export function player(model: Model): HTMLElement {
     const now = wantedBeside();
     replace(other, h('option', { value: 'none', selected: now === '' }, 'nothing'), ...all.map((trial) => {
       const row = model.row(trial) ?? -1;
-      return h('option', { value: trial, selected: trial === now }, `${t.text('controller', row)}${t.text('point', row) === '' ? '' : ` ${t.text('point', row)}`}: ${kOutcomeNames[t.outcome(row)]}`);
+      return h('option', { value: trial, selected: trial === now }, `${t.text('controller', row)}${t.text('point', row) === '' ? '' : ` ${t.text('point', row)}`}: ${outcomeName(t.outcome(row))}`);
     }));
+  };
+
+  /** Visuals of the robot of a motion; none where the page has none. */
+  const lookOf = ({ replay }: Motion): readonly Part[] => {
+    let known = looks.get(replay.robot);
+    if (known === undefined) looks.set(replay.robot, known = readLook(model.page.looks?.[replay.robot]));
+    return known;
   };
 
   /** Brings the other motion into the scene, or takes it away. */
@@ -295,7 +362,7 @@ export function player(model: Model): HTMLElement {
 
   const putBeside = (trial: string, motion: Motion | null): void => {
     ghost = motion === null ? null : { trial, trace: decode(motion.replay) };
-    scene?.beside(ghost === null || motion === null ? null : { robot: new Robot(motion.robot), trace: ghost.trace });
+    scene?.beside(ghost === null || motion === null ? null : { robot: new Robot(motion.robot), trace: ghost.trace, look: lookOf(motion) });
     timeline.beside(ghost?.trace ?? null);
     scrub.max = String(last());
     stage.dataset['beside'] = ghost?.trial ?? '';
@@ -311,7 +378,7 @@ export function player(model: Model): HTMLElement {
       return h('button', {
         type: 'button', role: 'option', 'aria-selected': trial === current ? 'true' : 'false', click: () => select(trial, true),
       },
-        h('span', { class: 'dotted', style: `--c:${p.outcomes[t.outcome(row)]}` }, kOutcomeNames[t.outcome(row)]),
+        h('span', { class: 'dotted', style: `--c:${outcomeColour(p, t.outcome(row))}` }, outcomeName(t.outcome(row))),
         h('small', null, `${t.text('controller', row)} \u00b7 ${t.text('family', row)} ${integer(t.number('world', row))}`),
         t.text('point', row) === '' ? null : h('small', null, t.text('point', row)),
         t.text('link', row) === '' ? null : h('small', null, `${t.text('link', row)} \u2013 ${t.text('object', row)}`));
@@ -326,15 +393,17 @@ export function player(model: Model): HTMLElement {
     const key = `${t.text('store', row)}:${replay.robot}`;
     const next = robots.get(key) ?? new Robot(resolved);
     robots.set(key, next);
-    scene ??= new ReplayScene(canvas, colours(), () => requestAnimationFrame(draw));
+    scene ??= new ReplayScene(canvas, colours(), draw);
     current = trial;
     sees = disturbed(model.point(row));
     trace = decoded;
     robot = next;
+    const look = lookOf({ replay, robot: resolved, simulated });
+    shapesBox.hidden = look.length === 0;
     scene.follow = follow.checked;
     scene.render();
     scene.show(next, replay.world as WorldJson, decoded, { link: t.text('link', row), object: t.text('object', row) },
-      collisionParameters(model.point(row)?.parameters), model.point(row)?.success_position_m ?? 0);
+      collisionParameters(model.point(row)?.parameters), model.point(row)?.success_position_m ?? 0, look);
     const point = model.point(row);
     timeline.show(decoded, point === undefined ? null : { position: point.success_position_m, rotation: point.success_orientation_rad });
     ghost = null;
@@ -346,16 +415,19 @@ export function player(model: Model): HTMLElement {
     const outcome = t.outcome(row);
     const hit = t.text('link', row);
     replace(caption,
-      h('span', { class: 'chip', style: `--c:${palette().outcomes[outcome]}` }, kOutcomeNames[outcome]), ' ',
+      h('span', { class: 'chip', style: `--c:${outcomeColour(palette(), outcome)}` }, outcomeName(outcome)), ' ',
       h('b', null, t.text('controller', row)), ` ${t.text('point', row)} \u00b7 ${t.text('family', row)} world ${integer(t.number('world', row))}`,
       hit === '' ? (t.text('reason', row) === '' ? '' : ` \u00b7 ${t.text('reason', row)}`) : ` \u00b7 ${hit} against ${t.text('object', row)}`,
       disturbed(model.point(row)) === '' ? '' : ` \u00b7 disturbed: ${disturbed(model.point(row))}`,
       simulated ? ' \u00b7 simulated again for this view' : '');
     replace(joints, ...next.driven.map((joint) => h('div', null, h('span', null, joint.name), h('div', { class: 'rail' }, h('i')))));
+    const [chip, ...rest] = caption.childNodes;
+    words = { outcome: chip?.textContent ?? '', colour: outcomeColour(palette(), outcome), caption: rest.map((node) => node.textContent).join('').trim(), clock: '', labels: [] };
     time = 0;
     show();
     fillShelf();
     stage.dataset['trial'] = trial;
+    tellTriangles();
     stage.dataset['positionError'] = String(scene.positionError());
   };
 
@@ -383,7 +455,7 @@ export function player(model: Model): HTMLElement {
       return null;   // the caption on the screen says why
     }
     if (current === '') return null;
-    draw();
+    drawNow();
     return h('div', null, h('p', null, ...[...caption.childNodes].map((node) => node.cloneNode(true)), ` \u00b7 at ${fixed(time, 2)} s`),
       h('img', { src: canvas.toDataURL('image/png'), alt: 'The moment shown in the replay' }), h('img', { src: lines.toDataURL('image/png'), alt: 'The motion\u2019s time line' }));
   };
@@ -409,8 +481,8 @@ export function player(model: Model): HTMLElement {
   const element = h('div', { class: 'replay' },
     h('div', { class: 'replay-main' },
       stage, paper,
-      h('div', { class: 'transport' }, play, scrub, clock, speed, h('label', null, follow, ' follow'), home),
-      h('div', { class: 'transport more' }, otherBox, closest, stopped, picture, film),
+      h('div', { class: 'transport' }, play, scrub, clock, speed, h('label', null, follow, ' follow'), shapesBox, home),
+      h('div', { class: 'transport more' }, otherBox, closest, stopped, asPicture, asFilm),
       legend,
       lines, status, near),
     h('aside', null, h('h3', null, 'To play'), h('p', { class: 'note' }, shelfNote(model)), shelf,
@@ -431,5 +503,20 @@ export function player(model: Model): HTMLElement {
     if (current === '' && wanted === '') safely(model.playable(asked) ? asked : listed(model)[0] ?? '', false);
     new ResizeObserver(() => draw()).observe(stage);
   });
-  return element;
+  const reel = (fps: number, speed: number): Reel => {
+    let film: Film | null = null;
+    return {
+      begin: async () => {
+        if (!canFilm()) throw new Error('this browser encodes no video');
+        const first = listed(model)[0] ?? '';
+        present(first, await model.motion(first));
+        film = new Film(picture(), fps);
+        await film.begin();
+        return last();
+      },
+      add: async (k) => { if (film !== null) await addFrame(film, (k * speed) / fps); },
+      end: async () => { if (film === null) throw new Error('no film has begun'); return film.end(); },
+    };
+  };
+  return { element, reel };
 }

@@ -185,11 +185,9 @@ export class Robot {
     return this.rigid(link) !== '@base';
   }
 
-  /** Shapes that the end effector carries, placed against its pose. Leaves the robot posed as it was. */
-  hand(): { shape: ShapeJson; local: Matrix4 }[] {
-    const toTip = this.tipPose(new Matrix4()).invert();
-    return this.shapes.filter((s) => this.has(s.link) && this.moves(s.link) && this.rigid(s.link) === this.rigid(this.tip))
-      .map(({ link, shape, local }) => ({ shape, local: toTip.clone().multiply(this.pose(link)).multiply(local) }));
+  /** Whether a link is part of the hand: rigid to the tip, and moved by the arm. */
+  inHand(link: string): boolean {
+    return this.moves(link) && this.rigid(link) === this.rigid(this.tip);
   }
 
   has(link: string): boolean {

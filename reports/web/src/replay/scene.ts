@@ -1,16 +1,21 @@
 // The replay in 3-D: robot, objects, goal and the end effector's path. World axes, z up, metres.
 
 import {
-  AmbientLight, BufferAttribute, BufferGeometry, CapsuleGeometry, Color, ConeGeometry, CylinderGeometry, BoxGeometry, DirectionalLight,
-  Group, HemisphereLight, Line, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshStandardMaterial, PCFShadowMap, PerspectiveCamera,
+  AmbientLight, BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DirectionalLight,
+  Group, HemisphereLight, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshStandardMaterial, PCFShadowMap, PerspectiveCamera,
   PlaneGeometry, Scene, ShadowMaterial, SphereGeometry, Vector3, WebGLRenderer, type Material,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { Line2 } from 'three/examples/jsm/lines/Line2.js';
+import { LineGeometry } from 'three/examples/jsm/lines/LineGeometry.js';
+import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 
 import { coreOf, type Core } from './distance';
 import { placeAt, type MotionJson, type Placed } from './motion';
+import type { Part } from './look';
 import { quaternion, Robot, type ShapeJson } from './robot';
 import { CollisionRows, kMoment, type Body, type CollisionParameters, type Row } from './rows';
+import { solid } from './solid';
 import type { Trace } from './trace';
 
 interface BodyJson extends ShapeJson { name: string; quaternion?: number[]; motion?: MotionJson }
@@ -22,24 +27,6 @@ export interface WorldJson {
 
 export interface Colours {
   background: string; floor: string; grid: string; base: string; arm: string; object: string; moving: string; hit: string; goal: string; path: string; begin: string; ghost: string; wheel: string;
-}
-
-function geometry(shape: ShapeJson): BufferGeometry {
-  const [a = 0.05, b = 0.1, c = 0.1] = shape.size ?? [];
-  switch (shape.shape) {
-    case 'box': return new BoxGeometry(a, b, c);
-    case 'cylinder': return new CylinderGeometry(a, a, b, 36).rotateX(Math.PI / 2);
-    case 'capsule': return new CapsuleGeometry(a, b, 10, 28).rotateX(Math.PI / 2);
-    case 'convex': {
-      const out = new BufferGeometry();
-      out.setAttribute('position', new BufferAttribute(Float32Array.from(shape.vertices ?? []), 3));
-      out.setIndex(shape.triangles ?? []);
-      const flat = out.toNonIndexed();
-      flat.computeVertexNormals();
-      return flat;
-    }
-    default: return new SphereGeometry(a, 32, 20);
-  }
 }
 
 /** Lines one metre apart, in pieces of one metre: some drivers drop a long line that begins behind the camera. */
@@ -72,12 +59,25 @@ function triad(size: number, solid: boolean): Group {
 }
 
 /** Another controller in the same world, on the same clock. */
-export interface Ghost { robot: Robot; trace: Trace }
+export interface Ghost { robot: Robot; trace: Trace; look: readonly Part[] }
+
+/** What is drawn of a robot and where: its visuals, and shapes of what has none. */
+interface Skin { surface: BufferGeometry; link: string; local: Matrix4; colour: string | null }
+
+/** Of links that are rigid to each other one visual is enough: their shapes, and the wheels of a base, are then left out. */
+function skins(robot: Robot, look: readonly Part[]): Skin[] {
+  const seen = new Set(look.filter((part) => robot.has(part.link)).map((part) => robot.rigid(part.link)));
+  const bare = (link: string): boolean => !seen.has(robot.rigid(link));
+  return [
+    ...look.filter((part) => robot.has(part.link)),
+    ...robot.shapes.filter((s) => robot.has(s.link) && bare(s.link)).map(({ link, shape, local }) => ({ surface: solid(shape), link, local, colour: null })),
+  ];
+}
 
 /** Radius and place of a wheel's centre in base axes. */
-function wheelsOf(robot: Robot): { radius: number; x: number; y: number }[] {
+function wheelsOf(robot: Robot, look: readonly Part[]): { radius: number; x: number; y: number }[] {
   const { radius, separation, wheelbase = 0 } = robot.wheels ?? {};
-  if (radius === undefined || separation === undefined) return [];
+  if (radius === undefined || separation === undefined || look.some((part) => robot.has(part.link) && robot.rigid(part.link) === '@base')) return [];
   return (wheelbase > 0 ? [-wheelbase / 2, wheelbase / 2] : [0]).flatMap((x) => [-1, 1].map((side) => ({ radius, x, y: (side * separation) / 2 })));
 }
 
@@ -103,9 +103,9 @@ export class ReplayScene {
   rows: Row[] = [];
   private goal = new Group();
   private tip = new Group();
-  private past: Line | null = null;
+  private past: Line2 | null = null;
   private ghost: Ghost | null = null;
-  private ghostPast: Line | null = null;
+  private ghostPast: Line2 | null = null;
   private ghostLinks: { mesh: Mesh; link: string; local: Matrix4 }[] = [];
   private tolerance = 0;
   private lastBase = new Vector3();
@@ -134,8 +134,9 @@ export class ReplayScene {
   }
 
   /** `tolerance`: radius around the goal that counts as reached [m]. */
-  show(robot: Robot, world: WorldJson, trace: Trace, hit: { link: string; object: string }, collision: CollisionParameters | null, tolerance: number): void {
+  show(robot: Robot, world: WorldJson, trace: Trace, hit: { link: string; object: string }, collision: CollisionParameters | null, tolerance: number, look: readonly Part[]): void {
     this.robot = robot;
+    this.look = look;
     this.ghost = null;
     this.tolerance = tolerance;
     this.rowsOf = collision === null || !trace.has('command0') ? null : new CollisionRows(robot, collision);
@@ -152,6 +153,20 @@ export class ReplayScene {
     this.build();
   }
 
+  /** Shows the shapes that count in collisions in place of what the robot looks like. The view stays. */
+  setShapes(only: boolean): void {
+    if (only === this.shapesOnly) return;
+    this.shapesOnly = only;
+    this.build();
+  }
+
+  /** Triangles of the robot as it is shown. */
+  triangles(): number {
+    return this.links.reduce((sum, { mesh }) => sum + (mesh.geometry.index?.count ?? mesh.geometry.getAttribute('position').count) / 3, 0);
+  }
+
+  private look: readonly Part[] = [];
+  private shapesOnly = false;
   private hit = { link: '', object: '' };
 
   private material(colour: string, more: Partial<MeshStandardMaterial> = {}): MeshStandardMaterial {
@@ -182,9 +197,12 @@ export class ReplayScene {
     this.content.add(floor, shade, grid(colours.grid));
 
     const touched = (link: string): boolean => this.hit.link === link || this.hit.object === `self:${link}`;
-    this.links = robot.shapes.filter((s) => robot.has(s.link)).map(({ link, shape, local }) => {
-      const colour = touched(link) ? colours.hit : link === '@base' ? colours.base : colours.arm;
-      const mesh = new Mesh(geometry(shape), this.material(colour));
+    const look = this.shapesOnly ? [] : this.look;
+    const hitBody = new Set(robot.shapes.map((s) => s.link).filter(touched).map((link) => robot.rigid(link)));
+    this.links = skins(robot, look).map(({ surface, link, local, colour: own }) => {
+      const hit = look.length > 0 ? hitBody.has(robot.rigid(link)) : touched(link);
+      const colour = hit ? colours.hit : own ?? (link === '@base' ? colours.base : colours.arm);
+      const mesh = new Mesh(surface, this.material(colour));
       mesh.matrixAutoUpdate = false;
       mesh.castShadow = true;
       this.content.add(mesh);
@@ -193,14 +211,14 @@ export class ReplayScene {
     this.bodies = world.objects.map((body) => {
       const moving = body.motion !== undefined && body.motion.kind !== 'static';
       const hit = this.hit.object === body.name;
-      const mesh = new Mesh(geometry(body), this.material(hit ? colours.hit : moving ? colours.moving : colours.object, { transparent: true, opacity: 0.88 }));
+      const mesh = new Mesh(solid(body), this.material(hit ? colours.hit : moving ? colours.moving : colours.object, { transparent: true, opacity: 0.88 }));
       mesh.castShadow = true;
       this.content.add(mesh);
       const [x = 0, y = 0, z = 0] = body.position ?? [];
       return { mesh, name: body.name, core: coreOf(body), start: { position: new Vector3(x, y, z), turn: quaternion(body.quaternion) }, motion: body.motion };
     });
 
-    for (const { radius, x, y } of wheelsOf(robot)) {
+    for (const { radius, x, y } of wheelsOf(robot, look)) {
       const mesh = new Mesh(new CylinderGeometry(radius, radius, 0.05, 28), this.material(colours.wheel));
       mesh.matrixAutoUpdate = false;
       mesh.castShadow = true;
@@ -220,8 +238,8 @@ export class ReplayScene {
     this.ghostPast = null;
     const { ghost, colours } = this;
     if (ghost === null) return;
-    this.ghostLinks = ghost.robot.shapes.filter((s) => ghost.robot.has(s.link)).map(({ link, shape, local }) => {
-      const mesh = new Mesh(geometry(shape), this.material(colours.ghost, { transparent: true, opacity: 0.38, depthWrite: false }));
+    this.ghostLinks = skins(ghost.robot, this.shapesOnly ? [] : ghost.look).map(({ surface, link, local }) => {
+      const mesh = new Mesh(surface, this.material(colours.ghost, { transparent: true, opacity: 0.38, depthWrite: false }));
       mesh.matrixAutoUpdate = false;
       this.content.add(mesh);
       return { mesh, link, local };
@@ -235,17 +253,19 @@ export class ReplayScene {
     this.goal = triad(0.26, true);
     this.goal.add(new Mesh(new SphereGeometry(Math.max(this.tolerance, 0.008), 24, 16), this.material(colours.goal, { transparent: true, opacity: 0.75 })));
     poseAt(robot, this.trace as Trace, 0);
-    for (const { shape, local } of robot.hand()) {
-      const mesh = new Mesh(geometry(shape), this.material(colours.goal, { transparent: true, opacity: 0.24, depthWrite: false }));
+    const toTip = robot.tipPose(new Matrix4()).invert();
+    for (const { surface, link, local } of skins(robot, this.shapesOnly ? [] : this.look)) {
+      if (!robot.inHand(link)) continue;
+      const mesh = new Mesh(surface, this.material(colours.goal, { transparent: true, opacity: 0.24, depthWrite: false }));
       mesh.matrixAutoUpdate = false;
-      mesh.matrix.copy(local);
+      mesh.matrix.copy(toTip).multiply(robot.pose(link)).multiply(local);
       this.goal.add(mesh);
     }
     this.content.add(this.goal);
   }
 
   /** Path of an end effector, coloured from its begin to its end: all of it faint, what has been travelled bold. */
-  private addPath(robot: Robot, trace: Trace, begin: string, end: string): Line {
+  private addPath(robot: Robot, trace: Trace, begin: string, end: string): Line2 {
     const points = new Float32Array(3 * trace.n);
     const shades = new Float32Array(3 * trace.n);
     const pose = new Matrix4();
@@ -257,16 +277,13 @@ export class ReplayScene {
       const shade = from.clone().lerp(to, trace.end > 0 ? (trace.t[i] ?? 0) / trace.end : 0);
       shades.set([shade.r, shade.g, shade.b], 3 * i);
     }
-    const line = (opacity: number): Line => {
-      const shape = new BufferGeometry();
-      shape.setAttribute('position', new BufferAttribute(points, 3));
-      shape.setAttribute('color', new BufferAttribute(shades, 3));
-      const out = new Line(shape, new LineBasicMaterial({ vertexColors: true, transparent: true, opacity }));
+    const line = (opacity: number, linewidth: number): Line2 => {
+      const out = new Line2(new LineGeometry().setPositions(points).setColors(shades), new LineMaterial({ vertexColors: true, transparent: true, opacity, linewidth }));
       out.frustumCulled = false;
       return out;
     };
-    const past = line(1);
-    this.content.add(line(0.3), past);
+    const past = line(1, 3);
+    this.content.add(line(0.45, 1.5), past);
     return past;
   }
 
@@ -277,7 +294,7 @@ export class ReplayScene {
     if (this.ghost !== null) {
       poseAt(this.ghost.robot, this.ghost.trace, t);
       for (const { mesh, link, local } of this.ghostLinks) mesh.matrix.multiplyMatrices(this.ghost.robot.pose(link), local);
-      this.ghostPast?.geometry.setDrawRange(0, this.ghost.trace.locate(t)[0] + 1);
+      if (this.ghostPast !== null) this.ghostPast.geometry.instanceCount = this.ghost.trace.locate(t)[0];
     }
     poseAt(robot, trace, t);
     for (const { mesh, link, local } of this.links) mesh.matrix.multiplyMatrices(robot.pose(link), local);
@@ -292,7 +309,7 @@ export class ReplayScene {
     this.goal.quaternion.copy(goal.turn);
     const tip = robot.tipPose(new Matrix4());
     tip.decompose(this.tip.position, this.tip.quaternion, this.tip.scale);
-    this.past?.geometry.setDrawRange(0, trace.locate(t)[0] + 1);
+    if (this.past !== null) this.past.geometry.instanceCount = trace.locate(t)[0];   // pieces between samples
     this.setArrows(t);
     const base = new Vector3().setFromMatrixPosition(robot.pose('@base'));
     if (this.follow) {
@@ -387,9 +404,16 @@ export class ReplayScene {
     const tall = Math.tan((this.camera.fov * Math.PI) / 360) * 0.9;
     const wide = tall * this.camera.aspect;
     let away = 0.6;
-    for (const point of points) {
-      const of = point.clone().sub(middle);
-      away = Math.max(away, of.dot(towards) + Math.max(Math.abs(of.dot(right)) / wide, Math.abs(of.dot(up)) / tall));
+    // What is near looks larger than what is far: the middle is moved to that of the picture, a few times.
+    for (let k = 0; k < 6; ++k) {
+      const of = points.map((point) => point.clone().sub(middle)).map((p) => ({ d: p.dot(towards), r: p.dot(right), u: p.dot(up) }));
+      away = Math.max(0.6, ...of.map((p) => p.d + Math.max(Math.abs(p.r) / wide, Math.abs(p.u) / tall)));
+      const across = (to: 'r' | 'u'): number => {
+        const seen = of.map((p) => p[to] / Math.max(0.05, away - p.d));
+        return (away * (Math.min(...seen) + Math.max(...seen))) / 2;
+      };
+      const [x, y] = [across('r'), across('u')];
+      middle.addScaledVector(right, x).addScaledVector(up, y);
     }
     this.controls.target.copy(middle);
     this.camera.position.copy(middle).addScaledVector(towards, away);

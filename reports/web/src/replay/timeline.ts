@@ -2,7 +2,7 @@
 
 import { significant } from '../format';
 import { kFont } from '../chart';
-import type { Palette } from '../theme';
+import { outcomeColour, type Palette } from '../theme';
 import type { Trace } from './trace';
 
 interface Track { name: string; column: string; unit: string; colour: (p: Palette) => string; limit?: 'position' | 'rotation' }
@@ -103,7 +103,7 @@ export class Timeline {
       c.lineTo(left + wide, top + kRow - 4.5);
       c.stroke();
       if (limit !== undefined && most > 0 && limit < most) {   // arrived below this
-        c.strokeStyle = p.outcomes.success;
+        c.strokeStyle = outcomeColour(p, 'success');
         c.setLineDash([4, 3]);
         c.beginPath();
         c.moveTo(left, y(limit));
@@ -150,7 +150,7 @@ export class Timeline {
     const fallback = trace.column('fallback');
     for (let i = 0; i < trace.n; ++i) {
       const bad = (status[i] ?? 0) !== 0 || (fallback[i] ?? 0) !== 0;
-      c.fillStyle = !bad ? p.outcomes.success : (fallback[i] ?? 0) === 3 ? p.outcomes.collision : p.outcomes.timeout;
+      c.fillStyle = !bad ? outcomeColour(p, 'success') : (fallback[i] ?? 0) === 3 ? outcomeColour(p, 'collision') : outcomeColour(p, 'timeout');
       c.globalAlpha = bad ? 1 : 0.45;
       const from = x(trace.t[i] ?? 0);
       c.fillRect(from, top, Math.max(1.2, x(i + 1 < trace.n ? trace.t[i + 1] ?? 0 : trace.end) - from + 0.3), 9);

@@ -1,8 +1,7 @@
 // A replay's samples: base64, deflated, bytes put back in order, columns of float32.
 
-import { unzlibSync } from 'fflate';
-
 import type { ReplayData } from '../data';
+import { unpacked } from '../packed';
 
 export class Trace {
   readonly n: number;
@@ -53,12 +52,5 @@ export class Trace {
 
 /** Throws an Error where the samples do not fit their columns. */
 export function decode(source: ReplayData): Trace {
-  const planes = unzlibSync(Uint8Array.from(atob(source.data), (c) => c.charCodeAt(0)));
-  const count = source.n * source.columns.length;
-  if (planes.length !== 4 * count) throw new Error('the samples do not fit their columns');
-  const bytes = new Uint8Array(4 * count);
-  for (let k = 0; k < 4; ++k) {
-    for (let i = 0; i < count; ++i) bytes[4 * i + k] = planes[k * count + i] ?? 0;
-  }
-  return new Trace(source, new Float32Array(bytes.buffer));
+  return new Trace(source, new Float32Array(unpacked(source.data, source.n * source.columns.length, 4, 'the samples')));
 }

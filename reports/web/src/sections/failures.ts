@@ -2,13 +2,13 @@
 
 import { drawLater, drawOrWait } from '../later';
 import { causeOf, kCauses, kCauseTexts, type Cause } from '../causes';
-import { kOutcomeNames, type Model, type Outcome, type Series } from '../data';
+import { outcomeName, type Model, type Outcome, type Series } from '../data';
 import { download, h, replace, roving } from '../dom';
 import { csv, integer, percent, plural } from '../format';
 import { metric, withUnit } from '../metrics';
 import { select } from '../select';
 import * as state from '../state';
-import { onTheme, palette, seriesColour } from '../theme';
+import { outcomeColour, onTheme, palette, seriesColour } from '../theme';
 import { onView, view } from '../view';
 
 interface Cluster {
@@ -82,8 +82,8 @@ export function failures(model: Model): HTMLElement {
       const of = metric(c.outcome === 'collision' ? 'collision_depth_m' : 'position_error_m');
       const value = model.trials.number(of.key, row);
       const of_ = c.series.rows.length;
-      return h('article', { style: `--c:${p.outcomes[c.outcome]}` },
-        h('h4', null, h('span', { class: 'chip' }, kOutcomeNames[c.outcome]), h('span', { class: 'who', title: c.series.name }, c.series.name)),
+      return h('article', { style: `--c:${outcomeColour(p, c.outcome)}` },
+        h('h4', null, h('span', { class: 'chip' }, outcomeName(c.outcome)), h('span', { class: 'who', title: c.series.name }, c.series.name)),
         h('p', { class: 'why', title: kCauseTexts[c.cause] }, c.cause),
         h('p', { class: 'what' }, c.what || (c.outcome === 'timeout' ? 'the time ran out' : 'no reason given')),
         h('p', { class: 'count' }, h('b', null, integer(c.rows.length)), ` of ${plural(of_, 'trial')}, ${percent(c.rows.length / of_)}`),

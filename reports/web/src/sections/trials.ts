@@ -1,14 +1,14 @@
 // The table of trials: filtered, sorted, drawn only where it is seen.
 
 import { disturbed } from '../conditions';
-import { kOutcomeNames, kOutcomes, type Model } from '../data';
+import { outcomeName, kOutcomes, type Model } from '../data';
 import { choice, copy, download, h, replace, roving } from '../dom';
 import { filtered } from '../filter';
 import { csv, integer, plural } from '../format';
 import { kMetrics, metric, withUnit } from '../metrics';
 import { onSelect, select } from '../select';
 import * as state from '../state';
-import { onTheme, palette } from '../theme';
+import { outcomeColour, onTheme, palette } from '../theme';
 import { onView, view } from '../view';
 
 const kRowHeight = 34;
@@ -56,7 +56,7 @@ export function trials(model: Model): HTMLElement {
   const cell = (key: string, row: number): HTMLElement => {
     if (key === 'outcome') {
       const outcome = t.outcome(row);
-      return h('span', { role: 'cell', class: 'dotted', style: `--c:${palette().outcomes[outcome]}` }, kOutcomeNames[outcome]);
+      return h('span', { role: 'cell', class: 'dotted', style: `--c:${outcomeColour(palette(), outcome)}` }, outcomeName(outcome));
     }
     if (key === 'contact') return h('span', { role: 'cell', class: 'faint', title: contact(model, row) }, contact(model, row));
     if (key === 'trial') {
@@ -117,7 +117,7 @@ export function trials(model: Model): HTMLElement {
       input: (event) => state.set({ q: (event.target as HTMLInputElement).value }),
     });
     replace(controls, search,
-      choice('Outcome', [['', 'all'], ['failure', 'any failure'], ...kOutcomes.filter((o) => present.has(o)).map((o) => [o, kOutcomeNames[o]] as const)], state.get('outcome'), (value) => state.set({ outcome: value })),
+      choice('Outcome', [['', 'all'], ['failure', 'any failure'], ...kOutcomes.filter((o) => present.has(o)).map((o) => [o, outcomeName(o)] as const)], state.get('outcome'), (value) => state.set({ outcome: value })),
       names.length > 1 ? choice('Controller', [['', 'all'], ...names.map((n) => [n, n] as const)], state.get('who'), (value) => state.set({ who: value })) : null,
       h('button', { type: 'button', class: 'quiet', click: () => { state.set({ q: '', outcome: '', who: '', sort: 'world:up' }); fillControls(); } }, 'Clear'),
       h('button', { type: 'button', class: 'quiet', click: save }, 'Data CSV'));
@@ -139,7 +139,7 @@ export function trials(model: Model): HTMLElement {
     const outcome = t.outcome(row);
     replace(detail,
       h('div', { class: 'detail-head' },
-        h('h3', null, h('span', { class: 'mono' }, trial), ' ', h('span', { class: 'chip', style: `--c:${palette().outcomes[outcome]}` }, kOutcomeNames[outcome])),
+        h('h3', null, h('span', { class: 'mono' }, trial), ' ', h('span', { class: 'chip', style: `--c:${outcomeColour(palette(), outcome)}` }, outcomeName(outcome))),
         h('div', { class: 'actions' },
           !model.playable(trial) ? null : h('button', { type: 'button', class: 'play', click: () => select(trial, true) }, 'Play'),
           h('button', { type: 'button', class: 'quiet', click: () => state.set({ trial: '' }) }, 'Close'))),

@@ -1,0 +1,89 @@
+#include "eval/cli/robot_look.h"
+
+#include <fmt/format.h>
+
+#include <iostream>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "controller/config/mesh_hull.h"
+#include "controller/config/package_path.h"
+#include "controller/config/robot_build.h"
+#include "controller/model/urdf_visual.h"
+#include "eval/cli/table.h"
+
+namespace moma::cli {
+namespace {
+
+/// Where a robot's meshes are looked for.
+struct Place {
+  config::PackagePaths packages;
+  std::filesystem::path folder;
+};
+
+Place place_of(const std::filesystem::path& robot_file, std::string& urdf) {
+  const config::Node node = config::load_yaml(robot_file);
+  config::MapReader robot(node, "");
+  config::RobotBuild build;
+  config::read_urdf_of(robot, build);
+  urdf = build.resolved.at("urdf_text").get<std::string>();
+  return {build.packages, build.urdf_directory};
+}
+
+reports::VisualPart part_of(const UrdfVisual& visual, const Place& place) {
+  const UrdfGeometry& geometry = visual.geometry;
+  reports::VisualPart part;
+  part.link = visual.link;
+  for (int row = 0; row < 3; ++row) {
+    part.position[static_cast<std::size_t>(row)] = geometry.X_LS.translation()[row];
+    for (int column = 0; column < 3; ++column)
+      part.rotation[static_cast<std::size_t>(3 * row + column)] = geometry.X_LS.linear()(row, column);
+  }
+  if (visual.colour) part.colour = {visual.colour->x(), visual.colour->y(), visual.colour->z()};
+  if (geometry.mesh.empty()) {
+    const Vector3& size = geometry.shape.size;
+    part.shape = {{"shape", to_string(geometry.shape.kind)}, {"size", {size.x(), size.y(), size.z()}}};
+    return part;
+  }
+  const config::Mesh mesh = config::read_mesh(place.packages.resolve(geometry.mesh, place.folder), geometry.scale);
+  for (const Vector3& p : mesh.vertices) part.surface.vertices.push_back({p.x(), p.y(), p.z()});
+  for (const Eigen::Vector3i& t : mesh.triangles) part.surface.triangles.push_back({t.x(), t.y(), t.z()});
+  return part;
+}
+
+}  // namespace
+
+reports::Look robot_look(const std::vector<std::filesystem::path>& robots) {
+  std::map<std::string, Place> places;
+  for (const std::filesystem::path& robot : robots) {
+    std::string urdf;
+    Place place = place_of(robot, urdf);
+    places[urdf] = std::move(place);
+  }
+  return [places](const nlohmann::ordered_json& robot) {
+    std::vector<reports::VisualPart> parts;
+    try {
+      const std::string urdf = robot.at("urdf_text").get<std::string>();
+      const auto named = places.find(urdf);
+      for (const UrdfVisual& visual : read_urdf_visuals(urdf))
+        parts.push_back(part_of(visual, named != places.end() ? named->second : Place{}));
+    } catch (const std::exception& error) {
+      std::cerr << terminal_safe(fmt::format("robot {} is shown as its collision shapes: {}; where its robot file says "
+                                             "more: --look ROBOT.yaml",
+                                             robot.value("name", ""), error.what()))
+                << '\n';
+      parts.clear();
+    }
+    return parts;
+  };
+}
+
+void add_look_options(CLI::App& command, std::vector<std::filesystem::path>& robots, bool& shapes) {
+  CLI::Option* look = command.add_option(
+      "--look", robots, "Robot file by which the visual meshes of its URDF are found; may be given again");
+  look->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command.add_flag("--shapes", shapes, "Show robots as their collision shapes, without visual meshes")->excludes(look);
+}
+
+}  // namespace moma::cli

@@ -1,0 +1,90 @@
+// How much of a search each gain explains, and how sure that is: the decomposition of eval/search/sensitivity.h over the
+// evaluations in the page, with a delete-a-group jackknife for its error.
+
+import type { TuneSearch } from './data';
+
+type Variable = Pick<TuneSearch['variables'][number], 'lower' | 'upper' | 'scale'>;
+type Evaluation = Pick<TuneSearch['evaluations'][number], 'phase' | 'valid' | 'merit' | 'candidate'>;
+
+function unit(v: Variable, value: number): number {
+  const of = (x: number): number => (v.scale === 'log' ? Math.log(x) : x);
+  const span = of(v.upper) - of(v.lower);
+  return span > 0 ? (of(value) - of(v.lower)) / span : 0.5;
+}
+
+/** Mean ranks from 0: equal values share theirs. */
+function ranks(values: readonly number[]): number[] {
+  const order = values.map((_, i) => i).sort((a, b) => (values[a] ?? 0) - (values[b] ?? 0));
+  const out = new Array<number>(values.length).fill(0);
+  for (let i = 0; i < order.length;) {
+    let j = i;
+    while (j < order.length && values[order[j] ?? 0] === values[order[i] ?? 0]) ++j;
+    for (let k = i; k < j; ++k) out[order[k] ?? 0] = 0.5 * (i + j - 1);
+    i = j;
+  }
+  return out;
+}
+
+/** Solves the symmetric system A x = b by elimination; what A says nothing about is 0. */
+function solve(A: number[][], b: number[]): number[] {
+  const n = b.length;
+  const M = A.map((row, i) => [...row, b[i] ?? 0]);
+  const least = 1e-12 * Math.max(...A.map((row, i) => Math.abs(row[i] ?? 0)));
+  const pivot = new Array<boolean>(n).fill(false);
+  for (let c = 0; c < n; ++c) {
+    const row = M[c];
+    if (row === undefined || Math.abs(row[c] ?? 0) <= least) continue;
+    pivot[c] = true;
+    for (let r = 0; r < n; ++r) {
+      const other = M[r];
+      if (r === c || other === undefined) continue;
+      const factor = (other[c] ?? 0) / (row[c] ?? 1);
+      for (let k = c; k <= n; ++k) other[k] = (other[k] ?? 0) - factor * (row[k] ?? 0);
+    }
+  }
+  return M.map((row, i) => (pivot[i] === true ? (row[n] ?? 0) / (row[i] ?? 1) : 0));
+}
+
+/** Share of the variance of the ranks of merit per gain, less chance, at least 0; null where there are too few. */
+export function shares(variables: readonly Variable[], used: readonly Evaluation[]): number[] | null {
+  const coefficients = 1 + 2 * variables.length;
+  if (used.length < 3 * coefficients) return null;
+  const rank = ranks(used.map((e) => e.merit));
+  const mean = rank.reduce((sum, r) => sum + r, 0) / rank.length;
+  const y = rank.map((r) => r - mean);
+  const total = y.reduce((sum, v) => sum + v * v, 0);
+  if (total <= 0) return null;
+  const terms = used.map((e) => [1, ...variables.flatMap((v, i) => { const d = unit(v, e.candidate[i] ?? 0) - 0.5; return [d, d * d]; })]);
+  const gram = Array.from({ length: coefficients }, (_, a) => Array.from({ length: coefficients }, (__, b) => terms.reduce((sum, t) => sum + (t[a] ?? 0) * (t[b] ?? 0), 0)));
+  const fit = solve(gram, Array.from({ length: coefficients }, (_, a) => terms.reduce((sum, t, r) => sum + (t[a] ?? 0) * (y[r] ?? 0), 0)));
+  const residual = terms.reduce((sum, t, r) => sum + ((y[r] ?? 0) - t.reduce((s, v, k) => s + v * (fit[k] ?? 0), 0)) ** 2, 0);
+  const chance = (2 * residual) / (used.length - coefficients);
+  return variables.map((_, i) => {
+    const part = terms.reduce((sum, t, r) => sum + ((t[1 + 2 * i] ?? 0) * (fit[1 + 2 * i] ?? 0) + (t[2 + 2 * i] ?? 0) * (fit[2 + 2 * i] ?? 0)) * (y[r] ?? 0), 0);
+    return Math.max(0, (part - chance) / total);
+  });
+}
+
+/** The evaluations that the search's own figure is of: the global phase, or all of the search where those are few. */
+function evaluationsOf(search: Pick<TuneSearch, 'variables' | 'evaluations'>): Evaluation[] {
+  const valid = search.evaluations.filter((e) => e.valid === 1 && Number.isFinite(e.merit));
+  const global = valid.filter((e) => e.phase === 'global');
+  return global.length >= 3 * (1 + 2 * search.variables.length) ? global : valid.filter((e) => ['start', 'global', 'local'].includes(e.phase));
+}
+
+const kGroups = 20;
+
+/**
+ * Standard errors of the shares: every twentieth evaluation is left out in turn (delete-a-group jackknife; Shao and Tu, The
+ * Jackknife and Bootstrap, 1995, 2.3). Null where too few are left.
+ */
+export function shareErrors(search: Pick<TuneSearch, 'variables' | 'evaluations'>): number[] | null {
+  const used = evaluationsOf(search);
+  const parts = Array.from({ length: kGroups }, (_, g) => shares(search.variables, used.filter((__, i) => i % kGroups !== g)));
+  if (parts.some((part) => part === null)) return null;
+  return search.variables.map((_, i) => {
+    const values = parts.map((part) => part?.[i] ?? 0);
+    const mean = values.reduce((sum, v) => sum + v, 0) / kGroups;
+    return Math.sqrt(((kGroups - 1) / kGroups) * values.reduce((sum, v) => sum + (v - mean) ** 2, 0));
+  });
+}
