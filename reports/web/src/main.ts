@@ -69,7 +69,7 @@ function start(app: HTMLElement, page: PageData): void {
     append(app,
       h('main', null, ...sections.map(([id, title, content]) => section(id, title, ...content()))),
       h('footer', { class: 'colophon' }, h('p', null, 'Rates carry 95 % Wilson intervals. Keys: Tab moves between controls; in the table, arrows choose and Enter plays; in the replay, space plays and arrows step. The address keeps the view.'),
-        h('p', null, 'Drawn with Apache ECharts (Apache-2.0) and three.js (MIT); set in Inter and Source Serif 4 (OFL-1.1).')));
+        h('p', null, 'Drawn with Apache ECharts (Apache-2.0) and three.js (MIT), filmed with Mediabunny (MPL-2.0); set in Inter and Source Serif 4 (OFL-1.1).')));
     bar.watch();
     drawWhenIdle();
     // A link that names a part of the page; reading on or going back is the browser's.
