@@ -29,12 +29,15 @@ TEST(UrdfVisual, PlacesColoursAndMeshesAsTheFileHasThem) {
   EXPECT_EQ(*visuals[2].colour, Vector3(0.2, 0.4, 0.6));
 }
 
-TEST(UrdfVisual, RefusesWhatIsNoUrdf) {
+TEST(UrdfVisual, RefusesWhatIsNoUrdfAndLeavesOutWhatIsNoShape) {
   EXPECT_THROW(read_urdf_visuals("<robot"), UrdfError);
-  EXPECT_THROW(read_urdf_visuals(R"(<robot name="a"><link name="b"><visual><geometry><box size="1 -1 1"/></geometry>)"
-                                 "</visual></link></robot>"),
-               UrdfError);
   EXPECT_TRUE(read_urdf_visuals(R"(<robot name="a"><link name="b"/></robot>)").empty());
+  const auto of = [](const std::string& size) {
+    return read_urdf_visuals(R"(<robot name="a"><link name="b"><visual><geometry><box size=")" + size +
+                             R"("/></geometry></visual></link></robot>)");
+  };
+  EXPECT_EQ(of("1 2 3").size(), 1u);
+  EXPECT_EQ(of("1 -2 3").size(), 0u);
 }
 
 }  // namespace
