@@ -48,7 +48,7 @@ void read_variables(const Node& node, TuneConfig& tune) {
     const std::vector<double> range = config::read_numbers(in.require("range", "[low, high]"), where + ".range", 2);
     v.lower = range[0];
     v.upper = range[1];
-    in.read_enum("scale", v.scale, {{"linear", Scale::kLinear}, {"log", Scale::kLog}, {"integer", Scale::kInteger}});
+    in.read_enum("scale", v.scale);
     v.start = std::numeric_limits<double>::quiet_NaN();
     in.read("start", v.start);
     in.finish();
@@ -230,6 +230,87 @@ std::vector<Overrides> read_mixture(const Node* node) {
   return mixture;
 }
 
+// What is read apart from its key: by what, where, into what.
+struct Reading {
+  const Node& section;
+  const Node* node;  // null where the file has none
+  const std::vector<std::string>& controllers;
+  TuneConfig& tune;
+};
+
+void read_budget(const Reading& r) {
+  MapReader budget(*r.node, "tune.budget");
+  const Node& trials = budget.require("trials", "the number of trials that the search may use");
+  r.tune.budget = static_cast<std::uint64_t>(config::read_integer(trials, "tune.budget.trials", 1, kMostBudget));
+  budget.finish();
+}
+
+void read_controller_name(const Reading& r) {
+  r.tune.controller = r.controllers.empty() ? "" : r.controllers.front();
+  if (r.node != nullptr) r.tune.controller = config::read_string(*r.node, "tune.controller");
+  if (std::find(r.controllers.begin(), r.controllers.end(), r.tune.controller) == r.controllers.end()) {
+    config::fail(
+        r.node != nullptr ? r.node->mark : r.section.mark, "tune.controller",
+        fmt::format("the suite has no controller '{}'; it has {}", r.tune.controller, fmt::join(r.controllers, ", ")));
+  }
+}
+
+void read_output(const Reading& r) {
+  const std::string file = r.node != nullptr ? config::read_string(*r.node, "tune.output") : "";
+  if (!file.empty()) r.tune.output = std::filesystem::path(r.node->mark.file).parent_path() / file;
+}
+
+// A key of the section that has a reader of its own.
+struct OwnKey {
+  const char* name;
+  const char* part;    // of its map, as the reference has it; "" for the whole value
+  const char* wanted;  // where it is required: what is missing
+  std::string accepted;
+  const char* otherwise;
+  const char* text;
+  void (*read)(const Reading&);
+  bool after = false;  // the others and TuneConfig's description, which has the rest
+};
+
+// "linear, log or integer".
+std::string scales() {
+  std::string text = list_of_words<Scale>();
+  return text.replace(text.rfind(", "), 2, " or ");
+}
+
+// In the order of the reference.
+const std::vector<OwnKey>& own_keys() {
+  static const std::vector<OwnKey> kKeys{
+      {"variables", "", "a map {KEY: {range: [low, high], scale: log, start: x}, ...}",
+       "a map {KEY: {range: [low, high], scale: " + scales() + ", start: x}}", "", "what is searched",
+       [](const Reading& r) { read_variables(*r.node, r.tune); }},
+      {"controller", "", "", "text", "the first", "the suite's controller that is tuned", read_controller_name},
+      {"objective", "", "", "default, {minimize: METRIC} or {maximize: METRIC}, or weighted sums", "default",
+       "what is best",
+       [](const Reading& r) {
+         if (r.node != nullptr) r.tune.cost = read_objective(*r.node);
+       }},
+      {"constraints", "", "", "a map {METRIC: {at_most or at_least: x}}", "", "what has to hold",
+       [](const Reading& r) { r.tune.bounds = read_bounds(r.node); }},
+      {"algorithm", "", "", "default, a name, or a list of names or maps {name, share, population}", "default",
+       "of NLopt", [](const Reading& r) { r.tune.plan = read_plan(r.node); }},
+      {"budget", "trials", "{trials: 20000}", accepted_whole_number(1, kMostBudget), "", "that the search may use",
+       read_budget},
+      {"worlds", "", "", "a number, or {first, count}", "100", "of the search",
+       [](const Reading& r) { r.tune.worlds = read_worlds(r.node, "tune.worlds", 0, 100); }},
+      {"held_out", "", "", "a number, or {first, count, seed}", "500", "for the verdict, apart from the others",
+       [](const Reading& r) {
+         r.tune.held_out = read_worlds(r.node, "tune.held_out", r.tune.confirm.end(), 500, &r.tune.held_out_seed);
+         r.tune.held_out_mark = (r.node != nullptr ? *r.node : r.section).mark;
+       },
+       true},
+      {"mixture", "", "", "a list of maps {KEY: VALUE}", "", "parts of the suite that count alike",
+       [](const Reading& r) { r.tune.mixture = read_mixture(r.node); }},
+      {"output", "", "", "a file", "", "where the tuned controller is written", read_output},
+  };
+  return kKeys;
+}
+
 }  // namespace
 
 TuneConfig read_tune(const Node& node, const std::vector<std::string>& controllers) {
@@ -237,35 +318,20 @@ TuneConfig read_tune(const Node& node, const std::vector<std::string>& controlle
   tune.mark = node.mark;
   tune.written = config::node_to_json(node);
   MapReader in(node, "tune");
-  read_variables(in.require("variables", "a map {KEY: {range: [low, high], scale: log, start: x}, ...}"), tune);
-  if (const Node* objective = in.get("objective")) tune.cost = read_objective(*objective);
-  tune.bounds = read_bounds(in.get("constraints"));
-  tune.plan = read_plan(in.get("algorithm"));
-  {
-    MapReader budget(in.require("budget", "{trials: 20000}"), "tune.budget");
-    const Node& trials = budget.require("trials", "the number of trials that the search may use");
-    tune.budget = static_cast<std::uint64_t>(config::read_integer(trials, "tune.budget.trials", 1, kMostBudget));
-    budget.finish();
-  }
-  tune.controller = controllers.empty() ? "" : controllers.front();
-  in.read("controller", tune.controller);
-  if (std::find(controllers.begin(), controllers.end(), tune.controller) == controllers.end()) {
-    in.fail_at("controller", fmt::format("the suite has no controller '{}'; it has {}", tune.controller,
-                                         fmt::join(controllers, ", ")));
-  }
-  std::string output;
-  in.read("output", output);
-  if (!output.empty()) tune.output = std::filesystem::path(in.get("output")->mark.file).parent_path() / output;
-  tune.mixture = read_mixture(in.get("mixture"));
-  tune.worlds = read_worlds(in.get("worlds"), "tune.worlds", 0, 100);
+  const auto read = [&](bool after) {
+    for (const OwnKey& key : own_keys()) {
+      if (key.after != after) continue;
+      const bool required = key.wanted[0] != '\0';
+      key.read({node, required ? &in.require(key.name, key.wanted) : in.get(key.name), controllers, tune});
+    }
+  };
+  read(false);
   tune.confirmation.worlds = tune.worlds.count;
   config::read_members(in, tune);
   in.check(tune.sensitivity.near < tune.sensitivity.far, "sensitivity", "far must be larger than near");
   tune.confirm = {tune.worlds.end(), tune.confirmation.candidates > 0 ? tune.confirmation.worlds : 0};
-  const Node* held_out = in.get("held_out");
-  tune.held_out = read_worlds(held_out, "tune.held_out", tune.confirm.end(), 500, &tune.held_out_seed);
+  read(true);
   in.finish();
-  tune.held_out_mark = held_out != nullptr ? held_out->mark : node.mark;
   if (!tune.held_out_seed) check_held_out(tune);
   const std::uint64_t least = 2 * tune.worlds.count * tune.mixture.size();
   if (tune.budget < least) {
@@ -285,23 +351,11 @@ TuneConfig read_tune(const Node& node, const std::vector<std::string>& controlle
 }
 
 std::vector<Key> tune_keys(const std::string& prefix) {
-  const auto key = [&](const char* name, const char* accepted, const char* otherwise, const char* text) {
-    return Key{prefix + "." + name, "", accepted, otherwise, text};
-  };
-  std::vector<Key> keys{
-      key("variables", "a map {KEY: {range: [low, high], scale: linear, log or integer, start: x}}", "",
-          "what is searched"),
-      key("controller", "text", "the first", "the suite's controller that is tuned"),
-      key("objective", "default, {minimize: METRIC} or {maximize: METRIC}, or weighted sums", "default",
-          "what is best"),
-      key("constraints", "a map {METRIC: {at_most or at_least: x}}", "", "what has to hold"),
-      key("algorithm", "default, a name, or a list of names or maps {name, share, population}", "default", "of NLopt"),
-      key("budget.trials", accepted_whole_number(1, kMostBudget).c_str(), "", "that the search may use"),
-      key("worlds", "a number, or {first, count}", "100", "of the search"),
-      key("held_out", "a number, or {first, count, seed}", "500", "for the verdict, apart from the others"),
-      key("mixture", "a list of maps {KEY: VALUE}", "", "parts of the suite that count alike"),
-      key("output", "a file", "", "where the tuned controller is written"),
-  };
+  std::vector<Key> keys;
+  for (const OwnKey& own : own_keys()) {
+    const std::string part = own.part[0] != '\0' ? std::string(".") + own.part : "";
+    keys.push_back({prefix + "." + own.name + part, "", own.accepted, own.otherwise, own.text});
+  }
   for (Key& more : keys_of(TuneConfig{}, prefix)) keys.push_back(std::move(more));
   return keys;
 }

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "controller/config/node.h"
 #include "eval/tune/metric.h"
@@ -49,6 +50,18 @@ TEST(TuneFiles, ReadsASectionWithItsDefaults) {
   EXPECT_EQ(t.config.confirm.first, 100u);
   EXPECT_EQ(t.config.held_out.first, 200u);
   EXPECT_EQ(t.config.held_out.count, 500u);
+}
+
+// A key that is listed and not read would be refused as unknown.
+TEST(TuneFiles, EveryKeyThatIsListedIsRead) {
+  const std::vector<Key> keys = tune_keys();
+  EXPECT_GT(keys.size(), 20u);
+  for (const Key& key : keys) {
+    const std::string said =
+        message(kVariables + std::string("  budget: {trials: 1000}\n"), {{key.name, "[[no such value]]"}});
+    EXPECT_SAYS(said, key.name);
+    EXPECT_EQ(said.find("unknown key"), std::string::npos) << key.name << " said: " << said;
+  }
 }
 
 TEST(TuneFiles, BadVariablesAreNamedWithTheirPlace) {
