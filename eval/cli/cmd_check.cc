@@ -11,6 +11,7 @@
 #include "eval/cli/suite_options.h"
 #include "eval/cli/survey_table.h"
 #include "eval/cli/table.h"
+#include "eval/run/recording.h"
 #include "eval/run/store_file.h"
 #include "eval/run/survey.h"
 #include "eval/tune/tuned_file.h"
@@ -46,6 +47,7 @@ struct CheckOptions {
 int check(const CheckOptions& check_options) {
   const SuiteOptions& options = check_options.suite;
   const Suite suite = options.load();
+  (void)run::finishing(suite);  // refuses metrics that a run would refuse
   std::set<std::string> controllers;
   std::set<std::string> labels;
   for (const Point& point : suite.points) {

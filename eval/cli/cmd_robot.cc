@@ -6,6 +6,7 @@
 
 #include "controller/config/robot_file.h"
 #include "eval/cli/command.h"
+#include "eval/cli/lenient.h"
 #include "eval/cli/robot_fit.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
@@ -132,6 +133,7 @@ void add_robot(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
     std::string file;
     bool json = false;
     bool fit = false;
+    bool lenient = false;
     RobotFitOptions fit_options;
   };
   auto options = std::make_shared<Options>();
@@ -143,6 +145,11 @@ void add_robot(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
                                        "Enclose the URDF's collision meshes and cylinders in simple shapes: prints "
                                        "`collision` and how well it fits");
   fit->excludes(json);
+  command
+      ->add_flag("--lenient", options->lenient,
+                 "What is not understood in the URDF is left out with a warning; for other commands too, `lenient: "
+                 "true` in the robot file does the same")
+      ->excludes(fit);
   RobotFitOptions& o = options->fit_options;
   command->add_option("--max-shapes", o.max_shapes, "Most shapes per link for its meshes and cylinders")
       ->check(CLI::Range(1, 12))
@@ -163,7 +170,8 @@ void add_robot(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
         options->fit_options.robot = options->file;
         return fit_shapes(options->fit_options);
       }
-      const config::LoadedRobot robot = config::load_robot(options->file);
+      const config::LoadedRobot robot =
+          options->lenient ? config::read_robot(lenient_robot(options->file), "") : config::load_robot(options->file);
       if (options->json) {
         std::cout << to_json(robot).dump(2) << '\n';
         return static_cast<int>(kOk);

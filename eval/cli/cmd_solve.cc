@@ -7,6 +7,7 @@
 #include "controller/case/foresee.h"
 #include "controller/case/solve.h"
 #include "eval/cli/command.h"
+#include "eval/cli/lenient.h"
 #include "eval/cli/suite_options.h"
 
 namespace moma::cli {
@@ -16,6 +17,7 @@ void add_solve(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
     std::string file;
     bool explain = false;
     bool solvers = false;
+    bool lenient = false;
     double ahead = 0.0;
   };
   auto options = std::make_shared<Options>();
@@ -26,6 +28,8 @@ void add_solve(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       ->add_option("--ahead", options->ahead,
                    "In words: what the robot will do in so many seconds, and why it will stop")
       ->check(CLI::Range(1e-3, 3600.0));
+  command->add_flag("--lenient", options->lenient,
+                    "What is not understood in the robot's URDF is left out with a warning");
   command->add_flag("--solvers", options->solvers, "Lists the QP solvers by name, and which of them are built in");
   command->footer(
       "An infeasible problem is an answer, not an error.\n"
@@ -39,7 +43,8 @@ void add_solve(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
                      solver.description);
         return static_cast<int>(kOk);
       }
-      const ControlCase control_case = read_case(options->file);
+      const ControlCase control_case =
+          options->lenient ? read_case(case_with_lenient_robot(options->file)) : read_case(options->file);
       if (options->ahead > 0.0) {
         print_warnings(control_case.warnings);
         std::cout << foresee(control_case, options->ahead);

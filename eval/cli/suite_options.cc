@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 
@@ -18,6 +19,10 @@ void SuiteOptions::add_to(CLI::App& command) {
       ->take_all()
       ->allow_extra_args(false);
   command.add_option("--trials", trials, "Number of worlds; the same as --set trials=N");
+  command.add_flag_callback(
+      "--lenient", [this] { set.emplace_back("robot.lenient=true"); },
+      "What is not understood in the robot's URDF is left out with a warning; the same as --set "
+      "robot.lenient=true");
   command.add_option("--seed", seed, "Seed of the worlds; the same as --set worlds.seed=N");
 }
 
@@ -48,6 +53,8 @@ void print_warnings(const std::vector<std::string>& warnings) {
 }
 
 bool is_database(const std::string& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) return false;  // a FIFO would block
   std::ifstream stream(file, std::ios::binary);
   char head[16] = {};
   stream.read(head, sizeof head);

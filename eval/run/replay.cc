@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "controller/config/json_node.h"
+#include "controller/config/json_text.h"
+#include "controller/config/text_file.h"
 #include "eval/store/columns.h"
 #include "eval/store/machine.h"
 #include "world/world_json.h"
@@ -13,7 +16,8 @@ using store::StoreError;
 const Suite& StoredSuites::suite_of(const store::StoredTrial& trial) {
   const auto found = suites_.find(trial.resolved_suite);
   if (found != suites_.end()) return found->second;
-  Suite suite = suite_from_resolved(nlohmann::ordered_json::parse(trial.resolved_suite));
+  Suite suite = suite_from_resolved(
+      config::parse_json(trial.resolved_suite, fmt::format("the suite of trial {}", trial.key.substr(0, 16))));
   return suites_.emplace(trial.resolved_suite, std::move(suite)).first->second;
 }
 
@@ -34,7 +38,7 @@ const Point& StoredSuites::point_of(const store::StoredTrial& trial) {
 }
 
 World world_of(const store::StoredTrial& trial) {
-  const auto json = nlohmann::ordered_json::parse(trial.world);
+  const auto json = config::parse_json(trial.world, fmt::format("world of trial {}", trial.key.substr(0, 16)));
   if (json.contains("missing")) {
     throw StoreError(StoreError::Kind::kNotFound,
                      fmt::format("trial {}: its world could not be made, so there is nothing to replay ({})",
@@ -44,10 +48,11 @@ World world_of(const store::StoredTrial& trial) {
 }
 
 Suite stored_suite(const std::filesystem::path& store, const std::string& name, const std::string& trials) {
-  auto resolved = nlohmann::ordered_json::parse(store::Reader(store).latest_invocation(name).resolved_suite);
+  auto resolved = config::parse_json(store::Reader(store).latest_invocation(name).resolved_suite,
+                                     fmt::format("{}: the resolved suite {}", store.string(), name));
   if (!trials.empty()) {
-    const auto parsed = nlohmann::ordered_json::parse(trials, nullptr, false);
-    resolved["trials"] = parsed.is_discarded() ? nlohmann::ordered_json(trials) : parsed;
+    // Read as in a suite: a number, or a map; anything else is refused by the reader of `trials`.
+    resolved["trials"] = config::node_to_json(config::parse_yaml(trials, "--trials " + config::shortened(trials)));
   }
   return suite_from_resolved(resolved);
 }

@@ -8,11 +8,11 @@
 #include <cctype>
 #include <cmath>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "controller/config/json_text.h"
 #include "eval/store/hash.h"
 #include "eval/store/samples.h"
 #include "eval/store/statement.h"
@@ -48,7 +48,7 @@ std::vector<std::string> known_columns(sqlite3* connection) {
   while (step(connection, query.get())) {
     const std::string text = column_text(query.get(), 0);
     if (text.empty()) continue;
-    for (const auto& name : nlohmann::json::parse(text)) {
+    for (const auto& name : config::parse_json(text, "main.samples.columns")) {
       const auto word = name.get<std::string>();
       if (std::find(names.begin(), names.end(), word) == names.end()) names.push_back(word);
     }
@@ -85,7 +85,12 @@ std::string find_key(sqlite3* connection, std::string prefix) {
   sqlite3_bind_blob(query.get(), 2, last.data(), static_cast<int>(last.size()), SQLITE_STATIC);
   if (!step(connection, query.get()))
     throw std::runtime_error(fmt::format("samples('{}'): there is no such trial", prefix));
-  std::string key(static_cast<const char*>(sqlite3_column_blob(query.get(), 0)), first.size());
+  const auto bytes = static_cast<std::size_t>(sqlite3_column_bytes(query.get(), 0));
+  if (bytes != first.size())
+    throw std::runtime_error(
+        fmt::format("samples('{}'): the trial's key has {} bytes instead of {}; the store is damaged", prefix, bytes,
+                    first.size()));
+  std::string key(static_cast<const char*>(sqlite3_column_blob(query.get(), 0)), bytes);
   if (step(connection, query.get()))
     throw std::runtime_error(fmt::format("samples('{}'): several trials begin so; give more digits", prefix));
   return key;

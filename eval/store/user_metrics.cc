@@ -3,8 +3,12 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
 #include <mutex>
+#include <string_view>
 
 #include "eval/store/samples.h"
 #include "eval/store/statement.h"
@@ -19,15 +23,34 @@ struct Closer {
 constexpr int kCheckEvery = 10000;  // steps of SQLite's machine
 constexpr int kMostChecks = 1000;
 
-/// Expressions read samples and compute; nothing else.
-int authorize(void* /*unused*/, int action, const char* /*first*/, const char* /*second*/, const char* /*database*/,
+/// Functions whose value is decided by their arguments. Values of metrics are hashed and compared between machines: no
+/// clock, no chance, nothing of the connection or of how text is stored.
+constexpr std::array<std::string_view, 53> kFunctions = {
+    "abs",          "acos",        "acosh",    "asin",   "asinh",   "atan",  "atan2",      "atanh",      "avg",
+    "ceil",         "ceiling",     "coalesce", "cos",    "cosh",    "count", "cume_dist",  "degrees",    "dense_rank",
+    "exp",          "first_value", "floor",    "ifnull", "iif",     "lag",   "last_value", "lead",       "ln",
+    "log",          "log10",       "log2",     "max",    "min",     "mod",   "nth_value",  "ntile",      "nullif",
+    "percent_rank", "pi",          "pow",      "power",  "radians", "rank",  "round",      "row_number", "sign",
+    "sin",          "sinh",        "sqrt",     "sum",    "tan",     "tanh",  "total",      "trunc"};
+
+bool accepted(std::string_view function) {
+  std::string lower(function);
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  return std::find(kFunctions.begin(), kFunctions.end(), lower) != kFunctions.end();
+}
+
+/// Expressions read samples and compute; nothing else. `refused` is the std::string that gets a function's name.
+int authorize(void* refused, int action, const char* /*first*/, const char* second, const char* /*database*/,
               const char* /*trigger*/) {
   switch (action) {
     case SQLITE_SELECT:
     case SQLITE_READ:
-    case SQLITE_FUNCTION:
     case SQLITE_RECURSIVE:
       return SQLITE_OK;
+    case SQLITE_FUNCTION:
+      if (second != nullptr && accepted(second)) return SQLITE_OK;
+      if (second != nullptr) *static_cast<std::string*>(refused) = second;
+      return SQLITE_DENY;
     default:
       return SQLITE_DENY;
   }
@@ -43,6 +66,7 @@ struct UserMetrics::Evaluator {
   std::vector<StatementPtr> queries;
   std::size_t columns = 0;
   int checks = 0;
+  std::string refused;  // the function that was asked for and is not accepted
 
   Evaluator(const std::vector<std::pair<std::string, std::string>>& metrics, Eigen::Index q, Eigen::Index v) {
     sqlite3* raw = nullptr;
@@ -62,12 +86,16 @@ struct UserMetrics::Evaluator {
     clear = prepare("DELETE FROM samples");
     sqlite3_limit(raw, SQLITE_LIMIT_ATTACHED, 0);
     sqlite3_limit(raw, SQLITE_LIMIT_LENGTH, 10'000'000);
-    sqlite3_set_authorizer(raw, &authorize, nullptr);
+    sqlite3_set_authorizer(raw, &authorize, &refused);
     sqlite3_progress_handler(
         raw, kCheckEvery, [](void* self) { return ++static_cast<Evaluator*>(self)->checks > kMostChecks ? 1 : 0; },
         this);
     for (const auto& [name, expression] : metrics) {
       StatementPtr query = prepare(fmt::format("SELECT ({}\n) FROM samples", expression));
+      if (!refused.empty()) {
+        throw MetricError(fmt::format("metrics.{}: the function {}() is not accepted; accepted are {}", name, refused,
+                                      fmt::join(kFunctions, ", ")));
+      }
       if (query == nullptr) throw MetricError(fmt::format("metrics.{}: {}", name, sqlite3_errmsg(raw)));
       if (sqlite3_bind_parameter_count(query.get()) > 0)
         throw MetricError(fmt::format("metrics.{}: has an unbound parameter (? or :name)", name));
@@ -119,7 +147,7 @@ struct UserMetrics::Evaluator {
       sqlite3_reset(insert.get());
     }
     sqlite3_exec(connection.get(), "COMMIT", nullptr, nullptr, nullptr);
-    sqlite3_set_authorizer(connection.get(), &authorize, nullptr);
+    sqlite3_set_authorizer(connection.get(), &authorize, &refused);
   }
 
   double value(sqlite3_stmt* query) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <set>
 
 #include "controller/config/json_node.h"
@@ -190,6 +191,7 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
     config::fail({file.string(), 0, 0}, "",
                  "the suite is empty; expected a map with robot, controllers, worlds and trials");
   }
+  std::optional<Node> lenient;  // an option about files, so it holds for the robots of a sweep too
   for (const auto& [key, text] : overrides) {
     Node value = config::parse_yaml(text, "--set " + key + "=" + text);
     value.mark = {"--set " + key + "=" + text, 0, 0};
@@ -199,6 +201,7 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
         config::fail(value.mark, key, "unknown key (did you mean " + meant + "?)");
     }
     draft.set(key, value);
+    if (key == "robot.lenient") lenient = value;
   }
 
   Suite suite;
@@ -223,6 +226,7 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
       if (of_the_whole(key))
         config::fail(value.mark, "sweep", fmt::format("'{}' cannot be swept: it is one for the whole suite", key));
       assigned.set(key, value);
+      if (key == "robot" && lenient) assigned.set("robot.lenient", *lenient);
     }
     known_keys(assigned.root()).finish();
     const Sections sections =

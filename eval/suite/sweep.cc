@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <optional>
+#include <set>
 #include <string_view>
 
 #include "controller/config/read_described.h"
@@ -17,6 +20,8 @@ namespace {
 using config::MapReader;
 using config::Node;
 
+constexpr std::size_t kMaxSweepValues = 2'000'000;  // points times axes
+
 struct Axis {
   std::string key;
   std::vector<Node> values;  // where listed, or spread over a grid
@@ -26,23 +31,69 @@ struct Axis {
   config::Mark mark;
 };
 
-Node number_node(double value, const config::Mark& mark) {
-  Node node;
-  node.kind = Node::Kind::kScalar;
-  node.scalar = fmt::format("{:.6g}", value);
-  node.mark = mark;
-  return node;
-}
-
 double between(const Axis& axis, double u) {
-  return axis.log ? axis.low * std::pow(axis.high / axis.low, u) : axis.low + u * (axis.high - axis.low);
+  if (u <= 0.0) return axis.low;
+  if (u >= 1.0) return axis.high;
+  // What overflows between ends that do not is formed from parts that cannot.
+  if (axis.log) {
+    const double ratio = axis.high / axis.low;
+    const double value = std::isfinite(ratio) ? axis.low * std::pow(ratio, u)
+                                              : std::exp((1.0 - u) * std::log(axis.low) + u * std::log(axis.high));
+    return std::clamp(value, axis.low, axis.high);
+  }
+  const double length = axis.high - axis.low;
+  return std::isfinite(length) ? axis.low + u * length : (1.0 - u) * axis.low + u * axis.high;
 }
 
-// The value at u in [0, 1).
-Node value_at(const Axis& axis, double u) {
-  if (axis.values.empty()) return number_node(between(axis, u), axis.mark);
-  const auto index = static_cast<std::size_t>(u * static_cast<double>(axis.values.size()));
-  return axis.values[std::min(index, axis.values.size() - 1)];
+double rounded(double value, int digits) { return std::strtod(fmt::format("{:.{}g}", value, digits).c_str(), nullptr); }
+
+// Numbers as they are run and shown: with six significant digits, or with as many as it takes for each to stay within a
+// thousandth of its way to the next and for no two to become one; an axis's ends as they were written. The numbers come
+// as evenly spread as `count` of them can be, in any order.
+std::vector<Node> number_nodes(const Axis& axis, const std::vector<double>& values, std::size_t count) {
+  const double steps = std::max<double>(1.0, static_cast<double>(count) - 1.0);
+  const auto spacing = [&](double value) {
+    if (!axis.log) return (axis.high / steps) - (axis.low / steps);
+    return std::abs(value) * std::expm1((std::log(axis.high) - std::log(axis.low)) / steps);
+  };
+  const std::size_t distinct = std::set<double>(values.begin(), values.end()).size();
+  const auto good = [&](int digits) {
+    std::set<double> seen;
+    for (const double value : values) {
+      const double near = rounded(value, digits);
+      const bool end = value == axis.low || value == axis.high;
+      if (!end && !(std::abs(near - value) <= 1e-3 * spacing(value))) return false;
+      seen.insert(end ? value : near);
+    }
+    return seen.size() == distinct;
+  };
+  int digits = 6;
+  while (digits < 17 && !good(digits)) ++digits;
+  std::vector<Node> nodes;
+  for (const double value : values) {
+    Node& node = nodes.emplace_back();
+    node.kind = Node::Kind::kScalar;
+    const bool end = value == axis.low || value == axis.high;
+    node.scalar = end ? fmt::format("{}", value) : fmt::format("{:.{}g}", value, digits);
+    if (end && rounded(value, digits) == value) node.scalar = fmt::format("{:.{}g}", value, digits);
+    node.mark = axis.mark;
+  }
+  return nodes;
+}
+
+// The axis's values at each u in [0, 1).
+std::vector<Node> values_at(const Axis& axis, const std::vector<double>& us) {
+  if (axis.values.empty()) {
+    std::vector<double> values;
+    for (const double u : us) values.push_back(between(axis, u));
+    return number_nodes(axis, values, us.size());
+  }
+  std::vector<Node> nodes;
+  for (const double u : us) {
+    const auto index = static_cast<std::size_t>(u * static_cast<double>(axis.values.size()));
+    nodes.push_back(axis.values[std::min(index, axis.values.size() - 1)]);
+  }
+  return nodes;
 }
 
 Axis read_axis(const Node& node, const std::string& sweep_key, const std::string& key, bool grid) {
@@ -75,10 +126,11 @@ Axis read_axis(const Node& node, const std::string& sweep_key, const std::string
   in.finish();
   in.check(grid || n == 0, "n", "an axis of this design has no n of its own; give `n` beside `axes`");
   in.check(!grid || n > 0, "n", "missing; expected the number of values on this axis, 2 or more");
-  for (int i = 0; i < n; ++i) {
-    const double value = i == n - 1 ? axis.high : between(axis, i / static_cast<double>(n - 1));
-    axis.values.push_back(number_node(value, node.mark));
-  }
+  std::vector<double> values;
+  for (int i = 0; i < n; ++i) values.push_back(i == n - 1 ? axis.high : between(axis, i / static_cast<double>(n - 1)));
+  if (std::set<double>(values.begin(), values.end()).size() != values.size())
+    in.fail_at("n", fmt::format("there are no {} different numbers between {} and {}", n, axis.low, axis.high));
+  if (n > 0) axis.values = number_nodes(axis, values, values.size());
   return axis;
 }
 
@@ -173,14 +225,19 @@ std::vector<Assignment> read_sweep(const Node& node, const std::string& key) {
   for (const auto& [name, value] : axes_node->entries)
     axes.push_back(read_axis(value, key, name, design == Design::kGrid));
   if (design == Design::kGrid) return grid_points(axes, node, key);
+  if (static_cast<std::size_t>(n) * axes.size() > kMaxSweepValues) {
+    in.fail_at("n", fmt::format("{} points on {} axes are more than {} values", n, axes.size(), kMaxSweepValues));
+  }
 
   const auto count = static_cast<std::size_t>(n);
   const std::vector<std::vector<double>> unit =
       design == Design::kSobol ? sobol(count, axes.size()) : latin_hypercube(spread.seed, count, axes.size());
-  std::vector<Assignment> points;
-  for (const std::vector<double>& u : unit) {
-    Assignment& point = points.emplace_back();
-    for (std::size_t a = 0; a < axes.size(); ++a) point.emplace_back(axes[a].key, value_at(axes[a], u[a]));
+  std::vector<Assignment> points(count);
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    std::vector<double> us;
+    for (const std::vector<double>& u : unit) us.push_back(u[a]);
+    std::vector<Node> values = values_at(axes[a], us);
+    for (std::size_t i = 0; i < count; ++i) points[i].emplace_back(axes[a].key, std::move(values[i]));
   }
   return points;
 }

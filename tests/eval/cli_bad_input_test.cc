@@ -48,6 +48,43 @@ TEST_F(CliBadInput, BrokenUrdf) {
   refused({"tiny.urdf"});
 }
 
+TEST_F(CliBadInput, GeometryThatIsNotUnderstood) {
+  replace("robots/tiny.urdf", R"(<link name="root"/>)",
+          R"(<link name="root"><collision><geometry><sphere radius="0,5"/></geometry></collision></link>)");
+  const std::vector<std::string> words = {"tiny.yaml:1:", "tiny.urdf", "line 2: link root, collision 1",
+                                          "sphere radius=\"0,5\" is not understood", "--lenient"};
+  refused(words);
+  bad({"robot", "robots/tiny.yaml"}, words);
+  bad({"world", "suite.yaml", "0"}, words);
+  for (const std::vector<std::string>& command :
+       std::vector<std::vector<std::string>>{{"check", "suite.yaml", "--lenient", "--no-time"},
+                                             {"robot", "robots/tiny.yaml", "--lenient"},
+                                             {"run", "suite.yaml", "-o", "a.db", "--lenient", "-q"}}) {
+    const ProcessResult result = good(command);
+    if (command.back() != "-q") {
+      EXPECT_NE(result.err.find("left out, since `lenient` is set"), std::string::npos) << result.err;
+    }
+  }
+  EXPECT_NE(good({"query", "a.db", "SELECT json_extract(resolved, '$.left_out[0]') AS x FROM robot", "-f", "json"})
+                .out.find("0,5"),
+            std::string::npos);
+  good({"verify", "a.db", "-q"});
+}
+
+TEST_F(CliBadInput, MetricsThatARunRefuses) {
+  for (const char* metric : {"max(nothing)", "random() + count(*)", "julianday('now') + count(*)"}) {
+    write("suite.yaml", std::string(kSuite) + "metrics: {mine: \"" + metric + "\"}\n");
+    bad({"check", "suite.yaml"}, {"metrics.mine"});
+  }
+}
+
+TEST_F(CliBadInput, DeepJson) {
+  good({"run", "suite.yaml", "-o", "a.db", "-q"});
+  const std::string deep = "[" + std::string(200000, '[');
+  bad({"run", "a.db", "--rerun", "small", "--trials", deep.substr(0, 100000)}, {"nested more than 64 levels deep"});
+  bad({"run", "suite.yaml", "-o", "b.db", "--trials", deep.substr(0, 100000)}, {"nested more than 64 levels deep"});
+}
+
 TEST_F(CliBadInput, TipIsNotALink) {
   replace("robots/tiny.yaml", "tip: slide", "tip: slyde");
   refused({"tiny.yaml:", "arm.tip", "slyde", "slide"});

@@ -144,6 +144,19 @@ TEST(PairCounts, AreThoseOfThePairs) {
   EXPECT_EQ(counted.rows, grouped.rows);
 }
 
+TEST(SamplesFunction, KeysOfATamperedStore) {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "a.db";
+  write_with_samples(file, 2);
+  {
+    SQLite::Database db(file.string(), SQLite::OPEN_READWRITE);
+    db.exec("PRAGMA ignore_check_constraints = ON; PRAGMA foreign_keys = OFF");
+    db.exec("UPDATE trial SET key = x'aabb' WHERE key = (SELECT min(key) FROM trial)");
+  }
+  EXPECT_NE(complaint(file, "SELECT * FROM samples('aab')").find("the trial's key has 2 bytes instead of 16"),
+            std::string::npos);
+}
+
 TEST(UserMetrics, AreAggregatesOverTheSamples) {
   const store::UserMetrics metrics({{"steps", "count(*)"},
                                     {"near", "min(iif(least_distance < 5, t, NULL))"},
@@ -179,6 +192,14 @@ TEST(UserMetrics, BadSqlIsRefusedByName) {
   EXPECT_NE(message("1); DROP TABLE samples; --"), "no error");
   EXPECT_NE(message("load_extension('x') + count(*)"), "no error");
   EXPECT_NE(message("max(t), 2"), "no error");
+  // What is not decided by the samples alone.
+  for (const char* sql :
+       {"random() + count(*)", "julianday('now') + count(*)", "max(t) + abs(RANDOM())", "count(*) + unixepoch('now')",
+        "count(*) + length(current_timestamp)", "count(*) + last_insert_rowid()", "count(*) + sqlite_version()",
+        "hex(randomblob(3)) + max(t)"})
+    EXPECT_NE(message(sql).find("is not accepted; accepted are abs, "), std::string::npos) << sql << message(sql);
+  EXPECT_EQ(message("sum(sqrt(base_x * base_x)) / count(*) + coalesce(max(round(t)), 0) + total(iif(t > 1, 1, 0))"),
+            "no error");
 }
 
 TEST(UserMetrics, ASlowExpressionEnds) {

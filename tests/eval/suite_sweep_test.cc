@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <set>
 
 #include "controller/config/node.h"
@@ -37,6 +39,31 @@ TEST(Sweep, GridTakesEveryCombination) {
             "a=0 | a=0.25 | a=0.5 | a=0.75 | a=1 | ");
   EXPECT_EQ(text_of(sweep("{axes: {a: {log: [0.001, 0.1], n: 5}}}")),
             "a=0.001 | a=0.00316228 | a=0.01 | a=0.0316228 | a=0.1 | ");
+}
+
+TEST(Sweep, NoTwoValuesBecomeOne) {
+  EXPECT_EQ(text_of(sweep("{axes: {a: {linear: [1000000, 1000004], n: 5}}}")),
+            "a=1000000 | a=1000001 | a=1000002 | a=1000003 | a=1000004 | ");
+  EXPECT_EQ(text_of(sweep("{axes: {a: {linear: [0.12345678, 1], n: 2}}}")), "a=0.12345678 | a=1 | ") << "as written";
+  for (const char* text :
+       {"{axes: {a: {log: [0.30000001, 0.30000004], n: 4}}}", "{axes: {a: {linear: [1, 1.0000000000000009], n: 5}}}",
+        "{axes: {a: {linear: [-1.7e308, 1.7e308], n: 5}}}", "{axes: {a: {log: [5e-324, 1.7e308], n: 5}}}",
+        "{design: latin_hypercube, n: 2000, axes: {a: {linear: [1000000, 1000004]}}}"}) {
+    std::set<double> values;
+    const auto points = sweep(text);
+    for (const Assignment& point : points) {
+      values.insert(std::strtod(point[0].second.scalar.c_str(), nullptr));
+      EXPECT_TRUE(std::isfinite(*values.rbegin())) << text;
+    }
+    EXPECT_EQ(values.size(), points.size()) << text;
+  }
+  EXPECT_NE(refusal("{axes: {a: {linear: [1, 1.0000000000000002], n: 5}}}").find("no 5 different numbers"),
+            std::string::npos);
+  EXPECT_NE(refusal("{design: sobol, n: 100000, axes: {a: {linear: [0, 1]}, b: {linear: [0, 1]}, c: [1], d: [1], e: "
+                    "[1], f: [1], g: [1], h: [1], i: [1], j: [1], k: [1], l: [1], m: [1], o: [1], p: [1], q: [1], r: "
+                    "[1], s: [1], t: [1], u: [1], v: [1]}}")
+                .find("more than 2000000 values"),
+            std::string::npos);
 }
 
 TEST(Sweep, ListIsTakenAsItIs) { EXPECT_EQ(text_of(sweep("{points: [{a: 1, b: 2}, {a: 3}]}")), "a=1 b=2 | a=3 | "); }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -9,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "controller/config/json_text.h"
 #include "controller/config/reader.h"
 #include "world/scenario/apportion.h"
 #include "world/scenario/family.h"
@@ -95,6 +97,8 @@ Mixture read_mixture(config::MapReader& in) {
   return mixture;
 }
 
+constexpr std::uintmax_t kMaxFrozenBytes = 1024U << 20U;  // of a file of worlds
+
 Frozen read_frozen(const config::Node& node, const std::string& key) {
   Frozen worlds;
   if (node.kind == config::Node::Kind::kSequence) {  // a resolved suite holds the worlds themselves
@@ -103,19 +107,20 @@ Frozen read_frozen(const config::Node& node, const std::string& key) {
   } else {
     std::filesystem::path path = config::read_string(node, key);
     if (path.is_relative()) path = std::filesystem::path(node.mark.file).parent_path() / path;
-    std::ifstream file(path);
-    if (!file) config::fail(node.mark, key, "cannot read '" + path.string() + "'; expected a file of one world a line");
+    std::error_code error;
+    const bool plain = std::filesystem::is_regular_file(path, error);
+    if (plain && std::filesystem::file_size(path, error) > kMaxFrozenBytes) {
+      config::fail(node.mark, key, fmt::format("'{}' has more than {} MiB", path.string(), kMaxFrozenBytes >> 20U));
+    }
+    std::ifstream file;
+    if (plain) file.open(path);
+    if (!plain || !file)
+      config::fail(node.mark, key, "cannot read '" + path.string() + "'; expected a file of one world a line");
     std::string line;
     for (int number = 1; std::getline(file, line); ++number) {
       if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
       const std::string where = fmt::format("{}:{}", path.string(), number);
-      Json json;
-      try {
-        json = Json::parse(line);
-      } catch (const nlohmann::json::exception& error) {
-        throw config::ConfigError(fmt::format("{}: not a world in JSON: {}", where, error.what()));
-      }
-      worlds.push_back(world_from_json(json, where));
+      worlds.push_back(world_from_json(config::parse_json(line, where), where));
     }
   }
   if (worlds.empty()) config::fail(node.mark, key, "expected at least one world");

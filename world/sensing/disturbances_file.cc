@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "controller/config/read_described.h"
+#include "controller/config/text_file.h"
 #include "controller/config/write_described.h"
 #include "controller/describe/complete.h"
 
@@ -21,7 +22,11 @@ Disturbances read_disturbances(const config::Node& node, const std::string& key)
     const auto file = std::filesystem::path(node.mark.file).parent_path() / node.scalar;
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error)) config::fail(node.mark, key, "no such file: " + file.string());
-    return read_disturbances(config::load_yaml(file), key);
+    const config::Node inside = config::load_yaml(file);
+    if (inside.kind == config::Node::Kind::kScalar) {
+      config::fail(inside.mark, "", "found '" + config::shortened(inside.scalar) + "', expected a map of disturbances");
+    }
+    return read_disturbances(inside, key);
   }
   Disturbances out;
   config::read_described(node, key, out);
