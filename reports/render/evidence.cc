@@ -9,6 +9,7 @@
 
 #include "reports/render/assets.h"
 #include "reports/render/replay_data.h"
+#include "reports/render/store.h"
 
 namespace moma::reports {
 namespace {
@@ -21,7 +22,7 @@ class Unpacked {
  public:
   explicit Unpacked(SQLite::Statement& row)
       : n_(row.getColumn("n").getInt64()),
-        columns_(Json::parse(row.getColumn("columns").getString()).get<std::vector<std::string>>()) {
+        columns_(parse_stored(row.getColumn("columns").getString()).get<std::vector<std::string>>()) {
     const SQLite::Column blob = row.getColumn("data");
     values_ = unpack({row.getColumn("layout").getInt(),
                       n_,
@@ -44,7 +45,7 @@ class Unpacked {
 
 /// Nothing where the goal moves or lies at the base.
 std::optional<double> goal_bearing(SQLite::Statement& row) {
-  const Json goal = Json::parse(row.getColumn("json_world").getString()).at("goal");
+  const Json goal = parse_stored(row.getColumn("json_world").getString()).at("goal");
   if (goal.contains("motion") && goal.at("motion").value("kind", "") != "static") return {};
   const Unpacked samples(row);
   if (samples.column("t").empty()) return {};

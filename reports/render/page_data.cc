@@ -56,7 +56,7 @@ Json rows(SQLite::Database& store, std::string_view sql, std::optional<std::int6
       const std::string_view name = query.getColumnName(i);
       const SQLite::Column cell = query.getColumn(i);
       if (name.substr(0, kPrefix.size()) == kPrefix) {
-        row[std::string(name.substr(kPrefix.size()))] = Json::parse(cell.getString());
+        row[std::string(name.substr(kPrefix.size()))] = parse_stored(cell.getString());
       } else {
         row[std::string(name)] = value(cell);
       }

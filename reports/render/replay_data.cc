@@ -19,6 +19,8 @@ static_assert(std::endian::native == std::endian::little, "samples are little-en
 
 using Column = std::vector<double>;
 
+constexpr std::uint64_t kLargestTable = std::uint64_t{512} << 20;  // bytes
+
 std::vector<std::size_t> kept_rows(const double* t, std::size_t n, double hz) {
   std::vector<std::size_t> rows;
   double next = -1e300;
@@ -46,6 +48,9 @@ std::string pack(const std::vector<float>& values) {
 std::vector<double> unpack(const StoredSamples& samples) {
   if (samples.layout != 1) throw std::runtime_error("samples: unknown layout");
   if (samples.n < 0 || samples.columns.empty()) throw std::runtime_error("samples: empty");
+  if (static_cast<std::uint64_t>(samples.n) > kLargestTable / sizeof(double) / samples.columns.size())
+    throw std::runtime_error(fmt::format("samples: {} of {} columns are more than the {} MiB that a trial may have",
+                                         samples.n, samples.columns.size(), kLargestTable >> 20));
   const std::size_t wanted = static_cast<std::size_t>(samples.n) * samples.columns.size() * sizeof(double);
   const unsigned long long said = ZSTD_getFrameContentSize(samples.data.data(), samples.data.size());
   if (said != wanted) throw std::runtime_error("samples: size differs from its columns");

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "reports/render/assets.h"
+#include "reports/render/store.h"
 
 namespace moma::reports {
 namespace {
@@ -16,7 +17,7 @@ StoredSamples samples_of(SQLite::Statement& row) {
   StoredSamples samples;
   samples.layout = row.getColumn("layout").getInt();
   samples.n = row.getColumn("n").getInt64();
-  samples.columns = Json::parse(row.getColumn("columns").getString()).get<std::vector<std::string>>();
+  samples.columns = parse_stored(row.getColumn("columns").getString()).get<std::vector<std::string>>();
   samples.data = {static_cast<const char*>(blob.getBlob()), static_cast<std::size_t>(blob.getBytes())};
   return samples;
 }
@@ -25,13 +26,13 @@ Json robot_of(SQLite::Database& store, std::int64_t id) {
   SQLite::Statement one(store, "SELECT resolved FROM robot WHERE id = ?1");
   one.bind(1, id);
   one.executeStep();
-  return Json::parse(one.getColumn(0).getString());
+  return parse_stored(one.getColumn(0).getString());
 }
 
 Json head(SQLite::Statement& row) {
   return {{"trial", row.getColumn("trial").getString()},
           {"robot", std::to_string(row.getColumn("robot").getInt64())},
-          {"world", Json::parse(row.getColumn("json_world").getString())}};
+          {"world", parse_stored(row.getColumn("json_world").getString())}};
 }
 
 /// Adds the success in the world of a failed trial, where there is one whose motion can be had.

@@ -1,6 +1,7 @@
 #include "reports/render/report.h"
 
 #include <fmt/format.h>
+#include <sqlite3.h>
 #include <set>
 
 #include "reports/render/files.h"
@@ -35,9 +36,13 @@ nlohmann::ordered_json read_stores(const Stores& stores, const ReportOptions& op
       throw ReportError(fmt::format("{}: the same store twice; wanted: different ones", db.string()));
     }
     try {
-      SQLite::Database store = open_store(db);
+      SQLite::Database store = open_store(db, options.patience);
       pages.push_back(page_data(store, each));
     } catch (const SQLite::Exception& error) {
+      if (error.getErrorCode() == SQLITE_INTERRUPT) {
+        throw ReportError(fmt::format("{}: its tables and views have not been read after {} s; moma's own take seconds",
+                                      db.string(), options.patience.count() / 1000.0));
+      }
       throw ReportError(fmt::format("{}: cannot be read: {}", db.string(), error.what()));
     } catch (const nlohmann::json::exception& error) {
       throw ReportError(fmt::format("{}: holds JSON that cannot be read: {}", db.string(), error.what()));

@@ -3,12 +3,31 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <cstdint>
+
 #include "reports/render/report.h"
 
 namespace moma::reports {
 namespace {
 
 constexpr int kApplicationId = 1836019041;  // "moma"
+
+constexpr int kDeepest = 100;
+
+/// The moment travels in the pointer itself, since a connection outlives whoever opened it.
+int over(void* moment) {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::milliseconds>(now).count() > reinterpret_cast<std::intptr_t>(moment)
+             ? 1
+             : 0;
+}
+
+void bound(sqlite3* connection, std::chrono::milliseconds patience) {
+  sqlite3_db_config(connection, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
+  const auto end = std::chrono::steady_clock::now().time_since_epoch() + patience;
+  const auto moment = std::chrono::duration_cast<std::chrono::milliseconds>(end).count();
+  sqlite3_progress_handler(connection, 10000, &over, reinterpret_cast<void*>(static_cast<std::intptr_t>(moment)));
+}
 
 /// Reads only, but is opened for writing: the last reader of a store in WAL mode takes away the files that SQLite keeps
 /// beside it only where it may write.
@@ -38,7 +57,22 @@ SQLite::Database open_immutable(const std::filesystem::path& db) {
 
 }  // namespace
 
-SQLite::Database open_store(const std::filesystem::path& db) {
+nlohmann::ordered_json parse_stored(const std::string& text) {
+  using Json = nlohmann::ordered_json;
+  bool deep = false;
+  const auto keep = [&](int depth, Json::parse_event_t, const Json&) {
+    deep = deep || depth > kDeepest;
+    return depth <= kDeepest;
+  };
+  Json json = Json::parse(text, keep, false);
+  if (deep || json.is_discarded()) {
+    throw ReportError(fmt::format("the store is damaged: '{}...' is {}", text.substr(0, 40),
+                                  deep ? "nested deeper than anything that moma writes" : "no JSON"));
+  }
+  return json;
+}
+
+SQLite::Database open_store(const std::filesystem::path& db, std::chrono::milliseconds patience) {
   const std::string name = db.string();
   std::error_code ignored;
   if (!std::filesystem::exists(db, ignored)) {
@@ -78,6 +112,12 @@ SQLite::Database open_store(const std::filesystem::path& db) {
                       "run on it brings it up to date",
                       name, version, kOldestSchema));
     }
+    for (const char* table : {"point_trial", "trial", "world", "point", "suite", "robot", "samples", "invocation"}) {
+      SQLite::Statement found(store, "SELECT 1 FROM main.sqlite_schema WHERE type = 'table' AND name = ?");
+      found.bind(1, table);
+      if (!found.executeStep()) throw ReportError(fmt::format("{}: is damaged: it has no table {}", name, table));
+    }
+    bound(store.getHandle(), patience);
     return store;
   } catch (const SQLite::Exception& error) {
     if (error.getErrorCode() == SQLITE_NOTADB) {

@@ -2,7 +2,10 @@
 
 #include <SQLiteCpp/SQLiteCpp.h>
 
+#include <chrono>
 #include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
 
 namespace moma::reports {
 
@@ -10,7 +13,15 @@ namespace moma::reports {
 inline constexpr int kOldestSchema = 2;
 inline constexpr int kNewestSchema = 3;
 
-/// Opens moma's store for reading. Throws ReportError naming the file and what is wrong with it.
-SQLite::Database open_store(const std::filesystem::path& db);
+/// For how long a store may keep us reading: its views could be of any length. Far beyond what a million trials take.
+inline constexpr std::chrono::seconds kPatience{600};
+
+/// Opens moma's store for reading. Its triggers do not run; after `patience` whatever is asked of it fails with
+/// SQLITE_INTERRUPT. Throws ReportError naming the file and what is wrong with it.
+SQLite::Database open_store(const std::filesystem::path& db, std::chrono::milliseconds patience = kPatience);
+
+/// A JSON text of a store. Throws ReportError where it is none, or is nested deeper than anything that moma writes:
+/// walking over it would not end well.
+nlohmann::ordered_json parse_stored(const std::string& text);
 
 }  // namespace moma::reports

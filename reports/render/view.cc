@@ -1,7 +1,6 @@
 #include "reports/render/view.h"
 
 #include <fmt/format.h>
-#include <httplib.h>
 
 #include <algorithm>
 #include <chrono>
@@ -10,6 +9,7 @@
 #include <thread>
 
 #include "reports/render/html.h"
+#include "reports/render/http_server.h"
 #include "reports/render/page_data.h"
 #include "reports/render/replays.h"
 #include "reports/render/run_state.h"
@@ -57,10 +57,10 @@ void add_run(const std::filesystem::path& db, SQLite::Database& store, State& st
   state.stored += latest.getColumn(1).getInt64();
 }
 
-State state_of(const Stores& stores) {
+State state_of(const Stores& stores, std::chrono::milliseconds patience) {
   State state;
   for (const std::filesystem::path& db : stores) {
-    SQLite::Database store = open_store(db);
+    SQLite::Database store = open_store(db, patience);
     SQLite::Statement query(
         store,
         "SELECT (SELECT count(*) FROM point_trial), (SELECT count(*) FROM samples), "
@@ -86,7 +86,7 @@ class Answers {
   Answers(const Stores& stores, const ViewOptions& options) : stores_(stores), options_(options) {}
 
   std::string state() const {
-    const State now = state_of(stores_);
+    const State now = state_of(stores_, options_.patience);
     return dumped({{"trials", now.trials},
                    {"running", now.running},
                    {"killed", now.killed},
@@ -98,13 +98,14 @@ class Answers {
   /// The page's data; read anew only where the store has changed.
   std::shared_ptr<const std::string> data() {
     const std::lock_guard lock(data_mutex_);
-    const std::string token = state_of(stores_).token;
+    const std::string token = state_of(stores_, options_.patience).token;
     if (data_ == nullptr || token != data_token_) {
       ReportOptions options;
       options.trials = kTrials;
       options.served = true;
       options.sight = options_.sight;
       options.look = options_.look;
+      options.patience = options_.patience;
       Json page = read_stores(stores_, options);
       page["live"] = {{"token", token}, {"simulates", static_cast<bool>(options_.simulate)}};
       data_ = std::make_shared<const std::string>(dumped(page));
@@ -117,7 +118,7 @@ class Answers {
   std::optional<std::string> replay(const std::string& trial) {
     for (std::size_t i = 0; i < stores_.size(); ++i) {
       const std::filesystem::path& db = stores_[i];
-      SQLite::Database store = open_store(db);
+      SQLite::Database store = open_store(db, options_.patience);
       const auto simulated = [&]() -> std::optional<OwnedSamples> {
         if (!options_.simulate) return {};
         const std::lock_guard lock(simulation_mutex_);
@@ -214,8 +215,6 @@ void set_up(httplib::Server& server) {
                               {"Referrer-Policy", "no-referrer"},
                               {"Cross-Origin-Resource-Policy", "same-origin"}});
   server.set_payload_max_length(1024);
-  server.set_keep_alive_timeout(2);
-  server.set_read_timeout(std::chrono::seconds(5));
   // Not the library's SO_REUSEPORT, by which a second server would silently share the port.
   server.set_socket_options([](socket_t socket) {
     const int yes = 1;
@@ -228,13 +227,13 @@ void set_up(httplib::Server& server) {
 void serve(const Stores& stores, const ViewOptions& options, const std::atomic<bool>& stop,
            const std::function<void(const std::string& address)>& ready) {
   if (options.port < 0 || options.port > 65535) throw ReportError("port: wanted: 0 to 65535");
-  state_of(stores);  // says what is wrong with a store before anybody asks for it
+  state_of(stores, options.patience);  // says what is wrong with a store before anybody asks for it
   std::string title;
   for (const std::filesystem::path& store : stores) title += (title.empty() ? "" : " + ") + store.filename().string();
   const auto page = std::make_shared<const std::string>(served_html(title));
   Answers answers(stores, options);
 
-  httplib::Server server;
+  HttpServer server;
   set_up(server);
   int port = options.port;
   const bool bound = port == 0 ? (port = server.bind_to_any_port(kHost)) > 0 : server.bind_to_port(kHost, port);
@@ -244,6 +243,7 @@ void serve(const Stores& stores, const ViewOptions& options, const std::atomic<b
                     "for any",
                     options.port, kHost));
   }
+  server.widen();
   add_rules(server, port);
   add_answers(server, answers, page);
   std::atomic<bool> ended{false};

@@ -15,6 +15,7 @@ struct ViewOptions {
   /// Simulates a trial whose samples the store does not hold again; empty: such trials are not played. One call at a
   /// time. Its exceptions' texts are shown in the page.
   Simulate simulate;
+  std::chrono::milliseconds patience{600000};  ///< as in ReportOptions, for every answer
   SightAnswer sight;  ///< as in ReportOptions
   Look look;          ///< as in ReportOptions; asked once for each look at the store
 };

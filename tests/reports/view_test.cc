@@ -276,5 +276,99 @@ TEST(View, LeavesNothingBesideTheStore) {
     EXPECT_EQ(entry.path().filename(), "a.db");
 }
 
+/// Connections that ask for something and never end, or read nothing.
+class Holding {
+ public:
+  Holding(int port, std::size_t count, const std::string& begin) {
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(static_cast<std::uint16_t>(port));
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    for (std::size_t i = 0; i < count; ++i) {
+      const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
+      const int little = 1024;
+      setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &little, sizeof little);
+      if (connect(socket, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0)
+        (void)send(socket, begin.data(), begin.size(), MSG_NOSIGNAL);
+      sockets_.push_back(socket);
+    }
+  }
+  ~Holding() {
+    for (const int socket : sockets_) close(socket);
+  }
+
+ private:
+  std::vector<int> sockets_;
+};
+
+TEST(View, RangesAreIgnoredAndNothingBehindTheContentIsSent) {
+  const Folder folder;
+  make_store(folder / "a.db", "demo", 3);
+  const Running server({folder / "a.db"});
+  for (const char* path : {"/state.json", "/data.json", "/", "/nothing"}) {
+    const std::string whole = request(server.port(), path);
+    for (const char* range : {"0-99999999999", "999999999999-9999999999999", "5-9", "-5", "0-0,7-99999999", "9-2",
+                              "0-9223372036854775807"}) {
+      const std::string answer = raw(
+          server.port(), std::string("GET ") + path + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(server.port()) +
+                             "\r\nRange: bytes=" + range + "\r\nConnection: close\r\n\r\n");
+      if (answer.find(" 416 ") != std::string::npos) continue;  // not even a range
+      EXPECT_EQ(answer, whole) << path << " " << range;
+    }
+  }
+}
+
+TEST(View, ClientsThatHoldItDoNotKeepOthersOut) {
+  const Folder folder;
+  make_store(folder / "a.db", "demo", 3);
+  const Running server({folder / "a.db"});
+  const std::string host = "Host: 127.0.0.1:" + std::to_string(server.port()) + "\r\n";
+  // Half a request each, nothing at all, or an answer that nobody reads: many times the threads.
+  for (const std::string& begin :
+       {"GET / HTTP/1.1\r\n" + host + "X: ", std::string(), "GET / HTTP/1.1\r\n" + host + "\r\n"}) {
+    const Holding holding(server.port(), 60, begin);
+    for (int i = 0; i < 3; ++i)
+      EXPECT_NE(request(server.port(), "/state.json").find(" 200 "), std::string::npos) << begin;
+  }
+}
+
+TEST(View, ARequestHasABoundedLength) {
+  const Folder folder;
+  make_store(folder / "a.db", "demo", 3);
+  const Running server({folder / "a.db"});
+  for (const std::string& begin :
+       {std::string(), "GET / HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(server.port()) + "\r\n"}) {
+    std::string endless = begin;
+    for (int i = 0; i < 20000; ++i) endless += begin.empty() ? "GGGGGGGGGG" : "X: aaaa\r\n";
+    EXPECT_EQ(raw(server.port(), endless).find(" 200 "), std::string::npos);
+  }
+  EXPECT_NE(request(server.port(), "/state.json").find(" 200 "), std::string::npos);
+}
+
+TEST(View, AStoreWithoutEndIsGivenUp) {
+  const Folder folder;
+  make_store(folder / "a.db", "demo", 3);
+  {
+    SQLite::Database db((folder / "a.db").string(), SQLite::OPEN_READWRITE);
+    db.exec(
+        "DROP VIEW v_summary; CREATE VIEW v_summary AS WITH RECURSIVE c (x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM "
+        "c) SELECT x AS suite, x AS robot, x AS controller, x AS point, x AS family, x AS mode, x AS n FROM c");
+  }
+  ReportOptions options;
+  options.patience = std::chrono::milliseconds(300);
+  try {
+    write_report({folder / "a.db"}, folder / "a.html", options);
+    ADD_FAILURE() << "it has an end";
+  } catch (const ReportError& error) {
+    EXPECT_NE(std::string(error.what()).find("not been read after 0.3 s"), std::string::npos) << error.what();
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.html"));
+  ViewOptions view;
+  view.patience = options.patience;
+  const Running server({folder / "a.db"}, view);
+  EXPECT_NE(request(server.port(), "/data.json").find("HTTP/1.1 500"), std::string::npos);
+  EXPECT_NE(request(server.port(), "/state.json").find("HTTP/1.1 200"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace moma::reports
