@@ -60,7 +60,10 @@ void add_query(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   command->footer(footer());
   command->callback([&action, options] {
     action = [options] {
-      write(std::cout, store::query(options->file, sql_of(*options)), options->format);
+      // What a person writes may take as long as it takes; Ctrl-C ends it.
+      const bool own = !options->sql.starts_with('@');
+      const auto patience = own ? std::chrono::minutes(0) : std::chrono::minutes(10);
+      write(std::cout, store::query(options->file, sql_of(*options), patience), options->format);
       return static_cast<int>(kOk);
     };
   });

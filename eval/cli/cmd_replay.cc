@@ -7,6 +7,7 @@
 #include "eval/cli/command.h"
 #include "eval/cli/play_again.h"
 #include "eval/cli/robot_look.h"
+#include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 #include "eval/cli/whole_file.h"
 #include "eval/identify/log_file.h"
@@ -105,6 +106,7 @@ void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
     std::string case_file;
     std::string log_file;
     Film film;
+    Plugins plugins = Plugins::kRefused;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("replay", "Simulate a stored trial again, from the store alone");
@@ -132,12 +134,13 @@ void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       ->check(CLI::Range(64, 4096))
       ->capture_default_str();
   add_look_options(*command, options->film.robots, options->film.shapes);
+  add_allow_plugins(*command, options->plugins);
   command->footer(
       "Examples: moma replay results/demo.db 3f9a12 --check\n"
       "          moma replay results/demo.db 3f9a12 --video failure.webm --size 1920 1080");
   command->callback([&action, options] {
     action = [options] {
-      run::StoredSuites suites;
+      run::StoredSuites suites(options->plugins);
       if (!options->case_file.empty()) {
         const store::StoredTrial trial = store::Reader(options->file).trial(options->trial);
         write_case(suites.point_of(trial), run::world_of(trial), options->step, options->case_file);

@@ -7,6 +7,7 @@
 #include "eval/cli/command.h"
 #include "eval/cli/play_again.h"
 #include "eval/cli/robot_look.h"
+#include "eval/cli/suite_options.h"
 #include "eval/cli/time_known.h"
 #include "eval/store/migrations.h"
 #include "reports/render/report.h"
@@ -26,6 +27,7 @@ void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
     std::vector<std::filesystem::path> robots;
     bool shapes = false;
     ReportOptions report;
+    Plugins plugins = Plugins::kRefused;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("report", "Write a store's results as one self-contained HTML page");
@@ -46,6 +48,7 @@ void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   add_look_options(*command, options->robots, options->shapes);
   command->add_option("--figures", options->figures, "Write every figure as SVG and PDF into this folder (needs node)");
   command->add_option("--table", options->table, "Write the table of results as .tex, .md or .csv");
+  add_allow_plugins(*command, options->plugins);
   command->footer(
       "With --figures or --table the page is written only where -o asks for it.\n"
       "Examples: moma report results/demo.db -o reports/demo.html\n"
@@ -67,7 +70,7 @@ void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
         ReportOptions report = options->report;
         report.sight = time_known;
         if (!options->shapes) report.look = robot_look(options->robots);
-        run::StoredSuites suites;
+        run::StoredSuites suites(options->plugins);
         report.simulate = [&suites](const std::filesystem::path& db, const std::string& trial) {
           return play_again(suites, db, trial);
         };

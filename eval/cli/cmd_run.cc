@@ -23,6 +23,7 @@ struct RunOptions {
   run::EvaluateRequest request;
   std::string rerun;
   std::string shard;
+  Plugins plugins = Plugins::kRefused;
   double lost_after = 30.0;
   bool quiet = false;
 };
@@ -32,7 +33,7 @@ Suite load(const RunOptions& options) {
   if (!options.suite.set.empty() || !options.suite.seed.empty()) {
     throw UsageError("run: --rerun takes the suite as it is in the store; --set and --seed do not go with it");
   }
-  return run::stored_suite(options.suite.file, options.rerun, options.suite.trials);
+  return run::stored_suite(options.suite.file, options.rerun, options.suite.trials, options.plugins);
 }
 
 run::Shard read_shard(const std::string& text) {
@@ -100,6 +101,7 @@ void add_run(CLI::App& app, Action& action, const Arguments& arguments) {
   command->add_option("--threads", options->request.threads, "Threads (all cores)")->check(CLI::Range(1, 4096));
   command->add_option("--rerun", options->rerun,
                       "SUITE is a store: run its suite of this name again, from the store alone");
+  add_allow_plugins(*command, options->plugins);
   command->add_option("--shard", options->shard,
                       "I/N: part I of N (from 1), for N machines; 'moma merge' joins their stores");
   command

@@ -7,6 +7,7 @@
 #include "eval/cli/interrupt.h"
 #include "eval/cli/listener.h"
 #include "eval/cli/progress.h"
+#include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 #include "eval/run/verify.h"
 
@@ -19,6 +20,14 @@ struct VerifyOptions {
   bool quiet = false;
 };
 
+std::string verdict(const run::Verification& found) {
+  if (found.findings > 0) return fmt::format("{} findings", found.findings);
+  if (found.in_vain())
+    return fmt::format("none of the {} chosen ones can be, so that nothing is known of the results", found.chosen);
+  if (found.replayed == 0) return "nothing is known of the results; all else is sound";
+  return "all the same, bit for bit; the store is sound";
+}
+
 int verify(const VerifyOptions& options) {
   const InterruptGuard interrupt;
   ProgressPrinter progress(options.quiet, "success");
@@ -27,13 +36,17 @@ int verify(const VerifyOptions& options) {
   run::VerifyRequest request = options.request;
   request.stop = &InterruptGuard::flag();
   const run::Verification found = run::verify(request, listener);
-  std::cout << fmt::format("{} of {} trials replayed{}: {}\n", found.replayed, found.trials,
-                           found.skipped > 0 ? fmt::format(" ({} cannot be)", found.skipped) : "",
-                           found.findings == 0 ? "all the same, bit for bit; the store is sound"
-                                               : fmt::format("{} findings", found.findings));
+  std::cout << fmt::format("{} of {} trials replayed: {}\n", found.replayed, found.trials, verdict(found));
+  if (!options.quiet) {
+    std::cout << fmt::format(
+        "compared: {} hashes, {} worlds, {} points with their suites, {} copies of trials, {} series "
+        "of samples unpacked\n",
+        found.contents.hashes, found.contents.worlds, found.points, found.contents.copies, found.contents.samples);
+    for (const std::string& text : found.not_checked) std::cout << "not checked: " << terminal_safe(text) << '\n';
+  }
   if (options.hash) std::cout << fmt::format("results {}\n", found.hash);
   if (found.end != run::End::kFinished) return kStoppedEarly;
-  return found.findings == 0 ? kOk : kCheckFailed;
+  return found.findings == 0 && !found.in_vain() ? kOk : kCheckFailed;
 }
 
 }  // namespace
@@ -46,10 +59,12 @@ void add_verify(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       ->check(CLI::Range(0.0, 1.0));
   command->add_option("--seed", options->request.seed, "Chooses other trials");
   command->add_option("--threads", options->request.threads, "Threads (all cores)")->check(CLI::Range(1, 4096));
+  add_allow_plugins(*command, options->request.plugins);
   command->add_flag("--hash", options->hash, "Print one hash over all results: equal hashes mean equal rows");
   command->add_flag("-q,--quiet", options->quiet, "No progress");
   command->footer(
-      "Exit 1 where a trial differs or the store is damaged.\n"
+      "Compares besides what the store says twice, and every hash, and says what it did not look at.\n"
+      "Exit 1 where a trial differs, the store is damaged, or none of the chosen trials can be replayed.\n"
       "Example: moma verify results/demo.db --fraction 0.05 --hash");
   command->callback([&action, options] { action = [options] { return verify(*options); }; });
 }

@@ -7,6 +7,7 @@
 #include "eval/cli/interrupt.h"
 #include "eval/cli/play_again.h"
 #include "eval/cli/robot_look.h"
+#include "eval/cli/suite_options.h"
 #include "eval/cli/time_known.h"
 #include "reports/render/view.h"
 
@@ -18,6 +19,7 @@ void add_view(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
     int port = 8080;
     std::vector<std::filesystem::path> robots;
     bool shapes = false;
+    Plugins plugins = Plugins::kRefused;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command =
@@ -26,10 +28,11 @@ void add_view(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   command->add_option("--port", options->port, "Port of 127.0.0.1 (8080); 0: any free one")
       ->check(CLI::Range(0, 65535));
   add_look_options(*command, options->robots, options->shapes);
+  add_allow_plugins(*command, options->plugins);
   command->footer("Example: moma view results/demo.db --port 0");
   command->callback([&action, options] {
     action = [options] {
-      run::StoredSuites suites;
+      run::StoredSuites suites(options->plugins);
       reports::ViewOptions view;
       view.port = options->port;
       view.simulate = [&suites](const std::filesystem::path& db, const std::string& trial) {

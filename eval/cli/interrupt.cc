@@ -21,11 +21,21 @@ InterruptGuard::InterruptGuard() {
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  // The terminal is gone; under nohup that is to be ignored.
+  sigaction(SIGHUP, nullptr, &hangup_);
+  if (hangup_.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
+  // Nobody reads what is said any more: no reason to lose work.
+  struct sigaction ignore {};
+  ignore.sa_handler = SIG_IGN;
+  sigemptyset(&ignore.sa_mask);
+  sigaction(SIGPIPE, &ignore, &pipe_);
 }
 
 InterruptGuard::~InterruptGuard() {
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
+  sigaction(SIGHUP, &hangup_, nullptr);
+  sigaction(SIGPIPE, &pipe_, nullptr);
 }
 
 const std::atomic<bool>& InterruptGuard::flag() noexcept { return interrupted; }

@@ -1,6 +1,9 @@
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <exception>
 #include <iostream>
 #include <new>
@@ -19,6 +22,13 @@ namespace moma::cli {
 namespace {
 
 using store::StoreError;
+
+/// A store opened under the number of a closed stderr would get the messages.
+void open_standard_streams() {
+  for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor) {
+    if (fcntl(descriptor, F_GETFD) < 0 && errno == EBADF) (void)open("/dev/null", O_RDWR);  // takes the lowest number
+  }
+}
 
 std::string version_text() {
   std::string text = fmt::format("moma {}", store::kVersion);
@@ -124,6 +134,7 @@ int parse_and_run(const Arguments& arguments) {
 }  // namespace
 
 int run_program(const Arguments& arguments) {
+  open_standard_streams();
   try {
     return parse_and_run(arguments);
   } catch (const StoreError& error) {

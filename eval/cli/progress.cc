@@ -57,14 +57,14 @@ void ProgressPrinter::update(const BatchProgress& p) {
   last_ = now;
   const std::string text = describe_progress(p, what_);
   if (!terminal_) {
-    fmt::print(stderr, "{}\n", text);
+    std::fputs((text + "\n").c_str(), stderr);  // fails without a word where nobody listens
     return;
   }
   const int room = std::clamp(terminal_width() - static_cast<int>(text.size()) - 5, 0, 40);
   const double share = p.total > 0 ? static_cast<double>(p.done) / static_cast<double>(p.total) : 1.0;
   const int filled = static_cast<int>(share * room);
   const std::string bar = room < 5 ? "" : fmt::format("[{:#<{}}{:.<{}}] ", "", filled, "", room - filled);
-  fmt::print(stderr, "\r{}{}\033[K", bar, text);
+  std::fputs(fmt::format("\r{}{}\033[K", bar, text).c_str(), stderr);
   std::fflush(stderr);
   drawn_ = true;
 }

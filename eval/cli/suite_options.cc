@@ -48,6 +48,12 @@ Suite SuiteOptions::load() const {
   return load_suite(file, overrides());
 }
 
+void add_allow_plugins(CLI::App& command, Plugins& plugins) {
+  command.add_flag_callback(
+      "--allow-plugins", [&plugins] { plugins = Plugins::kOfStore; },
+      "Load the plugins that the store names: code that runs here, for stores that you trust");
+}
+
 void print_warnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) std::cerr << "warning: " << terminal_safe(warning) << '\n';
 }

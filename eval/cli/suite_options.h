@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "eval/suite/suite.h"
+#include "eval/suite/stored.h"
 
 namespace moma::cli {
 
@@ -21,6 +21,9 @@ struct SuiteOptions {
   /// Throws UsageError, config::ConfigError.
   Suite load() const;
 };
+
+/// Adds --allow-plugins to a command that builds suites again from a store.
+void add_allow_plugins(CLI::App& command, Plugins& plugins);
 
 /// Prints each warning to stderr.
 void print_warnings(const std::vector<std::string>& warnings);

@@ -62,11 +62,11 @@ void TuneProgress::show() {
   if (now - last_ < (terminal_ ? std::chrono::milliseconds(200) : std::chrono::milliseconds(10000))) return;
   last_ = now;
   if (terminal_) {
-    fmt::print(stderr, "\r{}\033[K", text());
+    std::fputs(fmt::format("\r{}\033[K", text()).c_str(), stderr);
     std::fflush(stderr);
     drawn_ = true;
   } else {
-    fmt::print(stderr, "{}\n", text());
+    std::fputs((text() + "\n").c_str(), stderr);
   }
 }
 

@@ -1,28 +1,15 @@
 #include "eval/cli/whole_file.h"
 
-#include <fmt/format.h>
-
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-
 #include "eval/cli/command.h"
+#include "eval/store/output_file.h"
 
 namespace moma::cli {
 
-namespace fs = std::filesystem;
-
-void write_whole(const fs::path& file, const std::function<void(std::ostream&)>& write) {
-  const fs::path part = file.string() + ".part";
-  std::ofstream out(part, std::ios::binary);
-  write(out);
-  out.close();
-  std::error_code error;
-  if (out) fs::rename(part, file, error);
-  if (!out || error) {
-    const std::string why = error ? error.message() : std::strerror(errno);
-    fs::remove(part, error);
-    throw UsageError(fmt::format("{}: cannot be written: {}", file.string(), why));
+void write_whole(const std::filesystem::path& file, const std::function<void(std::ostream&)>& write) {
+  try {
+    store::write_file(file, write);
+  } catch (const store::OutputError& error) {
+    throw UsageError(error.what());
   }
 }
 

@@ -6,7 +6,7 @@
 
 namespace moma::cli {
 
-/// Writes a file whole or not at all: `write` fills FILE.part, which then takes its place. Throws UsageError.
+/// store::write_file() (eval/store/output_file.h) for commands. Throws UsageError.
 void write_whole(const std::filesystem::path& file, const std::function<void(std::ostream&)>& write);
 
 }  // namespace moma::cli

@@ -14,6 +14,7 @@
 #include "eval/store/machine.h"
 #include "eval/store/run_lock.h"
 #include "eval/store/writer.h"
+#include "eval/suite/stored.h"
 
 namespace moma::run {
 namespace {
@@ -51,9 +52,15 @@ class Run {
       return std::move(result_);
     }
     store::Writer writer(result_.file);
+    if (lock.exclusive()) tell_killed(writer.close_killed(), listener_);
     const std::string warning = store::file_system_warning(result_.file);
     if (!warning.empty()) listener_.tell(listener_.warning, warning);
-    suite_.until ? run_until(writer) : run_fixed(writer);
+    try {
+      suite_.until ? run_until(writer) : run_fixed(writer);
+    } catch (...) {
+      writer.fail();
+      throw;
+    }
     result_.suite = writer.suite_name();
     result_.warnings = row_warnings_.sentences();
     return std::move(result_);
@@ -222,7 +229,7 @@ void follow(Cluster& cluster, int threads) {
   if (!setup) return;
   Suite suite;
   try {
-    suite = suite_from_resolved(nlohmann::ordered_json::parse(*setup));
+    suite = suite_from_resolved(nlohmann::ordered_json::parse(*setup), Plugins::kOfStore);  // rank 0 loaded them
   } catch (const std::exception& error) {
     cluster.refuse(error.what());
     return;

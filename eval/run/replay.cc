@@ -17,7 +17,8 @@ const Suite& StoredSuites::suite_of(const store::StoredTrial& trial) {
   const auto found = suites_.find(trial.resolved_suite);
   if (found != suites_.end()) return found->second;
   Suite suite = suite_from_resolved(
-      config::parse_json(trial.resolved_suite, fmt::format("the suite of trial {}", trial.key.substr(0, 16))));
+      config::parse_json(trial.resolved_suite, fmt::format("the suite of trial {}", trial.key.substr(0, 16))),
+      plugins_);
   return suites_.emplace(trial.resolved_suite, std::move(suite)).first->second;
 }
 
@@ -47,14 +48,15 @@ World world_of(const store::StoredTrial& trial) {
   return world_from_json(json, fmt::format("world of trial {}", trial.key.substr(0, 16)));
 }
 
-Suite stored_suite(const std::filesystem::path& store, const std::string& name, const std::string& trials) {
+Suite stored_suite(const std::filesystem::path& store, const std::string& name, const std::string& trials,
+                   Plugins plugins) {
   auto resolved = config::parse_json(store::Reader(store).latest_invocation(name).resolved_suite,
                                      fmt::format("{}: the resolved suite {}", store.string(), name));
   if (!trials.empty()) {
     // Read as in a suite: a number, or a map; anything else is refused by the reader of `trials`.
     resolved["trials"] = config::node_to_json(config::parse_yaml(trials, "--trials " + config::shortened(trials)));
   }
-  return suite_from_resolved(resolved);
+  return suite_from_resolved(resolved, plugins);
 }
 
 Replay replay(const std::filesystem::path& store, const std::string& name, StoredSuites& suites) {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "eval/store/reader.h"
-#include "eval/suite/suite.h"
+#include "eval/suite/stored.h"
 #include "eval/trial/trial.h"
 
 namespace moma::run {
@@ -13,11 +13,13 @@ namespace moma::run {
 /// Suites built again from a store, each once: reading a robot takes much longer than looking up a trial.
 class StoredSuites {
  public:
+  explicit StoredSuites(Plugins plugins = Plugins::kRefused) : plugins_(plugins) {}
   /// The point that `trial` belongs to. Throws StoreError where this program simulates differently by now.
   const Point& point_of(const store::StoredTrial& trial);
   const Suite& suite_of(const store::StoredTrial& trial);
 
  private:
+  Plugins plugins_;
   std::map<std::string, Suite> suites_;  ///< by resolved text
 };
 
@@ -26,7 +28,8 @@ World world_of(const store::StoredTrial& trial);
 
 /// The suite of this name as the store has it, with another number of worlds where `trials` is not empty (checked like
 /// a file's). Throws StoreError, config::ConfigError.
-Suite stored_suite(const std::filesystem::path& store, const std::string& name, const std::string& trials = "");
+Suite stored_suite(const std::filesystem::path& store, const std::string& name, const std::string& trials = "",
+                   Plugins plugins = Plugins::kRefused);
 
 /// A stored trial simulated again, from the store alone.
 struct Replay {

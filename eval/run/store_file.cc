@@ -48,6 +48,11 @@ std::string stopped_text(const std::string& what, const std::string& saved, cons
                      command_line(arguments));
 }
 
+void tell_killed(const std::vector<std::string>& started, const Listener& listener) {
+  for (const std::string& when : started)
+    listener.tell(listener.note, fmt::format("the run of {} was killed; what it saved is there", when));
+}
+
 int usual_threads(bool cluster) {
   return cluster ? 1 : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "eval/run/listener.h"
+
 namespace moma::run {
 
 /// Where results go unless told otherwise: results/NAME.db under the working directory; the folder is made. `part`
@@ -16,6 +18,9 @@ std::string command_line(const std::vector<std::string>& arguments);
 /// "stopped WHAT: SAVED saved in FILE; to go on: COMMAND".
 std::string stopped_text(const std::string& what, const std::string& saved, const std::filesystem::path& file,
                          const std::vector<std::string>& arguments);
+
+/// Tells of runs that were killed, by when they began.
+void tell_killed(const std::vector<std::string>& started, const Listener& listener);
 
 /// All cores, but one thread for each rank of an mpirun: ranks are usually as many as cores.
 int usual_threads(bool cluster = false);

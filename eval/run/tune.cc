@@ -1,8 +1,9 @@
 #include "eval/run/tune.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
-#include <fstream>
+#include <ostream>
 #include <unordered_map>
 
 #include "eval/batch/batch.h"
@@ -11,6 +12,7 @@
 #include "eval/store/build_info.h"
 #include "eval/store/database.h"
 #include "eval/store/machine.h"
+#include "eval/store/output_file.h"
 #include "eval/store/run_lock.h"
 #include "eval/store/writer.h"
 #include "eval/tune/stored_search.h"
@@ -41,7 +43,7 @@ class Tune {
     if (!lock.held()) return stopped(std::move(tuned), End::kNeverBegan, "the wait for the store");
     check_gains_file();
     tell_plan();
-    tuned.search = search();
+    tuned.search = search(lock.exclusive());
     if (!tuned.search) return stopped(std::move(tuned), End::kStopped, "the search");
     if (listener_.searched) listener_.searched(*tuned.search);
     if (request_.verdict) {
@@ -69,8 +71,9 @@ class Tune {
     note("objective: " + tune::objective_text(tuning_));
   }
 
-  std::optional<tune::SearchResult> search() {
+  std::optional<tune::SearchResult> search(bool exclusive) {
     store::Writer writer(file_);
+    if (exclusive) tell_killed(writer.close_killed(), listener_);
     const std::string warning = store::file_system_warning(file_);
     if (!warning.empty()) listener_.tell(listener_.warning, warning);
     writer.begin(without_metrics(store::describe(tune::searched_suite(tuning_))), {request_.arguments, threads_}, {});
@@ -94,6 +97,10 @@ class Tune {
       records.stopped();
       writer.finish(store::RunStatus::kStopped);
       return std::nullopt;
+    } catch (...) {
+      progress_end();
+      writer.fail();
+      throw;
     }
   }
 
@@ -151,19 +158,23 @@ class Tune {
         store::utc_now().substr(0, 10), store::kVersion,
         commit.empty() ? "" : fmt::format(" ({}{})", commit.substr(0, 12), store::kGitDirty ? ", changed" : ""),
         tune::objective_text(tuning_));
-    std::ofstream stream(gains_);
-    stream << tune::tuned_file(tuning_, result, verdict, provenance);
-    if (!stream.flush()) throw RunError(fmt::format("{}: could not be written", gains_.string()));
+    try {
+      store::write_file(gains_,
+                        [&](std::ostream& out) { out << tune::tuned_file(tuning_, result, verdict, provenance); });
+    } catch (const store::OutputError& error) {
+      throw RunError(error.what());
+    }
   }
 
   /// Now rather than after half an hour.
   void check_gains_file() const {
-    {
-      std::ofstream probe(gains_, std::ios::app);
-      if (!probe) throw RunError(fmt::format("{}: cannot be written; name another file with --gains", gains_.string()));
-    }
-    std::error_code ignored;
-    if (fs::file_size(gains_, ignored) == 0) fs::remove(gains_, ignored);
+    const fs::path place = store::behind_links(gains_);
+    std::error_code error;
+    const bool there = fs::exists(place, error);
+    const fs::path folder = place.has_parent_path() ? place.parent_path() : fs::path(".");
+    if (fs::is_directory(place, error) || !fs::is_directory(folder, error) || ::access(folder.c_str(), W_OK) != 0 ||
+        (there && ::access(place.c_str(), W_OK) != 0))
+      throw RunError(fmt::format("{}: cannot be written; name another file with --gains", gains_.string()));
   }
 
   Tuned stopped(Tuned tuned, End end, const std::string& what) const {

@@ -3,15 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <memory>
+#include <set>
 #include <vector>
 
 #include "eval/batch/batch.h"
-#include "eval/run/replay.h"
 #include "eval/store/hash.h"
 #include "eval/store/reader.h"
+#include "eval/store/records.h"
+#include "eval/store/run_lock.h"
+#include "eval/store/samples.h"
+#include "eval/store/user_metrics.h"
+#include "eval/trial/key.h"
+#include "world/world_json.h"
 
 namespace moma::run {
 namespace {
@@ -30,18 +37,81 @@ std::vector<std::string> choose(const std::vector<std::string>& keys, double fra
   return chosen;
 }
 
+bool same_bits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) || (std::isnan(a) && std::isnan(b));
+}
+
+/// Names of the columns that are not as they come out now, bit for bit; columns that only one of them has are from
+/// another version of what is remembered and say nothing.
+std::vector<std::string> differing_columns(const store::EncodedSamples& stored, const Trace& replayed) {
+  const store::SampleTable then = store::decode_table(stored);
+  const store::SampleTable now = store::decode_table(store::encode_samples(replayed));
+  std::vector<std::string> differ;
+  for (std::size_t c = 0; c < then.names.size(); ++c) {
+    const auto found = std::find(now.names.begin(), now.names.end(), then.names[c]);
+    if (found == now.names.end()) continue;
+    const std::vector<double>& other = now.columns[static_cast<std::size_t>(found - now.names.begin())];
+    const std::vector<double>& own = then.columns[c];
+    if (!std::equal(own.begin(), own.end(), other.begin(), other.end(), same_bits)) differ.push_back(then.names[c]);
+  }
+  return differ;
+}
+
+/// Evaluators of the suites' own metrics, by robot and expressions: making one compiles SQL.
+class Metrics {
+ public:
+  /// Sentences of those that do not come out as stored; what cannot be evaluated goes into `unable`.
+  std::vector<std::string> differences(const std::vector<store::StoredMetric>& stored, const RobotModel& robot,
+                                       const Trace& trace, std::set<std::string>& unable) {
+    std::vector<std::string> lines;
+    for (const store::StoredMetric& metric : stored) {
+      const store::UserMetrics* evaluator = find(metric, robot, unable);
+      if (evaluator == nullptr) continue;
+      const double now = evaluator->evaluate(trace).front();
+      if (!same_bits(now, metric.value))
+        lines.push_back(fmt::format("metric {}: {:.17g} != {:.17g}", metric.name, metric.value, now));
+    }
+    return lines;
+  }
+
+ private:
+  const store::UserMetrics* find(const store::StoredMetric& metric, const RobotModel& robot,
+                                 std::set<std::string>& unable) {
+    const auto key = std::make_pair(&robot, metric.expression);
+    const auto found = evaluators_.find(key);
+    if (found != evaluators_.end()) return found->second.get();
+    std::unique_ptr<store::UserMetrics> made;
+    try {
+      made = std::make_unique<store::UserMetrics>(
+          std::vector<std::pair<std::string, std::string>>{{metric.name, metric.expression}}, robot.num_joints(),
+          robot.num_velocities());
+    } catch (const store::MetricError& error) {
+      unable.insert(fmt::format("metric {}: {}", metric.name, error.what()));
+    }
+    return evaluators_.emplace(key, std::move(made)).first->second.get();
+  }
+
+  std::map<std::pair<const RobotModel*, std::string>, std::unique_ptr<store::UserMetrics>> evaluators_;
+};
+
 class Verifier {
  public:
   Verifier(const VerifyRequest& request, const Listener& listener)
-      : request_(request), listener_(listener), reader_(request.file) {}
+      : request_(request), listener_(listener), reader_(request.file), suites_(request.plugins) {}
 
   Verification execute() {
     for (const std::string& problem : reader_.integrity_problems()) complain("integrity: " + problem);
+    found_.contents = store::check_contents(request_.file, [this](const std::string& text) { complain(text); });
+    check_points();
+    tell_running();
     const std::vector<std::string> keys = reader_.keys();
     found_.trials = keys.size();
-    collect(choose(keys, request_.fraction, request_.seed));
+    const std::vector<std::string> chosen = choose(keys, request_.fraction, request_.seed);
+    found_.chosen = chosen.size();
+    collect(chosen);
     if (replay()) found_.end = End::kStopped;
     found_.hash = reader_.result_hash();
+    tell_unchecked();
     return found_;
   }
 
@@ -51,22 +121,64 @@ class Verifier {
     listener_.tell(listener_.warning, text);
   }
 
+  /// The point that `stored` belongs to; null, with the reason counted, where it cannot be built.
+  const Point* build(const store::StoredTrial& stored) {
+    try {
+      return &suites_.point_of(stored);
+    } catch (const store::StoreError& error) {
+      if (error.kind() != store::StoreError::Kind::kNotFound) throw;
+      ++unbuilt_["of another version of the simulation"];
+    } catch (const PluginRefused&) {
+      ++unbuilt_["of suites with a plugin (--allow-plugins loads it)"];
+    }
+    return nullptr;
+  }
+
+  /// Every row of table point, and every trial's key, from the resolved suites.
+  void check_points() {
+    std::map<const Suite*, store::SuiteRecord> records;
+    for (const store::StoredPoint& stored : reader_.points()) {
+      const std::string name = fmt::format("point {} ({} of {})", stored.id, stored.controller, stored.suite);
+      store::StoredTrial as;  // names its point as a trial would
+      as.key = name;
+      as.resolved_suite = stored.resolved_suite;
+      as.position = stored.position;
+      as.simulation_version = stored.simulation_version;
+      const Point* point = build(as);
+      const std::vector<store::PointTrial> trials = reader_.trials_of(stored.id);
+      if (point == nullptr) {
+        keys_unchecked_ += trials.size();
+        continue;
+      }
+      ++found_.points;
+      const Suite& suite = suites_.suite_of(as);
+      auto record = records.find(&suite);
+      if (record == records.end()) record = records.emplace(&suite, store::describe(suite)).first;
+      const std::string differ = reader_.point_differences(stored.id, record->second.points[stored.position]);
+      if (!differ.empty()) complain(fmt::format("{}: {} not as its resolved suite says", name, differ));
+      const TrialKeys keys(*point);
+      for (const store::PointTrial& trial : trials) {
+        if (keys.key(point->worlds.identity(trial.world_index)) != trial.key)
+          complain(
+              fmt::format("trial {}: its content gives another key; the store was changed", trial.key.substr(0, 16)));
+      }
+    }
+    unbuilt_.clear();  // counted again by trials
+  }
+
   /// Turns the chosen trials into jobs of a batch over copies of their points.
   void collect(const std::vector<std::string>& keys) {
     for (const std::string& key : keys) {
       store::StoredTrial trial = reader_.trial(key);
-      const Point* point = nullptr;
+      const Point* point = build(trial);
+      if (point == nullptr) continue;
       std::shared_ptr<const World> world;
       try {
-        point = &suites_.point_of(trial);
         world = std::make_shared<const World>(world_of(trial));
       } catch (const store::StoreError& error) {
         if (error.kind() != store::StoreError::Kind::kNotFound) throw;
-        ++found_.skipped;
+        ++unbuilt_["without a world"];
         continue;
-      }
-      if (trial_key(*point, trial.world_index) != key) {
-        complain(fmt::format("trial {}: its content gives another key; the store was changed", key.substr(0, 16)));
       }
       // One point per trial: the batch hands worlds out by point and index, which need not be unique in a store.
       jobs_.push_back({points_.size(), trial.world_index, key});
@@ -78,6 +190,7 @@ class Verifier {
   }
 
   bool replay() {
+    std::vector<char> drawn(points_.size(), 1);  // not bool: written by several threads
     BatchOptions batch;
     batch.threads = request_.threads;
     batch.stop = request_.stop;
@@ -85,28 +198,86 @@ class Verifier {
     batch.world = [this](const Point& point, std::uint64_t) {
       return worlds_[static_cast<std::size_t>(&point - points_.data())];
     };
+    batch.finish = [&](const Point& point, BatchResult& result) {
+      const auto place = static_cast<std::size_t>(&point - points_.data());
+      try {
+        const World again = point.worlds.make(point.robot->model, jobs_[place].world);
+        drawn[place] = to_json(again).dump() == to_json(*result.world).dump() ? 1 : 0;  // absent numbers are null there
+      } catch (const GenerationError&) {
+        drawn[place] = 0;
+      }
+    };
     const BatchSummary summary = run_batch(points_, jobs_, batch, [&](const BatchJob& job, BatchResult&& result) {
       ++found_.replayed;
-      const ReplayDifferences found = differences(rows_[job.point], classes_[job.point], result.output.row);
-      if (found.lines.empty()) return true;
-      if (listener_.progress_end) listener_.progress_end();
-      complain(fmt::format("trial {}: {}{}", job.key.substr(0, 16), fmt::join(found.lines, "; "),
-                           !found.stored_machine.empty() ? " (computed on a machine of another class)" : ""));
+      compare(job, result, drawn[job.point] != 0);
       return true;
     });
     if (listener_.progress_end) listener_.progress_end();
     return summary.stopped;
   }
 
+  void compare(const BatchJob& job, const BatchResult& result, bool drawn) {
+    ReplayDifferences found = differences(rows_[job.point], classes_[job.point], result.output.row);
+    if (!drawn) found.lines.push_back("its world is not the one that its suite draws");
+    try {
+      if (const auto samples = reader_.trial(job.key).samples) {
+        ++samples_compared_;
+        const std::vector<std::string> differ = differing_columns(*samples, result.output.trace);
+        if (!differ.empty()) found.lines.push_back(fmt::format("samples: {} differ", fmt::join(differ, ", ")));
+      }
+    } catch (const store::StoreError&) {
+      throw;
+    } catch (const std::runtime_error&) {  // damaged: told by check_contents()
+    }
+    const std::vector<std::string> metrics =
+        metrics_.differences(reader_.metrics(job.key), *points_[job.point].robot->model, result.output.trace, unable_);
+    found.lines.insert(found.lines.end(), metrics.begin(), metrics.end());
+    if (found.lines.empty()) return;
+    if (listener_.progress_end) listener_.progress_end();
+    complain(fmt::format("trial {}: {}{}", job.key.substr(0, 16), fmt::join(found.lines, "; "),
+                         !found.stored_machine.empty() ? " (computed on a machine of another class)" : ""));
+  }
+
+  void tell_running() const {
+    const bool at_work = store::RunLock::taken(request_.file);
+    const std::vector<std::string> started = reader_.running();
+    for (const std::string& when : started) {
+      const bool last = &when == &started.back();
+      listener_.tell(
+          listener_.notice,
+          fmt::format("the run of {} {}", when, at_work && last ? "is at work" : "was killed; what it saved is there"));
+    }
+  }
+
+  void tell_unchecked() {
+    std::vector<std::string>& list = found_.not_checked;
+    if (found_.replayed < found_.trials)
+      list.push_back(fmt::format("results of {} trials that were not replayed", found_.trials - found_.replayed));
+    for (const auto& [why, n] : unbuilt_) list.push_back(fmt::format("{} chosen trials {}", n, why));
+    if (keys_unchecked_ > 0)
+      list.push_back(fmt::format("keys of {} trials whose suites could not be read", keys_unchecked_));
+    if (found_.contents.samples > samples_compared_)
+      list.push_back(fmt::format("values of {} series of samples", found_.contents.samples - samples_compared_));
+    if (const std::size_t n = reader_.searched_trials(); n > 0)
+      list.push_back(fmt::format("{} trials of searches, and what searches found", n));
+    for (const std::string& text : unable_) list.push_back(text);
+    list.push_back("how long trials took, and what invocations say of themselves");
+  }
+
   const VerifyRequest& request_;
   const Listener& listener_;
   store::Reader reader_;
   StoredSuites suites_;
+  Metrics metrics_;
   std::vector<Point> points_;
   std::vector<BatchJob> jobs_;
   std::vector<std::shared_ptr<const World>> worlds_;
   std::vector<TrialRow> rows_;
   std::vector<std::string> classes_;
+  std::map<std::string, std::size_t> unbuilt_;  ///< why trials or points could not be built
+  std::size_t keys_unchecked_ = 0;
+  std::size_t samples_compared_ = 0;
+  std::set<std::string> unable_;
   Verification found_;
 };
 

@@ -4,29 +4,41 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "eval/run/listener.h"
+#include "eval/run/replay.h"
+#include "eval/store/contents.h"
 
 namespace moma::run {
 
 struct VerifyRequest {
   std::filesystem::path file;
-  double fraction = 0.1;  ///< of the trials; at least one
+  double fraction = 0.1;  ///< of the trials; at least one unless 0
   std::int64_t seed = 1;  ///< chooses other trials
   int threads = 0;        ///< 0: one per core
+  Plugins plugins = Plugins::kRefused;
   const std::atomic<bool>* stop = nullptr;
 };
 
 struct Verification {
-  std::size_t trials = 0;  ///< in the store
+  std::size_t trials = 0;  ///< in the store, that belong to a point
+  std::size_t chosen = 0;  ///< for a replay
   std::size_t replayed = 0;
-  std::size_t skipped = 0;   ///< cannot be: another version of the simulation, or no world
   std::size_t findings = 0;  ///< told to Listener::warning as they are found
-  std::string hash;          ///< over every result: equal hashes mean equal rows
+  store::ContentCounts contents;
+  std::size_t points = 0;                ///< built again and compared with their rows
+  std::vector<std::string> not_checked;  ///< what nothing is said of, in words
+  std::string hash;                      ///< over every result: equal hashes mean equal rows
   End end = End::kFinished;
+
+  /// Whether something was to be replayed and nothing could be.
+  bool in_vain() const { return chosen > 0 && replayed == 0 && end == End::kFinished; }
 };
 
-/// Replays a fraction of a store's trials, compares bit for bit, and looks for damage. Throws store::StoreError.
+/// Looks for damage, compares everything that the store says twice (eval/store/contents.h), builds the points and keys
+/// of all trials again, and replays a fraction of them: rows, metrics and samples must come out bit for bit. Throws
+/// store::StoreError.
 Verification verify(const VerifyRequest& request, const Listener& listener = {});
 
 }  // namespace moma::run

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <fstream>
 #include <system_error>
+#include <utility>
 
 #include "eval/store/migrations.h"
 
@@ -81,6 +82,28 @@ bool look_at_file(const fs::path& file, Access access) {
   return true;
 }
 
+/// What a store from elsewhere may not do to us: triggers (moma makes none) do not run, and its schema is not rewritten
+/// by SQL. Functions that do more than compute are not built into SQLite, so that views can call none.
+void harden(SQLite::Database& db) {
+  for (const auto& [option, value] :
+       {std::pair{SQLITE_DBCONFIG_ENABLE_TRIGGER, 0}, std::pair{SQLITE_DBCONFIG_DEFENSIVE, 1}})
+    sqlite3_db_config(db.getHandle(), option, value, nullptr);
+}
+
+/// A view under the name of a table could be of any length.
+void check_tables(SQLite::Database& db, const fs::path& file) {
+  SQLite::Statement wanted(db, "SELECT type FROM main.sqlite_schema WHERE name = ?");
+  for (const char* table : {"robot", "controller", "resolved_suite", "suite", "point", "world", "invocation", "trial",
+                            "execution", "point_trial", "samples"}) {
+    wanted.reset();
+    wanted.bind(1, table);
+    const std::string type = wanted.executeStep() ? wanted.getColumn(0).getString() : "";
+    if (type != "table")
+      throw unusable(
+          file, fmt::format("is damaged: {} {}", table, type.empty() ? "is missing" : "is no table but a " + type));
+  }
+}
+
 /// Refuses what is not ours. True where the file is a database without any content.
 bool check_identity(SQLite::Database& db, const fs::path& file) {
   const int application = db.execAndGet("PRAGMA application_id").getInt();
@@ -96,6 +119,7 @@ bool check_identity(SQLite::Database& db, const fs::path& file) {
                                      "use that moma",
                                      version, kSchemaVersion));
   }
+  check_tables(db, file);
   return false;
 }
 
@@ -162,6 +186,7 @@ SQLite::Database open_database(const fs::path& file, Access access) {
   try {
     if (access == Access::kReadOnly) {
       SQLite::Database db(read_only_uri(file), SQLite::OPEN_READONLY | SQLITE_OPEN_URI, kBusyTimeoutMs);
+      harden(db);
       if (check_identity(db, file))
         throw unusable(file, "is an empty database; a store written by 'moma run' is needed");
       if (schema_version(db) < kSchemaVersion) {
@@ -173,6 +198,7 @@ SQLite::Database open_database(const fs::path& file, Access access) {
     }
     const int create = access == Access::kCreate ? SQLite::OPEN_CREATE : 0;
     SQLite::Database db(file.string(), SQLite::OPEN_READWRITE | create, kBusyTimeoutMs);
+    harden(db);
     const bool empty = check_identity(db, file);
     if (empty && access != Access::kCreate) throw unusable(file, "is an empty database; 'moma run' makes a store");
     db.exec("PRAGMA journal_mode = WAL");

@@ -6,16 +6,25 @@
 #include <SQLiteCpp/Statement.h>
 #include <SQLiteCpp/Transaction.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <memory>
 #include <set>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "eval/store/columns.h"
 #include "eval/store/database.h"
 #include "eval/store/definition.h"
+#include "eval/store/merge_searches.h"
 #include "eval/store/migrations.h"
+#include "eval/store/output_file.h"
 #include "eval/store/registry.h"
+#include "eval/store/run_lock.h"
 
 namespace moma::store {
 namespace {
@@ -25,39 +34,49 @@ namespace fs = std::filesystem;
 
 constexpr const char* kContent[] = {"robot", "controller", "resolved_suite", "world"};
 
-/// Names of a table's columns, stored ones only, without the integer key that each store gives on its own.
-std::string columns_of(SQLite::Database& db, const std::string& table, const std::string& prefix = {}) {
-  Statement s(db, fmt::format("SELECT name FROM pragma_table_xinfo('{}') WHERE hidden = 0 AND name <> 'id'", table));
-  std::string names;
-  while (s.executeStep()) names += (names.empty() ? "" : ", ") + prefix + s.getColumn(0).getString();
-  return names;
-}
-
 /// Adds what is attached as `source`. Maps from its ids to ours are temporary tables.
 class Importer {
  public:
   Importer(SQLite::Database& db, fs::path file) : db_(db), file_(std::move(file)) {}
 
   MergeSummary import() {
+    check_columns();
     for (const char* table : kContent) import_content(table);
     import_suites();
     import_points();
     import_invocations();
     check_contradictions();
-    return import_trials();
+    MergeSummary summary = import_trials();
+    summary.searches = merge_searches(db_, file_, summary.notes);
+    merge_others(db_, file_, summary.notes);
+    for (const char* map : {"robot", "controller", "resolved_suite", "world", "suite", "point", "invocation"})
+      db_.exec(fmt::format("DROP TABLE map_{}", map));
+    return summary;
   }
 
  private:
-  /// Columns of a table of results that both stores have: the other one may be from before a metric was there. One from
-  /// after would lose it.
-  std::string shared_columns(const std::string& table, const std::string& prefix = {}) {
-    const std::set<std::string> ours = stored_columns(db_, table);
-    for (const std::string& name : stored_columns(db_, table, "source")) {
-      if (ours.count(name) > 0) continue;
-      throw StoreError(
-          StoreError::Kind::kUnusable,
-          fmt::format("{}: was written by a newer moma, which measures {}; use that moma", file_.string(), name));
+  /// A column that moma's tables have there and not here would be lost.
+  void check_columns() {
+    const std::set<std::string> own = own_names();
+    std::vector<std::string> tables;
+    Statement all(db_, "SELECT name FROM source.sqlite_schema WHERE type = 'table'");
+    while (all.executeStep())
+      if (own.count(all.getColumn(0).getString()) > 0) tables.push_back(all.getColumn(0).getString());
+    all.reset();
+    for (const std::string& table : tables) {
+      const std::set<std::string> ours = stored_columns(db_, table);
+      for (const std::string& name : stored_columns(db_, table, "source")) {
+        if (ours.count(name) > 0) continue;
+        throw StoreError(StoreError::Kind::kUnusable,
+                         fmt::format("{}: table {} has a column {} that would be lost: it was written by a newer moma, "
+                                     "or somebody added it; use that moma, or add it to the output",
+                                     file_.string(), table, name));
+      }
     }
+  }
+
+  /// Columns of a table of results that both stores have: the other one may be from before a metric was there.
+  std::string shared_columns(const std::string& table, const std::string& prefix = {}) {
     Statement s(db_,
                 "SELECT name FROM pragma_table_xinfo(?1, 'main') WHERE hidden = 0 AND name IN "
                 "(SELECT name FROM pragma_table_xinfo(?1, 'source'))");
@@ -239,9 +258,6 @@ class Importer {
                     "JOIN main.world AS w ON w.id = t.world_id ORDER BY 1, 2",
                     summary_list(), summary_list("t.")));
     import_metrics();
-    for (const char* map : {"robot", "controller", "resolved_suite", "world", "suite", "point", "invocation"}) {
-      db_.exec(fmt::format("DROP TABLE map_{}", map));
-    }
     return summary;
   }
 
@@ -263,21 +279,55 @@ class Importer {
 
 /// ATTACH cannot be in a transaction, so that each input has its own; the caller works on a new file.
 void merge_into(SQLite::Database& db, const fs::path& file, MergeSummary& summary) {
-  { const ReadConnection look(file); }  // ours, and of this version
   Statement attach(db, "ATTACH ? AS source");
   attach.bind(1, file.string());
   attach.exec();
   SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
-  const MergeSummary one = Importer(db, file).import();
+  MergeSummary one = Importer(db, file).import();
   transaction.commit();
   db.exec("DETACH source");
   summary.added += one.added;
   summary.present += one.present;
+  summary.searches += one.searches;
+  std::move(one.notes.begin(), one.notes.end(), std::back_inserter(summary.notes));
 }
 
 void remove_store(const fs::path& file) {
   std::error_code ignored;
   for (const char* suffix : {"", "-wal", "-shm", "-journal"}) fs::remove(file.string() + suffix, ignored);
+}
+
+struct Removed {
+  fs::path file;
+  ~Removed() { remove_store(file); }
+};
+
+bool is_older(const fs::path& file) {
+  try {
+    SQLite::Database db(file.string(), SQLite::OPEN_READONLY);
+    return db.execAndGet("PRAGMA application_id").getInt() == kApplicationId && schema_version(db) > 0 &&
+           schema_version(db) < kSchemaVersion;
+  } catch (const SQLite::Exception&) {
+    return false;  // opening it as a store says why
+  }
+}
+
+/// An input is only read: one of an older version is copied, and the copy brought up to date.
+void merge_input(SQLite::Database& db, const fs::path& file, const fs::path& copy, MergeSummary& summary) {
+  if (!is_older(file)) {
+    { const ReadConnection look(file); }  // ours, and of this version
+    return merge_into(db, file, summary);
+  }
+  const Removed removed{copy};
+  remove_store(copy);
+  {
+    SQLite::Database old(file.string(), SQLite::OPEN_READONLY);
+    Statement vacuum(old, "VACUUM INTO ?");
+    vacuum.bind(1, copy.string());
+    vacuum.exec();
+  }
+  { const SQLite::Database migrated = open_database(copy, Access::kReadWrite); }
+  merge_into(db, copy, summary);
 }
 
 /// `out` is replaced by renaming, which must not happen under a program that has it open.
@@ -290,39 +340,95 @@ void check_unused(const fs::path& out) {
   }
 }
 
+/// Everything that was committed goes into the file itself: what SQLite cannot write when it closes, it does not tell.
+void settle(SQLite::Database& db, const fs::path& part) {
+  Statement checkpoint(db, "PRAGMA wal_checkpoint(TRUNCATE)");
+  const bool whole = checkpoint.executeStep() && checkpoint.getColumn(0).getInt() == 0;
+  if (!whole) throw StoreError(StoreError::Kind::kUnusable, fmt::format("{}: cannot be written", part.string()));
+}
+
+/// Locks of all files, always taken in one order, so that two merges cannot wait for each other.
+class Locks {
+ public:
+  Locks(const fs::path& out, const std::vector<fs::path>& in, const MergeOptions& options) {
+    static const std::atomic<bool> kNever{false};
+    std::map<fs::path, RunLock::Use> uses;
+    for (const fs::path& file : in) uses.emplace(place_of(file), RunLock::Use::kMergeFrom);
+    uses[place_of(out)] = RunLock::Use::kWrite;
+    for (const auto& [file, use] : uses) {
+      std::error_code error;
+      if (use == RunLock::Use::kMergeFrom && !fs::is_regular_file(file, error)) continue;  // opening it says why
+      auto lock = std::make_unique<RunLock>(
+          file, options.stop != nullptr ? *options.stop : kNever,
+          [&](const std::string& words) {
+            if (options.waiting) options.waiting(words);
+          },
+          use);
+      if (!lock->held()) throw StoreError(StoreError::Kind::kInterrupted, "stopped while waiting; nothing was merged");
+      if (use == RunLock::Use::kWrite) exclusive_ = lock->exclusive();
+      locks_.push_back(std::move(lock));
+    }
+  }
+  /// Whether nobody else can be writing the output's part file.
+  bool exclusive() const { return exclusive_; }
+
+ private:
+  static fs::path place_of(const fs::path& file) {
+    std::error_code error;
+    const fs::path place = fs::weakly_canonical(behind_links(file), error);
+    return error ? file : place;
+  }
+
+  std::vector<std::unique_ptr<RunLock>> locks_;
+  bool exclusive_ = false;
+};
+
+void copy_store(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
+  if (error) {
+    throw StoreError(StoreError::Kind::kUnusable,
+                     fmt::format("{}: cannot be written: {}", to.string(), error.message()));
+  }
+}
+
 }  // namespace
 
-MergeSummary merge(const fs::path& out, const std::vector<fs::path>& in) {
+MergeSummary merge(const fs::path& out, const std::vector<fs::path>& in, const MergeOptions& options) {
   std::error_code error;
-  const bool there = fs::exists(out, error);
-  if (there) check_unused(out);
+  const fs::path place = behind_links(out);
   for (const fs::path& file : in) {
-    if (fs::equivalent(file, out, error)) {
+    if (fs::equivalent(file, place, error)) {
       throw StoreError(StoreError::Kind::kUnusable, fmt::format("{}: is input and output at once", out.string()));
     }
   }
-  const fs::path part = out.string() + ".part";
+  const Locks locks(place, in, options);
+  const bool there = fs::exists(place, error);
+  if (there) check_unused(place);
+  // Without locks two merges may be at work at once.
+  const fs::path part = place.string() + (locks.exclusive() ? ".part" : fmt::format(".{}.part", getpid()));
+  const Removed removed{part};
   remove_store(part);
   const fs::path* current = &out;
   try {
-    MergeSummary own;
     MergeSummary summary;
+    // What is in OUT already stays as it is, whoever made it.
+    if (there) copy_store(place, part);
     {
       SQLite::Database db = open_database(part, Access::kCreate);
-      if (there) merge_into(db, out, own);
       for (const fs::path& file : in) {
         current = &file;
-        merge_into(db, file, summary);
+        merge_input(db, file, part.string() + "-in", summary);
       }
+      current = &out;
+      settle(db, part);
     }
-    fs::rename(part, out);
+    put_in_place(part, place);
     return summary;
   } catch (const SQLite::Exception& failure) {
-    remove_store(part);
     throw explain(failure, *current, StoreError::Kind::kUnusable);
-  } catch (...) {
-    remove_store(part);
-    throw;
+  } catch (const OutputError& failure) {
+    throw StoreError(StoreError::Kind::kUnusable, failure.what());
   }
 }
 

@@ -5,6 +5,7 @@
 #include <SQLiteCpp/Statement.h>
 #include <SQLiteCpp/Transaction.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <set>
@@ -15,6 +16,7 @@
 #include "eval/store/columns.h"
 #include "eval/store/database.h"
 #include "eval/store/migrations.h"
+#include "eval/store/output_file.h"
 #include "eval/store/row_binding.h"
 #include "eval/store/samples.h"
 
@@ -207,12 +209,16 @@ UPDATE experiments SET totaltime = (SELECT sum(time) FROM runs WHERE experimenti
 
 }  // namespace
 
-PlannerArenaSummary export_planner_arena(const fs::path& file, const fs::path& out, int progress_per_run) {
+PlannerArenaSummary export_planner_arena(const fs::path& file, const fs::path& named, int progress_per_run) {
+  const fs::path out = behind_links(named);
   { const ReadConnection look(file); }  // ours, and of this version
   std::error_code error;
   if (fs::equivalent(file, out, error))
     throw StoreError(StoreError::Kind::kUnusable, fmt::format("{}: is input and output at once", out.string()));
-  const fs::path part = out.string() + ".part";
+  if (fs::exists(out, error) && !fs::is_regular_file(out, error))
+    throw StoreError(StoreError::Kind::kUnusable,
+                     fmt::format("{}: is no regular file; a database cannot be written into it", named.string()));
+  const fs::path part = out.string() + fmt::format(".{}.part", getpid());
   fs::remove(part, error);
   PlannerArenaSummary summary;
   const fs::path* current = &out;
@@ -227,14 +233,14 @@ PlannerArenaSummary export_planner_arena(const fs::path& file, const fs::path& o
       summary = Exporter(db, progress_per_run).execute();
       db.exec("DETACH source");
     }
-    fs::rename(part, out);
+    put_in_place(part, out);
     return summary;
   } catch (const SQLite::Exception& failure) {
     fs::remove(part, error);
     throw explain(failure, *current, StoreError::Kind::kUnusable);
-  } catch (const fs::filesystem_error& failure) {
+  } catch (const OutputError& failure) {
     fs::remove(part, error);
-    throw StoreError(StoreError::Kind::kUnusable, fmt::format("{}: {}", out.string(), failure.code().message()));
+    throw StoreError(StoreError::Kind::kUnusable, failure.what());
   } catch (...) {
     fs::remove(part, error);
     throw;

@@ -93,7 +93,7 @@ StatementPtr prepare_query(sqlite3* handle, const std::string& sql) {
 
 }  // namespace
 
-QueryResult query(const std::filesystem::path& file, const std::string& sql) {
+QueryResult query(const std::filesystem::path& file, const std::string& sql, std::chrono::milliseconds patience) {
   ReadConnection connection(file);
   sqlite3* const handle = connection.db().getHandle();
   try {
@@ -104,6 +104,13 @@ QueryResult query(const std::filesystem::path& file, const std::string& sql) {
   }
   sqlite3_set_authorizer(handle, &authorize, nullptr);
   const StatementPtr statement = prepare_query(handle, sql);
+  const auto end = std::chrono::steady_clock::now() + patience;
+  const auto over = [](void* moment) {
+    return std::chrono::steady_clock::now() > *static_cast<const std::chrono::steady_clock::time_point*>(moment) ? 1
+                                                                                                                 : 0;
+  };
+  if (patience.count() > 0)
+    sqlite3_progress_handler(handle, 10000, over, const_cast<std::chrono::steady_clock::time_point*>(&end));
   QueryResult result;
   const int columns = sqlite3_column_count(statement.get());
   for (int i = 0; i < columns; ++i) result.columns.emplace_back(sqlite3_column_name(statement.get(), i));
@@ -113,6 +120,9 @@ QueryResult query(const std::filesystem::path& file, const std::string& sql) {
     row.reserve(static_cast<std::size_t>(columns));
     for (int i = 0; i < columns; ++i) row.push_back(read_cell(statement.get(), i));
   }
+  if (code == SQLITE_INTERRUPT)
+    throw QueryError(fmt::format("SQL: given up after {} s; the store's views may not be moma's ('moma verify' tells)",
+                                 static_cast<double>(patience.count()) / 1000.0));
   if (code != SQLITE_DONE) throw sql_error(handle, sql);
   return result;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <stdexcept>
@@ -25,9 +26,10 @@ class QueryError : public std::runtime_error {
 };
 
 /// Runs one reading statement, in which samples('TRIAL') is a table (eval/store/samples_function.h). The connection is
-/// read-only, and ATTACH, VACUUM INTO and PRAGMAs that set something are refused. Throws StoreError for the file,
-/// QueryError for the SQL.
-QueryResult query(const std::filesystem::path& file, const std::string& sql);
+/// read-only, and ATTACH, VACUUM INTO and PRAGMAs that set something are refused. A store's views may be without end:
+/// after `patience` the query is given up; 0: never. Throws StoreError for the file, QueryError for the SQL.
+QueryResult query(const std::filesystem::path& file, const std::string& sql,
+                  std::chrono::milliseconds patience = std::chrono::minutes(10));
 
 /// A query kept under a name, called as @name.
 struct NamedQuery {

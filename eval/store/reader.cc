@@ -8,12 +8,16 @@
 #include <algorithm>
 #include <bit>
 #include <cctype>
+#include <limits>
+#include <stdexcept>
 
 #include "eval/store/columns.h"
 #include "eval/store/database.h"
 #include "eval/store/hash.h"
 #include "eval/store/migrations.h"
+#include "eval/store/records.h"
 #include "eval/store/row_binding.h"
+#include "eval/store/words.h"
 
 namespace moma::store {
 namespace {
@@ -46,6 +50,8 @@ struct Reader::Impl {
       return work();
     } catch (const SQLite::Exception& error) {
       throw explain(error, file, StoreError::Kind::kUnusable);
+    } catch (const std::invalid_argument& error) {  // a key or a word that no moma writes
+      throw StoreError(StoreError::Kind::kUnusable, fmt::format("{}: is damaged: {}", file.string(), error.what()));
     }
   }
 
@@ -116,7 +122,7 @@ StoredTrial Reader::trial(const std::string& prefix) const {
       samples.columns = s.getColumn(11).getString();
       const SQLite::Column data = s.getColumn(12);
       const auto* begin = static_cast<const unsigned char*>(data.getBlob());
-      samples.data.assign(begin, begin + data.getBytes());
+      if (begin != nullptr) samples.data.assign(begin, begin + data.getBytes());
       trial.samples = std::move(samples);
     }
     trial.row = read_row(s, 13);
@@ -154,6 +160,116 @@ StoredInvocation Reader::latest_invocation(const std::string& name) const {
     }
     return StoredInvocation{s.getColumn(0).getInt64(), s.getColumn(1).getString(), s.getColumn(2).getString(),
                             s.getColumn(3).getString(), s.getColumn(4).getString()};
+  });
+}
+
+std::vector<StoredMetric> Reader::metrics(const std::string& key) const {
+  return impl_->guarded([&] {
+    const Hash hash = hash_from_hex(key);
+    Statement s(
+        impl_->db,
+        "SELECT d.file_name, d.expression, v.value FROM metric_value AS v JOIN metric AS d ON d.id = v.metric_id "
+        "WHERE v.key = ? ORDER BY d.id");
+    s.bind(1, hash.data(), static_cast<int>(hash.size()));
+    std::vector<StoredMetric> metrics;
+    while (s.executeStep()) {
+      const SQLite::Column value = s.getColumn(2);
+      metrics.push_back({s.getColumn(0).getString(), s.getColumn(1).getString(),
+                         value.isNull() ? std::numeric_limits<double>::quiet_NaN() : value.getDouble()});
+    }
+    return metrics;
+  });
+}
+
+std::vector<StoredPoint> Reader::points() const {
+  return impl_->guarded([&] {
+    Statement s(impl_->db,
+                "SELECT p.id, s.name, p.controller, p.label, r.resolved, p.resolved_position, p.simulation_version "
+                "FROM point AS p JOIN suite AS s ON s.id = p.suite_id JOIN resolved_suite AS r "
+                "ON r.id = p.resolved_suite_id ORDER BY p.id");
+    std::vector<StoredPoint> points;
+    while (s.executeStep()) {
+      points.push_back({s.getColumn(0).getInt64(), s.getColumn(1).getString(), s.getColumn(2).getString(),
+                        s.getColumn(3).getString(), s.getColumn(4).getString(),
+                        static_cast<std::size_t>(s.getColumn(5).getInt64()), s.getColumn(6).getInt()});
+    }
+    return points;
+  });
+}
+
+std::vector<PointTrial> Reader::trials_of(std::int64_t point) const {
+  return impl_->guarded([&] {
+    Statement s(impl_->db,
+                "SELECT world_index, lower(hex(key)) FROM point_trial WHERE point_id = ? ORDER BY world_index");
+    s.bind(1, point);
+    std::vector<PointTrial> trials;
+    while (s.executeStep())
+      trials.push_back({static_cast<std::uint64_t>(s.getColumn(0).getInt64()), s.getColumn(1).getString()});
+    return trials;
+  });
+}
+
+std::string Reader::point_differences(std::int64_t point, const PointRecord& record) const {
+  return impl_->guarded([&] {
+    Statement s(impl_->db,
+                "SELECT p.controller_name, p.label, p.params, p.content_hash, r.name, r.resolved, c.resolved, p.mode, "
+                "p.control_period_s, p.physics_step_s, p.time_limit_s, p.success_position_m, "
+                "p.success_orientation_rad, p.success_dwell_s, p.stuck_time_s, p.stuck_motion, p.infeasible_time_s, "
+                "p.worlds FROM point AS p JOIN robot AS r ON r.id = p.robot_id JOIN controller AS c "
+                "ON c.id = p.controller_id WHERE p.id = ?");
+    s.bind(1, point);
+    if (!s.executeStep()) return std::string("robot or controller");
+    std::string differ;
+    int i = 0;
+    const auto compare = [&](bool same) {
+      if (!same) differ += fmt::format("{}{}", differ.empty() ? "" : ", ", s.getColumnName(i));
+      ++i;
+    };
+    const auto text = [&](const std::string& said) { compare(s.getColumn(i).getString() == said); };
+    const auto number = [&](double said) { compare(s.getColumn(i).getDouble() == said); };
+    text(record.controller);
+    text(record.label);
+    text(record.params);
+    const SQLite::Column hash = s.getColumn(i);
+    compare(hash.getBytes() == static_cast<int>(record.content_hash.size()) &&
+            std::equal(record.content_hash.begin(), record.content_hash.end(),
+                       static_cast<const unsigned char*>(hash.getBlob())));
+    text(record.robot_name);
+    text(record.robot_resolved);
+    text(record.controller_resolved);
+    text(std::string(to_string(record.simulation.mode)));
+    number(record.simulation.control_period);
+    number(record.simulation.physics_step);
+    number(record.simulation.time_limit);
+    number(record.success.position);
+    number(record.success.orientation);
+    number(record.success.dwell);
+    number(record.stuck.time);
+    number(record.stuck.motion);
+    number(record.infeasible.time);
+    text(record.worlds);
+    return differ;
+  });
+}
+
+std::vector<std::string> Reader::running() const {
+  return impl_->guarded([&] {
+    std::vector<std::string> started;
+    Statement s(impl_->db, "SELECT started FROM invocation WHERE status = ? ORDER BY id");
+    s.bind(1, std::string(to_string(RunStatus::kRunning)));
+    while (s.executeStep()) started.push_back(s.getColumn(0).getString());
+    return started;
+  });
+}
+
+std::size_t Reader::searched_trials() const {
+  return impl_->guarded([&] {
+    return static_cast<std::size_t>(
+        impl_->db
+            .execAndGet(
+                "SELECT count(*) FROM trial AS t WHERE NOT EXISTS (SELECT 1 FROM point_trial AS m WHERE m.key = "
+                "t.key)")
+            .getInt64());
   });
 }
 

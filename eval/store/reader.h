@@ -38,6 +38,32 @@ struct StoredInvocation {
   std::string status;
 };
 
+/// A value of a metric that a suite defined itself.
+struct StoredMetric {
+  std::string name;
+  std::string expression;
+  double value = 0.0;  ///< NaN: NULL
+};
+
+/// A row of table point, with what it is built from again.
+struct StoredPoint {
+  std::int64_t id = 0;
+  std::string suite;  ///< as shown
+  std::string controller;
+  std::string label;
+  std::string resolved_suite;  ///< JSON
+  std::size_t position = 0;
+  int simulation_version = 0;
+};
+
+/// A trial of a point.
+struct PointTrial {
+  std::uint64_t world_index = 0;
+  std::string key;  ///< 32 hex digits
+};
+
+struct PointRecord;
+
 /// Reads a store; any number of readers beside the writer. Throws StoreError.
 class Reader {
  public:
@@ -54,6 +80,16 @@ class Reader {
   StoredInvocation latest_invocation(const std::string& name) const;
   /// Names of the suites, as shown, in the order in which they came.
   std::vector<std::string> suite_names() const;
+  /// Values of the suites' own metrics of the trial with this key (32 hex digits).
+  std::vector<StoredMetric> metrics(const std::string& key) const;
+  std::vector<StoredPoint> points() const;
+  std::vector<PointTrial> trials_of(std::int64_t point) const;
+  /// Names of the columns of a point that are not as `record` says; "" where all are.
+  std::string point_differences(std::int64_t point, const PointRecord& record) const;
+  /// When the runs began that say that they are running.
+  std::vector<std::string> running() const;
+  /// How many trials belong to no point: those of searches.
+  std::size_t searched_trials() const;
   /// Findings of SQLite's integrity and foreign key checks; empty where the file is sound.
   std::vector<std::string> integrity_problems() const;
   /// 32 hex digits over all deterministic columns of all trials in order of the key: equal hashes mean equal rows.

@@ -11,7 +11,9 @@
 #include <chrono>
 #include <thread>
 
+#include "eval/store/error.h"
 #include "eval/store/machine.h"
+#include "eval/store/output_file.h"
 
 namespace moma::store {
 namespace {
@@ -30,46 +32,70 @@ std::string holder(int descriptor) {
 }  // namespace
 
 RunLock::RunLock(const std::filesystem::path& db, const std::atomic<bool>& stop,
-                 const std::function<void(const std::string&)>& waiting)
-    : file_(db.string() + "-lock") {
+                 const std::function<void(const std::string&)>& waiting, Use use)
+    : file_(behind_links(db).string() + "-lock"), use_(use) {
   bool told = false;
   while (!(held_ = try_lock())) {
     if (!told)
       waiting(fmt::format("{}: {} is writing to it; waiting until it is done", db.string(), holder(descriptor_)));
     told = true;
-    if (descriptor_ >= 0) close(descriptor_);
-    descriptor_ = -1;
+    release();
     if (stop.load(std::memory_order_relaxed)) return;
     std::this_thread::sleep_for(kPause);
   }
-  if (descriptor_ < 0) return;
+  if (descriptor_ < 0 || (use_ == Use::kMergeFrom && found_)) return;
   const std::string words =
-      fmt::format("another run (process {} on {}, since {})\n", getpid(), this_machine().host, utc_now());
+      fmt::format("another {} (process {} on {}, since {})\n", use_ == Use::kWrite ? "run" : "merge", getpid(),
+                  this_machine().host, utc_now());
   if (ftruncate(descriptor_, 0) != 0 || pwrite(descriptor_, words.data(), words.size(), 0) < 0) return;  // only words
 }
 
 RunLock::~RunLock() {
   if (descriptor_ < 0) return;
-  if (held_) unlink(file_.c_str());  // while it is held: whoever waits finds that its file is gone, and opens anew
-  close(descriptor_);
+  // While it is held: whoever waits finds that its file is gone, and opens anew.
+  if (held_ && !(use_ == Use::kMergeFrom && found_)) unlink(file_.c_str());
+  release();
+}
+
+bool RunLock::taken(const std::filesystem::path& db) {
+  const int file = open((behind_links(db).string() + "-lock").c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (file < 0) return false;
+  // Shared: two that only ask do not take each other for a run.
+  const bool taken = flock(file, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  close(file);
+  return taken;
+}
+
+void RunLock::release() {
+  if (descriptor_ >= 0) close(descriptor_);
+  descriptor_ = -1;
+}
+
+void RunLock::check_plain() const {
+  struct stat found {};
+  if (lstat(file_.c_str(), &found) != 0 || (S_ISREG(found.st_mode) && found.st_nlink <= 1)) return;
+  throw StoreError(
+      StoreError::Kind::kUnusable,
+      fmt::format("{}: is no plain file of its own, so that it cannot be the store's lock; remove it", file_.string()));
 }
 
 bool RunLock::try_lock() {
-  descriptor_ = open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  check_plain();
+  descriptor_ = open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0644);
   if (descriptor_ < 0) return true;  // no place to write: opening the store says so
   if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
     if (errno == EWOULDBLOCK) return false;
-    close(descriptor_);
     unlink(file_.c_str());
-    descriptor_ = -1;
+    release();
     return true;
   }
   struct stat ours {};
   struct stat named {};
   const bool same = fstat(descriptor_, &ours) == 0 && stat(file_.c_str(), &named) == 0 && ours.st_ino == named.st_ino &&
                     ours.st_dev == named.st_dev;
+  found_ = ours.st_size > 0;
   if (same) return true;
-  close(descriptor_);  // its holder removed it meanwhile
+  release();  // its holder removed it meanwhile
   return try_lock();
 }
 

@@ -7,30 +7,45 @@
 
 namespace moma::store {
 
-/// Held by a program that computes trials into a store, so that two runs on one store follow each other and no trial
-/// is computed twice. An advisory lock (flock) on DB-lock, which the kernel releases whatever happens to its holder;
-/// readers and `moma merge` do not take it. Where the file system has no such locks, nothing is held: SQLite's own
-/// locks still keep the store whole.
+/// Held by a program that writes into a store, so that two on one store follow each other: no trial is computed twice,
+/// and what `moma merge` puts in place of a store has all that was in it. An advisory lock (flock) on DB-lock, beside
+/// the file that a symbolic link leads to, which the kernel releases whatever happens to its holder; readers do not
+/// take it. Where the file system has no such locks, nothing is held: SQLite's own locks still keep the store whole.
 class RunLock {
  public:
+  enum class Use {
+    kWrite,
+    kMergeFrom,  ///< nobody writes meanwhile; what a killed run left behind stays as it is
+  };
+
   /// Waits for another holder; `waiting` is called once, with words about who it is. Returns without the lock once
-  /// `stop` is set: see held().
+  /// `stop` is set: see held(). Throws StoreError where something else than a plain file has the lock's name: writing
+  /// there could change another file.
   RunLock(const std::filesystem::path& db, const std::atomic<bool>& stop,
-          const std::function<void(const std::string&)>& waiting);
+          const std::function<void(const std::string&)>& waiting, Use use = Use::kWrite);
   /// Removes the file and lets the next one in.
   ~RunLock();
   RunLock(const RunLock&) = delete;
   RunLock& operator=(const RunLock&) = delete;
 
+  /// Whether somebody holds the lock of this store at this moment; false also where there are no locks.
+  static bool taken(const std::filesystem::path& db);
+
   /// False where the wait was broken off.
   bool held() const { return held_; }
+  /// False where the file system has no locks.
+  bool exclusive() const { return held_ && descriptor_ >= 0; }
 
  private:
   bool try_lock();
+  void check_plain() const;
+  void release();
 
   std::filesystem::path file_;
+  Use use_;
   int descriptor_ = -1;
   bool held_ = false;
+  bool found_ = false;  ///< the file had been left behind
 };
 
 }  // namespace moma::store

@@ -21,8 +21,10 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "samples are stored little-endian");
 
 constexpr int kCompressionLevel = 3;
-// No trace comes near this; a damaged frame must not make us ask for all memory.
-constexpr std::uint64_t kLargestFrame = std::uint64_t{1} << 32;
+// Bounds of what a store may ask us to unpack: hours of samples, and more columns than any robot has.
+constexpr std::uint64_t kLargestTable = std::uint64_t{512} << 20;  // bytes
+constexpr std::size_t kMostColumns = 4096;
+constexpr std::size_t kLongestColumns = std::size_t{1} << 20;  // bytes of JSON
 
 struct Sizes {
   Eigen::Index q = 0;
@@ -162,6 +164,12 @@ EncodedSamples encode_samples(const Trace& trace) {
   encoded.columns = nlohmann::json(names).dump();
 
   const std::size_t n = trace.size();
+  if (n > kLargestTable / sizeof(double) / names.size()) {
+    throw std::runtime_error(
+        fmt::format("a trial has {} samples of {} numbers: more than the {} MiB that a store keeps "
+                    "of one trial; a longer control period, or 'samples: none', cures it",
+                    n, names.size(), kLargestTable >> 20));
+  }
   std::vector<double> table(names.size() * n);
   for (std::size_t k = 0; k < n; ++k) {
     if (sizes_of(trace[k]) != sizes) throw std::invalid_argument("samples of one trace differ in size");
@@ -178,17 +186,38 @@ EncodedSamples encode_samples(const Trace& trace) {
   return encoded;
 }
 
+std::vector<std::string> column_names_of(const std::string& json) {
+  std::vector<std::string> names;
+  if (json.size() <= kLongestColumns) {
+    // A list of words is flat: what is nested is not even read.
+    const auto flat = [](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) { return depth <= 1; };
+    const auto list = nlohmann::json::parse(json, flat, false);
+    const bool words =
+        list.is_array() && std::all_of(list.begin(), list.end(), [](const auto& name) { return name.is_string(); });
+    if (words) names = list.get<std::vector<std::string>>();
+  }
+  if (names.empty() || names.size() > kMostColumns)
+    throw std::runtime_error(
+        fmt::format("samples are damaged: their columns are no list of 1 to {} names", kMostColumns));
+  return names;
+}
+
 SampleTable decode_table(const EncodedSamples& encoded) {
   if (encoded.layout != kSamplesLayout) {
     throw std::runtime_error(fmt::format("samples have the unknown layout {}", encoded.layout));
   }
   SampleTable table;
-  table.names = nlohmann::json::parse(encoded.columns).get<std::vector<std::string>>();
+  table.names = column_names_of(encoded.columns);
+  const std::size_t columns = table.names.size();
+  if (encoded.n < 0 || static_cast<std::uint64_t>(encoded.n) > kLargestTable / sizeof(double) / columns) {
+    throw std::runtime_error(
+        fmt::format("samples are damaged: {} samples of {} columns are more than the {} MiB that a "
+                    "trial may have",
+                    encoded.n, columns, kLargestTable >> 20));
+  }
   const auto n = static_cast<std::uint64_t>(encoded.n);
   const std::uint64_t bytes = ZSTD_getFrameContentSize(encoded.data.data(), encoded.data.size());
-  if (encoded.n < 0 || bytes > kLargestFrame || bytes != n * table.names.size() * sizeof(double)) {
-    throw std::runtime_error("samples are damaged: their size does not fit");
-  }
+  if (bytes != n * columns * sizeof(double)) throw std::runtime_error("samples are damaged: their size does not fit");
   std::vector<unsigned char> raw(bytes);
   const std::size_t size = ZSTD_decompress(raw.data(), raw.size(), encoded.data.data(), encoded.data.size());
   if (ZSTD_isError(size) != 0U || size != bytes) throw std::runtime_error("samples are damaged: zstd cannot read them");

@@ -33,7 +33,11 @@ struct SampleTable {
   std::vector<std::vector<double>> columns;
 };
 
-/// Throws std::runtime_error where the data is damaged or of an unknown layout.
+/// The list of names in column `columns` of table samples. Throws std::runtime_error where it is none.
+std::vector<std::string> column_names_of(const std::string& json);
+
+/// Throws std::runtime_error where the data is damaged, of an unknown layout, or more than 512 MiB, before it asks for
+/// memory.
 SampleTable decode_table(const EncodedSamples& encoded);
 /// The same bits that were encoded.
 Trace decode_samples(const EncodedSamples& encoded);

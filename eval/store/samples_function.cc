@@ -48,8 +48,7 @@ std::vector<std::string> known_columns(sqlite3* connection) {
   while (step(connection, query.get())) {
     const std::string text = column_text(query.get(), 0);
     if (text.empty()) continue;
-    for (const auto& name : config::parse_json(text, "main.samples.columns")) {
-      const auto word = name.get<std::string>();
+    for (const std::string& word : column_names_of(text)) {
       if (std::find(names.begin(), names.end(), word) == names.end()) names.push_back(word);
     }
   }
@@ -109,7 +108,7 @@ void load(Cursor& cursor, const Table& table) {
   encoded.n = sqlite3_column_int64(query.get(), 1);
   encoded.columns = column_text(query.get(), 2);
   const auto* data = static_cast<const unsigned char*>(sqlite3_column_blob(query.get(), 3));
-  encoded.data.assign(data, data + sqlite3_column_bytes(query.get(), 3));
+  if (data != nullptr) encoded.data.assign(data, data + sqlite3_column_bytes(query.get(), 3));
   cursor.samples = decode_table(encoded);
   cursor.n = encoded.n;
   for (std::size_t c = 0; c < table.columns.size(); ++c) {

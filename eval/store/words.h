@@ -9,7 +9,7 @@
 
 namespace moma::store {
 
-/// Of an invocation; a program that was killed leaves `running` behind.
+/// Of an invocation; a program that was killed leaves `running` behind, which the next one to write makes `failed`.
 enum class RunStatus { kRunning, kFinished, kStopped, kFailed };
 constexpr auto words(Of<RunStatus>) {
   return std::to_array<std::string_view>({"running", "finished", "stopped", "failed"});

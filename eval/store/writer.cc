@@ -13,6 +13,7 @@
 #include <span>
 #include <unordered_map>
 
+#include "eval/search/words.h"
 #include "eval/store/build_info.h"
 #include "eval/store/columns.h"
 #include "eval/store/database.h"
@@ -423,6 +424,35 @@ void Writer::finish(RunStatus status) {
     s.bind(3, impl_->invocation);
     s.exec();
     transaction.commit();
+  });
+}
+
+void Writer::fail() noexcept {
+  try {
+    if (impl_ != nullptr && impl_->invocation != 0) finish(RunStatus::kFailed);
+  } catch (...) {  // the store cannot be written any more: it says "running", and nobody holds its lock
+  }
+}
+
+std::vector<std::string> Writer::close_killed() {
+  return impl_->guarded(StoreError::Kind::kInterrupted, [&] {
+    SQLite::Database& db = impl_->db;
+    std::vector<std::string> started;
+    SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
+    Statement killed(db, "SELECT started FROM invocation WHERE status = ? ORDER BY id");
+    killed.bind(1, std::string(to_string(RunStatus::kRunning)));
+    while (killed.executeStep()) started.push_back(killed.getColumn(0).getString());
+    killed.reset();
+    Statement invocations(db, "UPDATE invocation SET status = ? WHERE status = ?");
+    invocations.bind(1, std::string(to_string(RunStatus::kFailed)));
+    invocations.bind(2, std::string(to_string(RunStatus::kRunning)));
+    invocations.exec();
+    Statement searches(db, "UPDATE tune_search SET status = ? WHERE status = ?");
+    searches.bind(1, std::string(to_string(tune::SearchStatus::kStopped)));
+    searches.bind(2, std::string(to_string(tune::SearchStatus::kRunning)));
+    searches.exec();
+    transaction.commit();
+    return started;
   });
 }
 

@@ -80,6 +80,13 @@ class Writer {
   /// Links trials shared by several points, and closes the invocation's record.
   void finish(RunStatus status);
 
+  /// finish(RunStatus::kFailed) on the way out of another failure: as far as it can be done, and without a word.
+  void fail() noexcept;
+
+  /// Under the store's lock, before begin(): nobody else writes, so what still says that it runs was killed. Marks it
+  /// as failed; returns when those runs began.
+  std::vector<std::string> close_killed();
+
   /// Rows committed by this writer.
   std::size_t committed() const;
 

@@ -7,6 +7,7 @@
 #include "controller/config/controller_file.h"
 #include "controller/config/json_node.h"
 #include "controller/config/reader.h"
+#include "plugin/host/digest.h"
 
 namespace moma {
 namespace {
@@ -21,8 +22,30 @@ bool is_plugin(const Node& node) {
   return method != nullptr && method->kind == Node::Kind::kScalar && method->scalar == "plugin";
 }
 
+void check_digest(const std::string& found, const std::string& wanted) {
+  if (found == wanted) return;
+  throw PluginError(
+      fmt::format("is not the library of these trials: its digest is {}, theirs {}. Built from the same "
+                  "sources by the same compiler it would be; run the suite again to compute anew",
+                  found, wanted));
+}
+
+/// What was stored is a stranger's until the user says otherwise.
+void check_stored(const MapReader& in, const config::Mark& mark, const std::string& name, const std::string& digest,
+                  Plugins plugins) {
+  if (plugins == Plugins::kOfSuite) return;
+  if (!fs::path(name).is_absolute() || digest.empty())
+    config::fail(mark, in.key_of("path"),
+                 fmt::format("'{}': a stored plugin needs an absolute path and the digest of the library", name));
+  if (plugins == Plugins::kRefused)
+    throw PluginRefused(
+        fmt::format("{}: {}: these trials were computed by the plugin {} (digest {}). It is code that "
+                    "would run here, named by the store; where you trust both: --allow-plugins",
+                    mark.file, in.key_of("path"), name, digest));
+}
+
 SuiteController read_plugin(const Node& node, const std::string& key, std::shared_ptr<const config::LoadedRobot> robot,
-                            double control_period) {
+                            double control_period, Plugins plugins) {
   MapReader in(node, key);
   in.get("method");
   const Node& path = in.require("path", "the shared library with the controller, for instance build/libmine.so");
@@ -33,19 +56,17 @@ SuiteController read_plugin(const Node& node, const std::string& key, std::share
   if (given != nullptr && given->kind != Node::Kind::kMap)
     in.fail_at("parameters", "expected a map; it is handed to the plugin as it is");
   in.finish();
+  check_stored(in, path.mark, name, digest, plugins);
 
   SuiteController out;
   std::shared_ptr<const PluginLibrary> library;
   try {
-    library = load_plugin(fs::path(path.mark.file).parent_path() / name);
+    const fs::path file = fs::path(path.mark.file).parent_path() / name;
+    if (!digest.empty()) check_digest(plugin_digest(file), digest);  // loading runs code of the library already
+    library = load_plugin(file);
+    if (!digest.empty()) check_digest(library->digest, digest);  // it may have been replaced meanwhile
   } catch (const PluginError& error) {
     config::fail(path.mark, in.key_of("path"), fmt::format("{}: {}", name, error.what()));
-  }
-  if (!digest.empty() && digest != library->digest) {
-    config::fail(path.mark, in.key_of("path"),
-                 fmt::format("{} is not the library of these trials: its digest is {}, theirs {}. Built from the "
-                             "same sources by the same compiler it would be; run the suite again to compute anew",
-                             name, library->digest, digest));
   }
   const ordered_json parameters = given != nullptr ? config::node_to_json(*given) : ordered_json::object();
   out.resolved = {{"method", "plugin"}, {"digest", library->digest}, {"parameters", parameters}};
@@ -62,14 +83,14 @@ SuiteController read_plugin(const Node& node, const std::string& key, std::share
 
 SuiteController read_suite_controller(const Node& node, const std::string& key,
                                       std::shared_ptr<const config::LoadedRobot> robot, double control_period,
-                                      std::vector<std::string>& warnings) {
-  if (is_plugin(node)) return read_plugin(node, key, std::move(robot), control_period);
+                                      std::vector<std::string>& warnings, Plugins plugins) {
+  if (is_plugin(node)) return read_plugin(node, key, std::move(robot), control_period, plugins);
   if (node.kind == Node::Kind::kScalar) {
     const fs::path file = fs::path(node.mark.file).parent_path() / node.scalar;
     std::error_code error;
     if (fs::is_regular_file(file, error)) {
       const Node opened = config::load_yaml(file);
-      if (is_plugin(opened)) return read_plugin(opened, "", std::move(robot), control_period);
+      if (is_plugin(opened)) return read_plugin(opened, "", std::move(robot), control_period, plugins);
     }
   }
   SuiteController out;

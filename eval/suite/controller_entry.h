@@ -13,6 +13,19 @@
 
 namespace moma {
 
+/// Whether a text may have code of others loaded.
+enum class Plugins {
+  kOfSuite,  ///< a suite file of the user's: by any path
+  kOfStore,  ///< what was stored, and the user said yes: by absolute path and digest alone
+  kRefused,  ///< what was stored, by whomever
+};
+
+/// A plugin that was not loaded because nobody allowed it.
+class PluginRefused : public config::ConfigError {
+ public:
+  using config::ConfigError::ConfigError;
+};
+
 /// One entry of a suite's `controllers`: parameters of moma's own methods, or a plugin.
 struct SuiteController {
   ControllerParams params;
@@ -22,11 +35,12 @@ struct SuiteController {
 
 /// Reads an entry: a map, or the path of a controller file. Besides what config::read_controller() takes:
 ///   {method: plugin, path: LIBRARY.so, parameters: {...}}
-/// `path` is relative to the file that names it; `digest`, which only resolved suites have, must be the library's.
-/// Loads the library and lets it check its parameters. Throws config::ConfigError.
+/// `path` is relative to the file that names it; `digest`, which only resolved suites have, must be the library's, and
+/// is compared before anything of it is loaded. Loads the library and lets it check its parameters. Throws
+/// config::ConfigError, PluginRefused.
 SuiteController read_suite_controller(const config::Node& node, const std::string& key,
                                       std::shared_ptr<const config::LoadedRobot> robot, double control_period,
-                                      std::vector<std::string>& warnings);
+                                      std::vector<std::string>& warnings, Plugins plugins = Plugins::kOfSuite);
 
 void set_controller(TrialSpec& spec, const SuiteController& controller);
 

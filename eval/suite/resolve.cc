@@ -50,7 +50,7 @@ void add_warning(std::vector<std::string>& warnings, std::string text) {
   if (std::find(warnings.begin(), warnings.end(), text) == warnings.end()) warnings.push_back(std::move(text));
 }
 
-Sections read_sections(const Node& root, const SuiteRobot& robot, std::vector<std::string>& warnings) {
+Sections read_sections(const Node& root, const SuiteRobot& robot, std::vector<std::string>& warnings, Plugins plugins) {
   Sections sections;
   sections.robot = robot;
   MapReader in(root, "");
@@ -76,7 +76,7 @@ Sections read_sections(const Node& root, const SuiteRobot& robot, std::vector<st
       config::fail(node.mark, key, "found nothing, expected a file or a map ({} takes every default)");
     std::vector<std::string> of_it;
     sections.controllers.emplace_back(
-        name, read_suite_controller(node, key, robot.robot, sections.simulation.control_period, of_it));
+        name, read_suite_controller(node, key, robot.robot, sections.simulation.control_period, of_it, plugins));
     for (const std::string& warning : of_it)
       add_warning(warnings, warning.find(key) == std::string::npos ? key + ": " + warning : warning);
   }

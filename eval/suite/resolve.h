@@ -33,7 +33,8 @@ struct Sections {
 
 /// Reads the sections out of the suite's root map; keys that are not theirs are ignored here.
 /// `robot` replaces reading the key `robot`.
-Sections read_sections(const config::Node& root, const SuiteRobot& robot, std::vector<std::string>& warnings);
+Sections read_sections(const config::Node& root, const SuiteRobot& robot, std::vector<std::string>& warnings,
+                       Plugins plugins = Plugins::kOfSuite);
 
 /// The point of one controller of `sections`.
 Point make_point(const Sections& sections, std::size_t controller);

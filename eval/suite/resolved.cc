@@ -4,6 +4,7 @@
 #include "controller/config/reader.h"
 #include "eval/suite/resolve.h"
 #include "eval/suite/sections.h"
+#include "eval/suite/stored.h"
 #include "eval/suite/trials.h"
 #include "eval/trial/digest.h"
 
@@ -22,7 +23,9 @@ SuiteRobot robot_of(const ordered_json& resolved) {
 
 }  // namespace
 
-Suite suite_from_resolved(const ordered_json& resolved) {
+Suite suite_from_resolved(const ordered_json& resolved) { return suite_from_resolved(resolved, Plugins::kRefused); }
+
+Suite suite_from_resolved(const ordered_json& resolved, Plugins plugins) {
   // The robots, by far the largest part, have a reader of their own.
   ordered_json small = resolved;
   if (!small.is_object()) config::fail({kSource, 0, 0}, "", "expected a map");
@@ -49,7 +52,7 @@ Suite suite_from_resolved(const ordered_json& resolved) {
     for (const ordered_json& robot : resolved.at("more_robots")) robots.push_back(robot_of(robot));
 
   if (points == nullptr) {
-    const Sections sections = read_sections(root, robots[0], suite.warnings);
+    const Sections sections = read_sections(root, robots[0], suite.warnings, plugins);
     for (std::size_t c = 0; c < sections.controllers.size(); ++c) suite.points.push_back(make_point(sections, c));
   } else {
     for (const Node& entry : points->items) {
@@ -73,7 +76,7 @@ Suite suite_from_resolved(const ordered_json& resolved) {
       if (params == nullptr) point_in.fail_at("controller", "no such controller: " + controller);
       Node only = *params;
       at.find("controllers")->entries = {{controller, std::move(only)}};
-      Point point = make_point(read_sections(at, robots[static_cast<std::size_t>(robot)], suite.warnings), 0);
+      Point point = make_point(read_sections(at, robots[static_cast<std::size_t>(robot)], suite.warnings, plugins), 0);
       point.label = config::read_string(point_in.require("label", "text"), key + ".label");
       point.params = config::node_to_json(point_in.require("params", "a map"));
       point_in.finish();

@@ -12,6 +12,8 @@
 #include <iterator>
 #include <string_view>
 
+#include "plugin/host/digest.h"
+
 namespace moma {
 namespace {
 
@@ -102,7 +104,14 @@ void check_code(void* handle, const std::string& content) {
     throw PluginError("has changed since this process loaded it; start moma again to use the new one");
 }
 
+std::string digest_of(const std::string& content) {
+  const XXH128_hash_t hash = XXH3_128bits(content.data(), content.size());
+  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
+
 }  // namespace
+
+std::string plugin_digest(const fs::path& file) { return digest_of(content_of(file)); }
 
 std::shared_ptr<const PluginLibrary> load_plugin(const fs::path& file) {
   auto library = std::make_shared<PluginLibrary>();
@@ -110,8 +119,7 @@ std::shared_ptr<const PluginLibrary> load_plugin(const fs::path& file) {
   library->file = fs::weakly_canonical(file, error);
   if (error) library->file = fs::absolute(file);
   const std::string content = content_of(library->file);
-  const XXH128_hash_t hash = XXH3_128bits(content.data(), content.size());
-  library->digest = fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+  library->digest = digest_of(content);
   if (cut_off(content)) throw PluginError("the file is cut off: it ends before what it says it holds");
   void* handle = ::dlopen(library->file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr) {

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <thread>
 
+#include "eval/suite/stored.h"
 #include "eval/trial/trial.h"
 #include "plugin/host/library.h"
 #include "tests/eval/suite_fixture.h"
@@ -168,7 +169,7 @@ TEST_F(PluginSuite, PathsAreRelativeToTheFileThatNamesThem) {
   ASSERT_EQ(swept.points.size(), 3u);
   EXPECT_EQ(swept.points[2].controller_resolved["parameters"]["gain"], 4);
   EXPECT_NE(trial_key(swept.points[0], 0), trial_key(swept.points[1], 0));
-  const Suite again = suite_from_resolved(nlohmann::ordered_json::parse(swept.resolved.dump()));
+  const Suite again = suite_from_resolved(nlohmann::ordered_json::parse(swept.resolved.dump()), Plugins::kOfStore);
   for (std::size_t p = 0; p < 3; ++p) EXPECT_EQ(trial_key(again.points[p], 2), trial_key(swept.points[p], 2));
 }
 
@@ -185,10 +186,10 @@ TEST_F(PluginSuite, KeysFollowTheLibrarysContentNotItsPlace) {
 
   // A stored suite asks for the library that it was run with.
   const auto stored = nlohmann::ordered_json::parse(changed.resolved.dump());
-  EXPECT_EQ(trial_key(suite_from_resolved(stored).points[0], 0), trial_key(changed.points[0], 0));
+  EXPECT_EQ(trial_key(suite_from_resolved(stored, Plugins::kOfStore).points[0], 0), trial_key(changed.points[0], 0));
   std::ofstream(folder_.root() / "built_again.so", std::ios::app | std::ios::binary) << "and another";
   try {
-    suite_from_resolved(stored);
+    suite_from_resolved(stored, Plugins::kOfStore);
     ADD_FAILURE() << "another library was taken for that of the stored trials";
   } catch (const config::ConfigError& e) {
     EXPECT_NE(std::string(e.what()).find("is not the library of these trials"), std::string::npos) << e.what();

@@ -1,0 +1,228 @@
+#include "eval/store/contents.h"
+
+#include <SQLiteCpp/Column.h>
+#include <SQLiteCpp/Database.h>
+#include <SQLiteCpp/Exception.h>
+#include <SQLiteCpp/Statement.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <new>
+#include <set>
+#include <utility>
+
+#include "controller/config/json_text.h"
+#include "eval/store/database.h"
+#include "eval/store/definition.h"
+#include "eval/store/difficulty.h"
+#include "eval/store/hash.h"
+#include "eval/store/migrations.h"
+#include "eval/store/records.h"
+#include "eval/store/samples.h"
+#include "world/world_json.h"
+
+namespace moma::store {
+namespace {
+
+using SQLite::Statement;
+using Found = std::function<void(const std::string&)>;
+
+/// A column of a world differs from what the world says. Compared as the store keeps numbers: bit for bit.
+struct DifficultyDiffers {
+  Statement& row;
+  const Difficulty& said;
+  int index = 0;
+  std::string names;
+  template <class M>
+  void member(std::string_view name, M Difficulty::*member, const Column&) {
+    const SQLite::Column cell = row.getColumn(index++);
+    bool same = false;
+    if constexpr (std::is_same_v<M, double>) {
+      const double wanted = stored(said.*member);
+      same = std::isnan(wanted) ? cell.isNull() : cell.isFloat() && cell.getDouble() == wanted;
+    } else {
+      same = cell.isInteger() && cell.getInt64() == said.*member;
+    }
+    if (!same) names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
+  }
+};
+
+struct DifficultyNames {
+  std::string list;
+  template <class M>
+  void member(std::string_view name, M Difficulty::*, const Column&) {
+    list += fmt::format(", {}", name);
+  }
+};
+
+class Checker {
+ public:
+  Checker(SQLite::Database& db, Found finding) : db_(db), finding_(std::move(finding)) {}
+
+  ContentCounts execute() {
+    check_definitions();
+    for (const auto& [table, text] :
+         {std::pair{"robot", "resolved"}, std::pair{"controller", "resolved"}, std::pair{"resolved_suite", "resolved"},
+          std::pair{"world", "json"}, std::pair{"tune_search", "identity"}})
+      check_hashes(table, text);
+    check_worlds();
+    check_keys();
+    check_copies();
+    check_samples();
+    return counts_;
+  }
+
+ private:
+  void tell(const std::string& text) const { finding_(text); }
+
+  /// Views are what every table and page is read from; triggers could change what is written.
+  void check_definitions() {
+    SQLite::Database fresh(":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+    fresh.exec(tables_sql());
+    fresh.exec(views_sql());
+    Statement views(fresh, "SELECT name, sql FROM sqlite_schema WHERE type = 'view' ORDER BY name");
+    while (views.executeStep()) {
+      const std::string name = views.getColumn(0).getString();
+      Statement ours(db_, "SELECT sql FROM main.sqlite_schema WHERE type = 'view' AND name = ?");
+      ours.bind(1, name);
+      if (!ours.executeStep() || ours.getColumn(0).getString() != views.getColumn(1).getString())
+        tell(
+            fmt::format("view {} is not the one that this moma makes: another version made it, or somebody changed it; "
+                        "the next run makes it anew only where columns are missing",
+                        name));
+    }
+    Statement triggers(db_, "SELECT name, tbl_name FROM sqlite_schema WHERE type = 'trigger'");
+    while (triggers.executeStep())
+      tell(fmt::format("trigger {} on {}: moma makes none, and none runs while moma writes",
+                       triggers.getColumn(0).getString(), triggers.getColumn(1).getString()));
+  }
+
+  void check_hashes(const std::string& table, const std::string& text) {
+    Statement s(db_, fmt::format("SELECT id, hash, {} FROM main.{}", text, table));
+    while (s.executeStep()) {
+      ++counts_.hashes;
+      const Hash hash = hash_text(s.getColumn(2).getString());
+      const SQLite::Column kept = s.getColumn(1);
+      const bool same = kept.isBlob() && kept.getBytes() == static_cast<int>(hash.size()) &&
+                        std::equal(hash.begin(), hash.end(), static_cast<const unsigned char*>(kept.getBlob()));
+      if (!same)
+        tell(fmt::format("{} {}: its text has another hash than the one that it is kept under; it was changed", table,
+                         s.getColumn(0).getInt64()));
+    }
+  }
+
+  void check_worlds() {
+    DifficultyNames difficulty;
+    describe(difficulty, Of<Difficulty>{});
+    Statement s(db_, fmt::format("SELECT id, world_index, seed, family, json{} FROM main.world", difficulty.list));
+    while (s.executeStep()) {
+      ++counts_.worlds;
+      const std::string name = fmt::format("world {}", s.getColumn(0).getInt64());
+      try {
+        const auto json = config::parse_json(s.getColumn(4).getString(), name);
+        if (json.contains("missing")) {
+          if (json.value("index", std::int64_t{-1}) != s.getColumn(1).getInt64() ||
+              json.value("family", "") != s.getColumn(3).getString())
+            tell(name + ": its columns are not those of its text");
+          continue;
+        }
+        const World world = world_from_json(json, name);
+        const WorldRecord said = store::describe(world);
+        std::string differ;
+        const auto compare = [&](const char* column, bool same) {
+          if (!same) differ += fmt::format("{}{}", differ.empty() ? "" : ", ", column);
+        };
+        compare("world_index", s.getColumn(1).getInt64() == static_cast<std::int64_t>(said.index));
+        compare("seed", s.getColumn(2).getString() == std::to_string(said.seed));
+        compare("family", s.getColumn(3).getString() == said.family);
+        DifficultyDiffers columns{s, said.difficulty, 5, {}};
+        describe(columns, Of<Difficulty>{});
+        if (!columns.names.empty()) compare(columns.names.c_str(), false);
+        if (!differ.empty()) tell(fmt::format("{}: {} not as the world itself says", name, differ));
+      } catch (const std::bad_alloc&) {
+        throw;
+      } catch (const std::exception& error) {
+        tell(fmt::format("{}: cannot be read: {}", name, error.what()));
+      }
+    }
+  }
+
+  /// Rows without their trial are SQLite's check of foreign keys; here: keys that are none.
+  void check_keys() {
+    for (const char* table : {"trial", "point_trial", "execution", "samples", "metric_value"}) {
+      Statement s(db_,
+                  fmt::format("SELECT count(*) FROM main.{} WHERE typeof(key) <> 'blob' OR length(key) <> 16", table));
+      s.executeStep();
+      if (s.getColumn(0).getInt64() > 0)
+        tell(fmt::format("{}: {} keys are not of 16 bytes", table, s.getColumn(0).getInt64()));
+    }
+  }
+
+  void check_copies() {
+    std::string differ;
+    std::string names = "outcome, time_to_goal_s, " + summary_list();
+    const std::set<std::string> there = stored_columns(db_, "point_trial");
+    for (std::size_t begin = 0; begin < names.size();) {
+      const std::size_t end = std::min(names.find(", ", begin), names.size());
+      const std::string name = names.substr(begin, end - begin);
+      begin = end + 2;
+      if (there.count(name) == 0) continue;
+      differ += fmt::format("{0}iif(m.{1} IS NOT t.{1}, '{1} ', '')", differ.empty() ? "" : " || ", name);
+    }
+    Statement all(db_,
+                  fmt::format("SELECT lower(hex(m.key)), m.point_id, m.world_index, {} || iif(m.world_id IS NOT "
+                              "t.world_id, 'world_id ', '') || iif(m.family IS NOT w.family, 'family ', '') AS differ "
+                              "FROM main.point_trial AS m JOIN main.trial AS t ON t.key = m.key "
+                              "JOIN main.world AS w ON w.id = t.world_id WHERE differ <> ''",
+                              differ));
+    while (all.executeStep()) {
+      std::string columns = all.getColumn(3).getString();
+      columns.pop_back();
+      tell(fmt::format("trial {}: its copy in point_trial (point {}, world {}) differs in: {}",
+                       all.getColumn(0).getString().substr(0, 16), all.getColumn(1).getInt64(),
+                       all.getColumn(2).getInt64(), columns));
+    }
+    counts_.copies = static_cast<std::size_t>(db_.execAndGet("SELECT count(*) FROM main.point_trial").getInt64());
+  }
+
+  void check_samples() {
+    Statement s(db_,
+                "SELECT lower(hex(a.key)), a.layout, a.n, a.columns, a.data, t.steps FROM main.samples AS a "
+                "LEFT JOIN main.trial AS t ON t.key = a.key ORDER BY a.key");
+    while (s.executeStep()) {
+      const std::string name = "samples of trial " + s.getColumn(0).getString().substr(0, 16);
+      try {
+        EncodedSamples encoded{s.getColumn(1).getInt(), s.getColumn(2).getInt64(), s.getColumn(3).getString(), {}};
+        const SQLite::Column data = s.getColumn(4);
+        const auto* begin = static_cast<const unsigned char*>(data.getBlob());
+        if (begin != nullptr) encoded.data.assign(begin, begin + data.getBytes());
+        const Trace trace = decode_samples(encoded);
+        ++counts_.samples;
+        if (!s.getColumn(5).isNull() && s.getColumn(5).getInt64() != static_cast<std::int64_t>(trace.size()))
+          tell(
+              fmt::format("{}: {} of them, but the trial has {} steps", name, trace.size(), s.getColumn(5).getInt64()));
+      } catch (const std::runtime_error& error) {
+        tell(fmt::format("{}: {}", name, error.what()));
+      }
+    }
+  }
+
+  SQLite::Database& db_;
+  Found finding_;
+  ContentCounts counts_;
+};
+
+}  // namespace
+
+ContentCounts check_contents(const std::filesystem::path& file, const Found& finding) {
+  ReadConnection connection(file);
+  try {
+    return Checker(connection.db(), finding).execute();
+  } catch (const SQLite::Exception& error) {
+    throw explain(error, file, StoreError::Kind::kUnusable);
+  }
+}
+
+}  // namespace moma::store

@@ -1,0 +1,151 @@
+#include "eval/store/merge_searches.h"
+
+#include <SQLiteCpp/Column.h>
+#include <SQLiteCpp/Statement.h>
+#include <fmt/format.h>
+
+#include <cstdint>
+
+#include "eval/search/words.h"
+#include "eval/store/error.h"
+
+namespace moma::store {
+namespace {
+
+using SQLite::Statement;
+using tune::SearchStatus;
+
+/// What the end of a search leaves, replaced as a whole; evaluations are only ever added.
+constexpr const char* kResults[] = {"tune_variable", "tune_finalist", "tune_sensitivity", "tune_comparison"};
+
+struct Search {
+  std::int64_t source = 0;
+  std::int64_t target = 0;  ///< 0: not there yet
+  std::string suite;
+};
+
+class Searches {
+ public:
+  Searches(SQLite::Database& db, const std::filesystem::path& file, std::vector<std::string>& notes)
+      : db_(db), file_(file), notes_(notes) {}
+
+  std::size_t execute() {
+    std::vector<Search> searches;
+    Statement all(db_,
+                  "SELECT s.id, coalesce(o.id, 0), s.suite FROM source.tune_search AS s "
+                  "LEFT JOIN main.tune_search AS o USING (hash) ORDER BY s.id");
+    while (all.executeStep())
+      searches.push_back({all.getColumn(0).getInt64(), all.getColumn(1).getInt64(), all.getColumn(2).getString()});
+    all.reset();
+    std::size_t changed = 0;
+    for (Search& search : searches) changed += (search.target == 0 ? add(search) : go_on(search)) ? 1 : 0;
+    return changed;
+  }
+
+ private:
+  /// The columns of tune_search with the held-out suite by the name that it has in OUT.
+  std::string values() {
+    std::string list;
+    Statement names(db_,
+                    "SELECT name FROM pragma_table_xinfo('tune_search', 'main') WHERE hidden = 0 AND name <> 'id'");
+    while (names.executeStep()) {
+      const std::string name = names.getColumn(0).getString();
+      list += list.empty() ? "" : ", ";
+      list += name == "held_out_suite"
+                  ? "coalesce((SELECT o.name FROM source.suite AS i JOIN map_suite AS m ON m.source = i.id "
+                    "JOIN main.suite AS o ON o.id = m.target WHERE i.name = s.held_out_suite), s.held_out_suite)"
+                  : "s." + name;
+    }
+    return list;
+  }
+
+  void copy(const char* table, const Search& search) {
+    const std::string columns = columns_of(db_, table);
+    std::string from = columns;
+    from.replace(from.find("search_id"), 9, std::to_string(search.target));
+    db_.exec(fmt::format("INSERT OR IGNORE INTO main.{0} ({1}) SELECT {2} FROM source.{0} WHERE search_id = {3}", table,
+                         columns, from, search.source));
+  }
+
+  bool add(Search& search) {
+    db_.exec(fmt::format("INSERT INTO main.tune_search ({}) SELECT {} FROM source.tune_search AS s WHERE s.id = {}",
+                         columns_of(db_, "tune_search"), values(), search.source));
+    search.target = db_.getLastInsertRowid();
+    copy("tune_evaluation", search);
+    for (const char* table : kResults) copy(table, search);
+    return true;
+  }
+
+  bool go_on(const Search& search) {
+    if (contradicts(search)) return false;
+    const int before = db_.getTotalChanges();
+    copy("tune_evaluation", search);
+    // 0: under way, 1: searched, 2: judged
+    const auto how_far = [&](const char* schema, std::int64_t id) {
+      return db_
+          .execAndGet(fmt::format("SELECT (status = '{}') + (status = '{}' AND verdict IS NOT NULL) FROM "
+                                  "{}.tune_search WHERE id = {}",
+                                  to_string(SearchStatus::kFinished), to_string(SearchStatus::kFinished), schema, id))
+          .getInt();
+    };
+    if (how_far("source", search.source) > how_far("main", search.target)) {
+      const std::string columns = columns_of(db_, "tune_search");
+      db_.exec(
+          fmt::format("UPDATE main.tune_search SET ({}) = (SELECT {} FROM source.tune_search AS s WHERE s.id = {}) "
+                      "WHERE id = {}",
+                      columns, values(), search.source, search.target));
+      for (const char* table : kResults) {
+        db_.exec(fmt::format("DELETE FROM main.{} WHERE search_id = {}", table, search.target));
+        copy(table, search);
+      }
+    }
+    return db_.getTotalChanges() != before;
+  }
+
+  bool contradicts(const Search& search) {
+    std::string differ;
+    Statement names(db_,
+                    "SELECT name FROM pragma_table_xinfo('tune_evaluation', 'main') WHERE hidden = 0 AND "
+                    "name NOT IN ('search_id', 'evaluation')");
+    while (names.executeStep())
+      differ += fmt::format("{0}s.{1} IS NOT o.{1}", differ.empty() ? "" : " OR ", names.getColumn(0).getString());
+    const std::int64_t n =
+        db_.execAndGet(fmt::format("SELECT count(*) FROM source.tune_evaluation AS s JOIN main.tune_evaluation AS o "
+                                   "USING (evaluation) WHERE s.search_id = {} AND o.search_id = {} AND ({})",
+                                   search.source, search.target, differ))
+            .getInt64();
+    if (n == 0) return false;
+    const bool one_class = db_.execAndGet(
+                                  "SELECT count(*) = 1 FROM (SELECT machine_class FROM main.invocation UNION "
+                                  "SELECT machine_class FROM source.invocation)")
+                               .getInt() != 0;
+    const std::string what =
+        fmt::format("{}: its search in suite {} has {} evaluations that differ from those merged before",
+                    file_.string(), search.suite, n);
+    if (one_class)
+      throw StoreError(StoreError::Kind::kContradiction,
+                       what + ", from machines of the same class; nothing was merged");
+    notes_.push_back(what + ", from machines of another class: the search that was there is kept");
+    return true;
+  }
+
+  SQLite::Database& db_;
+  const std::filesystem::path& file_;
+  std::vector<std::string>& notes_;
+};
+
+}  // namespace
+
+std::string columns_of(SQLite::Database& db, const std::string& table, const std::string& prefix) {
+  Statement s(
+      db, fmt::format("SELECT name FROM pragma_table_xinfo('{}', 'main') WHERE hidden = 0 AND name <> 'id'", table));
+  std::string names;
+  while (s.executeStep()) names += (names.empty() ? "" : ", ") + prefix + s.getColumn(0).getString();
+  return names;
+}
+
+std::size_t merge_searches(SQLite::Database& db, const std::filesystem::path& file, std::vector<std::string>& notes) {
+  return Searches(db, file, notes).execute();
+}
+
+}  // namespace moma::store

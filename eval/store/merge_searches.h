@@ -1,0 +1,27 @@
+#pragma once
+
+#include <SQLiteCpp/Database.h>
+
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace moma::store {
+
+// Parts of merge(): into `main`, from what is attached as `source`, in the caller's transaction.
+
+/// Names of a table's columns, stored ones only, without the integer key that each store gives on its own.
+std::string columns_of(SQLite::Database& db, const std::string& table, const std::string& prefix = {});
+
+/// Everything that a new store has: tables, indices and views of moma's own.
+std::set<std::string> own_names();
+
+/// Adds searches, and continues those that both have; needs the temporary table map_suite (source, target). Returns how
+/// many it changed. Throws StoreError{kContradiction} where one search has two paths from machines of one class.
+std::size_t merge_searches(SQLite::Database& db, const std::filesystem::path& file, std::vector<std::string>& notes);
+
+/// Brings tables, indices and views along that are not moma's. Throws StoreError where that would lose rows.
+void merge_others(SQLite::Database& db, const std::filesystem::path& file, std::vector<std::string>& notes);
+
+}  // namespace moma::store

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "eval/suite/controller_entry.h"
+#include "eval/suite/suite.h"
+
+namespace moma {
+
+/// suite_from_resolved() with a say in plugins that the suite names; the one without refuses them. Throws
+/// config::ConfigError, PluginRefused.
+Suite suite_from_resolved(const nlohmann::ordered_json& resolved, Plugins plugins);
+
+}  // namespace moma

@@ -1,0 +1,265 @@
+// Disks that fill up or break at any moment, and programs that are killed: each time a message and an exit code that
+// say so, a store that is sound, and the same results once the program runs again.
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <functional>
+#include <random>
+
+#include "cli_fixture.h"
+#include "eval/store/contents.h"
+#include "eval/store/database.h"
+#include "eval/store/reader.h"
+
+namespace moma::test {
+namespace {
+
+class CliFaults : public CliTest {
+ protected:
+  static constexpr const char* kTiny = R"(name: small
+robot: robots/tiny.yaml
+controllers: {plain: controllers/plain.yaml}
+worlds: {seed: 1, families: {open: {}}}
+simulation: {mode: kinematic, time_limit: 0.4}
+success: {dwell: 0.1}
+trials: 3
+samples: all
+)";
+  static constexpr const char* kTune = R"(name: searched
+robot: robots/tiny.yaml
+controllers: {plain: controllers/plain.yaml}
+worlds: {seed: 1, families: {open: {}}}
+simulation: {mode: kinematic, time_limit: 0.4}
+success: {dwell: 0.1}
+trials: 2
+samples: none
+tune:
+  controller: plain
+  variables: {controller.k_epsilon: {range: [0.1, 5], scale: log, start: 1}}
+  objective: {manip_mean: -1}
+  budget: {trials: 40}
+  worlds: 2
+  confirm: {candidates: 1, worlds: 1}
+  sensitivity: none
+  held_out: {count: 2}
+  seed: 1
+)";
+
+  void SetUp() override {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    GTEST_SKIP() << "a sanitizer's library has to be the first one";
+#endif
+    CliTest::SetUp();
+    write("tiny.yaml", kTiny);
+    write("tune.yaml", kTune);
+  }
+
+  std::vector<std::string> failing(const std::string& call, long at, bool on,
+                                   std::vector<std::string> arguments) const {
+    std::vector<std::string> all{"/usr/bin/env",
+                                 "LD_PRELOAD=" MOMA_BINARY_DIR "/tests/fail_nth.so",
+                                 "MOMA_FAIL_CALL=" + call,
+                                 fmt::format("MOMA_FAIL_AT={}", at),
+                                 fmt::format("MOMA_FAIL_ON={}", on ? 1 : 0),
+                                 "MOMA_FAIL_LOG=" + path(".calls").string()};
+    for (std::string& word : command(std::move(arguments))) all.push_back(std::move(word));
+    return all;
+  }
+
+  long calls() const {
+    std::ifstream log(path(".calls"));
+    long n = 0;
+    log >> n;
+    return n;
+  }
+
+  /// Everything that can be said of a store without simulating.
+  void expect_sound(const std::string& db, const std::string& what) const {
+    const store::Reader reader(path(db));
+    for (const std::string& problem : reader.integrity_problems()) ADD_FAILURE() << what << ": " << problem;
+    store::check_contents(path(db), [&](const std::string& finding) { ADD_FAILURE() << what << ": " << finding; });
+  }
+  std::string result(const std::string& db) const { return store::Reader(path(db)).result_hash(); }
+
+  void remove_store(const std::string& db) const {
+    for (const char* suffix : {"", "-wal", "-shm", "-journal", "-lock", ".part", ".part-wal", ".part-shm", ".part-in"})
+      fs::remove(path(db + suffix));
+  }
+
+  /// Lets call n of a kind fail, for every n that `arguments` come to. `reset` makes the place as it was; `done` is
+  /// what the command leaves when nothing fails, "" where no store is to be there before.
+  void fail_every(const std::string& call, const std::vector<std::string>& arguments, const std::string& db,
+                  const std::function<void()>& reset) {
+    reset();
+    ASSERT_EQ(Process(failing(call, 0, false, arguments), folder_.root()).wait().code, 0);
+    const long all = calls();
+    const std::string whole = result(db);
+    ASSERT_GT(all, 0) << "the shim saw no " << call;
+    int refused = 0;
+    for (const bool on : {false, true}) {
+      for (long n = 1; n <= all; ++n) {
+        const std::string what = fmt::format("{} {} of {}{}", call, n, all, on ? " and all later ones" : "");
+        reset();
+        const ProcessResult failed = Process(failing(call, n, on, arguments), folder_.root()).wait();
+        EXPECT_EQ(failed.signal, 0) << what << failed.err;
+        EXPECT_TRUE(failed.code == 0 || failed.code == 2 || failed.code == 3)
+            << what << ": " << failed.code << failed.err;
+        for (const char* bug : {"internal error", "terminate"})
+          EXPECT_EQ(failed.err.find(bug), std::string::npos) << what << ": " << failed.err;
+        if (failed.code != 0) {
+          ++refused;
+          EXPECT_NE(failed.err.find("moma: "), std::string::npos) << what << " said nothing: " << failed.err;
+        }
+        if (store_there(db)) {
+          expect_sound(db, what);
+          if (failed.code == 0) {
+            EXPECT_EQ(result(db), whole) << what << " lost something in silence";
+          }
+        } else {
+          EXPECT_NE(failed.code, 0) << what;
+        }
+        const ProcessResult again = Process(command(arguments), folder_.root()).wait();
+        ASSERT_EQ(again.code, 0) << what << ", then again: " << again.err;
+        ASSERT_EQ(result(db), whole) << what;
+        if (HasFailure()) return;
+      }
+    }
+    EXPECT_GT(refused, 0) << "no failing " << call << " was ever told";
+  }
+
+  bool store_there(const std::string& db) const {
+    try {
+      const store::Reader reader(path(db));
+      return true;
+    } catch (const store::StoreError& error) {
+      const std::string words = error.what();
+      const bool nothing_yet = words.find("no such file") != std::string::npos ||
+                               words.find("empty database") != std::string::npos ||
+                               words.find("not an SQLite database") != std::string::npos;
+      EXPECT_TRUE(nothing_yet) << words;
+      return false;
+    }
+  }
+};
+
+TEST_F(CliFaults, EveryWriteOfARunMayFail) {
+  fail_every("write", {"run", "tiny.yaml", "-o", "a.db", "-q", "--threads", "1"}, "a.db",
+             [&] { remove_store("a.db"); });
+}
+
+TEST_F(CliFaults, EverySynchronisationOfARunMayFail) {
+  fail_every("fsync", {"run", "tiny.yaml", "-o", "a.db", "-q", "--threads", "1"}, "a.db",
+             [&] { remove_store("a.db"); });
+}
+
+TEST_F(CliFaults, EveryWriteSynchronisationAndRenamingOfAMergeMayFail) {
+  good({"run", "tiny.yaml", "-o", "one.db", "-q", "--shard", "1/2"});
+  good({"run", "tiny.yaml", "-o", "two.db", "-q", "--shard", "2/2"});
+  const auto reset = [&] {
+    remove_store("out.db");
+    fs::copy_file(path("one.db"), path("out.db"));
+  };
+  for (const char* call : {"write", "fsync", "rename"}) {
+    SCOPED_TRACE(call);
+    fail_every(call, {"merge", "out.db", "two.db"}, "out.db", reset);
+    EXPECT_FALSE(fs::exists(path("out.db.part")));
+  }
+}
+
+TEST_F(CliFaults, AReportThatCannotBeWrittenLeavesTheOneThatIsThere) {
+  good({"run", "tiny.yaml", "-o", "a.db", "-q"});
+  write("a.html", "the one from before");
+  for (const char* call : {"write", "fsync", "rename"}) {
+    const ProcessResult failed =
+        Process(failing(call, 1, true, {"report", "a.db", "-o", "a.html"}), folder_.root()).wait();
+    EXPECT_EQ(failed.code, 2) << call << failed.err;
+    EXPECT_NE(failed.err.find("a.html: cannot be written"), std::string::npos) << call << ": " << failed.err;
+    EXPECT_EQ(fs::file_size(path("a.html")), std::string("the one from before").size()) << call;
+    for (const auto& entry : fs::directory_iterator(folder_.root()))
+      EXPECT_EQ(entry.path().string().find(".part"), std::string::npos) << entry.path();
+  }
+}
+
+// MOMA_KILLS: how many; 20 where it is not set.
+TEST_F(CliFaults, KilledAtAnyMomentNothingIsLost) {
+  const char* const wanted = std::getenv("MOMA_KILLS");
+  const int kills = wanted != nullptr ? std::atoi(wanted) : 20;
+  good({"run", "tiny.yaml", "-o", "one.db", "-q", "--shard", "1/2", "--trials", "40"});
+  good({"run", "tiny.yaml", "-o", "two.db", "-q", "--shard", "2/2", "--trials", "40"});
+  good({"tune", "tune.yaml", "-o", "search.db", "-q", "--gains", "g.yaml"});
+  struct Work {
+    std::string name;
+    std::vector<std::string> arguments;
+    std::string db;                ///< what it writes
+    std::function<void()> before;  ///< makes the place as it was
+    std::string whole = {};
+    std::chrono::milliseconds took = {};
+  };
+  std::vector<Work> works;
+  works.push_back({"run", {"run", "tiny.yaml", "-o", "r.db", "-q", "--trials", "60", "--threads", "2"}, "r.db", [] {}});
+  works.push_back({"dynamic run",
+                   {"run", "tiny.yaml", "-o", "d.db", "-q", "--trials", "20", "--set", "simulation.mode=dynamic"},
+                   "d.db",
+                   [] {}});
+  works.push_back({"merge", {"merge", "m.db", "two.db", "search.db"}, "m.db", [&] {
+                     fs::copy_file(path("one.db"), path("m.db"));
+                   }});
+  works.push_back({"tune", {"tune", "tune.yaml", "-o", "t.db", "-q", "--gains", "t.yaml"}, "t.db", [] {}});
+  // A store of the first version, which the run brings up to date.
+  works.push_back({"migration", {"run", "tiny.yaml", "-o", "v.db", "-q", "--trials", "4"}, "v.db", [&] {
+                     fs::copy_file(path("one.db"), path("v.db"));
+                     SQLite::Database old(path("v.db").string(), SQLite::OPEN_READWRITE);
+                     old.exec("ALTER TABLE trial DROP COLUMN detector_deepest_m");
+                   }});
+  for (Work& work : works) {
+    remove_store(work.db);
+    work.before();
+    const auto begin = std::chrono::steady_clock::now();
+    const ProcessResult done = Process(command(work.arguments), folder_.root()).wait();
+    ASSERT_EQ(done.code, 0) << work.name << done.err;
+    work.took = std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - begin);
+    work.whole = result(work.db);
+  }
+  std::mt19937 random(20240607);
+  int hit = 0;
+  for (int kill = 0; kill < kills; ++kill) {
+    const Work& work = works[static_cast<std::size_t>(kill) % works.size()];
+    remove_store(work.db);
+    work.before();
+    const auto after = std::chrono::milliseconds(random() % static_cast<unsigned>(work.took.count() + 1));
+    const std::string what =
+        fmt::format("kill {}: {} after {} of {} ms", kill, work.name, after.count(), work.took.count());
+    Process process(command(work.arguments), folder_.root());
+    std::this_thread::sleep_for(after);
+    process.kill(SIGKILL);
+    hit += process.wait().signal == SIGKILL ? 1 : 0;
+    if (work.name != "migration" && store_there(work.db)) expect_sound(work.db, what);
+    const ProcessResult again = Process(command(work.arguments), folder_.root()).wait();
+    ASSERT_EQ(again.code, 0) << what << again.err;
+    expect_sound(work.db, what);
+    ASSERT_EQ(result(work.db), work.whole) << what;
+    const std::string running = "SELECT count(*) FROM invocation WHERE status = 'running'";
+    if (work.name != "merge") {
+      EXPECT_EQ(store::ReadConnection(path(work.db)).db().execAndGet(running).getInt(), 0) << what;
+    }
+  }
+  EXPECT_GT(hit, kills / 4) << "most were done before they were killed";
+}
+
+TEST_F(CliFaults, AReadOnlyPlaceIsSaid) {
+  if (geteuid() == 0) GTEST_SKIP() << "root may write everywhere; StoreFiles has a read-only file system";
+  good({"run", "tiny.yaml", "-o", "a.db", "-q"});
+  fs::create_directory(path("closed"));
+  fs::permissions(path("closed"), fs::perms::owner_read | fs::perms::owner_exec);
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"run", "tiny.yaml", "-o", "closed/a.db"},
+                                                    {"merge", "closed/a.db", "a.db"},
+                                                    {"report", "a.db", "-o", "closed/a.html"},
+                                                    {"tune", "tune.yaml", "-o", "t.db", "--gains", "closed/g.yaml"}})
+    bad(arguments, {"closed", "cannot"});
+  fs::permissions(path("closed"), fs::perms::owner_all);
+}
+
+}  // namespace
+}  // namespace moma::test
