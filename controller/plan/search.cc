@@ -11,7 +11,7 @@ namespace {
 constexpr int kNodes = 3000;
 constexpr double kStep = 0.8;    // of a tree, in the metric of distance_squared()
 constexpr double kReach = 0.6;   // of the arm, in the base's way [m]
-constexpr double kNoWay = 0.05;  // shorter steps keep their heading [m]
+constexpr double kShortWay = 0.05;  // shorter steps keep their heading [m]
 constexpr int kBlocked = 2;      // checks for looking through a tree in vain
 
 }  // namespace
@@ -112,8 +112,8 @@ int Search::grow(FreeSpace& space, Tree& tree, int from, const WholeConfiguratio
     b = a + f * (target - a);
     b[2] = target[2];
     const bool mobile = limits_->base != BaseType::kFixed;
-    if (limits_->base == BaseType::kDifferential && (b - a).head<2>().norm() > kNoWay)
-      head_along(*limits_, a, kNoWay, b);
+    if (limits_->base == BaseType::kDifferential && (b - a).head<2>().norm() > kShortWay)
+      head_along(*limits_, a, kShortWay, b);
     else
       b[2] = mobile ? a[2] + f * wrapped(target[2] - a[2]) : a[2];
   }

@@ -58,6 +58,7 @@ Disturbances disturbances_of(const Found& found) {
     out.base.noise = {rounded(base.position_noise.value_or(0.0)), rounded(base.heading_noise.value_or(0.0))};
     out.base.velocity_noise = {rounded(base.linear.velocity_noise), rounded(base.turn.velocity_noise)};
     out.base.delay = time(base.latency.sensing);
+    out.base.irregularity.jitter = time(base.latency.jitter);
     out.actuators.base.delay = time(base.latency.drive);
     out.actuators.base.gain_error = {rounded(std::abs(base.linear.gain - 1.0)),
                                      rounded(std::abs(base.turn.gain - 1.0))};
@@ -67,6 +68,7 @@ Disturbances disturbances_of(const Found& found) {
     out.joints.noise = rounded(joints.position_noise.value_or(0.0));
     out.joints.velocity_noise = rounded(joints.velocity_noise);
     out.joints.delay = time(joints.latency.sensing);
+    out.joints.irregularity.jitter = time(joints.latency.jitter);
     out.actuators.joints.delay = time(joints.latency.drive);
     out.actuators.joints.gain_error = rounded(joints.gain_deviation);
   }

@@ -45,7 +45,9 @@ std::unique_ptr<StepController> usual(const TrialSpec& spec) {
 }
 
 /// When what is there at each row was measured: `delay` before, the first one until that is due.
-std::vector<double> stamps(const std::vector<double>& time, double delay, double period) {
+std::vector<double> stamps(const std::vector<double>& time, double delay, const Irregularity& irregularity,
+                           double period) {
+  if (irregularity != Irregularity{}) return {};  // nobody can say which one has arrived
   const auto late = static_cast<std::size_t>(delay_steps(delay, period));
   std::vector<double> out;
   for (std::size_t k = 0; k < time.size(); ++k) out.push_back(time[k < late ? 0 : k - late]);
@@ -92,8 +94,8 @@ identify::MotionLog log_of_trial(const TrialSpec& spec, const World& world, cons
     log.base_y.push_back(o.base.y());
     log.base_heading.push_back(o.base.z());
   }
-  if (base_dof > 0) log.base_stamp = stamps(log.time, disturbances.base.delay, period);
-  log.joint_stamp = stamps(log.time, disturbances.joints.delay, period);
+  if (base_dof > 0) log.base_stamp = stamps(log.time, disturbances.base.delay, disturbances.base.irregularity, period);
+  log.joint_stamp = stamps(log.time, disturbances.joints.delay, disturbances.joints.irregularity, period);
   for (std::size_t j = 0; j < world.objects.size(); ++j) {
     if (!at_rest(world.objects[j].motion, 0.0)) continue;
     if (!std::all_of(heard.seen.begin(), heard.seen.end(), [&](const Observation& o) { return o.objects[j].visible; }))
@@ -106,7 +108,7 @@ identify::MotionLog log_of_trial(const TrialSpec& spec, const World& world, cons
       point.y.push_back(p.y());
       point.z.push_back(p.z());
     }
-    point.stamp = stamps(log.time, disturbances.objects.delay, period);
+    point.stamp = stamps(log.time, disturbances.objects.delay, disturbances.objects.irregularity, period);
   }
   return log;
 }

@@ -7,7 +7,8 @@
 
 namespace moma::run {
 
-/// What a run's rows say against its physics: a person should hear of it without asking.
+/// What a run's rows say against its physics, and against what controllers were told of the robot: a person should hear
+/// of it without asking.
 class RowWarnings {
  public:
   void look(const TrialRow& row);
@@ -16,7 +17,9 @@ class RowWarnings {
 
  private:
   int contradicted_ = 0, messages_ = 0, errors_ = 0, diverged_ = 0;  // trials
-  double deepest_ = 0.0;                                             // [m]
+  int latencies_ = 0;
+  double deepest_ = 0.0;      // [m]
+  double latency_off_ = 0.0;  // the largest, with its sign [s]
 };
 
 }  // namespace moma::run

@@ -16,7 +16,9 @@ std::optional<double> known_before_contact(const CollisionCase& collision) {
       read_disturbances(config::parse_yaml(collision.disturbances, "disturbances"), "disturbances");
   const auto hit = std::find_if(world.objects.begin(), world.objects.end(),
                                 [&](const WorldObject& object) { return object.name == collision.object; });
-  Detection detection(disturbances.detection, world, collision.control_period);
+  const DetectionRule& rule = disturbances.detection;
+  if (rule.occlusion || rule.mount == SensorMount::kHand) return {};  // the arm's way is not in the samples' base
+  Detection detection(rule, world, DisturbanceStreams(world, disturbances.seed), collision.control_period);
   if (hit == world.objects.end() || !detection.on()) return {};
   const auto place = static_cast<std::size_t>(hit - world.objects.begin());
   std::vector<ObjectState> states(world.objects.size());
@@ -24,7 +26,7 @@ std::optional<double> known_before_contact(const CollisionCase& collision) {
     const double* base = collision.base.data() + 3 * k;
     object_states(world, collision.t[k], states);
     for (ObjectState& state : states) state.visible = true;
-    detection.update({base[0], base[1], base[2]}, states);
+    detection.update(static_cast<long>(k), {base[0], base[1], base[2]}, {}, states);
     if (!states[place].visible) continue;
     // What is known from the start was never new.
     const double since = k == 0 ? 0.0 : collision.t[k] + disturbances.objects.delay;

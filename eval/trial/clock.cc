@@ -12,6 +12,7 @@
 #include "controller/model/manipulability.h"
 #include "eval/trial/observe.h"
 #include "eval/trial/rules.h"
+#include "eval/trial/separation.h"
 #include "world/draws.h"
 #include "world/sensing/actuation.h"
 #include "world/sensing/sensing.h"
@@ -40,7 +41,8 @@ class TickClock {
         proximity_(spec.robot->model),
         dwell_(spec.success, period_),
         stuck_(spec.stuck, period_),
-        infeasible_(spec.infeasible, period_) {}
+        infeasible_(spec.infeasible, period_),
+        separation_(spec) {}
 
   TrialRow run() {
     prepare();
@@ -60,8 +62,6 @@ class TickClock {
   void prepare() {
     const std::vector<ObjectShape> shapes = object_shapes(world_);
     proximity_.set_objects(shapes);
-    controller_.reset(shapes);
-    controller_.prepare(result_);
     objects_.resize(world_.objects.size());
     object_states(world_, 0.0, objects_);
     goal_ = goal_state(world_, 0.0);
@@ -72,10 +72,16 @@ class TickClock {
         std::any_of(model_.self_pairs.begin(), model_.self_pairs.end(), [](const SelfPair& pair) { return pair.row; });
     const Disturbances& disturbances = spec_.disturbances;
     if (senses_with_errors(disturbances)) sensing_.emplace(disturbances, model_, world_, period_);
+    std::vector<ObjectShape> told = shapes;
+    if (sensing_)
+      for (ObjectShape& phantom : sensing_->phantoms(world_)) told.push_back(std::move(phantom));
+    controller_.reset(told);
+    controller_.prepare(result_);
     if (acts_with_errors(disturbances)) actuation_.emplace(disturbances, model_, world_, period_);
     r_.control_period = period_;
     r_.moving_goal = goal_moves_;
     r_.has_qp = has_qp(spec_);
+    r_.has_prediction = spec_.plugin == nullptr && spec_.controller_params.prediction.enabled;
     r_.has_slack = r_.has_qp && spec_.controller_params.slack.enabled;
     r_.dynamic = spec_.simulation.mode == SimulationMode::kDynamic;
     r_.has_wheels = r_.dynamic && model_.base_dof() > 0;
@@ -125,6 +131,7 @@ class TickClock {
     record.manipulability = manipulability(J_arm, ManipulabilityRows::kTranslation);
     record.manipulability_all = manipulability(J_arm, ManipulabilityRows::kAll);
     measure_clearance();
+    if (objects_move_) separation_.look(kinematics_, proximity_, objects_, state.qdot);
     return true;
   }
 
@@ -243,6 +250,8 @@ class TickClock {
   }
 
   TrialRow finish(long k, Ending ending) {
+    r_.separation = separation_.least();
+    note_latencies();
     TrialRow row = measure(r_, model_);
     row.outcome = ending.outcome;
     row.reason = std::move(ending.reason);
@@ -250,6 +259,24 @@ class TickClock {
     if (row.outcome == Outcome::kSuccess) row.time_to_goal_s = time(dwell_.first());
     if (row.outcome == Outcome::kCollision) describe_contact(row);
     return row;
+  }
+
+  // What the controller found out, and how far that is from what it was told.
+  void note_latencies() {
+    const PredictionParams& told = spec_.controller_params.prediction;
+    if (!r_.has_prediction || r_.trace.empty()) return;
+    const auto periods = [this](double seconds) { return delay_steps(seconds, period_); };
+    const auto off = [this](double found, long configured) {
+      return period_ * static_cast<double>(std::lround(found / period_) - configured);
+    };
+    if (result_.latency_base >= 0.0) {
+      r_.latency_base = result_.latency_base;
+      r_.latency_base_off = off(r_.latency_base, periods(told.base_drive) + periods(told.base_sensing));
+    }
+    if (result_.latency_joints >= 0.0) {
+      r_.latency_joints = result_.latency_joints;
+      r_.latency_joints_off = off(r_.latency_joints, periods(told.joint_drive) + periods(told.joint_sensing));
+    }
   }
 
   std::string link_of(int shape) const {
@@ -286,6 +313,7 @@ class TickClock {
   DwellRule dwell_;
   StuckTracker stuck_;
   InfeasibleTracker infeasible_;
+  SeparationWatch separation_;
   std::optional<Sensing> sensing_;      // only where the controller does not see the truth
   std::optional<Actuation> actuation_;  // only where its command is not what is applied
   PlantReport report_;

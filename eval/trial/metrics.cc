@@ -127,6 +127,11 @@ TrialRow measure(const Recording& r, const RobotModel& model) {
   }
   if (r.dynamic) row.energy_j = r.energy;
   if (r.has_wheels) row.slip_max_m_s = r.slip_max;
+  row.latency_base_s = r.latency_base;
+  row.latency_base_off_s = r.latency_base_off;
+  row.latency_joints_s = r.latency_joints;
+  row.latency_joints_off_s = r.latency_joints_off;
+  row.separation_margin_min_m = r.separation;
   row.lcp_messages = r.lcp_messages;
   row.detector_checks = r.detector_checks;
   row.detector_disagreements = r.detectors.disagreements;

@@ -29,7 +29,13 @@ struct Recording {
   bool moving_goal = false;
   bool has_slack = false;  ///< the controller has slack variables
   bool has_qp = false;
-  bool has_wheels = false;  ///< dynamic mode on a mobile base
+  bool has_prediction = false;        ///< of moma's own controllers: it knows of latencies
+  double latency_base = kAbsent;      ///< as the controller found it from the motion [s]
+  double latency_base_off = kAbsent;  ///< that, less what it was told
+  double latency_joints = kAbsent;
+  double latency_joints_off = kAbsent;
+  double separation = kAbsent;  ///< least margin to what moves (separation.h) [m]
+  bool has_wheels = false;      ///< dynamic mode on a mobile base
   bool dynamic = false;
   double slip_max = 0.0;  ///< [m/s]
   double energy = 0.0;    ///< [J]
@@ -52,6 +58,7 @@ struct Recording {
 ///   its velocity limit. NULL with fewer than 2 steps.
 /// - slack_mean, slack_max: of |delta| over steps. NULL without slack. active_rows_mean: NULL without a QP.
 /// - tracking_error_rms [m]: root mean square of |e_p| over all samples; only for a goal that moves.
+/// - latency_*, separation_margin_min_m: as recorded.
 /// - detector_deepest_m: NULL without a disagreement.
 /// - energy_j: dynamic mode only; slip_max_m_s: there with wheels only.
 TrialRow measure(const Recording& recording, const RobotModel& model);

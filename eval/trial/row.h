@@ -46,6 +46,11 @@ struct TrialRow {
   int fallback_relaxed = 0;
   int fallback_brake = 0;
   double slip_max_m_s = kAbsent;
+  double latency_base_s = kAbsent;      ///< as found from the motion, from a command to its measured velocity
+  double latency_base_off_s = kAbsent;  ///< that, less what the controller was told
+  double latency_joints_s = kAbsent;
+  double latency_joints_off_s = kAbsent;
+  double separation_margin_min_m = kAbsent;
   double tracking_error_rms = kAbsent;
   int lcp_messages = 0;
   int steps = 0;
@@ -198,6 +203,37 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
                   .unit = "m/s",
                   .better = kLow,
                   .text = "greatest slip of a wheel (`dynamic` with wheels only)"});
+  v.member("latency_base_s", &R::latency_base_s,
+           Column{.label = "latency of the base, as found",
+                  .unit = "s",
+                  .null_when = "unless the controller looks for it (`prediction.identify`) on a base that drives",
+                  .earlier = Earlier::kUnknown,
+                  .text = "from a command of the base to the velocity measured of it, as the motion shows it"});
+  v.member("latency_base_off_s", &R::latency_base_off_s,
+           Column{.label = "latency of the base, found less configured",
+                  .unit = "s",
+                  .null_when = "as latency_base_s",
+                  .earlier = Earlier::kUnknown,
+                  .text = "that, less what the controller's `prediction` says"});
+  v.member("latency_joints_s", &R::latency_joints_s,
+           Column{.label = "latency of the joints, as found",
+                  .unit = "s",
+                  .null_when = "unless the controller looks for it (`prediction.identify`)",
+                  .earlier = Earlier::kUnknown,
+                  .text = "likewise of the joints"});
+  v.member("latency_joints_off_s", &R::latency_joints_off_s,
+           Column{.label = "latency of the joints, found less configured",
+                  .unit = "s",
+                  .null_when = "as latency_joints_s",
+                  .earlier = Earlier::kUnknown,
+                  .text = "that, less what the controller's `prediction` says"});
+  v.member("separation_margin_min_m", &R::separation_margin_min_m,
+           Column{.label = "least margin of the separation",
+                  .unit = "m",
+                  .better = kHigh,
+                  .null_when = "in a world where nothing moves",
+                  .earlier = Earlier::kUnknown,
+                  .text = "least of distance less protective separation distance, over all that moves"});
   v.member("tracking_error_rms", &R::tracking_error_rms,
            Column{.label = "tracking error, RMS",
                   .unit = "m",

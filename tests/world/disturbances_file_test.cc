@@ -114,6 +114,33 @@ TEST(DisturbancesFile, EachKeyAloneSurvivesWritingAndIsAllThatIsWritten) {
                            "actuators: {base: {gain_error: {angular: 0.1}}}",
                            "actuators: {joints: {friction: {effort: 0.1}}}",
                            "actuators: {joints: {friction: {spread: 0.1}}}",
+                           "joints: {jitter: 0.1}",
+                           "joints: {dropout: 0.1}",
+                           "joints: {resolution: 0.1}",
+                           "joints: {velocity_resolution: 0.1}",
+                           "base: {jitter: 0.1}",
+                           "base: {dropout: 0.1}",
+                           "base: {velocity_resolution: {linear: 0.1}}",
+                           "base: {velocity_resolution: {angular: 0.1}}",
+                           "base: {odometry: {slip: {rate: 0.1}}}",
+                           "objects: {jitter: 0.1}",
+                           "objects: {dropout: 0.1}",
+                           "objects: {noise_growth: 0.1}",
+                           "objects: {field_of_view: 1.5}",
+                           "objects: {occlusion: true}",
+                           "objects: {missed: {probability: 0.1}}",
+                           "objects: {phantoms: {count: 2}}",
+                           "goal: {jitter: 0.1}",
+                           "goal: {dropout: 0.1}",
+                           "goal: {noise_growth: 0.1}",
+                           "actuators: {joints: {jitter: 0.1}}",
+                           "actuators: {joints: {dropout: 0.1}}",
+                           "actuators: {base: {jitter: 0.1}}",
+                           "actuators: {base: {dropout: 0.1}}",
+                           "actuators: {base: {deadband: {linear: 0.1}}}",
+                           "actuators: {base: {deadband: {angular: 0.1}}}",
+                           "actuators: {base: {ramps: {speed_up: 0.5}}}",
+                           "actuators: {base: {ramps: {slow_down: 0.5}}}",
                            "payload: {mass: 0.1}",
                            "payload: {spread: 0.1, position: [0.1, 0.2, 0.3]}",
                            "floor: {friction: 0.1}",
@@ -130,7 +157,9 @@ TEST(DisturbancesFile, NothingOnIsNothing) {
   for (const char* yaml :
        {"none", "{}", "joints: {}", "joints: {noise: 0, delay: 0}", "seed: 9",
         "objects: {frame: base, sensor: [1, 2, 3], known_at_start: true, range: .inf}",
-        "goal: {frame: base, resting_is_known: true}", "payload: {position: [0, 0, 1]}", "floor: {friction: 1}"}) {
+        "objects: {mount: hand, axis: [0, 0, 1], lost: true, missed: {duration: 1}, phantoms: {radius: 0.3}}",
+        "base: {odometry: {slip: {distance: 0.1}}}", "goal: {frame: base, resting_is_known: true}",
+        "payload: {position: [0, 0, 1]}", "floor: {friction: 1}"}) {
     const Disturbances d = read(yaml);
     EXPECT_FALSE(any(d)) << yaml;
     EXPECT_TRUE(to_json(d).is_object() && to_json(d).empty()) << yaml;
@@ -162,6 +191,11 @@ TEST(DisturbancesFile, RefusesWhatIsWrongAndSaysWhere) {
   expect_error("payload: {weight: 1}", {"disturbances.payload.weight", "mass"});
   expect_error("payload: {position: [0, 0]}", {"disturbances.payload.position", "3"});
   expect_error("floor: {friction: -0.1}", {"disturbances.floor.friction", "-0.1"});
+  expect_error("joints: {dropout: 1.5}", {"disturbances.joints.dropout", "1.5"});
+  expect_error("objects: {field_of_view: 0}", {"disturbances.objects.field_of_view", "'0'"});
+  expect_error("objects: {mount: head}", {"disturbances.objects.mount", "base", "hand"});
+  expect_error("objects: {phantoms: {count: 100}}", {"disturbances.objects.phantoms.count", "100"});
+  expect_error("actuators: {base: {ramps: {slow_down: 0}}}", {"disturbances.actuators.base.ramps.slow_down", "'0'"});
   expect_error("seed: -1", {"disturbances.seed"});
   expect_error("seed: 4294967296", {"disturbances.seed"});
   expect_error("off", {"disturbances", "found 'off'", "none"});
@@ -170,7 +204,7 @@ TEST(DisturbancesFile, RefusesWhatIsWrongAndSaysWhere) {
 }
 
 TEST(DisturbancesFile, TheShippedOnesAreGood) {
-  for (const char* name : {"realistic.yaml", "dead-reckoning.yaml"}) {
+  for (const char* name : {"realistic.yaml", "dead-reckoning.yaml", "harsh.yaml"}) {
     const Disturbances d =
         read_disturbances(config::load_yaml(std::string(MOMA_SOURCE_DIR) + "/configs/disturbances/" + name), "");
     EXPECT_TRUE(senses_with_errors(d)) << name;

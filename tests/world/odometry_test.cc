@@ -116,12 +116,12 @@ std::vector<std::vector<bool>> visible(const DetectionRule& rule, const std::vec
                                        const std::vector<double>& x) {
   World world;
   world.objects = solids;
-  Detection detection(rule, world, 0.02);
+  Detection detection(rule, world, DisturbanceStreams(world, 0), 0.02);
   std::vector<std::vector<bool>> out;
   for (const double at : x) {
     std::vector<ObjectState> states(solids.size());
     object_states(world, 0.0, states);
-    detection.update({at, 0.0, 0.0}, states);
+    detection.update(static_cast<long>(out.size()), {at, 0.0, 0.0}, {}, states);
     auto& now = out.emplace_back();
     for (const ObjectState& state : states) now.push_back(state.visible);
   }

@@ -8,7 +8,10 @@
 namespace moma {
 
 /// The drives between controller and plant (Actuators): nothing moves until the first command is due, and a
-/// factor 1 + g is never below 0. A command at its limit may thus be exceeded by the gain's error. One per trial.
+/// factor 1 + g is never below 0. A command at its limit may thus be exceeded by the gain's error. A base's command
+/// comes late, falls into the deadband or not, takes its gain, and is followed by the ramps: from the velocity u that
+/// it follows to w, by no more than part x base.max_acceleration x T, the part being that of slow_down where
+/// |w| < |u| or u w < 0, else of speed_up; a linear velocity as one vector. One per trial.
 class Actuation {
  public:
   Actuation(const Disturbances& disturbances, const RobotModel& model, const World& world, double control_period);
@@ -18,6 +21,14 @@ class Actuation {
   const VectorX& act(long k, const VectorX& command);
 
  private:
+  void follow(const Vector3& wanted);
+
+  DisturbanceStreams streams_;
+  Actuators errors_;
+  Vector2 acceleration_;  // the base's own [m/s^2, rad/s^2]
+  double dt_;
+  long joint_jitter_, base_jitter_;  // in periods
+  Vector3 followed_ = Vector3::Zero();
   int base_dof_;
   VectorX factor_;  // 1 + g
   VectorX base_, joints_, applied_;

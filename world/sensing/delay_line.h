@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -8,13 +9,20 @@ namespace moma {
 /// What is there before anything that went in comes out.
 enum class BeforeFirst { kHoldFirst, kPrototype };
 
-/// Values of consecutive steps, late by a whole number of steps. Allocates when it is made only, as long as assigning
-/// a T of the prototype's size does not.
+/// Values of consecutive steps, late by a whole number of steps that may vary. Allocates when it is made only, as long
+/// as assigning a T of the prototype's size does not.
 template <typename T>
 class DelayLine {
  public:
-  DelayLine(long steps, const T& prototype, BeforeFirst before)
-      : steps_(steps), before_(before), ring_(steps > 0 ? static_cast<std::size_t>(steps) + 1 : 0, prototype) {}
+  static constexpr long kLost = -1;
+
+  /// `steps`: that every value is late; `more`: that one may be late beyond them.
+  DelayLine(long steps, const T& prototype, BeforeFirst before, long more = 0)
+      : steps_(steps),
+        before_(before),
+        ring_(steps + more > 0 ? static_cast<std::size_t>(steps + more) + 1 : 0, prototype),
+        due_(ring_.size(), 0),
+        held_(prototype) {}
 
   /// Replaces the value of step k = 0, 1, 2, ... (each once, in order) by that of step k - `steps`.
   void pass(long k, T& value) {
@@ -25,12 +33,38 @@ class DelayLine {
     value = ring_[before_ == BeforeFirst::kHoldFirst && k < steps_ ? 0 : slot(k + 1)];
   }
 
+  /// The same for a value that is late by `more` beyond those steps, or kLost: replaces it by the newest one that has
+  /// arrived. Either this or the other one is used throughout.
+  void pass(long k, T& value, long more) {
+    if (k == 0 && before_ == BeforeFirst::kHoldFirst) held_ = value;
+    if (ring_.empty()) {  // nothing is late, but it may be lost
+      if (more != kLost) held_ = value;
+      value = held_;
+      return;
+    }
+    const auto at = [this](long step) { return static_cast<std::size_t>(step) % ring_.size(); };
+    ring_[at(k)] = value;
+    due_[at(k)] = more == kLost ? kLost : k + steps_ + more;
+    const long oldest = std::max({held_from_ + 1, k + 1 - static_cast<long>(ring_.size()), 0L});
+    for (long made = k; made >= oldest; --made) {
+      const long due = due_[at(made)];
+      if (due == kLost || due > k) continue;
+      held_ = ring_[at(made)];
+      held_from_ = made;
+      break;
+    }
+    value = held_;
+  }
+
  private:
   std::size_t slot(long k) const { return static_cast<std::size_t>(k % (steps_ + 1)); }
 
   long steps_;
   BeforeFirst before_;
   std::vector<T> ring_;
+  std::vector<long> due_;
+  T held_;
+  long held_from_ = -1;
 };
 
 }  // namespace moma

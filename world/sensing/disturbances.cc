@@ -15,6 +15,12 @@ bool senses_with_errors(const Disturbances& disturbances) {
   }
   reduced.detection.sensor = off.detection.sensor;
   reduced.detection.known_at_start = off.detection.known_at_start;
+  reduced.detection.mount = off.detection.mount;
+  reduced.detection.axis = off.detection.axis;
+  reduced.detection.lost = off.detection.lost;
+  if (reduced.detection.missed.probability == 0.0) reduced.detection.missed = {};
+  if (reduced.detection.phantoms.count == 0) reduced.detection.phantoms = {};
+  if (reduced.base.odometry.slip.rate == 0.0) reduced.base.odometry.slip = {};
   reduced.actuators = off.actuators;
   reduced.payload = off.payload;
   reduced.floor = off.floor;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <string_view>
 
 #include "controller/describe/describe.h"
@@ -57,12 +58,31 @@ constexpr void describe(Visitor& v, Of<TwistSpread>) {
   v.member("angular", &TwistSpread::angular, disturbed::about("rad/s", disturbed::kSpread, "about each axis"));
 }
 
+/// Lateness that varies, and losses: on its way what is sent takes `delay` and up to `jitter` more, evenly drawn for
+/// each in whole control periods, and is lost with the probability `dropout`. What comes out is the newest that has
+/// arrived.
+struct Irregularity {
+  double jitter = 0.0;   ///< [s]
+  double dropout = 0.0;  ///< [1]
+  bool operator==(const Irregularity&) const = default;
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Irregularity>) {
+  using namespace disturbed;
+  v.member("jitter", &Irregularity::jitter, about("s", kDelay, "up to so much more, evenly drawn at each step"));
+  v.member("dropout", &Irregularity::dropout, about("1", kGain, "probability with which each one is lost"));
+}
+
 /// The arm's encoders.
 struct JointSensing {
   double noise = 0.0;           ///< [rad or m]
   double velocity_noise = 0.0;  ///< [rad/s or m/s]
   double bias = 0.0;            ///< [rad or m]
   double delay = 0.0;           ///< [s]
+  Irregularity irregularity;
+  double resolution = 0.0;           ///< [rad or m]
+  double velocity_resolution = 0.0;  ///< [rad/s or m/s]
   bool operator==(const JointSensing&) const = default;
 };
 
@@ -74,6 +94,26 @@ constexpr void describe(Visitor& v, Of<JointSensing>) {
   v.member("velocity_noise", &T::velocity_noise, about("rad/s or m/s", kSpread, "of each joint's velocity, per step"));
   v.member("bias", &T::bias, about("rad or m", kSpread, "of each joint's offset, per trial"));
   v.member("delay", &T::delay, about("s", kDelay, "of positions and velocities"));
+  v.inlined(&T::irregularity);
+  v.member("resolution", &T::resolution, about("rad or m", kSpread, "positions are rounded to multiples of it"));
+  v.member("velocity_resolution", &T::velocity_resolution, about("rad/s or m/s", kSpread, "likewise velocities"));
+}
+
+/// Wheels that slip now and then: along a step's way s with the probability 1 - exp(-rate s).
+struct WheelSlip {
+  double rate = 0.0;      ///< [1/m]
+  double distance = 0.0;  ///< [m]
+  double turn = 0.0;      ///< [rad]
+  bool operator==(const WheelSlip&) const = default;
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<WheelSlip>) {
+  using namespace disturbed;
+  using T = WheelSlip;
+  v.member("rate", &T::rate, about("1/m", {0.0, 100.0}, "slips per metre driven, on average"));
+  v.member("distance", &T::distance, about("m", kSpread, "of the way that a slip adds to or takes from the measured"));
+  v.member("turn", &T::turn, about("rad", kSpread, "of the turn likewise"));
 }
 
 /// Errors of dead reckoning that grow with the way (odometry.h).
@@ -82,6 +122,7 @@ struct OdometryErrors {
   double turn = 0.0;      ///< [1]
   double heading = 0.0;   ///< [rad/m]
   PoseSpread walk;        ///< [m per sqrt(m), rad per sqrt(m)]
+  WheelSlip slip;
   bool operator==(const OdometryErrors&) const = default;
 };
 
@@ -93,6 +134,7 @@ constexpr void describe(Visitor& v, Of<OdometryErrors>) {
   v.member("turn", &T::turn, about("1", kGain, "of the relative error of turns, per trial"));
   v.member("heading", &T::heading, about("rad/m", kSpread, "of the turn that is seen per metre driven, per trial"));
   v.member("walk", &T::walk, about("random walk along the way, per sqrt(m): its variance grows with the way"));
+  v.member("slip", &T::slip, about("wheels that slip now and then"));
 }
 
 /// The base's pose and velocity. Without effect on a fixed base.
@@ -101,6 +143,8 @@ struct BaseSensing {
   TwistSpread velocity_noise;
   PoseSpread bias;
   double delay = 0.0;  ///< [s]
+  Irregularity irregularity;
+  TwistSpread velocity_resolution;  ///< [m/s, rad/s]
   OdometryErrors odometry;
   bool operator==(const BaseSensing&) const = default;
 };
@@ -113,6 +157,8 @@ constexpr void describe(Visitor& v, Of<BaseSensing>) {
   v.member("velocity_noise", &T::velocity_noise, about("of the measured velocity, per step"));
   v.member("bias", &T::bias, about("of x, y and of the heading, per trial"));
   v.member("delay", &T::delay, about("s", kDelay, "of pose and velocity"));
+  v.inlined(&T::irregularity);
+  v.member("velocity_resolution", &T::velocity_resolution, about("velocities are rounded to multiples of it"));
   v.member("odometry", &T::odometry, about("errors of dead reckoning"));
 }
 
@@ -129,6 +175,8 @@ struct PoseSensing {
   bool resting_is_known = false;
   PoseSpread bias;     ///< for each object its own
   double delay = 0.0;  ///< [s]
+  Irregularity irregularity;
+  double noise_growth = 0.0;  ///< [1/m^2]
   bool operator==(const PoseSensing&) const = default;
 };
 
@@ -143,14 +191,71 @@ constexpr void describe(Visitor& v, Of<PoseSensing>) {
   v.member("resting_is_known", &T::resting_is_known, about("what is at rest is measured to be: a twist of 0 is exact"));
   v.member("bias", &T::bias, about("of the pose, per trial; for each object its own"));
   v.member("delay", &T::delay, about("s", kDelay, "of pose, twist and of being seen at all"));
+  v.inlined(&T::irregularity);
+  v.member(
+      "noise_growth", &T::noise_growth,
+      about("1/m^2", {0.0, 100.0}, "at the distance r from the sensor noise is 1 + noise_growth r^2 times as much"));
 }
 
-/// When an object is found: once it has been in range for `detection`, and from then on to the trial's end.
+/// Objects that are found and yet not seen, for whole spans of time: each by itself with this probability in each.
+struct MissedDetections {
+  double probability = 0.0;  ///< [1]
+  double duration = 0.2;     ///< of a span [s]
+  bool operator==(const MissedDetections&) const = default;
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<MissedDetections>) {
+  using namespace disturbed;
+  using T = MissedDetections;
+  v.member("probability", &T::probability, about("1", kGain, "with which an object is not seen in a span of time"));
+  v.member("duration", &T::duration, about("s", {1e-3, 3600.0}, "of a span"));
+}
+
+/// Objects that are seen and not there: balls at rest near the robot, each for whole spans of time.
+struct FalseDetections {
+  int count = 0;             ///< at most at a time
+  double probability = 0.1;  ///< of each, in each span [1]
+  double duration = 0.3;     ///< of a span [s]
+  double radius = 0.1;       ///< [m]
+  double nearest = 0.5;      ///< their centres, from the base's middle, in the plane [m]
+  double furthest = 3.0;     ///< [m]
+  double height = 1.2;       ///< centres lie between 0 and this [m]
+  bool operator==(const FalseDetections&) const = default;
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<FalseDetections>) {
+  using namespace disturbed;
+  using T = FalseDetections;
+  constexpr Range kPlace{0.0, 100.0};
+  v.member("count", &T::count, about("", {0.0, 50.0}, "at most at a time"));
+  v.member("probability", &T::probability, about("1", kGain, "of each, in each span of time"));
+  v.member("duration", &T::duration, about("s", {1e-3, 3600.0}, "of a span"));
+  v.member("radius", &T::radius, about("m", {1e-3, 10.0}, "of the ball that is seen"));
+  v.member("nearest", &T::nearest, about("m", kPlace, "centres are no nearer to the base's middle, in the plane"));
+  v.member("furthest", &T::furthest, about("m", kPlace, "and no further"));
+  v.member("height", &T::height, about("m", kPlace, "centres lie between the floor and this"));
+}
+
+/// What the sensor of objects is fixed to.
+enum class SensorMount { kBase, kHand };
+constexpr auto words(Of<SensorMount>) { return std::to_array<std::string_view>({"base", "hand"}); }
+
+/// When an object is found: once it has been in range for `detection`, and from then on to the trial's end. In range
+/// is what is near enough, in the field of view and not hidden.
 struct DetectionRule {
   double range = std::numeric_limits<double>::infinity();  ///< [m]
   double detection = 0.0;                                  ///< [s]
   std::array<double, 3> sensor = {0.0, 0.0, 0.5};          ///< in the base frame B [m]
   bool known_at_start = false;
+  SensorMount mount = SensorMount::kBase;
+  std::array<double, 3> axis = {1.0, 0.0, 0.0};   ///< in the same frame
+  double field_of_view = 2.0 * std::numbers::pi;  ///< full angle of a cone about `axis` [rad]
+  bool occlusion = false;
+  bool lost = false;
+  MissedDetections missed;
+  FalseDetections phantoms;
   bool operator==(const DetectionRule&) const = default;
 };
 
@@ -161,7 +266,15 @@ constexpr void describe(Visitor& v, Of<DetectionRule>) {
   v.member("range", &T::range, about("m", Range::non_negative_or_inf(), "from `sensor` to the object's surface"));
   v.member("detection", &T::detection, about("s", {0.0, 3600.0}, "in range for so long without a break: found"));
   v.member("known_at_start", &T::known_at_start, about("what is in range at the first step is found at once"));
-  v.member("sensor", &T::sensor, about("m", {-100.0, 100.0}, "the sensor's place in the base frame"));
+  v.member("sensor", &T::sensor, about("m", {-100.0, 100.0}, "the sensor's place in the frame of `mount`"));
+  v.member("mount", &T::mount, about("the sensor moves with the base, or with the end effector"));
+  v.member("axis", &T::axis, about("1", {-1.0, 1.0}, "where the sensor looks, in the same frame"));
+  v.member("field_of_view", &T::field_of_view,
+           about("rad", {0.0, 2.0 * std::numbers::pi, true}, "full angle of the cone that it sees"));
+  v.member("occlusion", &T::occlusion, about("objects hide behind others and behind the robot"));
+  v.member("lost", &T::lost, about("what is found is seen only while it is in range; false: to the end"));
+  v.member("missed", &T::missed, about("objects that are not seen now and then"));
+  v.member("phantoms", &T::phantoms, about("objects that are seen and not there"));
 }
 
 /// Dry friction of each joint, drawn for each, at most 0.95. Dynamic mode only.
@@ -183,6 +296,7 @@ struct JointDrives {
   double delay = 0.0;       ///< [s]
   double gain_error = 0.0;  ///< of g [1]
   JointFriction friction;
+  Irregularity irregularity;
   bool operator==(const JointDrives&) const = default;
 };
 
@@ -192,6 +306,7 @@ constexpr void describe(Visitor& v, Of<JointDrives>) {
   using T = JointDrives;
   v.member("delay", &T::delay,
            about("s", kDelay, "from a command to its effect; until the first is due nothing moves"));
+  v.inlined(&T::irregularity);
   v.member("gain_error", &T::gain_error, about("1", kGain, "of g in v = (1 + g) command, of each joint, per trial"));
   v.member("friction", &T::friction, about("dry friction of each joint, per trial; dynamic mode"));
 }
@@ -210,9 +325,28 @@ constexpr void describe(Visitor& v, Of<GainSpread>) {
   v.member("angular", &GainSpread::angular, about("1", kGain, "likewise of turning"));
 }
 
+/// How fast a base's drive follows, as parts of the robot's base.max_acceleration: where its speed grows, and where it
+/// falls. Of an omnidirectional base's linear velocity as one vector.
+struct BaseRamps {
+  double speed_up = 1.0;   ///< [1]
+  double slow_down = 1.0;  ///< [1]
+  bool operator==(const BaseRamps&) const = default;
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<BaseRamps>) {
+  using namespace disturbed;
+  using T = BaseRamps;
+  v.member("speed_up", &T::speed_up, about("1", {0.0, 1.0, true}, "of base.max_acceleration, where the speed grows"));
+  v.member("slow_down", &T::slow_down, about("1", {0.0, 1.0, true}, "where it falls"));
+}
+
 struct BaseDrive {
   double delay = 0.0;  ///< [s]
   GainSpread gain_error;
+  Irregularity irregularity;
+  TwistSpread deadband;  ///< [m/s, rad/s]
+  BaseRamps ramps;
   bool operator==(const BaseDrive&) const = default;
 };
 
@@ -220,6 +354,9 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<BaseDrive>) {
   using namespace disturbed;
   v.member("delay", &BaseDrive::delay, about("s", kDelay, "as of joints"));
+  v.inlined(&BaseDrive::irregularity);
+  v.member("deadband", &BaseDrive::deadband, about("commands no larger than this do not move the base"));
+  v.member("ramps", &BaseDrive::ramps, about("slower than the robot file believes"));
   v.member("gain_error", &BaseDrive::gain_error, about("of the base's velocities, per trial"));
 }
 

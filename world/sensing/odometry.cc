@@ -40,6 +40,15 @@ Vector3 Odometry::update(long k, const Vector3& pose) {
   }
   if (errors_.walk.rotation > 0.0)
     measured_turn += streams_.sensing(kOdometryWalkRotation, k).normal(0.0, errors_.walk.rotation * root);
+  if (errors_.slip.rate > 0.0) {
+    Draws draws = streams_.sensing(kOdometrySlip, k);
+    if (draws.uniform() < -std::expm1(-errors_.slip.rate * way)) {
+      // Along the way, where there is one; wheels that spin on the spot measure it ahead.
+      const Vector2 ahead = way > 0.0 ? Vector2(chord.normalized()) : Vector2::UnitX();
+      chord += draws.normal(0.0, errors_.slip.distance) * ahead;
+      measured_turn += draws.normal(0.0, errors_.slip.turn);
+    }
+  }
   reckoned_.head<2>() += turned(reckoned_.z() + 0.5 * measured_turn, chord);
   reckoned_.z() += measured_turn;
   last_ = pose;

@@ -9,6 +9,7 @@ namespace moma {
 /// Dead reckoning of a base: true motions between control steps, added up with errors. A motion by s metres along an
 /// arc that turns by a is measured as
 ///   s' = (1 + e_d) s + w_p sqrt(s) n,   a' = (1 + e_t) a + e_h s + w_r sqrt(s) n,   w_p also across the way,
+/// (and, where a wheel slips, with the probability 1 - exp(-rate s), a normal draw more of each)
 /// with e_d, e_t, e_h drawn once for a trial and n anew for each step. Along an arc the chord points half the turn off
 /// the heading, so that s' and a' are laid down as an arc again (exact for differential drives but for
 /// sinc(a/2), below 1e-4 for turns of a control step). The model is that of Borenstein & Feng (IEEE T-RA 12(6), 1996)

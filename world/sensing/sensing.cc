@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "world/sensing/arrival.h"
+
 namespace moma {
 namespace {
 
@@ -27,6 +29,12 @@ void carry(const Vector3& from, const Vector3& to, Isometry& X_W, Vector6& V_W) 
   V_W.tail<3>() = R * V_W.tail<3>();
 }
 
+// To multiples of `step`; as it is where that is 0.
+double rounded(double value, double step) { return step > 0.0 ? std::round(value / step) * step : value; }
+
+// Lives as long as the model does.
+std::shared_ptr<const RobotModel> borrowed(const RobotModel& model) { return {std::shared_ptr<void>(), &model}; }
+
 }  // namespace
 
 using enum DisturbanceSource;
@@ -41,14 +49,20 @@ Sensing::Sensing(const Disturbances& disturbances, const RobotModel& model, cons
       streams_(world, disturbances.seed),
       base_dof_(model.base_dof()),
       odometry_(disturbances.base.odometry, streams_),
-      detection_(disturbances.detection, world, control_period),
+      detection_(disturbances.detection, world, streams_, control_period, borrowed(model)),
+      phantoms_(disturbances.detection.phantoms, streams_, control_period),
+      jitter_{delay_steps(config_.joints.irregularity.jitter, control_period),
+              delay_steps(config_.base.irregularity.jitter, control_period),
+              delay_steps(config_.objects.irregularity.jitter, control_period),
+              delay_steps(config_.goal.irregularity.jitter, control_period)},
       joint_bias_(VectorX::Zero(model.num_joints())),
       joints_{VectorX::Zero(model.num_joints()), VectorX::Zero(model.num_joints())},
-      late_joints_(delay_steps(config_.joints.delay, control_period), joints_, BeforeFirst::kHoldFirst),
-      late_base_(delay_steps(config_.base.delay, control_period), base_, BeforeFirst::kHoldFirst),
-      late_objects_(delay_steps(config_.objects.delay, control_period), std::vector<ObjectState>(world.objects.size()),
-                    BeforeFirst::kHoldFirst),
-      late_goal_(delay_steps(config_.goal.delay, control_period), GoalState{}, BeforeFirst::kHoldFirst) {
+      late_joints_(delay_steps(config_.joints.delay, control_period), joints_, BeforeFirst::kHoldFirst, jitter_.joints),
+      late_base_(delay_steps(config_.base.delay, control_period), base_, BeforeFirst::kHoldFirst, jitter_.base),
+      late_objects_(delay_steps(config_.objects.delay, control_period),
+                    std::vector<ObjectState>(world.objects.size() + phantoms_.count()), BeforeFirst::kHoldFirst,
+                    jitter_.objects),
+      late_goal_(delay_steps(config_.goal.delay, control_period), GoalState{}, BeforeFirst::kHoldFirst, jitter_.goal) {
   Draws joint_bias = streams_.sensing(kJointBias, 0);
   for (double& bias : joint_bias_) bias = joint_bias.normal(0.0, config_.joints.bias);
   if (base_dof_ > 0) {
@@ -66,7 +80,10 @@ Sensing::PoseBias Sensing::draw_bias(const PoseSensing& config, const PoseSource
 
 void Sensing::sense(long k, Observation& seen) {
   true_base_ = seen.base;
-  if (detection_.on()) detection_.update(true_base_, seen.objects);
+  if (detection_.on())
+    detection_.update(k, true_base_, seen.q, seen.objects);
+  else if (config_.objects.noise_growth > 0.0 || config_.goal.noise_growth > 0.0)
+    detection_.place(true_base_, seen.q);
   if (base_dof_ > 0) measure_base(k, seen);
   seen_base_ = seen.base;
   measure_joints(k, seen);
@@ -80,6 +97,7 @@ void Sensing::sense(long k, Observation& seen) {
     }
   }
   measure_pose(config_.goal, kGoal, goal_bias_, k, 0, seen.goal.X_WG, seen.goal.V_WG_W);
+  if (phantoms_.count() > 0) phantoms_.append(k, true_base_, seen.objects);
   late(k, seen);
 }
 
@@ -101,6 +119,9 @@ void Sensing::measure_base(long k, Observation& seen) {
   }
   if (config.velocity_noise.angular > 0.0)
     seen.qdot[base_dof_ - 1] += streams_.sensing(kBaseAngular, k).normal(0.0, config.velocity_noise.angular);
+  const TwistSpread& step = config.velocity_resolution;
+  for (int i = 0; i < base_dof_; ++i)
+    seen.qdot[i] = rounded(seen.qdot[i], i + 1 < base_dof_ ? step.linear : step.angular);
 }
 
 void Sensing::measure_joints(long k, Observation& seen) const {
@@ -115,17 +136,21 @@ void Sensing::measure_joints(long k, Observation& seen) const {
     for (Eigen::Index i = base_dof_; i < seen.qdot.size(); ++i)
       seen.qdot[i] += draws.normal(0.0, config.velocity_noise);
   }
+  for (double& q : seen.q) q = rounded(q, config.resolution);
+  for (Eigen::Index i = base_dof_; i < seen.qdot.size(); ++i)
+    seen.qdot[i] = rounded(seen.qdot[i], config.velocity_resolution);
 }
 
 void Sensing::measure_pose(const PoseSensing& config, const PoseSources& sources, const PoseBias& bias, long k,
                            std::size_t object, Isometry& X_W, Vector6& V_W) const {
+  const double factor = noise_factor(config, X_W.translation());
   if (config.frame == SensingFrame::kBase && seen_base_ != true_base_) carry(true_base_, seen_base_, X_W, V_W);
   Vector3 rotation = bias.rotation;
   X_W.translation() += bias.position;
   if (config.noise.position > 0.0)
-    X_W.translation() += normal3(streams_.sensing(sources.position, k, object), config.noise.position);
+    X_W.translation() += normal3(streams_.sensing(sources.position, k, object), factor * config.noise.position);
   if (config.noise.rotation > 0.0)
-    rotation += normal3(streams_.sensing(sources.rotation, k, object), config.noise.rotation);
+    rotation += normal3(streams_.sensing(sources.rotation, k, object), factor * config.noise.rotation);
   turn(X_W, rotation);
   if (config.resting_is_known && V_W.isZero(0.0)) return;
   if (config.velocity_noise.angular > 0.0)
@@ -134,19 +159,29 @@ void Sensing::measure_pose(const PoseSensing& config, const PoseSources& sources
     V_W.tail<3>() += normal3(streams_.sensing(sources.linear, k, object), config.velocity_noise.linear);
 }
 
+// Of a true place; 1 where noise does not grow.
+double Sensing::noise_factor(const PoseSensing& config, const Vector3& p_W) const {
+  return config.noise_growth > 0.0 ? 1.0 + config.noise_growth * (p_W - detection_.sensor_W()).squaredNorm() : 1.0;
+}
+
+template <class T>
+void Sensing::arrive(DelayLine<T>& line, long k, T& value, const Arrival& arrival) const {
+  pass(line, k, value, arrival.irregularity, arrival.jitter, [&] { return streams_.sensing(arrival.source, k); });
+}
+
 void Sensing::late(long k, Observation& seen) {
   joints_.q = seen.q;
   joints_.qdot = seen.qdot.tail(seen.q.size());
-  late_joints_.pass(k, joints_);
+  arrive(late_joints_, k, joints_, {config_.joints.irregularity, kJointArrival, jitter_.joints});
   base_.pose = seen.base;
   base_.velocity.head(base_dof_) = seen.qdot.head(base_dof_);
-  late_base_.pass(k, base_);
+  arrive(late_base_, k, base_, {config_.base.irregularity, kBaseArrival, jitter_.base});
   seen.q = joints_.q;
   seen.qdot.tail(seen.q.size()) = joints_.qdot;
   seen.base = base_.pose;
   seen.qdot.head(base_dof_) = base_.velocity.head(base_dof_);
-  late_objects_.pass(k, seen.objects);
-  late_goal_.pass(k, seen.goal);
+  arrive(late_objects_, k, seen.objects, {config_.objects.irregularity, kObjectArrival, jitter_.objects});
+  arrive(late_goal_, k, seen.goal, {config_.goal.irregularity, kGoalArrival, jitter_.goal});
 }
 
 }  // namespace moma

@@ -8,19 +8,24 @@
 #include "world/sensing/detection.h"
 #include "world/sensing/disturbances.h"
 #include "world/sensing/odometry.h"
+#include "world/sensing/phantoms.h"
 #include "world/sensing/streams.h"
 
 namespace moma {
 
 /// The sensors between the simulated robot and its controller: turns the truth into what is sensed. Each measurement
 /// is made at a control step and takes its errors then: odometry, bias, noise, in this order; a delay hands on the
-/// measurement of an earlier step as it was made, and before the first is due, the first. One per trial.
+/// measurement of an earlier step as it was made, and before the first is due, the first. `model` outlives it. One per
+/// trial.
 class Sensing {
  public:
   Sensing(const Disturbances& disturbances, const RobotModel& model, const World& world, double control_period);
 
+  /// Of what is seen and not there: a controller is told of these after the world's objects.
+  std::vector<ObjectShape> phantoms(const World& world) const { return phantoms_.shapes(world); }
   /// `seen` is the truth at step k = 0, 1, 2, ... (each once, in order; finite), and what is sensed afterwards; of
-  /// objects that are not seen, nothing but that. Allocates nothing.
+  /// objects that are not seen, nothing but that. Phantoms are appended to its objects. Allocates nothing but where
+  /// `seen` has no room for these.
   void sense(long k, Observation& seen);
 
  private:
@@ -40,11 +45,20 @@ class Sensing {
     Vector3 rotation = Vector3::Zero();
   };
 
+  /// A line of measurements, and what decides when each arrives.
+  struct Arrival {
+    const Irregularity& irregularity;
+    DisturbanceSource source;
+    long jitter;
+  };
+  template <class T>
+  void arrive(DelayLine<T>& line, long k, T& value, const Arrival& arrival) const;
   PoseBias draw_bias(const PoseSensing& config, const PoseSources& sources, std::size_t object) const;
   void measure_base(long k, Observation& seen);
   void measure_joints(long k, Observation& seen) const;
   void measure_pose(const PoseSensing& config, const PoseSources& sources, const PoseBias& bias, long k,
                     std::size_t object, Isometry& X_W, Vector6& V_W) const;
+  double noise_factor(const PoseSensing& config, const Vector3& p_W) const;
   void late(long k, Observation& seen);
 
   Disturbances config_;
@@ -52,6 +66,11 @@ class Sensing {
   int base_dof_;
   Odometry odometry_;
   Detection detection_;
+  Phantoms phantoms_;
+  struct Jitter {
+    long joints, base, objects, goal;  // in periods
+  };
+  Jitter jitter_;
   VectorX joint_bias_;
   Vector3 base_bias_ = Vector3::Zero();
   std::vector<PoseBias> object_bias_;

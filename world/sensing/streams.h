@@ -41,7 +41,16 @@ enum class DisturbanceSource : std::uint64_t {
   kBaseAngularGain = 29,
   kJointFriction = 30,
   kPayloadMass = 31,
-  kFloorFriction = 32
+  kFloorFriction = 32,
+  kJointArrival = 33,
+  kBaseArrival = 34,
+  kObjectArrival = 35,
+  kGoalArrival = 36,
+  kJointCommandArrival = 37,
+  kBaseCommandArrival = 38,
+  kObjectMissed = 39,
+  kPhantom = 40,
+  kOdometrySlip = 41
 };
 
 /// The draws of a trial's disturbances: a pure function of (the world's seed and index, `seed`, source, control step,
@@ -54,7 +63,7 @@ class DisturbanceStreams {
   Draws sensing(DisturbanceSource source, long step, std::size_t object = 0) const {
     return draws(Stream::kSensing, source, step, object);
   }
-  Draws acting(DisturbanceSource source) const { return draws(Stream::kDisturbance, source, 0, 0); }
+  Draws acting(DisturbanceSource source, long step = 0) const { return draws(Stream::kDisturbance, source, step, 0); }
 
  private:
   Draws draws(Stream stream, DisturbanceSource source, long step, std::size_t object) const {
