@@ -47,6 +47,7 @@ list(TRANSFORM daqp_sources APPEND ".c")
 add_library(moma_daqp STATIC ${daqp_sources})
 target_include_directories(moma_daqp SYSTEM PUBLIC "$<BUILD_INTERFACE:${DAQP_SOURCE_DIR}/include>")
 target_compile_options(moma_daqp PRIVATE -w)
+set_target_properties(moma_daqp PROPERTIES UNITY_BUILD OFF)
 
 if(MOMA_BUILD_TESTS)
   find_package(GTest REQUIRED)
