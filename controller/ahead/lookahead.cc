@@ -10,7 +10,7 @@
 namespace moma {
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr double kNoArrival = std::numeric_limits<double>::infinity();
 // A goal that is elsewhere from one step to the next by more than this has jumped.
 constexpr double kJump = 0.02, kJumpTurn = 0.05;  // [m, rad]
 constexpr double kStill = 1e-6;                   // of a goal's twist
@@ -344,7 +344,7 @@ bool Lookahead::predict(const Observation& o, const EscapeState& escape, double 
 
 void Lookahead::end_direct_prediction() noexcept {
   const bool arrives = rollout_.end() == RolloutEnd::kArrives;
-  const double time = arrives ? rollout_.time() : kNever;
+  const double time = arrives ? rollout_.time() : kNoArrival;
   const bool first = state_.next == 0;
   state_.next = state_.steps + periods(params_.period);
   if (time < kThere) return;

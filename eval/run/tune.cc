@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::atomic<bool> kNever{false};
+const std::atomic<bool> kNoStop{false};
 
 /// One search into one store.
 class Tune {
@@ -187,7 +187,7 @@ class Tune {
     if (listener_.progress_end) listener_.progress_end();
   }
 
-  const std::atomic<bool>& stop() const { return request_.stop != nullptr ? *request_.stop : kNever; }
+  const std::atomic<bool>& stop() const { return request_.stop != nullptr ? *request_.stop : kNoStop; }
 
   const TuneRequest& request_;
   const tune::Tuning& tuning_;

@@ -4,13 +4,10 @@
 #include <fmt/format.h>
 
 #include "eval/store/hash.h"
+#include "eval/store/row_binding.h"
 
 namespace moma::store {
 namespace {
-
-void bind_hash(SQLite::Statement& statement, int index, const Hash& hash) {
-  statement.bind(index, hash.data(), static_cast<int>(hash.size()));
-}
 
 void add_suite(SQLite::Database& db, const SuiteRecord& suite, Registered& out) {
   SQLite::Statement find(db, "SELECT id, name FROM suite WHERE file_name = ? AND setting_hash = ?");

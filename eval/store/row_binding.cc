@@ -27,6 +27,10 @@ void read_value(const SQLite::Column& column, std::string& value) {
 
 }  // namespace
 
+void bind_hash(SQLite::Statement& statement, int index, const Hash& hash) {
+  statement.bind(index, hash.data(), static_cast<int>(hash.size()));
+}
+
 void bind_number(SQLite::Statement& statement, int index, double value) {
   const double kept = stored(value);
   if (std::isnan(kept)) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "eval/store/columns.h"
+#include "eval/store/hash.h"
 #include "eval/trial/row.h"
 
 namespace moma::store {
@@ -20,6 +21,7 @@ int bind_row(SQLite::Statement& statement, int first, const TrialRow& row);
 /// Reads what trial_column_list() selects, from column `first` on.
 TrialRow read_row(SQLite::Statement& statement, int first);
 
+void bind_hash(SQLite::Statement& statement, int index, const Hash& hash);
 /// Absent and infinite values become NULL.
 void bind_number(SQLite::Statement& statement, int index, double value);
 

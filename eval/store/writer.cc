@@ -33,10 +33,6 @@ using SQLite::Statement;
 constexpr std::size_t kBatchRows = 64;
 constexpr std::chrono::milliseconds kBatchTime{20};
 
-void bind_hash(Statement& statement, int index, const Hash& hash) {
-  statement.bind(index, hash.data(), static_cast<int>(hash.size()));
-}
-
 void bind_text(Statement& statement, int index, const std::string& text) {
   if (text.empty()) {
     statement.bind(index);

@@ -8,7 +8,7 @@
 namespace moma {
 namespace {
 
-constexpr int kObjectTries = 100;
+constexpr int kSolidTries = 100;
 
 /// Two walls along the way, start and goal between them, with things that stand in the corridor. For mobile bases.
 struct Corridor {
@@ -70,8 +70,8 @@ bool build(const Corridor& p, SceneBuilder& builder, World& world) {
   for (int i = 0; i < count; ++i) {
     WorldObject object;
     bool placed = false;
-    for (int k = 0; k < kObjectTries && !placed; ++k) {
-      Draws own = builder.draws(Stream::kObjects, 1 + static_cast<std::uint64_t>(i * kObjectTries + k));
+    for (int k = 0; k < kSolidTries && !placed; ++k) {
+      Draws own = builder.draws(Stream::kObjects, 1 + static_cast<std::uint64_t>(i * kSolidTries + k));
       const Vector3 at = frame.point(own.uniform(0.0, 1.0) * length, own.uniform(-0.5, 0.5) * width, 0.0);
       p.mix.sample(own, at.x(), at.y(), object);
       object.name = "object" + std::to_string(i + 1);

@@ -10,7 +10,7 @@
 namespace moma {
 namespace {
 
-constexpr int kObjectTries = 200;
+constexpr int kMoverTries = 200;
 constexpr Range kPart{0.0, 1.0};
 
 /// Solids that move through the robot's way: some cross it in a straight line at about the time when the robot is
@@ -148,8 +148,8 @@ bool build(const Moving& p, SceneBuilder& builder, World& world) {
     WorldObject object;
     object.name = (walks ? "walker" : "object") + std::to_string(i + 1);
     bool placed = false;
-    for (int k = 0; k < kObjectTries && !placed; ++k) {
-      const auto item = 1 + static_cast<std::uint64_t>(i * kObjectTries + k);
+    for (int k = 0; k < kMoverTries && !placed; ++k) {
+      const auto item = 1 + static_cast<std::uint64_t>(i * kMoverTries + k);
       if (walks)
         placed = p.walker.sample(builder, way, p.mix, p.horizon, item, object);
       else if (kind < p.orbit)
