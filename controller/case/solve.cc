@@ -14,14 +14,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // JSON has no infinity.
-Json json_number(double value) {
+Json number(double value) {
   if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
   return value;
 }
 
 Json numbers(const Eigen::Ref<const VectorX>& values) {
   Json out = Json::array();
-  for (const double value : values) out.push_back(json_number(value));
+  for (const double value : values) out.push_back(number(value));
   return out;
 }
 
@@ -56,7 +56,7 @@ Json distance(const ProximityPair& pair, const ControllerCore& controller) {
   const std::string& link = model.links[static_cast<std::size_t>(shape(pair.first).link)].name;
   return {{"link", link},
           {"object", second},
-          {"d", json_number(pair.distance.d)},
+          {"d", number(pair.distance.d)},
           {"normal", numbers(pair.distance.n_W)},
           {"point_robot", numbers(pair.distance.p_first_W)},
           {"point_object", numbers(pair.distance.p_second_W)},
@@ -92,20 +92,20 @@ nlohmann::ordered_json solve(const ControlCase& control_case) {
   out["fallback"] = to_string(result.fallback);
   out["qdot"] = numbers(result.command);
   out["delta"] = controller.params().slack.enabled && qp ? numbers(result.slack) : Json::array();
-  out["cost"] = qp ? json_number(controller.cost()) : Json();
+  out["cost"] = qp ? number(controller.cost()) : Json();
   out["pose"] = pose(controller.kinematics().X_WE());
   out["error"] = numbers(result.error);
-  out["error_norm"] = json_number(result.error_norm);
+  out["error_norm"] = number(result.error_norm);
   out["nu"] = numbers(controller.nu());
   out["J"] = matrix(controller.J());
-  out["manipulability"] = json_number(result.manipulability);
+  out["manipulability"] = number(result.manipulability);
   out["J_m"] = numbers(controller.J_m());
-  out["theta_eps"] = json_number(controller.theta_eps());
+  out["theta_eps"] = number(controller.theta_eps());
   add_problem(controller, out);
   out["distances"] = Json::array();
   for (const ProximityPair& pair : controller.distances()) out["distances"].push_back(distance(pair, controller));
   out["wheels"] = numbers(controller.wheels());
-  out["kkt_residual"] = has_solution(step) ? json_number(check_stage(step).report.residual()) : Json();
+  out["kkt_residual"] = has_solution(step) ? number(check_stage(step).report.residual()) : Json();
   out["iterations"] = result.iterations;
   out["escape"] = config::write_described(controller.escape_state());  // the next step's `state.escape`
   if (controller.lookahead() != nullptr)

@@ -11,10 +11,10 @@
 namespace moma::fit {
 namespace {
 
-constexpr int kFewForAxes = 256;  // while directions are compared
-constexpr int kAxes = 64;
-constexpr std::size_t kRefinedAxes = 5;  // of them go into the local search
-constexpr int kAxisEvaluations = 400;
+constexpr int kFewPoints = 256;  // while directions are compared
+constexpr int kDirections = 64;
+constexpr std::size_t kRefined = 5;  // of them go into the local search
+constexpr int kEvaluations = 400;
 constexpr double kMostRadius = 0.7;  // log of the largest factor
 
 struct Capsule {
@@ -105,7 +105,7 @@ Capsule refined(const Points& points, const Capsule& start) {
   const std::vector<double> x =
       minimise([&](const std::vector<double>& v) { return at(v).volume; },
                {{0, 0, 0, 0, log_factor}, {0.1, 0.1, 0.1, 0.1, 0.05}, {-1, -1, -1, -1, 0}, {1, 1, 1, 1, kMostRadius}},
-               kAxisEvaluations);
+               kEvaluations);
   const Capsule found = at(x);
   return found.volume < start.volume ? found : start;
 }
@@ -113,20 +113,20 @@ Capsule refined(const Points& points, const Capsule& start) {
 }  // namespace
 
 Solid enclosing_capsule(const Points& points, Effort effort) {
-  const Points few = extreme_points(points, kFewForAxes);
+  const Points few = extreme_points(points, kFewPoints);
   const Matrix3 principal = principal_axes(few);
   std::vector<Vector3> directions;
   for (int i = 0; i < 3; ++i) directions.emplace_back(Vector3::Unit(i));
   for (int i = 0; i < 3; ++i) directions.emplace_back(principal.col(i));
   if (effort == Effort::kThorough)
-    for (const Vector3& d : half_sphere(kAxes)) directions.push_back(d);
+    for (const Vector3& d : half_sphere(kDirections)) directions.push_back(d);
   const std::vector<double> factors{1.0, 1.04, 1.12, 1.25};
   std::vector<Capsule> found;
   for (const Vector3& d : directions) found.push_back(along(few, d, factors));
   std::stable_sort(found.begin(), found.end(), [](const Capsule& a, const Capsule& b) { return a.volume < b.volume; });
   Capsule best = found.front();
   if (effort == Effort::kThorough) {
-    for (std::size_t i = 0; i < std::min(kRefinedAxes, found.size()); ++i) {
+    for (std::size_t i = 0; i < std::min(kRefined, found.size()); ++i) {
       const Capsule candidate = refined(few, found[i]);
       if (candidate.volume < best.volume) best = candidate;
     }

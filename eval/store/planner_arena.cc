@@ -171,6 +171,14 @@ UPDATE experiments SET totaltime = (SELECT sum(time) FROM runs WHERE experimenti
 )");
   }
 
+  static Trace decoded(const EncodedSamples& encoded) {
+    try {
+      return decode_samples(encoded);
+    } catch (const std::exception& error) {  // a store from anywhere
+      throw StoreError(StoreError::Kind::kUnusable, error.what());
+    }
+  }
+
   void fill_progress() {
     Statement query(db_,
                     "SELECT r.id, x.layout, x.n, x.columns, x.data FROM run_of AS r "
@@ -184,7 +192,7 @@ UPDATE experiments SET totaltime = (SELECT sum(time) FROM runs WHERE experimenti
       const SQLite::Column data = query.getColumn(4);
       const auto* begin = static_cast<const unsigned char*>(data.getBlob());
       encoded.data.assign(begin, begin + data.getBytes());
-      const Trace trace = decode_samples(encoded);
+      const Trace trace = decoded(encoded);
       const std::size_t rows = std::min(trace.size(), static_cast<std::size_t>(progress_per_run_));
       for (std::size_t k = 0; k < rows; ++k) {  // spread evenly, first and last included
         const std::size_t last = trace.size() - 1;

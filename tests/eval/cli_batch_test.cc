@@ -35,11 +35,11 @@ TEST_F(CliBatch, EverythingAtOnceIsTheSameOnAnyThreads) {
            "FROM v_trials",
            "-f", "json"})
           .out)[0];
-  EXPECT_EQ(rows["n"], 9 * 18);
+  EXPECT_EQ(rows["n"], 12 * 18);
   EXPECT_EQ(rows["families"], 8);
   EXPECT_EQ(rows["robots"], 3);
   EXPECT_EQ(rows["modes"], 2);
-  EXPECT_EQ(rows["controllers"], 3);
+  EXPECT_EQ(rows["controllers"], 4);
   EXPECT_EQ(rows["errors"], 0);
 }
 

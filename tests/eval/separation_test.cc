@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "tests/eval/suite_fixture.h"
 #include "tests/eval/trial_fixture.h"
 #include "world/draws.h"
 
@@ -21,9 +22,9 @@ std::vector<double> distances(Proximity& proximity, const Kinematics& kinematics
 
 TEST(Separation, IsTheDistanceLessWhatIsUsedUpUntilTheRobotStands) {
   TrialSpec spec = tiny_spec();
-  spec.disturbances.objects.delay = 0.05;             // 3 periods
-  spec.disturbances.actuators.base.delay = 0.04;      // 2
-  spec.disturbances.actuators.joints.delay = 0.02;    // 1
+  spec.disturbances.objects.delay = 0.05;           // 3 periods
+  spec.disturbances.actuators.base.delay = 0.04;    // 2
+  spec.disturbances.actuators.joints.delay = 0.02;  // 1
   const auto model = spec.robot->model;
   EXPECT_NEAR(SeparationWatch(spec).reaction(), 0.02 * (1 + 3 + 2), 1e-12);
   const std::vector<ObjectShape> shapes = {{"ball", {ShapeKind::kSphere, {0.2, 0, 0}, nullptr}}};
@@ -108,19 +109,22 @@ TEST(Separation, StandsInTheRowOfATrialAmongMovers) {
 }
 
 TEST(Latencies, StandInTheRowWithHowFarTheyAreOff) {
-  TrialSpec spec = tiny_spec();
-  spec.controller_params = resolved({}, *spec.robot->model);
-  spec.controller_params.prediction.enabled = spec.controller_params.prediction.identify = true;
-  spec.controller_params.prediction.base_drive = 0.02;  // too little
-  spec.controller_params.prediction.joint_drive = 0.04;
-  spec.disturbances.actuators.base.delay = 0.06;
-  spec.disturbances.base.delay = 0.02;
-  spec.disturbances.actuators.joints.delay = 0.04;
-  World world = tiny_world(3.0);
-  world.goal.X_WG.translation() += Vector3(0, 0.8, -0.1);
+  SuiteFolder folder;
+  const std::string configs = MOMA_SOURCE_DIR "/configs/";
+  const Suite suite = load_suite(folder.write("latencies.yaml", "robot: " + configs + "robots/frankie.yaml\n" +
+                                                                    "controllers: {safe: {include: " + configs +
+                                                                    R"(controllers/moma-safe.yaml,
+    prediction: {drives: {base: 0.02, joints: 0.04}, sensing: {base: 0, joints: 0}}}}
+disturbances: {actuators: {base: {delay: 0.06}, joints: {delay: 0.04}}, base: {delay: 0.02}}
+worlds: {seed: 3, families: {open: {weight: 1}}}
+simulation: {mode: kinematic, time_limit: 10}
+trials: 1
+)"));
+  TrialSpec spec = suite.points[0];
+  const World world = suite.points[0].worlds.make(spec.robot->model, 0);
   const TrialRow row = run_trial(spec, world).row;
   EXPECT_NEAR(row.latency_base_s, 0.08, 1e-9) << row.reason;
-  EXPECT_NEAR(row.latency_base_off_s, 0.06, 1e-9);
+  EXPECT_NEAR(row.latency_base_off_s, 0.06, 1e-9) << "it was told 0.02";
   EXPECT_NEAR(row.latency_joints_s, 0.04, 1e-9);
   EXPECT_NEAR(row.latency_joints_off_s, 0.0, 1e-9);
   spec.controller_params.prediction.identify = false;

@@ -91,7 +91,7 @@ TEST(StoreColumns, MergeTakesStoresFromBeforeAMetric) {
     store::merge(folder / "lost.db", {folder / "new.db"});
     FAIL() << "a metric was lost";
   } catch (const StoreError& error) {
-    EXPECT_NE(std::string(error.what()).find("newer moma, which measures novelty"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("a column novelty that would be lost"), std::string::npos) << error.what();
   }
   EXPECT_EQ(write_synthetic(folder / "new.db", {"one"}, 7), 6u) << "a run leaves the unknown column alone";
   EXPECT_EQ(store::query(folder / "new.db", "SELECT novelty FROM trial").rows.size(), 7u);
