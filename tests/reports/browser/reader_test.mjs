@@ -56,6 +56,8 @@ const [trials, worlds, outcomes, controllers] = ['trial', 'world_key', 'outcome'
   const before = await scroll();
   await page.mouse.wheel(0, 120);
   check(await page.waitForFunction((from) => scrollY > from, before).then(() => true, () => false), 'the wheel scrolls the page over a scene that was not clicked');
+  // The page may still be on its way: what follows is measured once it stands.
+  await page.waitForFunction(() => new Promise((stands) => { const y = scrollY; setTimeout(() => stands(scrollY === y), 300); }));
   const shown = await page.locator('.stage').boundingBox();
   await page.mouse.click(shown.x + shown.width / 2, shown.y + shown.height / 2);
   const after = await scroll();
