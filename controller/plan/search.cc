@@ -9,10 +9,10 @@ namespace moma {
 namespace {
 
 constexpr int kNodes = 3000;
-constexpr double kStep = 0.8;    // of a tree, in the metric of distance_squared()
-constexpr double kReach = 0.6;   // of the arm, in the base's way [m]
+constexpr double kStep = 0.8;       // of a tree, in the metric of distance_squared()
+constexpr double kReach = 0.6;      // of the arm, in the base's way [m]
 constexpr double kShortWay = 0.05;  // shorter steps keep their heading [m]
-constexpr int kBlocked = 2;      // checks for looking through a tree in vain
+constexpr int kBlocked = 2;         // checks for looking through a tree in vain
 
 }  // namespace
 

@@ -8,7 +8,7 @@
 namespace moma {
 namespace {
 
-constexpr double kSlowest = 0.01;    // a slower object is left to the usual rows [m/s]
+constexpr double kSlowest = 0.01;   // a slower object is left to the usual rows [m/s]
 constexpr double kAbove = 0.05;     // solids this far above each other pass [m]
 constexpr double kNear = 1.0;       // what is nearer counts as traffic [m]
 constexpr double kWidest = 0.8;     // sine of the largest angle that the clearance turns a tangent by

@@ -11,7 +11,8 @@ constexpr double kBeyond = 3.0;  // [m]
 double reaction_of(const TrialSpec& spec) {
   const Disturbances& d = spec.disturbances;
   const double period = spec.simulation.control_period;
-  const long drives = std::max(delay_steps(d.actuators.base.delay, period), delay_steps(d.actuators.joints.delay, period));
+  const long drives =
+      std::max(delay_steps(d.actuators.base.delay, period), delay_steps(d.actuators.joints.delay, period));
   return period * static_cast<double>(1 + delay_steps(d.objects.delay, period) + drives);
 }
 

@@ -16,8 +16,8 @@ struct ViewOptions {
   /// time. Its exceptions' texts are shown in the page.
   Simulate simulate;
   std::chrono::milliseconds patience{600000};  ///< as in ReportOptions, for every answer
-  SightAnswer sight;  ///< as in ReportOptions
-  Look look;          ///< as in ReportOptions; asked once for each look at the store
+  SightAnswer sight;                           ///< as in ReportOptions
+  Look look;                                   ///< as in ReportOptions; asked once for each look at the store
 };
 
 /// Serves the report page of the stores on 127.0.0.1 until `stop` is set. The stores are only read, anew for every

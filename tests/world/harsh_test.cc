@@ -263,7 +263,8 @@ TEST(Detection, KnowsWhatItFoundToTheEndUnlessItIsLost) {
 
 TEST(Detection, MissesObjectsForSpansOfTime) {
   std::vector<WorldObject> many;
-  for (int i = 0; i < 20; ++i) many.push_back(solid("o" + std::to_string(i), ShapeKind::kSphere, {0.1, 0, 0}, {3, 0, 0}));
+  for (int i = 0; i < 20; ++i)
+    many.push_back(solid("o" + std::to_string(i), ShapeKind::kSphere, {0.1, 0, 0}, {3, 0, 0}));
   DetectionRule rule;
   rule.missed = {0.3, 0.1};
   Eyes eyes(rule, many);
@@ -281,8 +282,8 @@ TEST(Detection, MissesObjectsForSpansOfTime) {
 
 TEST(Phantoms, AreThereForSpansNearTheBase) {
   Disturbances d;
-  d.detection.phantoms = {.count = 3, .probability = 0.4, .duration = 0.1, .radius = 0.2, .nearest = 1.0, .furthest = 2.0,
-                          .height = 1.5};
+  d.detection.phantoms = {
+      .count = 3, .probability = 0.4, .duration = 0.1, .radius = 0.2, .nearest = 1.0, .furthest = 2.0, .height = 1.5};
   SensingRig rig(d);
   World world;
   world.objects = {solid("phantom1", ShapeKind::kSphere, {0.1, 0, 0}, {3, 0, 0})};
