@@ -56,16 +56,18 @@ const [trials, worlds, outcomes, controllers] = ['trial', 'world_key', 'outcome'
   const before = await scroll();
   await page.mouse.wheel(0, 120);
   check(await page.waitForFunction((from) => scrollY > from, before).then(() => true, () => false), 'the wheel scrolls the page over a scene that was not clicked');
-  // The page may still be on its way: what follows is measured once it stands.
-  await page.waitForFunction(() => new Promise((stands) => { const y = scrollY; setTimeout(() => stands(scrollY === y), 300); }));
+  // The page may be on its way, after a click as well: what follows is measured once it stands.
+  const standing = () => page.waitForFunction(() => new Promise((stands) => { const y = scrollY; setTimeout(() => stands(scrollY === y), 300); }));
+  await standing();
   const shown = await page.locator('.stage').boundingBox();
   await page.mouse.click(shown.x + shown.width / 2, shown.y + shown.height / 2);
+  await standing();
   const after = await scroll();
   const wheels = () => page.evaluate(() => window.wheels);
   await page.evaluate(() => { window.wheels = 0; addEventListener('wheel', () => { window.wheels += 1; }); });
   await page.mouse.wheel(0, 120);
   await page.waitForFunction(() => window.wheels > 0);   // it has arrived
-  check((await wheels()) > 0 && (await scroll()) === after, 'after a click it moves the camera');
+  check((await wheels()) > 0 && (await scroll()) === after, `after a click it moves the camera: ${await wheels()} wheels, the page at ${await scroll()} of ${after}`);
   const [picture] = await Promise.all([page.waitForEvent('download'), page.getByText('Save PNG').click()]);
   const png = readFileSync(await picture.path());
   check(png.subarray(1, 4).toString() === 'PNG' && png.length > 20000, `a frame as PNG, ${png.length} bytes`);
