@@ -62,12 +62,17 @@ const [trials, worlds, outcomes, controllers] = ['trial', 'world_key', 'outcome'
   const shown = await page.locator('.stage').boundingBox();
   await page.mouse.click(shown.x + shown.width / 2, shown.y + shown.height / 2);
   await standing();
-  const after = await scroll();
-  const wheels = () => page.evaluate(() => window.wheels);
-  await page.evaluate(() => { window.wheels = 0; addEventListener('wheel', () => { window.wheels += 1; }); });
-  await page.mouse.wheel(0, 120);
-  await page.waitForFunction(() => window.wheels > 0);   // it has arrived
-  check((await wheels()) > 0 && (await scroll()) === after, `after a click it moves the camera: ${await wheels()} wheels, the page at ${await scroll()} of ${after}`);
+  // A wheel that the browser counts to the turn before cannot be kept from scrolling (it says so: not cancelable): the next
+  // one that begins a turn of its own is the one that the camera takes.
+  await page.evaluate(() => { addEventListener('wheel', (event) => { window.turned = { cancelable: event.cancelable, kept: event.defaultPrevented }; }, { passive: false }); });
+  let turned = { cancelable: false, kept: false };
+  for (let turns = 0; turns < 10 && !turned.cancelable; turns += 1) {
+    await page.evaluate(() => { window.turned = null; });
+    await page.mouse.wheel(0, 120);
+    turned = await page.waitForFunction(() => window.turned).then((handle) => handle.jsonValue());
+    if (!turned.cancelable) await page.waitForTimeout(1000);
+  }
+  check(turned.kept, `after a click the wheel moves the camera and not the page: ${JSON.stringify(turned)}`);
   const [picture] = await Promise.all([page.waitForEvent('download'), page.getByText('Save PNG').click()]);
   const png = readFileSync(await picture.path());
   check(png.subarray(1, 4).toString() === 'PNG' && png.length > 20000, `a frame as PNG, ${png.length} bytes`);
