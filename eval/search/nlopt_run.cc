@@ -22,9 +22,13 @@ struct Callback {
   std::vector<double> last_x;
   Told last;
 
+  /// A constraint at the point just evaluated is known.
+  const Told* constraints_at(const std::vector<double>& x) { return !stopped && x == last_x ? &last : at(x); }
+
+  /// Every cost is asked for, known or not: the function ends searches that only meet what they know, CRS2 with its whole
+  /// population at a bound for one, which then asks for that point for ever.
   const Told* at(const std::vector<double>& x) {
     if (stopped) return nullptr;
-    if (x == last_x) return &last;  // a constraint at the point just evaluated
     try {
       std::optional<Told> told = (*function)(x);
       if (!told) {
@@ -55,7 +59,7 @@ double cost(const std::vector<double>& x, std::vector<double>& /*gradient*/, voi
 
 double constraint(const std::vector<double>& x, std::vector<double>& /*gradient*/, void* data) {
   const auto& which = *static_cast<ConstraintCallback*>(data);
-  const Told* told = which.callback->at(x);
+  const Told* told = which.callback->constraints_at(x);
   if (told == nullptr) throw nlopt::forced_stop();
   return told->constraints[which.index];
 }

@@ -272,6 +272,20 @@ TEST(TuneSearch, WholeNumbersEndEvenWhenAllAreKnown) {
   EXPECT_LE(objective.measured, 20u);
 }
 
+// All that CRS2 tries from a small population with its best at a bound may be cut to that same bound.
+TEST(TuneSearch, OneGainAtItsBoundEnds) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    SearchSettings settings;
+    settings.variables = {{"slope", 0, 1, Scale::kLinear, 0.5}};
+    settings.worlds = worlds(0, 1);
+    settings.budget = 40;
+    settings.seed = seed;
+    TestObjective objective([](const Candidate& c, std::uint64_t) { return std::vector<double>{c[0]}; });
+    MemoryLog log;
+    EXPECT_LT(search(settings, objective, log).found[0], 0.1) << "seed " << seed;
+  }
+}
+
 TEST(TuneSearch, NotesAGainAtItsBound) {
   SearchSettings settings;
   settings.variables = {{"slope", 0, 1, Scale::kLinear, 0.5}};
