@@ -80,8 +80,7 @@ struct Film {
   VideoOptions video;
 };
 
-int write_film(const std::string& db, const std::string& trial, const Film& film) {
-  run::StoredSuites suites;
+int write_film(const std::string& db, const std::string& trial, const Film& film, run::StoredSuites& suites) {
   VideoOptions video = film.video;
   video.width = film.size[0];
   video.height = film.size[1];
@@ -152,7 +151,7 @@ void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
         write_whole(options->log_file, [&](std::ostream& out) { identify::write_log(out, log); });
         return static_cast<int>(kOk);
       }
-      if (!options->film.file.empty()) return write_film(options->file, options->trial, options->film);
+      if (!options->film.file.empty()) return write_film(options->file, options->trial, options->film, suites);
       const run::Replay replay = run::replay(options->file, options->trial, suites);
       if (options->json) {
         const nlohmann::ordered_json json =

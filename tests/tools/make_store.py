@@ -70,7 +70,10 @@ def robot(name):
 
 # ---- forward kinematics -------------------------------------------------------------------------------------------
 def product(a, b):
-    return [[sum(a[i][k] * b[k][j] for k in range(4)) for j in range(4)] for i in range(4)]
+    """Of two poses: the last row of b is 0 0 0 1."""
+    (b00, b01, b02, b03), (b10, b11, b12, b13), (b20, b21, b22, b23), _ = b
+    return [[x * b00 + y * b10 + z * b20, x * b01 + y * b11 + z * b21, x * b02 + y * b12 + z * b22,
+             x * b03 + y * b13 + z * b23 + w] for x, y, z, w in a]
 
 
 def pose(xyz, rpy):
@@ -80,11 +83,15 @@ def pose(xyz, rpy):
             [-sp, cp * sr, cp * cr, xyz[2]], [0, 0, 0, 1]]
 
 
+FIXED_MOUNT = pose(MOUNT, (0, 0, 0))
+FIXED = [(pose(xyz, rpy), moves) for _, _, _, xyz, rpy, moves, _, _ in JOINTS]
+
+
 def tip(base, q):
-    x = product(pose((base[0], base[1], 0), (0, 0, base[2])), pose(MOUNT, (0, 0, 0)))
+    x = product(pose((base[0], base[1], 0), (0, 0, base[2])), FIXED_MOUNT)
     index = 0
-    for _, _, _, xyz, rpy, moves, _, _ in JOINTS:
-        x = product(x, pose(xyz, rpy))
+    for fixed, moves in FIXED:
+        x = product(x, fixed)
         if moves:
             x = product(x, pose((0, 0, 0), (0, 0, q[index])))
             index += 1

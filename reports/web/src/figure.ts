@@ -62,7 +62,9 @@ export function figure(spec: FigureSpec): HTMLElement {
     const series = (drawing.option['series'] as Option[]).map((s) => (spec.click === undefined ? { cursor: 'default', ...s } : s));
     // Who has asked their system for less motion gets none.
     const still = matchMedia('(prefers-reduced-motion: reduce)').matches ? { animation: false } : {};
-    chart.setOption({ ...base(palette()), ...drawing.option, ...still, series }, { notMerge: true });
+    const common = base(palette());
+    const tooltip = { ...common['tooltip'] as Option, ...drawing.option['tooltip'] as Option | undefined };
+    chart.setOption({ ...common, ...drawing.option, tooltip, ...still, series }, { notMerge: true });
     note.textContent = drawing.note + naming();
     plot.setAttribute('aria-label', `${titleOf(spec)}. ${drawing.note}`);
   };

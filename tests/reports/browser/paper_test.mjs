@@ -5,19 +5,28 @@ import { execFileSync } from 'node:child_process';
 import { readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { check, dataOf, end, launch, near, needs, opener, workshop } from './kit.mjs';
+import { check, dataOf, drawn, end, launch, near, needs, opener, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work] = process.argv;
-needs('python3', 'rsvg-convert', 'pdftoppm', 'pdftotext', 'pdftocairo', 'pdfimages');
+needs('python3', 'rsvg-convert', 'pdftoppm', 'pdftotext', 'pdftocairo', 'pdfimages', 'pdfunite');
 const { makeStore, makePage, sql } = workshop(source, makeReport, work);
 const run = (program, ...args) => execFileSync(program, args, { maxBuffer: 1 << 28 });
 
-/** A page of a PDF as pixels: width, height, rgb. */
-const pixelsOf = (pdf, dpi, page = 1) => {
-  const ppm = run('pdftoppm', '-r', String(dpi), '-f', String(page), '-l', String(page), pdf);
-  const head = /^P6\s+(\d+)\s+(\d+)\s+255\s/.exec(ppm.subarray(0, 40).toString('latin1'));
-  return { width: Number(head[1]), height: Number(head[2]), rgb: ppm.subarray(head[0].length) };
+/** Pages of a PDF as pixels: width, height, rgb. Of all pages, or of one. */
+const pixelsOf = (pdf, dpi, page = 0) => {
+  const ppm = run('pdftoppm', '-r', String(dpi), ...(page > 0 ? ['-f', String(page), '-l', String(page)] : []), pdf);
+  const pages = [];
+  for (let at = 0; at < ppm.length;) {
+    const head = /^P6\s+(\d+)\s+(\d+)\s+255\s/.exec(ppm.subarray(at, at + 40).toString('latin1'));
+    const [width, height] = [Number(head[1]), Number(head[2])];
+    at += head[0].length;
+    pages.push({ width, height, rgb: ppm.subarray(at, at + 3 * width * height) });
+    at += 3 * width * height;
+  }
+  return pages;
 };
+/** The text of each page of a PDF. */
+const textsOf = (pdf) => run('pdftotext', '-layout', pdf, '-').toString().split('\f').slice(0, -1);
 const hexAt = ({ rgb }, i) => `#${rgb.subarray(3 * i, 3 * i + 3).toString('hex')}`;
 
 // ---- saved figures: SVG that is XML, drawn by another renderer within its borders; the same as PDF ----------------------
@@ -27,33 +36,34 @@ for (const kind of ['demo', 'sweep', 'hostile', 'tuned']) {
   const files = readdirSync(folder);
   const svgs = files.filter((file) => file.endsWith('.svg'));
   check(svgs.length >= 7, `${kind}: ${svgs.length} figures`);
-  for (const file of svgs) {
-    const path = join(folder, file);
-    try {
-      run('python3', '-c', 'import sys, xml.dom.minidom; xml.dom.minidom.parse(sys.argv[1])', path);
-    } catch {
-      check(false, `${kind}: ${file} is not XML`);
-      continue;
-    }
-    const drawn = path.replace(/svg$/, 'rsvg.pdf');
-    run('rsvg-convert', '-f', 'pdf', '-o', drawn, path);
-    for (const [what, pdf] of [['librsvg', drawn], ['PDF', path.replace(/svg$/, 'pdf')]]) {
-      const image = pixelsOf(pdf, 72);
+  const at = (end) => svgs.map((file) => join(folder, file.replace(/svg$/, end)));
+  // Each program once for all figures of a page.
+  const noXml = run('python3', '-c', 'import sys, xml.dom.minidom\nfor name in sys.argv[1:]:\n  try: xml.dom.minidom.parse(name)\n  except Exception as e: print(name, e)', ...at('svg')).toString();
+  check(noXml === '', `${kind}: not XML: ${noXml}`);
+  if (noXml !== '') continue;
+  const [librsvg, own] = ['librsvg.pdf', 'own.pdf'].map((name) => join(folder, name));
+  run('rsvg-convert', '-f', 'pdf', '-o', librsvg, ...at('svg'));
+  run('pdfunite', ...at('pdf'), own);
+  const words = {};
+  for (const [what, pdf] of [['librsvg', librsvg], ['PDF', own]]) {
+    const images = pixelsOf(pdf, 72);
+    check(images.length === svgs.length, `${kind}: ${what} draws ${images.length} of ${svgs.length} figures`);
+    words[what] = textsOf(pdf).map((text) => text.split(/\s+/).filter((word) => /^[a-z]{4,}$/i.test(word)).sort().join(' '));
+    images.forEach((image, i) => {
       let [ink, border] = [0, 0];
       for (let y = 0; y < image.height; ++y) {
         for (let x = 0; x < image.width; ++x) {
-          const i = 3 * (y * image.width + x);
-          if (image.rgb[i] > 235 && image.rgb[i + 1] > 235 && image.rgb[i + 2] > 235) continue;
+          const k = 3 * (y * image.width + x);
+          if (image.rgb[k] > 235 && image.rgb[k + 1] > 235 && image.rgb[k + 2] > 235) continue;
           ink += 1;
           if (x < 1 || y < 1 || x >= image.width - 1 || y >= image.height - 1) border += 1;
         }
       }
-      check(ink > 300, `${kind}: ${file} drawn by ${what} shows something (${ink} pixels)`);
-      check(border === 0, `${kind}: ${file} drawn by ${what} is cut off at its border (${border} pixels)`);
-    }
-    const texts = (name) => run('pdftotext', '-layout', name, '-').toString().split(/\s+/).filter((word) => /^[a-z]{4,}$/i.test(word)).sort().join(' ');
-    check(texts(drawn) === texts(path.replace(/svg$/, 'pdf')), `${kind}: ${file} and its PDF say the same:\n  ${texts(drawn)}\n  ${texts(path.replace(/svg$/, 'pdf'))}`);
+      check(ink > 300, `${kind}: ${svgs[i]} drawn by ${what} shows something (${ink} pixels)`);
+      check(border === 0, `${kind}: ${svgs[i]} drawn by ${what} is cut off at its border (${border} pixels)`);
+    });
   }
+  svgs.forEach((file, i) => check(words.librsvg[i] === words.PDF[i], `${kind}: ${file} and its PDF say the same:\n  ${words.librsvg[i]}\n  ${words.PDF[i]}`));
 }
 
 // ---- the curve of arrivals is level where nobody arrives, at every pixel ratio ------------------------------------------
@@ -72,7 +82,7 @@ const open = opener(browser);
     const { context, page } = await open(html, { ratio });
     await page.locator('#figure-arrival').scrollIntoViewIfNeeded();
     await page.waitForSelector('#figure-arrival canvas');
-    await page.waitForTimeout(700);
+    await drawn(page);
     const heights = await page.evaluate(() => {
       const canvas = document.querySelector('#figure-arrival canvas');
       const { width, height } = canvas;
@@ -106,8 +116,7 @@ const open = opener(browser);
   const { context, page } = await open(html, { scheme: 'dark', width: 1440 });
   const pdf = join(work, 'print.pdf');
   await page.pdf({ path: pdf, format: 'A4' });   // without backgrounds, as readers print
-  const pages = Number(/Pages:\s+(\d+)/.exec(run('pdfinfo', pdf).toString())[1]);
-  const texts = Array.from({ length: pages }, (_, i) => run('pdftotext', '-layout', '-f', String(i + 1), '-l', String(i + 1), pdf, '-').toString());
+  const texts = textsOf(pdf);
   const all = texts.join('\n');
   for (const words of ['Arrived by a given time', 'Success against goal distance', 'on the same worlds', 'Replay', 'Provenance', 'Failures']) check(all.includes(words), `the print has ${words}`);
   check(!/^\s*Trials\s*$/m.test(all), 'no heading of a part that is not printed');
@@ -130,7 +139,7 @@ const open = opener(browser);
   check(counted === dots, `the print has ${counted} dots of ${dots} successes`);
   check(run('pdfimages', '-list', pdf).toString().trim().split('\n').length >= 4, 'the replay is printed as pictures');
   // Dark ink on white, though the screen is dark, and bars with their colours.
-  const first = pixelsOf(pdf, 60);
+  const [first] = pixelsOf(pdf, 60, 1);
   const counts = new Map();
   for (let i = 0; i < first.width * first.height; ++i) counts.set(hexAt(first, i), (counts.get(hexAt(first, i)) ?? 0) + 1);
   check((counts.get('#ffffff') ?? 0) > 0.7 * first.width * first.height, 'the paper is white');

@@ -5,7 +5,7 @@ import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { accessible, check, dataOf, end, launch, noOverflow, opener, packagesOf, scrollThrough, workshop } from './kit.mjs';
+import { accessible, check, dataOf, drawn, end, launch, noOverflow, opener, packagesOf, scrollThrough, strip, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work] = process.argv;
 const { makeStore, makePage, sql } = workshop(source, makeReport, work);
@@ -54,28 +54,25 @@ const [trials, worlds, outcomes, controllers] = ['trial', 'world_key', 'outcome'
   const box = await page.locator('.stage').boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
   const before = await scroll();
-  await page.mouse.wheel(0, 120);
+  await page.mouse.wheel(0, 40);
   check(await page.waitForFunction((from) => scrollY > from, before).then(() => true, () => false), 'the wheel scrolls the page over a scene that was not clicked');
-  // The page may be on its way, after a click as well: what follows is measured once it stands.
-  const standing = () => page.waitForFunction(() => new Promise((stands) => { const y = scrollY; setTimeout(() => stands(scrollY === y), 300); }));
-  await standing();
   const shown = await page.locator('.stage').boundingBox();
   await page.mouse.click(shown.x + shown.width / 2, shown.y + shown.height / 2);
-  await standing();
   // A wheel that the browser counts to the turn before cannot be kept from scrolling (it says so: not cancelable): the next
   // one that begins a turn of its own is the one that the camera takes.
   await page.evaluate(() => { addEventListener('wheel', (event) => { window.turned = { cancelable: event.cancelable, kept: event.defaultPrevented }; }, { passive: false }); });
   let turned = { cancelable: false, kept: false };
-  for (let turns = 0; turns < 10 && !turned.cancelable; turns += 1) {
+  for (let turns = 0; turns < 60 && !turned.cancelable; turns += 1) {
     await page.evaluate(() => { window.turned = null; });
-    await page.mouse.wheel(0, 120);
+    await page.mouse.wheel(0, 40);
     turned = await page.waitForFunction(() => window.turned).then((handle) => handle.jsonValue());
     if (!turned.cancelable) await page.waitForTimeout(1000);
   }
   check(turned.kept, `after a click the wheel moves the camera and not the page: ${JSON.stringify(turned)}`);
   const [picture] = await Promise.all([page.waitForEvent('download'), page.getByText('Save PNG').click()]);
   const png = readFileSync(await picture.path());
-  check(png.subarray(1, 4).toString() === 'PNG' && png.length > 20000, `a frame as PNG, ${png.length} bytes`);
+  check(png.subarray(1, 4).toString() === 'PNG' && png.readUInt32BE(16) === (Math.floor(2 * box.width) & ~1) && png.readUInt32BE(20) === (Math.floor(2 * box.height) & ~1),
+    `a frame as PNG, twice as fine as the page: ${png.readUInt32BE(16)} x ${png.readUInt32BE(20)} of ${box.width} x ${box.height}`);
   await context.close();
 }
 
@@ -83,12 +80,11 @@ const [trials, worlds, outcomes, controllers] = ['trial', 'world_key', 'outcome'
 {
   const { ALL_FORMATS, BlobSource, EncodedPacketSink, Input } = packagesOf(source)('mediabunny');
   const shortest = data.replays.map((replay) => replay.trial).reduce((a, b) => (cells.time_end_s[trials.indexOf(a)] < cells.time_end_s[trials.indexOf(b)] ? a : b));
-  const { context, page } = await open(html, { hash: `#trial=${shortest}&beside=none`, width: 390, height: 500 });
+  const { context, page } = await open(html, { hash: `#trial=${shortest}&beside=none`, width: 240, height: 500 });
   await page.locator('#replay').scrollIntoViewIfNeeded();
   await page.waitForFunction((trial) => document.querySelector('.stage-box')?.dataset.trial === trial, shortest);
-  await page.addStyleTag({ content: '.stage { height: 120px !important; width: 160px !important; }' });
   await page.getByLabel('Speed').selectOption('4');
-  const [film] = await Promise.all([page.waitForEvent('download', { timeout: 240000 }), page.getByText('Save WebM').click()]);
+  const [film] = await Promise.all([page.waitForEvent('download', { timeout: 600000 }), page.getByText('Save WebM').click()]);
   const input = new Input({ formats: ALL_FORMATS, source: new BlobSource(new Blob([readFileSync(await film.path())])) });
   const track = await input.getPrimaryVideoTrack();
   const times = [];
@@ -107,7 +103,6 @@ const [trials, worlds, outcomes, controllers] = ['trial', 'world_key', 'outcome'
 // ---- Back leads back, and lists are one stop of the Tab key --------------------------------------------------------------
 {
   const { context, page } = await open(html);
-  await page.emulateMedia({ reducedMotion: 'reduce' });
   await page.getByRole('navigation').getByText('Failures').click();
   await page.waitForFunction(() => scrollY > 1000);
   await page.locator('.atlas article').first().getByRole('button', { name: 'List' }).click();
@@ -129,22 +124,24 @@ const [trials, worlds, outcomes, controllers] = ['trial', 'world_key', 'outcome'
   await context.close();
 }
 
-// ---- a phone: both controllers, nothing cut off, accessible --------------------------------------------------------------
-for (const scheme of ['light', 'dark']) {
-  const { context, page } = await open(html, { width: 390, height: 844, ratio: 2, touch: true, scheme });
+// ---- a phone, light and dark: both controllers, nothing cut off, accessible, as on paper --------------------------------------------------------------
+{
+  const { context, page } = await open(html, { width: 390, height: 844, ratio: 2, touch: true, scene: true });
   for (const verdict of await page.locator('.verdict').all()) {
     const box = await verdict.boundingBox();
     check(box.y + box.height < 844, `both controllers are on the first screen of a phone: one ends at ${box.y + box.height}`);
   }
   await scrollThrough(page);
   await noOverflow(page, 'phone');
-  await accessible(page, source, `phone, ${scheme}`);
-  await context.close();
-}
-
-// ---- on paper: as accessible as on the screen ----------------------------------------------------------------------------
-{
-  const { context, page } = await open(html, { width: 800 });
+  await strip(page);
+  for (const scheme of ['light', 'dark']) {
+    await page.emulateMedia({ colorScheme: scheme });
+    await page.waitForFunction((wanted) => document.documentElement.dataset.theme === wanted, scheme);
+    await drawn(page);
+    await accessible(page, source, `phone, ${scheme}`);
+  }
+  // On paper: as accessible as on the screen.
+  await page.setViewportSize({ width: 800, height: 900 });
   await page.evaluate(() => dispatchEvent(new Event('beforeprint')));
   await page.emulateMedia({ media: 'print' });
   await accessible(page, source, 'print');
@@ -191,7 +188,6 @@ for (const scheme of ['light', 'dark']) {
   check(changed.includes('holistic (late) has the settings of holistic (early).'), `and what did not: ${changed}`);
   await page.locator('#figure-history').scrollIntoViewIfNeeded();
   await page.waitForSelector('#figure-history canvas');
-  await page.waitForTimeout(500);
   const [table] = await Promise.all([page.waitForEvent('download'), page.locator('#figure-history').getByText('Data CSV').click()]);
   const rows = readFileSync(await table.path(), 'utf8').trim().split('\n').slice(1).map((line) => line.split(','));
   check(rows.length === 4 && rows.filter((row) => row[2] === 'moma').map((row) => row[0]).join() === 'early,late', `versions of a controller in the order of their runs: ${JSON.stringify(rows)}`);

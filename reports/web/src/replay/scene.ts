@@ -1,20 +1,21 @@
 // The replay in 3-D: robot, objects, goal and the end effector's path. World axes, z up, metres.
 
 import {
-  AmbientLight, BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DirectionalLight,
-  Group, HemisphereLight, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshStandardMaterial, PCFShadowMap, PerspectiveCamera,
-  PlaneGeometry, Scene, ShadowMaterial, SphereGeometry, Vector3, WebGLRenderer, type Material,
+  AmbientLight, Color, CylinderGeometry, DirectionalLight, Group, HemisphereLight, Matrix4, Mesh, MeshStandardMaterial, PCFShadowMap,
+  PerspectiveCamera, PlaneGeometry, Scene, ShadowMaterial, SphereGeometry, Vector3, WebGLRenderer, type Material,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
-import { Line2 } from 'three/examples/jsm/lines/Line2.js';
-import { LineGeometry } from 'three/examples/jsm/lines/LineGeometry.js';
-import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
+import type { Line2 } from 'three/examples/jsm/lines/Line2.js';
 
+import type { Colours } from './colours';
 import { coreOf, type Core } from './distance';
-import { placeAt, type MotionJson, type Placed } from './motion';
+import { extent, fit } from './fit';
 import type { Part } from './look';
+import { grid, handPath, rowArrow, triad } from './marks';
+import { placeAt, type MotionJson, type Placed } from './motion';
 import { quaternion, Robot, type ShapeJson } from './robot';
 import { CollisionRows, kMoment, type Body, type CollisionParameters, type Row } from './rows';
+import { poseAt, skins, wheelsOf } from './skins';
 import { solid } from './solid';
 import type { Trace } from './trace';
 
@@ -25,66 +26,8 @@ export interface WorldJson {
   objects: BodyJson[];
 }
 
-export interface Colours {
-  background: string; floor: string; grid: string; base: string; arm: string; object: string; moving: string; hit: string; goal: string; path: string; begin: string; ghost: string; wheel: string;
-}
-
-/** Lines one metre apart, in pieces of one metre: some drivers drop a long line that begins behind the camera. */
-function grid(colour: string): LineSegments {
-  const reach = 15;
-  const points: number[] = [];
-  for (let a = -reach; a <= reach; ++a) {
-    for (let b = -reach; b < reach; ++b) points.push(a, b, 0, a, b + 1, 0, b, a, 0, b + 1, a, 0);
-  }
-  const shape = new BufferGeometry();
-  shape.setAttribute('position', new BufferAttribute(Float32Array.from(points), 3));
-  return new LineSegments(shape, new LineBasicMaterial({ color: new Color(colour) }));
-}
-
-function triad(size: number, solid: boolean): Group {
-  const group = new Group();
-  const axes: [Vector3, number][] = [[new Vector3(1, 0, 0), 0xd0453c], [new Vector3(0, 1, 0), 0x3d9a50], [new Vector3(0, 0, 1), 0x3b72c9]];
-  for (const [axis, colour] of axes) {
-    const material = new MeshStandardMaterial({ color: colour, transparent: !solid, opacity: solid ? 1 : 0.6, roughness: 0.6 });
-    const rod = new Mesh(new CylinderGeometry(size * 0.045, size * 0.045, size * 0.82, 10), material);
-    rod.position.y = size * 0.41;
-    const head = new Mesh(new ConeGeometry(size * 0.11, size * 0.2, 14), material);
-    head.position.y = size * 0.9;
-    const arrow = new Group();
-    arrow.add(rod, head);
-    arrow.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), axis);
-    group.add(arrow);
-  }
-  return group;
-}
-
 /** Another controller in the same world, on the same clock. */
 export interface Ghost { robot: Robot; trace: Trace; look: readonly Part[] }
-
-/** What is drawn of a robot and where: its visuals, and shapes of what has none. */
-interface Skin { surface: BufferGeometry; link: string; local: Matrix4; colour: string | null }
-
-/** Of links that are rigid to each other one visual is enough: their shapes, and the wheels of a base, are then left out. */
-function skins(robot: Robot, look: readonly Part[]): Skin[] {
-  const seen = new Set(look.filter((part) => robot.has(part.link)).map((part) => robot.rigid(part.link)));
-  const bare = (link: string): boolean => !seen.has(robot.rigid(link));
-  return [
-    ...look.filter((part) => robot.has(part.link)),
-    ...robot.shapes.filter((s) => robot.has(s.link) && bare(s.link)).map(({ link, shape, local }) => ({ surface: solid(shape), link, local, colour: null })),
-  ];
-}
-
-/** Radius and place of a wheel's centre in base axes. */
-function wheelsOf(robot: Robot, look: readonly Part[]): { radius: number; x: number; y: number }[] {
-  const { radius, separation, wheelbase = 0 } = robot.wheels ?? {};
-  if (radius === undefined || separation === undefined || look.some((part) => robot.has(part.link) && robot.rigid(part.link) === '@base')) return [];
-  return (wheelbase > 0 ? [-wheelbase / 2, wheelbase / 2] : [0]).flatMap((x) => [-1, 1].map((side) => ({ radius, x, y: (side * separation) / 2 })));
-}
-
-function poseAt(robot: Robot, trace: Trace, t: number): void {
-  const at = Math.min(t, trace.end);
-  robot.update(trace.at('base_x', at), trace.at('base_y', at), trace.at('base_phi', at), (i) => trace.at(`q${i}`, at));
-}
 
 export class ReplayScene {
   private readonly renderer: WebGLRenderer;
@@ -92,6 +35,8 @@ export class ReplayScene {
   private readonly camera = new PerspectiveCamera(38, 1, 0.05, 200);
   private readonly controls: OrbitControls;
   private content = new Group();
+  /** What was shown before, until that which is shown now has been drawn. */
+  private former: Group | null = null;
   private robot: Robot | null = null;
   private world: WorldJson | null = null;
   private trace: Trace | null = null;
@@ -177,7 +122,10 @@ export class ReplayScene {
   private build(): void {
     const { robot, world, trace, colours } = this;
     if (robot === null || world === null || trace === null) return;
-    this.dispose(this.content);
+    // Shaders live as long as a material needs them, and take longer to compile than to use: the materials of what was
+    // shown go when those of what is shown have been drawn.
+    if (this.former === null) this.former = this.content;
+    else this.dispose(this.content);
     this.scene.remove(this.content);
     this.content = new Group();
     this.scene.add(this.content);
@@ -264,27 +212,11 @@ export class ReplayScene {
     this.content.add(this.goal);
   }
 
-  /** Path of an end effector, coloured from its begin to its end: all of it faint, what has been travelled bold. */
+  /** Draws the path of the hand. Returns what of it has been travelled. */
   private addPath(robot: Robot, trace: Trace, begin: string, end: string): Line2 {
-    const points = new Float32Array(3 * trace.n);
-    const shades = new Float32Array(3 * trace.n);
-    const pose = new Matrix4();
-    const [from, to] = [new Color(begin), new Color(end)];
-    for (let i = 0; i < trace.n; ++i) {
-      poseAt(robot, trace, trace.t[i] ?? 0);
-      robot.tipPose(pose);
-      points.set([pose.elements[12] ?? 0, pose.elements[13] ?? 0, pose.elements[14] ?? 0], 3 * i);
-      const shade = from.clone().lerp(to, trace.end > 0 ? (trace.t[i] ?? 0) / trace.end : 0);
-      shades.set([shade.r, shade.g, shade.b], 3 * i);
-    }
-    const line = (opacity: number, linewidth: number): Line2 => {
-      const out = new Line2(new LineGeometry().setPositions(points).setColors(shades), new LineMaterial({ vertexColors: true, transparent: true, opacity, linewidth }));
-      out.frustumCulled = false;
-      return out;
-    };
-    const past = line(1, 3);
-    this.content.add(line(0.45, 1.5), past);
-    return past;
+    const { all, travelled } = handPath(robot, trace, begin, end);
+    this.content.add(all, travelled);
+    return travelled;
   }
 
   /** Moves everything to time t. */
@@ -330,26 +262,7 @@ export class ReplayScene {
     const place = (p: Placed): Matrix4 => new Matrix4().compose(p.position, p.turn, new Vector3(1, 1, 1));
     const bodies = this.bodies.map(({ name, core, start, motion }): Body => ({ name, core, now: place(placeAt(motion, start, t)), later: place(placeAt(motion, start, t + kMoment)) }));
     this.rows = rowsOf.at(trace, t, bodies);
-    for (const row of this.rows) this.arrows.add(this.arrow(row));
-  }
-
-  private arrow({ first, second, active, kind }: Row): Group {
-    const group = new Group();
-    const along = second.clone().sub(first);
-    const length = along.length();
-    if (length < 1e-4) return group;
-    const thick = active ? 0.008 : kind === 'passing' ? 0.006 : 0.003;
-    const head = Math.min(0.5 * length, 5 * thick);
-    const material = new MeshStandardMaterial({ color: new Color(active ? this.colours.hit : kind === 'passing' ? this.colours.goal : this.colours.path), transparent: !active, opacity: active ? 1 : 0.45, depthTest: !active });
-    const rod = new Mesh(new CylinderGeometry(thick, thick, length - head, 8), material);
-    rod.position.y = (length - head) / 2;
-    const cone = new Mesh(new ConeGeometry(2.4 * thick, head, 12), material);
-    cone.position.y = length - head / 2;
-    group.add(rod, cone);
-    group.renderOrder = active ? 2 : 1;
-    group.position.copy(first);
-    group.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), along.divideScalar(length));
-    return group;
+    for (const row of this.rows) this.arrows.add(rowArrow(row, this.colours));
   }
 
   /** Where a point is in the picture, in CSS pixels; null behind the camera. */
@@ -364,77 +277,45 @@ export class ReplayScene {
     return this.tip.position.distanceTo(this.goal.position);
   }
 
-  /** Every tenth of a second: where base, hand and goal are, with some room around them. */
-  private extent(): Vector3[] {
-    const { world } = this;
-    const out: Vector3[] = [];
-    const pose = new Matrix4();
-    for (const of of [this.robot !== null && this.trace !== null ? { robot: this.robot, trace: this.trace } : null, this.ghost]) {
-      if (of === null) continue;
-      for (let t = 0; t <= of.trace.end; t += Math.max(0.1, of.trace.end / 60)) {
-        poseAt(of.robot, of.trace, t);
-        const base = new Vector3().setFromMatrixPosition(of.robot.pose('@base'));
-        const hand = new Vector3().setFromMatrixPosition(of.robot.tipPose(pose));
-        for (const [x, y] of [[-0.4, -0.4], [-0.4, 0.4], [0.4, -0.4], [0.4, 0.4]] as const) out.push(base.clone().add(new Vector3(x, y, 0)), base.clone().add(new Vector3(x, y, 0.8)));
-        out.push(hand.clone().add(new Vector3(0, 0, 0.15)));
-      }
-    }
-    const [x = 0, y = 0, z = 0] = world?.goal.position ?? [];
-    out.push(new Vector3(x, y, z + 0.25), new Vector3(x, y, 0));
-    return out;
-  }
-
   /** Looks from the side, as near as the whole motion allows. */
   home(): void {
-    const { robot, world } = this;
-    if (robot === null || world === null) return;
-    const points = this.extent();
+    const { robot, world, trace, ghost } = this;
+    if (robot === null || world === null || trace === null) return;
+    const [gx = 0, gy = 0, gz = 0] = world.goal.position;
+    const points = [...extent(robot, trace), ...(ghost === null ? [] : extent(ghost.robot, ghost.trace)), new Vector3(gx, gy, gz + 0.25), new Vector3(gx, gy, 0)];
     this.set(0);
-    const [gx = 0, gy = 0] = world.goal.position;
     const along = new Vector3(gx - this.lastBase.x, gy - this.lastBase.y, 0);
     if (along.length() < 1e-6) along.set(1, 0, 0);
     along.normalize();
     const towards = new Vector3(along.y, -along.x, 0).multiplyScalar(0.84).addScaledVector(along, -0.34).add(new Vector3(0, 0, 0.5)).normalize();
-    const right = new Vector3(0, 0, 1).cross(towards).normalize();
-    const up = towards.clone().cross(right);
-    // In the camera's axes: the middle of what is to be seen, then the distance from which all of it is.
-    const span = (axis: Vector3): [number, number] => { const values = points.map((p) => p.dot(axis)); return [Math.min(...values), Math.max(...values)]; };
-    const [r, u, d] = [span(right), span(up), span(towards)];
-    const middle = right.clone().multiplyScalar((r[0] + r[1]) / 2).addScaledVector(up, (u[0] + u[1]) / 2).addScaledVector(towards, (d[0] + d[1]) / 2);
-    const tall = Math.tan((this.camera.fov * Math.PI) / 360) * 0.9;
-    const wide = tall * this.camera.aspect;
-    let away = 0.6;
-    // What is near looks larger than what is far: the middle is moved to that of the picture, a few times.
-    for (let k = 0; k < 6; ++k) {
-      const of = points.map((point) => point.clone().sub(middle)).map((p) => ({ d: p.dot(towards), r: p.dot(right), u: p.dot(up) }));
-      away = Math.max(0.6, ...of.map((p) => p.d + Math.max(Math.abs(p.r) / wide, Math.abs(p.u) / tall)));
-      const across = (to: 'r' | 'u'): number => {
-        const seen = of.map((p) => p[to] / Math.max(0.05, away - p.d));
-        return (away * (Math.min(...seen) + Math.max(...seen))) / 2;
-      };
-      const [x, y] = [across('r'), across('u')];
-      middle.addScaledVector(right, x).addScaledVector(up, y);
-    }
-    this.controls.target.copy(middle);
-    this.camera.position.copy(middle).addScaledVector(towards, away);
+    this.controls.target.copy(fit(this.camera, points, towards));
     this.controls.update();
   }
 
-  render(): void {
+  /** Makes the picture as large as its canvas; false where that is not seen. */
+  resize(): boolean {
     const { clientWidth, clientHeight } = this.canvas;
     const ratio = Math.min(devicePixelRatio, 2);
-    if (clientWidth === 0 || clientHeight === 0) return;
+    if (clientWidth === 0 || clientHeight === 0) return false;
     if (this.canvas.width !== Math.floor(clientWidth * ratio) || this.canvas.height !== Math.floor(clientHeight * ratio)) {
       this.renderer.setPixelRatio(ratio);
       this.renderer.setSize(clientWidth, clientHeight, false);
       this.camera.aspect = clientWidth / clientHeight;
       this.camera.updateProjectionMatrix();
     }
+    return true;
+  }
+
+  render(): void {
+    if (!this.resize()) return;
     this.renderer.render(this.scene, this.camera);
+    if (this.former !== null) this.dispose(this.former);
+    this.former = null;
   }
 
   private dispose(group: Group): void {
     group.traverse((node) => {
+      if (node instanceof DirectionalLight) node.dispose();   // its map of shadows
       const mesh = node as Partial<Mesh>;
       mesh.geometry?.dispose();
       const materials = mesh.material === undefined ? [] : Array.isArray(mesh.material) ? mesh.material : [mesh.material];

@@ -1,0 +1,86 @@
+// What is drawn in a scene beside robot and objects: a grid, axes, arrows, paths.
+
+import { BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshStandardMaterial, Vector3 } from 'three';
+import { Line2 } from 'three/examples/jsm/lines/Line2.js';
+import { LineGeometry } from 'three/examples/jsm/lines/LineGeometry.js';
+import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
+
+import type { Colours } from './colours';
+import type { Robot } from './robot';
+import type { Row } from './rows';
+import { poseAt } from './skins';
+import type { Trace } from './trace';
+
+/** Lines one metre apart, in pieces of one metre: some drivers drop a long line that begins behind the camera. */
+export function grid(colour: string): LineSegments {
+  const reach = 15;
+  const points: number[] = [];
+  for (let a = -reach; a <= reach; ++a) {
+    for (let b = -reach; b < reach; ++b) points.push(a, b, 0, a, b + 1, 0, b, a, 0, b + 1, a, 0);
+  }
+  const shape = new BufferGeometry();
+  shape.setAttribute('position', new BufferAttribute(Float32Array.from(points), 3));
+  return new LineSegments(shape, new LineBasicMaterial({ color: new Color(colour) }));
+}
+
+/** A frame's axes: x red, y green, z blue. */
+export function triad(size: number, solid: boolean): Group {
+  const group = new Group();
+  const axes: [Vector3, number][] = [[new Vector3(1, 0, 0), 0xd0453c], [new Vector3(0, 1, 0), 0x3d9a50], [new Vector3(0, 0, 1), 0x3b72c9]];
+  for (const [axis, colour] of axes) {
+    const material = new MeshStandardMaterial({ color: colour, transparent: !solid, opacity: solid ? 1 : 0.6, roughness: 0.6 });
+    const rod = new Mesh(new CylinderGeometry(size * 0.045, size * 0.045, size * 0.82, 10), material);
+    rod.position.y = size * 0.41;
+    const head = new Mesh(new ConeGeometry(size * 0.11, size * 0.2, 14), material);
+    head.position.y = size * 0.9;
+    const arrow = new Group();
+    arrow.add(rod, head);
+    arrow.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), axis);
+    group.add(arrow);
+  }
+  return group;
+}
+
+/** A collision row as an arrow from the robot to what it must not touch; bold where it holds the command back. */
+export function rowArrow({ first, second, active, kind }: Row, colours: Colours): Group {
+  const group = new Group();
+  const along = second.clone().sub(first);
+  const length = along.length();
+  if (length < 1e-4) return group;
+  const thick = active ? 0.008 : kind === 'passing' ? 0.006 : 0.003;
+  const head = Math.min(0.5 * length, 5 * thick);
+  const material = new MeshStandardMaterial({ color: new Color(active ? colours.hit : kind === 'passing' ? colours.goal : colours.path), transparent: !active, opacity: active ? 1 : 0.45, depthTest: !active });
+  const rod = new Mesh(new CylinderGeometry(thick, thick, length - head, 8), material);
+  rod.position.y = (length - head) / 2;
+  const cone = new Mesh(new ConeGeometry(2.4 * thick, head, 12), material);
+  cone.position.y = length - head / 2;
+  group.add(rod, cone);
+  group.renderOrder = active ? 2 : 1;
+  group.position.copy(first);
+  group.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), along.divideScalar(length));
+  return group;
+}
+
+/**
+ * Path of the end effector, coloured from its begin to its end: all of it faint, what has been travelled bold. The bold
+ * one has a piece between every two samples, to be shown by its geometry's instanceCount.
+ */
+export function handPath(robot: Robot, trace: Trace, begin: string, end: string): { all: Line2; travelled: Line2 } {
+  const points = new Float32Array(3 * trace.n);
+  const shades = new Float32Array(3 * trace.n);
+  const pose = new Matrix4();
+  const [from, to] = [new Color(begin), new Color(end)];
+  for (let i = 0; i < trace.n; ++i) {
+    poseAt(robot, trace, trace.t[i] ?? 0);
+    robot.tipPose(pose);
+    points.set([pose.elements[12] ?? 0, pose.elements[13] ?? 0, pose.elements[14] ?? 0], 3 * i);
+    const shade = from.clone().lerp(to, trace.end > 0 ? (trace.t[i] ?? 0) / trace.end : 0);
+    shades.set([shade.r, shade.g, shade.b], 3 * i);
+  }
+  const line = (opacity: number, linewidth: number): Line2 => {
+    const out = new Line2(new LineGeometry().setPositions(points).setColors(shades), new LineMaterial({ vertexColors: true, transparent: true, opacity, linewidth }));
+    out.frustumCulled = false;
+    return out;
+  };
+  return { all: line(0.45, 1.5), travelled: line(1, 3) };
+}

@@ -1,0 +1,103 @@
+// What can be taken along: a moment of a motion as PNG, the motion as WebM.
+
+import { downloadBlob, h } from '../dom';
+import { fixed, integer } from '../format';
+import { canFilm, Film } from './film';
+
+/** Frames a second of a motion that is saved. */
+const kFps = 30;
+
+/** A motion that is shown. */
+export interface Shown {
+  /** Of the trial; another one's is another. '' while nothing is shown. */
+  name(): string;
+  /** [s] */
+  time(): number;
+  /** [s] */
+  end(): number;
+  /** Seconds of the motion per second of the film. */
+  rate(): number;
+  seek(t: number): void;
+  /** Stops what plays by itself. */
+  pause(): void;
+  /** The moment shown, with its words. */
+  picture(): HTMLCanvasElement;
+}
+
+/** A motion from its begin to its end, frame by frame. */
+export interface Reel {
+  /** Resolves with the motion's length [s]. */
+  begin(): Promise<number>;
+  /** Frame k, which shows the time k * speed / fps, or the end. */
+  add(k: number): Promise<void>;
+  end(): Promise<Uint8Array>;
+}
+
+async function addFrame(of: Shown, film: Film, t: number): Promise<void> {
+  of.seek(t);
+  of.picture();
+  await film.add();
+}
+
+/** `ready` brings the motion to be filmed. */
+export function reelOf(of: Shown, ready: () => Promise<void>, fps: number, speed: number): Reel {
+  let film: Film | null = null;
+  const begun = (): Film => {
+    if (film === null) throw new Error('no film has begun');
+    return film;
+  };
+  return {
+    begin: async () => {
+      if (!canFilm()) throw new Error('this browser encodes no video');
+      await ready();
+      film = new Film(of.picture(), fps);
+      await film.begin();
+      return of.end();
+    },
+    add: (k) => addFrame(of, begun(), (k * speed) / fps),
+    end: () => begun().end(),
+  };
+}
+
+export function pictureButton(of: Shown): HTMLButtonElement {
+  const save = (): void => {
+    if (of.name() !== '') of.picture().toBlob((blob) => { if (blob !== null) downloadBlob(`${of.name()}-${fixed(of.time(), 2)}s.png`, blob); });
+  };
+  return h('button', { type: 'button', class: 'quiet', click: save }, 'Save PNG');
+}
+
+/** Records the motion from its begin to its end at the chosen speed; a second click stops that. */
+export function filmButton(of: Shown): HTMLButtonElement {
+  let filming: Film | null = null;
+  const save = async (): Promise<void> => {
+    if (of.name() === '' || filming !== null) {
+      filming = null;
+      return;
+    }
+    if (!canFilm()) {
+      button.textContent = 'No WebM here';
+      return;
+    }
+    const [name, from, rate] = [of.name(), of.time(), of.rate()];
+    of.pause();
+    const film = filming = new Film(of.picture(), kFps);
+    const wanted = (): boolean => filming === film && of.name() === name;
+    const frames = Math.ceil((of.end() * kFps) / rate) + 1;
+    try {
+      await film.begin();
+      for (let k = 0; k < frames && wanted(); ++k) {
+        await addFrame(of, film, (k * rate) / kFps);
+        button.textContent = `Stop at ${integer(Math.round((100 * k) / frames))} %`;
+      }
+      if (wanted()) downloadBlob(`${name}.webm`, new Blob([await film.end() as BlobPart], { type: 'video/webm' }));
+      else await film.cancel();
+      button.textContent = 'Save WebM';
+    } catch {
+      button.textContent = 'No WebM here';
+    }
+    if (filming === film) filming = null;
+    if (of.name() === name) of.seek(from);
+  };
+  const button = h('button', { type: 'button', class: 'quiet', click: () => void save() }, 'Save WebM');
+  return button;
+}

@@ -1,0 +1,50 @@
+// The list of trials that can be played.
+
+import { outcomeName, type Model } from '../data';
+import { h, replace, roving } from '../dom';
+import { integer, plural } from '../format';
+import { select } from '../select';
+import { outcomeColour, palette } from '../theme';
+
+/** Trials to choose from: the worst of each kind with samples; where none has any but all can be asked for, failures. */
+export function listed(model: Model): string[] {
+  const named = model.page.replays.map((replay) => replay.trial);
+  const t = model.trials;
+  if (named.length > 0 || model.page.live?.simulates !== true) return named;
+  const rows = Array.from({ length: t.n }, (_, row) => row);
+  const failed = rows.filter((row) => !t.success(row));
+  return (failed.length > 0 ? failed : rows).slice(0, 24).map((row) => t.text('trial', row));
+}
+
+/** Where the motions come from, in a sentence. */
+export function shelfNote(model: Model): string {
+  const [first] = model.page.replays;
+  if (model.page.live !== undefined) {
+    return model.page.samples_stored === 0 ? 'Any trial can be played, from the table too: it is simulated again.'
+      : `The worst of each kind, of ${plural(model.page.samples_stored, 'trial')} with stored samples. Any other can be played from the table${model.page.live.simulates ? ': it is simulated again' : ''}.`;
+  }
+  return `${plural(model.page.replays.length, 'trial')} of ${integer(model.page.samples_stored)} with stored samples; the worst of each kind first, at ${first !== undefined && 'hz' in first ? first.hz : 10} Hz.`;
+}
+
+export class Shelf {
+  readonly element = roving(h('div', { class: 'shelf', role: 'listbox', 'aria-label': 'Trials that can be played' }), 'button');
+
+  constructor(private readonly model: Model) {}
+
+  /** Lists the trials anew, with the one that is shown. */
+  fill(current: string): void {
+    const t = this.model.trials;
+    const p = palette();
+    const names = listed(this.model);
+    replace(this.element, ...(current === '' || names.includes(current) ? names : [current, ...names]).map((trial) => {
+      const row = this.model.row(trial) ?? 0;
+      return h('button', {
+        type: 'button', role: 'option', 'aria-selected': trial === current ? 'true' : 'false', click: () => select(trial, true),
+      },
+        h('span', { class: 'dotted', style: `--c:${outcomeColour(p, t.outcome(row))}` }, outcomeName(t.outcome(row))),
+        h('small', null, `${t.text('controller', row)} \u00b7 ${t.text('family', row)} ${integer(t.number('world', row))}`),
+        t.text('point', row) === '' ? null : h('small', null, t.text('point', row)),
+        t.text('link', row) === '' ? null : h('small', null, `${t.text('link', row)} \u2013 ${t.text('object', row)}`));
+    }));
+  }
+}
