@@ -60,8 +60,20 @@ export function drawWhenIdle(): void {
   drawSoon();
 }
 
+const afterwards = new Set<() => void>();
+
+/** Calls back after the next frame has been shown, or before the page is printed. */
+export function afterFrame(call: () => void): void {
+  afterwards.add(call);
+  requestAnimationFrame(() => setTimeout(() => { if (afterwards.delete(call)) call(); }));
+}
+
 /** Draws all that still waits, now. */
 export function drawAll(): void {
+  for (const call of afterwards) {   // those that are added meanwhile, too
+    afterwards.delete(call);
+    call();
+  }
   figures.forEach(drawWaiting);
 }
 

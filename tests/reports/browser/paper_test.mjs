@@ -119,6 +119,7 @@ const open = opener(browser);
   const texts = textsOf(pdf);
   const all = texts.join('\n');
   for (const words of ['Arrived by a given time', 'Success against goal distance', 'on the same worlds', 'Replay', 'Provenance', 'Failures']) check(all.includes(words), `the print has ${words}`);
+  check(/holistic fails (mainly|most often) in \w+: /.test(texts[0]), 'the first page says where the one behind fails, though nothing waited for it');
   check(!/^\s*Trials\s*$/m.test(all), 'no heading of a part that is not printed');
   texts.forEach((text, i) => {
     const last = text.trimEnd().split('\n').pop() ?? '';

@@ -242,7 +242,7 @@ export function player(model: Model): Player {
     if (thenPlay) start();
   };
 
-  /** The moment shown, or the first motion of the page, as pictures. */
+  /** The moment shown, as pictures; where the reader has moved nothing, that at which the motion stopped. */
   const still = (): Node | null => {
     const first = listed(model)[0] ?? '';
     const replay = model.embedded(first);
@@ -252,9 +252,13 @@ export function player(model: Model): Player {
       return null;   // the caption on the screen says why
     }
     if (current === '') return null;
+    const untouched = playback.time === 0;
+    if (untouched) playback.seek(trace?.end ?? 0);
     drawNow();
-    return h('div', null, h('p', null, ...[...caption.childNodes].map((node) => node.cloneNode(true)), ` \u00b7 at ${fixed(playback.time, 2)} s`),
+    const pictures = h('div', null, h('p', null, ...[...caption.childNodes].map((node) => node.cloneNode(true)), ` \u00b7 at ${fixed(playback.time, 2)} s`),
       h('img', { src: canvas.toDataURL('image/png'), alt: 'The moment shown in the replay' }), h('img', { src: lines.toDataURL('image/png'), alt: 'The motion\u2019s time line' }));
+    if (untouched) playback.seek(0);
+    return pictures;
   };
 
   const said = (error: unknown): string => (error instanceof Error ? error.message : String(error));

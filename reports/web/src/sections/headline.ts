@@ -7,6 +7,7 @@ import { conditions, onlyConditions } from '../conditions';
 import { inSlice, type Model, type Series, type SummaryRow } from '../data';
 import { h, replace } from '../dom';
 import { fixed, integer, percent, percentRange, plural, probability, times } from '../format';
+import { afterFrame } from '../later';
 import * as state from '../state';
 import { holm, pairedRate } from '../stats';
 import { palette, seriesColour } from '../theme';
@@ -157,7 +158,7 @@ export function fillHeadline(model: Model, box: HTMLElement): void {
   const later = !painted && pair !== null;
   painted = true;
   if (later) {
-    requestAnimationFrame(() => setTimeout(() => { if (view() === now) fillHeadline(model, box); }));
+    afterFrame(() => { if (view() === now) fillHeadline(model, box); });
   }
   const told = pair === null || later ? [] : differences(model, ...pair, now.families);
   const [all] = told;
@@ -169,8 +170,5 @@ export function fillHeadline(model: Model, box: HTMLElement): void {
       : pair === null || all === undefined || all.n === 0 ? null : h('div', { class: 'paired-words' }, h('p', null, sentence(...pair, all)), fails));
   if (pair === null || all === undefined) return;
   const loser = all.onlyB >= all.onlyA ? pair[0] : pair[1];
-  // After the frame that shows the rest.
-  requestAnimationFrame(() => setTimeout(() => {
-    if (view() === now) replace(fails, whereItFails(model, loser));
-  }));
+  afterFrame(() => { if (view() === now) replace(fails, whereItFails(model, loser)); });
 }

@@ -29,7 +29,9 @@ function facts(model: Model): [string, string][] {
   const { page } = model;
   const { slice, families } = view();
   const points = page.points.filter((p) => inSlice(p, slice));
-  const runs = page.invocations.filter((i) => i.suite === slice.suite);
+  const all = page.invocations.filter((i) => i.suite === slice.suite);
+  const working = all.filter((i) => i.trials_done > 0);
+  const runs = working.length > 0 ? working : all;   // one that found every trial in the store has made none of them
   const latest = runs[0];
   const trials = page.overall.filter((o) => inSlice(o, slice)).reduce((sum, o) => sum + o.n, 0);
   const versions = unique(runs.map((r) => `${r.moma_version}${r.git_commit ? ` (${r.git_commit.slice(0, 7)}${r.git_dirty ? ', changed' : ''})` : ''}`));
