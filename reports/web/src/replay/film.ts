@@ -2,11 +2,6 @@
 
 import { BufferTarget, CanvasSource, Output, QUALITY_HIGH, WebMOutputFormat } from 'mediabunny';
 
-/** Whether this browser encodes video. */
-export function canFilm(): boolean {
-  return typeof VideoEncoder !== 'undefined';
-}
-
 export class Film {
   private readonly target = new BufferTarget();
   private readonly output = new Output({ format: new WebMOutputFormat(), target: this.target });

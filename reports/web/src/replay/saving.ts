@@ -2,10 +2,21 @@
 
 import { downloadBlob, h } from '../dom';
 import { fixed, integer } from '../format';
-import { canFilm, Film } from './film';
+import type { Film } from './film';
 
 /** Frames a second of a motion that is saved. */
 const kFps = 30;
+
+/** Whether this browser encodes video. */
+function canFilm(): boolean {
+  return typeof VideoEncoder !== 'undefined';
+}
+
+/** What encodes is a large part of the script, and run only where something is filmed. */
+async function newFilm(canvas: HTMLCanvasElement, fps: number): Promise<Film> {
+  const { Film } = await import('./film');
+  return new Film(canvas, fps);
+}
 
 /** A motion that is shown. */
 export interface Shown {
@@ -50,7 +61,7 @@ export function reelOf(of: Shown, ready: () => Promise<void>, fps: number, speed
     begin: async () => {
       if (!canFilm()) throw new Error('this browser encodes no video');
       await ready();
-      film = new Film(of.picture(), fps);
+      film = await newFilm(of.picture(), fps);
       await film.begin();
       return of.end();
     },
@@ -68,7 +79,7 @@ export function pictureButton(of: Shown): HTMLButtonElement {
 
 /** Records the motion from its begin to its end at the chosen speed; a second click stops that. */
 export function filmButton(of: Shown): HTMLButtonElement {
-  let filming: Film | null = null;
+  let filming: symbol | null = null;
   const save = async (): Promise<void> => {
     if (of.name() === '' || filming !== null) {
       filming = null;
@@ -80,10 +91,11 @@ export function filmButton(of: Shown): HTMLButtonElement {
     }
     const [name, from, rate] = [of.name(), of.time(), of.rate()];
     of.pause();
-    const film = filming = new Film(of.picture(), kFps);
-    const wanted = (): boolean => filming === film && of.name() === name;
+    const mine = filming = Symbol(name);
+    const wanted = (): boolean => filming === mine && of.name() === name;
     const frames = Math.ceil((of.end() * kFps) / rate) + 1;
     try {
+      const film = await newFilm(of.picture(), kFps);
       await film.begin();
       for (let k = 0; k < frames && wanted(); ++k) {
         await addFrame(of, film, (k * rate) / kFps);
@@ -95,7 +107,7 @@ export function filmButton(of: Shown): HTMLButtonElement {
     } catch {
       button.textContent = 'No WebM here';
     }
-    if (filming === film) filming = null;
+    if (filming === mine) filming = null;
     if (of.name() === name) of.seek(from);
   };
   const button = h('button', { type: 'button', class: 'quiet', click: () => void save() }, 'Save WebM');

@@ -5,7 +5,6 @@ import { verdictOf } from '../figures/tuning';
 import { inSlice, type Model, type PointInfo, type SummaryRow } from '../data';
 import { h, replace } from '../dom';
 import { integer, list, percent, percentNumber, percentRange, plural, seconds } from '../format';
-import { markdown } from '../markdown';
 import { palette, seriesColour, onTheme } from '../theme';
 import { onView, view } from '../view';
 import { fillHeadline, judged, kVerdicts } from './headline';
@@ -91,7 +90,9 @@ export function masthead(model: Model, live: HTMLElement | null): HTMLElement {
     replace(title, slice.suite || model.page.store.file, family !== '' ? h('span', null, ` ${family} only`) : null);
     replace(strip, ...facts(model).map(([name, value]) => h('div', null, h('dt', null, name), h('dd', null, value))));
     const noted = model.page.invocations.find((i) => i.suite === slice.suite && (i.notes ?? '') !== '')?.notes ?? '';
-    replace(noteBox, noted === '' ? null : markdown(noted));
+    replace(noteBox);
+    // The parser of notes is run only where there are some.
+    if (noted !== '') void import('../markdown').then(({ markdown }) => { if (view().slice === slice) replace(noteBox, markdown(noted)); });
     replace(told, ...notices(model, suites).map((text) => h('p', null, text)));
     const all = verdicts(model);
     verdictBox.classList.toggle('many', all.length > kVerdicts);
