@@ -53,6 +53,26 @@ if [ "${#missing[@]}" -gt 0 ]; then
   fi
 fi
 
+# ---- The report page, beside the libraries ------------------------------------------------------------------------------
+bundle_page() {
+  if [ -f reports/web/package-lock.json ]; then
+    if ! cmp -s reports/web/package-lock.json reports/web/node_modules/.installed-lock 2>/dev/null; then
+      say "installing the report page's npm packages"
+      (cd reports/web && npm ci --no-audit --no-fund --loglevel=error </dev/null >/dev/null)
+      cp reports/web/package-lock.json reports/web/node_modules/.installed-lock
+    fi
+    stamp=reports/web/dist/.built
+    if [ ! -f "$stamp" ] || [ -n "$(find reports/web -path reports/web/node_modules -prune -o -path reports/web/dist -prune \
+        -o -type f -newer "$stamp" -print -quit)" ]; then
+      say "bundling the report page"
+      (cd reports/web && npm run --silent build </dev/null)
+      touch "$stamp"
+    fi
+  fi
+}
+bundle_page &
+page=$!
+
 # ---- C++ libraries that PyPI carries -----------------------------------------------------------------------------
 if ! cmp -s requirements.txt .venv/.installed-requirements 2>/dev/null; then
   say "installing the wheels of requirements.txt into .venv"
@@ -76,21 +96,7 @@ if [ ! -f ".deps/daqp-$DAQP_VERSION/csrc/include/api.h" ]; then
   rm -rf .deps/download
 fi
 
-# ---- The report page -----------------------------------------------------------------------------------------------
-if [ -f reports/web/package-lock.json ]; then
-  if ! cmp -s reports/web/package-lock.json reports/web/node_modules/.installed-lock 2>/dev/null; then
-    say "installing the report page's npm packages"
-    (cd reports/web && npm ci --no-audit --no-fund --loglevel=error </dev/null >/dev/null)
-    cp reports/web/package-lock.json reports/web/node_modules/.installed-lock
-  fi
-  stamp=reports/web/dist/.built
-  if [ ! -f "$stamp" ] || [ -n "$(find reports/web -path reports/web/node_modules -prune -o -path reports/web/dist -prune \
-      -o -type f -newer "$stamp" -print -quit)" ]; then
-    say "bundling the report page"
-    (cd reports/web && npm run --silent build </dev/null)
-    touch "$stamp"
-  fi
-fi
+wait "$page"
 
 # ---- moma ------------------------------------------------------------------------------------------------------------
 if [ "${targets[0]}" != none ]; then

@@ -126,8 +126,15 @@ Node parse_yaml(const std::string& text, const std::string& name, const fs::path
 }
 
 void set_value(Node& root, std::string_view dotted_key, const std::string& text) {
+  const Mark origin{"--set " + shortened(std::string(dotted_key)) + "=" + shortened(text), 0, 0};
+  Node value = parse_yaml(text, origin.file);
+  value.mark = value.key_mark = origin;
+  set_value(root, dotted_key, std::move(value));
+}
+
+void set_value(Node& root, std::string_view dotted_key, Node value) {
   const std::string key(dotted_key);
-  const Mark origin{"--set " + shortened(key) + "=" + shortened(text), 0, 0};
+  const Mark origin = value.mark;
   if (std::count(key.begin(), key.end(), '.') >= kMaxNesting)
     fail(origin, "", "a key of more than " + std::to_string(kMaxNesting) + " parts");
   Node* node = &root;
@@ -152,9 +159,6 @@ void set_value(Node& root, std::string_view dotted_key, const std::string& text)
     if (dot == std::string::npos) break;
     start = dot + 1;
   }
-  Node value = parse_yaml(text, origin.file);
-  value.mark = origin;
-  value.key_mark = origin;
   *node = std::move(value);
 }
 

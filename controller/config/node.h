@@ -64,6 +64,8 @@ Node parse_yaml(const std::string& text, const std::string& name, const std::fil
 
 /// Replaces or creates the value at a dotted path ("simulation.mode"); `text` is parsed as YAML.
 void set_value(Node& root, std::string_view dotted_key, const std::string& text);
+/// The same with a value that is read already; maps that are made on the way are placed where it is.
+void set_value(Node& root, std::string_view dotted_key, Node value);
 
 [[noreturn]] void fail(const Mark& mark, const std::string& key, const std::string& message);
 /// As fail(), with a KeyError.

@@ -155,10 +155,29 @@ class ArmReader {
       }
     }
     limits.finish();
+    if (!lacking_.empty()) fail(lacking_at_, lacking_key_, "the URDF gives " + lacking_);
     if (model_.joints.empty())
       in_.fail_at("tip", "no joint is left to control between the root and " + link_at(model_.tip).name);
     if (model_.num_joints() > kMaxJoints)
       in_.fail("more than " + std::to_string(kMaxJoints) + " joints to control; hold some with `locked`");
+  }
+
+  // All that is missing is said at once.
+  void lacks(const ControlledJoint& joint, const std::vector<std::string>& without, const std::string& where,
+             const Mark& at) {
+    std::string names, map;
+    for (const std::string& key : without) {
+      names += (names.empty() ? "" : ", ") + key;
+      map += (map.empty() ? "" : ", ") + key + ": ...";
+    }
+    const std::string unit = unit_of(joint.type);
+    if (lacking_.empty()) {
+      lacking_at_ = at;
+      lacking_key_ = where;
+    }
+    lacking_ += (lacking_.empty() ? "" : "; ") + std::string(to_string(joint.type)) + " joint " + joint.name + " no " +
+                names + ": give " + where + ": {" + map + "} in " + (names == "velocity" ? "" : unit) +
+                (without.back() != "velocity" ? "" : (names == "velocity" ? "" : ", ") + unit + "/s");
   }
 
   void add_joint(MapReader& limits, int link) {
@@ -189,14 +208,17 @@ class ArmReader {
       const Node* given = limits.get(joint.name);
       fail(given != nullptr ? given->mark : in_.mark(), where, message);
     };
-    const auto lacking = [&](const std::string& keys, const std::string& unit) {
-      refuse("the URDF gives the " + std::string(to_string(joint.type)) + " joint no " + keys + " limit: give it as " +
-             where + ": {" + keys + ": ...} in " + unit);
-    };
-    if (joint.type == JointType::kContinuous) {
-      if (lower || upper) refuse("a continuous joint takes both lower and upper, or neither");
-    } else {
-      if (!lower || !upper) lacking(lower ? "upper" : upper ? "lower" : "lower: ..., upper", unit_of(joint.type));
+    const bool continuous = joint.type == JointType::kContinuous;
+    if (continuous && (lower || upper)) refuse("a continuous joint takes both lower and upper, or neither");
+    std::vector<std::string> without;
+    if (!continuous && !lower) without.emplace_back("lower");
+    if (!continuous && !upper) without.emplace_back("upper");
+    if (!velocity) without.emplace_back("velocity");
+    if (!without.empty()) {
+      const Node* given = limits.get(joint.name);
+      return lacks(joint, without, where, given != nullptr ? given->mark : in_.mark());
+    }
+    if (!continuous) {
       if (!(*lower < *upper)) {
         refuse("lower " + number_to_json(*lower).dump() + " is not below upper " + number_to_json(*upper).dump() +
                "; correct it with " + where + ": {lower: ..., upper: ...}");
@@ -205,7 +227,6 @@ class ArmReader {
       joint.upper = *upper;
       link_at(link).joint_type = joint.type;
     }
-    if (!velocity) lacking("velocity", unit_of(joint.type) + "/s");
     if (!effort || !(*effort > 0.0)) {
       build_.warnings.push_back("joint " + joint.name + ": no effort limit is known, so " + where +
                                 ".effort is needed for physics with motors");
@@ -302,6 +323,9 @@ class ArmReader {
   MapReader in_;
   nlohmann::ordered_json& written_;
   std::map<int, double> locked_;  // by link
+  std::string lacking_;           // of the URDF's limits, in words; with the place of the first
+  std::string lacking_key_;
+  Mark lacking_at_;
 };
 
 }  // namespace

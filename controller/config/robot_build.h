@@ -48,7 +48,9 @@ std::vector<SelfPair> movable_pairs(const RobotModel& model);
 /// Pairs of shapes whose contact counts, by the rules of `self: auto` (see docs/robots.md): of all pairs that can
 /// move against each other, without adjacent links, pairs in touch at `ready` and pairs within `stop` in a fifth or
 /// more of 1,000 sampled configurations; pairs that no sample brings within 0.1 m get no row. Same model, same pairs.
-std::vector<SelfPair> find_self_pairs(const RobotModel& model, double stop, std::vector<std::string>& notes);
+/// What is left out is noted; a warning, where links far from each other in the chain touch at `ready`.
+std::vector<SelfPair> find_self_pairs(const RobotModel& model, double stop, std::vector<std::string>& notes,
+                                      std::vector<std::string>& warnings);
 
 /// True where a controlled joint lies between the two links.
 bool can_move_against(const RobotModel& model, int link1, int link2);

@@ -197,7 +197,7 @@ class CollisionReader {
       in.check(self == nullptr, "pairs", "give `self` or `pairs`, not both");
       read_index_pairs(*pairs, in.key_of("pairs"));
     } else if (self == nullptr || (self->kind == Node::Kind::kScalar && self->scalar == "auto")) {
-      model_.self_pairs = find_self_pairs(model_, stop, build_.notes);
+      model_.self_pairs = find_self_pairs(model_, stop, build_.notes, build_.warnings);
     } else {
       read_named_pairs(*self, in.key_of("self"));
     }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "controller/config/json_node.h"
+#include "controller/config/plausible.h"
 #include "controller/config/reader.h"
 #include "controller/config/robot_build.h"
 #include "controller/config/text_file.h"
@@ -48,6 +49,7 @@ LoadedRobot build_robot(const Node& node, const std::string& key) {
   read_arm(robot, build);
   read_collision(robot, build);
   robot.finish();
+  for (std::string& warning : implausible(build.model, build.resolved)) build.warnings.push_back(std::move(warning));
   return {std::make_shared<const RobotModel>(std::move(build.model)), std::move(build.resolved),
           std::move(build.warnings), std::move(build.notes)};
 }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <numbers>
 #include <random>
@@ -36,14 +37,33 @@ VectorX sample(const RobotModel& model, std::mt19937_64& engine) {
 }
 
 std::string list_names(const RobotModel& model, const std::vector<SelfPair>& pairs) {
-  constexpr std::size_t kShown = 12;
   std::string text;
-  for (std::size_t i = 0; i < std::min(pairs.size(), kShown); ++i) {
-    text += (i == 0 ? "" : ", ") + model.shapes[static_cast<std::size_t>(pairs[i].first)].name + " - " +
-            model.shapes[static_cast<std::size_t>(pairs[i].second)].name;
+  for (const SelfPair& pair : pairs) {
+    text += (text.empty() ? "" : ", ") + model.shapes[static_cast<std::size_t>(pair.first)].name + " - " +
+            model.shapes[static_cast<std::size_t>(pair.second)].name;
   }
-  if (pairs.size() > kShown) text += " and " + std::to_string(pairs.size() - kShown) + " more";
   return text;
+}
+
+// The controlled joints that move `link`, from the tip's side.
+std::vector<int> joints_of(const RobotModel& model, int link) {
+  std::vector<int> joints;
+  for (; link > 0; link = model.links[static_cast<std::size_t>(link)].parent)
+    if (const int joint = model.links[static_cast<std::size_t>(link)].controlled; joint >= 0) joints.push_back(joint);
+  return joints;
+}
+
+// Shapes of links with one joint or two between them often overlap, as wrists do; further apart it is a posture or a
+// shape that is wrong.
+bool far_in_chain(const RobotModel& model, const SelfPair& pair) {
+  constexpr std::size_t kNear = 2;
+  const std::vector<int> a = joints_of(model, model.shapes[static_cast<std::size_t>(pair.first)].link);
+  const std::vector<int> b = joints_of(model, model.shapes[static_cast<std::size_t>(pair.second)].link);
+  const auto apart = [](const std::vector<int>& some, const std::vector<int>& others) {
+    return std::count_if(some.begin(), some.end(),
+                         [&](int joint) { return std::find(others.begin(), others.end(), joint) == others.end(); });
+  };
+  return static_cast<std::size_t>(apart(a, b) + apart(b, a)) > kNear;
 }
 
 // Distances of all pairs of `model` that are within `range` at q, by index of the pair.
@@ -89,7 +109,8 @@ std::vector<SelfPair> movable_pairs(const RobotModel& model) {
   return pairs;
 }
 
-std::vector<SelfPair> find_self_pairs(const RobotModel& source, double stop, std::vector<std::string>& notes) {
+std::vector<SelfPair> find_self_pairs(const RobotModel& source, double stop, std::vector<std::string>& notes,
+                                      std::vector<std::string>& warnings) {
   RobotModel model = source;
   model.self_pairs = movable_pairs(source);
 
@@ -120,6 +141,13 @@ std::vector<SelfPair> find_self_pairs(const RobotModel& source, double stop, std
   }
   if (!in_touch.empty())
     notes.push_back("self-collision: left out, in touch at `ready`: " + list_names(model, in_touch));
+  std::vector<SelfPair> wrong;
+  std::copy_if(in_touch.begin(), in_touch.end(), std::back_inserter(wrong),
+               [&](const SelfPair& pair) { return far_in_chain(source, pair); });
+  if (!wrong.empty()) {
+    warnings.push_back("self-collision: these touch at `ready`, so that their contacts never count: " +
+                       list_names(model, wrong) + "; is `arm.ready` or a shape wrong?");
+  }
   if (!always_close.empty())
     notes.push_back("self-collision: left out, close in most configurations: " + list_names(model, always_close));
   return kept;

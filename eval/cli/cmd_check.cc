@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <set>
 
@@ -11,6 +12,7 @@
 #include "eval/cli/suite_options.h"
 #include "eval/cli/survey_table.h"
 #include "eval/cli/table.h"
+#include "eval/run/holding.h"
 #include "eval/run/recording.h"
 #include "eval/run/store_file.h"
 #include "eval/run/survey.h"
@@ -25,6 +27,34 @@ std::string family_text(const Suite& suite) {
   for (const auto& [family, n] : run::family_counts(suite))
     text += fmt::format("{}{} {}", text.empty() ? "" : ", ", n, family);
   return text;
+}
+
+/// "2 controllers (a, b) x 3 sweep points", or where a sweep has some of them only, "4 points of 2 controllers (a 3, b
+/// 1)".
+std::string points_text(const Suite& suite) {
+  std::map<std::string, std::size_t> points;
+  for (const Point& point : suite.points) ++points[point.controller];
+  const std::size_t each = points.begin()->second;
+  const bool alike = std::all_of(points.begin(), points.end(), [&](const auto& entry) { return entry.second == each; });
+  std::string names;
+  for (const auto& [name, count] : points)
+    names += fmt::format("{}{}{}", names.empty() ? "" : ", ", name, alike ? "" : fmt::format(" {}", count));
+  const std::string controllers =
+      fmt::format("{} controller{} ({})", points.size(), points.size() == 1 ? "" : "s", names);
+  if (!alike) return fmt::format("{} points of {}", suite.points.size(), controllers);
+  return controllers + (each > 1 ? fmt::format(" x {} sweep points", each) : std::string());
+}
+
+/// Of every robot that is simulated with physics.
+std::vector<std::string> holding_warnings(const Suite& suite) {
+  std::vector<std::string> warnings;
+  std::set<std::string> seen;
+  for (const Point& point : suite.points) {
+    if (point.simulation.mode != SimulationMode::kDynamic || !seen.insert(point.robot_digest).second) continue;
+    for (const std::string& warning : run::holding_warnings(point.robot->model))
+      warnings.push_back(fmt::format("robot {}: {}", point.robot->model->name, warning));
+  }
+  return warnings;
 }
 
 /// How long a run would take.
@@ -48,18 +78,9 @@ int check(const CheckOptions& check_options) {
   const SuiteOptions& options = check_options.suite;
   const Suite suite = options.load();
   (void)run::finishing(suite);  // refuses metrics that a run would refuse
-  std::set<std::string> controllers;
-  std::set<std::string> labels;
-  for (const Point& point : suite.points) {
-    controllers.insert(point.controller);
-    labels.insert(point.label);
-  }
   const Point& first = suite.points.front();
-  std::cout << terminal_safe(fmt::format("{}: {}{} trials = {} worlds x {} controller{} ({}){}", suite.name,
-                                         suite.until ? "at most " : "", suite.trials * suite.points.size(),
-                                         suite.trials, controllers.size(), controllers.size() == 1 ? "" : "s",
-                                         fmt::join(controllers, ", "),
-                                         labels.size() > 1 ? fmt::format(" x {} sweep points", labels.size()) : ""))
+  std::cout << terminal_safe(fmt::format("{}: {}{} trials = {} worlds x {}", suite.name, suite.until ? "at most " : "",
+                                         suite.trials * suite.points.size(), suite.trials, points_text(suite)))
             << '\n'
             << terminal_safe(fmt::format("robot {}, {} mode, worlds: {} (seed {})", first.robot->model->name,
                                          to_string(first.simulation.mode), family_text(suite), first.worlds.seed()))
@@ -82,12 +103,14 @@ int check(const CheckOptions& check_options) {
   std::cout << time;
   print_warnings(suite.warnings);
   print_warnings(survey.failures());
+  const std::vector<std::string> holding = holding_warnings(suite);
+  print_warnings(holding);
   if (config::load_yaml(options.file).find("tune") != nullptr) {
     const tune::Tuning tuning = tune::load_tuning(options.file, options.overrides());
     print_warnings(tuning.warnings);
     std::cout << tune::plan_text(tuning) << '\n';
   }
-  const std::size_t warnings = suite.warnings.size() + survey.failures().size();
+  const std::size_t warnings = suite.warnings.size() + survey.failures().size() + holding.size();
   std::cout << (warnings == 0 ? "no warnings\n" : fmt::format("{} warning{}\n", warnings, warnings == 1 ? "" : "s"));
   return kOk;
 }

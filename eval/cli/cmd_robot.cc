@@ -11,6 +11,7 @@
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 #include "eval/cli/text.h"
+#include "eval/run/holding.h"
 
 namespace moma::cli {
 namespace {
@@ -121,6 +122,7 @@ ordered_json to_json(const config::LoadedRobot& robot) {
                                   model.shapes[static_cast<std::size_t>(pair.second)].name});
   }
   json["warnings"] = robot.warnings;
+  for (const std::string& warning : run::holding_warnings(robot.model)) json["warnings"].push_back(warning);
   json["notes"] = robot.notes;
   json["resolved"] = robot.resolved;
   return json;
@@ -183,6 +185,7 @@ void add_robot(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       std::cout << fmt::format("\ntotal mass {:.4g} kg\n", total_mass(*robot.model)) << std::flush;
       for (const std::string& note : robot.notes) std::cout << "note: " << note << '\n';
       print_warnings(robot.warnings);
+      print_warnings(run::holding_warnings(robot.model));
       return static_cast<int>(kOk);
     };
   });

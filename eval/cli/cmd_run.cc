@@ -73,6 +73,7 @@ int lead(const RunOptions& options, Cluster* cluster) {
   if (done.end == run::End::kNeverBegan) return kStoppedEarly;
   print_summary(done.file, done.suite);
   print_warnings(done.warnings);
+  if (done.end == run::End::kSameError) return kCheckFailed;
   return done.end == run::End::kFinished ? kOk : kStoppedEarly;
 }
 
@@ -107,6 +108,8 @@ void add_run(CLI::App& app, Action& action, const Arguments& arguments) {
   command
       ->add_option("--lost-after", options->lost_after, "Seconds of silence after which an MPI rank is given up (30)")
       ->check(CLI::Range(0.1, 1e6));
+  command->add_flag("--keep-going", options->request.keep_going,
+                    "Goes on where the first twenty trials of a controller all end by the same error");
   command->add_flag("-q,--quiet", options->quiet, "No progress and no remarks");
   command->footer(
       "Trials that the store already holds are not computed again, so the same command goes on after a stop.\n"

@@ -67,7 +67,9 @@ int tune_suite(const TuneOptions& options) {
     std::cerr << terminal_safe(tuned.stopped) << std::endl;
     return kStoppedEarly;
   }
-  std::cout << fmt::format("the found gains are in {}\n", tuned.gains.string());
+  const bool worse = tuned.verdict && tuned.verdict->overall == tune::Verdict::kWorse;
+  std::cout << fmt::format("the found gains are in {}{}\n", tuned.gains.string(),
+                           worse ? ", under a name of their own, since they are worse" : "");
   return kOk;
 }
 

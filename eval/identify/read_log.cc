@@ -3,13 +3,14 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <sstream>
+#include <stdexcept>
 #include <string_view>
 
 #include "controller/config/node.h"
+#include "controller/config/text_file.h"
 #include "eval/identify/log_file.h"
 
 namespace moma::identify {
@@ -205,11 +206,13 @@ MotionLog parse_log(const std::string& text, const std::string& name) {
 }
 
 MotionLog read_log(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in) config::fail({file.string(), 0, 0}, "", std::string("cannot be read: ") + std::strerror(errno));
-  return parse_log(text.str(), file.string());
+  std::string text;
+  try {
+    text = config::read_text_file(file);
+  } catch (const std::runtime_error& error) {
+    config::fail({file.string(), 0, 0}, "", error.what());
+  }
+  return parse_log(text, file.string());
 }
 
 }  // namespace moma::identify

@@ -9,6 +9,7 @@
 #include "eval/batch/sequential.h"
 #include "eval/run/recording.h"
 #include "eval/run/row_warnings.h"
+#include "eval/run/same_error.h"
 #include "eval/run/store_file.h"
 #include "eval/store/database.h"
 #include "eval/store/machine.h"
@@ -63,6 +64,10 @@ class Run {
     }
     result_.suite = writer.suite_name();
     result_.warnings = row_warnings_.sentences();
+    const SameError::Found* error = same_error_.found();
+    const std::uint64_t enough = std::min<std::uint64_t>(SameError::kEnough, suite_.trials);
+    if (error != nullptr && static_cast<std::uint64_t>(error->trials) >= enough && !request_.keep_going)
+      tell_same_error(*error);
     return std::move(result_);
   }
 
@@ -176,10 +181,11 @@ class Run {
     const auto sink = [&](const BatchJob& job, BatchResult&& result) {
       const store::WorldRecord world = world_record(suite_.points[job.point], job, result);
       row_warnings_.look(result.output.row);
+      same_error_.look(job.point, result.output.row);
       const Trace& trace = result.output.trace;
       writer.add({job.point, job.world, job.key}, world, result.output.row, trace.empty() ? nullptr : &trace,
                  result.metrics);
-      return true;
+      return request_.keep_going || !same_error_.enough();
     };
     try {
       const BatchSummary summary = run_batch(suite_.points, jobs, batch, sink);
@@ -202,6 +208,15 @@ class Run {
     result_.stopped = stopped_text("", fmt::format("{} of {} trials are", saved, of), result_.file, request_.arguments);
   }
 
+  void tell_same_error(const SameError::Found& found) {
+    const Point& point = suite_.points[found.point];
+    result_.end = End::kSameError;
+    result_.stopped = fmt::format(
+        "{}{}: all of its {}{} trials ended by the same error:\n  {}\n{}{} holds what was done", point.controller,
+        point.label.empty() ? "" : " " + point.label, same_error_.enough() ? "first " : "", found.trials, found.reason,
+        same_error_.enough() ? "stopped (--keep-going runs the rest); " : "", result_.file.string());
+  }
+
   std::string how_to_go_on(store::StoreError::Kind kind) const {
     if (kind != store::StoreError::Kind::kInterrupted) return "";
     return fmt::format("; when that is cured, go on with: {}", command_line(request_.arguments));
@@ -215,6 +230,7 @@ class Run {
   std::function<void(const Point&, BatchResult&)> finish_;
   int threads_ = 1;
   RowWarnings row_warnings_;
+  SameError same_error_;
   Evaluation result_;
 };
 

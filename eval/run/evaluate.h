@@ -24,6 +24,7 @@ struct EvaluateRequest {
   std::vector<std::string> arguments;  ///< the command line, for provenance and "to go on"
   int threads = 0;                     ///< 0: usual_threads()
   Shard shard;
+  bool keep_going = false;                  ///< goes on where a point's first trials all end by the same error
   Cluster* cluster = nullptr;               ///< rank 0 of an mpirun
   const std::atomic<bool>* stop = nullptr;  ///< set: trials in flight finish and are saved
 };
@@ -32,7 +33,7 @@ struct Evaluation {
   End end = End::kFinished;
   std::filesystem::path file;
   std::string suite;                  ///< its name in the store's views
-  std::string stopped;                ///< where it did not finish: what is saved and how to go on
+  std::string stopped;                ///< where it did not finish: what is saved and how to go on, or the error
   std::vector<std::string> warnings;  ///< what the rows say against the physics
 };
 

@@ -33,6 +33,7 @@ enum class End {
   kFinished,
   kStopped,     ///< by the stop flag
   kNeverBegan,  ///< stopped while it waited for another run on the same store
+  kSameError,   ///< a point's first trials, or all of them, ended by one error: what is asked for cannot work
 };
 
 }  // namespace moma::run

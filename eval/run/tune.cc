@@ -51,8 +51,8 @@ class Tune {
       if (!tuned.verdict) return stopped(std::move(tuned), End::kStopped, "the held-out evaluation");
       if (listener_.judged) listener_.judged(*tuned.verdict);
     }
-    write_gains(*tuned.search, tuned.verdict ? &*tuned.verdict : nullptr);
-    tuned.gains = gains_;
+    tuned.gains = gains_of(tuned.verdict ? &*tuned.verdict : nullptr);
+    write_gains(tuned.gains, *tuned.search, tuned.verdict ? &*tuned.verdict : nullptr);
     return tuned;
   }
 
@@ -151,7 +151,14 @@ class Tune {
     return verdict;
   }
 
-  void write_gains(const tune::SearchResult& result, const tune::HeldOutVerdict* verdict) const {
+  /// Gains that are worse than what the suite had do not take the place where better ones are looked for.
+  fs::path gains_of(const tune::HeldOutVerdict* verdict) const {
+    if (verdict == nullptr || verdict->overall != tune::Verdict::kWorse) return gains_;
+    fs::path worse = gains_;
+    return worse.replace_filename(gains_.stem().string() + "-worse" + gains_.extension().string());
+  }
+
+  void write_gains(const fs::path& file, const tune::SearchResult& result, const tune::HeldOutVerdict* verdict) const {
     const std::string commit = store::kGitCommit;
     const std::string provenance = fmt::format(
         "Suite {}, seed {}, on {}, moma {}{}.\nObjective: {}", tuning_.file.filename().string(), tuning_.config.seed,
@@ -159,7 +166,7 @@ class Tune {
         commit.empty() ? "" : fmt::format(" ({}{})", commit.substr(0, 12), store::kGitDirty ? ", changed" : ""),
         tune::objective_text(tuning_));
     try {
-      store::write_file(gains_,
+      store::write_file(file,
                         [&](std::ostream& out) { out << tune::tuned_file(tuning_, result, verdict, provenance); });
     } catch (const store::OutputError& error) {
       throw RunError(error.what());

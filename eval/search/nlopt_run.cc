@@ -25,8 +25,8 @@ struct Callback {
   /// A constraint at the point just evaluated is known.
   const Told* constraints_at(const std::vector<double>& x) { return !stopped && x == last_x ? &last : at(x); }
 
-  /// Every cost is asked for, known or not: the function ends searches that only meet what they know, CRS2 with its whole
-  /// population at a bound for one, which then asks for that point for ever.
+  /// Every cost is asked for, known or not: the function ends searches that only meet what they know, CRS2 with its
+  /// whole population at a bound for one, which then asks for that point for ever.
   const Told* at(const std::vector<double>& x) {
     if (stopped) return nullptr;
     try {

@@ -44,6 +44,23 @@ std::map<std::string, ordered_json> sections_of(const Point& point) {
           {"infeasible", to_json(point.infeasible)}, {"disturbances", to_json(point.disturbances)}};
 }
 
+// On a velocity damper's way from `influence` to `stop` the base has to come to rest from its largest speed.
+void warn_about_braking(const Point& point, std::vector<std::string>& warnings) {
+  const MobileBase& base = point.robot->model->base;
+  const CollisionParams& collision = point.controller_params.collision;
+  if (base.max_linear <= 0.0 || !collision.object.enabled || collision.braking.enabled) return;
+  const double speed = std::min(base.max_linear, collision.object.gain);
+  const double needed = speed * speed / (2.0 * base.max_acceleration.x());
+  const double way = collision.object.influence - collision.object.stop;
+  if (needed <= way * (1.0 + 1e-9)) return;
+  add_warning(
+      warnings,
+      fmt::format("controllers.{}.collision.influence: rows begin {:.3g} m before they stop the robot, its base "
+                  "takes {:.3g} m to brake from {:.3g} m/s ({:.3g} m/s^2) and may run into objects; {:.3g} m or "
+                  "more, or collision.braking",
+                  point.controller, way, needed, speed, base.max_acceleration.x(), collision.object.stop + needed));
+}
+
 }  // namespace
 
 void add_warning(std::vector<std::string>& warnings, std::string text) {
@@ -116,6 +133,7 @@ void check_suite(Suite& suite, const config::Mark& mark) {
                               "where this controller refuses to go",
                               point.controller, params.collision.object.stop, point.worlds.clearance()));
     }
+    if (has_qp(point)) warn_about_braking(point, suite.warnings);
     ordered_json content = {{"robot", point.robot_digest}, {"controller", point.controller_resolved}};
     for (const auto& [key, value] : sections_of(point)) content[key] = value;
     const auto [same, fresh] = contents.emplace(canonical_digest(content), name);

@@ -16,6 +16,7 @@
 #include "eval/suite/trials.h"
 #include "eval/trial/digest.h"
 #include "eval/trial/key.h"
+#include "eval/trial/trial.h"
 
 namespace moma {
 namespace {
@@ -23,19 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 using config::MapReader;
 using config::Node;
-
-// Replaces or creates the value at a dotted path by `value`, which keeps the mark of where it was written.
-void put(Node& root, const std::string& key, const Node& value) {
-  config::set_value(root, key, "null");
-  Node* node = &root;
-  for (std::size_t start = 0; node != nullptr;) {
-    const std::size_t dot = key.find('.', start);
-    node = node->find(std::string_view(key).substr(start, dot == std::string::npos ? dot : dot - start));
-    if (dot == std::string::npos) break;
-    start = dot + 1;
-  }
-  *node = value;
-}
 
 // controllers.NAME.path
 bool is_library_key(const std::string& key) {
@@ -58,7 +46,11 @@ class Draft {
     }
     if (key.starts_with("controllers.")) {
       const std::string name = key.substr(12, key.find('.', 12) - 12);
-      if (key.size() > 12 + name.size()) open(find("controllers", name));
+      if (key.size() > 12 + name.size()) {
+        Node* controller = find("controllers", name);
+        if (controller == nullptr && !is_library_key(key)) refuse_controller(value, key, name);
+        open(controller);
+      }
     }
     if (key.starts_with("robot.")) open(root_.find("robot"));
     if (key.starts_with("disturbances.")) open(root_.find("disturbances"));
@@ -67,7 +59,7 @@ class Draft {
         (key.starts_with("controllers.") && key.find('.', 12) == std::string::npos) || is_library_key(key);
     Node placed = value;
     if (names_file && value.kind == Node::Kind::kScalar) placed.scalar = fs::absolute(path_of(value)).string();
-    put(root_, key, placed);
+    config::set_value(root_, key, std::move(placed));
   }
 
  private:
@@ -78,6 +70,14 @@ class Draft {
       for (const auto& [name, node] : controllers->entries) names.push_back(name);
     if (names.empty()) config::fail(value.mark, "controller", "the suite names no controllers");
     return names;
+  }
+
+  [[noreturn]] void refuse_controller(const Node& value, const std::string& key, const std::string& name) const {
+    const std::vector<std::string> names = controller_names(value);
+    const std::string meant = config::nearest(name, names);
+    config::fail(value.mark, key,
+                 fmt::format("the suite has no controller {}{}; it has {}", name,
+                             meant.empty() ? "" : fmt::format(" (did you mean {}?)", meant), fmt::join(names, ", ")));
   }
 
   Node* find(const char* map, const std::string& name) {
@@ -162,6 +162,21 @@ MapReader known_keys(const Node& root) {
   return in;
 }
 
+// A robot that its mode of simulation cannot make would make an error of every trial.
+void check_plants(const Suite& suite, const Node& root) {
+  std::set<std::string> seen;
+  for (const Point& point : suite.points) {
+    if (!seen.insert(point.robot_digest + std::string(to_string(point.simulation.mode))).second) continue;
+    try {
+      check_plant(point);
+    } catch (const std::runtime_error& error) {
+      const Node* robot = root.find("robot");
+      config::fail(robot != nullptr ? robot->mark : root.mark, "robot",
+                   fmt::format("cannot be simulated in {} mode: {}", to_string(point.simulation.mode), error.what()));
+    }
+  }
+}
+
 // The robot is read once for all assignments that say the same about it.
 class Robots {
  public:
@@ -243,6 +258,7 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
   for (auto& points : by_controller)
     for (Point& point : points) suite.points.push_back(std::move(point));
   check_suite(suite, in.require("trials", "").mark);
+  check_plants(suite, draft.root());
   suite.resolved = resolved_json(suite, sweep != nullptr);
   return suite;
 }

@@ -56,4 +56,11 @@ TrialOutput run_trial(const TrialSpec& spec, const World& world, const TrialPart
   return output;
 }
 
+void check_plant(const TrialSpec& spec) {
+  World world;
+  world.robot = spec.robot->model->name;
+  world.start.q = spec.robot->model->ready;
+  (void)usual_plant(spec, world);
+}
+
 }  // namespace moma

@@ -26,6 +26,10 @@ struct TrialParts {
 /// an exception from any part becomes Outcome::kError with its text.
 TrialOutput run_trial(const TrialSpec& spec, const World& world, const TrialParts& parts = {});
 
+/// Makes the plant that `spec` asks for and throws what that throws: a robot that lacks what its mode of simulation
+/// needs fails in every world by the same words.
+void check_plant(const TrialSpec& spec);
+
 /// Raised by hand whenever rows change for the same inputs; a golden test notices.
 inline constexpr int kSimulationVersion = 4;
 

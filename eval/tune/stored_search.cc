@@ -61,10 +61,11 @@ void StoredLog::append(const Evaluation& e) {
 }
 
 std::string objective_text(const Tuning& tuning) {
-  std::string text = tuning.config.cost.standard()
-                         ? "default: T + 50 s x command change + 5 s x manipulability lost; T = time to goal, 2 time "
-                           "limits for a failure, 4 for a collision"
-                         : tuning.config.written["objective"].dump();
+  std::string text =
+      tuning.config.cost.standard()
+          ? "default: T + 5/3 L x command change + 1/6 L x manipulability lost; L = time limit, T = time to "
+            "goal, 2 L for a failure, 4 L for a collision"
+          : tuning.config.written["objective"].dump();
   for (const MetricBound& bound : tuning.config.bounds) text += fmt::format("; {}", constraint_of(bound).name);
   return text;
 }

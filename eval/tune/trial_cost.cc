@@ -14,8 +14,9 @@ namespace {
 
 constexpr double kFailureLimits = 2.0;  // in time limits
 constexpr double kBreakageLimits = 4.0;
-constexpr double kChangeSeconds = 50.0;  // per unit of command change
-constexpr double kManipSeconds = 5.0;    // for the loss of all manipulability
+// In proportion to the time limit as failures are, or a short limit would make smoothness dearer than success.
+constexpr double kLimitsPerChange = 5.0 / 3.0;
+constexpr double kLimitsForManip = 1.0 / 6.0;  // for the loss of all manipulability
 
 double value_or(const Metric& metric, const std::optional<double>& when_null, const TrialRow& row) {
   const double value = metric.value(row);
@@ -45,10 +46,11 @@ double default_cost(const TrialRow& row, const TrialCost::Scale& scale) {
       break;
   }
   const double change = store::stored(row.command_change_mean);
-  cost += kChangeSeconds * (std::isnan(change) ? 1.0 : change);
+  cost += kLimitsPerChange * scale.time_limit * (std::isnan(change) ? 1.0 : change);
   if (scale.manip_ready > 0.0) {
     const double manip = store::stored(row.manip_mean);
-    cost += kManipSeconds * std::max(0.0, 1.0 - (std::isnan(manip) ? 0.0 : manip) / scale.manip_ready);
+    cost +=
+        kLimitsForManip * scale.time_limit * std::max(0.0, 1.0 - (std::isnan(manip) ? 0.0 : manip) / scale.manip_ready);
   }
   return cost;
 }

@@ -33,15 +33,16 @@ class NullMetric : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What a trial costs. The default objective is in seconds, "the time that this trial is worth":
+/// What a trial costs. The default objective is in seconds, "the time that this trial is worth", with L the time limit:
 ///
-///     J = T + 50 s * c + 5 s * max(0, 1 - m / m_ready)
+///     J = T + 5/3 L * c + 1/6 L * max(0, 1 - m / m_ready)
 ///
 /// T  time_to_goal_s of a success; 2 L of a failure; 4 L where something was touched (collision), the robot fell or
-///    the simulation broke (tipped, diverged, error). L is the time limit: a failure costs at least as much as two of
-///    the slowest successes, a collision as much as two failures.
+///    the simulation broke (tipped, diverged, error): a failure costs at least as much as two of the slowest successes,
+///    a collision as much as two failures.
 /// c  command_change_mean: mean over steps of the largest |change| / limit. Success alone picks gains that chatter
-///    (c = 0.5), which costs 25 s here; smooth gains have 0.02 to 0.05. Absent: 1, the worst.
+///    (c = 0.5), which costs 5/6 L, less than what a failure costs beyond a success; smooth gains have 0.02 to 0.05.
+///    Absent: 1, the worst.
 /// m  manip_mean, against its value in the robot's `ready` pose, so that robots of all sizes compare. Absent: 0.
 ///
 /// Or a weighted sum of metrics, to be made small.

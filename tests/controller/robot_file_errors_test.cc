@@ -139,12 +139,17 @@ TEST_F(RobotFileErrors, Urdf) {
 
 TEST_F(RobotFileErrors, LimitsTheUrdfLacks) {
   scratch_.write("small.urdf", urdf("", ""));
-  expect(kRobot, {"arm.limits.lift", "no lower: ..., upper limit", "arm.limits.lift: {lower: ..., upper: ...} in m"});
+  expect(kRobot,
+         {"arm.limits.lift: the URDF gives prismatic joint lift no lower, upper, velocity: give arm.limits.lift: "
+          "{lower: ..., upper: ..., velocity: ...} in m, m/s; continuous joint spin no velocity: give "
+          "arm.limits.spin: {velocity: ...} in rad/s"});
   const auto with = [&](const std::string& limits) {
     return replaced(kRobot, "  tip: tip\n", "  tip: tip\n  limits: " + limits + "\n");
   };
-  expect(with("{lift: {lower: 0, upper: 1}}"), {"arm.limits.lift", "no velocity limit", "in m/s"});
-  expect(with("{lift: {lower: 0, upper: 1, velocity: 1}}"), {"arm.limits.spin", "no velocity limit", "in rad/s"});
+  expect(with("{lift: {lower: 0, upper: 1}}"),
+         {"arm.limits.lift", "lift no velocity: give", "in m/s; continuous joint spin"});
+  expect(with("{lift: {lower: 0, upper: 1, velocity: 1}}"),
+         {"arm.limits.spin: the URDF gives continuous joint spin no velocity: give", "in rad/s"});
   const config::LoadedRobot robot = load(with("{lift: {lower: 0, upper: 1, velocity: 0.2}, spin: {velocity: 4}}"));
   EXPECT_EQ(robot.model->joints[0].upper, 1.0);
   EXPECT_EQ(robot.model->joints[0].effort, 0.0);
@@ -160,7 +165,7 @@ TEST_F(RobotFileErrors, LimitsTheUrdfLacks) {
   expect(with("{lift: {lower: 2, upper: 1, velocity: 1}}"), {"lower 2", "is not below upper 1"});
   expect(with("{lift: {lower: 0, upper: 1, velocity: 0}}"),
          {"arm.limits.lift.velocity: found '0', expected a number above 0"});
-  expect(with("{lfit: {lower: 0}}"), {"arm.limits.lift"});
+  expect(with("{lfit: {lower: 0}}"), {"arm.limits.lfit: the URDF has no movable joint", "did you mean lift?"});
 }
 
 TEST_F(RobotFileErrors, Arm) {

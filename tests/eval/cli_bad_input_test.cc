@@ -103,6 +103,50 @@ TEST_F(CliBadInput, MeshThatIsNotThere) {
   bad({"robot", "robots/tiny.yaml"}, {"tiny.yaml:", "gone.stl"});
 }
 
+TEST_F(CliBadInput, PhysicsWithoutWheels) {
+  replace("robots/tiny.yaml", "  wheels: {radius: 0.1, separation: 0.4, max_speed: 20}\n", "");
+  replace("suite.yaml", "mode: kinematic", "mode: dynamic");
+  refused({"suite.yaml:2:", "robot: cannot be simulated in dynamic mode", "base.wheels is missing"});
+}
+
+TEST_F(CliBadInput, AnArmThatCannotHoldItself) {
+  replace("robots/tiny.urdf", R"(<limit lower="-1" upper="1" velocity="1.5" effort="80"/>)",
+          R"(<limit lower="-1" upper="1" velocity="1.5" effort="2"/>)");
+  replace("suite.yaml", "mode: kinematic", "mode: dynamic");
+  for (const std::vector<std::string>& command :
+       std::vector<std::vector<std::string>>{{"check", "suite.yaml", "--no-time"}, {"robot", "robots/tiny.yaml"}}) {
+    const ProcessResult done = moma(command);
+    EXPECT_EQ(done.code, 0) << done.err;
+    EXPECT_NE(
+        done.err.find("joint bend: holding the arm at `ready` takes 2.943 Nm, its effort limit is 2: with physics "
+                      "the arm falls"),
+        std::string::npos)
+        << done.err;
+  }
+}
+
+// A controller that always throws is one mistake, not fifty failures.
+TEST_F(CliBadInput, ControllersThatAlwaysFail) {
+  fs::copy_file(MOMA_BINARY_DIR "/tests/plugins/odd.so", path("odd.so"));
+  replace("suite.yaml", "controllers: {",
+          "controllers: {odd: {method: plugin, path: odd.so, parameters: {do: throw_in_step}}, ");
+  replace("suite.yaml", "trials: 6", "trials: 50");
+  const ProcessResult stopped = moma({"run", "suite.yaml", "-o", "a.db", "--threads", "2"});
+  EXPECT_EQ(stopped.code, 1) << stopped.err;
+  for (const char* word :
+       {"odd: all of its first 20 trials ended by the same error:", "the plugin throws: lost my way", "--keep-going"})
+    EXPECT_NE(stopped.err.find(word), std::string::npos) << word << "\n" << stopped.err;
+  const auto count = [&](const std::string& db) {
+    return good({"query", db, "SELECT count(*) AS n FROM v_trials WHERE controller = 'odd'", "--format", "csv"}).out;
+  };
+  EXPECT_EQ(count("a.db"), "n\n20\n");
+  good({"run", "suite.yaml", "-o", "a.db", "--keep-going"});
+  EXPECT_EQ(count("a.db"), "n\n50\n");
+  const ProcessResult few = moma({"run", "suite.yaml", "-o", "b.db", "--trials", "3"});
+  EXPECT_EQ(few.code, 1) << few.err;
+  EXPECT_NE(few.err.find("odd: all of its 3 trials ended by the same error:"), std::string::npos) << few.err;
+}
+
 TEST_F(CliBadInput, UnknownKey) {
   replace("suite.yaml", "trials: 6", "trails: 6");
   refused({"suite.yaml:6:", "trails", "trials"});

@@ -293,6 +293,7 @@ TEST(MotionLog, RefusesWhatIsWrongAndSaysWhere) {
              std::to_string(draws.normal(0, 1)) + "\n";
   expect(other, {"not identifiable", "does not follow"});
   EXPECT_THROW(read_log("/nowhere/log.csv"), config::ConfigError);
+  EXPECT_THROW(read_log("/dev/zero"), config::ConfigError) << "what never ends is not read";
 }
 
 TEST(FoundFiles, AreReadBackAsWhatWasFound) {

@@ -76,6 +76,54 @@ TEST(Suite, RefusesWhatIsWrongAndSaysWhere) {
   EXPECT_REFUSED(folder.write("broken.yaml", "trials: [1\n"), {}, "broken.yaml:");
 }
 
+TEST(Suite, SaysWhatWasTypedAndWhatThereIs) {
+  SuiteFolder folder;
+  const auto file = folder.suite("", "{mine: controllers/plain.yaml, other: controllers/plain.yaml}");
+  EXPECT_REFUSED(
+      file, (Overrides{{"controllers.mien.lambda_q", "1"}}),
+      "--set controllers.mien.lambda_q=1: controllers.mien.lambda_q: the suite has no controller mien (did you "
+      "mean mine?); it has mine, other");
+  EXPECT_REFUSED(file, (Overrides{{"worlds.families.opn.weight", "2"}}), "--set worlds.families.opn.weight=2: ");
+  EXPECT_EQ(refusal(file, Overrides{{"controllers.mine.lambda_q", "1"}}), "accepted");
+}
+
+TEST(Suite, PhysicsNeedsWheelsAndMasses) {
+  SuiteFolder folder;
+  const auto file = folder.suite();
+  const Overrides dynamic{{"simulation.mode", "dynamic"}};
+  EXPECT_EQ(refusal(file, dynamic), "accepted");
+  const auto without = [&](const char* key) {
+    Overrides all = dynamic;
+    all.emplace_back(key, "null");
+    return all;
+  };
+  EXPECT_REFUSED(file, without("robot.base.wheels"),
+                 "robot: cannot be simulated in dynamic mode: robot tiny: base.wheels is missing");
+  EXPECT_REFUSED(file, without("robot.base.footprint.mass"), "base.footprint.mass is missing");
+  EXPECT_EQ(refusal(file, Overrides{{"robot.base.wheels", "null"}}), "accepted") << "kinematic";
+}
+
+TEST(Suite, WarnsOfABaseThatBrakesTooLate) {
+  SuiteFolder folder;
+  const auto file = folder.suite();
+  const auto said = [&](const Overrides& overrides) {
+    for (const std::string& warning : load_suite(file, overrides).warnings)
+      if (warning.find("to brake from") != std::string::npos) return warning;
+    return std::string();
+  };
+  // 1 m/s at 2 m/s^2: 0.25 m, which is just what the rows have by default (0.3 m to 0.05 m).
+  EXPECT_EQ(said({}), "");
+  const std::string warning = said({{"robot.base.max_acceleration", "[0.5, 1]"}});
+  EXPECT_NE(
+      warning.find("controllers.plain.collision.influence: rows begin 0.25 m before they stop the robot, its base "
+                   "takes 1 m to brake from 1 m/s (0.5 m/s^2)"),
+      std::string::npos)
+      << warning;
+  EXPECT_NE(warning.find("1.05 m or more"), std::string::npos) << warning;
+  EXPECT_EQ(said({{"robot.base.max_acceleration", "[0.5, 1]"}, {"controller.collision.influence", "1.06"}}), "");
+  EXPECT_EQ(said({{"robot.base.max_acceleration", "[0.5, 1]"}, {"controller.collision.gain", "0.4"}}), "");
+}
+
 TEST(Suite, RefusesWrongTrialsAndPeriods) {
   SuiteFolder folder;
   const auto suite = folder.suite();

@@ -1,5 +1,7 @@
 #include "world/scenario/scene_builder.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -59,16 +61,22 @@ std::string SceneBuilder::worst_constraint() const {
 }
 
 bool SceneBuilder::check_pose(const Kinematics& kinematics, double floor_clearance, double self_clearance,
-                              const char* who) {
+                              const std::string& who) {
+  const bool at_ready = &kinematics == &start_;  // the same in every world, so that what is wrong can be named
   for (const CollisionShape& shape : model_->shapes) {
     if (shape.rigid_with_base) continue;
-    if (lowest_point(shape.shape, kinematics.X_WS(shape)) < floor_clearance)
-      return reject(std::string(who) + ": an arm shape too near the floor");
+    const double height = lowest_point(shape.shape, kinematics.X_WS(shape));
+    if (height >= floor_clearance) continue;
+    if (!at_ready) return reject(who + ": an arm shape too near the floor");
+    return reject(fmt::format("{}: at arm.ready shape {} reaches {:.3g} m below the floor", who, shape.name, -height));
   }
   proximity_.set_objects({});
-  if (!proximity_.query(kinematics, {}, {-1.0, -1.0, self_clearance}).empty())
-    return reject(std::string(who) + ": self-collision");
-  return true;
+  const auto& pairs = proximity_.query(kinematics, {}, {-1.0, -1.0, self_clearance});
+  if (pairs.empty()) return true;
+  if (!at_ready) return reject(who + ": self-collision");
+  return reject(fmt::format("{}: at arm.ready shapes {} and {} touch", who,
+                            model_->shapes[static_cast<std::size_t>(pairs.front().first)].name,
+                            model_->shapes[static_cast<std::size_t>(pairs.front().second)].name));
 }
 
 bool SceneBuilder::place_robot(const Placement& placement, World& world) {

@@ -65,7 +65,7 @@ class SceneBuilder {
   void measure(World& world);
 
  private:
-  bool check_pose(const Kinematics& kinematics, double floor_clearance, double self_clearance, const char* who);
+  bool check_pose(const Kinematics& kinematics, double floor_clearance, double self_clearance, const std::string& who);
   void choose_object(const WorldObject& object);
   /// Least distance of the chosen object to start and witness where its motion has it at time t, no more than `range`.
   double distance_at(const WorldObject& object, double t, double range);

@@ -1,0 +1,116 @@
+#include "controller/config/plausible.h"
+
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+namespace moma::config {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// What robots on wheels with an arm have, generously: from desk arms to forklifts.
+struct Usual {
+  double low = 0.0;
+  double high = 0.0;
+  const char* unit = "";
+};
+constexpr Usual kAngle{-2.0 * std::numbers::pi, 2.0 * std::numbers::pi, "rad"};
+constexpr Usual kMount{-3.0, 3.0, "m"};
+constexpr Usual kLinkLength{0.0, 3.0, "m"};
+constexpr Usual kShapeSize{0.0, 3.0, "m"};
+constexpr Usual kWheelRadius{0.02, 0.6, "m"};
+constexpr Usual kWheelDistance{0.05, 3.0, "m"};
+constexpr Usual kWheelSpeed{0.5, 300.0, "rad/s"};
+constexpr Usual kSpeed{0.05, 6.0, "m/s"};
+constexpr Usual kTurning{0.05, 12.0, "rad/s"};
+constexpr Usual kAcceleration{0.02, 30.0, "m/s^2"};
+constexpr Usual kTurningAcceleration{0.02, 100.0, "rad/s^2"};
+constexpr Usual kBaseMass{1.0, 5000.0, "kg"};
+constexpr Usual kLinkMass{0.0, 500.0, "kg"};
+constexpr Usual kJointAngle{-8.0 * std::numbers::pi, 8.0 * std::numbers::pi, "rad"};
+constexpr Usual kJointTravel{-5.0, 5.0, "m"};
+constexpr Usual kJointSpeed{0.01, 40.0, "rad/s"};
+constexpr Usual kJointTravelSpeed{0.001, 5.0, "m/s"};
+
+class UnitCheck {
+ public:
+  explicit UnitCheck(std::vector<std::string>& out) : out_(out) {}
+
+  void look(const std::string& what, double value, const Usual& usual, const char* hint = "") {
+    if (value >= usual.low && value <= usual.high) return;
+    std::ostringstream text;
+    text.precision(4);
+    text << what << ": " << value << ' ' << usual.unit << " is unusual, where robots have " << usual.low << " to "
+         << usual.high << ' ' << usual.unit << hint;
+    out_.push_back(text.str());
+  }
+
+ private:
+  std::vector<std::string>& out_;
+};
+
+/// Every `rpy` below `json`, by its key.
+void look_at_angles(UnitCheck& check, const ordered_json& json, const std::string& key) {
+  if (json.is_array()) {
+    for (std::size_t i = 0; i < json.size(); ++i) look_at_angles(check, json[i], key + "." + std::to_string(i));
+    return;
+  }
+  if (!json.is_object()) return;
+  for (const auto& [name, value] : json.items()) {
+    const std::string here = key.empty() ? name : key + "." + name;
+    if (name != "rpy") {
+      look_at_angles(check, value, here);
+      continue;
+    }
+    for (const auto& angle : value)
+      if (angle.is_number()) check.look(here, angle.get<double>(), kAngle, ": degrees?");
+  }
+}
+
+void look_at_base(UnitCheck& check, const MobileBase& base) {
+  for (const double part : base.X_BM.translation()) check.look("base.mount.position", part, kMount, ": millimetres?");
+  if (base.wheels) {
+    check.look("base.wheels.radius", base.wheels->radius, kWheelRadius);
+    check.look("base.wheels.separation", base.wheels->separation, kWheelDistance);
+    if (base.wheels->wheelbase > 0.0) check.look("base.wheels.wheelbase", base.wheels->wheelbase, kWheelDistance);
+    check.look("base.wheels.max_speed", base.wheels->max_speed, kWheelSpeed);
+  }
+  if (base.max_linear > 0.0) {
+    check.look("base.max_linear", base.max_linear, kSpeed);
+    check.look("base.max_angular", base.max_angular, kTurning, ": degrees?");
+    check.look("base.max_acceleration", base.max_acceleration.x(), kAcceleration);
+    check.look("base.max_acceleration", base.max_acceleration.y(), kTurningAcceleration, ": degrees?");
+  }
+  if (base.mass > 0.0) check.look("base.footprint.mass", base.mass, kBaseMass, ": grams?");
+}
+
+}  // namespace
+
+std::vector<std::string> implausible(const RobotModel& model, const ordered_json& resolved) {
+  std::vector<std::string> out;
+  UnitCheck check(out);
+  look_at_angles(check, resolved, "");
+  look_at_base(check, model.base);
+  for (std::size_t l = 2; l < model.links.size(); ++l) {  // the root hangs at the mount
+    const Link& link = model.links[l];
+    check.look("joint " + link.joint + ": the way from its parent's", link.X_PJ.translation().norm(), kLinkLength,
+               ": millimetres?");
+  }
+  for (const Link& link : model.links)
+    if (link.inertial) check.look("link " + link.name + ": mass", link.inertial->mass, kLinkMass, ": grams?");
+  for (const ControlledJoint& joint : model.joints) {
+    const bool slides = joint.type == JointType::kPrismatic;
+    for (const double limit : {joint.lower, joint.upper})
+      if (std::isfinite(limit))
+        check.look("joint " + joint.name + ": limit", limit, slides ? kJointTravel : kJointAngle,
+                   slides ? ": millimetres?" : ": degrees?");
+    check.look("joint " + joint.name + ": velocity", joint.velocity, slides ? kJointTravelSpeed : kJointSpeed,
+               slides ? ": millimetres?" : ": degrees?");
+  }
+  for (const CollisionShape& shape : model.shapes)
+    check.look("shape " + shape.name + ": size", shape.shape.size.cwiseAbs().maxCoeff(), kShapeSize, ": millimetres?");
+  return out;
+}
+
+}  // namespace moma::config

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <set>
+#include <string>
+
+#include "eval/trial/row.h"
+
+namespace moma::run {
+
+/// Finds points of a suite that cannot work: all of their trials end by one and the same error.
+class SameError {
+ public:
+  /// So many of a point's first trials are enough to say so.
+  static constexpr int kEnough = 20;
+
+  /// Rows in the order of the jobs, so that the answer is the same for any number of threads.
+  void look(std::size_t point, const TrialRow& row);
+  /// A point has had enough.
+  bool enough() const { return enough_; }
+  /// The point with most such trials, after enough() or at the end; nothing where there is none.
+  struct Found {
+    std::size_t point = 0;
+    int trials = 0;
+    std::string reason;
+  };
+  const Found* found() const;
+
+ private:
+  std::map<std::size_t, Found> failing_;  // without another outcome or reason so far
+  std::set<std::size_t> working_;
+  bool enough_ = false;
+};
+
+}  // namespace moma::run

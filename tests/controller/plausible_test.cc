@@ -1,0 +1,69 @@
+#include "controller/config/plausible.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/robots.h"
+#include "tests/support/tiny_robot.h"
+
+namespace moma::test {
+namespace {
+
+using nlohmann::ordered_json;
+
+std::string all(const RobotModel& model, const ordered_json& resolved = ordered_json::object()) {
+  std::string text;
+  for (const std::string& sentence : config::implausible(model, resolved)) text += sentence + "\n";
+  return text;
+}
+
+TEST(Plausible, RobotsThatWorkAreNotDoubted) {
+  for (const std::string& robot : all_robots()) {
+    if (robot.find("examples/") != std::string::npos || robot.find("tests/") != std::string::npos) continue;
+    for (const std::string& warning : config::load_robot(source_path(robot)).warnings)
+      EXPECT_EQ(warning.find("unusual"), std::string::npos) << robot << ": " << warning;
+  }
+  EXPECT_EQ(all(*tiny_robot()), "");
+}
+
+TEST(Plausible, DegreesMillimetresAndGramsAreNamed) {
+  EXPECT_EQ(all(*tiny_robot(), {{"base", {{"mount", {{"rpy", {0, 0, 90}}}}}}}),
+            "base.mount.rpy: 90 rad is unusual, where robots have -6.283 to 6.283 rad: degrees?\n");
+  EXPECT_EQ(all(*tiny_robot(), {{"shapes", {{{"rpy", {0, 3.1416, 0}}}, {{"rpy", {180, 0, 0}}}}}}),
+            "shapes.1.rpy: 180 rad is unusual, where robots have -6.283 to 6.283 rad: degrees?\n");
+  struct Case {
+    const char* says;
+    void (*change)(RobotModel&);
+  };
+  const Case cases[] = {
+      {"base.mount.position: 150 m is unusual", [](RobotModel& m) { m.base.X_BM.translation().z() = 150; }},
+      {"base.wheels.radius: 100 m is unusual, where robots have 0.02 to 0.6 m",
+       [](RobotModel& m) { m.base.wheels->radius = 100; }},
+      {"base.wheels.separation: 500 m", [](RobotModel& m) { m.base.wheels->separation = 500; }},
+      {"base.max_linear: 1000 m/s", [](RobotModel& m) { m.base.max_linear = 1000; }},
+      {"base.max_angular: 90 rad/s is unusual, where robots have 0.05 to 12 rad/s: degrees?",
+       [](RobotModel& m) { m.base.max_angular = 90; }},
+      {"base.max_acceleration: 2000 m/s^2", [](RobotModel& m) { m.base.max_acceleration.x() = 2000; }},
+      {"base.footprint.mass: 5e+04 kg", [](RobotModel& m) { m.base.mass = 50000; }},
+      {"joint bend: the way from its parent's: 300 m is unusual",
+       [](RobotModel& m) { m.links[3].X_PJ.translation().x() = 300; }},
+      {"link lower: mass: 2500 kg",
+       [](RobotModel& m) {
+         m.links[3].inertial = Inertial{2500, {}, {}};
+       }},
+      {"joint turn: limit: 170 rad is unusual", [](RobotModel& m) { m.joints[0].upper = 170; }},
+      {"joint reach: limit: 400 m is unusual", [](RobotModel& m) { m.joints[2].upper = 400; }},
+      {"joint turn: velocity: 120 rad/s", [](RobotModel& m) { m.joints[0].velocity = 120; }},
+      {"shape slide: size: 50 m is unusual, where robots have 0 to 3 m: millimetres?",
+       [](RobotModel& m) { m.shapes[3].shape.size.x() = 50; }},
+  };
+  for (const Case& c : cases) {
+    RobotModel model = *tiny_robot();
+    c.change(model);
+    const std::string text = all(model);
+    EXPECT_NE(text.find(c.says), std::string::npos) << "expected: " << c.says << "\nfound: " << text;
+    EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
+  }
+}
+
+}  // namespace
+}  // namespace moma::test
