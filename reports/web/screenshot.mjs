@@ -11,26 +11,25 @@ if (html === undefined || out === undefined) {
 }
 const executablePath = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'].find(existsSync);
 const browser = await chromium.launch({ executablePath, args: ['--no-sandbox', '--enable-unsafe-swiftshader', '--use-angle=swiftshader-webgl'] });
-const page = await browser.newPage({ viewport: { width: Number(width), height: Number(height ?? 900) }, colorScheme: scheme });
+const page = await browser.newPage({ viewport: { width: Number(width), height: Number(height ?? 900) }, colorScheme: scheme, reducedMotion: 'reduce' });
 await page.goto(`file://${resolve(html)}`);
 await page.waitForSelector('main');
 await page.evaluate(() => document.documentElement.style.setProperty('scroll-behavior', 'auto'));
-// Every figure is drawn once it has been in the window.
-for (const figure of height === undefined ? await page.locator('.figure, .replay').all() : []) {
-  await figure.scrollIntoViewIfNeeded();
-  await page.waitForTimeout(700);
-}
+// Every figure is drawn when nothing else is to do; nothing moves any more then.
+await page.waitForFunction(() => [...document.querySelectorAll('.figure .plot')].every((plot) => plot.children.length > 0));
+const frames = () => page.evaluate(() => new Promise((done) => { requestAnimationFrame(() => requestAnimationFrame(() => done())); }));
 await page.evaluate(() => scrollTo(0, 0));
-await page.waitForTimeout(1500);
+await frames();
 if (selector === undefined) await page.screenshot({ path: out, fullPage: height === undefined });
 else {
   await page.addStyleTag({ content: '.toolbar { display: none }' });   // it would lie over the picture
   const part = page.locator(selector).first();
   await part.scrollIntoViewIfNeeded();
   if (seconds !== undefined) {
+    await page.waitForSelector('.stage-box[data-trial]');
     await page.locator('.transport input[type=range]').evaluate((input, value) => { input.value = value; input.dispatchEvent(new Event('input', { bubbles: true })); }, seconds);
   }
-  await page.waitForTimeout(1000);
+  await frames();
   await part.screenshot({ path: out });
 }
 await browser.close();

@@ -31,6 +31,7 @@ const saved = async (page, button) => {
 // ---- what every reader sees ---------------------------------------------------------------------------------------
 const demo = makePage('demo', 60);
 const data = dataOf(demo);
+const text = (name) => data.trials.columns[name].codes.map((code) => data.trials.columns[name].values[code] ?? null);
 const { context: first, page } = await open(demo, { idle: true });
 {
   await page.waitForSelector('.verdict');
@@ -48,7 +49,6 @@ const { context: first, page } = await open(demo, { idle: true });
   await noOverflow(page, '1280');
 
   // By how much, world by world, and where the one that is behind fails; counted here anew.
-  const text = (name) => data.trials.columns[name].codes.map((code) => data.trials.columns[name].values[code] ?? null);
   const [who, what, where, world] = ['controller', 'outcome', 'family', 'world_key'].map(text);
   const lines = await page.locator('.forest-row .difference').allInnerTexts();
   ['', 'clutter', 'open'].forEach((family, i) => {
@@ -175,6 +175,7 @@ const clickMark = async (page, id) => {
     const trial = new URLSearchParams(new URL(page.url()).hash.slice(1)).get('trial');
     if (inPage.has(trial)) await page.waitForSelector(`.stage-box[data-trial="${trial}"]`);
     else check((await page.locator('.detail code').innerText()).endsWith(trial), `${id}: the command that plays ${trial}`);
+    check(id !== 'figure-paired' || text('world_key')[text('trial').indexOf(new URLSearchParams(new URL(page.url()).hash.slice(1)).get('beside'))] === text('world_key')[text('trial').indexOf(trial)], 'a paired dot opens both trials of its world');
     check(id !== 'figure-course' || inPage.has(trial), 'a line of the motions is a trial that can be played');
     await page.evaluate(() => { const button = document.querySelector('.transport .play'); if (button.textContent === 'Pause') button.click(); });
   }

@@ -6,7 +6,7 @@ import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { inflateSync } from 'node:zlib';
 
-import { check, dataOf, end, launch, near, opener, strip, workshop } from './kit.mjs';
+import { check, dataOf, drawn, end, launch, near, opener, strip, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work, moma] = process.argv;
 const screenshots = process.env.MOMA_SCREENSHOTS;
@@ -36,6 +36,25 @@ const tellAt = (page, i, trial, times) => page.evaluate(async ([place, name, mom
     return { ...box.dataset };
   });
 }, [i, trial, times]);
+/** Distances at arrows never lie over each other, or outside of the scene. */
+const checkLabels = async (page, pageData) => {
+  let labels = 0;
+  for (const [i, replay] of pageData.replays.entries()) {
+    await tellAt(page, i, replay.trial, [1e6]);
+    await drawn(page);
+    const shown = await page.locator('.stage-box').evaluate((box) => {
+      const of = (element) => { const { left, top, right, bottom } = element.getBoundingClientRect(); return { left, top, right, bottom }; };
+      return { scene: of(box), labels: [...box.querySelectorAll('.row-labels span')].map(of) };
+    });
+    labels += shown.labels.length;
+    shown.labels.forEach((a, k) => {
+      const middle = [(a.left + a.right) / 2, (a.top + a.bottom) / 2];
+      check(middle[0] > shown.scene.left && middle[0] < shown.scene.right && middle[1] > shown.scene.top && middle[1] < shown.scene.bottom, `trial ${replay.trial}: a label at ${middle}`);
+      for (const b of shown.labels.slice(k + 1)) check(a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top, `trial ${replay.trial}: labels lie over each other: ${JSON.stringify([a, b])}`);
+    });
+  }
+  check(labels > 0, `${labels} labels looked at`);
+};
 /** The page's forward kinematics against the stored errors, which the simulation computed. */
 const checkKinematics = async (page, pageData) => {
   for (const [i, replay] of pageData.replays.entries()) {
@@ -140,7 +159,7 @@ for (const [name, robot, family, controller] of moma === undefined ? [] : suites
   execFileSync(moma, ['run', suite, '-o', join(work, `${name}.db`), '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });
   execFileSync(moma, ['report', join(work, `${name}.db`), '-o', join(work, `${name}.html`)], { stdio: 'ignore' });
   const html = join(work, `${name}.html`);
-  const { context, page } = await open(html, { ratio: name === 'rows' ? 2 : 1 });
+  const { context, page } = await open(html, { ratio: name === 'rows' ? 2 : 1, scene: name === 'frankie' });
   await page.locator('#replay').scrollIntoViewIfNeeded();
   // A robot whose URDF has visual meshes is shown as these, or as its shapes.
   const looks = Object.values(dataOf(html).looks);
@@ -160,6 +179,8 @@ for (const [name, robot, family, controller] of moma === undefined ? [] : suites
     if (screenshots !== undefined) await page.locator('.replay').screenshot({ path: join(screenshots, 'replay-meshes.png') });
   }
   check(dataOf(html).replays.length === 3, `${name}: all trials can be played`);
+  if (name === 'frankie') await checkLabels(page, dataOf(html));
+  if (screenshots === undefined) await strip(page);
   await checkKinematics(page, dataOf(html));
   // Collision rows follow from poses and commands in the page; the controller stored the least distance and how many
   // constraints were active.

@@ -2,6 +2,7 @@
 import { check, end, near, packagesOf, skip } from './kit.mjs';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
+import { pathToFileURL } from 'node:url';
 
 const [, , source] = process.argv;
 let esbuild;
@@ -104,6 +105,26 @@ if (process.env.MOMA_STORE_DEFINITION !== undefined) {
   for (const palette of kPalettes) {
     for (const outcome of outcomes) check(palette.outcomes[outcome] !== undefined, `${outcome} has a colour`);
     check(Object.keys(palette.outcomes).every((name) => outcomes.includes(name)), `no colour of an outcome that there is not: ${Object.keys(palette.outcomes)}`);
+  }
+}
+
+// ---- the camera: all of a motion is in the picture, which is filled; by the projection of another library's copy -----------
+{
+  const { fit } = await load('replay/fit');
+  const { PerspectiveCamera, Vector3 } = await import(pathToFileURL(join(source, 'reports/web/node_modules/three/build/three.module.js')));
+  let state = 7;
+  const draw = () => { state = (state * 48271) % 2147483647; return state / 2147483647; };
+  for (let k = 0; k < 40; ++k) {
+    const camera = new PerspectiveCamera(38, 0.5 + 2.5 * draw(), 0.05, 200);
+    camera.up.set(0, 0, 1);
+    const points = Array.from({ length: 3 + Math.floor(30 * draw()) }, () => new Vector3(8 * draw() - 4, 8 * draw() - 4, 1.5 * draw()));
+    const towards = new Vector3(draw() - 0.5, draw() - 0.5, 0.1 + 0.4 * draw()).normalize();
+    camera.lookAt(fit(camera, points, towards));
+    camera.updateMatrixWorld();
+    const seen = points.map((point) => point.clone().project(camera));
+    const most = Math.max(...seen.flatMap(({ x, y }) => [Math.abs(x), Math.abs(y)]));
+    check(most < 1 && most > 0.8, `view ${k}: the outermost point is at ${most.toFixed(3)} of the picture's half`);
+    check(seen.every(({ z }) => Math.abs(z) < 1), `view ${k}: nothing is cut off`);
   }
 }
 

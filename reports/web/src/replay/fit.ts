@@ -38,11 +38,13 @@ export function fit(camera: PerspectiveCamera, points: readonly Vector3[], towar
   const middle = right.clone().multiplyScalar((r[0] + r[1]) / 2).addScaledVector(up, (u[0] + u[1]) / 2).addScaledVector(towards, (d[0] + d[1]) / 2);
   const tall = Math.tan((camera.fov * Math.PI) / 360) * kUsed;
   const wide = tall * camera.aspect;
-  let away = kNearest;
-  // What is near looks larger than what is far: the middle is moved to that of the picture, a few times.
+  let best = { middle: middle.clone(), away: Infinity };
+  // What is near looks larger than what is far: the middle is moved to that of the picture, a few times, and the one kept
+  // that lets the camera come nearest.
   for (let k = 0; k < 6; ++k) {
     const of = points.map((point) => point.clone().sub(middle)).map((p) => ({ d: p.dot(towards), r: p.dot(right), u: p.dot(up) }));
-    away = Math.max(kNearest, ...of.map((p) => p.d + Math.max(Math.abs(p.r) / wide, Math.abs(p.u) / tall)));
+    const away = Math.max(kNearest, ...of.map((p) => p.d + Math.max(Math.abs(p.r) / wide, Math.abs(p.u) / tall)));
+    if (away < best.away) best = { middle: middle.clone(), away };
     const across = (to: 'r' | 'u'): number => {
       const seen = of.map((p) => p[to] / Math.max(0.05, away - p.d));
       return (away * (Math.min(...seen) + Math.max(...seen))) / 2;
@@ -50,6 +52,6 @@ export function fit(camera: PerspectiveCamera, points: readonly Vector3[], towar
     const [x, y] = [across('r'), across('u')];
     middle.addScaledVector(right, x).addScaledVector(up, y);
   }
-  camera.position.copy(middle).addScaledVector(towards, away);
-  return middle;
+  camera.position.copy(best.middle).addScaledVector(towards, best.away);
+  return best.middle;
 }
