@@ -67,21 +67,10 @@ bool build(const Bookshelf& p, SceneBuilder& builder, World& world) {
   const double up = draws.uniform(0.4, 0.6) * opening;  // goal above the board below it
   frame.origin = there - inset * in + sideways * left;
 
-  const double pitch = opening + p.thickness;
-  const double board = goal.z() - up - 0.5 * p.thickness;
-  const double total = std::max(height, board + pitch + p.thickness);
-  std::vector<WorldObject> boxes;
-  int number = 0;
-  for (double z = board - pitch * std::floor(board / pitch); z < total + 0.5 * p.thickness; z += pitch)
-    boxes.push_back(
-        furniture_box(frame, "board" + std::to_string(++number), {0.5 * depth, 0.0, z}, {depth, width, p.thickness}));
-  for (const double side : {1.0, -1.0})
-    boxes.push_back(furniture_box(frame, side > 0.0 ? "shelf_left" : "shelf_right",
-                                  {0.5 * depth, side * 0.5 * (width + p.thickness), 0.5 * total},
-                                  {depth, p.thickness, total}));
-  boxes.push_back(furniture_box(frame, "shelf_back", {depth + 0.5 * p.thickness, 0.0, 0.5 * total},
-                                {p.thickness, width + 2.0 * p.thickness, total}));
-  return add_furniture(builder, std::move(boxes), "bookshelf:", world);
+  ShelfForm form{.width = width, .depth = depth, .opening = opening, .thickness = p.thickness};
+  form.board = goal.z() - up - 0.5 * p.thickness;
+  form.total = std::max(height, form.board + (opening + p.thickness) + p.thickness);
+  return add_furniture(builder, shelf_boxes(frame, form, "board"), "bookshelf:", world);
 }
 
 }  // namespace

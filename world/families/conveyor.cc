@@ -1,14 +1,12 @@
 #include <cmath>
-#include <string>
 #include <utility>
 
 #include "world/scenario/family.h"
 #include "world/scenario/object_mix.h"
+#include "world/scenario/place_objects.h"
 
 namespace moma {
 namespace {
-
-constexpr int kTries = 200;
 
 /// A goal on a conveyor: it goes to and fro on a line at one speed, and things stand about between it and the start.
 /// For mobile bases. Solvable by construction: the line leads along the direction in which the witness's base drives,
@@ -63,29 +61,26 @@ bool build(const Conveyor& p, SceneBuilder& builder, World& world) {
 
   const Vector3 way(from.x(), from.y(), 0.0);  // the start is the origin
   const Vector3 left = way.norm() > 1e-6 ? Vector3(Vector3(-way.y(), way.x(), 0.0).normalized()) : Vector3::UnitY();
-  for (int i = 0; i < count; ++i) {
-    WorldObject object;
-    object.name = "object" + std::to_string(i + 1);
-    bool placed = false;
-    for (int k = 0; k < kTries && !placed; ++k) {
-      Draws own = builder.draws(Stream::kObjects, 1 + static_cast<std::uint64_t>(i * kTries + k));
-      const double along = p.along.sample(own);
-      const double lateral = p.lateral.sample(own);
-      const Vector3 at = along * way + lateral * left;
-      p.mix.sample(own, at.x(), at.y(), object);
-      // Seen from the witness that drives along, what stands comes towards it.
-      WorldObject passing = object;
-      LinearMotion relative;
-      relative.V_W.tail<3>() = -speed * forward;
-      passing.motion = relative;
-      placed = builder.stands_clear(object, builder.clearance()) &&
-               builder.clear_for(passing, speed, leg, builder.clearance());
-      if (!placed) builder.drawn_again("an object not clear of start and the goal's way");
-    }
-    if (!placed) return builder.reject("conveyor: no place for an object clear of the goal's way (worlds.clearance)");
-    world.objects.push_back(std::move(object));
-  }
-  return true;
+  const ObjectPlacing placing{
+      .count = count,
+      .tries = 200,
+      .name = "object",
+      .drawn_again = "an object not clear of start and the goal's way",
+      .out_of_tries = "conveyor: no place for an object clear of the goal's way (worlds.clearance)"};
+  return placing.place(builder, world, [&](const ObjectTry& at, WorldObject& object) {
+    Draws own = builder.draws(Stream::kObjects, at.item);
+    const double along = p.along.sample(own);
+    const double lateral = p.lateral.sample(own);
+    const Vector3 place = along * way + lateral * left;
+    p.mix.sample(own, place.x(), place.y(), object);
+    // Seen from the witness that drives along, what stands comes towards it.
+    WorldObject passing = object;
+    LinearMotion relative;
+    relative.V_W.tail<3>() = -speed * forward;
+    passing.motion = relative;
+    return builder.stands_clear(object, builder.clearance()) &&
+           builder.clear_for(passing, speed, leg, builder.clearance());
+  });
 }
 
 }  // namespace

@@ -4,11 +4,10 @@
 #include "world/scenario/family.h"
 #include "world/scenario/furniture.h"
 #include "world/scenario/object_mix.h"
+#include "world/scenario/place_objects.h"
 
 namespace moma {
 namespace {
-
-constexpr int kSolidTries = 100;
 
 /// Two walls along the way, start and goal between them, with things that stand in the corridor. For mobile bases.
 struct Corridor {
@@ -59,29 +58,24 @@ bool build(const Corridor& p, SceneBuilder& builder, World& world) {
   frame.yaw = std::atan2(way.y(), way.x());
   frame.origin = frame.point(-p.beyond, offset, 0.0);
   std::vector<WorldObject> boxes;
-  for (const double side : {1.0, -1.0})
-    boxes.push_back(furniture_box(frame, side > 0.0 ? "wall_left" : "wall_right",
-                                  {0.5 * length, side * 0.5 * (width + p.thickness), 0.5 * height},
-                                  {length, p.thickness, height}));
+  add_left_and_right(boxes, frame, "wall", {0.5 * length, 0.5 * (width + p.thickness), 0.5 * height},
+                     {length, p.thickness, height});
   if (!between({builder.start_tip(), Vector3(world.goal.X_WG.translation())}, frame, width))
     return builder.reject("corridor: start or goal outside its walls");
   if (!add_furniture(builder, std::move(boxes), "corridor:", world)) return false;
 
-  for (int i = 0; i < count; ++i) {
-    WorldObject object;
-    bool placed = false;
-    for (int k = 0; k < kSolidTries && !placed; ++k) {
-      Draws own = builder.draws(Stream::kObjects, 1 + static_cast<std::uint64_t>(i * kSolidTries + k));
-      const Vector3 at = frame.point(own.uniform(0.0, 1.0) * length, own.uniform(-0.5, 0.5) * width, 0.0);
-      p.mix.sample(own, at.x(), at.y(), object);
-      object.name = "object" + std::to_string(i + 1);
-      placed = builder.stands_clear(object, builder.clearance());
-      if (!placed) builder.drawn_again("an object not clear of start and goal");
-    }
-    if (!placed) return builder.reject("corridor: no place for an object clear of start and goal (worlds.clearance)");
-    world.objects.push_back(std::move(object));
-  }
-  return true;
+  const ObjectPlacing placing{
+      .count = count,
+      .tries = 100,
+      .name = "object",
+      .drawn_again = "an object not clear of start and goal",
+      .out_of_tries = "corridor: no place for an object clear of start and goal (worlds.clearance)"};
+  return placing.place(builder, world, [&](const ObjectTry& at, WorldObject& object) {
+    Draws own = builder.draws(Stream::kObjects, at.item);
+    const Vector3 place = frame.point(own.uniform(0.0, 1.0) * length, own.uniform(-0.5, 0.5) * width, 0.0);
+    p.mix.sample(own, place.x(), place.y(), object);
+    return builder.stands_clear(object, builder.clearance());
+  });
 }
 
 }  // namespace

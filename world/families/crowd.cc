@@ -1,13 +1,9 @@
-#include <string>
-#include <utility>
-
 #include "world/scenario/family.h"
+#include "world/scenario/place_objects.h"
 #include "world/scenario/walk.h"
 
 namespace moma {
 namespace {
-
-constexpr int kTries = 400;
 
 /// Many people about their own business around the robot's way: more and more of them make it harder. Their whole paths
 /// over `horizon` are clear of start and witness, so that a robot that waits is not run into, and one that has arrived
@@ -36,18 +32,14 @@ bool build(const Crowd& p, SceneBuilder& builder, World& world) {
   const int count = p.people.sample(number);
   const Way way = straight_way(builder, world);
   const ObjectMix mix{.standing = 1.0};
-  for (int i = 0; i < count; ++i) {
-    WorldObject person;
-    person.name = "person" + std::to_string(i + 1);
-    bool placed = false;
-    for (int k = 0; k < kTries && !placed; ++k) {
-      placed = p.walker.sample(builder, way, mix, p.horizon, 1 + static_cast<std::uint64_t>(i * kTries + k), person);
-      if (!placed) builder.drawn_again("a path not clear of start and goal");
-    }
-    if (!placed) return builder.reject("people: no path clear of start and goal (worlds.clearance)");
-    world.objects.push_back(std::move(person));
-  }
-  return true;
+  const ObjectPlacing placing{.count = count,
+                              .tries = 400,
+                              .name = "person",
+                              .drawn_again = "a path not clear of start and goal",
+                              .out_of_tries = "people: no path clear of start and goal (worlds.clearance)"};
+  return placing.place(builder, world, [&](const ObjectTry& at, WorldObject& person) {
+    return p.walker.sample(builder, way, mix, p.horizon, at.item, person);
+  });
 }
 
 }  // namespace

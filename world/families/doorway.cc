@@ -1,4 +1,6 @@
-#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "world/scenario/family.h"
 #include "world/scenario/furniture.h"
@@ -41,30 +43,19 @@ bool build(const Doorway& p, SceneBuilder& builder, World& world) {
   if (!builder.place_robot(p.placement, world)) return false;
   Draws draws = builder.draws(Stream::kObjects);
   const double width = p.width.sample(draws);
-  const double along = p.along.sample(draws);
-  const double offset = p.offset.sample(draws);
-  const double turn = p.turn.sample(draws);
+  WallAcross wall;
+  wall.along = p.along.sample(draws);
+  wall.offset = p.offset.sample(draws);
+  wall.turn = p.turn.sample(draws);
   const double height = p.height.sample(draws);
+  const std::optional<FurnitureFrame> frame = frame_of_passage(builder, world, wall, "doorway");
+  if (!frame) return false;
 
-  const Vector3 start(world.start.base.x(), world.start.base.y(), 0.0);
-  const Vector3 end(world.witness.base.x(), world.witness.base.y(), 0.0);
-  const Vector3 way = end - start;
-  FurnitureFrame frame;  // in the middle of the door, x through it
-  frame.yaw = std::atan2(way.y(), way.x());
-  frame.origin = start + along * way;
-  frame.origin = frame.point(0.0, offset, 0.0);
-  frame.yaw += turn;
-
-  // Base and tool must be on the far side, or there would be nothing to pass.
-  const Vector3 through(std::cos(frame.yaw), std::sin(frame.yaw), 0.0);
-  if (through.dot(world.goal.X_WG.translation() - frame.origin) < 0.0 || through.dot(end - frame.origin) < 0.0)
-    return builder.reject("doorway: the goal is not behind it");
-  const double side = 0.5 * (width + p.wall);
   std::vector<WorldObject> boxes;
-  boxes.push_back(furniture_box(frame, "wall_left", {0.0, side, 0.5 * height}, {p.thickness, p.wall, height}));
-  boxes.push_back(furniture_box(frame, "wall_right", {0.0, -side, 0.5 * height}, {p.thickness, p.wall, height}));
+  add_left_and_right(boxes, *frame, "wall", {0.0, 0.5 * (width + p.wall), 0.5 * height}, {p.thickness, p.wall, height});
   if (p.lintel)
-    boxes.push_back(furniture_box(frame, "lintel", {0.0, 0.0, height + 0.1}, {p.thickness, width + 2.0 * p.wall, 0.2}));
+    boxes.push_back(
+        furniture_box(*frame, "lintel", {0.0, 0.0, height + 0.1}, {p.thickness, width + 2.0 * p.wall, 0.2}));
   return add_furniture(builder, std::move(boxes), "doorway:", world);
 }
 

@@ -77,10 +77,8 @@ bool build(const Maze& p, SceneBuilder& builder, World& world) {
   if (count > 0 && along.dot(world.goal.X_WG.translation()) < last)
     return builder.reject("maze: the goal is not in the last room");
   const double length = distance + 2.0 * p.beyond;
-  for (const double side : {1.0, -1.0})
-    boxes.push_back(furniture_box(frame, side > 0.0 ? "side_left" : "side_right",
-                                  {0.5 * distance, side * (p.half_width + 0.5 * p.thickness), 0.5 * p.height},
-                                  {length, p.thickness, p.height}));
+  add_left_and_right(boxes, frame, "side", {0.5 * distance, p.half_width + 0.5 * p.thickness, 0.5 * p.height},
+                     {length, p.thickness, p.height});
   return add_furniture(builder, std::move(boxes), "maze:", world);
 }
 

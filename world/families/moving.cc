@@ -1,16 +1,16 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
+#include <string>
 
 #include "world/scenario/family.h"
 #include "world/scenario/object_mix.h"
+#include "world/scenario/place_objects.h"
 #include "world/scenario/walk.h"
 
 namespace moma {
 namespace {
 
-constexpr int kMoverTries = 200;
 constexpr Range kPart{0.0, 1.0};
 
 /// Solids that move through the robot's way: some cross it in a straight line at about the time when the robot is
@@ -141,27 +141,24 @@ bool build(const Moving& p, SceneBuilder& builder, World& world) {
   const Way way = straight_way(builder, world);
   // What an object does is kept over its tries: else what fits in badly would come less often than it was asked for.
   Draws kinds = builder.draws(Stream::kMotion, 0);
-  for (int i = 0; i < count; ++i) {
-    const double kind = kinds.uniform();
-    const bool around_goal = kinds.uniform() < p.orbit_goal;
-    const bool walks = kind >= 1.0 - p.walk;
-    WorldObject object;
-    object.name = (walks ? "walker" : "object") + std::to_string(i + 1);
-    bool placed = false;
-    for (int k = 0; k < kMoverTries && !placed; ++k) {
-      const auto item = 1 + static_cast<std::uint64_t>(i * kMoverTries + k);
-      if (walks)
-        placed = p.walker.sample(builder, way, p.mix, p.horizon, item, object);
-      else if (kind < p.orbit)
-        placed = circle(p, builder, world, way, around_goal, item, object);
-      else
-        placed = straight(p, builder, way, item, object);
-      if (!placed) builder.drawn_again("a path not clear of start and goal");
-    }
-    if (!placed) return builder.reject("objects: no path clear of start and goal (worlds.clearance)");
-    world.objects.push_back(std::move(object));
-  }
-  return true;
+  double kind = 0.0;
+  bool around_goal = false, walks = false;
+  const auto begin = [&](int i, WorldObject& object) {
+    kind = kinds.uniform();
+    around_goal = kinds.uniform() < p.orbit_goal;
+    walks = kind >= 1.0 - p.walk;
+    if (walks) object.name = "walker" + std::to_string(i + 1);
+  };
+  const ObjectPlacing placing{.count = count,
+                              .tries = 200,
+                              .name = "object",
+                              .drawn_again = "a path not clear of start and goal",
+                              .out_of_tries = "objects: no path clear of start and goal (worlds.clearance)"};
+  return placing.place(builder, world, begin, [&](const ObjectTry& at, WorldObject& object) {
+    if (walks) return p.walker.sample(builder, way, p.mix, p.horizon, at.item, object);
+    if (kind < p.orbit) return circle(p, builder, world, way, around_goal, at.item, object);
+    return straight(p, builder, way, at.item, object);
+  });
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
-#include <cmath>
-#include <numbers>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "world/scenario/family.h"
 #include "world/scenario/furniture.h"
@@ -43,30 +44,18 @@ bool build(const Narrow& p, SceneBuilder& builder, World& world) {
   if (!builder.place_robot(p.placement, world)) return false;
   Draws draws = builder.draws(Stream::kObjects);
   const double margin = p.margin.sample(draws);
-  const double along = p.along.sample(draws);
-  const double offset = p.offset.sample(draws);
-  const double turn = p.turn.sample(draws);
+  WallAcross wall;
+  wall.along = p.along.sample(draws);
+  wall.offset = p.offset.sample(draws);
+  wall.turn = p.turn.sample(draws);
   const double length = p.length.sample(draws);
-
-  const Vector3 start(world.start.base.x(), world.start.base.y(), 0.0);
-  const Vector3 end(world.witness.base.x(), world.witness.base.y(), 0.0);
-  const Vector3 way = end - start;
-  FurnitureFrame frame;  // in the middle of the passage, x through it
-  frame.yaw = std::atan2(way.y(), way.x());
-  frame.origin = start + along * way;
-  frame.origin = frame.point(0.0, offset, 0.0);
-  frame.yaw += turn;
-  const Vector3 through(std::cos(frame.yaw), std::sin(frame.yaw), 0.0);
-  if (through.dot(world.goal.X_WG.translation() - frame.origin) < 0.0 || through.dot(end - frame.origin) < 0.0)
-    return builder.reject("narrow: the goal is not behind it");
+  const std::optional<FurnitureFrame> frame = frame_of_passage(builder, world, wall, "narrow");
+  if (!frame) return false;
 
   const double width = 2.0 * (base_half_width(builder) + margin);
   if (!(width > 0.0)) return builder.reject("narrow: no room between the walls (margin)");
-  const double side = 0.5 * (width + p.wall);
   std::vector<WorldObject> boxes;
-  for (const double sign : {1.0, -1.0})
-    boxes.push_back(furniture_box(frame, sign > 0.0 ? "wall_left" : "wall_right", {0.0, sign * side, 0.5 * p.height},
-                                  {length, p.wall, p.height}));
+  add_left_and_right(boxes, *frame, "wall", {0.0, 0.5 * (width + p.wall), 0.5 * p.height}, {length, p.wall, p.height});
   return add_furniture(builder, std::move(boxes), "narrow:", world);
 }
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "world/scenario/family.h"
@@ -59,23 +60,10 @@ bool build(const Shelf& p, SceneBuilder& builder, World& world) {
   const Vector3 left(-in.y(), in.x(), 0.0);
   frame.origin = Vector3(goal.x(), goal.y(), 0.0) - inset * in + sideways * left;
 
-  const double pitch = opening + p.thickness;
-  const double board = goal.z() - up - 0.5 * p.thickness;  // middle of the board below the goal
-  const double total = std::max(height, board + pitch);
-  std::vector<WorldObject> boxes;
-  // Boards first: they decide most tries.
-  int number = 0;
-  for (double z = board - pitch * std::floor(board / pitch); z < total + 0.5 * p.thickness; z += pitch)
-    boxes.push_back(furniture_box(frame, "shelf_board" + std::to_string(++number), {0.5 * depth, 0.0, z},
-                                  {depth, width, p.thickness}));
-  for (const double side : {1.0, -1.0})
-    boxes.push_back(furniture_box(frame, side > 0.0 ? "shelf_left" : "shelf_right",
-                                  {0.5 * depth, side * 0.5 * (width + p.thickness), 0.5 * total},
-                                  {depth, p.thickness, total}));
-  if (p.back)
-    boxes.push_back(furniture_box(frame, "shelf_back", {depth + 0.5 * p.thickness, 0.0, 0.5 * total},
-                                  {p.thickness, width + 2.0 * p.thickness, total}));
-  return add_furniture(builder, std::move(boxes), "shelf:", world);
+  ShelfForm form{.width = width, .depth = depth, .opening = opening, .thickness = p.thickness, .back = p.back};
+  form.board = goal.z() - up - 0.5 * p.thickness;  // the board below the goal
+  form.total = std::max(height, form.board + (opening + p.thickness));
+  return add_furniture(builder, shelf_boxes(frame, form, "shelf_board"), "shelf:", world);
 }
 
 }  // namespace

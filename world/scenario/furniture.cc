@@ -21,6 +21,46 @@ WorldObject furniture_box(const FurnitureFrame& frame, const std::string& name, 
   return object;
 }
 
+void add_left_and_right(std::vector<WorldObject>& boxes, const FurnitureFrame& frame, const std::string& name,
+                        const Vector3& center_F, const Vector3& edges) {
+  boxes.push_back(furniture_box(frame, name + "_left", center_F, edges));
+  boxes.push_back(furniture_box(frame, name + "_right", {center_F.x(), -center_F.y(), center_F.z()}, edges));
+}
+
+std::optional<FurnitureFrame> frame_of_passage(SceneBuilder& builder, const World& world, const WallAcross& wall,
+                                               const std::string& family) {
+  const Vector3 start(world.start.base.x(), world.start.base.y(), 0.0);
+  const Vector3 end(world.witness.base.x(), world.witness.base.y(), 0.0);
+  const Vector3 way = end - start;
+  FurnitureFrame frame;
+  frame.yaw = std::atan2(way.y(), way.x());
+  frame.origin = start + wall.along * way;
+  frame.origin = frame.point(0.0, wall.offset, 0.0);
+  frame.yaw += wall.turn;
+  const Vector3 through(std::cos(frame.yaw), std::sin(frame.yaw), 0.0);
+  if (through.dot(world.goal.X_WG.translation() - frame.origin) < 0.0 || through.dot(end - frame.origin) < 0.0) {
+    builder.reject(family + ": the goal is not behind it");
+    return std::nullopt;
+  }
+  return frame;
+}
+
+std::vector<WorldObject> shelf_boxes(const FurnitureFrame& frame, const ShelfForm& form, const std::string& board) {
+  const double pitch = form.opening + form.thickness;
+  std::vector<WorldObject> boxes;
+  int number = 0;
+  for (double z = form.board - pitch * std::floor(form.board / pitch); z < form.total + 0.5 * form.thickness;
+       z += pitch)
+    boxes.push_back(furniture_box(frame, board + std::to_string(++number), {0.5 * form.depth, 0.0, z},
+                                  {form.depth, form.width, form.thickness}));
+  add_left_and_right(boxes, frame, "shelf", {0.5 * form.depth, 0.5 * (form.width + form.thickness), 0.5 * form.total},
+                     {form.depth, form.thickness, form.total});
+  if (form.back)
+    boxes.push_back(furniture_box(frame, "shelf_back", {form.depth + 0.5 * form.thickness, 0.0, 0.5 * form.total},
+                                  {form.thickness, form.width + 2.0 * form.thickness, form.total}));
+  return boxes;
+}
+
 bool add_furniture(SceneBuilder& builder, std::vector<WorldObject> boxes, const std::string& what, World& world) {
   for (WorldObject& box : boxes) {
     if (box.X_WO.translation().z() + 0.5 * box.shape.size.z() <= 0.0 || box.shape.size.minCoeff() <= 0.0) continue;

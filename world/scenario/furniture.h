@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,36 @@ struct FurnitureFrame {
 /// An upright box: centre and edges in F.
 WorldObject furniture_box(const FurnitureFrame& frame, const std::string& name, const Vector3& center_F,
                           const Vector3& edges);
+
+/// Two boxes alike, NAME_left at `center_F` and NAME_right at its mirror image across the frame's x axis.
+void add_left_and_right(std::vector<WorldObject>& boxes, const FurnitureFrame& frame, const std::string& name,
+                        const Vector3& center_F, const Vector3& edges);
+
+/// Where a wall stands across the way of the base from start to witness, and how.
+struct WallAcross {
+  double along = 0.5;   ///< part of the way [1]
+  double offset = 0.0;  ///< of its passage's middle, to the left of the way [m]
+  double turn = 0.0;    ///< against standing square to the way [rad]
+};
+
+/// The frame in the middle of the passage through that wall, x through it. None where base or tool of the witness are
+/// not behind the wall: there would be nothing to pass, and the try is rejected for `family`.
+std::optional<FurnitureFrame> frame_of_passage(SceneBuilder& builder, const World& world, const WallAcross& wall,
+                                               const std::string& family);
+
+/// A shelf of boards between two sides, its front in the plane x = 0 of its frame.
+struct ShelfForm {
+  double width = 0.0;      ///< between its sides [m]
+  double depth = 0.0;      ///< [m]
+  double opening = 0.0;    ///< between two boards [m]
+  double thickness = 0.0;  ///< of all its parts [m]
+  double board = 0.0;      ///< height of one board's middle; the others follow up and down [m]
+  double total = 0.0;      ///< its height [m]
+  bool back = true;        ///< whether it is closed at the back
+};
+
+/// The shelf's boxes, boards first: they decide most tries. Boards are called `board` and their number.
+std::vector<WorldObject> shelf_boxes(const FurnitureFrame& frame, const ShelfForm& form, const std::string& board);
 
 /// Adds the boxes that reach above the floor to the world where all of them are clear of start and witness;
 /// otherwise rejects the try as `what`.
