@@ -8,15 +8,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <ctime>
-#include <exception>
 #include <memory>
 #include <numeric>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "bench/suite_program.h"
 #include "controller/controller.h"
 #include "eval/suite/suite.h"
 #include "eval/trial/trial.h"
@@ -97,27 +96,15 @@ void print(const std::string& name, Record& r) {
                m + 1 < kModes ? "," : "\n");
 }
 
-int run(const std::string& file, std::uint64_t trials) {
+void run(const std::string& file, std::uint64_t trials) {
   const Suite suite = load_suite(file);
   for (const Point& point : suite.points) {
     Record record = watch(point, trials);
     print(point.controller, record);
   }
-  return 0;
 }
 
 }  // namespace
 }  // namespace moma
 
-int main(int argc, char** argv) {
-  if (argc < 2 || argc > 3) {
-    fmt::print(stderr, "usage: {} SUITE [TRIALS]\n", argv[0]);
-    return 2;
-  }
-  try {
-    return moma::run(argv[1], argc == 3 ? std::strtoull(argv[2], nullptr, 10) : 20);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return 2;
-  }
-}
+int main(int argc, char** argv) { return moma::suite_program(argc, argv, "TRIALS", moma::run); }

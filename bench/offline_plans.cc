@@ -8,12 +8,11 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <cstdlib>
-#include <exception>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "bench/suite_program.h"
 #include "controller/plan/planner.h"
 #include "eval/suite/suite.h"
 
@@ -47,7 +46,7 @@ bool has_way(Planner& planner, const World& world) {
   return false;
 }
 
-int run(const std::string& file, std::uint64_t count) {
+void run(const std::string& file, std::uint64_t count) {
   const Suite suite = load_suite(file);
   std::set<std::string> done;
   for (const Point& point : suite.points) {
@@ -60,21 +59,9 @@ int run(const std::string& file, std::uint64_t count) {
     fmt::print("{}: a way in {} of {} worlds\n", point.label.empty() ? "all" : point.label, found, count);
     std::fflush(stdout);
   }
-  return 0;
 }
 
 }  // namespace
 }  // namespace moma
 
-int main(int argc, char** argv) {
-  if (argc < 2 || argc > 3) {
-    fmt::print(stderr, "usage: {} SUITE [WORLDS]\n", argv[0]);
-    return 2;
-  }
-  try {
-    return moma::run(argv[1], argc == 3 ? std::strtoull(argv[2], nullptr, 10) : 20);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return 2;
-  }
-}
+int main(int argc, char** argv) { return moma::suite_program(argc, argv, "WORLDS", moma::run); }

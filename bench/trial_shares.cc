@@ -9,11 +9,10 @@
 #include <ode/ode.h>
 
 #include <chrono>
-#include <cstdlib>
-#include <exception>
 #include <map>
 #include <string>
 
+#include "bench/suite_program.h"
 #include "controller/controller.h"
 #include "eval/suite/suite.h"
 #include "eval/trial/trial.h"
@@ -120,7 +119,7 @@ Shares measure(const Point& point, std::uint64_t index, std::string& family) {
   return out;
 }
 
-int run(const std::string& file, std::uint64_t trials) {
+void run(const std::string& file, std::uint64_t trials) {
   const Suite suite = load_suite(file);
   std::map<std::string, Shares> table;
   for (const Point& point : suite.points) {
@@ -139,21 +138,9 @@ int run(const std::string& file, std::uint64_t trials) {
                percent(s.ode), percent(s.controller), percent(s.worlds),
                percent(s.total - s.ode - s.controller - s.worlds));
   }
-  return 0;
 }
 
 }  // namespace
 }  // namespace moma
 
-int main(int argc, char** argv) {
-  if (argc < 2 || argc > 3) {
-    fmt::print(stderr, "usage: {} SUITE [TRIALS]\n", argv[0]);
-    return 2;
-  }
-  try {
-    return moma::run(argv[1], argc == 3 ? std::strtoull(argv[2], nullptr, 10) : 20);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return 2;
-  }
-}
+int main(int argc, char** argv) { return moma::suite_program(argc, argv, "TRIALS", moma::run); }
