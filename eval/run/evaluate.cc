@@ -22,8 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::atomic<bool> kNever{false};
-
 /// One evaluation into one store.
 class Run {
  public:
@@ -46,7 +44,7 @@ class Run {
     const auto notice = [this](const std::string& text) { listener_.tell(listener_.notice, text); };
     if (request_.cluster != nullptr)
       request_.cluster->lead(suite_.resolved.dump(), store::this_machine().machine_class, notice);
-    const store::RunLock lock(result_.file, stop(), notice);
+    const store::RunLock lock(result_.file, request_.stop, notice);
     if (!lock.held()) {
       result_.end = End::kNeverBegan;
       result_.stopped = "stopped while waiting; nothing was done";
@@ -173,7 +171,7 @@ class Run {
                        const std::unordered_set<std::string>& present) {
     BatchOptions batch;
     batch.threads = threads_;
-    batch.stop = &stop();
+    batch.stop = request_.stop;
     batch.skip = &present;
     batch.remote = request_.cluster;
     batch.finish = finish_;
@@ -221,8 +219,6 @@ class Run {
     if (kind != store::StoreError::Kind::kInterrupted) return "";
     return fmt::format("; when that is cured, go on with: {}", command_line(request_.arguments));
   }
-
-  const std::atomic<bool>& stop() const { return request_.stop != nullptr ? *request_.stop : kNever; }
 
   const EvaluateRequest& request_;
   const Suite& suite_;

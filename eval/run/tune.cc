@@ -23,8 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::atomic<bool> kNoStop{false};
-
 /// One search into one store.
 class Tune {
  public:
@@ -39,7 +37,7 @@ class Tune {
   Tuned execute() {
     Tuned tuned;
     const auto notice = [this](const std::string& text) { listener_.tell(listener_.notice, text); };
-    const store::RunLock lock(file_, stop(), notice);
+    const store::RunLock lock(file_, request_.stop, notice);
     if (!lock.held()) return stopped(std::move(tuned), End::kNeverBegan, "the wait for the store");
     check_gains_file();
     tell_plan();
@@ -81,7 +79,7 @@ class Tune {
     if (records.present() > 0) note(fmt::format("{} evaluations are stored: going on from there", records.present()));
     tune::StoredTrials trials(writer);
     tune::StoredLog log(records);
-    tune::TrialObjective objective(tuning_, trials, threads_, &stop());
+    tune::TrialObjective objective(tuning_, trials, threads_, request_.stop);
     objective.on_trial = [this] {
       if (listener_.trial) listener_.trial();
     };
@@ -124,7 +122,7 @@ class Tune {
     note(fmt::format("held-out worlds: {} trials, {} of them already there", held_out.jobs.size(), present.size()));
     BatchOptions batch;
     batch.threads = threads_;
-    batch.stop = &stop();
+    batch.stop = request_.stop;
     batch.skip = &present;
     batch.progress = listener_.progress;
     batch.finish = [samples = held_out.suite.samples](const Point&, BatchResult& done) {
@@ -193,8 +191,6 @@ class Tune {
   void progress_end() const {
     if (listener_.progress_end) listener_.progress_end();
   }
-
-  const std::atomic<bool>& stop() const { return request_.stop != nullptr ? *request_.stop : kNoStop; }
 
   const TuneRequest& request_;
   const tune::Tuning& tuning_;

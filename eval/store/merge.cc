@@ -351,7 +351,6 @@ void settle(SQLite::Database& db, const fs::path& part) {
 class Locks {
  public:
   Locks(const fs::path& out, const std::vector<fs::path>& in, const MergeOptions& options) {
-    static const std::atomic<bool> kNever{false};
     std::map<fs::path, RunLock::Use> uses;
     for (const fs::path& file : in) uses.emplace(place_of(file), RunLock::Use::kMergeFrom);
     uses[place_of(out)] = RunLock::Use::kWrite;
@@ -359,7 +358,7 @@ class Locks {
       std::error_code error;
       if (use == RunLock::Use::kMergeFrom && !fs::is_regular_file(file, error)) continue;  // opening it says why
       auto lock = std::make_unique<RunLock>(
-          file, options.stop != nullptr ? *options.stop : kNever,
+          file, options.stop,
           [&](const std::string& words) {
             if (options.waiting) options.waiting(words);
           },

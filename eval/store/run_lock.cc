@@ -31,7 +31,7 @@ std::string holder(int descriptor) {
 
 }  // namespace
 
-RunLock::RunLock(const std::filesystem::path& db, const std::atomic<bool>& stop,
+RunLock::RunLock(const std::filesystem::path& db, const std::atomic<bool>* stop,
                  const std::function<void(const std::string&)>& waiting, Use use)
     : file_(behind_links(db).string() + "-lock"), use_(use) {
   bool told = false;
@@ -40,7 +40,7 @@ RunLock::RunLock(const std::filesystem::path& db, const std::atomic<bool>& stop,
       waiting(fmt::format("{}: {} is writing to it; waiting until it is done", db.string(), holder(descriptor_)));
     told = true;
     release();
-    if (stop.load(std::memory_order_relaxed)) return;
+    if (stop != nullptr && stop->load(std::memory_order_relaxed)) return;
     std::this_thread::sleep_for(kPause);
   }
   if (descriptor_ < 0 || (use_ == Use::kMergeFrom && found_)) return;

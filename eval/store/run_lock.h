@@ -19,9 +19,9 @@ class RunLock {
   };
 
   /// Waits for another holder; `waiting` is called once, with words about who it is. Returns without the lock once
-  /// `stop` is set: see held(). Throws StoreError where something else than a plain file has the lock's name: writing
-  /// there could change another file.
-  RunLock(const std::filesystem::path& db, const std::atomic<bool>& stop,
+  /// `stop`, where there is one, is set: see held(). Throws StoreError where something else than a plain file has the
+  /// lock's name: writing there could change another file.
+  RunLock(const std::filesystem::path& db, const std::atomic<bool>* stop,
           const std::function<void(const std::string&)>& waiting, Use use = Use::kWrite);
   /// Removes the file and lets the next one in.
   ~RunLock();

@@ -21,7 +21,6 @@ namespace {
 
 using store::StoreError;
 
-const std::atomic<bool> kNever{false};
 void nobody(const std::string& /*words*/) {}
 
 std::vector<std::vector<store::Cell>> rows(const fs::path& db, const std::string& sql) {
@@ -158,7 +157,7 @@ TEST(Merge, WaitsForRunsOnAnyOfItsStores) {
   write_synthetic(folder / "out.db", {"one"}, 2);
   for (const char* busy : {"out.db", "a.db"}) {
     const std::string before = store::Reader(folder / "out.db").result_hash();
-    auto run = std::make_unique<store::RunLock>(folder / busy, kNever, nobody);
+    auto run = std::make_unique<store::RunLock>(folder / busy, nullptr, nobody);
     std::promise<std::string> waits;
     auto merging = std::async(std::launch::async, [&] {
       store::MergeOptions options;
@@ -173,7 +172,7 @@ TEST(Merge, WaitsForRunsOnAnyOfItsStores) {
     merging.get();
     EXPECT_EQ(store::Reader(folder / "out.db").keys().size(), 4u) << busy;
   }
-  const store::RunLock run(folder / "a.db", kNever, nobody);
+  const store::RunLock run(folder / "a.db", nullptr, nobody);
   const std::atomic<bool> stop{true};
   store::MergeOptions options;
   options.stop = &stop;

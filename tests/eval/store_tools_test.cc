@@ -415,13 +415,12 @@ TEST(StoreDocumentation, ItsQueriesRun) {
 TEST(RunLock, TheSecondWaitsAndIsToldForWhom) {
   const TemporaryFolder folder;
   const fs::path db = folder / "a.db";
-  std::atomic<bool> stop{false};
   std::string words;
-  auto first = std::make_unique<store::RunLock>(db, stop, [](const std::string&) { FAIL() << "it is free"; });
+  auto first = std::make_unique<store::RunLock>(db, nullptr, [](const std::string&) { FAIL() << "it is free"; });
   ASSERT_TRUE(first->held());
   std::atomic<bool> entered{false};
   std::thread second([&] {
-    const store::RunLock lock(db, stop, [&](const std::string& text) { words = text; });
+    const store::RunLock lock(db, nullptr, [&](const std::string& text) { words = text; });
     entered = lock.held();
   });
   std::this_thread::sleep_for(std::chrono::milliseconds(250));
@@ -436,13 +435,13 @@ TEST(RunLock, TheSecondWaitsAndIsToldForWhom) {
 TEST(RunLock, WaitingCanBeBrokenOff) {
   const TemporaryFolder folder;
   std::atomic<bool> stop{false};
-  const store::RunLock first(folder / "a.db", stop, [](const std::string&) {});
+  const store::RunLock first(folder / "a.db", &stop, [](const std::string&) {});
   stop = true;
-  const store::RunLock second(folder / "a.db", stop, [](const std::string&) {});
+  const store::RunLock second(folder / "a.db", &stop, [](const std::string&) {});
   EXPECT_TRUE(first.held());
   EXPECT_FALSE(second.held());
   std::ofstream(folder / "b.db-lock") << "left by a program that was killed\n";
-  const store::RunLock third(folder / "b.db", stop, [](const std::string&) {});
+  const store::RunLock third(folder / "b.db", &stop, [](const std::string&) {});
   EXPECT_TRUE(third.held()) << "what a killed program leaves behind holds nothing";
 }
 
