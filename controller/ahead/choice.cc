@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "controller/ahead/candidates.h"
 
 namespace moma {
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kGain = 0.1;       // of a detour over the best so far, at least [s]
 constexpr double kStopping = 0.01;  // between two moments of coming to rest [s]
 
@@ -62,7 +60,7 @@ void Choice::begin(const Observation& from, double direct_time, int number) noex
   kinematics_.update(from_.base, from_.q);
   candidates_.clear();
   best_ = 0;
-  least_ = kNever;
+  least_ = kInfinity;
   take(PlanCandidate::Kind::kDirect, 0, direct_time);
   seed_ = static_cast<std::uint64_t>(number - 1);
   plans_first_ = number > kTrusted;

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
-#include "controller/task/vortex.h"
+#include "controller/model/proximity.h"
 
 namespace moma {
 namespace {
 
-constexpr double kNoArrival = std::numeric_limits<double>::infinity();
 // A goal that is elsewhere from one step to the next by more than this has jumped.
 constexpr double kJump = 0.02, kJumpTurn = 0.05;  // [m, rad]
 constexpr double kStill = 1e-6;                   // of a goal's twist
@@ -344,7 +342,7 @@ bool Lookahead::predict(const Observation& o, const EscapeState& escape, double 
 
 void Lookahead::end_direct_prediction() noexcept {
   const bool arrives = rollout_.end() == RolloutEnd::kArrives;
-  const double time = arrives ? rollout_.time() : kNoArrival;
+  const double time = arrives ? rollout_.time() : kInfinity;
   const bool first = state_.next == 0;
   state_.next = state_.steps + periods(params_.period);
   if (time < kThere) return;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "controller/task/vortex.h"
+#include "controller/model/proximity.h"
 
 namespace moma {
 namespace {

@@ -22,6 +22,13 @@ struct ObjectState {
   bool visible = true;  ///< false: not sensed now; no distances, no rows
 };
 
+/// What moves no faster counts as at rest [m/s, rad/s].
+inline constexpr double kAtRest = 0.01;
+
+/// Whether an object is in motion. Those pass by themselves: the vortex leaves them to their rows, and a robot that
+/// waits for them has patience.
+inline bool in_motion(const ObjectState& object) noexcept { return object.V_WO_W.norm() > kAtRest; }
+
 /// Signed distance between two solids. n_W is a unit vector along which d grows when `first` moves along it:
 /// it points from the second's nearest point to the first's, sign kept in penetration (d < 0).
 struct Distance {

@@ -9,10 +9,6 @@
 namespace moma {
 namespace {
 
-// Below this largest coefficient [m/s per unit velocity] a row holds nothing the robot can do.
-constexpr double kNoEffect = 1e-9;
-constexpr double kMoving = 0.01;  // an object of a smaller twist counts as at rest [m/s, rad/s]
-
 RowKind row_kind(PairKind kind) noexcept {
   switch (kind) {
     case PairKind::kObject:
@@ -147,7 +143,7 @@ bool CollisionRows::fill(const Kinematics& kinematics, const ProximityPair& pair
     const Vector3 arm = distance.p_second_W - object.X_WO.translation();
     const Vector3 p_dot = object.V_WO_W.tail<3>() + object.V_WO_W.head<3>().cross(arm);
     limit -= distance.n_W.dot(p_dot);
-    moves = object.V_WO_W.squaredNorm() > kMoving * kMoving;
+    moves = in_motion(object);
   }
   // Written so that a NaN keeps the row: the solver's input check then reports it.
   if (row_.cwiseAbs().maxCoeff() < kNoEffect) return false;

@@ -8,11 +8,9 @@
 namespace moma {
 namespace {
 
-constexpr double kSlowest = 0.01;   // a slower object is left to the usual rows [m/s]
 constexpr double kAbove = 0.05;     // solids this far above each other pass [m]
 constexpr double kNear = 1.0;       // what is nearer counts as traffic [m]
 constexpr double kWidest = 0.8;     // sine of the largest angle that the clearance turns a tangent by
-constexpr double kEmptyRow = 1e-9;  // largest coefficient of a row that holds nothing
 constexpr double kTiny = 1e-9;      // [m]
 constexpr int kMaxIterations = 30;  // of Newton's method: six or seven are usual
 
@@ -71,7 +69,7 @@ void PassingRows::select(const Kinematics& kinematics, const Proximity& proximit
   for (std::size_t j = 0; j < count; ++j) {
     const ObjectState& state = states[j];
     const double speed = horizontal(state.V_WO_W.tail<3>()).norm();
-    if (!state.visible || !(speed > kSlowest) || !is_pose(state.X_WO)) continue;
+    if (!state.visible || !(speed > kAtRest) || !is_pose(state.X_WO)) continue;
     const Shape& object = proximity.object_shape(static_cast<int>(j));
     const double top = highest_point(object, state.X_WO) + kAbove, bottom = lowest_point(object, state.X_WO) - kAbove;
     for (const int i : shapes_) {
@@ -120,7 +118,7 @@ void PassingRows::append(const Kinematics& kinematics, const Candidate& candidat
   const Vector3 n = std::sqrt(1.0 - sine * sine) * tangent.n_W - sine * tangent.along_W;
   kinematics.point_jacobian(shape.link, X_WS.translation(), J_);
   row_.noalias() = -J_.transpose() * n;
-  if (row_.cwiseAbs().maxCoeff() < kEmptyRow) return;
+  if (row_.cwiseAbs().maxCoeff() < kNoEffect) return;
   const double limit = std::max(candidate.gap, 0.0) / params_.horizon - n.dot(v);
   const int row = problem.append({RowKind::kPassing, candidate.shape, candidate.object}, -kInfinity, limit);
   if (row < 0) return;

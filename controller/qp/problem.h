@@ -19,6 +19,9 @@ constexpr bool is_collision(RowKind kind) noexcept {
   return kind == RowKind::kObject || kind == RowKind::kFloor || kind == RowKind::kSelf;
 }
 
+/// Below this largest coefficient [m/s per unit velocity] a row about a distance holds nothing the robot can do.
+inline constexpr double kNoEffect = 1e-9;
+
 /// What a constraint row is about, enough to name it later. tracking: (component 0-5, -); object: (robot shape,
 /// object); floor: (robot shape, -); self: (robot shape, robot shape); passing: (robot shape, object); wheel: (wheel,
 /// -); drive: (0 or 1: the diagonal x + y or x - y, -). An object's row may be that of a capsule's end: 1, 2 of the

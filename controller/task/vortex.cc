@@ -8,12 +8,9 @@ namespace {
 
 constexpr double kFade = 0.1;      // the vortex fades within this distance of the goal [m]
 constexpr double kNoticed = 0.02;  // S at which a side is chosen
-constexpr double kMoving = 0.01;   // an object faster than this is in motion [m/s, rad/s]
 constexpr double kTiny = 1e-9;
 
 }  // namespace
-
-bool in_motion(const ObjectState& object) noexcept { return object.V_WO_W.norm() > kMoving; }
 
 void add_vortex(const VortexParams& params, std::span<const ProximityPair> pairs, std::span<const ObjectState> objects,
                 const Vector3& e_p, int& circulation, Eigen::Ref<Vector3> nu) noexcept {

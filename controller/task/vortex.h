@@ -23,8 +23,4 @@ namespace moma {
 void add_vortex(const VortexParams& params, std::span<const ProximityPair> pairs, std::span<const ObjectState> objects,
                 const Vector3& e_p, int& circulation, Eigen::Ref<Vector3> nu) noexcept;
 
-/// Whether an object is in motion: faster than 0.01 (m/s, rad/s). Those pass by themselves: the vortex leaves them
-/// to their rows, and a robot that waits for them has patience.
-bool in_motion(const ObjectState& object) noexcept;
-
 }  // namespace moma

@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "controller/model/kinematics.h"
+#include "controller/model/proximity.h"
 #include "controller/model/shape.h"
-#include "controller/task/vortex.h"
 
 namespace moma {
 namespace {
