@@ -135,6 +135,11 @@ Drive drive_of(const Fitted& part, int trip, double period) {
   return out;
 }
 
+struct FoundLatency {
+  Latency latency;
+  int periods = 0;  // of the round trip
+};
+
 /// By stamps: when what a row has was measured.
 void read_stamps(const std::vector<double>& time, const std::vector<double>& stamp, Latency& latency) {
   latency.drive = latency.round_trip;
@@ -180,23 +185,33 @@ void find_pose_noise(const MotionLog& log, const std::vector<Fitted>& parts, int
   out.heading_noise = robust_deviation(turned) / std::sqrt(2.0);
 }
 
+/// The latency that all parts share. None where nothing can be said `of` them, and a note says why.
+std::optional<FoundLatency> find_latency(const MotionLog& log, std::vector<Fitted>& parts,
+                                         const std::vector<double>& stamps, std::string_view of, Found& found) {
+  const Trip trip = find_trip(parts, log.rows(), found.period);
+  if (!trip.why_not.empty()) {
+    found.notes.push_back(fmt::format("nothing can be said of {}: {}", of, trip.why_not));
+    return {};
+  }
+  FoundLatency out{.latency = {}, .periods = trip.periods};
+  out.latency.round_trip = trip.periods * found.period;
+  read_stamps(log.time, stamps, out.latency);
+  return out;
+}
+
 void identify_base(const MotionLog& log, Found& found) {
   if (log.base.empty()) return;
   std::vector<Fitted> parts(2);
   for (const Axis& axis : log.base) parts[axis.name == "base.omega" ? 1 : 0].group.push_back(&axis);
   parts[0].ramp = parts[1].ramp = true;
   parts[1].turning = true;
-  const Trip trip = find_trip(parts, log.rows(), found.period);
-  if (!trip.why_not.empty()) {
-    found.notes.push_back("nothing can be said of the base: " + trip.why_not);
-    return;
-  }
+  const auto trip = find_latency(log, parts, log.base_stamp, "the base", found);
+  if (!trip) return;
   FoundBase& out = found.base.emplace();
-  out.latency.round_trip = trip.periods * found.period;
-  read_stamps(log.time, log.base_stamp, out.latency);
-  out.linear = drive_of(parts[0], trip.periods, found.period);
-  out.turn = drive_of(parts[1], trip.periods, found.period);
-  find_pose_noise(log, parts, trip.periods, out);
+  out.latency = trip->latency;
+  out.linear = drive_of(parts[0], trip->periods, found.period);
+  out.turn = drive_of(parts[1], trip->periods, found.period);
+  find_pose_noise(log, parts, trip->periods, out);
   const auto note = [&](const Drive& drive, const char* of, const char* unit) {
     if (drive.acceleration) return;
     found.notes.push_back(
@@ -213,18 +228,14 @@ void identify_joints(const MotionLog& log, Found& found) {
   if (log.joints.empty()) return;
   std::vector<Fitted> parts(log.joints.size());
   for (std::size_t i = 0; i < parts.size(); ++i) parts[i].group = {&log.joints[i]};
-  const Trip trip = find_trip(parts, log.rows(), found.period);
-  if (!trip.why_not.empty()) {
-    found.notes.push_back("nothing can be said of the joints: " + trip.why_not);
-    return;
-  }
+  const auto trip = find_latency(log, parts, log.joint_stamp, "the joints", found);
+  if (!trip) return;
   FoundJoints& out = found.joints.emplace();
-  out.latency.round_trip = trip.periods * found.period;
-  read_stamps(log.time, log.joint_stamp, out.latency);
+  out.latency = trip->latency;
   double squares = 0.0, gains = 0.0, moved = 0.0;
   std::vector<double> off;
   for (const Fitted& part : parts) {
-    const Drive& drive = out.drives.emplace_back(drive_of(part, trip.periods, found.period));
+    const Drive& drive = out.drives.emplace_back(drive_of(part, trip->periods, found.period));
     squares += drive.velocity_noise * drive.velocity_noise;
     const Axis& axis = *part.group.front();
     if (change_of(axis.command) > kStill) {
@@ -234,8 +245,8 @@ void identify_joints(const MotionLog& log, Found& found) {
       found.notes.push_back(fmt::format("joint {} was not moved", axis.name));
     }
     if (axis.position.empty()) continue;
-    for (std::size_t k = static_cast<std::size_t>(trip.periods) + 1; k < log.rows(); ++k) {
-      const double u = axis.command[k - 1 - static_cast<std::size_t>(trip.periods)];
+    for (std::size_t k = static_cast<std::size_t>(trip->periods) + 1; k < log.rows(); ++k) {
+      const double u = axis.command[k - 1 - static_cast<std::size_t>(trip->periods)];
       off.push_back(axis.position[k] - axis.position[k - 1] - found.period * drive.gain * u);
     }
   }

@@ -106,43 +106,38 @@ class Columns {
   }
 
  private:
-  // Names come in any order; places must not move while rows are read, so that deques would do as well.
+  /// The one of that name, which begins as `first` where there is none; null where there are too many. Names come in
+  /// any order; places must not move while rows are read, so that deques would do as well.
+  template <class T>
+  static T* named(std::vector<T>& all, const std::string& name, T first) {
+    for (T& known : all)
+      if (known.name == name) return &known;
+    all.reserve(kMost);
+    if (all.size() == kMost) return nullptr;
+    all.push_back(std::move(first));
+    all.back().name = name;
+    return &all.back();
+  }
   std::vector<double>* joint(const std::string& name, std::string_view part) {
-    const bool prismatic = part == "position_m" || part == "velocity_m_s" || part == "command_m_s";
     std::vector<double> Axis::*member = part == "position_rad" || part == "position_m"       ? &Axis::position
                                         : part == "velocity_rad_s" || part == "velocity_m_s" ? &Axis::velocity
                                         : part == "command_rad_s" || part == "command_m_s"   ? &Axis::command
                                                                                              : nullptr;
     if (member == nullptr) return nullptr;
-    Axis* axis = nullptr;
-    for (Axis& known : joints_)
-      if (known.name == name) axis = &known;
-    if (axis == nullptr) {
-      joints_.reserve(kMost);
-      if (joints_.size() == kMost) return nullptr;
-      axis = &joints_.emplace_back();
-      axis->name = name;
-      axis->prismatic = prismatic;
-    }
-    return &(axis->*member);
+    Axis first;  // its first column says whether it turns or slides
+    first.prismatic = part == "position_m" || part == "velocity_m_s" || part == "command_m_s";
+    Axis* axis = named(joints_, name, std::move(first));
+    return axis == nullptr ? nullptr : &(axis->*member);
   }
   std::vector<double>* object(const std::string& name, std::string_view part) {
     std::vector<double> SeenPoint::*member = part == "x_m"       ? &SeenPoint::x
-                                             : part == "y_m"     ? &SeenPoint::y
-                                             : part == "z_m"     ? &SeenPoint::z
-                                             : part == "stamp_s" ? &SeenPoint::stamp
-                                                                 : nullptr;
+                                                : part == "y_m"     ? &SeenPoint::y
+                                                : part == "z_m"     ? &SeenPoint::z
+                                                : part == "stamp_s" ? &SeenPoint::stamp
+                                                                    : nullptr;
     if (member == nullptr) return nullptr;
-    SeenPoint* point = nullptr;
-    for (SeenPoint& known : objects_)
-      if (known.name == name) point = &known;
-    if (point == nullptr) {
-      objects_.reserve(kMost);
-      if (objects_.size() == kMost) return nullptr;
-      point = &objects_.emplace_back();
-      point->name = name;
-    }
-    return &(point->*member);
+    SeenPoint* seen = named(objects_, name, SeenPoint{});
+    return seen == nullptr ? nullptr : &(seen->*member);
   }
 
   static constexpr std::size_t kMost = 1000;  // reserved, so that places stay where they are

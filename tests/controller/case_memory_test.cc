@@ -4,9 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "controller/case/case_file.h"
 #include "controller/case/case_step.h"
-#include "controller/config/controller_file.h"
+#include "tests/controller/case_text.h"
 #include "tests/controller/qp_robots.h"
 
 namespace moma {
@@ -15,23 +14,11 @@ namespace {
 using namespace test;
 using Json = nlohmann::ordered_json;
 
-std::string source_path(const std::string& file) { return std::string(MOMA_SOURCE_DIR) + "/" + file; }
-
-ControlCase safe_case(const std::string& robot) {
-  ControlCase c;
-  c.robot = config::load_robot(source_path(robot));
-  c.controller = config::read_controller(config::load_yaml(source_path("configs/controllers/moma-safe.yaml")),
-                                         "controller", *c.robot.model, c.control_period, c.warnings);
-  return c;
-}
-
-ControlCase read_text(const Json& json) { return read_case(config::parse_yaml(json.dump(), "case.json")); }
-
 TEST(CaseMemory, AStepIsRepeatedBitForBitFromItsFile) {
   int detours = 0;
-  for (const std::string robot : {"configs/robots/frankie.yaml", "configs/robots/frankie_omni.yaml"}) {
+  for (const std::string robot : {"frankie.yaml", "frankie_omni.yaml"}) {
     Rng rng(1);
-    ControlCase c = safe_case(robot);
+    ControlCase c = case_of(robot, "moma-safe.yaml");
     c.objects = random_objects(rng, 5);
     ControllerCore controller(c.robot.model, c.controller, c.control_period);
     controller.reset(c.objects);
@@ -64,18 +51,9 @@ TEST(CaseMemory, AStepIsRepeatedBitForBitFromItsFile) {
   EXPECT_GT(detours, 20);
 }
 
-std::string error_of(const Json& json) {
-  try {
-    read_text(json);
-  } catch (const config::ConfigError& e) {
-    return e.what();
-  }
-  return "";
-}
-
 TEST(CaseMemory, IsRefusedWhereItIsAnotherControllers) {
   Rng rng(2);
-  ControlCase c = safe_case("configs/robots/frankie.yaml");
+  ControlCase c = case_of("frankie.yaml", "moma-safe.yaml");
   c.objects = random_objects(rng, 2);
   ControllerCore controller(c.robot.model, c.controller, c.control_period);
   controller.reset(c.objects);

@@ -36,6 +36,13 @@ struct Motion {
     core.prepare(expected);
     o = random_observation(*model, shapes.size(), rng, 1.0);
   }
+  /// A controller at the beginning of the same motion.
+  Controller begin() {
+    Controller controller(model, with_memory(), 0.02);
+    controller.reset(shapes);
+    controller.prepare(result);
+    return controller;
+  }
   /// One step of the core and of `controller`, which have to agree in every bit.
   void step(Controller& controller, int k) {
     o.time = 0.02 * k;
@@ -58,9 +65,7 @@ struct Motion {
 TEST(PublicController, DoesWhatItsCoreDoes) {
   for (const auto& model : all_robots()) {
     Motion motion(model);
-    Controller controller(model, with_memory(), 0.02);
-    controller.reset(motion.shapes);
-    controller.prepare(motion.result);
+    Controller controller = motion.begin();
     EXPECT_EQ(&controller.model(), model.get());
     EXPECT_EQ(controller.control_period(), 0.02);
     EXPECT_EQ(controller.params().lambda_q.size(), model->num_joints()) << "parameters are resolved";
@@ -71,9 +76,7 @@ TEST(PublicController, DoesWhatItsCoreDoes) {
 // The robot stands still: for how long is remembered, and nowhere but in the controller.
 TEST(PublicController, GoesOnWhereItIsMoved) {
   Motion motion(frankie());
-  Controller first(motion.model, with_memory(), 0.02);
-  first.reset(motion.shapes);
-  first.prepare(motion.result);
+  Controller first = motion.begin();
   for (int k = 0; k < 4; ++k) motion.step(first, k);
   EXPECT_GT(motion.expected.escape.idle, 0.0) << "there is something to forget";
   Controller second(std::move(first));
@@ -85,9 +88,7 @@ TEST(PublicController, GoesOnWhereItIsMoved) {
 
 TEST(PublicController, TimesStepsOnlyWhereAskedTo) {
   Motion motion(frankie());
-  Controller controller(motion.model, with_memory(), 0.02);
-  controller.reset(motion.shapes);
-  controller.prepare(motion.result);
+  Controller controller = motion.begin();
   motion.step(controller, 0);
   EXPECT_EQ(motion.result.solve_seconds, 0.0);
   controller.enable_timing(true);

@@ -6,11 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "controller/ahead/lookahead.h"
-#include "controller/case/case_file.h"
 #include "controller/case/case_step.h"
 #include "controller/case/foresee.h"
-#include "controller/config/controller_file.h"
 #include "controller/controller_core.h"
+#include "tests/controller/case_text.h"
 #include "tests/controller/plan_scenes.h"
 
 namespace moma::test {
@@ -19,10 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 ControlCase ahead_case(const std::string& controller) {
-  ControlCase c;
-  c.robot = config::load_robot(source_path("configs/robots/frankie.yaml"));
-  c.controller = config::read_controller(config::load_yaml(source_path("configs/controllers/" + controller)),
-                                         "controller", *c.robot.model, c.control_period, c.warnings);
+  ControlCase c = case_of("frankie.yaml", controller);
   c.has_plan = true;
   return c;
 }
@@ -60,17 +56,6 @@ class Drive {
   std::unique_ptr<ControllerCore> controller_;
   Observation o_;
 };
-
-ControlCase read_text(const Json& json) { return read_case(config::parse_yaml(json.dump(), "case.json")); }
-
-std::string error_of(const Json& json) {
-  try {
-    read_text(json);
-  } catch (const config::ConfigError& e) {
-    return e.what();
-  }
-  return "";
-}
 
 TEST(PlanCase, AStepIsRepeatedBitForBitInEveryMode) {
   std::map<PlanMode, int> modes;

@@ -18,22 +18,17 @@ namespace {
 
 class CliFaults : public CliTest {
  protected:
-  static constexpr const char* kTiny = R"(name: small
+  /// A suite of trials that take no time.
+  static std::string quick(const std::string& name, const std::string& more) {
+    return "name: " + name + R"(
 robot: robots/tiny.yaml
 controllers: {plain: controllers/plain.yaml}
 worlds: {seed: 1, families: {open: {}}}
 simulation: {mode: kinematic, time_limit: 0.4}
 success: {dwell: 0.1}
-trials: 3
-samples: all
-)";
-  static constexpr const char* kTune = R"(name: searched
-robot: robots/tiny.yaml
-controllers: {plain: controllers/plain.yaml}
-worlds: {seed: 1, families: {open: {}}}
-simulation: {mode: kinematic, time_limit: 0.4}
-success: {dwell: 0.1}
-trials: 2
+)" + more;
+  }
+  static constexpr const char* kTune = R"(trials: 2
 samples: none
 tune:
   controller: plain
@@ -52,8 +47,8 @@ tune:
     GTEST_SKIP() << "a sanitizer's library has to be the first one";
 #endif
     CliTest::SetUp();
-    write("tiny.yaml", kTiny);
-    write("tune.yaml", kTune);
+    write("tiny.yaml", quick("small", "trials: 3\nsamples: all\n"));
+    write("tune.yaml", quick("searched", kTune));
   }
 
   std::vector<std::string> failing(const std::string& call, long at, bool on,
