@@ -95,6 +95,26 @@ TEST_F(Cli, StoredTextCannotActOnTheTerminal) {
   EXPECT_NE(result.out.find("\\x1b[2J\\n\\u202e"), std::string::npos) << result.out;
 }
 
+TEST_F(Cli, ReplayTellsWhatTheControllerRemembered) {
+  write("memory.yaml", R"(name: memory
+robot: robots/tiny.yaml
+controllers: {away: {include: controllers/plain.yaml, escape: {patience: 0.1}}}
+worlds: {seed: 1, families: {open: {}}}
+simulation: {mode: kinematic, time_limit: 2}
+trials: 1
+samples: all
+)");
+  good({"run", "memory.yaml", "-o", "m.db", "-q"});
+  const std::string trial =
+      json::parse(good({"query", "m.db", "SELECT trial FROM v_trials", "-f", "json"}).out)[0]["trial"];
+  const json samples = json::parse(good({"replay", "m.db", trial, "--json"}).out)["samples"];
+  const std::size_t k = samples.size() - 2;
+  good({"replay", "m.db", trial, "--case", path("step.json").string(), "--step", std::to_string(k)});
+  std::ifstream file(path("step.json"));
+  EXPECT_EQ(samples[k]["escape"], json::parse(file)["state"]["escape"]) << "as a case of the same step has it";
+  EXPECT_NE(samples[k]["escape"], samples[0]["escape"]) << "nothing was there to be remembered";
+}
+
 TEST_F(Cli, ReplayVerifyAndRerunNeedNothingButTheStore) {
   good({"run", "suite.yaml", "-o", "a.db", "-q", "--set", "samples=all"});
   const std::string before = hash("a.db");
