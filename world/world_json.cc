@@ -23,24 +23,16 @@ Json json_of(const Configuration& c) {
   return Json{{"base", json_of(c.base)}, {"q", std::vector<double>(c.q.data(), c.q.data() + c.q.size())}};
 }
 
+/// In the order of Motion's alternatives.
+enum class MotionKind { kStatic, kLinear, kPath, kCircle, kSpline };
+constexpr auto words(Of<MotionKind>) {
+  return std::to_array<std::string_view>({"static", "linear", "path", "circle", "spline"});
+}
+static_assert(std::variant_size_v<Motion> == words(Of<MotionKind>{}).size());
+
 /// The quaternion that gives R bit for bit where it is known, else the nearest.
 Eigen::Quaterniond rotation_for_file(const Matrix3& R, const Eigen::Quaterniond& kept) {
   return kept.normalized().toRotationMatrix() == R ? kept : Eigen::Quaterniond(R);
-}
-
-int size_count(ShapeKind kind) {
-  switch (kind) {
-    case ShapeKind::kSphere:
-      return 1;
-    case ShapeKind::kBox:
-      return 3;
-    case ShapeKind::kCylinder:
-    case ShapeKind::kCapsule:
-      return 2;
-    case ShapeKind::kConvex:
-      break;
-  }
-  return 0;
 }
 
 Vector3 vector3(const Node& node, const std::string& key) {
@@ -149,39 +141,25 @@ Difficulty difficulty(const Node& node, const std::string& key) {
 
 Shape shape_from_node(const Node& shape, const Node& size, const std::string& key) {
   Shape out;
-  const std::string name = config::read_string(shape, key + ".shape");
-  bool known = false;
-  for (const ShapeKind kind : {ShapeKind::kSphere, ShapeKind::kBox, ShapeKind::kCylinder, ShapeKind::kCapsule}) {
-    if (name != to_string(kind)) continue;
-    out.kind = kind;
-    known = true;
-  }
-  if (!known)
-    config::fail(shape.mark, key + ".shape", "found '" + name + "', expected one of: sphere, box, cylinder, capsule");
-  const std::vector<double> v = config::read_numbers(size, key + ".size", size_count(out.kind), Range::positive());
+  out.kind = config::read_word<ShapeKind>(shape, key + ".shape", kPrimitiveShapes);
+  const std::vector<double> v = config::read_numbers(size, key + ".size", num_sizes(out.kind), Range::positive());
   for (std::size_t i = 0; i < v.size(); ++i) out.size[static_cast<Eigen::Index>(i)] = v[i];
   return out;
 }
 
 Motion motion_from_node(const Node& node, const std::string& key) {
-  enum class Kind { kStatic, kLinear, kPath, kCircle, kSpline };
   MapReader in(node, key);
-  Kind kind = Kind::kStatic;
+  auto kind = MotionKind::kStatic;
   in.require("kind", "static, linear, path, circle or spline");
-  in.read_enum<Kind>("kind", kind,
-                     {{"static", Kind::kStatic},
-                      {"linear", Kind::kLinear},
-                      {"path", Kind::kPath},
-                      {"circle", Kind::kCircle},
-                      {"spline", Kind::kSpline}});
+  in.read_enum("kind", kind);
   Motion out;
   switch (kind) {
-    case Kind::kStatic:
+    case MotionKind::kStatic:
       break;
-    case Kind::kLinear:
+    case MotionKind::kLinear:
       out = LinearMotion{vector6(in.require("velocity", "[angular; linear], six numbers"), in.key_of("velocity"))};
       break;
-    case Kind::kPath: {
+    case MotionKind::kPath: {
       PathMotion path;
       path.times = knot_times(in);
       path.positions = knot_positions(in, path.times.size());
@@ -194,7 +172,7 @@ Motion motion_from_node(const Node& node, const std::string& key) {
       out = std::move(path);
       break;
     }
-    case Kind::kCircle: {
+    case MotionKind::kCircle: {
       CircleMotion circle;
       circle.center = vector3(in.require("center", "[x, y, z]"), in.key_of("center"));
       circle.axis = vector3(in.require("axis", "a direction [x, y, z]"), in.key_of("axis"));
@@ -203,7 +181,7 @@ Motion motion_from_node(const Node& node, const std::string& key) {
       out = circle;
       break;
     }
-    case Kind::kSpline: {
+    case MotionKind::kSpline: {
       SplineMotion spline;
       spline.times = knot_times(in);
       spline.positions = knot_positions(in, spline.times.size());
@@ -221,22 +199,23 @@ Json to_json(const Motion& motion) {
     for (const auto& value : values) out.push_back(json_of(value));
     return out;
   };
+  const auto kind = to_string(static_cast<MotionKind>(motion.index()));
   return std::visit(
       [&](const auto& m) -> Json {
         using Kind = std::decay_t<decltype(m)>;
         if constexpr (std::is_same_v<Kind, StaticMotion>) {
-          return {{"kind", "static"}};
+          return {{"kind", kind}};
         } else if constexpr (std::is_same_v<Kind, LinearMotion>) {
-          return {{"kind", "linear"}, {"velocity", json_of(m.V_W)}};
+          return {{"kind", kind}, {"velocity", json_of(m.V_W)}};
         } else if constexpr (std::is_same_v<Kind, PathMotion>) {
-          return {{"kind", "path"},
+          return {{"kind", kind},
                   {"times", m.times},
                   {"positions", list(m.positions)},
                   {"quaternions", list(m.quaternions)}};
         } else if constexpr (std::is_same_v<Kind, CircleMotion>) {
-          return {{"kind", "circle"}, {"center", json_of(m.center)}, {"axis", json_of(m.axis)}, {"rate", m.rate}};
+          return {{"kind", kind}, {"center", json_of(m.center)}, {"axis", json_of(m.axis)}, {"rate", m.rate}};
         } else {
-          return {{"kind", "spline"}, {"times", m.times}, {"positions", list(m.positions)}};
+          return {{"kind", kind}, {"times", m.times}, {"positions", list(m.positions)}};
         }
       },
       motion);
@@ -245,7 +224,7 @@ Json to_json(const Motion& motion) {
 Json to_json(const World& world) {
   Json objects = Json::array();
   for (const WorldObject& o : world.objects) {
-    const int count = size_count(o.shape.kind);
+    const int count = num_sizes(o.shape.kind);
     const Vector6 velocity = evaluate(o.motion, o.X_WO, 0.0).V_W;
     objects.push_back({{"name", o.name},
                        {"shape", to_string(o.shape.kind)},

@@ -31,7 +31,7 @@ EscapeState candidate(const EscapeParams& params, const Kinematics& kinematics, 
   const auto k = static_cast<std::size_t>(index - 3);
   const double angle = kAngles[k % kAngles.size()], length = kLengths[k / kAngles.size()];
   const Vector3 p_WE = kinematics.X_WE().translation();
-  const bool mobile = kinematics.model().base.type != BaseType::kFixed;
+  const bool mobile = kinematics.model().mobile();
   const Vector3 from = kinematics.X_WL(mobile ? 0 : 1).translation();
   const Vector3 e_h = heading(goal.X_WG.translation() - p_WE, kinematics.X_WB().linear().col(0));
   state.detour = true;

@@ -52,7 +52,7 @@ Lookahead::Lookahead(std::shared_ptr<const RobotModel> model, const ControllerPa
       escape_(params.escape),
       servo_(params.servo),
       dt_(control_period),
-      base_(model->base.type),
+      mobile_(model->mobile()),
       choice_(model, params),
       watch_(model, planner().limits()),
       bounds_(*model, late_limits(params), control_period),
@@ -213,7 +213,7 @@ void Lookahead::decide_among_traffic() noexcept {
 
 void Lookahead::follow(const Observation& o) noexcept {
   PlanBrief& brief = state_.brief;
-  shift_ = shift_of_goal(base_, state_.path.X_WG, o.goal.X_WG);
+  shift_ = shift_of_goal(mobile_, state_.path.X_WG, o.goal.X_WG);
   // The clock waits for what will pass.
   long looks = kWatched;
   const double met =

@@ -85,7 +85,7 @@ class Lookahead {
   EscapeParams escape_;
   ServoParams servo_;
   double dt_;
-  BaseType base_;
+  bool mobile_;
   Choice choice_;
   PathWatch watch_;
   VelocityBounds bounds_;

@@ -62,16 +62,10 @@ VectorX read_named(const Node& node, const std::string& key, const std::vector<s
 Shape read_shape(MapReader& in) {
   Shape shape;
   in.require("shape", "sphere, box, cylinder or capsule");
-  in.read_enum("shape", shape.kind,
-               {{"sphere", ShapeKind::kSphere},
-                {"box", ShapeKind::kBox},
-                {"cylinder", ShapeKind::kCylinder},
-                {"capsule", ShapeKind::kCapsule}});
+  in.read_enum<ShapeKind>("shape", shape.kind, kPrimitiveShapes);
   const Node& size = in.require("size", "the shape's size in metres");
   const std::string key = in.key_of("size");
-  int count = 2;
-  if (shape.kind == ShapeKind::kSphere) count = 1;
-  if (shape.kind == ShapeKind::kBox) count = 3;
+  const int count = num_sizes(shape.kind);
   if (size.kind != Node::Kind::kSequence || static_cast<int>(size.items.size()) != count) {
     static constexpr const char* kWanted[] = {"[radius]", "[x, y, z], full edge lengths", "[radius, length]",
                                               "[radius, length without caps]"};
@@ -155,7 +149,7 @@ void read_state(const Node& node, const RobotModel& model, ControlCase& c) {
   }
   read_remembered(in, c.memory);
   // A fixed base may stand anywhere, but it has to stand somewhere only where it can move.
-  if (model.base.type != BaseType::kFixed) in.require("base", "[x, y, phi] of the base in metres and radians");
+  if (model.mobile()) in.require("base", "[x, y, phi] of the base in metres and radians");
   if (const Node* base = in.get("base")) out.base = read_vector3(*base, in.key_of("base"));
   std::vector<std::string> joints;
   for (const ControlledJoint& joint : model.joints) joints.push_back(joint.name);

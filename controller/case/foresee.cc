@@ -75,7 +75,7 @@ std::string place(const Rollout& rollout) {
   const Vector3& base = rollout.state().base;
   std::string out =
       text("%6.2f s  goal %.3f m, %.3f rad away", rollout.time(), r.error.tail<3>().norm(), r.error.head<3>().norm());
-  if (rollout.policy().model().base.type != BaseType::kFixed)
+  if (rollout.policy().model().mobile())
     out += text("; base at (%.2f, %.2f), heading %.2f", base.x(), base.y(), base.z());
   if (std::isfinite(r.least_distance)) out += text("; nearest object %.3f m", r.least_distance);
   return out + "\n";

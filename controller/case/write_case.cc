@@ -26,7 +26,7 @@ Json goal_json(const GoalState& goal) {
 }
 
 Json object_json(const ObjectShape& object, const ObjectState& state) {
-  const int sizes = object.shape.kind == ShapeKind::kSphere ? 1 : object.shape.kind == ShapeKind::kBox ? 3 : 2;
+  const int sizes = num_sizes(object.shape.kind);
   if (object.shape.kind == ShapeKind::kConvex)
     throw std::invalid_argument("object " + object.name + " is a mesh: a case file has no word for it");
   Json json = {{"name", object.name},

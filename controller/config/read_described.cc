@@ -8,12 +8,6 @@ bool is_word(const Node& node, std::string_view word) {
   return node.kind == Node::Kind::kScalar && node.scalar == word;
 }
 
-std::size_t read_choice(const Node& node, const std::string& key, std::vector<std::string> words) {
-  for (std::size_t i = 0; i < words.size(); ++i)
-    if (is_word(node, words[i])) return i;
-  fail_choice(node, key, words);
-}
-
 std::vector<double> read_list(const Node& node, const std::string& key, int count, const About& about) {
   if (!about.one_for_all || node.kind == Node::Kind::kSequence) return read_numbers(node, key, count, about.range);
   const double value = read_number(node, key, about.range);

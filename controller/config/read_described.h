@@ -35,8 +35,6 @@ void read_described(const Node& node, const std::string& key, T& value, const Le
 namespace description {
 
 bool is_word(const Node& node, std::string_view word);
-/// The place of the word among `words`; an error that lists them and names the nearest.
-std::size_t read_choice(const Node& node, const std::string& key, std::vector<std::string> words);
 /// A list, of `count` numbers where that is not negative; with `one_for_all` also one number for as many.
 std::vector<double> read_list(const Node& node, const std::string& key, int count, const About& about);
 /// Throws where a text stands that is no number: the message says that `word` would have been one.
@@ -66,8 +64,7 @@ void read_any(const Node& node, const std::string& key, V& value, const About& a
   } else if constexpr (std::same_as<V, std::string>) {
     value = read_string(node, key);
   } else if constexpr (Worded<V>) {
-    constexpr auto all = words(Of<V>{});
-    value = static_cast<V>(read_choice(node, key, {all.begin(), all.end()}));
+    value = read_word<V>(node, key);
   } else if constexpr (Numbers<V>) {
     const int count = fixed_length<V> > 0 ? fixed_length<V> : lengths.of(about.per);
     const std::vector<double> list = read_list(node, key, count, about);

@@ -1,11 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
-#include <initializer_list>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "controller/config/node.h"
@@ -29,6 +29,10 @@ std::string found_text(const Node& node);
 /// A text that is none of `names`: lists them and says which is near.
 [[noreturn]] void fail_choice(const Node& found, const std::string& key, const std::vector<std::string>& names);
 
+/// One of the words that stand beside the enumeration, where any are given one of the `allowed`; the error lists them.
+template <Worded Enum>
+Enum read_word(const Node& node, const std::string& key, std::span<const Enum> allowed = {});
+
 /// Strict reader of one map: every key must be read exactly by name; finish() makes any other key an error that
 /// names the nearest known one. Missing optional keys leave the target as it is. Null counts as missing.
 class MapReader {
@@ -50,12 +54,9 @@ class MapReader {
   void read(std::string_view name, unsigned long long& value);
   void read(std::string_view name, bool& value);
   void read(std::string_view name, std::string& value);
-  /// Sets `value` by name; the error lists all names.
-  template <typename Enum>
-  void read_enum(std::string_view name, Enum& value, std::initializer_list<std::pair<const char*, Enum>> names);
-  /// The same by the words that stand beside the enumeration.
+  /// As read_word().
   template <Worded Enum>
-  void read_enum(std::string_view name, Enum& value);
+  void read_enum(std::string_view name, Enum& value, std::span<const Enum> allowed = {});
 
   /// Throws ConfigError at this map (or at the named key, where it was given).
   [[noreturn]] void fail(const std::string& message) const;
@@ -73,31 +74,22 @@ class MapReader {
   std::vector<std::string> known_;
 };
 
-template <typename Enum>
-void MapReader::read_enum(std::string_view name, Enum& value,
-                          std::initializer_list<std::pair<const char*, Enum>> names) {
-  const Node* node = get(name);
-  if (node == nullptr) return;
-  std::vector<std::string> all;
-  for (const auto& [text, option] : names) {
-    if (node->kind == Node::Kind::kScalar && node->scalar == text) {
-      value = option;
-      return;
-    }
-    all.emplace_back(text);
-  }
-  fail_choice(*node, key_of(name), all);
+template <Worded Enum>
+Enum read_word(const Node& node, const std::string& key, std::span<const Enum> allowed) {
+  const std::optional<Enum> named =
+      node.kind == Node::Kind::kScalar ? from_string<Enum>(node.scalar) : std::optional<Enum>();
+  if (named.has_value() && (allowed.empty() || std::find(allowed.begin(), allowed.end(), *named) != allowed.end()))
+    return *named;
+  constexpr auto all = words(Of<Enum>{});
+  std::vector<std::string> names(all.begin(), all.end());
+  if (!allowed.empty()) names.clear();
+  for (const Enum value : allowed) names.emplace_back(to_string(value));
+  fail_choice(node, key, names);
 }
 
 template <Worded Enum>
-void MapReader::read_enum(std::string_view name, Enum& value) {
-  const Node* node = get(name);
-  if (node == nullptr) return;
-  const std::optional<Enum> named =
-      node->kind == Node::Kind::kScalar ? from_string<Enum>(node->scalar) : std::optional<Enum>();
-  constexpr auto all = words(Of<Enum>{});
-  if (!named.has_value()) fail_choice(*node, key_of(name), {all.begin(), all.end()});
-  value = *named;
+void MapReader::read_enum(std::string_view name, Enum& value, std::span<const Enum> allowed) {
+  if (const Node* node = get(name)) value = read_word<Enum>(*node, key_of(name), allowed);
 }
 
 }  // namespace moma::config

@@ -79,17 +79,14 @@ void read_base(MapReader& robot, RobotBuild& build) {
   MapReader in(node != nullptr ? *node : kNone, robot.key_of("base"));
   MobileBase& base = build.model.base;
   nlohmann::ordered_json& written = build.resolved["base"];
-  in.read_enum("type", base.type,
-               {{"fixed", BaseType::kFixed},
-                {"differential", BaseType::kDifferential},
-                {"omnidirectional", BaseType::kOmnidirectional}});
+  in.read_enum("type", base.type);
   written["type"] = std::string(to_string(base.type));
   if (const Node* mount = in.get("mount")) {
     MapReader at(*mount, in.key_of("mount"));
     base.X_BM = read_pose(at, written["mount"]);
     at.finish();
   }
-  const bool mobile = build.model.base_dof() > 0;
+  const bool mobile = build.model.mobile();
   if (mobile) {
     in.require("max_linear", "the base's largest speed [m/s]");
     in.require("max_angular", "the base's largest turning speed [rad/s]");

@@ -25,7 +25,7 @@ nlohmann::ordered_json shape_to_json(const RobotModel& model, const CollisionSha
     for (const Eigen::Vector3i& t : shape.shape.hull->triangles)
       for (const int i : t) triangles.push_back(i);
   } else {
-    const int count = shape.shape.kind == ShapeKind::kSphere ? 1 : shape.shape.kind == ShapeKind::kBox ? 3 : 2;
+    const int count = num_sizes(shape.shape.kind);
     json["size"] = to_json_list(shape.shape.size.head(count));
   }
   json["position"] = to_json_list(shape.X_LS.translation());
@@ -54,12 +54,7 @@ std::shared_ptr<const ConvexHull> read_hull(MapReader& in) {
 Shape read_shape(MapReader& in) {
   Shape shape;
   in.require("shape", "sphere, box, cylinder or capsule");
-  in.read_enum("shape", shape.kind,
-               {{"sphere", ShapeKind::kSphere},
-                {"box", ShapeKind::kBox},
-                {"cylinder", ShapeKind::kCylinder},
-                {"capsule", ShapeKind::kCapsule},
-                {"convex", ShapeKind::kConvex}});
+  in.read_enum("shape", shape.kind);
   if (shape.kind == ShapeKind::kConvex) {
     shape.hull = read_hull(in);
     return shape;

@@ -233,7 +233,7 @@ RobotFit fit_robot(const fs::path& robot_file, const FitOptions& options) {
     source.refuse("every link with collision geometry in the URDF has shapes under collision.shapes: nothing to fit");
   for (const auto& [link, elements] : links) {
     FitOptions of_link = options;
-    if (model->base.type != BaseType::kFixed && !config::can_move_against(*model, 0, model->find_link(link)))
+    if (model->mobile() && !config::can_move_against(*model, 0, model->find_link(link)))
       of_link.kinds.box_weight = kBaseBoxWeight;
     result.links.push_back(fit_link(link, elements, of_link));
   }

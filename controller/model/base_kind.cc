@@ -1,6 +1,7 @@
 #include "controller/model/base_kind.h"
 
 #include <cstddef>
+#include <iterator>
 
 namespace moma {
 namespace {
@@ -31,6 +32,7 @@ constexpr BaseKind kKinds[] = {
     {kUnicycle, kTwoWheels, false, driven_wheel},
     {kPlanar, kFourWheels, true, mecanum_wheel},
 };
+static_assert(std::size(kKinds) == words(Of<BaseType>{}).size());
 
 }  // namespace
 

@@ -25,6 +25,8 @@ struct BaseKind {
   int num_linear() const noexcept { return dof() > 0 ? dof() - 1 : 0; }
   /// Whether it goes sideways: drives then bound (v_x, v_y) as one vector.
   bool lateral() const noexcept { return num_linear() == 2; }
+  /// Whether it goes along its heading only, and has to turn for all else.
+  bool nonholonomic() const noexcept { return num_linear() == 1; }
 
   /// (v_x, v_y, omega) in base axes of the leading dof() coordinates of `v`, and back: what a base that does not go
   /// sideways has of v_y is left out.

@@ -4,31 +4,7 @@
 
 namespace moma {
 
-std::string_view to_string(BaseType type) noexcept {
-  switch (type) {
-    case BaseType::kFixed:
-      return "fixed";
-    case BaseType::kDifferential:
-      return "differential";
-    case BaseType::kOmnidirectional:
-      return "omnidirectional";
-  }
-  return "?";
-}
-
-std::string_view to_string(JointType type) noexcept {
-  switch (type) {
-    case JointType::kFixed:
-      return "fixed";
-    case JointType::kRevolute:
-      return "revolute";
-    case JointType::kContinuous:
-      return "continuous";
-    case JointType::kPrismatic:
-      return "prismatic";
-  }
-  return "?";
-}
+int RobotModel::base_dof() const noexcept { return kind_of(base.type).dof(); }
 
 int RobotModel::find_link(std::string_view link_name) const noexcept {
   for (std::size_t i = 0; i < links.size(); ++i)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -7,19 +8,24 @@
 #include <string_view>
 #include <vector>
 
+#include "controller/describe/enumeration.h"
 #include "controller/model/shape.h"
 #include "controller/types.h"
 
 namespace moma {
 
 enum class BaseType { kFixed, kDifferential, kOmnidirectional };
+constexpr auto words(Of<BaseType>) {
+  return std::to_array<std::string_view>({"fixed", "differential", "omnidirectional"});
+}
+
 enum class JointType { kFixed, kRevolute, kContinuous, kPrismatic };
+constexpr auto words(Of<JointType>) {
+  return std::to_array<std::string_view>({"fixed", "revolute", "continuous", "prismatic"});
+}
 
 /// Most controlled joints of a robot: buffers of the control step are sized for them.
 inline constexpr int kMaxJoints = 64;
-
-std::string_view to_string(BaseType type) noexcept;
-std::string_view to_string(JointType type) noexcept;
 
 struct Inertial {
   double mass = 0.0;                ///< [kg]
@@ -99,10 +105,10 @@ struct RobotModel {
   std::vector<SelfPair> self_pairs;
 
   int num_joints() const noexcept { return static_cast<int>(joints.size()); }
-  /// 0, 2 or 3.
-  int base_dof() const noexcept {
-    return base.type == BaseType::kFixed ? 0 : base.type == BaseType::kDifferential ? 2 : 3;
-  }
+  /// As many as the base's kind has (model/base_kind.h); 0 where it is fixed.
+  int base_dof() const noexcept;
+  /// Whether the base moves.
+  bool mobile() const noexcept { return base_dof() > 0; }
   int num_velocities() const noexcept { return base_dof() + num_joints(); }
   /// -1 where there is none.
   int find_link(std::string_view link_name) const noexcept;

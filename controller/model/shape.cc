@@ -12,20 +12,19 @@ double sign(double value) noexcept { return value < 0.0 ? -1.0 : 1.0; }
 
 }  // namespace
 
-std::string_view to_string(ShapeKind kind) noexcept {
+int num_sizes(ShapeKind kind) noexcept {
   switch (kind) {
     case ShapeKind::kSphere:
-      return "sphere";
+      return 1;
     case ShapeKind::kBox:
-      return "box";
+      return 3;
     case ShapeKind::kCylinder:
-      return "cylinder";
     case ShapeKind::kCapsule:
-      return "capsule";
+      return 2;
     case ShapeKind::kConvex:
-      return "convex";
+      break;
   }
-  return "?";
+  return 0;
 }
 
 double bounding_radius(const Shape& shape) noexcept {

@@ -1,14 +1,23 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string_view>
 #include <vector>
 
+#include "controller/describe/enumeration.h"
 #include "controller/types.h"
 
 namespace moma {
 
 enum class ShapeKind { kSphere, kBox, kCylinder, kCapsule, kConvex };
+constexpr auto words(Of<ShapeKind>) {
+  return std::to_array<std::string_view>({"sphere", "box", "cylinder", "capsule", "convex"});
+}
+
+/// The kinds that a few numbers describe.
+inline constexpr std::array kPrimitiveShapes{ShapeKind::kSphere, ShapeKind::kBox, ShapeKind::kCylinder,
+                                             ShapeKind::kCapsule};
 
 /// Convex hull of a mesh: its vertices in the shape's frame and the triangles of its surface
 /// (indices into `vertices`, counter-clockwise seen from outside). Shared because hulls are large.
@@ -26,8 +35,8 @@ struct Shape {
   std::shared_ptr<const ConvexHull> hull;
 };
 
-/// Names as files spell them: sphere, box, cylinder, capsule, convex.
-std::string_view to_string(ShapeKind kind) noexcept;
+/// How many numbers of `size` a shape of this kind has: 1, 3, 2, 2 and 0.
+int num_sizes(ShapeKind kind) noexcept;
 
 /// Radius about the shape's origin of a sphere that encloses it [m].
 double bounding_radius(const Shape& shape) noexcept;

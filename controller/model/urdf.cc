@@ -294,24 +294,6 @@ UrdfTree parse(const std::string& text, UrdfReading reading) {
 
 }  // namespace
 
-std::string_view to_string(UrdfJointType type) noexcept {
-  switch (type) {
-    case UrdfJointType::kFixed:
-      return "fixed";
-    case UrdfJointType::kRevolute:
-      return "revolute";
-    case UrdfJointType::kContinuous:
-      return "continuous";
-    case UrdfJointType::kPrismatic:
-      return "prismatic";
-    case UrdfJointType::kFloating:
-      return "floating";
-    case UrdfJointType::kPlanar:
-      return "planar";
-  }
-  return "?";
-}
-
 UrdfTree read_urdf(const std::string& text, UrdfReading reading) {
   try {
     return parse(text, reading);

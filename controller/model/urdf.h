@@ -16,8 +16,9 @@ class UrdfError : public std::runtime_error {
 };
 
 enum class UrdfJointType { kFixed, kRevolute, kContinuous, kPrismatic, kFloating, kPlanar };
-
-std::string_view to_string(UrdfJointType type) noexcept;
+constexpr auto words(Of<UrdfJointType>) {
+  return std::to_array<std::string_view>({"fixed", "revolute", "continuous", "prismatic", "floating", "planar"});
+}
 
 /// value = multiplier * (value of `joint`) + offset.
 struct UrdfMimic {

@@ -20,12 +20,18 @@ double lever_of(const RobotModel& model, const ControlledJoint& joint) {
   return kBent * std::min(length, kLongest);
 }
 
-// The part of the base's speeds at which no wheel is too fast, whichever way it drives and turns.
+// The part of the base's speeds at which no wheel is too fast, whichever way it drives and turns. One that goes along
+// its heading does not turn meanwhile.
 double wheels_part(const MobileBase& base) {
-  if (!base.wheels || base.type != BaseType::kOmnidirectional) return 1.0;
+  const BaseKind& kind = kind_of(base.type);
+  if (!base.wheels || !kind.lateral()) return 1.0;
   const Wheels& w = *base.wheels;
-  const double k = 0.5 * (w.wheelbase + w.separation);
-  const double fastest = (std::numbers::sqrt2 * base.max_linear + k * base.max_angular) / w.radius;
+  double fastest = 0.0;  // of a wheel's rim [m/s]
+  for (int i = 0; i < static_cast<int>(kind.wheel_names.size()); ++i) {
+    const Vector3 row = w.radius * kind.wheel_row(w, i);
+    fastest = std::max(fastest, row.head<2>().norm() * base.max_linear + std::abs(row.z()) * base.max_angular);
+  }
+  fastest /= w.radius;
   return fastest > w.max_speed ? w.max_speed / fastest : 1.0;
 }
 
@@ -34,7 +40,7 @@ double wheels_part(const MobileBase& base) {
 double wrapped(double angle) noexcept { return std::remainder(angle, 2.0 * std::numbers::pi); }
 
 MotionLimits::MotionLimits(const RobotModel& model, const ControllerParams& params)
-    : base(model.base.type),
+    : base(&kind_of(model.base.type)),
       lower(model.num_joints()),
       upper(model.num_joints()),
       margin(model.num_joints()),

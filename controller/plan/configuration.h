@@ -1,5 +1,6 @@
 #pragma once
 
+#include "controller/model/base_kind.h"
 #include "controller/model/robot_model.h"
 #include "controller/params.h"
 #include "controller/plan/plan_params.h"
@@ -17,7 +18,7 @@ double wrapped(double angle) noexcept;
 struct MotionLimits {
   MotionLimits(const RobotModel& model, const ControllerParams& params);
 
-  BaseType base;
+  const BaseKind* base;
   VectorX lower, upper;         ///< of the joints; +-pi for one without limits [rad, m]
   VectorX margin;               ///< that a path keeps from them
   VectorX joint_speed;          ///< [rad/s, m/s]
@@ -29,6 +30,7 @@ struct MotionLimits {
   double base_lever = 0.8;      ///< and per turn of the base [m/rad]
 
   int num_joints() const noexcept { return static_cast<int>(lower.size()); }
+  bool mobile() const noexcept { return base->dof() > 0; }
 };
 
 /// Squared distance of two configurations, in which a metre of the base's way, 3.3 rad of its heading and 4 rad of a

@@ -51,7 +51,7 @@ void make_edge(const MotionLimits& limits, const WholeConfiguration& a, const Wh
   edge.turn1 = edge.turn2 = edge.drive = 0.0;
   edge.first = edge.middle = edge.last = {};
   edge.arm = arm_time(limits, a, b);
-  if (limits.base == BaseType::kDifferential) {
+  if (limits.base->nonholonomic()) {
     const BaseWay way = differential_way(a, b);
     edge.turn1 = way.turn1;
     edge.drive = way.drive;
@@ -59,7 +59,7 @@ void make_edge(const MotionLimits& limits, const WholeConfiguration& a, const Wh
     edge.first = quickest_way(way.turn1, limits.angular, limits.angular_acceleration);
     edge.middle = quickest_way(way.drive, limits.linear, limits.linear_acceleration);
     edge.last = quickest_way(way.turn2, limits.angular, limits.angular_acceleration);
-  } else if (limits.base == BaseType::kOmnidirectional) {
+  } else if (limits.base->lateral()) {
     edge.drive = (b.head<2>() - a.head<2>()).norm();
     edge.turn1 = wrapped(b[2] - a[2]);
     const double turn = std::abs(edge.turn1);
@@ -78,7 +78,7 @@ void edge_at(const MotionLimits& limits, const Edge& edge, double t, WholeConfig
   const double base = edge.base_time();
   if (base <= 0.0) return;
   double x = std::clamp(t / edge.time, 0.0, 1.0) * base;  // slower where the arm takes longer
-  if (limits.base == BaseType::kOmnidirectional) {
+  if (limits.base->lateral()) {
     const double part = edge.middle.part(x);
     c.head<2>() += part * (edge.b - edge.a).head<2>();
     c[2] += part * edge.turn1;
@@ -106,7 +106,7 @@ double edge_time(const MotionLimits& limits, const WholeConfiguration& a, const 
 }
 
 void head_along(const MotionLimits& limits, const WholeConfiguration& a, double near, WholeConfiguration& b) noexcept {
-  if (limits.base == BaseType::kDifferential) {
+  if (limits.base->nonholonomic()) {
     const Vector2 way = b.head<2>() - a.head<2>();
     if (way.norm() > near) {
       const double bearing = std::atan2(way.y(), way.x());

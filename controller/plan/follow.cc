@@ -22,9 +22,9 @@ WholeConfiguration PlanarShift::of(const WholeConfiguration& c) const noexcept {
   return out;
 }
 
-PlanarShift shift_of_goal(BaseType base, const Isometry& X_WG_then, const Isometry& X_WG_now) noexcept {
+PlanarShift shift_of_goal(bool mobile, const Isometry& X_WG_then, const Isometry& X_WG_now) noexcept {
   PlanarShift shift;
-  if (base == BaseType::kFixed) return shift;
+  if (!mobile) return shift;
   // The turn about z that is nearest to the goal's rotation (in the Frobenius norm).
   const Matrix3 R = X_WG_now.linear() * X_WG_then.linear().transpose();
   shift.turn = std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1));
@@ -47,8 +47,7 @@ FollowStep follow_path(const MotionLimits& limits, const PlanParams& params, con
   for (int i = 0; i < joints; ++i) joint = std::max(joint, std::abs(here[3 + i] - o.q[i]));
   FollowStep step;
   step.lag =
-      std::max(kJointLag * joint,
-               limits.base == BaseType::kFixed ? 0.0 : std::max(std::hypot(ex, ey), kHeadingLag * std::abs(turn)));
+      std::max(kJointLag * joint, !limits.mobile() ? 0.0 : std::max(std::hypot(ex, ey), kHeadingLag * std::abs(turn)));
   step.rate = std::clamp(1.5 - step.lag / params.lag, 0.0, most_rate);
   const double per_second = step.rate / dt;
   const double cs = std::cos(o.base.z()), sn = std::sin(o.base.z());
@@ -57,11 +56,11 @@ FollowStep follow_path(const MotionLimits& limits, const PlanParams& params, con
   const double omega = per_second * (next[2] - here[2]);
   const double k = params.gain;
   u.setZero();
-  if (limits.base == BaseType::kDifferential) {
+  if (limits.base->nonholonomic()) {
     const double forwards = std::cos(here[2]) * vx + std::sin(here[2]) * vy;
     u[0] = forwards * std::cos(turn) + k * along;
     u[1] = omega + k * turn + kAcross * forwards * across;
-  } else if (limits.base == BaseType::kOmnidirectional) {
+  } else if (limits.base->lateral()) {
     u[0] = cs * vx + sn * vy + k * along;
     u[1] = -sn * vx + cs * vy + k * across;
     u[2] = omega + k * turn;

@@ -15,7 +15,7 @@ struct PlanarShift {
 
 /// The shift that takes the goal from where it was to where it is seen now: odometry drifts, and the path goes to where
 /// the goal is. No shift for a robot that is bolted down.
-PlanarShift shift_of_goal(BaseType base, const Isometry& X_WG_then, const Isometry& X_WG_now) noexcept;
+PlanarShift shift_of_goal(bool mobile, const Isometry& X_WG_then, const Isometry& X_WG_now) noexcept;
 
 /// One step of following.
 struct FollowStep {

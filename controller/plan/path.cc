@@ -99,11 +99,11 @@ bool lay_path(const MotionLimits& limits, std::span<const Edge> edges, double ov
       if (first < 0.0) first = start;
     };
     const Vector2 way = (edge.b - edge.a).head<2>();
-    if (limits.base == BaseType::kDifferential) {
+    if (limits.base->nonholonomic()) {
       base(Kind::kTurn, edge.first, {0.0, 0.0, edge.turn1});
       base(Kind::kDrive, edge.middle, {way.x(), way.y(), 0.0});
       base(Kind::kTurn, edge.last, {0.0, 0.0, edge.turn2});
-    } else if (limits.base == BaseType::kOmnidirectional) {
+    } else if (limits.base->lateral()) {
       base(Kind::kDrive, edge.middle, {way.x(), way.y(), edge.turn1});
     }
     if (edge.arm.time <= 0.0) continue;

@@ -111,8 +111,8 @@ int Search::grow(FreeSpace& space, Tree& tree, int from, const WholeConfiguratio
     const double f = kStep / way;
     b = a + f * (target - a);
     b[2] = target[2];
-    const bool mobile = limits_->base != BaseType::kFixed;
-    if (limits_->base == BaseType::kDifferential && (b - a).head<2>().norm() > kShortWay)
+    const bool mobile = limits_->mobile();
+    if (limits_->base->nonholonomic() && (b - a).head<2>().norm() > kShortWay)
       head_along(*limits_, a, kShortWay, b);
     else
       b[2] = mobile ? a[2] + f * wrapped(target[2] - a[2]) : a[2];
@@ -149,7 +149,7 @@ bool Search::join(int from_start, int from_goal) noexcept {
 void Search::sample(const FreeSpace& space, CountedDraws& draws, WholeConfiguration& c) const noexcept {
   constexpr double kTucked = 0.45, kBetween = 0.65, kNearGoal = 0.8, kNearStart = 0.9;
   constexpr int kTries = 10;
-  const bool mobile = limits_->base != BaseType::kFixed;
+  const bool mobile = limits_->mobile();
   const int joints = limits_->num_joints();
   c = task_.start;
   if (mobile) {

@@ -38,7 +38,7 @@ double sprawl(const RobotModel& model, const Kinematics& kinematics, const Eigen
 
 VectorX tucked_arm(const RobotModel& model, FreeSpace& space, const Clearances& clearances) {
   VectorX best = model.ready;
-  if (model.base.type == BaseType::kFixed) return best;
+  if (!model.mobile()) return best;
   const MotionLimits& limits = space.limits();
   const int joints = limits.num_joints();
   WholeConfiguration c = WholeConfiguration::Zero(3 + joints);

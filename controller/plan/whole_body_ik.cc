@@ -42,7 +42,7 @@ double shortened(double length, double most) noexcept { return length > most ? m
 WholeBodyIk::WholeBodyIk(std::shared_ptr<const RobotModel> model, const MotionLimits& limits)
     : model_(std::move(model)),
       limits_(&limits),
-      mobile_(limits.base != BaseType::kFixed),
+      mobile_(limits.mobile()),
       lower_(limits.num_joints()),
       upper_(limits.num_joints()) {
   for (int i = 0; i < limits.num_joints(); ++i) {

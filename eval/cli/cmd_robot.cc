@@ -32,7 +32,7 @@ void print_base(const RobotModel& model) {
   std::cout << fmt::format("{}: {} base, {} joints, {} links, {} collision shapes, {} self-collision pairs\n",
                            terminal_safe(model.name), to_string(base.type), model.num_joints(), model.links.size() - 1,
                            model.shapes.size(), model.self_pairs.size());
-  if (base.type != BaseType::kFixed) {
+  if (model.mobile()) {
     std::cout << fmt::format("base: at most {:.4g} m/s, {:.4g} rad/s; {:.4g} m/s^2, {:.4g} rad/s^2", base.max_linear,
                              base.max_angular, base.max_acceleration.x(), base.max_acceleration.y());
     if (base.wheels) {

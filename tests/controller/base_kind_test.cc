@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "controller/model/kinematics.h"
 #include "tests/controller/qp_robots.h"
@@ -16,13 +17,19 @@ namespace {
 
 using namespace test;
 
-constexpr BaseType kTypes[] = {BaseType::kFixed, BaseType::kDifferential, BaseType::kOmnidirectional};
+std::vector<BaseType> all_types() {
+  std::vector<BaseType> all;
+  for (std::size_t i = 0; i < words(Of<BaseType>{}).size(); ++i) all.push_back(static_cast<BaseType>(i));
+  return all;
+}
 
 TEST(BaseKind, CoordinatesAndVelocitiesAreEachOthersInverse) {
   EXPECT_EQ(kind_of(BaseType::kFixed).dof(), 0);
   EXPECT_EQ(kind_of(BaseType::kDifferential).dof(), 2);
   EXPECT_EQ(kind_of(BaseType::kOmnidirectional).dof(), 3);
-  for (const BaseType type : kTypes) {
+  EXPECT_TRUE(kind_of(BaseType::kDifferential).nonholonomic());
+  EXPECT_TRUE(kind_of(BaseType::kOmnidirectional).lateral());
+  for (const BaseType type : all_types()) {
     const BaseKind& kind = kind_of(type);
     VectorX v(kind.dof() + 2);  // joints follow
     for (Eigen::Index i = 0; i < v.size(); ++i) v[i] = 0.25 + static_cast<double>(i);
@@ -32,10 +39,11 @@ TEST(BaseKind, CoordinatesAndVelocitiesAreEachOthersInverse) {
     back.head(kind.dof()).setZero();
     kind.set_coordinates(V_B, back);
     EXPECT_EQ(back, v) << to_string(type);
-    EXPECT_EQ(kind.lateral(), type == BaseType::kOmnidirectional);
+    EXPECT_EQ(kind.lateral() || kind.nonholonomic(), kind.dof() > 0) << to_string(type);
     RobotModel robot;
     robot.base.type = type;
     EXPECT_EQ(robot.base_dof(), kind.dof()) << to_string(type);
+    EXPECT_EQ(robot.mobile(), kind.dof() > 0) << to_string(type);
   }
 }
 
@@ -61,7 +69,7 @@ TEST(BaseKind, MovesAsItsNamesSay) {
 TEST(BaseKind, WheelsAreNamedApartAndTurnByTheirCoordinatesOnly) {
   Wheels wheels;
   wheels.wheelbase = 0.4;
-  for (const BaseType type : kTypes) {
+  for (const BaseType type : all_types()) {
     const BaseKind& kind = kind_of(type);
     EXPECT_EQ(kind.wheel_row != nullptr, !kind.wheel_names.empty());
     std::set<std::string_view> names(kind.wheel_names.begin(), kind.wheel_names.end());

@@ -144,7 +144,7 @@ TEST_P(Ahead, ARolloutSaysWhyItStops) {
 }
 
 TEST_P(Ahead, GetsRoundAWallThatThePolicyDoesNot) {
-  if (model->base.type == BaseType::kFixed) GTEST_SKIP() << "only for a mobile robot";
+  if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
   int with = 0, without = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const Scene scene = behind_a_wall(model, seed);
@@ -187,7 +187,7 @@ TEST_P(Ahead, TheSameInputsGiveTheSameBits) {
 
 // While a choice is worked out the robot does what the policy alone would do, bit for bit, and does not stand.
 TEST_P(Ahead, GoesOnWhileItChooses) {
-  if (model->base.type == BaseType::kFixed) GTEST_SKIP() << "only for a mobile robot";
+  if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
   int going_on = 0, chosen = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const Scene scene = behind_a_wall(model, seed);
@@ -218,7 +218,7 @@ TEST_P(Ahead, GoesOnWhileItChooses) {
 
 // A choice is the same however it is spread, and its best candidate is the least.
 TEST_P(Ahead, AChoiceDoesNotDependOnTheBudget) {
-  const Scene scene = model->base.type == BaseType::kFixed ? make_scene(model, 1, 12) : behind_a_wall(model, 2);
+  const Scene scene = !model->mobile() ? make_scene(model, 1, 12) : behind_a_wall(model, 2);
   const ControllerParams params = read_params(*model, true);
   Choice choice(model, params);
   Rollout rollout(model, read_params(*model, false), params.plan.step);
@@ -280,7 +280,7 @@ TEST_P(Ahead, ARolloutEndsEarlyOnlyWhereItIsTooLate) {
 TEST_P(Ahead, AStepFollowsFromMemory) {
   int modes[4] = {}, going_on = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    const Scene scene = model->base.type == BaseType::kFixed ? make_scene(model, seed, 12) : behind_a_wall(model, seed);
+    const Scene scene = !model->mobile() ? make_scene(model, seed, 12) : behind_a_wall(model, seed);
     ControllerParams params = read_params(*model, true);
     params.plan.detours = seed == 2;
     if (seed == 1) params.plan.budget = 100;  // so little that the robot comes to stand while it chooses
@@ -303,14 +303,14 @@ TEST_P(Ahead, AStepFollowsFromMemory) {
     }
   }
   EXPECT_GT(modes[static_cast<int>(PlanMode::kDirect)], 0);
-  if (model->base.type == BaseType::kFixed) return;  // whose policy gets there
+  if (!model->mobile()) return;  // whose policy gets there
   EXPECT_GT(going_on, 0);
   EXPECT_GT(modes[static_cast<int>(PlanMode::kChoose)], 0);
   EXPECT_GT(modes[static_cast<int>(PlanMode::kFollow)], 0);
 }
 
 TEST_P(Ahead, StepsTakeNoMemoryAndNoMoreThanTheBudget) {
-  const Scene scene = model->base.type == BaseType::kFixed ? make_scene(model, 1, 12) : behind_a_wall(model, 1);
+  const Scene scene = !model->mobile() ? make_scene(model, 1, 12) : behind_a_wall(model, 1);
   ControllerParams params = read_params(*model, true);
   params.plan.budget = 300;
   Loop loop(model, params, scene);
@@ -333,7 +333,7 @@ TEST_P(Ahead, StepsTakeNoMemoryAndNoMoreThanTheBudget) {
 
 // What comes to stand in a path's way is seen, and the path given up.
 TEST_P(Ahead, ABlockedPathIsGivenUp) {
-  if (model->base.type == BaseType::kFixed) GTEST_SKIP() << "only for a mobile robot";
+  if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
   Scene scene = behind_a_wall(model, 1);
   scene.shapes.push_back({"late", make_cylinder(0.25, 1.5)});
   scene.states.resize(2);

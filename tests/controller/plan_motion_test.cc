@@ -16,7 +16,7 @@ class PlanMotion : public testing::TestWithParam<std::string> {
   WholeConfiguration anywhere(std::mt19937_64& engine) const {
     WholeConfiguration c(3 + limits.num_joints());
     c.head<3>() << uniform(engine, -2, 2), uniform(engine, -2, 2), uniform(engine, -4, 4);
-    if (limits.base == BaseType::kFixed) c.head<3>().setZero();
+    if (!limits.mobile()) c.head<3>().setZero();
     for (int i = 0; i < limits.num_joints(); ++i) c[3 + i] = uniform(engine, limits.lower[i], limits.upper[i]);
     return c;
   }
@@ -90,7 +90,7 @@ TEST_P(PlanMotion, EdgesBackwardsVisitTheSamePlaces) {
 }
 
 TEST_P(PlanMotion, ADifferentialBaseNeverGoesSideways) {
-  if (limits.base != BaseType::kDifferential) GTEST_SKIP() << "only for a differential base";
+  if (!limits.base->nonholonomic()) GTEST_SKIP() << "only for a differential base";
   std::mt19937_64 engine(3);
   Edge edge;
   WholeConfiguration before, now, after;
@@ -139,7 +139,7 @@ TEST_P(PlanMotion, PathsStayInsideSpeedsAndAccelerations) {
       const WholeConfiguration v = (after - before) / (2.0 * h);
       const WholeConfiguration acc = (after - 2.0 * now + before) / (h * h);
       constexpr double kMore = 1.0 + 1e-6;
-      if (limits.base != BaseType::kFixed) {
+      if (limits.mobile()) {
         ASSERT_LE(v.head<2>().norm(), kMore * limits.linear) << "path " << k << " at " << t;
         ASSERT_LE(acc.head<2>().norm(), kMore * limits.linear_acceleration) << "path " << k << " at " << t;
         ASSERT_LE(std::abs(v[2]), kMore * limits.angular) << "path " << k << " at " << t;
@@ -168,7 +168,7 @@ TEST_P(PlanMotion, FollowingComesBackToThePath) {
     ASSERT_TRUE(lay_path(limits, edges.all(), 0.0, path));
     Observation o;
     o.base = a.head<3>();
-    if (limits.base != BaseType::kFixed) o.base += Vector3(0.03, -0.04, 0.1);
+    if (limits.mobile()) o.base += Vector3(0.03, -0.04, 0.1);
     o.q = a.tail(limits.num_joints()).array() + 0.05;
     o.qdot = VectorX::Zero(model->num_velocities());
     VectorX u = o.qdot;
@@ -192,7 +192,7 @@ TEST(PlanarShift, TakesTheGoalToWhereItIsSeen) {
     const double turn = 0.02 * k - 0.5;
     const Vector2 move(0.1 * k, -0.05 * k);
     const Isometry drift = base_pose({move.x(), move.y(), turn});
-    const PlanarShift shift = shift_of_goal(BaseType::kDifferential, then, drift * then);
+    const PlanarShift shift = shift_of_goal(true, then, drift * then);
     EXPECT_NEAR(shift.turn, turn, 1e-12);
     EXPECT_LT((shift.move - move).norm(), 1e-12);
     WholeConfiguration c = WholeConfiguration::Zero(4);
@@ -202,7 +202,7 @@ TEST(PlanarShift, TakesTheGoalToWhereItIsSeen) {
     EXPECT_LT((shifted.head<2>() - moved.translation().head<2>()).norm(), 1e-12);
     EXPECT_NEAR(shifted[2], 0.3 + turn, 1e-12);
     EXPECT_EQ(shifted[3], 0.7);
-    EXPECT_EQ(shift_of_goal(BaseType::kFixed, then, drift * then).turn, 0.0);
+    EXPECT_EQ(shift_of_goal(false, then, drift * then).turn, 0.0);
   }
 }
 

@@ -75,7 +75,7 @@ inline Scene make_scene(const std::shared_ptr<const RobotModel>& model, std::uin
   scene.start.tail(joints) = model->ready;
   Kinematics start(model), goal(model);
   start.update(scene.start.head<3>(), scene.start.tail(joints));
-  const bool mobile = model->base.type != BaseType::kFixed;
+  const bool mobile = model->mobile();
   VectorX q(joints);
   Vector3 base = Vector3::Zero();
   do {

@@ -90,7 +90,7 @@ Answer ask_ompl(const std::shared_ptr<const RobotModel>& model, const Controller
   ompl::RNG::setSeed(seed + 1);
   auto space = std::make_shared<EdgeSpace>(limits);
   ob::RealVectorBounds bounds(static_cast<unsigned>(scene.start.size()));
-  const bool mobile = limits.base != BaseType::kFixed;
+  const bool mobile = limits.mobile();
   for (unsigned i = 0; i < scene.start.size(); ++i) {
     const double goal = i < 2 ? scene.X_WG.translation()[i] : 0.0;
     bounds.setLow(i, i > 2 ? free.lower()[i - 3] : !mobile ? -1e-9 : i < 2 ? std::min(0.0, goal) - 1.5 : -3.2);

@@ -39,7 +39,7 @@ TEST_P(PlannerOf, GoalConfigurationsReachTheGoalAndAreFree) {
       start.update(scene.start.head<3>(), scene.start.tail(model->num_joints()));
       EXPECT_GE(own_clearance(*model, kinematics),
                 std::min(params.plan.self, own_clearance(*model, start) - 0.003) - 1e-6);
-      if (model->base.type == BaseType::kFixed) {
+      if (!model->mobile()) {
         EXPECT_EQ(goal.c.head<3>().norm(), 0.0);
       }
     }
@@ -74,7 +74,7 @@ TEST_P(PlannerOf, PathsLeadToTheGoalAndKeepClear) {
     EXPECT_GT(least, 0.0) << "seed " << seed;
     EXPECT_GT(own, 0.0) << "seed " << seed;
   }
-  EXPECT_GE(found, model->base.type == BaseType::kFixed ? 5 : 9);
+  EXPECT_GE(found, !model->mobile() ? 5 : 9);
 }
 
 TEST_P(PlannerOf, TheSamePlanHoweverItIsSpread) {
@@ -143,7 +143,7 @@ TEST_P(PlannerOf, SaysWhereThereIsNoWay) {
 
 // Straight there is a wall: round it is the only way for a base.
 TEST_P(PlannerOf, GoesRoundAWall) {
-  if (model->base.type == BaseType::kFixed) GTEST_SKIP() << "only for a mobile robot";
+  if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
   Scene scene = make_scene(model, 2, 0);
   scene.X_WG.translation().head<2>() << 2.6, 0.0;
   scene.shapes = {{"wall", make_box(0.2, 3.0, 3.0)}};

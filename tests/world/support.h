@@ -20,7 +20,7 @@ inline Worlds worlds(const std::string& yaml) { return Worlds::read(config::pars
 /// True where no world can be made because the family is for bases that drive, and this one does not. A family that
 /// cannot be made for another reason throws.
 inline bool needs_driving(const Worlds& source, const std::shared_ptr<const RobotModel>& model) {
-  if (model->base.type != BaseType::kFixed) return false;
+  if (model->mobile()) return false;
   try {
     source.make(model, 0);
     return false;

@@ -1,6 +1,7 @@
 #include "world/plant/ode_base.h"
 
 #include <cstddef>
+#include <iterator>
 
 #include "world/plant/ode_base_kinds.h"
 
@@ -9,6 +10,7 @@ namespace {
 
 // In the order of BaseType; null for one that does not move.
 constexpr const OdeBaseKind* kKinds[] = {nullptr, &kDifferentialBase, &kOmnidirectionalBase};
+static_assert(std::size(kKinds) == words(Of<BaseType>{}).size());
 
 const OdeBaseKind* drive_of(const RobotModel& model) { return kKinds[static_cast<std::size_t>(model.base.type)]; }
 

@@ -133,7 +133,7 @@ RigidBodies rigid_bodies(const RobotModel& model, double base_mass, const Payloa
   for (std::size_t i = 0; i < links; ++i) {
     const Link& link = model.links[i];
     if (link.parent < 0) {
-      if (model.base.type == BaseType::kFixed) continue;
+      if (!model.mobile()) continue;
       out.bodies.push_back({});
       add_base_mass(model, base_mass, out.bodies.back());
       out.of_link[i] = 0;

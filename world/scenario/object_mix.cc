@@ -1,6 +1,7 @@
 #include "world/scenario/object_mix.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -17,20 +18,15 @@ Eigen::Quaterniond random_rotation(Draws& draws) {
   return {c * std::cos(b), s * std::sin(a), s * std::cos(a), c * std::sin(b)};
 }
 
+constexpr std::array kDrawnKinds{ShapeKind::kSphere, ShapeKind::kBox, ShapeKind::kCapsule};
+
 }  // namespace
 
 void read_value(const config::Node& node, const std::string& key, SolidKinds& value, const About&) {
   if (node.kind != config::Node::Kind::kSequence || node.items.empty())
     config::fail(node.mark, key, "expected a list of sphere, box, capsule");
   value.kinds.clear();
-  for (const config::Node& item : node.items) {
-    const std::string name = config::read_string(item, key);
-    const std::size_t before = value.kinds.size();
-    for (const ShapeKind kind : {ShapeKind::kSphere, ShapeKind::kBox, ShapeKind::kCapsule})
-      if (name == to_string(kind)) value.kinds.push_back(kind);
-    if (value.kinds.size() == before)
-      config::fail(item.mark, key, "found '" + name + "', expected one of: sphere, box, capsule");
-  }
+  for (const config::Node& item : node.items) value.kinds.push_back(config::read_word<ShapeKind>(item, key, kDrawnKinds));
 }
 
 nlohmann::ordered_json write_value(const SolidKinds& value, const About&) {

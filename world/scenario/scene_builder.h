@@ -24,7 +24,7 @@ class SceneBuilder {
   const RobotModel& model() const { return *model_; }
   const std::shared_ptr<const RobotModel>& model_pointer() const { return model_; }
   double clearance() const { return clearance_; }
-  bool mobile() const { return model_->base.type != BaseType::kFixed; }
+  bool mobile() const { return model_->mobile(); }
 
   /// The draws of this try for one purpose. `item` numbers what is placed.
   Draws draws(Stream stream, std::uint64_t item = 0) const { return {seed_, index_, stream, attempt_, item}; }

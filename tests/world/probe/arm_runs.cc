@@ -24,7 +24,7 @@ class HeldArm {
  public:
   HeldArm(std::shared_ptr<const RobotModel> model, const VectorX& q)
       : model_(std::move(model)), arm_(world_.id(), model_, Vector3::Zero(), q, 0.0, 0.0, {}), q_(q) {
-    if (model_->base.type != BaseType::kFixed) throw std::invalid_argument("needs \"held\": true");
+    if (model_->mobile()) throw std::invalid_argument("needs \"held\": true");
     dWorldSetGravity(world_.id(), 0.0, 0.0, -9.81);
     dWorldSetCFM(world_.id(), 1e-9);
     dWorldSetERP(world_.id(), 0.2);
