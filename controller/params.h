@@ -72,7 +72,7 @@ struct ManipulabilityParams {
   ManipulabilityRows rows = ManipulabilityRows::kTranslation;
 };
 
-/// `source`: the source's S+-, margin q_s per joint; `damper`: eta (rho - rho_s)/(rho_i - rho_s) inside rho_i.
+/// `source`: the article's S+-, margin q_s per joint; `damper`: eta (rho - rho_s)/(rho_i - rho_s) inside rho_i.
 struct JointLimitParams {
   JointLimitMethod method = JointLimitMethod::kSource;
   bool auto_margin = true;  ///< q_s = min(0.3, a quarter of the joint's range)

@@ -73,13 +73,13 @@ constexpr void describe(Visitor& v, Of<ManipulabilityParams>) {
 
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<JointLimitParams>) {
-  v.member("method", &JointLimitParams::method, {.text = "the source's S+-, a damper, or nothing"});
+  v.member("method", &JointLimitParams::method, {.text = "the article's S+-, a damper, or nothing"});
   v.word_or("margin", "auto", &JointLimitParams::auto_margin, &JointLimitParams::margin,
             {.unit = "rad or m",
              .range = Range::positive(),
              .per = Per::kJoint,
              .one_for_all = true,
-             .text = "q_s of the source; auto: min(0.3, a quarter of the joint's range)"});
+             .text = "q_s of the article; auto: min(0.3, a quarter of the joint's range)"});
   v.member("influence", &JointLimitParams::influence,
            {.unit = "rad or m", .range = Range::positive(), .text = "rho_i of the damper"});
   v.member("stop", &JointLimitParams::stop,

@@ -17,7 +17,7 @@ namespace moma {
 /// itself. With `braking`, zeta is no more than what the robot can still stop from (stoppable_speed() of d - d_s), at
 /// a share of the deceleration that it has along the row, before the object's own velocity is taken off: dampers that
 /// know the limits of acceleration, as Del Prete's bounds of joints do (IEEE RA-L 3(1), 2018). With `uncertainty` d is
-/// taken to be less by its margin. Signs follow "d grows along n" (checked by differencing d), where the source's
+/// taken to be less by its margin. Signs follow "d grows along n" (checked by differencing d), where the article's
 /// formulas for objects and for two links use opposite directions. One per worker; only allocate() takes memory.
 class CollisionRows {
  public:

@@ -28,7 +28,7 @@ class VelocityBounds {
  public:
   VelocityBounds(const RobotModel& model, const ControllerParams& params, double control_period);
 
-  /// Writes the bounds without acceleration, [S-, S+] of the source, for the joint values q.
+  /// Writes the bounds without acceleration, [S-, S+] of the article, for the joint values q.
   void joint_limits(const Eigen::Ref<const VectorX>& q, Eigen::Ref<VectorX> lower,
                     Eigen::Ref<VectorX> upper) const noexcept;
   /// Whether those of the base hold in every stage of the fallback.

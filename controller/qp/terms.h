@@ -11,14 +11,14 @@ namespace moma {
 /// whose weight is zero leaves no trace. Velocities come first in x: base (base_dof), then joints, then delta.
 /// None takes memory or throws.
 
-/// Q1's w_b I and lambda_qa, and C1's -k_eps theta_eps on the base's omega (the source's first objective).
+/// Q1's w_b I and lambda_qa, and C1's -k_eps theta_eps on the base's omega (the article's first objective).
 void add_base_term(const ControllerParams& params, int base_dof, const Task& task, QpProblem& problem) noexcept;
 
 /// C1's -lambda_m J_m on the joints; `gradient` has one value per joint.
 void add_manipulability_term(const ManipulabilityParams& params, int base_dof, const VectorX& gradient,
                              QpProblem& problem) noexcept;
 
-/// Q1's lambda_delta I on delta. With 1/||e|| or a constant; 0 leaves delta free, as the source allows.
+/// Q1's lambda_delta I on delta. With 1/||e|| or a constant; 0 leaves delta free, as the article allows.
 void add_slack_term(const SlackParams& params, int num_velocities, const Task& task, QpProblem& problem) noexcept;
 
 /// Q2 = diag(lambda_qdd, 0), C2 = -(qdot_r^T lambda_qdd, 0); qdot_r is the measured velocity.

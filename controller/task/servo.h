@@ -22,7 +22,7 @@ struct Task {
 Vector6 pose_error(const Isometry& X_WE, const Isometry& X_WG) noexcept;
 
 /// nu = [k_R e_R; k_p e_p], each part clamped in length with its direction kept, + V_d (Lynch & Park 2017, 11.17,
-/// with the feed-forward of the goal, which the source's summary leaves without its subscript).
+/// with the feed-forward of the goal, which the article's summary leaves without its subscript).
 Vector6 servo_twist(const ServoParams& params, const Vector6& error, const Vector6& V_WG_W) noexcept;
 
 /// ||e|| before clamping: |e_p|_2, |e_p|_1, or sqrt(|e_p|^2 + (scale |e_R|)^2).
