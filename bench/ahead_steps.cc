@@ -68,7 +68,7 @@ double percentile(std::vector<double>& values, double part) {
   return values[static_cast<std::size_t>(at)];
 }
 
-Record watch(const Point& point, std::uint64_t trials) {
+Record watch(const SuitePoint& point, std::uint64_t trials) {
   Record record;
   TrialParts parts;
   parts.controller = [&record](const TrialSpec& spec) { return std::make_unique<Watched>(spec, record); };
@@ -98,7 +98,7 @@ void print(const std::string& name, Record& r) {
 
 void run(const std::string& file, std::uint64_t trials) {
   const Suite suite = load_suite(file);
-  for (const Point& point : suite.points) {
+  for (const SuitePoint& point : suite.points) {
     Record record = watch(point, trials);
     print(point.controller, record);
   }

@@ -49,7 +49,7 @@ bool has_way(Planner& planner, const World& world) {
 void run(const std::string& file, std::uint64_t count) {
   const Suite suite = load_suite(file);
   std::set<std::string> done;
-  for (const Point& point : suite.points) {
+  for (const SuitePoint& point : suite.points) {
     const std::string worlds = point.worlds.to_json()["families"].dump();
     if (!done.insert(worlds).second) continue;
     Planner planner(point.robot->model, patient(point));

@@ -102,7 +102,7 @@ Shares& operator+=(Shares& sum, const Shares& more) {
   return sum;
 }
 
-Shares measure(const Point& point, std::uint64_t index, std::string& family) {
+Shares measure(const SuitePoint& point, std::uint64_t index, std::string& family) {
   Shares out;
   out.trials = 1;
   ode_seconds = 0.0;
@@ -122,7 +122,7 @@ Shares measure(const Point& point, std::uint64_t index, std::string& family) {
 void run(const std::string& file, std::uint64_t trials) {
   const Suite suite = load_suite(file);
   std::map<std::string, Shares> table;
-  for (const Point& point : suite.points) {
+  for (const SuitePoint& point : suite.points) {
     for (std::uint64_t i = 0; i < trials; ++i) {
       std::string family;
       const Shares shares = measure(point, i, family);

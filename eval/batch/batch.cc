@@ -141,7 +141,7 @@ class OrderedDelivery final : public JobBoard {
 };
 
 // Jobs to compute: neither skipped nor a repetition.
-std::vector<std::size_t> select(std::span<const Point> points, std::span<const BatchJob> jobs,
+std::vector<std::size_t> select(std::span<const SuitePoint> points, std::span<const BatchJob> jobs,
                                 const BatchOptions& options, BatchSummary& summary) {
   std::vector<std::size_t> todo;
   std::unordered_set<std::string_view> seen;
@@ -161,7 +161,8 @@ std::vector<std::size_t> select(std::span<const Point> points, std::span<const B
 
 }  // namespace
 
-BatchResult compute_job(const Point& point, const BatchJob& job, std::size_t position, const BatchOptions& options) {
+BatchResult compute_job(const SuitePoint& point, const BatchJob& job, std::size_t position,
+                        const BatchOptions& options) {
   BatchResult result;
   result.job = position;
   try {
@@ -178,7 +179,7 @@ BatchResult compute_job(const Point& point, const BatchJob& job, std::size_t pos
   return result;
 }
 
-BatchSummary run_batch(std::span<const Point> points, std::span<const BatchJob> jobs, const BatchOptions& options,
+BatchSummary run_batch(std::span<const SuitePoint> points, std::span<const BatchJob> jobs, const BatchOptions& options,
                        const BatchSink& sink) {
   BatchSummary summary;
   const std::vector<std::size_t> todo = select(points, jobs, options, summary);

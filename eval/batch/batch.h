@@ -27,7 +27,7 @@ struct BatchJob {
 /// an early stop leaves is still a fair comparison. A shard is any subset of these, in any order.
 std::vector<BatchJob> make_jobs(const Suite& suite);
 /// The same for chosen worlds first .. first + count - 1.
-std::vector<BatchJob> make_jobs(std::span<const Point> points, std::uint64_t first, std::uint64_t count);
+std::vector<BatchJob> make_jobs(std::span<const SuitePoint> points, std::uint64_t first, std::uint64_t count);
 
 /// What one job gave, handed to the sink.
 struct BatchResult {
@@ -41,7 +41,8 @@ struct BatchOptions;
 
 /// Makes the world, runs the trial, finishes it: one job, whoever computes it. Never throws: what went wrong is the
 /// row's reason.
-BatchResult compute_job(const Point& point, const BatchJob& job, std::size_t position, const BatchOptions& options);
+BatchResult compute_job(const SuitePoint& point, const BatchJob& job, std::size_t position,
+                        const BatchOptions& options);
 
 /// Called in the order of the jobs, by one thread at a time (not always the same one). Return false to end the
 /// batch: no later result is delivered, so that where it ends does not depend on the number of threads.
@@ -89,10 +90,10 @@ struct BatchOptions {
   std::function<void(const BatchProgress&)> progress;     ///< after each delivery, from the sink's thread
   /// Where worlds come from; by default point.worlds.make(). Called from many threads. A cache for searches
   /// that meet the same worlds thousands of times goes here.
-  std::function<std::shared_ptr<const World>(const Point&, std::uint64_t)> world;
+  std::function<std::shared_ptr<const World>(const SuitePoint&, std::uint64_t)> world;
   TrialParts parts;  ///< other plants or controllers
   /// Called on what a trial gave by the thread that computed it, before it is handed on.
-  std::function<void(const Point&, BatchResult&)> finish;
+  std::function<void(const SuitePoint&, BatchResult&)> finish;
   RemoteCompute* remote = nullptr;  ///< computes beside the threads; those then run on one thread more than `threads`
 };
 
@@ -108,7 +109,7 @@ struct BatchSummary {
 /// Runs the jobs over OpenMP threads. Every result but timings is the same for any number of threads. At most a few
 /// dozen finished results wait for an earlier one, so memory stays bounded. A trial that throws is a row with
 /// outcome `error`. Throws only what the sink throws, std::invalid_argument for a job whose point does not exist.
-BatchSummary run_batch(std::span<const Point> points, std::span<const BatchJob> jobs, const BatchOptions& options,
+BatchSummary run_batch(std::span<const SuitePoint> points, std::span<const BatchJob> jobs, const BatchOptions& options,
                        const BatchSink& sink);
 
 }  // namespace moma

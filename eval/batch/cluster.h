@@ -45,7 +45,7 @@ class Cluster final : public RemoteCompute {
   void refuse(const std::string& why);
   /// Other ranks: computes what comes in until rank 0 says that it is over. Of `options`: threads, world, parts,
   /// finish.
-  void work(std::span<const Point> points, const std::string& machine_class, const BatchOptions& options);
+  void work(std::span<const SuitePoint> points, const std::string& machine_class, const BatchOptions& options);
 
  private:
   struct Impl;

@@ -360,7 +360,7 @@ void Cluster::refuse(const std::string& why) {
   work({}, "", none);
 }
 
-void Cluster::work(std::span<const Point> points, const std::string& machine_class, const BatchOptions& options) {
+void Cluster::work(std::span<const SuitePoint> points, const std::string& machine_class, const BatchOptions& options) {
   Impl& self = *impl_;
   const auto threads = static_cast<std::size_t>(std::max(options.threads, 0));
   if (threads > 0) self.say_hello(threads, machine_class);

@@ -18,7 +18,7 @@ std::size_t Cluster::capacity() const { return 0; }
 void Cluster::serve(JobBoard& /*board*/) {}
 std::optional<std::string> Cluster::setup() { return std::nullopt; }
 void Cluster::refuse(const std::string& /*why*/) {}
-void Cluster::work(std::span<const Point> /*points*/, const std::string& /*machine_class*/,
+void Cluster::work(std::span<const SuitePoint> /*points*/, const std::string& /*machine_class*/,
                    const BatchOptions& /*options*/) {}
 
 }  // namespace moma

@@ -5,12 +5,12 @@
 
 namespace moma {
 
-std::vector<BatchJob> make_jobs(std::span<const Point> points, std::uint64_t first, std::uint64_t count) {
+std::vector<BatchJob> make_jobs(std::span<const SuitePoint> points, std::uint64_t first, std::uint64_t count) {
   std::vector<TrialKeys> keys;
   // Points that share a worlds section share its identities, which are computed once for each world.
   std::vector<std::size_t> group;
   std::map<std::string, std::size_t> groups;
-  for (const Point& point : points) {
+  for (const SuitePoint& point : points) {
     keys.emplace_back(point);
     group.push_back(groups.emplace(point.worlds.to_json().dump(), groups.size()).first->second);
   }

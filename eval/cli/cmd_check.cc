@@ -33,7 +33,7 @@ std::string family_text(const Suite& suite) {
 /// 1)".
 std::string points_text(const Suite& suite) {
   std::map<std::string, std::size_t> points;
-  for (const Point& point : suite.points) ++points[point.controller];
+  for (const SuitePoint& point : suite.points) ++points[point.controller];
   const std::size_t each = points.begin()->second;
   const bool alike = std::all_of(points.begin(), points.end(), [&](const auto& entry) { return entry.second == each; });
   std::string names;
@@ -49,7 +49,7 @@ std::string points_text(const Suite& suite) {
 std::vector<std::string> holding_warnings(const Suite& suite) {
   std::vector<std::string> warnings;
   std::set<std::string> seen;
-  for (const Point& point : suite.points) {
+  for (const SuitePoint& point : suite.points) {
     if (point.simulation.mode != SimulationMode::kDynamic || !seen.insert(point.robot_digest).second) continue;
     for (const std::string& warning : run::holding_warnings(point.robot->model))
       warnings.push_back(fmt::format("robot {}: {}", point.robot->model->name, warning));
@@ -78,7 +78,7 @@ int check(const CheckOptions& check_options) {
   const SuiteOptions& options = check_options.suite;
   const Suite suite = options.load();
   (void)run::finishing(suite);  // refuses metrics that a run would refuse
-  const Point& first = suite.points.front();
+  const SuitePoint& first = suite.points.front();
   std::cout << terminal_safe(fmt::format("{}: {}{} trials = {} worlds x {}", suite.name, suite.until ? "at most " : "",
                                          suite.trials * suite.points.size(), suite.trials, points_text(suite)))
             << '\n'
@@ -86,7 +86,7 @@ int check(const CheckOptions& check_options) {
                                          to_string(first.simulation.mode), family_text(suite), first.worlds.seed()))
             << std::endl;
   const auto disturbed = std::count_if(suite.points.begin(), suite.points.end(),
-                                       [](const Point& point) { return any(point.disturbances); });
+                                       [](const SuitePoint& point) { return any(point.disturbances); });
   if (disturbed == static_cast<std::ptrdiff_t>(suite.points.size())) {
     std::cout << "sensors and drives are disturbed\n";
   } else if (disturbed > 0) {

@@ -63,7 +63,7 @@ int compare(const run::Replay& replay) {
   return kCheckFailed;
 }
 
-void write_case(const Point& point, const World& world, long step, const std::string& file) {
+void write_case(const SuitePoint& point, const World& world, long step, const std::string& file) {
   try {
     const nlohmann::ordered_json json = case_to_json(case_of_step(point, world, step));
     write_whole(file, [&](std::ostream& out) { out << json.dump() << '\n'; });

@@ -68,7 +68,7 @@ void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
         std::filesystem::path html = options->html;
         if (html.empty()) html = std::filesystem::path(stores.front()).replace_extension(".html");
         ReportOptions report = options->report;
-        report.sight = time_known;
+        report.time_known = time_known;
         if (!options->shapes) report.look = robot_look(options->robots);
         run::StoredSuites suites(options->plugins);
         report.simulate = [&suites](const std::filesystem::path& db, const std::string& trial) {

@@ -38,7 +38,7 @@ void add_view(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       view.simulate = [&suites](const std::filesystem::path& db, const std::string& trial) {
         return play_again(suites, db, trial);
       };
-      view.sight = time_known;
+      view.time_known = time_known;
       if (!options->shapes) view.look = robot_look(options->robots);
       const InterruptGuard guard;
       reports::serve(options->stores, view, InterruptGuard::flag(), [](const std::string& address) {

@@ -79,7 +79,7 @@ void add_world(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   command->callback([&action, options] {
     action = [options] {
       const Suite suite = options->suite.load();
-      const Point& point = suite.points.front();
+      const SuitePoint& point = suite.points.front();
       if (point.worlds.size() >= 0 && options->index >= point.worlds.size()) {
         throw UsageError(fmt::format("world {}: the suite's frozen set has the worlds 0 to {}", options->index,
                                      point.worlds.size() - 1));

@@ -260,7 +260,7 @@ void identify_objects(const MotionLog& log, Found& found) {
   FoundObjects& out = found.objects.emplace();
   double squares = 0.0;
   std::vector<double> ages;
-  for (const SeenPoint& object : log.objects) {
+  for (const LoggedObject& object : log.objects) {
     for (const auto* values : {&object.x, &object.y, &object.z}) {
       const double noise = noise_of_even_motion(*values);
       squares += noise * noise;

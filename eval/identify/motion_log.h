@@ -17,7 +17,7 @@ struct Axis {
 };
 
 /// Something that was seen at rest.
-struct SeenPoint {
+struct LoggedObject {
   std::string name;
   std::vector<double> x, y, z;  ///< in the world, as measured [m]
   std::vector<double> stamp;    ///< when it was measured [s]; empty where the log does not say
@@ -32,7 +32,7 @@ struct MotionLog {
   std::vector<double> base_stamp;                    ///< when base.* was measured [s]; may be empty
   std::vector<Axis> joints;
   std::vector<double> joint_stamp;  ///< when joints were measured [s]; may be empty
-  std::vector<SeenPoint> objects;
+  std::vector<LoggedObject> objects;
   int first_line = 2;  ///< of the first row in the file
 
   std::size_t rows() const noexcept { return time.size(); }

@@ -97,7 +97,7 @@ class Columns {
         return fmt::format("joint {} needs its command and its velocity", axis.name);
       log_.joints.push_back(std::move(axis));
     }
-    for (SeenPoint& object : objects_) {
+    for (LoggedObject& object : objects_) {
       if (object.x.empty() || object.y.empty() || object.z.empty())
         return fmt::format("object {} needs x_m, y_m and z_m", object.name);
       log_.objects.push_back(std::move(object));
@@ -130,13 +130,13 @@ class Columns {
     return axis == nullptr ? nullptr : &(axis->*member);
   }
   std::vector<double>* object(const std::string& name, std::string_view part) {
-    std::vector<double> SeenPoint::*member = part == "x_m"       ? &SeenPoint::x
-                                                : part == "y_m"     ? &SeenPoint::y
-                                                : part == "z_m"     ? &SeenPoint::z
-                                                : part == "stamp_s" ? &SeenPoint::stamp
+    std::vector<double> LoggedObject::*member = part == "x_m"       ? &LoggedObject::x
+                                                : part == "y_m"     ? &LoggedObject::y
+                                                : part == "z_m"     ? &LoggedObject::z
+                                                : part == "stamp_s" ? &LoggedObject::stamp
                                                                     : nullptr;
     if (member == nullptr) return nullptr;
-    SeenPoint* seen = named(objects_, name, SeenPoint{});
+    LoggedObject* seen = named(objects_, name, LoggedObject{});
     return seen == nullptr ? nullptr : &(seen->*member);
   }
 
@@ -144,7 +144,7 @@ class Columns {
   MotionLog& log_;
   std::map<std::string, Axis> base_;
   std::vector<Axis> joints_;
-  std::vector<SeenPoint> objects_;
+  std::vector<LoggedObject> objects_;
 };
 
 double number(const Field& field, const Mark& line, const std::string& column) {

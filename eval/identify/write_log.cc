@@ -30,7 +30,7 @@ void write_log(std::ostream& out, const MotionLog& log) {
     add(name + "velocity_" + unit + "_s", axis.velocity);
     add(name + "command_" + unit + "_s", axis.command);
   }
-  for (const SeenPoint& object : log.objects) {
+  for (const LoggedObject& object : log.objects) {
     const std::string name = "object." + object.name + ".";
     add(name + "x_m", object.x);
     add(name + "y_m", object.y);

@@ -207,7 +207,7 @@ class Run {
   }
 
   void tell_same_error(const SameError::Found& found) {
-    const Point& point = suite_.points[found.point];
+    const SuitePoint& point = suite_.points[found.point];
     result_.end = End::kSameError;
     result_.stopped = fmt::format(
         "{}{}: all of its {}{} trials ended by the same error:\n  {}\n{}{} holds what was done", point.controller,
@@ -223,7 +223,7 @@ class Run {
   const EvaluateRequest& request_;
   const Suite& suite_;
   const Listener& listener_;
-  std::function<void(const Point&, BatchResult&)> finish_;
+  std::function<void(const SuitePoint&, BatchResult&)> finish_;
   int threads_ = 1;
   RowWarnings row_warnings_;
   SameError same_error_;

@@ -100,7 +100,7 @@ identify::MotionLog log_of_trial(const TrialSpec& spec, const World& world, cons
     if (!at_rest(world.objects[j].motion, 0.0)) continue;
     if (!std::all_of(heard.seen.begin(), heard.seen.end(), [&](const Observation& o) { return o.objects[j].visible; }))
       continue;
-    identify::SeenPoint& point = log.objects.emplace_back();
+    identify::LoggedObject& point = log.objects.emplace_back();
     point.name = heard.objects[j];
     for (const Observation& o : heard.seen) {
       const Vector3& p = o.objects[j].X_WO.translation();

@@ -14,10 +14,10 @@ void drop_samples(SamplesKept kept, TrialOutput& output) {
   if (!keep) Trace().swap(output.trace);
 }
 
-std::function<void(const Point&, BatchResult&)> finishing(const Suite& suite) {
+std::function<void(const SuitePoint&, BatchResult&)> finishing(const Suite& suite) {
   std::map<const void*, std::shared_ptr<const store::UserMetrics>> metrics;  // by robot: columns differ
   if (!suite.metrics.empty()) {
-    for (const Point& point : suite.points) {
+    for (const SuitePoint& point : suite.points) {
       auto& one = metrics[point.robot.get()];
       const RobotModel& robot = *point.robot->model;
       try {
@@ -28,14 +28,14 @@ std::function<void(const Point&, BatchResult&)> finishing(const Suite& suite) {
       }
     }
   }
-  return [kept = suite.samples, metrics](const Point& point, BatchResult& result) {
+  return [kept = suite.samples, metrics](const SuitePoint& point, BatchResult& result) {
     if (const auto found = metrics.find(point.robot.get()); found != metrics.end())
       result.metrics = found->second->evaluate(result.output.trace);
     drop_samples(kept, result.output);
   };
 }
 
-store::WorldRecord world_record(const Point& point, const BatchJob& job, const BatchResult& result) {
+store::WorldRecord world_record(const SuitePoint& point, const BatchJob& job, const BatchResult& result) {
   return result.world != nullptr ? store::describe(*result.world) : store::describe_missing(point.worlds, job.world);
 }
 

@@ -12,9 +12,9 @@ void drop_samples(SamplesKept kept, TrialOutput& output);
 
 /// What every process does to a trial that it computed (BatchOptions::finish): evaluates the suite's own metrics, and
 /// drops samples that it does not keep. Throws RunError where a metric's SQL cannot be used.
-std::function<void(const Point&, BatchResult&)> finishing(const Suite& suite);
+std::function<void(const SuitePoint&, BatchResult&)> finishing(const Suite& suite);
 
 /// The world of a result, whether it could be made or not.
-store::WorldRecord world_record(const Point& point, const BatchJob& job, const BatchResult& result);
+store::WorldRecord world_record(const SuitePoint& point, const BatchJob& job, const BatchResult& result);
 
 }  // namespace moma::run

@@ -22,7 +22,7 @@ const Suite& StoredSuites::suite_of(const store::StoredTrial& trial) {
   return suites_.emplace(trial.resolved_suite, std::move(suite)).first->second;
 }
 
-const Point& StoredSuites::point_of(const store::StoredTrial& trial) {
+const SuitePoint& StoredSuites::point_of(const store::StoredTrial& trial) {
   if (trial.simulation_version != kSimulationVersion) {
     throw StoreError(StoreError::Kind::kNotFound,
                      fmt::format("trial {} was simulated by version {} of the simulation, this program has version {}: "

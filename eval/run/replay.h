@@ -15,7 +15,7 @@ class StoredSuites {
  public:
   explicit StoredSuites(Plugins plugins = Plugins::kRefused) : plugins_(plugins) {}
   /// The point that `trial` belongs to. Throws StoreError where this program simulates differently by now.
-  const Point& point_of(const store::StoredTrial& trial);
+  const SuitePoint& point_of(const store::StoredTrial& trial);
   const Suite& suite_of(const store::StoredTrial& trial);
 
  private:
@@ -35,7 +35,7 @@ Suite stored_suite(const std::filesystem::path& store, const std::string& name, 
 struct Replay {
   store::StoredTrial trial;
   World world;
-  const Point* point = nullptr;  ///< in the StoredSuites that were given
+  const SuitePoint* point = nullptr;  ///< in the StoredSuites that were given
   TrialOutput output;
 };
 

@@ -20,10 +20,10 @@ double processor_seconds() {
 
 }  // namespace
 
-void WorldSurvey::make_worlds(const std::vector<Point>& points, std::uint64_t count, std::uint64_t trials) {
-  std::vector<const Point*> distinct;
+void WorldSurvey::make_worlds(const std::vector<SuitePoint>& points, std::uint64_t count, std::uint64_t trials) {
+  std::vector<const SuitePoint*> distinct;
   std::set<std::string> seen;
-  for (const Point& point : points) {
+  for (const SuitePoint& point : points) {
     if (point.worlds.size() >= 0) continue;  // frozen
     if (seen.insert(point.robot_digest + point.robot->model->name + point.worlds.to_json().dump()).second)
       distinct.push_back(&point);
@@ -32,7 +32,7 @@ void WorldSurvey::make_worlds(const std::vector<Point>& points, std::uint64_t co
     make_worlds(*distinct[i], std::min(trials, count * (i + 1) / distinct.size() - count * i / distinct.size()));
 }
 
-void WorldSurvey::make_worlds(const Point& point, std::uint64_t count) {
+void WorldSurvey::make_worlds(const SuitePoint& point, std::uint64_t count) {
   for (std::uint64_t index = 0; index < count; ++index) {
     Tally& tally = tallies_[{point.robot->model->name, point.worlds.family_of(index)}];
     if (tally.failed >= kEnoughFailures) continue;
@@ -46,10 +46,10 @@ void WorldSurvey::make_worlds(const Point& point, std::uint64_t count) {
   }
 }
 
-void WorldSurvey::run(const Point& point, const BatchJob& job) {
+void WorldSurvey::run(const SuitePoint& point, const BatchJob& job) {
   double start = 0.0;
   BatchOptions options;
-  options.world = [&start](const Point& of, std::uint64_t index) {
+  options.world = [&start](const SuitePoint& of, std::uint64_t index) {
     auto world = std::make_shared<const World>(of.worlds.make(of.robot->model, index));
     start = processor_seconds();
     return world;

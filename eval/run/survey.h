@@ -25,9 +25,9 @@ class WorldSurvey {
 
   /// Makes about `count` worlds in all, the first ones of each robot and `worlds` section among the points, of which
   /// there are `trials`.
-  void make_worlds(const std::vector<Point>& points, std::uint64_t count, std::uint64_t trials);
+  void make_worlds(const std::vector<SuitePoint>& points, std::uint64_t count, std::uint64_t trials);
   /// Computes a job on this thread and counts the trial's time.
-  void run(const Point& point, const BatchJob& job);
+  void run(const SuitePoint& point, const BatchJob& job);
 
   /// Empty where no world had to be made (frozen sets).
   const std::map<Place, Tally>& tallies() const { return tallies_; }
@@ -35,7 +35,7 @@ class WorldSurvey {
   const std::vector<std::string>& failures() const { return failures_; }
 
  private:
-  void make_worlds(const Point& point, std::uint64_t count);
+  void make_worlds(const SuitePoint& point, std::uint64_t count);
 
   std::map<Place, Tally> tallies_;
   std::vector<std::string> failures_;

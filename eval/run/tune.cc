@@ -125,10 +125,10 @@ class Tune {
     batch.stop = request_.stop;
     batch.skip = &present;
     batch.progress = listener_.progress;
-    batch.finish = [samples = held_out.suite.samples](const Point&, BatchResult& done) {
+    batch.finish = [samples = held_out.suite.samples](const SuitePoint&, BatchResult& done) {
       drop_samples(samples, done.output);
     };
-    const std::vector<Point>& points = held_out.suite.points;
+    const std::vector<SuitePoint>& points = held_out.suite.points;
     const BatchSummary summary = run_batch(points, held_out.jobs, batch, [&](const BatchJob& job, BatchResult&& done) {
       const TrialRow& row = done.output.row;
       const Trace& trace = done.output.trace;

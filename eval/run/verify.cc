@@ -122,7 +122,7 @@ class Verifier {
   }
 
   /// The point that `stored` belongs to; null, with the reason counted, where it cannot be built.
-  const Point* build(const store::StoredTrial& stored) {
+  const SuitePoint* build(const store::StoredTrial& stored) {
     try {
       return &suites_.point_of(stored);
     } catch (const store::StoreError& error) {
@@ -144,7 +144,7 @@ class Verifier {
       as.resolved_suite = stored.resolved_suite;
       as.position = stored.position;
       as.simulation_version = stored.simulation_version;
-      const Point* point = build(as);
+      const SuitePoint* point = build(as);
       const std::vector<store::PointTrial> trials = reader_.trials_of(stored.id);
       if (point == nullptr) {
         keys_unchecked_ += trials.size();
@@ -170,7 +170,7 @@ class Verifier {
   void collect(const std::vector<std::string>& keys) {
     for (const std::string& key : keys) {
       store::StoredTrial trial = reader_.trial(key);
-      const Point* point = build(trial);
+      const SuitePoint* point = build(trial);
       if (point == nullptr) continue;
       std::shared_ptr<const World> world;
       try {
@@ -195,10 +195,10 @@ class Verifier {
     batch.threads = request_.threads;
     batch.stop = request_.stop;
     batch.progress = listener_.progress;
-    batch.world = [this](const Point& point, std::uint64_t) {
+    batch.world = [this](const SuitePoint& point, std::uint64_t) {
       return worlds_[static_cast<std::size_t>(&point - points_.data())];
     };
-    batch.finish = [&](const Point& point, BatchResult& result) {
+    batch.finish = [&](const SuitePoint& point, BatchResult& result) {
       const auto place = static_cast<std::size_t>(&point - points_.data());
       try {
         const World again = point.worlds.make(point.robot->model, jobs_[place].world);
@@ -269,7 +269,7 @@ class Verifier {
   store::Reader reader_;
   StoredSuites suites_;
   Metrics metrics_;
-  std::vector<Point> points_;
+  std::vector<SuitePoint> points_;
   std::vector<BatchJob> jobs_;
   std::vector<std::shared_ptr<const World>> worlds_;
   std::vector<TrialRow> rows_;

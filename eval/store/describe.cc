@@ -27,7 +27,7 @@ Hash setting_hash(const Json& resolved) {
 SuiteRecord describe(const Suite& suite) {
   SuiteRecord record{suite.name, setting_hash(suite.resolved), suite.resolved.dump(), {}, suite.metrics};
   std::map<const void*, std::string> robots;  // a resolved robot is long and mostly shared
-  for (const Point& point : suite.points) {
+  for (const SuitePoint& point : suite.points) {
     PointRecord p;
     p.controller = point.controller;
     p.label = point.label;

@@ -38,14 +38,14 @@ void check_name(const std::string& name, const Node& node, const std::string& ke
 }
 
 // Sections of a point by name, as they stand in the resolved suite.
-std::map<std::string, ordered_json> sections_of(const Point& point) {
+std::map<std::string, ordered_json> sections_of(const SuitePoint& point) {
   return {{"worlds", point.worlds.to_json()},        {"simulation", to_json(point.simulation)},
           {"success", to_json(point.success)},       {"stuck", to_json(point.stuck)},
           {"infeasible", to_json(point.infeasible)}, {"disturbances", to_json(point.disturbances)}};
 }
 
 // On a velocity damper's way from `influence` to `stop` the base has to come to rest from its largest speed.
-void warn_about_braking(const Point& point, std::vector<std::string>& warnings) {
+void warn_about_braking(const SuitePoint& point, std::vector<std::string>& warnings) {
   const MobileBase& base = point.robot->model->base;
   const CollisionParams& collision = point.controller_params.collision;
   if (base.max_linear <= 0.0 || !collision.object.enabled || collision.braking.enabled) return;
@@ -100,8 +100,8 @@ Sections read_sections(const Node& root, const SuiteRobot& robot, std::vector<st
   return sections;
 }
 
-Point make_point(const Sections& sections, std::size_t controller) {
-  Point point;
+SuitePoint make_point(const Sections& sections, std::size_t controller) {
+  SuitePoint point;
   const auto& [name, read] = sections.controllers[controller];
   point.controller = name;
   point.params = ordered_json::object();
@@ -119,7 +119,7 @@ Point make_point(const Sections& sections, std::size_t controller) {
 
 void check_suite(Suite& suite, const config::Mark& mark) {
   std::map<std::string, std::string> contents;
-  for (const Point& point : suite.points) {
+  for (const SuitePoint& point : suite.points) {
     const long long frozen = point.worlds.size();
     if (frozen >= 0 && suite.trials > static_cast<std::uint64_t>(frozen)) {
       config::fail(mark, "trials",
@@ -145,9 +145,9 @@ void check_suite(Suite& suite, const config::Mark& mark) {
 }
 
 ordered_json resolved_json(const Suite& suite, bool swept) {
-  const Point& first = suite.points.front();
+  const SuitePoint& first = suite.points.front();
   ordered_json json = {{"name", suite.name}, {"robot", first.robot->resolved}, {"controllers", ordered_json::object()}};
-  for (const Point& point : suite.points)
+  for (const SuitePoint& point : suite.points)
     if (!json["controllers"].contains(point.controller))
       json["controllers"][point.controller] = stored_controller(point);
   const std::map<std::string, ordered_json> base = sections_of(first);
@@ -163,7 +163,7 @@ ordered_json resolved_json(const Suite& suite, bool swept) {
   std::vector<std::string> robots{first.robot_digest};
   ordered_json more_robots = ordered_json::array();
   ordered_json points = ordered_json::array();
-  for (const Point& point : suite.points) {
+  for (const SuitePoint& point : suite.points) {
     ordered_json entry = {{"controller", point.controller}, {"label", point.label}, {"params", point.params}};
     const auto found = std::find(robots.begin(), robots.end(), point.robot_digest);
     if (found != robots.begin()) entry["robot"] = found - robots.begin();

@@ -37,7 +37,7 @@ Sections read_sections(const config::Node& root, const SuiteRobot& robot, std::v
                        Plugins plugins = Plugins::kOfSuite);
 
 /// The point of one controller of `sections`.
-Point make_point(const Sections& sections, std::size_t controller);
+SuitePoint make_point(const Sections& sections, std::size_t controller);
 
 /// What every point must satisfy together, and what is allowed but doubtful: fills suite.warnings; throws.
 void check_suite(Suite& suite, const config::Mark& mark);

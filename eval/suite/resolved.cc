@@ -76,7 +76,8 @@ Suite suite_from_resolved(const ordered_json& resolved, Plugins plugins) {
       if (params == nullptr) point_in.fail_at("controller", "no such controller: " + controller);
       Node only = *params;
       at.find("controllers")->entries = {{controller, std::move(only)}};
-      Point point = make_point(read_sections(at, robots[static_cast<std::size_t>(robot)], suite.warnings, plugins), 0);
+      SuitePoint point =
+          make_point(read_sections(at, robots[static_cast<std::size_t>(robot)], suite.warnings, plugins), 0);
       point.label = config::read_string(point_in.require("label", "text"), key + ".label");
       point.params = config::node_to_json(point_in.require("params", "a map"));
       point_in.finish();

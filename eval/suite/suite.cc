@@ -134,7 +134,7 @@ Assignment part_for(const Assignment& assignment, const std::string& controller)
   return part;
 }
 
-void describe(Point& point, const Assignment& assignment) {
+void describe(SuitePoint& point, const Assignment& assignment) {
   for (const auto& [key, value] : assignment) {
     point.params[key] = config::node_to_json(value);
     point.label += fmt::format("{}{}={}", point.label.empty() ? "" : " ", short_key(key), short_value(value));
@@ -165,7 +165,7 @@ MapReader known_keys(const Node& root) {
 // A robot that its mode of simulation cannot make would make an error of every trial.
 void check_plants(const Suite& suite, const Node& root) {
   std::set<std::string> seen;
-  for (const Point& point : suite.points) {
+  for (const SuitePoint& point : suite.points) {
     if (!seen.insert(point.robot_digest + std::string(to_string(point.simulation.mode))).second) continue;
     try {
       check_plant(point);
@@ -233,7 +233,7 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
   std::vector<Assignment> assignments(1);
   if (sweep != nullptr) assignments = read_sweep(*sweep, "sweep");
   Robots robots;
-  std::vector<std::vector<Point>> by_controller;
+  std::vector<std::vector<SuitePoint>> by_controller;
   std::set<std::string> seen;
   for (const Assignment& assignment : assignments) {
     Draft assigned = draft;
@@ -248,7 +248,7 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
         read_sections(assigned.root(), robots.get(assigned.root(), suite.warnings), suite.warnings);
     by_controller.resize(std::max(by_controller.size(), sections.controllers.size()));
     for (std::size_t c = 0; c < sections.controllers.size(); ++c) {
-      Point point = make_point(sections, c);
+      SuitePoint point = make_point(sections, c);
       describe(point, part_for(assignment, point.controller));
       // An axis of another controller's key gives this one the same point again.
       if (seen.insert(point.controller + "\n" + point.params.dump()).second)
@@ -256,14 +256,14 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
     }
   }
   for (auto& points : by_controller)
-    for (Point& point : points) suite.points.push_back(std::move(point));
+    for (SuitePoint& point : points) suite.points.push_back(std::move(point));
   check_suite(suite, in.require("trials", "").mark);
   check_plants(suite, draft.root());
   suite.resolved = resolved_json(suite, sweep != nullptr);
   return suite;
 }
 
-std::string trial_key(const Point& point, std::uint64_t world_index) {
+std::string trial_key(const SuitePoint& point, std::uint64_t world_index) {
   return TrialKeys(point).key(point.worlds.identity(world_index));
 }
 

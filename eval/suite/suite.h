@@ -45,7 +45,7 @@ constexpr void describe(Visitor& v, Of<UntilRule>) {
 }
 
 /// One column of the evaluation: a controller (at a sweep point) with everything but the world's index resolved.
-struct Point : TrialSpec {
+struct SuitePoint : TrialSpec {
   std::string controller;         ///< its name in the suite
   std::string label;              ///< "" without a sweep, else e.g. "lambda_q=0.01 k_epsilon=0.5"
   nlohmann::ordered_json params;  ///< the swept keys and their values; {} without a sweep
@@ -53,11 +53,11 @@ struct Point : TrialSpec {
 };
 
 /// The key of the point's trial in world `world_index` (eval/trial/key.h).
-std::string trial_key(const Point& point, std::uint64_t world_index);
+std::string trial_key(const SuitePoint& point, std::uint64_t world_index);
 
 struct Suite {
   std::string name;
-  std::vector<Point> points;
+  std::vector<SuitePoint> points;
   std::uint64_t trials = 0;  ///< worlds per point; the most there can be where `until` is set
   std::optional<UntilRule> until;
   SamplesKept samples = SamplesKept::kFailures;

@@ -32,8 +32,8 @@ HeldOut make_held_out(const Tuning& given, const Candidate& found) {
     tuning.suites = load_parts(tuning.file, tuning.overrides, config.mixture);
   }
   const Points points(tuning);
-  const std::vector<Point> tuned = points.make(found);
-  const std::vector<Point> start = points.make(start_of(config.variables));
+  const std::vector<SuitePoint> tuned = points.make(found);
+  const std::vector<SuitePoint> start = points.make(start_of(config.variables));
 
   HeldOut held_out;
   held_out.found = config.controller + "-tuned";
@@ -44,7 +44,7 @@ HeldOut make_held_out(const Tuning& given, const Candidate& found) {
         start[part].controller_resolved != tuning.suites[part].points[tuning.tuned_point[part]].controller_resolved;
   }
   const bool many = tuning.suites.size() > 1;
-  const auto add = [&](Point point, std::size_t part, const std::string& name) {
+  const auto add = [&](SuitePoint point, std::size_t part, const std::string& name) {
     point.controller = name;
     point.label = many ? held_out.part_names[part] : "";
     point.params = nlohmann::ordered_json::object();
@@ -59,7 +59,7 @@ HeldOut make_held_out(const Tuning& given, const Candidate& found) {
   for (std::size_t part = 0; part < tuning.suites.size(); ++part) {
     held_out.part_names.push_back(many ? part_name(config.mixture[part]) : "");
     // The tuned controller's preset comes first: the verdict is against it.
-    const std::vector<Point>& all = tuning.suites[part].points;
+    const std::vector<SuitePoint>& all = tuning.suites[part].points;
     add(all[tuning.tuned_point[part]], part, config.controller);
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (i != tuning.tuned_point[part]) add(all[i], part, all[i].controller);

@@ -186,7 +186,7 @@ HeldOutVerdict judge(const Tuning& tuning, const HeldOut& held_out, const std::v
     std::vector<Pair> together;
     for (const auto& [where, row_of] : cells) {
       const std::size_t j = row_of.at(held_out.found);
-      const Point& point = held_out.suite.points[held_out.jobs[j].point];
+      const SuitePoint& point = held_out.suite.points[held_out.jobs[j].point];
       Pair pair{point.worlds.family_of(where.second), &rows[j], &rows[row_of.at(other)], scales[where.first]};
       const std::string& part = held_out.part_names[where.first];
       by_family[part.empty() ? pair.family : part + " " + pair.family].push_back(pair);

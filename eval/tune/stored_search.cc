@@ -17,7 +17,7 @@ Phase phase_of(const std::string& text) {
 
 }  // namespace
 
-void StoredTrials::add(const Point& point, std::uint64_t world_index, const std::string& key, const World* world,
+void StoredTrials::add(const SuitePoint& point, std::uint64_t world_index, const std::string& key, const World* world,
                        const TrialRow& row) {
   const store::WorldRecord record =
       world != nullptr ? store::describe(*world) : store::describe_missing(point.worlds, world_index);

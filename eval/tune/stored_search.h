@@ -16,7 +16,7 @@ class StoredTrials : public TrialSource {
  public:
   explicit StoredTrials(store::Writer& writer) : writer_(writer) {}
   std::optional<TrialRow> find(const std::string& key) override { return writer_.find(key); }
-  void add(const Point& point, std::uint64_t world_index, const std::string& key, const World* world,
+  void add(const SuitePoint& point, std::uint64_t world_index, const std::string& key, const World* world,
            const TrialRow& row) override;
 
  private:

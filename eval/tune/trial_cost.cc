@@ -57,7 +57,7 @@ double default_cost(const TrialRow& row, const TrialCost::Scale& scale) {
 
 }  // namespace
 
-TrialCost::Scale TrialCost::scale_of(const Point& point) {
+TrialCost::Scale TrialCost::scale_of(const SuitePoint& point) {
   Scale scale;
   scale.time_limit = point.simulation.time_limit;
   const std::shared_ptr<const RobotModel>& model = point.robot->model;

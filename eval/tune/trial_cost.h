@@ -57,7 +57,7 @@ class TrialCost {
     double time_limit = 30.0;  ///< L [s]
     double manip_ready = 0.0;  ///< m_ready; 0: the term is left out
   };
-  static Scale scale_of(const Point& point);
+  static Scale scale_of(const SuitePoint& point);
 
   /// Throws NullMetric.
   double operator()(const TrialRow& row, const Scale& scale) const;

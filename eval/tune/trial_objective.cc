@@ -17,7 +17,7 @@ TrialObjective::TrialObjective(const Tuning& tuning, TrialSource& source, int th
   }
 }
 
-const std::vector<Point>* TrialObjective::points_of(const Candidate& candidate) {
+const std::vector<SuitePoint>* TrialObjective::points_of(const Candidate& candidate) {
   if (candidate != at_) {
     at_ = candidate;
     made_valid_ = true;
@@ -32,7 +32,7 @@ const std::vector<Point>* TrialObjective::points_of(const Candidate& candidate) 
 
 bool TrialObjective::valid(const Candidate& candidate) { return points_of(candidate) != nullptr; }
 
-std::string TrialObjective::key_of(const std::vector<TrialKeys>& keys, const std::vector<Point>& points,
+std::string TrialObjective::key_of(const std::vector<TrialKeys>& keys, const std::vector<SuitePoint>& points,
                                    const WorldOfPart& world) {
   if (!points_.same_worlds()) return keys[world.part].key(points[world.part].worlds.identity(world.index));
   const auto [entry, fresh] = identities_[world.part].try_emplace(world.index);
@@ -40,7 +40,7 @@ std::string TrialObjective::key_of(const std::vector<TrialKeys>& keys, const std
   return keys[world.part].key(entry->second);
 }
 
-std::shared_ptr<const World> TrialObjective::world(const Point& point, std::size_t part, std::uint64_t index) {
+std::shared_ptr<const World> TrialObjective::world(const SuitePoint& point, std::size_t part, std::uint64_t index) {
   {
     const std::lock_guard lock(mutex_);
     const auto found = worlds_[part].find(index);
@@ -52,10 +52,10 @@ std::shared_ptr<const World> TrialObjective::world(const Point& point, std::size
 }
 
 std::vector<double> TrialObjective::measure(const Candidate& candidate, std::span<const std::uint64_t> numbers) {
-  const std::vector<Point>* points = points_of(candidate);
+  const std::vector<SuitePoint>* points = points_of(candidate);
   if (points == nullptr) throw std::logic_error("a contradictory candidate was measured");
   std::vector<TrialKeys> keys;
-  for (const Point& point : *points) keys.emplace_back(point);
+  for (const SuitePoint& point : *points) keys.emplace_back(point);
 
   std::vector<BatchJob> jobs;
   std::unordered_map<std::string, TrialRow> rows;
@@ -76,7 +76,7 @@ std::vector<double> TrialObjective::measure(const Candidate& candidate, std::spa
   BatchOptions batch = batch_;
   batch.skip = &present;
   if (points_.same_worlds()) {
-    batch.world = [this, points](const Point& point, std::uint64_t index) {
+    batch.world = [this, points](const SuitePoint& point, std::uint64_t index) {
       return world(point, static_cast<std::size_t>(&point - points->data()), index);
     };
   }

@@ -23,7 +23,7 @@ class TrialSource {
   virtual ~TrialSource() = default;
   virtual std::optional<TrialRow> find(const std::string& key) = 0;
   /// `world` null: it could not be made.
-  virtual void add(const Point& point, std::uint64_t world_index, const std::string& key, const World* world,
+  virtual void add(const SuitePoint& point, std::uint64_t world_index, const std::string& key, const World* world,
                    const TrialRow& row) = 0;
 };
 
@@ -50,16 +50,17 @@ class TrialObjective : public Objective {
   std::function<void()> on_trial;
 
  private:
-  const std::vector<Point>* points_of(const Candidate& candidate);
-  std::string key_of(const std::vector<TrialKeys>& keys, const std::vector<Point>& points, const WorldOfPart& world);
-  std::shared_ptr<const World> world(const Point& point, std::size_t part, std::uint64_t index);
+  const std::vector<SuitePoint>* points_of(const Candidate& candidate);
+  std::string key_of(const std::vector<TrialKeys>& keys, const std::vector<SuitePoint>& points,
+                     const WorldOfPart& world);
+  std::shared_ptr<const World> world(const SuitePoint& point, std::size_t part, std::uint64_t index);
 
   const Tuning& tuning_;
   TrialSource& source_;
   Points points_;
   BatchOptions batch_;
   Candidate at_;  ///< whose points these are
-  std::vector<Point> made_;
+  std::vector<SuitePoint> made_;
   bool made_valid_ = false;
   std::vector<TrialCost::Scale> scales_;
   std::vector<std::unordered_map<std::uint64_t, nlohmann::ordered_json>> identities_;  ///< per part

@@ -147,7 +147,7 @@ Tuning load_tuning(const fs::path& file, const Overrides& overrides) {
   tuning.suites = load_parts(file, overrides, tune.mixture);
   for (const Suite& suite : tuning.suites) {
     const auto found = std::find_if(suite.points.begin(), suite.points.end(),
-                                    [&](const Point& p) { return p.controller == tune.controller; });
+                                    [&](const SuitePoint& p) { return p.controller == tune.controller; });
     tuning.tuned_point.push_back(static_cast<std::size_t>(found - suite.points.begin()));
     for (const std::string& warning : suite.warnings) {
       if (std::find(tuning.warnings.begin(), tuning.warnings.end(), warning) == tuning.warnings.end())
@@ -155,7 +155,7 @@ Tuning load_tuning(const fs::path& file, const Overrides& overrides) {
     }
     if (tune.held_out_seed && *tune.held_out_seed == suite.points.front().worlds.seed()) check_held_out(tune);
   }
-  const Point& first = tuning.suites.front().points[tuning.tuned_point.front()];
+  const SuitePoint& first = tuning.suites.front().points[tuning.tuned_point.front()];
   const Node resolved = config::node_from_json(first.controller_resolved, file.string());
   for (std::size_t i = 0; i < tune.variables.size(); ++i) {
     Variable& v = tune.variables[i];
@@ -278,19 +278,19 @@ Points::Points(const Tuning& tuning) : tuning_(tuning) {
     only_controller_ = only_controller_ && !inner_keys_.back().empty();
   }
   for (std::size_t part = 0; part < tuning.suites.size(); ++part) {
-    const Point& point = tuning.suites[part].points[tuning.tuned_point[part]];
+    const SuitePoint& point = tuning.suites[part].points[tuning.tuned_point[part]];
     resolved_.push_back(config::node_from_json(stored_controller(point), "controller"));
   }
 }
 
-std::vector<Point> Points::make(const Candidate& candidate) const {
+std::vector<SuitePoint> Points::make(const Candidate& candidate) const {
   return only_controller_ ? from_controller(candidate) : from_suite(candidate);
 }
 
-std::vector<Point> Points::from_controller(const Candidate& candidate) const {
-  std::vector<Point> points;
+std::vector<SuitePoint> Points::from_controller(const Candidate& candidate) const {
+  std::vector<SuitePoint> points;
   for (std::size_t part = 0; part < resolved_.size(); ++part) {
-    Point point = tuning_.suites[part].points[tuning_.tuned_point[part]];
+    SuitePoint point = tuning_.suites[part].points[tuning_.tuned_point[part]];
     Node node = resolved_[part];
     for (std::size_t i = 0; i < candidate.size(); ++i) config::set_value(node, inner_keys_[i], to_text(candidate[i]));
     std::vector<std::string> warnings;  // said of the start already
@@ -301,8 +301,8 @@ std::vector<Point> Points::from_controller(const Candidate& candidate) const {
   return points;
 }
 
-std::vector<Point> Points::from_suite(const Candidate& candidate) const {
-  std::vector<Point> points;
+std::vector<SuitePoint> Points::from_suite(const Candidate& candidate) const {
+  std::vector<SuitePoint> points;
   for (const Overrides& part : tuning_.config.mixture) {
     Overrides all = without_sweep(tuning_.overrides, part);
     for (std::size_t i = 0; i < candidate.size(); ++i) {
@@ -313,7 +313,7 @@ std::vector<Point> Points::from_suite(const Candidate& candidate) const {
     }
     Suite suite = load_suite(tuning_.file, all);
     const auto found = std::find_if(suite.points.begin(), suite.points.end(),
-                                    [&](const Point& p) { return p.controller == tuning_.config.controller; });
+                                    [&](const SuitePoint& p) { return p.controller == tuning_.config.controller; });
     points.push_back(std::move(*found));
   }
   return points;

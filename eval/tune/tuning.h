@@ -45,13 +45,13 @@ class Points {
   explicit Points(const Tuning& tuning);
   /// Throws config::ConfigError where the values contradict each other or a key does not exist. Controller keys are
   /// set on the resolved controller (microseconds); other keys read the suite again (as long as loading it takes).
-  std::vector<Point> make(const Candidate& candidate) const;
+  std::vector<SuitePoint> make(const Candidate& candidate) const;
   /// True where worlds, robot and simulation are the same for all candidates.
   bool same_worlds() const { return only_controller_; }
 
  private:
-  std::vector<Point> from_controller(const Candidate& candidate) const;
-  std::vector<Point> from_suite(const Candidate& candidate) const;
+  std::vector<SuitePoint> from_controller(const Candidate& candidate) const;
+  std::vector<SuitePoint> from_suite(const Candidate& candidate) const;
   const Tuning& tuning_;
   std::vector<config::Node> resolved_;   ///< per part: the tuned controller with all defaults
   std::vector<std::string> inner_keys_;  ///< keys without "controller."

@@ -55,15 +55,15 @@ std::optional<double> goal_bearing(SQLite::Statement& row) {
   return std::remainder(std::atan2(y, x) - samples.column("base_phi").back(), 2.0 * std::numbers::pi);
 }
 
-SightQuestion question(SQLite::Statement& row) {
+HitObject question(SQLite::Statement& row) {
   const Unpacked samples(row);
-  SightQuestion ask{row.getColumn("json_world").getString(),
-                    row.getColumn("disturbances").getString(),
-                    row.getColumn("object").getString(),
-                    row.getColumn("control_period_s").getDouble(),
-                    row.getColumn("collision_time_s").getDouble(),
-                    {},
-                    {}};
+  HitObject ask{row.getColumn("json_world").getString(),
+                row.getColumn("disturbances").getString(),
+                row.getColumn("object").getString(),
+                row.getColumn("control_period_s").getDouble(),
+                row.getColumn("collision_time_s").getDouble(),
+                {},
+                {}};
   const auto t = samples.column("t");
   ask.t.assign(t.begin(), t.end());
   const auto x = samples.column("base_x"), y = samples.column("base_y"), phi = samples.column("base_phi");
@@ -85,7 +85,7 @@ void add_column(const std::string& name, const Found& found, Json& page) {
 
 }  // namespace
 
-void add_evidence(SQLite::Database& store, std::int64_t worlds, const SightAnswer& sight, Json& page) {
+void add_evidence(SQLite::Database& store, std::int64_t worlds, const TimeKnown& time_known, Json& page) {
   if (page.at("trials").at("n").get<long long>() == 0) return;
   SQLite::Statement query(store, std::string(evidence_sql()));
   query.bind(1, worlds);
@@ -96,8 +96,8 @@ void add_evidence(SQLite::Database& store, std::int64_t worlds, const SightAnswe
     try {
       if (query.getColumn("kind").getString() == "bearing") {
         if (const std::optional<double> bearing = goal_bearing(query)) bearings[trial] = *bearing;
-      } else if (sight) {
-        if (const std::optional<double> seconds = sight(question(query))) known[trial] = *seconds;
+      } else if (time_known) {
+        if (const std::optional<double> seconds = time_known(question(query))) known[trial] = *seconds;
       }
     } catch (const std::exception&) {
       // Samples or worlds that do not fit tell nothing; the replay says what is wrong with them.

@@ -212,7 +212,7 @@ nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& o
   page["overall"] = rows(store, overall_sql());
   const Extent shown = extent(store, options.trials);
   page["trials"] = trials(store, shown);
-  add_evidence(store, shown.worlds, options.sight, page);
+  add_evidence(store, shown.worlds, options.time_known, page);
   page["tuning"] = tuning(store);
   page["samples_stored"] = store.execAndGet("SELECT count(*) FROM samples").getInt64();
   add_replays(store, options, shown.worlds, page);

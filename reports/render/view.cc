@@ -103,7 +103,7 @@ class Answers {
       ReportOptions options;
       options.trials = kTrials;
       options.served = true;
-      options.sight = options_.sight;
+      options.time_known = options_.time_known;
       options.look = options_.look;
       options.patience = options_.patience;
       Json page = read_stores(stores_, options);

@@ -16,7 +16,7 @@ struct ViewOptions {
   /// time. Its exceptions' texts are shown in the page.
   Simulate simulate;
   std::chrono::milliseconds patience{600000};  ///< as in ReportOptions, for every answer
-  SightAnswer sight;                           ///< as in ReportOptions
+  TimeKnown time_known;                        ///< as in ReportOptions
   Look look;                                   ///< as in ReportOptions; asked once for each look at the store
 };
 

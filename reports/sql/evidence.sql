@@ -11,7 +11,7 @@ WITH points AS (
   JOIN resolved_suite AS u ON u.id = p.resolved_suite_id
 ), asked AS (
   SELECT m.key, m.world_id, m.world_index, p.control_period_s, p.disturbances,
-         CASE WHEN m.outcome = 'collision' THEN 'sight' ELSE 'bearing' END AS kind
+         CASE WHEN m.outcome = 'collision' THEN 'known' ELSE 'bearing' END AS kind
   FROM points AS p
   JOIN point_trial AS m ON m.point_id = p.id AND m.world_index < ?1
   WHERE CASE m.outcome WHEN 'collision' THEN coalesce(json_extract(p.disturbances, '$.objects.range'),
@@ -24,7 +24,7 @@ FROM asked AS a
 JOIN trial AS t ON t.key = a.key
 JOIN samples AS x ON x.key = a.key
 JOIN world AS w ON w.id = a.world_id
-WHERE CASE a.kind WHEN 'sight' THEN t.object NOT LIKE 'self:%'
+WHERE CASE a.kind WHEN 'known' THEN t.object NOT LIKE 'self:%'
                   ELSE coalesce(t.reason, '') NOT LIKE '% is % m from %' AND coalesce(t.reason, '') NOT LIKE '% from its limit%' END
 ORDER BY a.world_index, a.key
 LIMIT ?2

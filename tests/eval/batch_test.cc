@@ -17,11 +17,11 @@
 namespace moma::test {
 namespace {
 
-Point tiny_point() { return {tiny_spec(), "scripted", "", nlohmann::ordered_json::object(), {}}; }
+SuitePoint tiny_point() { return {tiny_spec(), "scripted", "", nlohmann::ordered_json::object(), {}}; }
 
 /// Trials that take no time: the scripted robot drives at a speed that depends on the world.
 struct FastBatch {
-  std::vector<Point> points{tiny_point(), tiny_point()};
+  std::vector<SuitePoint> points{tiny_point(), tiny_point()};
   std::vector<BatchJob> jobs;
   BatchOptions options;
 
@@ -29,7 +29,7 @@ struct FastBatch {
     for (std::uint64_t world = 0; world < worlds; ++world)
       for (std::size_t point = 0; point < points.size(); ++point)
         jobs.push_back({point, world, fmt::format("{}/{}", world, point)});
-    options.world = [](const Point&, std::uint64_t index) {
+    options.world = [](const SuitePoint&, std::uint64_t index) {
       World world = tiny_world(0.1 + 0.001 * static_cast<double>(index));
       world.index = index;
       return std::make_shared<const World>(world);
@@ -72,7 +72,7 @@ TEST(Batch, DeliversEveryResultInOrder) {
 TEST(Batch, TheSinkIsNeverInTwoThreadsAndSlowTrialsDoNotReorder) {
   FastBatch batch(30);
   const auto quick = batch.options.world;
-  batch.options.world = [quick](const Point& point, std::uint64_t index) {
+  batch.options.world = [quick](const SuitePoint& point, std::uint64_t index) {
     if (index % 7 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     return quick(point, index);
   };
@@ -147,7 +147,7 @@ TEST(Batch, AnExceptionOfTheSinkComesOut) {
 TEST(Batch, ATrialOrWorldThatFailsIsARow) {
   FastBatch batch(6);
   const auto good = batch.options.world;
-  batch.options.world = [good](const Point& point, std::uint64_t index) {
+  batch.options.world = [good](const SuitePoint& point, std::uint64_t index) {
     if (index == 2) throw GenerationError("no place for the table");
     return good(point, index);
   };

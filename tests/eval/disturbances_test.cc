@@ -120,7 +120,7 @@ TEST(Disturbances, OneAndFourThreadsGiveTheSameBitsWithEverythingOn) {
       expect_same_bits(one[i], resolved[i], std::string(mode) + " resolved, trial " + std::to_string(i));
     }
     // From the world alone, as a replay has it.
-    const Point& point = suite.points[0];
+    const SuitePoint& point = suite.points[0];
     const World world = point.worlds.make(point.robot->model, 2);
     const World read = world_from_json(nlohmann::ordered_json::parse(to_json(world).dump()), "stored");
     expect_same_bits(run_trial(point, world), run_trial(again.points[0], read), mode);
@@ -297,14 +297,14 @@ TEST(Disturbances, TheShippedSuiteIsGood) {
   EXPECT_TRUE(suite.warnings.empty()) << suite.warnings.front();
   ASSERT_EQ(suite.points.size(), 9u);
   int on = 0;
-  for (const Point& point : suite.points) on += any(point.disturbances) ? 1 : 0;
+  for (const SuitePoint& point : suite.points) on += any(point.disturbances) ? 1 : 0;
   EXPECT_EQ(on, 6);
 }
 
 TEST(Disturbances, TheTraceSaysWhatWasOn) {
   SuiteFolder folder;
   const Suite suite = load_suite(folder.suite("disturbances: {joints: {noise: 0.002}}\n"));
-  const Point& point = suite.points[0];
+  const SuitePoint& point = suite.points[0];
   const World world = point.worlds.make(point.robot->model, 0);
   const nlohmann::ordered_json json = trace_json(point, world, run_trial(point, world), "0");
   EXPECT_EQ(json["disturbances"].dump(), R"({"joints":{"noise":0.002}})");

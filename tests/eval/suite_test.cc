@@ -42,7 +42,7 @@ samples: all
   EXPECT_EQ(suite.points[0].controller_params.servo.position, 1.5);
   EXPECT_EQ(suite.points[1].controller_params.servo.position, 3.0);
   EXPECT_EQ(suite.points[1].label, "");
-  const Point& point = suite.points[0];
+  const SuitePoint& point = suite.points[0];
   EXPECT_EQ(point.simulation.mode, SimulationMode::kKinematic);
   EXPECT_EQ(point.simulation.time_limit, 6.0);
   EXPECT_EQ(point.simulation.control_period, 0.02);

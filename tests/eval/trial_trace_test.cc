@@ -17,7 +17,7 @@ class TrialTrace : public ::testing::Test {
  protected:
   void SetUp() override {
     const Suite suite = load_suite(folder_.suite("", "{plain: {servo: {max_linear: 1}, limits: {acceleration: 5}}}"));
-    const Point& point = suite.points[0];
+    const SuitePoint& point = suite.points[0];
     const World world = point.worlds.make(point.robot->model, 1);
     const TrialOutput output = run_trial(point, world);
     steps_ = output.row.steps;

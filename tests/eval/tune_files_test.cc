@@ -136,7 +136,7 @@ TEST(TuneFiles, ACandidateIsTheSamePointAsTheSuiteWithSetOptions) {
       "1000}\n");
   const Tuning tuning = load_tuning(file);
   const Candidate candidate{0.731, 0.0642, 0.0123};
-  const Point fast = Points(tuning).make(candidate).front();
+  const SuitePoint fast = Points(tuning).make(candidate).front();
   const Suite suite = load_suite(
       file,
       {{"controller.k_epsilon", "0.731"}, {"controller.collision.stop", "0.0642"}, {"controller.lambda_q", "0.0123"}});
@@ -153,7 +153,7 @@ TEST(TuneFiles, OtherKeysOfTheSuiteCanBeSearchedToo) {
                                "  budget: {trials: 1000}\n"));
   const Points points(tuning);
   EXPECT_FALSE(points.same_worlds());
-  const Point point = points.make({0.025, 0.7}).front();
+  const SuitePoint point = points.make({0.025, 0.7}).front();
   EXPECT_EQ(point.simulation.control_period, 0.025);
   EXPECT_EQ(point.controller_params.k_epsilon, 0.7);
 }

@@ -30,7 +30,7 @@ class Killer : public StoredTrials {
  public:
   Killer(store::Writer& writer, std::atomic<bool>& stop, std::uint64_t after)
       : StoredTrials(writer), stop_(stop), after_(after) {}
-  void add(const Point& point, std::uint64_t index, const std::string& key, const World* world,
+  void add(const SuitePoint& point, std::uint64_t index, const std::string& key, const World* world,
            const TrialRow& row) override {
     StoredTrials::add(point, index, key, world, row);
     if (++added == after_) stop_ = true;

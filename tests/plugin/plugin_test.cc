@@ -50,7 +50,7 @@ class PluginSuite : public ::testing::Test {
     EXPECT_NE(message.find(says), std::string::npos) << message;
   }
   TrialOutput run(const Suite& suite, std::uint64_t world = 0, std::size_t point = 0) {
-    const Point& p = suite.points.at(point);
+    const SuitePoint& p = suite.points.at(point);
     return run_trial(p, p.worlds.make(p.robot->model, world));
   }
   SuiteFolder folder_;
