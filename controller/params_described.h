@@ -13,7 +13,7 @@ namespace moma {
 // later than the first stores is written only where it is used (Off::kOmitted, Written::kUnlessDefault), so that the
 // keys of trials without it stay what they were.
 
-constexpr auto alternative(Of<Weight>) { return WordOr("inverse_error", &Weight::inverse_error, &Weight::value); }
+constexpr auto alternative(Of<Weight>) { return WordOr{"inverse_error", &Weight::inverse_error, &Weight::value}; }
 
 /// `joint_limits: none`.
 inline bool from_word(std::string_view word, JointLimitParams& params) {

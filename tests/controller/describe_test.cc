@@ -21,7 +21,7 @@ struct Either {
   bool automatic = true;
   double value = 0.5;
 };
-constexpr auto alternative(Of<Either>) { return WordOr("auto", &Either::automatic, &Either::value); }
+constexpr auto alternative(Of<Either>) { return WordOr{"auto", &Either::automatic, &Either::value}; }
 
 struct Part {
   bool enabled = false;
