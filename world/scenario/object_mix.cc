@@ -26,7 +26,8 @@ void read_value(const config::Node& node, const std::string& key, SolidKinds& va
   if (node.kind != config::Node::Kind::kSequence || node.items.empty())
     config::fail(node.mark, key, "expected a list of sphere, box, capsule");
   value.kinds.clear();
-  for (const config::Node& item : node.items) value.kinds.push_back(config::read_word<ShapeKind>(item, key, kDrawnKinds));
+  for (const config::Node& item : node.items)
+    value.kinds.push_back(config::read_word<ShapeKind>(item, key, kDrawnKinds));
 }
 
 nlohmann::ordered_json write_value(const SolidKinds& value, const About&) {
