@@ -61,7 +61,7 @@ void Choice::begin(const Observation& from, double direct_time, int number) noex
   candidates_.clear();
   best_ = 0;
   least_ = kInfinity;
-  take(PlanCandidate::Kind::kDirect, 0, direct_time);
+  take({.kind = PlanKind::kPolicy, .time = direct_time});
   seed_ = static_cast<std::uint64_t>(number - 1);
   plans_first_ = number > kTrusted;
   detour_ = params_.detours ? 0 : kCandidates;
@@ -70,10 +70,10 @@ void Choice::begin(const Observation& from, double direct_time, int number) noex
   if (plans_first_) begin_plan();
 }
 
-void Choice::take(PlanCandidate::Kind kind, int index, double time) noexcept {
-  candidates_.push_back({kind, index, time});
-  if (time < 0.0 || time >= least_) return;
-  least_ = time;
+void Choice::take(const PlanCandidate& candidate) noexcept {
+  candidates_.push_back(candidate);
+  if (candidate.time < 0.0 || candidate.time >= least_) return;
+  least_ = candidate.time;
   best_ = candidates_.size() - 1;
 }
 
@@ -88,7 +88,7 @@ bool Choice::advance(Rollout& rollout, long& budget) noexcept {
     if (job_ == Job::kPlan) {
       if (planner_.advance(budget)) break;
       const bool found = planner_.found();
-      take(PlanCandidate::Kind::kPath, 0, found ? stopping_ + planner_.path().duration + params_.settle : -1.0);
+      take({.kind = PlanKind::kPath, .time = found ? stopping_ + planner_.path().duration + params_.settle : -1.0});
       job_ = plans_first_ && !found ? Job::kDetours : Job::kDone;
       continue;
     }
@@ -109,7 +109,25 @@ bool Choice::advance(Rollout& rollout, long& budget) noexcept {
 void Choice::roll_out(Rollout& rollout, long& budget) noexcept {
   if (rollout.advance(budget)) return;
   rolling_ = false;
-  take(PlanCandidate::Kind::kDetour, detour_ - 1, rollout.end() == RolloutEnd::kArrives ? rollout.time() : -1.0);
+  take({.kind = PlanKind::kDetour,
+        .index = detour_ - 1,
+        .time = rollout.end() == RolloutEnd::kArrives ? rollout.time() : -1.0,
+        .end = rollout.end(),
+        .ended = rollout.time()});
+}
+
+PlanVerdict Choice::verdict() const noexcept {
+  PlanVerdict out;
+  out.kind = best().kind;
+  out.detour = best().index;
+  out.tried = static_cast<int>(candidates_.size());
+  for (const PlanCandidate& candidate : candidates_) {
+    double& best = candidate.kind == PlanKind::kPolicy   ? out.policy
+                   : candidate.kind == PlanKind::kDetour ? out.by_detour
+                                                         : out.by_path;
+    if (candidate.time >= 0.0 && (best < 0.0 || candidate.time < best)) best = candidate.time;
+  }
+  return out;
 }
 
 EscapeState Choice::start() const noexcept { return candidate(escape_, kinematics_, from_.goal, best().index); }

@@ -12,10 +12,11 @@ namespace moma {
 
 /// What a candidate of a choice came to.
 struct PlanCandidate {
-  enum class Kind { kDirect, kPath, kDetour };
-  Kind kind = Kind::kDirect;
-  int index = 0;       ///< of a detour (candidates.h)
+  PlanKind kind = PlanKind::kPolicy;
+  int index = -1;      ///< of a detour (candidates.h); else -1
   double time = -1.0;  ///< until the goal is reached [s]; negative: it fails, or takes longer than the best before it
+  RolloutEnd end = RolloutEnd::kGoesOn;  ///< of a detour: how its prediction ended ...
+  double ended = 0.0;                    ///< ... and after how long [s]
 };
 
 /// The work of one choice among going on with the direct policy, detours and a planned path, from where the robot will
@@ -39,6 +40,8 @@ class Choice {
   bool advance(Rollout& rollout, long& budget) noexcept;
   /// Of a choice that is made: the best of candidates(). Its time is negative where nothing arrives.
   const PlanCandidate& best() const noexcept { return candidates_[best_]; }
+  /// The choice as it is remembered.
+  PlanVerdict verdict() const noexcept;
   /// What the direct policy remembers where it begins the best detour.
   EscapeState start() const noexcept;
   /// What was tried, the direct policy first.
@@ -53,7 +56,7 @@ class Choice {
 
   void roll_out(Rollout& rollout, long& budget) noexcept;
   void begin_plan() noexcept;
-  void take(PlanCandidate::Kind kind, int index, double time) noexcept;
+  void take(const PlanCandidate& candidate) noexcept;
 
   std::shared_ptr<const RobotModel> model_;
   PlanParams params_;

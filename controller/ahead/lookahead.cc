@@ -94,8 +94,10 @@ void Lookahead::go_direct(PlanReason reason, const EscapeState* start) noexcept 
   brief.mode = PlanMode::kDirect;
   brief.reason = reason;
   brief.clock = brief.duration = brief.lag = 0.0;
+  brief.target.setZero();
+  brief.end.setZero();
   state_.path.count = 0;
-  state_.going_on = state_.chosen = false;
+  state_.brief.going_on = state_.chosen = false;
   job_ = Job::kNone;
   if (start == nullptr) return;
   state_.fresh = true;
@@ -109,7 +111,7 @@ void Lookahead::stop(PlanReason reason, double direct_time) noexcept {
   state_.brief.reason = reason;
   state_.direct_time = direct_time;
   state_.stop_end = state_.steps + periods(kLongestStop);
-  state_.going_on = state_.chosen = false;
+  state_.brief.going_on = state_.chosen = false;
   job_ = Job::kNone;
 }
 
@@ -122,7 +124,7 @@ void Lookahead::go_on(PlanReason reason, double direct_time) noexcept {
     return;
   }
   state_.left_path = false;
-  state_.going_on = true;
+  state_.brief.going_on = true;
   state_.brief.reason = reason;
   state_.direct_time = direct_time < 0.0 ? direct_time : std::max(0.0, direct_time - later_time_);
   state_.commit = commit;
@@ -138,16 +140,25 @@ void Lookahead::begin_path() noexcept {
   brief.reason = PlanReason::kQuicker;
   brief.clock = brief.lag = 0.0;
   brief.duration = state_.path.duration;
-  state_.going_on = state_.chosen = false;
+  brief.target = state_.path.origin.head<3>();
+  shift_ = PlanarShift{};
+  place_end();
+  brief.going_on = state_.chosen = false;
   state_.mark = state_.steps;
   state_.mark_clock = 0.0;
   watch_.forget();
 }
 
+void Lookahead::place_end() noexcept {
+  WholeConfiguration end;
+  state_.path.at(state_.path.duration, end);
+  state_.brief.end = shift_.of(end).head<3>();
+}
+
 // Where going on ends: what was chosen, or a stop until it is.
 void Lookahead::take_effect() noexcept {
   if (!state_.chosen) {
-    state_.going_on = false;
+    state_.brief.going_on = false;
     state_.brief.mode = PlanMode::kStop;
     state_.stop_end = state_.steps + periods(kLongestStop);
   } else if (state_.path.count > 0) {
@@ -186,10 +197,11 @@ void Lookahead::decide(const Observation& o) noexcept {
   const bool goal_moves = o.goal.V_WG_W.norm() >= kStill;
   traffic_ = movers || goal_moves;
   PlanBrief& brief = state_.brief;
-  if (goal_moves && (brief.mode != PlanMode::kDirect || state_.going_on)) go_direct(PlanReason::kTraffic, &kNothing);
+  if (goal_moves && (brief.mode != PlanMode::kDirect || state_.brief.going_on))
+    go_direct(PlanReason::kTraffic, &kNothing);
   if (movers && !goal_moves) decide_among_traffic();
 
-  if (state_.going_on && state_.steps >= state_.commit) take_effect();
+  if (state_.brief.going_on && state_.steps >= state_.commit) take_effect();
   if (brief.mode == PlanMode::kStop && (o.qdot.lpNorm<Eigen::Infinity>() <= kSlow || state_.steps >= state_.stop_end))
     brief.mode = PlanMode::kChoose;
   guides_ = brief.mode != PlanMode::kDirect;
@@ -224,6 +236,10 @@ void Lookahead::follow(const Observation& o) noexcept {
       follow_path(planner().limits(), params_, state_.path, brief.clock, dt_, most_rate, shift_, o, wanted_);
   brief.lag = step.lag;
   brief.clock = std::min(brief.clock + step.rate * dt_, state_.path.duration);
+  WholeConfiguration target;
+  state_.path.at(brief.clock, target);
+  brief.target = shift_.of(target).head<3>();
+  place_end();
   if (brief.clock > state_.mark_clock + kProgress) {
     state_.mark_clock = brief.clock;
     state_.mark = state_.steps;
@@ -235,7 +251,7 @@ void Lookahead::work(const Observation& o, const EscapeState& escape) noexcept {
   const long whole = budget;
   switch (state_.brief.mode) {
     case PlanMode::kDirect:
-      if (state_.going_on)
+      if (state_.brief.going_on)
         work_going_on(o, escape, budget);
       else
         work_direct(o, escape, budget);
@@ -270,7 +286,7 @@ void Lookahead::work_direct(const Observation& o, const EscapeState& escape, lon
   if (job_ == Job::kNone && state_.steps < state_.next && !news_) return;
   if (!predict(o, escape, params_.horizon, budget)) return;
   end_direct_prediction();
-  if (state_.going_on) work_choice(o, budget);
+  if (state_.brief.going_on) work_choice(o, budget);
 }
 
 void Lookahead::work_going_on(const Observation& o, const EscapeState& escape, long& budget) noexcept {
@@ -366,12 +382,13 @@ bool Lookahead::at_end() const noexcept {
 void Lookahead::choose() noexcept {
   const EscapeState kNothing;
   const PlanCandidate& best = choice_.best();
-  const bool waits = state_.going_on;
+  const bool waits = state_.brief.going_on;
   job_ = Job::kNone;
   state_.next = state_.steps + periods(params_.period);
-  if (best.time < 0.0 || best.kind == PlanCandidate::Kind::kDirect) {
+  state_.brief.choice = choice_.verdict();
+  if (best.time < 0.0 || best.kind == PlanKind::kPolicy) {
     go_direct(best.time < 0.0 ? PlanReason::kNoPath : PlanReason::kQuicker, state_.left_path ? &kNothing : nullptr);
-  } else if (best.kind == PlanCandidate::Kind::kPath) {
+  } else if (best.kind == PlanKind::kPath) {
     state_.path = planner().path();
     state_.chosen = true;
     if (!waits) begin_path();

@@ -67,6 +67,7 @@ class Lookahead {
   void go_on(PlanReason reason, double direct_time) noexcept;
   void stop(PlanReason reason, double direct_time) noexcept;
   void begin_path() noexcept;
+  void place_end() noexcept;
   void take_effect() noexcept;
   void follow(const Observation& o) noexcept;
   void work_direct(const Observation& o, const EscapeState& escape, long& budget) noexcept;

@@ -3,6 +3,7 @@
 #include "controller/describe/complete.h"
 #include "controller/describe/describe.h"
 #include "controller/describe/enumeration.h"
+#include "controller/types.h"
 
 namespace moma {
 
@@ -35,27 +36,72 @@ constexpr auto words(Of<PlanReason>) {
                                           "no_progress", "path_broken", "traffic"});
 }
 
-/// The part of it that a sample carries.
+/// What a choice is made among.
+enum class PlanKind {
+  kNone,    ///< there was no choice yet
+  kPolicy,  ///< the direct policy goes on
+  kDetour,  ///< the direct policy from another state of its memory (candidates.h)
+  kPath     ///< a planned path
+};
+
+constexpr auto words(Of<PlanKind>) { return std::to_array<std::string_view>({"none", "policy", "detour", "path"}); }
+
+/// What a choice came to. Times are predicted, from when it takes effect until the goal is reached [s]; negative: that
+/// does not arrive, or not before the best that was known by then. The quickest was chosen, of equals the first.
+struct PlanVerdict {
+  PlanKind kind = PlanKind::kNone;
+  int detour = -1;          ///< which, where one was chosen; else -1
+  int tried = 0;            ///< candidates
+  double policy = -1.0;     ///< of the direct policy, as it was
+  double by_detour = -1.0;  ///< of the best detour
+  double by_path = -1.0;    ///< of the path
+};
+
+/// The part of it that a sample carries. Poses of the base are (x, y, phi) in world axes, as the controller sees them.
 struct PlanBrief {
   PlanMode mode = PlanMode::kDirect;
   PlanReason reason = PlanReason::kStart;
-  int attempts = 0;       ///< choices begun since reset()
-  double clock = 0.0;     ///< on the path [s]
-  double duration = 0.0;  ///< of the path [s]; 0 without one
-  double lag = 0.0;       ///< behind the path [m]
+  bool going_on = false;             ///< the direct policy goes on while a choice is worked out
+  int attempts = 0;                  ///< choices begun since reset()
+  double clock = 0.0;                ///< on the path [s]
+  double duration = 0.0;             ///< of the path [s]; 0 without one
+  double lag = 0.0;                  ///< behind the path [m]
+  Vector3 target = Vector3::Zero();  ///< where the path has the base at `clock` [m, m, rad]; 0 without one
+  Vector3 end = Vector3::Zero();     ///< and where it ends
+  PlanVerdict choice;                ///< the last one that was made
 };
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<PlanVerdict>) {
+  v.member("choice", &PlanVerdict::kind, {.text = "what the last choice fell on"});
+  v.member("detour", &PlanVerdict::detour, {.range = {-1, 1e3}, .text = "which detour, where it was one; else -1"});
+  v.member("tried", &PlanVerdict::tried, {.range = {0, 1e9}, .text = "candidates of that choice"});
+  v.member(
+      "time_policy", &PlanVerdict::policy,
+      {.unit = "s", .text = "predicted then, until the goal, of the policy as it was; negative: it does not arrive"});
+  v.member("time_detour", &PlanVerdict::by_detour,
+           {.unit = "s", .text = "of the best detour; negative: none arrives, or none sooner than the policy"});
+  v.member("time_path", &PlanVerdict::by_path,
+           {.unit = "s", .text = "of a path; negative: none was found, or none that is quicker"});
+}
 
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<PlanBrief>) {
   v.member("mode", &PlanBrief::mode, {.text = "what the robot is doing about its goal"});
   v.member("reason", &PlanBrief::reason, {.text = "and why"});
+  v.member("going_on", &PlanBrief::going_on, {.text = "whether the policy goes on while a choice is worked out"});
   v.member("attempts", &PlanBrief::attempts, {.range = {0, 1e9}, .text = "choices begun since the start"});
   v.member("clock", &PlanBrief::clock, {.unit = "s", .range = Range::non_negative(), .text = "on the path"});
   v.member("duration", &PlanBrief::duration,
            {.unit = "s", .range = Range::non_negative(), .text = "of the path; 0 without one"});
   v.member("lag", &PlanBrief::lag, {.unit = "m", .range = Range::non_negative(), .text = "behind the path"});
+  v.member("target", &PlanBrief::target,
+           {.unit = "m, m, rad", .text = "where the path has the base at `clock`: x, y and heading; 0 without one"});
+  v.member("end", &PlanBrief::end, {.unit = "m, m, rad", .text = "and where it ends"});
+  v.inlined(&PlanBrief::choice);
 }
 
-static_assert(is_complete<PlanBrief>() && all_worded<PlanMode>() && all_worded<PlanReason>());
+static_assert(is_complete<PlanBrief>() && is_complete<PlanVerdict>() && all_worded<PlanMode>() &&
+              all_worded<PlanReason>() && all_worded<PlanKind>());
 
 }  // namespace moma

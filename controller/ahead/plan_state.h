@@ -16,8 +16,7 @@ struct PlanState {
   std::int64_t steps = 0;     ///< since the start or the goal's last jump
   std::int64_t next = 0;      ///< step of the next prediction
   std::int64_t stop_end = 0;  ///< step at which a stop has lasted long enough
-  bool going_on = false;      ///< the direct policy goes on while a choice is worked out ...
-  std::int64_t commit = 0;    ///< ... until this step, at which it takes effect
+  std::int64_t commit = 0;    ///< step up to which `brief.going_on` goes on: what is chosen takes effect there
   bool chosen = false;        ///< the choice is made and waits for that: `path`, or else a detour from `start` on
   std::int64_t mark = 0;      ///< step of the last progress along the path ...
   double mark_clock = 0.0;    ///< ... and where that was on it [s]

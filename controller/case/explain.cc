@@ -7,8 +7,8 @@
 
 #include "controller/case/case_step.h"
 #include "controller/case/cost_terms.h"
-#include "controller/case/foresee.h"
 #include "controller/case/infeasible_set.h"
+#include "controller/case/plan_words.h"
 #include "controller/case/solve.h"
 #include "controller/qp/limits.h"
 
@@ -208,7 +208,7 @@ std::string describe_task(const CaseStep& step) {
          " rad/s; along that the command gives " +
          number(100.0 * along(nu.tail<3>().eval(), got.tail<3>().eval()), "%.0f") + " % and " +
          number(100.0 * along(nu.head<3>().eval(), got.head<3>().eval()), "%.0f") + " %.\n";
-  return out + describe_escape(step.controller) + describe_plan(step.controller);
+  return out + describe_escape(step.controller) + describe_plan(step.given, step.controller);
 }
 
 std::string describe_surroundings(const CaseStep& step) {

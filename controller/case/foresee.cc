@@ -2,58 +2,23 @@
 
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "controller/ahead/lookahead.h"
 #include "controller/ahead/rollout.h"
+#include "controller/case/plan_words.h"
+#include "controller/task/escape.h"
 
 namespace moma {
 namespace {
+
+constexpr double kNearer = 0.005, kInVain = 1.0;  // less of a way left, or this long without, is no progress [m, s]
 
 template <class... Values>
 std::string text(const char* format, Values... values) {
   char buffer[200];
   std::snprintf(buffer, sizeof buffer, format, values...);
   return buffer;
-}
-
-std::string meaning(PlanMode mode) {
-  switch (mode) {
-    case PlanMode::kDirect:
-      return "goes by the controller's own policy";
-    case PlanMode::kFollow:
-      return "follows a path";
-    case PlanMode::kStop:
-      return "slows down, to choose";
-    case PlanMode::kChoose:
-      return "stands, while a path and detours are worked out";
-  }
-  return "";
-}
-
-std::string meaning(PlanReason reason) {
-  switch (reason) {
-    case PlanReason::kStart:
-      return "a motion begins with a choice";
-    case PlanReason::kArrives:
-      return "that is predicted to arrive";
-    case PlanReason::kQuicker:
-      return "that is predicted to arrive soonest";
-    case PlanReason::kFails:
-      return "the policy is predicted not to arrive";
-    case PlanReason::kStagnates:
-      return "the policy stagnated";
-    case PlanReason::kNoPath:
-      return "nothing was found that arrives";
-    case PlanReason::kPathEnds:
-      return "the path is at its end";
-    case PlanReason::kNoProgress:
-      return "it did not get on along its path";
-    case PlanReason::kPathBroken:
-      return "something is in the way of the path";
-    case PlanReason::kTraffic:
-      return "something moves";
-  }
-  return "";
 }
 
 std::string names_of_active(const ControllerCore& controller) {
@@ -83,26 +48,6 @@ std::string place(const Rollout& rollout) {
 
 }  // namespace
 
-std::string describe_plan(const ControllerCore& controller) {
-  const Lookahead* ahead = controller.lookahead();
-  if (ahead == nullptr) return "";
-  const PlanState& state = ahead->state();
-  const PlanBrief& brief = state.brief;
-  std::string out = "Looking ahead: the robot " + meaning(brief.mode) + ": " + meaning(brief.reason) + ".";
-  if (brief.mode == PlanMode::kFollow)
-    out += text(" It is at %.2f of %.2f s, %.3f m behind.", brief.clock, brief.duration, brief.lag);
-  if (state.going_on) out += " Meanwhile a path and detours are worked out.";
-  out += text(" Choices so far: %d.\n", brief.attempts);
-  for (const PlanCandidate& candidate : ahead->candidates()) {
-    if (candidate.kind == PlanCandidate::Kind::kDetour && candidate.time < 0.0) continue;
-    out += candidate.kind == PlanCandidate::Kind::kDirect ? "  the policy goes on: "
-           : candidate.kind == PlanCandidate::Kind::kPath ? "  a path: "
-                                                          : text("  detour %d: ", candidate.index);
-    out += candidate.time < 0.0 ? "does not arrive\n" : text("arrives in %.2f s\n", candidate.time);
-  }
-  return out;
-}
-
 std::string foresee(const ControlCase& control_case, double seconds) {
   Rollout rollout(control_case.robot.model, control_case.controller, control_case.control_period);
   rollout.reset(control_case.objects);
@@ -118,9 +63,15 @@ std::string foresee(const ControlCase& control_case, double seconds) {
   bool detour = control_case.memory.escape.state.detour;
   PlanMode mode = ahead != nullptr ? ahead->state().brief.mode : PlanMode::kDirect;
   Fallback fallback = Fallback::kNone;
+  double least_way = std::numeric_limits<double>::infinity(), nearer = 0.0;
   while (!rollout.over() && rollout.step() == RolloutEnd::kGoesOn) {
     const EscapeState& now = rollout.policy().escape_state();
     const double time = rollout.time();
+    const double way = remaining_way(escape, rollout.result().error);
+    if (way < least_way - kNearer) {
+      least_way = way;
+      nearer = time;
+    }
     if (time + 1e-9 >= next) {
       out += place(rollout);
       next += kEvery;
@@ -151,6 +102,12 @@ std::string foresee(const ControlCase& control_case, double seconds) {
     case RolloutEnd::kGoesOn:
       break;
   }
+  const bool led = detour || mode == PlanMode::kFollow;
+  if (!led && rollout.time() - nearer >= kInVain)
+    return out +
+           text("After %.2f s it has come no nearer to its goal for %.2f s; held by ", rollout.time(),
+                rollout.time() - nearer) +
+           names_of_active(rollout.policy()) + ".\n";
   const double speed = rollout.result().command.lpNorm<Eigen::Infinity>();
   constexpr double kStands = 0.01;
   if (speed > kStands) return out + text("After %.2f s it is still on its way.\n", rollout.time());

@@ -6,13 +6,8 @@
 
 namespace moma {
 
-class ControllerCore;
-
 /// What the robot of a case will do in the next `seconds` [s] > 0, and why it will stop: the controller rolled out in a
 /// model of the world (ahead/rollout.h), a line for each half second and for each thing that happens.
 std::string foresee(const ControlCase& control_case, double seconds);
-
-/// What a controller that looks ahead is doing, why, and what it chose among; empty for others.
-std::string describe_plan(const ControllerCore& controller);
 
 }  // namespace moma

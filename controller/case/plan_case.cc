@@ -17,7 +17,7 @@ using config::Node;
 // The members that stand beside brief, escape state, poses and path.
 struct Counts {
   std::int64_t steps = 0, next = 0, stop_end = 0, commit = 0, mark = 0;
-  bool going_on = false, chosen = false;
+  bool chosen = false;
   double mark_clock = 0.0;
   int stagnations = 0;
   double direct_time = -1.0;
@@ -32,7 +32,6 @@ constexpr void describe(Visitor& v, Of<Counts>) {
   v.member("steps", &Counts::steps, {.range = kSteps, .text = "since the start or the goal's last jump"});
   v.member("next", &Counts::next, {.range = kSteps, .text = "step of the next prediction"});
   v.member("stop_end", &Counts::stop_end, {.range = kSteps, .text = "step at which a stop has lasted long enough"});
-  v.member("going_on", &Counts::going_on, {.text = "whether the policy goes on while a choice is worked out"});
   v.member("commit", &Counts::commit, {.range = kSteps, .text = "step at which a choice takes effect"});
   v.member("chosen", &Counts::chosen, {.text = "whether it is made, and waits for that step"});
   v.member("mark", &Counts::mark, {.range = kSteps, .text = "step of the last progress along the path"});
@@ -147,7 +146,6 @@ PlanState read_plan_state(const Node& node, const std::string& key, const RobotM
   state.steps = counts.steps;
   state.next = counts.next;
   state.stop_end = counts.stop_end;
-  state.going_on = counts.going_on;
   state.commit = counts.commit;
   state.chosen = counts.chosen;
   state.mark = counts.mark;
@@ -166,7 +164,6 @@ nlohmann::ordered_json to_json(const PlanState& state) {
   counts.steps = state.steps;
   counts.next = state.next;
   counts.stop_end = state.stop_end;
-  counts.going_on = state.going_on;
   counts.commit = state.commit;
   counts.chosen = state.chosen;
   counts.mark = state.mark;

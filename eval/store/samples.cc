@@ -73,6 +73,8 @@ class Numbers {
   void member(std::string_view name, M Sample::*member, const SampleColumn& about) {
     if constexpr (std::is_same_v<M, EscapeState>) {
       describe(*this, Of<EscapeState>{});
+    } else if constexpr (std::is_same_v<M, PlanBrief>) {
+      describe(*this, Of<PlanBrief>{});
     } else {
       value({"", name, -1, ""}, sample_.*member, about.parts, false);
     }
@@ -89,6 +91,15 @@ class Numbers {
     } else {
       value(memory_column(name), e.*member, "x y z", true);
     }
+  }
+  template <class M>
+  void member(std::string_view name, M PlanBrief::*member, const About&) {
+    value({"plan_", name, -1, ""}, sample_.plan.*member, "x y phi", true);
+  }
+  void inlined(PlanVerdict PlanBrief::*) { describe(*this, Of<PlanVerdict>{}); }
+  template <class M>
+  void member(std::string_view name, M PlanVerdict::*member, const About&) {
+    value({"plan_", name, -1, ""}, sample_.plan.choice.*member, "", true);
   }
 
   template <class M>
@@ -117,7 +128,8 @@ class Numbers {
 
 template <class Number>
 void visit_numbers(Sample& sample, const Number& number) {
-  static_assert(is_complete<Sample>() && is_complete<EscapeState>());
+  static_assert(is_complete<Sample>() && is_complete<EscapeState>() && is_complete<PlanBrief>() &&
+                is_complete<PlanVerdict>());
   Numbers<Number> numbers(sample, number);
   describe(numbers, Of<Sample>{});
 }
@@ -152,6 +164,11 @@ Eigen::Index count_of(const std::vector<std::string>& names, const std::string& 
 }
 
 }  // namespace
+
+void add_written_columns(std::vector<std::string>& names) {
+  for (std::string& name : column_names({count_of(names, "q"), count_of(names, "qdot")}))
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(std::move(name));
+}
 
 std::vector<std::string> sample_columns(Eigen::Index q, Eigen::Index v) { return column_names({q, v}); }
 std::vector<double> sample_row(const Sample& sample) { return flatten(sample); }

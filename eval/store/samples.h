@@ -22,6 +22,8 @@ struct EncodedSamples {
 
 /// Names of the columns for `q` joints and `v` velocities, and one sample as numbers in their order.
 std::vector<std::string> sample_columns(Eigen::Index q, Eigen::Index v);
+/// Adds to the names of some sample's columns those that this moma writes for the same robot and they lack.
+void add_written_columns(std::vector<std::string>& names);
 std::vector<double> sample_row(const Sample& sample);
 
 /// All samples must have vectors of the same sizes. Throws std::invalid_argument otherwise.

@@ -37,7 +37,8 @@ struct Cursor : sqlite3_vtab_cursor {
 };
 using Samples = VirtualTable<Table, Cursor>;
 
-/// The columns of all robots' samples, in the order in which they appear. All trials of a robot have the same.
+/// The columns of all robots' samples, in the order in which they appear. All trials of a robot have the same, but for
+/// what the controller remembered, of which earlier versions wrote less: what this one writes is among them.
 std::vector<std::string> known_columns(sqlite3* connection) {
   const StatementPtr query =
       prepare_statement(connection,
@@ -48,7 +49,9 @@ std::vector<std::string> known_columns(sqlite3* connection) {
   while (step(connection, query.get())) {
     const std::string text = column_text(query.get(), 0);
     if (text.empty()) continue;
-    for (const std::string& word : column_names_of(text)) {
+    std::vector<std::string> of_robot = column_names_of(text);
+    add_written_columns(of_robot);
+    for (const std::string& word : of_robot) {
       if (std::find(names.begin(), names.end(), word) == names.end()) names.push_back(word);
     }
   }

@@ -245,6 +245,7 @@ class TickClock {
     sample.fallback = result_.fallback;
     sample.active_rows = result_.active_rows;
     sample.escape = result_.escape;
+    sample.plan = result_.plan;
     infeasible_.count(result_.fallback);
     plant_.advance(actuation_ ? actuation_->act(k, result_.command) : result_.command, period_, report_);
   }

@@ -24,6 +24,7 @@ struct Sample {
   Fallback fallback = Fallback::kNone;
   int active_rows = 0;
   EscapeState escape;  ///< what the controller remembered when the step began
+  PlanBrief plan;      ///< what it was about and why when the step began; by default where it does not look ahead
 };
 
 /// What is said of a member of a sample.
@@ -58,6 +59,7 @@ constexpr void describe(Visitor& v, Of<Sample>) {
   v.member("fallback", &S::fallback, SampleColumn{.text = "that the step took"});
   v.member("active_rows", &S::active_rows, SampleColumn{.text = "rows of the QP that hold back"});
   v.member("escape", &S::escape, SampleColumn{.text = "what the controller remembered when the step began"});
+  v.member("plan", &S::plan, SampleColumn{.text = "what it was about and why, where it looks ahead"});
 }
 
 using Trace = std::vector<Sample>;

@@ -48,7 +48,7 @@ class SampleJson {
       return value;
     } else if constexpr (std::is_enum_v<M>) {
       return to_string(value);
-    } else if constexpr (std::is_same_v<M, EscapeState>) {
+    } else if constexpr (Described<M>) {
       return config::write_described(value);
     } else {
       return numbers(value);

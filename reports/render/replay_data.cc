@@ -102,6 +102,17 @@ nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz) {
   keep_norm("error_position", "error", 3, 3);
   keep_norm("slack", "slack", 0, 6);
   for (const char* name : {"manipulability", "least_distance", "status", "fallback", "active_rows"}) keep_column(name);
+  // Of a controller that looks ahead: what it was about and why, its path, its choice, its detour.
+  const auto ever = [&](std::string_view name) {
+    const double* from = column(name);
+    return from != nullptr && std::any_of(from, from + n, [](double value) { return value != 0.0; });
+  };
+  if (ever("plan_mode") || ever("plan_reason") || ever("plan_attempts")) {
+    for (const std::string& name : samples.columns)
+      if (name.rfind("plan_", 0) == 0) keep_column(name);
+    for (const char* name : {"detour", "detour_x", "detour_y"})
+      if (column(name) != nullptr) keep_column(name);
+  }
 
   return {{"hz", hz}, {"n", rows.size()}, {"columns", names}, {"data", pack(kept)}};
 }

@@ -30,8 +30,9 @@ std::vector<double> unpack(const StoredSamples& samples);
 /// `{"hz", "n", "columns", "data"}`: the motion at about `hz` samples a second (first and last always kept), as
 /// float32 columns one after the other, their bytes regrouped by significance, deflated (zlib), in base64.
 /// Columns: t, base_x, base_y, base_phi, q0..., command0..., error_rotation, error_position, slack (norms),
-/// manipulability, least_distance, status, fallback, active_rows. Throws std::runtime_error on data that does not fit
-/// its layout.
+/// manipulability, least_distance, status, fallback, active_rows; of a controller that looks ahead also every plan_...
+/// that the samples have (docs/store.md), detour, detour_x and detour_y. Throws std::runtime_error on data that does
+/// not fit its layout.
 nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz);
 
 }  // namespace moma::reports

@@ -197,8 +197,8 @@ TEST_P(Ahead, GoesOnWhileItChooses) {
     Loop ahead(model, params, scene), plain(model, read_params(*model, false), scene);
     const PlanState& state = ahead.controller.lookahead()->state();
     for (int i = 0; i < 60; ++i) {
-      const bool goes_on = state.going_on && state.steps < state.commit;
-      const bool direct = state.brief.mode == PlanMode::kDirect && (goes_on || !state.going_on);
+      const bool goes_on = state.brief.going_on && state.steps < state.commit;
+      const bool direct = state.brief.mode == PlanMode::kDirect && (goes_on || !state.brief.going_on);
       ahead.step();
       plain.step();
       if (!direct || state.brief.attempts > 1) break;
@@ -293,7 +293,7 @@ TEST_P(Ahead, AStepFollowsFromMemory) {
     for (int i = 0; i < 300; ++i) {
       loop.controller.get_memory(memory);
       ++modes[static_cast<int>(memory.plan.brief.mode)];
-      going_on += memory.plan.going_on ? 1 : 0;
+      going_on += memory.plan.brief.going_on ? 1 : 0;
       const Observation o = loop.o;
       loop.step();
       other.set_memory(memory);

@@ -8,9 +8,11 @@
 #include "controller/ahead/lookahead.h"
 #include "controller/case/case_step.h"
 #include "controller/case/foresee.h"
+#include "controller/case/plan_words.h"
 #include "controller/controller_core.h"
 #include "tests/controller/case_text.h"
 #include "tests/controller/plan_scenes.h"
+#include "tests/support/filled.h"
 
 namespace moma::test {
 namespace {
@@ -69,9 +71,10 @@ TEST(PlanCase, AStepIsRepeatedBitForBitInEveryMode) {
         drive.step();
         if (k % 5 != 0) continue;
         ++modes[c.memory.plan.brief.mode];
-        going_on += c.memory.plan.going_on ? 1 : 0;
+        going_on += c.memory.plan.brief.going_on ? 1 : 0;
         const ControlCase again = read_text(case_to_json(c));
         ASSERT_EQ((again.memory.plan.X_WG.matrix() - c.memory.plan.X_WG.matrix()).norm(), 0.0) << "step " << k;
+        ASSERT_EQ(bits_of(again.memory.plan.brief), bits_of(c.memory.plan.brief)) << "step " << k;
         if (c.memory.plan.path.count > 0) {
           ASSERT_EQ((again.memory.plan.path.X_WG.matrix() - c.memory.plan.path.X_WG.matrix()).norm(), 0.0);
         }
@@ -110,6 +113,38 @@ TEST(PlanCase, IsRefusedWhereItIsNone) {
   Json off = good;
   off["controller"]["plan"]["enabled"] = false;
   EXPECT_NE(error_of(off).find("does not look ahead"), std::string::npos) << error_of(off);
+}
+
+// The choice that is told is the one that the controller makes, and its candidates are told with why they were not it.
+TEST(PlanCase, TheChoiceIsToldInWords) {
+  ControlCase c = ahead_case("moma-ahead.yaml");
+  Drive drive(c, 1);
+  drive.step();
+  ControlCase first = c;
+  const CaseStep begun(first);
+  const std::string before = describe_plan(first, begun.controller);
+  EXPECT_EQ(before.find("The last choice"), std::string::npos) << before;
+  for (int k = 0; k < 400 && c.memory.plan.brief.mode != PlanMode::kFollow; ++k) drive.step();
+  const PlanVerdict& choice = c.memory.plan.brief.choice;
+  ASSERT_EQ(choice.kind, PlanKind::kPath);
+  const CaseStep step(c);
+  const std::string told = describe_plan(c, step.controller);
+  char time[60];
+  std::snprintf(time, sizeof time, "fell on a path: %.2f s to the goal", choice.by_path);
+  EXPECT_NE(told.find(time), std::string::npos) << told;
+  EXPECT_NE(told.find("The policy as it was: would not have arrived"), std::string::npos) << told;
+  EXPECT_NE(told.find("follows a path"), std::string::npos) << told;
+  EXPECT_NE(told.find("Of a choice made now"), std::string::npos) << told;
+  // At the beginning the wall is in the policy's way, and the path that is found then is the quickest.
+  EXPECT_NE(before.find("the policy as it is: stagnates"), std::string::npos) << before;
+  const auto path = before.find("  a path: arrives after");
+  ASSERT_NE(path, std::string::npos) << before;
+  EXPECT_NE(before.find("the quickest", path), std::string::npos) << before;
+  EXPECT_NE(before.find("other detours:"), std::string::npos) << before;
+  ControlCase plain = c;
+  plain.controller.plan.enabled = false;
+  plain.has_plan = false;
+  EXPECT_EQ(describe_plan(plain, CaseStep(plain).controller), "");
 }
 
 TEST(PlanCase, TheNextSecondsAreForeseenInWords) {

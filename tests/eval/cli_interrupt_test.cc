@@ -67,5 +67,43 @@ TEST_F(CliInterrupt, KilledAtAnyMomentNothingIsBroken) {
   EXPECT_EQ(hash(db), whole);
 }
 
+// A choice that is under way when the process dies is made anew, and comes out as it would have.
+TEST_F(CliInterrupt, KilledWhileItLooksAheadGoesOnWithTheSameBits) {
+  const std::string configs = MOMA_SOURCE_DIR "/configs/";
+  write("looking.yaml", "name: looking\nrobot: " + configs + "robots/frankie.yaml\ncontrollers: {ahead: {include: " +
+                            configs + "controllers/moma-ahead.yaml, plan: {budget: 300}}}\n" + R"(
+worlds: {seed: 3, families: {clutter: {}}}
+simulation: {mode: kinematic, time_limit: 6}
+samples: all
+trials: 12
+)");
+  const auto looking = [this](const std::string& db) {
+    return command({"run", "looking.yaml", "-o", db, "--threads", "2"});
+  };
+  const auto samples = [this](const std::string& db) {
+    return good({"query", db, "SELECT key, hex(data) FROM main.samples ORDER BY key", "-f", "csv"}).out;
+  };
+  const auto clock = std::chrono::steady_clock::now();
+  EXPECT_EQ(Process(looking("whole.db"), folder_.root()).wait().code, 0);
+  const auto whole_run = std::chrono::duration_cast<milliseconds>(std::chrono::steady_clock::now() - clock);
+  const std::string whole = hash("whole.db");
+  const std::string whole_samples = samples("whole.db");
+  ASSERT_GT(whole_samples.size(), 12u * 1000u);
+  const std::string paths =
+      "SELECT count(*) > 50 AS n FROM v_trials AS v JOIN samples(v.trial) AS s WHERE s.plan_mode = 1";
+  EXPECT_EQ(good({"query", "whole.db", paths, "-f", "csv"}).out, "n\n1\n") << "paths are followed";
+  const std::string db = "killed.db";
+  for (const int share : {2, 3}) {
+    Process process(looking(db), folder_.root());
+    std::this_thread::sleep_for(whole_run / share);
+    process.kill(SIGKILL);
+    process.wait();
+  }
+  const ProcessResult last = Process(looking(db), folder_.root()).wait();
+  EXPECT_EQ(last.code, 0) << last.err;
+  EXPECT_EQ(hash(db), whole);
+  EXPECT_EQ(samples(db), whole_samples);
+}
+
 }  // namespace
 }  // namespace moma::test

@@ -226,6 +226,38 @@ TEST_F(Cli, RobotShowsJointsAndShapes) {
   EXPECT_EQ(robot["joints"][2]["upper"], 0.4);
 }
 
+// What a robot will do, and why it stops, of a free way, of a wall that a look ahead leads around, and of one that it
+// does not get past.
+TEST_F(Cli, SolveForeseesWhatTheRobotWillDo) {
+  const std::string configs = MOMA_SOURCE_DIR "/configs/";
+  json control_case = json::parse(R"({"state": {"base": [0, 0, 0], "q": [0, -0.3, 0, -2.2, 0, 2.0, 0.785]},
+    "goal": {"position": [2.0, 0.3, 0.7], "quaternion": [0, 1, 0, 0]}})");
+  control_case["robot"] = configs + "robots/frankie.yaml";
+  control_case["controller"] = configs + "controllers/moma-ahead.yaml";
+  write("free.json", control_case.dump());
+  control_case["objects"] =
+      json::parse(R"([{"name": "wall", "shape": "box", "size": [0.1, 2.0, 2.4], "position": [1.3, 0.3, 1.2]}])");
+  write("wall.json", control_case.dump());
+  control_case["controller"] = configs + "controllers/holistic.yaml";
+  write("held.json", control_case.dump());
+  const auto foreseen = [this](const std::string& file, const std::string& seconds) {
+    return good({"solve", file, "--ahead", seconds}).out;
+  };
+  const auto expect = [](const std::string& text, const std::vector<std::string>& words) {
+    for (const std::string& word : words) EXPECT_NE(text.find(word), std::string::npos) << word << "\n" << text;
+  };
+  const std::string free = foreseen("free.json", "5");
+  expect(free, {"  0.50 s  goal ", "base at (", "E is at the goal after "});
+  EXPECT_EQ(free.find("held by"), std::string::npos) << free;
+  EXPECT_EQ(foreseen("free.json", "5"), free);
+  expect(foreseen("free.json", "0.5"), {"After 0.50 s it is still on its way."});
+  expect(foreseen("wall.json", "15"),
+         {"follows a path: ", "goes by the controller's own policy: ", "nearest object ", "E is at the goal after "});
+  expect(foreseen("held.json", "8"), {"come no nearer to its goal for ", "held by object/wall/"});
+  bad({"solve", "free.json", "--ahead", "0"}, {"--ahead", "0.001"});
+  bad({"solve", "free.json", "--ahead", "soon"}, {"--ahead", "soon"});
+}
+
 // The controller's doubts are part of the explanation, and beside the JSON otherwise: told once either way.
 TEST_F(Cli, SolveWarnsOnce) {
   const fs::path data = fs::path(MOMA_SOURCE_DIR) / "tests/data/qp_cases";

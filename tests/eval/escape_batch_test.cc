@@ -2,10 +2,12 @@
 // that was stopped and gone on with, in rows and in traces.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 
 #include "eval/batch/batch.h"
 #include "tests/eval/suite_fixture.h"
+#include "tests/support/filled.h"
 
 namespace moma::test {
 namespace {
@@ -58,6 +60,7 @@ void expect_equal(const Trials& one, const Trials& four) {
                 std::bit_cast<std::uint64_t>(b.trace[k].escape.best));
       ASSERT_EQ(a.trace[k].escape.target_W, b.trace[k].escape.target_W);
       ASSERT_EQ(a.trace[k].escape.stagnations, b.trace[k].escape.stagnations);
+      ASSERT_EQ(bits_of(a.trace[k].plan), bits_of(b.trace[k].plan)) << "trial " << i << " step " << k;
     }
   }
 }
@@ -73,11 +76,54 @@ TEST(EscapeBatch, OneAndFourThreadsGiveTheSameBits) {
   expect_equal(one, four);
 }
 
+/// What the samples say of the plan goes together with itself and with where the robot is.
+void expect_told(const Trials& trials) {
+  int following = 0, choices = 0, detours = 0;
+  double moves = 0.0;
+  for (const TrialOutput& trial : trials.trials) {
+    const Trace& trace = trial.trace;
+    for (std::size_t k = 1; k < trace.size(); ++k) {
+      const PlanBrief& plan = trace[k].plan;
+      const PlanVerdict& choice = plan.choice;
+      const std::string where = "step " + std::to_string(k) + " of " + std::to_string(trace.size());
+      if (trace[k - 1].plan.choice.tried != choice.tried || trace[k - 1].plan.choice.kind != choice.kind) ++choices;
+      detours += choice.kind == PlanKind::kDetour && trace[k].escape.detour ? 1 : 0;
+      ASSERT_EQ(choice.tried > 0, choice.kind != PlanKind::kNone) << where;
+      const double times[] = {kInfinity, choice.policy, choice.by_detour, choice.by_path};
+      for (const double time : times)
+        if (choice.tried > 0 && time >= 0.0) {
+          ASSERT_LE(times[static_cast<int>(choice.kind)], time) << "the quickest was chosen: " << where;
+        }
+      ASSERT_EQ(choice.detour >= 0, choice.kind == PlanKind::kDetour) << where;
+      if (plan.mode == PlanMode::kDirect) {
+        ASSERT_EQ(plan.duration, 0.0) << where;
+        ASSERT_EQ(plan.target.norm() + plan.end.norm(), 0.0) << where;
+      }
+      if (plan.mode != PlanMode::kFollow) continue;
+      ++following;
+      ASSERT_EQ(choice.kind, PlanKind::kPath) << where;
+      ASSERT_GT(plan.duration, 0.0) << where;
+      ASSERT_LE(plan.clock, plan.duration) << where;
+      // The base is as far from where the path has it as it is said to lag, but for the way of a period or two.
+      ASSERT_LE((trace[k].base - plan.target).head<2>().norm(), plan.lag + 0.06) << where;
+      // And the path ends no further away than it can be driven in what is left of it.
+      constexpr double kFastest = 2.0;  // [m/s]
+      ASSERT_LE((plan.end - plan.target).head<2>().norm(), kFastest * (plan.duration - plan.clock) + 1e-9) << where;
+      moves = std::max(moves, (plan.end - plan.target).head<2>().norm());
+    }
+  }
+  EXPECT_GT(following, 50);
+  EXPECT_GT(moves, 0.5);
+  EXPECT_GT(choices, 4);
+  EXPECT_GT(detours, 0);
+}
+
 TEST(AheadBatch, OneAndFourThreadsAndARunInTwoPartsGiveTheSameBits) {
   SuiteFolder folder;
   const Suite suite = load(folder, "moma-ahead");
   Trials one, four, parts, without;
   run(suite, 1, one);
+  expect_told(one);
   run(suite, 4, four);
   expect_equal(one, four);
   run(suite, 2, parts, 0, 5);

@@ -86,6 +86,8 @@ TEST(Descriptions, NameEachMemberOnce) {
   expect_each_once<TrialRow::Timing>();
   expect_each_once<Sample>();
   expect_each_once<EscapeState>();
+  expect_each_once<PlanBrief>();
+  expect_each_once<PlanVerdict>();
 }
 
 TEST(Descriptions, TellRowsApartByEveryMember) {

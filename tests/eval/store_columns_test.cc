@@ -1,9 +1,11 @@
 // Stores from before a metric was there, and what docs/store.md says of the columns.
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gtest/gtest.h>
+#include <zstd.h>
 
 #include <algorithm>
 #include <cctype>
+#include <nlohmann/json.hpp>
 
 #include "eval/store/database.h"
 #include "eval/store/definition.h"
@@ -11,7 +13,10 @@
 #include "eval/store/migrations.h"
 #include "eval/store/query.h"
 #include "eval/store/reader.h"
+#include "eval/store/samples.h"
+#include "eval/store/writer.h"
 #include "store_fixture.h"
+#include "tests/support/filled.h"
 #include "tests/support/generated_part.h"
 
 namespace moma::test {
@@ -127,6 +132,74 @@ TEST(StoreColumns, WhatIsNewerThanTheStoreSaysSo) {
   check("execution", store::timing_columns());
 }
 
+/// As a moma wrote them that did not look ahead yet.
+store::EncodedSamples without_plan(const store::EncodedSamples& whole) {
+  const store::SampleTable table = store::decode_table(whole);
+  std::vector<std::string> names;
+  std::vector<double> numbers;
+  for (std::size_t c = 0; c < table.names.size(); ++c) {
+    if (table.names[c].rfind("plan_", 0) == 0) continue;
+    names.push_back(table.names[c]);
+    numbers.insert(numbers.end(), table.columns[c].begin(), table.columns[c].end());
+  }
+  store::EncodedSamples old = whole;
+  old.columns = nlohmann::json(names).dump();
+  const std::size_t bytes = numbers.size() * sizeof(double);
+  old.data.resize(ZSTD_compressBound(bytes));
+  old.data.resize(ZSTD_compress(old.data.data(), old.data.size(), numbers.data(), bytes, 1));
+  return old;
+}
+
+TEST(StoreColumns, SamplesFromBeforeAPlanAreRead) {
+  Trace trace(4);
+  for (std::size_t k = 0; k < trace.size(); ++k) {
+    trace[k].q = VectorX::Zero(3);
+    trace[k].qdot = trace[k].command = VectorX::Zero(5);
+    Filler(static_cast<double>(k)).fill(trace[k]);
+  }
+  const TemporaryFolder folder;
+  const fs::path file = folder / "a.db";
+  {
+    store::Writer writer(file);
+    writer.begin(synthetic_suite({"one"}), {}, synthetic_jobs(1, 2));
+    for (std::uint64_t w = 0; w < 2; ++w)
+      writer.add(synthetic_wanted(0, w), synthetic_world(w), synthetic_row(0, w), &trace);
+    writer.finish(store::RunStatus::kFinished);
+  }
+  const store::EncodedSamples old = without_plan(*store::Reader(file).trial(synthetic_key(0, 0)).samples);
+  ASSERT_LT(old.columns.size(), store::encode_samples(trace).columns.size());
+  const Trace back = store::decode_samples(old);
+  ASSERT_EQ(back.size(), trace.size());
+  for (std::size_t k = 0; k < trace.size(); ++k) {
+    Sample expected = trace[k];
+    expected.plan = PlanBrief{};
+    EXPECT_EQ(bits_of(back[k]), bits_of(expected)) << k;
+  }
+
+  // One of the two trials is of the old kind, whichever samples() looks at first.
+  for (const std::uint64_t w : {0u, 1u}) {
+    const fs::path mixed = folder / fmt::format("mixed{}.db", w);
+    fs::copy_file(file, mixed);
+    {
+      SQLite::Database db(mixed.string(), SQLite::OPEN_READWRITE);
+      SQLite::Statement change(db, "UPDATE samples SET columns = ?, data = ? WHERE lower(hex(key)) = ?");
+      change.bind(1, old.columns);
+      change.bind(2, old.data.data(), static_cast<int>(old.data.size()));
+      change.bind(3, synthetic_key(0, w));
+      ASSERT_EQ(change.exec(), 1);
+    }
+    const auto asked = [&](std::uint64_t trial) {
+      return store::query(mixed, "SELECT count(t), count(plan_mode), max(plan_end_phi) FROM samples('" +
+                                     synthetic_key(0, trial) + "')")
+          .rows.at(0);
+    };
+    EXPECT_EQ(std::get<std::int64_t>(asked(w)[0]), 4);
+    EXPECT_EQ(std::get<std::int64_t>(asked(w)[1]), 0) << "NULL where there is none";
+    EXPECT_EQ(std::get<std::int64_t>(asked(1 - w)[1]), 4);
+    EXPECT_EQ(std::get<double>(asked(1 - w)[2]), trace.back().plan.end[2]);
+  }
+}
+
 std::string cell(std::string_view text) {
   std::string escaped;
   for (const char c : text) escaped += c == '|' ? std::string("\\|") : std::string(1, c);
@@ -148,7 +221,27 @@ struct SampleRows {
   std::string rows = "| column | unit | meaning |\n| --- | --- | --- |\n";
   template <class M>
   void member(std::string_view name, M Sample::*, const SampleColumn& about) {
-    if constexpr (std::is_same_v<M, EscapeState>) return;
+    if constexpr (std::is_same_v<M, EscapeState>) {
+      return;
+    } else if constexpr (std::is_same_v<M, PlanBrief>) {
+      describe(*this, Of<PlanBrief>{});
+    } else {
+      add<M>(std::string(name), about);
+    }
+  }
+  template <class M>
+  void member(std::string_view name, M PlanBrief::*, const About& about) {
+    add<M>(fmt::format("plan_{}", name), {.parts = "x y phi", .unit = about.unit, .text = about.text});
+  }
+  void inlined(PlanVerdict PlanBrief::*) { describe(*this, Of<PlanVerdict>{}); }
+  template <class M>
+  void member(std::string_view name, M PlanVerdict::*, const About& about) {
+    add<M>(fmt::format("plan_{}", name), {.unit = about.unit, .text = about.text});
+  }
+
+ private:
+  template <class M>
+  void add(const std::string& name, const SampleColumn& about) {
     std::string columns = fmt::format("`{}`", name);
     if constexpr (!std::is_arithmetic_v<M> && !std::is_enum_v<M>) {
       columns = fmt::format("`{}0`...", name);
@@ -160,7 +253,13 @@ struct SampleRows {
                                  parts.substr(at, std::min(parts.find(' ', at), parts.size()) - at));
       }
     }
-    rows += fmt::format("| {} | {} | {} |\n", columns, about.unit, cell(about.text));
+    std::string text = cell(about.text);
+    if constexpr (std::is_enum_v<M>) {
+      int k = 0;
+      for (const std::string_view word : words(Of<M>{}))
+        text += fmt::format("{}{} {}", k == 0 ? ": " : ", ", k, word), ++k;
+    }
+    rows += fmt::format("| {} | {} | {} |\n", columns, about.unit, text);
   }
 };
 

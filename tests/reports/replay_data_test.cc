@@ -101,6 +101,25 @@ TEST(ReplayData, InfiniteDistancesStay) {
   EXPECT_TRUE(std::isinf(unpack(replay_data(made.samples, 10.0)).at("least_distance")[0]));
 }
 
+// What a controller was about goes along where it looks ahead, whatever the samples have of it.
+TEST(ReplayData, PlansComeAlongWhereThereAreAny) {
+  Made made(5);
+  for (const char* name : {"plan_mode", "plan_reason", "plan_target_x", "detour", "detour_x"}) {
+    made.samples.columns.push_back(name);
+    for (int i = 0; i < 5; ++i) made.values.push_back(0.0);
+  }
+  made.pack();
+  EXPECT_EQ(unpack(replay_data(made.samples, 50.0)).count("plan_mode"), 0u);
+  made.values[made.values.size() - 16] = 4.0;  // the reason, in the last sample
+  made.values[made.values.size() - 15] = 1.5;  // the target, in the first
+  made.pack();
+  const Table table = unpack(replay_data(made.samples, 50.0));
+  EXPECT_EQ(table.at("plan_reason"), (std::vector<double>{0, 0, 0, 0, 4}));
+  EXPECT_EQ(table.at("plan_target_x"), (std::vector<double>{1.5, 0, 0, 0, 0}));
+  EXPECT_EQ(table.count("detour_x"), 1u);
+  EXPECT_EQ(table.count("detour_y"), 0u) << "older samples have less";
+}
+
 TEST(ReplayData, OneSample) { EXPECT_EQ(unpack(replay_data(Made(1).samples, 10.0)).at("t").size(), 1u); }
 
 TEST(ReplayData, RefusesWhatDoesNotFit) {
