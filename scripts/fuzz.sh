@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Fuzzes one target (tests/fuzz/TARGET.cc) with libFuzzer, AddressSanitizer and UBSan, starting from its corpus.
-# Usage: scripts/fuzz.sh TARGET SECONDS     needs clang-14 and libclang-rt-14-dev
+# Usage: scripts/fuzz.sh TARGET SECONDS     needs clang-14, libomp-14-dev and libclang-rt-14-dev
 # What it finds is left in build-fuzz/found/TARGET; a file that shows something becomes part of tests/data/fuzz/TARGET.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -6,6 +6,7 @@
 
 #include "controller/config/text_file.h"
 #include "controller/model/collada_check.h"
+#include "controller/model/collada_geometry.h"
 
 namespace moma::config {
 namespace {

@@ -3,11 +3,11 @@
 #include <tinyxml.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <map>
 #include <string_view>
 #include <vector>
 
+#include "controller/model/collada_geometry.h"
 #include "controller/model/xml_depth.h"
 
 namespace moma {
@@ -48,21 +48,8 @@ class Scenes {
       } else if (name == "instance_node" && parent >= 0) {
         const char* url = child->Attribute("url");
         if (url != nullptr) node(parent).instances.emplace_back(*url == '#' ? url + 1 : url);
-      } else if (name == "vcount") {
-        check_polygons(*child);
       }
       walk(*child, inside);
-    }
-  }
-
-  void check_polygons(const TiXmlElement& vcount) {
-    const char* at = vcount.GetText();
-    while (at != nullptr && *at != '\0') {
-      char* end = nullptr;
-      const long corners = std::strtol(at, &end, 10);
-      if (end == at) return;
-      if (corners > kMaxPolygon) fault_ = "a polygon has more than " + std::to_string(kMaxPolygon) + " corners";
-      at = end;
     }
   }
 
@@ -108,7 +95,9 @@ std::string collada_fault(const std::string& text) {
   document.Parse(text.c_str());
   if (document.Error()) return "not valid XML: " + std::string(document.ErrorDesc());
   const TiXmlElement* root = document.RootElement();
-  return root == nullptr ? "no XML element" : Scenes().fault_of(*root);
+  if (root == nullptr) return "no XML element";
+  const std::string fault = Scenes().fault_of(*root);
+  return fault.empty() ? geometry_fault(*root, text.size()) : fault;
 }
 
 }  // namespace moma

@@ -1,10 +1,10 @@
 #include "eval/batch/wire.h"
 
 #include <cstring>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <type_traits>
 
+#include "controller/config/json_text.h"
 #include "controller/describe/complete.h"
 #include "world/scenario/worlds.h"
 #include "world/world_json.h"
@@ -43,9 +43,17 @@ class Writer {
 class Reader {
  public:
   explicit Reader(std::span<const unsigned char> bytes) : left_(bytes) {}
+  /// A truth value or a word has to be one: not every byte is.
   template <typename Number>
   void number(Number& value) {
-    raw(&value, sizeof value);
+    if constexpr (std::is_same_v<Number, bool>) {
+      static_assert(sizeof(bool) == 1);
+      value = below<unsigned char>(2) != 0;
+    } else if constexpr (std::is_enum_v<Number>) {
+      value = static_cast<Number>(below<std::underlying_type_t<Number>>(words(Of<Number>{}).size()));
+    } else {
+      raw(&value, sizeof value);
+    }
   }
   std::size_t size(std::size_t element) {
     std::uint64_t n = 0;
@@ -68,6 +76,14 @@ class Reader {
   bool done() const { return left_.empty(); }
 
  private:
+  template <typename Number>
+  Number below(std::size_t end) {
+    Number value = 0;
+    raw(&value, sizeof value);
+    if (static_cast<std::size_t>(value) >= end)  // negative ones become large
+      throw std::runtime_error("a result from another process is damaged");
+    return value;
+  }
   void raw(void* data, std::size_t size) {
     if (size > left_.size()) throw std::runtime_error("a result from another process is damaged");
     if (size > 0) std::memcpy(data, left_.data(), size);
@@ -118,6 +134,14 @@ void transfer(Archive& archive, Record& record) {
   describe(members, Of<Record>{});
 }
 
+/// What a sample without joints takes: so many samples at most can be in what is left of a message.
+std::size_t least_bytes_of_a_sample() {
+  Writer a;
+  Sample sample;
+  transfer(a, sample);
+  return a.bytes.size();
+}
+
 }  // namespace
 
 Bytes encode_result(std::uint64_t place, const BatchResult& result) {
@@ -140,13 +164,13 @@ DecodedResult decode_result(std::span<const unsigned char> bytes) {
   std::string world;
   a.text(world);
   BatchResult& result = decoded.result;
+  constexpr const char* kSource = "a world from another process";
   if (!world.empty())
-    result.world = std::make_shared<const World>(
-        world_from_json(nlohmann::ordered_json::parse(world), "a world from another process"));
+    result.world = std::make_shared<const World>(world_from_json(config::parse_json(world, kSource), kSource));
   transfer(a, result.output.row);
   result.metrics.resize(a.size(sizeof(double)));
   for (double& value : result.metrics) a.number(value);
-  result.output.trace.resize(a.size(sizeof(double)));
+  result.output.trace.resize(a.size(least_bytes_of_a_sample()));
   for (Sample& sample : result.output.trace) transfer(a, sample);
   if (!a.done()) throw std::runtime_error("a result from another process is damaged");
   return decoded;

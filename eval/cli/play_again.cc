@@ -1,7 +1,5 @@
 #include "eval/cli/play_again.h"
 
-#include <nlohmann/json.hpp>
-
 #include "eval/store/samples.h"
 
 namespace moma::cli {
@@ -11,8 +9,7 @@ std::optional<reports::OwnedSamples> play_again(run::StoredSuites& suites, const
   const run::Replay replay = run::replay(db, trial, suites);
   if (replay.output.trace.empty()) return {};
   store::EncodedSamples encoded = store::encode_samples(replay.output.trace);
-  return reports::OwnedSamples{encoded.layout, encoded.n,
-                               nlohmann::json::parse(encoded.columns).get<std::vector<std::string>>(),
+  return reports::OwnedSamples{encoded.layout, encoded.n, store::column_names_of(encoded.columns),
                                std::move(encoded.data)};
 }
 

@@ -15,7 +15,7 @@ struct SuiteOptions {
   std::string trials;            ///< as text: checked like the file
   std::string seed;
 
-  /// Adds SUITE, --set, --trials, --seed.
+  /// Adds SUITE, --set, --trials, --lenient, --seed.
   void add_to(CLI::App& command);
   Overrides overrides() const;
   /// Throws UsageError, config::ConfigError.

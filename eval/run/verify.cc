@@ -258,6 +258,11 @@ class Verifier {
       list.push_back(fmt::format("keys of {} trials whose suites could not be read", keys_unchecked_));
     if (found_.contents.samples > samples_compared_)
       list.push_back(fmt::format("values of {} series of samples", found_.contents.samples - samples_compared_));
+    if (const auto& views = found_.contents.foreign_views; !views.empty())
+      list.push_back(
+          fmt::format("views {}, which queries and reports read: another build of moma wrote to the store, and "
+                      "they are not this one's",
+                      fmt::join(views, ", ")));
     if (const std::size_t n = reader_.searched_trials(); n > 0)
       list.push_back(fmt::format("{} trials of searches, and what searches found", n));
     for (const std::string& text : unable_) list.push_back(text);

@@ -12,9 +12,10 @@ namespace moma::store {
 struct ContentCounts {
   std::size_t hashes =
       0;  ///< texts with the hash that they are kept under: robots, controllers, suites, worlds, searches
-  std::size_t copies = 0;   ///< rows of point_trial with the rows of trial and world that they repeat
-  std::size_t samples = 0;  ///< series that could be unpacked
-  std::size_t worlds = 0;   ///< columns of worlds with what the world itself says
+  std::size_t copies = 0;                  ///< rows of point_trial with the rows of trial and world that they repeat
+  std::size_t samples = 0;                 ///< series that could be unpacked
+  std::size_t worlds = 0;                  ///< columns of worlds with what the world itself says
+  std::vector<std::string> foreign_views;  ///< not this build's, in a store that another build wrote to as well
 };
 
 /// Compares everything that a store says twice, and what it keeps under a hash with the hash: `finding` hears a

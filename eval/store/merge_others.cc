@@ -35,8 +35,10 @@ class Others {
     std::vector<Object> objects;
     Statement all(
         db_,
+        // Asked once: for each row of the join SQLite would compile every view again.
+        "WITH l AS MATERIALIZED (SELECT name, type FROM pragma_table_list WHERE schema = 'source') "
         "SELECT s.type, s.name, s.tbl_name, s.sql, coalesce(l.type, '') FROM source.sqlite_schema AS s "
-        "LEFT JOIN pragma_table_list AS l ON l.schema = 'source' AND l.name = s.name "
+        "LEFT JOIN l ON l.name = s.name "
         "WHERE s.sql IS NOT NULL AND s.name NOT LIKE 'sqlite\\_%' ESCAPE '\\' ORDER BY s.type <> 'table', s.rowid");
     while (all.executeStep()) {
       Object o{all.getColumn(0).getString(), all.getColumn(1).getString(), all.getColumn(2).getString(),

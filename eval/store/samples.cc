@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string_view>
@@ -63,6 +64,14 @@ ColumnName memory_column(std::string_view member) {
   return {"escape_", member, -1, ""};
 }
 
+/// A whole number from a store, from `least` to `most`.
+template <class M>
+M whole(const ColumnName& name, double number, double least, double most) {
+  if (!(number >= least && number <= most) || number != std::trunc(number))
+    throw std::runtime_error(fmt::format("samples are damaged: a value of {} is {}", name.text(), number));
+  return static_cast<M>(number);
+}
+
 /// Visits the numbers of a sample with the names of their columns, in their order: `number(name, value, is_memory)`.
 template <class Number>
 class Numbers {
@@ -86,8 +95,9 @@ class Numbers {
     if (name == "detour") {
       double code = !e.detour ? 0.0 : e.around ? 2.0 : 1.0;  // 2: around the obstacles
       number_(memory_column(name), code, true);
-      e.detour = code != 0.0;
-      e.around = code == 2.0;
+      const int told = whole<int>(memory_column(name), code, 0.0, 2.0);
+      e.detour = told != 0;
+      e.around = told == 2;
     } else {
       value(memory_column(name), e.*member, "x y z", true);
     }
@@ -106,10 +116,14 @@ class Numbers {
   void value(ColumnName name, M& member, std::string_view parts, bool memory) {
     if constexpr (std::is_same_v<M, double>) {
       number_(name, member, memory);
-    } else if constexpr (std::is_arithmetic_v<M> || std::is_enum_v<M>) {
+    } else if constexpr (std::is_enum_v<M>) {
       auto number = static_cast<double>(member);
       number_(name, number, memory);
-      member = static_cast<M>(std::lround(number));
+      member = whole<M>(name, number, 0.0, static_cast<double>(words(Of<M>{}).size()) - 1.0);
+    } else if constexpr (std::is_arithmetic_v<M>) {
+      auto number = static_cast<double>(member);
+      number_(name, number, memory);
+      member = whole<M>(name, number, std::numeric_limits<M>::lowest(), std::numeric_limits<M>::max());
     } else {
       for (double& number : member) {
         ++name.index;

@@ -4,10 +4,13 @@
 #include <SQLiteCpp/Exception.h>
 #include <SQLiteCpp/Statement.h>
 #include <SQLiteCpp/Transaction.h>
+#include <fmt/format.h>
 
 #include <bit>
 #include <nlohmann/json.hpp>
 
+#include "controller/config/json_text.h"
+#include "controller/config/text_file.h"
 #include "eval/search/words.h"
 #include "eval/store/database.h"
 #include "eval/store/hash.h"
@@ -31,6 +34,17 @@ std::vector<unsigned char> to_bytes(const std::vector<double>& values) {
     for (int shift = 0; shift < 64; shift += 8) bytes.push_back(static_cast<unsigned char>(bits >> shift));
   }
   return bytes;
+}
+
+/// A list of numbers as append() writes it; a store may hold anything.
+std::vector<double> numbers_of(const std::string& text, std::uint64_t evaluation) {
+  const std::string source = fmt::format("evaluation {} of the search", evaluation);
+  try {
+    return config::parse_json(text, source).get<std::vector<double>>();
+  } catch (const json::exception&) {
+    throw StoreError(StoreError::Kind::kUnusable,
+                     fmt::format("{}: '{}' is no list of numbers", source, config::shortened(text)));
+  }
 }
 
 std::vector<double> from_bytes(const unsigned char* bytes, std::size_t count) {
@@ -142,14 +156,14 @@ std::optional<TuneEvaluationRecord> TuneRecords::find(std::uint64_t evaluation) 
     r.evaluation = evaluation;
     r.phase = s.getColumn(0).getString();
     r.run = s.getColumn(1).getInt();
-    r.candidate = json::parse(s.getColumn(2).getString()).get<std::vector<double>>();
+    r.candidate = numbers_of(s.getColumn(2).getString(), evaluation);
     r.first_world = static_cast<std::uint64_t>(s.getColumn(3).getInt64());
     r.worlds = static_cast<std::uint64_t>(s.getColumn(4).getInt64());
     r.cut = s.getColumn(5).getInt() != 0;
     r.valid = s.getColumn(6).getInt() != 0;
     r.cost = s.getColumn(7).getDouble();
     r.merit = s.getColumn(8).getDouble();
-    r.constraints = json::parse(s.getColumn(9).getString()).get<std::vector<double>>();
+    r.constraints = numbers_of(s.getColumn(9).getString(), evaluation);
     const SQLite::Column measured = s.getColumn(10);
     r.measured = from_bytes(static_cast<const unsigned char*>(measured.getBlob()),
                             static_cast<std::size_t>(measured.getBytes()));

@@ -19,9 +19,9 @@ using Assignment = std::vector<std::pair<std::string, config::Node>>;
 ///   {points: [{KEY: VALUE, ...}, ...]}                                as listed (`design: list` may be said)
 /// AXIS is a list of values, or {linear: [a, b], n: k} or {log: [a, b], n: k}; `n` belongs to grids only.
 /// KEY is any dotted key of the suite; `controller.X` stands for X of all controllers. Numbers made here are rounded
-/// to six significant digits, so that a label shows the whole value. In latin_hypercube and sobol an axis with a
-/// list takes each of its values for an equal share of the points (within one for latin_hypercube).
-/// Throws config::ConfigError.
+/// to six significant digits, or to as many as it takes for none to merge with its neighbour, and the ends of an axis
+/// are as written, so that a label shows the whole value. In latin_hypercube and sobol an axis with a list takes each
+/// of its values for an equal share of the points (within one for latin_hypercube). Throws config::ConfigError.
 std::vector<Assignment> read_sweep(const config::Node& node, const std::string& key);
 
 /// Every key of the section.

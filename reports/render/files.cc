@@ -29,7 +29,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Where writing ends behind symbolic links, also where the last one leads to nothing yet.
+/// Where writing ends behind symbolic links, also where the last one leads to nothing yet. eval/store/output_file.cc
+/// has the like: the reports see no source but their own, and link neither the evaluation nor the controller.
 fs::path behind_links(fs::path place) {
   std::error_code error;
   for (int links = 0; links < 40 && fs::is_symlink(fs::symlink_status(place, error)); ++links) {

@@ -165,7 +165,7 @@ void add_looks(SQLite::Database& store, const ReportOptions& options, Json& page
   Json robots = page.at("robots");
   if (options.served) {
     SQLite::Statement query(store, "SELECT CAST(id AS TEXT), resolved FROM robot");
-    while (query.executeStep()) robots[query.getColumn(0).getString()] = Json::parse(query.getColumn(1).getString());
+    while (query.executeStep()) robots[query.getColumn(0).getString()] = parse_stored(query.getColumn(1).getString());
   }
   for (const auto& [id, robot] : robots.items()) {
     Json look = mesh_data(options.look(robot));

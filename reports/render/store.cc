@@ -81,6 +81,9 @@ SQLite::Database open_store(const std::filesystem::path& db, std::chrono::millis
   if (std::filesystem::is_directory(db, ignored)) {
     throw ReportError(fmt::format("{}: this is a folder; wanted: a store written by moma run", name));
   }
+  if (!std::filesystem::is_regular_file(db, ignored)) {  // a FIFO would be waited for
+    throw ReportError(fmt::format("{}: this is no regular file; wanted: a store written by moma run", name));
+  }
   try {
     SQLite::Database store = [&] {
       try {

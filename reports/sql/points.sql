@@ -3,6 +3,7 @@ SELECT s.name AS suite, r.name AS robot, p.controller AS controller, p.label AS 
        p.params AS json_params, c.resolved AS json_parameters, p.worlds AS json_worlds,
        coalesce(json_extract(u.resolved, '$.points[' || p.resolved_position || '].disturbances'),
                 json_extract(u.resolved, '$.disturbances'), '{}') AS json_disturbances,
+       coalesce(json_extract(r.resolved, '$.left_out'), '[]') AS json_left_out,
        p.control_period_s, p.physics_step_s, p.time_limit_s, p.success_position_m, p.success_orientation_rad,
        p.success_dwell_s, p.simulation_version
 FROM point AS p

@@ -173,6 +173,30 @@ TEST_F(MeshInput, ColladaNodes) {
   EXPECT_SAYS(dae(chain), "nested more than 200 deep");
 }
 
+// What the library that reads COLLADA would follow out of its data, or for ever.
+TEST_F(MeshInput, ColladaNumbers) {
+  const auto with = [&](const std::string& was, const std::string& is) {
+    std::string text = kCollada;
+    text.replace(text.find("INSIDE"), 6, "");
+    return read("m.dae", text.replace(text.find(was), was.size(), is));
+  };
+  EXPECT_EQ(with("0 1 2 0 1 3", "0 1 2\t\n0 1 3"), "4");
+  EXPECT_SAYS(with("0 1 2", "0 x 2"), "<p> is no list of whole numbers");
+  EXPECT_SAYS(with("0 1 2", "0 1.5 2"), "<p> is no list of whole numbers");
+  EXPECT_SAYS(with("0 1 2", "0 <!-- --> x"), "<p> is no list of whole numbers");
+  EXPECT_SAYS(with("0 1 2", "<![CDATA[ x ]]>"), "<p> is no list of whole numbers");
+  EXPECT_SAYS(with("stride=\"3\"", "stride=\"1\""), "more parameters (3) than its stride of 1");
+  EXPECT_SAYS(with("stride=\"3\"", "stride=\"-1\""), "'stride' that is no whole number");
+  EXPECT_SAYS(with("count=\"12\"", "count=\"4000000000\""), "'count' of more than the file can hold");
+  EXPECT_SAYS(with("offset=\"0\"", "offset=\"4\""), "has 12 indices, no multiple of the 5");
+  EXPECT_SAYS(with("VERTEX", "NORMAL"), "has no input VERTEX");
+  EXPECT_SAYS(with("POSITION", "NORMAL"), "no <vertices> with an input POSITION");
+  EXPECT_SAYS(with("<library_geometries>", "<library_animations><animation/></library_animations><library_geometries>"),
+              "<animation> deforms or moves the mesh");
+  EXPECT_SAYS(with("<triangles count=\"4\">", "<triangles count=\"4\"><vcount>3 1001</vcount>"),
+              "more than 1000 corners");
+}
+
 TEST_F(MeshInput, KindsAndFaces) {
   const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
   EXPECT_EQ(read("m.obj", points + "f 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n"), "4");

@@ -69,6 +69,9 @@ TEST_F(CliBadInput, GeometryThatIsNotUnderstood) {
                 .out.find("0,5"),
             std::string::npos);
   good({"verify", "a.db", "-q"});
+  good({"report", "a.db", "-o", "a.html"});
+  EXPECT_NE(text("a.html").find("\"left_out\":[\"line 2: link root, collision 1"), std::string::npos)
+      << "the page has not what was left out";
 }
 
 TEST_F(CliBadInput, MetricsThatARunRefuses) {

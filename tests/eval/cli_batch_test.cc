@@ -15,10 +15,10 @@ class CliBatch : public CliTest {};
 
 TEST_F(CliBatch, EverythingAtOnceIsTheSameOnAnyThreads) {
   // Every family, what moves in every way, three robots, both plants, disturbances: the 300 trials of mixed.yaml cut
-  // down to one world of each family (two of the last) and the first 0.6 s of each trial, with all samples.
+  // down to one world of each family (two of the last) and the first 0.3 s of each trial, with all samples.
   const std::string suite = MOMA_SOURCE_DIR "/configs/suites/mixed.yaml";
   const std::vector<std::string> cut = {
-      "run", suite, "-q", "--trials", "9", "--set", "simulation.time_limit=0.6", "--set", "samples=all"};
+      "run", suite, "-q", "--trials", "9", "--set", "simulation.time_limit=0.3", "--set", "samples=all"};
   const auto with = [&cut](std::vector<std::string> more) {
     more.insert(more.begin(), cut.begin(), cut.end());
     return more;

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <set>
 #include <thread>
 
@@ -46,6 +47,13 @@ TEST(Wire, EveryBitArrives) {
   EXPECT_EQ(encode_result(77, back.result), bytes);
   for (std::size_t cut = 0; cut < bytes.size(); cut += 7)
     EXPECT_THROW(decode_result(std::span(bytes).first(cut)), std::exception) << cut;
+  // The outcome, a word, lies behind the place and the world.
+  const std::size_t outcome = 16 + to_json(*result.world).dump().size();
+  for (const int wrong : {-1, 1000}) {
+    Bytes other = bytes;
+    std::memcpy(other.data() + outcome, &wrong, sizeof wrong);
+    EXPECT_THROW(decode_result(other), std::runtime_error) << wrong;
+  }
 }
 
 // Takes jobs as a rank would, and gives some back as a lost one's would be.

@@ -86,6 +86,17 @@ TEST_F(CliTrust, VerifyComparesEveryCopyHashSampleAndMetric) {
     EXPECT_NE(found.err.find(tampering.told), std::string::npos) << tampering.sql << "\n" << found.err;
     EXPECT_EQ(found.out.find("sound"), std::string::npos) << found.out;
   }
+  // Views of another build are its own affair, and said; one that is missing is not.
+  const std::string other_build = "UPDATE invocation SET git_commit = 'another', moma_version = '0.0.1'";
+  copy("whole.db", "a.db");
+  change("a.db", {other_build, "DROP VIEW v_trials; CREATE VIEW v_trials AS SELECT 1 AS trial"});
+  const ProcessResult views = moma({"verify", "a.db", "--fraction", "0"});
+  EXPECT_EQ(views.code, 0) << views.out << views.err;
+  EXPECT_NE(views.out.find("not checked: views v_trials, which"), std::string::npos) << views.out;
+  change("a.db", {"DROP VIEW v_trials"});
+  const ProcessResult gone = moma({"verify", "a.db", "-q", "--fraction", "0"});
+  EXPECT_EQ(gone.code, 1) << gone.out;
+  EXPECT_NE(gone.err.find("view v_trials is missing"), std::string::npos) << gone.err;
   // Samples that unpack and have the right length, of another trial.
   copy("whole.db", "a.db");
   change("a.db",
@@ -194,6 +205,8 @@ TEST_F(CliTrust, OutputsGoThroughLinksAndNeverReplaceWhatIsNoFile) {
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
   bad({"export", "a.db", "--planner-arena", "pipe"}, {"pipe", "no regular file"});
   bad({"merge", "pipe", "a.db"}, {"pipe", "not a regular file"});
+  bad({"report", "pipe", "-o", "b.html"}, {"pipe", "no regular file"});  // would wait for a writer
+  bad({"report", "/dev/zero", "-o", "b.html"}, {"/dev/zero", "no regular file"});
   // A lock that leads to another file would have that written.
   write("victim.txt", "precious");
   fs::create_symlink("victim.txt", path("a.db-lock"));

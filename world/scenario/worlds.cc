@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "controller/config/budget.h"
 #include "controller/config/json_text.h"
 #include "controller/config/reader.h"
 #include "world/scenario/apportion.h"
@@ -97,7 +98,8 @@ Mixture read_mixture(config::MapReader& in) {
   return mixture;
 }
 
-constexpr std::uintmax_t kMaxFrozenBytes = 1024U << 20U;  // of a file of worlds
+/// Of a file of worlds. They become part of the resolved suite, which is read again as one text.
+constexpr std::uintmax_t kMaxFrozenBytes = config::kMaxTextBytes;
 
 Frozen read_frozen(const config::Node& node, const std::string& key) {
   Frozen worlds;

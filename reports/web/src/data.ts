@@ -31,6 +31,8 @@ export interface PointInfo {
   control_period_s: number; physics_step_s: number; time_limit_s: number;
   success_position_m: number; success_orientation_rad: number; success_dwell_s: number;
   simulation_version: number;
+  /** What of the robot's URDF was not understood and left out, a sentence each; empty where it was read strictly. */
+  left_out: readonly string[];
   /** What stands between robot and controller (docs/disturbances.md); empty: nothing. */
   disturbances: Record<string, unknown>;
 }

@@ -245,6 +245,16 @@ if (moma !== undefined) {
   await context.close();
 }
 
+// ---- a robot that was read leniently ---------------------------------------------------------------------------------
+if (moma !== undefined) {
+  const html = join(work, 'lenient.html');
+  const strict = readFileSync(join(work, 'part.html'), 'utf8');
+  writeFileSync(html, strict.replaceAll('"left_out":[]', '"left_out":["link arm, collision 1: sphere radius=0,5"]'));
+  const { context, page } = await open(html);
+  check((await page.locator('.notices').innerText()).includes('left out (--lenient), so that nothing can collide with what is missing: link arm, collision 1'), 'what was left out of a robot is told');
+  await context.close();
+}
+
 // ---- several stores in one page ------------------------------------------------------------------------------------
 {
   const [before, after, html] = ['before.db', 'after.db', 'both.html'].map((name) => join(work, name));

@@ -43,6 +43,10 @@ export function notices(model: Model, suites: readonly string[]): string[] {
     if (missing > 0) out.push(`${where}${why}: ${integer(stored)} of ${plural(latest.trials_planned, 'trial')} are here, ${integer(missing)} missing.${latest.writer === 'at work' ? '' : ' The same command goes on where it stopped.'} What follows is interim: whoever looks before the end and stops when a difference shows finds more of them than there are. Its p-values hold for the whole run.`);
     else if (latest.status !== 'finished') out.push(`${where}${why}, yet all ${plural(latest.trials_planned, 'planned trial')} are here.`);
   }
+  const leftOut = new Set(page.points.filter((p) => inSlice(p, slice)).flatMap((p) => p.left_out));
+  if (leftOut.size > 0) {
+    out.push(`Of the URDF of ${slice.robot} ${leftOut.size === 1 ? 'one part was' : `${integer(leftOut.size)} parts were`} not understood and left out (--lenient), so that nothing can collide with what is missing: ${list([...leftOut])}.`);
+  }
   const counts = page.overall.filter((o) => inSlice(o, slice)).map((o) => o.n);
   if (new Set(counts).size > 1) out.push('The controllers do not have equally many trials: compare them world by world.');
   const broken = (outcome: string): number => {
