@@ -10,7 +10,7 @@ import { accessible, check, dataOf, end, figuresStand, launch, near, noOverflow,
 const [, , source, makeReport, work, moma] = process.argv;
 const screenshots = process.env.MOMA_SCREENSHOTS;
 const { makeStore, makePage: pageOf, sql } = workshop(source, makeReport, work);
-const makePage = (kind, worlds) => pageOf(makeStore(kind, kind, worlds));
+const makePage = (kind, worlds) => pageOf(makeStore(kind, kind, worlds, kind === 'demo' ? 8 : 2));
 const browser = await launch(source);
 const open = opener(browser);
 
@@ -220,7 +220,7 @@ const clickMark = async (page, id) => {
   check((await page.evaluate(() => [...document.querySelectorAll('b')].some((b) => b.textContent === 'bold'))) === false, 'no markup in tooltips');
   await context.close();
 }
-for (const [kind, worlds] of [['empty', 0], ['one', 1], ['failures', 16], ['sweep', 12], ['tuned', 12]]) {
+for (const [kind, worlds] of [['empty', 0], ['one', 1], ['failures', 16], ['tuned', 12]]) {
   const { context, page } = await open(makePage(kind, worlds));
   await scrollThrough(page);
   await noOverflow(page, kind);

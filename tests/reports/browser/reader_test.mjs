@@ -171,6 +171,8 @@ const [trials, worlds, outcomes, controllers] = ['trial', 'world_key', 'outcome'
   check((await page.locator('#figure-pareto .note').innerText()).includes(`${best}\u00a0point`), `${best} points on the front: ${await page.locator('#figure-pareto .note').innerText()}`);
   check(/looks better on the worlds that chose it/.test(await page.locator('#figure-forest .note').innerText()), 'the best of many carries its warning');
   await noOverflow(page, 'sweep');
+  const words = await page.locator('#app').innerText();
+  check(!/NaN|undefined|\[object/.test(words), `sweep: ${/.{0,40}(NaN|undefined|\[object).{0,40}/.exec(words)?.[0]}`);
   await context.close();
 }
 // ---- the same suite over time, what changed, and notes -------------------------------------------------------------------
