@@ -43,7 +43,7 @@ Mark mark_of(const Node& root, const std::string& key) {
 ControllerParams read_controller(const Node& node, const std::string& key, const RobotModel& model,
                                  double control_period, std::vector<std::string>& warnings) {
   if (node.kind == Node::Kind::kScalar) {
-    const std::filesystem::path file = std::filesystem::path(node.mark.file).parent_path() / node.scalar;
+    const std::filesystem::path file = directory_of(node.mark) / node.scalar;
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error))
       fail(node.mark, key,

@@ -162,6 +162,10 @@ void set_value(Node& root, std::string_view dotted_key, Node value) {
   *node = std::move(value);
 }
 
+std::filesystem::path directory_of(const Mark& mark) {
+  return mark.file.starts_with("--set ") ? std::filesystem::path() : std::filesystem::path(mark.file).parent_path();
+}
+
 void fail(const Mark& mark, const std::string& key, const std::string& message) {
   throw ConfigError(placed(mark, key, message));
 }

@@ -71,6 +71,9 @@ void set_value(Node& root, std::string_view dotted_key, Node value);
 /// As fail(), with a KeyError.
 [[noreturn]] void refuse(const Mark& mark, const std::string& key, const std::string& message);
 
+/// The folder that a path written at `mark` is relative to: its file's; for options the working folder.
+std::filesystem::path directory_of(const Mark& mark);
+
 /// "FILE:LINE:COLUMN: KEY: message", without what is not known of it.
 std::string placed(const Mark& mark, const std::string& key, const std::string& message);
 

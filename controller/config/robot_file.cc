@@ -14,11 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Folder that paths in a value are relative to: that of its file, or the working directory (a --set option).
-fs::path directory_of(const Node& node) {
-  return node.mark.line > 0 ? fs::path(node.mark.file).parent_path() : fs::path();
-}
-
 PackagePaths read_packages(MapReader& robot) {
   std::map<std::string, fs::path> named;
   if (const Node* node = robot.get("packages")) {
@@ -27,7 +22,7 @@ PackagePaths read_packages(MapReader& robot) {
       std::string folder;
       in.read(name, folder);
       std::error_code error;
-      const fs::path path = directory_of(value) / folder;
+      const fs::path path = directory_of(value.mark) / folder;
       in.check(fs::is_directory(path, error), name, "found '" + folder + "', which is no folder");
       named[name] = path;
     }
@@ -69,7 +64,7 @@ void read_urdf_of(MapReader& robot, RobotBuild& build) {
   } else {
     const std::string uri = read_string(node, robot.key_of("urdf"));
     try {
-      const fs::path file = build.packages.resolve(uri, directory_of(node));
+      const fs::path file = build.packages.resolve(uri, directory_of(node.mark));
       build.urdf_directory = file.parent_path();
       name = file.string();
       text = read_text_file(file);
@@ -98,7 +93,7 @@ LoadedRobot load_robot(const fs::path& file) { return build_robot(load_yaml(file
 
 LoadedRobot read_robot(const Node& node, const std::string& key) {
   if (node.kind != Node::Kind::kScalar) return build_robot(node, key);
-  const fs::path file = directory_of(node) / node.scalar;
+  const fs::path file = directory_of(node.mark) / node.scalar;
   std::error_code error;
   if (node.scalar.empty() || !fs::is_regular_file(file, error)) {
     fail(node.mark, key,

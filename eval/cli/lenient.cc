@@ -13,7 +13,7 @@ config::Node case_with_lenient_robot(const std::filesystem::path& case_file) {
   config::Node* robot = root.find("robot");
   if (robot == nullptr) return root;  // read_case() says so
   if (robot->kind == config::Node::Kind::kScalar) {
-    *robot = lenient_robot(std::filesystem::path(robot->mark.file).parent_path() / robot->scalar);
+    *robot = lenient_robot(config::directory_of(robot->mark) / robot->scalar);
   } else if (robot->kind == config::Node::Kind::kMap) {
     config::set_value(root, "robot.lenient", "true");
   }

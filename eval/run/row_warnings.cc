@@ -7,16 +7,18 @@
 
 namespace moma::run {
 
-void RowWarnings::look(const TrialRow& row) {
+void RowWarnings::look(const TrialRow& row, bool identifies) {
   if (row.detector_disagreements > 0) {
     ++contradicted_;
     deepest_ = std::max(deepest_, row.detector_deepest_m);
   }
   messages_ += row.lcp_messages > 0;
   // NaN is no difference.
-  latencies_ += std::abs(row.latency_base_off_s) > 0.0 || std::abs(row.latency_joints_off_s) > 0.0;
-  for (const double off : {row.latency_base_off_s, row.latency_joints_off_s})
-    if (std::abs(off) > std::abs(latency_off_)) latency_off_ = off;
+  if (!identifies) {
+    latencies_ += std::abs(row.latency_base_off_s) > 0.0 || std::abs(row.latency_joints_off_s) > 0.0;
+    for (const double off : {row.latency_base_off_s, row.latency_joints_off_s})
+      if (std::abs(off) > std::abs(latency_off_)) latency_off_ = off;
+  }
   errors_ += row.outcome == Outcome::kError;
   diverged_ += row.outcome == Outcome::kDiverged;
 }
@@ -33,7 +35,7 @@ std::vector<std::string> RowWarnings::sentences() const {
   add(messages_, "with messages of the physics solver", "lcp_messages > 0");
   add(latencies_,
       fmt::format("whose motion contradicts the latencies that the controller was told, by {:+.3g} s at most; with "
-                  "`prediction.identify` it goes by what it finds",
+                  "`prediction.identify` it would go by what it finds",
                   latency_off_),
       "latency_base_off_s <> 0 OR latency_joints_off_s <> 0");
   add(diverged_, "that diverged", "outcome = 'diverged'");

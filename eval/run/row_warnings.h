@@ -11,7 +11,8 @@ namespace moma::run {
 /// of it without asking.
 class RowWarnings {
  public:
-  void look(const TrialRow& row);
+  /// `identifies`: the controller goes by the latencies that it finds, so that other ones are no news.
+  void look(const TrialRow& row, bool identifies = false);
   /// A sentence for each kind met, with the SQL that lists its trials.
   std::vector<std::string> sentences() const;
 

@@ -61,7 +61,7 @@ SuiteController read_plugin(const Node& node, const std::string& key, std::share
   SuiteController out;
   std::shared_ptr<const PluginLibrary> library;
   try {
-    const fs::path file = fs::path(path.mark.file).parent_path() / name;
+    const fs::path file = config::directory_of(path.mark) / name;
     if (!digest.empty()) check_digest(plugin_digest(file), digest);  // loading runs code of the library already
     library = load_plugin(file);
     if (!digest.empty()) check_digest(library->digest, digest);  // it may have been replaced meanwhile
@@ -86,7 +86,7 @@ SuiteController read_suite_controller(const Node& node, const std::string& key,
                                       std::vector<std::string>& warnings, Plugins plugins) {
   if (is_plugin(node)) return read_plugin(node, key, std::move(robot), control_period, plugins);
   if (node.kind == Node::Kind::kScalar) {
-    const fs::path file = fs::path(node.mark.file).parent_path() / node.scalar;
+    const fs::path file = config::directory_of(node.mark) / node.scalar;
     std::error_code error;
     if (fs::is_regular_file(file, error)) {
       const Node opened = config::load_yaml(file);

@@ -89,7 +89,7 @@ class Draft {
   // to the working folder, or else to the suite.
   fs::path path_of(const Node& node) const {
     const fs::path path(node.scalar);
-    if (!node.mark.file.starts_with("--set ")) return fs::path(node.mark.file).parent_path() / path;
+    if (!node.mark.file.starts_with("--set ")) return config::directory_of(node.mark) / path;
     std::error_code error;
     return fs::exists(path, error) ? path : directory_ / path;
   }

@@ -221,7 +221,7 @@ std::vector<Overrides> read_mixture(const Node* node) {
       if (file)
         text =
             nlohmann::json(
-                std::filesystem::absolute(std::filesystem::path(value.mark.file).parent_path() / value.scalar).string())
+                std::filesystem::absolute(config::directory_of(value.mark) / value.scalar).string())
                 .dump();
       part.emplace_back(name, text);
     }
@@ -257,7 +257,7 @@ void read_controller_name(const Reading& r) {
 
 void read_output(const Reading& r) {
   const std::string file = r.node != nullptr ? config::read_string(*r.node, "tune.output") : "";
-  if (!file.empty()) r.tune.output = std::filesystem::path(r.node->mark.file).parent_path() / file;
+  if (!file.empty()) r.tune.output = config::directory_of(r.node->mark) / file;
 }
 
 // A key of the section that has a reader of its own.

@@ -200,7 +200,7 @@ Tuning load_tuning(const fs::path& file, const Overrides& overrides) {
   tuning.controller_file = written.mark.file;
   tuning.controller = written;
   if (written.kind == Node::Kind::kScalar) {
-    tuning.controller_file = fs::path(written.mark.file).parent_path() / written.scalar;
+    tuning.controller_file = config::directory_of(written.mark) / written.scalar;
     tuning.controller = config::load_yaml(tuning.controller_file);
   }
   for (const auto& [key, text] : overrides) {

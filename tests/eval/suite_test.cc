@@ -87,6 +87,15 @@ TEST(Suite, SaysWhatWasTypedAndWhatThereIs) {
   EXPECT_EQ(refusal(file, Overrides{{"controllers.mine.lambda_q", "1"}}), "accepted");
 }
 
+TEST(Suite, PathsWithinAnOptionAreThoseOfTheWorkingFolder) {
+  SuiteFolder folder;
+  const std::string plain =
+      std::filesystem::relative(folder.root() / "controllers/plain.yaml", std::filesystem::current_path()).string();
+  const Suite suite = load_suite(folder.suite(), {{"controllers", "{mine: " + plain + "}"}});
+  EXPECT_EQ(suite.points.front().controller, "mine");
+  EXPECT_EQ(suite.points.front().controller_params.servo.position, 1.5);
+}
+
 TEST(Suite, PhysicsNeedsWheelsAndMasses) {
   SuiteFolder folder;
   const auto file = folder.suite();

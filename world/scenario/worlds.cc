@@ -108,7 +108,7 @@ Frozen read_frozen(const config::Node& node, const std::string& key) {
       worlds.push_back(world_from_node(node.items[i], fmt::format("{}[{}]", key, i)));
   } else {
     std::filesystem::path path = config::read_string(node, key);
-    if (path.is_relative()) path = std::filesystem::path(node.mark.file).parent_path() / path;
+    if (path.is_relative()) path = config::directory_of(node.mark) / path;
     std::error_code error;
     const bool plain = std::filesystem::is_regular_file(path, error);
     if (plain && std::filesystem::file_size(path, error) > kMaxFrozenBytes) {

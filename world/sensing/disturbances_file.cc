@@ -19,7 +19,7 @@ Disturbances read_disturbances(const config::Node& node, const std::string& key)
           node.mark, key,
           "found '" + node.scalar + "', expected none, a file.yaml, or a map such as {joints: {noise: 0.001}}");
     }
-    const auto file = std::filesystem::path(node.mark.file).parent_path() / node.scalar;
+    const auto file = config::directory_of(node.mark) / node.scalar;
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error)) config::fail(node.mark, key, "no such file: " + file.string());
     const config::Node inside = config::load_yaml(file);
