@@ -72,7 +72,10 @@ bool build(const Corridor& p, SceneBuilder& builder, World& world) {
       .out_of_tries = "corridor: no place for an object clear of start and goal (worlds.clearance)"};
   return placing.place(builder, world, [&](const ObjectTry& at, WorldObject& object) {
     Draws own = builder.draws(Stream::kObjects, at.item);
-    const Vector3 place = frame.point(own.uniform(0.0, 1.0) * length, own.uniform(-0.5, 0.5) * width, 0.0);
+    // One after the other: the order of a call's arguments is the compiler's.
+    const double across = own.uniform(-0.5, 0.5) * width;
+    const double along = own.uniform(0.0, 1.0) * length;
+    const Vector3 place = frame.point(along, across, 0.0);
     p.mix.sample(own, place.x(), place.y(), object);
     return builder.stands_clear(object, builder.clearance());
   });

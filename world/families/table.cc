@@ -50,7 +50,10 @@ bool add_items(const Table& p, SceneBuilder& builder, World& world, const Furnit
     bool placed = false;
     for (int k = 0; k < kItemTries && !placed; ++k) {
       Draws draws = builder.draws(Stream::kObjects, 1 + static_cast<std::uint64_t>(i * kItemTries + k));
-      const Vector3 at = frame.point(draws.uniform(0.05, 0.95) * depth, draws.uniform(-0.45, 0.45) * width, 0.0);
+      // One after the other: the order of a call's arguments is the compiler's.
+      const double across = draws.uniform(-0.45, 0.45) * width;
+      const double along = draws.uniform(0.05, 0.95) * depth;
+      const Vector3 at = frame.point(along, across, 0.0);
       p.items_mix.sample(draws, at.x(), at.y(), item);
       item.name = "item" + std::to_string(i + 1);
       const double lift = top - lowest_point(item.shape, item.X_WO);
