@@ -220,9 +220,7 @@ std::vector<Overrides> read_mixture(const Node* node) {
                         (name == "robot" || name == "worlds.frozen" || value.scalar.ends_with(".yaml"));
       if (file)
         text =
-            nlohmann::json(
-                std::filesystem::absolute(config::directory_of(value.mark) / value.scalar).string())
-                .dump();
+            nlohmann::json(std::filesystem::absolute(config::directory_of(value.mark) / value.scalar).string()).dump();
       part.emplace_back(name, text);
     }
     mixture.push_back(std::move(part));
