@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <limits>
+#include <utility>
 
 #include "controller/config/text_file.h"
 #include "controller/describe/accepted.h"

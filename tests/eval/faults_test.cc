@@ -18,7 +18,7 @@ constexpr int kTrials = 4;
 constexpr int kStruck = 1;
 constexpr int kStep = 123;  // the 13th control step: at 0.246 s
 
-std::vector<TrialOutput> run_trials(const std::string& robot) {
+std::vector<TrialOutput> run_trials(const std::string& robot, OdeFault fault = {}) {
   SuiteFolder folder;
   folder.write("low_frankie.yaml", fmt::format(R"(
 include: {0}/configs/robots/frankie.yaml
@@ -34,6 +34,7 @@ success: {{dwell: 0.2}}
 trials: {1}
 )",
                                                                          MOMA_SOURCE_DIR, kTrials, robot)));
+  arm(std::move(fault));  // reading the suite makes a robot of its own
   std::vector<TrialOutput> out;
   BatchOptions options;
   options.threads = 1;
@@ -51,15 +52,11 @@ constexpr double kEnd = 0.26;
 
 class Faults : public testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    arm({});
-    usual_ = run_trials(kFrankie);
-  }
+  static void SetUpTestSuite() { usual_ = run_trials(kFrankie); }
   static void TearDownTestSuite() { usual_.clear(); }
 
   TrialRow strike(std::function<int(dWorldID)> act, bool others_are_known = true) {
-    arm({kStruck, kStep, std::move(act)});
-    const std::vector<TrialOutput> outputs = run_trials(robot_);
+    const std::vector<TrialOutput> outputs = run_trials(robot_, {kStruck, kStep, std::move(act)});
     EXPECT_TRUE(fault_happened());
     arm({});
     EXPECT_EQ(outputs.size(), usual_.size());
