@@ -21,6 +21,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   # GCC 12 reports overlaps in std::string's operator+ that cannot be (GCC bug 105329).
   target_compile_options(moma_warnings INTERFACE -Wno-restrict)
 endif()
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_UNITY_BUILD)
+  # Sources that are compiled together are included, and gcc takes what they keep to themselves for a header's.
+  target_compile_options(moma_warnings INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>)
+endif()
 if(MOMA_WERROR)
   target_compile_options(moma_warnings INTERFACE -Werror)
 endif()
