@@ -1,11 +1,11 @@
 #include "controller/case/foresee.h"
 
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include "controller/ahead/lookahead.h"
 #include "controller/ahead/rollout.h"
+#include "controller/case/formatted.h"
 #include "controller/case/plan_words.h"
 #include "controller/task/escape.h"
 
@@ -13,13 +13,6 @@ namespace moma {
 namespace {
 
 constexpr double kNearer = 0.005, kInVain = 1.0;  // less of a way left, or this long without, is no progress [m, s]
-
-template <class... Values>
-std::string text(const char* format, Values... values) {
-  char buffer[200];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
-}
 
 std::string names_of_active(const ControllerCore& controller) {
   constexpr double kActive = 1e-7;
@@ -38,11 +31,11 @@ std::string names_of_active(const ControllerCore& controller) {
 std::string place(const Rollout& rollout) {
   const StepResult& r = rollout.result();
   const Vector3& base = rollout.state().base;
-  std::string out =
-      text("%6.2f s  goal %.3f m, %.3f rad away", rollout.time(), r.error.tail<3>().norm(), r.error.head<3>().norm());
+  std::string out = formatted("%6.2f s  goal %.3f m, %.3f rad away", rollout.time(), r.error.tail<3>().norm(),
+                              r.error.head<3>().norm());
   if (rollout.policy().model().mobile())
-    out += text("; base at (%.2f, %.2f), heading %.2f", base.x(), base.y(), base.z());
-  if (std::isfinite(r.least_distance)) out += text("; nearest object %.3f m", r.least_distance);
+    out += formatted("; base at (%.2f, %.2f), heading %.2f", base.x(), base.y(), base.z());
+  if (std::isfinite(r.least_distance)) out += formatted("; nearest object %.3f m", r.least_distance);
   return out + "\n";
 }
 
@@ -77,15 +70,15 @@ std::string foresee(const ControlCase& control_case, double seconds) {
       next += kEvery;
     }
     if (now.stagnations > stagnations)
-      out += text("%6.2f s  stagnates, held by ", time) + names_of_active(rollout.policy()) + "\n";
+      out += formatted("%6.2f s  stagnates, held by ", time) + names_of_active(rollout.policy()) + "\n";
     if (now.detour != detour)
-      out += text(now.detour ? "%6.2f s  begins a detour\n" : "%6.2f s  ends its detour\n", time);
+      out += formatted(now.detour ? "%6.2f s  begins a detour\n" : "%6.2f s  ends its detour\n", time);
     if (ahead != nullptr && ahead->state().brief.mode != mode) {
       mode = ahead->state().brief.mode;
-      out += text("%6.2f s  ", time) + meaning(mode) + ": " + meaning(ahead->state().brief.reason) + "\n";
+      out += formatted("%6.2f s  ", time) + meaning(mode) + ": " + meaning(ahead->state().brief.reason) + "\n";
     }
     if (rollout.result().fallback != fallback && rollout.result().fallback != Fallback::kNone)
-      out += text("%6.2f s  no solution: ", time) + std::string(to_string(rollout.result().fallback)) + "\n";
+      out += formatted("%6.2f s  no solution: ", time) + std::string(to_string(rollout.result().fallback)) + "\n";
     fallback = rollout.result().fallback;
     stagnations = now.stagnations;
     detour = now.detour;
@@ -93,9 +86,9 @@ std::string foresee(const ControlCase& control_case, double seconds) {
   out += place(rollout);
   switch (rollout.end()) {
     case RolloutEnd::kArrives:
-      return out + text("E is at the goal after %.2f s.\n", rollout.time());
+      return out + formatted("E is at the goal after %.2f s.\n", rollout.time());
     case RolloutEnd::kTouches:
-      return out + text("It touches an object after %.2f s; held by ", rollout.time()) +
+      return out + formatted("It touches an object after %.2f s; held by ", rollout.time()) +
              names_of_active(rollout.policy()) + ".\n";
     case RolloutEnd::kStagnates:
     case RolloutEnd::kLate:
@@ -105,13 +98,13 @@ std::string foresee(const ControlCase& control_case, double seconds) {
   const bool led = detour || mode == PlanMode::kFollow;
   if (!led && rollout.time() - nearer >= kInVain)
     return out +
-           text("After %.2f s it has come no nearer to its goal for %.2f s; held by ", rollout.time(),
-                rollout.time() - nearer) +
+           formatted("After %.2f s it has come no nearer to its goal for %.2f s; held by ", rollout.time(),
+                     rollout.time() - nearer) +
            names_of_active(rollout.policy()) + ".\n";
   const double speed = rollout.result().command.lpNorm<Eigen::Infinity>();
   constexpr double kStands = 0.01;
-  if (speed > kStands) return out + text("After %.2f s it is still on its way.\n", rollout.time());
-  return out + text("After %.2f s it stands, not at its goal; held by ", rollout.time()) +
+  if (speed > kStands) return out + formatted("After %.2f s it is still on its way.\n", rollout.time());
+  return out + formatted("After %.2f s it stands, not at its goal; held by ", rollout.time()) +
          names_of_active(rollout.policy()) + ".\n";
 }
 

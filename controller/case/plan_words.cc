@@ -2,23 +2,16 @@
 
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 
 #include "controller/ahead/candidates.h"
 #include "controller/ahead/choice.h"
 #include "controller/ahead/lookahead.h"
+#include "controller/case/formatted.h"
 
 namespace moma {
 namespace {
-
-template <class... Values>
-std::string text(const char* format, Values... values) {
-  char buffer[200];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
-}
 
 std::string name_of(PlanKind kind, int index) {
   if (kind == PlanKind::kPolicy) return "the policy as it is";
@@ -28,22 +21,24 @@ std::string name_of(PlanKind kind, int index) {
   if (index < kFirstDetour) return "the policy, as if it had stagnated";
   const Detour detour = detour_of(index);
   const double degrees = std::abs(detour.angle) * 180.0 / std::numbers::pi;
-  const std::string length = text("a detour of %.1f m ", detour.length);
+  const std::string length = formatted("a detour of %.1f m ", detour.length);
   if (degrees > 179.0) return length + "back";
-  return length + text(detour.angle > 0.0 ? "%.0f degrees to the left" : "%.0f degrees to the right", degrees) +
+  return length + formatted(detour.angle > 0.0 ? "%.0f degrees to the left" : "%.0f degrees to the right", degrees) +
          " of the goal";
 }
 
-std::string after(double seconds, const char* otherwise) { return seconds < 0.0 ? otherwise : text("%.2f s", seconds); }
+std::string after(double seconds, const char* otherwise) {
+  return seconds < 0.0 ? otherwise : formatted("%.2f s", seconds);
+}
 
 std::string last_choice(const PlanVerdict& choice) {
   if (choice.kind == PlanKind::kNone) return "";
   const double best = choice.kind == PlanKind::kPolicy   ? choice.policy
                       : choice.kind == PlanKind::kDetour ? choice.by_detour
                                                          : choice.by_path;
-  std::string out = text("The last choice, of %d candidates, fell on ", choice.tried) +
+  std::string out = formatted("The last choice, of %d candidates, fell on ", choice.tried) +
                     name_of(choice.kind, choice.detour) +
-                    (best < 0.0 ? ", since nothing arrived" : text(": %.2f s to the goal, the least", best)) + ".";
+                    (best < 0.0 ? ", since nothing arrived" : formatted(": %.2f s to the goal, the least", best)) + ".";
   if (choice.kind != PlanKind::kPolicy)
     out += " The policy as it was: " + after(choice.policy, "would not have arrived") + ".";
   if (choice.kind != PlanKind::kDetour)
@@ -80,24 +75,24 @@ std::string choice_now(const ControlCase& c, int number) {
     }
     out += "  " + name_of(candidate.kind, candidate.index) + ": ";
     if (candidate.time >= 0.0)
-      out += text("arrives after %.2f s", candidate.time);
+      out += formatted("arrives after %.2f s", candidate.time);
     else if (candidate.kind == PlanKind::kPath)
       out += best.time < 0.0 ? "none was found" : "none was found that is quicker";
     else if (direct == RolloutEnd::kTouches)
-      out += text("touches an object after %.2f s", direct_time);
+      out += formatted("touches an object after %.2f s", direct_time);
     else if (direct == RolloutEnd::kStagnates)
-      out += text("stagnates after %.2f s", direct_time);
+      out += formatted("stagnates after %.2f s", direct_time);
     else
-      out += text("does not arrive within %.1f s", plan.horizon);
+      out += formatted("does not arrive within %.1f s", plan.horizon);
     out += &candidate == &best && best.time >= 0.0 ? ", the quickest\n" : "\n";
   }
   int others = 0;
   for (const int n : failed) others += n;
   if (others == 0) return out;
   const auto of = [&](RolloutEnd end) { return failed[static_cast<std::size_t>(end)]; };
-  return out + text("  %d other detours: %d touch something, %d stagnate, %d are not quicker\n", others,
-                    of(RolloutEnd::kTouches), of(RolloutEnd::kStagnates),
-                    of(RolloutEnd::kLate) + of(RolloutEnd::kGoesOn));
+  return out + formatted("  %d other detours: %d touch something, %d stagnate, %d are not quicker\n", others,
+                         of(RolloutEnd::kTouches), of(RolloutEnd::kStagnates),
+                         of(RolloutEnd::kLate) + of(RolloutEnd::kGoesOn));
 }
 
 }  // namespace
@@ -148,9 +143,9 @@ std::string describe_plan(const ControlCase& control_case, const ControllerCore&
   const PlanBrief& brief = ahead->state().brief;
   std::string out = "Looking ahead: the robot " + meaning(brief.mode) + ": " + meaning(brief.reason) + ".";
   if (brief.mode == PlanMode::kFollow)
-    out += text(" It is at %.2f of %.2f s, %.3f m behind.", brief.clock, brief.duration, brief.lag);
+    out += formatted(" It is at %.2f of %.2f s, %.3f m behind.", brief.clock, brief.duration, brief.lag);
   if (brief.going_on) out += " Meanwhile a path and detours are worked out.";
-  out += text(" Choices so far: %d.\n", brief.attempts) + last_choice(brief.choice);
+  out += formatted(" Choices so far: %d.\n", brief.attempts) + last_choice(brief.choice);
   if (control_case.observation.goal.V_WG_W.norm() > 0.0) return out + "A goal that moves is the policy's.\n";
   return out + choice_now(control_case, control_case.memory.plan.brief.attempts + 1);
 }

@@ -162,22 +162,28 @@ class ArmReader {
       in_.fail("more than " + std::to_string(kMaxJoints) + " joints to control; hold some with `locked`");
   }
 
-  // All that is missing is said at once.
-  void lacks(const ControlledJoint& joint, const std::vector<std::string>& without, const std::string& where,
+  struct Limit {
+    const char* key;
+    std::string unit;
+  };
+
+  // All that is missing is said at once, at the place of the first.
+  void lacks(const ControlledJoint& joint, const std::vector<Limit>& without, const std::string& where,
              const Mark& at) {
     std::string names, map;
-    for (const std::string& key : without) {
-      names += (names.empty() ? "" : ", ") + key;
-      map += (map.empty() ? "" : ", ") + key + ": ...";
+    std::vector<std::string> units;
+    for (const auto& [key, unit] : without) {
+      names += (names.empty() ? "" : ", ") + std::string(key);
+      map += (map.empty() ? "" : ", ") + std::string(key) + ": ...";
+      if (units.empty() || units.back() != unit) units.push_back(unit);
     }
-    const std::string unit = unit_of(joint.type);
     if (lacking_.empty()) {
       lacking_at_ = at;
       lacking_key_ = where;
     }
     lacking_ += (lacking_.empty() ? "" : "; ") + std::string(to_string(joint.type)) + " joint " + joint.name + " no " +
-                names + ": give " + where + ": {" + map + "} in " + (names == "velocity" ? "" : unit) +
-                (without.back() != "velocity" ? "" : (names == "velocity" ? "" : ", ") + unit + "/s");
+                names + ": give " + where + ": {" + map + "} in " + units.front() +
+                (units.size() > 1 ? ", " + units.back() : "");
   }
 
   void add_joint(MapReader& limits, int link) {
@@ -204,20 +210,17 @@ class ArmReader {
       if (joint.type == JointType::kContinuous && lower && upper) joint.type = JointType::kRevolute;
     }
     const std::string where = limits.key_of(joint.name);
-    const auto refuse = [&](const std::string& message) {
-      const Node* given = limits.get(joint.name);
-      fail(given != nullptr ? given->mark : in_.mark(), where, message);
-    };
+    const Node* given = limits.get(joint.name);
+    const Mark at = given != nullptr ? given->mark : in_.mark();
+    const auto refuse = [&](const std::string& message) { fail(at, where, message); };
     const bool continuous = joint.type == JointType::kContinuous;
     if (continuous && (lower || upper)) refuse("a continuous joint takes both lower and upper, or neither");
-    std::vector<std::string> without;
-    if (!continuous && !lower) without.emplace_back("lower");
-    if (!continuous && !upper) without.emplace_back("upper");
-    if (!velocity) without.emplace_back("velocity");
-    if (!without.empty()) {
-      const Node* given = limits.get(joint.name);
-      return lacks(joint, without, where, given != nullptr ? given->mark : in_.mark());
-    }
+    const std::string unit = unit_of(joint.type);
+    std::vector<Limit> without;
+    if (!continuous && !lower) without.push_back({"lower", unit});
+    if (!continuous && !upper) without.push_back({"upper", unit});
+    if (!velocity) without.push_back({"velocity", unit + "/s"});
+    if (!without.empty()) return lacks(joint, without, where, at);
     if (!continuous) {
       if (!(*lower < *upper)) {
         refuse("lower " + number_to_json(*lower).dump() + " is not below upper " + number_to_json(*upper).dump() +

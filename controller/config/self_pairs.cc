@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <iterator>
 #include <memory>
-#include <numbers>
 #include <random>
 #include <string>
 #include <utility>
@@ -9,6 +8,7 @@
 
 #include "controller/config/robot_build.h"
 #include "controller/model/proximity.h"
+#include "controller/model/sampling.h"
 
 namespace moma::config {
 namespace {
@@ -27,10 +27,7 @@ int rigid_root(const RobotModel& model, int link) {
 VectorX sample(const RobotModel& model, std::mt19937_64& engine) {
   VectorX q(model.num_joints());
   for (int i = 0; i < q.size(); ++i) {
-    const ControlledJoint& joint = model.joints[static_cast<std::size_t>(i)];
-    const bool limited = joint.type != JointType::kContinuous;
-    const double lower = limited ? joint.lower : -std::numbers::pi;
-    const double upper = limited ? joint.upper : std::numbers::pi;
+    const auto [lower, upper] = drawn_range(model.joints[static_cast<std::size_t>(i)]);
     q[i] = lower + (upper - lower) * (static_cast<double>(engine() >> 11) * 0x1p-53);
   }
   return q;

@@ -4,20 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "controller/model/sampling.h"
+
 namespace moma::fit {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-double halton(int index, int base) {
-  double result = 0.0;
-  double share = 1.0;
-  for (int i = index; i > 0; i /= base) {
-    share /= base;
-    result += share * (i % base);
-  }
-  return result;
-}
 
 double surface_area(const Shape& shape) {
   const Vector3& s = shape.size;

@@ -2,28 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
-#include <numbers>
 #include <utility>
+
+#include "controller/model/sampling.h"
 
 namespace moma {
 namespace {
 
 // Bases of the Halton sequence: the first primes. Joints beyond them share bases, shifted.
 constexpr int kPrimes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
-
-double halton(int index, int base) {
-  double value = 0.0;
-  for (double digit = 1.0 / base; index > 0; index /= base, digit /= base) value += digit * (index % base);
-  return value;
-}
-
-double within(const ControlledJoint& joint, double share) {
-  const bool limited = std::isfinite(joint.lower) && std::isfinite(joint.upper);
-  const double lower = limited ? joint.lower : -std::numbers::pi;
-  const double upper = limited ? joint.upper : std::numbers::pi;
-  return lower + share * (upper - lower);
-}
 
 }  // namespace
 
@@ -54,7 +43,8 @@ std::vector<JointLoad> joint_loads(std::shared_ptr<const RobotModel> model, int 
   for (int s = 1; s <= samples; ++s) {
     for (int i = 0; i < q.size(); ++i) {
       const int base = kPrimes[static_cast<std::size_t>(i) % std::size(kPrimes)];
-      q[i] = within(model->joints[static_cast<std::size_t>(i)], halton(s + i, base));
+      const auto [lower, upper] = drawn_range(model->joints[static_cast<std::size_t>(i)]);
+      q[i] = lower + halton(s + i, base) * (upper - lower);
     }
     kinematics.update(Vector3::Zero(), q);
     const VectorX efforts = holding_efforts(kinematics);

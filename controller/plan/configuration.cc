@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "controller/model/sampling.h"
+
 namespace moma {
 namespace {
 
@@ -51,8 +53,9 @@ MotionLimits::MotionLimits(const RobotModel& model, const ControllerParams& para
   const int first = model.base_dof();
   for (int i = 0; i < model.num_joints(); ++i) {
     const ControlledJoint& joint = model.joints[static_cast<std::size_t>(i)];
-    lower[i] = std::isfinite(joint.lower) ? joint.lower : -std::numbers::pi;
-    upper[i] = std::isfinite(joint.upper) ? joint.upper : std::numbers::pi;
+    const auto [low, high] = drawn_range(joint);
+    lower[i] = low;
+    upper[i] = high;
     margin[i] = std::min(plan.joint_margin, 0.4 * (upper[i] - lower[i]));
     joint_speed[i] = plan.speed * joint.velocity;
     joint_acceleration[i] = plan.acceleration * params.acceleration_limit[first + i];

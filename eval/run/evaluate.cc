@@ -177,9 +177,9 @@ class Run {
     batch.finish = finish_;
     batch.progress = listener_.progress;
     const auto sink = [&](const BatchJob& job, BatchResult&& result) {
-      const store::WorldRecord world = world_record(suite_.points[job.point], job, result);
-      row_warnings_.look(result.output.row, has_qp(suite_.points[job.point]) &&
-                                                suite_.points[job.point].controller_params.prediction.identify);
+      const SuitePoint& point = suite_.points[job.point];
+      const store::WorldRecord world = world_record(point, job, result);
+      row_warnings_.look(result.output.row, has_qp(point) && point.controller_params.prediction.identify);
       same_error_.look(job.point, result.output.row);
       const Trace& trace = result.output.trace;
       writer.add({job.point, job.world, job.key}, world, result.output.row, trace.empty() ? nullptr : &trace,

@@ -10,7 +10,7 @@ void SameError::look(std::size_t point, const TrialRow& row) {
     working_.insert(point);
     return;
   }
-  enough_ = ++at->second.trials >= kEnough || enough_;
+  ++at->second.trials;
 }
 
 const SameError::Found* SameError::found() const {

@@ -17,20 +17,19 @@ class SameError {
 
   /// Rows in the order of the jobs, so that the answer is the same for any number of threads.
   void look(std::size_t point, const TrialRow& row);
-  /// A point has had enough.
-  bool enough() const { return enough_; }
-  /// The point with most such trials, after enough() or at the end; nothing where there is none.
   struct Found {
     std::size_t point = 0;
     int trials = 0;
     std::string reason;
   };
+  /// The point with most such trials; nothing where there is none.
   const Found* found() const;
+  /// A point has had enough.
+  bool enough() const { return found() != nullptr && found()->trials >= kEnough; }
 
  private:
   std::map<std::size_t, Found> failing_;  // without another outcome or reason so far
   std::set<std::size_t> working_;
-  bool enough_ = false;
 };
 
 }  // namespace moma::run

@@ -3,11 +3,9 @@
 -- an object had been known that was hit, where the controller does not see all of them from the start.
 WITH points AS (
   SELECT p.id, p.control_period_s,
-         json_extract(r.resolved, '$.base.type') = 'differential' AS differential,
          coalesce(json_extract(u.resolved, '$.points[' || p.resolved_position || '].disturbances'),
                   json_extract(u.resolved, '$.disturbances'), '{}') AS disturbances
   FROM point AS p
-  JOIN robot AS r ON r.id = p.robot_id
   JOIN resolved_suite AS u ON u.id = p.resolved_suite_id
 ), asked AS (
   SELECT m.key, m.world_id, m.world_index, p.control_period_s, p.disturbances,
@@ -16,7 +14,7 @@ WITH points AS (
   JOIN point_trial AS m ON m.point_id = p.id AND m.world_index < ?1
   WHERE CASE m.outcome WHEN 'collision' THEN coalesce(json_extract(p.disturbances, '$.objects.range'),
                                                       json_extract(p.disturbances, '$.objects.detection')) IS NOT NULL
-                       ELSE m.outcome IN ('stuck', 'timeout') AND p.differential END
+                       ELSE m.outcome IN ('stuck', 'timeout') END
 )
 SELECT t.trial, a.kind, w.json AS json_world, a.disturbances, a.control_period_s, t.object, t.collision_time_s, x.layout,
        x.n, x.columns, x.data
@@ -25,6 +23,8 @@ JOIN trial AS t ON t.key = a.key
 JOIN samples AS x ON x.key = a.key
 JOIN world AS w ON w.id = a.world_id
 WHERE CASE a.kind WHEN 'known' THEN t.object NOT LIKE 'self:%'
-                  ELSE coalesce(t.reason, '') NOT LIKE '% is % m from %' AND coalesce(t.reason, '') NOT LIKE '% from its limit%' END
+                  ELSE coalesce(t.reason, '') NOT LIKE '% is % m from %' AND coalesce(t.reason, '') NOT LIKE '% from its limit%'
+                       -- Two velocities beside the joints': ahead and the turn.
+                       AND 2 = (SELECT sum(c.value GLOB 'command*') - sum(c.value GLOB 'q[0-9]*') FROM json_each(x.columns) AS c) END
 ORDER BY a.world_index, a.key
 LIMIT ?2

@@ -203,7 +203,9 @@ TEST(BrakeCheck, KeepsItsMarginForWhatIsUncertain) {
       const VectorX zero = VectorX::Zero(u.size()), box = VectorX::Constant(u.size(), 10.0);
       out = u;
       const double kept = near.apply(o, {-box, box, zero}, spreads, out);
-      if (d >= 0.02 + margin) EXPECT_EQ(kept, 1.0);
+      if (d >= 0.02 + margin) {
+        EXPECT_EQ(kept, 1.0);
+      }
       if (d < 0.02 + margin && d >= 0.02) {
         mended += kept < 1.0 ? 1 : 0;
         out = u;

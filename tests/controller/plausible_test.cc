@@ -46,10 +46,7 @@ TEST(Plausible, DegreesMillimetresAndGramsAreNamed) {
       {"base.footprint.mass: 5e+04 kg", [](RobotModel& m) { m.base.mass = 50000; }},
       {"joint bend: the way from its parent's: 300 m is unusual",
        [](RobotModel& m) { m.links[3].X_PJ.translation().x() = 300; }},
-      {"link lower: mass: 2500 kg",
-       [](RobotModel& m) {
-         m.links[3].inertial = Inertial{2500, {}, {}};
-       }},
+      {"link lower: mass: 2500 kg", [](RobotModel& m) { m.links[3].inertial = Inertial{.mass = 2500}; }},
       {"joint turn: limit: 170 rad is unusual", [](RobotModel& m) { m.joints[0].upper = 170; }},
       {"joint reach: limit: 400 m is unusual", [](RobotModel& m) { m.joints[2].upper = 400; }},
       {"joint turn: velocity: 120 rad/s", [](RobotModel& m) { m.joints[0].velocity = 120; }},

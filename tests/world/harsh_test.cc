@@ -273,7 +273,9 @@ TEST(Detection, MissesObjectsForSpansOfTime) {
   constexpr int kSpans = 100;
   for (int k = 0; k < 5 * kSpans; ++k) {
     const std::vector<bool> now = eyes.look({0, 0, 0});
-    if (k % 5 != 0) EXPECT_EQ(now, last) << "changes within a span, step " << k;
+    if (k % 5 != 0) {
+      EXPECT_EQ(now, last) << "changes within a span, step " << k;
+    }
     if (k % 5 == 0) unseen += static_cast<int>(std::count(now.begin(), now.end(), false));
     last = now;
   }

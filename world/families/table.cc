@@ -4,11 +4,10 @@
 #include "world/scenario/family.h"
 #include "world/scenario/furniture.h"
 #include "world/scenario/object_mix.h"
+#include "world/scenario/place_objects.h"
 
 namespace moma {
 namespace {
-
-constexpr int kItemTries = 50;
 
 /// A table whose top is a little below the goal, its near edge towards the robot, with things standing on it.
 struct Table {
@@ -45,26 +44,22 @@ constexpr void describe(Visitor& v, Of<Table>) {
 
 bool add_items(const Table& p, SceneBuilder& builder, World& world, const FurnitureFrame& frame, int count,
                double depth, double width, double top) {
-  for (int i = 0; i < count; ++i) {
-    WorldObject item;
-    bool placed = false;
-    for (int k = 0; k < kItemTries && !placed; ++k) {
-      Draws draws = builder.draws(Stream::kObjects, 1 + static_cast<std::uint64_t>(i * kItemTries + k));
-      // One after the other: the order of a call's arguments is the compiler's.
-      const double across = draws.uniform(-0.45, 0.45) * width;
-      const double along = draws.uniform(0.05, 0.95) * depth;
-      const Vector3 at = frame.point(along, across, 0.0);
-      p.items_mix.sample(draws, at.x(), at.y(), item);
-      item.name = "item" + std::to_string(i + 1);
-      const double lift = top - lowest_point(item.shape, item.X_WO);
-      set_pose(item, item.X_WO.translation() + Vector3(0.0, 0.0, lift), item.file_rotation);
-      placed = builder.stands_clear(item, builder.clearance());
-      if (!placed) builder.drawn_again("an item not clear of start and goal");
-    }
-    if (!placed) return builder.reject("table: no place for an item clear of the goal (worlds.clearance)");
-    world.objects.push_back(item);
-  }
-  return true;
+  const ObjectPlacing placing{.count = count,
+                              .tries = 50,
+                              .name = "item",
+                              .drawn_again = "an item not clear of start and goal",
+                              .out_of_tries = "table: no place for an item clear of the goal (worlds.clearance)"};
+  return placing.place(builder, world, [&](const ObjectTry& at, WorldObject& item) {
+    Draws draws = builder.draws(Stream::kObjects, at.item);
+    // One after the other: the order of a call's arguments is the compiler's.
+    const double across = draws.uniform(-0.45, 0.45) * width;
+    const double along = draws.uniform(0.05, 0.95) * depth;
+    const Vector3 place = frame.point(along, across, 0.0);
+    p.items_mix.sample(draws, place.x(), place.y(), item);
+    const double lift = top - lowest_point(item.shape, item.X_WO);
+    set_pose(item, item.X_WO.translation() + Vector3(0.0, 0.0, lift), item.file_rotation);
+    return builder.stands_clear(item, builder.clearance());
+  });
 }
 
 bool build(const Table& p, SceneBuilder& builder, World& world) {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "controller/model/analytic_distance.h"
+#include "controller/model/sampling.h"
 
 namespace moma {
 namespace {
@@ -96,8 +96,7 @@ bool SceneBuilder::place_robot(const Placement& placement, World& world) {
   for (int i = 0; i < model_->num_joints(); ++i) {
     const ControlledJoint& joint = model_->joints[static_cast<std::size_t>(i)];
     const bool bounded = std::isfinite(joint.lower) && std::isfinite(joint.upper);
-    const double low = bounded ? joint.lower : -std::numbers::pi;
-    const double high = bounded ? joint.upper : std::numbers::pi;
+    const auto [low, high] = drawn_range(joint);
     const double margin = bounded ? std::min(placement.limit_margin, 0.25 * (high - low)) : 0.0;
     world.witness.q[i] = at_goal.uniform(low + margin, high - margin);
   }

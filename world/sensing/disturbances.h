@@ -80,7 +80,7 @@ struct JointSensing {
   double velocity_noise = 0.0;  ///< [rad/s or m/s]
   double bias = 0.0;            ///< [rad or m]
   double delay = 0.0;           ///< [s]
-  Irregularity irregularity;
+  Irregularity irregularity{};
   double resolution = 0.0;           ///< [rad or m]
   double velocity_resolution = 0.0;  ///< [rad/s or m/s]
   bool operator==(const JointSensing&) const = default;
@@ -122,7 +122,7 @@ struct OdometryErrors {
   double turn = 0.0;      ///< [1]
   double heading = 0.0;   ///< [rad/m]
   PoseSpread walk;        ///< [m per sqrt(m), rad per sqrt(m)]
-  WheelSlip slip;
+  WheelSlip slip{};
   bool operator==(const OdometryErrors&) const = default;
 };
 
@@ -143,7 +143,7 @@ struct BaseSensing {
   TwistSpread velocity_noise;
   PoseSpread bias;
   double delay = 0.0;  ///< [s]
-  Irregularity irregularity;
+  Irregularity irregularity{};
   TwistSpread velocity_resolution;  ///< [m/s, rad/s]
   OdometryErrors odometry;
   bool operator==(const BaseSensing&) const = default;
@@ -175,7 +175,7 @@ struct PoseSensing {
   bool resting_is_known = false;
   PoseSpread bias;     ///< for each object its own
   double delay = 0.0;  ///< [s]
-  Irregularity irregularity;
+  Irregularity irregularity{};
   double noise_growth = 0.0;  ///< [1/m^2]
   bool operator==(const PoseSensing&) const = default;
 };
@@ -254,8 +254,8 @@ struct DetectionRule {
   double field_of_view = 2.0 * std::numbers::pi;  ///< full angle of a cone about `axis` [rad]
   bool occlusion = false;
   bool lost = false;
-  MissedDetections missed;
-  FalseDetections phantoms;
+  MissedDetections missed{};
+  FalseDetections phantoms{};
   bool operator==(const DetectionRule&) const = default;
 };
 
@@ -296,7 +296,7 @@ struct JointDrives {
   double delay = 0.0;       ///< [s]
   double gain_error = 0.0;  ///< of g [1]
   JointFriction friction;
-  Irregularity irregularity;
+  Irregularity irregularity{};
   bool operator==(const JointDrives&) const = default;
 };
 
@@ -344,9 +344,9 @@ constexpr void describe(Visitor& v, Of<BaseRamps>) {
 struct BaseDrive {
   double delay = 0.0;  ///< [s]
   GainSpread gain_error;
-  Irregularity irregularity;
-  TwistSpread deadband;  ///< [m/s, rad/s]
-  BaseRamps ramps;
+  Irregularity irregularity{};
+  TwistSpread deadband{};  ///< [m/s, rad/s]
+  BaseRamps ramps{};
   bool operator==(const BaseDrive&) const = default;
 };
 

@@ -231,14 +231,15 @@ export class Model {
   }
 
   /** A motion that the page itself holds. */
-  embedded(trial: string): ReplayData | undefined {
-    return this.replayOf.get(trial);
+  embedded(trial: string): Motion | undefined {
+    const replay = this.replayOf.get(trial);
+    return replay === undefined ? undefined : { replay, robot: this.page.robots[replay.robot], simulated: false };
   }
 
   /** From the page, or from the server that serves it. */
   motion(trial: string): Promise<Motion> {
-    const replay = this.replayOf.get(trial);
-    if (replay !== undefined) return Promise.resolve({ replay, robot: this.page.robots[replay.robot], simulated: false });
+    const embedded = this.embedded(trial);
+    if (embedded !== undefined) return Promise.resolve(embedded);
     if (this.page.live === undefined) return Promise.reject(new Error('its motion is not in the page'));
     let asked = this.fetched.get(trial);
     if (asked === undefined) {

@@ -19,7 +19,7 @@ export function course(model: Model): FigureSpec {
   /** What the page itself holds is read when it is first drawn, on paper too. */
   const readOwn = (): void => {
     for (const { trial } of model.page.replays.slice(0, kMost)) {
-      const replay = known.has(trial) ? undefined : model.embedded(trial);
+      const replay = known.has(trial) ? undefined : model.embedded(trial)?.replay;
       if (replay === undefined) continue;
       try {
         known.set(trial, decode(replay));

@@ -14,7 +14,7 @@ export interface Wheels { radius?: number; separation?: number; wheelbase?: numb
 interface RobotJson {
   name: string;
   urdf_text: string;
-  base: { type: string; mount?: PoseJson; footprint?: ShapeJson; max_linear?: number; max_angular?: number; wheels?: Wheels };
+  base: { mount?: PoseJson; footprint?: ShapeJson; max_linear?: number; max_angular?: number; wheels?: Wheels };
   arm: { tip: string; tool?: PoseJson; locked?: Record<string, number>; limits?: Record<string, { lower?: number; upper?: number }>; ready?: number[] };
   collision?: { shapes?: ShapeJson[]; pairs?: [number, number, boolean][] };
 }
@@ -85,8 +85,6 @@ function moves(joint: Joint): boolean {
 export class Robot {
   readonly name: string;
   readonly driven: Driven[] = [];
-  /** How the base moves: "differential", "omnidirectional" or "fixed". */
-  readonly base: string;
   /** Greatest speeds of the base [m/s, rad/s]. */
   readonly fastest: { linear: number; angular: number };
   /** Pairs of shapes, by index, that have rows of their own in the QP. */
@@ -103,7 +101,6 @@ export class Robot {
   constructor(source: unknown) {
     const json = source as RobotJson;
     this.name = json.name;
-    this.base = json.base.type;
     this.wheels = json.base.wheels ?? null;
     this.fastest = { linear: json.base.max_linear ?? 0, angular: json.base.max_angular ?? 0 };
     this.mount = poseMatrix(json.base.mount);

@@ -46,6 +46,8 @@ export interface Body { name: string; core: Core; now: Matrix4; later: Matrix4 }
 
 /** How long the moment is [s]: short against all motions, long against rounding in float32. */
 export const kMoment = 2e-3;
+/** Velocities of a base that goes sideways too. */
+const kLateral = 3;
 /** Length of the arrow that shows a side [m]. */
 const kSide = 0.5;
 /** Less than this below its limit [m/s], a row counts as at it. */
@@ -77,14 +79,14 @@ export class CollisionRows {
   at(trace: Trace, t: number, bodies: readonly Body[]): Row[] {
     const { robot, parameters } = this;
     const [sample] = trace.locate(t);
+    const dof = trace.count('command') - trace.count('q');   // of the base: linear velocities, then the turn
     const pose = (h: number): void => {
       const u = (i: number): number => h * (trace.has(`command${i}`) ? trace.column(`command${i}`)[sample] ?? 0 : 0);
       const [x, y, phi] = [trace.at('base_x', t), trace.at('base_y', t), trace.at('base_phi', t)];
-      const skip = { differential: 2, omnidirectional: 3, fixed: 0 }[robot.base] ?? 0;
-      const ahead = robot.base === 'fixed' ? 0 : u(0);
-      const aside = robot.base === 'omnidirectional' ? u(1) : 0;
+      const ahead = dof > 0 ? u(0) : 0;
+      const aside = dof === kLateral ? u(1) : 0;
       robot.update(x + ahead * Math.cos(phi) - aside * Math.sin(phi), y + ahead * Math.sin(phi) + aside * Math.cos(phi),
-        phi + (skip > 0 ? u(skip - 1) : 0), (i) => trace.at(`q${i}`, t) + u(skip + i));
+        phi + (dof > 0 ? u(dof - 1) : 0), (i) => trace.at(`q${i}`, t) + u(dof + i));
     };
     pose(kMoment);
     this.later = this.places();
@@ -119,7 +121,7 @@ export class CollisionRows {
       const pair = of.get(row);
       return pair === undefined || row.d >= parameters.ends ? [] : this.ends(row, object, ...pair);
     });
-    return [...kept, ...ends, ...this.passing(bodies)];
+    return [...kept, ...ends, ...(dof > 0 ? this.passing(bodies, dof === kLateral) : [])];
   }
 
   private add(rows: Row[], kind: Row['kind'], damper: Damper, i: number, core: Core, place: Matrix4, other: Core, otherNow: Matrix4, otherLater: Matrix4, link: string, name: string, later = this.later[i]!): void {
@@ -147,10 +149,10 @@ export class CollisionRows {
   }
 
   /** Rows for objects in motion that pass the base, nearest first. */
-  private passing(bodies: readonly Body[]): Row[] {
+  private passing(bodies: readonly Body[], lateral: boolean): Row[] {
     const { robot, parameters } = this;
     const of = parameters.passing;
-    if (of === null || parameters.object === null || robot.base === 'fixed') return [];
+    if (of === null || parameters.object === null) return [];
     const rows: Row[] = [];
     const velocity = (now: Matrix4, later: Matrix4): Vector3 => new Vector3().setFromMatrixPosition(later).sub(new Vector3().setFromMatrixPosition(now)).divideScalar(kMoment);
     const base = new Vector3().setFromMatrixPosition(robot.pose('@base'));
@@ -159,7 +161,7 @@ export class CollisionRows {
       if (robot.moves(link)) return;
       const place = this.now[i]!;
       const centre = new Vector3().setFromMatrixPosition(place);
-      const fastest = (robot.base === 'omnidirectional' ? Math.SQRT2 : 1) * robot.fastest.linear + Math.hypot(centre.x - base.x, centre.y - base.y) * robot.fastest.angular;
+      const fastest = (lateral ? Math.SQRT2 : 1) * robot.fastest.linear + Math.hypot(centre.x - base.x, centre.y - base.y) * robot.fastest.angular;
       for (const body of bodies) {
         const row = passing(of, { core, place, velocity: velocity(place, this.later[i]!) }, { core: body.core, place: body.now, velocity: velocity(body.now, body.later) }, fastest);
         if (row !== null) rows.push({ kind: 'passing', link, other: body.name, d: row.gap, first: centre, second: centre.clone().addScaledVector(row.n, kSide), ...room(row.rate, row.limit) });

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+#include "controller/model/robot_model.h"
+
+namespace moma {
+
+/// Where a joint's values are drawn from [rad or m].
+struct JointRange {
+  double lower = 0.0;
+  double upper = 0.0;
+};
+
+/// The joint's limits; one turn about zero where it has none.
+inline JointRange drawn_range(const ControlledJoint& joint) noexcept {
+  if (std::isfinite(joint.lower) && std::isfinite(joint.upper)) return {joint.lower, joint.upper};
+  return {-std::numbers::pi, std::numbers::pi};
+}
+
+/// The `index`-th number, from 1, of the Halton sequence of a prime `base`, in (0, 1): sequences of several bases fill
+/// a box evenly.
+inline double halton(int index, int base) noexcept {
+  double result = 0.0;
+  double share = 1.0;
+  for (int i = index; i > 0; i /= base) {
+    share /= base;
+    result += share * (i % base);
+  }
+  return result;
+}
+
+}  // namespace moma
