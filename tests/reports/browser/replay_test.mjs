@@ -210,5 +210,42 @@ for (const [name, robot, family, controller] of moma === undefined ? [] : suites
   await context.close();
 }
 
+// ---- a controller that looks ahead: its path and its detours on the floor, its reasons in words ---------------------
+if (moma !== undefined) {
+  const suite = join(work, 'ahead.yaml');
+  writeFileSync(suite, `name: ahead\nrobot: ${join(source, 'configs/robots/frankie.yaml')}\ncontrollers: {ahead: ${join(source, 'configs/controllers/moma-ahead.yaml')}}\n`
+    + 'worlds: {seed: 4242, families: {clutter: {weight: 1}}}\nsimulation: {mode: kinematic, time_limit: 8}\ntrials: 10\nsamples: all\n');
+  execFileSync(moma, ['run', suite, '-o', join(work, 'ahead.db'), '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });
+  execFileSync(moma, ['report', join(work, 'ahead.db'), '-o', join(work, 'ahead.html')], { stdio: 'ignore' });
+  const html = join(work, 'ahead.html');
+  const { context, page } = await open(html);
+  await page.locator('#replay').scrollIntoViewIfNeeded();
+  await page.waitForSelector('.stage-box[data-triangles]');
+  const words = page.locator('.plan-now');
+  let [paths, detours] = [0, 0];
+  for (const [i, replay] of dataOf(html).replays.entries()) {
+    if (!replay.columns.includes('plan_mode')) continue;
+    const [times, mode, attempts, detour] = ['t', 'plan_mode', 'plan_attempts', 'detour'].map((name) => column(replay, name));
+    const first = mode.indexOf(1);
+    if (first >= 0) {
+      let end = first;
+      while (end < replay.n && mode[end] === 1 && attempts[end] === attempts[first]) end += 1;
+      const [shown] = await tellAt(page, i, replay.trial, [times[first]]);
+      check(Number(shown.planned) === end - first + 1, `trial ${replay.trial}: ${shown.planned} places of a path of ${end - first} samples and its end`);
+      check(/follows a path, .* of .* s, .* m behind/.test(await words.innerText()), `trial ${replay.trial}: ${await words.innerText()}`);
+      paths += 1;
+    }
+    const away = detour.findIndex((value, k) => value !== 0 && mode[k] !== 1);
+    if (away >= 0) {
+      const [shown] = await tellAt(page, i, replay.trial, [times[away]]);
+      check(shown.planned === '2', `trial ${replay.trial}: ${shown.planned} places of a detour`);
+      check(/makes a detour/.test(await words.innerText()), `trial ${replay.trial}: ${await words.innerText()}`);
+      detours += 1;
+    }
+  }
+  check(paths > 0 && detours > 0, `${paths} paths and ${detours} detours`);
+  await context.close();
+}
+
 await browser.close();
 end('the replay');

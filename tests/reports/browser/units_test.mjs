@@ -141,4 +141,33 @@ check(JSON.stringify(stairs([[0, 0], [2, 1], [5, 1], [6, 3]])) === '[[0,0],[2,0]
 const { namedBy } = await load('data');
 check(namedBy(['lambda_q=0.01 k_epsilon=1', 'lambda_q=0.1 k_epsilon=2']) === 'lambda_q, k_epsilon', 'names of several keys');
 check(namedBy(['lambda_q=0.01', 'lambda_q=0.1']) === '' && namedBy(['a=1 b=2', 'a=1']) === '' && namedBy([]) === '', 'other names stay whole');
+// ---- what a controller that looks ahead was about -------------------------------------------------------------------
+{
+  const { looksAhead, planSentence, pathAhead, detourTarget, Trace } = await load('replay/plan', 'replay/trace');
+  const columns = {
+    t: [0, 1, 2, 3, 4], plan_mode: [3, 1, 1, 1, 0], plan_reason: [0, 2, 2, 8, 6], plan_going_on: [0, 0, 0, 1, 0], plan_attempts: [1, 1, 1, 2, 2],
+    plan_clock: [0, 0.5, 1.5, 0.25, 0], plan_duration: [0, 6, 6, 4, 0], plan_lag: [0, 0.01, 0.02, 0, 0],
+    plan_target_x: [0, 1, 2, 7, 0], plan_target_y: [0, -1, -2, -7, 0], plan_end_x: [0, 5, 5, 9, 0], plan_end_y: [0, -5, -5, -9, 0],
+    plan_choice: [0, 3, 3, 2, 1], plan_detour: [-1, -1, -1, 4, -1], plan_tried: [0, 12, 12, 3, 2],
+    plan_time_policy: [-1, -1, -1, 8, 5], plan_time_detour: [-1, 7.5, 7.5, 6.25, -1], plan_time_path: [-1, 6, 6, -1, -1],
+    detour: [0, 1, 0, 0, 1], detour_x: [3, 3, 0, 0, 4], detour_y: [-3, -3, 0, 0, -4],
+  };
+  const trace = (names) => new Trace({ n: 5, columns: names }, Float32Array.from(names.flatMap((name) => columns[name])));
+  const all = trace(Object.keys(columns));
+  check(looksAhead(all) && !looksAhead(trace(['t'])), 'a plan is noticed');
+  check(planSentence(trace(['t']), 1) === '' && pathAhead(trace(['t']), 1).length === 0 && detourTarget(trace(['t']), 1) === null, 'nothing is said without a plan');
+  // A path ends with the choice that made it, and at its own end, driven or not.
+  check(JSON.stringify(pathAhead(all, 1)) === '[[1,-1],[2,-2],[5,-5]]', `path ahead: ${JSON.stringify(pathAhead(all, 1))}`);
+  check(JSON.stringify(pathAhead(all, 3.9)) === '[[7,-7],[9,-9]]', `the next path: ${JSON.stringify(pathAhead(all, 3.9))}`);
+  check(pathAhead(all, 0).length === 0 && pathAhead(all, 4).length === 0, 'no path where none is followed');
+  check(JSON.stringify([0, 1, 4].map((t) => detourTarget(all, t))) === '[null,null,[4,-4]]', 'a detour counts where no path is followed');
+  const words = [
+    'Looking ahead: it stands, while a path and detours are worked out, since a motion begins with a choice.',
+    'Looking ahead: it follows a path, which is predicted to arrive soonest; at 0.50 of 6.00 s, 0.010 m behind. Choice 1, of 12 candidates, fell on a path: 6.00 s to the goal, the least. The policy as it was: would not have arrived. The best detour: 7.50 s.',
+    'Looking ahead: it follows a path, since something is in the way of the path; at 0.25 of 4.00 s, 0.000 m behind. Meanwhile a path and detours are worked out. Choice 2, of 3 candidates, fell on a detour: 6.25 s to the goal, the least. The policy as it was: 8.00 s. A path: none that is quicker.',
+    'Looking ahead: it makes a detour, since the path is at its end. Choice 2, of 2 candidates, fell on the policy: 5.00 s to the goal, the least. The best detour: none arrived sooner. A path: none that is quicker.',
+  ];
+  [0, 1, 3, 4].forEach((t, i) => check(planSentence(all, t).replaceAll('\u00a0', ' ') === words[i], `at ${t} s: ${planSentence(all, t)}`));
+}
+
 end('units of the page');

@@ -1,6 +1,6 @@
 // What is drawn in a scene beside robot and objects: a grid, axes, arrows, paths.
 
-import { BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshStandardMaterial, Vector3 } from 'three';
+import { BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshStandardMaterial, TorusGeometry, Vector3 } from 'three';
 import { Line2 } from 'three/examples/jsm/lines/Line2.js';
 import { LineGeometry } from 'three/examples/jsm/lines/LineGeometry.js';
 import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
@@ -83,4 +83,21 @@ export function handPath(robot: Robot, trace: Trace, begin: string, end: string)
     return out;
   };
   return { all: line(0.45, 1.5), travelled: line(1, 3) };
+}
+
+/** Places of the base as a line just above the floor, with a ring around the last of them. */
+export function floorPath(places: readonly (readonly [number, number])[], colour: string): Group {
+  const group = new Group();
+  const [x, y] = places[places.length - 1] ?? [0, 0];
+  if (places.length === 0) return group;
+  const above = 0.012;
+  if (places.length > 1) {
+    const line = new Line2(new LineGeometry().setPositions(places.flatMap(([px, py]) => [px, py, above])), new LineMaterial({ color: new Color(colour), linewidth: 3 }));
+    line.frustumCulled = false;
+    group.add(line);
+  }
+  const ring = new Mesh(new TorusGeometry(0.09, 0.012, 8, 32), new MeshStandardMaterial({ color: new Color(colour), roughness: 0.8 }));
+  ring.position.set(x, y, above);
+  group.add(ring);
+  return group;
 }

@@ -15,6 +15,7 @@ import { Beside } from './beside';
 import { colours } from './colours';
 import { Joints } from './joints';
 import { readLook, type Part } from './look';
+import { looksAhead, planSentence } from './plan';
 import { Plate, type Words } from './plate';
 import { Playback } from './playback';
 import { Robot } from './robot';
@@ -72,6 +73,7 @@ export function player(model: Model): Player {
   const home = h('button', { type: 'button', class: 'quiet', click: () => { scene?.home(); scene?.set(playback.time); draw(); } }, 'Reset view');
   const caption = h('div', { class: 'replay-caption' });
   const status = h('p', { class: 'note' });
+  const ahead = h('p', { class: 'note plan-now' });
   const closest = h('button', { type: 'button', class: 'quiet', click: () => jump('least') }, 'Closest approach');
   const stopped = h('button', { type: 'button', class: 'quiet', click: () => jump('end') }, 'Why it stopped');
   const shapes = h('input', { type: 'checkbox', change: () => { scene?.setShapes(shapes.checked); tellTriangles(); show(); } });
@@ -91,8 +93,13 @@ export function player(model: Model): Player {
       const now = Math.min(time, trace.end);
       status.textContent = `Solver: ${statusAt(trace, now)}; ${plural(Math.round(trace.at('active_rows', now)), 'active constraint')}.`;
       joints.draw(robot, trace, now);
+      ahead.textContent = planSentence(trace, now);
+      ahead.hidden = ahead.textContent === '';
     }
-    if (scene !== null) stage.dataset['positionErrorNow'] = String(scene.positionError());
+    if (scene !== null) {
+      stage.dataset['positionErrorNow'] = String(scene.positionError());
+      stage.dataset['planned'] = String(scene.planned.length);
+    }
     rowWords.tell(scene?.rows ?? [], sees, stage);
     draw();
   };
@@ -123,7 +130,8 @@ export function player(model: Model): Player {
     const part = (colour: string, text: string): Node => h('span', { class: 'dotted', style: `--c:${colour}` }, text);
     const t = model.trials;
     replace(legend, part(c.arm, 'robot'), part(c.goal, 'goal: the hand as it must arrive, a ball as large as the tolerance'), part(c.path, 'path of the hand, paler at its begin'),
-      part(c.hit, 'touched, or a row that holds the command back'), ghost === null ? null : part(c.ghost, `${t.text('controller', model.row(ghost.trial) ?? -1)} in the same world`));
+      part(c.hit, 'touched, or a row that holds the command back'),
+      trace !== null && looksAhead(trace) ? part(c.plan, 'where the base is to go: the path that it follows, or a detour') : null, ghost === null ? null : part(c.ghost, `${t.text('controller', model.row(ghost.trial) ?? -1)} in the same world`));
   };
 
   const tellTriangles = (): void => { stage.dataset['triangles'] = String(scene?.triangles() ?? 0); };
@@ -214,8 +222,7 @@ export function player(model: Model): Player {
     timeline.show(decoded, point === undefined ? null : { position: point.success_position_m, rotation: point.success_orientation_rad });
     ghost = null;
     const twin = beside.wanted(current);
-    const embedded = model.embedded(twin);
-    putBeside(twin, embedded === undefined ? null : { replay: embedded, robot: model.page.robots[embedded.robot], simulated: false });
+    putBeside(twin, model.embedded(twin) ?? null);
     if (ghost !== null) scene.home();
     beside.fill(current);
     tellCaption(row, motion.simulated);
@@ -245,9 +252,9 @@ export function player(model: Model): Player {
   /** The moment shown, as pictures; where the reader has moved nothing, that at which the motion stopped. */
   const still = (): Node | null => {
     const first = listed(model)[0] ?? '';
-    const replay = model.embedded(first);
+    const motion = model.embedded(first);
     try {
-      if (current === '' && replay !== undefined) present(first, { replay, robot: model.page.robots[replay.robot], simulated: false });
+      if (current === '' && motion !== undefined) present(first, motion);
     } catch {
       return null;   // the caption on the screen says why
     }
@@ -284,7 +291,7 @@ export function player(model: Model): Player {
       h('div', { class: 'transport' }, play, scrub, clock, speed, h('label', null, follow, ' follow'), shapesBox, home),
       h('div', { class: 'transport more' }, beside.element, closest, stopped, pictureButton(shown), filmButton(shown)),
       legend,
-      lines, status, rowWords.sentence),
+      lines, status, ahead, rowWords.sentence),
     h('aside', null, h('h3', null, 'To play'), h('p', { class: 'note' }, shelfNote(model)), shelf.element,
       h('h3', null, 'Joints within their limits'), joints.element));
   element.addEventListener('keydown', (event) => {

@@ -11,8 +11,9 @@ import type { Colours } from './colours';
 import { coreOf, type Core } from './distance';
 import { extent, fit } from './fit';
 import type { Part } from './look';
-import { grid, handPath, rowArrow, triad } from './marks';
+import { floorPath, grid, handPath, rowArrow, triad } from './marks';
 import { placeAt, type MotionJson, type Placed } from './motion';
+import { detourTarget, pathAhead } from './plan';
 import { quaternion, Robot, type ShapeJson } from './robot';
 import { CollisionRows, kMoment, type Body, type CollisionParameters, type Row } from './rows';
 import { poseAt, skins, wheelsOf } from './skins';
@@ -44,6 +45,9 @@ export class ReplayScene {
   private bodies: { mesh: Mesh; name: string; core: Core; start: Placed; motion: MotionJson | undefined }[] = [];
   private rowsOf: CollisionRows | null = null;
   private arrows = new Group();
+  private plan = new Group();
+  /** Where the base is to go by its path or detour at the time shown; none where it has neither. */
+  planned: [number, number][] = [];
   /** The collision rows at the time shown, nearest first. */
   rows: Row[] = [];
   private goal = new Group();
@@ -177,7 +181,8 @@ export class ReplayScene {
     this.addGoal(robot);
     this.tip = triad(0.16, false);
     this.arrows = new Group();
-    this.content.add(this.tip, this.arrows);
+    this.plan = new Group();
+    this.content.add(this.tip, this.arrows, this.plan);
     this.past = this.addPath(robot, trace, colours.begin, colours.path);
   }
 
@@ -243,6 +248,7 @@ export class ReplayScene {
     tip.decompose(this.tip.position, this.tip.quaternion, this.tip.scale);
     if (this.past !== null) this.past.geometry.instanceCount = trace.locate(t)[0];   // pieces between samples
     this.setArrows(t);
+    this.setPlan(t);
     const base = new Vector3().setFromMatrixPosition(robot.pose('@base'));
     if (this.follow) {
       const step = base.clone().sub(this.lastBase);
@@ -263,6 +269,18 @@ export class ReplayScene {
     const bodies = this.bodies.map(({ name, core, start, motion }): Body => ({ name, core, now: place(placeAt(motion, start, t)), later: place(placeAt(motion, start, t + kMoment)) }));
     this.rows = rowsOf.at(trace, t, bodies);
     for (const row of this.rows) this.arrows.add(rowArrow(row, this.colours));
+  }
+
+  /** The path that the base follows, from where it should be now; or the straight line to where a detour leads. */
+  private setPlan(t: number): void {
+    this.dispose(this.plan);
+    this.plan.clear();
+    const { trace, robot } = this;
+    if (trace === null || robot === null) return;
+    const detour = detourTarget(trace, t);
+    const { x, y } = new Vector3().setFromMatrixPosition(robot.pose('@base'));
+    this.planned = detour === null ? pathAhead(trace, t) : [[x, y], detour];
+    this.plan.add(floorPath(this.planned, this.colours.plan));
   }
 
   /** Where a point is in the picture, in CSS pixels; null behind the camera. */

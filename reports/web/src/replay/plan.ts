@@ -1,0 +1,66 @@
+// What a controller that looks ahead was about (docs/look-ahead.md): in words, and its path as places of the base.
+
+import { fixed, integer, plural } from '../format';
+import type { Trace } from './trace';
+
+// In the order of the store's numbers (docs/store.md).
+const kFollow = 1;
+const kModes = ['goes by its own policy', 'follows a path', 'slows down, to choose', 'stands, while a path and detours are worked out'];
+const kReasons = [
+  'since a motion begins with a choice', 'which is predicted to arrive', 'which is predicted to arrive soonest', 'since the policy was predicted not to arrive', 'since the policy stagnated',
+  'since nothing was found that arrives', 'since the path is at its end', 'since it did not get on along its path', 'since something is in the way of the path', 'since something moves',
+];
+const kPolicy = 1;
+const kDetour = 2;
+const kPath = 3;
+const kChoices = ['', 'the policy', 'a detour', 'a path'];
+
+/** Whether the motion has a plan at all. */
+export function looksAhead(trace: Trace): boolean {
+  return trace.has('plan_mode');
+}
+
+/** Mode, reason, place on the path, and the last choice with the times that were predicted; '' without a plan. */
+export function planSentence(trace: Trace, t: number): string {
+  if (!looksAhead(trace)) return '';
+  const [i] = trace.locate(t);
+  const of = (name: string): number => trace.column(`plan_${name}`)[i] ?? 0;
+  const mode = of('mode');
+  const does = detourTarget(trace, t) === null ? kModes[mode] ?? 'does what this page has no word for' : 'makes a detour';
+  const said = [`Looking ahead: it ${does}, ${kReasons[of('reason')] ?? 'for a reason that this page has no word for'}`
+    + (mode === kFollow ? `; at ${fixed(of('clock'), 2)} of ${fixed(of('duration'), 2)} s, ${fixed(of('lag'), 3)} m behind` : '') + '.'];
+  if (of('going_on') !== 0) said.push('Meanwhile a path and detours are worked out.');
+  const choice = of('choice');
+  if (choice !== 0) {
+    const rival = (kind: number, name: string, time: number, none: string): string => (choice === kind ? '' : ` ${name}: ${time < 0 ? none : `${fixed(time, 2)} s`}.`);
+    const best = of(['', 'time_policy', 'time_detour', 'time_path'][choice] ?? 'time_policy');
+    said.push(`Choice ${integer(of('attempts'))}, of ${plural(of('tried'), 'candidate')}, fell on ${kChoices[choice] ?? 'what this page has no word for'}`
+      + (best < 0 ? ', since nothing arrived.' : `: ${fixed(best, 2)} s to the goal, the least.`)
+      + rival(kPolicy, 'The policy as it was', of('time_policy'), 'would not have arrived')
+      + rival(kDetour, 'The best detour', of('time_detour'), 'none arrived sooner')
+      + rival(kPath, 'A path', of('time_path'), 'none that is quicker'));
+  }
+  return said.join(' ');
+}
+
+/** Where the base was to go from time t on along the path that it follows, (x, y) in the world; none where it follows none. */
+export function pathAhead(trace: Trace, t: number): [number, number][] {
+  if (!looksAhead(trace)) return [];
+  const column = (name: string): Float32Array => trace.column(`plan_${name}`);
+  const [mode, attempts, x, y] = [column('mode'), column('attempts'), column('target_x'), column('target_y')];
+  const [now] = trace.locate(t);
+  const places: [number, number][] = [];
+  let i = now;
+  for (; i < trace.n && mode[i] === kFollow && attempts[i] === attempts[now]; ++i) places.push([x[i] ?? 0, y[i] ?? 0]);
+  // What was never driven is known by its end alone.
+  if (i > now) places.push([column('end_x')[i - 1] ?? 0, column('end_y')[i - 1] ?? 0]);
+  return places;
+}
+
+/** Where a detour leads to at time t, (x, y) in the world; null without one. */
+export function detourTarget(trace: Trace, t: number): [number, number] | null {
+  if (!looksAhead(trace) || !trace.has('detour_x')) return null;
+  const [i] = trace.locate(t);
+  const of = (name: string): number => trace.column(name)[i] ?? 0;
+  return of('detour') === 0 || of('plan_mode') === kFollow ? null : [of('detour_x'), of('detour_y')];
+}
