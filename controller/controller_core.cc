@@ -30,6 +30,10 @@ std::shared_ptr<const RobotModel> not_null(std::shared_ptr<const RobotModel> mod
   return model;
 }
 
+bool finite(const std::optional<ObjectCovariance>& covariance) noexcept {
+  return !covariance || (covariance->position_W.allFinite() && covariance->velocity_W.allFinite());
+}
+
 }  // namespace
 
 ControllerCore::ControllerCore(std::shared_ptr<const RobotModel> model, ControllerParams params, double control_period)
@@ -104,7 +108,9 @@ bool ControllerCore::valid(const Observation& o) const noexcept {
       !o.goal.X_WG.matrix().allFinite() || !o.goal.V_WG_W.allFinite())
     return false;
   for (const ObjectState& object : o.objects)
-    if (object.visible && (!object.X_WO.matrix().allFinite() || !object.V_WO_W.allFinite())) return false;
+    if (object.visible &&
+        (!object.X_WO.matrix().allFinite() || !object.V_WO_W.allFinite() || !finite(object.covariance)))
+      return false;
   return true;
 }
 

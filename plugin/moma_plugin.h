@@ -23,7 +23,7 @@ extern "C" {
 #endif
 
 /** Raised whenever a function or struct below changes. A library made for another version is refused. */
-#define MOMA_PLUGIN_ABI 1
+#define MOMA_PLUGIN_ABI 2
 
 #if defined(_WIN32)
 #define MOMA_PLUGIN_EXPORT __declspec(dllexport)
@@ -71,7 +71,10 @@ typedef struct moma_object_state {
   double position[3];
   double rotation[9];
   double twist[6];
-  int32_t visible; /**< 0: not sensed now, the rest means nothing */
+  int32_t visible;               /**< 0: not sensed now, the rest means nothing */
+  int32_t has_covariance;        /**< 0: no tracker states any, the two matrices mean nothing */
+  double position_covariance[9]; /**< of the origin's position [m^2] */
+  double velocity_covariance[9]; /**< of its linear velocity [(m/s)^2] */
 } moma_object_state;
 
 /** What a controller may know at one step: sensed, never the simulator's truth. */

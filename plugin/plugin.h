@@ -89,10 +89,14 @@ inline ObjectShape read_shape(const moma_object_shape& object) {
   return out;
 }
 
+inline Matrix3 read_matrix(const double (&by_rows)[9]) {
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(by_rows);
+}
+
 inline Isometry read_pose(const double (&position)[3], const double (&rotation)[9]) {
   Isometry X = Isometry::Identity();
   X.translation() = Eigen::Map<const Vector3>(position);
-  X.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation);
+  X.linear() = read_matrix(rotation);
   return X;
 }
 
@@ -110,6 +114,9 @@ inline void read_observation(const moma_observation& seen, const RobotModel& rob
     out.objects[i].X_WO = read_pose(object.position, object.rotation);
     out.objects[i].V_WO_W = Eigen::Map<const Vector6>(object.twist);
     out.objects[i].visible = object.visible != 0;
+    out.objects[i].covariance.reset();
+    if (object.has_covariance != 0)
+      out.objects[i].covariance = {read_matrix(object.position_covariance), read_matrix(object.velocity_covariance)};
   }
 }
 

@@ -106,6 +106,19 @@ Matrix3 read_rotation(const Node& node, const std::string& key) {
   return R;
 }
 
+Matrix3 read_covariance(MapReader& in, const std::string& name, const std::string& unit) {
+  const std::string wanted = "nine numbers, a covariance matrix [" + unit + "]";
+  const Node& node = in.require(name, wanted);
+  const std::vector<double> v = config::read_numbers(node, in.key_of(name), 9);
+  const Matrix3 P = Eigen::Map<const Matrix3>(v.data());
+  constexpr double kRounding = 1e-9;
+  const double size = kRounding * P.cwiseAbs().maxCoeff();
+  const bool symmetric = (P - P.transpose()).cwiseAbs().maxCoeff() <= size;
+  if (!symmetric || Eigen::SelfAdjointEigenSolver<Matrix3>(P, Eigen::EigenvaluesOnly).eigenvalues()[0] < -size)
+    config::fail(node.mark, in.key_of(name), "expected a symmetric matrix without negative eigenvalues: " + wanted);
+  return P;
+}
+
 // Position with a quaternion or a rotation; neither is required.
 void read_orientation(MapReader& in, Isometry& X) {
   if (const Node* quaternion = in.get("quaternion"))
@@ -190,6 +203,12 @@ void read_object(const Node& node, const std::string& key, int index, ObjectShap
   state.V_WO_W.setZero();
   if (const Node* velocity = in.get("velocity")) state.V_WO_W = read_vector6(*velocity, in.key_of("velocity"));
   in.read("visible", state.visible);
+  if (const Node* covariance = in.get("covariance")) {
+    MapReader stated(*covariance, in.key_of("covariance"));
+    state.covariance =
+        ObjectCovariance{read_covariance(stated, "position", "m^2"), read_covariance(stated, "velocity", "(m/s)^2")};
+    stated.finish();
+  }
   in.finish();
 }
 

@@ -34,9 +34,8 @@ ControlCase read_case(const std::filesystem::path& file);
 /// The same from a value already read.
 ControlCase read_case(const config::Node& root);
 
-/// One entry of `objects`: {name, shape, size, position, quaternion or rotation, velocity, visible}; any further key is
-/// an error.
-/// `name` may be absent: "object" and its index then.
+/// One entry of `objects`: {name, shape, size, position, quaternion or rotation, velocity, visible, covariance}; any
+/// further key is an error. `name` may be absent: "object" and its index then.
 void read_object(const config::Node& node, const std::string& key, int index, ObjectShape& shape, ObjectState& state);
 
 /// The file that read_case() takes back to the same bits: robot and controller as they were resolved, rotations as

@@ -36,6 +36,9 @@ Json object_json(const ObjectShape& object, const ObjectState& state) {
                {"rotation", numbers(Matrix3(state.X_WO.linear()).reshaped())},
                {"velocity", numbers(state.V_WO_W)}};
   if (!state.visible) json["visible"] = false;
+  if (state.covariance)
+    json["covariance"] = {{"position", numbers(state.covariance->position_W.reshaped())},
+                          {"velocity", numbers(state.covariance->velocity_W.reshaped())}};
   return json;
 }
 

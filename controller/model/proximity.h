@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,11 +16,21 @@ struct ObjectShape {
   Shape shape;
 };
 
+/// Covariances of what is wrong with a tracked object's position [m^2] and linear velocity [(m/s)^2], both of its
+/// origin: 3 x 3, symmetric, positive semidefinite, in world axes.
+struct ObjectCovariance {
+  Matrix3 position_W = Matrix3::Zero();
+  Matrix3 velocity_W = Matrix3::Zero();
+};
+
 /// Where an object is now. V_WO_W = [angular; linear] in world axes, linear velocity taken at the object's origin.
 struct ObjectState {
   Isometry X_WO = Isometry::Identity();
   Vector6 V_WO_W = Vector6::Zero();
   bool visible = true;  ///< false: not sensed now; no distances, no rows
+  /// As a tracker states it of this measurement. Without one the standard deviations of the controller's `uncertainty`
+  /// count; where that is off, neither does.
+  std::optional<ObjectCovariance> covariance = std::nullopt;
 };
 
 /// What moves no faster counts as at rest [m/s, rad/s].

@@ -29,9 +29,13 @@ double PoseFilter::gain(double first, double time_constant) const noexcept {
   return time_constant > dt_ ? std::max(first, dt_ / time_constant) : 1.0;
 }
 
-bool PoseFilter::significant(const Vector6& V_W, double spread) const noexcept {
+// What a tracker states is what is left after its own filter: this one's averaging takes nothing off it.
+bool PoseFilter::significant(const Vector6& V_W, double spread, const PoseTrack& track) const noexcept {
   const double root = std::sqrt(spread);
-  return V_W.tail<3>().norm() > threshold_.linear * root || V_W.head<3>().norm() > threshold_.angular * root;
+  const Vector9& P = track.velocity_covariance;
+  const double linear =
+      track.stated ? threshold_.quantile * std::sqrt(std::max(0.0, P[0] + P[4] + P[8])) : threshold_.linear * root;
+  return V_W.tail<3>().norm() > linear || V_W.head<3>().norm() > threshold_.angular * root;
 }
 
 void PoseFilter::begin(const Isometry& X_W, const Vector6& V_W, bool moving, PoseTrack& track) const noexcept {
@@ -43,13 +47,19 @@ void PoseFilter::begin(const Isometry& X_W, const Vector6& V_W, bool moving, Pos
   track.unseen = 0.0;
 }
 
-void PoseFilter::measure(const Isometry& X_W, const Vector6& V_W, PoseTrack& track) const noexcept {
+void PoseFilter::measure(const Isometry& X_W, const Vector6& V_W, PoseTrack& track,
+                         const ObjectCovariance* stated) const noexcept {
+  const ObjectCovariance none;
+  const ObjectCovariance& covariance = stated != nullptr ? *stated : none;
+  track.stated = stated != nullptr;
+  track.position_covariance = covariance.position_W.reshaped();
+  track.velocity_covariance = covariance.velocity_W.reshaped();
   // A twist of exactly 0 is a sensor's word that the thing is at rest.
   const bool at_rest = V_W.isZero(0.0);
-  const bool noisy = threshold_.linear > 0.0 || threshold_.angular > 0.0;
+  const bool noisy = threshold_.linear > 0.0 || threshold_.angular > 0.0 || (track.stated && threshold_.quantile > 0.0);
   if (track.seen == 0) {
     track.twist_spread = 1.0;
-    begin(X_W, V_W, !at_rest && significant(V_W, 1.0), track);
+    begin(X_W, V_W, !at_rest && significant(V_W, 1.0, track), track);
     return;
   }
   ++track.seen;
@@ -66,7 +76,7 @@ void PoseFilter::measure(const Isometry& X_W, const Vector6& V_W, PoseTrack& tra
     track.V_W = V_W;
     track.twist_spread = 1.0;
   }
-  const bool moving = !at_rest && significant(track.V_W, track.twist_spread);
+  const bool moving = !at_rest && significant(track.V_W, track.twist_spread, track);
   if (moving != track.moving) {
     begin(X_W, track.V_W, moving, track);
     return;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "controller/describe/describe.h"
+#include "controller/model/proximity.h"
 #include "controller/types.h"
 
 namespace moma {
@@ -12,11 +13,14 @@ struct PoseTrack {
   int seen = 0;         ///< measurements since it was begun afresh; 0: nothing is known
   bool moving = false;  ///< in motion, as far as can be told
   Vector3 p_W = Vector3::Zero();
-  Vector9 R_W = Matrix3::Identity().reshaped();  ///< rotation matrix, column by column
-  Vector6 V_W = Vector6::Zero();                 ///< [angular; linear] in world axes, 0 at rest
-  double pose_spread = 1.0;                      ///< variance of X_W's noise, in units of one measurement's [1]
-  double twist_spread = 1.0;                     ///< and of V_W's
-  double unseen = 0.0;                           ///< time since the last measurement [s]
+  Vector9 R_W = Matrix3::Identity().reshaped();   ///< rotation matrix, column by column
+  Vector6 V_W = Vector6::Zero();                  ///< [angular; linear] in world axes, 0 at rest
+  double pose_spread = 1.0;                       ///< variance of X_W's noise, in units of one measurement's [1]
+  double twist_spread = 1.0;                      ///< and of V_W's
+  double unseen = 0.0;                            ///< time since the last measurement [s]
+  bool stated = false;                            ///< which came with covariances ...
+  Vector9 position_covariance = Vector9::Zero();  ///< ... of its position [m^2], column by column,
+  Vector9 velocity_covariance = Vector9::Zero();  ///< and of its linear velocity [(m/s)^2]
 
   Isometry X_W() const noexcept {
     Isometry X = Isometry::Identity();
@@ -41,6 +45,12 @@ constexpr void describe(V& v, Of<PoseTrack>) {
   v.member("pose_spread", &T::pose_spread, {.unit = "1", .range = Range::non_negative()});
   v.member("twist_spread", &T::twist_spread, {.unit = "1", .range = Range::non_negative()});
   v.member("unseen", &T::unseen, {.unit = "s", .range = Range::non_negative()});
+  v.member("stated", &T::stated,
+           {.written = Written::kUnlessDefault, .text = "whether the last measurement came with covariances"});
+  v.member("position_covariance", &T::position_covariance,
+           {.unit = "m^2", .written = Written::kUnlessDefault, .text = "as measured last, column by column"});
+  v.member("velocity_covariance", &T::velocity_covariance,
+           {.unit = "(m/s)^2", .written = Written::kUnlessDefault, .text = "as measured last, column by column"});
 }
 
 /// Time constants of exponential filters [s]; 0: none.
@@ -55,6 +65,7 @@ struct PoseFilterParams {
 struct MotionThreshold {
   double linear = 0.0;
   double angular = 0.0;
+  double quantile = 0.0;  ///< of a linear velocity whose covariance is stated: times the root of its trace
 };
 
 /// Filters measured poses and twists. A pose is moved on by its twist, then by max(1/n, T/tau) of the innovation, n
@@ -65,13 +76,15 @@ class PoseFilter {
   PoseFilter(const PoseFilterParams& params, const MotionThreshold& threshold, double control_period) noexcept
       : params_(params), threshold_(threshold), dt_(control_period) {}
 
-  void measure(const Isometry& X_W, const Vector6& V_W, PoseTrack& track) const noexcept;
+  /// `stated`: covariances that came with the measurement; null: none.
+  void measure(const Isometry& X_W, const Vector6& V_W, PoseTrack& track,
+               const ObjectCovariance* stated = nullptr) const noexcept;
   /// A step without a measurement: what moves goes on as it did.
   void coast(PoseTrack& track) const noexcept;
 
  private:
   double gain(double first, double time_constant) const noexcept;
-  bool significant(const Vector6& V_W, double spread) const noexcept;
+  bool significant(const Vector6& V_W, double spread, const PoseTrack& track) const noexcept;
   void begin(const Isometry& X_W, const Vector6& V_W, bool moving, PoseTrack& track) const noexcept;
 
   PoseFilterParams params_;

@@ -29,7 +29,7 @@ void move(const RobotModel& model, Vector3& base, const Vector3& velocity, doubl
 MotionThreshold motion_threshold(const UncertaintyParams& u, double quantile) noexcept {
   if (!u.enabled) return {};
   const double size = quantile * std::numbers::sqrt3;
-  return {size * u.object_velocity, size * u.object_angular_velocity};
+  return {size * u.object_velocity, size * u.object_angular_velocity, quantile};
 }
 
 std::size_t at(int age) noexcept { return static_cast<std::size_t>(age); }
@@ -173,7 +173,7 @@ void Predictor::predict_object(const ObjectState& seen, std::size_t i) noexcept 
   const double lateness = (object_age_ + late_) * dt_;
   object = seen;
   if (seen.visible) {
-    filter_.measure(seen.X_WO, seen.V_WO_W, track);
+    filter_.measure(seen.X_WO, seen.V_WO_W, track, seen.covariance ? &*seen.covariance : nullptr);
   } else if (uncertainty_.on() && track.seen > 0 && track.unseen + dt_ <= uncertain_.keep) {
     filter_.coast(track);
     object.visible = true;

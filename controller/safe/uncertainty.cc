@@ -1,5 +1,6 @@
 #include "controller/safe/uncertainty.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -28,15 +29,22 @@ Uncertainty::Uncertainty(const UncertaintyParams& params, int base_dof) noexcept
 
 PlaceSpread Uncertainty::spread(const PoseTrack& track, double lateness) const noexcept {
   const UncertaintyParams& u = params_;
-  double position = square(u.object_bias) + square(u.object_noise) * track.pose_spread;
-  double rotation = square(u.object_rotation_bias) + square(u.object_rotation_noise) * track.pose_spread;
-  if (track.moving) {
-    const double late = square(lateness + track.unseen) * track.twist_spread;
-    position += square(u.object_velocity) * late;
-    rotation += square(u.object_angular_velocity) * late;
+  PlaceSpread out;
+  const double age = lateness + track.unseen;
+  double position = 0.0;
+  if (track.stated) {
+    out.stated = true;
+    out.P_W = (track.position_covariance + square(age) * track.velocity_covariance).reshaped(3, 3);
+  } else {
+    position = square(u.object_bias) + square(u.object_noise) * track.pose_spread;
+    if (track.moving) position += square(u.object_velocity) * (square(age) * track.twist_spread);
   }
+  double rotation = square(u.object_rotation_bias) + square(u.object_rotation_noise) * track.pose_spread;
+  if (track.moving || track.stated) rotation += square(u.object_angular_velocity) * (square(age) * track.twist_spread);
   position += square(u.growth * track.unseen);
-  return {std::sqrt(position), std::sqrt(rotation)};
+  out.position = std::sqrt(position);
+  out.rotation = std::sqrt(rotation);
+  return out;
 }
 
 double Uncertainty::margin(const ProximityPair& pair, const Kinematics& kinematics,
@@ -49,6 +57,7 @@ double Uncertainty::margin(const ProximityPair& pair, const Kinematics& kinemati
     const Vector3& p = pair.distance.p_second_W;
     variance +=
         square(spread.position) + (p - object->X_WO.translation()).cross(n).squaredNorm() * square(spread.rotation);
+    if (spread.stated) variance += std::max(0.0, n.dot(spread.P_W * n));
     if (base_dof_ > 0) {
       const Vector3 arm = p - kinematics.X_WB().translation();
       variance += n.head<2>().squaredNorm() * square(u.base_position) +

@@ -26,11 +26,15 @@ static_assert(static_cast<int>(StepStatus::kSolved) == MOMA_SOLVED &&
               static_cast<int>(StepStatus::kInvalidInput) == MOMA_INVALID_INPUT &&
               static_cast<int>(Fallback::kNone) == MOMA_NONE && static_cast<int>(Fallback::kBrake) == MOMA_BRAKE);
 
+void write_matrix(const Matrix3& matrix, double (&by_rows)[9]) {
+  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> out(by_rows);
+  out = matrix;
+}
+
 void write_pose(const Isometry& X, double (&position)[3], double (&rotation)[9]) {
   Eigen::Map<Vector3> p(position);
-  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> R(rotation);
   p = X.translation();
-  R = X.linear();
+  write_matrix(X.linear(), rotation);
 }
 
 // Flat copies of the objects' shapes, for one call.
@@ -131,6 +135,10 @@ void PluginController::step(const Observation& observation, StepResult& result) 
     write_pose(object.X_WO, objects_[i].position, objects_[i].rotation);
     std::copy(object.V_WO_W.begin(), object.V_WO_W.end(), objects_[i].twist);
     objects_[i].visible = object.visible ? 1 : 0;
+    objects_[i].has_covariance = object.covariance ? 1 : 0;
+    if (!object.covariance) continue;
+    write_matrix(object.covariance->position_W, objects_[i].position_covariance);
+    write_matrix(object.covariance->velocity_W, objects_[i].velocity_covariance);
   }
   seen_.objects = objects_.data();
   seen_.num_objects = objects_.size();

@@ -31,6 +31,12 @@ TEST(CaseMemory, AStepIsRepeatedBitForBitFromItsFile) {
       for (ObjectState& object : o.objects)
         if (k < 200) object.V_WO_W.setZero();
       o.objects[4].visible = k % 3 != 0;
+      o.objects[1].covariance.reset();
+      if (k % 2 == 1) {
+        Matrix3 P = 1e-4 * Matrix3::Random();
+        P = P * P.transpose().eval();
+        o.objects[1].covariance = ObjectCovariance{P, 2.0 * P};
+      }
       controller.get_memory(c.memory);
       c.observation = o;
       controller.step(o, result);
@@ -76,6 +82,19 @@ TEST(CaseMemory, IsRefusedWhereItIsAnotherControllers) {
   bad = good;
   bad["controller"].erase("prediction");
   EXPECT_NE(error_of(bad).find("the controller has no `prediction`"), std::string::npos) << error_of(bad);
+  bad = good;
+  bad["objects"][0]["covariance"] = {{"position", {1, 0, 0, 0, 1, 0, 0, 0, 1}},
+                                     {"velocity", {0, 0, 0, 0, 0, 0, 0, 0, 0}}};
+  EXPECT_EQ(error_of(bad), "");
+  bad["objects"][0]["covariance"]["position"][4] = -1;
+  EXPECT_NE(error_of(bad).find("objects[0].covariance.position"), std::string::npos) << error_of(bad);
+  EXPECT_NE(error_of(bad).find("without negative eigenvalues"), std::string::npos) << error_of(bad);
+  bad["objects"][0]["covariance"]["position"][4] = 1;
+  bad["objects"][0]["covariance"]["position"][1] = 0.5;
+  EXPECT_NE(error_of(bad).find("a symmetric matrix"), std::string::npos) << error_of(bad);
+  bad["objects"][0]["covariance"].erase("velocity");
+  bad["objects"][0]["covariance"]["position"][1] = 0;
+  EXPECT_NE(error_of(bad).find("objects[0].covariance"), std::string::npos) << error_of(bad);
   bad = good;
   bad["goal"]["rotation"][0] = 0.2;
   EXPECT_NE(error_of(bad).find("expected a rotation matrix"), std::string::npos) << error_of(bad);

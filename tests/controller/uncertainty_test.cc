@@ -9,6 +9,7 @@
 #include "controller/params.h"
 #include "controller/qp/limits.h"
 #include "tests/controller/rig.h"
+#include "tests/support/no_alloc.h"
 
 namespace moma {
 namespace {
@@ -143,6 +144,162 @@ TEST(Uncertainty, MovesRowsByTheirMargins) {
     }
   }
   EXPECT_GT(rows, 50);
+}
+
+ObjectCovariance stated(const Vector3& position, const Vector3& velocity) {
+  return {position.asDiagonal(), velocity.asDiagonal()};
+}
+
+// n^T (P_p + t^2 P_v) n, worked out by hand.
+TEST(Covariance, IsTheMarginOfADistance) {
+  const auto model = frankie();
+  UncertaintyParams u;
+  u.enabled = true;
+  u.probability = 0.975;
+  u.object_noise = u.object_bias = u.object_velocity = 1.0;  // not in addition
+  const Uncertainty uncertainty(u, model->base_dof());
+  ProximityPair pair;
+  pair.distance.n_W = Vector3(0.6, 0.8, 0.0);
+  ObjectState object;
+  Kinematics kinematics(model);
+  kinematics.update(Vector3::Zero(), model->ready);
+  const VectorX row = VectorX::Zero(model->num_velocities());
+  PoseTrack track;
+  track.seen = 3;
+  track.stated = true;
+  track.position_covariance << 4e-4, 1e-4, 0.0, 1e-4, 9e-4, 0.0, 0.0, 0.0, 1.0;
+  // 0.36 * 4e-4 + 0.64 * 9e-4 + 2 * 0.48 * 1e-4 = 8.16e-4
+  EXPECT_NEAR(uncertainty.margin(pair, kinematics, row, &object, uncertainty.spread(track, 0.5)),
+              1.959963984540054 * 0.0285657137141714, 1e-12);
+  // 0.25 * 0.36 * 0.01 = 9e-4 more, half a second later
+  track.velocity_covariance[0] = 0.01;
+  EXPECT_NEAR(uncertainty.margin(pair, kinematics, row, &object, uncertainty.spread(track, 0.5)),
+              1.959963984540054 * 0.0414246303544015, 1e-12);
+  track.stated = false;
+  EXPECT_GT(uncertainty.margin(pair, kinematics, row, &object, uncertainty.spread(track, 0.5)), 1.0);
+}
+
+TEST(Covariance, MoreOfItIsNeverLessOfAMargin) {
+  const auto model = frankie();
+  Rng rng(5);
+  std::normal_distribution<double> normal;
+  UncertaintyParams u = some();
+  u.growth = 0.1;
+  u.object_angular_velocity = 0.02;
+  const Uncertainty uncertainty(u, model->base_dof());
+  const double z = uncertainty.quantile();
+  const PoseFilter filter({0.3, 0.1, 0.2}, {0.05, 0.05, z}, 0.02);
+  const auto any = [&](double size) { return Vector3(size * normal(rng), size * normal(rng), size * normal(rng)); };
+  Kinematics kinematics(model);
+  kinematics.update(Vector3::Zero(), model->ready);
+  int rested = 0, grown = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    ProximityPair pair;
+    pair.distance.n_W = any(1.0).normalized();
+    pair.distance.p_second_W = any(1.0);
+    ObjectState object;
+    Vector6 V = Vector6::Zero();
+    V.tail<3>() = any(0.1);
+    const VectorX row = VectorX::Random(model->num_velocities());
+    ObjectCovariance covariance;
+    double last = -1.0;
+    bool moved = true;
+    for (int k = 0; k < 12; ++k) {
+      const Vector3 p = any(0.02), v = any(0.03);
+      covariance.position_W += p * p.transpose();
+      covariance.velocity_W += v * v.transpose();
+      PoseTrack track;
+      for (int step = 0; step < 3; ++step) filter.measure(object.X_WO, V, track, &covariance);
+      rested += moved && !track.moving ? 1 : 0;
+      EXPECT_TRUE(moved || !track.moving) << "what seemed at rest moves for being known less well";
+      moved = track.moving;
+      const double margin = uncertainty.margin(pair, kinematics, row, &object, uncertainty.spread(track, 0.3));
+      EXPECT_GE(margin, last) << trial << " " << k;
+      grown += margin > last + 1e-6 ? 1 : 0;
+      last = margin;
+    }
+  }
+  EXPECT_GT(rested, 20) << "noise is no motion";
+  EXPECT_GT(grown, 2000);
+}
+
+ControllerParams tracked() {
+  ControllerParams params;
+  params.prediction.enabled = params.uncertainty.enabled = true;
+  params.uncertainty.probability = 0.99;
+  params.collision.passing.enabled = true;
+  return params;
+}
+
+Observation beside_a_ball(const RobotModel& model) {
+  Observation o;
+  o.q = model.ready;
+  o.qdot = VectorX::Zero(model.num_velocities());
+  o.goal.X_WG.translation() = Vector3(2, 0, 0.8);
+  o.objects.resize(1);
+  o.objects[0].X_WO.translation() = Vector3(0.65, 0, 0.4);
+  return o;
+}
+
+// As the rows say that the step poses: in the controller, and held as long as a thing is not seen.
+TEST(Covariance, MovesRowsByTheirMargins) {
+  const auto model = frankie();
+  ControllerParams params = tracked();
+  params.uncertainty.keep = 0.1;
+  const std::vector<ObjectShape> ball{{.name = "ball", .shape = {ShapeKind::kSphere, {0.1, 0, 0}, nullptr}}};
+  Rig plain(model, params, ball), known(model, params, ball);
+  Observation o = beside_a_ball(*model);
+  plain.step(o);
+  o.objects[0].covariance = stated({4e-4, 4e-4, 4e-4}, Vector3::Zero());
+  int taken = 0;
+  {
+    const test::NoAlloc guard;
+    known.step(o);
+    taken = guard.count();
+  }
+  EXPECT_EQ(taken, 0);
+  const DamperParams& damper = params.collision.object;
+  const double by = damper.gain * 2.3263478740408408 * 0.02 / (damper.influence - damper.stop);
+  const auto expect_moved = [&] {
+    const QpProblem &p = plain.controller.problem(), &q = known.controller.problem();
+    ASSERT_EQ(p.rows, q.rows);
+    int rows = 0;
+    for (int r = 0; r < p.rows; ++r) {
+      if (p.ids[static_cast<std::size_t>(r)].kind != RowKind::kObject) continue;
+      EXPECT_NEAR(p.ubA[r] - q.ubA[r], by, 1e-9);
+      ++rows;
+    }
+    EXPECT_GT(rows, 0);
+  };
+  expect_moved();
+  o.objects[0] = ObjectState{};
+  o.objects[0].visible = false;
+  plain.step(o);
+  known.step(o);
+  expect_moved();
+  o.objects[0].visible = true;
+  o.objects[0].covariance = stated({std::nan(""), 0.0, 0.0}, Vector3::Zero());
+  known.step(o);
+  EXPECT_EQ(known.result.status, StepStatus::kInvalidInput);
+}
+
+// A velocity that is within its own uncertainty gets no passing rows, one that is beyond it does.
+TEST(Covariance, IsTheThresholdOfPassingRows) {
+  const auto model = frankie();
+  const std::vector<ObjectShape> ball{{.name = "ball", .shape = {ShapeKind::kSphere, {0.1, 0, 0}, nullptr}}};
+  const auto passing_rows = [&](double velocity, double deviation) {
+    Rig rig(model, tracked(), ball);
+    Observation o = beside_a_ball(*model);
+    o.objects[0].X_WO.translation().x() = 1.2;
+    o.objects[0].V_WO_W[3] = -velocity;
+    o.objects[0].covariance = stated(Vector3::Zero(), Vector3::Constant(deviation * deviation));
+    rig.step(o);
+    return rig.rows(RowKind::kPassing);
+  };
+  const double edge = 2.3263478740408408 * std::sqrt(3.0) * 0.05;
+  EXPECT_EQ(passing_rows(0.99 * edge, 0.05), 0);
+  EXPECT_GT(passing_rows(1.01 * edge, 0.05), 0);
+  EXPECT_GT(passing_rows(0.99 * edge, 0.04), 0);
 }
 
 // What is not seen for a while has its rows on, then none.

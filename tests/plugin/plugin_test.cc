@@ -6,6 +6,7 @@
 #include <fstream>
 #include <thread>
 
+#include "controller/controller.h"
 #include "eval/suite/stored.h"
 #include "eval/trial/trial.h"
 #include "plugin/host/library.h"
@@ -103,6 +104,46 @@ TEST_F(PluginSuite, ObjectsOfEveryKindCrossTheBorder) {
     EXPECT_EQ(own.row.path_ee_m, mine.row.path_ee_m);
   }
   EXPECT_GT(objects, 10);
+}
+
+// A tracker's covariances reach the plugin, each in its place, and are gone where there are none.
+TEST_F(PluginSuite, CovariancesCrossTheBorder) {
+  const Suite suite = load(entry("class.so", "{is: tracked}"));
+  const auto model = suite.points[0].robot->model;
+  const auto mine = suite.points[0].plugin->make();
+  ControllerParams params;
+  params.prediction.enabled = params.uncertainty.enabled = true;
+  Controller own(model, params, suite.points[0].simulation.control_period);
+  const std::vector<ObjectShape> ball{{.name = "ball", .shape = {ShapeKind::kSphere, {0.1, 0, 0}, nullptr}}};
+  StepResult a, b;
+  mine->reset(ball);
+  own.reset(ball);
+  mine->prepare(a);
+  own.prepare(b);
+  Observation seen;
+  seen.q = model->ready;
+  seen.qdot = VectorX::Zero(5);
+  seen.goal.X_WG.translation() = Vector3(2.0, 0.3, 0.7);
+  seen.objects.resize(1);
+  seen.objects[0].X_WO.translation() = Vector3(0.8, 0.1, 0.6);
+  seen.objects[0].V_WO_W[3] = -0.1;
+  VectorX last;
+  int changes = 0;
+  for (int k = 0; k < 12; ++k) {
+    seen.objects[0].covariance.reset();
+    if (k % 3 > 0) {
+      Matrix3 P = Matrix3::Zero();
+      P.diagonal() << 1e-4, 4e-4 * k, 9e-4;
+      P(0, 1) = P(1, 0) = 1e-4;
+      seen.objects[0].covariance = ObjectCovariance{P, Matrix3(k % 3 * P)};
+    }
+    mine->step(seen, a);
+    own.step(seen, b);
+    ASSERT_EQ(a.command, b.command) << k;
+    if (k > 0 && a.command != last) ++changes;
+    last = a.command;
+  }
+  EXPECT_GT(changes, 6) << "it makes a difference";
 }
 
 TEST_F(PluginSuite, APluginInC) {

@@ -1,5 +1,6 @@
 // A class with the step interface as a plugin: `is: echo` runs moma's own controller with the default parameters, so
-// that a plugin can be held against the same controller without one; others are faulty on purpose.
+// that a plugin can be held against the same controller without one, `is: tracked` one that takes account of
+// uncertainty; others are faulty on purpose.
 #include "controller/controller.h"
 #include "plugin/plugin.h"
 
@@ -10,7 +11,7 @@ using namespace moma;
 class Classy {
  public:
   Classy(const plugin::Setup& setup, std::string kind)
-      : kind_(std::move(kind)), inner_(setup.robot, ControllerParams{}, setup.control_period) {}
+      : kind_(std::move(kind)), inner_(setup.robot, parameters(kind_), setup.control_period) {}
   void reset(std::span<const ObjectShape> objects) {
     if (kind_ == "late") throw std::runtime_error("not among " + std::to_string(objects.size()) + " objects");
     inner_.reset(objects);
@@ -24,6 +25,11 @@ class Classy {
   }
 
  private:
+  static ControllerParams parameters(const std::string& kind) {
+    ControllerParams params;
+    params.prediction.enabled = params.uncertainty.enabled = kind == "tracked";
+    return params;
+  }
   std::string kind_;
   Controller inner_;
 };
