@@ -47,6 +47,8 @@ ControllerCore::ControllerCore(std::shared_ptr<const RobotModel> model, Controll
       collision_(*model_, params_.collision, {*model_, params_.acceleration_limit, params_.base_share > 0.0},
                  {params_.uncertainty, base_dof_}),
       passing_(*model_, params_.collision),
+      separation_(*model_, params_.collision, {*model_, params_.acceleration_limit, params_.base_share > 0.0},
+                  {params_.uncertainty, base_dof_}),
       predictor_(*model_, params_.prediction, params_.uncertainty, params_.base_share, control_period,
                  params_.acceleration_limit),
       check_(model_, params_.collision.check, params_.acceleration_limit, params_.base_share > 0.0, control_period,
@@ -76,7 +78,8 @@ void ControllerCore::reset(std::span<const ObjectShape> objects) {
   object_names_.clear();
   for (const ObjectShape& object : objects) object_names_.push_back(object.name);
   const int num_objects = static_cast<int>(objects.size());
-  const int collision_rows = collision_.allocate(num_objects) + passing_.allocate(num_objects);
+  const int collision_rows =
+      collision_.allocate(num_objects) + passing_.allocate(num_objects) + separation_.allocate(num_objects);
   const int variables = nv_ + (params_.slack.enabled ? 6 : 0);
   const int drive_rows = bounds_.linear_pair(command_).on ? 2 : 0;
   const int rows = 6 + collision_rows + num_wheels(model_->base) + drive_rows;
@@ -249,6 +252,7 @@ void ControllerCore::build(const Observation& o) noexcept {
   add_tracking_rows(kinematics_.J_WE_W(), task_.nu, params_.tracking_band, params_.slack.enabled, problem_);
   collision_.add(kinematics_, proximity_, o.objects, predictor_.spreads(), problem_);
   passing_.add(kinematics_, proximity_, o.objects, problem_);
+  separation_.add(kinematics_, proximity_, o.objects, predictor_.spreads(), problem_);
   add_wheel_rows(model_->base, problem_);
   add_drive_rows(pair_, problem_);
 }

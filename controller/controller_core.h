@@ -14,6 +14,7 @@
 #include "controller/qp/limits.h"
 #include "controller/qp/passing.h"
 #include "controller/qp/problem.h"
+#include "controller/qp/separation.h"
 #include "controller/safe/brake_check.h"
 #include "controller/safe/predictor.h"
 #include "controller/solver/fallback.h"
@@ -107,6 +108,7 @@ class ControllerCore final : public StepController {
   Proximity proximity_;
   CollisionRows collision_;
   PassingRows passing_;
+  SeparationRows separation_;
   Predictor predictor_;
   BrakeCheck check_;
   Escape escape_;

@@ -106,6 +106,7 @@ struct CollisionParams {
   BrakingParams braking;
   Relaxation relaxation = Relaxation::kCommon;
   BrakeCheckParams check;
+  SeparationParams separation;
 };
 
 struct PostureParams {

@@ -124,6 +124,8 @@ constexpr void describe(Visitor& v, Of<CollisionParams>) {
            {.written = Written::kUnlessDefault, .text = "how rows give way that cannot all be kept"});
   v.optional("check", &CollisionParams::check, &BrakeCheckParams::enabled, Off::kOmitted,
              "commands from which braking comes too near to something at rest give way");
+  v.optional("separation", &CollisionParams::separation, &SeparationParams::enabled, Off::kOmitted,
+             "the robot slows down towards what moves, by the distance of ISO/TS 15066 and ISO 13855");
 }
 
 template <class Visitor>

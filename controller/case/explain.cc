@@ -80,6 +80,8 @@ std::string row_meaning(const CaseStep& step, const QpProblem& problem, int row)
                                        : "must leave its way at no less than ") +
              number(std::abs(wanted)) + " m/s";
     }
+    case RowKind::kSeparation:
+      return "may approach what moves at no more than " + number(problem.ubA[row]) + " m/s, to stand before they meet";
     case RowKind::kObject:
     case RowKind::kFloor:
     case RowKind::kSelf:
@@ -172,8 +174,11 @@ std::string describe_fallback(const CaseStep& step) {
       return "The command is that of the problem without acceleration limits.\n";
     case Fallback::kRelaxed:
       return "The command breaks every " +
-             std::string(step.controller.outcome().only_passing ? "passing" : "collision") + " row by at most " +
-             number(step.controller.outcome().collision_slack) + " m/s, next to the least that is possible.\n";
+             std::string(!step.controller.outcome().only_passing                 ? "collision"
+                         : step.controller.params().collision.separation.enabled ? "passing and separation"
+                                                                                 : "passing") +
+             " row by at most " + number(step.controller.outcome().collision_slack) +
+             " m/s, next to the least that is possible.\n";
     case Fallback::kBrake:
       return "The command brakes: it is the smallest within the bounds.\n";
   }
@@ -216,10 +221,11 @@ std::string describe_surroundings(const CaseStep& step) {
   std::string out;
   if (controller.params().method == Method::kQp) {
     const auto pairs = controller.distances();
-    int rows = 0, passing = 0;
+    int rows = 0, passing = 0, separation = 0;
     for (int i = 0; i < controller.problem().rows; ++i) {
       const RowKind kind = controller.problem().ids[static_cast<std::size_t>(i)].kind;
       passing += kind == RowKind::kPassing ? 1 : 0;
+      separation += kind == RowKind::kSeparation ? 1 : 0;
       rows += is_collision(kind) ? 1 : 0;
     }
     out += std::to_string(pairs.size()) + " pairs are within their distance of influence, " + std::to_string(rows) +
@@ -229,6 +235,9 @@ std::string describe_surroundings(const CaseStep& step) {
     out += ".\n";
     if (passing > 0)
       out += std::to_string(passing) + (passing == 1 ? " row lets" : " rows let") + " objects in motion pass.\n";
+    if (separation > 0)
+      out += std::to_string(separation) + (separation == 1 ? " row slows" : " rows slow") +
+             " the robot down towards what moves.\n";
   }
   if (step.result.manipulability < 1e-9) {
     out += "The arm is at a singularity: the manipulability gradient is taken as zero.\n";

@@ -54,6 +54,8 @@ std::string row_name(const RowId& id, const RobotModel& model, std::span<const s
       return "self/" + shape(id.first) + "/" + shape(id.second);
     case RowKind::kPassing:
       return "passing/" + object_names[static_cast<std::size_t>(id.second)] + "/" + shape(id.first);
+    case RowKind::kSeparation:
+      return "separation/" + object_names[static_cast<std::size_t>(id.second)] + "/" + shape(id.first);
     case RowKind::kDrive:
       return id.first == 0 ? "drive/+" : "drive/-";
     case RowKind::kWheel:

@@ -12,7 +12,7 @@ namespace moma {
 
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-enum class RowKind { kTracking, kObject, kFloor, kSelf, kPassing, kWheel, kDrive };
+enum class RowKind { kTracking, kObject, kFloor, kSelf, kPassing, kSeparation, kWheel, kDrive };
 
 /// Rows that bound how fast a distance shrinks.
 constexpr bool is_collision(RowKind kind) noexcept {
@@ -23,9 +23,9 @@ constexpr bool is_collision(RowKind kind) noexcept {
 inline constexpr double kNoEffect = 1e-9;
 
 /// What a constraint row is about, enough to name it later. tracking: (component 0-5, -); object: (robot shape,
-/// object); floor: (robot shape, -); self: (robot shape, robot shape); passing: (robot shape, object); wheel: (wheel,
-/// -); drive: (0 or 1: the diagonal x + y or x - y, -). An object's row may be that of a capsule's end: 1, 2 of the
-/// robot's shape, 3, 4 of the object's; 0 is the usual row.
+/// object); floor: (robot shape, -); self: (robot shape, robot shape); passing and separation: (robot shape, object);
+/// wheel: (wheel, -); drive: (0 or 1: the diagonal x + y or x - y, -). An object's row may be that of a capsule's end:
+/// 1, 2 of the robot's shape, 3, 4 of the object's; 0 is the usual row.
 struct RowId {
   RowKind kind = RowKind::kTracking;
   int first = 0;
@@ -62,7 +62,7 @@ struct QpProblem {
 };
 
 /// "tracking/3", "object/NAME/SHAPE", "object/NAME/SHAPE@1" (a capsule's end), "floor/SHAPE", "self/A/B",
-/// "passing/NAME/SHAPE", "wheel/left", "drive/+".
+/// "passing/NAME/SHAPE", "separation/NAME/SHAPE", "wheel/left", "drive/+".
 std::string row_name(const RowId& id, const RobotModel& model, std::span<const std::string> object_names);
 
 /// Largest of: violation of bounds and rows; |H x + g + A^T lambda + mu|; a multiplier's wrong sign; |multiplier|

@@ -44,6 +44,30 @@ constexpr void describe(V& v, Of<BrakeCheckParams>) {
   v.member("every", &P::every, {.range = {1.0, 1000.0}, .text = "control periods between the places looked at"});
 }
 
+/// The robot slows down towards what moves (qp/separation.h).
+struct SeparationParams {
+  bool enabled = false;
+  double reaction = 0.1;   ///< T_R [s]
+  double speed = 0.0;      ///< v_H is no less than this [m/s]
+  double intrusion = 0.0;  ///< C, and what else is to be left [m]
+  double share = 0.5;      ///< of the deceleration that all velocities have along a row together
+  double range = 3.0;      ///< what is nearer has rows [m]
+};
+
+template <class V>
+constexpr void describe(V& v, Of<SeparationParams>) {
+  using P = SeparationParams;
+  v.member("reaction", &P::reaction,
+           {.unit = "s", .range = Range::non_negative(), .text = "T_R, from what happens to the beginning of braking"});
+  v.member("speed", &P::speed,
+           {.unit = "m/s", .range = Range::non_negative(), .text = "v_H at least, whatever is measured"});
+  v.member("intrusion", &P::intrusion,
+           {.unit = "m", .range = Range::non_negative(), .text = "C: distance that is left beside those of speeds"});
+  v.member("share", &P::share,
+           {.unit = "1", .range = {0.0, 1.0, true}, .text = "of the deceleration that all velocities have together"});
+  v.member("range", &P::range, {.unit = "m", .range = Range::positive(), .text = "what is nearer has rows"});
+}
+
 /// Known lateness of drives and sensing, rounded up to control periods, and filters (predictor.h). All in seconds.
 struct PredictionParams {
   bool enabled = false;

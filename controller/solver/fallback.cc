@@ -8,8 +8,10 @@ namespace {
 
 constexpr double kSlackCost = 1e6;
 
+bool looks_ahead(RowKind kind) noexcept { return kind == RowKind::kPassing || kind == RowKind::kSeparation; }
+
 bool is_soft(RowKind kind, bool only_passing) noexcept {
-  return kind == RowKind::kPassing || (!only_passing && is_collision(kind));
+  return looks_ahead(kind) || (!only_passing && is_collision(kind));
 }
 
 bool has_soft(const QpProblem& problem, bool only_passing) noexcept {
@@ -142,7 +144,7 @@ void FallbackSolver::weigh_by_backup(const QpProblem& problem) noexcept {
   for (int i = 0; i < problem.rows; ++i) {
     const RowId& id = problem.ids[static_cast<std::size_t>(i)];
     if (!is_soft(id.kind, false)) continue;
-    if (id.moves || id.kind == RowKind::kPassing) {
+    if (id.moves || looks_ahead(id.kind)) {
       relaxed_.A(i, n) = 0.0;
       relaxed_.A(i, n + 1) = -1.0;
       continue;

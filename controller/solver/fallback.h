@@ -11,15 +11,15 @@
 namespace moma {
 
 /// Solves the problem, and where that fails its relaxations, in this order:
-///  1. relaxed: one common slack s >= 0 on all passing rows, at cost 1/2 1e6 s^2 (skipped without such rows): they look
-///     ahead, and must not cost the rows that hold now;
+///  1. relaxed: one common slack s >= 0 on all passing and separation rows, at cost 1/2 1e6 s^2 (skipped without such
+///     rows): they look ahead, and must not cost the rows that hold now;
 ///  2. no_acceleration: the original without acceleration bounds (skipped where there are none);
-///  3. relaxed: also the slack on all collision and passing rows (skipped without such rows);
+///  3. relaxed: the slack on all collision rows as well (skipped without such rows);
 ///  4. brake: x = clip(0, lb, ub) in the original bounds, acceleration included; delta = 0.
 /// With Relaxation::kBackup, 3 has two slacks. With u_b the smallest command of the stage's bounds, rows of resting
 /// objects, floor and self give way by s g_r / max g, g_r = max(0, c_r u_b - zeta_r), s >= 0 at cost 1/2 1e6 s^2: full
-/// braking, s = max g, is a solution, and what braking keeps is not loosened. Rows of objects in motion and passing
-/// rows, before which standing still is no way out, share the other slack.
+/// braking, s = max g, is a solution, and what braking keeps is not loosened. Rows of objects in motion, before which
+/// standing still is no way out, passing rows and separation rows share the other slack.
 /// Every workspace is sized for the largest stage by allocate(); solve() takes no memory with a real-time safe solver.
 class FallbackSolver {
  public:
@@ -28,7 +28,7 @@ class FallbackSolver {
     Fallback fallback = Fallback::kNone;
     int iterations = 0;            ///< all stages together
     double collision_slack = 0.0;  ///< what the relaxed stage gives the row that gets most [m/s]
-    bool only_passing = false;     ///< relaxed, the passing rows alone and within the acceleration bounds
+    bool only_passing = false;     ///< relaxed, only rows that look ahead, within the acceleration bounds
 
     /// Whether the command had room beyond the acceleration bounds.
     bool beyond_acceleration() const noexcept {

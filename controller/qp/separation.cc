@@ -1,0 +1,86 @@
+#include "controller/qp/separation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace moma {
+
+double separation_speed(double room, double v_H, double deceleration, double reaction) noexcept {
+  const double left = room - v_H * reaction;
+  if (!(left > 0.0) || !(deceleration > 0.0)) return 0.0;
+  if (std::isinf(deceleration)) return reaction > 0.0 ? left / reaction : kInfinity;
+  // v^2/2 + v (a T_R + v_H) = a left, its root without a difference of what may be nearly equal.
+  const double b = deceleration * reaction + v_H;
+  return 2.0 * deceleration * left / (b + std::sqrt(b * b + 2.0 * deceleration * left));
+}
+
+SeparationRows::SeparationRows(const RobotModel& model, const CollisionParams& params, const Deceleration& deceleration,
+                               const Uncertainty& uncertainty)
+    : model_(&model),
+      params_(params.separation),
+      on_(params.object.enabled && params.separation.enabled),
+      max_rows_(static_cast<std::size_t>(params.max_pairs)),
+      deceleration_(deceleration),
+      uncertainty_(uncertainty),
+      most_(model.velocity_limits()),
+      J_(3, model.num_velocities()),
+      row_(model.num_velocities()) {}
+
+int SeparationRows::allocate(int num_objects) {
+  if (!on_) return 0;
+  const std::size_t pairs = model_->shapes.size() * static_cast<std::size_t>(num_objects);
+  moving_.assign(static_cast<std::size_t>(num_objects), ObjectState{});
+  candidates_.clear();
+  candidates_.reserve(pairs);
+  return static_cast<int>(std::min(pairs, max_rows_));
+}
+
+// Writes row_, and returns the speed that is left.
+double SeparationRows::fill(const Kinematics& kinematics, const ProximityPair& pair,
+                            std::span<const PlaceSpread> spreads) noexcept {
+  const Distance& distance = pair.distance;
+  const auto second = static_cast<std::size_t>(pair.second);
+  const ObjectState& object = moving_[second];
+  kinematics.point_jacobian(model_->shapes[static_cast<std::size_t>(pair.first)].link, distance.p_first_W, J_);
+  row_.noalias() = -J_.transpose() * distance.n_W;
+  const Vector3 arm = distance.p_second_W - object.X_WO.translation();
+  const Vector3 p_dot = object.V_WO_W.tail<3>() + object.V_WO_W.head<3>().cross(arm);
+  const double v_H = std::max(params_.speed, distance.n_W.dot(p_dot));
+  double room = distance.d - params_.intrusion;
+  if (uncertainty_.on())
+    room -=
+        uncertainty_.margin(pair, kinematics, row_, &object, second < spreads.size() ? spreads[second] : PlaceSpread{});
+  return separation_speed(room, v_H, params_.share * deceleration_.along(row_), params_.reaction);
+}
+
+void SeparationRows::add(const Kinematics& kinematics, Proximity& proximity, std::span<const ObjectState> states,
+                         std::span<const PlaceSpread> spreads, QpProblem& problem) noexcept {
+  if (!on_) return;
+  bool any = false;
+  for (std::size_t i = 0; i < moving_.size(); ++i) {
+    moving_[i] = states[i];
+    moving_[i].visible = states[i].visible && in_motion(states[i]);
+    any = any || moving_[i].visible;
+  }
+  if (!any) return;
+  const std::span<const ProximityPair> pairs = proximity.query(kinematics, moving_, {params_.range, -1.0, -1.0});
+  candidates_.clear();
+  for (std::size_t i = 0; i < pairs.size() && candidates_.size() < candidates_.capacity(); ++i) {
+    const double speed = fill(kinematics, pairs[i], spreads);
+    if (!(row_.cwiseAbs().maxCoeff() < kNoEffect) && !(row_.cwiseAbs().dot(most_) <= speed))
+      candidates_.push_back({speed, static_cast<int>(i)});
+  }
+  std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
+    return a.speed < b.speed || (a.speed == b.speed && a.pair < b.pair);
+  });
+  const std::size_t kept = std::min(candidates_.size(), max_rows_);
+  for (std::size_t k = 0; k < kept; ++k) {
+    const ProximityPair& pair = pairs[static_cast<std::size_t>(candidates_[k].pair)];
+    const double speed = fill(kinematics, pair, spreads);
+    const int row = problem.append({RowKind::kSeparation, pair.first, pair.second, 0, true}, -kInfinity, speed);
+    if (row < 0) return;
+    problem.A.row(row).head(row_.size()) = row_.transpose();
+  }
+}
+
+}  // namespace moma
