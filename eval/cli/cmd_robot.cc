@@ -5,8 +5,10 @@
 #include <memory>
 
 #include "controller/config/robot_file.h"
+#include "controller/draft/draft_robot.h"
 #include "eval/cli/command.h"
 #include "eval/cli/lenient.h"
+#include "eval/cli/robot_draft.h"
 #include "eval/cli/robot_fit.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
@@ -139,19 +141,18 @@ void add_robot(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
     RobotFitOptions fit_options;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command =
-      app.add_subcommand("robot", "Read a robot file: joints, limits, links, collision shapes, warnings");
-  command->add_option("ROBOT", options->file, "Robot file (YAML)")->required();
+  CLI::App* command = app.add_subcommand(
+      "robot", "Read a robot file, or draft one from a URDF: joints, limits, links, shapes, warnings");
+  command->add_option("ROBOT", options->file, "Robot file (YAML), or a URDF: a first robot file is printed then")
+      ->required();
   CLI::Option* json = command->add_flag("--json", options->json, "As JSON, with the resolved robot");
   CLI::Option* fit = command->add_flag("--fit-shapes", options->fit,
                                        "Enclose the URDF's collision meshes and cylinders in simple shapes: prints "
                                        "`collision` and how well it fits");
   fit->excludes(json);
-  command
-      ->add_flag("--lenient", options->lenient,
-                 "What is not understood in the URDF is left out with a warning; for other commands too, `lenient: "
-                 "true` in the robot file does the same")
-      ->excludes(fit);
+  command->add_flag("--lenient", options->lenient,
+                    "What is not understood in the URDF is left out with a warning; for other commands too, `lenient: "
+                    "true` in the robot file does the same");
   RobotFitOptions& o = options->fit_options;
   command->add_option("--max-shapes", o.max_shapes, "Most shapes per link for its meshes and cylinders")
       ->check(CLI::Range(1, 12))
@@ -161,17 +162,26 @@ void add_robot(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       ->delimiter(',')
       ->check(CLI::IsMember({"sphere", "capsule", "box"}))
       ->needs(fit);
-  command->add_option("-o,--output", o.output, "Write a robot file that is ROBOT with these shapes")->needs(fit);
-  command->add_flag("--force", o.force, "Replace the output file")->needs(fit);
+  command->add_option("-o,--output", o.output,
+                      "Write a robot file: of a URDF the first one, else ROBOT with the shapes");
+  command->add_flag("--force", o.force, "Replace the output file");
   command->footer(
       "Examples: moma robot configs/robots/frankie.yaml\n"
+      "          moma robot my_robot.urdf -o my_robot.yaml\n"
       "          moma robot my_robot.yaml --fit-shapes -o my_robot_shapes.yaml");
   command->callback([&action, options] {
     action = [options] {
+      options->fit_options.robot = options->file;
+      if (draft::is_urdf(options->file)) {
+        if (options->json) throw UsageError("--json is of a robot file; write one first with -o");
+        return draft_robot_file(options->fit_options, options->fit, options->lenient);
+      }
       if (options->fit) {
-        options->fit_options.robot = options->file;
+        if (options->lenient) throw UsageError("--fit-shapes takes `lenient: true` from the robot file");
         return fit_shapes(options->fit_options);
       }
+      if (!options->fit_options.output.empty())
+        throw UsageError(options->file + ": is a robot file already; -o writes one of a URDF, or with --fit-shapes");
       const config::LoadedRobot robot =
           options->lenient ? config::read_robot(lenient_robot(options->file), "") : config::load_robot(options->file);
       if (options->json) {

@@ -100,6 +100,8 @@ std::string block(const fit::RobotFit& fit, const std::string& robot) {
          "collision:\n" + with_prefix(fit.collision, "  ");
 }
 
+}  // namespace
+
 void check_output(const RobotFitOptions& options) {
   std::error_code error;
   if (!fs::exists(options.output, error)) return;
@@ -112,10 +114,7 @@ void check_output(const RobotFitOptions& options) {
         fmt::format("{}: is there already; name another file, or replace it with --force", options.output.string()));
 }
 
-}  // namespace
-
-int fit_shapes(const RobotFitOptions& options) {
-  if (!options.output.empty()) check_output(options);
+FittedShapes fitted_shapes(const RobotFitOptions& options) {
   fit::FitOptions fit_options;
   fit_options.max_shapes = options.max_shapes;
   if (!options.kinds.empty()) {
@@ -125,21 +124,26 @@ int fit_shapes(const RobotFitOptions& options) {
     fit_options.kinds = {.sphere = named("sphere"), .capsule = named("capsule"), .box = named("box")};
   }
   const fit::RobotFit fit = fit::fit_robot(options.robot, fit_options);
-  const std::string text = block(fit, options.robot.filename().string());
+  return {block(fit, options.robot.filename().string()), report(fit), fit.warnings};
+}
+
+int fit_shapes(const RobotFitOptions& options) {
+  if (!options.output.empty()) check_output(options);
+  const FittedShapes fitted = fitted_shapes(options);
   if (options.output.empty()) {
-    std::cout << text << std::flush;
+    std::cout << fitted.block << std::flush;
   } else {
     std::error_code error;
     const fs::path folder = fs::absolute(options.output).parent_path();
     fs::path robot = fs::relative(options.robot, folder, error);
     if (error || robot.empty()) robot = fs::absolute(options.robot);
     write_whole(options.output, [&](std::ostream& out) {
-      out << "include: " << config::yaml_scalar(robot.generic_string()) << '\n' << text;
+      out << "include: " << config::yaml_scalar(robot.generic_string()) << '\n' << fitted.block;
     });
-    std::cout << report(fit) << std::flush;
+    std::cout << fitted.report << std::flush;
     std::cerr << fmt::format("wrote {}, a robot file over {}\n", options.output.string(), options.robot.string());
   }
-  print_warnings(fit.warnings);
+  print_warnings(fitted.warnings);
   return kOk;
 }
 

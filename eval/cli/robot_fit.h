@@ -15,7 +15,20 @@ struct RobotFitOptions {
   bool force = false;  ///< replace `output`
 };
 
+/// Shapes found for a robot file.
+struct FittedShapes {
+  std::string block;   ///< `collision` of a robot file, with how well it fits as a comment
+  std::string report;  ///< that comment, for a terminal
+  std::vector<std::string> warnings;
+};
+
+/// Of `options.robot`; nothing is printed or written. Throws config::ConfigError.
+FittedShapes fitted_shapes(const RobotFitOptions& options);
+
 /// Fits, prints, writes; returns the exit code. Throws UsageError, config::ConfigError.
 int fit_shapes(const RobotFitOptions& options);
+
+/// Throws UsageError where `options.output` is a folder, the robot itself, or there already without `force`.
+void check_output(const RobotFitOptions& options);
 
 }  // namespace moma::cli

@@ -96,5 +96,38 @@ TEST_F(CliFit, KindsAreChosen) {
   }
 }
 
+// `moma robot URDF`.
+using CliDraft = CliFit;
+
+TEST_F(CliDraft, AUrdfBecomesARobotFileThatRuns) {
+  const test::ProcessResult result = good({"robot", "robots/wedge.urdf", "-o", "first.yaml"});
+  EXPECT_NE(result.err.find("wrote first.yaml; "), std::string::npos) << result.err;
+  EXPECT_NE(read("first.yaml").find("\nurdf: robots/wedge.urdf\n"), std::string::npos) << read("first.yaml");
+  good({"robot", "first.yaml"});
+  write("suite.yaml",
+        "name: first\nrobot: first.yaml\ncontrollers: {holistic: {}}\nworlds: {seed: 1, families: {open: "
+        "{weight: 1}}}\nsimulation: {mode: kinematic, time_limit: 1}\ntrials: 1\n");
+  good({"check", "suite.yaml"});
+  // Printed it is the same but for the place that the URDF is seen from.
+  EXPECT_EQ(good({"robot", "robots/wedge.urdf"}).out, read("first.yaml"));
+}
+
+TEST_F(CliDraft, WithFittedShapes) {
+  good({"robot", "robots/wedge.urdf", "--fit-shapes", "-o", "first.yaml"});
+  EXPECT_NE(read("first.yaml").find("link: upper, shape:"), std::string::npos) << read("first.yaml");
+  EXPECT_EQ(good({"robot", "first.yaml"}).out.find("hull"), std::string::npos);
+}
+
+TEST_F(CliDraft, SaysWhatIsWrong) {
+  bad({"robot", "robots/wedge.urdf", "--fit-shapes"}, {"-o FILE"});
+  bad({"robot", "robots/wedge.urdf", "--json"}, {"--json", "-o"});
+  write("first.yaml", "name: mine\n");
+  bad({"robot", "robots/wedge.urdf", "-o", "first.yaml"}, {"first.yaml", "--force"});
+  EXPECT_EQ(read("first.yaml"), "name: mine\n");
+  bad({"robot", "none.urdf"}, {"none.urdf"});
+  write("some.urdf.xacro", "<robot name='a' xmlns:xacro='http://ros.org/wiki/xacro'><xacro:arm/></robot>");
+  bad({"robot", "some.urdf.xacro"}, {"is xacro", "xacro some.urdf.xacro > some.urdf"});
+}
+
 }  // namespace
 }  // namespace moma

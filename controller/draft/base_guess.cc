@@ -1,0 +1,226 @@
+#include "controller/draft/base_guess.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <numbers>
+
+#include "controller/config/mesh_hull.h"
+
+namespace moma::draft {
+namespace {
+
+constexpr double kLevel = 0.2, kUpright = 0.9;  // of an axis' z
+constexpr double kNearFloor = 0.03;             // of the lowest points of wheels [m]
+
+struct Wheel {
+  int link = 0;
+  Vector3 p_R = Vector3::Zero();
+  Vector3 axis_R = Vector3::UnitY();
+  double radius = 0.0;  // 0: not known
+  bool steered = false;
+};
+
+std::string names(const UrdfFacts& urdf, const std::vector<Wheel>& wheels) {
+  std::string text;
+  for (const Wheel& wheel : wheels) text += (text.empty() ? "" : ", ") + urdf.link(wheel.link).joint.name;
+  return text;
+}
+
+class BaseFinder {
+ public:
+  BaseFinder(const UrdfFacts& urdf, const config::PackagePaths& packages, const std::filesystem::path& directory)
+      : urdf_(urdf), packages_(packages), directory_(directory) {}
+
+  BaseGuess find() {
+    guess_.joints.assign(static_cast<std::size_t>(urdf_.size()), false);
+    find_virtual();
+    find_wheels();
+    decide();
+    return std::move(guess_);
+  }
+
+ private:
+  // Joints one after another from the root, before anything that weighs.
+  void find_virtual() {
+    std::vector<int> chain;
+    int linear = 0, turns = 0;
+    int link = 0;
+    while (urdf_.children_of(link).size() == 1 && !urdf_.link(link).inertial) {
+      link = urdf_.children_of(link).front();
+      const UrdfJoint& joint = urdf_.link(link).joint;
+      if (joint.type == UrdfJointType::kFixed) continue;
+      if (!drivable(joint)) return;
+      const double z = std::abs(urdf_.axis_R(link).z());
+      if (joint.type == UrdfJointType::kPrismatic && z < kLevel)
+        ++linear;
+      else if (joint.type != UrdfJointType::kPrismatic && z > kUpright && turns == 0)
+        ++turns;
+      else
+        break;
+      chain.push_back(link);
+    }
+    if (linear == 0 || linear > 2 || turns != 1) return;
+    guess_.type = linear == 2 ? BaseType::kOmnidirectional : BaseType::kDifferential;
+    for (const int i : chain) {
+      guess_.virtual_joints.push_back(urdf_.link(i).joint.name);
+      guess_.joints[static_cast<std::size_t>(i)] = true;
+      guess_.reason += (guess_.reason.empty() ? "" : ", ") + urdf_.link(i).joint.name;
+    }
+    guess_.reason = "joints that stand for a base: " + guess_.reason;
+  }
+
+  bool nothing_driven_behind(int link) const {
+    for (const int child : urdf_.children_of(link))
+      if (drivable(urdf_.link(child).joint) || !nothing_driven_behind(child)) return false;
+    return true;
+  }
+
+  double radius_of(const Wheel& wheel) const {
+    double radius = 0.0;
+    for (const UrdfGeometry& shape : urdf_.link(wheel.link).collision) {
+      if (shape.mesh.empty()) {
+        const ShapeKind kind = shape.shape.kind;
+        if (kind != ShapeKind::kBox) radius = std::max(radius, shape.shape.size.x());
+        continue;
+      }
+      try {
+        const config::Mesh mesh = config::read_mesh(packages_.resolve(shape.mesh, directory_), shape.scale);
+        const Vector3 axis_L = urdf_.link(wheel.link).joint.axis;
+        for (const Vector3& p_M : mesh.vertices) {
+          const Vector3 p_L = shape.X_LS * p_M;
+          radius = std::max(radius, (p_L - axis_L.dot(p_L) * axis_L).norm());
+        }
+      } catch (const std::exception&) {
+        // What is wrong with it is said where the robot's shapes are read.
+      }
+    }
+    return radius;
+  }
+
+  void find_wheels() {
+    for (int i = 1; i < urdf_.size(); ++i) {
+      const UrdfJoint& joint = urdf_.link(i).joint;
+      const bool endless = joint.type == UrdfJointType::kContinuous;
+      const bool by_name = named(joint.name, {"wheel"}) || named(urdf_.link(i).name, {"wheel"});
+      if (!drivable(joint) || joint.type == UrdfJointType::kPrismatic || !(endless || by_name)) continue;
+      if (std::abs(urdf_.axis_R(i).z()) > kLevel || !nothing_driven_behind(i)) continue;
+      Wheel wheel{i, urdf_.X_R(i).translation(), urdf_.axis_R(i), 0.0, false};
+      wheel.radius = radius_of(wheel);
+      for (int up = urdf_.link(i).parent; up > 0; up = urdf_.link(up).parent) {
+        const UrdfJoint& above = urdf_.link(up).joint;
+        const bool turns = above.type == UrdfJointType::kContinuous || above.type == UrdfJointType::kRevolute;
+        if (turns && std::abs(urdf_.axis_R(up).z()) > kUpright) wheel.steered = true;
+      }
+      if (by_name || wheel.radius > 0.0) wheels_.push_back(wheel);
+    }
+    if (wheels_.empty()) return;
+    double lowest = std::numeric_limits<double>::infinity();
+    for (const Wheel& wheel : wheels_) lowest = std::min(lowest, wheel.p_R.z() - wheel.radius);
+    // A joint without end is a wrist as well, unless it is on the floor or called a wheel.
+    std::erase_if(wheels_, [&](const Wheel& wheel) {
+      const UrdfLink& link = urdf_.link(wheel.link);
+      return !named(link.joint.name, {"wheel"}) && !named(link.name, {"wheel"}) &&
+             wheel.p_R.z() - wheel.radius > lowest + kNearFloor;
+    });
+    for (const Wheel& wheel : wheels_) {
+      for (int i = wheel.link; i > 0; i = urdf_.link(i).parent)
+        if (drivable(urdf_.link(i).joint)) guess_.joints[static_cast<std::size_t>(i)] = true;
+    }
+  }
+
+  bool caster(const Wheel& wheel) const {
+    for (int i = wheel.link; i > 0; i = urdf_.link(i).parent)
+      if (named(urdf_.link(i).name, {"caster"}) || named(urdf_.link(i).joint.name, {"caster"})) return true;
+    return wheel.steered;
+  }
+
+  // Links called wheels whose joints are fixed, as URDFs for arms alone have them.
+  std::string stuck() const {
+    std::string text;
+    for (int i = 1; i < urdf_.size(); ++i)
+      if (urdf_.link(i).joint.type == UrdfJointType::kFixed && named(urdf_.link(i).name, {"wheel"}))
+        text += (text.empty() ? "" : ", ") + urdf_.link(i).name;
+    return text;
+  }
+
+  void decide() {
+    std::vector<Wheel> driven;
+    std::copy_if(wheels_.begin(), wheels_.end(), std::back_inserter(driven),
+                 [&](const Wheel& wheel) { return !caster(wheel); });
+    const bool all_steered = driven.empty() && wheels_.size() >= 3;
+    if (all_steered) driven = wheels_;
+    if (driven.size() < 2) {
+      guess_.doubtful = guess_.type == BaseType::kFixed && !stuck().empty();
+      if (guess_.doubtful) guess_.reason = "these are called wheels, but their joints do not turn: " + stuck();
+      return;
+    }
+    const bool one_axis = std::all_of(driven.begin(), driven.end(), [&](const Wheel& wheel) {
+      return std::abs(wheel.axis_R.dot(driven.front().axis_R)) > kUpright;
+    });
+    const bool rollers = std::any_of(driven.begin(), driven.end(), [&](const Wheel& wheel) {
+      return named(urdf_.link(wheel.link).name + urdf_.link(wheel.link).joint.name, {"mecanum", "omni"});
+    });
+    const bool omni =
+        all_steered || rollers || !one_axis || (guess_.type == BaseType::kOmnidirectional && driven.size() >= 3);
+    guess_.type = omni ? BaseType::kOmnidirectional : BaseType::kDifferential;
+    const std::string also = guess_.reason.empty() ? "" : "; " + guess_.reason;
+    guess_.reason = (all_steered ? "steered wheels " : "wheels ") + names(urdf_, driven) + also;
+    guess_.doubtful = !omni && driven.size() > 2;
+    if (guess_.doubtful) guess_.reason += ", which skid where it turns; omnidirectional, were they mecanum wheels";
+    place(driven);
+  }
+
+  // B is midway between the wheels, on the floor, x ahead.
+  void place(std::vector<Wheel> driven) {
+    Vector3 middle = Vector3::Zero();
+    double lowest = std::numeric_limits<double>::infinity(), height = 0.0, radius = 0.0;
+    for (const Wheel& wheel : driven) {
+      middle += wheel.p_R / static_cast<double>(driven.size());
+      radius = std::max(radius, wheel.radius);
+    }
+    for (const Wheel& wheel : wheels_) lowest = std::min(lowest, wheel.p_R.z() - wheel.radius);
+    height = middle.z() - lowest;
+    Wheels wheels;
+    wheels.radius = radius > 0.0 ? radius : height;
+    Vector3 axis = driven.front().axis_R;
+    axis.z() = 0.0;
+    axis.normalize();
+    const bool ahead_is_x = std::abs(axis.y()) > std::abs(axis.x());
+    const Isometry turn(Eigen::AngleAxisd(ahead_is_x ? 0.0 : -0.5 * std::numbers::pi, Vector3::UnitZ()));
+    Vector3 least = Vector3::Constant(std::numeric_limits<double>::infinity()), most = -least;
+    double speed = 0.0;
+    for (const Wheel& wheel : driven) {
+      const Vector3 p_B = turn * wheel.p_R;
+      least = least.cwiseMin(p_B);
+      most = most.cwiseMax(p_B);
+      const double fastest = urdf_.link(wheel.link).joint.velocity.value_or(0.0);
+      constexpr double kBelievable = 100.0;  // [rad/s]; more stands for no limit
+      if (fastest > 0.0 && fastest < kBelievable) speed = speed > 0.0 ? std::min(speed, fastest) : fastest;
+    }
+    wheels.separation = most.y() - least.y();
+    if (guess_.type == BaseType::kOmnidirectional) wheels.wheelbase = most.x() - least.x();
+    wheels.max_speed = speed;
+    guess_.X_BR = turn;
+    guess_.X_BR.translation() = -(turn * Vector3(middle.x(), middle.y(), lowest));
+    const bool whole = wheels.radius > 0.0 && wheels.separation > 0.0 &&
+                       (guess_.type == BaseType::kDifferential || wheels.wheelbase > 0.0);
+    if (whole) guess_.wheels = wheels;
+  }
+
+  const UrdfFacts& urdf_;
+  const config::PackagePaths& packages_;
+  const std::filesystem::path& directory_;
+  BaseGuess guess_;
+  std::vector<Wheel> wheels_;
+};
+
+}  // namespace
+
+BaseGuess guess_base(const UrdfFacts& urdf, const config::PackagePaths& packages,
+                     const std::filesystem::path& urdf_directory) {
+  return BaseFinder(urdf, packages, urdf_directory).find();
+}
+
+}  // namespace moma::draft

@@ -1,0 +1,299 @@
+#include "controller/draft/draft_robot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include "controller/config/node.h"
+#include "controller/config/robot_file.h"
+#include "controller/config/text_file.h"
+#include "controller/config/yaml_text.h"
+#include "controller/draft/arm_guess.h"
+#include "controller/draft/base_guess.h"
+#include "controller/draft/posture.h"
+#include "controller/model/kinematics.h"
+
+namespace moma::draft {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Taken where a URDF is silent: slow enough for any robot.
+constexpr double kJointSpeed = 1.0, kSliderSpeed = 0.1;                         // [rad/s], [m/s]
+constexpr double kBaseSpeed = 0.5, kMostBaseSpeed = 2.0, kMostTurnSpeed = 2.0;  // [m/s], [m/s], [rad/s]
+
+double rounded(double value, double step) {
+  const double result = std::round(value / step) * step;
+  return result == 0.0 ? 0.0 : result;
+}
+
+std::string number(double value) { return fmt::format("{:.5g}", value); }
+
+std::string list(const Vector3& v) { return fmt::format("[{}, {}, {}]", number(v.x()), number(v.y()), number(v.z())); }
+
+// What was expanded often keeps the commands as comments.
+std::string without_comments(const std::string& xml) {
+  std::string text;
+  std::size_t from = 0;
+  for (std::size_t begin; (begin = xml.find("<!--", from)) != std::string::npos;) {
+    text += xml.substr(from, begin - from);
+    const std::size_t end = xml.find("-->", begin);
+    if (end == std::string::npos) return text;
+    from = end + 3;
+  }
+  return text + xml.substr(from);
+}
+
+/// YAML, line by line, the doubtful ones counted.
+class Lines {
+ public:
+  void add(int level, const std::string& line, const std::string& comment = "") {
+    text_ += std::string(2U * static_cast<std::size_t>(level), ' ') + line + (comment.empty() ? "" : "  # " + comment) +
+             "\n";
+  }
+  void doubt(int level, const std::string& line, const std::string& what) {
+    add(level, line, "check: " + what);
+    ++checks_;
+  }
+  void remark(int level, const std::string& comment) {
+    text_ += std::string(2U * static_cast<std::size_t>(level), ' ') + "# " + comment + "\n";
+  }
+  const std::string& text() const { return text_; }
+  int checks() const { return checks_; }
+
+ private:
+  std::string text_;
+  int checks_ = 0;
+};
+
+class Drafter {
+ public:
+  explicit Drafter(const DraftOptions& options) : options_(options) {}
+
+  Draft draft() {
+    read();
+    write_until_ready();
+    if (stand_on_floor()) write_until_ready();
+    Posture posture = find_posture(*without_pairs().model);
+    if (lift(posture.q)) {
+      write_until_ready();
+      posture = find_posture(*without_pairs().model);
+    }
+    write_ready(posture);
+    lines_.add(0, "collision: {from: urdf, self: auto}");
+    const config::LoadedRobot robot = load(lines_.text());
+    return {lines_.text(), robot.warnings, robot.notes, lines_.checks()};
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& message) const {
+    throw config::ConfigError(fmt::format("{}: {}", options_.urdf.string(), message));
+  }
+
+  void read() {
+    std::string text;
+    try {
+      text = config::read_text_file(options_.urdf);
+    } catch (const std::exception& e) {
+      fail(e.what());
+    }
+    if (options_.urdf.extension() == ".xacro" || without_comments(text).find("<xacro:") != std::string::npos) {
+      const fs::path expanded = fs::path(options_.urdf).replace_extension();
+      fail(fmt::format("is xacro, which has to be expanded first: xacro {} > {}", options_.urdf.string(),
+                       expanded.extension() == ".urdf" ? expanded.string() : expanded.string() + ".urdf"));
+    }
+    try {
+      urdf_ = facts_of(read_urdf(text, options_.lenient ? UrdfReading::kLenient : UrdfReading::kStrict));
+    } catch (const UrdfError& e) {
+      fail(e.what());
+    }
+    base_ = guess_base(urdf_, {}, fs::absolute(options_.urdf).parent_path());
+    arm_ = guess_arm(urdf_, base_.joints);
+    if (arm_.joints.empty()) fail("has no joint that an arm could be driven by");
+  }
+
+  void write_head() {
+    std::error_code error;
+    fs::path urdf = fs::relative(options_.urdf, options_.folder.empty() ? fs::path(".") : options_.folder, error);
+    if (error || urdf.empty()) urdf = fs::absolute(options_.urdf);
+    lines_.remark(0,
+                  fmt::format("A first robot file, by `moma robot {}`. What the URDF does not say is marked \"check\".",
+                              options_.urdf.filename().string()));
+    if (urdf_.tree.name.empty()) lines_.add(0, "name: " + config::yaml_scalar(options_.urdf.stem().string()));
+    lines_.add(0, "urdf: " + config::yaml_scalar(urdf.generic_string()));
+    if (options_.lenient) lines_.doubt(0, "lenient: true", "what is left out of the URDF cannot collide");
+  }
+
+  void write_base() {
+    const bool mobile = base_.type != BaseType::kFixed;
+    lines_.add(0, "base:");
+    const std::string type = "type: " + std::string(to_string(base_.type));
+    if (base_.doubtful)
+      lines_.doubt(1, type, base_.reason);
+    else
+      lines_.add(1, type, mobile ? "by " + base_.reason : "no wheels were found");
+    const Vector3 p = base_.X_BR.translation().unaryExpr([](double value) { return rounded(value, 1e-4); });
+    const double turn = std::atan2(base_.X_BR.linear()(1, 0), base_.X_BR.linear()(0, 0));
+    if (!p.isZero() || turn != 0.0) {
+      const std::string rpy = turn == 0.0 ? "" : fmt::format(", rpy: [0, 0, {}]", turn);
+      const std::string line = fmt::format("mount: {{position: {}{}}}", list(p), rpy);
+      const std::string why =
+          mobile ? "the URDF's root over the floor, from the point between the wheels"
+                 : "the URDF's root over the floor: its lowest shape stands there, or it needs that much room";
+      if (turn == 0.0)
+        lines_.add(1, line, why);
+      else
+        lines_.doubt(1, line, why + "; wheels turn about the root's x, so that y or -y is ahead");
+    }
+    if (!mobile) return;
+    const Wheels wheels = base_.wheels.value_or(Wheels{0.0, 0.0, 0.0, 0.0});
+    const bool known = base_.wheels && wheels.max_speed > 0.0;
+    const double linear =
+        known ? std::min(kMostBaseSpeed, rounded(wheels.max_speed * wheels.radius, 0.01)) : kBaseSpeed;
+    const double lever = 0.5 * (wheels.separation + wheels.wheelbase);
+    const double angular = rounded(lever > 0.0 ? std::min(kMostTurnSpeed, linear / lever) : kMostTurnSpeed / 2.0, 0.01);
+    const std::string source = known ? "the URDF's wheel speed times the radius, at most 2" : "the URDF does not say";
+    lines_.doubt(1, "max_linear: " + number(linear), "m/s; " + source);
+    lines_.doubt(1, "max_angular: " + number(angular), "rad/s; " + source);
+    lines_.doubt(1, "max_acceleration: [1, 2]", "m/s^2, rad/s^2: what the drive's ramp gives");
+    if (!base_.wheels) {
+      lines_.remark(1, "check: wheels: {radius: m, separation: m, max_speed: rad/s}, which physics needs");
+      return;
+    }
+    const double speed = known ? wheels.max_speed : rounded(2.0 * linear / wheels.radius, 0.1);
+    std::string text = fmt::format("wheels: {{radius: {}, separation: {}", number(rounded(wheels.radius, 1e-4)),
+                                   number(rounded(wheels.separation, 1e-4)));
+    if (base_.type == BaseType::kOmnidirectional) text += ", wheelbase: " + number(rounded(wheels.wheelbase, 1e-4));
+    text += fmt::format(", max_speed: {}}}", number(speed));
+    if (known)
+      lines_.add(1, text, "m, m, rad/s; as the URDF has them");
+    else
+      lines_.doubt(1, text, "m, m as the URDF has them; rad/s is twice what max_linear needs");
+  }
+
+  // What read_arm() would refuse to be without.
+  void write_limits() {
+    bool begun = false;
+    for (const int link : arm_.joints) {
+      const UrdfJoint& joint = urdf_.link(link).joint;
+      const bool slides = joint.type == UrdfJointType::kPrismatic;
+      std::vector<std::string> given;
+      const bool range = joint.lower && joint.upper && *joint.lower < *joint.upper;
+      if (joint.type != UrdfJointType::kContinuous && !range) {
+        const double reach = slides ? 0.1 : rounded(std::numbers::pi, 0.01);
+        given.push_back(fmt::format("lower: {}, upper: {}", number(slides ? 0.0 : -reach), number(reach)));
+      }
+      if (joint.type == UrdfJointType::kContinuous && (joint.lower.has_value() != joint.upper.has_value()))
+        given.push_back("lower: -3.14, upper: 3.14");
+      if (!(joint.velocity.value_or(0.0) > 0.0))
+        given.push_back("velocity: " + number(slides ? kSliderSpeed : kJointSpeed));
+      if (given.empty()) continue;
+      if (!begun) lines_.add(1, "limits:");
+      begun = true;
+      lines_.doubt(2, fmt::format("{}: {{{}}}", config::yaml_scalar(joint.name), fmt::join(given, ", ")),
+                   "the URDF does not say");
+    }
+  }
+
+  void write_arm() {
+    lines_.add(0, "arm:");
+    const std::string tip = "tip: " + config::yaml_scalar(urdf_.link(arm_.tip).name);
+    if (arm_.others.empty())
+      lines_.add(1, tip, fmt::format("at the end of {} driven joints", arm_.joints.size()));
+    else
+      lines_.doubt(1, tip, fmt::format("{} would be as long", fmt::join(arm_.others, ", ")));
+    if (!base_.virtual_joints.empty()) {
+      lines_.add(1, "locked:", "moma moves the base itself");
+      for (const std::string& joint : base_.virtual_joints) lines_.add(2, config::yaml_scalar(joint) + ": 0");
+    }
+    write_limits();
+  }
+
+  config::LoadedRobot load(const std::string& text) const {
+    // Paths are relative to where a value stands.
+    const fs::path place = options_.folder / ("a draft over " + options_.urdf.filename().string());
+    return config::read_robot(config::parse_yaml(text, place.string(), options_.folder), "");
+  }
+
+  void write_until_ready() {
+    lines_ = {};
+    write_head();
+    write_base();
+    write_arm();
+  }
+
+  config::LoadedRobot without_pairs() const { return load(lines_.text() + "collision: {from: urdf, self: []}\n"); }
+
+  // A root that is not at the foot of what stands still is lifted. True where it was.
+  bool stand_on_floor() {
+    if (base_.type != BaseType::kFixed) return false;
+    const std::shared_ptr<const RobotModel> model = without_pairs().model;
+    const Kinematics kinematics(model);
+    double lowest = 0.0;
+    for (const CollisionShape& shape : model->shapes)
+      if (shape.rigid_with_base) lowest = std::min(lowest, lowest_point(shape.shape, kinematics.X_WS(shape)));
+    constexpr double kSunk = 0.01;  // hulls are a little larger than what they enclose [m]
+    if (lowest > -kSunk) return false;
+    base_.X_BR.translation().z() = -lowest;
+    return true;
+  }
+
+  // Worlds ask for room below an arm; a fixed one whose first links cannot leave the floor is put on a plinth.
+  bool lift(const VectorX& q) {
+    if (base_.type != BaseType::kFixed) return false;
+    const std::shared_ptr<const RobotModel> model = without_pairs().model;
+    Kinematics kinematics(model);
+    kinematics.update(Vector3::Zero(), q);
+    constexpr double kRoom = 0.05;  // [m]
+    double lowest = kRoom;
+    for (const CollisionShape& shape : model->shapes)
+      if (!shape.rigid_with_base) lowest = std::min(lowest, lowest_point(shape.shape, kinematics.X_WS(shape)));
+    if (lowest >= kRoom) return false;
+    base_.X_BR.translation().z() += std::ceil((kRoom - lowest) * 100.0) / 100.0;
+    return true;
+  }
+
+  void write_ready(const Posture& posture) {
+    std::string values;
+    for (const double value : posture.q) values += (values.empty() ? "" : ", ") + number(value);
+    const std::string line = fmt::format("ready: [{}]", values);
+    if (posture.clear && posture.held)
+      lines_.add(1, line, fmt::format("manipulability {:.2g}, clear of itself, can be held", posture.manipulability));
+    else
+      lines_.doubt(1, line,
+                   !posture.clear ? "no posture was found in which nothing touches"
+                                  : "no posture was found that the joints' efforts can hold");
+  }
+
+  const DraftOptions& options_;
+  UrdfFacts urdf_;
+  BaseGuess base_;
+  ArmGuess arm_;
+  Lines lines_;
+};
+
+}  // namespace
+
+Draft draft_robot(const DraftOptions& options) { return Drafter(options).draft(); }
+
+bool is_urdf(const fs::path& file) {
+  const std::string extension = file.extension().string();
+  if (extension == ".urdf" || extension == ".xacro") return true;
+  if (extension == ".yaml" || extension == ".yml" || extension == ".json") return false;
+  try {
+    const std::string text = config::read_text_file(file);
+    const auto first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+    return first != std::string::npos && text[first] == '<';
+  } catch (const std::exception&) {
+    return false;  // whoever reads it says what is wrong
+  }
+}
+
+}  // namespace moma::draft

@@ -1,0 +1,153 @@
+#include "controller/draft/posture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+#include <utility>
+
+#include "controller/config/robot_build.h"
+#include "controller/model/manipulability.h"
+#include "controller/model/proximity.h"
+#include "controller/model/sampling.h"
+#include "controller/model/statics.h"
+
+namespace moma::draft {
+namespace {
+
+constexpr int kPrimes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
+constexpr double kInner = 0.9;   // of the limits
+constexpr double kMostly = 0.8;  // of configurations: what touches in more of them says nothing of a posture
+constexpr double kFloor = 0.05;  // [m]
+constexpr double kSpare = 0.9;   // of an effort
+constexpr double kRoom = 0.15;   // of a joint's range to its limit: enough
+constexpr double kTurn = 0.6 * std::numbers::pi;  // [rad]
+constexpr double kLow = 0.2;                      // of E over the floor [m]
+
+class PostureFinder {
+ public:
+  PostureFinder(const RobotModel& source, int samples)
+      : model_(with_pairs(source)), kinematics_(model_), proximity_(model_), samples_(samples) {}
+
+  Posture find() {
+    leave_out_touching();
+    Posture best;
+    double most = -1.0;
+    for (int s = 1; s <= samples_; ++s) {
+      VectorX q = sample(s);
+      for (double& value : q) value = std::round(100.0 * value) / 100.0;
+      const double score = judge(std::move(q));
+      if (score <= most) continue;
+      most = score;
+      best = judged_;
+    }
+    return best;
+  }
+
+ private:
+  static std::shared_ptr<const RobotModel> with_pairs(const RobotModel& source) {
+    RobotModel model = source;
+    model.self_pairs = config::movable_pairs(source);
+    return std::make_shared<const RobotModel>(std::move(model));
+  }
+
+  VectorX sample(int s) const {
+    VectorX q(model_->num_joints());
+    for (int i = 0; i < q.size(); ++i) {
+      const ControlledJoint& joint = model_->joints[static_cast<std::size_t>(i)];
+      auto [lower, upper] = drawn_range(joint);
+      // More than one turn is as well off near zero.
+      if (joint.type != JointType::kPrismatic && upper - lower > 1.5 * std::numbers::pi) {
+        lower = std::max(lower, -kTurn);
+        upper = std::min(upper, kTurn);
+      }
+      const double share = halton(s + i, kPrimes[static_cast<std::size_t>(i) % std::size(kPrimes)]);
+      q[i] = lower + (upper - lower) * (0.5 + kInner * (share - 0.5));
+    }
+    return q;
+  }
+
+  // Neighbours' shapes overlap whatever the posture, and a fixed arm's first links cannot leave the floor.
+  void leave_out_touching() {
+    std::vector<int> touches(model_->self_pairs.size(), 0), low(model_->shapes.size(), 0);
+    constexpr int kLooks = 200;
+    for (int s = 1; s <= kLooks; ++s) {
+      kinematics_.update(Vector3::Zero(), sample(s));
+      for_touching([&](std::size_t pair) { ++touches[pair]; });
+      for (std::size_t i = 0; i < low.size(); ++i) low[i] += on_floor(model_->shapes[i]) ? 1 : 0;
+    }
+    const auto mostly = [](const std::vector<int>& counts) {
+      std::vector<bool> result;
+      for (const int count : counts) result.push_back(count > kMostly * kLooks);
+      return result;
+    };
+    ignored_ = mostly(touches);
+    grounded_ = mostly(low);
+  }
+
+  template <class Visit>
+  void for_touching(Visit&& visit) {
+    std::size_t k = 0;  // the answer keeps the order of the pairs
+    for (const ProximityPair& pair : proximity_.query(kinematics_, {}, {-1.0, -1.0, 0.0})) {
+      while (model_->self_pairs[k].first != pair.first || model_->self_pairs[k].second != pair.second) ++k;
+      visit(k);
+    }
+  }
+
+  bool on_floor(const CollisionShape& shape) const {
+    return !shape.rigid_with_base && lowest_point(shape.shape, kinematics_.X_WS(shape)) < kFloor;
+  }
+
+  bool clear() {
+    bool touching = false;
+    for_touching([&](std::size_t pair) { touching = touching || !ignored_[pair]; });
+    if (touching) return false;
+    for (std::size_t i = 0; i < grounded_.size(); ++i)
+      if (!grounded_[i] && on_floor(model_->shapes[i])) return false;
+    return true;
+  }
+
+  bool held() const {
+    const VectorX efforts = holding_efforts(kinematics_);
+    for (int i = 0; i < efforts.size(); ++i) {
+      const double limit = model_->joints[static_cast<std::size_t>(i)].effort;
+      if (limit > 0.0 && std::abs(efforts[i]) > kSpare * limit) return false;
+    }
+    return true;
+  }
+
+  double room(const VectorX& q) const {
+    double least = kRoom;
+    for (int i = 0; i < q.size(); ++i) {
+      const ControlledJoint& joint = model_->joints[static_cast<std::size_t>(i)];
+      if (joint.type == JointType::kContinuous) continue;
+      least = std::min(least, std::min(q[i] - joint.lower, joint.upper - q[i]) / (joint.upper - joint.lower));
+    }
+    return std::max(0.0, least) / kRoom;
+  }
+
+  double judge(VectorX q) {
+    kinematics_.update(Vector3::Zero(), q);
+    const auto arm = kinematics_.J_WE_W().rightCols(model_->num_joints());
+    judged_ = {std::move(q), manipulability(arm, ManipulabilityRows::kTranslation), clear(), held()};
+    const Vector3 p_E = kinematics_.X_WE().translation();
+    const double inviting = (p_E.x() < 0.0 ? 0.5 : 1.0) * (p_E.z() < kLow ? 0.5 : 1.0);
+    // Robots whose E cannot move in all directions have no manipulability, and differ in room alone.
+    const double worth = (1e-3 + judged_.manipulability) * room(judged_.q) * inviting;
+    constexpr double kFar = 1e3;  // above any worth
+    return worth + (judged_.clear ? 2.0 * kFar : 0.0) + (judged_.held ? kFar : 0.0);
+  }
+
+  std::shared_ptr<const RobotModel> model_;
+  Kinematics kinematics_;
+  Proximity proximity_;
+  int samples_;
+  std::vector<bool> ignored_, grounded_;
+  Posture judged_;
+};
+
+}  // namespace
+
+Posture find_posture(const RobotModel& model, int samples) { return PostureFinder(model, samples).find(); }
+
+}  // namespace moma::draft

@@ -1,0 +1,267 @@
+#include "controller/draft/draft_robot.h"
+
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "controller/config/node.h"
+#include "controller/config/robot_file.h"
+#include "controller/model/base_kind.h"
+#include "controller/model/kinematics.h"
+#include "controller/model/statics.h"
+
+namespace moma::draft {
+namespace {
+
+namespace fs = std::filesystem;
+
+// ---- URDFs, made of parts ------------------------------------------------------------------------------------------
+std::string link(const std::string& name, const std::string& geometry = "", double mass = 1.0,
+                 const std::string& at = "0 0 0") {
+  return "<link name='" + name + "'>" +
+         (mass > 0.0 ? "<inertial><mass value='" + std::to_string(mass) +
+                           "'/><inertia ixx='0.01' iyy='0.01' izz='0.01' ixy='0' ixz='0' iyz='0'/></inertial>"
+                     : "") +
+         (geometry.empty() ? ""
+                           : "<collision><origin xyz='" + at + "'/><geometry>" + geometry + "</geometry></collision>") +
+         "</link>\n";
+}
+
+std::string joint(const std::string& name, const std::string& type, const std::string& parent, const std::string& child,
+                  const std::string& xyz, const std::string& axis, const std::string& limit = "") {
+  return "<joint name='" + name + "' type='" + type + "'><parent link='" + parent + "'/><child link='" + child +
+         "'/><origin xyz='" + xyz + "'/><axis xyz='" + axis + "'/>" + limit + "</joint>\n";
+}
+
+const std::string kLimit = "<limit lower='-2' upper='2' velocity='1.5' effort='60'/>";
+
+// Links PREFIXa1 to PREFIXa6 on `parent`, a flange, two fingers that slide, a tool.
+std::string arm(const std::string& parent, const std::string& prefix, const std::string& xyz) {
+  std::string text;
+  std::string before = parent;
+  for (int i = 1; i <= 6; ++i) {
+    const std::string name = prefix + "a" + std::to_string(i);
+    text += link(name, "<sphere radius='0.04'/>", 1.0, "0 0 0.08");
+    text += joint(prefix + "j" + std::to_string(i), "revolute", before, name, i == 1 ? xyz : "0 0 0.16",
+                  i % 2 == 1 ? "0 0 1" : "0 1 0", kLimit);
+    before = name;
+  }
+  text +=
+      link(prefix + "hand_base") + joint(prefix + "mount", "fixed", before, prefix + "hand_base", "0 0 0.16", "1 0 0");
+  for (const std::string side : {"l", "r"}) {
+    const std::string name = prefix + side + "_pad";
+    text += link(name, "<box size='0.01 0.02 0.05'/>", 0.05) +
+            joint(prefix + side + "_finger", "prismatic", prefix + "hand_base", name, "0 0 0.05", "0 1 0",
+                  "<limit lower='0' upper='0.04' velocity='0.1' effort='20'/>");
+  }
+  return text + link(prefix + "tool0", "", 0.0) +
+         joint(prefix + "tool", "fixed", prefix + "hand_base", prefix + "tool0", "0 0 0.1", "1 0 0");
+}
+
+std::string wheel(const std::string& name, const std::string& xyz, const std::string& axis = "0 1 0",
+                  const std::string& parent = "base_link") {
+  return link(name, "<sphere radius='0.1'/>", 2.0) +
+         joint(name + "_joint", "continuous", parent, name, xyz, axis, "<limit velocity='12' effort='20'/>");
+}
+
+std::string body() { return link("base_link", "<box size='0.6 0.4 0.2'/>", 40.0); }
+
+class Drafts : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("moma_draft_" + std::to_string(::getpid()) + "_" +
+                                           ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path urdf(const std::string& parts, const std::string& file = "robot.urdf") const {
+    std::ofstream(folder_ / file) << "<?xml version='1.0'?>\n<robot name='made'>\n" << parts << "</robot>\n";
+    return folder_ / file;
+  }
+
+  // The drafted robot as its file is read.
+  config::LoadedRobot load(const Draft& draft) const {
+    std::ofstream(folder_ / "robot.yaml") << draft.text;
+    return config::load_robot(folder_ / "robot.yaml");
+  }
+
+  Draft draft(const std::string& parts) const { return draft_robot({urdf(parts), folder_, false}); }
+
+  fs::path folder_;
+};
+
+TEST_F(Drafts, ADifferentialBaseWithACasterAndAnArm) {
+  const Draft made = draft(
+      body() + wheel("left_wheel", "0.1 0.25 0") + wheel("right_wheel", "0.1 -0.25 0") + link("caster_fork", "", 0.2) +
+      joint("caster_swivel", "continuous", "base_link", "caster_fork", "-0.2 0 0", "0 0 1") +
+      wheel("caster_wheel", "0 0 -0.05", "0 1 0", "caster_fork") + arm("base_link", "", "0 0 0.3"));
+  const config::LoadedRobot robot = load(made);
+  const RobotModel& model = *robot.model;
+  EXPECT_EQ(model.base.type, BaseType::kDifferential) << made.text;
+  ASSERT_TRUE(model.base.wheels) << made.text;
+  EXPECT_NEAR(model.base.wheels->separation, 0.5, 1e-4);
+  EXPECT_NEAR(model.base.wheels->radius, 0.1, 1e-4);
+  EXPECT_NEAR(model.base.wheels->max_speed, 12.0, 1e-4);
+  EXPECT_NEAR(model.base.max_linear, 1.2, 1e-9);
+  // B lies between the driven wheels, on the floor that the lowest wheel, the caster's, stands on.
+  EXPECT_NEAR(model.base.X_BM.translation().x(), -0.1, 1e-4);
+  EXPECT_NEAR(model.base.X_BM.translation().z(), 0.15, 1e-4);
+  EXPECT_EQ(model.links[static_cast<std::size_t>(model.tip)].name, "tool0");
+  EXPECT_EQ(model.num_joints(), 6) << "fingers and wheels are no joints of the arm";
+  EXPECT_EQ(made.checks, 3) << made.text;
+  for (const JointLoad& load : joint_loads(robot.model, 1)) EXPECT_LT(load.ready, load.limit) << load.joint;
+  EXPECT_TRUE(made.warnings.empty()) << made.warnings.front();
+  EXPECT_EQ(made.text, draft_robot({folder_ / "robot.urdf", folder_, false}).text);
+}
+
+TEST_F(Drafts, OfFourWheelsAndOfSteeredOnes) {
+  const std::string four = wheel("fl_wheel", "0.2 0.3 0") + wheel("fr_wheel", "0.2 -0.3 0") +
+                           wheel("bl_wheel", "-0.2 0.3 0") + wheel("br_wheel", "-0.2 -0.3 0");
+  const Draft skids = draft(body() + four + arm("base_link", "", "0 0 0.3"));
+  EXPECT_EQ(load(skids).model->base.type, BaseType::kDifferential);
+  EXPECT_NE(skids.text.find("type: differential  # check: wheels bl_wheel_joint"), std::string::npos) << skids.text;
+
+  std::string mecanum = four;
+  for (std::size_t at = 0; (at = mecanum.find("fl_wheel", at)) != std::string::npos; at += 16)
+    mecanum.replace(at, 8, "fl_mecanum_wheel");
+  const Draft rolls = draft(body() + mecanum + arm("base_link", "", "0 0 0.3"));
+  const config::LoadedRobot omni = load(rolls);
+  EXPECT_EQ(omni.model->base.type, BaseType::kOmnidirectional) << rolls.text;
+  ASSERT_TRUE(omni.model->base.wheels);
+  EXPECT_NEAR(omni.model->base.wheels->wheelbase, 0.4, 1e-4);
+  EXPECT_NEAR(omni.model->base.wheels->separation, 0.6, 1e-4);
+
+  std::string steered;
+  for (const auto& [name, xyz] : {std::pair{"a", "0.2 0.2 0"}, {"b", "0.2 -0.2 0"}, {"c", "-0.2 0 0"}}) {
+    const std::string fork = std::string(name) + "_fork";
+    steered += link(fork) + joint(fork + "_joint", "continuous", "base_link", fork, xyz, "0 0 1") +
+               wheel(std::string(name) + "_wheel", "0 0 0", "0 1 0", fork);
+  }
+  EXPECT_EQ(load(draft(body() + steered + arm("base_link", "", "0 0 0.3"))).model->base.type,
+            BaseType::kOmnidirectional);
+}
+
+TEST_F(Drafts, WheelsAboutXTurnTheRobot) {
+  const Draft made = draft(body() + wheel("left_wheel", "-0.25 0 0", "1 0 0") +
+                           wheel("right_wheel", "0.25 0 0", "1 0 0") + arm("base_link", "", "0 0.1 0.3"));
+  const config::LoadedRobot robot = load(made);
+  ASSERT_TRUE(robot.model->base.wheels) << made.text;
+  EXPECT_NEAR(robot.model->base.wheels->separation, 0.5, 1e-4);
+  // What was on the root's y is ahead now.
+  const int first = robot.model->find_link("a1");
+  EXPECT_NEAR(Kinematics(robot.model).X_WL(first).translation().x(), 0.1, 1e-4) << made.text;
+  EXPECT_NE(made.text.find("rpy: [0, 0, -1.5707963267948966]}  # check"), std::string::npos) << made.text;
+}
+
+TEST_F(Drafts, JointsThatStandForABaseAreHeld) {
+  const Draft made =
+      draft(link("world", "", 0.0) + link("along", "", 0.0) + link("across", "", 0.0) + body() +
+            joint("slide_x", "prismatic", "world", "along", "0 0 0", "1 0 0",
+                  "<limit lower='-9' upper='9' velocity='1' effort='1'/>") +
+            joint("slide_y", "prismatic", "along", "across", "0 0 0", "0 1 0",
+                  "<limit lower='-9' upper='9' velocity='1' effort='1'/>") +
+            joint("turn", "continuous", "across", "base_link", "0 0 0.2", "0 0 1") + arm("base_link", "", "0 0 0.3"));
+  const config::LoadedRobot robot = load(made);
+  EXPECT_EQ(robot.model->base.type, BaseType::kOmnidirectional) << made.text;
+  EXPECT_EQ(robot.model->num_joints(), 6) << made.text;
+  EXPECT_FALSE(robot.model->base.wheels);
+  EXPECT_NE(made.text.find("# check: wheels:"), std::string::npos) << made.text;
+}
+
+TEST_F(Drafts, OfTwoArmsTheRightOneAndTheOtherIsSaid) {
+  const Draft made = draft(body() + arm("base_link", "left_", "0 0.3 0.8") + arm("base_link", "right_", "0 -0.3 0.8"));
+  EXPECT_NE(made.text.find("tip: right_tool0  # check: left_tool0 would be as long"), std::string::npos) << made.text;
+  EXPECT_EQ(load(made).model->num_joints(), 6);
+}
+
+TEST_F(Drafts, WhatTheUrdfDoesNotSayIsProposedAndMarked) {
+  std::string parts = body() + arm("base_link", "", "0 0 0.3");
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    const std::size_t at = parts.find(from, parts.find("name='j2'"));
+    parts.replace(at, from.size(), to);
+  };
+  replace(kLimit, "<limit lower='0' upper='0' velocity='0' effort='60'/>");
+  const Draft made = draft(parts);
+  EXPECT_NE(made.text.find("j2: {lower: -3.14, upper: 3.14, velocity: 1}  # check"), std::string::npos) << made.text;
+  EXPECT_NEAR(load(made).model->joints[1].velocity, 1.0, 1e-12);
+}
+
+TEST_F(Drafts, AFixedArmStandsOnTheFloorWithRoomBelow) {
+  // The root is in the middle of a pedestal that reaches 0.1 m below it.
+  const Draft made = draft(body() + arm("base_link", "", "0 0 0.12"));
+  const config::LoadedRobot robot = load(made);
+  EXPECT_GE(robot.model->base.X_BM.translation().z(), 0.1) << made.text;
+  Kinematics kinematics(robot.model);
+  for (const CollisionShape& shape : robot.model->shapes)
+    EXPECT_GT(lowest_point(shape.shape, kinematics.X_WS(shape)), shape.rigid_with_base ? -1e-9 : 0.04) << shape.name;
+}
+
+std::string error_of(const DraftOptions& options) {
+  try {
+    draft_robot(options);
+  } catch (const config::ConfigError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST_F(Drafts, WhatCannotBeDraftedIsSaid) {
+  const auto file = [&](const std::string& name) { return (folder_ / name).string(); };
+  EXPECT_EQ(error_of({folder_ / "none.urdf", folder_, false}).rfind(file("none.urdf") + ": ", 0), 0U);
+  EXPECT_EQ(error_of({urdf(body(), "still.urdf"), folder_, false}),
+            file("still.urdf") + ": has no joint that an arm could be driven by");
+  EXPECT_EQ(error_of({urdf("<xacro:include filename='a'/>" + body(), "r.urdf.xacro"), folder_, false}),
+            file("r.urdf.xacro") + ": is xacro, which has to be expanded first: xacro " + file("r.urdf.xacro") + " > " +
+                file("r.urdf"));
+  EXPECT_NE(error_of({urdf("<xacro:arm/>" + body(), "used.urdf"), folder_, false}).find("is xacro"), std::string::npos);
+  // What xacro leaves behind as comments does no harm.
+  const fs::path left = urdf("<!-- <xacro:arm/> -->" + body() + arm("base_link", "", "0 0 0.3"), "left.urdf");
+  EXPECT_EQ(error_of({left, folder_, false}), "");
+  const fs::path odd =
+      urdf(body() + "<link name='x'><collision><geometry><capsule/></geometry></collision></link>", "odd.urdf");
+  EXPECT_NE(error_of({odd, folder_, false}).find("capsule"), std::string::npos);
+}
+
+TEST_F(Drafts, AUrdfIsToldFromARobotFile) {
+  EXPECT_TRUE(is_urdf("a.urdf"));
+  EXPECT_TRUE(is_urdf("a.urdf.xacro"));
+  EXPECT_FALSE(is_urdf("a.yaml"));
+  EXPECT_FALSE(is_urdf(folder_ / "none"));
+  std::ofstream(folder_ / "plain") << "urdf: a.urdf\n";
+  EXPECT_FALSE(is_urdf(folder_ / "plain"));
+  std::ofstream(folder_ / "xml") << "\n<robot name='a'/>\n";
+  EXPECT_TRUE(is_urdf(folder_ / "xml"));
+}
+
+// Robots that nobody prepared: read, with a posture that is clear and held, and nothing far apart in touch.
+class Unprepared : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Unprepared, HasAFirstFile) {
+  fs::path file;
+  for (const auto& python : fs::directory_iterator(fs::path(MOMA_SOURCE_DIR) / ".venv/lib")) {
+    const fs::path robots = python.path() / "site-packages/cmeel.prefix/share/example-robot-data/robots";
+    if (fs::exists(robots / GetParam())) file = robots / GetParam();
+  }
+  ASSERT_FALSE(file.empty()) << "scripts/setup.sh fetches example-robot-data";
+  const Draft made = draft_robot({file, file.parent_path(), true});
+  EXPECT_EQ(made.text.find("no posture"), std::string::npos) << made.text;
+  const fs::path as = file.parent_path() / "drafted.yaml";
+  const config::LoadedRobot robot = config::read_robot(config::parse_yaml(made.text, as.string()), "");
+  EXPECT_GE(robot.model->num_joints(), 5) << made.text;
+  EXPECT_LE(robot.model->num_joints(), 9) << made.text;
+  EXPECT_FALSE(robot.model->self_pairs.empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, Unprepared,
+                         ::testing::Values("panda_description/urdf/panda.urdf", "ur_description/urdf/ur5_robot.urdf",
+                                           "tiago_description/robots/tiago.urdf", "pr2_description/urdf/pr2.urdf",
+                                           "tiago_pro_description/robots/tiago_pro.urdf",
+                                           "baxter_description/urdf/baxter.urdf", "so_arm_description/urdf/so101.urdf"),
+                         [](const auto& robot) { return fs::path(robot.param).stem().string(); });
+
+}  // namespace
+}  // namespace moma::draft
