@@ -1,6 +1,7 @@
 #include "controller/draft/arm_guess.h"
 
 #include <algorithm>
+#include <string_view>
 
 namespace moma::draft {
 namespace {

@@ -5,6 +5,7 @@
 #include <exception>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "controller/config/mesh_hull.h"
 
