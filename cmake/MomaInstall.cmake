@@ -52,4 +52,13 @@ if(TARGET moma)
   file(RELATIVE_PATH libraries "/${CMAKE_INSTALL_BINDIR}" "/${MOMA_WHEEL_LIBDIR}")
   set_target_properties(moma PROPERTIES INSTALL_RPATH "$ORIGIN/${libraries}")
   install(TARGETS moma RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT program)
+  # Its manual page and completions (eval/cli/CMakeLists.txt writes them) where shells look for them, and the documentation.
+  set(shell "${PROJECT_BINARY_DIR}/shell")
+  install(FILES "${shell}/moma.1" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" COMPONENT program)
+  install(FILES "${shell}/moma.bash" DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" RENAME moma
+          COMPONENT program)
+  install(FILES "${shell}/moma.zsh" DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/site-functions" RENAME _moma COMPONENT program)
+  install(FILES "${shell}/moma.fish" DESTINATION "${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d" COMPONENT program)
+  install(DIRECTORY docs examples DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT program)
+  install(FILES README.md CHANGELOG.md DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT program)
 endif()

@@ -42,6 +42,10 @@ wait "$run" || code=$?
 # A trap ends the first wait before the program has saved.
 while kill -0 "$run" 2>/dev/null; do wait "$run" && code=0 || code=$?; done
 if [ -f "$scratch/$name" ]; then
+  # A program that was killed leaves its newest trials in -wal, which a copy of the one file lacks.
+  if [ -s "$scratch/$name-wal" ] && "$moma" merge "$scratch/whole.db" "$scratch/$name"; then
+    mv "$scratch/whole.db" "$scratch/$name"
+  fi
   cp "$scratch/$name" "$results/.$name.part"
   mv "$results/.$name.part" "$results/$name"
 fi

@@ -17,7 +17,7 @@ void add_identify(CLI::App& app, Action& action, const Arguments& /*arguments*/)
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
       "identify", "Latencies, ramps and noise of a robot, from a log of its commands and measured states");
-  command->add_option("LOG", options->log, "CSV with a head; its columns are in docs/identify.md")->required();
+  command->add_option("LOG", options->log, "CSV with a head; its columns are in docs/how-to/identify.md")->required();
   command->add_option("--disturbances", options->disturbances, "Write a file for a suite's `disturbances`");
   command->add_option("--controller", options->controller,
                       "Write a controller file with `prediction` and `uncertainty`");

@@ -5,20 +5,13 @@
 #include <memory>
 
 #include "controller/config/node.h"
+#include "eval/cli/all_keys.h"
 #include "eval/cli/command.h"
 #include "eval/cli/table.h"
-#include "eval/suite/keys.h"
-#include "eval/tune/tune_config.h"
 #include "world/scenario/family.h"
 
 namespace moma::cli {
 namespace {
-
-std::vector<Key> all_keys() {
-  std::vector<Key> keys = suite_keys();
-  for (Key& key : tune::tune_keys()) keys.push_back(std::move(key));
-  return keys;
-}
 
 /// "worlds" has "worlds.seed", and so has "worlds.se".
 std::vector<Key> beginning_with(const std::string& prefix) {
@@ -42,10 +35,10 @@ void print_section(std::string_view title, std::string_view text, const std::vec
   write(std::cout, table_of(keys, true), Format::kMarkdown);
 }
 
-/// docs/reference-keys.md.
+/// docs/reference/keys.md.
 void print_reference() {
   std::cout << "# Every key\n\n"
-               "Written by `scripts/reference_keys.sh` from the descriptions that the program reads files with; `moma "
+               "Written by `scripts/reference.sh` from the descriptions that the program reads files with; `moma "
                "keys` prints the same.\n"
                "Keys are as `--set` and sweeps take them. Files of controllers and of disturbances have theirs without "
                "the first word.\n"
@@ -86,7 +79,7 @@ void add_keys(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       app.add_subcommand("keys", "List every key of suites, controllers, worlds, disturbances and tuning");
   command->add_option("PREFIX", options->prefix, "Only keys that begin so, e.g. disturbances.objects");
   command->add_flag("--names", options->names, "Names alone, one a line, for completion in a shell");
-  command->add_flag("--reference", options->reference, "The page docs/reference-keys.md");
+  command->add_flag("--reference", options->reference, "The page docs/reference/keys.md");
   command->footer("Example: moma keys worlds.families.moving");
   command->callback([&action, options] {
     action = [options] {

@@ -23,7 +23,9 @@ void add_merge(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   command->add_option("OUT", options->out, "Store to write: made if missing, else added to")->required();
   command->add_option("IN", options->in, "Stores to join")->required()->expected(1, 100000);
   command->footer(
-      "Waits for runs on any of them. Searches of moma tune and tables of other programs come along.\n"
+      "Waits for runs on any of them, and takes in what their -wal files hold: with one IN it is the way to copy a\n"
+      "store, where cp of the .db alone can lose trials. Searches of moma tune and tables of other programs come "
+      "along.\n"
       "The same trial twice is kept once; two results for one trial from machines of one class are a\n"
       "contradiction: exit 1, and OUT stays as it was.\n"
       "Example: moma merge results/all.db results/shard-*.db");

@@ -38,7 +38,7 @@ std::string footer() {
     text += fmt::format("  @{:<9} {}\n", query.name, query.description);
   }
   return text +
-         "Views: v_trials (one flat row per trial), v_summary, v_pairs; docs/store.md describes them.\n"
+         "Views: v_trials (one flat row per trial), v_summary, v_pairs; docs/reference/store.md describes them.\n"
          "Examples: moma query results/demo.db @summary\n"
          "          moma query results/demo.db \"SELECT outcome, count(*) FROM v_trials GROUP BY 1\" --format csv";
 }

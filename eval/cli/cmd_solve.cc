@@ -22,7 +22,7 @@ void add_solve(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("solve", "One control step: every matrix of the QP and its solution, as JSON");
-  command->add_option("CASE", options->file, "Case file (JSON); its format is in docs/controller.md");
+  command->add_option("CASE", options->file, "Case file (JSON); its format is in docs/explanation/controller.md");
   command->add_flag("--explain", options->explain, "In words: what holds the command, why it is infeasible");
   command
       ->add_option("--ahead", options->ahead,

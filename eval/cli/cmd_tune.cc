@@ -88,7 +88,7 @@ void add_tune(CLI::App& app, Action& action, const Arguments& arguments) {
   command->add_flag("--no-verdict", options->no_verdict, "Search only; the same command without it judges later");
   command->add_flag("-q,--quiet", options->quiet, "No progress and no remarks");
   command->footer(
-      "The suite's `tune` section names variables, objective, algorithm, budget and worlds: docs/tuning.md.\n"
+      "The suite's `tune` section names variables, objective, algorithm, budget and worlds: docs/reference/tuning.md.\n"
       "Every evaluation is stored: the same command goes on after a stop, and ends with the same gains.\n"
       "Example: moma tune configs/suites/tune-frankie.yaml --set tune.budget.trials=5000");
   command->callback([&action, options] { action = [options] { return tune_suite(*options); }; });

@@ -10,6 +10,7 @@
 
 #include "controller/config/node.h"
 #include "eval/cli/command.h"
+#include "eval/cli/find_command.h"
 #include "eval/cli/table.h"
 #include "eval/run/listener.h"
 #include "eval/store/build_info.h"
@@ -42,24 +43,16 @@ void add_commands(CLI::App& app, Action& action, const Arguments& arguments) {
   for (CLI::App* command : app.get_subcommands(nullptr)) command->allow_extras();  // reported by us, with a suggestion
 }
 
-std::string suggestion(const std::string& word, const std::vector<std::string>& known) {
-  const std::string near = config::nearest(word, known);
-  return near.empty() ? "" : fmt::format(" (did you mean {}?)", near);
-}
-
 /// CLI11 would only say that a command is missing.
 void check_command(const CLI::App& app, const Arguments& arguments) {
   if (arguments.size() < 2 || arguments[1].empty() || arguments[1][0] == '-') return;
-  std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
-  if (std::find(names.begin(), names.end(), arguments[1]) != names.end()) return;
-  throw UsageError(fmt::format("unknown command '{}'{}; the commands are {}", terminal_safe(arguments[1]),
-                               suggestion(arguments[1], names), fmt::join(names, ", ")));
+  (void)find_command(app, arguments[1]);
 }
 
 void check_extras(const CLI::App& app) {
   for (const CLI::App* command : app.get_subcommands()) {
-    const std::vector<std::string> extras = command->remaining();
+    std::vector<std::string> extras = command->remaining();
+    std::erase(extras, "--");  // CLI11 keeps what ends the options among what it does not know
     if (extras.empty()) continue;
     const std::string& extra = extras.front();
     if (extra.size() < 2 || extra[0] != '-') {
@@ -105,9 +98,9 @@ int exit_code(StoreError::Kind kind) {
 int parse_and_run(const Arguments& arguments) {
   CLI::App app{"Monte Carlo evaluation of reactive QP controllers for mobile manipulators", "moma"};
   app.footer(
-      "Each command has its own help with an example: moma run --help\n"
+      "Each command has its own help with an example: moma help run, or moma run --help\n"
       "Exit codes: 0 done, 1 a check failed, 2 bad input, 3 stopped early with its work saved.");
-  app.set_version_flag("--version", version_text());
+  app.set_version_flag("-V,--version", version_text());
   app.require_subcommand(1);
   app.failure_message(CLI::FailureMessage::simple);
   Action action;

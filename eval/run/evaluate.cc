@@ -44,6 +44,7 @@ class Run {
     const auto notice = [this](const std::string& text) { listener_.tell(listener_.notice, text); };
     if (request_.cluster != nullptr)
       request_.cluster->lead(suite_.resolved.dump(), store::this_machine().machine_class, notice);
+    const bool lock_left = store::RunLock::there(result_.file);
     const store::RunLock lock(result_.file, request_.stop, notice);
     if (!lock.held()) {
       result_.end = End::kNeverBegan;
@@ -51,7 +52,7 @@ class Run {
       return std::move(result_);
     }
     store::Writer writer(result_.file);
-    if (lock.exclusive()) tell_killed(writer.close_killed(), listener_);
+    if (lock.exclusive()) tell_killed(writer.close_killed(), lock_left, listener_);
     const std::string warning = store::file_system_warning(result_.file);
     if (!warning.empty()) listener_.tell(listener_.warning, warning);
     try {

@@ -48,9 +48,16 @@ std::string stopped_text(const std::string& what, const std::string& saved, cons
                      command_line(arguments));
 }
 
-void tell_killed(const std::vector<std::string>& started, const Listener& listener) {
-  for (const std::string& when : started)
-    listener.tell(listener.note, fmt::format("the run of {} was killed; what it saved is there", when));
+std::string no_end_text(const std::string& started, bool lock_left) {
+  return lock_left ? fmt::format("the run of {} was killed; what it saved is there", started)
+                   : fmt::format(
+                         "the run of {} has no end, and no lock of it is beside this store: a copy that was "
+                         "taken meanwhile lacks the trials of its -wal file; moma merge makes whole copies",
+                         started);
+}
+
+void tell_killed(const std::vector<std::string>& started, bool lock_left, const Listener& listener) {
+  for (const std::string& when : started) listener.tell(listener.note, no_end_text(when, lock_left));
 }
 
 int usual_threads(bool cluster) {

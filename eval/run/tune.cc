@@ -37,6 +37,7 @@ class Tune {
   Tuned execute() {
     Tuned tuned;
     const auto notice = [this](const std::string& text) { listener_.tell(listener_.notice, text); };
+    lock_left_ = store::RunLock::there(file_);
     const store::RunLock lock(file_, request_.stop, notice);
     if (!lock.held()) return stopped(std::move(tuned), End::kNeverBegan, "the wait for the store");
     check_gains_file();
@@ -71,7 +72,7 @@ class Tune {
 
   std::optional<tune::SearchResult> search(bool exclusive) {
     store::Writer writer(file_);
-    if (exclusive) tell_killed(writer.close_killed(), listener_);
+    if (exclusive) tell_killed(writer.close_killed(), lock_left_, listener_);
     const std::string warning = store::file_system_warning(file_);
     if (!warning.empty()) listener_.tell(listener_.warning, warning);
     writer.begin(without_metrics(store::describe(tune::searched_suite(tuning_))), {request_.arguments, threads_}, {});
@@ -198,6 +199,7 @@ class Tune {
   fs::path file_;
   fs::path gains_;
   int threads_;
+  bool lock_left_ = false;  ///< by a run before this one
 };
 
 }  // namespace

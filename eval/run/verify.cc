@@ -243,9 +243,8 @@ class Verifier {
     const std::vector<std::string> started = reader_.running();
     for (const std::string& when : started) {
       const bool last = &when == &started.back();
-      listener_.tell(
-          listener_.notice,
-          fmt::format("the run of {} {}", when, at_work && last ? "is at work" : "was killed; what it saved is there"));
+      listener_.tell(listener_.notice, at_work && last ? fmt::format("the run of {} is at work", when)
+                                                       : no_end_text(when, store::RunLock::there(request_.file)));
     }
   }
 

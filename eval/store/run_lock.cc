@@ -66,6 +66,11 @@ bool RunLock::taken(const std::filesystem::path& db) {
   return taken;
 }
 
+bool RunLock::there(const std::filesystem::path& db) {
+  struct stat found {};
+  return lstat((behind_links(db).string() + "-lock").c_str(), &found) == 0;
+}
+
 void RunLock::release() {
   if (descriptor_ >= 0) close(descriptor_);
   descriptor_ = -1;

@@ -30,6 +30,9 @@ class RunLock {
 
   /// Whether somebody holds the lock of this store at this moment; false also where there are no locks.
   static bool taken(const std::filesystem::path& db);
+  /// Whether the lock's file is there, held or left behind by a program that was killed. A store that says of a run
+  /// that it goes on, and has none, is a copy: it lacks what that run had in DB-wal.
+  static bool there(const std::filesystem::path& db);
 
   /// False where the wait was broken off.
   bool held() const { return held_; }

@@ -255,6 +255,12 @@ TEST_F(CliTrust, ARunThatWasKilledIsToldFromOneAtWork) {
   process.wait();
   open_gate();
   EXPECT_NE(moma({"verify", "a.db", "--fraction", "0"}).err.find("was killed"), std::string::npos);
+  // A copy without the lock cannot be told from one that was taken meanwhile.
+  fs::copy_file(path("a.db"), path("copy.db"));
+  fs::copy_file(path("a.db-wal"), path("copy.db-wal"));
+  const std::string copied = moma({"verify", "copy.db", "--fraction", "0"}).err;
+  EXPECT_NE(copied.find("a copy that was taken meanwhile lacks the trials of its -wal file"), std::string::npos)
+      << copied;
   const ProcessResult next = good({"run", "gated.yaml", "-o", "a.db", "--trials", "5"});
   EXPECT_NE(next.err.find("was killed; what it saved is there"), std::string::npos) << next.err;
   EXPECT_EQ(good({"query", "a.db", "SELECT status FROM invocation ORDER BY id", "-f", "csv"}).out,

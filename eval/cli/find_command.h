@@ -1,0 +1,18 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+namespace moma::cli {
+
+/// The names of all commands, in the order of the help.
+std::vector<std::string> command_names(const CLI::App& app);
+
+/// The command of this name. Throws UsageError, which names the nearest one and all.
+CLI::App& find_command(const CLI::App& app, const std::string& name);
+
+/// " (did you mean WORD?)", or "" where none of `known` is near to `word`.
+std::string suggestion(const std::string& word, const std::vector<std::string>& known);
+
+}  // namespace moma::cli

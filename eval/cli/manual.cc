@@ -1,0 +1,164 @@
+#include "eval/cli/manual.h"
+
+#include <fmt/format.h>
+
+#include <sstream>
+#include <vector>
+
+#include "eval/store/build_info.h"
+
+namespace moma::cli {
+namespace {
+
+std::vector<std::string> text_lines(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+bool is_positional(const CLI::Option& option) { return !option.nonpositional(); }
+bool has_value(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
+
+/// "DB", "-o, --output".
+std::string option_names(const CLI::Option& option) {
+  if (is_positional(option)) return option.get_single_name();
+  std::string names;
+  for (const std::string& name : option.get_snames()) names += (names.empty() ? "-" : ", -") + name;
+  for (const std::string& name : option.get_lnames()) names += (names.empty() ? "--" : ", --") + name;
+  return names;
+}
+
+/// "TEXT", "INT in [1 - 4096]", "sphere|capsule|box"; "" of a flag.
+std::string option_value(const CLI::Option& option) {
+  if (!has_value(option)) return "";
+  if (!option.get_option_text().empty()) return option.get_option_text();
+  const std::string type = option.get_type_name();
+  const std::size_t colon = type.find(':');
+  if (colon == std::string::npos) return type;
+  const std::string checked = type.substr(colon + 1);
+  if (checked.starts_with('{')) {
+    std::string words = checked.substr(1, checked.find('}') - 1);
+    for (char& c : words) c = c == ',' ? '|' : c;
+    return words;
+  }
+  const std::string kind = type.substr(0, colon);
+  return checked.starts_with("INT in") || checked.starts_with("FLOAT in") || checked.starts_with("UINT in")
+             ? kind + checked.substr(checked.find(" in"))
+             : kind + " " + checked;
+}
+
+std::string joined_names(const std::set<CLI::Option*>& options) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : options) names.push_back("--" + option->get_single_name());
+  std::sort(names.begin(), names.end());
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// The description with what the option's own text leaves out.
+std::string option_text(const CLI::Option& option) {
+  std::string text = option.get_description();
+  if (!option.get_default_str().empty()) text += fmt::format(" ({})", option.get_default_str());
+  if (!option.get_needs().empty()) text += fmt::format("; with {} only", joined_names(option.get_needs()));
+  if (!option.get_excludes().empty()) text += fmt::format("; not with {}", joined_names(option.get_excludes()));
+  return text;
+}
+
+/// "moma run [OPTIONS] SUITE", "moma merge [OPTIONS] OUT IN...".
+std::string usage_of(const CLI::App& command) {
+  std::string usage = fmt::format("moma {} [OPTIONS]", command.get_name());
+  for (const CLI::Option* option : command.get_options()) {
+    if (!is_positional(*option)) continue;
+    const std::string name = option->get_single_name() + (option->get_items_expected_max() > 1 ? "..." : "");
+    usage += option->get_required() ? " " + name : " [" + name + "]";
+  }
+  return usage;
+}
+
+/// For troff: backslashes, hyphens that are to be typed, and lines that would be requests.
+std::string roff(const std::string& text) {
+  std::string out;
+  if (!text.empty() && (text[0] == '.' || text[0] == '\'')) out = "\\&";
+  for (const char c : text) {
+    if (c == '\\') {
+      out += "\\e";
+    } else if (c == '-') {
+      out += "\\-";
+    } else if (c == '\'') {
+      out += "\\(aq";
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
+/// Lines kept as they are.
+std::string roff_lines(const std::string& text) {
+  if (text.empty()) return "";
+  std::string out = ".PP\n.nf\n";
+  for (const std::string& line : text_lines(text)) out += roff(line) + "\n";
+  return out + ".fi\n";
+}
+
+std::string roff_option(const CLI::Option& option) {
+  const std::string value = option_value(option);
+  return fmt::format(".TP\n\\fB{}\\fR{}\n{}\n", roff(option_names(option)),
+                     value.empty() || is_positional(option) ? "" : fmt::format(" \\fI{}\\fR", roff(value)),
+                     roff(option_text(option)));
+}
+
+std::string markdown_cell(const std::string& text) {
+  std::string out;
+  for (const char c : text) out += c == '|' ? std::string("\\|") : std::string(1, c);
+  return out;
+}
+
+}  // namespace
+
+std::string manual_page(const CLI::App& app) {
+  std::string page = fmt::format(".TH MOMA 1 \"\" \"moma {}\" \"User Commands\"\n", store::kVersion);
+  page += fmt::format(".SH NAME\nmoma \\- {}\n", roff(app.get_description()));
+  page +=
+      ".SH SYNOPSIS\n\\fBmoma\\fR \\fICOMMAND\\fR [\\fIOPTIONS\\fR] ...\n.br\n\\fBmoma help\\fR [\\fICOMMAND\\fR]\n";
+  page += ".SH OPTIONS\n";
+  for (const CLI::Option* option : app.get_options()) page += roff_option(*option);
+  page += ".SH COMMANDS\n";
+  for (const CLI::App* command : app.get_subcommands(nullptr)) {
+    page += fmt::format(".SS {}\n{}.\n", roff(usage_of(*command)), roff(command->get_description()));
+    for (const CLI::Option* option : command->get_options()) {
+      if (option->get_lnames() != std::vector<std::string>{"help"}) page += roff_option(*option);
+    }
+    page += roff_lines(command->get_footer());
+  }
+  page += ".SH EXIT STATUS\n";
+  page += roff_lines(app.get_footer());
+  page +=
+      ".SH ENVIRONMENT\n.TP\n\\fBMOMA_PACKAGE_PATH\\fR\nFolders, separated by colons, in which the packages of "
+      "package:// in URDFs are looked for.\n";
+  return page;
+}
+
+std::string commands_page(const CLI::App& app) {
+  std::string page =
+      "# Every command\n\n"
+      "Written by `scripts/reference.sh` from the program's own descriptions. `moma help COMMAND`, `moma COMMAND "
+      "--help` and the manual page say the same.\n\n| command | what it does |\n| --- | --- |\n";
+  for (const CLI::App* command : app.get_subcommands(nullptr))
+    page +=
+        fmt::format("| [`{0}`](#moma-{0}) | {1} |\n", command->get_name(), markdown_cell(command->get_description()));
+  page += fmt::format("\n```text\n{}\n```\n", app.get_footer());
+  for (const CLI::App* command : app.get_subcommands(nullptr)) {
+    page += fmt::format("\n## moma {}\n\n{}.\n\n```text\n{}\n```\n\n| option | value | what |\n| --- | --- | --- |\n",
+                        command->get_name(), command->get_description(), usage_of(*command));
+    for (const CLI::Option* option : command->get_options()) {
+      const std::string value = option_value(*option);
+      page += fmt::format("| `{}` | {} | {} |\n", option_names(*option),
+                          markdown_cell(value.empty() ? "" : "`" + value + "`"), markdown_cell(option_text(*option)));
+    }
+    if (!command->get_footer().empty()) page += fmt::format("\n```text\n{}\n```\n", command->get_footer());
+  }
+  return page;
+}
+
+}  // namespace moma::cli

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace moma::cli {
+
+/// The manual page moma(1) in the macros of man(7), from the descriptions of the commands.
+std::string manual_page(const CLI::App& app);
+
+/// docs/reference/commands.md: the same in Markdown.
+std::string commands_page(const CLI::App& app);
+
+}  // namespace moma::cli
