@@ -18,7 +18,7 @@ Vector3 driven_wheel(const Wheels& w, int wheel) noexcept {
   return {1.0 / w.radius, side * w.separation / (2.0 * w.radius), 0.0};
 }
 
-// The map of docs/conventions.md.
+// The map of docs/reference/conventions.md.
 Vector3 mecanum_wheel(const Wheels& w, int wheel) noexcept {
   const double k = 0.5 * (w.wheelbase + w.separation);
   static constexpr double kSideways[] = {-1.0, 1.0, 1.0, -1.0};

@@ -265,7 +265,7 @@ TEST(ControllerProperties, TheCommandIsContinuousWhereARowEntersNotTooFast) {
 }
 
 TEST(ControllerProperties, AFasterObjectMakesTheCommandJumpAsItsRowEnters) {
-  // The jump is what the robot needs to be as slow as xi at once; docs/controller.md gives these figures.
+  // The jump is what the robot needs to be as slow as xi at once; docs/explanation/controller.md gives these figures.
   Rng rng(71);
   double largest = 0.0, sum = 0.0;
   int jumps = 0;

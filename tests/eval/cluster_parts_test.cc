@@ -145,7 +145,7 @@ TEST(Sequential, CoverageIsExactAndNearTheFixedOne) {
   const UntilRule one_look{"success", 0.001, 50, 50};
   EXPECT_NEAR(stopped_coverage(one_look, 0.5).mean_worlds, 50.0, 1e-9);
   EXPECT_NEAR(stopped_coverage(one_look, 0.5).coverage, 0.9350913529, 1e-9);  // binomial pmf, summed apart
-  // The default rule: what docs/store.md states.
+  // The default rule: what docs/reference/store.md states.
   const UntilRule usual{"success", 0.02, 3000, 100};
   for (const double p : {0.5, 0.7, 0.9, 0.95, 0.98}) {
     const StoppedCoverage found = stopped_coverage(usual, p);

@@ -1,4 +1,4 @@
-// Stores from before a metric was there, and what docs/store.md says of the columns.
+// Stores from before a metric was there, and what docs/reference/store.md says of the columns.
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gtest/gtest.h>
 #include <zstd.h>
@@ -264,7 +264,7 @@ struct SampleRows {
 };
 
 TEST(StoreDocumentation, ItsTablesAreThoseOfTheProgram) {
-  const fs::path page = MOMA_SOURCE_DIR "/docs/store.md";
+  const fs::path page = MOMA_SOURCE_DIR "/docs/reference/store.md";
   expect_generated(page, "columns of v_trials",
                    "| column | unit | meaning |\n| --- | --- | --- |\n" +
                        fmt::format("| `outcome` | | {} |\n", list_of_words<Outcome>(", ", "`")) +

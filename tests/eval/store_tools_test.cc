@@ -399,7 +399,7 @@ TEST(StoreDocumentation, ItsQueriesRun) {
   const TemporaryFolder folder;
   const fs::path file = folder / "a.db";
   write_with_samples(file, 6);
-  const std::string text = text_of(MOMA_SOURCE_DIR "/docs/store.md");
+  const std::string text = text_of(MOMA_SOURCE_DIR "/docs/reference/store.md");
   std::size_t found = 0;
   for (std::size_t at = text.find("```sql\n"); at != std::string::npos; at = text.find("```sql\n", at + 1)) {
     const std::size_t begin = at + 7;
