@@ -220,7 +220,7 @@ struct Endings {
 };
 const std::vector<Endings>& file_endings() {
   static const std::vector<Endings> all = {
-      {"SUITE", {"yaml", "db"}}, {"ROBOT", {"yaml"}}, {"CASE", {"json"}}, {"DB", {"db"}},
+      {"SUITE", {"yaml", "db"}}, {"ROBOT", {"yaml", "urdf"}}, {"CASE", {"json"}}, {"DB", {"db"}},
       {"OUT", {"db"}},           {"IN", {"db"}},      {"LOG", {"csv"}},
   };
   return all;
