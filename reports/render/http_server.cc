@@ -23,7 +23,8 @@ using Clock = std::chrono::steady_clock;
 /// One client; the library reads and writes through it.
 class HttpServer::Connection final : public httplib::Stream {
  public:
-  Connection(socket_t socket, const HttpLimits& limits) : socket_(socket), limits_(limits) {}
+  Connection(socket_t socket, const HttpLimits& limits, const std::atomic<std::size_t>& queued)
+      : socket_(socket), limits_(limits), queued_(queued) {}
 
   /// A new request begins; what was read of it already counts. `idle`: for how long the client may say nothing.
   void begin(std::chrono::milliseconds idle) {
@@ -34,7 +35,11 @@ class HttpServer::Connection final : public httplib::Stream {
   }
 
   /// Wakes the thread that serves it: nothing can be read or written any more.
-  void close() const { ::shutdown(socket_, SHUT_RDWR); }
+  void close() {
+    closed_ = true;
+    ::shutdown(socket_, SHUT_RDWR);
+  }
+  bool closed() const { return closed_; }
 
   /// Since when its client lets us wait.
   std::optional<Clock::time_point> waiting() const {
@@ -86,12 +91,14 @@ class HttpServer::Connection final : public httplib::Stream {
     port = 0;
   }
 
-  /// Until the client is ready; false where the time is over.
+  /// Until the client is ready; false where the time is over, or others wait for this thread.
   bool wait(short event) const {
-    waiting_.store(Clock::now().time_since_epoch().count());
+    const Clock::time_point since = Clock::now();
+    waiting_.store(since.time_since_epoch().count());
     bool ready = false;
     while (!ready) {
-      const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline_ - Clock::now()).count();
+      const auto end = queued_.load() > 0 ? std::min(deadline_, since + limits_.grace) : deadline_;
+      const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
       if (left < 0) break;
       pollfd one{socket_, event, 0};
       const int found = ::poll(&one, 1, static_cast<int>(left) + 1);
@@ -104,6 +111,8 @@ class HttpServer::Connection final : public httplib::Stream {
 
   socket_t socket_;
   const HttpLimits& limits_;
+  const std::atomic<std::size_t>& queued_;
+  bool closed_ = false;  ///< under the server's mutex
   Clock::time_point deadline_;
   bool begun_ = false;
   bool answering_ = false;
@@ -131,6 +140,7 @@ class HttpServer::Pool final : public httplib::TaskQueue {
         dropped = std::move(jobs_.front());
         jobs_.pop_front();
       }
+      server_.queued_ = jobs_.size();
     }
     more_.notify_one();
     if (busy) server_.close_longest();
@@ -159,6 +169,7 @@ class HttpServer::Pool final : public httplib::TaskQueue {
         if (jobs_.empty()) return;
         job = std::move(jobs_.front());
         jobs_.pop_front();
+        server_.queued_ = jobs_.size();
       }
       job();
     }
@@ -180,7 +191,7 @@ HttpServer::HttpServer(const HttpLimits& limits) : limits_(limits) {
 void HttpServer::widen() { (void)::listen(svr_sock_, static_cast<int>(limits_.waiting)); }
 
 bool HttpServer::process_and_close_socket(socket_t socket) {
-  Connection connection(socket, limits_);
+  Connection connection(socket, limits_, queued_);
   std::list<Connection*>::iterator place;
   bool serve = false;
   {
@@ -204,18 +215,17 @@ bool HttpServer::process_and_close_socket(socket_t socket) {
   return answered;
 }
 
-bool HttpServer::close_longest() {
+void HttpServer::close_longest() {
   const std::lock_guard lock(mutex_);
-  const Connection* longest = nullptr;
+  Connection* longest = nullptr;
   std::optional<Clock::time_point> since;
-  for (const Connection* connection : connections_) {
+  for (Connection* connection : connections_) {
     const auto waiting = connection->waiting();
-    if (!waiting || (since && *waiting >= *since)) continue;
+    if (!waiting || connection->closed() || (since && *waiting >= *since)) continue;
     longest = connection;
     since = waiting;
   }
   if (longest != nullptr) longest->close();
-  return longest != nullptr;
 }
 
 void HttpServer::drop(const std::function<void()>& job) {
@@ -227,7 +237,7 @@ void HttpServer::drop(const std::function<void()>& job) {
 void HttpServer::close_all() {
   const std::lock_guard lock(mutex_);
   closing_ = true;
-  for (const Connection* connection : connections_) connection->close();
+  for (Connection* connection : connections_) connection->close();
 }
 
 }  // namespace moma::reports

@@ -18,13 +18,14 @@ struct HttpLimits {
   std::chrono::milliseconds idle{2000};     ///< from an answer to the next request's first byte
   std::chrono::milliseconds request{5000};  ///< from a request's first byte to its last
   std::chrono::milliseconds answer{60000};  ///< from an answer's first byte to its last
+  std::chrono::milliseconds grace{20};      ///< for which a client may say nothing while others wait for a thread
 };
 
 /// cpp-httplib's server with bounds that version 0.11 does not have: its time limits are for single reads, so that a
 /// client that sends a byte now and then holds a thread for good, and it believes ranges that end behind the content.
 /// Here every request and answer has one time limit as a whole, ranges are not offered (RFC 9110, 14.2: a server may
 /// ignore them), and where all threads wait for clients, the one that has waited longest is closed for the next
-/// connection.
+/// connection; while more of them wait for a thread, a client that says nothing for a moment gives way.
 class HttpServer final : public httplib::Server {
  public:
   explicit HttpServer(const HttpLimits& limits = {});
@@ -39,13 +40,14 @@ class HttpServer final : public httplib::Server {
   friend class Pool;
 
   bool process_and_close_socket(socket_t socket) override;
-  /// Closes the connection that has waited for its client longest; false where none waits.
-  bool close_longest();
+  /// Closes the connection that has waited for its client longest, if any waits.
+  void close_longest();
   void close_all();
   /// Only closes the socket of a connection that waits for a thread.
   void drop(const std::function<void()>& job);
 
   HttpLimits limits_;
+  std::atomic<std::size_t> queued_{0};  ///< connections that wait for a thread
   std::mutex mutex_;
   std::list<Connection*> connections_;
   bool closing_ = false;
