@@ -220,8 +220,10 @@ struct Endings {
 };
 const std::vector<Endings>& file_endings() {
   static const std::vector<Endings> all = {
-      {"SUITE", {"yaml", "db"}}, {"ROBOT", {"yaml", "urdf"}}, {"CASE", {"json"}}, {"DB", {"db"}},
-      {"OUT", {"db"}},           {"IN", {"db"}},      {"LOG", {"csv"}},
+      {"SUITE", {"yaml", "db"}}, {"ROBOT", {"yaml", "urdf"}},
+      {"CASE", {"json"}},        {"DB", {"db"}},
+      {"OUT", {"db"}},           {"IN", {"db"}},
+      {"LOG", {"csv"}},
   };
   return all;
 }

@@ -6,6 +6,7 @@
   docs_test.py self-test ROOT MOMA     the first two notice what is wrong
 """
 
+import glob
 import os
 import pathlib
 import re
@@ -147,6 +148,8 @@ def do_tutorial(page, root, build):
         here = pathlib.Path(folder)
         shutil.copytree(root / "configs", here / "configs")
         (here / "build").symlink_to(build)
+        if (root / ".venv").exists():
+            (here / ".venv").symlink_to(root / ".venv")
         (here / "reports").mkdir()
         if "results/first.db" in text and "first.yaml" not in text:  # goes on from the first tutorial
             do_first = re.search(r"Save this as\s+`([^`]+)`:\s+```yaml\n(.*?)```", (page.parent / "first-run.md").read_text(), re.S)
@@ -168,7 +171,9 @@ def do_tutorial(page, root, build):
                         continue
                     if not line.startswith("build/moma "):
                         return f"{page.name}: not a command of this test: {line}", commands
-                    words = shlex.split(line, comments=True)[1:]
+                    words = []
+                    for word in shlex.split(line, comments=True)[1:]:
+                        words += [os.path.relpath(file, here) for file in glob.glob(str(here / word))] or [word]
                     more = ["--max-shapes", "1"] if "--fit-shapes" in words else FEWER.get(words[0], [])
                     done = run(here / "build/moma", [*words, *more], here)
                     commands += 1
