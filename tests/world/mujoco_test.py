@@ -5,7 +5,7 @@
 
 Prints each measured difference with its tolerance; ends with 1 where one is exceeded, with 77 (skipped) where the
 Python package mujoco is missing. --spoil makes MuJoCo's robot a slightly different one and expects every check to
-notice. docs/physics.md has the table that this gives.
+notice. docs/explanation/physics.md has the table that this gives.
 """
 import argparse
 import copy
