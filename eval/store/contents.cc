@@ -69,6 +69,7 @@ class Checker {
           std::pair{"world", "json"}, std::pair{"tune_search", "identity"}})
       check_hashes(table, text);
     check_worlds();
+    check_names();
     check_keys();
     check_copies();
     check_samples();
@@ -115,6 +116,32 @@ class Checker {
     while (triggers.executeStep())
       tell(fmt::format("trigger {} on {}: moma makes none, and none runs while moma writes",
                        triggers.getColumn(0).getString(), triggers.getColumn(1).getString()));
+  }
+
+  /// What is shown is the name of the file, or NAME@2, NAME@3 ... where that was taken (free_name()): a suite,
+  /// controller or metric that goes by another's name would be taken for it.
+  void check_names() {
+    Statement s(db_,
+                "SELECT 'suite ' || id, name, file_name FROM main.suite UNION ALL SELECT 'point ' || id, controller, "
+                "controller_name FROM main.point UNION ALL SELECT 'metric ' || id, name, file_name FROM main.metric");
+    while (s.executeStep()) {
+      const std::string shown = s.getColumn(1).getString();
+      const std::string name = s.getColumn(2).getString();
+      const bool numbered = shown.size() > name.size() + 1 && shown.starts_with(name + "@") &&
+                            shown.find_first_not_of("0123456789", name.size() + 1) == std::string::npos;
+      if (shown != name && !numbered)
+        tell(fmt::format("{} is shown as {:.80}, but its name is {:.80}", s.getColumn(0).getString(), shown, name));
+    }
+    Statement suites(
+        db_,
+        "SELECT DISTINCT u.id, u.file_name, iif(json_valid(r.resolved), coalesce(json_extract(r.resolved, "
+        "'$.name'), u.file_name), u.file_name) AS said FROM main.point AS p JOIN main.suite AS u ON u.id = "
+        "p.suite_id JOIN main.resolved_suite AS r ON r.id = p.resolved_suite_id WHERE said IS NOT "
+        "u.file_name");
+    while (suites.executeStep())
+      tell(fmt::format("suite {}: its name is {:.80}, but that of its resolved suite {:.80}",
+                       suites.getColumn(0).getInt64(), suites.getColumn(1).getString(),
+                       suites.getColumn(2).getString()));
   }
 
   void check_hashes(const std::string& table, const std::string& text) {
