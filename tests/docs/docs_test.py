@@ -1,6 +1,6 @@
 """What the pages of the documentation say is true of the repository and of the program.
 
-  docs_test.py links ROOT              every relative link and image of every page leads somewhere, anchors included
+  docs_test.py links ROOT              every relative link and image of every page leads somewhere, anchors included; all pages are in the site
   docs_test.py commands ROOT MOMA      every command line of moma in the pages is one that the program understands
   docs_test.py tutorials ROOT BUILD    the tutorials, done as they say in a folder of their own, with few trials
   docs_test.py self-test ROOT MOMA     the first two notice what is wrong
@@ -59,6 +59,16 @@ def check_links(root):
             elif anchor and file.suffix == ".md" and anchor not in anchors(file):
                 wrong.append(f"{page.relative_to(root)}: {target}: the page has no such heading")
     return wrong, links
+
+
+def check_navigation(root):
+    """Every page of the site is in its navigation; studies are found from docs/index.md as well."""
+    listed = set(re.findall(r": (\S+\.md)$", (root / "mkdocs.yml").read_text(), re.M))
+    linked = {target.partition("#")[0] for target in re.findall(r"\]\(([^)\s]+)\)", (root / "docs/index.md").read_text())}
+    names = {page.relative_to(root / "docs").as_posix() for page in (root / "docs").rglob("*.md")}
+    wrong = [f"docs/{name} is not in the nav of mkdocs.yml" for name in sorted(names - listed)
+             if not (name.startswith("studies/") and name in linked)]
+    return wrong + [f"mkdocs.yml: nav names docs/{name}, which is not there" for name in sorted(listed - names)]
 
 
 def shell_lines(block):
@@ -216,6 +226,7 @@ def main():
                 wrong.append(complaint)
     elif what == "links":
         wrong, count = check_links(root)
+        wrong += check_navigation(root)
     else:
         wrong, count = check_commands(root, pathlib.Path(sys.argv[3]).resolve())
     least = {"links": 100, "commands": 80, "tutorials": 15}[what]
