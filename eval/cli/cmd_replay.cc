@@ -4,9 +4,11 @@
 #include <iostream>
 #include <memory>
 
+#include "controller/case/case_file.h"
 #include "eval/cli/command.h"
 #include "eval/cli/play_again.h"
 #include "eval/cli/robot_look.h"
+#include "eval/cli/stored_case.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 #include "eval/cli/whole_file.h"
@@ -15,7 +17,6 @@
 #include "eval/run/replay.h"
 #include "eval/store/columns.h"
 #include "eval/store/reader.h"
-#include "eval/trial/case_of_step.h"
 #include "eval/trial/trace_json.h"
 #include "eval/trial/trial.h"
 #include "reports/render/video.h"
@@ -61,15 +62,6 @@ int compare(const run::Replay& replay) {
               << terminal_safe(found.stored_machine) << "\n  " << found.this_machine << " (here)\n";
   }
   return kCheckFailed;
-}
-
-void write_case(const SuitePoint& point, const World& world, long step, const std::string& file) {
-  try {
-    const nlohmann::ordered_json json = case_to_json(case_of_step(point, world, step));
-    write_whole(file, [&](std::ostream& out) { out << json.dump() << '\n'; });
-  } catch (const std::invalid_argument& e) {
-    throw UsageError(e.what());
-  }
 }
 
 struct Film {
@@ -141,8 +133,9 @@ void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
     action = [options] {
       run::StoredSuites suites(options->plugins);
       if (!options->case_file.empty()) {
-        const store::StoredTrial trial = store::Reader(options->file).trial(options->trial);
-        write_case(suites.point_of(trial), run::world_of(trial), options->step, options->case_file);
+        const nlohmann::ordered_json json =
+            case_to_json(stored_case(suites, options->file, options->trial, options->step));
+        write_whole(options->case_file, [&](std::ostream& out) { out << json.dump() << '\n'; });
         return static_cast<int>(kOk);
       }
       if (!options->log_file.empty()) {

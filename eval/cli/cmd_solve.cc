@@ -8,6 +8,7 @@
 #include "controller/case/solve.h"
 #include "eval/cli/command.h"
 #include "eval/cli/lenient.h"
+#include "eval/cli/stored_case.h"
 #include "eval/cli/suite_options.h"
 
 namespace moma::cli {
@@ -15,6 +16,8 @@ namespace moma::cli {
 void add_solve(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   struct Options {
     std::string file;
+    std::string trial;
+    long step = 0;
     bool explain = false;
     bool solvers = false;
     bool lenient = false;
@@ -22,7 +25,14 @@ void add_solve(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("solve", "One control step: every matrix of the QP and its solution, as JSON");
-  command->add_option("CASE", options->file, "Case file (JSON); its format is in docs/explanation/controller.md");
+  command->add_option("CASE", options->file,
+                      "Case file (JSON; its format is in docs/explanation/controller.md), or a store");
+  CLI::Option* trial =
+      command->add_option("TRIAL", options->trial, "Of a store: the trial, or any unique beginning of it");
+  command->add_option("--step", options->step, "Of a stored trial: which control step, from 0")
+      ->needs(trial)
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command->add_flag("--explain", options->explain, "In words: what holds the command, why it is infeasible");
   command
       ->add_option("--ahead", options->ahead,
@@ -33,9 +43,12 @@ void add_solve(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   command->add_flag("--solvers", options->solvers, "Lists the QP solvers by name, and which of them are built in");
   command->footer(
       "An infeasible problem is an answer, not an error.\n"
-      "Example: moma solve tests/data/qp_cases/cases/frankie_119.json --explain");
+      "Examples: moma solve tests/data/qp_cases/cases/frankie_119.json --explain\n"
+      "          moma solve results/demo.db 3f9a12 --step 120 --explain");
   command->callback([&action, options] {
     if (options->file.empty() && !options->solvers) throw CLI::RequiredError("CASE");
+    if (options->lenient && !options->trial.empty())
+      throw UsageError("--lenient is of a case file; a store says itself how its robot was read");
     action = [options] {
       if (options->solvers) {
         for (const SolverInfo& solver : list_solvers())
@@ -43,8 +56,13 @@ void add_solve(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
                      solver.description);
         return static_cast<int>(kOk);
       }
-      const ControlCase control_case =
-          options->lenient ? read_case(case_with_lenient_robot(options->file)) : read_case(options->file);
+      const auto asked = [&] {
+        if (options->lenient) return read_case(case_with_lenient_robot(options->file));
+        if (options->trial.empty()) return read_case(options->file);
+        run::StoredSuites suites;
+        return stored_case(suites, options->file, options->trial, options->step);
+      };
+      const ControlCase control_case = asked();
       if (options->ahead > 0.0) {
         print_warnings(control_case.warnings);
         std::cout << foresee(control_case, options->ahead);

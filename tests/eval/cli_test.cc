@@ -113,6 +113,13 @@ samples: all
   std::ifstream file(path("step.json"));
   EXPECT_EQ(samples[k]["escape"], json::parse(file)["state"]["escape"]) << "as a case of the same step has it";
   EXPECT_NE(samples[k]["escape"], samples[0]["escape"]) << "nothing was there to be remembered";
+  // The step is solved from the store as from its case, and gives the command that was stored.
+  const std::string solved = good({"solve", "m.db", trial, "--step", std::to_string(k)}).out;
+  EXPECT_EQ(solved, good({"solve", "step.json"}).out);
+  EXPECT_EQ(json::parse(solved)["command"], samples[k]["command"]) << solved;
+  bad({"solve", "m.db", trial, "--step", "100000"}, {"no control step 100000", "it ends after"});
+  bad({"solve", "m.db", "none"}, {"none"});
+  bad({"solve", "step.json", "--step", "3"}, {"TRIAL"});
 }
 
 TEST_F(Cli, ReplayVerifyAndRerunNeedNothingButTheStore) {
