@@ -114,7 +114,8 @@ void add_run(CLI::App& app, Action& action, const Arguments& arguments) {
   command->footer(
       "Trials that the store already holds are not computed again, so the same command goes on after a stop.\n"
       "Ctrl-C finishes the trials in flight and saves them. A second run on the same store waits for the first.\n"
-      "On a cluster (docs/how-to/cluster.md): mpirun -n N moma run SUITE, or --shard I/N in every task and moma merge.\n"
+      "On a cluster (docs/how-to/cluster.md): mpirun -n N moma run SUITE, or --shard I/N in every task and moma "
+      "merge.\n"
       "Example: moma run configs/suites/demo.yaml -o results/demo.db --set simulation.mode=kinematic");
   command->callback([&action, options] { action = [options] { return run_suite(*options); }; });
 }

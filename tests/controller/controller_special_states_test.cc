@@ -1,5 +1,6 @@
 // States in which a formula has no value or a bound no room, for every preset on a fixed Panda, a fixed UR5 and
-// Frankie: the answer is finite, inside its bounds, and the one that docs/explanation/controller.md ("Special states") describes.
+// Frankie: the answer is finite, inside its bounds, and the one that docs/explanation/controller.md ("Special states")
+// describes.
 
 #include <gtest/gtest.h>
 

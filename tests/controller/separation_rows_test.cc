@@ -65,7 +65,8 @@ ControllerParams with_separation(const RobotModel& model) {
 
 using Pair = std::pair<int, int>;
 
-std::map<Pair, double> distances(const RobotModel& model, const std::vector<ObjectShape>& shapes, const Observation& o) {
+std::map<Pair, double> distances(const RobotModel& model, const std::vector<ObjectShape>& shapes,
+                                 const Observation& o) {
   const auto shared = std::make_shared<RobotModel>(model);
   Kinematics kinematics(shared);
   kinematics.update(o.base, o.q);
