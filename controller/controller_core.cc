@@ -10,6 +10,7 @@
 #include "controller/ahead/lookahead.h"
 #include "controller/qp/terms.h"
 #include "controller/qp/tracking.h"
+#include "controller/safe/evasion.h"
 
 namespace moma {
 namespace {
@@ -67,6 +68,9 @@ ControllerCore::ControllerCore(std::shared_ptr<const RobotModel> model, Controll
       scratch_(VectorX::Zero(nv_)) {
   for (int i = 0; i < model_->num_joints(); ++i)
     prismatic_[i] = model_->joints[static_cast<std::size_t>(i)].type == JointType::kPrismatic ? 1 : 0;
+  if (params_.collision.evasion.enabled)
+    evasion_ = std::make_unique<Evasion>(model_, params_.collision.evasion, params_.acceleration_limit,
+                                         params_.base_share, control_period_);
   if (params_.plan.enabled && params_.method == Method::kQp)
     lookahead_ = std::make_unique<Lookahead>(model_, params_, control_period_);
   reset({});
@@ -94,9 +98,11 @@ void ControllerCore::reset(std::span<const ObjectShape> objects) {
   escape_.reset();
   if (predictor_.on()) predictor_.reset(num_objects);
   check_.set_objects(objects);
+  if (evasion_) evasion_->set_objects(objects);
   if (lookahead_) lookahead_->reset(objects);
   task_ = Task{};
   outcome_ = {};
+  evades_ = false;
   counters_ = {};
   manipulability_ = 0.0;
   J_m_.setZero();
@@ -128,6 +134,7 @@ void ControllerCore::step(const Observation& observation, StepResult& result) no
   result.plan = !lookahead_ ? PlanBrief{} : lookahead_->state().brief;
   problem_.clear();
   outcome_ = {};
+  evades_ = false;
   if (!valid(observation) || result.command.size() != nv_) {
     brake(observation, result);
     return;
@@ -246,16 +253,20 @@ void ControllerCore::build(const Observation& o) noexcept {
     add_base_term(params_, base_dof_, task_, problem_);
     add_manipulability_term(params_.manipulability, base_dof_, J_m_, problem_);
   }
+  add_terms(o);
+  passing_.add(kinematics_, proximity_, o.objects, problem_);
+  separation_.add(kinematics_, proximity_, o.objects, predictor_.spreads(), problem_);
+  add_wheel_rows(model_->base, problem_);
+  add_drive_rows(pair_, problem_);
+}
+
+void ControllerCore::add_terms(const Observation& o) noexcept {
   add_slack_term(params_.slack, nv_, task_, problem_);
   add_acceleration_term(params_.acceleration_weight, o.qdot, problem_);
   add_posture_term(params_.posture, base_dof_, params_.posture.target, o.q, problem_);
   if (task_.detour) add_posture_term(detour_posture_, base_dof_, detour_posture_.target, o.q, problem_);
   add_tracking_rows(kinematics_.J_WE_W(), task_.nu, params_.tracking_band, params_.slack.enabled, problem_);
   collision_.add(kinematics_, proximity_, o.objects, predictor_.spreads(), problem_);
-  passing_.add(kinematics_, proximity_, o.objects, problem_);
-  separation_.add(kinematics_, proximity_, o.objects, predictor_.spreads(), problem_);
-  add_wheel_rows(model_->base, problem_);
-  add_drive_rows(pair_, problem_);
 }
 
 void ControllerCore::bound_acceleration(const VectorX& qdot) noexcept {
@@ -306,8 +317,36 @@ void ControllerCore::solve_qp(const Observation& o, StepResult& result) noexcept
   command_ = x.head(nv_);
   if (params_.slack.enabled) result.slack = x.segment<6>(nv_);
   result.active_rows = outcome_.fallback == Fallback::kBrake ? 0 : count_active();
-  if (check_.on()) check_braking(o, result);
+  if (evasion_ && !evasion_->passes(o, command_, scratch_)) {
+    result.kept = 0.0;
+    evade(o, result);
+  } else if (check_.on()) {
+    check_braking(o, result);
+  }
   if (params_.output_scaling.enabled && outcome_.fallback != Fallback::kBrake) scale_output();
+}
+
+// The base does what leads out of the way (scratch_), and the arm goes with it, as far as its rows let it: what looks
+// ahead of the base is decided.
+void ControllerCore::evade(const Observation& o, StepResult& result) noexcept {
+  constexpr double kSlack = 1e-4, kWeight = 1.0;  // E goes with the base; joints are asked for no velocity
+  evades_ = true;
+  problem_.clear();
+  bound_acceleration(o.qdot);
+  task_.nu.setZero();
+  task_.detour = false;
+  for (int i = 0; i < base_dof_; ++i) {
+    const double u = std::min(std::max(scratch_[i], problem_.lb[i]), problem_.ub[i]);
+    problem_.lb[i] = problem_.ub[i] = hard_lower_[i] = hard_upper_[i] = u;
+    task_.nu += u * kinematics_.J_WE_W().col(i);
+  }
+  for (int i = base_dof_; i < nv_; ++i) problem_.H[i] += kWeight;
+  task_.slack_scale.setConstant(kSlack);
+  add_terms(o);
+  outcome_ = fallback_.solve(problem_, hard_lower_, hard_upper_, bounds_.has_acceleration());
+  command_ = fallback_.solution().x.head(nv_);
+  if (params_.slack.enabled) result.slack = fallback_.solution().x.segment<6>(nv_);
+  result.active_rows = outcome_.fallback == Fallback::kBrake ? 0 : count_active();
 }
 
 void ControllerCore::check_braking(const Observation& o, StepResult& result) noexcept {

@@ -24,6 +24,7 @@
 
 namespace moma {
 
+class Evasion;
 class Lookahead;
 
 /// Controller (controller.h) with its parts open: for what looks into a step, goes on from a memory, or tests one. Not
@@ -82,6 +83,8 @@ class ControllerCore final : public StepController {
   /// Wheel speeds [rad/s] of the last command: left, right or FL, FR, RL, RR; empty without wheels. Allocates.
   VectorX wheels() const;
   const StepCounters& counters() const noexcept { return counters_; }
+  /// Whether the last step's base drove off (safe/evasion.h) instead of doing what the QP asked of it.
+  bool evades() const noexcept { return evades_; }
 
  private:
   bool valid(const Observation& observation) const noexcept;
@@ -93,6 +96,8 @@ class ControllerCore final : public StepController {
   void solve_qp(const Observation& observation, StepResult& result) noexcept;
   void solve_closed_form(const Observation& observation, StepResult& result) noexcept;
   void bound_acceleration(const VectorX& qdot) noexcept;
+  void evade(const Observation& observation, StepResult& result) noexcept;
+  void add_terms(const Observation& observation) noexcept;
   void check_braking(const Observation& observation, StepResult& result) noexcept;
   void send(StepResult& result) noexcept;
   void scale_output() noexcept;
@@ -128,6 +133,8 @@ class ControllerCore final : public StepController {
   FallbackSolver::Outcome outcome_;
   VectorX command_, gradient_, scratch_;
   StepCounters counters_;
+  std::unique_ptr<Evasion> evasion_;  // null where there is none
+  bool evades_ = false;
   std::unique_ptr<Lookahead> lookahead_;
   EscapeState begun_with_;  // of this step
 };

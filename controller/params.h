@@ -107,6 +107,7 @@ struct CollisionParams {
   Relaxation relaxation = Relaxation::kCommon;
   BrakeCheckParams check;
   SeparationParams separation;
+  EvasionParams evasion;
 };
 
 struct PostureParams {

@@ -126,6 +126,8 @@ constexpr void describe(Visitor& v, Of<CollisionParams>) {
              "commands from which braking comes too near to something at rest give way");
   v.optional("separation", &CollisionParams::separation, &SeparationParams::enabled, Off::kOmitted,
              "the robot slows down towards what moves, by the distance of ISO/TS 15066 and ISO 13855");
+  v.optional("evasion", &CollisionParams::evasion, &EvasionParams::enabled, Off::kOmitted,
+             "the base drives out of the way of what moves before there is no way out left");
 }
 
 template <class Visitor>

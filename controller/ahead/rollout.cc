@@ -12,6 +12,7 @@ namespace {
 ControllerParams on_time(ControllerParams params) {
   params.prediction.enabled = false;
   params.uncertainty.enabled = false;
+  params.collision.evasion.enabled = false;  // what drives off has not arrived
   params.collision.check.every = std::max(1, params.collision.check.every / 2);
   return params;
 }

@@ -166,6 +166,12 @@ std::string describe_infeasible(const CaseStep& step) {
   return out;
 }
 
+std::string describe_evasion(const CaseStep& step) {
+  return step.controller.evades()
+             ? "The base drives off: what was asked for leaves no way out of the way of what moves.\n"
+             : "";
+}
+
 std::string describe_fallback(const CaseStep& step) {
   switch (step.result.fallback) {
     case Fallback::kNone:
@@ -262,7 +268,7 @@ std::string explain(const ControlCase& control_case) {
     return out + "This method solves no QP: it knows neither obstacles nor joint limits.\n";
   }
   if (step.result.status == StepStatus::kInfeasible) out += describe_infeasible(step);
-  out += describe_fallback(step);
+  out += describe_evasion(step) + describe_fallback(step);
   if (!has_solution(step)) return out;
   return out + describe_active(step, check_stage(step)) + describe_cost(step);
 }

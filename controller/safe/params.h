@@ -68,6 +68,20 @@ constexpr void describe(V& v, Of<SeparationParams>) {
   v.member("range", &P::range, {.unit = "m", .range = Range::positive(), .text = "what is nearer has rows"});
 }
 
+/// Commands that leave no way out of the way of what moves give way to driving off (evasion.h).
+struct EvasionParams {
+  bool enabled = false;
+  double horizon = 2.0;  ///< what moves is taken to go on as it does for this long [s]
+  double margin = 0.08;  ///< distance to it that is kept on a way out [m]
+};
+
+template <class V>
+constexpr void describe(V& v, Of<EvasionParams>) {
+  using P = EvasionParams;
+  v.member("horizon", &P::horizon, {.unit = "s", .range = {0.0, 10.0, true}, .text = "how far ahead is looked"});
+  v.member("margin", &P::margin, {.unit = "m", .range = Range::positive(), .text = "kept to what moves on a way out"});
+}
+
 /// Known lateness of drives and sensing, rounded up to control periods, and filters (predictor.h). All in seconds.
 struct PredictionParams {
   bool enabled = false;

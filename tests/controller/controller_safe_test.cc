@@ -31,7 +31,7 @@ ControllerParams safe_params(const RobotModel& model) {
   p.base_share = 0.95;
   p.collision.braking.enabled = true;
   p.collision.relaxation = Relaxation::kBackup;
-  p.collision.check.enabled = true;
+  p.collision.check.enabled = p.collision.evasion.enabled = true;
   PredictionParams& r = p.prediction;
   r.enabled = r.identify = true;
   r.base_drive = 0.06;
@@ -152,7 +152,7 @@ TEST(SafeController, RelaxesRowsOfWhatRestsAsFarAsBrakingBreaksThem) {
   for (const auto& model : all_robots()) {
     ControllerParams params = safe_params(*model);
     params.prediction = {};
-    params.collision.check.enabled = false;
+    params.collision.check.enabled = params.collision.evasion.enabled = false;
     Rig rig(model, params, random_objects(rng, 8));
     const int nv = model->num_velocities();
     for (int trial = 0; trial < 3000; ++trial) {

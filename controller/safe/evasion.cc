@@ -1,0 +1,216 @@
+#include "controller/safe/evasion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "controller/model/base_kind.h"
+#include "controller/qp/limits.h"
+
+namespace moma {
+namespace {
+
+constexpr double kMarginAtRest = 0.02;  // [m]
+constexpr double kMoment = 0.1;         // between the moments that are looked at [s]
+constexpr double kHalf = 0.5;           // of the margin, at least, is to be regained,
+constexpr double kRegained = 0.1;       // of a margin that is used up [m/s]
+constexpr double kTouched = 0.005;      // [m]
+constexpr double kToldApart = 3.0;      // times the margin, as far as ways out are told from each other by distance
+
+// No faster than the wheels allow.
+Vector3 driven(const RobotModel& model, Vector3 velocity) noexcept {
+  if (!model.base.wheels) return velocity;
+  Eigen::Vector4d speeds;
+  VectorX coordinates = velocity.head(model.base_dof());
+  const int count = wheel_speeds(model.base, coordinates, speeds);
+  const double fastest = count > 0 ? speeds.head(count).cwiseAbs().maxCoeff() : 0.0;
+  return fastest > model.base.wheels->max_speed ? velocity * (model.base.wheels->max_speed / fastest) : velocity;
+}
+
+std::vector<Vector3> base_velocities(const RobotModel& model) {
+  std::vector<Vector3> out;
+  const int dof = model.base_dof();
+  if (dof == 0) return out;
+  const double v = model.base.max_linear, w = model.base.max_angular;
+  if (kind_of(model.base.type).lateral()) {
+    constexpr int kDirections = 8;
+    for (const double part : {1.0, 0.5})
+      for (int k = 0; k < kDirections; ++k) {
+        const Vector2 along = Eigen::Rotation2Dd(2.0 * std::numbers::pi * k / kDirections) * Vector2::UnitX();
+        out.push_back(driven(model, {part * v * along.x(), part * v * along.y(), 0.0}));
+      }
+    for (const double turn : {0.5, -0.5}) out.push_back(driven(model, {0.0, 0.0, turn * w}));
+    return out;
+  }
+  for (const double part : {1.0, -1.0, 0.5, -0.5, 0.0})
+    for (const double turn : {0.0, 0.4, -0.4, 1.0, -1.0})
+      if (part != 0.0 || turn != 0.0) out.push_back(driven(model, {part * v, turn * w, 0.0}));
+  return out;
+}
+
+}  // namespace
+
+Evasion::Evasion(std::shared_ptr<const RobotModel> model, const EvasionParams& params, const VectorX& acceleration,
+                 double share, double control_period)
+    : model_(std::move(model)),
+      params_(params),
+      acceleration_(acceleration),
+      dt_(control_period),
+      ramp_(*model_),
+      share_(share > 0.0 ? share : 1.0),
+      velocities_(base_velocities(*model_)),
+      kinematics_(model_),
+      proximity_(model_),
+      q_(VectorX::Zero(model_->num_joints())),
+      qdot_(q_),
+      mean_(VectorX::Zero(model_->num_velocities())) {}
+
+void Evasion::set_objects(std::span<const ObjectShape> objects) {
+  proximity_.set_objects(objects);
+  states_.assign(objects.size(), ObjectState{});
+  radii_.clear();
+  for (const ObjectShape& object : objects) radii_.push_back(bounding_radius(object.shape));
+}
+
+// How far the robot's solids are from the base's origin at most, until the arm has braked.
+double Evasion::reach(const Observation& o, const VectorX& command) noexcept {
+  kinematics_.update(o.base, o.q);
+  const Vector3 origin = kinematics_.X_WB().translation();
+  double reach = 0.0, moved = 0.0, turned = 0.0;
+  for (const CollisionShape& shape : model_->shapes)
+    reach = std::max(reach, (kinematics_.X_WS(shape).translation() - origin).norm() + bounding_radius(shape.shape));
+  for (Eigen::Index i = 0; i < q_.size(); ++i) {
+    const Eigen::Index k = ramp_.dof() + i;
+    const double speed = std::max(std::abs(o.qdot[k]), std::abs(command[k]));
+    const double way = speed * dt_ + 0.5 * speed * speed / acceleration_[k];
+    (model_->joints[static_cast<std::size_t>(i)].type == JointType::kPrismatic ? moved : turned) += way;
+  }
+  return reach + moved + 2.0 * reach * turned;
+}
+
+// As base_, q_ and states_ are; infinite beyond `range`, of objects of which one at least is inside as spheres are.
+void Evasion::look(double range, double& moving, double& resting) noexcept {
+  moving = resting = kInfinity;
+  bool near = false;
+  for (std::size_t i = 0; i < states_.size() && !near; ++i) {
+    if (!states_[i].visible) continue;
+    const Vector3 away = states_[i].X_WO.translation() - Vector3(base_.x(), base_.y(), 0.0);
+    near = !(away.norm() > range + reach_ + radii_[i]);
+  }
+  if (!near) return;
+  kinematics_.update(base_, q_);
+  for (const ProximityPair& pair : proximity_.query(kinematics_, states_, {range, -1.0, -1.0})) {
+    double& least = in_motion(states_[static_cast<std::size_t>(pair.second)]) ? moving : resting;
+    least = std::min(least, pair.distance.d);
+  }
+}
+
+// The base towards its target, the arm as in qdot_, objects as they move.
+void Evasion::drive(const Vector3& target, double dt) noexcept {
+  const Vector3 ramped = ramp_.follow(target, dt, velocity_);
+  const int dof = ramp_.dof();
+  for (int i = 0; i < dof; ++i) mean_[i] = ramped[i];
+  integrate(*model_, base_, q_, mean_, dt);
+  for (ObjectState& object : states_)
+    if (object.visible && in_motion(object)) object.X_WO.translation() += dt * object.V_WO_W.tail<3>();
+}
+
+// How good a way out is: the time at which something is touched [s]; where nothing is, the horizon and the least
+// distance [m], and as much again as `range` for the part of another horizon in which the robot may stand where it has
+// come to. A way out that leads on before what moves is none in the end.
+double Evasion::predict(const Observation& o, const VectorX* command, const Vector3& target, double range) noexcept {
+  ++tried_;
+  const int dof = ramp_.dof();
+  base_ = o.base;
+  q_ = o.q;
+  velocity_.setZero();
+  for (int i = 0; i < dof; ++i) velocity_[i] = o.qdot[i];
+  qdot_ = o.qdot.tail(q_.size());
+  std::copy(o.objects.begin(), o.objects.end(), states_.begin());
+  double t = 0.0, worst = range;
+  clear_ = true;
+  if (command != nullptr) {
+    Vector3 first = Vector3::Zero();
+    for (int i = 0; i < dof; ++i) first[i] = (*command)[i];
+    qdot_ = command->tail(q_.size());
+    mean_.tail(q_.size()) = qdot_;
+    drive(first, dt_);
+    t = dt_;
+  }
+  while (t < params_.horizon) {
+    for (Eigen::Index i = 0; i < q_.size(); ++i) {
+      const double lost = kMoment * acceleration_[dof + i], speed = std::abs(qdot_[i]);
+      const double left = std::max(0.0, speed - lost);
+      const double mean = left > 0.0 ? 0.5 * (speed + left) : (speed > 0.0 ? 0.5 * speed * speed / lost : 0.0);
+      mean_[dof + i] = std::copysign(mean, qdot_[i]);
+      qdot_[i] = std::copysign(left, qdot_[i]);
+    }
+    drive(target, kMoment);
+    t += kMoment;
+    double moving = kInfinity, resting = kInfinity;
+    look(range, moving, resting);
+    const double need = std::max(need_moving_, std::min(kHalf * params_.margin, need_moving_ + kRegained * t));
+    if (moving < need || resting < need_resting_) {
+      clear_ = false;
+      if (command != nullptr) return 0.0;
+    }
+    const double least = std::min(moving, resting);
+    if (least < kTouched) return t;
+    worst = std::min(worst, least);
+  }
+  if (command != nullptr) return params_.horizon + worst;
+  mean_.tail(q_.size()).setZero();
+  double stood = 0.0;
+  for (; stood < params_.horizon; stood += kMoment) {
+    drive(Vector3::Zero(), kMoment);
+    double moving = kInfinity, resting = kInfinity;
+    look(range, moving, resting);
+    if (std::min(moving, resting) < kTouched) break;
+  }
+  return params_.horizon + worst + range * std::min(1.0, stood / params_.horizon);
+}
+
+bool Evasion::passes(const Observation& o, const VectorX& command, VectorX& base) noexcept {
+  tried_ = 0;
+  const int dof = ramp_.dof();
+  if (dof == 0 || velocities_.empty()) return true;
+  if (!std::any_of(o.objects.begin(), o.objects.end(),
+                   [](const ObjectState& object) { return object.visible && in_motion(object); }))
+    return true;
+  reach_ = reach(o, command);
+  base_ = o.base;
+  q_ = o.q;
+  std::copy(o.objects.begin(), o.objects.end(), states_.begin());
+  const double range = std::max(params_.margin, kMarginAtRest);
+  look(range, need_moving_, need_resting_);
+  need_moving_ = std::min(params_.margin, need_moving_);
+  need_resting_ = std::min(kMarginAtRest, need_resting_);
+
+  const Vector3 stop = Vector3::Zero();
+  Vector3 held = stop;
+  for (int i = 0; i < dof; ++i) held[i] = command[i];
+  for (const Vector3* target : {static_cast<const Vector3*>(&held), &stop}) {
+    predict(o, &command, *target, range);
+    if (clear_) return true;
+  }
+  for (const Vector3& target : velocities_) {
+    predict(o, &command, target, range);
+    if (clear_) return true;
+  }
+  double best = predict(o, nullptr, stop, kToldApart * range);
+  Vector3 chosen = stop;
+  for (const Vector3& target : velocities_) {
+    const double value = predict(o, nullptr, target, kToldApart * range);
+    if (!(value > best)) continue;
+    best = value;
+    chosen = target;
+  }
+  Vector3 now = Vector3::Zero();
+  for (int i = 0; i < dof; ++i) now[i] = o.qdot[i];
+  const Vector3 next = ramp_.limited(chosen, now, share_, dt_);
+  for (int i = 0; i < dof; ++i) base[i] = next[i];
+  return false;
+}
+
+}  // namespace moma
