@@ -228,15 +228,15 @@ const std::vector<Endings>& file_endings() {
   return all;
 }
 
-/// What stands between braces in the name of a type, or between bars in the text of an option: its only words.
+/// The only words of an option: those between bars in its text, or between braces in the name of its type.
 std::vector<std::string> words_accepted_by(const CLI::Option& option) {
+  const std::string& text = option.get_option_text();
+  if (text.find('|') != std::string::npos) return CLI::detail::split(text, '|');
   const std::string type = option.get_type_name();
   const std::size_t open = type.find('{');
   const std::size_t close = type.find('}');
-  if (open != std::string::npos && close != std::string::npos && open < close)
-    return CLI::detail::split(type.substr(open + 1, close - open - 1), ',');
-  const std::string& text = option.get_option_text();
-  return text.find('|') == std::string::npos ? std::vector<std::string>{} : CLI::detail::split(text, '|');
+  if (open == std::string::npos || close == std::string::npos || close < open) return {};
+  return CLI::detail::split(type.substr(open + 1, close - open - 1), ',');
 }
 
 }  // namespace
