@@ -141,7 +141,8 @@ std::string word_in(const store::Cell& cell) {
 
 /// Each row of the store's answer: a word and what describes it.
 void add_rows(const CompletionContext& context, const std::string& sql, Completion& completion) {
-  const store::QueryResult found = store::query(argument(context, "DB"), sql, kPatience);
+  const std::string db = argument(context, "DB");
+  const store::QueryResult found = store::query(db.empty() ? argument(context, "CASE") : db, sql, kPatience);
   for (const auto& row : found.rows) offer(context, completion, word_in(row.at(0)), word_in(row.at(1)));
 }
 
@@ -221,7 +222,7 @@ struct Endings {
 const std::vector<Endings>& file_endings() {
   static const std::vector<Endings> all = {
       {"SUITE", {"yaml", "db"}}, {"ROBOT", {"yaml", "urdf"}},
-      {"CASE", {"json"}},        {"DB", {"db"}},
+      {"CASE", {"json", "db"}},  {"DB", {"db"}},
       {"OUT", {"db"}},           {"IN", {"db"}},
       {"LOG", {"csv"}},
   };

@@ -88,4 +88,5 @@ expect 'moma replay missing.db 1'
 expect 'moma replay a.db ' $(moma query a.db "SELECT substr(trial, 1, 12) FROM v_trials WHERE outcome <> 'success'" -f csv | tail -n +2)
 key=$(moma query a.db 'SELECT trial FROM v_trials LIMIT 1' -f csv | tail -n 1)
 expect "moma replay a.db ${key:0:8}" "${key:0:12}"
+expect "moma solve a.db ${key:0:8}" "${key:0:12}"
 exit "$failed"
