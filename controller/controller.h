@@ -11,7 +11,7 @@ namespace moma {
 
 class ControllerCore;
 
-/// moma's controller: the QP of docs/controller.md in all its presets, and the closed-form baselines. Built from a
+/// moma's controller: the QP of controller.md in all its presets, and the closed-form baselines. Built from a
 /// robot, parameters and the control period; one per worker. A step depends on its observations since reset() alone
 /// (the solver is started cold), takes no memory with a real-time safe solver, and never returns a command that is not
 /// finite or outside its bounds. Accessors describe the last step.

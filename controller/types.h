@@ -4,7 +4,7 @@
 
 namespace moma {
 
-// Conventions (docs/conventions.md): metres, radians, seconds; world W has z up, base B has x forward,
+// Conventions (docs/reference/conventions.md): metres, radians, seconds; world W has z up, base B has x forward,
 // end effector E is the tip link plus tool offset. Six-vectors are [angular; linear] in world axes with
 // the linear velocity taken at the point that the name says. Quaternions are written w x y z.
 

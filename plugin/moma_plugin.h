@@ -35,12 +35,12 @@ enum moma_base_type { MOMA_BASE_FIXED = 0, MOMA_BASE_DIFFERENTIAL = 1, MOMA_BASE
 
 /** What a plugin is told once, before any motion. */
 typedef struct moma_plugin_setup {
-  const char* robot;      /**< JSON: everything about the robot (docs/robots.md), its URDF's text and hulls included */
-  const char* parameters; /**< JSON: the suite's `parameters`, {} where there are none */
-  double control_period;  /**< [s] */
-  int32_t base_type;      /**< enum moma_base_type */
-  size_t num_joints;      /**< joints that are controlled, from base to tip */
-  size_t num_velocities;  /**< those of the base, then the joints */
+  const char* robot;         /**< JSON: everything about the robot (robots.md), its URDF's text and hulls included */
+  const char* parameters;    /**< JSON: the suite's `parameters`, {} where there are none */
+  double control_period;     /**< [s] */
+  int32_t base_type;         /**< enum moma_base_type */
+  size_t num_joints;         /**< joints that are controlled, from base to tip */
+  size_t num_velocities;     /**< those of the base, then the joints */
   const char* const* joints; /**< num_joints names */
   const double* lower;       /**< num_joints limits; -inf and inf for continuous joints */
   const double* upper;

@@ -14,7 +14,7 @@
 
 namespace moma {
 
-/// One control step, frozen: what `moma solve CASE.json` reads (format: docs/controller.md, "The case file").
+/// One control step, frozen: what `moma solve CASE.json` reads (format: controller.md, "The case file").
 struct ControlCase {
   config::LoadedRobot robot;
   ControllerParams controller;

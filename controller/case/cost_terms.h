@@ -13,7 +13,7 @@ struct CostTerm {
   double value = 0.0;
 };
 
-/// The terms that are switched on, in the order of docs/controller.md, summing to ControllerCore::cost(). Computed from
+/// The terms that are switched on, in the order of controller.md, summing to ControllerCore::cost(). Computed from
 /// the parameters, not from the matrices. Only for the QP method.
 std::vector<CostTerm> cost_terms(const CaseStep& step);
 

@@ -45,7 +45,7 @@ nlohmann::ordered_json to_json_list(const Eigen::Ref<const VectorX>& values);
 /// All pairs of shapes that a controlled joint can move against each other, those of adjacent links left out; in order.
 std::vector<SelfPair> movable_pairs(const RobotModel& model);
 
-/// Pairs of shapes whose contact counts, by the rules of `self: auto` (see docs/robots.md): of all pairs that can
+/// Pairs of shapes whose contact counts, by the rules of `self: auto` (see robots.md): of all pairs that can
 /// move against each other, without adjacent links, pairs in touch at `ready` and pairs within `stop` in a fifth or
 /// more of 1,000 sampled configurations; pairs that no sample brings within 0.1 m get no row. Same model, same pairs.
 /// What is left out is noted; a warning, where links far from each other in the chain touch at `ready`.

@@ -26,7 +26,7 @@ namespace moma {
 ///   c qdot <= separation_speed(d - C - Z, v_H, a, T_R) >= 0
 ///
 /// It asks the robot to stop, never to yield: that is what collision and passing rows do, which stay as they are.
-/// Objects at rest have none. An option of a controller and no safety function: docs/safe-controller.md. One per
+/// Objects at rest have none. An option of a controller and no safety function: safe-controller.md. One per
 /// worker; only allocate() takes memory.
 class SeparationRows {
  public:

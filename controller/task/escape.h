@@ -37,7 +37,7 @@ struct EscapeInput {
 /// the base's place, and half the length of the arm is the furthest. Orientation is nearly free meanwhile
 /// and the arm is drawn to `ready`. With `around`, where obstacles lie between base and goal as seen from above and
 /// there is a way around them, a mobile robot's detour goes from corner to corner of that way instead, until the rest
-/// is straight (way_around.h). docs/moma-controller.md has the formulas. One per controller; nothing here takes
+/// is straight (way_around.h). moma-controller.md has the formulas. One per controller; nothing here takes
 /// memory or throws.
 class Escape {
  public:

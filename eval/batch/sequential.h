@@ -15,7 +15,7 @@ namespace moma {
 /// the widest of them, over all points, has at most the half-width, or after `max` worlds. So the decision depends on
 /// the rows alone: neither on threads, nor on stops and resumes, nor on what else a store holds.
 ///
-/// Looking several times at one growing sample costs some coverage; docs/store.md has the exact numbers, which
+/// Looking several times at one growing sample costs some coverage; store.md has the exact numbers, which
 /// stopped_coverage() computes.
 class SequentialRule {
  public:

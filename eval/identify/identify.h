@@ -10,7 +10,7 @@ namespace moma::identify {
 
 /// A latency in parts. Velocities show the whole way round alone, from a command until what it leads to is measured;
 /// where the log has stamps, they show the sensor's part, and the rest is the drive's. Without stamps all of it counts
-/// as the drive's: for what a controller does, the sum decides (docs/safe-controller.md).
+/// as the drive's: for what a controller does, the sum decides (docs/explanation/safe-controller.md).
 struct Latency {
   double round_trip = 0.0;  ///< [s], whole control periods
   double drive = 0.0;       ///< [s]

@@ -7,7 +7,7 @@
 
 namespace moma::identify {
 
-/// Reads a log from CSV: a head with the names of columns, then one row a control period (docs/identify.md). Throws
+/// Reads a log from CSV: a head with the names of columns, then one row a control period (identify.md). Throws
 /// config::ConfigError naming file, line and column: unreadable, unknown, repeated or missing columns, rows of another
 /// length, anything that is not a finite number, and what check_times() refuses.
 MotionLog read_log(const std::filesystem::path& file);

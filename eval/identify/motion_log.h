@@ -23,7 +23,7 @@ struct LoggedObject {
   std::vector<double> stamp;    ///< when it was measured [s]; empty where the log does not say
 };
 
-/// A log of commands and measured states, one row a control period. In files it is CSV with a head (docs/identify.md).
+/// A log of commands and measured states, one row a control period. In files it is CSV with a head (identify.md).
 struct MotionLog {
   std::string source;                                ///< for messages
   std::vector<double> time;                          ///< [s]

@@ -65,7 +65,7 @@ struct SearchSettings {
 };
 
 /// GN_CRS2_LM for half of the budget, then LN_BOBYQA from the best: the best of the plans tried on noisy test
-/// problems of 6 and 12 variables (docs/tuning.md has the table).
+/// problems of 6 and 12 variables (docs/reference/tuning.md has the table).
 std::vector<PlanStep> default_plan();
 
 struct Finalist {

@@ -11,7 +11,7 @@ namespace moma::store {
 
 inline constexpr int kSamplesLayout = 1;
 
-/// A trace as table `samples` holds it (docs/store.md): names of the columns, and one zstd frame with the columns
+/// A trace as table `samples` holds it (store.md): names of the columns, and one zstd frame with the columns
 /// one after the other, each as n little-endian doubles.
 struct EncodedSamples {
   int layout = kSamplesLayout;

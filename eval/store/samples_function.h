@@ -6,7 +6,7 @@ namespace moma::store {
 
 /// Adds the table-valued function samples('TRIAL') to a connection to a store: the time series of the trial whose name
 /// begins with TRIAL, one row per control step, with the column `step` from 0 and the columns that table `samples`
-/// lists (docs/store.md); NULL where a value is not finite, or where the trial's robot has no such column. A trial
+/// lists (store.md); NULL where a value is not finite, or where the trial's robot has no such column. A trial
 /// without stored samples gives no rows, so that the function can be joined with v_trials; an unknown one is an error.
 ///
 /// SQLite finds the function as a virtual table in `temp`, which hides the table of the same name: main.samples is

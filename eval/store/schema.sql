@@ -1,4 +1,4 @@
--- The tables of the store, version 3; its views are in views.sql. docs/store.md describes them all. Units are in the
+-- The tables of the store, version 3; its views are in views.sql. docs/reference/store.md describes them all. Units are in the
 -- names of columns. Columns of results and words stand where they are described (eval/trial/row.h, eval/store/words.h
 -- and others); definition.cc puts them in here, in place of what stands in double braces.
 -- Content tables (robot, controller, resolved_suite, world) are addressed by the hash of their text, so that the
@@ -141,7 +141,7 @@ CREATE INDEX point_trial_by_key ON point_trial (key, family);
 {{summary index}}
 CREATE INDEX point_trial_by_time ON point_trial (point_id, time_to_goal_s);
 
--- Time series, one sample per control step, compressed; layout in docs/store.md.
+-- Time series, one sample per control step, compressed; layout in docs/reference/store.md.
 CREATE TABLE samples (
   key BLOB PRIMARY KEY REFERENCES trial (key),
   layout INTEGER NOT NULL,

@@ -21,7 +21,7 @@ enum class Earlier {
 };
 
 /// What is said of a column of a record that the store keeps. Numbers of a row are metrics: all that shows them follows
-/// from here (tables and views of the store, its checks, the wire between processes, the report page, docs/store.md).
+/// from here (tables and views of the store, its checks, the wire between processes, the report page, store.md).
 struct Column {
   std::string_view label = "";  ///< for axes and heads of tables: "time to goal"; "" is no metric of the report page
   std::string_view unit = "";   ///< of SI and `1`; "" where it has none

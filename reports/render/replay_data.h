@@ -7,7 +7,7 @@
 
 namespace moma::reports {
 
-/// A trial's time series as the store holds it (docs/store.md, layout 1).
+/// A trial's time series as the store holds it (docs/reference/store.md, layout 1).
 struct StoredSamples {
   int layout = 0;
   long long n = 0;
@@ -31,7 +31,7 @@ std::vector<double> unpack(const StoredSamples& samples);
 /// float32 columns one after the other, their bytes regrouped by significance, deflated (zlib), in base64.
 /// Columns: t, base_x, base_y, base_phi, q0..., command0..., error_rotation, error_position, slack (norms),
 /// manipulability, least_distance, status, fallback, active_rows; of a controller that looks ahead also every plan_...
-/// that the samples have (docs/store.md), detour, detour_x and detour_y. Throws std::runtime_error on data that does
+/// that the samples have (store.md), detour, detour_x and detour_y. Throws std::runtime_error on data that does
 /// not fit its layout.
 nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz);
 

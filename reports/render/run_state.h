@@ -10,7 +10,7 @@ enum class Writer {
   kUnknown,  ///< there is no such file: nobody writes, the store was copied, or its file system has no locks
 };
 
-/// Who writes to a store, by the advisory lock on DB-lock that a run holds (docs/store.md) and the kernel releases
+/// Who writes to a store, by the advisory lock on DB-lock that a run holds (store.md) and the kernel releases
 /// whatever happens to its holder. Looks without waiting and holds nothing afterwards.
 Writer writer_of(const std::filesystem::path& db);
 

@@ -10,7 +10,7 @@ struct Payload {
   Vector3 p_EP_E = Vector3::Zero();  ///< its centre in the end effector's frame [m]
 };
 
-/// In what a trial's physics differ from what robot file and docs/physics.md say. Dynamic mode only.
+/// In what a trial's physics differ from what robot file and docs/explanation/physics.md say. Dynamic mode only.
 struct PlantConditions {
   Payload payload;
   double floor_friction = 1.0;  ///< between floor and driven wheels [1]

@@ -8,7 +8,7 @@
 
 namespace moma {
 
-/// True for the shapes whose contact ODE decides without misses: sphere, box and capsule (docs/physics.md).
+/// True for the shapes whose contact ODE decides without misses: sphere, box and capsule (docs/explanation/physics.md).
 constexpr bool decided_by_ode(ShapeKind kind) {
   return kind == ShapeKind::kSphere || kind == ShapeKind::kBox || kind == ShapeKind::kCapsule;
 }

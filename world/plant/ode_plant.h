@@ -6,7 +6,7 @@
 
 namespace moma {
 
-/// Rigid bodies, joint motors with effort limits, wheels on the floor (docs/physics.md).
+/// Rigid bodies, joint motors with effort limits, wheels on the floor (docs/explanation/physics.md).
 std::unique_ptr<Plant> make_ode_plant(std::shared_ptr<const RobotModel> model, const World& world,
                                       const SimulationConfig& simulation, const PlantConditions& conditions);
 

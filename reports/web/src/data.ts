@@ -33,7 +33,7 @@ export interface PointInfo {
   simulation_version: number;
   /** What of the robot's URDF was not understood and left out, a sentence each; empty where it was read strictly. */
   left_out: readonly string[];
-  /** What stands between robot and controller (docs/disturbances.md); empty: nothing. */
+  /** What stands between robot and controller (docs/reference/disturbances.md); empty: nothing. */
   disturbances: Record<string, unknown>;
 }
 

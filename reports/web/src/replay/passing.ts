@@ -1,4 +1,4 @@
-// Rows that let objects in motion pass on one side of the base (docs/moma-controller.md, 4): half a velocity obstacle
+// Rows that let objects in motion pass on one side of the base (docs/explanation/moma-controller.md, 4): half a velocity obstacle
 // (Fiorini and Shiller, IJRR 17(7), 1998), n . (v_robot - v_object) >= -max(gap, 0) / horizon. As the controller poses them.
 
 import { Vector3, type Matrix4 } from 'three';

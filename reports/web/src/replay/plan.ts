@@ -1,9 +1,9 @@
-// What a controller that looks ahead was about (docs/look-ahead.md): in words, and its path as places of the base.
+// What a controller that looks ahead was about (docs/explanation/look-ahead.md): in words, and its path as places of the base.
 
 import { fixed, integer, plural } from '../format';
 import type { Trace } from './trace';
 
-// In the order of the store's numbers (docs/store.md).
+// In the order of the store's numbers (docs/reference/store.md).
 const kFollow = 1;
 const kModes = ['goes by its own policy', 'follows a path', 'slows down, to choose', 'stands, while a path and detours are worked out'];
 const kReasons = [

@@ -1,5 +1,5 @@
 // The collision rows of the QP at a sample: n . (v_robot - v_object) >= -xi (d - d_s) / (d_i - d_s) for every pair nearer
-// than its distance of influence d_i (docs/controller.md). The store keeps no rows; they follow from the pose, the
+// than its distance of influence d_i (docs/explanation/controller.md). The store keeps no rows; they follow from the pose, the
 // command and the controller's parameters.
 
 import { Matrix4, Vector3 } from 'three';
