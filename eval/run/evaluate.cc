@@ -6,6 +6,7 @@
 #include <optional>
 #include <unordered_set>
 
+#include "controller/config/json_text.h"
 #include "eval/batch/sequential.h"
 #include "eval/run/recording.h"
 #include "eval/run/row_warnings.h"
@@ -243,7 +244,8 @@ void follow(Cluster& cluster, int threads) {
   if (!setup) return;
   Suite suite;
   try {
-    suite = suite_from_resolved(nlohmann::ordered_json::parse(*setup), Plugins::kOfStore);  // rank 0 loaded them
+    suite = suite_from_resolved(config::parse_json(*setup, "the suite of rank 0"),
+                                Plugins::kOfStore);  // rank 0 loaded them
   } catch (const std::exception& error) {
     cluster.refuse(error.what());
     return;

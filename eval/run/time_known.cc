@@ -1,8 +1,8 @@
 #include "eval/run/time_known.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
+#include "controller/config/json_text.h"
 #include "controller/config/node.h"
 #include "world/sensing/detection.h"
 #include "world/sensing/disturbances_file.h"
@@ -11,7 +11,7 @@
 namespace moma::run {
 
 std::optional<double> known_before_contact(const CollisionCase& collision) {
-  const World world = world_from_json(nlohmann::ordered_json::parse(collision.world), "world");
+  const World world = world_from_json(config::parse_json(collision.world, "world"), "world");
   const Disturbances disturbances =
       read_disturbances(config::parse_yaml(collision.disturbances, "disturbances"), "disturbances");
   const auto hit = std::find_if(world.objects.begin(), world.objects.end(),

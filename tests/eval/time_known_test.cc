@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "controller/config/node.h"
 #include "tests/eval/trial_fixture.h"
 #include "world/world_json.h"
 
@@ -45,6 +46,17 @@ TEST(TimeKnown, HasNoAnswerWhereEverythingIsSeenOrTheObjectIsNone) {
   CollisionCase floor = drive("{objects: {range: 2}}");
   floor.object = "floor";
   EXPECT_FALSE(known_before_contact(floor).has_value());
+}
+
+TEST(TimeKnown, AWorldNestedWithoutEndIsAnError) {
+  CollisionCase deep = drive("{objects: {range: 2}}");
+  deep.world = std::string(200000, '[') + std::string(200000, ']');
+  try {
+    (void)known_before_contact(deep);
+    FAIL() << "it was read";
+  } catch (const config::ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("nested more than 64 levels"), std::string::npos) << error.what();
+  }
 }
 
 }  // namespace
