@@ -55,7 +55,7 @@ def mujoco_cost(model, robot, commands):
     for command in commands:
         # The drives move once a control period: the time of setting them from Python is not MuJoCo's.
         if plant.dof:
-            plant.ramped = ramp(plant.ramped, command[: plant.dof], robot["base"]["max_acceleration"], PERIOD)
+            plant.ramped, plant.mean = ramp(plant.ramped, command[: plant.dof], robot["base"]["max_acceleration"], PERIOD)
         rates = plant.rates(command)
         plant.aim += PERIOD * rates
         model.eq_data[plant.drives, 0] = plant.aim
@@ -80,7 +80,8 @@ def main():
             objects = ring(count, np.random.default_rng(7))
             commands = wave(robot, arguments.seconds)
             found = results[name, count]
-            found["ODE"].append(probe.ask("cost", **request, objects=objects, commands=commands.tolist())["us_per_step"])
+            found["ODE"].append(probe.ask("cost", **request, step=STEP, objects=objects,
+                                          commands=commands.tolist())["us_per_step"])
             for label, defaults in (("MuJoCo", False), ("MuJoCo as it comes", True)):
                 model = mujoco.MjModel.from_xml_string(
                     mjcf(robot, objects=objects, own_contacts=True, defaults=defaults))

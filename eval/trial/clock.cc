@@ -97,6 +97,8 @@ class TickClock {
     r_.energy += report_.energy;
     r_.slip_max = std::max(r_.slip_max, report_.slip_max);
     r_.lcp_messages += report_.lcp_messages;
+    r_.redone_steps += report_.redone_steps;
+    r_.divided_steps += report_.divided_steps;
   }
 
   // At steps drawn from the world's own stream, and in every state that ends a trial by a contact.

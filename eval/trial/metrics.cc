@@ -125,7 +125,11 @@ TrialRow measure(const Recording& r, const RobotModel& model) {
       row.collision_depth_m = std::max(row.collision_depth_m, contact.depth);
     }
   }
-  if (r.dynamic) row.energy_j = r.energy;
+  if (r.dynamic) {
+    row.energy_j = r.energy;
+    row.redone_steps = r.redone_steps;
+    row.divided_steps = r.divided_steps;
+  }
   if (r.has_wheels) row.slip_max_m_s = r.slip_max;
   row.latency_base_s = r.latency_base;
   row.latency_base_off_s = r.latency_base_off;

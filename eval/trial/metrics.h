@@ -40,6 +40,8 @@ struct Recording {
   double slip_max = 0.0;  ///< [m/s]
   double energy = 0.0;    ///< [J]
   int lcp_messages = 0;
+  int redone_steps = 0;
+  int divided_steps = 0;
   int detector_checks = 0;
   DetectorCheck detectors;            ///< all disagreements together
   std::vector<double> step_seconds;   ///< time of each controller step

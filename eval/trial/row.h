@@ -53,6 +53,8 @@ struct TrialRow {
   double separation_margin_min_m = kAbsent;
   double tracking_error_rms = kAbsent;
   int lcp_messages = 0;
+  double redone_steps = kAbsent;   ///< of physics: made again with the motors' limits
+  double divided_steps = kAbsent;  ///< of physics: divided because something might touch on the way
   int steps = 0;
   int detector_checks = 0;              ///< states in which the two detectors of contact were compared
   int detector_disagreements = 0;       ///< pairs in them that touch by one of the two alone
@@ -244,6 +246,19 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
                   .better = kLow,
                   .decimals = 0,
                   .text = "warnings of ODE's contact solver"});
+  v.member("redone_steps", &R::redone_steps,
+           Column{.label = "physics steps at a motor's limit",
+                  .better = kLow,
+                  .decimals = 0,
+                  .null_when = "in kinematic mode",
+                  .earlier = Earlier::kUnknown,
+                  .text = "steps of physics made again because a motor would have needed more than it has"});
+  v.member("divided_steps", &R::divided_steps,
+           Column{.label = "physics steps divided near contact",
+                  .decimals = 0,
+                  .null_when = "in kinematic mode",
+                  .earlier = Earlier::kUnknown,
+                  .text = "steps of physics divided because something might have touched on the way"});
   v.member("steps", &R::steps, Column{.label = "control steps", .decimals = 0, .text = "control steps"});
   v.member("detector_checks", &R::detector_checks,
            Column{.label = "states in which contacts were cross-checked",

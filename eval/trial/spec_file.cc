@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "controller/config/read_described.h"
 #include "controller/config/write_described.h"
 
@@ -17,12 +15,6 @@ SimulationConfig read_simulation(const Node& node, const std::string& key) {
   MapReader in(node, key);
   config::read_members(in, simulation);
   in.finish();
-  if (simulation.mode == SimulationMode::kDynamic) {
-    const double ratio = simulation.control_period / simulation.physics_step;
-    in.check(ratio > 0.5 && std::abs(ratio - std::round(ratio)) < 1e-9 * ratio, "control_period",
-             fmt::format("{} s is not a whole multiple of physics_step ({} s)", simulation.control_period,
-                         simulation.physics_step));
-  }
   in.check(
       simulation.time_limit >= simulation.control_period, "time_limit",
       fmt::format("{} s is shorter than one control period ({} s)", simulation.time_limit, simulation.control_period));

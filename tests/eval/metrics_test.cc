@@ -109,6 +109,19 @@ TEST(Metrics, SlackCountsAndTimings) {
   EXPECT_EQ(row.timing.deadline_misses, 1);
 }
 
+TEST(Metrics, OfPhysicsInDynamicModeAlone) {
+  Recording r = recording(
+      2, [](double) { return 0.0; }, [](double) { return 0.0; });
+  r.dynamic = true;
+  r.energy = 2.5;
+  r.redone_steps = 3;
+  r.divided_steps = 4;
+  const TrialRow row = measure(r, *tiny_robot());
+  EXPECT_EQ(row.energy_j, 2.5);
+  EXPECT_EQ(row.redone_steps, 3.0);
+  EXPECT_EQ(row.divided_steps, 4.0);
+}
+
 TEST(Metrics, AbsentWhereTheyDoNotExist) {
   const TrialRow row = measure(recording(
                                    2, [](double) { return 0.0; }, [](double) { return 0.0; }),
@@ -117,6 +130,8 @@ TEST(Metrics, AbsentWhereTheyDoNotExist) {
   EXPECT_TRUE(std::isnan(row.slack_mean));
   EXPECT_TRUE(std::isnan(row.active_rows_mean));
   EXPECT_TRUE(std::isnan(row.energy_j));
+  EXPECT_TRUE(std::isnan(row.redone_steps));
+  EXPECT_TRUE(std::isnan(row.divided_steps));
   EXPECT_TRUE(std::isnan(row.slip_max_m_s));
   EXPECT_TRUE(std::isnan(row.tracking_error_rms));
   EXPECT_TRUE(std::isnan(row.clearance_min_m));

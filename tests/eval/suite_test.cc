@@ -139,8 +139,7 @@ TEST(Suite, RefusesWrongTrialsAndPeriods) {
   EXPECT_REFUSED(suite, (Overrides{{"trials", "0"}}), "trials: found '0', expected a whole number from 1");
   EXPECT_REFUSED(suite, (Overrides{{"trials", "-3"}}), "trials: found '-3'");
   EXPECT_REFUSED(suite, (Overrides{{"trials", "2.5"}}), "trials: found '2.5'");
-  EXPECT_REFUSED(suite, (Overrides{{"simulation.mode", "dynamic"}, {"simulation.control_period", "0.025"}}),
-                 "0.025 s is not a whole multiple of physics_step (0.002 s)");
+  EXPECT_REFUSED(suite, (Overrides{{"simulation.physics_step", "0.05"}}), "simulation.physics_step: found '0.05'");
   EXPECT_REFUSED(suite, (Overrides{{"simulation.control_period", "0"}}), "simulation.control_period: found '0'");
   EXPECT_REFUSED(suite, (Overrides{{"simulation.time_limit", ".inf"}}), "simulation.time_limit");
   EXPECT_REFUSED(suite, (Overrides{{"simulation.time_limit", "0.01"}}), "shorter than one control period");

@@ -34,14 +34,16 @@ def arm_of(robot):
 
 
 def ramp(current, wanted, limits, h):
-    """The base's command follows the wanted one within its linear and its angular acceleration."""
-    out = np.array(current)
-    change = wanted[:-1] - current[:-1]
-    length = np.linalg.norm(change)
-    most = limits[0] * h
-    out[:-1] += change * (most / length) if length > most else change
-    out[-1] += np.clip(wanted[-1] - current[-1], -limits[1] * h, limits[1] * h)
-    return out
+    """The base's command follows the wanted one within its linear and its angular acceleration: what it is after a
+    step of h seconds, and its mean over the step."""
+    out, mean = np.array(current), np.array(current)
+    for part, most in ((slice(None, -1), limits[0]), (slice(-1, None), limits[1])):
+        change = wanted[part] - current[part]
+        length = np.linalg.norm(change)
+        time = min(length / most, h)
+        out[part] = wanted[part] if time < h else current[part] + change * (h * most / length)
+        mean[part] = out[part] - (out[part] - current[part]) * (0.5 * time / h)
+    return out, mean
 
 
 class MujocoPlant:
@@ -57,7 +59,8 @@ class MujocoPlant:
         names = BASE_DRIVES.get(robot["base"]["type"], []) + arm.names
         self.drives = [model.equality(name).id for name in names]
         self.aim = np.concatenate([np.zeros(self.dof), robot["ready"]])
-        self.ramped = np.zeros(self.dof)
+        self.ramped = np.zeros(self.dof)  # the base's command at the end of a step
+        self.mean = np.zeros(self.dof)    # and over the step
         self.heading = 0.0
         # MuJoCo makes no contact of two solids that nothing moves, as a bolted base and an object are to it.
         self.fixed = [model.geom(s["name"]).id for s in robot["shapes"] if s["rigid_with_base"] and self.dof == 0]
@@ -68,7 +71,7 @@ class MujocoPlant:
 
     def rates(self, command):
         """Of every drive, for this velocity of the base and the joints."""
-        base = self.ramped
+        base = self.mean
         if self.dof == 2:
             wheels = self.robot["support"]["wheels"]
             turn = 0.5 * base[1] * wheels["separation"]
@@ -80,9 +83,9 @@ class MujocoPlant:
 
     def step(self, command, h):
         if self.dof:
-            self.ramped = ramp(self.ramped, command[: self.dof], self.robot["base"]["max_acceleration"], h)
+            self.ramped, self.mean = ramp(self.ramped, command[: self.dof], self.robot["base"]["max_acceleration"], h)
         if self.dof == 3:
-            self.heading = self.aim[2] + 0.5 * h * self.ramped[2]  # of the arc's middle
+            self.heading = self.aim[2] + 0.5 * h * self.mean[2]  # of the arc's middle
         rates = self.rates(command)
         self.model.eq_data[self.drives, 0] = self.aim + self.LAG * rates
         self.aim += h * rates

@@ -25,7 +25,7 @@ from mjcf import BASE_DRIVES, Probe, mjcf  # noqa: E402
 from mujoco_plant import MujocoPlant, arm_of  # noqa: E402
 
 PERIOD = 0.02   # [s] of control
-STEP = 0.002    # [s] of physics
+STEP = 0.002    # [s] of physics in MuJoCo; ODE's is what moma has by default
 ACCELERATION = 0.5  # [rad/s^2] of the torque response: joints reach 1 to 3 rad/s
 GRAZING = 2e-3  # [m] a gap that the two trajectories' own difference (about 1 mm) can open or close
 
@@ -158,7 +158,7 @@ def commanded_motion(probe, request, model, robot, arm, checks, rng, scale):
         for k, (command, base) in enumerate(zip(commands, np.asarray(answer["base"])[1:])):
             for _ in range(round(PERIOD / STEP)):
                 plant.step(command, STEP)
-                v = plant.ramped
+                v = plant.mean
                 if dof:  # the exact screw of a constant velocity
                     w, middle = v[-1] * STEP, expected[2] + 0.5 * v[-1] * STEP
                     c, s = np.cos(middle), np.sin(middle)
@@ -312,7 +312,7 @@ def main():
     twin = spoiled(robot) if arguments.spoil else robot  # MuJoCo's
     arm = arm_of(robot)
     checks = Checks(robot["name"])
-    print(f"MuJoCo {mujoco.__version__}, steps of {STEP} s")
+    print(f"MuJoCo {mujoco.__version__}, its steps {STEP} s")
     held = compiled(twin, held=True, driven=False)
     gravity(probe, request, held, arm, checks, np.random.default_rng(1))
     torque_response(probe, request, held, arm, robot, checks, np.random.default_rng(2))

@@ -67,11 +67,11 @@ ContactScene::ContactScene(std::shared_ptr<const RobotModel> model, const World&
   tags_.reserve(shapes + world_.objects.size() + 1);  // geoms point into it
 
   const Kinematics upright(model_);
-  std::vector<bool> meets_floor(shapes, false);
+  meets_floor_.assign(shapes, false);
   for (std::size_t i = 0; i < shapes; ++i) {
     const CollisionShape& shape = model_->shapes[i];
     constexpr double kClear = 0.005;
-    meets_floor[i] =
+    meets_floor_[i] =
         !shape.rigid_with_base || (base_meets_floor && lowest_point(shape.shape, upright.X_WS(shape)) > kClear);
     tags_.push_back({PairKind::kSelf, static_cast<int>(i)});
     radii_.push_back(bounding_radius(shape.shape));
@@ -79,7 +79,7 @@ ContactScene::ContactScene(std::shared_ptr<const RobotModel> model, const World&
     robot_geoms_.push_back(geom);
     if (geom == nullptr) continue;
     dGeomSetData(geom, &tags_.back());
-    dGeomSetCategoryBits(geom, meets_floor[i] ? kArm : kBase);
+    dGeomSetCategoryBits(geom, meets_floor_[i] ? kArm : kBase);
     dGeomSetCollideBits(geom, kObject);
   }
   for (std::size_t i = 0; i < world_.objects.size(); ++i) {
@@ -103,7 +103,7 @@ ContactScene::ContactScene(std::shared_ptr<const RobotModel> model, const World&
   for (const SelfPair& pair : model_->self_pairs)
     if (robot_geom(pair.first) != nullptr && robot_geom(pair.second) != nullptr) self_pairs_.push_back(pair);
   moma::object_states(world_, 0.0, states_);
-  exact_ = ExactContacts::make(*model_, world_, meets_floor);
+  exact_ = ExactContacts::make(*model_, world_, meets_floor_);
 }
 
 ContactScene::~ContactScene() = default;

@@ -67,6 +67,8 @@ class ContactScene {
   /// The self-collision pairs that ODE decides.
   const std::vector<SelfPair>& self_pairs() const { return self_pairs_; }
   bool meets_floor(int shape) const;
+  /// Of each shape, those that ODE does not decide included.
+  const std::vector<bool>& meets_floor() const { return meets_floor_; }
   /// See Plant::cross_check().
   DetectorCheck cross_check();
 
@@ -88,6 +90,7 @@ class ContactScene {
   ode::Space robot_space_, world_space_;
   std::vector<dGeomID> robot_geoms_, object_geoms_;
   std::vector<double> radii_;
+  std::vector<bool> meets_floor_;
   std::vector<Tag> tags_;
   std::vector<int> moving_;
   std::vector<SelfPair> self_pairs_;

@@ -28,11 +28,8 @@ class TouchedPairs final : public TouchSink {
 }  // namespace
 
 // No hull is asked about: ODE decides spheres, boxes and capsules.
-CrossCheck::CrossCheck(const RobotModel& model, const World& world) : coal_(0) {
-  const auto solid = [](const Shape& shape) { return Solid{shape, ConvexGeometry(shape), bounding_radius(shape)}; };
-  for (const CollisionShape& shape : model.shapes) shapes_.push_back(solid(shape.shape));
-  for (const WorldObject& object : world.objects) objects_.push_back(solid(object.shape));
-}
+CrossCheck::CrossCheck(const RobotModel& model, const World& world)
+    : shapes_(solids_of(model)), objects_(solids_of(world)), coal_(0) {}
 
 void CrossCheck::judge(bool touches, double distance, DetectorCheck& check) {
   const double contradiction = touches ? distance : -distance;

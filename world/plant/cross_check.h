@@ -6,6 +6,7 @@
 
 #include "controller/model/convex_distance.h"
 #include "world/plant/plant.h"
+#include "world/plant/solid.h"
 
 namespace moma {
 
@@ -24,11 +25,6 @@ class CrossCheck {
   DetectorCheck compare(ContactScene& scene);
 
  private:
-  struct Solid {
-    Shape shape;
-    ConvexGeometry geometry;
-    double radius;
-  };
   static void judge(bool touches, double distance, DetectorCheck& check);
   void compare_pair(const Solid& a, dGeomID geom_a, const Solid& b, dGeomID geom_b, bool touches, DetectorCheck& check);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <vector>
@@ -13,7 +14,7 @@
 namespace moma {
 namespace {
 
-constexpr double kCasterSoftness = 1e-6;
+constexpr double kCasterStiffness = 1e8;  // [N/m]
 
 // Both wheels: 2 % of the base's mass each, at most 1 kg: light beside the base, not so light as to be stiff.
 double mass_of_wheels(const RobotModel& model) {
@@ -37,11 +38,11 @@ class DifferentialBase final : public OdeBase {
         wheels_(*model.base.wheels),
         base_(arm.body_of_link(0)),
         space_(ode::make_simple_space()),
-        support_(arm, OdeSupport::corners(model, 0.5 * wheels_.radius, true), 0.5 * wheels_.radius, kCasterSoftness) {
+        support_(arm, OdeSupport::corners(model, 0.5 * wheels_.radius, true), 0.5 * wheels_.radius, kCasterStiffness) {
     floor_ = dCreatePlane(space_.get(), 0.0, 0.0, 1.0, 0.0);
     const double mass = 0.5 * mass_of_wheels(model);
     // Enough to make the wheels slip under the whole weight, so that friction is what limits the drive.
-    const double torque = friction_ * arm.mass() * 9.81 * wheels_.radius;
+    torque_ = friction_ * arm.mass() * 9.81 * wheels_.radius;
     const Isometry X_WB = base_pose(base);
     for (std::size_t i = 0; i < 2; ++i) {
       Wheel& wheel = wheel_[i];
@@ -61,13 +62,16 @@ class DifferentialBase final : public OdeBase {
       dJointSetHingeAnchor(wheel.hinge, center.x(), center.y(), center.z());
       const Vector3 axle = X_WB.linear() * Vector3::UnitY();
       dJointSetHingeAxis(wheel.hinge, axle.x(), axle.y(), axle.z());
-      dJointSetHingeParam(wheel.hinge, dParamFMax, torque);
+      dJointSetHingeParam(wheel.hinge, dParamFMax, torque_);
       dJointSetFeedback(wheel.hinge, &wheel.feedback);
     }
   }
 
   void command(const Eigen::Ref<const VectorX>& speeds, double) override {
     for (Wheel& wheel : wheel_) {
+      dVector3 axle;
+      dJointGetHingeAxis(wheel.hinge, axle);
+      wheel.axle = ode::from_vector(axle);
       // v = R/2 (w_L + w_R), omega = R/W (w_R - w_L), inverted.
       const double rolling = speeds[0] - speeds[1] * wheel.side;
       const double spin = std::clamp(rolling / wheels_.radius, -wheels_.max_speed, wheels_.max_speed);
@@ -75,7 +79,7 @@ class DifferentialBase final : public OdeBase {
     }
   }
 
-  void add_floor_contacts(dWorldID world, dJointGroupID group) override {
+  void add_floor_contacts(dWorldID world, dJointGroupID group, double h) override {
     const Vector3 forward = ode::from_matrix(dBodyGetRotation(base_)).col(0);
     for (Wheel& wheel : wheel_) {
       dContact contact{};
@@ -91,7 +95,7 @@ class DifferentialBase final : public OdeBase {
       }
       dJointAttach(dJointCreateContact(world, group, &contact), wheel.body, nullptr);
     }
-    support_.add_contacts(world, group);
+    support_.add_contacts(world, group, h);
   }
 
   double slip() const override {
@@ -107,14 +111,26 @@ class DifferentialBase final : public OdeBase {
 
   double power() const override {
     double sum = 0.0;
-    for (const Wheel& wheel : wheel_) {
-      // The anchor is the wheel's centre: no lever arm.
-      dVector3 axle;
-      dJointGetHingeAxis(wheel.hinge, axle);
-      sum += std::abs(ode::from_vector(wheel.feedback.t1).dot(ode::from_vector(axle)) *
-                      dJointGetHingeAngleRate(wheel.hinge));
-    }
+    for (const Wheel& wheel : wheel_) sum += std::abs(wheel.driving_torque() * dJointGetHingeAngleRate(wheel.hinge));
     return sum;
+  }
+
+  void set_bounded(bool bounded) override {
+    for (const Wheel& wheel : wheel_) dJointSetHingeParam(wheel.hinge, dParamFMax, bounded ? torque_ : dInfinity);
+  }
+
+  double load() const override {
+    double most = 0.0;
+    for (const Wheel& wheel : wheel_) {
+      const double load = std::abs(wheel.driving_torque()) / torque_;
+      if (!std::isfinite(load)) return std::numeric_limits<double>::infinity();
+      most = std::max(most, load);
+    }
+    return most;
+  }
+
+  void list_bodies(ode::BodyStates& bodies) const override {
+    for (const Wheel& wheel : wheel_) bodies.add(wheel.body);
   }
 
   bool healthy(double limit) const override {
@@ -131,11 +147,16 @@ class DifferentialBase final : public OdeBase {
     dGeomID geom = nullptr;
     dJointID hinge = nullptr;
     dJointFeedback feedback{};
-    double side = 0.0;  // y in B
+    double side = 0.0;                // y in B
+    Vector3 axle = Vector3::UnitY();  // in the world, as the step began
     bool touches = false;
+
+    // The anchor is the wheel's centre: no lever arm.
+    double driving_torque() const { return ode::from_vector(feedback.t1).dot(axle); }
   };
 
   double friction_;
+  double torque_ = 0.0;  // that a motor has at most [Nm]
   Wheels wheels_;
   dBodyID base_;
   ode::Space space_;

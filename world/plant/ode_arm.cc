@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace moma {
@@ -102,6 +103,7 @@ void OdeArm::make_joint(dWorldID world, const RigidBody& body, const Kinematics&
   const ControlledJoint& limits = model_->joints[index];
   Joint& joint = joints_[index];
   joint.slides = limits.type == JointType::kPrismatic;
+  joint.effort = limits.effort;
 
   const Isometry& X_WL = kinematics.X_WL(body.link);
   const Vector3 axis = X_WL.linear() * model_->links[static_cast<std::size_t>(body.link)].axis;
@@ -178,24 +180,67 @@ void OdeArm::read(VectorX& q, Eigen::Ref<VectorX> qdot) {
   q = q_;
 }
 
-double OdeArm::power() const {
-  double sum = 0.0;
+void OdeArm::set_bounded(bool bounded) {
+  if (bounded == bounded_) return;
+  bounded_ = bounded;
   for (const Joint& joint : joints_) {
-    const Vector3 force = ode::from_vector(joint.feedback.f1);
+    const double most = bounded ? joint.effort : dInfinity;
+    if (joint.slides)
+      dJointSetSliderParam(joint.id, dParamFMax, most);
+    else
+      dJointSetHingeParam(joint.id, dParamFMax, most);
+  }
+}
+
+bool OdeArm::clear_of_stops() const {
+  constexpr double kClear = 0.9 * kStopBeyond;
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    const ControlledJoint& limits = model_->joints[i];
+    const double q = q_[static_cast<Eigen::Index>(i)];
+    if (!(q > limits.lower - kClear && q < limits.upper + kClear)) return false;
+  }
+  return true;
+}
+
+void OdeArm::before_step() {
+  for (Joint& joint : joints_) {
     dVector3 axis;
     if (joint.slides) {
       dJointGetSliderAxis(joint.id, axis);
-      sum += std::abs(force.dot(ode::from_vector(axis)) * dJointGetSliderPositionRate(joint.id));
-      continue;
+    } else {
+      dVector3 anchor;
+      dJointGetHingeAxis(joint.id, axis);
+      dJointGetHingeAnchor(joint.id, anchor);
+      joint.lever = ode::from_vector(anchor) - ode::from_vector(dBodyGetPosition(dJointGetBody(joint.id, 0)));
     }
-    // The feedback's torque is about the body's centre; what the joint itself passes on is taken at its anchor.
-    dVector3 anchor;
-    dJointGetHingeAxis(joint.id, axis);
-    dJointGetHingeAnchor(joint.id, anchor);
-    const Vector3 arm = ode::from_vector(anchor) - ode::from_vector(dBodyGetPosition(dJointGetBody(joint.id, 0)));
-    const Vector3 torque = ode::from_vector(joint.feedback.t1) - arm.cross(force);
-    sum += std::abs(torque.dot(ode::from_vector(axis)) * dJointGetHingeAngleRate(joint.id));
+    joint.axis = ode::from_vector(axis);
   }
+}
+
+void OdeArm::after_step() {
+  for (Joint& joint : joints_) {
+    const Vector3 force = ode::from_vector(joint.feedback.f1);
+    // The feedback's torque is about the body's centre; what the joint itself passes on is taken at its anchor.
+    const Vector3 wrench = joint.slides ? force : ode::from_vector(joint.feedback.t1) - joint.lever.cross(force);
+    joint.torque = wrench.dot(joint.axis);
+  }
+}
+
+double OdeArm::load() const {
+  double most = 0.0;
+  for (const Joint& joint : joints_) {
+    const double load = std::abs(joint.torque) / joint.effort;
+    if (!std::isfinite(load)) return std::numeric_limits<double>::infinity();
+    most = std::max(most, load);
+  }
+  return most;
+}
+
+double OdeArm::power() const {
+  double sum = 0.0;
+  for (const Joint& joint : joints_)
+    sum += std::abs(joint.torque *
+                    (joint.slides ? dJointGetSliderPositionRate(joint.id) : dJointGetHingeAngleRate(joint.id)));
   return sum;
 }
 

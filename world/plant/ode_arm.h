@@ -31,17 +31,35 @@ class OdeArm {
   /// Sets the motors for one step of h seconds: within velocity limits, and slowing down ahead of the joint limits,
   /// so that the limit stops of ODE are a last resort.
   void command(const Eigen::Ref<const VectorX>& speeds, double h);
-  /// Joint positions (not wrapped) and rates as they are now.
-  void read(VectorX& q, Eigen::Ref<VectorX> qdot);
+  /// Whether the motors' efforts bound the coming step's solution. Without bounds a step is cheaper, and the same
+  /// where load() ends up below 1. No stop of ODE's may act then: clear_of_stops().
+  void set_bounded(bool bounded);
+  bool clear_of_stops() const;
+  /// Notes where the axes are, which the coming step's torques are about.
+  void before_step();
+  /// Takes the motors' torques and forces from ODE's feedback.
+  void after_step();
+  /// Of the last step: greatest |torque| / effort of a motor. Infinite where one is not finite.
+  double load() const;
   /// Sum of |torque x speed| of the motors over the last step [W].
   double power() const;
+
+  /// Joint positions (not wrapped) and rates as they are now.
+  void read(VectorX& q, Eigen::Ref<VectorX> qdot);
+  /// What read() goes on from, to take a step back: angles are counted beyond a turn.
+  const VectorX& q() const { return q_; }
+  void set_q(const VectorX& q) { q_ = q; }
 
  private:
   struct Joint {
     dJointID id = nullptr;
     bool slides = false;
     double zero = 0.0;  // joint value at which ODE's own coordinate is zero
+    double effort = 0.0;
     dJointFeedback feedback{};
+    Vector3 axis = Vector3::UnitZ();  // in the world, as the step began
+    Vector3 lever = Vector3::Zero();  // from the child's centre to the anchor, likewise
+    double torque = 0.0;              // or force, about or along the axis
   };
   void make_joint(dWorldID world, const RigidBody& body, const Kinematics& kinematics);
   static void add_friction(dWorldID world, const Joint& joint, double most);
@@ -53,6 +71,7 @@ class OdeArm {
   std::vector<Joint> joints_;  // never resized after construction: ODE points into it
   VectorX q_;
   double mass_ = 0.0;
+  bool bounded_ = true;
 };
 
 }  // namespace moma

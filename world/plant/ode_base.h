@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "world/plant/body_states.h"
 #include "world/plant/ode_arm.h"
 #include "world/plant/ode_raii.h"
 
@@ -27,12 +28,17 @@ class OdeBase {
 
   /// Sets the drive for one step of h seconds; `speeds` are the base's velocity coordinates, ramped already.
   virtual void command(const Eigen::Ref<const VectorX>& speeds, double h) = 0;
-  /// Adds this step's contacts with the floor.
-  virtual void add_floor_contacts(dWorldID world, dJointGroupID group) = 0;
+  /// Adds the contacts with the floor of a step of h seconds.
+  virtual void add_floor_contacts(dWorldID world, dJointGroupID group, double h) = 0;
+  /// As OdeArm's, of the drive's motors.
+  virtual void set_bounded(bool bounded) = 0;
+  virtual double load() const = 0;
   /// Largest slip since the last add_floor_contacts() [m/s], after the step.
   virtual double slip() const = 0;
   /// Of the drive's motors, over the last step [W].
   virtual double power() const = 0;
+  /// The drive's own bodies join what a step that is taken back restores.
+  virtual void list_bodies(ode::BodyStates& bodies) const = 0;
   /// False where a wheel's speed or position is not finite, or beyond `limit` [m/s].
   virtual bool healthy(double limit) const = 0;
 };

@@ -7,10 +7,13 @@
 #include <numbers>
 
 #include "controller/model/base_kind.h"
+#include "world/plant/body_states.h"
 #include "world/plant/command_check.h"
 #include "world/plant/contacts.h"
+#include "world/plant/gap_watch.h"
 #include "world/plant/ode_arm.h"
 #include "world/plant/ode_base.h"
+#include "world/plant/ode_support.h"
 
 namespace moma {
 namespace {
@@ -20,32 +23,36 @@ constexpr double kTopSpeed = 20.0;  // of any body; beyond it the physics has lo
 constexpr double kTipAngle = 30.0;  // [degrees]
 constexpr double kFallen = -0.1;    // height of the base frame [m]
 constexpr double kObjectFriction = 0.5;
+constexpr double kContactStep = 0.001;  // at most, where something may touch [s]
+constexpr double kNearlyBound = 0.99;   // of a motor's limit: the next step is made with bounds at once
 
 class OdePlant final : public Plant, private TouchSink {
  public:
   OdePlant(std::shared_ptr<const RobotModel> model, const World& world, const SimulationConfig& simulation,
-           const PlantConditions& conditions)
+           const PlantConditions& conditions, MotorBounds bounds)
       : model_(std::move(model)),
         step_(simulation.physics_step),
+        bounds_(bounds),
         scene_(model_, world, true),
         kinematics_(model_),
         contacts_(dJointGroupCreate(0)),
         arm_(world_.id(), model_, world.start.base, world.start.q, drop(*model_), mass_without_wheels(*model_),
              conditions),
-        base_(OdeBase::make(world_.id(), *model_, arm_, world.start.base, conditions.floor_friction)) {
+        base_(OdeBase::make(world_.id(), *model_, arm_, world.start.base, conditions.floor_friction)),
+        watch_(*model_, world, scene_.meets_floor()) {
     const dWorldID id = world_.id();
     dWorldSetGravity(id, 0.0, 0.0, -kGravity);
     dWorldSetCFM(id, 1e-9);
-    dWorldSetERP(id, 0.2);
     dWorldSetContactMaxCorrectingVel(id, 0.1);
     dWorldSetContactSurfaceLayer(id, kContactLayer);
     attach_shapes(world);
     state_.base = world.start.base;
     state_.q = world.start.q;
     state_.qdot = VectorX::Zero(model_->num_velocities());
-    ramped_ = VectorX::Zero(model_->base_dof());
-    scene_.place_objects(0.0);
-    push_objects();
+    ramped_ = mean_ = VectorX::Zero(model_->base_dof());
+    for (int i = 0; i < arm_.num_bodies(); ++i) bodies_.add(arm_.body(i));
+    if (base_) base_->list_bodies(bodies_);
+    place_objects(0.0);
   }
 
   ~OdePlant() override {
@@ -73,16 +80,14 @@ class OdePlant final : public Plant, private TouchSink {
     }
     ode::use_on_this_thread();
     ode::take_lcp_messages();
-    const int steps = std::max(1, static_cast<int>(std::lround(duration / step_)));
+    const int steps = std::max(1, static_cast<int>(std::ceil(duration / step_ - 1e-9)));
     const double h = duration / steps;
-    PlantReport ignored;
-    if (!detected_) detect(time_, ignored);
-    for (int i = 1; i <= steps; ++i) {
-      if (!step(command, h, report)) break;
-      detect(i == steps ? time_ + duration : time_ + i * h, report);
+    if (!watching_) begin();
+    for (int i = 0; i < steps; ++i) {
+      const double end = i + 1 == steps ? time_ + duration : time_ + (i + 1) * h;
+      if (!whole_step(command, time_ + i * h, end, h, report)) break;
     }
     time_ += duration;
-    report.lcp_messages = ode::take_lcp_messages();
     check_upright(report);
   }
 
@@ -124,7 +129,9 @@ class OdePlant final : public Plant, private TouchSink {
     }
   }
 
-  void push_objects() {
+  /// Objects as their motion has them at a time, with its velocities.
+  void place_objects(double time) {
+    scene_.place_objects(time);
     for (std::size_t i = 0; i < object_bodies_.size(); ++i) {
       if (object_bodies_[i] == nullptr) continue;
       const Vector6& V = scene_.object_states()[i].V_WO_W;
@@ -133,35 +140,113 @@ class OdePlant final : public Plant, private TouchSink {
     }
   }
 
-  /// The base's command follows the wanted one no faster than its acceleration limits.
+  /// The base's command follows the wanted one no faster than its acceleration limits. What a step of h seconds is
+  /// told is the mean of that, so that a base that does as it is told comes as far whatever the step.
   void ramp(const VectorX& command, double h) {
-    const Vector2& limit = model_->base.max_acceleration;
     const int dof = model_->base_dof();
     if (dof == 0) return;
-    const auto linear = ramped_.head(dof - 1);
-    const VectorX wanted = command.head(dof - 1) - linear;
-    const double change = wanted.norm();
-    const double most = limit.x() * h;
-    ramped_.head(dof - 1) += change > most ? VectorX(wanted * (most / change)) : wanted;
-    ramped_[dof - 1] += std::clamp(command[dof - 1] - ramped_[dof - 1], -limit.y() * h, limit.y() * h);
+    const auto follow = [h](auto now, const auto& wanted, double most, auto mean) {
+      const VectorX change = wanted - now;
+      const double time = std::min(change.norm() / most, h);  // for which it still changes
+      const VectorX before = now;
+      now += time < h ? change : VectorX(change * (h * most / change.norm()));
+      mean = now - (now - before) * (0.5 * time / h);
+    };
+    const Vector2& limit = model_->base.max_acceleration;
+    follow(ramped_.head(dof - 1), command.head(dof - 1), limit.x(), mean_.head(dof - 1));
+    follow(ramped_.tail(1), command.segment(dof - 1, 1), limit.y(), mean_.tail(1));
+  }
+
+  /// What a step changes and BodyStates does not know of.
+  struct Before {
+    PlantState state;
+    VectorX ramped, q;
+    double height = 0.0, up = 1.0, slip_max = 0.0, energy = 0.0;
+    int lcp_messages = 0;
+    bool bound = false;
+  };
+
+  void save(const PlantReport& report) {
+    before_.state = state_;
+    before_.ramped = ramped_;
+    before_.q = arm_.q();
+    before_.height = height_;
+    before_.up = up_;
+    before_.slip_max = report.slip_max;
+    before_.energy = report.energy;
+    before_.lcp_messages = report.lcp_messages;
+    before_.bound = bound_;
+  }
+
+  void restore(PlantReport& report) {
+    bodies_.restore();
+    state_ = before_.state;
+    ramped_ = before_.ramped;
+    arm_.set_q(before_.q);
+    height_ = before_.height;
+    up_ = before_.up;
+    report.slip_max = before_.slip_max;
+    report.energy = before_.energy;
+    report.lcp_messages = before_.lcp_messages;
+    bound_ = before_.bound;
+  }
+
+  /// From `begin` to `end`, h seconds, in one step where nothing can touch on the way, else in small ones that look for
+  /// contact after each. False where physics has failed.
+  bool whole_step(const VectorX& command, double begin, double end, double h, PlantReport& report) {
+    const int parts = std::max(1, static_cast<int>(std::ceil(h / kContactStep - 1e-9)));
+    if (!touching_) {
+      save(report);
+      if (!step(command, h, report)) return false;
+      place_objects(end);
+      find_solids();
+      if (watch_.moves_clear(solids_, scene_.object_states())) return true;
+      if (parts == 1) {
+        detect(end, report);
+        watch_.start(solids_, scene_.object_states());
+        return true;
+      }
+      restore(report);
+      place_objects(begin);
+      ++report.divided_steps;
+    }
+    for (int i = 1; i <= parts; ++i) {
+      if (!step(command, h / parts, report)) return false;
+      const double time = i == parts ? end : begin + i * (h / parts);
+      place_objects(time);
+      detect(time, report);
+    }
+    find_solids();
+    watch_.start(solids_, scene_.object_states());
+    return true;
   }
 
   /// One physics step. False where physics has failed; the report says why.
   bool step(const VectorX& command, double h, PlantReport& report) {
     ramp(command, h);
+    dWorldSetERP(world_.id(), error_reduction(h));
     if (base_) {
-      base_->command(ramped_, h);
-      base_->add_floor_contacts(world_.id(), contacts_.get());
+      base_->command(mean_, h);
+      base_->add_floor_contacts(world_.id(), contacts_.get(), h);
     }
     arm_.command(command.tail(model_->num_joints()), h);
-    try {
-      if (dWorldStep(world_.id(), h) == 0) return fail(report, "ODE's step gave up");
-    } catch (const ode::Fault& fault) {
-      world_.abandon();
-      return fail(report, fault.what());
+    arm_.before_step();
+    const bool free = bounds_ == MotorBounds::kWhereTheyBind && !bound_ && arm_.clear_of_stops();
+    set_bounded(!free);
+    bodies_.save();
+    if (!solve(h, report)) return false;
+    if (free && !(load() < 1.0)) {
+      bodies_.restore();
+      ode::take_lcp_messages();  // of the solution that nobody will see
+      set_bounded(true);
+      ++report.redone_steps;
+      if (!solve(h, report)) return false;
     }
+    bound_ = !(load() < kNearlyBound);
+    report.lcp_messages += ode::take_lcp_messages();
     dJointGroupEmpty(contacts_.get());
-    if (!read_state()) return fail(report, "a body's state is not finite, or faster than 20 m/s");
+    touching_ = false;
+    if (!read_state(h)) return fail(report, "a body's state is not finite, or faster than 20 m/s");
     if (base_) {
       report.slip_max = std::max(report.slip_max, base_->slip());
       report.energy += base_->power() * h;
@@ -170,6 +255,24 @@ class OdePlant final : public Plant, private TouchSink {
     return true;
   }
 
+  bool solve(double h, PlantReport& report) {
+    try {
+      if (dWorldStep(world_.id(), h) == 0) return fail(report, "ODE's step gave up");
+    } catch (const ode::Fault& fault) {
+      world_.abandon();
+      return fail(report, fault.what());
+    }
+    arm_.after_step();
+    return true;
+  }
+
+  void set_bounded(bool bounded) {
+    arm_.set_bounded(bounded);
+    if (base_) base_->set_bounded(bounded);
+  }
+
+  double load() const { return std::max(arm_.load(), base_ ? base_->load() : 0.0); }
+
   bool fail(PlantReport& report, const std::string& reason) {
     failure_ = fmt::format("diverged: {}", reason);
     report.diverged = true;
@@ -177,7 +280,8 @@ class OdePlant final : public Plant, private TouchSink {
     return false;
   }
 
-  bool read_state() {
+  /// After a step of h seconds.
+  bool read_state(double h) {
     for (int i = 0; i < arm_.num_bodies(); ++i) {
       const Vector3 v = ode::from_vector(dBodyGetLinearVel(arm_.body(i)));
       const Vector3 w = ode::from_vector(dBodyGetAngularVel(arm_.body(i)));
@@ -188,11 +292,11 @@ class OdePlant final : public Plant, private TouchSink {
     if (base_ && !base_->healthy(kTopSpeed)) return false;
     const int dof = model_->base_dof();
     arm_.read(state_.q, state_.qdot.tail(model_->num_joints()));
-    if (dof > 0) read_base();
+    if (dof > 0) read_base(h);
     return state_.q.allFinite() && state_.qdot.allFinite() && state_.base.allFinite();
   }
 
-  void read_base() {
+  void read_base(double h) {
     const dBodyID body = arm_.body(0);
     const Isometry X_WB = ode::pose(body) * arm_.in_body(0, Isometry::Identity());
     const Vector3 forward = X_WB.linear().col(0);
@@ -203,11 +307,15 @@ class OdePlant final : public Plant, private TouchSink {
     height_ = X_WB.translation().z();
     up_ = X_WB.linear()(2, 2);
 
+    // A body's velocity is its mean over the step: along the chord, which lies as the base did half-way.
     const Vector3 w = ode::from_vector(dBodyGetAngularVel(body));
-    const Vector3 v = ode::from_vector(dBodyGetLinearVel(body)) +
-                      w.cross(X_WB.translation() - ode::from_vector(dBodyGetPosition(body)));
-    const double c = std::cos(phi), s = std::sin(phi);
-    kind_of(model_->base.type).set_coordinates({c * v.x() + s * v.y(), c * v.y() - s * v.x(), w.z()}, state_.qdot);
+    const Vector3 lever = X_WB.linear().transpose() * (X_WB.translation() - ode::from_vector(dBodyGetPosition(body)));
+    const Vector3 v_centre = ode::from_vector(dBodyGetLinearVel(body));
+    const double middle = phi - 0.5 * h * w.z();
+    const double c = std::cos(middle), s = std::sin(middle);
+    const Vector3 v = Vector3(c * v_centre.x() + s * v_centre.y(), c * v_centre.y() - s * v_centre.x(), 0.0) +
+                      Vector3(0.0, 0.0, w.z()).cross(lever);
+    kind_of(model_->base.type).set_coordinates({v.x(), v.y(), w.z()}, state_.qdot);
   }
 
   void check_upright(PlantReport& report) const {
@@ -221,14 +329,36 @@ class OdePlant final : public Plant, private TouchSink {
     }
   }
 
+  void begin() {
+    PlantReport ignored;
+    if (!detected_) detect(time_, ignored);
+    find_solids();
+    watch_.start(solids_, scene_.object_states());
+    watching_ = true;
+  }
+
+  void find_solids() {
+    if (solids_.X_WS.empty()) {
+      kinematics_.update(state_.base, state_.q);  // for those of a fixed base, which have no body
+      for (const CollisionShape& shape : model_->shapes) {
+        const bool moves = arm_.body_of_link(shape.link) != nullptr;
+        solids_.X_WS.push_back(kinematics_.X_WS(shape));
+        in_body_.push_back(moves ? arm_.in_body(shape.link, shape.X_LS) : Isometry::Identity());
+      }
+    }
+    for (std::size_t i = 0; i < in_body_.size(); ++i)
+      if (const dBodyID body = arm_.body_of_link(model_->shapes[i].link))
+        solids_.X_WS[i] = ode::pose(body) * in_body_[i];
+    if (base_) solids_.X_WB = ode::pose(arm_.body(0));
+  }
+
   /// Contacts of the state as it is: reported, and made into contact joints for the next step.
   void detect(double time, PlantReport& report) {
-    scene_.place_objects(time);
-    push_objects();
     ContactLog log(report.contacts);
     log_ = &log;
     now_ = time;
     dJointGroupEmpty(contacts_.get());
+    touching_ = false;
     scene_.detect(*this);
     if (scene_.has_exact()) {
       kinematics_.update(state_.base, state_.q);
@@ -240,6 +370,7 @@ class OdePlant final : public Plant, private TouchSink {
   }
 
   void touch(const Touch& touch) override {
+    touching_ = true;
     double depth = 0.0;
     for (int i = 0; i < touch.count; ++i) depth = std::max(depth, static_cast<double>(touch.points[i].depth));
     log_->add({touch.kind, touch.first, touch.second, depth, now_, true});
@@ -258,6 +389,7 @@ class OdePlant final : public Plant, private TouchSink {
   // Destroyed last to first: joints and geoms before the world, whose bodies they point to.
   std::shared_ptr<const RobotModel> model_;
   double step_;
+  MotorBounds bounds_;
   ode::World world_;
   ContactScene scene_;
   Kinematics kinematics_;
@@ -265,13 +397,22 @@ class OdePlant final : public Plant, private TouchSink {
   OdeArm arm_;
   std::unique_ptr<OdeBase> base_;
   std::vector<dBodyID> object_bodies_;
+  ode::BodyStates bodies_;
+  GapWatch watch_;
+  SolidPoses solids_;
+  std::vector<Isometry> in_body_;  // of each shape, in its body's frame
 
   PlantState state_;
-  VectorX ramped_;
+  Before before_;
+  VectorX ramped_;  // the base's command, as its acceleration limits let it through
+  VectorX mean_;    // of that, over a step
   double time_ = 0.0;
   double height_ = 0.0;
   double up_ = 1.0;
   bool detected_ = false;
+  bool watching_ = false;
+  bool touching_ = false;  // there are joints of contacts with objects or of links
+  bool bound_ = false;     // a motor had all it has, or nearly, in the last step
   std::string failure_;
   ContactLog* log_ = nullptr;
   double now_ = 0.0;
@@ -280,8 +421,9 @@ class OdePlant final : public Plant, private TouchSink {
 }  // namespace
 
 std::unique_ptr<Plant> make_ode_plant(std::shared_ptr<const RobotModel> model, const World& world,
-                                      const SimulationConfig& simulation, const PlantConditions& conditions) {
-  return std::make_unique<OdePlant>(std::move(model), world, simulation, conditions);
+                                      const SimulationConfig& simulation, const PlantConditions& conditions,
+                                      MotorBounds bounds) {
+  return std::make_unique<OdePlant>(std::move(model), world, simulation, conditions, bounds);
 }
 
 }  // namespace moma

@@ -51,8 +51,13 @@ std::vector<Part> base_parts(const RobotModel& model) {
 
 }  // namespace
 
-OdeSupport::OdeSupport(const OdeArm& arm, const std::vector<Vector2>& points, double radius, double cfm)
-    : space_(ode::make_simple_space()), cfm_(cfm) {
+double error_reduction(double h) {
+  constexpr double kFade = 0.00896;  // [s]
+  return -std::expm1(-h / kFade);
+}
+
+OdeSupport::OdeSupport(const OdeArm& arm, const std::vector<Vector2>& points, double radius, double stiffness)
+    : space_(ode::make_simple_space()), stiffness_(stiffness) {
   floor_ = dCreatePlane(space_.get(), 0.0, 0.0, 1.0, 0.0);
   for (const Vector2& p : points) {
     const dGeomID sphere = dCreateSphere(space_.get(), radius);
@@ -64,12 +69,13 @@ OdeSupport::OdeSupport(const OdeArm& arm, const std::vector<Vector2>& points, do
   }
 }
 
-void OdeSupport::add_contacts(dWorldID world, dJointGroupID group) {
+void OdeSupport::add_contacts(dWorldID world, dJointGroupID group, double h) {
+  const double cfm = error_reduction(h) / (stiffness_ * h);
   for (const dGeomID sphere : spheres_) {
     dContact contact{};
     if (dCollide(sphere, floor_, 1, &contact.geom, sizeof(dContactGeom)) == 0) continue;
     contact.surface.mode = dContactSoftCFM;
-    contact.surface.soft_cfm = cfm_;
+    contact.surface.soft_cfm = cfm;
     contact.surface.mu = 0.0;
     dJointAttach(dJointCreateContact(world, group, &contact), dGeomGetBody(sphere), nullptr);
   }

@@ -9,16 +9,21 @@
 
 namespace moma {
 
+/// ODE's ERP, the part of a constraint's error that a step of h seconds takes away: errors fade with 9 ms, whatever the
+/// step. (0.2 at 2 ms, 0.67 at 10 ms.)
+double error_reduction(double h);
+
 /// Frictionless spheres under the base that carry it: casters of a differential drive, or the rolling contacts of
 /// mecanum wheels, whose friction is in their drive.
 class OdeSupport {
  public:
   /// @param points where they touch the floor, in B.
-  /// @param cfm softness of their contacts; 1e-6 is 1e8 N/m at 2 ms: stiff, but much softer than the wheels, so
-  /// that the wheels carry the weight and casters only what would tip the base.
-  OdeSupport(const OdeArm& arm, const std::vector<Vector2>& points, double radius, double cfm);
+  /// @param stiffness of their contacts [N/m]. Casters' is 1e8: stiff, but much softer than the wheels, so that the
+  /// wheels carry the weight and casters only what would tip the base.
+  OdeSupport(const OdeArm& arm, const std::vector<Vector2>& points, double radius, double stiffness);
 
-  void add_contacts(dWorldID world, dJointGroupID group);
+  /// For a step of h seconds.
+  void add_contacts(dWorldID world, dJointGroupID group, double h);
 
   /// Four points under the base's outline, as far out as they fit: `at_ends` keeps them at its front and rear, and
   /// draws in their sides (beside the wheels of a differential drive); otherwise they come in along the diagonals.
@@ -28,7 +33,7 @@ class OdeSupport {
   ode::Space space_;
   std::vector<dGeomID> spheres_;
   dGeomID floor_ = nullptr;
-  double cfm_;
+  double stiffness_;
 };
 
 }  // namespace moma

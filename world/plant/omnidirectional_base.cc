@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -9,6 +10,8 @@
 namespace moma {
 namespace {
 
+constexpr double kFootStiffness = 1e11;  // [N/m]
+
 /// Four mecanum wheels as one planar velocity drive. Their rollers are not simulated: the wheels are frictionless
 /// supports where they stand, and motors between base and floor give the base its commanded velocity with what
 /// friction under the whole weight could pass on: force mu m g in each direction, moment mu m g times the lever of
@@ -16,22 +19,26 @@ namespace {
 class OmnidirectionalBase final : public OdeBase {
  public:
   OmnidirectionalBase(dWorldID world, const RobotModel& model, OdeArm& arm, double friction)
-      : model_(model), arm_(arm), base_(arm.body_of_link(0)), support_(arm, feet(model), foot_radius(model), 1e-9) {
-    const double force = friction * arm.mass() * 9.81;
+      : model_(model),
+        arm_(arm),
+        base_(arm.body_of_link(0)),
+        support_(arm, feet(model), foot_radius(model), kFootStiffness) {
+    force_ = friction * arm.mass() * 9.81;
+    moment_ = force_ * lever(model);
     linear_ = dJointCreateLMotor(world, nullptr);
     dJointAttach(linear_, base_, nullptr);
     dJointSetLMotorNumAxes(linear_, 2);
     dJointSetLMotorAxis(linear_, 0, 0, 1.0, 0.0, 0.0);
     dJointSetLMotorAxis(linear_, 1, 0, 0.0, 1.0, 0.0);
-    dJointSetLMotorParam(linear_, dParamFMax, force);
-    dJointSetLMotorParam(linear_, dParamFMax2, force);
+    dJointSetLMotorParam(linear_, dParamFMax, force_);
+    dJointSetLMotorParam(linear_, dParamFMax2, force_);
     dJointSetFeedback(linear_, &linear_feedback_);
     angular_ = dJointCreateAMotor(world, nullptr);
     dJointAttach(angular_, base_, nullptr);
     dJointSetAMotorMode(angular_, dAMotorUser);
     dJointSetAMotorNumAxes(angular_, 1);
     dJointSetAMotorAxis(angular_, 0, 0, 0.0, 0.0, 1.0);
-    dJointSetAMotorParam(angular_, dParamFMax, force * lever(model));
+    dJointSetAMotorParam(angular_, dParamFMax, moment_);
     dJointSetFeedback(angular_, &angular_feedback_);
   }
 
@@ -54,7 +61,9 @@ class OmnidirectionalBase final : public OdeBase {
     dJointSetAMotorParam(angular_, dParamVel, turn_);
   }
 
-  void add_floor_contacts(dWorldID world, dJointGroupID group) override { support_.add_contacts(world, group); }
+  void add_floor_contacts(dWorldID world, dJointGroupID group, double h) override {
+    support_.add_contacts(world, group, h);
+  }
 
   double slip() const override {
     const Vector3 v = ode::from_vector(dBodyGetLinearVel(base_)) - wanted_;
@@ -67,7 +76,22 @@ class OmnidirectionalBase final : public OdeBase {
     return turning;
   }
 
-  bool healthy(double) const override { return true; }  // has no bodies of its own
+  void set_bounded(bool bounded) override {
+    dJointSetLMotorParam(linear_, dParamFMax, bounded ? force_ : dInfinity);
+    dJointSetLMotorParam(linear_, dParamFMax2, bounded ? force_ : dInfinity);
+    dJointSetAMotorParam(angular_, dParamFMax, bounded ? moment_ : dInfinity);
+  }
+
+  double load() const override {
+    const dReal* force = linear_feedback_.f1;
+    const double load = std::max(
+        {std::abs(force[0]) / force_, std::abs(force[1]) / force_, std::abs(angular_feedback_.t1[2]) / moment_});
+    return std::isfinite(force[0] + force[1] + angular_feedback_.t1[2]) ? load
+                                                                        : std::numeric_limits<double>::infinity();
+  }
+
+  void list_bodies(ode::BodyStates&) const override {}  // has none of its own
+  bool healthy(double) const override { return true; }
 
  private:
   static double foot_radius(const RobotModel& model) { return model.base.wheels ? model.base.wheels->radius : 0.05; }
@@ -99,6 +123,7 @@ class OmnidirectionalBase final : public OdeBase {
   OdeArm& arm_;
   dBodyID base_;
   OdeSupport support_;
+  double force_ = 0.0, moment_ = 0.0;  // that the drive has at most [N, Nm]
   dJointID linear_ = nullptr, angular_ = nullptr;
   dJointFeedback linear_feedback_{}, angular_feedback_{};
   Vector3 wanted_ = Vector3::Zero();

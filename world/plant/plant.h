@@ -18,11 +18,11 @@ enum class SimulationMode { kKinematic, kDynamic };
 constexpr auto words(Of<SimulationMode>) { return std::to_array<std::string_view>({"kinematic", "dynamic"}); }
 static_assert(all_worded<SimulationMode>());
 
-/// `simulation` of a suite. In dynamic mode control_period is a whole multiple of physics_step.
+/// `simulation` of a suite.
 struct SimulationConfig {
   SimulationMode mode = SimulationMode::kDynamic;
   double control_period = 0.02;  ///< [s]
-  double physics_step = 0.002;   ///< [s]
+  double physics_step = 0.01;    ///< [s]
   double time_limit = 30.0;      ///< [s]
   double cross_check = 0.02;     ///< [1]
 };
@@ -34,7 +34,9 @@ constexpr void describe(Visitor& v, Of<SimulationConfig>) {
   v.member("control_period", &T::control_period,
            {.unit = "s", .range = {1e-4, 1.0}, .text = "between two steps of the controller"});
   v.member("physics_step", &T::physics_step,
-           {.unit = "s", .range = {1e-5, 0.02}, .text = "of ODE; the control period is a whole multiple of it"});
+           {.unit = "s",
+            .range = {1e-5, 0.02},
+            .text = "of ODE, at most; in equal steps, divided further where something may touch"});
   v.member("time_limit", &T::time_limit, {.unit = "s", .range = {0.0, 3600.0, true, false}, .text = "of a trial"});
   v.member("cross_check", &T::cross_check,
            {.unit = "1",
@@ -70,6 +72,8 @@ struct PlantReport {
   double slip_max = 0.0;  ///< wheel contact slip speed [m/s]; dynamic mode
   double energy = 0.0;    ///< integral of |torque x speed| [J]; dynamic mode
   int lcp_messages = 0;
+  int redone_steps = 0;   ///< of physics: made again with the motors' limits; dynamic mode
+  int divided_steps = 0;  ///< of physics: divided because something might touch on the way; dynamic mode
 };
 
 /// How ODE's contacts and the distance library agree about one state (cross_check.h).

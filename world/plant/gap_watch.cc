@@ -1,0 +1,127 @@
+#include "world/plant/gap_watch.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "controller/model/robot_model.h"
+
+namespace moma {
+namespace {
+
+// Gaps of less than this are not told from contacts: the detectors' differences, and how far a way bends off the
+// straight line between its ends [m].
+constexpr double kUncertain = 1e-4;
+// The way itself may be longer than between its ends: an arc of half a radian by 1 %.
+constexpr double kBend = 1.01;
+// Balls this far apart need no distance of what is in them [m].
+constexpr double kFar = 0.1;
+
+double moved(const Isometry& from, const Isometry& to, double radius) {
+  return kBend * ((to.translation() - from.translation()).norm() + radius * (to.linear() - from.linear()).norm());
+}
+
+double moved_in_height(const Isometry& from, const Isometry& to, double radius) {
+  return kBend * (std::abs(to.translation().z() - from.translation().z()) +
+                  radius * (to.linear().row(2) - from.linear().row(2)).norm());
+}
+
+}  // namespace
+
+GapWatch::GapWatch(const RobotModel& model, const World& world, const std::vector<bool>& meets_floor)
+    : shapes_(solids_of(model)),
+      objects_(solids_of(world)),
+      coal_(std::max(most_vertices(shapes_), most_vertices(objects_))),
+      way_(3 * shapes_.size() + objects_.size() + 1),
+      step_(way_.size()),
+      last_X_BS_(shapes_.size()),
+      last_X_WO_(objects_.size()) {
+  for (int i = 0; i < static_cast<int>(shapes_.size()); ++i) {
+    for (int k = 0; k < static_cast<int>(objects_.size()); ++k) add(PairKind::kObject, i, k);
+    if (meets_floor[static_cast<std::size_t>(i)]) add(PairKind::kFloor, i, -1);
+  }
+  for (const SelfPair& pair : model.self_pairs) add(PairKind::kSelf, pair.first, pair.second);
+  found_.reserve(pairs_.size());
+}
+
+void GapWatch::add(PairKind kind, int first, int second) {
+  const std::size_t n = shapes_.size();
+  const auto i = static_cast<std::size_t>(first);
+  const auto k = static_cast<std::size_t>(std::max(second, 0));
+  switch (kind) {
+    case PairKind::kObject:
+      pairs_.push_back({kind, first, second, i, 3 * n + k, 0.0});
+      break;
+    case PairKind::kFloor:
+      pairs_.push_back({kind, first, second, n + i, way_.size() - 1, 0.0});
+      break;
+    case PairKind::kSelf:
+      pairs_.push_back({kind, first, second, 2 * n + i, 2 * n + k, 0.0});
+      break;
+  }
+}
+
+double GapWatch::gap(const Pair& pair, const SolidPoses& poses, const std::vector<ObjectState>& objects) {
+  const auto i = static_cast<std::size_t>(pair.first);
+  if (pair.kind == PairKind::kFloor) return lowest_point(shapes_[i].shape, poses.X_WS[i]);
+  const auto k = static_cast<std::size_t>(pair.second);
+  const bool self = pair.kind == PairKind::kSelf;
+  const Solid& a = shapes_[i];
+  const Solid& b = self ? shapes_[k] : objects_[k];
+  const Isometry& X_WA = poses.X_WS[i];
+  const Isometry& X_WB = self ? poses.X_WS[k] : objects[k].X_WO;
+  const double apart = (X_WA.translation() - X_WB.translation()).norm() - a.radius - b.radius;
+  return apart > kFar ? apart : coal_.distance(a.geometry, X_WA, b.geometry, X_WB).d;
+}
+
+void GapWatch::note(const SolidPoses& poses, const std::vector<ObjectState>& objects) {
+  last_.X_WB = poses.X_WB;
+  last_.X_WS.resize(shapes_.size());
+  const Isometry X_BW = poses.X_WB.inverse();
+  for (std::size_t i = 0; i < shapes_.size(); ++i) {
+    last_.X_WS[i] = poses.X_WS[i];
+    last_X_BS_[i] = X_BW * poses.X_WS[i];
+  }
+  for (std::size_t k = 0; k < objects_.size(); ++k) last_X_WO_[k] = objects[k].X_WO;
+}
+
+void GapWatch::start(const SolidPoses& poses, const std::vector<ObjectState>& objects) {
+  note(poses, objects);
+  std::fill(way_.begin(), way_.end(), 0.0);
+  std::fill(step_.begin(), step_.end(), 0.0);
+  for (Pair& pair : pairs_) pair.room = gap(pair, poses, objects) - kUncertain;
+}
+
+void GapWatch::measure_steps(const SolidPoses& poses, const std::vector<ObjectState>& objects) {
+  const std::size_t n = shapes_.size();
+  const Isometry X_BW = poses.X_WB.inverse();
+  for (std::size_t i = 0; i < n; ++i) {
+    const double r = shapes_[i].radius;
+    step_[i] = moved(last_.X_WS[i], poses.X_WS[i], r);
+    step_[n + i] = moved_in_height(last_.X_WS[i], poses.X_WS[i], r);
+    step_[2 * n + i] = moved(last_X_BS_[i], X_BW * poses.X_WS[i], r);
+  }
+  for (std::size_t k = 0; k < objects_.size(); ++k)
+    step_[3 * n + k] = moved(last_X_WO_[k], objects[k].X_WO, objects_[k].radius);
+}
+
+bool GapWatch::moves_clear(const SolidPoses& poses, const std::vector<ObjectState>& objects) {
+  measure_steps(poses, objects);
+  found_.clear();
+  for (std::size_t p = 0; p < pairs_.size(); ++p) {
+    const Pair& pair = pairs_[p];
+    const double before = way_[pair.way_first] + way_[pair.way_second];
+    const double step = step_[pair.way_first] + step_[pair.way_second];
+    if (before + step < pair.room) continue;
+    // At each moment of the step the gap is at least the first one less the way since, and the second less the way to
+    // come: it stays open where the two gaps together are more than the whole way.
+    const double now = gap(pair, poses, objects) - kUncertain;
+    if (!(now > 0.0) || !(pair.room - before + now > step)) return false;
+    found_.push_back({p, now + before + step});
+  }
+  for (const Room& room : found_) pairs_[room.pair].room = room.room;
+  for (std::size_t i = 0; i < way_.size(); ++i) way_[i] += step_[i];
+  note(poses, objects);
+  return true;
+}
+
+}  // namespace moma
