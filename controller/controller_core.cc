@@ -8,9 +8,11 @@
 #include <utility>
 
 #include "controller/ahead/lookahead.h"
+#include "controller/model/base_kind.h"
 #include "controller/qp/terms.h"
 #include "controller/qp/tracking.h"
 #include "controller/safe/evasion.h"
+#include "controller/task/separate.h"
 
 namespace moma {
 namespace {
@@ -141,10 +143,10 @@ void ControllerCore::step(const Observation& observation, StepResult& result) no
   }
   const Observation& seen = predictor_.on() ? predictor_.predict(observation) : observation;
   observe(seen);
-  if (params_.method == Method::kQp)
-    solve_qp(seen, result);
-  else
+  if (params_.method != Method::kQp)
     solve_closed_form(seen, result);
+  else if (!drive_base(seen, result))
+    solve_qp(seen, result);
   send(result);
   result.error = task_.error;
   result.error_norm = task_.error_norm;
@@ -227,7 +229,9 @@ void ControllerCore::observe(const Observation& o) noexcept {
   kinematics_.update(o.base, o.q);
   task_ = Task{};
   task_.error = pose_error(kinematics_.X_WE(), o.goal.X_WG);
-  task_.nu = servo_twist(params_.servo, task_.error, o.goal.V_WG_W);
+  const Vector6 error =
+      params_.servo.error == ServoError::kRpy ? pose_error_rpy(kinematics_.X_WE(), o.goal.X_WG) : task_.error;
+  task_.nu = servo_twist(params_.servo, error, o.goal.V_WG_W);
   task_.raw_error_norm = error_norm(params_.error_norm, task_.error);
   task_.error_norm = std::min(std::max(task_.raw_error_norm, params_.error_norm.min), params_.error_norm.max);
   task_.theta_eps = base_dof_ > 0 ? bearing(kinematics_.X_WB(), kinematics_.X_WE().translation()) : 0.0;
@@ -243,6 +247,7 @@ void ControllerCore::observe(const Observation& o) noexcept {
 
 void ControllerCore::build(const Observation& o) noexcept {
   bound_acceleration(o.qdot);
+  if (params_.separate.enabled) hold_base();
   collision_.select(proximity_.query(kinematics_, o.objects, collision_.ranges()));
   passing_.select(kinematics_, proximity_, o.objects);
   look_ahead(o);
@@ -276,6 +281,29 @@ void ControllerCore::bound_acceleration(const VectorX& qdot) noexcept {
   // What the drives can do holds in every stage of the fallback.
   hard_lower_.head(base_dof_) = problem_.lb.head(base_dof_);
   hard_upper_.head(base_dof_) = problem_.ub.head(base_dof_);
+}
+
+// The first part of motion in two parts: true while the base drives, with the arm at rest. Rows are not looked at.
+bool ControllerCore::drive_base(const Observation& o, StepResult& result) noexcept {
+  if (!params_.separate.enabled || base_dof_ == 0) return false;
+  const BaseDrive drive = drive_into_reach(params_.separate, model_->base, o.base, o.goal.X_WG.translation());
+  if (!drive.driving) return false;
+  bound_acceleration(o.qdot);
+  command_.setZero();
+  kind_of(model_->base.type).set_coordinates(drive.velocity_B, command_);
+  command_ = command_.cwiseMax(problem_.lb.head(nv_)).cwiseMin(problem_.ub.head(nv_));
+  scale_into_limits(*model_, bounds_.speed(), command_);
+  result.active_rows = 0;
+  return true;
+}
+
+// The second part: the base stands, or comes to rest as fast as it may.
+void ControllerCore::hold_base() noexcept {
+  for (int i = 0; i < base_dof_; ++i) {
+    const double rest = braking(problem_.lb[i], problem_.ub[i]);
+    problem_.lb[i] = problem_.ub[i] = rest;
+    hard_lower_[i] = hard_upper_[i] = rest;
+  }
 }
 
 void ControllerCore::look_ahead(const Observation& o) noexcept {
@@ -393,7 +421,7 @@ void ControllerCore::solve_closed_form(const Observation& o, StepResult& result)
     outcome_.fallback = Fallback::kBrake;
     return;
   }
-  inverse_.update(J);
+  inverse_.update(J, params_.closed_form.damping);
   rrmc(inverse_, J, task_.nu, command_);
   if (params_.method != Method::kRrmc) {
     park_gradient(params_, base_dof_, J_m_, gradient_);
@@ -406,7 +434,7 @@ void ControllerCore::solve_closed_form(const Observation& o, StepResult& result)
     outcome_.fallback = Fallback::kBrake;
     return;
   }
-  scale_into_limits(*model_, bounds_.speed(), command_);
+  if (params_.closed_form.scaled) scale_into_limits(*model_, bounds_.speed(), command_);
 }
 
 VectorX ControllerCore::J_m() const {

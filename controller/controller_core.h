@@ -94,6 +94,8 @@ class ControllerCore final : public StepController {
   void look_ahead(const Observation& observation) noexcept;
   void ask_for(const VectorX& velocities, const Observation& observation) noexcept;
   void solve_qp(const Observation& observation, StepResult& result) noexcept;
+  bool drive_base(const Observation& observation, StepResult& result) noexcept;
+  void hold_base() noexcept;
   void solve_closed_form(const Observation& observation, StepResult& result) noexcept;
   void bound_acceleration(const VectorX& qdot) noexcept;
   void evade(const Observation& observation, StepResult& result) noexcept;

@@ -34,6 +34,7 @@ class Checker {
     if (p_.joint_limits.method == JointLimitMethod::kDamper) damper_margins();
     weights();
     safe();
+    separate();
     return issues_;
   }
 
@@ -134,6 +135,13 @@ class Checker {
   const ControllerParams& p_;
   const RobotModel& model_;
   double dt_;
+  void separate() {
+    if (!p_.separate.enabled) return;
+    if (p_.method != Method::kQp) error("separate", "is of method qp: the arm's part is its QP");
+    if (p_.plan.enabled) error("separate", "does not go with plan, whose paths are of base and arm as one");
+    if (model_.base_dof() == 0) warning("separate", "has no effect: the base does not move");
+  }
+
   std::vector<ParamsIssue> issues_;
 };
 

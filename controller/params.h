@@ -30,6 +30,9 @@ constexpr auto words(Of<SolverKind>) { return std::to_array<std::string_view>({"
 enum class VortexWhen { kStagnated, kAlways };
 constexpr auto words(Of<VortexWhen>) { return std::to_array<std::string_view>({"stagnated", "always"}); }
 
+enum class ServoError { kRotationVector, kRpy };
+constexpr auto words(Of<ServoError>) { return std::to_array<std::string_view>({"rotation_vector", "rpy"}); }
+
 /// A sideways part of nu along obstacles (task/vortex.h).
 struct VortexParams {
   bool enabled = false;
@@ -44,6 +47,7 @@ struct ServoParams {
   double orientation = 1.95;
   double max_linear = kInfinity;
   double max_angular = kInfinity;
+  ServoError error = ServoError::kRotationVector;
   VortexParams vortex = {};
 };
 
@@ -148,6 +152,21 @@ struct EscapeParams {
   AroundParams around;
 };
 
+/// How rrmc, park and baur answer singularities and speed limits (closed_form/closed_form.h).
+struct ClosedFormParams {
+  double damping = 0.05;  ///< at a singularity; 0: the plain pseudo-inverse
+  bool scaled = true;     ///< into the velocity limits; without, a command may be beyond them
+};
+
+/// The base first, then the arm (task/separate.h).
+struct SeparateParams {
+  bool enabled = false;
+  double reach = 0.65;      ///< horizontal distance of the goal from the base's origin where the base stands [m]
+  double tolerance = 0.03;  ///< of that [m]
+  double bearing = 0.1;     ///< of the goal, within which it is ahead of the base [rad]
+  double gain = 1.5;        ///< [1/s]
+};
+
 /// qdot *= far/e beyond `switch_distance`, else near; e the unclamped norm; the result is clipped to the bounds.
 struct OutputScalingParams {
   bool enabled = false;
@@ -180,6 +199,8 @@ struct ControllerParams {
   OutputScalingParams output_scaling;
   EscapeParams escape;
   PlanParams plan;
+  ClosedFormParams closed_form;
+  SeparateParams separate;
   SolverKind solver = SolverKind::kDaqp;
 };
 

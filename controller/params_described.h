@@ -41,6 +41,10 @@ constexpr void describe(Visitor& v, Of<ServoParams>) {
            {.unit = "m/s", .range = Range::positive_or_inf(), .text = "clamp of nu's linear part in length"});
   v.member("max_angular", &ServoParams::max_angular,
            {.unit = "rad/s", .range = Range::positive_or_inf(), .text = "clamp of nu's angular part in length"});
+  v.member(
+      "error", &ServoParams::error,
+      {.written = Written::kUnlessDefault,
+       .text = "e_R: the rotation vector, or roll, pitch and yaw of the goal seen from E, as published code has it"});
   v.optional("vortex", &ServoParams::vortex, &VortexParams::enabled, Off::kNone,
              "a sideways part of nu along obstacles");
 }
@@ -195,6 +199,26 @@ constexpr void describe(Visitor& v, Of<EscapeParams>) {
 }
 
 template <class Visitor>
+constexpr void describe(Visitor& v, Of<ClosedFormParams>) {
+  v.member("damping", &ClosedFormParams::damping,
+           {.range = Range::non_negative(), .text = "at a singularity; 0: the plain pseudo-inverse"});
+  v.member("scaled", &ClosedFormParams::scaled, {.text = "commands are scaled into the velocity limits"});
+}
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<SeparateParams>) {
+  v.member("reach", &SeparateParams::reach,
+           {.unit = "m",
+            .range = Range::positive(),
+            .text = "horizontal distance of the goal from the base's origin where the base stands"});
+  v.member("tolerance", &SeparateParams::tolerance, {.unit = "m", .range = Range::positive(), .text = "of that"});
+  v.member(
+      "bearing", &SeparateParams::bearing,
+      {.unit = "rad", .range = Range::positive(), .text = "within which the goal lies ahead of a base that stands"});
+  v.member("gain", &SeparateParams::gain, {.unit = "1/s", .range = Range::positive(), .text = "of the base's drive"});
+}
+
+template <class Visitor>
 constexpr void describe(Visitor& v, Of<OutputScalingParams>) {
   v.member("far", &OutputScalingParams::far, {.range = Range::positive(), .text = "qdot *= far/e beyond `switch`"});
   v.member("near", &OutputScalingParams::near, {.range = Range::positive(), .text = "qdot *= near nearer than that"});
@@ -255,6 +279,10 @@ constexpr void describe(Visitor& v, Of<ControllerParams>) {
              "detours that lead out of local minima; stagnation is watched for the vortex, too");
   v.optional("plan", &ControllerParams::plan, &PlanParams::enabled, Off::kOmitted,
              "looking ahead: predictions, detours tried in them, and planned paths of base and arm");
+  v.member("closed_form", &ControllerParams::closed_form,
+           {.written = Written::kUnlessDefault, .text = "how rrmc, park and baur answer singularities and limits"});
+  v.optional("separate", &ControllerParams::separate, &SeparateParams::enabled, Off::kOmitted,
+             "the base drives to where the goal is in reach and stands there; then the arm moves");
   v.member("solver", &ControllerParams::solver, {.text = "of the QP"});
 }
 

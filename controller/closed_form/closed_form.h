@@ -7,12 +7,13 @@ namespace moma {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// Damped least-squares inverse J^T (J J^T + lambda^2 I)^-1 with lambda^2 = 0.05^2 (1 - (s_min/0.02)^2) where the
-/// smallest singular value s_min is below 0.02, else 0 (Nakamura & Hanafusa, ASME JDSMC 108, 1986). No allocation.
+/// Damped least-squares inverse J^T (J J^T + lambda^2 I)^-1 with lambda^2 = damping^2 (1 - (s_min/0.02)^2) where the
+/// smallest singular value s_min is below 0.02, else 0 (Nakamura & Hanafusa, ASME JDSMC 108, 1986). Without damping the
+/// pseudo-inverse: directions whose singular value is below 1e-7 of the largest are left out. No allocation.
 class DampedInverse {
  public:
-  /// J is 6 x num_velocities, finite.
-  void update(const Matrix6X& J) noexcept;
+  /// J is 6 x num_velocities, finite; damping >= 0.
+  void update(const Matrix6X& J, double damping) noexcept;
   /// J^+ nu.
   void apply(const Matrix6X& J, const Vector6& nu, VectorX& out) const noexcept;
   double smallest_singular_value() const noexcept { return s_min_; }

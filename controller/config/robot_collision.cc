@@ -88,7 +88,8 @@ class CollisionReader {
     std::string from;
     in.read("from", from);
     in.check(from.empty() || from == "urdf", "from", "found '" + from + "', expected urdf");
-    if (from == "urdf") take_urdf(in);
+    const std::set<int> links = read_links(in, from);
+    if (from == "urdf") take_urdf(in, links);
     if (model_.shapes.empty())
       build_.warnings.emplace_back("the robot has no collision shapes: nothing it does can be a collision");
     read_self(in);
@@ -151,14 +152,26 @@ class CollisionReader {
                         (near.empty() ? "" : " (did you mean " + near + "?)"));
   }
 
+  // Of `links`, those whose geometry is taken from the URDF; none: all. Not in resolved robots, which have the shapes.
+  std::set<int> read_links(MapReader& in, const std::string& from) const {
+    const Node* list = in.get("links");
+    if (list == nullptr) return {};
+    in.check(from == "urdf", "links", "says which links' geometry `from: urdf` takes, and there is no `from: urdf`");
+    in.check(list->kind == Node::Kind::kSequence && !list->items.empty(), "links",
+             "expected a list of links of the URDF");
+    std::set<int> links;
+    for (const Node& item : list->items) links.insert(link_named(in, "links", read_string(item, in.key_of("links"))));
+    return links;
+  }
+
   // Links that have shapes of their own in the file keep those alone.
-  void take_urdf(const MapReader& in) {
+  void take_urdf(const MapReader& in, const std::set<int>& links) {
     const std::map<int, int> own = count_;
     std::map<std::pair<std::string, std::vector<double>>, MeshSolid> meshes;
     for (std::size_t i = 0; i < build_.tree.links.size(); ++i) {
       const UrdfLink& source = build_.tree.links[i];
       const int link = static_cast<int>(i) + 1;
-      if (own.count(link) != 0) continue;
+      if (own.count(link) != 0 || (!links.empty() && links.count(link) == 0)) continue;
       for (const UrdfGeometry& geometry : source.collision) {
         if (geometry.mesh.empty()) {
           add(link, geometry.shape, geometry.X_LS);

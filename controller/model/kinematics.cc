@@ -121,6 +121,11 @@ Vector3 log_so3(const Matrix3& R) noexcept {
   return n < 1e-8 ? Vector3(2.0 / w * v) : Vector3(2.0 * std::atan2(n, w) / n * v);
 }
 
+Vector3 rpy_of(const Matrix3& R) noexcept {
+  return {std::atan2(R(2, 1), R(2, 2)), std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0))),
+          std::atan2(R(1, 0), R(0, 0))};
+}
+
 Isometry base_pose(const Vector3& base) noexcept {
   Isometry X = Isometry::Identity();
   const double c = std::cos(base.z());

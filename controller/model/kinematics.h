@@ -53,6 +53,10 @@ void integrate(const RobotModel& model, Vector3& base, Eigen::Ref<VectorX> q, co
 /// component is positive).
 Vector3 log_so3(const Matrix3& R) noexcept;
 
+/// Roll, pitch, yaw of R = Rz(yaw) Ry(pitch) Rx(roll), each in [-pi, pi], pitch in [-pi/2, pi/2]. Where the pitch is
+/// +-pi/2, roll and yaw are not determined and one of the many is given.
+Vector3 rpy_of(const Matrix3& R) noexcept;
+
 /// Pose of the planar base: rotation by phi about z, translation (x, y, 0).
 Isometry base_pose(const Vector3& base) noexcept;
 

@@ -21,6 +21,13 @@ Vector6 pose_error(const Isometry& X_WE, const Isometry& X_WG) noexcept {
   return e;
 }
 
+Vector6 pose_error_rpy(const Isometry& X_WE, const Isometry& X_WG) noexcept {
+  Vector6 e;
+  e.head<3>() = X_WE.linear() * rpy_of(X_WE.linear().transpose() * X_WG.linear());
+  e.tail<3>() = X_WG.translation() - X_WE.translation();
+  return e;
+}
+
 Vector6 servo_twist(const ServoParams& params, const Vector6& error, const Vector6& V_WG_W) noexcept {
   Vector6 nu;
   nu.head<3>() = clamped(params.orientation * error.head<3>(), params.max_angular);

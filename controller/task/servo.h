@@ -21,6 +21,11 @@ struct Task {
 /// e = [log(R_d R^T); p_d - p] in world axes.
 Vector6 pose_error(const Isometry& X_WE, const Isometry& X_WG) noexcept;
 
+/// The same with another e_R: roll, pitch, yaw of R^T R_d, taken for a rotation vector in the axes of E and turned into
+/// world axes. Small angles agree; large ones turn by another way, and jump where the pitch comes to +-pi/2.
+/// Source: p_servo() of the Robotics Toolbox for Python, by which the papers' examples servo.
+Vector6 pose_error_rpy(const Isometry& X_WE, const Isometry& X_WG) noexcept;
+
 /// nu = [k_R e_R; k_p e_p], each part clamped in length with its direction kept, + V_d (Lynch & Park 2017, 11.17,
 /// with the feed-forward of the goal, which the article's summary leaves without its subscript).
 Vector6 servo_twist(const ServoParams& params, const Vector6& error, const Vector6& V_WG_W) noexcept;

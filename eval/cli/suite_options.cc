@@ -14,6 +14,10 @@ namespace moma::cli {
 
 void SuiteOptions::add_to(CLI::App& command) {
   command.add_option("SUITE", file, "Suite file (YAML)")->required();
+  add_changes_to(command);
+}
+
+void SuiteOptions::add_changes_to(CLI::App& command) {
   command.add_option("--set", set, "KEY=VALUE: any key of the suite, e.g. simulation.mode=kinematic; repeatable")
       ->expected(1)
       ->take_all()

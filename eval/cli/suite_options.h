@@ -17,6 +17,8 @@ struct SuiteOptions {
 
   /// Adds SUITE, --set, --trials, --lenient, --seed.
   void add_to(CLI::App& command);
+  /// The same without SUITE, for a command that knows its suite.
+  void add_changes_to(CLI::App& command);
   Overrides overrides() const;
   /// Throws UsageError, config::ConfigError.
   Suite load() const;

@@ -22,6 +22,29 @@ Interval wilson(std::int64_t successes, std::int64_t n, double confidence) {
   return {successes == 0 ? 0.0 : (k + zz / 2 - half) / (m + zz), successes == n ? 1.0 : (k + zz / 2 + half) / (m + zz)};
 }
 
+Interval difference_of_rates(std::int64_t k, std::int64_t n, std::int64_t l, std::int64_t m, double confidence) {
+  const Interval a = wilson(k, n, confidence);
+  const Interval b = wilson(l, m, confidence);
+  if (n == 0 || m == 0) return {-1.0, 1.0};
+  const double p = static_cast<double>(k) / static_cast<double>(n);
+  const double q = static_cast<double>(l) / static_cast<double>(m);
+  return {p - q - std::hypot(p - a.low, b.high - q), p - q + std::hypot(a.high - p, q - b.low)};
+}
+
+WeightedMean weighted_mean(const std::vector<double>& values, const std::vector<double>& weights) {
+  if (values.size() != weights.size()) throw std::invalid_argument("weighted_mean: sizes differ");
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  const double weight = std::accumulate(weights.begin(), weights.end(), 0.0);
+  if (!(weight > 0.0)) return {kUnknown, kUnknown};
+  double mean = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) mean += weights[i] / weight * values[i];
+  if (values.size() < 2) return {mean, kUnknown};
+  double squares = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) squares += std::pow(weights[i] / weight * (values[i] - mean), 2);
+  const auto n = static_cast<double>(values.size());
+  return {mean, std::sqrt(squares * n / (n - 1.0))};
+}
+
 double mcnemar_exact(std::int64_t only_a, std::int64_t only_b) {
   if (only_a < 0 || only_b < 0) throw std::invalid_argument("mcnemar_exact: counts are negative");
   const std::int64_t n = only_a + only_b;

@@ -16,6 +16,19 @@ struct Interval {
 /// @param confidence in (0, 1).
 Interval wilson(std::int64_t successes, std::int64_t n, double confidence = 0.95);
 
+/// Interval of the difference p - q of two independent rates, k of n and l of m: Newcombe's hybrid of their Wilson
+/// intervals, within [-1, 1]. Source: Newcombe, Statistics in Medicine 17, 1998, method 10.
+Interval difference_of_rates(std::int64_t k, std::int64_t n, std::int64_t l, std::int64_t m, double confidence = 0.95);
+
+/// A weighted mean, and its standard error by the linearised ratio (Cochran, Sampling Techniques, 1977, 6.4): with
+/// equal weights the standard deviation / sqrt(n). NaN where there are too few values, or no weight.
+struct WeightedMean {
+  double mean = 0.0;
+  double error = 0.0;
+};
+/// Throws std::invalid_argument for sizes that differ.
+WeightedMean weighted_mean(const std::vector<double>& values, const std::vector<double>& weights);
+
 /// Two-sided exact McNemar test: p-value of `only_a` against `only_b` worlds won by one side alone, under equal
 /// chances; 1 where there are none. Twice the smaller binomial tail, at most 1. Source: McNemar, Psychometrika 12,
 /// 1947; the exact form is the sign test.

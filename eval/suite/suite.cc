@@ -54,9 +54,10 @@ class Draft {
     }
     if (key.starts_with("robot.")) open(root_.find("robot"));
     if (key.starts_with("disturbances.")) open(root_.find("disturbances"));
-    const bool names_file =
-        key == "robot" || key == "worlds.frozen" || (key == "disturbances" && value.scalar.ends_with(".yaml")) ||
-        (key.starts_with("controllers.") && key.find('.', 12) == std::string::npos) || is_library_key(key);
+    const bool names_file = key == "robot" || key == "worlds.frozen" || key == "worlds.scenes" ||
+                            (key == "disturbances" && value.scalar.ends_with(".yaml")) ||
+                            (key.starts_with("controllers.") && key.find('.', 12) == std::string::npos) ||
+                            is_library_key(key);
     Node placed = value;
     if (names_file && value.kind == Node::Kind::kScalar) placed.scalar = fs::absolute(path_of(value)).string();
     config::set_value(root_, key, std::move(placed));

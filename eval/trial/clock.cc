@@ -27,6 +27,12 @@ struct Ending {
   std::string reason;
 };
 
+// |x| + |y| + |z| + |roll| + |pitch| + |yaw| of X_EG.
+double l1_error(const Isometry& X_WE, const Isometry& X_WG) {
+  const Isometry X_EG = X_WE.inverse() * X_WG;
+  return X_EG.translation().lpNorm<1>() + rpy_of(X_EG.linear()).lpNorm<1>();
+}
+
 class TickClock {
  public:
   TickClock(const TrialSpec& spec, const World& world, Plant& plant, StepController& controller, Recording& recording)
@@ -42,7 +48,8 @@ class TickClock {
         dwell_(spec.success, period_),
         stuck_(spec.stuck, period_),
         infeasible_(spec.infeasible, period_),
-        separation_(spec) {}
+        separation_(spec),
+        ends_at_limits_(spec.simulation.joint_limits != AtJointLimit::kIgnore) {}
 
   TrialRow run() {
     prepare();
@@ -129,6 +136,7 @@ class TickClock {
     record.p_WE = X_WE.translation();
     record.orientation_error = error_.head<3>().norm();
     record.position_error = error_.tail<3>().norm();
+    if (std::isfinite(spec_.success.l1)) record.l1_error = l1_error(X_WE, goal_.X_WG);
     const auto J_arm = kinematics_.J_WE_W().rightCols(model_.num_joints());
     record.manipulability = manipulability(J_arm, ManipulabilityRows::kTranslation);
     record.manipulability_all = manipulability(J_arm, ManipulabilityRows::kAll);
@@ -162,10 +170,11 @@ class TickClock {
     }
     if (!finite) return end(Outcome::kDiverged, report_.reason.empty() ? "the state is not finite" : report_.reason);
     const StateRecord& now = r_.states.back();
-    if (dwell_.update(k, now.position_error, now.orientation_error)) return end(Outcome::kSuccess, {});
+    if (dwell_.update(k, now.position_error, now.orientation_error, now.l1_error)) return end(Outcome::kSuccess, {});
     if (report_.diverged) return end(Outcome::kDiverged, report_.reason);
     if (report_.tipped) return end(Outcome::kTipped, report_.reason);
-    if (std::string over = joint_over_limit(); !over.empty()) return end(Outcome::kJointLimit, std::move(over));
+    if (std::string over = joint_over_limit(); !over.empty() && ends_at_limits_)
+      return end(Outcome::kJointLimit, std::move(over));
     if (infeasible_.reached())
       return end(Outcome::kInfeasible, fmt::format("no solved QP for {} s; {}", spec_.infeasible.time, situation()));
     if (stuck_.due(k) && stuck_.update(plant_.state().base, plant_.state().q, all_at_rest(k)) && !dwell_.inside())
@@ -317,6 +326,7 @@ class TickClock {
   StuckTracker stuck_;
   InfeasibleTracker infeasible_;
   SeparationWatch separation_;
+  bool ends_at_limits_;
   std::optional<Sensing> sensing_;      // only where the controller does not see the truth
   std::optional<Actuation> actuation_;  // only where its command is not what is applied
   PlantReport report_;

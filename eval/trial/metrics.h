@@ -13,6 +13,7 @@ struct StateRecord {
   Vector3 p_WE = Vector3::Zero();   ///< end effector [m]
   double position_error = 0.0;      ///< |e_p| [m]
   double orientation_error = 0.0;   ///< |e_R| [rad]
+  double l1_error = 0.0;            ///< where the rule of success asks for it [m + rad]
   double manipulability = 0.0;      ///< translation rows
   double manipulability_all = 0.0;  ///< all six rows
 };

@@ -13,10 +13,13 @@ long periods_in(double seconds, double control_period) noexcept {
 }
 
 DwellRule::DwellRule(const SuccessRule& rule, double control_period) noexcept
-    : position_(rule.position), orientation_(rule.orientation), periods_(periods_in(rule.dwell, control_period)) {}
+    : position_(rule.position),
+      orientation_(rule.orientation),
+      l1_(rule.l1),
+      periods_(periods_in(rule.dwell, control_period)) {}
 
-bool DwellRule::update(long k, double position_error, double orientation_error) noexcept {
-  if (!(position_error <= position_ && orientation_error <= orientation_)) {
+bool DwellRule::update(long k, double position_error, double orientation_error, double l1) noexcept {
+  if (!(position_error <= position_ && orientation_error <= orientation_ && l1 <= l1_)) {
     first_ = -1;
     return false;
   }

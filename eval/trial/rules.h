@@ -14,13 +14,14 @@ class DwellRule {
  public:
   DwellRule(const SuccessRule& rule, double control_period) noexcept;
   /// Called at every sample k = 0, 1, ...; true once the dwell is complete.
-  bool update(long k, double position_error, double orientation_error) noexcept;
+  /// `l1` is asked for where the rule has a finite one.
+  bool update(long k, double position_error, double orientation_error, double l1 = 0.0) noexcept;
   bool inside() const noexcept { return first_ >= 0; }
   /// Sample at which the present stay within tolerance began; -1 outside.
   long first() const noexcept { return first_; }
 
  private:
-  double position_, orientation_;
+  double position_, orientation_, l1_;
   long periods_;
   long first_ = -1;
 };

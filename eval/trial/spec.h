@@ -18,6 +18,7 @@ struct SuccessRule {
   double position = 0.02;     ///< [m]
   double orientation = 0.05;  ///< [rad]
   double dwell = 0.2;         ///< [s]
+  double l1 = kInfinity;      ///< [m + rad]
 };
 
 template <class Visitor>
@@ -26,6 +27,11 @@ constexpr void describe(Visitor& v, Of<SuccessRule>) {
   v.member("position", &T::position, {.unit = "m", .range = {0.0, 10.0, true, false}, .text = "tolerance"});
   v.member("orientation", &T::orientation, {.unit = "rad", .range = {0.0, 3.15, true, false}, .text = "tolerance"});
   v.member("dwell", &T::dwell, {.unit = "s", .range = {0.0, 3600.0}, .text = "within both for so long"});
+  v.member("l1", &T::l1,
+           {.unit = "m + rad",
+            .range = Range::positive_or_inf(),
+            .written = Written::kUnlessDefault,
+            .text = "also at most this: sum of |x|, |y|, |z|, |roll|, |pitch|, |yaw| of the goal seen from E"});
 }
 
 struct StuckRule {

@@ -15,6 +15,10 @@ SimulationConfig read_simulation(const Node& node, const std::string& key) {
   MapReader in(node, key);
   config::read_members(in, simulation);
   in.finish();
+  in.check(simulation.mode == SimulationMode::kKinematic || simulation.joint_limits == AtJointLimit::kEnd,
+           "joint_limits",
+           fmt::format("{} is of kinematic mode; with physics a joint meets its own stops",
+                       to_string(simulation.joint_limits)));
   in.check(
       simulation.time_limit >= simulation.control_period, "time_limit",
       fmt::format("{} s is shorter than one control period ({} s)", simulation.time_limit, simulation.control_period));

@@ -118,5 +118,31 @@ TEST(ClosedForm, ScaledAsAWholeIntoTheLimits) {
   }
 }
 
+// Without damping and scaling: the published baselines. All of J counts then, also at a singularity.
+TEST(ClosedForm, UndampedItIsThePseudoinverse) {
+  Rng rng(43);
+  int beyond = 0, other = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const auto model = all_robots()[rng() % 3];
+    Observation o = random_observation(*model, 0, rng);
+    o.goal.V_WG_W.setZero();
+    if (model->name == "panda" && trial % 2 == 0) o.q.head(3).setZero(), o.q[4] = 0, o.q[5] = uniform(rng, 0, 0.02);
+    ControllerParams p;
+    p.method = Method::kRrmc;
+    p.servo = {3, 3, kInfinity, kInfinity};
+    const Answer usual = run(model, p, o);
+    p.closed_form = {0.0, false};
+    const Answer r = run(model, p, o);
+    const MatrixX J = r.J;
+    const Eigen::CompleteOrthogonalDecomposition<MatrixX> decomposition(J);
+    const VectorX expected = decomposition.solve(r.nu);
+    EXPECT_LT((r.command - expected).norm(), 1e-6 * (1.0 + expected.norm())) << model->name << " " << trial;
+    beyond += (r.command.cwiseAbs() - model->velocity_limits()).maxCoeff() > 0.0 ? 1 : 0;
+    other += (r.command - usual.command).norm() > 1e-6 ? 1 : 0;
+  }
+  EXPECT_GT(beyond, 50) << "no command was beyond a limit: scaling cannot be seen";
+  EXPECT_GT(other, 50);
+}
+
 }  // namespace
 }  // namespace moma

@@ -146,5 +146,30 @@ TEST(Stats, PairedBootstrapOfEqualSamplesIsExactlyZero) {
   EXPECT_EQ(d.high, 0.0);
 }
 
+// Newcombe 1998, table II, method 10.
+TEST(Stats, DifferenceOfRatesAsNewcombePublishedIt) {
+  const auto expect = [](std::int64_t k, std::int64_t n, std::int64_t l, std::int64_t m, double low, double high) {
+    const Interval interval = difference_of_rates(k, n, l, m);
+    EXPECT_NEAR(interval.low, low, 5.1e-5) << k << "/" << n << " - " << l << "/" << m;
+    EXPECT_NEAR(interval.high, high, 5.1e-5) << k << "/" << n << " - " << l << "/" << m;
+  };
+  expect(56, 70, 48, 80, 0.0524, 0.3339);
+  expect(9, 10, 3, 10, 0.1705, 0.8090);
+  expect(10, 10, 0, 10, 0.6075, 1.0);
+  EXPECT_EQ(difference_of_rates(0, 0, 3, 10).low, -1.0);
+}
+
+TEST(Stats, WeightedMeansAndTheirErrors) {
+  const std::vector<double> values = {1, 2, 4, 7};
+  const WeightedMean equal = weighted_mean(values, {2, 2, 2, 2});
+  EXPECT_DOUBLE_EQ(equal.mean, 3.5);
+  EXPECT_NEAR(equal.error, std::sqrt((6.25 + 2.25 + 0.25 + 12.25) / 3) / 2, 1e-15) << "standard deviation / sqrt(n)";
+  EXPECT_DOUBLE_EQ(weighted_mean(values, {1, 1, 1, 5}).mean, 42.0 / 8);
+  EXPECT_EQ(weighted_mean(values, {0, 0, 3, 0}).mean, 4.0);
+  EXPECT_TRUE(std::isnan(weighted_mean({}, {}).mean));
+  EXPECT_TRUE(std::isnan(weighted_mean({3}, {1}).error));
+  EXPECT_THROW(weighted_mean({1}, {}), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace moma::stats

@@ -177,5 +177,20 @@ TEST(TrialClock, TheControllerSeesTheStateBeforeItsCommand) {
   }
 }
 
+// The goal 5 cm ahead and as much to the side, and turned by 0.1 rad in the end effector's own axes.
+TEST(Clock, SuccessByTheSumOfThePosesParts) {
+  TrialSpec spec = tiny_spec();
+  spec.success = {.position = 10.0, .orientation = 3.0, .dwell = 0.0};
+  World world = tiny_world(0.05);
+  world.goal.X_WG.translation().y() += 0.05;
+  world.goal.X_WG.linear() = Eigen::AngleAxisd(0.1, Vector3::UnitY()).toRotationMatrix() * world.goal.X_WG.linear();
+  spec.simulation.time_limit = 0.1;
+  for (const auto& [limit, outcome] :
+       std::vector<std::pair<double, Outcome>>{{0.2001, Outcome::kSuccess}, {0.1999, Outcome::kTimeout}}) {
+    spec.success.l1 = limit;
+    EXPECT_EQ(run_scripted(spec, world, drive(0.0, 0.0)).row.outcome, outcome) << limit;
+  }
+}
+
 }  // namespace
 }  // namespace moma::test

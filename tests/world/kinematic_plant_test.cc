@@ -114,5 +114,23 @@ TEST(KinematicPlant, RefusesBadCommands) {
   EXPECT_THROW(make_plant(model, wrong, kKinematic), std::runtime_error);
 }
 
+TEST(KinematicPlant, StopsJointsAtTheirLimitsWhereAsked) {
+  const auto model = robot("bare/panda");
+  for (const AtJointLimit at : {AtJointLimit::kEnd, AtJointLimit::kClamp, AtJointLimit::kIgnore}) {
+    SimulationConfig simulation = kKinematic;
+    simulation.joint_limits = at;
+    const auto plant = make_plant(model, empty_world(*model), simulation);
+    VectorX command = VectorX::Zero(7);
+    command[0] = 2.0;
+    command[3] = 2.0;  // from -2.2 to -0.0698 takes more than a second
+    PlantReport report;
+    for (int k = 0; k < 40; ++k) plant->advance(command, 0.05, report);
+    const VectorX& q = plant->state().q;
+    EXPECT_NEAR(q[0], at == AtJointLimit::kClamp ? model->joints[0].upper : 4.0, 1e-9);
+    EXPECT_NEAR(q[3], at == AtJointLimit::kClamp ? model->joints[3].upper : 1.8, 1e-9);
+    EXPECT_EQ(q[1], model->ready[1]);
+  }
+}
+
 }  // namespace
 }  // namespace moma

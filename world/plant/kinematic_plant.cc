@@ -13,8 +13,8 @@ constexpr double kContactInterval = 0.005;  // [s]
 
 class KinematicPlant final : public Plant, private TouchSink {
  public:
-  KinematicPlant(std::shared_ptr<const RobotModel> model, const World& world)
-      : model_(std::move(model)), kinematics_(model_), scene_(model_, world, false) {
+  KinematicPlant(std::shared_ptr<const RobotModel> model, const World& world, bool stops)
+      : model_(std::move(model)), kinematics_(model_), scene_(model_, world, false), stops_(stops) {
     state_.base = world.start.base;
     state_.q = world.start.q;
     state_.qdot = VectorX::Zero(model_->num_velocities());
@@ -40,6 +40,7 @@ class KinematicPlant final : public Plant, private TouchSink {
       Vector3 base = state_.base;
       q_ = state_.q;
       integrate(*model_, base, q_, command, dt);
+      if (stops_) stop_at_limits();
       if (!base.allFinite() || !q_.allFinite()) {
         report.diverged = true;
         report.reason = "the state is not finite";
@@ -64,6 +65,13 @@ class KinematicPlant final : public Plant, private TouchSink {
     report.contacts = std::move(contacts);
   }
 
+  void stop_at_limits() {
+    for (int i = 0; i < model_->num_joints(); ++i) {
+      const ControlledJoint& joint = model_->joints[static_cast<std::size_t>(i)];
+      q_[i] = std::min(std::max(q_[i], joint.lower), joint.upper);
+    }
+  }
+
   void detect(const Vector3& base, const VectorX& q, double time, PlantReport& report) {
     kinematics_.update(base, q);
     scene_.place_robot(kinematics_);
@@ -86,6 +94,7 @@ class KinematicPlant final : public Plant, private TouchSink {
   std::shared_ptr<const RobotModel> model_;
   Kinematics kinematics_;
   ContactScene scene_;
+  bool stops_;
   PlantState state_;
   VectorX q_;
   double time_ = 0.0;
@@ -95,8 +104,8 @@ class KinematicPlant final : public Plant, private TouchSink {
 
 }  // namespace
 
-std::unique_ptr<Plant> make_kinematic_plant(std::shared_ptr<const RobotModel> model, const World& world) {
-  return std::make_unique<KinematicPlant>(std::move(model), world);
+std::unique_ptr<Plant> make_kinematic_plant(std::shared_ptr<const RobotModel> model, const World& world, bool stops) {
+  return std::make_unique<KinematicPlant>(std::move(model), world, stops);
 }
 
 }  // namespace moma

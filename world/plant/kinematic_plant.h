@@ -7,7 +7,8 @@
 namespace moma {
 
 /// The command is the velocity: joints move by q + command t, the base along its exact arc; contacts are looked
-/// for at least every 5 ms of motion.
-std::unique_ptr<Plant> make_kinematic_plant(std::shared_ptr<const RobotModel> model, const World& world);
+/// for at least every 5 ms of motion. With `stops` a joint stops at its limit.
+std::unique_ptr<Plant> make_kinematic_plant(std::shared_ptr<const RobotModel> model, const World& world,
+                                            bool stops = false);
 
 }  // namespace moma

@@ -29,7 +29,8 @@ std::unique_ptr<Plant> make_plant(std::shared_ptr<const RobotModel> model, const
   if (world.start.q.size() != model->num_joints())
     throw std::runtime_error("the world's start has " + std::to_string(world.start.q.size()) + " joint values, robot " +
                              model->name + " has " + std::to_string(model->num_joints()) + " joints");
-  if (simulation.mode == SimulationMode::kKinematic) return make_kinematic_plant(std::move(model), world);
+  if (simulation.mode == SimulationMode::kKinematic)
+    return make_kinematic_plant(std::move(model), world, simulation.joint_limits == AtJointLimit::kClamp);
   return make_ode_plant(std::move(model), world, simulation, conditions);
 }
 

@@ -18,6 +18,12 @@ enum class SimulationMode { kKinematic, kDynamic };
 constexpr auto words(Of<SimulationMode>) { return std::to_array<std::string_view>({"kinematic", "dynamic"}); }
 static_assert(all_worded<SimulationMode>());
 
+/// What becomes of a joint that is driven beyond its limit in kinematic mode: the trial ends, the joint stops there, or
+/// it goes on.
+enum class AtJointLimit { kEnd, kClamp, kIgnore };
+constexpr auto words(Of<AtJointLimit>) { return std::to_array<std::string_view>({"end", "clamp", "ignore"}); }
+static_assert(all_worded<AtJointLimit>());
+
 /// `simulation` of a suite.
 struct SimulationConfig {
   SimulationMode mode = SimulationMode::kDynamic;
@@ -25,6 +31,7 @@ struct SimulationConfig {
   double physics_step = 0.01;    ///< [s]
   double time_limit = 30.0;      ///< [s]
   double cross_check = 0.02;     ///< [1]
+  AtJointLimit joint_limits = AtJointLimit::kEnd;
 };
 
 template <class Visitor>
@@ -42,6 +49,9 @@ constexpr void describe(Visitor& v, Of<SimulationConfig>) {
            {.unit = "1",
             .range = {0.0, 1.0},
             .text = "part of the control steps at which the two detectors of contact are compared"});
+  v.member("joint_limits", &T::joint_limits,
+           {.written = Written::kUnlessDefault,
+            .text = "of a joint beyond its limit in kinematic mode: the trial ends, the joint stops there or goes on"});
 }
 
 /// True state of the robot.

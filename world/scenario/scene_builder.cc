@@ -61,8 +61,8 @@ std::string SceneBuilder::worst_constraint() const {
 }
 
 bool SceneBuilder::check_pose(const Kinematics& kinematics, double floor_clearance, double self_clearance,
-                              const std::string& who) {
-  const bool at_ready = &kinematics == &start_;  // the same in every world, so that what is wrong can be named
+                              const std::string& who, bool at_ready) {
+  // What `ready` does is the same in every world, so that what is wrong can be named.
   for (const CollisionShape& shape : model_->shapes) {
     if (shape.rigid_with_base) continue;
     const double height = lowest_point(shape.shape, kinematics.X_WS(shape));
@@ -79,7 +79,8 @@ bool SceneBuilder::check_pose(const Kinematics& kinematics, double floor_clearan
                             model_->shapes[static_cast<std::size_t>(pairs.front().second)].name));
 }
 
-bool SceneBuilder::place_robot(const Placement& placement, World& world) {
+// With the arm at `ready`; what is left of the goal's draws.
+Draws SceneBuilder::place_bases(const Placement& placement, World& world) const {
   Draws at_start = draws(Stream::kStart);
   const double start_heading = placement.start_heading.sample(at_start);
   Draws at_goal = draws(Stream::kGoal);
@@ -93,6 +94,19 @@ bool SceneBuilder::place_robot(const Placement& placement, World& world) {
     world.start.base.z() = start_heading;
     world.witness.base = {distance * std::cos(direction), distance * std::sin(direction), heading};
   }
+  return at_goal;
+}
+
+bool SceneBuilder::place_goal(const Placement& placement, World& world) {
+  witness_.update(world.witness.base, world.witness.q);
+  if (witness_.X_WE().translation().z() < placement.tip_height) return reject("goal: too low (tip_height)");
+  if (!check_pose(witness_, placement.floor_clearance, placement.self_clearance, "goal")) return false;
+  set_goal(world);
+  return true;
+}
+
+bool SceneBuilder::place_robot(const Placement& placement, World& world) {
+  Draws at_goal = place_bases(placement, world);
   for (int i = 0; i < model_->num_joints(); ++i) {
     const ControlledJoint& joint = model_->joints[static_cast<std::size_t>(i)];
     const bool bounded = std::isfinite(joint.lower) && std::isfinite(joint.upper);
@@ -104,14 +118,33 @@ bool SceneBuilder::place_robot(const Placement& placement, World& world) {
   start_.update(world.start.base, world.start.q);
   start_tip_ = start_.X_WE().translation();
   // The base's pose changes nothing here: once is enough, but every failed try counts.
-  if (!start_checked_ && !check_pose(start_, 0.0, 0.0, "start")) return false;
+  if (!start_checked_ && !check_pose(start_, 0.0, 0.0, "start", true)) return false;
   start_checked_ = true;
+  return place_goal(placement, world);
+}
 
-  witness_.update(world.witness.base, world.witness.q);
-  if (witness_.X_WE().translation().z() < placement.tip_height) return reject("goal: too low (tip_height)");
-  if (!check_pose(witness_, placement.floor_clearance, placement.self_clearance, "goal")) return false;
+bool SceneBuilder::place_pair(const Placement& placement, double range, World& world) {
+  Draws at_goal = place_bases(placement, world);
+  Draws at_start = draws(Stream::kStart, 1);
+  const auto draw = [&](Draws& from, VectorX& q) {
+    for (int i = 0; i < model_->num_joints(); ++i) {
+      const ControlledJoint& joint = model_->joints[static_cast<std::size_t>(i)];
+      const auto [low, high] = drawn_range(joint);
+      q[i] = 0.5 * (low + high) + 0.5 * range * (high - low) * from.uniform(-1.0, 1.0);
+    }
+  };
+  draw(at_start, world.start.q);
+  draw(at_goal, world.witness.q);
+  start_.update(world.start.base, world.start.q);
+  start_tip_ = start_.X_WE().translation();
+  if (!check_pose(start_, placement.floor_clearance, placement.self_clearance, "start")) return false;
+  return place_goal(placement, world);
+}
+
+void SceneBuilder::take_robot(World& world) {
+  start_.update(world.start.base, world.start.q);
+  start_tip_ = start_.X_WE().translation();
   set_goal(world);
-  return true;
 }
 
 void SceneBuilder::set_goal(World& world) {

@@ -41,6 +41,11 @@ class SceneBuilder {
 
   /// Samples start, witness and goal, and checks them against floor and self-collision.
   bool place_robot(const Placement& placement, World& world);
+  /// The same with the arm drawn at the start, too: each joint of start and witness evenly from the middle `range` [0,
+  /// 1] of its way between its limits. `placement.limit_margin` says nothing here; both keep off floor and self.
+  bool place_pair(const Placement& placement, double range, World& world);
+  /// Takes start and witness as they are in the world, unchecked, and sets the goal to the witness's tool pose.
+  void take_robot(World& world);
   /// Sets the goal to the witness's tool pose.
   void set_goal(World& world);
 
@@ -65,7 +70,10 @@ class SceneBuilder {
   void measure(World& world);
 
  private:
-  bool check_pose(const Kinematics& kinematics, double floor_clearance, double self_clearance, const std::string& who);
+  Draws place_bases(const Placement& placement, World& world) const;
+  bool place_goal(const Placement& placement, World& world);
+  bool check_pose(const Kinematics& kinematics, double floor_clearance, double self_clearance, const std::string& who,
+                  bool at_ready = false);
   void choose_object(const WorldObject& object);
   /// Least distance of the chosen object to start and witness where its motion has it at time t, no more than `range`.
   double distance_at(const WorldObject& object, double t, double range);

@@ -15,6 +15,7 @@
 #include "controller/config/reader.h"
 #include "world/scenario/apportion.h"
 #include "world/scenario/family.h"
+#include "world/scenario/scenes.h"
 #include "world/world_json.h"
 
 namespace moma {
@@ -145,6 +146,8 @@ std::vector<Key> worlds_keys(const std::string& prefix) {
   std::vector<Key> keys = keys_of(Making{}, prefix);
   keys.push_back(
       {prefix + ".frozen", "", "a file of one world a line, instead of families", "", "the worlds themselves"});
+  keys.push_back({prefix + ".scenes", "", "a file of scenes with configurations of the arm, instead of families", "",
+                  "a benchmark's problems: from each configuration to the tool's pose at each later one"});
   for (const FamilyType& type : family_types()) {
     const std::string family = prefix + ".families." + std::string(type.name);
     keys.push_back({family, "", "a map", "", std::string(type.text)});
@@ -155,8 +158,8 @@ std::vector<Key> worlds_keys(const std::string& prefix) {
 }
 
 struct Worlds::Data {
-  Making making;  ///< of frozen worlds the clearance alone
-  std::variant<Mixture, Frozen> source;
+  Making making;  ///< of frozen worlds the clearance alone, of scenes nothing
+  std::variant<Mixture, Frozen, Scenes> source;
 };
 
 Worlds Worlds::read(const config::Node& node, const std::string& key) {
@@ -165,6 +168,9 @@ Worlds Worlds::read(const config::Node& node, const std::string& key) {
   if (const config::Node* frozen = in.get("frozen")) {
     in.read("clearance", data->making.clearance, Range::non_negative());
     data->source = read_frozen(*frozen, in.key_of("frozen"));
+  } else if (const config::Node* scenes = in.get("scenes")) {
+    data->making = {.seed = 0, .clearance = 0.0};
+    data->source = Scenes::read(*scenes, in.key_of("scenes"));
   } else {
     config::read_members(in, data->making);
     data->source = read_mixture(in);
@@ -183,6 +189,7 @@ Json Worlds::to_json() const {
     for (const World& world : *frozen) out["frozen"].push_back(moma::to_json(world));
     return out;
   }
+  if (const auto* scenes = std::get_if<Scenes>(&data_->source)) return {{"scenes", scenes->to_json()}};
   const auto& mixture = std::get<Mixture>(data_->source);
   out = config::write_described(data_->making);
   out["families"] = Json::object();
@@ -203,6 +210,11 @@ World Worlds::make(const std::shared_ptr<const RobotModel>& model, std::uint64_t
     if (world.start.q.size() != model->num_joints())
       throw GenerationError(fmt::format("worlds.frozen: world {} has {} joint values, robot {} has {} joints", index,
                                         world.start.q.size(), model->name, model->num_joints()));
+    if (log != nullptr) ++log->worlds;
+    return world;
+  }
+  if (const auto* scenes = std::get_if<Scenes>(&data_->source)) {
+    World world = scenes->make(model, index);
     if (log != nullptr) ++log->worlds;
     return world;
   }
@@ -230,6 +242,8 @@ World Worlds::make(const std::shared_ptr<const RobotModel>& model, std::uint64_t
 std::string Worlds::family_of(std::uint64_t index) const {
   if (const auto* frozen = std::get_if<Frozen>(&data_->source))
     return index < frozen->size() ? (*frozen)[index].family : std::string();
+  if (const auto* scenes = std::get_if<Scenes>(&data_->source))
+    return index < scenes->size() ? scenes->family_of(index) : std::string();
   return std::get<Mixture>(data_->source).at(index).name;
 }
 
@@ -239,6 +253,8 @@ Json Worlds::identity(std::uint64_t index) const {
     out["frozen"] = index < frozen->size() ? moma::to_json((*frozen)[index]) : Json();
     return out;
   }
+  if (const auto* scenes = std::get_if<Scenes>(&data_->source))
+    return {{"scene", index < scenes->size() ? scenes->identity(index) : Json()}};
   const Member& member = std::get<Mixture>(data_->source).at(index);
   return {{"seed", data_->making.seed},
           {"index", index},
@@ -256,6 +272,7 @@ std::uint64_t Worlds::seed() const {
 
 long long Worlds::size() const {
   if (const auto* frozen = std::get_if<Frozen>(&data_->source)) return static_cast<long long>(frozen->size());
+  if (const auto* scenes = std::get_if<Scenes>(&data_->source)) return static_cast<long long>(scenes->size());
   return -1;
 }
 

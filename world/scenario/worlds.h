@@ -25,7 +25,8 @@ struct MakingLog {
 /// The `worlds` section of a suite, resolved.
 class Worlds {
  public:
-  /// Reads `worlds: {seed, clearance, families: {...}}` or `{frozen: PATH}`. Throws config::ConfigError.
+  /// Reads `worlds: {seed, clearance, families: {...}}` or `{frozen: PATH}` or `{scenes: PATH}`. Throws
+  /// config::ConfigError.
   static Worlds read(const config::Node& node, const std::string& key);
   nlohmann::ordered_json to_json() const;
 

@@ -1,0 +1,36 @@
+#include "world/scenario/family.h"
+
+namespace moma {
+namespace {
+
+/// Goals around the robot to be grasped from above: the tool points down, at heights of tables and shelves. No
+/// obstacles.
+struct Around {
+  Placement placement{.tip_height = 0.3};
+  double downward = 0.95;  ///< [1]
+  double highest = 0.9;    ///< [m]
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Around>) {
+  using T = Around;
+  v.inlined(&T::placement);
+  v.member("downward", &T::downward,
+           {.unit = "1", .range = {-1.0, 1.0}, .text = "least downward part of the tool's direction"});
+  v.member("highest", &T::highest, {.unit = "m", .text = "greatest height of the goal"});
+}
+
+bool build(const Around& p, SceneBuilder& builder, World& world) {
+  if (!builder.place_robot(p.placement, world)) return false;
+  if (world.goal.X_WG.translation().z() > p.highest) return builder.reject("goal: too high (highest)");
+  if (-builder.approach().z() < p.downward) return builder.reject("goal: the tool does not point down (downward)");
+  return true;
+}
+
+}  // namespace
+
+FamilyType around_family() {
+  return family_type<Around>("goals around the robot with the tool pointing down, no objects");
+}
+
+}  // namespace moma

@@ -1,0 +1,34 @@
+#include "world/scenario/family.h"
+
+namespace moma {
+namespace {
+
+/// Pairs of random configurations: the arm starts at one, and the goal is the tool's pose at the other. No obstacles.
+struct Pairs {
+  Placement placement;
+  double range = 1.0;  ///< [1]
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Pairs>) {
+  using T = Pairs;
+  v.inlined(&T::placement);
+  v.member(
+      "range", &T::range,
+      {.unit = "1",
+       .range = {0.0, 1.0, true, false},
+       .text = "middle part of each joint's range that start and witness are drawn from; limit_margin says nothing"});
+}
+
+bool build(const Pairs& p, SceneBuilder& builder, World& world) {
+  return builder.place_pair(p.placement, p.range, world);
+}
+
+}  // namespace
+
+FamilyType pairs_family() {
+  return family_type<Pairs>(
+      "the arm starts at a random configuration, the goal is the tool's pose at another; no objects");
+}
+
+}  // namespace moma
