@@ -102,7 +102,8 @@ TEST(Scenes, MistakesAreNamed) {
   for (const auto& [from, to, word] : std::vector<std::array<const char*, 3>>{
            {"panda_joint7, panda_joint1", "panda_joint7, panda_joint7", "'panda_joint7' is named twice"},
            {"size: [0.4, 0.3, 0.02]", "size: [0.4, 0, 0.02]", "worlds.scenes.scenes.shelf.boxes.board.size"},
-           {"center: [0.1, 0.7, 0.5]", "centre: [0.1, 0.7, 0.5]", "worlds.scenes.scenes.shelf.boxes.board.center: missing"},
+           {"center: [0.1, 0.7, 0.5]", "centre: [0.1, 0.7, 0.5]",
+            "worlds.scenes.scenes.shelf.boxes.board.center: missing"},
            {"- [0.8, 0, -0.2,", "- [0.8, 0,", "worlds.scenes.scenes.shelf.configurations[1]"},
            {"base: [0.5, -0.25, 1.5]", "base: [0.5, -0.25]", "worlds.scenes.scenes.shelf.base"},
            {"configurations: [[0, 0, 0, 0, -1, 0, 1], [0.1, 0, 0, 0, -1, 0, 1]]",
