@@ -21,10 +21,9 @@ constexpr double kToldApart = 3.0;      // times the margin, as far as ways out 
 // No faster than the wheels allow.
 Vector3 driven(const RobotModel& model, Vector3 velocity) noexcept {
   if (!model.base.wheels) return velocity;
-  Eigen::Vector4d speeds;
-  VectorX coordinates = velocity.head(model.base_dof());
-  const int count = wheel_speeds(model.base, coordinates, speeds);
-  const double fastest = count > 0 ? speeds.head(count).cwiseAbs().maxCoeff() : 0.0;
+  Eigen::Vector4d speeds = Eigen::Vector4d::Zero();  // two of them stay 0 where there are two wheels
+  wheel_speeds(model.base, velocity.head(model.base_dof()), speeds);
+  const double fastest = speeds.cwiseAbs().maxCoeff();
   return fastest > model.base.wheels->max_speed ? velocity * (model.base.wheels->max_speed / fastest) : velocity;
 }
 

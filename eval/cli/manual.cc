@@ -50,7 +50,8 @@ std::string option_value(const CLI::Option& option) {
 
 std::string joined_names(const std::set<CLI::Option*>& options) {
   std::vector<std::string> names;
-  for (const CLI::Option* option : options) names.push_back((is_positional(*option) ? "" : "--") + option->get_single_name());
+  for (const CLI::Option* option : options)
+    names.push_back((is_positional(*option) ? "" : "--") + option->get_single_name());
   std::sort(names.begin(), names.end());
   return fmt::format("{}", fmt::join(names, ", "));
 }

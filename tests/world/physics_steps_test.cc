@@ -282,7 +282,9 @@ TEST(PhysicsStep, WhatFliesThroughBetweenTwoStepsIsSeen) {
         divided += report.divided_steps;
       }
       EXPECT_TRUE(seen) << "from " << y << " at " << step;
-      if (step > 0.001) EXPECT_GT(divided, 0);
+      if (step > 0.001) {
+        EXPECT_GT(divided, 0);
+      }
     }
   }
 }
