@@ -40,6 +40,13 @@ bool has_large_face(const std::string& obj) {
   return false;
 }
 
+// In small letters.
+std::string extension_of(const fs::path& file) {
+  std::string kind = file.extension().string();
+  std::transform(kind.begin(), kind.end(), kind.begin(), [](unsigned char c) { return std::tolower(c); });
+  return kind;
+}
+
 }  // namespace
 
 std::string mesh_fault(const fs::path& file) {
@@ -48,8 +55,7 @@ std::string mesh_fault(const fs::path& file) {
   const std::uintmax_t bytes = fs::file_size(file, error);
   if (error) return error.message();
   if (bytes > kMaxMeshBytes) return "it is larger than " + std::to_string(kMaxMeshBytes >> 20U) + " MiB";
-  std::string kind = file.extension().string();
-  std::transform(kind.begin(), kind.end(), kind.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string kind = extension_of(file);
   if (kind == ".stl") return "";
   if (kind != ".dae" && kind != ".obj") return "expected a file that ends in .stl, .dae or .obj";
   std::string text;
@@ -60,6 +66,10 @@ std::string mesh_fault(const fs::path& file) {
   }
   if (kind == ".dae") return collada_fault(text);
   return has_large_face(text) ? "a face has more than " + std::to_string(kMaxPolygon) + " corners" : "";
+}
+
+double mesh_unit(const fs::path& file) {
+  return extension_of(file) == ".dae" ? collada_unit(read_text_file(file)) : 1.0;
 }
 
 }  // namespace moma::config

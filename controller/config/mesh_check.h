@@ -15,4 +15,7 @@ inline constexpr std::size_t kMaxMeshVertices = 2'000'000;
 /// out of its stack. The library chooses its reader by the name's end alone for these kinds.
 std::string mesh_fault(const std::filesystem::path& file);
 
+/// Length of the unit that a mesh file without a fault is in [m]: what a .dae says, as RViz and Gazebo take it; else 1.
+double mesh_unit(const std::filesystem::path& file);
+
 }  // namespace moma::config

@@ -115,7 +115,7 @@ Mesh read_mesh(const std::filesystem::path& file, const Vector3& scale) {
     throw std::runtime_error("the mesh " + file.string() + " cannot be read: " + fault);
   coal::BVHModelPtr_t loaded;
   try {
-    loaded = coal::MeshLoader(coal::BV_AABB).load(file.string(), scale);
+    loaded = coal::MeshLoader(coal::BV_AABB).load(file.string(), mesh_unit(file) * scale);
   } catch (const std::exception& e) {
     throw std::runtime_error("the mesh " + file.string() + " cannot be read: " + e.what());
   }

@@ -23,9 +23,9 @@ struct Mesh {
   std::vector<Eigen::Vector3i> triangles;  ///< indices into `vertices`
 };
 
-/// Reads a mesh file (.stl, .dae, .obj; nothing else is tried), scaled. At least one vertex, all of them finite; there
-/// may be no triangles. Throws std::runtime_error: not a plain file of those kinds, larger or with more in it than
-/// controller/config/mesh_check.h accepts, unreadable, empty, not finite.
+/// Reads a mesh file (.stl, .dae, .obj; nothing else is tried), scaled; a .dae is in the unit that it names. At least
+/// one vertex, all of them finite; there may be no triangles. Throws std::runtime_error: not a plain file of those
+/// kinds, larger or with more in it than controller/config/mesh_check.h accepts, unreadable, empty, not finite.
 Mesh read_mesh(const std::filesystem::path& file, const Vector3& scale);
 
 /// Convex hull (Qhull, through coal), exact to rounding; its vertices are some of `points`. Throws std::runtime_error

@@ -3,6 +3,7 @@
 #include <tinyxml.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <string_view>
 #include <vector>
@@ -87,7 +88,34 @@ class Scenes {
   std::string fault_;
 };
 
+// `<asset><unit meter="...">`, or null.
+const char* unit_text(const TiXmlElement& root) {
+  const TiXmlElement* asset = root.FirstChildElement("asset");
+  const TiXmlElement* unit = asset == nullptr ? nullptr : asset->FirstChildElement("unit");
+  return unit == nullptr ? nullptr : unit->Attribute("meter");
+}
+
+// Outside of this nothing that a robot is made of is measured.
+constexpr double kLeastUnit = 1e-9, kMostUnit = 1e9;
+
+// 0 where the text is no length.
+double unit_of(const char* text) {
+  if (text == nullptr) return 1.0;
+  char* end = nullptr;
+  const double unit = std::strtod(text, &end);
+  while (*end == ' ') ++end;
+  return end != text && *end == '\0' && unit >= kLeastUnit && unit <= kMostUnit ? unit : 0.0;
+}
+
 }  // namespace
+
+double collada_unit(const std::string& text) {
+  TiXmlDocument document;
+  document.Parse(text.c_str());
+  const TiXmlElement* root = document.RootElement();
+  const double unit = root == nullptr ? 1.0 : unit_of(unit_text(*root));
+  return unit > 0.0 ? unit : 1.0;
+}
 
 std::string collada_fault(const std::string& text) {
   if (xml_depth(text) > kMaxXmlDepth) return "elements are nested more than " + std::to_string(kMaxXmlDepth) + " deep";
@@ -96,6 +124,8 @@ std::string collada_fault(const std::string& text) {
   if (document.Error()) return "not valid XML: " + std::string(document.ErrorDesc());
   const TiXmlElement* root = document.RootElement();
   if (root == nullptr) return "no XML element";
+  if (const char* unit = unit_text(*root); !(unit_of(unit) > 0.0))
+    return "<unit meter=\"" + std::string(unit).substr(0, 40) + "\"> is no length";
   const std::string fault = Scenes().fault_of(*root);
   return fault.empty() ? geometry_fault(*root, text.size()) : fault;
 }

@@ -153,6 +153,27 @@ class MeshInput : public testing::Test {
   test::Scratch scratch_;
 };
 
+// Exporters of CAD programs write millimetres; the corners are at 1 unit.
+TEST_F(MeshInput, ColladaUnits) {
+  const auto with = [](const std::string& unit) {
+    std::string text = kCollada;
+    text.replace(text.find("INSIDE"), 6, "");
+    const std::string whole = "<unit meter=\"1\"/>";
+    return text.replace(text.find(whole), whole.size(), unit);
+  };
+  for (const auto& [unit, length] : {std::pair{"<unit meter='0.001' name='mm'/>", 0.001},
+                                     {"<unit name='inch' meter='0.0254'/>", 0.0254},
+                                     {"<unit/>", 1.0},
+                                     {"", 1.0}}) {
+    const config::Mesh mesh = config::read_mesh(scratch_.write("u.dae", with(unit)), Vector3(1.0, 2.0, 1.0));
+    Vector3 most = Vector3::Zero();
+    for (const Vector3& p : mesh.vertices) most = most.cwiseMax(p);
+    EXPECT_NEAR((most - length * Vector3(1.0, 2.0, 1.0)).norm(), 0.0, 1e-9) << unit;
+  }
+  for (const char* unit : {"0", "-1", "nan", "inf", "1e300", "1,0", ""})
+    EXPECT_SAYS(read("u.dae", with("<unit meter='" + std::string(unit) + "'/>")), "is no length") << unit;
+}
+
 TEST_F(MeshInput, ColladaNodes) {
   EXPECT_EQ(dae(""), "4");
   EXPECT_EQ(dae(times("<node>", 100) + times("</node>", 100)), "4");
