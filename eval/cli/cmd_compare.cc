@@ -29,12 +29,6 @@ struct CompareOptions {
 constexpr const char* kMetrics[] = {"time_to_goal_s", "manip_mean",  "clearance_min_m", "command_change_mean",
                                     "path_ee_m",      "path_base_m", "jerk_ee_rms"};
 
-std::string quoted(const std::string& text) {
-  std::string result = "'";
-  for (const char c : text) result += c == '\'' ? std::string("''") : std::string(1, c);
-  return result + "'";
-}
-
 struct Chosen {
   std::int64_t id = 0;
   std::int64_t suite_id = 0;
@@ -43,12 +37,13 @@ struct Chosen {
 
 /// Points that go by `name`: a controller, or CONTROLLER:POINT in a sweep.
 std::vector<Chosen> candidates(const CompareOptions& options, const std::string& name) {
-  const std::string where = options.suite.empty() ? "" : fmt::format(" AND s.name = {}", quoted(options.suite));
+  const std::string where =
+      options.suite.empty() ? "" : fmt::format(" AND s.name = {}", store::sql_literal(options.suite));
   const QueryResult result = store::query(
       options.file,
       fmt::format("SELECT p.id, s.id, s.name FROM point AS p JOIN suite AS s ON s.id = p.suite_id "
                   "WHERE {} IN (p.controller || ':' || p.label, iif(p.label = '', p.controller, NULL)){} ORDER BY p.id",
-                  quoted(name), where));
+                  store::sql_literal(name), where));
   std::vector<Chosen> found;
   for (const auto& row : result.rows) {
     found.push_back({std::get<std::int64_t>(row[0]), std::get<std::int64_t>(row[1]), std::get<std::string>(row[2])});

@@ -6,6 +6,7 @@
 
 #include "controller/config/node.h"
 #include "eval/cli/command.h"
+#include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 #include "eval/store/query.h"
 
@@ -51,12 +52,7 @@ void add_query(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   command->add_option("DB", options->file, "Store")->required();
   command->add_option("SQL", options->sql, "One SQL statement, or @summary, @list, @failures, @pairs, @worst")
       ->required();
-  const std::map<std::string, Format> formats = {
-      {"table", Format::kTable}, {"csv", Format::kCsv}, {"json", Format::kJson}, {"markdown", Format::kMarkdown}};
-  command->add_option("-f,--format", options->format, "table, csv, json or markdown")
-      ->transform(CLI::Transformer(formats))
-      ->check(CLI::IsMember({Format::kTable, Format::kCsv, Format::kJson, Format::kMarkdown}))
-      ->option_text("table|csv|json|markdown");
+  add_format(*command, options->format);
   command->footer(footer());
   command->callback([&action, options] {
     action = [options] {

@@ -127,14 +127,9 @@ void add_reproduce(CLI::App& app, Action& action, const Arguments& arguments) {
   command->add_option("--averaging", options->averaging,
                       "What means are over: arrived, all (trials), or steps (of those that arrived)");
   command->add_option("--published", options->published, "File of the published figures (configs/published.yaml)");
-  command->add_option("-o,--output", options->request.file, "Store to write, made if missing (results/NAME.db)");
-  command->add_option("--threads", options->request.threads, "Threads (all cores)")->check(CLI::Range(1, 4096));
-  const std::map<std::string, Format> formats = {
-      {"table", Format::kTable}, {"csv", Format::kCsv}, {"json", Format::kJson}, {"markdown", Format::kMarkdown}};
-  command->add_option("-f,--format", options->format, "table, csv, json or markdown")
-      ->transform(CLI::Transformer(formats))
-      ->check(CLI::IsMember({Format::kTable, Format::kCsv, Format::kJson, Format::kMarkdown}))
-      ->option_text("table|csv|json|markdown");
+  add_output_store(*command, options->request.file);
+  add_threads(*command, options->request.threads);
+  add_format(*command, options->format);
   command->add_flag("-q,--quiet", options->quiet, "No progress and no remarks");
   command->footer(
       "What the papers leave open is in the suite's keys: --set changes them (docs/studies/reproduction.md).\n"

@@ -51,9 +51,9 @@ run::Shard read_shard(const std::string& text) {
 void print_summary(const std::filesystem::path& file, const std::string& suite) {
   const auto& queries = store::named_queries();
   const auto summary = std::find_if(queries.begin(), queries.end(), [](const auto& q) { return q.name == "summary"; });
-  std::string quoted;
-  for (const char c : suite) quoted += c == '\'' ? std::string("''") : std::string(1, c);
-  write(std::cout, store::query(file, fmt::format("SELECT * FROM ({}) WHERE suite = '{}'", summary->display, quoted)),
+  write(std::cout,
+        store::query(file,
+                     fmt::format("SELECT * FROM ({}) WHERE suite = {}", summary->display, store::sql_literal(suite))),
         Format::kTable);
   std::cout.flush();
 }
@@ -98,8 +98,8 @@ void add_run(CLI::App& app, Action& action, const Arguments& arguments) {
   options->request.arguments = arguments;
   CLI::App* command = app.add_subcommand("run", "Evaluate a suite: every controller and sweep point in every world");
   options->suite.add_to(*command);
-  command->add_option("-o,--output", options->request.file, "Store to write, made if missing (results/NAME.db)");
-  command->add_option("--threads", options->request.threads, "Threads (all cores)")->check(CLI::Range(1, 4096));
+  add_output_store(*command, options->request.file);
+  add_threads(*command, options->request.threads);
   command->add_option("--rerun", options->rerun,
                       "SUITE is a store: run its suite of this name again, from the store alone");
   add_allow_plugins(*command, options->plugins);

@@ -81,10 +81,10 @@ void add_tune(CLI::App& app, Action& action, const Arguments& arguments) {
   CLI::App* command =
       app.add_subcommand("tune", "Search the gains of a suite's controller with NLopt, and judge them on other worlds");
   options->suite.add_to(*command);
-  command->add_option("-o,--output", options->request.file, "Store to write, made if missing (results/NAME.db)");
+  add_output_store(*command, options->request.file);
   command->add_option("--gains", options->request.gains,
                       "File for the found gains (configs/controllers/CONTROLLER-tuned.yaml)");
-  command->add_option("--threads", options->request.threads, "Threads (all cores)")->check(CLI::Range(1, 4096));
+  add_threads(*command, options->request.threads);
   command->add_flag("--no-verdict", options->no_verdict, "Search only; the same command without it judges later");
   command->add_flag("-q,--quiet", options->quiet, "No progress and no remarks");
   command->footer(

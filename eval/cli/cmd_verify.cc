@@ -58,7 +58,7 @@ void add_verify(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   command->add_option("--fraction", options->request.fraction, "Fraction of the trials to replay (0.1)")
       ->check(CLI::Range(0.0, 1.0));
   command->add_option("--seed", options->request.seed, "Chooses other trials");
-  command->add_option("--threads", options->request.threads, "Threads (all cores)")->check(CLI::Range(1, 4096));
+  add_threads(*command, options->request.threads);
   add_allow_plugins(*command, options->request.plugins);
   command->add_flag("--hash", options->hash, "Print one hash over all results: equal hashes mean equal rows");
   command->add_flag("-q,--quiet", options->quiet, "No progress");

@@ -58,6 +58,23 @@ void add_allow_plugins(CLI::App& command, Plugins& plugins) {
       "Load the plugins that the store names: code that runs here, for stores that you trust");
 }
 
+void add_output_store(CLI::App& command, std::filesystem::path& file) {
+  command.add_option("-o,--output", file, "Store to write, made if missing (results/NAME.db)");
+}
+
+void add_threads(CLI::App& command, int& threads) {
+  command.add_option("--threads", threads, "Threads (all cores)")->check(CLI::Range(1, 4096));
+}
+
+void add_format(CLI::App& command, Format& format) {
+  const std::map<std::string, Format> formats = {
+      {"table", Format::kTable}, {"csv", Format::kCsv}, {"json", Format::kJson}, {"markdown", Format::kMarkdown}};
+  command.add_option("-f,--format", format, "table, csv, json or markdown")
+      ->transform(CLI::Transformer(formats))
+      ->check(CLI::IsMember({Format::kTable, Format::kCsv, Format::kJson, Format::kMarkdown}))
+      ->option_text("table|csv|json|markdown");
+}
+
 void print_warnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) std::cerr << "warning: " << terminal_safe(warning) << '\n';
 }

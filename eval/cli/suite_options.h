@@ -1,9 +1,11 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "eval/cli/table.h"
 #include "eval/suite/stored.h"
 
 namespace moma::cli {
@@ -26,6 +28,15 @@ struct SuiteOptions {
 
 /// Adds --allow-plugins to a command that builds suites again from a store.
 void add_allow_plugins(CLI::App& command, Plugins& plugins);
+
+/// Adds --output of a command that evaluates into a store.
+void add_output_store(CLI::App& command, std::filesystem::path& file);
+
+/// Adds --threads.
+void add_threads(CLI::App& command, int& threads);
+
+/// Adds --format.
+void add_format(CLI::App& command, Format& format);
 
 /// Prints each warning to stderr.
 void print_warnings(const std::vector<std::string>& warnings);

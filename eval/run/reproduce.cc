@@ -31,12 +31,6 @@ struct PointTrials {
   std::map<std::int64_t, StoredTrial> trials;
 };
 
-std::string sql_text(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("''") : std::string(1, c);
-  return out + "'";
-}
-
 std::optional<double> value_of(const store::Cell& cell) {
   if (const auto* integer = std::get_if<std::int64_t>(&cell)) return static_cast<double>(*integer);
   if (const auto* real = std::get_if<double>(&cell)) return *real;
@@ -52,8 +46,8 @@ PointTrials trials_of(const std::filesystem::path& file, const std::string& suit
                         "m.point_id = p.id JOIN trial AS t ON t.key = m.key JOIN execution AS e ON e.key = t.key WHERE "
                         "s.name = {} AND p.controller_name = {} AND p.label = {} AND p.content_hash = x'{}' AND "
                         "m.world_index < {} ORDER BY m.world_index",
-                        columns, sql_text(suite_name), sql_text(point.controller), sql_text(point.label),
-                        store::to_hex(point.content_hash), worlds));
+                        columns, store::sql_literal(suite_name), store::sql_literal(point.controller),
+                        store::sql_literal(point.label), store::to_hex(point.content_hash), worlds));
   PointTrials out{point.robot_name, point.controller, point.label, {}};
   for (const auto& row : found.rows) {
     StoredTrial trial{value_of(row[1]).value_or(0.0) > 0.0, value_of(row[2]).value_or(0.0), {}};

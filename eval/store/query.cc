@@ -127,4 +127,10 @@ QueryResult query(const std::filesystem::path& file, const std::string& sql, std
   return result;
 }
 
+std::string sql_literal(std::string_view text) {
+  std::string literal = "'";
+  for (const char c : text) literal += c == '\'' ? std::string("''") : std::string(1, c);
+  return literal + "'";
+}
+
 }  // namespace moma::store

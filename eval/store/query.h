@@ -31,6 +31,9 @@ class QueryError : public std::runtime_error {
 QueryResult query(const std::filesystem::path& file, const std::string& sql,
                   std::chrono::milliseconds patience = std::chrono::minutes(10));
 
+/// Text as a literal of SQL, in its quotes.
+std::string sql_literal(std::string_view text);
+
 /// A query kept under a name, called as @name.
 struct NamedQuery {
   std::string_view name;
