@@ -4,6 +4,7 @@
 #include <exception>
 
 #include "eval/cli/completion_values.h"
+#include "eval/cli/option_parts.h"
 
 namespace moma::cli {
 namespace {
@@ -18,8 +19,6 @@ struct TypedLine {
   bool only_positionals = false;         ///< behind "--"
 };
 
-bool wants_value(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
-
 /// A list without an end counts as one value: what follows may be the command's own arguments.
 int num_values(const CLI::Option& option) {
   const int most = option.get_items_expected_max();
@@ -27,7 +26,7 @@ int num_values(const CLI::Option& option) {
 }
 
 std::vector<const CLI::Option*> positionals_in(const CLI::App& command) {
-  return command.get_options([](const CLI::Option* option) { return !option->nonpositional(); });
+  return command.get_options([](const CLI::Option* option) { return is_positional(*option); });
 }
 
 /// By "--long" or "-s"; nullptr where there is none.
@@ -61,13 +60,6 @@ void follow(const CLI::App& command, const std::string& word, TypedLine& line) {
     if (line.num_positionals < positionals.size())
       line.positionals[positionals[line.num_positionals]->get_single_name()] = word;
     ++line.num_positionals;
-  }
-}
-
-void offer_commands(const CLI::App& app, const std::string& partial, Completion& completion) {
-  for (const CLI::App* command : app.get_subcommands(nullptr)) {
-    if (command->get_name().starts_with(partial))
-      completion.candidates.push_back({command->get_name(), command->get_description()});
   }
 }
 
@@ -125,7 +117,7 @@ Completion complete(const CLI::App& app, const std::vector<std::string>& words) 
     if (partial.starts_with('-')) {
       offer_options(app, {}, partial, completion);
     } else {
-      offer_commands(app, partial, completion);
+      add_command_names({app, {}, partial}, completion);
     }
     return completion;
   }

@@ -10,6 +10,7 @@
 
 #include "controller/config/node.h"
 #include "eval/cli/all_keys.h"
+#include "eval/cli/option_parts.h"
 #include "eval/store/query.h"
 
 namespace moma::cli {
@@ -189,11 +190,6 @@ void add_prefixes(const CompletionContext& context, Completion& completion) {
   shorten_to_the_next_dot(context, completion);
 }
 
-void add_command_names(const CompletionContext& context, Completion& completion) {
-  for (const CLI::App* command : context.app.get_subcommands(nullptr))
-    offer(context, completion, command->get_name(), command->get_description());
-}
-
 void add_nothing(const CompletionContext& /*context*/, Completion& /*completion*/) {}
 
 struct OwnValues {
@@ -229,18 +225,12 @@ const std::vector<Endings>& file_endings() {
   return all;
 }
 
-/// The only words of an option: those between bars in its text, or between braces in the name of its type.
-std::vector<std::string> words_accepted_by(const CLI::Option& option) {
-  const std::string& text = option.get_option_text();
-  if (text.find('|') != std::string::npos) return CLI::detail::split(text, '|');
-  const std::string type = option.get_type_name();
-  const std::size_t open = type.find('{');
-  const std::size_t close = type.find('}');
-  if (open == std::string::npos || close == std::string::npos || close < open) return {};
-  return CLI::detail::split(type.substr(open + 1, close - open - 1), ',');
-}
-
 }  // namespace
+
+void add_command_names(const CompletionContext& context, Completion& completion) {
+  for (const CLI::App* command : context.app.get_subcommands(nullptr))
+    offer(context, completion, command->get_name(), command->get_description());
+}
 
 void add_values(const CLI::Option& option, const CompletionContext& context, Completion& completion) {
   const std::string name = option.get_lnames().empty() ? option.get_single_name() : option.get_lnames().front();

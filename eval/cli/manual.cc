@@ -5,6 +5,7 @@
 #include <sstream>
 #include <vector>
 
+#include "eval/cli/option_parts.h"
 #include "eval/store/build_info.h"
 
 namespace moma::cli {
@@ -17,9 +18,6 @@ std::vector<std::string> text_lines(const std::string& text) {
   return lines;
 }
 
-bool is_positional(const CLI::Option& option) { return !option.nonpositional(); }
-bool has_value(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
-
 /// "DB", "-o, --output".
 std::string option_names(const CLI::Option& option) {
   if (is_positional(option)) return option.get_single_name();
@@ -31,17 +29,13 @@ std::string option_names(const CLI::Option& option) {
 
 /// "TEXT", "INT in [1 - 4096]", "sphere|capsule|box"; "" of a flag.
 std::string option_value(const CLI::Option& option) {
-  if (!has_value(option)) return "";
+  if (!wants_value(option)) return "";
   if (!option.get_option_text().empty()) return option.get_option_text();
+  if (const auto words = words_accepted_by(option); !words.empty()) return fmt::format("{}", fmt::join(words, "|"));
   const std::string type = option.get_type_name();
   const std::size_t colon = type.find(':');
   if (colon == std::string::npos) return type;
   const std::string checked = type.substr(colon + 1);
-  if (checked.starts_with('{')) {
-    std::string words = checked.substr(1, checked.find('}') - 1);
-    for (char& c : words) c = c == ',' ? '|' : c;
-    return words;
-  }
   const std::string kind = type.substr(0, colon);
   return checked.starts_with("INT in") || checked.starts_with("FLOAT in") || checked.starts_with("UINT in")
              ? kind + checked.substr(checked.find(" in"))
