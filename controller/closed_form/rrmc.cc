@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "controller/closed_form/closed_form.h"
-#include "controller/qp/limits.h"
+#include "controller/model/base_kind.h"
 
 namespace moma {
 

@@ -38,4 +38,20 @@ static_assert(std::size(kKinds) == words(Of<BaseType>{}).size());
 
 const BaseKind& kind_of(BaseType type) noexcept { return kKinds[static_cast<std::size_t>(type)]; }
 
+int num_wheels(const MobileBase& base) noexcept {
+  return base.wheels ? static_cast<int>(kind_of(base.type).wheel_names.size()) : 0;
+}
+
+int wheel_speeds(const MobileBase& base, const Eigen::Ref<const VectorX>& velocity, Eigen::Vector4d& speeds) noexcept {
+  const int wheels = num_wheels(base);
+  const BaseKind& kind = kind_of(base.type);
+  for (int i = 0; i < wheels; ++i) {
+    const Vector3 row = kind.wheel_row(*base.wheels, i);
+    double sum = 0.0;
+    for (int j = 0; j < kind.dof(); ++j) sum += row[j] * velocity[j];
+    speeds[i] = sum;
+  }
+  return wheels;
+}
+
 }  // namespace moma

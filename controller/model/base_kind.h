@@ -44,4 +44,10 @@ struct BaseKind {
 
 const BaseKind& kind_of(BaseType type) noexcept;
 
+/// 2, 4 or 0.
+int num_wheels(const MobileBase& base) noexcept;
+/// Writes the speeds of the wheels [rad/s] for the base's part of `velocity`: left, right; or FL, FR, RL, RR.
+/// Returns how many there are, 0 without wheels.
+int wheel_speeds(const MobileBase& base, const Eigen::Ref<const VectorX>& velocity, Eigen::Vector4d& speeds) noexcept;
+
 }  // namespace moma

@@ -67,16 +67,10 @@ double source_bound(double room, double margin, double speed) noexcept;
 /// eta (rho - rho_s)/(rho_i - rho_s) inside rho_i, infinite outside (Haviland & Corke, arXiv 2002.11901, eq. 19).
 double damper_bound(double room, const JointLimitParams& params) noexcept;
 
-/// Writes the speeds of the wheels [rad/s] for the base's part of `velocity`: left, right; or FL, FR, RL, RR.
-/// Returns how many there are, 0 without wheels.
-int wheel_speeds(const MobileBase& base, const Eigen::Ref<const VectorX>& velocity, Eigen::Vector4d& speeds) noexcept;
-
 /// |omega_i| <= max_speed for every wheel, as rows on the base's velocity.
 void add_wheel_rows(const MobileBase& base, QpProblem& problem) noexcept;
 /// |(x, y) - velocity| <= step from inside: with the bounds of the two, |x|, |y| <= step about it, the octagon of that
 /// apothem. Nothing for a pair that is off.
 void add_drive_rows(const LinearPair& pair, QpProblem& problem) noexcept;
-/// 2, 4 or 0.
-int num_wheels(const MobileBase& base) noexcept;
 
 }  // namespace moma

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "controller/model/base_kind.h"
-#include "controller/qp/limits.h"
 
 namespace moma {
 namespace {
@@ -72,6 +71,13 @@ void Evasion::set_objects(std::span<const ObjectShape> objects) {
   for (const ObjectShape& object : objects) radii_.push_back(bounding_radius(object.shape));
 }
 
+// The base's part of all velocities.
+Vector3 Evasion::leading(const VectorX& velocities) const noexcept {
+  Vector3 out = Vector3::Zero();
+  for (int i = 0; i < ramp_.dof(); ++i) out[i] = velocities[i];
+  return out;
+}
+
 // How far the robot's solids are from the base's origin at most, until the arm has braked.
 double Evasion::reach(const Observation& o, const VectorX& command) noexcept {
   kinematics_.update(o.base, o.q);
@@ -115,55 +121,67 @@ void Evasion::drive(const Vector3& target, double dt) noexcept {
     if (object.visible && in_motion(object)) object.X_WO.translation() += dt * object.V_WO_W.tail<3>();
 }
 
-// How good a way out is: the time at which something is touched [s]; where nothing is, the horizon and the least
-// distance [m], and as much again as `range` for the part of another horizon in which the robot may stand where it has
-// come to. A way out that leads on before what moves is none in the end.
-double Evasion::predict(const Observation& o, const VectorX* command, const Vector3& target, double range) noexcept {
-  ++tried_;
-  const int dof = ramp_.dof();
+void Evasion::begin(const Observation& o) noexcept {
   base_ = o.base;
   q_ = o.q;
-  velocity_.setZero();
-  for (int i = 0; i < dof; ++i) velocity_[i] = o.qdot[i];
+  velocity_ = leading(o.qdot);
   qdot_ = o.qdot.tail(q_.size());
   std::copy(o.objects.begin(), o.objects.end(), states_.begin());
-  double t = 0.0, worst = range;
-  clear_ = true;
-  if (command != nullptr) {
-    Vector3 first = Vector3::Zero();
-    for (int i = 0; i < dof; ++i) first[i] = (*command)[i];
-    qdot_ = command->tail(q_.size());
-    mean_.tail(q_.size()) = qdot_;
-    drive(first, dt_);
-    t = dt_;
+}
+
+// One moment of a way out: the base towards its target, the arm braking.
+void Evasion::go_on(const Vector3& target) noexcept {
+  const int dof = ramp_.dof();
+  for (Eigen::Index i = 0; i < q_.size(); ++i) {
+    const double lost = kMoment * acceleration_[dof + i], speed = std::abs(qdot_[i]);
+    const double left = std::max(0.0, speed - lost);
+    const double mean = left > 0.0 ? 0.5 * (speed + left) : (speed > 0.0 ? 0.5 * speed * speed / lost : 0.0);
+    mean_[dof + i] = std::copysign(mean, qdot_[i]);
+    qdot_[i] = std::copysign(left, qdot_[i]);
   }
+  drive(target, kMoment);
+}
+
+// Whether the way out towards `target` is clear after one period of `command`.
+bool Evasion::is_clear(const Observation& o, const VectorX& command, const Vector3& target, double range) noexcept {
+  ++tried_;
+  begin(o);
+  qdot_ = command.tail(q_.size());
+  mean_.tail(q_.size()) = qdot_;
+  drive(leading(command), dt_);
+  double t = dt_;
   while (t < params_.horizon) {
-    for (Eigen::Index i = 0; i < q_.size(); ++i) {
-      const double lost = kMoment * acceleration_[dof + i], speed = std::abs(qdot_[i]);
-      const double left = std::max(0.0, speed - lost);
-      const double mean = left > 0.0 ? 0.5 * (speed + left) : (speed > 0.0 ? 0.5 * speed * speed / lost : 0.0);
-      mean_[dof + i] = std::copysign(mean, qdot_[i]);
-      qdot_[i] = std::copysign(left, qdot_[i]);
-    }
-    drive(target, kMoment);
+    go_on(target);
     t += kMoment;
     double moving = kInfinity, resting = kInfinity;
     look(range, moving, resting);
     const double need = std::max(need_moving_, std::min(kHalf * params_.margin, need_moving_ + kRegained * t));
-    if (moving < need || resting < need_resting_) {
-      clear_ = false;
-      if (command != nullptr) return 0.0;
-    }
+    if (moving < need || resting < need_resting_) return false;
+    if (std::min(moving, resting) < kTouched) return true;  // no nearer than it is now
+  }
+  return true;
+}
+
+// How good the way out towards `target` is that begins now: the time at which something is touched [s]; where nothing
+// is, the horizon and the least distance [m], and as much again as `range` for the part of another horizon in which the
+// robot may stand where it has come to. A way out that leads on before what moves is none in the end.
+double Evasion::worth(const Observation& o, const Vector3& target, double range) noexcept {
+  ++tried_;
+  begin(o);
+  double worst = range;
+  double moving = kInfinity, resting = kInfinity;
+  for (double t = 0.0; t < params_.horizon;) {
+    go_on(target);
+    t += kMoment;
+    look(range, moving, resting);
     const double least = std::min(moving, resting);
     if (least < kTouched) return t;
     worst = std::min(worst, least);
   }
-  if (command != nullptr) return params_.horizon + worst;
   mean_.tail(q_.size()).setZero();
   double stood = 0.0;
   for (; stood < params_.horizon; stood += kMoment) {
     drive(Vector3::Zero(), kMoment);
-    double moving = kInfinity, resting = kInfinity;
     look(range, moving, resting);
     if (std::min(moving, resting) < kTouched) break;
   }
@@ -178,36 +196,25 @@ bool Evasion::passes(const Observation& o, const VectorX& command, VectorX& base
                    [](const ObjectState& object) { return object.visible && in_motion(object); }))
     return true;
   reach_ = reach(o, command);
-  base_ = o.base;
-  q_ = o.q;
-  std::copy(o.objects.begin(), o.objects.end(), states_.begin());
+  begin(o);
   const double range = std::max(params_.margin, kMarginAtRest);
   look(range, need_moving_, need_resting_);
   need_moving_ = std::min(params_.margin, need_moving_);
   need_resting_ = std::min(kMarginAtRest, need_resting_);
 
-  const Vector3 stop = Vector3::Zero();
-  Vector3 held = stop;
-  for (int i = 0; i < dof; ++i) held[i] = command[i];
-  for (const Vector3* target : {static_cast<const Vector3*>(&held), &stop}) {
-    predict(o, &command, *target, range);
-    if (clear_) return true;
-  }
-  for (const Vector3& target : velocities_) {
-    predict(o, &command, target, range);
-    if (clear_) return true;
-  }
-  double best = predict(o, nullptr, stop, kToldApart * range);
+  const Vector3 stop = Vector3::Zero(), held = leading(command);
+  if (is_clear(o, command, held, range) || is_clear(o, command, stop, range)) return true;
+  for (const Vector3& target : velocities_)
+    if (is_clear(o, command, target, range)) return true;
+  double best = worth(o, stop, kToldApart * range);
   Vector3 chosen = stop;
   for (const Vector3& target : velocities_) {
-    const double value = predict(o, nullptr, target, kToldApart * range);
+    const double value = worth(o, target, kToldApart * range);
     if (!(value > best)) continue;
     best = value;
     chosen = target;
   }
-  Vector3 now = Vector3::Zero();
-  for (int i = 0; i < dof; ++i) now[i] = o.qdot[i];
-  const Vector3 next = ramp_.limited(chosen, now, share_, dt_);
+  const Vector3 next = ramp_.limited(chosen, leading(o.qdot), share_, dt_);
   for (int i = 0; i < dof; ++i) base[i] = next[i];
   return false;
 }

@@ -46,7 +46,11 @@ class Evasion {
   double reach(const Observation& o, const VectorX& command) noexcept;
   void look(double range, double& moving, double& resting) noexcept;
   void drive(const Vector3& target, double dt) noexcept;
-  double predict(const Observation& o, const VectorX* command, const Vector3& target, double range) noexcept;
+  Vector3 leading(const VectorX& velocities) const noexcept;
+  void begin(const Observation& o) noexcept;
+  void go_on(const Vector3& target) noexcept;
+  bool is_clear(const Observation& o, const VectorX& command, const Vector3& target, double range) noexcept;
+  double worth(const Observation& o, const Vector3& target, double range) noexcept;
 
   std::shared_ptr<const RobotModel> model_;
   EvasionParams params_;
@@ -63,7 +67,6 @@ class Evasion {
   Vector3 base_ = Vector3::Zero(), velocity_ = Vector3::Zero();
   VectorX q_, qdot_, mean_;
   double need_moving_ = 0.0, need_resting_ = 0.0;
-  bool clear_ = false;
   int tried_ = 0;
 };
 

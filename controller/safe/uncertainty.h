@@ -35,9 +35,8 @@ struct PlaceSpread {
 /// (ObjectState), n^T (P_p + t^2 P_v) n takes the place of the configured noise and bias of position and linear
 /// velocity, t being how old the measurement is when the command acts: also of what seems to be at rest, so that more
 /// uncertainty never makes a margin less. A margin is z standard deviations, with P(Z <= z) = `probability`: a row that
-/// keeps d
-/// - margin keeps d with at least that probability as far as the distance goes. Floor and self rows have the arm's
-/// part.
+/// keeps d - margin keeps d with at least that probability as far as the distance goes. Floor and self rows have the
+/// arm's part.
 class Uncertainty {
  public:
   Uncertainty(const UncertaintyParams& params, int base_dof) noexcept;

@@ -5,6 +5,7 @@
 #include <Eigen/SVD>
 
 #include "controller/controller_core.h"
+#include "controller/model/base_kind.h"
 #include "tests/controller/qp_robots.h"
 
 namespace moma {
