@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <stdexcept>
+#include <utility>
 
 #include "controller/config/text_file.h"
 #include "controller/model/collada_check.h"
@@ -40,36 +41,30 @@ bool has_large_face(const std::string& obj) {
   return false;
 }
 
-// In small letters.
-std::string extension_of(const fs::path& file) {
-  std::string kind = file.extension().string();
-  std::transform(kind.begin(), kind.end(), kind.begin(), [](unsigned char c) { return std::tolower(c); });
-  return kind;
-}
-
 }  // namespace
 
-std::string mesh_fault(const fs::path& file) {
+MeshCheck check_mesh(const fs::path& file) {
+  const auto fault = [](std::string what) { return MeshCheck{std::move(what), 1.0}; };
   std::error_code error;
-  if (!fs::is_regular_file(file, error)) return "it is not a file";
+  if (!fs::is_regular_file(file, error)) return fault("it is not a file");
   const std::uintmax_t bytes = fs::file_size(file, error);
-  if (error) return error.message();
-  if (bytes > kMaxMeshBytes) return "it is larger than " + std::to_string(kMaxMeshBytes >> 20U) + " MiB";
-  const std::string kind = extension_of(file);
-  if (kind == ".stl") return "";
-  if (kind != ".dae" && kind != ".obj") return "expected a file that ends in .stl, .dae or .obj";
+  if (error) return fault(error.message());
+  if (bytes > kMaxMeshBytes) return fault("it is larger than " + std::to_string(kMaxMeshBytes >> 20U) + " MiB");
+  std::string kind = file.extension().string();
+  std::transform(kind.begin(), kind.end(), kind.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (kind == ".stl") return {};
+  if (kind != ".dae" && kind != ".obj") return fault("expected a file that ends in .stl, .dae or .obj");
   std::string text;
   try {
     text = read_text_file(file);
   } catch (const std::runtime_error& e) {
-    return e.what();
+    return fault(e.what());
   }
-  if (kind == ".dae") return collada_fault(text);
-  return has_large_face(text) ? "a face has more than " + std::to_string(kMaxPolygon) + " corners" : "";
-}
-
-double mesh_unit(const fs::path& file) {
-  return extension_of(file) == ".dae" ? collada_unit(read_text_file(file)) : 1.0;
+  if (kind == ".dae") {
+    ColladaCheck collada = check_collada(text);
+    return {std::move(collada.fault), collada.unit};
+  }
+  return fault(has_large_face(text) ? "a face has more than " + std::to_string(kMaxPolygon) + " corners" : "");
 }
 
 }  // namespace moma::config

@@ -111,11 +111,11 @@ Eigen::AlignedBox3d box_of(const Points& points) {
 }  // namespace
 
 Mesh read_mesh(const std::filesystem::path& file, const Vector3& scale) {
-  if (const std::string fault = mesh_fault(file); !fault.empty())
-    throw std::runtime_error("the mesh " + file.string() + " cannot be read: " + fault);
+  const MeshCheck check = check_mesh(file);
+  if (!check.fault.empty()) throw std::runtime_error("the mesh " + file.string() + " cannot be read: " + check.fault);
   coal::BVHModelPtr_t loaded;
   try {
-    loaded = coal::MeshLoader(coal::BV_AABB).load(file.string(), mesh_unit(file) * scale);
+    loaded = coal::MeshLoader(coal::BV_AABB).load(file.string(), check.unit * scale);
   } catch (const std::exception& e) {
     throw std::runtime_error("the mesh " + file.string() + " cannot be read: " + e.what());
   }

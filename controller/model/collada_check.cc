@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <map>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "controller/model/collada_geometry.h"
@@ -109,25 +110,20 @@ double unit_of(const char* text) {
 
 }  // namespace
 
-double collada_unit(const std::string& text) {
+ColladaCheck check_collada(const std::string& text) {
+  const auto fault = [](std::string what) { return ColladaCheck{std::move(what), 1.0}; };
+  if (xml_depth(text) > kMaxXmlDepth)
+    return fault("elements are nested more than " + std::to_string(kMaxXmlDepth) + " deep");
   TiXmlDocument document;
   document.Parse(text.c_str());
+  if (document.Error()) return fault("not valid XML: " + std::string(document.ErrorDesc()));
   const TiXmlElement* root = document.RootElement();
-  const double unit = root == nullptr ? 1.0 : unit_of(unit_text(*root));
-  return unit > 0.0 ? unit : 1.0;
-}
-
-std::string collada_fault(const std::string& text) {
-  if (xml_depth(text) > kMaxXmlDepth) return "elements are nested more than " + std::to_string(kMaxXmlDepth) + " deep";
-  TiXmlDocument document;
-  document.Parse(text.c_str());
-  if (document.Error()) return "not valid XML: " + std::string(document.ErrorDesc());
-  const TiXmlElement* root = document.RootElement();
-  if (root == nullptr) return "no XML element";
-  if (const char* unit = unit_text(*root); !(unit_of(unit) > 0.0))
-    return "<unit meter=\"" + std::string(unit).substr(0, 40) + "\"> is no length";
-  const std::string fault = Scenes().fault_of(*root);
-  return fault.empty() ? geometry_fault(*root, text.size()) : fault;
+  if (root == nullptr) return fault("no XML element");
+  const char* const said = unit_text(*root);
+  const double unit = unit_of(said);
+  if (!(unit > 0.0)) return fault("<unit meter=\"" + std::string(said).substr(0, 40) + "\"> is no length");
+  std::string scenes = Scenes().fault_of(*root);
+  return {scenes.empty() ? geometry_fault(*root, text.size()) : std::move(scenes), unit};
 }
 
 }  // namespace moma
