@@ -1,5 +1,7 @@
 #include "controller/draft/base_guess.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -67,9 +69,8 @@ class BaseFinder {
     for (const int i : chain) {
       guess_.virtual_joints.push_back(urdf_.link(i).joint.name);
       guess_.joints[static_cast<std::size_t>(i)] = true;
-      guess_.reason += (guess_.reason.empty() ? "" : ", ") + urdf_.link(i).joint.name;
     }
-    guess_.reason = "joints that stand for a base: " + guess_.reason;
+    guess_.reason = fmt::format("joints that stand for a base: {}", fmt::join(guess_.virtual_joints, ", "));
   }
 
   bool nothing_driven_behind(int link) const {
@@ -153,8 +154,9 @@ class BaseFinder {
     const bool all_steered = driven.empty() && wheels_.size() >= 3;
     if (all_steered) driven = wheels_;
     if (driven.size() < 2) {
-      guess_.doubtful = guess_.type == BaseType::kFixed && !stuck().empty();
-      if (guess_.doubtful) guess_.reason = "these are called wheels, but their joints do not turn: " + stuck();
+      const std::string still = stuck();
+      guess_.doubtful = guess_.type == BaseType::kFixed && !still.empty();
+      if (guess_.doubtful) guess_.reason = "these are called wheels, but their joints do not turn: " + still;
       return;
     }
     const bool one_axis = std::all_of(driven.begin(), driven.end(), [&](const Wheel& wheel) {

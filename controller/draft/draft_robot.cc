@@ -79,13 +79,10 @@ class Drafter {
 
   Draft draft() {
     read();
-    write_until_ready();
-    if (stand_on_floor()) write_until_ready();
-    Posture posture = find_posture(*without_pairs().model);
-    if (lift(posture.q)) {
-      write_until_ready();
-      posture = find_posture(*without_pairs().model);
-    }
+    std::shared_ptr<const RobotModel> model = begin();
+    if (stand_on_floor(*model)) model = begin();
+    Posture posture = find_posture(*model);
+    if (lift(*model, posture.q)) posture = find_posture(*begin());
     write_ready(posture);
     lines_.add(0, "collision: {from: urdf, self: auto}");
     const config::LoadedRobot robot = load(lines_.text());
@@ -222,41 +219,41 @@ class Drafter {
     return config::read_robot(config::parse_yaml(text, place.string(), options_.folder), "");
   }
 
-  void write_until_ready() {
+  // Writes what comes before `ready`; the robot as it is then, without self-collision.
+  std::shared_ptr<const RobotModel> begin() {
     lines_ = {};
     write_head();
     write_base();
     write_arm();
+    return load(lines_.text() + "collision: {from: urdf, self: []}\n").model;
   }
 
-  config::LoadedRobot without_pairs() const { return load(lines_.text() + "collision: {from: urdf, self: []}\n"); }
+  // Of the shapes that stand still, or of those that move, at q; `most` where there are none.
+  static double lowest(const RobotModel& model, const VectorX& q, bool standing, double most) {
+    Kinematics kinematics(std::make_shared<const RobotModel>(model));
+    kinematics.update(Vector3::Zero(), q);
+    for (const CollisionShape& shape : model.shapes)
+      if (shape.rigid_with_base == standing) most = std::min(most, lowest_point(shape.shape, kinematics.X_WS(shape)));
+    return most;
+  }
 
   // A root that is not at the foot of what stands still is lifted. True where it was.
-  bool stand_on_floor() {
+  bool stand_on_floor(const RobotModel& model) {
     if (base_.type != BaseType::kFixed) return false;
-    const std::shared_ptr<const RobotModel> model = without_pairs().model;
-    const Kinematics kinematics(model);
-    double lowest = 0.0;
-    for (const CollisionShape& shape : model->shapes)
-      if (shape.rigid_with_base) lowest = std::min(lowest, lowest_point(shape.shape, kinematics.X_WS(shape)));
     constexpr double kSunk = 0.01;  // hulls are a little larger than what they enclose [m]
-    if (lowest > -kSunk) return false;
-    base_.X_BR.translation().z() = -lowest;
+    const double foot = lowest(model, model.ready, true, 0.0);
+    if (foot > -kSunk) return false;
+    base_.X_BR.translation().z() = -foot;
     return true;
   }
 
   // Worlds ask for room below an arm; a fixed one whose first links cannot leave the floor is put on a plinth.
-  bool lift(const VectorX& q) {
+  bool lift(const RobotModel& model, const VectorX& q) {
     if (base_.type != BaseType::kFixed) return false;
-    const std::shared_ptr<const RobotModel> model = without_pairs().model;
-    Kinematics kinematics(model);
-    kinematics.update(Vector3::Zero(), q);
     constexpr double kRoom = 0.05;  // [m]
-    double lowest = kRoom;
-    for (const CollisionShape& shape : model->shapes)
-      if (!shape.rigid_with_base) lowest = std::min(lowest, lowest_point(shape.shape, kinematics.X_WS(shape)));
-    if (lowest >= kRoom) return false;
-    base_.X_BR.translation().z() += std::ceil((kRoom - lowest) * 100.0) / 100.0;
+    const double arm = lowest(model, q, false, kRoom);
+    if (arm >= kRoom) return false;
+    base_.X_BR.translation().z() += std::ceil((kRoom - arm) * 100.0) / 100.0;
     return true;
   }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numbers>
 #include <utility>
 
@@ -15,7 +14,6 @@
 namespace moma::draft {
 namespace {
 
-constexpr int kPrimes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
 constexpr double kInner = 0.9;   // of the limits
 constexpr double kMostly = 0.8;  // of configurations: what touches in more of them says nothing of a posture
 constexpr double kFloor = 0.05;  // [m]
@@ -61,7 +59,7 @@ class PostureFinder {
         lower = std::max(lower, -kTurn);
         upper = std::min(upper, kTurn);
       }
-      const double share = halton(s + i, kPrimes[static_cast<std::size_t>(i) % std::size(kPrimes)]);
+      const double share = halton_coordinate(s, i);
       q[i] = lower + (upper - lower) * (0.5 + kInner * (share - 0.5));
     }
     return q;

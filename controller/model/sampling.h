@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
+#include <iterator>
 #include <numbers>
 
 #include "controller/model/robot_model.h"
@@ -29,6 +31,13 @@ inline double halton(int index, int base) noexcept {
     result += share * (i % base);
   }
   return result;
+}
+
+/// Coordinate `i` of the `index`-th of a sequence of points in a box of any dimension: Halton's, to the bases of the
+/// first primes. Coordinates beyond these share bases, shifted.
+inline double halton_coordinate(int index, int i) noexcept {
+  constexpr int kPrimes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
+  return halton(index + i, kPrimes[static_cast<std::size_t>(i) % std::size(kPrimes)]);
 }
 
 }  // namespace moma

@@ -2,19 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <memory>
 #include <utility>
 
 #include "controller/model/sampling.h"
 
 namespace moma {
-namespace {
-
-// Bases of the Halton sequence: the first primes. Joints beyond them share bases, shifted.
-constexpr int kPrimes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
-
-}  // namespace
 
 VectorX holding_efforts(const Kinematics& kinematics, double gravity) {
   const RobotModel& model = kinematics.model();
@@ -42,9 +35,8 @@ std::vector<JointLoad> joint_loads(std::shared_ptr<const RobotModel> model, int 
   std::vector<int> beyond(loads.size(), 0);
   for (int s = 1; s <= samples; ++s) {
     for (int i = 0; i < q.size(); ++i) {
-      const int base = kPrimes[static_cast<std::size_t>(i) % std::size(kPrimes)];
       const auto [lower, upper] = drawn_range(model->joints[static_cast<std::size_t>(i)]);
-      q[i] = lower + halton(s + i, base) * (upper - lower);
+      q[i] = lower + halton_coordinate(s, i) * (upper - lower);
     }
     kinematics.update(Vector3::Zero(), q);
     const VectorX efforts = holding_efforts(kinematics);
