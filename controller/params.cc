@@ -132,9 +132,6 @@ class Checker {
     }
   }
 
-  const ControllerParams& p_;
-  const RobotModel& model_;
-  double dt_;
   void separate() {
     if (!p_.separate.enabled) return;
     if (p_.method != Method::kQp) error("separate", "is of method qp: the arm's part is its QP");
@@ -142,6 +139,9 @@ class Checker {
     if (model_.base_dof() == 0) warning("separate", "has no effect: the base does not move");
   }
 
+  const ControllerParams& p_;
+  const RobotModel& model_;
+  double dt_;
   std::vector<ParamsIssue> issues_;
 };
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <vector>
@@ -121,11 +120,7 @@ class DifferentialBase final : public OdeBase {
 
   double load() const override {
     double most = 0.0;
-    for (const Wheel& wheel : wheel_) {
-      const double load = std::abs(wheel.driving_torque()) / torque_;
-      if (!std::isfinite(load)) return std::numeric_limits<double>::infinity();
-      most = std::max(most, load);
-    }
+    for (const Wheel& wheel : wheel_) most = larger_load(most, wheel.driving_torque(), torque_);
     return most;
   }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace moma {
@@ -228,11 +227,7 @@ void OdeArm::after_step() {
 
 double OdeArm::load() const {
   double most = 0.0;
-  for (const Joint& joint : joints_) {
-    const double load = std::abs(joint.torque) / joint.effort;
-    if (!std::isfinite(load)) return std::numeric_limits<double>::infinity();
-    most = std::max(most, load);
-  }
+  for (const Joint& joint : joints_) most = larger_load(most, joint.torque, joint.effort);
   return most;
 }
 

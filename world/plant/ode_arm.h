@@ -2,6 +2,9 @@
 
 #include <ode/ode.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -9,6 +12,12 @@
 #include "world/plant/rigid_bodies.h"
 
 namespace moma {
+
+/// The larger of `most` and |effort| / limit, the load of a motor with that limit; infinite where it is not finite.
+inline double larger_load(double most, double effort, double limit) {
+  const double load = std::abs(effort) / limit;
+  return std::isfinite(load) ? std::max(most, load) : std::numeric_limits<double>::infinity();
+}
 
 /// The robot's links as ODE bodies, its controlled joints as hinges and sliders with velocity motors.
 class OdeArm {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "controller/model/base_kind.h"
 #include "world/plant/body_states.h"
@@ -157,38 +158,20 @@ class OdePlant final : public Plant, private TouchSink {
     follow(ramped_.tail(1), command.segment(dof - 1, 1), limit.y(), mean_.tail(1));
   }
 
-  /// What a step changes and BodyStates does not know of.
-  struct Before {
-    PlantState state;
-    VectorX ramped, q;
-    double height = 0.0, up = 1.0, slip_max = 0.0, energy = 0.0;
-    int lcp_messages = 0;
-    bool bound = false;
-  };
+  /// What a step changes and neither BodyStates nor the arm knows of.
+  auto changing(PlantReport& report) {
+    return std::tie(state_, ramped_, height_, up_, bound_, report.slip_max, report.energy, report.lcp_messages);
+  }
 
-  void save(const PlantReport& report) {
-    before_.state = state_;
-    before_.ramped = ramped_;
-    before_.q = arm_.q();
-    before_.height = height_;
-    before_.up = up_;
-    before_.slip_max = report.slip_max;
-    before_.energy = report.energy;
-    before_.lcp_messages = report.lcp_messages;
-    before_.bound = bound_;
+  void save(PlantReport& report) {
+    before_ = changing(report);
+    before_q_ = arm_.q();
   }
 
   void restore(PlantReport& report) {
     bodies_.restore();
-    state_ = before_.state;
-    ramped_ = before_.ramped;
-    arm_.set_q(before_.q);
-    height_ = before_.height;
-    up_ = before_.up;
-    report.slip_max = before_.slip_max;
-    report.energy = before_.energy;
-    report.lcp_messages = before_.lcp_messages;
-    bound_ = before_.bound;
+    changing(report) = before_;
+    arm_.set_q(before_q_);
   }
 
   /// From `begin` to `end`, h seconds, in one step where nothing can touch on the way, else in small ones that look for
@@ -403,7 +386,8 @@ class OdePlant final : public Plant, private TouchSink {
   std::vector<Isometry> in_body_;  // of each shape, in its body's frame
 
   PlantState state_;
-  Before before_;
+  std::tuple<PlantState, VectorX, double, double, bool, double, double, int> before_;  // of changing()
+  VectorX before_q_;                                                                   // of the arm
   VectorX ramped_;  // the base's command, as its acceleration limits let it through
   VectorX mean_;    // of that, over a step
   double time_ = 0.0;

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <vector>
 
@@ -84,10 +83,8 @@ class OmnidirectionalBase final : public OdeBase {
 
   double load() const override {
     const dReal* force = linear_feedback_.f1;
-    const double load = std::max(
-        {std::abs(force[0]) / force_, std::abs(force[1]) / force_, std::abs(angular_feedback_.t1[2]) / moment_});
-    return std::isfinite(force[0] + force[1] + angular_feedback_.t1[2]) ? load
-                                                                        : std::numeric_limits<double>::infinity();
+    const double linear = larger_load(larger_load(0.0, force[0], force_), force[1], force_);
+    return larger_load(linear, angular_feedback_.t1[2], moment_);
   }
 
   void list_bodies(ode::BodyStates&) const override {}  // has none of its own

@@ -97,6 +97,11 @@ Draws SceneBuilder::place_bases(const Placement& placement, World& world) const 
   return at_goal;
 }
 
+void SceneBuilder::place_start(const World& world) {
+  start_.update(world.start.base, world.start.q);
+  start_tip_ = start_.X_WE().translation();
+}
+
 bool SceneBuilder::place_goal(const Placement& placement, World& world) {
   witness_.update(world.witness.base, world.witness.q);
   if (witness_.X_WE().translation().z() < placement.tip_height) return reject("goal: too low (tip_height)");
@@ -115,8 +120,7 @@ bool SceneBuilder::place_robot(const Placement& placement, World& world) {
     world.witness.q[i] = at_goal.uniform(low + margin, high - margin);
   }
 
-  start_.update(world.start.base, world.start.q);
-  start_tip_ = start_.X_WE().translation();
+  place_start(world);
   // The base's pose changes nothing here: once is enough, but every failed try counts.
   if (!start_checked_ && !check_pose(start_, 0.0, 0.0, "start", true)) return false;
   start_checked_ = true;
@@ -135,15 +139,13 @@ bool SceneBuilder::place_pair(const Placement& placement, double range, World& w
   };
   draw(at_start, world.start.q);
   draw(at_goal, world.witness.q);
-  start_.update(world.start.base, world.start.q);
-  start_tip_ = start_.X_WE().translation();
+  place_start(world);
   if (!check_pose(start_, placement.floor_clearance, placement.self_clearance, "start")) return false;
   return place_goal(placement, world);
 }
 
 void SceneBuilder::take_robot(World& world) {
-  start_.update(world.start.base, world.start.q);
-  start_tip_ = start_.X_WE().translation();
+  place_start(world);
   set_goal(world);
 }
 

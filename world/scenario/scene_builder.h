@@ -71,6 +71,7 @@ class SceneBuilder {
 
  private:
   Draws place_bases(const Placement& placement, World& world) const;
+  void place_start(const World& world);
   bool place_goal(const Placement& placement, World& world);
   bool check_pose(const Kinematics& kinematics, double floor_clearance, double self_clearance, const std::string& who,
                   bool at_ready = false);
