@@ -56,7 +56,7 @@ ControllerCore::ControllerCore(std::shared_ptr<const RobotModel> model, Controll
       predictor_(*model_, params_.prediction, params_.uncertainty, params_.base_share, control_period,
                  params_.acceleration_limit),
       check_(model_, params_.collision.check, params_.acceleration_limit, params_.base_share > 0.0, control_period,
-             {params_.uncertainty, base_dof_}),
+             {params_.uncertainty, base_dof_}, own_margins(params_.collision.floor, params_.collision.self)),
       escape_(params_.escape, params_.servo, *model_, control_period),
       bounds_(*model_, params_, control_period),
       fallback_(params_.solver, params_.collision.relaxation),

@@ -98,10 +98,11 @@ class Checker {
     }
     for (const ControlledJoint& joint : model_.joints) {
       if (std::isinf(joint.lower) && std::isinf(joint.upper)) continue;
-      if (!(d.influence > joint.velocity * dt_)) {
-        error("joint_limits.influence", "of " + text(d.influence) +
-                                            " must be above velocity limit x control period of " + joint.name + " = " +
-                                            text(joint.velocity * dt_) + ", or one step can overshoot the limit");
+      const double influence = limit_part(joint) * d.influence;
+      if (!(influence > joint.velocity * dt_)) {
+        error("joint_limits.influence", "of " + text(influence) + " must be above velocity limit x control period of " +
+                                            joint.name + " = " + text(joint.velocity * dt_) +
+                                            ", or one step can overshoot the limit");
         return;
       }
     }

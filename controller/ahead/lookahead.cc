@@ -15,6 +15,7 @@ constexpr double kStill = 1e-6;                   // of a goal's twist
 constexpr double kNearMover = 2.5;                // from the base to an object in motion [m]
 constexpr double kSlow = 0.1;                     // velocities at which a robot stands, to choose [rad/s, m/s]
 constexpr double kLongestStop = 1.0;              // [s]
+constexpr double kLongestChoice = 1.8;            // of a robot that stands: the best so far counts then [s]
 constexpr double kArrived = 0.03;                 // lag at a path's end [m]
 constexpr double kThere = 0.3;                    // a goal that is reached so soon needs no choice [s]
 constexpr double kProgress = 0.05;                // on the path's clock that is progress [s]
@@ -202,8 +203,10 @@ void Lookahead::decide(const Observation& o) noexcept {
   if (movers && !goal_moves) decide_among_traffic();
 
   if (state_.brief.going_on && state_.steps >= state_.commit) take_effect();
-  if (brief.mode == PlanMode::kStop && (o.qdot.lpNorm<Eigen::Infinity>() <= kSlow || state_.steps >= state_.stop_end))
+  if (brief.mode == PlanMode::kStop && (o.qdot.lpNorm<Eigen::Infinity>() <= kSlow || state_.steps >= state_.stop_end)) {
     brief.mode = PlanMode::kChoose;
+    state_.stop_end = state_.steps;
+  }
   guides_ = brief.mode != PlanMode::kDirect;
   wanted_.setZero();
   if (brief.mode == PlanMode::kFollow) follow(o);
@@ -328,7 +331,8 @@ void Lookahead::work_choice(const Observation& o, long& budget) noexcept {
     choice_.begin(o, state_.direct_time, ++state_.brief.attempts);
     job_ = Job::kChoose;
   }
-  if (!choice_.advance(rollout_, budget)) choose();
+  const bool late = state_.brief.mode == PlanMode::kChoose && state_.steps >= state_.stop_end + periods(kLongestChoice);
+  if (!choice_.advance(rollout_, budget) || late) choose();
 }
 
 // Begins a prediction or goes on with the one that is under way. True where it has ended.

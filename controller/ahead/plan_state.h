@@ -15,7 +15,7 @@ struct PlanState {
   PlanBrief brief;
   std::int64_t steps = 0;     ///< since the start or the goal's last jump
   std::int64_t next = 0;      ///< step of the next prediction
-  std::int64_t stop_end = 0;  ///< step at which a stop has lasted long enough
+  std::int64_t stop_end = 0;  ///< step at which a stop has lasted long enough; of a choice, at which it ended
   std::int64_t commit = 0;    ///< step up to which `brief.going_on` goes on: what is chosen takes effect there
   bool chosen = false;        ///< the choice is made and waits for that: `path`, or else a detour from `start` on
   std::int64_t mark = 0;      ///< step of the last progress along the path ...

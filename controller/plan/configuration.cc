@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "controller/model/sampling.h"
+#include "controller/qp/limits.h"
 
 namespace moma {
 namespace {
@@ -13,6 +13,7 @@ namespace {
 constexpr double kBent = 0.7;
 constexpr double kLongest = 1.0;
 constexpr double kHand = 0.05;
+constexpr double kFullTurn = 2.0 * std::numbers::pi;
 
 double lever_of(const RobotModel& model, const ControlledJoint& joint) {
   if (joint.type == JointType::kPrismatic) return kBent;
@@ -46,6 +47,8 @@ MotionLimits::MotionLimits(const RobotModel& model, const ControllerParams& para
       lower(model.num_joints()),
       upper(model.num_joints()),
       margin(model.num_joints()),
+      part(model.num_joints()),
+      winds(model.num_joints()),
       joint_speed(model.num_joints()),
       joint_acceleration(model.num_joints()),
       lever(model.num_joints()) {
@@ -53,17 +56,18 @@ MotionLimits::MotionLimits(const RobotModel& model, const ControllerParams& para
   const int first = model.base_dof();
   for (int i = 0; i < model.num_joints(); ++i) {
     const ControlledJoint& joint = model.joints[static_cast<std::size_t>(i)];
-    const auto [low, high] = drawn_range(joint);
-    lower[i] = low;
-    upper[i] = high;
-    margin[i] = std::min(plan.joint_margin, 0.4 * (upper[i] - lower[i]));
+    lower[i] = joint.lower;
+    upper[i] = joint.upper;
+    part[i] = limit_part(joint);
+    margin[i] = std::min(part[i] * plan.joint_margin, 0.4 * (upper[i] - lower[i]));
+    winds[i] = joint.type != JointType::kPrismatic && upper[i] - lower[i] > kFullTurn ? 1 : 0;
     joint_speed[i] = plan.speed * joint.velocity;
     joint_acceleration[i] = plan.acceleration * params.acceleration_limit[first + i];
     lever[i] = lever_of(model, joint);
   }
-  const double part = plan.speed * wheels_part(model.base);
-  linear = part * model.base.max_linear;
-  angular = part * model.base.max_angular;
+  const double fast = plan.speed * wheels_part(model.base);
+  linear = fast * foreseen_speed(model, params);
+  angular = fast * model.base.max_angular;
   double a_linear = model.base.max_acceleration[0], a_angular = model.base.max_acceleration[1];
   if (first > 0) {
     a_linear = std::min(a_linear, params.acceleration_limit[0]);

@@ -19,8 +19,10 @@ struct MotionLimits {
   MotionLimits(const RobotModel& model, const ControllerParams& params);
 
   const BaseKind* base;
-  VectorX lower, upper;         ///< of the joints; +-pi for one without limits [rad, m]
+  VectorX lower, upper;         ///< of the joints; infinite for one without limits [rad, m]
   VectorX margin;               ///< that a path keeps from them
+  VectorX part;                 ///< limit_part() of the joints
+  Eigen::VectorXi winds;        ///< 1 for a joint that can turn further than once: a path keeps to one turn
   VectorX joint_speed;          ///< [rad/s, m/s]
   VectorX joint_acceleration;   ///< may be infinite [rad/s^2, m/s^2]
   double linear, angular;       ///< of the base [m/s, rad/s]

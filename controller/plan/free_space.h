@@ -29,11 +29,15 @@ class FreeSpace {
   std::span<const ObjectState> states() const noexcept { return states_; }
 
   /// Margins to limits and clearances from here on. Where `start` is nearer than that to a limit or to something, as
-  /// near is near enough everywhere: else no way would lead out.
+  /// near is near enough everywhere: else no way would lead out. Joints that wind keep to one turn, about the start's
+  /// as far as their limits let it.
   void set_clearances(const Clearances& clearances, const WholeConfiguration& start) noexcept;
   const Clearances& clearances() const noexcept { return clearances_; }
   const VectorX& lower() const noexcept { return lower_; }  ///< of the joints, margins kept
   const VectorX& upper() const noexcept { return upper_; }
+
+  /// Turns joints that wind, as often as need be, into the turn that they keep to.
+  void unwind(WholeConfiguration& c) const noexcept;
 
   bool free(const WholeConfiguration& c) noexcept;
   /// The same with other clearances, whatever the joints are.

@@ -21,6 +21,12 @@ constexpr double kOverlapped = 0.75, kShortened = 0.6;
 constexpr int kTiers = 2;
 // How far beyond start and goal a way may lead at each clearance [m].
 constexpr double kBeyond[kTiers] = {1.5, 2.5};
+// A goal keeps so much more than the rows' stop distances: there they would not let the robot arrive [m].
+constexpr double kWithinRows = 0.002;
+
+double least_of(const DamperParams& rows, double clearance) noexcept {
+  return rows.enabled ? std::min(clearance, rows.stop + kWithinRows) : 0.0;
+}
 
 }  // namespace
 
@@ -31,7 +37,15 @@ Planner::Planner(std::shared_ptr<const RobotModel> model, const ControllerParams
       space_(model, *limits_),
       ik_(model, *limits_),
       search_(*limits_, params.plan.check_step),
-      tuck_(tucked_arm(*model, space_, {-1.0, params.plan.self, params.plan.self})) {
+      tuck_(tucked_arm(*model, space_, {-1.0, params.plan.self, params.plan.self})),
+      least_{-1.0, least_of(params.collision.floor, params.plan.self),
+             least_of(params.collision.self, params.plan.self)} {
+  // Some links are nearer to each other than that however the arm is held.
+  WholeConfiguration ready = WholeConfiguration::Zero(3 + model->num_joints());
+  ready.tail(model->num_joints()) = model->ready;
+  space_.set_clearances(least_, ready);
+  least_ = space_.clearances();
+  least_.object = least_of(params.collision.object, params.plan.clearance);
   goals_.reserve(static_cast<std::size_t>(params_.ik_enough));
 }
 
@@ -119,7 +133,7 @@ void Planner::work() noexcept {
 void Planner::try_goal() noexcept {
   GoalConfiguration goal;
   ++counts_.ik_tries;
-  if (ik_.find(space_, X_WG_, params_.roomy, start_, tries_++, draws_, goal)) {
+  if (ik_.find(space_, X_WG_, params_.roomy, start_, tries_++, draws_, goal) && within_rows(goal.c)) {
     if (kOverlapped * goal.time > within_)
       ++late_;
     else
@@ -141,6 +155,13 @@ void Planner::try_goal() noexcept {
   run_ = 0;
   longest_ = within_ < kAnyLength ? within_ * limits_->linear : kAnyLength;
   begin_run();
+}
+
+bool Planner::within_rows(const WholeConfiguration& c) noexcept {
+  const Clearances& now = space_.clearances();
+  if (now.object >= least_.object && now.floor >= least_.floor && now.self >= least_.self) return true;
+  return space_.clear(
+      c, {std::max(now.object, least_.object), std::max(now.floor, least_.floor), std::max(now.self, least_.self)});
 }
 
 void Planner::begin_run() noexcept {

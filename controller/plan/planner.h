@@ -24,7 +24,8 @@ struct PlanCounts {
 
 /// A timed path of base and arm from where the robot is to one of many configurations that put E at the goal:
 ///
-/// 1. goal configurations by whole-body inverse kinematics (whole_body_ik.h), the cheapest first;
+/// 1. goal configurations by whole-body inverse kinematics (whole_body_ik.h) that the controller's rows let the robot
+///    reach, the cheapest first;
 /// 2. edges to one of them (search.h), shortened (shorten.h); several runs, each in the ellipse that the best one
 ///    leaves open, the quickest counts;
 /// 3. a path of motions that overlap where half the clearances hold, one after another where they do not (path.h).
@@ -61,6 +62,7 @@ class Planner {
   void work() noexcept;
   void begin_tier(int tier) noexcept;
   void try_goal() noexcept;
+  bool within_rows(const WholeConfiguration& c) noexcept;
   void begin_run() noexcept;
   void end_run(bool found) noexcept;
   void end_tier() noexcept;
@@ -73,6 +75,7 @@ class Planner {
   WholeBodyIk ik_;
   Search search_;
   VectorX tuck_;
+  Clearances least_;  // of a goal, however near the start is to something
 
   PlanStage stage_ = PlanStage::kIdle;
   WholeConfiguration start_;

@@ -166,6 +166,7 @@ void Search::sample(const FreeSpace& space, CountedDraws& draws, WholeConfigurat
   const WholeConfiguration& goal = task_.goals[draws.choice(task_.goals.size())].c;
   if (kind < kTucked && mobile) {
     c.tail(joints) = *task_.tuck;
+    space.unwind(c);
   } else if (kind < kBetween) {
     const double f = draws.uniform();
     c.tail(joints) += f * (goal - task_.start).tail(joints);
@@ -176,8 +177,10 @@ void Search::sample(const FreeSpace& space, CountedDraws& draws, WholeConfigurat
       c[1] = goal[1] + draws.uniform(-kAway, kAway);
       c[2] = goal[2] + draws.uniform(-kTurned, kTurned);
     }
-    for (int i = 0; i < joints; ++i)
-      c[3 + i] = std::clamp(goal[3 + i] + draws.uniform(-kBent, kBent), space.lower()[i], space.upper()[i]);
+    for (int i = 0; i < joints; ++i) {
+      const double bent = limits_->part[i] * kBent;
+      c[3 + i] = std::clamp(goal[3 + i] + draws.uniform(-bent, bent), space.lower()[i], space.upper()[i]);
+    }
   } else {
     constexpr double kAway = 0.3, kTurned = 1.0;
     if (mobile && kind < kNearStart) {

@@ -46,7 +46,8 @@ WholeBodyIk::WholeBodyIk(std::shared_ptr<const RobotModel> model, const MotionLi
       lower_(limits.num_joints()),
       upper_(limits.num_joints()) {
   for (int i = 0; i < limits.num_joints(); ++i) {
-    const double inside = std::min(limits.margin[i] + kInside, 0.45 * (limits.upper[i] - limits.lower[i]));
+    const double inside =
+        std::min(limits.margin[i] + limits.part[i] * kInside, 0.45 * (limits.upper[i] - limits.lower[i]));
     lower_[i] = limits.lower[i] + inside;
     upper_[i] = limits.upper[i] - inside;
   }
@@ -84,8 +85,8 @@ bool WholeBodyIk::solve(FreeSpace& space, const Isometry& X_WG, WholeConfigurati
   return false;
 }
 
-void WholeBodyIk::seed(const Isometry& X_WG, const WholeConfiguration& start, int index, CountedDraws& draws,
-                       WholeConfiguration& c) const noexcept {
+void WholeBodyIk::seed(const FreeSpace& space, const Isometry& X_WG, const WholeConfiguration& start, int index,
+                       CountedDraws& draws, WholeConfiguration& c) const noexcept {
   const int joints = limits_->num_joints();
   c = start;
   if (mobile_) {
@@ -105,8 +106,11 @@ void WholeBodyIk::seed(const Isometry& X_WG, const WholeConfiguration& start, in
   if (mobile_ ? arm > 1 : index > 0) {
     constexpr double kRoom = 0.15;
     for (int i = 0; i < joints; ++i) {
-      const double room = std::min(kRoom, 0.4 * (limits_->upper[i] - limits_->lower[i]));
-      c[3 + i] = draws.uniform(limits_->lower[i] + room, limits_->upper[i] - room);
+      const bool winds = limits_->winds[i] != 0;
+      const double low = winds ? space.lower()[i] : limits_->lower[i];
+      const double high = winds ? space.upper()[i] : limits_->upper[i];
+      const double room = winds ? 0.0 : std::min(limits_->part[i] * kRoom, 0.4 * (high - low));
+      c[3 + i] = draws.uniform(low + room, high - room);
     }
   } else if (arm == 1) {
     c.tail(joints) = model_->ready;
@@ -117,8 +121,9 @@ bool WholeBodyIk::find(FreeSpace& space, const Isometry& X_WG, double roomy, con
                        CountedDraws& draws, GoalConfiguration& out) const noexcept {
   const int joints = limits_->num_joints();
   WholeConfiguration& c = out.c;
-  seed(X_WG, start, index, draws, c);
+  seed(space, X_WG, start, index, draws, c);
   if (!solve(space, X_WG, c)) return false;
+  space.unwind(c);
   c[2] = start[2] + wrapped(c[2] - start[2]);
   if (!space.free(c)) return false;
   // Penalties [s], each growing to its whole as clearance, room or manipulability vanish.
@@ -128,7 +133,7 @@ bool WholeBodyIk::find(FreeSpace& space, const Isometry& X_WG, double roomy, con
   if (now.object < roomy && !space.clear(c, {roomy, now.floor, now.self})) out.cost += kTight;
   for (int i = 0; i < joints; ++i) {
     const double room = std::min(limits_->upper[i] - c[3 + i], c[3 + i] - limits_->lower[i]);
-    out.cost += kLimit * std::max(0.0, 1.0 - room / kLimitRoom);
+    out.cost += kLimit * std::max(0.0, 1.0 - room / (limits_->part[i] * kLimitRoom));
   }
   const double m = manipulability(space.kinematics().J_WE_W().rightCols(joints), ManipulabilityRows::kTranslation);
   out.cost += kSingular * std::max(0.0, 1.0 - m / kAgile);

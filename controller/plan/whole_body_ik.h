@@ -29,13 +29,13 @@ class WholeBodyIk {
 
   /// One try of the `index`-th kind: a base around the goal (each fourth as far from it as the start, 0.7 m at most),
   /// turned to it or anyhow; the arm as it is at the start, at `ready`, or anyhow. True where solve() succeeds from
-  /// there and the result is free. `roomy` [m] is the clearance that is worth something.
+  /// there and the result, joints that wind unwound, is free. `roomy` [m] is the clearance that is worth something.
   bool find(FreeSpace& space, const Isometry& X_WG, double roomy, const WholeConfiguration& start, int index,
             CountedDraws& draws, GoalConfiguration& out) const noexcept;
 
  private:
-  void seed(const Isometry& X_WG, const WholeConfiguration& start, int index, CountedDraws& draws,
-            WholeConfiguration& c) const noexcept;
+  void seed(const FreeSpace& space, const Isometry& X_WG, const WholeConfiguration& start, int index,
+            CountedDraws& draws, WholeConfiguration& c) const noexcept;
 
   std::shared_ptr<const RobotModel> model_;
   const MotionLimits* limits_;

@@ -15,13 +15,17 @@ VelocityBounds::VelocityBounds(const RobotModel& model, const ControllerParams& 
       q_lower_(model.num_joints()),
       q_upper_(model.num_joints()),
       margin_(resolve_margin(model, params.joint_limits)),
+      part_(model.num_joints()),
       step_(params.acceleration_limit * control_period),
       hard_base_(params.base_share > 0.0 && base_dof_ > 0),
       pair_(hard_base_ && kind_of(model.base.type).lateral()) {
   for (int i = 0; i < model.num_joints(); ++i) {
     q_lower_[i] = model.joints[static_cast<std::size_t>(i)].lower;
     q_upper_[i] = model.joints[static_cast<std::size_t>(i)].upper;
+    part_[i] = limit_part(model.joints[static_cast<std::size_t>(i)]);
   }
+  const double foreseen = foreseen_speed(model, params);
+  for (int i = 0; i + 1 < base_dof_; ++i) speed_[i] = std::min(speed_[i], foreseen);
   if (params.sight.enabled && base_dof_ > 0) {
     // Of two linear velocities each has its part.
     const double part = std::sqrt(1.0 / kind_of(model.base.type).num_linear());
@@ -53,8 +57,8 @@ void VelocityBounds::joint_limits(const Eigen::Ref<const VectorX>& q, Eigen::Ref
         low = -source_bound(below, margin_[i], speed);
         break;
       case JointLimitMethod::kDamper:
-        high = damper_bound(above, law_);
-        low = -damper_bound(below, law_);
+        high = damper_bound(above, law_, part_[i]);
+        low = -damper_bound(below, law_, part_[i]);
         if (low > high) low = high = 0.5 * (low + high);
         high = std::min(std::max(high, -speed), speed);
         low = std::min(std::max(low, -speed), speed);
@@ -128,9 +132,22 @@ double source_bound(double room, double margin, double speed) noexcept {
   return speed * std::min(room / margin, 1.0);
 }
 
-double damper_bound(double room, const JointLimitParams& params) noexcept {
-  if (!(room < params.influence)) return kInfinity;
-  return params.gain * (room - params.stop) / (params.influence - params.stop);
+double limit_part(const ControlledJoint& joint) noexcept {
+  constexpr double kWhole = 3.0;
+  if (joint.type != JointType::kPrismatic) return 1.0;
+  return std::min(1.0, (joint.upper - joint.lower) / kWhole);
+}
+
+double damper_bound(double room, const JointLimitParams& params, double part) noexcept {
+  if (!(room < part * params.influence)) return kInfinity;
+  return params.gain * (room - part * params.stop) / (params.influence - params.stop);
+}
+
+double foreseen_speed(const RobotModel& model, const ControllerParams& params) noexcept {
+  const CollisionParams& c = params.collision;
+  if (model.base_dof() == 0 || !c.braking.enabled || !c.object.enabled) return model.base.max_linear;
+  const double room = c.object.influence - c.object.stop;
+  return std::min(model.base.max_linear, stoppable_speed(room, model.base.max_acceleration[0], c.braking.reaction));
 }
 
 void add_wheel_rows(const MobileBase& base, QpProblem& problem) noexcept {

@@ -20,11 +20,17 @@ double mean_left(double time, double from, double to) noexcept {
 
 }  // namespace
 
+OwnMargins own_margins(const DamperParams& floor, const DamperParams& self) noexcept {
+  constexpr double kPart = 0.5;
+  return {floor.enabled ? kPart * floor.stop : 0.0, self.enabled ? kPart * self.stop : 0.0};
+}
+
 BrakeCheck::BrakeCheck(std::shared_ptr<const RobotModel> model, const BrakeCheckParams& params,
                        const VectorX& acceleration, bool pair_together, double control_period,
-                       const Uncertainty& uncertainty)
+                       const Uncertainty& uncertainty, const OwnMargins& own)
     : model_(std::move(model)),
       params_(params),
+      own_(own),
       dt_(control_period),
       kinematics_(model_),
       proximity_(model_),
@@ -49,8 +55,14 @@ void BrakeCheck::set_objects(std::span<const ObjectShape> objects) {
 double BrakeCheck::distance() noexcept {
   kinematics_.update(base_, q_);
   double d = std::numeric_limits<double>::infinity();
-  for (const ProximityPair& pair : proximity_.query(kinematics_, states_, {params_.margin + widest_, -1.0, -1.0}))
-    d = std::min(d, pair.distance.d - margin_of(pair));
+  const ProximityRanges ranges{params_.margin + widest_, own_.floor > 0.0 ? own_.floor : -1.0,
+                               own_.self > 0.0 ? own_.self : -1.0};
+  for (const ProximityPair& pair : proximity_.query(kinematics_, states_, ranges)) {
+    const double kept = pair.kind == PairKind::kObject  ? margin_of(pair)
+                        : pair.kind == PairKind::kFloor ? own_.floor - params_.margin
+                                                        : own_.self - params_.margin;
+    d = std::min(d, pair.distance.d - kept);
+  }
   return d < params_.margin ? d : std::numeric_limits<double>::infinity();
 }
 

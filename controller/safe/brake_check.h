@@ -6,6 +6,7 @@
 
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
+#include "controller/params.h"
 #include "controller/safe/base_ramp.h"
 #include "controller/safe/braking.h"
 #include "controller/safe/params.h"
@@ -14,24 +15,34 @@
 
 namespace moma {
 
+/// What is kept on the way to a stop from the floor and from the robot itself [m]; 0: not looked at.
+struct OwnMargins {
+  double floor = 0.0;
+  double self = 0.0;
+};
+/// Half of what the rows for the floor and for the robot itself keep.
+OwnMargins own_margins(const DamperParams& floor, const DamperParams& self) noexcept;
+
 /// The last check of a command: the places of the robot if it follows the command for one period and brakes from then
 /// on. There are two ways to brake: (a) all velocities in proportion, in the time that the slowest needs, which keeps
 /// the path, and (b) each as fast as it can. The command passes where on one of them the distance to all objects at
-/// rest stays `margin` or more; it then has a backup trajectory (after Hobbs et al., IEEE CSM 43(2), 2023, "Runtime
-/// assurance"; Singletary et al., IEEE L-CSS 6, 2022), whatever comes after.
+/// rest stays `margin` or more, and those to the floor and of the robot to itself theirs; it then has a backup
+/// trajectory (after Hobbs et al., IEEE CSM 43(2), 2023, "Runtime assurance"; Singletary et al., IEEE L-CSS 6, 2022),
+/// whatever comes after.
 ///
 /// Where both fail, commands between it and two that slow down are tried, slower + f (u - slower), f = 0.75, 0.5, 0.25,
 /// 0; slower is the present velocity less one period's braking in proportion, and the smallest command that is allowed.
 /// The first that passes is taken, else the one that stays furthest away. Objects in motion are left out: to stand
-/// still is no way out of somebody's way. With `uncertainty` each distance is taken to be less by its margin there, of
-/// pairs that are no further than 1.5 times the largest margin of those within 1 m as the step begins. One per
-/// controller; only set_objects() takes memory. Distances are looked at every `every` periods on the way, and as it
-/// ends.
+/// still is no way out of somebody's way. With `uncertainty` each distance to an object is taken to be less by its
+/// margin there, of pairs that are no further than 1.5 times the largest margin of those within 1 m as the step begins.
+/// One per controller; only set_objects() takes memory. Distances are looked at every `every` periods on the way, and
+/// as it ends.
 class BrakeCheck {
  public:
   /// `acceleration` per velocity, resolved; `pair_together` as of Deceleration.
   BrakeCheck(std::shared_ptr<const RobotModel> model, const BrakeCheckParams& params, const VectorX& acceleration,
-             bool pair_together, double control_period, const Uncertainty& uncertainty = {{}, 0});
+             bool pair_together, double control_period, const Uncertainty& uncertainty = {{}, 0},
+             const OwnMargins& own = {});
 
   bool on() const noexcept { return params_.enabled; }
   void set_objects(std::span<const ObjectShape> objects);
@@ -47,7 +58,8 @@ class BrakeCheck {
   double apply(const Observation& o, const Allowed& allowed, std::span<const PlaceSpread> spreads,
                VectorX& command) noexcept;
 
-  /// Least distance to objects at rest on the way to a stop, as far as it is below the margin, else infinite.
+  /// Least distance to objects at rest on the way to a stop, as far as it is below the margin, else infinite. That to
+  /// the floor and to itself counts with what the margin is above theirs added.
   double least_distance(const Observation& o, const VectorX& command, bool in_proportion) noexcept;
 
  private:
@@ -58,6 +70,7 @@ class BrakeCheck {
 
   std::shared_ptr<const RobotModel> model_;
   BrakeCheckParams params_;
+  OwnMargins own_;
   double dt_;
   Kinematics kinematics_;
   Proximity proximity_;

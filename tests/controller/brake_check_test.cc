@@ -27,8 +27,8 @@ struct Scene {
     if (model->base_dof() > 0) acceleration[model->base_dof() - 1] = model->base.max_acceleration.y();
     shapes = random_objects(rng, 6);
   }
-  BrakeCheck check(double margin, int every) const {
-    BrakeCheck c(model, {.enabled = true, .margin = margin, .every = every}, acceleration, true, kPeriod);
+  BrakeCheck check(double margin, int every, const OwnMargins& own = {}) const {
+    BrakeCheck c(model, {.enabled = true, .margin = margin, .every = every}, acceleration, true, kPeriod, {{}, 0}, own);
     c.set_objects(shapes);
     return c;
   }
@@ -41,8 +41,12 @@ double rate(const Scene& scene, const VectorX& u, Eigen::Index i) {
   return size > 0.0 ? scene.acceleration[i] * std::abs(u[i]) / size : 0.0;
 }
 
+// To objects alone, or to the floor and to itself alone.
+constexpr ProximityRanges kObjects{1.0, -1.0, -1.0}, kFloor{-1.0, 1.0, -1.0}, kSelf{-1.0, -1.0, 1.0};
+
 // Least distance on the way: one period towards u by the drive, then braking.
-double simulated(const Scene& scene, const Observation& o, const VectorX& u, bool in_proportion) {
+double simulated(const Scene& scene, const Observation& o, const VectorX& u, bool in_proportion,
+                 const ProximityRanges& ranges = kObjects) {
   Kinematics kinematics(scene.model);
   Proximity proximity(scene.model);
   proximity.set_objects(scene.shapes);
@@ -82,7 +86,7 @@ double simulated(const Scene& scene, const Observation& o, const VectorX& u, boo
     const long step = std::lround(t / h);
     if (step % 5 != 0) continue;
     kinematics.update(base, q);
-    for (const ProximityPair& pair : proximity.query(kinematics, o.objects, {1.0, -1.0, -1.0}))
+    for (const ProximityPair& pair : proximity.query(kinematics, o.objects, ranges))
       least = std::min(least, pair.distance.d);
   }
   return least;
@@ -162,6 +166,38 @@ TEST(BrakeCheck, GivesWayOnlyWhereItMustAndStaysInsideTheBox) {
   }
   EXPECT_GT(passed, 100);
   EXPECT_GT(mended, 10);
+}
+
+TEST(BrakeCheck, LooksAtTheFloorAndAtTheRobotItself) {
+  Rng rng(5);
+  int by_floor = 0, by_itself = 0;
+  constexpr double kMargin = 0.3;
+  const OwnMargins own{0.1, 0.2};
+  for (const auto& model : all_robots()) {
+    for (int trial = 0; trial < 40; ++trial) {
+      const Scene scene(model, rng);
+      BrakeCheck check = scene.check(kMargin, 1, own);
+      Observation o = still_objects(scene, rng);
+      for (ObjectState& object : o.objects) object.visible = false;
+      const VectorX u = near_velocity(scene, o.qdot, rng);
+      VectorX out = u;
+      NoAlloc guard;
+      check.apply(o, {u, u, u}, {}, out);
+      EXPECT_EQ(guard.count(), 0);
+      for (const bool in_proportion : {true, false}) {
+        const double to_floor = simulated(scene, o, u, in_proportion, kFloor) - own.floor;
+        const double to_itself = simulated(scene, o, u, in_proportion, kSelf) - own.self;
+        const double expected = kMargin + std::min(to_floor, to_itself);
+        if (expected > kMargin - 0.05) continue;
+        ++(to_floor < to_itself ? by_floor : by_itself);
+        const double found = check.least_distance(o, u, in_proportion);
+        EXPECT_GT(found, expected - 0.004) << model->name << " trial " << trial << " together " << in_proportion;
+        EXPECT_LT(found, expected + 0.03) << model->name << " trial " << trial << " together " << in_proportion;
+      }
+    }
+  }
+  EXPECT_GT(by_floor, 20);
+  EXPECT_GT(by_itself, 20);
 }
 
 // What is uncertain by the same in all directions is nearer by the same on the whole way.

@@ -309,6 +309,24 @@ TEST_P(Ahead, AStepFollowsFromMemory) {
   EXPECT_GT(modes[static_cast<int>(PlanMode::kFollow)], 0);
 }
 
+// However little it may do in a step.
+TEST_P(Ahead, ARobotThatStandsToChooseGoesOnInTime) {
+  if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
+  const Scene scene = behind_a_wall(model, 1);
+  ControllerParams params = read_params(*model, true);
+  params.plan.budget = 20;
+  Loop loop(model, params, scene);
+  int standing = 0, most = 0;
+  for (int i = 0; i < 600; ++i) {
+    loop.step();
+    const bool chooses = loop.controller.lookahead()->state().brief.mode == PlanMode::kChoose;
+    standing = chooses ? standing + 1 : 0;
+    most = std::max(most, standing);
+  }
+  EXPECT_GT(most, 80) << "it never took so long";
+  EXPECT_LE(most, 92);
+}
+
 TEST_P(Ahead, StepsTakeNoMemoryAndNoMoreThanTheBudget) {
   const Scene scene = !model->mobile() ? make_scene(model, 1, 12) : behind_a_wall(model, 1);
   ControllerParams params = read_params(*model, true);

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "tests/controller/plan_scenes.h"
 #include "tests/support/no_alloc.h"
 
@@ -47,6 +50,46 @@ TEST_P(PlannerOf, GoalConfigurationsReachTheGoalAndAreFree) {
       EXPECT_LE(planner.goals()[i - 1].cost, planner.goals()[i].cost);
   }
   EXPECT_GT(goals, 12) << "too few to say anything";
+}
+
+// Started from where links are nearer to each other than their rows' stop, or joints turned further than once.
+TEST(Planner, GoalsAreWhereRowsAndJointsLetTheRobotGo) {
+  const auto model = load_model("configs/robots/lift_ur5.yaml");
+  const ControllerParams params = plan_params(*model);
+  Planner planner(model, params);
+  Kinematics kinematics(model);
+  constexpr double kPi = std::numbers::pi;
+  int goals = 0, unwound = 0, near = 0, low = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    Scene scene = make_scene(model, seed, 8);
+    scene.start[4] = seed % 2 == 0 ? 5.9 : -5.9;  // its shoulder, of +-2 pi
+    double at_start = 1.0;
+    for (double elbow = 2.0; at_start > 0.01; elbow += 0.002) {  // folds the arm, some of them until it nearly touches
+      scene.start[6] = elbow;
+      kinematics.update(scene.start.head<3>(), scene.start.tail(model->num_joints()));
+      at_start = own_clearance(*model, kinematics);
+      if (seed % 3 != 0) break;
+    }
+    ASSERT_GT(at_start, 0.005);
+    near += at_start < 0.01 ? 1 : 0;
+    plan_whole(planner, scene, seed);
+    for (const GoalConfiguration& goal : planner.goals()) {
+      ++goals;
+      kinematics.update(goal.c.head<3>(), goal.c.tail(model->num_joints()));
+      EXPECT_LT((kinematics.X_WE().translation() - scene.X_WG.translation()).norm(), 1e-3);
+      EXPECT_GT(own_clearance(*model, kinematics), params.collision.self.stop) << "seed " << seed << ", " << at_start;
+      for (int i = 4; i < 3 + model->num_joints(); ++i) {
+        EXPECT_LE(std::abs(goal.c[i]), 2.0 * kPi);
+        EXPECT_LE(std::abs(goal.c[i] - scene.start[i]), 2.0 * kPi) << "seed " << seed << ", joint " << i;
+      }
+      unwound += std::abs(goal.c[4] - scene.start[4]) > kPi ? 0 : 1;
+      low += goal.c[3] < 0.1 || goal.c[3] > 0.3 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(goals, 50) << "too few to say anything";
+  EXPECT_GT(near, 2);
+  EXPECT_GT(unwound, goals / 4);
+  EXPECT_GT(low, 5) << "the lift's whole range is of use";
 }
 
 TEST_P(PlannerOf, PathsLeadToTheGoalAndKeepClear) {

@@ -80,6 +80,51 @@ TEST(Limits, DamperLaw) {
   expect(0.6, -2, 2);
 }
 
+// A lift of 0.3 m: a tenth of the lengths, the same slope.
+TEST(Limits, DampersOfAPrismaticJointAreShortInProportionToItsRange) {
+  RobotBuilder b("lift");
+  b.joint(JointType::kPrismatic, Isometry::Identity(), 0.0, 0.3, 0.5)
+      .joint(JointType::kRevolute, Isometry::Identity(), 0.0, 0.3, 0.5);
+  const auto model = b.finish(Isometry::Identity(), {0.1, 0.1});
+  JointLimitParams law;
+  law.method = JointLimitMethod::kDamper;
+  law.influence = 0.9;
+  law.stop = 0.1;
+  law.gain = 1.0;
+  EXPECT_NEAR(bounds_at(law, 0.25, model).high, (0.05 - 0.01) / 0.8, 1e-12);
+  EXPECT_NEAR(bounds_at(law, 0.29, model).high, 0.0, 1e-12);
+  EXPECT_NEAR(bounds_at(law, 0.295, model).high, -0.005 / 0.8, 1e-12);
+  EXPECT_NEAR(bounds_at(law, 0.05, model).low, -0.04 / 0.8, 1e-12);
+  EXPECT_EQ(bounds_at(law, 0.15, model).high, 0.5) << "nearer than influence says, but far for such a joint";
+  EXPECT_NEAR(bounds_at(law, 0.15, model, 1).high, (0.15 - 0.1) / 0.8, 1e-12) << "a revolute one has them as they are";
+}
+
+// Braking at full from there on, after the reaction, it stands where its rows' stop is.
+TEST(Limits, ABaseIsNoFasterThanItsRowsForesee) {
+  ControllerParams p;
+  p.collision.braking.enabled = true;
+  p.collision.braking.reaction = 0.1;
+  p.collision.object.influence = 0.3;
+  p.collision.object.stop = 0.05;
+  for (const auto& model : all_robots()) {
+    const ControllerParams full = resolved(p, *model);
+    const double speed = foreseen_speed(*model, full);
+    const VectorX all = VelocityBounds(*model, full, 0.02).speed();
+    for (int i = 0; i + 1 < model->base_dof(); ++i) EXPECT_EQ(all[i], std::min(speed, model->velocity_limits()[i]));
+    if (model->base_dof() == 0) continue;
+    double way = 0.1 * speed;
+    constexpr double h = 1e-5;
+    for (double v = speed; v > 0.0; v -= model->base.max_acceleration[0] * h) way += h * v;
+    if (speed < model->base.max_linear)
+      EXPECT_NEAR(way, 0.25, 1e-4) << model->name;
+    else
+      EXPECT_LE(way, 0.25 + 1e-4) << model->name;
+    p.collision.braking.enabled = false;
+    EXPECT_EQ(foreseen_speed(*model, resolved(p, *model)), model->base.max_linear);
+    p.collision.braking.enabled = true;
+  }
+}
+
 TEST(Limits, DampersOfBothEndsThatCrossBecomeTheirMean) {
   JointLimitParams law;
   law.method = JointLimitMethod::kDamper;
