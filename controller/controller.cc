@@ -17,6 +17,7 @@ void Controller::reset(std::span<const ObjectShape> objects) { core_->reset(obje
 void Controller::step(const Observation& observation, StepResult& result) noexcept { core_->step(observation, result); }
 void Controller::prepare(StepResult& result) const { core_->prepare(result); }
 void Controller::enable_timing(bool on) noexcept { core_->enable_timing(on); }
+void Controller::set_clock(StepClock* clock) noexcept { core_->set_clock(clock); }
 
 const RobotModel& Controller::model() const noexcept { return core_->model(); }
 const ControllerParams& Controller::params() const noexcept { return core_->params(); }

@@ -5,6 +5,7 @@
 
 #include "controller/model/kinematics.h"
 #include "controller/params.h"
+#include "controller/part_clock.h"
 #include "controller/step.h"
 
 namespace moma {
@@ -31,6 +32,9 @@ class Controller : public StepController {
 
   /// Fills StepResult::solve_seconds from the steady clock; off by default.
   void enable_timing(bool on) noexcept;
+  /// Tells `clock`, which outlives the controller or the next call, where a step goes from one part to the next; null
+  /// by default.
+  void set_clock(StepClock* clock) noexcept;
 
   const RobotModel& model() const noexcept;
   /// With every vector at its full size.

@@ -142,11 +142,13 @@ void ControllerCore::step(const Observation& observation, StepResult& result) no
     return;
   }
   const Observation& seen = predictor_.on() ? predictor_.predict(observation) : observation;
+  enter(clock_, StepPart::kKinematics);
   observe(seen);
   if (params_.method != Method::kQp)
     solve_closed_form(seen, result);
   else if (!drive_base(seen, result))
     solve_qp(seen, result);
+  enter(clock_, StepPart::kRest);
   send(result);
   result.error = task_.error;
   result.error_norm = task_.error_norm;
@@ -161,7 +163,9 @@ void ControllerCore::step(const Observation& observation, StepResult& result) no
     result.manipulability = 0.0;
   }
   counters_.count(outcome_.status, outcome_.fallback, collision_.left_out());
-  if (lookahead_) lookahead_->work(seen, begun_with_);
+  if (!lookahead_) return;
+  enter(clock_, StepPart::kAhead);
+  lookahead_->work(seen, begun_with_);
 }
 
 // Remembers the command, and hands on what is to be sent now: of a predictor, that of base or joints may wait.
@@ -246,11 +250,14 @@ void ControllerCore::observe(const Observation& o) noexcept {
 }
 
 void ControllerCore::build(const Observation& o) noexcept {
+  enter(clock_, StepPart::kRows);
   bound_acceleration(o.qdot);
   if (params_.separate.enabled) hold_base();
+  enter(clock_, StepPart::kDistances);
   collision_.select(proximity_.query(kinematics_, o.objects, collision_.ranges()));
   passing_.select(kinematics_, proximity_, o.objects);
   look_ahead(o);
+  enter(clock_, StepPart::kRows);
   if (lookahead_ && lookahead_->guides()) {
     ask_for(lookahead_->velocities(), o);
   } else {
@@ -308,6 +315,7 @@ void ControllerCore::hold_base() noexcept {
 
 void ControllerCore::look_ahead(const Observation& o) noexcept {
   if (!lookahead_) return;
+  enter(clock_, StepPart::kAhead);
   lookahead_->decide(o);
   if (lookahead_->begins_anew()) escape_.set_state(lookahead_->start());
   begun_with_ = escape_.state();
@@ -337,14 +345,17 @@ void ControllerCore::solve_qp(const Observation& o, StepResult& result) noexcept
     result.least_distance = pair.distance.d;
     break;
   }
+  enter(clock_, StepPart::kSolve);
   using Clock = std::chrono::steady_clock;
   const Clock::time_point start = timing_ ? Clock::now() : Clock::time_point{};
   outcome_ = fallback_.solve(problem_, hard_lower_, hard_upper_, bounds_.has_acceleration(), pair_);
   if (timing_) result.solve_seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  enter(clock_, StepPart::kRest);
   const VectorX& x = fallback_.solution().x;
   command_ = x.head(nv_);
   if (params_.slack.enabled) result.slack = x.segment<6>(nv_);
   result.active_rows = outcome_.fallback == Fallback::kBrake ? 0 : count_active();
+  if (evasion_ || check_.on()) enter(clock_, StepPart::kSafety);
   if (evasion_ && !evasion_->passes(o, command_, scratch_)) {
     result.kept = 0.0;
     evade(o, result);
@@ -413,6 +424,7 @@ int ControllerCore::count_active() const noexcept {
 }
 
 void ControllerCore::solve_closed_form(const Observation& o, StepResult& result) noexcept {
+  enter(clock_, StepPart::kSolve);
   result.active_rows = 0;
   const Matrix6X& J = kinematics_.J_WE_W();
   if (!J.allFinite() || !task_.nu.allFinite() || !J_m_.allFinite()) {

@@ -10,6 +10,7 @@
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
 #include "controller/params.h"
+#include "controller/part_clock.h"
 #include "controller/qp/collision.h"
 #include "controller/qp/limits.h"
 #include "controller/qp/passing.h"
@@ -40,6 +41,8 @@ class ControllerCore final : public StepController {
 
   /// Fills StepResult::solve_seconds from the steady clock; off by default.
   void enable_timing(bool on) noexcept { timing_ = on; }
+  /// See Controller.
+  void set_clock(StepClock* clock) noexcept { clock_ = clock; }
 
   const RobotModel& model() const noexcept { return *model_; }
   const ControllerParams& params() const noexcept { return params_; }
@@ -109,6 +112,7 @@ class ControllerCore final : public StepController {
   ControllerParams params_;
   double control_period_;
   bool timing_ = false;
+  StepClock* clock_ = nullptr;
   int base_dof_, nv_;
 
   Kinematics kinematics_;

@@ -165,16 +165,24 @@ BatchResult compute_job(const SuitePoint& point, const BatchJob& job, std::size_
                         const BatchOptions& options) {
   BatchResult result;
   result.job = position;
+  std::optional<ProfileClock> profile;
+  if (options.profile) profile.emplace(TrialPart::kWorld);
+  ProfileClock* const clock = profile ? &*profile : nullptr;
   try {
     result.world = options.world ? options.world(point, job.world)
                                  : std::make_shared<const World>(point.worlds.make(point.robot->model, job.world));
     if (result.world == nullptr) throw std::runtime_error(fmt::format("there is no world {}", job.world));
-    result.output = run_trial(point, *result.world, options.parts);
+    result.output = run_trial(point, *result.world, options.parts, clock);
     if (options.finish) options.finish(point, result);
   } catch (const std::exception& e) {
     result.output = {};
     result.output.row.outcome = Outcome::kError;
     result.output.row.reason = fmt::format("world {}: {}", job.world, e.what());
+  }
+  if (clock != nullptr) {
+    result.profile = clock->stop();
+    result.profile.trials = 1;
+    result.profile.steps = result.output.row.steps;
   }
   return result;
 }

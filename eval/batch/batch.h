@@ -35,6 +35,7 @@ struct BatchResult {
   std::shared_ptr<const World> world;  ///< null where the world could not be made (outcome `error` says why)
   TrialOutput output;
   std::vector<double> metrics;  ///< for BatchOptions::finish: the suite's own metrics, NaN where a trial has none
+  Profile profile;              ///< for BatchOptions::profile: where the time of the computer that computed it went
 };
 
 struct BatchOptions;
@@ -91,7 +92,8 @@ struct BatchOptions {
   /// Where worlds come from; by default point.worlds.make(). Called from many threads. A cache for searches
   /// that meet the same worlds thousands of times goes here.
   std::function<std::shared_ptr<const World>(const SuitePoint&, std::uint64_t)> world;
-  TrialParts parts;  ///< other plants or controllers
+  TrialParts parts;      ///< other plants or controllers
+  bool profile = false;  ///< results tell where their time went
   /// Called on what a trial gave by the thread that computed it, before it is handed on.
   std::function<void(const SuitePoint&, BatchResult&)> finish;
   RemoteCompute* remote = nullptr;  ///< computes beside the threads; those then run on one thread more than `threads`

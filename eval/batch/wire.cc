@@ -134,6 +134,16 @@ void transfer(Archive& archive, Record& record) {
   describe(members, Of<Record>{});
 }
 
+template <typename Archive>
+void transfer_profile(Archive& archive, Profile& profile) {
+  for (Profile::Share& share : profile.parts) {
+    archive.number(share.nanoseconds);
+    archive.number(share.entries);
+  }
+  archive.number(profile.trials);
+  archive.number(profile.steps);
+}
+
 /// What a sample without joints takes: so many samples at most can be in what is left of a message.
 std::size_t least_bytes_of_a_sample() {
   Writer a;
@@ -154,6 +164,8 @@ Bytes encode_result(std::uint64_t place, const BatchResult& result) {
   for (const double value : result.metrics) a.number(value);
   a.number<std::uint64_t>(result.output.trace.size());
   for (Sample sample : result.output.trace) transfer(a, sample);
+  Profile profile = result.profile;
+  transfer_profile(a, profile);
   return std::move(a.bytes);
 }
 
@@ -172,6 +184,7 @@ DecodedResult decode_result(std::span<const unsigned char> bytes) {
   for (double& value : result.metrics) a.number(value);
   result.output.trace.resize(a.size(least_bytes_of_a_sample()));
   for (Sample& sample : result.output.trace) transfer(a, sample);
+  transfer_profile(a, result.profile);
   if (!a.done()) throw std::runtime_error("a result from another process is damaged");
   return decoded;
 }

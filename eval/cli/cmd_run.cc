@@ -8,6 +8,7 @@
 #include "eval/cli/command.h"
 #include "eval/cli/interrupt.h"
 #include "eval/cli/listener.h"
+#include "eval/cli/profile_table.h"
 #include "eval/cli/progress.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
@@ -72,6 +73,7 @@ int lead(const RunOptions& options, Cluster* cluster) {
   if (!done.stopped.empty()) std::cerr << terminal_safe(done.stopped) << std::endl;
   if (done.end == run::End::kNeverBegan) return kStoppedEarly;
   print_summary(done.file, done.suite);
+  if (request.profile) print_profile(std::cout, done.profile);
   print_warnings(done.warnings);
   if (done.end == run::End::kSameError) return kCheckFailed;
   return done.end == run::End::kFinished ? kOk : kStoppedEarly;
@@ -87,7 +89,7 @@ int run_suite(const RunOptions& options) {
   Cluster cluster(options.lost_after);
   if (cluster.rank() == 0) return lead(options, &cluster);
   const InterruptGuard interrupt;  // a signal reaches every rank; rank 0 decides what becomes of it
-  run::follow(cluster, options.request.threads);
+  run::follow(cluster, options.request.threads, options.request.profile);
   return kOk;
 }
 
@@ -108,6 +110,8 @@ void add_run(CLI::App& app, Action& action, const Arguments& arguments) {
   command
       ->add_option("--lost-after", options->lost_after, "Seconds of silence after which an MPI rank is given up (30)")
       ->check(CLI::Range(0.1, 1e6));
+  command->add_flag("--profile", options->request.profile,
+                    "Prints where the time of the trials went; results are the same");
   command->add_flag("--keep-going", options->request.keep_going,
                     "Goes on where the first twenty trials of a controller all end by the same error");
   command->add_flag("-q,--quiet", options->quiet, "No progress and no remarks");

@@ -23,6 +23,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Adds the time from here to the end of the block to the store's.
+class StoreTime {
+ public:
+  StoreTime(bool on, Profile& profile) : profile_(profile) {
+    if (on) clock_.emplace(TrialPart::kStore);
+  }
+  ~StoreTime() {
+    if (clock_) profile_ += clock_->stop();
+  }
+  StoreTime(const StoreTime&) = delete;
+  StoreTime& operator=(const StoreTime&) = delete;
+
+ private:
+  std::optional<ProfileClock> clock_;
+  Profile& profile_;
+};
+
 /// One evaluation into one store.
 class Run {
  public:
@@ -87,6 +104,7 @@ class Run {
   }
 
   std::unordered_set<std::string> begin(store::Writer& writer, const std::vector<BatchJob>& jobs) {
+    const StoreTime time(request_.profile, result_.profile);
     auto present = writer.begin(store::describe(suite_), {request_.arguments, threads_}, wanted(jobs));
     tell_names(writer);
     return present;
@@ -177,8 +195,11 @@ class Run {
     batch.skip = &present;
     batch.remote = request_.cluster;
     batch.finish = finish_;
+    batch.profile = request_.profile;
     batch.progress = listener_.progress;
     const auto sink = [&](const BatchJob& job, BatchResult&& result) {
+      result_.profile += result.profile;
+      const StoreTime time(request_.profile, result_.profile);
       const SuitePoint& point = suite_.points[job.point];
       const store::WorldRecord world = world_record(point, job, result);
       row_warnings_.look(result.output.row, has_qp(point) && point.controller_params.prediction.identify);
@@ -190,6 +211,7 @@ class Run {
     };
     try {
       const BatchSummary summary = run_batch(suite_.points, jobs, batch, sink);
+      const StoreTime time(request_.profile, result_.profile);
       if (summary.stopped) {
         writer.finish(store::RunStatus::kStopped);
       } else if (!suite_.until) {
@@ -239,7 +261,7 @@ Evaluation evaluate(const EvaluateRequest& request, const Suite& suite, const Li
   return Run(request, suite, listener).execute();
 }
 
-void follow(Cluster& cluster, int threads) {
+void follow(Cluster& cluster, int threads, bool profile) {
   const std::optional<std::string> setup = cluster.setup();
   if (!setup) return;
   Suite suite;
@@ -253,6 +275,7 @@ void follow(Cluster& cluster, int threads) {
   BatchOptions batch;
   batch.threads = threads > 0 ? threads : usual_threads(true);
   batch.finish = finishing(suite);
+  batch.profile = profile;
   cluster.work(suite.points, store::this_machine().machine_class, batch);
 }
 

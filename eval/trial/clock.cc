@@ -35,13 +35,15 @@ double l1_error(const Isometry& X_WE, const Isometry& X_WG) {
 
 class TickClock {
  public:
-  TickClock(const TrialSpec& spec, const World& world, Plant& plant, StepController& controller, Recording& recording)
+  TickClock(const TrialSpec& spec, const World& world, Plant& plant, StepController& controller, Recording& recording,
+            ProfileClock* clock)
       : spec_(spec),
         world_(world),
         model_(*spec.robot->model),
         plant_(plant),
         controller_(controller),
         r_(recording),
+        clock_(clock),
         period_(spec.simulation.control_period),
         kinematics_(spec.robot->model),
         proximity_(spec.robot->model),
@@ -57,6 +59,7 @@ class TickClock {
     plant_.check_start(report_);
     Ending ending;
     for (long k = 0;; ++k) {
+      enter(clock_, TrialPart::kMetrics);
       take_report();
       const bool finite = measure_state(k);
       if (finite) compare_detectors(k);
@@ -229,12 +232,15 @@ class TickClock {
   }
 
   void command(long k) {
+    enter(clock_, TrialPart::kSensing);
     const PlantState& state = plant_.state();
     observe(state, objects_, goal_, time(k), observation_);
     if (sensing_) sensing_->sense(k, observation_);
+    enter(clock_, TrialPart::kController);
     const Clock::time_point before = Clock::now();
     controller_.step(observation_, result_);
     r_.step_seconds.push_back(std::chrono::duration<double>(Clock::now() - before).count());
+    enter(clock_, TrialPart::kMetrics);
     if (result_.solve_seconds > 0.0) r_.solve_seconds.push_back(result_.solve_seconds);
     if (const std::string_view failure = controller_.failure(); !failure.empty())
       throw std::runtime_error(fmt::format("at t = {:.4g} s {}", time(k), failure));
@@ -258,7 +264,10 @@ class TickClock {
     sample.escape = result_.escape;
     sample.plan = result_.plan;
     infeasible_.count(result_.fallback);
-    plant_.advance(actuation_ ? actuation_->act(k, result_.command) : result_.command, period_, report_);
+    enter(clock_, TrialPart::kSensing);
+    const VectorX& command = actuation_ ? actuation_->act(k, result_.command) : result_.command;
+    enter(clock_, TrialPart::kPlant);
+    plant_.advance(command, period_, report_);
   }
 
   TrialRow finish(long k, Ending ending) {
@@ -319,6 +328,7 @@ class TickClock {
   Plant& plant_;
   StepController& controller_;
   Recording& r_;
+  ProfileClock* clock_;
   const double period_;
   Kinematics kinematics_;
   Proximity proximity_;
@@ -343,8 +353,8 @@ class TickClock {
 }  // namespace
 
 TrialRow run_clock(const TrialSpec& spec, const World& world, Plant& plant, StepController& controller,
-                   Recording& recording) {
-  return TickClock(spec, world, plant, controller, recording).run();
+                   Recording& recording, ProfileClock* clock) {
+  return TickClock(spec, world, plant, controller, recording, clock).run();
 }
 
 }  // namespace moma

@@ -10,11 +10,12 @@
 namespace moma {
 namespace {
 
-std::unique_ptr<StepController> usual_controller(const TrialSpec& spec) {
+std::unique_ptr<StepController> usual_controller(const TrialSpec& spec, StepClock* clock) {
   if (spec.plugin != nullptr) return spec.plugin->make();
   auto controller =
       std::make_unique<Controller>(spec.robot->model, spec.controller_params, spec.simulation.control_period);
   controller->enable_timing(true);
+  controller->set_clock(clock);
   return controller;
 }
 
@@ -25,7 +26,7 @@ std::unique_ptr<Plant> usual_plant(const TrialSpec& spec, const World& world) {
 
 }  // namespace
 
-TrialOutput run_trial(const TrialSpec& spec, const World& world, const TrialParts& parts) {
+TrialOutput run_trial(const TrialSpec& spec, const World& world, const TrialParts& parts, ProfileClock* clock) {
   const auto start = std::chrono::steady_clock::now();
   Recording recording;
   TrialOutput output;
@@ -40,11 +41,13 @@ TrialOutput run_trial(const TrialSpec& spec, const World& world, const TrialPart
     output.row.reason = text;
     output.row.time_end_s = static_cast<double>(recording.trace.size()) * spec.simulation.control_period;
   };
+  enter(clock, TrialPart::kSetUp);
   try {
     const std::unique_ptr<Plant> plant = parts.plant ? parts.plant(spec, world) : usual_plant(spec, world);
+    plant->set_clock(clock);
     const std::unique_ptr<StepController> controller =
-        parts.controller ? parts.controller(spec) : usual_controller(spec);
-    output.row = run_clock(spec, world, *plant, *controller, recording);
+        parts.controller ? parts.controller(spec) : usual_controller(spec, clock);
+    output.row = run_clock(spec, world, *plant, *controller, recording, clock);
   } catch (const std::exception& e) {
     failed(e.what());
   } catch (...) {

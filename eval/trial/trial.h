@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "controller/step.h"
+#include "eval/trial/profile.h"
 #include "eval/trial/row.h"
 #include "eval/trial/spec.h"
 #include "world/world.h"
@@ -23,8 +24,10 @@ struct TrialParts {
 };
 
 /// Simulates one trial of `spec` in `world` and measures it. Deterministic but for row.timing. Never throws:
-/// an exception from any part becomes Outcome::kError with its text.
-TrialOutput run_trial(const TrialSpec& spec, const World& world, const TrialParts& parts = {});
+/// an exception from any part becomes Outcome::kError with its text. `clock`, where there is one, is told of its parts,
+/// kSetUp first and kMetrics last.
+TrialOutput run_trial(const TrialSpec& spec, const World& world, const TrialParts& parts = {},
+                      ProfileClock* clock = nullptr);
 
 /// Makes the plant that `spec` asks for and throws what that throws: a robot that lacks what its mode of simulation
 /// needs fails in every world by the same words.

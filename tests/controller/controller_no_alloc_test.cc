@@ -28,6 +28,12 @@ TEST(NoAlloc, CountsMallocNewAndEigen) {
   EXPECT_EQ(guard.count(), 3) << *number;
 }
 
+/// Counts the borders of parts.
+struct CountingClock final : StepClock {
+  void enter(StepPart) noexcept override { ++borders; }
+  long borders = 0;
+};
+
 void run(std::shared_ptr<const RobotModel> model, const ControllerParams& params, std::uint64_t seed,
          StepCounters& seen) {
   Rng rng(seed);
@@ -35,6 +41,8 @@ void run(std::shared_ptr<const RobotModel> model, const ControllerParams& params
   Controller controller(model, params, 0.02);
   controller.reset(shapes);
   controller.enable_timing(true);
+  CountingClock clock;
+  controller.set_clock(&clock);
   StepResult result;
   controller.prepare(result);
   std::vector<Observation> observations;
@@ -51,6 +59,7 @@ void run(std::shared_ptr<const RobotModel> model, const ControllerParams& params
                                 << to_string(result.fallback);
     seen.count(result.status, result.fallback, 0);
   }
+  EXPECT_GT(clock.borders, 200) << "a few in each step, but in those of bad input";
 }
 
 TEST(NoAlloc, StepsOfTheQpInEveryStage) {

@@ -60,6 +60,19 @@ TEST_F(CliBatch, CheckCountsWhyWorldsAreRejected) {
   EXPECT_NE(half.err.find("worlds.families.moving"), std::string::npos) << half.err;
 }
 
+TEST_F(CliBatch, AProfileIsPrintedAndChangesNothing) {
+  const ProcessResult plain = good({"run", "suite.yaml", "-o", "plain.db", "-q"});
+  const ProcessResult told = good({"run", "suite.yaml", "-o", "told.db", "-q", "--profile"});
+  EXPECT_EQ(hash("told.db"), hash("plain.db"));
+  ASSERT_EQ(told.out.substr(0, plain.out.size()), plain.out) << "the same table first";
+  const std::string table = told.out.substr(plain.out.size());
+  for (const char* word : {"share %", "world", "solve", "ODE collide", "metrics", "store", "whole", "12 trials"})
+    EXPECT_NE(table.find(word), std::string::npos) << word << table;
+  EXPECT_EQ(table.find("ODE step"), std::string::npos) << "kinematic\n" << table;
+  const ProcessResult again = good({"run", "suite.yaml", "-o", "told.db", "-q", "--profile"});
+  EXPECT_NE(again.out.find("no trial was computed"), std::string::npos) << again.out;
+}
+
 TEST_F(CliBatch, ShardsMergedInAnyOrderAreOneRun) {
   good({"run", "suite.yaml", "-o", "whole.db", "-q", "--threads", "1", "--trials", "11"});
   const std::string whole = hash("whole.db");

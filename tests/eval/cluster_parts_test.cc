@@ -32,6 +32,10 @@ TEST(Wire, EveryBitArrives) {
   for (Sample& sample : result.output.trace) filler.fill(sample);
   result.output.trace[4].least_distance = std::numeric_limits<double>::infinity();
   result.metrics = {0.1, kAbsent, -0.0};
+  result.profile.trials = 1;
+  result.profile.steps = 8;
+  for (std::size_t i = 0; i < Profile::kParts; ++i)
+    result.profile.parts[i] = {static_cast<std::int64_t>(1000 + i), static_cast<std::int64_t>(i)};
   const Bytes bytes = encode_result(77, result);
   const DecodedResult back = decode_result(bytes);
   EXPECT_EQ(back.place, 77u);
@@ -44,6 +48,8 @@ TEST(Wire, EveryBitArrives) {
   ASSERT_EQ(back.result.metrics.size(), 3u);
   EXPECT_EQ(back.result.metrics[0], 0.1);
   EXPECT_TRUE(std::isnan(back.result.metrics[1]));
+  EXPECT_EQ(back.result.profile.steps, 8);
+  EXPECT_EQ(back.result.profile[TrialPart::kStore].nanoseconds, static_cast<std::int64_t>(1000 + Profile::kParts - 1));
   EXPECT_EQ(encode_result(77, back.result), bytes);
   for (std::size_t cut = 0; cut < bytes.size(); cut += 7)
     EXPECT_THROW(decode_result(std::span(bytes).first(cut)), std::exception) << cut;

@@ -73,6 +73,7 @@ class KinematicPlant final : public Plant, private TouchSink {
   }
 
   void detect(const Vector3& base, const VectorX& q, double time, PlantReport& report) {
+    enter(clock_, PlantPart::kCollide);
     kinematics_.update(base, q);
     scene_.place_robot(kinematics_);
     scene_.place_objects(time);
@@ -83,6 +84,7 @@ class KinematicPlant final : public Plant, private TouchSink {
     scene_.detect_exact(kinematics_, time, log);
     log.sort();
     log_ = nullptr;
+    enter(clock_, PlantPart::kRest);
   }
 
   void touch(const Touch& touch) override {

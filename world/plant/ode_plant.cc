@@ -88,6 +88,7 @@ class OdePlant final : public Plant, private TouchSink {
       const double end = i + 1 == steps ? time_ + duration : time_ + (i + 1) * h;
       if (!whole_step(command, time_ + i * h, end, h, report)) break;
     }
+    enter(clock_, PlantPart::kRest);
     time_ += duration;
     check_upright(report);
   }
@@ -182,6 +183,7 @@ class OdePlant final : public Plant, private TouchSink {
       save(report);
       if (!step(command, h, report)) return false;
       place_objects(end);
+      enter(clock_, PlantPart::kCollide);
       find_solids();
       if (watch_.moves_clear(solids_, scene_.object_states())) return true;
       if (parts == 1) {
@@ -189,6 +191,7 @@ class OdePlant final : public Plant, private TouchSink {
         watch_.start(solids_, scene_.object_states());
         return true;
       }
+      enter(clock_, PlantPart::kRest);
       restore(report);
       place_objects(begin);
       ++report.divided_steps;
@@ -199,6 +202,7 @@ class OdePlant final : public Plant, private TouchSink {
       place_objects(time);
       detect(time, report);
     }
+    enter(clock_, PlantPart::kCollide);
     find_solids();
     watch_.start(solids_, scene_.object_states());
     return true;
@@ -206,6 +210,7 @@ class OdePlant final : public Plant, private TouchSink {
 
   /// One physics step. False where physics has failed; the report says why.
   bool step(const VectorX& command, double h, PlantReport& report) {
+    enter(clock_, PlantPart::kRest);
     ramp(command, h);
     dWorldSetERP(world_.id(), error_reduction(h));
     if (base_) {
@@ -217,6 +222,7 @@ class OdePlant final : public Plant, private TouchSink {
     const bool free = bounds_ == MotorBounds::kWhereTheyBind && !bound_ && arm_.clear_of_stops();
     set_bounded(!free);
     bodies_.save();
+    enter(clock_, PlantPart::kStep);
     if (!solve(h, report)) return false;
     if (free && !(load() < 1.0)) {
       bodies_.restore();
@@ -225,6 +231,7 @@ class OdePlant final : public Plant, private TouchSink {
       ++report.redone_steps;
       if (!solve(h, report)) return false;
     }
+    enter(clock_, PlantPart::kRest);
     bound_ = !(load() < kNearlyBound);
     report.lcp_messages += ode::take_lcp_messages();
     dJointGroupEmpty(contacts_.get());
@@ -337,6 +344,7 @@ class OdePlant final : public Plant, private TouchSink {
 
   /// Contacts of the state as it is: reported, and made into contact joints for the next step.
   void detect(double time, PlantReport& report) {
+    enter(clock_, PlantPart::kCollide);
     ContactLog log(report.contacts);
     log_ = &log;
     now_ = time;

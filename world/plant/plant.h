@@ -10,6 +10,7 @@
 #include "controller/describe/describe.h"
 #include "controller/describe/enumeration.h"
 #include "world/plant/conditions.h"
+#include "world/plant/plant_clock.h"
 #include "world/world.h"
 
 namespace moma {
@@ -104,6 +105,11 @@ class Plant {
   virtual void advance(const VectorX& command, double duration, PlantReport& report) = 0;
   /// Compares the two detectors of contact in the present state; changes nothing.
   virtual DetectorCheck cross_check() { return {}; }
+  /// Tells `clock`, which outlives the plant, where advance() goes from one part to the next; null by default.
+  void set_clock(PlantClock* clock) noexcept { clock_ = clock; }
+
+ protected:
+  PlantClock* clock_ = nullptr;
 };
 
 /// Kinematic: exact integration, contacts at least every 5 ms of motion time by ODE's collision detection.
