@@ -11,6 +11,7 @@
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "controller/config/mesh_check.h"
@@ -108,6 +109,17 @@ Eigen::AlignedBox3d box_of(const Points& points) {
   return box;
 }
 
+/// Of what coal says of a file, the reason alone: around it are the place in coal's sources and a guess.
+std::string reason_in(const std::string& words) {
+  constexpr std::string_view kBefore = "Could not load resource ";
+  std::size_t begin = words.find(kBefore);
+  if (begin == std::string::npos) return words;
+  begin = std::min(words.find('\n', begin), words.size() - 1) + 1;
+  std::string reason = words.substr(begin, words.find("\nHint", begin) - begin);
+  std::replace(reason.begin(), reason.end(), '\n', ' ');
+  return reason.empty() ? "its content is not understood" : reason;
+}
+
 }  // namespace
 
 Mesh read_mesh(const std::filesystem::path& file, const Vector3& scale) {
@@ -117,7 +129,7 @@ Mesh read_mesh(const std::filesystem::path& file, const Vector3& scale) {
   try {
     loaded = coal::MeshLoader(coal::BV_AABB).load(file.string(), check.unit * scale);
   } catch (const std::exception& e) {
-    throw std::runtime_error("the mesh " + file.string() + " cannot be read: " + e.what());
+    throw std::runtime_error("the mesh " + file.string() + " cannot be read: " + reason_in(e.what()));
   }
   if (!loaded || !loaded->vertices || loaded->num_vertices == 0)
     throw std::runtime_error("the mesh " + file.string() + " has no vertices");

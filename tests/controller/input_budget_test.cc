@@ -223,6 +223,9 @@ TEST_F(MeshInput, KindsAndFaces) {
   EXPECT_EQ(read("m.obj", points + "f 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n"), "4");
   EXPECT_SAYS(read("m.obj", points + "f" + times(" 1 2 3 4", 5000) + "\n"), "a face has more than 1000 corners");
   EXPECT_SAYS(read("m.obj", points + "f" + times(" 1 2 \\\n3 4", 5000) + "\n"), "a face has more than 1000 corners");
+  const std::string index = read("m.obj", points + "f 1 2 99\n");  // the reason alone, not where in which library
+  EXPECT_SAYS(index, "m.obj cannot be read: OBJ: Invalid face index");
+  EXPECT_EQ(index.find('\n'), std::string::npos) << index;
   EXPECT_SAYS(read("m.gltf", "{}"), "expected a file that ends in .stl, .dae or .obj");
   EXPECT_SAYS(read("m", points), "expected a file that ends in .stl, .dae or .obj");
 }
