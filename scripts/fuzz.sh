@@ -1,12 +1,38 @@
 #!/usr/bin/env bash
 # Fuzzes one target (tests/fuzz/TARGET.cc) with libFuzzer, AddressSanitizer and UBSan, starting from its corpus.
-# Usage: scripts/fuzz.sh TARGET SECONDS     needs clang-14, libomp-14-dev and libclang-rt-14-dev
+# Usage: scripts/fuzz.sh TARGET SECONDS [OPTION OF LIBFUZZER...]     needs clang-14, libomp-14-dev and libclang-rt-14-dev
 # What it finds is left in build-fuzz/found/TARGET; a file that shows something becomes part of tests/data/fuzz/TARGET.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-[ $# -eq 2 ] && [ -f "tests/fuzz/$1.cc" ] || { sed -n '2,4s/^# //p' "$0" >&2; exit 2; }
+[ $# -ge 2 ] && [ -f "tests/fuzz/$1.cc" ] && grep -q "moma_fuzz($1 " tests/fuzz/CMakeLists.txt || {
+  sed -n '2,4s/^# //p' "$0" >&2
+  echo "targets: $(sed -n 's/^ *moma_fuzz(\([a-z]*\) .*/\1/p' tests/fuzz/CMakeLists.txt | tr '\n' ' ')" >&2
+  exit 2
+}
+target=$1 seconds=$2
+shift 2
+for package in clang-14 libomp-14-dev libclang-rt-14-dev; do
+  dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null | grep -qx installed || {
+    echo "fuzz: missing: apt-get install clang-14 libomp-14-dev libclang-rt-14-dev" >&2
+    exit 2
+  }
+done
 [ -f build-fuzz/build.ninja ] || cmake --preset fuzz >/dev/null
-cmake --build build-fuzz --target "fuzz_$1" -- --quiet
-mkdir -p "build-fuzz/found/$1" "build-fuzz/corpus/$1"
-exec "build-fuzz/tests/fuzz/fuzz_$1" -max_total_time="$2" -timeout=25 -rss_limit_mb=4096 -max_len=16384 -print_final_stats=1 \
-  -artifact_prefix="build-fuzz/found/$1/" "build-fuzz/corpus/$1" "tests/data/fuzz/$1"
+cmake --build build-fuzz --target "fuzz_$target" -- --quiet
+mkdir -p "build-fuzz/found/$target" "build-fuzz/corpus/$target"
+
+# Words that the target's inputs are made of: those beside it, and the names of all keys for what is read by them.
+words=build-fuzz/words-$target
+: >"$words"
+[ ! -f "tests/fuzz/$target.dict" ] || cat "tests/fuzz/$target.dict" >>"$words"
+case "$target" in
+  robot | controller | case | suite)
+    cat tests/fuzz/yaml.dict >>"$words"
+    sed -n 's/^| `\([^`]*\)`.*/\1/p' docs/reference/keys.md | tr '.' '\n' | grep -x '[a-z_]*' | sort -u | sed 's/.*/"&"/' >>"$words"
+    ;;
+esac
+dictionary=()
+[ ! -s "$words" ] || dictionary=(-dict="$words")
+[ -d /dev/shm ] && export TMPDIR=/dev/shm # targets that write files
+exec "build-fuzz/tests/fuzz/fuzz_$target" -max_total_time="$seconds" -timeout=25 -rss_limit_mb=4096 -max_len=16384 -print_final_stats=1 \
+  "${dictionary[@]}" -artifact_prefix="build-fuzz/found/$target/" "$@" "build-fuzz/corpus/$target" "tests/data/fuzz/$target"

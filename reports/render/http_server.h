@@ -34,6 +34,9 @@ class HttpServer final : public httplib::Server {
   /// and the sixth one tries again after a second.
   void widen();
 
+  /// Answers the requests of one connection in this thread, and closes it: for one that listen() did not accept.
+  void converse(socket_t socket) { (void)process_and_close_socket(socket); }
+
  private:
   class Connection;
   class Pool;

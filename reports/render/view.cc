@@ -9,11 +9,11 @@
 #include <thread>
 
 #include "reports/render/html.h"
-#include "reports/render/http_server.h"
 #include "reports/render/page_data.h"
 #include "reports/render/replays.h"
 #include "reports/render/run_state.h"
 #include "reports/render/store.h"
+#include "reports/render/view_server.h"
 
 namespace moma::reports {
 namespace {
@@ -224,17 +224,31 @@ void set_up(httplib::Server& server) {
 
 }  // namespace
 
-void serve(const Stores& stores, const ViewOptions& options, const std::atomic<bool>& stop,
-           const std::function<void(const std::string& address)>& ready) {
-  if (options.port < 0 || options.port > 65535) throw ReportError("port: wanted: 0 to 65535");
+struct ViewServer::Impl {
+  Answers answers;
+  std::shared_ptr<const std::string> page;
+};
+
+ViewServer::ViewServer(const Stores& stores, const ViewOptions& options) {
   state_of(stores, options.patience);  // says what is wrong with a store before anybody asks for it
   std::string title;
   for (const std::filesystem::path& store : stores) title += (title.empty() ? "" : " + ") + store.filename().string();
-  const auto page = std::make_shared<const std::string>(served_html(title));
-  Answers answers(stores, options);
+  impl_.reset(new Impl{{stores, options}, std::make_shared<const std::string>(served_html(title))});
+  set_up(http_);
+}
 
-  HttpServer server;
-  set_up(server);
+ViewServer::~ViewServer() = default;
+
+void ViewServer::answer_at(int port) {
+  add_rules(http_, port);
+  add_answers(http_, impl_->answers, impl_->page);
+}
+
+void serve(const Stores& stores, const ViewOptions& options, const std::atomic<bool>& stop,
+           const std::function<void(const std::string& address)>& ready) {
+  if (options.port < 0 || options.port > 65535) throw ReportError("port: wanted: 0 to 65535");
+  ViewServer view(stores, options);
+  HttpServer& server = view.http();
   int port = options.port;
   const bool bound = port == 0 ? (port = server.bind_to_any_port(kHost)) > 0 : server.bind_to_port(kHost, port);
   if (!bound) {
@@ -244,8 +258,7 @@ void serve(const Stores& stores, const ViewOptions& options, const std::atomic<b
                     options.port, kHost));
   }
   server.widen();
-  add_rules(server, port);
-  add_answers(server, answers, page);
+  view.answer_at(port);
   std::atomic<bool> ended{false};
   std::thread watch([&] {
     ready(fmt::format("http://{}:{}/", kHost, port));

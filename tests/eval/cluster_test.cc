@@ -1,21 +1,12 @@
 // moma run under Open MPI: the same store as from one process, also when a rank is killed.
-#include <stdlib.h>
-
-#include <iterator>
-
-#include "cli_fixture.h"
 #include "eval/batch/cluster.h"
+#include "cli_fixture.h"
+#include "tests/support/mpi.h"
 
 namespace moma::test {
 namespace {
 
 using std::chrono::milliseconds;
-
-const char* find_mpirun() {
-  for (const char* file : {"/usr/bin/mpirun", "/usr/local/bin/mpirun"})
-    if (fs::exists(file)) return file;
-  return nullptr;
-}
 
 class ClusterRun : public CliTest {
  protected:
@@ -23,11 +14,7 @@ class ClusterRun : public CliTest {
     if (!Cluster::built()) GTEST_SKIP() << "built without MPI (libopenmpi-dev)";
     if (find_mpirun() == nullptr) GTEST_SKIP() << "there is no mpirun (openmpi-bin)";
     CliTest::SetUp();
-    // Open MPI refuses to run as root otherwise; it keeps its files apart by this folder.
-    setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
-    setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
-    setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 1);
-    setenv("OMPI_MCA_btl_vader_single_copy_mechanism", "none", 1);
+    prepare_mpirun();
   }
 
   std::vector<std::string> mpirun(const std::string& ranks, const std::vector<std::string>& arguments,
@@ -47,21 +34,6 @@ class ClusterRun : public CliTest {
            good({"query", db, "SELECT * FROM point_trial", "-f", "csv"}).out;
   }
 };
-
-/// A process of this rank that works in `folder`; 0 where there is none.
-pid_t find_rank(const fs::path& folder, const std::string& rank) {
-  for (const auto& entry : fs::directory_iterator("/proc")) {
-    const std::string name = entry.path().filename();
-    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
-    std::error_code error;
-    if (fs::read_symlink(entry.path() / "cwd", error) != folder || error) continue;
-    if (fs::read_symlink(entry.path() / "exe", error).filename() != "moma" || error) continue;
-    std::ifstream stream(entry.path() / "environ", std::ios::binary);
-    const std::string environment{std::istreambuf_iterator<char>(stream), {}};
-    if (environment.find("OMPI_COMM_WORLD_RANK=" + rank + '\0') != std::string::npos) return std::stoi(name);
-  }
-  return 0;
-}
 
 TEST_F(ClusterRun, TheStoreIsThatOfOneProcess) {
   good({"run", "suite.yaml", "-o", "one.db", "-q", "--threads", "1", "--trials", "12", "--set", "samples=all"});

@@ -4,14 +4,18 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <functional>
+#include <map>
 #include <random>
 
 #include "cli_fixture.h"
+#include "eval/batch/cluster.h"
 #include "eval/store/contents.h"
 #include "eval/store/database.h"
 #include "eval/store/reader.h"
+#include "tests/support/mpi.h"
 
 namespace moma::test {
 namespace {
@@ -77,6 +81,15 @@ tune:
     store::check_contents(path(db), [&](const std::string& finding) { ADD_FAILURE() << what << ": " << finding; });
   }
   std::string result(const std::string& db) const { return store::Reader(path(db)).result_hash(); }
+
+  /// What an export for Planner Arena holds.
+  std::string exported(const std::string& db) const {
+    SQLite::Database arena(path(db).string(), SQLite::OPEN_READONLY);
+    std::string text = arena.execAndGet("PRAGMA integrity_check").getString();
+    for (const char* table : {"experiments", "plannerConfigs", "enums", "runs", "progress"})
+      text += fmt::format(" {} {}", arena.execAndGet(fmt::format("SELECT count(*) FROM {}", table)).getInt(), table);
+    return text;
+  }
 
   void remove_store(const std::string& db) const {
     for (const char* suffix : {"", "-wal", "-shm", "-journal", "-lock", ".part", ".part-wal", ".part-shm", ".part-in"})
@@ -191,6 +204,18 @@ TEST_F(CliFaults, AReportThatCannotBeWrittenLeavesTheOneThatIsThere) {
   }
 }
 
+/// Something that is killed on its way to a store.
+struct Work {
+  std::string name;
+  std::vector<std::string> command;
+  std::string db;                        ///< what it writes
+  std::function<void()> before = [] {};  ///< makes the place as it was
+  bool store = true;                     ///< false: another program's database (export)
+  bool ranks = false;                    ///< of mpirun: any of its processes may be the one that is killed
+  std::string whole = {};                ///< what is there when nothing went wrong
+  std::chrono::milliseconds took = {};
+};
+
 // MOMA_KILLS: how many; 20 where it is not set.
 TEST_F(CliFaults, KilledAtAnyMomentNothingIsLost) {
   const char* const wanted = std::getenv("MOMA_KILLS");
@@ -198,65 +223,82 @@ TEST_F(CliFaults, KilledAtAnyMomentNothingIsLost) {
   good({"run", "tiny.yaml", "-o", "one.db", "-q", "--shard", "1/2", "--trials", "40"});
   good({"run", "tiny.yaml", "-o", "two.db", "-q", "--shard", "2/2", "--trials", "40"});
   good({"tune", "tune.yaml", "-o", "search.db", "-q", "--gains", "g.yaml"});
-  struct Work {
-    std::string name;
-    std::vector<std::string> arguments;
-    std::string db;                ///< what it writes
-    std::function<void()> before;  ///< makes the place as it was
-    std::string whole = {};
-    std::chrono::milliseconds took = {};
-  };
   std::vector<Work> works;
-  works.push_back({"run", {"run", "tiny.yaml", "-o", "r.db", "-q", "--trials", "60", "--threads", "2"}, "r.db", [] {}});
-  works.push_back({"dynamic run",
-                   {"run", "tiny.yaml", "-o", "d.db", "-q", "--trials", "20", "--set", "simulation.mode=dynamic"},
-                   "d.db",
-                   [] {}});
-  works.push_back({"merge", {"merge", "m.db", "two.db", "search.db"}, "m.db", [&] {
-                     fs::copy_file(path("one.db"), path("m.db"));
-                   }});
-  works.push_back({"tune", {"tune", "tune.yaml", "-o", "t.db", "-q", "--gains", "t.yaml"}, "t.db", [] {}});
+  works.push_back(
+      {"run", command({"run", "tiny.yaml", "-o", "r.db", "-q", "--trials", "60", "--threads", "2"}), "r.db"});
+  works.push_back(
+      {"dynamic run",
+       command({"run", "tiny.yaml", "-o", "d.db", "-q", "--trials", "20", "--set", "simulation.mode=dynamic"}),
+       "d.db"});
+  works.push_back({"merge", command({"merge", "m.db", "two.db", "search.db"}), "m.db",
+                   [&] { fs::copy_file(path("one.db"), path("m.db")); }});
+  works.push_back({"tune", command({"tune", "tune.yaml", "-o", "t.db", "-q", "--gains", "t.yaml"}), "t.db"});
   // A store of the first version, which the run brings up to date.
-  works.push_back({"migration", {"run", "tiny.yaml", "-o", "v.db", "-q", "--trials", "4"}, "v.db", [&] {
+  works.push_back({"migration", command({"run", "tiny.yaml", "-o", "v.db", "-q", "--trials", "4"}), "v.db", [&] {
                      fs::copy_file(path("one.db"), path("v.db"));
                      SQLite::Database old(path("v.db").string(), SQLite::OPEN_READWRITE);
                      for (const char* view : {"v_trials", "v_summary", "v_pairs", "v_metrics"})
                        old.exec(fmt::format("DROP VIEW {}", view));
                      old.exec("ALTER TABLE trial DROP COLUMN detector_deepest_m");
                    }});
+  works.push_back({"export", command({"export", "one.db", "--planner-arena", "e.db"}), "e.db", [] {}, false});
+  if (Cluster::built() && find_mpirun() != nullptr) {
+    prepare_mpirun();
+    std::vector<std::string> ranks = command({"run", "tiny.yaml", "-o", "p.db", "-q", "--trials", "200"});
+    ranks.insert(ranks.begin(), {find_mpirun(), "-n", "3"});
+    works.push_back({"run of three ranks", ranks, "p.db", [] {}, true, true});
+  }
   for (Work& work : works) {
     remove_store(work.db);
     work.before();
     const auto begin = std::chrono::steady_clock::now();
-    const ProcessResult done = Process(command(work.arguments), folder_.root()).wait();
+    const ProcessResult done = Process(work.command, folder_.root()).wait();
     ASSERT_EQ(done.code, 0) << work.name << done.err;
     work.took = std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - begin);
-    work.whole = result(work.db);
+    work.whole = work.store ? result(work.db) : exported(work.db);
   }
   std::mt19937 random(20240607);
-  int hit = 0;
+  std::map<std::string, int> hit;
   for (int kill = 0; kill < kills; ++kill) {
     const Work& work = works[static_cast<std::size_t>(kill) % works.size()];
     remove_store(work.db);
     work.before();
     const auto after = std::chrono::milliseconds(random() % static_cast<unsigned>(work.took.count() + 1));
-    const std::string what =
-        fmt::format("kill {}: {} after {} of {} ms", kill, work.name, after.count(), work.took.count());
-    Process process(command(work.arguments), folder_.root());
+    std::string what = fmt::format("kill {}: {} after {} of {} ms", kill, work.name, after.count(), work.took.count());
+    Process process(work.command, folder_.root());
     std::this_thread::sleep_for(after);
-    process.kill(SIGKILL);
-    hit += process.wait().signal == SIGKILL ? 1 : 0;
-    if (work.name != "migration" && store_there(work.db)) expect_sound(work.db, what);
-    const ProcessResult again = Process(command(work.arguments), folder_.root()).wait();
+    // mpirun itself, the rank that writes, or one that computes.
+    const unsigned whom = work.ranks ? random() % 3 : 0;
+    const pid_t rank = whom == 0 ? 0 : find_rank(folder_.root(), std::to_string(whom - 1));
+    if (rank != 0) what += fmt::format(", its rank {}", whom - 1);
+    hit[work.name] += process.running() ? 1 : 0;
+    if (rank != 0) {
+      ::kill(rank, SIGKILL);
+    } else {
+      process.kill(SIGKILL);
+    }
+    process.wait();
+    if (!work.store) {
+      if (fs::exists(path(work.db)))
+        ASSERT_EQ(exported(work.db), work.whole) << what << ": it was there, but not whole";
+    } else if (work.name != "migration" && !work.ranks && store_there(work.db)) {
+      expect_sound(work.db, what);
+    }
+    const ProcessResult again = Process(work.command, folder_.root()).wait();
     ASSERT_EQ(again.code, 0) << what << again.err;
-    expect_sound(work.db, what);
-    ASSERT_EQ(result(work.db), work.whole) << what;
+    if (work.store) expect_sound(work.db, what);
+    ASSERT_EQ(work.store ? result(work.db) : exported(work.db), work.whole) << what;
     const std::string running = "SELECT count(*) FROM invocation WHERE status = 'running'";
-    if (work.name != "merge") {
+    if (work.store && work.name != "merge") {
       EXPECT_EQ(store::ReadConnection(path(work.db)).db().execAndGet(running).getInt(), 0) << what;
     }
   }
-  EXPECT_GT(hit, kills / 4) << "most were done before they were killed";
+  int all = 0;
+  for (const auto& [name, count] : hit) {
+    std::printf("%s: %d of its kills came before its end\n", name.c_str(), count);
+    all += count;
+  }
+  EXPECT_GT(all, kills / 4) << "most were done before they were killed";
 }
 
 TEST_F(CliFaults, AReadOnlyPlaceIsSaid) {

@@ -11,23 +11,18 @@
 #include <string>
 #include <vector>
 
+#include "tests/fuzz/draws.h"
 #include "tests/fuzz/target.h"
+
+#pragma weak LLVMFuzzerCustomMutator
 
 namespace {
 
 namespace fs = std::filesystem;
 
-// splitmix64 (Steele, Lea & Flood 2014)
-struct Draws {
-  std::uint64_t state;
-  std::uint64_t next() {
-    std::uint64_t z = (state += 0x9e3779b97f4a7c15ULL);
-    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9ULL;
-    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebULL;
-    return z ^ (z >> 31U);
-  }
-  std::size_t below(std::size_t n) { return n == 0 ? 0 : static_cast<std::size_t>(next() % n); }
-};
+using Draws = moma::fuzz::Draws;
+
+constexpr std::size_t kMost = 16384;  // bytes of an input, as in scripts/fuzz.sh
 
 std::string changed(std::string text, const std::string& other, Draws& draws) {
   static const std::vector<std::string> kWords = {"0",
@@ -83,11 +78,32 @@ std::string changed(std::string text, const std::string& other, Draws& draws) {
   return text;
 }
 
+/// By the target's own mutator where it has one.
+std::string changed_as_the_fuzzer_would(const std::string& text, const std::string& other, Draws& draws) {
+  if (LLVMFuzzerCustomMutator == nullptr || draws.below(2) == 0) return changed(text, other, draws);
+  std::string room = text.substr(0, kMost);
+  const std::size_t size = room.size();
+  room.resize(kMost);
+  // Even: what keeps the structure.
+  const auto seed = static_cast<unsigned>(draws.next()) & ~1U;
+  room.resize(LLVMFuzzerCustomMutator(reinterpret_cast<std::uint8_t*>(room.data()), size, kMost, seed));
+  return room;
+}
+
 void run(const std::string& text) {
   LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
 }
 
 }  // namespace
+
+// NOLINTNEXTLINE(readability-identifier-naming): libFuzzer's name
+extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most) {
+  const std::string text = moma::fuzz::text_of(data, size);
+  Draws draws{size};
+  const std::string other = changed(text, text, draws).substr(0, most);
+  std::copy(other.begin(), other.end(), data);
+  return other.size();
+}
 
 int main(int argc, char** argv) {
   if (argc < 2) return std::fputs("usage: fuzz_NAME_replay CORPUS [CHANGES]\n", stderr), 2;
@@ -110,7 +126,8 @@ int main(int argc, char** argv) {
     std::fflush(stdout);
     run(texts[i]);
     Draws draws{i};
-    for (long k = 0; k < changes; ++k) run(changed(texts[i], texts[draws.below(texts.size())], draws));
+    for (long k = 0; k < changes; ++k)
+      run(changed_as_the_fuzzer_would(texts[i], texts[draws.below(texts.size())], draws));
     inputs += 1 + changes;
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -8,6 +8,12 @@
 /// broken promises (std::abort), and what sanitizers find.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
+/// Changes bytes within `most`; libFuzzer's, or the replay's own. Returns the new size.
+extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);
+
+/// Of targets whose inputs have a structure that bytes alone would break (structure.cc); others have none.
+extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t most, unsigned seed);
+
 namespace moma::fuzz {
 
 inline std::string text_of(const std::uint8_t* data, std::size_t size) {

@@ -56,7 +56,10 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  void kill(int signal) const { ::kill(pid_, signal); }
+  /// Nothing where it has ended: kill() takes -1 for every process there is.
+  void kill(int signal) const {
+    if (pid_ > 0) ::kill(pid_, signal);
+  }
   pid_t pid() const { return pid_; }
 
   bool running() {
