@@ -7,12 +7,14 @@
 #include <arpa/inet.h>
 #include <httplib.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <future>
 #include <thread>
 
+#include "reports/render/http_server.h"
 #include "tests/reports/store_files.h"
 
 namespace moma::reports {
@@ -55,7 +57,9 @@ std::string raw(int port, const std::string& request) {
   to.sin_port = htons(static_cast<std::uint16_t>(port));
   to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   if (connect(socket, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0) return "no connection";
-  if (send(socket, request.data(), request.size(), 0) < 0) return "not sent";
+  const timeval patience{60, 0};  // an hour later is no answer
+  setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  if (send(socket, request.data(), request.size(), MSG_NOSIGNAL) < 0) return "not sent";
   std::string answer;
   char part[4096];
   for (ssize_t n = 0; (n = recv(socket, part, sizeof part, 0)) > 0;) answer.append(part, static_cast<std::size_t>(n));
@@ -318,16 +322,37 @@ TEST(View, RangesAreIgnoredAndNothingBehindTheContentIsSent) {
   }
 }
 
+/// Bounds of time that no test waits for: what gives a client its turn here is that others make room.
+HttpLimits patient() {
+  HttpLimits limits;
+  limits.idle = limits.request = limits.answer = std::chrono::hours(1);
+  return limits;
+}
+
 TEST(View, ClientsThatHoldItDoNotKeepOthersOut) {
-  const Folder folder;
-  make_store(folder / "a.db", "demo", 3);
-  const Running server({folder / "a.db"});
-  const std::string host = "Host: 127.0.0.1:" + std::to_string(server.port()) + "\r\n";
-  // Half a request each, or nothing at all, twice as many as there are threads: each is given five seconds.
-  for (const std::string& begin : {"GET / HTTP/1.1\r\n" + host + "X: ", std::string()}) {
-    const Holding holding(server.port(), 16, begin);
-    EXPECT_NE(request(server.port(), "/state.json").find(" 200 "), std::string::npos) << begin;
+  HttpServer server(patient());
+  server.Get("/state.json", [](const httplib::Request&, httplib::Response& response) {
+    response.set_content("{}", "application/json");
+  });
+  server.Get("/large", [](const httplib::Request&, httplib::Response& response) {
+    response.set_content(std::string(16U << 20U, 'x'), "text/plain");
+  });
+  const int port = server.bind_to_any_port("127.0.0.1");
+  server.widen();
+  std::thread listening([&] { server.listen_after_bind(); });
+  const std::string host = "Host: 127.0.0.1:" + std::to_string(port) + "\r\n";
+  // Half a request each, or nothing at all, or an answer that nobody reads: all at once, many more than there are
+  // threads.
+  for (const std::string& begin :
+       {"GET / HTTP/1.1\r\n" + host + "X: ", std::string(), "GET /large HTTP/1.1\r\n" + host + "\r\n"}) {
+    for (const std::size_t count : {16U, 100U, 300U}) {
+      const Holding holding(port, count, begin);
+      for (int i = 0; i < 3; ++i)
+        EXPECT_NE(request(port, "/state.json").find(" 200 "), std::string::npos) << count << " of " << begin;
+    }
   }
+  server.stop();
+  listening.join();
 }
 
 TEST(View, ARequestHasABoundedLength) {
