@@ -40,7 +40,10 @@ set(rules
   "(controller|world|reports|bench)|plugin/|-|plugins are loaded by plugin/host"
   "eval|plugin/[a-z_]+\\.h|-|eval meets plugins through plugin/host and does not know their interface"
   ".*|dlfcn\\.h|(plugin/host/.*|(tests|bench)/.*)|shared libraries are loaded by plugin/host"
+  "(controller|world|eval|plugin)|(spawn|sys/wait)\\.h|plugin/process/.*|processes are started by plugin/process"
   "reports|(controller|world|eval)/|-|reports see only the database"
+  "python|(plugin|world|eval|reports)/|-|the Python package binds the controller library, and what evaluates is the program"
+  "(controller|plugin|world|eval|reports|bench)|python/|-|sources do not depend on the Python package"
   "controller|tests/|-|sources do not depend on tests"
   "(world|eval|reports|bench|examples)|tests/|bench/.*|sources do not depend on tests"
   ".*|ode/|((tests/)?world/.*|tests/support/ode_.*|bench/.*)|ODE belongs to world"
@@ -93,7 +96,7 @@ function(check_tree root)
   file(GLOB_RECURSE files RELATIVE "${root}" "${root}/controller/*.h" "${root}/controller/*.cc" "${root}/world/*.h"
        "${root}/world/*.cc" "${root}/eval/*.h" "${root}/eval/*.cc" "${root}/reports/*.h" "${root}/reports/*.cc"
        "${root}/tests/*.h" "${root}/tests/*.cc" "${root}/bench/*.h" "${root}/bench/*.cc" "${root}/examples/*.cc"
-       "${root}/plugin/*.h" "${root}/plugin/*.cc")
+       "${root}/plugin/*.h" "${root}/plugin/*.cc" "${root}/python/*.h" "${root}/python/*.cc")
   list(FILTER files EXCLUDE REGEX "/node_modules/")
   list(LENGTH files count)
   if(count EQUAL 0)
@@ -144,7 +147,7 @@ set(samples
   "controller/fit/b.cc=controller/qp/problem.h" "controller/config/b.cc=controller/fit/fit_robot.h" "controller/b.cc=fmt/format.h"
   "controller/c.cc=nlohmann/json.hpp"
   "world/a.cc=controller/qp/problem.h" "world/b.cc=eval/suite/suite.h" "eval/trial/a.cc=reports/render/page.h"
-  "reports/a.cc=controller/step.h" "reports/b.cc=world/world.h" "controller/d.cc=tests/support/x.h"
+  "python/bindings/a.cc=eval/run/evaluate.h" "controller/f.cc=python/bindings/robot.h" "reports/a.cc=controller/step.h" "reports/b.cc=world/world.h" "controller/d.cc=tests/support/x.h"
   "eval/a.cc=tests/support/x.h" "eval/trial/b.cc=ode/ode.h" "world/c.cc=yaml-cpp/yaml.h" "eval/suite/a.cc=CLI/CLI.hpp"
   "eval/batch/a.cc=SQLiteCpp/SQLiteCpp.h" "eval/cli/a.cc=sqlite3.h" "eval/batch/b.cc=nlopt.hpp" "eval/cli/b.cc=mpi.h"
   "world/d.cc=urdf_parser/urdf_parser.h" "world/e.cc=coal/distance.h" "tests/world/a.cc=coal/distance.h" "controller/solver/solver.cc=api.h"
@@ -153,9 +156,9 @@ set(samples
   "eval/trial/d.cc=eval/suite/suite.h" "eval/identify/a.cc=eval/trial/spec.h" "eval/suite/c.h=eval/batch/batch.h" "eval/batch/c.cc=eval/store/writer.h"
   "eval/store/a.cc=eval/batch/batch.h" "eval/tune/a.cc=eval/run/evaluate.h" "eval/tune/b.cc=nlopt.hpp"
   "eval/run/a.cc=eval/cli/table.h" "eval/run/b.cc=iostream" "eval/run/c.cc=reports/render/page.h"
-  "eval/suite/b.cc=dlfcn.h" "controller/solver/c.cc=qpOASES.hpp" "tests/controller/a.cc=eiquadprog/eiquadprog-fast.hpp"
+  "eval/suite/b.cc=dlfcn.h" "eval/suite/e.cc=spawn.h" "controller/solver/c.cc=qpOASES.hpp" "tests/controller/a.cc=eiquadprog/eiquadprog-fast.hpp"
 )
-set(allowed "plugin/host/a.cc=dlfcn.h" "plugin/host/b.cc=plugin/moma_plugin.h" "plugin/b.h=controller/step.h"
+set(allowed "plugin/host/a.cc=dlfcn.h" "plugin/process/a.cc=spawn.h" "plugin/host/b.cc=plugin/moma_plugin.h" "plugin/b.h=controller/step.h"
             "examples/a.cc=plugin/plugin.h" "tests/plugin/plugins/a.cc=plugin/plugin.h"
             "controller/solver/solver_daqp.cc=api.h" "world/plant/ode_plant.cc=ode/ode.h" "eval/cli/c.cc=reports/render/page.h"
             "controller/case/solve.cc=nlohmann/json.hpp" "controller/qp/d.cc=controller/types.h"

@@ -7,6 +7,9 @@
 #include "controller/config/controller_file.h"
 #include "controller/config/json_node.h"
 #include "controller/config/reader.h"
+#include "eval/suite/controller_paths.h"
+#include "eval/suite/process_entry.h"
+#include "eval/suite/stored_code.h"
 #include "plugin/host/digest.h"
 
 namespace moma {
@@ -22,28 +25,6 @@ bool is_plugin(const Node& node) {
   return method != nullptr && method->kind == Node::Kind::kScalar && method->scalar == "plugin";
 }
 
-void check_digest(const std::string& found, const std::string& wanted) {
-  if (found == wanted) return;
-  throw PluginError(
-      fmt::format("is not the library of these trials: its digest is {}, theirs {}. Built from the same "
-                  "sources by the same compiler it would be; run the suite again to compute anew",
-                  found, wanted));
-}
-
-/// What was stored is a stranger's until the user says otherwise.
-void check_stored(const MapReader& in, const config::Mark& mark, const std::string& name, const std::string& digest,
-                  Plugins plugins) {
-  if (plugins == Plugins::kOfSuite) return;
-  if (!fs::path(name).is_absolute() || digest.empty())
-    config::fail(mark, in.key_of("path"),
-                 fmt::format("'{}': a stored plugin needs an absolute path and the digest of the library", name));
-  if (plugins == Plugins::kRefused)
-    throw PluginRefused(
-        fmt::format("{}: {}: these trials were computed by the plugin {} (digest {}). It is code that "
-                    "would run here, named by the store; where you trust both: --allow-plugins",
-                    mark.file, in.key_of("path"), name, digest));
-}
-
 SuiteController read_plugin(const Node& node, const std::string& key, std::shared_ptr<const config::LoadedRobot> robot,
                             double control_period, Plugins plugins) {
   MapReader in(node, key);
@@ -56,7 +37,7 @@ SuiteController read_plugin(const Node& node, const std::string& key, std::share
   if (given != nullptr && given->kind != Node::Kind::kMap)
     in.fail_at("parameters", "expected a map; it is handed to the plugin as it is");
   in.finish();
-  check_stored(in, path.mark, name, digest, plugins);
+  check_stored({path.mark, in.key_of("path"), name, digest, fs::path(name).is_absolute()}, plugins);
 
   SuiteController out;
   std::shared_ptr<const PluginLibrary> library;
@@ -79,18 +60,47 @@ SuiteController read_plugin(const Node& node, const std::string& key, std::share
   return out;
 }
 
+/// A controller that is not moma's own: a plugin, or a process.
+bool is_foreign(const Node& node) { return is_plugin(node) || is_process(node); }
+
+SuiteController read_foreign(const Node& node, const std::string& key, std::shared_ptr<const config::LoadedRobot> robot,
+                             double control_period, Plugins plugins) {
+  return is_plugin(node) ? read_plugin(node, key, std::move(robot), control_period, plugins)
+                         : read_process(node, key, std::move(robot), control_period, plugins);
+}
+
 }  // namespace
+
+void check_digest(const std::string& found, const std::string& wanted) {
+  if (found == wanted) return;
+  throw PluginError(
+      fmt::format("is not that of these trials: its digest is {}, theirs {}. Built from the same "
+                  "sources by the same compiler it would be; run the suite again to compute anew",
+                  found, wanted));
+}
+
+void check_stored(const StoredCode& code, Plugins plugins) {
+  if (plugins == Plugins::kOfSuite) return;
+  if (!code.absolute || code.digest.empty()) {
+    config::fail(code.mark, code.key, fmt::format("'{}': stored code needs absolute paths and its digest", code.name));
+  }
+  if (plugins == Plugins::kRefused)
+    throw PluginRefused(
+        fmt::format("{}: {}: these trials were computed by the plugin {} (digest {}). It is code that "
+                    "would run here, named by the store; where you trust both: --allow-plugins",
+                    code.mark.file, code.key, code.name, code.digest));
+}
 
 SuiteController read_suite_controller(const Node& node, const std::string& key,
                                       std::shared_ptr<const config::LoadedRobot> robot, double control_period,
                                       std::vector<std::string>& warnings, Plugins plugins) {
-  if (is_plugin(node)) return read_plugin(node, key, std::move(robot), control_period, plugins);
+  if (is_foreign(node)) return read_foreign(node, key, std::move(robot), control_period, plugins);
   if (node.kind == Node::Kind::kScalar) {
     const fs::path file = config::directory_of(node.mark) / node.scalar;
     std::error_code error;
     if (fs::is_regular_file(file, error)) {
       const Node opened = config::load_yaml(file);
-      if (is_plugin(opened)) return read_plugin(opened, "", std::move(robot), control_period, plugins);
+      if (is_foreign(opened)) return read_foreign(opened, "", std::move(robot), control_period, plugins);
     }
   }
   SuiteController out;
@@ -107,7 +117,7 @@ void set_controller(TrialSpec& spec, const SuiteController& controller) {
 
 ordered_json stored_controller(const TrialSpec& spec) {
   ordered_json json = spec.controller_resolved;
-  if (spec.plugin != nullptr) json["path"] = spec.plugin->library().file.string();
+  if (spec.plugin != nullptr) json.update(paths_of(*spec.plugin, spec.controller_resolved));
   return json;
 }
 

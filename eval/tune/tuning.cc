@@ -10,6 +10,7 @@
 #include "controller/config/json_node.h"
 #include "controller/config/reader.h"
 #include "eval/suite/controller_entry.h"
+#include "eval/suite/controller_paths.h"
 #include "eval/trial/trial.h"
 
 namespace moma::tune {
@@ -208,11 +209,7 @@ Tuning load_tuning(const fs::path& file, const Overrides& overrides) {
     if (!inner.empty()) config::set_value(tuning.controller, inner, text);
   }
   // What is found is written into another folder, from where a relative path would lead elsewhere.
-  if (first.plugin != nullptr) {
-    Node& path = *tuning.controller.find("path");
-    path.scalar = first.plugin->library().file.string();
-    path.quoted = true;
-  }
+  if (first.plugin != nullptr) anchor_paths(tuning.controller, *first.plugin, first.controller_resolved);
 
   check_worlds(tuning);
   check_ends(tuning);

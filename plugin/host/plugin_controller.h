@@ -12,9 +12,9 @@
 namespace moma {
 
 /// Room for what a plugin has to say.
-using PluginText = std::array<char, 1024>;
+using PluginText = std::array<char, 4096>;
 
-/// Its words, as far as there are any, without control characters; else `otherwise`.
+/// Its words, as far as there are any, without control characters and what is no UTF-8; else `otherwise`.
 std::string plugin_says(PluginText& text, const char* otherwise);
 
 /// Runs `call`; false, with the reason, where an exception came out of the plugin.

@@ -165,7 +165,7 @@ TEST_F(CliTrust, AStoresPluginIsLoadedOnlyWhereTheUserSaysSo) {
   // Another library under its name is not even loaded, and neither is one by a path of the working folder.
   std::ofstream(path("witness.so"), std::ios::app | std::ios::binary) << "another build";
   fs::remove(path("witness"));
-  bad({"replay", "a.db", trial, "--allow-plugins"}, {"is not the library of these trials"});
+  bad({"replay", "a.db", trial, "--allow-plugins"}, {"is not that of these trials"});
   EXPECT_FALSE(fs::exists(path("witness")));
   change("a.db", {"UPDATE resolved_suite SET resolved = replace(resolved, '" + path("witness.so").string() +
                   "', 'witness.so')"});

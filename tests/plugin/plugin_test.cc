@@ -233,7 +233,7 @@ TEST_F(PluginSuite, KeysFollowTheLibrarysContentNotItsPlace) {
     suite_from_resolved(stored, Plugins::kOfStore);
     ADD_FAILURE() << "another library was taken for that of the stored trials";
   } catch (const config::ConfigError& e) {
-    EXPECT_NE(std::string(e.what()).find("is not the library of these trials"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("is not that of these trials"), std::string::npos) << e.what();
   }
 }
 

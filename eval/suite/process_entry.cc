@@ -1,0 +1,189 @@
+#include "eval/suite/process_entry.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include "controller/config/json_node.h"
+#include "controller/config/read_described.h"
+#include "controller/config/reader.h"
+#include "controller/config/write_described.h"
+#include "eval/suite/stored_code.h"
+#include "eval/trial/digest.h"
+#include "plugin/host/digest.h"
+#include "plugin/process/process_plugin.h"
+#include "plugin/process/python.h"
+
+namespace moma {
+namespace {
+
+namespace fs = std::filesystem;
+using config::MapReader;
+using config::Node;
+using nlohmann::ordered_json;
+
+bool has_method(const Node& node, std::string_view wanted) {
+  const Node* method = node.find("method");
+  return method != nullptr && method->kind == Node::Kind::kScalar && method->scalar == wanted;
+}
+
+/// An entry on its way to a Plugin.
+struct Entry {
+  bool python = false;
+  ProcessCommand command;
+  std::string class_name;
+  const Node* named = nullptr;  ///< what says which program: `path` or `command`
+  std::string key;              ///< its key
+  std::string name;             ///< and how it says it
+};
+
+fs::path whole_path(const fs::path& path) {
+  std::error_code error;
+  const fs::path whole = fs::absolute(path, error);
+  return (error ? path : whole).lexically_normal();
+}
+
+fs::path folder_of(const Node& node) { return whole_path(config::directory_of(node.mark)); }
+
+std::vector<std::string> read_words(const Node& node, const std::string& key) {
+  if (node.kind == Node::Kind::kScalar) return {config::read_string(node, key)};
+  if (node.kind != Node::Kind::kSequence || node.items.empty()) {
+    config::fail(
+        node.mark, key,
+        fmt::format("found {}, expected a list of words, for instance [./mine, --fast]", config::found_text(node)));
+  }
+  std::vector<std::string> words;
+  for (const Node& item : node.items)
+    words.push_back(config::read_string(item, fmt::format("{}[{}]", key, words.size())));
+  return words;
+}
+
+void read_python_keys(MapReader& in, Entry& entry) {
+  const Node& path = in.require("path", "the Python file with the controller, for instance mine.py");
+  entry.named = &path;
+  entry.key = in.key_of("path");
+  entry.name = config::read_string(path, entry.key);
+  const Node& name = in.require("class", "the name of the file's class, for instance Mine");
+  entry.class_name = config::read_string(name, in.key_of("class"));
+  std::string interpreter = "python3";
+  if (const Node* python = in.get("python")) {
+    interpreter = config::read_string(*python, in.key_of("python"));
+    // Not through links: that of a virtual environment is known by where its link lies.
+    if (interpreter.find('/') != std::string::npos) interpreter = (folder_of(*python) / interpreter).lexically_normal();
+  }
+  entry.command = python_command(interpreter, (folder_of(path) / entry.name).lexically_normal(), entry.class_name);
+}
+
+void read_process_keys(MapReader& in, Entry& entry) {
+  const Node& command = in.require("command", "the program and its arguments, for instance [./mine, --fast]");
+  entry.named = &command;
+  entry.key = in.key_of("command");
+  entry.command.arguments = read_words(command, entry.key);
+  entry.name = fmt::format("{}", fmt::join(entry.command.arguments, " "));
+  entry.command.directory = folder_of(command);
+  if (const Node* directory = in.get("directory")) {
+    const std::string key = in.key_of("directory");
+    entry.command.directory = (folder_of(*directory) / config::read_string(*directory, key)).lexically_normal();
+    std::error_code error;
+    if (!fs::is_directory(entry.command.directory, error))
+      config::fail(directory->mark, key, fmt::format("found '{}', which is no folder", directory->scalar));
+  }
+}
+
+/// The file that an argument names; empty where it names none. A program without '/' is one of PATH.
+fs::path file_of(const ProcessCommand& command, std::size_t argument) {
+  const std::string& word = command.arguments[argument];
+  if (word.empty() || (argument == 0 && word.find('/') == std::string::npos)) return {};
+  const fs::path file = (command.directory / word).lexically_normal();
+  std::error_code error;
+  return argument == 0 || fs::is_regular_file(file, error) ? file : fs::path();
+}
+
+/// What the program is, wherever it lies: the contents of its files, and its arguments that name none.
+std::string digest_of(const Entry& entry, std::map<fs::path, std::string> files) {
+  ordered_json parts = ordered_json::array();
+  const auto take = [&](const fs::path& file) {
+    const auto found = files.find(file);
+    if (found != files.end()) parts.push_back({{"file", found->second}});
+    return found;
+  };
+  if (entry.python) {
+    const auto found = take(entry.command.files.front());
+    if (found != files.end()) files.erase(found);
+  } else {
+    std::vector<fs::path> named;
+    for (std::size_t i = 0; i < entry.command.arguments.size(); ++i) {
+      const fs::path file = file_of(entry.command, i);
+      if (file.empty() || take(file) == files.end())
+        parts.push_back(entry.command.arguments[i]);
+      else
+        named.push_back(file);
+    }
+    for (const fs::path& file : named) files.erase(file);
+  }
+  std::vector<std::string> others;
+  for (const auto& [file, digest] : files) others.push_back(digest);
+  std::sort(others.begin(), others.end());
+  return canonical_digest({{"parts", std::move(parts)}, {"files", std::move(others)}});
+}
+
+std::map<fs::path, std::string> digests(const std::vector<fs::path>& files) {
+  std::map<fs::path, std::string> all;
+  for (const fs::path& file : files) all[file] = plugin_digest(file);
+  return all;
+}
+
+}  // namespace
+
+bool is_process(const Node& node) { return has_method(node, "process") || has_method(node, "python"); }
+
+SuiteController read_process(const Node& node, const std::string& key, std::shared_ptr<const config::LoadedRobot> robot,
+                             double control_period, Plugins plugins) {
+  MapReader in(node, key);
+  in.get("method");
+  Entry entry;
+  entry.python = has_method(node, "python");
+  entry.python ? read_python_keys(in, entry) : read_process_keys(in, entry);
+  std::string digest;
+  in.read("digest", digest);
+  config::read_members(in, entry.command.limits);
+  bool absolute = entry.python
+                      ? fs::path(entry.name).is_absolute()
+                      : node.find("directory") != nullptr && fs::path(node.find("directory")->scalar).is_absolute();
+  if (!entry.python) {
+    for (std::size_t i = 0; i < entry.command.arguments.size(); ++i)
+      if (fs::path file = file_of(entry.command, i); !file.empty()) entry.command.files.push_back(std::move(file));
+  }
+  if (const Node* files = in.get("files")) {
+    for (const std::string& name : read_words(*files, in.key_of("files"))) {
+      absolute = absolute && fs::path(name).is_absolute();
+      entry.command.files.push_back((folder_of(*files) / name).lexically_normal());
+    }
+  }
+  const Node* given = in.get("parameters");
+  if (given != nullptr && given->kind != Node::Kind::kMap)
+    in.fail_at("parameters", "expected a map; it is handed to the controller as it is");
+  in.finish();
+  check_stored({entry.named->mark, entry.key, entry.name, digest, absolute}, plugins);
+
+  const ordered_json parameters = given != nullptr ? config::node_to_json(*given) : ordered_json::object();
+  SuiteController out;
+  out.resolved["method"] = entry.python ? "python" : "process";
+  try {
+    const std::map<fs::path, std::string> named = digests(entry.command.files);
+    if (!digest.empty()) check_digest(digest_of(entry, named), digest);
+    out.plugin = open_process(entry.command, std::move(robot), parameters, control_period);
+    out.resolved["digest"] = digest_of(entry, processes_of(*out.plugin)->files());
+    if (!digest.empty()) check_digest(out.resolved["digest"], digest);
+  } catch (const PluginError& error) {
+    config::fail(entry.named->mark, entry.key, fmt::format("{}: {}", entry.name, error.what()));
+  }
+  if (entry.python) out.resolved["class"] = entry.class_name;
+  config::write_members(entry.command.limits, out.resolved);
+  out.resolved["parameters"] = parameters;
+  return out;
+}
+
+}  // namespace moma

@@ -1,0 +1,237 @@
+#include "plugin/process/child.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <string_view>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "plugin/host/library.h"
+
+namespace moma {
+namespace {
+
+/// Closed at its end.
+class Descriptor {
+ public:
+  Descriptor() = default;
+  explicit Descriptor(int value) : value_(value) {}
+  ~Descriptor() {
+    if (value_ >= 0) ::close(value_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const noexcept { return value_; }
+  void set(int value) noexcept { value_ = value; }
+  int release() noexcept { return std::exchange(value_, -1); }
+
+ private:
+  int value_ = -1;
+};
+
+[[noreturn]] void fail(const char* what, int error) {
+  throw PluginError(fmt::format("{}: {}", what, std::generic_category().message(error)));
+}
+
+// posix_spawn copies nothing of this process and takes no lock of it: other threads may be anywhere.
+class Spawning {
+ public:
+  Spawning() {
+    posix_spawn_file_actions_init(&actions_);
+    posix_spawnattr_init(&attributes_);
+  }
+  ~Spawning() {
+    posix_spawn_file_actions_destroy(&actions_);
+    posix_spawnattr_destroy(&attributes_);
+  }
+  Spawning(const Spawning&) = delete;
+  Spawning& operator=(const Spawning&) = delete;
+
+  pid_t start(const ProcessCommand& command, int line, int errors, char* const* environment) {
+    sigset_t none, pipe;
+    sigemptyset(&none);
+    sigemptyset(&pipe);
+    sigaddset(&pipe, SIGPIPE);
+    posix_spawnattr_setsigmask(&attributes_, &none);
+    posix_spawnattr_setsigdefault(&attributes_, &pipe);
+    posix_spawnattr_setpgroup(&attributes_, 0);
+    posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
+    int error = posix_spawn_file_actions_adddup2(&actions_, line, 0);
+    if (error == 0) error = posix_spawn_file_actions_adddup2(&actions_, line, 1);
+    if (error == 0) error = posix_spawn_file_actions_adddup2(&actions_, errors, 2);
+    if (error == 0) error = posix_spawn_file_actions_addclosefrom_np(&actions_, 3);
+    if (error == 0) error = posix_spawn_file_actions_addchdir_np(&actions_, command.directory.c_str());
+    std::vector<char*> arguments;
+    for (const std::string& argument : command.arguments) arguments.push_back(const_cast<char*>(argument.c_str()));
+    arguments.push_back(nullptr);
+    pid_t pid = -1;
+    if (error == 0) error = posix_spawnp(&pid, arguments[0], &actions_, &attributes_, arguments.data(), environment);
+    if (error != 0) fail(command.arguments.front().c_str(), error);
+    return pid;
+  }
+
+ private:
+  posix_spawn_file_actions_t actions_;
+  posix_spawnattr_t attributes_;
+};
+
+// This process's environment with the command's values in it.
+std::vector<char*> environment_of(const ProcessCommand& command) {
+  const auto name_of = [](std::string_view entry) { return entry.substr(0, entry.find('=')); };
+  std::vector<char*> all;
+  for (const std::string& entry : command.environment) all.push_back(const_cast<char*>(entry.c_str()));
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    const bool replaced = std::any_of(command.environment.begin(), command.environment.end(),
+                                      [&](const std::string& own) { return name_of(own) == name_of(*entry); });
+    if (!replaced) all.push_back(*entry);
+  }
+  all.push_back(nullptr);
+  return all;
+}
+
+void limit(pid_t pid, const ProcessLimits& limits) {
+  rlimit none{0, 0};
+  ::prlimit(pid, RLIMIT_CORE, &none, nullptr);  // a controller that crashes is no reason for files in its folder
+  if (std::isinf(limits.memory)) return;
+  const auto bytes = static_cast<rlim_t>(limits.memory * 1e9);
+  rlimit data{bytes, bytes};
+  ::prlimit(pid, RLIMIT_DATA, &data, nullptr);
+}
+
+}  // namespace
+
+Child::Child(const ProcessCommand& command) {
+  int ends[2];
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) fail("no socket for it", errno);
+  Descriptor ours(ends[0]);
+  const Descriptor theirs(ends[1]);
+  if (::pipe2(ends, O_CLOEXEC) != 0) fail("no pipe for it", errno);
+  Descriptor errors(ends[0]);
+  const Descriptor their_errors(ends[1]);
+  ::fcntl(ours.get(), F_SETFL, O_NONBLOCK);
+  ::fcntl(errors.get(), F_SETFL, O_NONBLOCK);
+  const std::vector<char*> environment = environment_of(command);
+  pid_ = Spawning().start(command, theirs.get(), their_errors.get(), environment.data());
+  limit(pid_, command.limits);
+  socket_ = ours.release();
+  errors_ = errors.release();
+}
+
+Child::~Child() {
+  end(Clock::now());
+  ::close(socket_);
+  if (errors_ >= 0) ::close(errors_);
+}
+
+void Child::hear() noexcept {
+  std::array<char, 4096> room;
+  const ssize_t got = ::read(errors_, room.data(), room.size());
+  if (got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR)) {
+    ::close(errors_);
+    errors_ = -1;
+  }
+  if (got <= 0) return;
+  const auto size = static_cast<std::size_t>(got);
+  const std::size_t fresh = std::min(size, said_.size());
+  const std::size_t kept = std::min(said_size_, said_.size() - fresh);
+  std::memmove(said_.data(), said_.data() + said_size_ - kept, kept);
+  std::memcpy(said_.data() + kept, room.data() + size - fresh, fresh);
+  said_size_ = kept + fresh;
+}
+
+Child::Wait Child::wait_for(short events, Clock::time_point until) noexcept {
+  for (;;) {
+    pollfd both[2] = {{socket_, events, 0}, {errors_, POLLIN, 0}};
+    const auto left = std::chrono::duration<double, std::milli>(until - Clock::now()).count();
+    const int milliseconds = static_cast<int>(std::clamp(std::ceil(left), 0.0, 60000.0));
+    const int ready = ::poll(both, errors_ >= 0 ? 2 : 1, milliseconds);
+    if (ready < 0 && errno != EINTR) return Wait::kEnded;
+    if (ready > 0 && errors_ >= 0 && both[1].revents != 0) hear();
+    if (ready > 0 && both[0].revents != 0) return Wait::kDone;
+    if (left <= 0.0) return Wait::kLate;
+  }
+}
+
+Child::Wait Child::send(std::span<const unsigned char> bytes, Clock::time_point until) noexcept {
+  while (!bytes.empty()) {
+    const ssize_t sent = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (sent >= 0) {
+      bytes = bytes.subspan(static_cast<std::size_t>(sent));
+    } else if (errno == EAGAIN) {
+      if (const Wait wait = wait_for(POLLOUT, until); wait != Wait::kDone) return wait;
+    } else if (errno != EINTR) {
+      return Wait::kEnded;
+    }
+  }
+  return Wait::kDone;
+}
+
+Child::Wait Child::receive(std::span<unsigned char> room, std::size_t& got, Clock::time_point until) noexcept {
+  for (;;) {
+    if (const Wait wait = wait_for(POLLIN, until); wait != Wait::kDone) return wait;
+    const ssize_t received = ::recv(socket_, room.data(), room.size(), 0);
+    if (received > 0) {
+      got = static_cast<std::size_t>(received);
+      return Wait::kDone;
+    }
+    if (received == 0 || (errno != EAGAIN && errno != EINTR)) return Wait::kEnded;
+  }
+}
+
+void Child::hang_up() noexcept { ::shutdown(socket_, SHUT_WR); }
+
+bool Child::gone() noexcept {
+  if (pid_ < 0) return true;
+  if (::waitpid(pid_, &status_, WNOHANG) != pid_) return false;
+  ::kill(-pid_, SIGKILL);  // what it left behind
+  pid_ = -1;
+  return true;
+}
+
+bool Child::end(Clock::time_point until) noexcept {
+  while (!gone()) {
+    if (Clock::now() >= until) {
+      ::kill(-pid_, SIGKILL);
+      while (::waitpid(pid_, &status_, 0) < 0 && errno == EINTR) continue;
+      pid_ = -1;
+      return true;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return false;
+}
+
+std::string Child::ending() const {
+  if (WIFEXITED(status_)) return fmt::format("ended with exit code {}", WEXITSTATUS(status_));
+  const int signal = WTERMSIG(status_);
+  const char* name = sigdescr_np(signal);
+  return fmt::format("was ended by signal {} ({})", signal, name != nullptr ? name : "unknown");
+}
+
+std::string Child::last_words() {
+  for (std::size_t before = said_.size() + 1; errors_ >= 0 && before != said_size_;) {
+    before = said_size_;
+    hear();
+  }
+  std::string words(said_.data(), said_size_);
+  std::replace_if(
+      words.begin(), words.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 0x7f; }, ' ');
+  while (!words.empty() && words.back() == ' ') words.pop_back();
+  return words;
+}
+
+}  // namespace moma

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "plugin/process/command.h"
+
+namespace moma {
+
+/// A process of a command, in a group of its own (keys pressed at the terminal do not reach it), with one socket as its
+/// standard input and output, and what it writes to its standard error kept as far as its last words. No other
+/// descriptor of ours is open in it. It dies with this object, and all of its group.
+class Child {
+ public:
+  using Clock = std::chrono::steady_clock;
+  enum class Wait { kDone, kLate, kEnded };
+
+  /// Throws PluginError where it cannot be started.
+  explicit Child(const ProcessCommand& command);
+  ~Child();
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  /// All of `bytes`. kEnded: it does not read any more.
+  Wait send(std::span<const unsigned char> bytes, Clock::time_point until) noexcept;
+  /// At least one byte; `got` of them.
+  Wait receive(std::span<unsigned char> room, std::size_t& got, Clock::time_point until) noexcept;
+
+  /// Lets it see the end of its input, upon which it should go.
+  void hang_up() noexcept;
+  /// Waits for its end, kills it where that does not come. True where it had to be killed.
+  bool end(Clock::time_point until) noexcept;
+  /// How it ended, after end(): "ended with exit code 3", "was ended by signal 11 (Segmentation fault)".
+  std::string ending() const;
+  /// What it wrote last to its standard error, without control characters.
+  std::string last_words();
+
+ private:
+  Wait wait_for(short events, Clock::time_point until) noexcept;
+  bool gone() noexcept;
+  void hear() noexcept;
+
+  pid_t pid_ = -1;
+  int socket_ = -1;
+  int errors_ = -1;
+  int status_ = 0;
+  std::array<char, 2048> said_{};
+  std::size_t said_size_ = 0;
+};
+
+}  // namespace moma

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "controller/describe/describe.h"
+#include "controller/describe/range.h"
+
+namespace moma {
+
+/// Guards around a controller in a process of its own: what exceeds them ends the trial as an error.
+struct ProcessLimits {
+  double deadline = 500.0;  ///< of a step's answer [control periods]
+  double start = 60.0;      ///< of starting, of its setup and of each reset [s]
+  double memory = 4.0;      ///< of its data [GB]
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<ProcessLimits>) {
+  using T = ProcessLimits;
+  v.member("deadline", &T::deadline,
+           {.unit = "control periods",
+            .range = {1.0, 1e9},
+            .text = "real time in which a step has to be answered; a guard against hanging"});
+  v.member("start", &T::start, {.unit = "s", .range = {0.1, 1e6}, .text = "the same for starting and for each reset"});
+  v.member("memory", &T::memory,
+           {.unit = "GB", .range = Range::positive_or_inf(), .text = "data that the process may have"});
+}
+
+/// How the processes of a controller are started, and the files that they are made of.
+struct ProcessCommand {
+  /// The first is the program: where it has no '/' PATH is searched, else it is relative to `directory`.
+  std::vector<std::string> arguments;
+  std::filesystem::path directory;           ///< absolute; where it works
+  std::vector<std::string> environment;      ///< NAME=VALUE, beside and instead of this process's own
+  std::vector<std::filesystem::path> files;  ///< absolute; the process may name more when it is ready
+  ProcessLimits limits;
+};
+
+}  // namespace moma

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+namespace moma {
+
+// The protocol of controllers in processes of their own; docs/reference/process-protocol.md is the whole of it, for
+// those who write one. Raised whenever a frame below changes.
+inline constexpr int kProcessProtocol = 1;
+
+enum class Frame : std::uint32_t {
+  kSetup = 1,  ///< from moma: robot and parameters, as JSON
+  kReset = 2,  ///< the objects of a motion, as JSON
+  kStep = 3,   ///< an observation: kFixedNumbers numbers, q, qdot, kObjectNumbers for each object
+  kReady = 101,
+  kStarted = 102,
+  kCommand = 103,  ///< the velocities, and kDetailNumbers more or none
+  kError = 104     ///< UTF-8
+};
+
+inline constexpr std::size_t kFrameHeader = 8;    ///< length of what follows, and kind, 32 bits each
+inline constexpr std::size_t kFixedNumbers = 22;  ///< time, base 3, goal: position 3, rotation 9, twist 6
+inline constexpr std::size_t kObjectNumbers =
+    38;  ///< position 3, rotation 9, twist 6, visible, has covariances, 9 and 9
+inline constexpr std::size_t kDetailNumbers =
+    12;  ///< status, fallback, slack 6, least distance, rows, active, iterations
+inline constexpr std::size_t kLargestAnswer = std::size_t{1} << 20;  ///< [bytes] of one frame from the process
+
+static_assert(std::endian::native == std::endian::little, "frames are little-endian");
+
+inline void put_header(unsigned char* to, Frame kind, std::uint32_t length) noexcept {
+  const std::uint32_t words[2] = {length, static_cast<std::uint32_t>(kind)};
+  std::memcpy(to, words, sizeof words);
+}
+
+struct FrameHeader {
+  std::uint32_t length = 0;
+  std::uint32_t kind = 0;
+};
+
+inline FrameHeader get_header(const unsigned char* from) noexcept {
+  FrameHeader header;
+  std::memcpy(&header, from, sizeof header);
+  return header;
+}
+
+}  // namespace moma

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "plugin/process/session.h"
+
+namespace moma {
+
+/// The processes of one command, for several threads at once: as many as motions are at the same time, each kept for
+/// the next motion. Points of a sweep share them.
+class ProcessPool {
+ public:
+  /// That of the command, shared with whoever has it already. Starts nothing.
+  static std::shared_ptr<ProcessPool> of(const ProcessCommand& command);
+
+  explicit ProcessPool(ProcessCommand command) : command_(std::move(command)) {}
+  ~ProcessPool();
+  ProcessPool(const ProcessPool&) = delete;
+  ProcessPool& operator=(const ProcessPool&) = delete;
+
+  const ProcessCommand& command() const noexcept { return command_; }
+
+  /// A process with this setup: one that waits, or a new one. Throws PluginError: it does not start, refuses the setup,
+  /// or its files are not those that the first one was made of.
+  std::unique_ptr<Session> take(const std::shared_ptr<const std::string>& setup, double control_period);
+  /// A broken one is thrown away.
+  void give_back(std::unique_ptr<Session> session) noexcept;
+
+  /// Digest of each file that the processes are made of, by absolute path; known once one was taken.
+  std::map<std::filesystem::path, std::string> files() const;
+
+ private:
+  void check(const Session& session);
+  bool unchanged() const;
+
+  const ProcessCommand command_;
+  mutable std::mutex mutex_;
+  std::vector<std::unique_ptr<Session>> idle_;
+  std::map<std::filesystem::path, std::string> files_;
+};
+
+}  // namespace moma

@@ -1,0 +1,189 @@
+#include "plugin/process/process_plugin.h"
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "controller/config/json_node.h"
+#include "controller/config/read_described.h"
+#include "controller/config/write_described.h"
+#include "controller/describe/enumeration.h"
+#include "controller/model/base_kind.h"
+#include "controller/model/shape.h"
+#include "plugin/host/library.h"
+
+namespace moma {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// What stands behind moma_plugin_open()'s handle: one robot with one set of parameters.
+struct Opened {
+  std::shared_ptr<ProcessPool> pool;
+  std::shared_ptr<const std::string> setup;
+  double control_period = 0.0;
+  std::size_t joints = 0;
+  std::size_t velocities = 0;
+};
+
+/// And behind moma_plugin_start()'s: one motion.
+struct Motion {
+  const Opened* opened;
+  std::unique_ptr<Session> session;
+};
+
+/// The text of what `body` throws, as the functions of a plugin hand it over.
+template <typename Result, typename Body>
+Result guarded(Result failed, char* error, std::size_t size, Body body) noexcept {
+  const auto say = [&](const char* text) {
+    if (size == 0) return;
+    std::strncpy(error, text, size - 1);
+    error[size - 1] = '\0';
+  };
+  try {
+    return body();
+  } catch (const std::exception& e) {
+    say(e.what());
+  } catch (...) {
+    say("an exception of unknown type");
+  }
+  return failed;
+}
+
+ordered_json numbers(const double* values, std::size_t count) {
+  ordered_json list = ordered_json::array();
+  for (std::size_t i = 0; i < count; ++i)
+    list.push_back(std::isfinite(values[i]) ? ordered_json(values[i]) : ordered_json());
+  return list;
+}
+
+/// Docs: process-protocol.md, "setup".
+std::string setup_text(const moma_plugin_setup& setup, ordered_json robot, ordered_json parameters) {
+  const auto base = static_cast<BaseType>(setup.base_type);
+  ordered_json joints = ordered_json::array();
+  ordered_json velocities = ordered_json::array();
+  for (const std::string_view name : kind_of(base).velocities) velocities.push_back(std::string(name));
+  for (std::size_t i = 0; i < setup.num_joints; ++i) joints.push_back(setup.joints[i]);
+  for (const ordered_json& name : joints) velocities.push_back(name);
+  const ordered_json json = {{"protocol", kProcessProtocol},
+                             {"base", std::string(to_string(base))},
+                             {"joints", std::move(joints)},
+                             {"velocities", std::move(velocities)},
+                             {"lower", numbers(setup.lower, setup.num_joints)},
+                             {"upper", numbers(setup.upper, setup.num_joints)},
+                             {"ready", numbers(setup.ready, setup.num_joints)},
+                             {"velocity_limits", numbers(setup.velocity_limits, setup.num_velocities)},
+                             {"control_period", setup.control_period},
+                             {"parameters", std::move(parameters)},
+                             {"robot", std::move(robot)}};
+  return json.dump();
+}
+
+/// Docs: process-protocol.md, "reset".
+std::string shapes_text(const moma_object_shape* shapes, std::size_t count) {
+  ordered_json list = ordered_json::array();
+  for (const moma_object_shape& shape : std::span(shapes, count)) {
+    const auto kind = static_cast<ShapeKind>(shape.kind);
+    constexpr std::size_t kSizes[] = {1, 3, 2, 2, 0};  // in the order of ShapeKind
+    ordered_json vertices = ordered_json::array();
+    ordered_json triangles = ordered_json::array();
+    for (std::size_t v = 0; v < shape.num_vertices; ++v) vertices.push_back(numbers(shape.vertices + 3 * v, 3));
+    for (std::size_t t = 0; t < shape.num_triangles; ++t) {
+      const std::int32_t* corner = shape.triangles + 3 * t;
+      triangles.push_back({corner[0], corner[1], corner[2]});
+    }
+    list.push_back({{"name", shape.name},
+                    {"kind", std::string(to_string(kind))},
+                    {"size", numbers(shape.size, kSizes[shape.kind])},
+                    {"vertices", std::move(vertices)},
+                    {"triangles", std::move(triangles)}});
+  }
+  return list.dump();
+}
+
+// A command crosses moma_plugin_open() beside the parameters.
+ordered_json command_json(const ProcessCommand& command) {
+  ordered_json files = ordered_json::array();
+  for (const std::filesystem::path& file : command.files) files.push_back(file.string());
+  return {{"arguments", command.arguments},
+          {"directory", command.directory.string()},
+          {"environment", command.environment},
+          {"files", std::move(files)},
+          {"limits", config::write_described(command.limits)}};
+}
+
+ProcessCommand command_of(const ordered_json& json) {
+  ProcessCommand command;
+  json.at("arguments").get_to(command.arguments);
+  command.directory = json.at("directory").get<std::string>();
+  json.at("environment").get_to(command.environment);
+  for (const ordered_json& file : json.at("files")) command.files.emplace_back(file.get<std::string>());
+  config::read_described(config::node_from_json(json.at("limits"), ""), "limits", command.limits);
+  return command;
+}
+
+void* open(const moma_plugin_setup* setup, char* error, std::size_t size) {
+  return guarded<void*>(nullptr, error, size, [&]() -> void* {
+    ordered_json given = ordered_json::parse(setup->parameters);
+    auto opened = std::make_unique<Opened>();
+    opened->pool = ProcessPool::of(command_of(given.at("command")));
+    opened->setup = std::make_shared<const std::string>(
+        setup_text(*setup, ordered_json::parse(setup->robot), std::move(given.at("parameters"))));
+    opened->control_period = setup->control_period;
+    opened->joints = setup->num_joints;
+    opened->velocities = setup->num_velocities;
+    opened->pool->give_back(opened->pool->take(opened->setup, opened->control_period));
+    return opened.release();
+  });
+}
+
+void* start(void* plugin, const moma_object_shape* shapes, std::size_t count, char* error, std::size_t size) {
+  return guarded<void*>(nullptr, error, size, [&]() -> void* {
+    const Opened& opened = *static_cast<Opened*>(plugin);
+    auto motion = std::make_unique<Motion>();
+    motion->opened = &opened;
+    motion->session = opened.pool->take(opened.setup, opened.control_period);
+    motion->session->reset(shapes_text(shapes, count), opened.joints, opened.velocities, count);
+    return motion.release();
+  });
+}
+
+int step(void* controller, const moma_observation* seen, moma_step_result* result, char* error, std::size_t size) {
+  return guarded<int>(1, error, size, [&] {
+    static_cast<Motion*>(controller)->session->step(*seen, *result);
+    return 0;
+  });
+}
+
+void stop(void* controller) {
+  const std::unique_ptr<Motion> motion(static_cast<Motion*>(controller));
+  motion->opened->pool->give_back(std::move(motion->session));
+}
+
+void close(void* plugin) { delete static_cast<Opened*>(plugin); }
+
+}  // namespace
+
+std::shared_ptr<const Plugin> open_process(const ProcessCommand& command,
+                                           std::shared_ptr<const config::LoadedRobot> robot,
+                                           const ordered_json& parameters, double control_period) {
+  auto library = std::make_shared<PluginLibrary>();
+  library->file = command.directory / command.arguments.front();
+  library->functions = {open, close, start, step, stop};
+  return Plugin::open(std::move(library), std::move(robot),
+                      {{"command", command_json(command)}, {"parameters", parameters}}, control_period);
+}
+
+const ProcessPool* processes_of(const Plugin& plugin) {
+  if (plugin.library().functions.open != &open) return nullptr;
+  return static_cast<const Opened*>(plugin.handle())->pool.get();
+}
+
+}  // namespace moma

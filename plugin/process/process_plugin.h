@@ -1,0 +1,22 @@
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "controller/config/robot_file.h"
+#include "plugin/host/plugin.h"
+#include "plugin/process/pool.h"
+
+namespace moma {
+
+/// A controller in processes of its own as a Plugin: they stand behind the same functions as a shared library's, so
+/// that what a command has to be, and what becomes of one that is not, is the same for both. Starts a process and lets
+/// it check the parameters. Throws PluginError.
+std::shared_ptr<const Plugin> open_process(const ProcessCommand& command,
+                                           std::shared_ptr<const config::LoadedRobot> robot,
+                                           const nlohmann::ordered_json& parameters, double control_period);
+
+/// The processes behind a plugin; nullptr where it is a shared library.
+const ProcessPool* processes_of(const Plugin& plugin);
+
+}  // namespace moma

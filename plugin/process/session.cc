@@ -1,0 +1,199 @@
+#include "plugin/process/session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "controller/config/json_text.h"
+#include "plugin/host/library.h"
+
+namespace moma {
+namespace {
+
+using Clock = Child::Clock;
+
+Clock::time_point in_seconds(double seconds) {
+  return Clock::now() +
+         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(seconds, 1e8)));
+}
+
+std::string after(const char* link, const std::string& words) { return words.empty() ? words : link + words; }
+
+// How long a process that ended its output, or was let go, has until it is killed.
+constexpr double kGrace = 2.0;
+
+/// Writes numbers one after the other.
+class NumberWriter {
+ public:
+  explicit NumberWriter(unsigned char* to) : to_(to) {}
+  void put(const double* values, std::size_t count) noexcept {
+    std::memcpy(to_, values, count * sizeof(double));
+    to_ += count * sizeof(double);
+  }
+  void put(double value) noexcept { put(&value, 1); }
+
+ private:
+  unsigned char* to_;
+};
+
+std::string text_of(std::span<const unsigned char> bytes) {
+  std::string text(bytes.begin(), bytes.end());
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 0x7f; }, ' ');
+  return text;
+}
+
+// A number that counts something; -1, which nothing accepts, where it is no such number.
+std::int32_t whole(double value) noexcept {
+  return value >= 0.0 && value <= 1e9 && value == std::floor(value) ? static_cast<std::int32_t>(value) : -1;
+}
+
+}  // namespace
+
+Session::Session(const ProcessCommand& command, double control_period)
+    : limits_(command.limits), control_period_(control_period), child_(command), in_(std::size_t{1} << 16) {}
+
+Session::~Session() {
+  child_.hang_up();
+  child_.end(broken_ ? Clock::now() : in_seconds(kGrace));
+}
+
+void Session::fail(const std::string& what) {
+  broken_ = true;
+  throw PluginError(what);
+}
+
+Session::Due Session::due(const char* to, double seconds) { return {to, seconds, in_seconds(seconds)}; }
+
+void Session::ended(const Due& due) {
+  const bool killed = child_.end(in_seconds(kGrace));
+  const std::string how = killed ? "closed its standard output" : child_.ending();
+  fail(fmt::format("its process {}; an answer {} was due{}", how, due.to, after("; it said: ", child_.last_words())));
+}
+
+void Session::late(const Due& due) {
+  fail(fmt::format("its process gave no answer {} within {:g} s and was killed{}", due.to, due.seconds,
+                   after("; it said: ", child_.last_words())));
+}
+
+void Session::not_a_frame(std::size_t have) {
+  fail(fmt::format("its process writes to its standard output what is no frame of the protocol, beginning with '{}'",
+                   text_of(std::span(in_).first(std::min<std::size_t>(have, 40)))));
+}
+
+std::span<const unsigned char> Session::answer(Frame wanted, const Due& due) {
+  std::size_t have = 0;
+  for (;;) {
+    std::size_t got = 0;
+    const Child::Wait wait = child_.receive(std::span(in_).subspan(have), got, due.until);
+    if (wait == Child::Wait::kLate) late(due);
+    if (wait == Child::Wait::kEnded) ended(due);
+    have += got;
+    if (have < kFrameHeader) continue;
+    const FrameHeader header = get_header(in_.data());
+    const bool known = header.kind >= static_cast<std::uint32_t>(Frame::kReady) &&
+                       header.kind <= static_cast<std::uint32_t>(Frame::kError);
+    const std::size_t size = kFrameHeader + header.length;
+    if (!known || header.length > kLargestAnswer) not_a_frame(have);
+    if (in_.size() < size) in_.resize(size);
+    if (have < size) continue;
+    const std::span<const unsigned char> payload = std::span(in_).subspan(kFrameHeader, header.length);
+    if (header.kind == static_cast<std::uint32_t>(Frame::kError)) fail(text_of(payload));
+    if (have > size) not_a_frame(have);
+    if (header.kind != static_cast<std::uint32_t>(wanted)) {
+      fail(fmt::format("its process answers {} with a frame of kind {}; {} is due", due.to, header.kind,
+                       static_cast<std::uint32_t>(wanted)));
+    }
+    return payload;
+  }
+}
+
+std::span<const unsigned char> Session::exchange(Frame kind, std::string_view payload, Frame wanted, const char* to) {
+  out_.resize(kFrameHeader + payload.size());
+  put_header(out_.data(), kind, static_cast<std::uint32_t>(payload.size()));
+  std::memcpy(out_.data() + kFrameHeader, payload.data(), payload.size());
+  const Due until = due(to, limits_.start);
+  if (child_.send(out_, until.until) == Child::Wait::kLate) late(until);
+  return answer(wanted, until);  // where it ended, it may have said why before
+}
+
+void Session::set_up(const std::shared_ptr<const std::string>& setup, double control_period) {
+  control_period_ = control_period;
+  if (setup_ == setup) return;
+  setup_ = nullptr;
+  const std::span<const unsigned char> payload = exchange(Frame::kSetup, *setup, Frame::kReady, "to its setup");
+  const auto* begin = reinterpret_cast<const char*>(payload.data());
+  nlohmann::ordered_json ready;
+  try {
+    ready = config::parse_json(std::string_view(begin, payload.size()), "its process's answer to its setup");
+    const int protocol = ready.at("protocol").get<int>();
+    if (protocol != kProcessProtocol)
+      fail(fmt::format("its process speaks version {} of the protocol, this moma speaks {}", protocol,
+                       kProcessProtocol));
+    files_ = ready.value("files", std::vector<std::string>());
+  } catch (const PluginError&) {
+    throw;
+  } catch (const std::exception& error) {
+    fail(fmt::format("its process's answer to its setup is not {{\"protocol\": {}, \"files\": [...]}}: {}",
+                     kProcessProtocol, error.what()));
+  }
+  setup_ = setup;
+}
+
+void Session::reset(const std::string& shapes, std::size_t joints, std::size_t velocities, std::size_t objects) {
+  exchange(Frame::kReset, shapes, Frame::kStarted, "to a reset");
+  joints_ = joints;
+  velocities_ = velocities;
+  objects_ = objects;
+  const std::size_t numbers = kFixedNumbers + joints + velocities + objects * kObjectNumbers;
+  out_.resize(kFrameHeader + numbers * sizeof(double));
+  put_header(out_.data(), Frame::kStep, static_cast<std::uint32_t>(numbers * sizeof(double)));
+}
+
+void Session::step(const moma_observation& seen, moma_step_result& result) {
+  NumberWriter numbers(out_.data() + kFrameHeader);
+  numbers.put(seen.time);
+  numbers.put(seen.base, 3);
+  numbers.put(seen.goal_position, 3);
+  numbers.put(seen.goal_rotation, 9);
+  numbers.put(seen.goal_twist, 6);
+  numbers.put(seen.q, joints_);
+  numbers.put(seen.qdot, velocities_);
+  for (std::size_t i = 0; i < objects_; ++i) {
+    const moma_object_state& object = seen.objects[i];
+    numbers.put(object.position, 3);
+    numbers.put(object.rotation, 9);
+    numbers.put(object.twist, 6);
+    numbers.put(object.visible);
+    numbers.put(object.has_covariance);
+    numbers.put(object.position_covariance, 9);
+    numbers.put(object.velocity_covariance, 9);
+  }
+  const Due until = due("to a step", limits_.deadline * control_period_);
+  if (child_.send(out_, until.until) == Child::Wait::kLate) late(until);
+  const std::span<const unsigned char> payload = answer(Frame::kCommand, until);
+  const std::size_t plain = velocities_ * sizeof(double);
+  if (payload.size() != plain && payload.size() != plain + kDetailNumbers * sizeof(double)) {
+    fail(fmt::format("its process commands {} bytes; {} velocities are {}, or {} with details", payload.size(),
+                     velocities_, plain, plain + kDetailNumbers * sizeof(double)));
+  }
+  std::memcpy(result.command, payload.data(), plain);
+  if (payload.size() == plain) return;
+  double details[kDetailNumbers];
+  std::memcpy(details, payload.data() + plain, sizeof details);
+  result.status = whole(details[0]);
+  result.fallback = whole(details[1]);
+  std::copy(details + 2, details + 8, result.slack);
+  result.least_distance = details[8];
+  result.rows = std::max(whole(details[9]), 0);
+  result.active_rows = std::max(whole(details[10]), 0);
+  result.iterations = std::max(whole(details[11]), 0);
+}
+
+}  // namespace moma
