@@ -187,27 +187,59 @@ export function endLabels(ends: readonly { name: string; x: number; y: number; c
 /** What differs between plots of the same kind side by side. */
 interface Part { title: string; colour: string }
 
-/** A plot for each part under its title, all with the same axes; `series` gives what each shows. */
-export function smallMultiples(width: number, parts: readonly Part[], xAxis: Option, yAxis: Option, series: (place: number) => Option[]): { height: number; option: Option } {
-  const columns = Math.max(1, Math.min(4, Math.floor(width / 230)));
+/** The axis of a gain, with the values that were tried as its marks; over a decade and more it is logarithmic. `at` places a value. */
+export function gainAxis(p: Palette, values: readonly number[], width: number): { at: (v: number) => number; log: boolean; option: Option } {
+  const levels = [...new Set(values)].sort((a, b) => a - b);
+  const [low = 0, high = 0] = [levels[0], levels[levels.length - 1]];
+  const log = low > 0 && high / low >= 10;
+  const at = (v: number): number => (log ? Math.log10(v) : v);
+  const room = Math.max(2, Math.floor(width / 46));
+  // Of many values the ends and some between.
+  const marks = levels.length <= room ? levels : [...new Set(Array.from({ length: room }, (_, i) => levels[Math.round((i * (levels.length - 1)) / (room - 1))] ?? low))];
+  const edge = high > low ? 0.06 * (at(high) - at(low)) : Math.abs(at(low)) || 1;
+  const custom = { customValues: marks.map(at) };
+  return {
+    at, log,
+    option: axis(p, '', {
+      min: at(low) - edge, max: at(high) + edge, splitLine: { show: false }, axisTick: { show: true, lineStyle: { color: p.faint }, ...custom },
+      axisLabel: { color: p.muted, formatter: (v: number) => plain(Number((log ? 10 ** v : v).toPrecision(3))), ...custom },
+    }),
+  };
+}
+
+/** Room on the left of plots side by side for the numbers of their common axis [px]. */
+const kMargin = 58;
+/** And on the right for half of the last number below it. */
+const kRight = 28;
+
+/**
+ * A plot for each part under its title, all with the same y axis and, unless `xAxis` gives each its own, the same x axis;
+ * `series` gives what each shows.
+ */
+export function smallMultiples(width: number, parts: readonly Part[], xAxis: Option | ((place: number) => Option), yAxis: Option, series: (place: number) => Option[], tooltip: Option = { show: false }): { height: number; option: Option } {
+  const columns = Math.max(1, Math.min(4, parts.length, Math.floor((width - kMargin) / 200)));
   const rows = Math.ceil(parts.length / columns);
-  const [high, above, gap] = [118, 26, 26];
-  const wide = (100 - 5) / columns;
+  const [high, above, gap, between] = [118, 30, 28, 22];
+  const wide = Math.max(80, Math.min(420, (width - kMargin - kRight - (columns - 1) * between) / columns));
   const grid = parts.map((_, i) => ({
-    left: `${5 + (i % columns) * wide}%`, width: `${wide - 2.2}%`, top: above + Math.floor(i / columns) * (high + above + gap), height: high, containLabel: false,
+    left: kMargin + (i % columns) * (wide + between), width: wide, top: above + Math.floor(i / columns) * (high + above + gap), height: high, outerBoundsMode: 'none',
   }));
+  const line = { ...(yAxis['axisLine'] as Option | undefined), onZero: false };
   const bottom = (i: number): boolean => i + columns >= parts.length;
   const label = (of: Option, more: Option): Option => ({ ...(of['axisLabel'] as Option | undefined), fontSize: 10.5, hideOverlap: true, ...more });
   return {
-    height: rows * (high + above + gap) + 18,
+    height: rows * (high + above + gap) + 14,
     option: {
-      grid, tooltip: { show: false },
+      grid, tooltip,
       title: parts.map((part, i) => ({
         text: part.title, left: grid[i]?.left, top: (grid[i]?.top ?? 0) - 22, padding: 0,
-        textStyle: { color: part.colour, fontSize: 12, fontWeight: 600, fontFamily: kFont, width: (width * (wide - 3)) / 100, overflow: 'truncate' },
+        textStyle: { color: part.colour, fontSize: 12, fontWeight: 600, fontFamily: kFont, width: wide, overflow: 'truncate' },
       })),
-      xAxis: parts.map((_, i) => ({ ...xAxis, gridIndex: i, name: bottom(i) ? xAxis['name'] : '', splitNumber: 3, axisLabel: label(xAxis, {}) })),
-      yAxis: parts.map((_, i) => ({ ...yAxis, gridIndex: i, name: '', splitNumber: 2, axisLabel: label(yAxis, { show: i % columns === 0 }) })),
+      xAxis: parts.map((_, i) => {
+        const own = typeof xAxis === 'function' ? xAxis(i) : { ...xAxis, name: bottom(i) ? xAxis['name'] : '' };
+        return { splitNumber: 3, ...own, gridIndex: i, axisLine: line, axisLabel: label(own, {}) };
+      }),
+      yAxis: parts.map((_, i) => ({ splitNumber: 3, ...yAxis, gridIndex: i, axisLine: line, name: i % columns === 0 ? yAxis['name'] : '', nameGap: 36, axisLabel: label(yAxis, { show: i % columns === 0 }) })),
       series: parts.flatMap((_, i) => series(i).map((s) => ({ ...s, xAxisIndex: i, yAxisIndex: i }))),
     },
   };

@@ -33,9 +33,9 @@ export function conditions(model: Model, slice: Slice): Condition[] {
   return keys.map((key) => ({ key, name: key, values: [...new Set(points.map((p) => valueOf(p, key)))] })).filter((c) => c.values.length > 1);
 }
 
-/** Whether points differ in nothing but conditions. */
+/** Whether the points of a controller differ, and in nothing but conditions. */
 export function onlyConditions(model: Model, slice: Slice): boolean {
-  return !model.page.points.some((p) => inSlice(p, slice) && Object.keys(p.params).some(isGain));
+  return conditions(model, slice).length > 0 && !model.page.points.some((p) => inSlice(p, slice) && Object.keys(p.params).some(isGain));
 }
 
 /** The chosen value of each condition, by its place; kept in the address as "0.2,1.0". */

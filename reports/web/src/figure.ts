@@ -3,19 +3,12 @@
 import * as echarts from 'echarts/core';
 
 import { base, titleOf, type FigureSpec, type Option } from './chart';
-import { namedBy } from './data';
 import { download, h, replace } from './dom';
 import { csv } from './format';
 import { drawLater, drawOrWait } from './later';
 import { onPaper, paperFigure, paperPlace, svgOf } from './paper';
 import { onTheme, palette } from './theme';
-import { onView, view } from './view';
-
-/** What the numbers in names are, where names are only numbers. */
-function naming(): string {
-  const keys = namedBy(view().all.map((s) => s.point));
-  return keys === '' ? '' : ` Names are values of ${keys}.`;
-}
+import { naming, onView } from './view';
 
 export function figure(spec: FigureSpec): HTMLElement {
   const plot = h('div', { class: 'plot', role: 'img', 'aria-label': titleOf(spec) });

@@ -3,7 +3,7 @@
 import { ask, type Model, type PageData } from './data';
 import { h, replace } from './dom';
 import { integer, plural } from './format';
-import { isSwept } from './figures/sweep';
+import { isSwept } from './figures/swept';
 import { refreshView } from './view';
 
 interface State { trials: number; running: boolean; killed: boolean; stored: number; planned: number; token: string }

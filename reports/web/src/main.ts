@@ -3,24 +3,14 @@
 
 import './style.css';
 
-import { figure } from './figure';
 import { drawWhenIdle } from './later';
-import { startPaper } from './paper';
 import { Model, readPageData, type PageData } from './data';
 import { append, h, replace } from './dom';
-import { kFigures } from './figures/all';
-import { tuning } from './figures/tuning';
-import { isSwept } from './figures/sweep';
+import { isSwept } from './figures/swept';
 import { liveLine } from './live';
-import { startFilm } from './replay/film_page';
-import { player } from './replay/player';
-import { comparison } from './sections/comparison';
-import { failures } from './sections/failures';
 import { masthead } from './sections/masthead';
 import { provenance } from './sections/provenance';
-import { summary } from './sections/summary';
 import { toolbar } from './sections/toolbar';
-import { trials } from './sections/trials';
 import * as state from './state';
 import { startTheme } from './theme';
 import { startView } from './view';
@@ -33,7 +23,8 @@ function start(app: HTMLElement, page: PageData): void {
   const model = new Model(page);
   startView(model);
   if (page.film !== undefined) {
-    startFilm(app, model, page.film);
+    const { film } = page;
+    void import('./replay/film_page').then(({ startFilm }) => startFilm(app, model, film));
     return;
   }
   const live = liveLine(model);
@@ -41,33 +32,23 @@ function start(app: HTMLElement, page: PageData): void {
     replace(app, masthead(model, live), h('main', null, section('provenance', 'Provenance', provenance(model))));
     return;
   }
-  const drawn = (part: keyof typeof kFigures): Node[] => kFigures[part](model).map(figure);
-  const several = new Set(page.points.map((p) => [p.suite, p.controller, p.point].join('\n'))).size > 1;
-  type Section = [id: string, title: string, content: () => Node[]];
-  const sections: Section[] = [
-    ...(page.tuning.length > 0 ? [['tuning', 'Tuning', () => tuning(model)] as Section] : []),   // what the search was made for
-    ['results', 'Results', () => [summary(model), ...drawn('results')]],
-    ['time', 'Time', () => drawn('time')],
-    ['difficulty', 'Difficulty', () => drawn('difficulty')],
-    ...(isSwept(model) ? [['sweep', 'Sweep', () => drawn('sweep')] as Section] : []),
-    ['quality', 'Quality', () => drawn('quality')],
-    ['pairs', 'Pairs', () => [...(several ? [comparison(model)] : []), ...drawn('pairs')]],
-    ['failures', 'Failures', () => [failures(model)]],
-    ['replay', 'Replay', () => [player(model).element]],
-    ['timing', 'Timing', () => drawn('timing')],
-    ['trials', 'Trials', () => [trials(model)]],
-    ['provenance', 'Provenance', () => [provenance(model)]],
+  const sections: [id: string, title: string][] = [
+    ...(page.tuning.length > 0 ? [['tuning', 'Tuning'] as [string, string]] : []),   // what the search was made for
+    ['results', 'Results'], ['time', 'Time'], ['difficulty', 'Difficulty'],
+    ...(isSwept(model) ? [['sweep', 'Sweep'] as [string, string]] : []),
+    ['quality', 'Quality'], ['pairs', 'Pairs'], ['failures', 'Failures'], ['replay', 'Replay'], ['timing', 'Timing'], ['trials', 'Trials'], ['provenance', 'Provenance'],
   ];
-  const bar = toolbar(model, sections.map(([id, title]) => [id, title] as const));
+  const bar = toolbar(model, sections);
   const skip = h('a', { class: 'skip', href: '#results', click: (event) => {
     event.preventDefault();
     document.getElementById('results')?.scrollIntoView();
   } }, 'Skip to the results');
   replace(app, skip, masthead(model, live), bar.element);
   // The verdict is painted before the rest is built.
-  requestAnimationFrame(() => setTimeout(() => {
+  requestAnimationFrame(() => setTimeout(() => void import('./rest').then(({ contents, startPaper }) => {
+    const made = contents(model);
     append(app,
-      h('main', null, ...sections.map(([id, title, content]) => section(id, title, ...content()))),
+      h('main', null, ...sections.map(([id, title]) => section(id, title, ...(made[id]?.() ?? [])))),
       h('footer', { class: 'colophon' }, h('p', null, 'Rates carry 95 % Wilson intervals. Keys: Tab moves between controls; in the table, arrows choose and Enter plays; in the replay, space plays and arrows step. The address keeps the view.'),
         h('p', null, 'Drawn with Apache ECharts (Apache-2.0) and three.js (MIT), filmed with Mediabunny (MPL-2.0); set in Inter and Source Serif 4 (OFL-1.1).')));
     bar.watch();
@@ -75,7 +56,7 @@ function start(app: HTMLElement, page: PageData): void {
     // A link that names a part of the page; reading on or going back is the browser's.
     if (state.get('in') !== '' && scrollY === 0) document.getElementById(state.get('in'))?.scrollIntoView();
     startPaper();
-  }));
+  })));
 }
 
 const app = document.getElementById('app');

@@ -1,13 +1,15 @@
 // What the figures show now: the slice, the family and the series that the reader has chosen.
 
 import { meets, onlyConditions } from './conditions';
-import { inSlice, type Model, type Series, type Slice } from './data';
+import { inSlice, namedBy, type Model, type Series, type Slice } from './data';
 import * as state from './state';
 import { kColours } from './theme';
 
 /** More than this many series in one figure cannot be told apart; where none of them may be left out, a few more. */
 const kMostSeries = kColours;
 const kMostConditions = 12;
+/** More series than this are many: the best of them are judged, against the first. */
+export const kFew = 4;
 
 export interface View {
   model: Model;
@@ -81,12 +83,36 @@ function shown(model: Model, slice: Slice, all: readonly Series[], series: Serie
   return best(model, slice, all).has(series.index);
 }
 
+/** Success rate over all families; below 0 where there are no trials. */
+function rateOf(model: Model, slice: Slice, s: Series): number {
+  return model.page.overall.find((o) => inSlice(o, slice) && o.controller === s.controller && o.point === s.point)?.success_rate ?? -1;
+}
+
 /** Of many series, the few with the highest success rate. */
 function best(model: Model, slice: Slice, all: readonly Series[]): Set<number> {
-  const rate = (s: Series): number =>
-    model.page.overall.find((o) => o.suite === slice.suite && o.robot === slice.robot && o.mode === slice.mode
-      && o.controller === s.controller && o.point === s.point)?.success_rate ?? -1;
-  return new Set([...all].sort((a, b) => rate(b) - rate(a)).slice(0, kMostSeries - 2).map((s) => s.index));
+  return new Set([...all].sort((a, b) => rateOf(model, slice, b) - rateOf(model, slice, a)).slice(0, kMostSeries - 2).map((s) => s.index));
+}
+
+/**
+ * What others are compared with: as chosen, else the first that the suite defines. Of many it is the first of all, though it
+ * may not be among the best that are shown: two neighbours at the top are mostly a tie.
+ */
+export function baseline(): Series | undefined {
+  const { all, series } = view();
+  const asked = state.get('base');
+  return all.find((s) => asked !== '' && s.index === Number(asked)) ?? (series.length > kFew ? all[0] : series[0]);
+}
+
+/** The shown series with the highest success rate, other than `than`. */
+export function bestBut(than: Series | undefined): Series | undefined {
+  const { model, slice, series } = view();
+  return series.filter((s) => s !== than).sort((a, b) => rateOf(model, slice, b) - rateOf(model, slice, a))[0];
+}
+
+/** What the numbers in names are, where names are only numbers. */
+export function naming(): string {
+  const keys = namedBy(view().all.map((s) => s.point));
+  return keys === '' ? '' : ` Names are values of ${keys}.`;
 }
 
 export function toggleSeries(index: number): void {

@@ -12,7 +12,8 @@ import { outcomes } from './outcomes';
 import { paired } from './paired';
 import { pareto } from './pareto';
 import { scatter } from './scatter';
-import { isSwept, sweep } from './sweep';
+import { sweep } from './sweep';
+import { isSwept } from './swept';
 import { timing } from './timing';
 import { tuningFigures } from './tuning';
 

@@ -43,7 +43,7 @@ export function arrival(): FigureSpec {
         }
         return low;
       };
-      const yAxis = axis(p, '', { min: 0, max: 1, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` } });
+      const yAxis = axis(p, '', { min: 0, max: 1, interval: 0.25, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` } });
       const xAxis = axis(p, 'time [s]', { min: 0, max: end, nameGap: 26 });
       const path = (d: (typeof drawn)[number], style: Option = {}): Option =>
         pathSeries(d.s.short, d.share, { colour: d.colour, width: 2, dash: dashOf(d.s.mark), ...style }, { silent: true, z: 5 });

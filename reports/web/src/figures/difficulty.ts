@@ -1,15 +1,17 @@
 // Success rate against what makes a world hard, in bins of about equal size.
 
-import { axis, kFont, legend, legendHeight, tip, whisker, type FigureSpec } from '../chart';
+import { axis, endLabels, kFont, nice, plain, smallMultiples, tip, whisker, type FigureSpec, type Option } from '../chart';
 import { choice } from '../dom';
 import { integer, percent, percentRange, sizes } from '../format';
 import { axisName, kMetrics, metric } from '../metrics';
 import * as state from '../state';
 import { wilson } from '../stats';
-import { dashOf, seriesColour, symbolOf, type Palette } from '../theme';
+import { dashOf, seriesColour, seriesInk, symbolOf, type Palette } from '../theme';
 import { view } from '../view';
 
 const kBins = 6;
+/** Intervals of more lines than this hide each other: each is then drawn in a plot of its own. */
+const kTogether = 4;
 
 /** Inner edges of bins that hold about equally many of `values`; distinct. */
 function edges(values: number[]): number[] {
@@ -67,50 +69,59 @@ export function difficulty(): FigureSpec {
       }).filter((line) => line.cells.length > 0);
       const perCell = lines.flatMap((line) => line.cells.map((cell) => cell.n));
       const centres = lines.flatMap((line) => line.cells.map((cell) => cell.x));
-      const span = Math.max(...centres) - Math.min(...centres);
+      const [least, most] = [Math.min(...centres), Math.max(...centres)];
       // Side by side, since intervals of equal place would hide one another.
-      const beside = (i: number): number => (i - (lines.length - 1) / 2) * span * 0.008;
+      const together = lines.length <= kTogether;
+      const beside = (i: number): number => (together ? (i - (lines.length - 1) / 2) * (most - least) * 0.008 : 0);
+      const wide = Math.min(0.3 * width, 22 + 7.4 * Math.max(...lines.map((line) => line.s.short.length)));
       const unused = series.reduce((sum, s) => sum + s.rows.length, 0) - all.length;
+      const xAxis = axis(p, axisName(of), { scale: true, nameGap: 28 });
+      const yAxis = axis(p, '', { min: 0, max: 1, interval: 0.25, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` } });
+      const tooltip = {
+        trigger: 'item',
+        formatter: ({ seriesName, dataIndex }: { seriesName: string; dataIndex: number }) => {
+          const line = lines.find((l) => l.s.short === seriesName);
+          const c = line?.cells[dataIndex];
+          if (line === undefined || c === undefined) return '';
+          return tip(line.s.short, [
+            [of.name, `${of.write(c.from)} \u2026 ${of.write(c.to)} ${of.unit}`],
+            ['success', `${integer(c.hits)} of ${integer(c.n)}: ${percent(c.hits / c.n)}`],
+            ['95 % interval', percentRange(c.low, c.high)],
+          ], seriesColour(p, line.s.mark));
+        },
+      };
+      const drawn = (i: number): Option[] => {
+        const { s, cells } = lines[i]!;
+        const colour = seriesColour(p, s.mark);
+        return [
+          {
+            type: 'custom', silent: true, data: cells.map((c) => [c.x + beside(i), c.low, c.high]), encode: { x: 0, y: [1, 2] },
+            renderItem: whisker(colour, false, 1.6), tooltip: { show: false },
+          },
+          {
+            name: s.short, type: 'line', data: cells.map((c) => [c.x + beside(i), c.hits / c.n]), symbol: together ? symbolOf(s.mark) : 'circle', symbolSize: together ? 9 : 7, clip: false,
+            lineStyle: { color: colour, width: 1.6, type: together ? dashOf(s.mark) : 'solid' }, itemStyle: { color: colour },
+            emphasis: { disabled: true }, z: 4,
+          },
+        ];
+      };
       return {
-        height: 350,
         note: `n = ${sizes(perCell)} trials a point; 95 % Wilson.`
           + (unused > 0 ? ` ${integer(unused)} trials have no such value.` : ''),
         columns: ['controller', 'point', `${of.key}_from`, `${of.key}_to`, `${of.key}_mean`, 'successes', 'n', 'success_rate', 'success_low', 'success_high'],
         rows: lines.flatMap(({ s, cells }) => cells.map((c) => [s.controller, s.point, c.from, c.to, c.x, c.hits, c.n, c.hits / c.n, c.low, c.high])),
-        option: {
-          legend: legend(p, lines.map((line) => line.s.short)),
-          grid: { left: 8, right: 20, top: legendHeight(lines.map((line) => line.s.short), width), bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
-          xAxis: axis(p, axisName(of), { scale: true, nameGap: 28 }),
-          yAxis: axis(p, '', { min: 0, max: 1, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` } }),
-          textStyle: { fontFamily: kFont },
-          tooltip: {
-            trigger: 'item',
-            formatter: ({ seriesName, dataIndex }: { seriesName: string; dataIndex: number }) => {
-              const line = lines.find((l) => l.s.short === seriesName);
-              const c = line?.cells[dataIndex];
-              if (line === undefined || c === undefined) return '';
-              return tip(line.s.short, [
-                [of.name, `${of.write(c.from)} \u2026 ${of.write(c.to)} ${of.unit}`],
-                ['success', `${integer(c.hits)} of ${integer(c.n)}: ${percent(c.hits / c.n)}`],
-                ['95 % interval', percentRange(c.low, c.high)],
-              ], seriesColour(p, line.s.mark));
-            },
+        ...(together ? {
+          height: 350,
+          option: {
+            grid: { left: 8, right: wide, top: 14, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' }, yAxis, tooltip, textStyle: { fontFamily: kFont },
+            xAxis: { ...xAxis, ...nice(least, most, width < 560 ? 4 : 7), max: most + 0.02 * (most - least), axisLabel: { color: p.muted, fontSize: 11, showMaxLabel: false, formatter: plain } },
+            series: [...lines.flatMap((_, i) => drawn(i)), endLabels(lines.map(({ s, cells }, i) => {
+              const end = cells[cells.length - 1];
+              return { name: s.short, x: (end?.x ?? 0) + beside(i), y: (end?.hits ?? 0) / (end?.n ?? 1), colour: seriesInk(p, s.mark) };
+            }), wide - 12)],
           },
-          series: lines.flatMap(({ s, cells }, i) => {
-            const colour = seriesColour(p, s.mark);
-            return [
-              {
-                type: 'custom', silent: true, data: cells.map((c) => [c.x + beside(i), c.low, c.high]), encode: { x: 0, y: [1, 2] },
-                renderItem: whisker(colour, false, 1.6), tooltip: { show: false },
-              },
-              {
-                name: s.short, type: 'line', data: cells.map((c) => [c.x + beside(i), c.hits / c.n]), symbol: symbolOf(s.mark), symbolSize: 9,
-                lineStyle: { color: colour, width: 1.6, type: dashOf(s.mark) }, itemStyle: { color: colour },
-                emphasis: { disabled: true }, z: 4,
-              },
-            ];
-          }),
-        },
+        } : smallMultiples(width, lines.map(({ s }) => ({ title: s.short, colour: seriesInk(p, s.mark) })),
+          { ...xAxis, ...nice(least, most, 3), axisLabel: { color: p.muted, formatter: plain } }, yAxis, drawn, tooltip)),
       };
     },
   };

@@ -3,12 +3,9 @@
 import { axis, kFont, tip, whisker, type FigureSpec } from '../chart';
 import { inSlice, type Series, type SummaryRow } from '../data';
 import { integer, percent, percentRange, plural, sizes } from '../format';
-import * as state from '../state';
 import { seriesColour, type Palette } from '../theme';
-import { view } from '../view';
+import { baseline, kFew, view } from '../view';
 
-/** More than this are sorted, and shown for all families together. */
-const kFew = 4;
 /** More rows than this are no picture; the table has them all. */
 const kMost = 60;
 
@@ -37,13 +34,13 @@ export function forest(): FigureSpec {
       const all = lines();
       const { all: series } = view();
       if (all.length < 2) return null;
-      const base = series.find((s) => state.get('base') !== '' && s.index === Number(state.get('base'))) ?? series[0];
+      const base = baseline();
       const many = series.length > kFew;
       const label = (l: Line): string => (many || view().families.length < 2 ? l.series.short : `${l.series.short}  {f|${l.family === '' ? 'all worlds' : l.family}}`);
       const against = many ? all.find((l) => l.series === base)?.row.success_rate : undefined;
       return {
         height: 56 + all.length * (all.length > 24 ? 17 : 24),
-        note: `n = ${sizes(all.map((l) => l.row.n))} trials a row; 95 % Wilson, each by itself.${many ? ` The best of ${plural(series.length, 'point')} looks better on the worlds that chose it than it is: confirm it on others.` : ''}${series.length > kMost ? ` The best ${integer(kMost)} are shown.` : ''}`,
+        note: `n = ${sizes(all.map((l) => l.row.n))} trials a row; 95 % Wilson, each by itself.${many ? ` The best of ${plural(series.length, series.some((s) => s.point !== '') ? 'point' : 'controller')} looks better on the worlds that chose it than it is: confirm it on others.` : ''}${series.length > kMost ? ` The best ${integer(kMost)} are shown.` : ''}`,
         columns: ['family', 'controller', 'point', 'n', 'success_rate', 'success_low', 'success_high'],
         rows: all.map((l) => [l.family, l.series.controller, l.series.point, l.row.n, l.row.success_rate, l.row.success_low, l.row.success_high]),
         option: {

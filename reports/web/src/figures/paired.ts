@@ -10,14 +10,14 @@ import { select } from '../select';
 import * as state from '../state';
 import { extent } from '../stats';
 import { outcomeColour, seriesColour, type Palette } from '../theme';
-import { view } from '../view';
+import { baseline, bestBut, view } from '../view';
 
-/** The two series that are compared: as chosen, else the first two shown. */
+/** The two series that are compared: as chosen, else the baseline with the best of the others that are shown. */
 function chosen(): [number, number] {
-  const { all, series } = view();
+  const { all } = view();
   const valid = (text: string): number | undefined => all.find((s) => text !== '' && s.index === Number(text))?.index;
-  const a = valid(state.get('f.a')) ?? series[0]?.index ?? 0;
-  const b = valid(state.get('f.b')) ?? series.find((s) => s.index !== a)?.index ?? a;
+  const a = valid(state.get('f.a')) ?? baseline()?.index ?? 0;
+  const b = valid(state.get('f.b')) ?? bestBut(all.find((s) => s.index === a))?.index ?? a;
   return [a, b];
 }
 
@@ -31,7 +31,7 @@ export function paired(): FigureSpec {
     controls: (redraw) => {
       const { all, model, series } = view();
       const [a, b] = chosen();
-      const names = all.map((s) => [String(s.index), s.name] as const);
+      const names = all.map((s) => [String(s.index), s.short] as const);
       const metrics = kMetrics.filter((m) => series.some((s) => model.trials.any(m.key, s.rows))
         && m.of !== 'world');
       const pick = (key: string) => (value: string) => { state.set({ [key]: value }); redraw(); };

@@ -49,6 +49,14 @@ export function pareto(): FigureSpec {
       const costs = points.map((q) => q.cost);
       const range = isRate ? nice(0, Math.max(...points.map((q) => q.row.collision_high)), width < 560 ? 4 : 7) : nice(Math.min(...costs), Math.max(...costs), width < 560 ? 4 : 7);
       const colour = seriesColour(p, 0);
+      // Beside a dot on the side where no other lies, at about the scale of the plot.
+      const side = ({ cost: x, row: { success_rate: y } }: Point): string => {
+        const covers = (to: number): boolean => points.some((q) => {
+          const [right, up] = [((q.cost - x) / (range.max - range.min)) * (width - 90), (q.row.success_rate - y) * 330];
+          return to * right > 3 && to * right < 84 && Math.abs(up) < 12;
+        });
+        return covers(1) && !covers(-1) && x - range.min > 0.2 * (range.max - range.min) ? 'left' : covers(1) ? 'top' : 'right';
+      };
       return {
         height: 400,
         note: `n = ${sizes(points.map((q) => q.row.n))} trials a point; ${plural(best.length, 'point')} of ${integer(points.length)} on the front, by their rates alone: within their intervals others may belong to it. 95 % Wilson.`,
@@ -73,7 +81,7 @@ export function pareto(): FigureSpec {
               type: 'scatter', symbolSize: 9, z: 4,
               data: points.map((q, place) => ({
                 value: [q.cost, q.row.success_rate], place, itemStyle: { color: chosen.has(q) ? colour : p.surface, borderColor: colour, borderWidth: 1.5 },
-                label: { show: chosen.has(q) && best.length <= 8, position: 'right', distance: 6, formatter: q.series.short, color: p.ink, fontSize: 11, overflow: 'truncate', width: 160 },
+                label: { show: chosen.has(q) && best.length <= 8, position: side(q), distance: 6, formatter: q.series.short, textBorderColor: p.surface, textBorderWidth: 3, color: p.ink, fontSize: 11, overflow: 'truncate', width: 160 },
               })),
               labelLayout: { hideOverlap: true, moveOverlap: 'shiftY' },
             },

@@ -2,61 +2,13 @@
 
 import { axis, nice, plain, tip, type FigureSpec } from '../chart';
 import { along, inkOn } from '../colour';
-import { inSlice, type Model, type SummaryRow } from '../data';
+import type { Model } from '../data';
 import { choice } from '../dom';
-import { fixed, integer, percent, percentRange, seconds, significant, sizes, upper } from '../format';
+import { integer, percentRange, sizes, upper } from '../format';
 import * as state from '../state';
-import type { Palette } from '../theme';
-import { view } from '../view';
-
-interface Point {
-  name: string;
-  values: Map<string, number>;
-  row: SummaryRow;
-}
-
-const kMeasures: readonly (readonly [key: keyof SummaryRow, name: string, write: (v: number) => string])[] = [
-  ['success_rate', 'success rate', (v) => percent(v)], ['collision_rate', 'collision rate', (v) => percent(v)],
-  ['time_to_goal_median_s', 'median time to goal', (v) => seconds(v)], ['manip_mean', 'mean manipulability', (v) => fixed(v, 4)],
-  ['clearance_min_m', 'mean least clearance', (v) => `${fixed(v, 3)} m`], ['command_change_mean', 'mean command change', (v) => significant(v)],
-];
-
-/** The points of the slice with the numbers that were swept, and their rows of the summary. */
-function points(model: Model): Point[] {
-  const { slice, family } = view();
-  const rows = (family === '' ? model.page.overall : model.page.summary.filter((s) => s.family === family)).filter((r) => inSlice(r, slice));
-  return model.page.points.filter((p) => inSlice(p, slice)).flatMap((p) => {
-    const values = new Map(Object.entries(p.params).filter((e): e is [string, number] => typeof e[1] === 'number'));
-    const row = rows.find((r) => r.controller === p.controller && r.point === p.point);
-    return values.size === 0 || row === undefined ? [] : [{ name: p.point || p.controller, values, row }];
-  });
-}
-
-/** Gains with more than one value. */
-function gains(all: readonly Point[]): string[] {
-  const keys = [...new Set(all.flatMap((p) => [...p.values.keys()]))];
-  return keys.filter((key) => new Set(all.map((p) => p.values.get(key))).size > 1);
-}
-
-function measure(): (typeof kMeasures)[number] {
-  return kMeasures.find(([key]) => key === state.get('f.measure')) ?? kMeasures[0]!;
-}
-
-function ramp(p: Palette): string[] {
-  return p.dark ? ['#1d2733', '#24496b', '#3b7fae', '#7fc0d8', '#e8f3e2'] : ['#f3f1ea', '#c9dbe2', '#86b3c9', '#41799f', '#173d63'];
-}
-
-function short(key: string): string {
-  return key.replace(/^controllers?\./, '');
-}
-
-export function isSwept(model: Model): boolean {
-  return model.page.points.some((p) => Object.values(p.params).some((v) => typeof v === 'number'));
-}
-
-function measureChoice(redraw: () => void): Node {
-  return choice('Measure', kMeasures.map(([key, name]) => [key, name] as const), state.get('f.measure'), (value) => { state.set({ 'f.measure': value }); redraw(); });
-}
+import { gainShares } from './gain_shares';
+import { slices } from './slices';
+import { gains, intervalOf, isBetter, measure, measureChoice, points, ramp, short, told, valueOf, type Point } from './swept';
 
 function heat(model: Model): FigureSpec {
   const axes = (): [string, string] => {
@@ -67,8 +19,8 @@ function heat(model: Model): FigureSpec {
   };
   return {
     id: 'heat',
-    title: () => `${upper(measure()[1])} over two gains`,
-    caption: 'One cell per pair of values. Where other gains were swept too, a cell is the best of its points.',
+    title: () => `${upper(measure().name)} over two gains`,
+    caption: 'One cell per pair of values, coloured by the bar above. Where other gains were swept too, a cell is the best of its points.',
     empty: 'Two gains with several values each are needed.',
     controls: (redraw) => {
       const keys = gains(points(model)).map((key) => [key, short(key)] as const);
@@ -76,44 +28,47 @@ function heat(model: Model): FigureSpec {
       const pick = (name: string) => (value: string) => { state.set({ [name]: value }); redraw(); };
       return [measureChoice(redraw), ...(keys.length > 2 ? [choice('x', keys, x, pick('f.gx')), choice('y', keys, y, pick('f.gy'))] : [])];
     },
-    draw: (p) => {
+    draw: (p, width) => {
       const all = points(model);
       const [kx, ky] = axes();
       if (ky === '') return null;
       const levels = (key: string): number[] => [...new Set(all.map((point) => point.values.get(key) ?? NaN))].filter(Number.isFinite).sort((a, b) => a - b);
       const [xs, ys] = [levels(kx), levels(ky)];
       if (xs.length * ys.length > 2500) return null;
-      const [key, name, write] = measure();
-      const lowIsGood = key === 'collision_rate' || key === 'time_to_goal_median_s' || key === 'command_change_mean';
+      const of = measure();
+      const { key, write } = of;
       const cells = new Map<string, { at: [number, number]; value: number; point: Point }>();
       for (const point of all) {
-        const value = point.row[key];
+        const value = valueOf(point, of);
         const at: [number, number] = [xs.indexOf(point.values.get(kx) ?? NaN), ys.indexOf(point.values.get(ky) ?? NaN)];
-        if (typeof value !== 'number' || at[0] < 0 || at[1] < 0) continue;
+        if (!Number.isFinite(value) || at[0] < 0 || at[1] < 0) continue;
         const known = cells.get(at.join());
-        if (known === undefined || (lowIsGood ? value < known.value : value > known.value)) cells.set(at.join(), { at, value, point });
+        if (known === undefined || isBetter(value, known.value, of)) cells.set(at.join(), { at, value, point });
       }
       const list = [...cells.values()];
       if (list.length === 0) return null;
       const range = [Math.min(...list.map((c) => c.value)), Math.max(...list.map((c) => c.value))] as const;
       const ink = (value: number): string => inkOn(along(ramp(p), range[1] > range[0] ? (value - range[0]) / (range[1] - range[0]) : 0));
-      const isRate = key === 'success_rate' || key === 'collision_rate';
-      const interval = (r: SummaryRow): string => (key === 'collision_rate' ? percentRange(r.collision_low, r.collision_high) : percentRange(r.success_low, r.success_high));
+      // Wide enough for the letters of a rate and of its interval below it.
+      const cell = (width - 90) / xs.length;
+      const isRate = list.every((c) => intervalOf(c.point, of) !== null);
+      const withInterval = isRate && cell > 78;
+      const written = (c: (typeof list)[number]): string => (withInterval ? `${write(c.value)}\n{i|${percentRange(...intervalOf(c.point, of)!)}}` : write(c.value));
       const ns = list.map((c) => c.point.row.n);
       const category = (title: string, values: number[], gap: number) => ({
         ...axis(p, short(title), { nameGap: gap }), type: 'category', data: values.map((v) => plain(v)), splitLine: { show: false }, axisLine: { show: false },
       });
       return {
         height: Math.min(620, 150 + Math.max(3, ys.length) * 52),
-        note: `n = ${sizes(ns)} trials a point, ${integer(all.length)} points.${isRate ? ' Below each rate its 95 % Wilson interval.' : ''} The best of many cells looks better than it is.`,
-        columns: [short(kx), short(ky), key, 'success_low', 'success_high', 'n', 'point'],
-        rows: list.map((c) => [xs[c.at[0]] ?? NaN, ys[c.at[1]] ?? NaN, c.value, c.point.row.success_low, c.point.row.success_high, c.point.row.n, c.point.name]),
+        note: `n = ${sizes(ns)} trials a point, ${integer(all.length)} points.${withInterval ? ' Below each rate its 95 % Wilson interval.' : isRate ? ' The data have the 95 % Wilson intervals, for which there is no room here.' : ''} The best of many cells looks better than it is.`,
+        columns: [short(kx), short(ky), key, 'low', 'high', 'n', 'point'],
+        rows: list.map((c) => [xs[c.at[0]] ?? NaN, ys[c.at[1]] ?? NaN, c.value, ...(intervalOf(c.point, of) ?? [null, null]), c.point.row.n, c.point.name]),
         option: {
           grid: { left: 8, right: 16, top: 58, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
           xAxis: category(kx, xs, 30), yAxis: category(ky, ys, 52),
           visualMap: {
-            show: true, type: 'continuous', calculable: false, hoverLink: false, orient: 'horizontal', left: 'center', top: 8, itemWidth: 12, itemHeight: 200,
-            text: [write(range[1]), `${name}  ${write(range[0])}`], textStyle: { color: p.muted, fontSize: 11.5 },
+            show: true, type: 'continuous', calculable: false, hoverLink: false, orient: 'horizontal', left: 'center', top: 8, itemWidth: 12, itemHeight: Math.min(200, 0.4 * width),
+            text: [write(range[1]), write(range[0])], textStyle: { color: p.muted, fontSize: 11.5 },
             min: range[0], max: range[1] > range[0] ? range[1] : range[0] + 1e-9, inRange: { color: ramp(p) },
           },
           tooltip: {
@@ -121,8 +76,7 @@ function heat(model: Model): FigureSpec {
             formatter: ({ dataIndex }: { dataIndex: number }) => {
               const c = list[dataIndex];
               if (c === undefined) return '';
-              const r = c.point.row;
-              return tip(c.point.name, [[name, write(c.value)], ['success', `${percent(r.success_rate)} (${percentRange(r.success_low, r.success_high)})`], ['n', integer(r.n)]]);
+              return tip(c.point.name, told(c.point, of));
             },
           },
           series: [{
@@ -130,7 +84,7 @@ function heat(model: Model): FigureSpec {
             data: list.map((c) => ({
               value: [...c.at, c.value],
               label: {
-                show: xs.length <= 14, formatter: isRate && xs.length <= 7 ? `${write(c.value)}\n{i|${interval(c.point.row)}}` : write(c.value), fontSize: 12,
+                show: cell > 44, formatter: written(c), fontSize: 12,
                 color: ink(c.value), rich: { i: { fontSize: 10.5, lineHeight: 15, color: ink(c.value) } },
               },
             })),
@@ -144,16 +98,17 @@ function heat(model: Model): FigureSpec {
 function parallel(model: Model): FigureSpec {
   return {
     id: 'parallel',
-    title: () => `${upper(measure()[1])} over all swept gains`,
+    title: () => `${upper(measure().name)} over all swept gains`,
     caption: 'One line per point, through its gains to its measure; the stronger the colour, the higher the measure.',
     empty: 'No gain takes several values.',
     controls: (redraw) => [measureChoice(redraw)],
     draw: (p) => {
-      const [key, name, write] = measure();
-      const all = points(model).filter((point) => typeof point.row[key] === 'number');
+      const of = measure();
+      const { key, name, write } = of;
+      const all = points(model).filter((point) => Number.isFinite(valueOf(point, of)));
       const keys = gains(all);
       if (keys.length === 0 || all.length < 2) return null;
-      const value = (point: Point): number => point.row[key] as number;
+      const value = (point: Point): number => valueOf(point, of);
       const result = nice(Math.min(...all.map(value)), Math.max(...all.map(value)));
       const scales = keys.map((gain) => {
         const values = all.map((point) => point.values.get(gain) ?? NaN).filter(Number.isFinite);
@@ -185,7 +140,7 @@ function parallel(model: Model): FigureSpec {
             formatter: ({ seriesIndex }: { seriesIndex: number }) => {
               const point = ordered[seriesIndex];
               if (point === undefined) return '';
-              return tip(point.name, [[name, write(value(point))], ['success', `${percent(point.row.success_rate)} (${percentRange(point.row.success_low, point.row.success_high)})`], ['n', integer(point.row.n)]]);
+              return tip(point.name, told(point, of));
             },
           },
           series: [
@@ -206,5 +161,5 @@ function parallel(model: Model): FigureSpec {
 
 export function sweep(model: Model): FigureSpec[] {
   state.setDefault('f.measure', 'success_rate');
-  return [heat(model), parallel(model)];
+  return [heat(model), slices(model), gainShares(model), parallel(model)];
 }

@@ -1,13 +1,15 @@
 // A search for gains: what was found and whether it holds on other worlds, how the search went, what matters.
 
-import { axis, kFont, nice, pathSeries, plain, stairs, tip, whisker, type FigureSpec } from '../chart';
+import { axis, gainAxis, kFont, nice, pathSeries, plain, smallMultiples, stairs, tip, whisker, type FigureSpec } from '../chart';
 import { figure } from '../figure';
 import type { Model, TuneSearch } from '../data';
 import { h } from '../dom';
-import { fixed, integer, percent, percentRange, plural, probability, significant } from '../format';
+import { integer, percent, percentRange, plural, probability, significant } from '../format';
 import { shareErrors } from '../importance';
 import { metric } from '../metrics';
+import { difference, isRate, named, verdictOf } from '../search_words';
 import { seriesColour, type Palette } from '../theme';
+import { shareBars } from './share_bars';
 
 function short(key: string): string {
   return key.replace(/^controllers?\./, '');
@@ -26,14 +28,6 @@ function gains(search: TuneSearch): HTMLElement {
 }
 
 type Comparison = TuneSearch['comparisons'][number];
-
-function isRate(name: string): boolean {
-  return name === 'success' || name === 'collision';
-}
-
-function named(key: string): string {
-  return key === 'objective' ? 'objective' : isRate(key) ? `${key} rate` : metric(key).name;
-}
 
 /** A value of a metric of the comparison; rates in percent, their differences in points. */
 function written(key: string, v: number | null): string {
@@ -54,40 +48,6 @@ function comparisons(search: TuneSearch): HTMLElement | null {
         h('td', null, written(c.metric, c.theirs), h('small', null, `${c.other} ${range(c.metric, c.theirs_low, c.theirs_high)}`)),
         h('td', null, written(c.metric, c.difference), h('small', null, range(c.metric, c.difference_low, c.difference_high))),
         h('td', null, c.verdict, c.p === null ? null : h('small', null, `${probability(c.p)}, Holm`))))))));
-}
-
-/** "success rate +12.0 points (7.0 to 17.0), p < 0.001" */
-function difference(c: Comparison): string {
-  const scale = isRate(c.metric) ? 100 : 1;
-  const write = (v: number | null): string => (v === null ? '\u2013' : isRate(c.metric) ? fixed(scale * v, 1) : metric(c.metric).write(v));
-  const value = `${(c.difference ?? 0) > 0 ? '+' : ''}${write(c.difference)}${isRate(c.metric) ? ' points' : metric(c.metric).unit && ` ${metric(c.metric).unit}`}`;
-  const interval = c.difference_low === null || c.difference_high === null ? '' : ` (${write(c.difference_low)} to ${write(c.difference_high)})`;
-  return `${named(c.metric)} ${value}${interval}${c.p === null ? '' : `, ${probability(c.p)}`}`;
-}
-
-const kCriterion: Record<string, string> = {
-  better: 'success or the objective is shown to be better, and neither success nor collisions are shown to be worse',
-  worse: 'success or collisions are shown to be worse',
-  'no difference shown': 'neither success nor the objective is shown to be better, nor success or collisions to be worse',
-};
-
-/** What was found to hold on other worlds, by how much, and by which rule. */
-export function verdictOf(search: TuneSearch): string[] {
-  if (search.verdict === null) {
-    const still = search.writer === 'at work' ? 'still running' : search.writer === 'gone' ? 'was killed; the same command goes on' : 'still running, or was killed';
-    return [`The search for gains of ${search.controller} is ${search.status === 'running' ? still : search.status}: nothing has been judged yet.`.replace('is was', 'was')];
-  }
-  const families = new Set(search.comparisons.map((c) => c.family));
-  const whole = families.has('all') ? 'all' : [...families][0];
-  const others = [...new Set(search.comparisons.map((c) => c.other))];
-  const preset = others.includes(search.controller) ? search.controller : others[0];
-  const told = search.comparisons.filter((c) => c.family === whole && c.other === preset);
-  const shown = [...told.filter((c) => isRate(c.metric) || c.metric === 'objective'), ...told.filter((c) => !isRate(c.metric) && c.metric !== 'objective')].filter((c) => c.difference !== null).slice(0, 4);
-  return [
-    `Gains found for ${search.controller}, on ${told[0] === undefined ? 'worlds' : plural(told[0].n, 'world')} that took no part in the search: ${search.verdict}.`,
-    ...(shown.length === 0 ? [] : [`Against ${preset ?? ''}: ${shown.map(difference).join('; ')}.`]),
-    ...(kCriterion[search.verdict] === undefined ? [] : [`\u201c${search.verdict.charAt(0).toUpperCase()}${search.verdict.slice(1)}\u201d: ${kCriterion[search.verdict]} (exact McNemar with Holm\u2019s correction, paired bootstrap). The score of the search takes no part.`]),
-  ];
 }
 
 /** One forest plot per metric: the found gains less each other controller, in each family. */
@@ -201,41 +161,38 @@ function sensitivity(search: TuneSearch, id: string): FigureSpec {
   return {
     id: `sensitivity${id}`,
     title: 'What a gain matters',
-    caption: 'Change of the objective when one gain alone moves away from what was found; bars are one standard error.',
+    caption: 'A slice for each gain, the one that explains most first: change of the objective when it alone moves away from what was found (the upright line); bars are one standard error.',
     empty: 'This search measured no sensitivities.',
-    draw: (p: Palette) => {
+    draw: (p: Palette, width: number) => {
       const lines = search.variables.map((v, i) => ({
-        v, i, points: search.sensitivity.filter((s) => s.variable === i && s.value !== null && s.valid === 1 && v.found !== null && v.found > 0 && s.value > 0)
-          .map((s) => ({ x: (s.value ?? 1) / (v.found ?? 1), s })),
-      })).filter((line) => line.points.length > 1);
+        v, found: v.found, steps: search.sensitivity.flatMap((s) => (s.variable === i && s.value !== null && s.valid === 1 ? [{ ...s, value: s.value }] : [])).sort((a, b) => a.value - b.value),
+      })).filter((line) => line.steps.length > 1).sort((a, b) => (b.v.importance ?? -1) - (a.v.importance ?? -1));
       if (lines.length === 0) return null;
+      const all = lines.flatMap((line) => line.steps);
+      const range = nice(Math.min(0, ...all.map((s) => s.change - s.error)), Math.max(0, ...all.map((s) => s.change + s.error)), 3);
+      const axes = lines.map((line) => gainAxis(p, [...line.steps.map((s) => s.value), ...(line.found === null ? [] : [line.found])], 240));
+      const colour = seriesColour(p, 0);
       return {
-        height: 340,
-        note: `n = ${integer(lines.length)} gains; bars: one standard error. A flat curve is a gain that need not be tuned.`,
-        columns: ['gain', 'value', 'factor', 'change', 'error'],
-        rows: lines.flatMap((line) => line.points.map(({ x, s }) => [line.v.key, s.value, x, s.change, s.error])),
-        option: {
-          legend: { data: lines.map((line) => short(line.v.key)), top: 0, left: 0, itemWidth: 14, itemHeight: 8, selectedMode: false, textStyle: { color: p.muted, fontSize: 12 } },
-          grid: { left: 8, right: 16, top: 40, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
-          xAxis: axis(p, 'gain, as a multiple of what was found', { type: 'log', logBase: 2, nameGap: 26, axisLabel: { color: p.muted, formatter: (v: number) => `${significant(v, 2)}\u00d7` } }),
-          yAxis: axis(p, search.unit === '' ? 'change' : `change [${search.unit}]`, { nameGap: 42, axisLabel: { color: p.muted, formatter: plain } }),
-          tooltip: {
+        note: `n = ${plural(lines.length, 'gain')}; bars: one standard error. A flat slice is a gain that need not be tuned.`,
+        columns: ['gain', 'found', 'value', 'change', 'error'],
+        rows: lines.flatMap((line) => line.steps.map((s) => [line.v.key, line.found, s.value, s.change, s.error])),
+        ...smallMultiples(width, lines.map((line) => ({ title: short(line.v.key), colour: p.ink })), (place) => axes[place]?.option ?? {},
+          axis(p, search.unit === '' ? 'change' : `change [${search.unit}]`, { ...range, axisLabel: { color: p.muted, formatter: plain } }), (place) => {
+            const { steps, found } = lines[place]!;
+            const at = axes[place]!.at;
+            // Nothing changes where nothing is moved.
+            const path = [...steps.map((s): [number, number] => [at(s.value), s.change]), ...(found === null || steps.some((s) => s.value === found) ? [] : [[at(found), 0] as [number, number]])].sort((a, b) => a[0] - b[0]);
+            return [
+              ...(found === null ? [] : [{ type: 'line', silent: true, showSymbol: false, tooltip: { show: false }, z: 1, data: [[at(found), range.min], [at(found), range.max]], lineStyle: { color: p.faint, width: 1, type: [4, 3] } }]),
+              pathSeries('', path, { colour, width: 1.6 }, { silent: true, tooltip: { show: false } }),
+              { type: 'custom', silent: true, tooltip: { show: false }, data: steps.map((s) => [at(s.value), s.change - s.error, s.change + s.error]), encode: { x: 0, y: [1, 2] }, renderItem: whisker(colour, false) },
+              { type: 'scatter', symbolSize: 7, z: 4, itemStyle: { color: colour }, data: steps.map((s) => ({ value: [at(s.value), s.change], s, key: lines[place]!.v.key })) },
+            ];
+          }, {
             trigger: 'item',
-            formatter: ({ seriesName, dataIndex }: { seriesName: string; dataIndex: number }) => {
-              const line = lines.find((l) => short(l.v.key) === seriesName);
-              const point = line?.points[dataIndex];
-              if (line === undefined || point === undefined) return '';
-              return tip(short(line.v.key), [['value', significant(point.s.value)], ['change', `${significant(point.s.change)} \u00b1 ${significant(point.s.error, 2)} ${search.unit}`]], seriesColour(p, line.i));
-            },
-          },
-          series: [...lines.map((line) => ({
-            type: 'custom', silent: true, data: line.points.map(({ x, s }) => [x, s.change - s.error, s.change + s.error]), encode: { x: 0, y: [1, 2] },
-            renderItem: whisker(seriesColour(p, line.i), false), tooltip: { show: false }, itemStyle: { color: seriesColour(p, line.i) },
-          })), ...lines.map((line) => ({
-            name: short(line.v.key), type: 'line', data: line.points.map(({ x, s }) => [x, s.change]), symbolSize: 7,
-            lineStyle: { color: seriesColour(p, line.i), width: 1.8 }, itemStyle: { color: seriesColour(p, line.i) }, emphasis: { disabled: true },
-          }))],
-        },
+            formatter: ({ data }: { data: { s?: (typeof all)[number]; key?: string } }) => (data.s === undefined ? ''
+              : tip(short(data.key ?? ''), [['value', significant(data.s.value)], ['change', `${significant(data.s.change)} \u00b1 ${significant(data.s.error, 2)} ${search.unit}`]], colour)),
+          }),
       };
     },
   };
@@ -249,36 +206,9 @@ function importance(search: TuneSearch, id: string): FigureSpec {
     empty: 'This search measured too few candidates to tell.',
     draw: (p: Palette, width: number) => {
       const errors = shareErrors(search);
-      const bars = search.variables.map((v, i) => ({ v, share: v.importance, error: errors?.[i] ?? 0 }))
-        .filter((bar): bar is { v: typeof bar.v; share: number; error: number } => bar.share !== null).sort((a, b) => b.share - a.share);
-      if (bars.length === 0) return null;
-      const most = Math.max(...bars.map((bar) => bar.share + bar.error));
-      const colour = seriesColour(p, 0);
-      return {
-        height: 60 + 26 * bars.length,
-        note: `n = ${integer(search.evaluations.length)} candidates.${errors === null ? ' Too few for errors.' : ' Errors: jackknife over twentieths of them.'} What is left of 100 % is interaction and noise.`,
-        columns: ['gain', 'share', 'error'],
-        rows: bars.map((bar) => [bar.v.key, bar.share, errors === null ? null : bar.error]),
-        option: {
-          grid: { left: 4, right: 24, top: 8, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
-          xAxis: axis(p, '', { ...nice(0, Math.max(most, 0.05)), axisLabel: { color: p.muted, formatter: (v: number) => `${plain(100 * v)} %` } }),
-          yAxis: {
-            type: 'category', inverse: true, data: bars.map((_, i) => String(i)), axisLine: { show: false }, axisTick: { show: false }, splitLine: { show: false },
-            axisLabel: { color: p.ink, fontSize: 12.5, fontFamily: kFont, interval: 0, width: Math.min(320, 0.4 * width), overflow: 'truncate', formatter: (i: string) => short(bars[Number(i)]?.v.key ?? '') },
-          },
-          tooltip: {
-            trigger: 'item',
-            formatter: ({ dataIndex }: { dataIndex: number }) => {
-              const bar = bars[dataIndex];
-              return bar === undefined ? '' : tip(short(bar.v.key), [['share', percent(bar.share)], ...(errors === null ? [] : [['error', percent(bar.error)] as const])], colour);
-            },
-          },
-          series: [
-            { type: 'bar', barWidth: 12, data: bars.map((bar, i) => ({ value: [bar.share, String(i)], itemStyle: { color: colour, opacity: 0.75 } })) },
-            ...(errors === null ? [] : [{ type: 'custom', silent: true, tooltip: { show: false }, z: 3, data: bars.map((bar, i) => [Math.max(0, bar.share - bar.error), bar.share + bar.error, i]), encode: { x: [0, 1], y: 2 }, renderItem: whisker(p.ink, true, 1.5) }]),
-          ],
-        },
-      };
+      const bars = search.variables.flatMap((v, i) => (v.importance === null ? [] : [{ name: short(v.key), key: v.key, share: v.importance, error: errors?.[i] ?? null }]));
+      return bars.length === 0 ? null : shareBars(p, width, bars,
+        `n = ${integer(search.evaluations.length)} candidates.${errors === null ? ' Too few for errors.' : ' Errors: jackknife over twentieths of them.'} What is left of 100 % is interaction and noise.`);
     },
   };
 }

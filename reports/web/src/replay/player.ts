@@ -131,7 +131,7 @@ export function player(model: Model): Player {
     const t = model.trials;
     replace(legend, part(c.arm, 'robot'), part(c.goal, 'goal: the hand as it must arrive, a ball as large as the tolerance'), part(c.path, 'path of the hand, paler at its begin'),
       part(c.hit, 'touched, or a row that holds the command back'),
-      trace !== null && looksAhead(trace) ? part(c.plan, 'where the base is to go: the path that it follows, or a detour') : null, ghost === null ? null : part(c.ghost, `${t.text('controller', model.row(ghost.trial) ?? -1)} in the same world`));
+      trace !== null && looksAhead(trace) ? part(c.plan, 'where the base is to go: the path that it follows, or a detour') : null, ghost === null ? null : part(c.ghost, `${[t.text('controller', model.row(ghost.trial) ?? -1), t.text('point', model.row(ghost.trial) ?? -1)].join(' ').trim()} in the same world`));
   };
 
   const tellTriangles = (): void => { stage.dataset['triangles'] = String(scene?.triangles() ?? 0); };

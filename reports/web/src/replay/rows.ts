@@ -5,6 +5,7 @@
 import { Matrix4, Vector3 } from 'three';
 
 import { coreOf, nearestPoints, type Core } from './distance';
+import { movingPairs } from './moving_pairs';
 import { passing, type PassingParameters } from './passing';
 import type { Robot } from './robot';
 import type { Trace } from './trace';
@@ -78,6 +79,7 @@ export class CollisionRows {
   /** Rows at time t, nearest to their stop distance first. Leaves the robot posed at t. */
   at(trace: Trace, t: number, bodies: readonly Body[]): Row[] {
     const { robot, parameters } = this;
+    const pairs = parameters.self === null ? [] : movingPairs(robot);   // before the robot is posed
     const [sample] = trace.locate(t);
     const dof = trace.count('command') - trace.count('q');   // of the base: linear velocities, then the turn
     const pose = (h: number): void => {
@@ -108,10 +110,8 @@ export class CollisionRows {
       if (floor !== null && robot.moves(link)) this.addFloor(rows, floor, i, core, place, link);
     });
     if (self !== null) {
-      for (const [i, j] of robot.pairs) {
+      for (const [i, j] of pairs) {
         const [a, b] = [this.cores[i], this.cores[j]];
-        // Of shapes that never move against each other nothing can be seen.
-        if (robot.rigid(robot.shapes[i]?.link ?? '') === robot.rigid(robot.shapes[j]?.link ?? '')) continue;
         if (a !== undefined && b !== undefined) this.add(rows, 'self', self, i, a, this.now[i]!, b, this.now[j]!, this.later[j]!, robot.shapes[i]?.link ?? '', robot.shapes[j]?.link ?? '');
       }
     }

@@ -1,8 +1,8 @@
 // The replay in 3-D: robot, objects, goal and the end effector's path. World axes, z up, metres.
 
 import {
-  AmbientLight, Color, CylinderGeometry, DirectionalLight, Group, HemisphereLight, Matrix4, Mesh, MeshStandardMaterial, PCFShadowMap,
-  PerspectiveCamera, PlaneGeometry, Scene, ShadowMaterial, SphereGeometry, Vector3, WebGLRenderer, type Material,
+  AmbientLight, Color, DirectionalLight, Group, HemisphereLight, Matrix4, Mesh, MeshStandardMaterial, PCFShadowMap,
+  PerspectiveCamera, PlaneGeometry, Scene, ShadowMaterial, Vector3, WebGLRenderer, type Material,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import type { Line2 } from 'three/examples/jsm/lines/Line2.js';
@@ -10,15 +10,17 @@ import type { Line2 } from 'three/examples/jsm/lines/Line2.js';
 import type { Colours } from './colours';
 import { coreOf, type Core } from './distance';
 import { extent, fit } from './fit';
+import { goalMark } from './goal';
 import type { Part } from './look';
 import { floorPath, grid, handPath, rowArrow, triad } from './marks';
 import { placeAt, type MotionJson, type Placed } from './motion';
 import { detourTarget, pathAhead } from './plan';
 import { quaternion, Robot, type ShapeJson } from './robot';
 import { CollisionRows, kMoment, type Body, type CollisionParameters, type Row } from './rows';
-import { poseAt, skins, wheelsOf } from './skins';
+import { poseAt, skins } from './skins';
 import { solid } from './solid';
 import type { Trace } from './trace';
+import { wheels } from './wheels';
 
 interface BodyJson extends ShapeJson { name: string; quaternion?: number[]; motion?: MotionJson }
 
@@ -170,15 +172,17 @@ export class ReplayScene {
       return { mesh, name: body.name, core: coreOf(body), start: { position: new Vector3(x, y, z), turn: quaternion(body.quaternion) }, motion: body.motion };
     });
 
-    for (const { radius, x, y } of wheelsOf(robot, look)) {
-      const mesh = new Mesh(new CylinderGeometry(radius, radius, 0.05, 28), this.material(colours.wheel));
+    for (const { surface, local } of wheels(robot, look)) {
+      const mesh = new Mesh(surface, this.material(colours.wheel));
       mesh.matrixAutoUpdate = false;
       mesh.castShadow = true;
       this.content.add(mesh);
-      this.links.push({ mesh, link: '@base', local: new Matrix4().makeTranslation(x, y, radius) });
+      this.links.push({ mesh, link: '@base', local });
     }
     this.addGhost();
-    this.addGoal(robot);
+    poseAt(robot, trace, 0);
+    this.goal = goalMark(robot, skins(robot, look), this.tolerance, colours.goal);
+    this.content.add(this.goal);
     this.tip = triad(0.16, false);
     this.arrows = new Group();
     this.plan = new Group();
@@ -198,23 +202,6 @@ export class ReplayScene {
       return { mesh, link, local };
     });
     this.ghostPast = this.addPath(ghost.robot, ghost.trace, colours.ghost, colours.ghost);
-  }
-
-  /** Axes, a ball as large as the tolerance, and the hand as it has to arrive. */
-  private addGoal(robot: Robot): void {
-    const { colours } = this;
-    this.goal = triad(0.26, true);
-    this.goal.add(new Mesh(new SphereGeometry(Math.max(this.tolerance, 0.008), 24, 16), this.material(colours.goal, { transparent: true, opacity: 0.75 })));
-    poseAt(robot, this.trace as Trace, 0);
-    const toTip = robot.tipPose(new Matrix4()).invert();
-    for (const { surface, link, local } of skins(robot, this.shapesOnly ? [] : this.look)) {
-      if (!robot.inHand(link)) continue;
-      const mesh = new Mesh(surface, this.material(colours.goal, { transparent: true, opacity: 0.24, depthWrite: false }));
-      mesh.matrixAutoUpdate = false;
-      mesh.matrix.copy(toTip).multiply(robot.pose(link)).multiply(local);
-      this.goal.add(mesh);
-    }
-    this.content.add(this.goal);
   }
 
   /** Draws the path of the hand. Returns what of it has been travelled. */

@@ -20,13 +20,6 @@ export function skins(robot: Robot, look: readonly Part[]): Skin[] {
   ];
 }
 
-/** Radius and place of a wheel's centre in base axes. */
-export function wheelsOf(robot: Robot, look: readonly Part[]): { radius: number; x: number; y: number }[] {
-  const { radius, separation, wheelbase = 0 } = robot.wheels ?? {};
-  if (radius === undefined || separation === undefined || look.some((part) => robot.has(part.link) && robot.rigid(part.link) === '@base')) return [];
-  return (wheelbase > 0 ? [-wheelbase / 2, wheelbase / 2] : [0]).flatMap((x) => [-1, 1].map((side) => ({ radius, x, y: (side * separation) / 2 })));
-}
-
 /** Puts the robot where it is at time t of its motion, or at the motion's end. */
 export function poseAt(robot: Robot, trace: Trace, t: number): void {
   const at = Math.min(t, trace.end);

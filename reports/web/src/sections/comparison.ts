@@ -9,19 +9,13 @@ import { metric, withUnit, type Metric } from '../metrics';
 import * as state from '../state';
 import { holm, pairedRate } from '../stats';
 import { onTheme, palette, seriesColour } from '../theme';
-import { onView, view } from '../view';
+import { baseline, onView, view } from '../view';
 
 const kMetrics = ['time_to_goal_s', 'manip_mean', 'clearance_min_m', 'command_change_mean', 'path_ee_m'];
 /** More comparisons than this cost each other too much power. */
 const kMost = 12;
 
 interface Row { series: Series; rates: { name: string; only: [number, number]; n: number; p: number }[]; metrics: { of: Metric; r: Pairs }[] }
-
-function baseline(): Series | undefined {
-  const { all, series } = view();
-  const asked = state.get('base');
-  return all.find((s) => asked !== '' && s.index === Number(asked)) ?? series[0];
-}
 
 function compared(model: Model, base: Series): Row[] {
   return view().series.filter((s) => s.index !== base.index).slice(0, kMost).map((s) => {
@@ -51,7 +45,7 @@ export function comparison(model: Model): HTMLElement {
     const base = baseline();
     const rows = base === undefined ? [] : compared(model, base);
     replace(controls, base === undefined || series.length < 2 ? null
-      : choice('Compared with', series.map((s) => [String(s.index), s.name] as const), String(base.index), (value) => { state.set({ base: value }); fill(); }));
+      : choice('Compared with', (series.includes(base) ? series : [base, ...series]).map((s) => [String(s.index), s.short] as const), String(base.index), (value) => { state.set({ base: value }); fill(); }));
     saveButton.hidden = rows.length === 0;
     table = [];
     if (base === undefined || rows.length === 0) {

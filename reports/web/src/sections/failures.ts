@@ -9,7 +9,7 @@ import { metric, withUnit } from '../metrics';
 import { select } from '../select';
 import * as state from '../state';
 import { outcomeColour, onTheme, palette, seriesColour } from '../theme';
-import { onView, view } from '../view';
+import { naming, onView, view } from '../view';
 
 interface Cluster {
   outcome: Outcome;
@@ -54,10 +54,10 @@ function table(all: readonly Cluster[]): HTMLElement {
     causes.flatMap((cause) => series.map((s) => [cause, s.controller, s.point, count(cause, s), s.rows.length]))));
   return h('div', { class: 'panel', id: 'causes' },
     h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Failures by cause' }, h('table', { class: 'plain causes' },
-      h('thead', null, h('tr', null, h('th', { scope: 'col' }, 'Cause'), ...series.map((s) => h('th', { scope: 'col' }, h('span', { class: 'dotted', style: `--c:${seriesColour(palette(), s.mark)}` }, s.name), h('small', null, `${integer(count(null, s))} failures, n\u00a0=\u00a0${integer(s.rows.length)}`))))),
+      h('thead', null, h('tr', null, h('th', { scope: 'col' }, 'Cause'), ...series.map((s) => h('th', { scope: 'col' }, h('span', { class: 'dotted', title: s.name, style: `--c:${seriesColour(palette(), s.mark)}` }, s.short), h('small', null, `${integer(count(null, s))} failures, n\u00a0=\u00a0${integer(s.rows.length)}`))))),
       h('tbody', null, ...rows.map(([cause, ...counts]) => h('tr', null, h('th', { scope: 'row' }, cause, h('small', null, kCauseTexts[cause])),
         ...counts.map((n, i) => h('td', null, n === 0 ? '\u2013' : h('span', { class: 'share', style: `--w:${(100 * n) / most}%;--c:${seriesColour(palette(), series[i]?.mark ?? -1)}` }, integer(n), h('small', null, percent(n / (series[i]?.rows.length ?? 1))))))))))),
-    h('footer', null, h('p', { class: 'note' }, 'Causes follow from what the store says of a trial, in the order of this table; they are no proof. \u201cBase misaligned\u201d and \u201clate detection\u201d need stored samples.'),
+    h('footer', null, h('p', { class: 'note' }, 'Causes follow from what the store says of a trial, in the order of this table; they are no proof. \u201cBase misaligned\u201d and \u201clate detection\u201d need stored samples.', naming()),
       h('div', { class: 'actions' }, h('button', { type: 'button', class: 'quiet', click: save }, 'Data CSV'))));
 }
 
@@ -83,7 +83,7 @@ export function failures(model: Model): HTMLElement {
       const value = model.trials.number(of.key, row);
       const of_ = c.series.rows.length;
       return h('article', { style: `--c:${outcomeColour(p, c.outcome)}` },
-        h('h4', null, h('span', { class: 'chip' }, outcomeName(c.outcome)), h('span', { class: 'who', title: c.series.name }, c.series.name)),
+        h('h4', null, h('span', { class: 'chip' }, outcomeName(c.outcome)), h('span', { class: 'who', title: c.series.name }, c.series.short)),
         h('p', { class: 'why', title: kCauseTexts[c.cause] }, c.cause),
         h('p', { class: 'what' }, c.what || (c.outcome === 'timeout' ? 'the time ran out' : 'no reason given')),
         h('p', { class: 'count' }, h('b', null, integer(c.rows.length)), ` of ${plural(of_, 'trial')}, ${percent(c.rows.length / of_)}`),

@@ -8,18 +8,14 @@ import { inSlice, type Model, type Series, type SummaryRow } from '../data';
 import { h, replace } from '../dom';
 import { fixed, integer, percent, percentRange, plural, probability, times } from '../format';
 import { afterFrame } from '../later';
-import * as state from '../state';
 import { holm, pairedRate } from '../stats';
 import { palette, seriesColour } from '../theme';
-import { view } from '../view';
+import { baseline, kFew, view } from '../view';
 
 export interface Judged {
   series: Series;
   row: SummaryRow | undefined;
 }
-
-/** More verdicts than this do not help: the best are shown, the others are in the table. */
-export const kVerdicts = 4;
 
 function rateOf(judged: Judged): number {
   return judged.row?.success_rate ?? -1;
@@ -30,16 +26,13 @@ export function judged(model: Model): Judged[] {
   const { slice, family, series } = view();
   const rows = (family === '' ? model.page.overall : model.page.summary.filter((s) => s.family === family)).filter((r) => inSlice(r, slice));
   const all = series.map((s) => ({ series: s, row: rows.find((r) => r.controller === s.controller && r.point === s.point) }));
-  if (all.length <= kVerdicts || onlyConditions(model, slice)) return all;
+  if (all.length <= kFew || onlyConditions(model, slice)) return all;
   return all.sort((a, b) => rateOf(b) - rateOf(a)).slice(0, 3);
 }
 
-/** The chosen baseline, else the first that the suite defines, and the best of the others that are shown. */
+/** The baseline and the best of the others that are judged. */
 function rivals(shown: readonly Judged[]): [Series, Series] | null {
-  const { all, series } = view();
-  const asked = all.find((s) => state.get('base') !== '' && s.index === Number(state.get('base')));
-  // Of many, the first of all, though it may not be among the best: two neighbours at the top are mostly a tie.
-  const base = asked ?? (series.length > kVerdicts ? all[0] : series[0]);
+  const base = baseline();
   const best = shown.filter((j) => j.series !== base).sort((a, b) => rateOf(b) - rateOf(a))[0]?.series;
   return base === undefined || best === undefined ? null : [base, best];
 }
@@ -148,7 +141,7 @@ export function fillHeadline(model: Model, box: HTMLElement): void {
     replace(box);
     return;
   }
-  if (shown.length > kVerdicts) {
+  if (shown.length > kFew) {
     const under = conditions(model, view().slice).length > 0 ? 'Choose one condition in the bar below for its paired comparison in words; t' : 'T';
     replace(box, h('p', { class: 'aside' }, `${under}he section Pairs compares all of them with one, on the same worlds.`));
     return;

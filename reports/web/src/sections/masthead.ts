@@ -1,18 +1,21 @@
 // What was run, and what came of it: one sentence per controller.
 
 import { disturbances } from '../conditions';
-import { verdictOf } from '../figures/tuning';
 import { inSlice, type Model, type PointInfo, type SummaryRow } from '../data';
 import { h, replace } from '../dom';
 import { integer, list, percent, percentNumber, percentRange, plural, seconds } from '../format';
+import { verdictOf } from '../search_words';
 import { palette, seriesColour, onTheme } from '../theme';
-import { onView, view } from '../view';
-import { fillHeadline, judged, kVerdicts } from './headline';
+import { kFew, onView, view } from '../view';
+import { fillHeadline, judged } from './headline';
 import { notices } from './notices';
 
 function unique(values: readonly string[]): string[] {
   return [...new Set(values)];
 }
+
+/** More names than this are not all written at the top of the page. */
+const kNames = 6;
 
 function when(iso: string): string {
   const date = new Date(iso);
@@ -22,6 +25,11 @@ function when(iso: string): string {
 
 function seeds(points: readonly PointInfo[]): string {
   return list(unique(points.map((p) => String(p.worlds?.seed ?? '')).filter((s) => s !== '')));
+}
+
+/** All of a few names, the first of many. */
+function names(all: readonly string[]): string {
+  return all.length <= kNames ? all.join(', ') : `${all.slice(0, kNames - 3).join(', ')} and ${integer(all.length - kNames + 3)} others`;
 }
 
 function facts(model: Model): [string, string][] {
@@ -36,7 +44,7 @@ function facts(model: Model): [string, string][] {
   const versions = unique(runs.map((r) => `${r.moma_version}${r.git_commit ? ` (${r.git_commit.slice(0, 7)}${r.git_dirty ? ', changed' : ''})` : ''}`));
   const out: [string, string][] = [
     ['Robot', slice.robot],
-    ['Controllers', unique(points.map((p) => p.controller)).join(', ') + (points.some((p) => p.point !== '') ? `, ${plural(points.length, 'point')}` : '')],
+    ['Controllers', names(unique(points.map((p) => p.controller))) + (points.some((p) => p.point !== '') ? `, ${plural(points.length, 'point')}` : '')],
     ['Worlds', `${families.join(', ') || 'none'}${seeds(points) ? `; seed ${seeds(points)}` : ''}`],
     ['Simulation', `${slice.mode}, ${unique(points.map((p) => `${1e3 * p.control_period_s} ms`)).join(', ')} control period`],
     ['Trials', integer(trials)],
@@ -61,6 +69,7 @@ function sentence(name: string, row: SummaryRow): string {
 function verdicts(model: Model): HTMLElement[] {
   const { all } = view();
   const shown = judged(model);
+  const what = all.some((s) => s.point !== '') ? 'point' : 'controller';
   return shown.map(({ series: s, row }) => {
     const colour = seriesColour(palette(), s.mark);
     if (row === undefined) {
@@ -71,8 +80,8 @@ function verdicts(model: Model): HTMLElement[] {
       h('p', { class: 'rate' }, percentNumber(row.success_rate), h('small', null, '\u00a0%')),
       h('p', { class: 'words' }, sentence(s.point === '' ? s.name : 'It', row)));
   }).concat(all.length > shown.length
-    ? [h('p', { class: 'aside' }, shown.length === view().series.length ? `${integer(shown.length)} of ${plural(all.length, 'point')}, as chosen; all are in the table below.`
-      : `The best ${integer(shown.length)} of ${plural(all.length, 'point')}; all are in the table below. The best of many look better on the worlds that chose them than they are: confirm them on other worlds.`)]
+    ? [h('p', { class: 'aside' }, shown.length === view().series.length ? `${integer(shown.length)} of ${plural(all.length, what)}, as chosen; all are in the table below.`
+      : `The best ${integer(shown.length)} of ${plural(all.length, what)}; all are in the table below. The best of many look better on the worlds that chose them than they are: confirm them on other worlds.`)]
     : []);
 }
 
@@ -95,7 +104,7 @@ export function masthead(model: Model, live: HTMLElement | null): HTMLElement {
     if (noted !== '') void import('../markdown').then(({ markdown }) => { if (view().slice === slice) replace(noteBox, markdown(noted)); });
     replace(told, ...notices(model, suites).map((text) => h('p', null, text)));
     const all = verdicts(model);
-    verdictBox.classList.toggle('many', all.length > kVerdicts);
+    verdictBox.classList.toggle('many', all.length > kFew);
     replace(verdictBox, ...all);
     fillHeadline(model, pairBox);
     replace(found, ...model.page.tuning.map((search) => { const [first, ...rest] = verdictOf(search); return h('div', null, h('p', null, first ?? ''), ...rest.map((text) => h('p', { class: 'aside' }, text))); }));
