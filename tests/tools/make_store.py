@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Writes a store with made-up but plausible rows, for tests of what reads stores. Standard library only.
 
-usage: make_store.py DEFINITION OUT.db [--kind demo|empty|one|failures|hostile|sweep|tuned] [--worlds N]
-                     [--samples N] [--whole N]
+usage: make_store.py DEFINITION OUT.db [--kind demo|empty|one|failures|hostile|many|sweep|tuned]
+                     [--worlds N] [--samples N] [--whole N] [--search]
 
 Every number is a pure function of the arguments. The motion of a trial is an interpolation between the start and
 the goal's configuration, and its errors follow from forward kinematics of the robot below.
@@ -62,7 +62,7 @@ def robot(name):
     return {
         'name': name, 'urdf': 'courier.urdf', 'urdf_text': urdf(),
         'base': {'type': 'differential', 'mount': {'position': list(MOUNT), 'rpy': [0, 0, 0]}, 'max_linear': 1.0,
-                 'max_angular': 1.5},
+                 'max_angular': 1.5, 'wheels': {'radius': 0.12, 'separation': 0.66}},
         'arm': {'tip': 'tcp', 'tool': {'position': [0, 0, 0], 'rpy': [0, 0, 0]}, 'locked': {}, 'ready': READY},
         'collision': {'shapes': SHAPES},
     }
@@ -244,28 +244,32 @@ def insert(db, table, values):
 
 
 def add_search(db):
-    """A search for two gains: noisy merits that fall towards (2, 1.5)."""
+    """A search for seven gains: noisy merits that fall towards what is found, the less the later the gain."""
     r = random.Random('search')
-    gains = [('controller.base_weight', 0.01, 10.0, 'log', 2.0), ('controller.servo.position', 0.5, 6.0, 'log', 1.5)]
+    gains = [('controller.base_weight', 0.01, 10.0, 'log', 2.0), ('controller.servo.position', 0.5, 6.0, 'log', 1.5),
+             ('controller.k_epsilon', 0.0, 1.0, 'linear', 0.25), ('controller.lambda_q', 0.001, 1.0, 'log', 0.01),
+             ('controller.collision.influence', 0.1, 0.6, 'linear', 0.3), ('controller.collision.gain', 0.2, 2.0, 'log', 1.0),
+             ('controller.slack', 10.0, 1000.0, 'log', 100.0)]
+    found = [0.31, 2.4, 0.4, 0.03, 0.35, 0.8, 90.0]
+    importance = [0.05, 0.6, 0.2, 0.08, 0.03, 0.01, 0.0]
     search_id = insert(db, 'tune_search', {
         'hash': digest('search'), 'suite': 'courier-clutter', 'controller': 'holistic', 'identity': '{}',
         'objective': 'mean cost over worlds: time to goal, 30 where not reached', 'unit': 's', 'budget_trials': 4000,
         'started': '2025-03-14T10:00:00Z', 'ended': '2025-03-14T10:05:00Z', 'status': 'finished', 'trials': 3890,
         'trials_saved': 1200, 'evaluations_cut': 31, 'held_out_suite': None, 'verdict': 'better', 'runs': '[]',
         'notes': json.dumps(['base_weight was found near its lower bound'])})
-    found = [0.31, 2.4]
     for i, (key, lower, upper, scale, start) in enumerate(gains):
         insert(db, 'tune_variable', {'search_id': search_id, 'variable': i, 'key': key, 'lower': lower, 'upper': upper,
-                                     'scale': scale, 'start': start, 'found': found[i], 'importance': [0.7, 0.2][i]})
+                                     'scale': scale, 'start': start, 'found': found[i], 'importance': importance[i]})
         for k, factor in enumerate((0.25, 0.5, 1.0, 2.0, 4.0)):
             insert(db, 'tune_sensitivity', {'search_id': search_id, 'entry': 10 * i + k, 'variable': i, 'other': None,
-                                            'value': found[i] * factor, 'change': 0.8 * math.log(factor) ** 2 * (2 - i),
+                                            'value': found[i] * factor, 'change': 2.0 * math.log(factor) ** 2 * importance[i],
                                             'error': 0.2, 'valid': 1})
     for n in range(90):
         phase = 'start' if n == 0 else 'global' if n < 60 else 'local' if n < 80 else 'confirm'
         spread = 1.5 * math.exp(-n / 30)
         at = [v * math.exp(r.gauss(0, spread)) for v in found]
-        merit = 9 + sum(math.log(a / b) ** 2 for a, b in zip(at, found)) + r.gauss(0, 0.2)
+        merit = 9 + sum(4 * w * math.log(a / b) ** 2 for a, b, w in zip(at, found, importance)) + r.gauss(0, 0.2)
         insert(db, 'tune_evaluation', {
             'search_id': search_id, 'evaluation': n, 'phase': phase, 'run': 0, 'candidate': json.dumps(at), 'first_world': 0,
             'worlds': 40 if merit > 12 else 100, 'cut': int(merit > 12), 'valid': 1, 'cost': merit, 'merit': merit,
@@ -287,10 +291,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('definition', type=pathlib.Path, help='folder of tables.sql and views.sql, as moma_define_store writes them')
     parser.add_argument('out')
-    parser.add_argument('--kind', default='demo', choices=['demo', 'empty', 'one', 'failures', 'hostile', 'sweep', 'tuned'])
+    parser.add_argument('--kind', default='demo', choices=['demo', 'empty', 'one', 'failures', 'hostile', 'many', 'sweep', 'tuned'])
     parser.add_argument('--worlds', type=int, default=200)
     parser.add_argument('--samples', type=int, default=12, help='failures of each point whose samples are kept')
     parser.add_argument('--whole', type=int, default=0, help='worlds of which the samples of all trials are kept')
+    parser.add_argument('--search', action='store_true', help='with a search for gains, as of the kind tuned')
     args = parser.parse_args()
 
     db = sqlite3.connect(args.out)
@@ -307,14 +312,16 @@ def main():
         points[1] = (HOSTILE[1], '', {}, 1.35)
     if args.kind == 'sweep':
         points = [('moma', f'lambda_q={a} k_epsilon={b}', {'controller.lambda_q': a, 'controller.k_epsilon': b},
-                   1.3 - 0.2 * abs(math.log10(a) + 2) - 0.2 * abs(b - 0.5)) for a in (0.001, 0.01, 0.1)
+                   1.3 - 0.6 * abs(math.log10(a) + 2) - 0.3 * abs(b - 0.5)) for a in (0.001, 0.01, 0.1)
                   for b in (0.25, 0.5, 1)]
+    if args.kind == 'many':
+        points = [(f'controller{i:02d}', '', {}, 0.4 + 0.03 * ((7 * i) % 40)) for i in range(40)]
     worlds = 1 if args.kind == 'one' else args.worlds
     families = {'seed': 1, 'families': {'open': {'weight': 1}, 'clutter': {'weight': 1}}}
 
     robot_id = insert(db, 'robot', {'hash': digest('robot'), 'name': robot_name, 'resolved': json.dumps(robot(robot_name))})
     resolved_id = insert(db, 'resolved_suite', {'hash': digest('suite'), 'resolved': json.dumps({'name': suite})})
-    if args.kind == 'tuned':   # the search's own suite comes first and keeps no trials
+    if args.kind == 'tuned' or args.search:   # the search's own suite comes first and keeps no trials
         searched = insert(db, 'suite', {'name': 'courier-search', 'file_name': 'courier-search', 'setting_hash': digest('search setting')})
         parameters_id = insert(db, 'controller', {'hash': digest('searched'), 'resolved': '{}'})
         insert(db, 'point', {
@@ -381,7 +388,7 @@ def main():
                 data = b''.join(struct.pack(f'<{len(c)}d', *c) for c in trace.values())
                 insert(db, 'samples', {'key': key, 'layout': 1, 'n': len(trace['t']),
                                        'columns': json.dumps(list(trace)), 'data': zstd_frame(data)})
-    if args.kind == 'tuned':
+    if args.kind == 'tuned' or args.search:
         add_search(db)
     db.commit()
     db.execute('PRAGMA wal_checkpoint(TRUNCATE)')

@@ -52,9 +52,9 @@ export const launch = (source) => {
 export const workshop = (source, makeReport, work) => {
   rmSync(work, { recursive: true, force: true });
   mkdirSync(work, { recursive: true });
-  const makeStore = (name, kind, worlds, samples = 8, whole = 0) => {
+  const makeStore = (name, kind, worlds, samples = 8, whole = 0, ...more) => {
     const db = join(work, `${name}.db`);
-    execFileSync('python3', [join(source, 'tests/tools/make_store.py'), process.env.MOMA_STORE_DEFINITION, db, '--kind', kind, '--worlds', String(worlds), '--samples', String(samples), '--whole', String(whole)], { stdio: 'inherit' });
+    execFileSync('python3', [join(source, 'tests/tools/make_store.py'), process.env.MOMA_STORE_DEFINITION, db, '--kind', kind, '--worlds', String(worlds), '--samples', String(samples), '--whole', String(whole), ...more], { stdio: 'inherit' });
     return db;
   };
   const sql = (db, text) => execFileSync('python3', ['-c', `import sqlite3; db = sqlite3.connect(${JSON.stringify(db)}); db.executescript(${JSON.stringify(text)}); db.close()`]);
@@ -73,11 +73,12 @@ const asStrip = () => document.head.appendChild(Object.assign(document.createEle
 export const strip = (page) => page.evaluate(asStrip);
 
 /**
- * Opens a page and notes everything it must not do. The replay's scene is a strip unless `scene` asks for what readers see. `idle`: figures that nobody has looked at are drawn, too, when nothing else is to do.
+ * Opens a page and notes everything it must not do. The replay's scene is a strip unless `scene` asks for what readers see. `idle`: figures that nobody has looked at are drawn, too, when nothing else is to do. `init` runs in the page before its own script.
  */
-export const opener = (browser) => async (html, { width = 1280, height = 900, hash = '', scheme = 'light', ratio = 1, touch = false, served = false, scene = process.env.MOMA_SCREENSHOTS !== undefined, idle = false, allowed = () => false } = {}) => {
+export const opener = (browser) => async (html, { width = 1280, height = 900, hash = '', scheme = 'light', ratio = 1, touch = false, served = false, scene = process.env.MOMA_SCREENSHOTS !== undefined, idle = false, init, allowed = () => false } = {}) => {
   const context = await browser.newContext({ viewport: { width, height }, deviceScaleFactor: ratio, hasTouch: touch, offline: !served, colorScheme: scheme, reducedMotion: 'reduce', acceptDownloads: true });
   if (!idle) await context.addInitScript(() => { window.requestIdleCallback = () => 0; });
+  if (init !== undefined) await context.addInitScript(init);
   const page = await context.newPage();
   page.setDefaultTimeout(180000);
   page.on('console', (message) => { if (message.type() === 'error' && !allowed(message.text())) check(false, `console error: ${message.text()}`); });
@@ -90,12 +91,12 @@ export const opener = (browser) => async (html, { width = 1280, height = 900, ha
   return { context, page };
 };
 
-/** What axe-core finds that is serious or worse. */
-export const accessible = async (page, source, what) => {
+/** What axe-core finds that is serious or worse, in the page or in parts of it. */
+export const accessible = async (page, source, what, parts) => {
   await page.evaluate(readFileSync(packagesOf(source).resolve('axe-core/axe.min.js'), 'utf8'));
-  const serious = await page.evaluate(async () => (await window.axe.run(document, { resultTypes: ['violations'] })).violations
+  const serious = await page.evaluate(async (of) => (await window.axe.run(of === undefined ? document : { include: of.split(', ') }, { resultTypes: ['violations'] })).violations
     .filter((v) => v.impact === 'serious' || v.impact === 'critical')
-    .map((v) => `${v.id}: ${v.help}: ${v.nodes.slice(0, 3).map((n) => `${n.target} ${n.failureSummary}`).join(' | ')}`));
+    .map((v) => `${v.id}: ${v.help}: ${v.nodes.slice(0, 3).map((n) => `${n.target} ${n.failureSummary}`).join(' | ')}`), parts);
   for (const violation of serious) check(false, `${what}: accessibility: ${violation}`);
 };
 
@@ -109,6 +110,20 @@ export const drawn = (page) => page.evaluate(() => new Promise((done) => { reque
 
 /** Until every figure is drawn or says why it is not. */
 export const figuresStand = (page) => page.waitForFunction(() => [...document.querySelectorAll('.figure .plot')].every((plot) => plot.children.length > 0));
+
+/** What a button gives to the reader as a file. */
+export const saved = async (page, button) => {
+  await page.evaluate(() => {
+    window.kept = null;
+    window.makeUrl ??= URL.createObjectURL;
+    URL.createObjectURL = (blob) => { window.kept = blob; return window.makeUrl.call(URL, blob); };
+    // Chromium drops a page's downloads past ten in a second, silently: these go nowhere.
+    window.follow ??= HTMLAnchorElement.prototype.click;
+    HTMLAnchorElement.prototype.click = function click() { if (this.download === '') window.follow.call(this); };
+  });
+  await button.click();
+  return page.evaluate(() => window.kept.text());
+};
 
 /** Figures are drawn where they are seen: shows all of the page to the window. */
 export const scrollThrough = async (page) => {

@@ -5,7 +5,7 @@ import { execFileSync } from 'node:child_process';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { accessible, check, dataOf, end, figuresStand, launch, near, noOverflow, opener, scrollThrough, workshop } from './kit.mjs';
+import { accessible, check, dataOf, end, figuresStand, launch, near, noOverflow, opener, saved, scrollThrough, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work, moma] = process.argv;
 const screenshots = process.env.MOMA_SCREENSHOTS;
@@ -13,20 +13,6 @@ const { makeStore, makePage: pageOf, sql } = workshop(source, makeReport, work);
 const makePage = (kind, worlds) => pageOf(makeStore(kind, kind, worlds, kind === 'demo' ? 8 : 2));
 const browser = await launch(source);
 const open = opener(browser);
-
-/** What a button gives to the reader as a file. */
-const saved = async (page, button) => {
-  await page.evaluate(() => {
-    window.kept = null;
-    window.makeUrl ??= URL.createObjectURL;
-    URL.createObjectURL = (blob) => { window.kept = blob; return window.makeUrl.call(URL, blob); };
-    // Chromium drops a page's downloads past ten in a second, silently: these go nowhere.
-    window.follow ??= HTMLAnchorElement.prototype.click;
-    HTMLAnchorElement.prototype.click = function click() { if (this.download === '') window.follow.call(this); };
-  });
-  await button.click();
-  return page.evaluate(() => window.kept.text());
-};
 
 // ---- what every reader sees ---------------------------------------------------------------------------------------
 const demo = makePage('demo', 60);
@@ -60,6 +46,13 @@ const { context: first, page } = await open(demo, { idle: true });
   });
   await page.waitForFunction(() => document.querySelector('.fails').textContent !== '');
   const failures = who.filter((c, row) => c === 'holistic' && what[row] !== 'success').length;
+  const fails = await page.locator('.fails').boundingBox();
+  check(fails.y + fails.height < 900, `the verdict, its axis and where the one behind fails are on the first screen: they end at ${fails.y + fails.height}`);
+  // One name for a section, in the bar and over it; the best value is bold, and in no controller's colour.
+  const names = await page.evaluate(() => [[...document.querySelectorAll('nav a')], [...document.querySelectorAll('main > section > h2')]].map((all) => all.map((one) => one.textContent)));
+  check(names[0].length > 8 && names[0].join() === names[1].join(), `sections are called ${names[1]}, and ${names[0]} in the bar`);
+  const cells = await page.locator('.summary td:nth-child(3) b').evaluateAll((all) => all.map((b) => ({ best: b.closest('tr').classList.contains('best'), weight: Number(getComputedStyle(b).fontWeight), colour: getComputedStyle(b).color })));
+  check(cells.filter(({ best }) => best).length === 3 && cells.every(({ best, weight }) => (weight > 600) === best) && new Set(cells.map(({ colour }) => colour)).size === 1, `the best of each group is bold, in the colour of all: ${JSON.stringify(cells)}`);
   check(new RegExp(`^holistic fails .* of ${failures}.failures\\.$`).test(await page.locator('.fails').innerText()), `where it fails: ${await page.locator('.fails').innerText()}`);
 
   // The table of results sorts by any column.
@@ -82,6 +75,7 @@ const { context: first, page } = await open(demo, { idle: true });
     const figure = page.locator(`#${id}`);
     check((await figure.locator('canvas').count()) > 0, `${id} is drawn`);
     check(/n = \d/.test(await figure.locator('.note').innerText()), `${id} states n`);
+    if (id === 'figure-course') check(/not a sample of all/.test(await figure.locator('.note').innerText()), 'motions that were chosen for replay are not called a sample');
     const drawing = await saved(page, figure.getByText('Save SVG'));
     check(drawing.startsWith('<svg') && drawing.includes('<path') && drawing.length > 2000, `${id} saves an SVG`);
     const table = await saved(page, figure.getByText('Data CSV'));
@@ -220,17 +214,14 @@ const clickMark = async (page, id) => {
   check((await page.evaluate(() => [...document.querySelectorAll('b')].some((b) => b.textContent === 'bold'))) === false, 'no markup in tooltips');
   await context.close();
 }
-for (const [kind, worlds] of [['empty', 0], ['one', 1], ['failures', 16], ['tuned', 12]]) {
+for (const [kind, worlds] of [['empty', 0], ['one', 1], ['failures', 16]]) {
   const { context, page } = await open(makePage(kind, worlds));
   await scrollThrough(page);
   await noOverflow(page, kind);
   const text = await page.locator('#app').innerText();
   check(!/NaN|undefined|\[object/.test(text), `${kind}: ${/.{0,40}(NaN|undefined|\[object).{0,40}/.exec(text)?.[0]}`);
   if (kind === 'empty') check(text.includes('holds no trials yet'), 'an empty store says so');
-  if (kind === 'tuned') check(/judged|: better\./.test(await page.locator('#top').innerText()) && /success rate \+12\.0 points/.test(await page.locator('#top').innerText()), `a search begins with its verdict: ${await page.locator('#top').innerText()}`);
-  if (kind === 'tuned') check(!/no trials here yet/i.test(text) && (await page.locator('.verdict').count()) === 2, 'a search opens on a suite that has trials');
   if (kind === 'failures') check(/neither \w+ nor \w+ reached a goal: nothing tells them apart/.test(text) && !/p\s=\s1\.000/.test(await page.locator('#top').innerText()), 'nobody reached anything, in plain words');
-  if (kind === 'tuned') check(/0\.31/.test(await page.locator('#tuning').innerText()), 'the found gain is named');
   if (kind === 'failures') check(text.includes('No trial reached its goal'), 'only failures: the arrival figure says so');
   await context.close();
 }

@@ -30,9 +30,9 @@ const textsOf = (pdf) => run('pdftotext', '-layout', pdf, '-').toString().split(
 const hexAt = ({ rgb }, i) => `#${rgb.subarray(3 * i, 3 * i + 3).toString('hex')}`;
 
 // ---- saved figures: SVG that is XML, drawn by another renderer within its borders; the same as PDF ----------------------
-for (const kind of ['demo', 'sweep', 'hostile', 'tuned']) {
+for (const [kind, ...more] of [['demo'], ['sweep', 0, '--search'], ['hostile']]) {
   const folder = join(work, `figures-${kind}`);
-  run(makeReport, '--figures', makeStore(kind, kind, kind === 'demo' ? 60 : 12, 2), folder);
+  run(makeReport, '--figures', makeStore(kind, kind, kind === 'demo' ? 60 : 12, 2, ...more), folder);
   const files = readdirSync(folder);
   const svgs = files.filter((file) => file.endsWith('.svg'));
   check(svgs.length >= 7, `${kind}: ${svgs.length} figures`);
@@ -64,6 +64,17 @@ for (const kind of ['demo', 'sweep', 'hostile', 'tuned']) {
     });
   }
   svgs.forEach((file, i) => check(words.librsvg[i] === words.PDF[i], `${kind}: ${file} and its PDF say the same:\n  ${words.librsvg[i]}\n  ${words.PDF[i]}`));
+}
+
+// ---- the paired plot is square, and worlds in which one has no value are spread over its strips -----------------------------
+{
+  const svg = readFileSync(join(work, 'figures-demo/paired.svg'), 'utf8');
+  const [, x0, y0, x1, y1] = (/<path d="M([\d.]+) ([\d.]+)L([\d.]+) ([\d.]+)"[^>]*stroke-dasharray/.exec(svg) ?? []).map(Number);
+  check(near(x1 - x0, y0 - y1, 0.2) && x1 - x0 > 150, `equal values lie on a line at 45 degrees: from ${x0}, ${y0} to ${x1}, ${y1}`);
+  const dots = [...svg.matchAll(/transform="matrix\([\d.]+,0,0,[\d.]+,([\d.]+),([\d.]+)\)" fill="#(?!e3e0d8)/g)].map((m) => [Number(m[1]), Number(m[2])]);
+  const strip = dots.filter(([x, y]) => x < x0 - 1 || y > y0 + 1);
+  const across = strip.map(([x, y]) => (x < x0 - 1 ? x : y));
+  check(strip.length > 8 && new Set(across.map((v) => v.toFixed(1))).size > 0.8 * strip.length, `${strip.length} of ${dots.length} dots lie in the strips, at ${new Set(across.map((v) => v.toFixed(1))).size} places across`);
 }
 
 // ---- the curve of arrivals is level where nobody arrives, at every pixel ratio ------------------------------------------

@@ -1,4 +1,4 @@
-// What a reader does with the page: keys, the browser's Back, a phone, two motions in one world, many points.
+// What a reader does with the page: keys, the browser's Back, a phone, two motions in one world, a suite over time.
 //   reader_test.mjs SOURCE_DIR MAKE_REPORT WORK_DIR
 // Exit 0: passed; 1: failed; 77: left out, since node's packages, python3 or chromium are missing.
 import { execFileSync } from 'node:child_process';
@@ -148,33 +148,6 @@ const [trials, worlds, outcomes, controllers] = ['trial', 'world_key', 'outcome'
   await context.close();
 }
 
-// ---- many points: sorted, the best against the baseline, a front ---------------------------------------------------------
-{
-  const swept = makePage(makeStore('sweep', 'sweep', 16, 1));
-  const sweep = dataOf(swept);
-  const { context, page } = await open(swept, { width: 1440 });
-  const rates = sweep.overall.map((row) => row.success_rate);
-  const table = await page.locator('.summary tbody').last().locator('tr td:nth-child(3) b').allInnerTexts();
-  const sorted = [...rates].sort((a, b) => b - a).map((rate) => (100 * rate).toFixed(rate === 0 || rate === 1 ? 0 : 1));
-  check(table.map((cell) => cell.replace(/[^\d.]/g, '')).join() === sorted.join(), `the table is sorted by success: ${table}`);
-  const top = await page.locator('.paired-words').last().innerText();
-  check(top.includes(sweep.points[0].point), `the best is compared with the baseline ${sweep.points[0].point}: ${top}`);
-  await scrollThrough(page);
-  for (const id of ['figure-forest', 'figure-pareto', 'figure-heat', 'figure-parallel']) {
-    await page.locator(`#${id}`).scrollIntoViewIfNeeded();
-    await page.waitForSelector(`#${id} canvas`);
-  }
-  // The front, found by comparing all with all.
-  const points = sweep.overall.map((row) => [row.command_change_mean, row.success_rate]);
-  const better = (a, b) => a[0] <= b[0] && a[1] >= b[1] && (a[0] < b[0] || a[1] > b[1]);
-  const best = points.filter((point) => !points.some((other) => better(other, point))).length;
-  check((await page.locator('#figure-pareto .note').innerText()).includes(`${best}\u00a0point`), `${best} points on the front: ${await page.locator('#figure-pareto .note').innerText()}`);
-  check(/looks better on the worlds that chose it/.test(await page.locator('#figure-forest .note').innerText()), 'the best of many carries its warning');
-  await noOverflow(page, 'sweep');
-  const words = await page.locator('#app').innerText();
-  check(!/NaN|undefined|\[object/.test(words), `sweep: ${/.{0,40}(NaN|undefined|\[object).{0,40}/.exec(words)?.[0]}`);
-  await context.close();
-}
 // ---- the same suite over time, what changed, and notes -------------------------------------------------------------------
 {
   const notes = '# Why\n\nA *quick* look at **gains**, see [the paper](https://example.org/a?b=1&c=2).\n\n- one\n- two `x < y`\n\n<script>document.title = "taken"</script>\n\n[bad](javascript:alert(1)) ![pic](https://example.org/x.png)\n';

@@ -2,11 +2,11 @@
 // moma simulates: replay_test.mjs SOURCE_DIR MAKE_REPORT WORK_DIR [MOMA]
 // Exit 0: passed; 1: failed; 77: left out, since node's packages, python3 or chromium are missing.
 import { execFileSync, spawn } from 'node:child_process';
-import { writeFileSync } from 'node:fs';
+import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { inflateSync } from 'node:zlib';
 
-import { check, dataOf, drawn, end, launch, near, opener, strip, workshop } from './kit.mjs';
+import { check, dataOf, drawn, end, launch, near, opener, packagesOf, strip, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work, moma] = process.argv;
 const screenshots = process.env.MOMA_SCREENSHOTS;
@@ -65,10 +65,125 @@ const checkKinematics = async (page, pageData) => {
     check(near(Number(end.positionErrorNow), last, 1e-5), `trial ${replay.trial}: at the end ${end.positionErrorNow} m from the goal, stored ${last} m`);
   }
 };
+/** The picture of the scene as it is seen: pixels as [r, g, b]. */
+const picture = async (page) => {
+  await drawn(page);
+  const text = await page.locator('.stage').evaluate((canvas) => new Promise((done) => requestAnimationFrame(() => {
+    document.querySelector('.transport input[type=range]').dispatchEvent(new Event('input', { bubbles: true }));   // draws with the next frame
+    requestAnimationFrame(() => {   // in which this comes after it
+      const copy = Object.assign(document.createElement('canvas'), { width: canvas.width, height: canvas.height }).getContext('2d');
+      copy.drawImage(canvas, 0, 0);
+      const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
+      let out = '';
+      for (let i = 0; i < data.length; i += 32768) out += String.fromCharCode(...data.subarray(i, i + 32768));
+      done(btoa(out));
+    });
+  })));
+  const bytes = Buffer.from(text, 'base64');
+  return Array.from({ length: bytes.length / 4 }, (_, i) => bytes.subarray(4 * i, 4 * i + 3));
+};
+/** Pixels in the goal's colour, which nothing else in a world without objects has. */
+const golden = (pixels) => pixels.filter(([r, g, b]) => {
+  const hue = (60 * (g - b)) / (r - b);
+  return r > g && g > b && r - b > 24 && hue > 38 && hue < 48;
+}).length;
+/** The lines at what counts as arrived: dashed, at their height, in the traces of the two errors and in no other. */
+const checkTolerances = async (page, pageData, replay, dark, ratio) => {
+  const { point, controller } = Object.fromEntries(['point', 'controller'].map((name) => [name, pageData.trials.columns[name].values[pageData.trials.columns[name].codes[pageData.trials.columns.trial.codes.findIndex((code) => pageData.trials.columns.trial.values[code] === replay.trial)]] ?? '']));
+  const { success_position_m: position, success_orientation_rad: rotation } = pageData.points.find((one) => one.point === point && one.controller === controller);
+  await drawn(page);
+  const rows = await page.locator('.timeline').evaluate((canvas, [r, g, b]) => {
+    const { width, height } = canvas;
+    const { data } = canvas.getContext('2d').getImageData(0, 0, width, height);
+    const out = [];
+    for (let y = 0; y < height; y += 1) {
+      let count = 0;
+      for (let x = 0; x < width; x += 1) { const i = 4 * (y * width + x); if (data[i + 3] > 100 && Math.abs(data[i] - r) + Math.abs(data[i + 1] - g) + Math.abs(data[i + 2] - b) < 40) count += 1; }
+      out.push(count / width);
+    }
+    return out;
+  }, dark ? [0x56, 0xad, 0x8d] : [0x4c, 0x9a, 0x7d]);
+  const dashed = (from, to) => rows.slice(Math.round(from * ratio), Math.round(to * ratio)).map((share, i) => ({ share, y: from + i / ratio })).filter(({ share }) => share > 0.25 && share < 0.75);
+  [['error_position', position], ['error_rotation', rotation]].forEach(([name, limit], track) => {
+    const most = Math.max(...column(replay, name));
+    const wanted = 40 * track + 35 - (limit / most) * 30;
+    const found = dashed(40 * track, 40 * track + 40);
+    check(limit < most, `${name} of trial ${replay.trial} begins above its tolerance`);
+    check(found.length > 0 && found.every(({ y }) => near(y, wanted, 1.6)), `the line at the tolerance of ${name} is at ${found.map(({ y }) => y)}, wanted ${wanted}`);
+  });
+  check(dashed(80, 200).length === 0, 'no other trace has such a line');
+};
+
+// ---- parts of the scene without drawing: wheels, the hand at the goal, the path's colours, pairs that never move -------------
+{
+  const { outputFiles } = await packagesOf(source)('esbuild').build({
+    stdin: { contents: ['robot', 'skins', 'wheels', 'goal', 'marks', 'moving_pairs', 'trace'].map((name) => `export * from './replay/${name}';`).join('') + "export * as three from 'three';", resolveDir: join(source, 'reports/web/src'), loader: 'ts' },
+    bundle: true, write: false, format: 'iife', globalName: 'parts', target: 'es2022',
+  });
+  const context = await browser.newContext();
+  const page = await context.newPage();
+  page.on('pageerror', (error) => check(false, `parts of the scene: ${error.stack}`));
+  await page.addScriptTag({ content: outputFiles[0].text });
+  const urdf = '<robot name="r"><link name="a"/><joint name="j0" type="revolute"><parent link="a"/><child link="b"/><origin xyz="0 0 0.3"/><axis xyz="0 0 1"/><limit lower="-3" upper="3"/></joint>'
+    + '<joint name="j1" type="revolute"><parent link="b"/><child link="c"/><origin xyz="0.1 0 0.3" rpy="0.4 0 0"/><axis xyz="0 1 0"/><limit lower="-2" upper="2"/></joint>'
+    + '<joint name="j2" type="revolute"><parent link="c"/><child link="d"/><origin xyz="0.3 0 0" rpy="0 0.2 0"/><axis xyz="1 0 0"/><limit lower="-2" upper="2"/></joint>'
+    + '<joint name="f" type="fixed"><parent link="d"/><child link="e"/><origin xyz="0.1 0.02 0" rpy="0 0 0.7"/></joint></robot>';
+  const shape = (link, kind, size, position) => ({ link, shape: kind, size, position, rpy: [0, 0, 0] });
+  const robot = {
+    name: 'r', urdf_text: urdf, base: { mount: { position: [0.1, 0, 0.2] }, wheels: { radius: 0.11, separation: 0.5, wheelbase: 0.4 } },
+    arm: { tip: 'e', tool: { position: [0, 0, 0.05], rpy: [0.3, 0, 0] } },
+    collision: {
+      shapes: [shape('@base', 'box', [0.6, 0.4, 0.2], [0, 0, 0.1]), shape('b', 'capsule', [0.06, 0.1], [0, 0, 0]), shape('c', 'sphere', [0.05], [0.1, 0, 0]), shape('d', 'box', [0.05, 0.08, 0.1], [0.02, 0, 0]), shape('e', 'sphere', [0.04], [0, 0.03, 0]), shape('a', 'sphere', [0.1], [0, 0, 0])],
+      pairs: [[0, 1, true], [0, 2, true], [0, 4, false], [5, 2, true], [5, 1, true], [3, 4, true], [1, 3, true]],
+    },
+  };
+  const told = await page.evaluate((json) => {
+    const { Robot, skins, wheels, goalMark, handPath, movingPairs, poseAt, Trace, three } = window.parts;
+    const robot = new Robot(json);
+    const columns = ['t', 'base_x', 'base_y', 'base_phi', 'q0', 'q1', 'q2'];
+    const values = [[0, 0.5, 1, 2, 4], [0, 0.1, 0.3, 0.8, 1], [0, 0, -0.2, -0.4, -0.5], [0, 0.2, 0.5, 0.9, 1.4], [0, 0.3, 0.1, -0.8, -1], [0.5, 0.4, 0, -0.3, -1], [0, 0.9, 1.1, 0.3, -1.2]];
+    const trace = new Trace({ n: 5, columns }, Float32Array.from(values.flat()));
+    const boxes = wheels(robot, []).map(({ surface, local }) => {
+      surface.computeBoundingBox();
+      const { min, max } = surface.boundingBox.clone().applyMatrix4(local);
+      return [min.toArray(), max.toArray()];
+    });
+    poseAt(robot, trace, 0);
+    const mark = goalMark(robot, skins(robot, []), 0.02, '#ffcc00');
+    const balls = mark.children.filter((child) => child.geometry?.type === 'SphereGeometry' && child.name === '').map((child) => child.geometry.parameters.radius);
+    const hands = mark.children.filter((child) => child.name.startsWith('hand: '));
+    // The mark set to where the hand comes to at another time: its parts must lie where the hand's own then are.
+    let apart = 0;
+    poseAt(robot, trace, 3);
+    robot.tipPose(new three.Matrix4()).decompose(mark.position, mark.quaternion, mark.scale);
+    mark.updateMatrixWorld(true);
+    const own = skins(robot, []).filter(({ link }) => robot.inHand(link));
+    own.forEach(({ link, local }, i) => {
+      const wanted = robot.pose(link).clone().multiply(local);
+      hands[i].matrixWorld.elements.forEach((v, k) => { apart = Math.max(apart, Math.abs(v - wanted.elements[k])); });
+    });
+    const { all, travelled } = handPath(robot, trace, '#ff0000', '#0000ff');
+    const shades = all.geometry.getAttribute('instanceColorStart');
+    const lineEnd = all.geometry.getAttribute('instanceColorEnd');
+    return {
+      boxes, balls, hands: hands.map((child) => child.name), links: own.map(({ link }) => link), apart, pairs: movingPairs(robot),
+      reds: [...Array(shades.count).keys()].map((i) => shades.getX(i)).concat(lineEnd.getX(lineEnd.count - 1)), pieces: travelled.geometry.getAttribute('instanceStart').count,
+    };
+  }, robot);
+  const wanted = [[-0.2, -0.25], [-0.2, 0.25], [0.2, -0.25], [0.2, 0.25]].map(([x, y]) => [[x - 0.11, y - 0.025, 0], [x + 0.11, y + 0.025, 0.22]]);
+  check(told.boxes.length === 4 && told.boxes.flat(2).every((v, i) => near(v, wanted.flat(2)[i], 1e-3)), `four wheels on their axles and on the floor: ${JSON.stringify(told.boxes)}`);
+  check(told.balls.join() === '0.02', `a ball as large as the tolerance: ${told.balls}`);
+  check(told.hands.join() === 'hand: d,hand: e' && told.links.join() === 'd,e', `the hand at the goal is what the last joint moves: ${told.hands}`);
+  check(told.apart < 1e-5, `the hand at the goal is the hand as it arrives, within ${told.apart}`);
+  // Rows of these never change: a round link on its own axis over base and arm's foot; two parts of one hand.
+  check(JSON.stringify(told.pairs) === '[[0,2],[5,2],[1,3]]', `pairs whose rows are shown: ${JSON.stringify(told.pairs)}`);
+  check(told.reds.every((red, i) => near(red, 1 - [0, 0.5, 1, 2, 4][i] / 4, 0.01)) && told.pieces === 4, `the path is coloured by time: ${told.reds}`);
+  await context.close();
+}
 {
   const demo = makePage(makeStore('demo', 'demo', 60));
   const data = dataOf(demo);
-  const { context, page } = await open(demo, { scene: true });
+  const { context, page } = await open(demo, { width: 900, height: 640, scene: true });
   await page.locator('#failures').scrollIntoViewIfNeeded();
   await page.locator('.atlas .play').first().click();
   await page.waitForSelector('.stage-box[data-trial]');
@@ -101,7 +216,29 @@ const checkKinematics = async (page, pageData) => {
   });
   check(colours > 20, `the scene shows ${colours} colours`);
 
+  // In a small picture of a world without objects: the hand at the goal, pale, and the wheels, against the same page without.
+  const families = data.trials.columns.family.codes.map((code) => data.trials.columns.family.values[code]);
+  const rowOf = (trial) => data.trials.columns.trial.codes.findIndex((code) => data.trials.columns.trial.values[code] === trial);
+  const empty = data.replays.findIndex(({ trial }) => families[rowOf(trial)] === 'open');
+  const bare = demo.replace('demo.html', 'bare.html');
+  writeFileSync(bare, readFileSync(demo, 'utf8').replace('"wheels":{"radius":0.12,"separation":0.66}', '"wheels":{}'));
+  const seen = async (where) => {
+    await where.setViewportSize({ width: 420, height: 500 });
+    await where.locator('.stage').scrollIntoViewIfNeeded();
+    await tellAt(where, empty, data.replays[empty].trial, [0]);
+    return picture(where);
+  };
+  const small = await seen(page);
+  check(golden(small) > 60, `the hand at the goal is ${golden(small)} pixels of ${small.length}`);
+  const other = await open(bare, { width: 420, height: 500, scene: true });
+  await other.page.locator('#replay').scrollIntoViewIfNeeded();
+  await other.page.waitForSelector('.stage-box[data-trial]');
+  const without = await seen(other.page);
+  const darker = small.filter((pixel, i) => without[i] !== undefined && pixel[0] + pixel[1] + pixel[2] < without[i][0] + without[i][1] + without[i][2] - 60).length;
+  check(small.length === without.length && darker > 30, `the wheels are ${darker} pixels, of ${small.length} and ${without.length}`);
+  await other.context.close();
   await strip(page);
+  await checkTolerances(page, data, data.replays[empty], false, 1);
   await page.locator('.shelf button').nth(3).click();
   await page.waitForFunction((trial) => document.querySelector('.stage-box').dataset.trial === trial, data.replays[3].trial);
   check((await page.locator('.transport .play').innerText()) === 'Pause', 'a motion chosen from the list plays');
@@ -159,7 +296,7 @@ for (const [name, robot, family, controller] of moma === undefined ? [] : suites
   execFileSync(moma, ['run', suite, '-o', join(work, `${name}.db`), '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });
   execFileSync(moma, ['report', join(work, `${name}.db`), '-o', join(work, `${name}.html`)], { stdio: 'ignore' });
   const html = join(work, `${name}.html`);
-  const { context, page } = await open(html, { ratio: name === 'rows' ? 2 : 1, scene: name === 'frankie' });
+  const { context, page } = await open(html, { ratio: name === 'rows' ? 2 : 1, scheme: name === 'rows' ? 'dark' : 'light', scene: name === 'frankie', ...(name === 'frankie' ? { width: 820, height: 640 } : {}) });
   await page.locator('#replay').scrollIntoViewIfNeeded();
   // A robot whose URDF has visual meshes is shown as these, or as its shapes.
   const looks = Object.values(dataOf(html).looks);
@@ -203,6 +340,10 @@ for (const [name, robot, family, controller] of moma === undefined ? [] : suites
       // The solver kept its rows of ends and of passing objects: were those of the page others, the command would break some.
       if (fallback[k] === 0 && status[k] === 0 && k + 1 < replay.n) check(shown.room > -3e-3, `${name}: at ${times[k]} s a row is broken by ${-shown.room} m/s`);
     }
+  }
+  if (name === 'rows') {
+    await tellAt(page, 0, dataOf(html).replays[0].trial, [0]);
+    await checkTolerances(page, dataOf(html), dataOf(html).replays[0], true, 2);
   }
   if (name === 'rows') check(ends > 0 && passing > 0, `${name}: ${ends} rows of ends, ${passing} of passing objects`);
   else check(seen > 5 && active > 0, `${name}: ${seen} distances compared, ${active} active rows`);

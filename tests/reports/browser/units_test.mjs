@@ -98,6 +98,41 @@ check(bootstrapMedian([1, 2, 3, 4, 5, 6]).low >= 1 && bootstrapMedian([1, 2, 3, 
   check(shares(variables, few.evaluations) === null && shareErrors(few) === null, 'twenty candidates are too few for three gains');
 }
 
+// ---- how much a gain of a full factorial explains: a known answer, the spread over many draws, and chance alone -----------
+{
+  const { effects } = await load('effects');
+  let state = 4711;
+  const draw = () => { state = (state * 48271) % 2147483647; return state / 2147483647; };
+  const [as, bs] = [[0, 1, 3], [0, 0.5, 1, 1.5]];   // variances 14/9 and 5/16 over their values
+  const levels = as.flatMap((_, i) => bs.map((__, j) => [i, 10 ** j]));
+  const truth = [14 / 9, 5 / 16].map((v, _, all) => v / (all[0] + all[1]));
+  const made = (scale, both, noise = 6) => {
+    const worlds = Array.from({ length: 60 }, () => 5 * draw());
+    return as.flatMap((a) => bs.map((b) => worlds.map((world) => scale * (a + b + both * (a - 4 / 3) * (b - 0.75)) + world + noise * (draw() - 0.5))));
+  };
+  const all = Array.from({ length: 40 }, () => effects(levels, made(1, 0)));
+  truth.forEach((share, i) => {
+    const values = all.map((one) => one.shares[i]);
+    const mean = values.reduce((sum, v) => sum + v, 0) / values.length;
+    const spread = Math.sqrt(values.reduce((sum, v) => sum + (v - mean) ** 2, 0) / (values.length - 1));
+    const told = all.reduce((sum, one) => sum + one.errors[i], 0) / all.length;
+    check(near(mean, share, 0.02), `effect ${i} is ${share} of the variance, found ${mean}`);
+    check(told > 0.6 * spread && told < 1.6 * spread, `its error: told ${told}, the spread of forty draws is ${spread}`);
+  });
+  // Chance is taken off: among much of it the shares stay what they are.
+  const noisy = Array.from({ length: 400 }, () => effects(levels, made(1, 0, 12))).filter((one) => one !== null).map(({ shares }) => shares[1]);
+  check(noisy.length > 390 && near(noisy.reduce((sum, v) => sum + v, 0) / noisy.length, truth[1], 0.015), `among noise effect 1 is ${noisy.reduce((sum, v) => sum + v, 0) / noisy.length} of the variance in ${noisy.length} sweeps, wanted ${truth[1]}`);
+  // What gains do together is no gain's own: both shares fall by the same factor.
+  const joint = (14 / 9) * (5 / 16);
+  const [a] = effects(levels, made(4, 1)).shares;
+  check(near(a, (14 / 9) / (14 / 9 + 5 / 16 + joint), 0.04), `with an interaction the first explains ${a}`);
+  const chance = Array.from({ length: 100 }, () => effects(levels, made(0, 0))).filter((one) => one !== null).length;
+  check(chance < 10, `of a hundred sweeps without any effect ${chance} show one`);
+  check(effects(levels.slice(1), made(1, 0).slice(1)) === null, 'not all combinations: nothing is told');
+  check(effects(levels, made(1, 0).map((row) => row.slice(0, 30))).errors === null, 'thirty worlds are too few for errors');
+  check(effects([], []) === null, 'nothing of nothing');
+}
+
 // ---- words of the store: each outcome has a colour, none is that of another --------------------------------------------
 if (process.env.MOMA_STORE_DEFINITION !== undefined) {
   const outcomes = JSON.parse(readFileSync(join(process.env.MOMA_STORE_DEFINITION, 'outcomes.json'), 'utf8'));

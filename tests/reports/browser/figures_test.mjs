@@ -1,0 +1,252 @@
+// Figures of many points and of a search for gains, as they are drawn: figures_test.mjs SOURCE_DIR MAKE_REPORT WORK_DIR
+// What stands on their canvases is read letter by letter and pixel by pixel, at both pixel ratios, light and dark, on a
+// phone; from the print by the lines that are printed.
+// Exit 0: passed; 1: failed; 77: left out, since node's packages, python3 or chromium are missing.
+
+import { accessible, check, dataOf, drawn, end, launch, near, needs, noOverflow, opener, saved, workshop } from './kit.mjs';
+
+const [, , source, makeReport, work] = process.argv;
+needs('python3');
+const { makeStore, makePage } = workshop(source, makeReport, work);
+const browser = await launch(source);
+const open = opener(browser);
+
+/** Notes what is written on each canvas and where, in its own pixels, since it was last wiped. */
+const noteLetters = () => {
+  const { fillText, clearRect } = CanvasRenderingContext2D.prototype;
+  CanvasRenderingContext2D.prototype.fillText = function write(text, x, y, ...rest) {
+    const m = this.getTransform();
+    const scale = Math.hypot(m.a, m.b);
+    const at = m.transformPoint({ x, y });
+    const wide = this.measureText(text).width * scale;
+    const left = at.x - wide * ({ center: 0.5, right: 1, end: 1 }[this.textAlign] ?? 0);
+    (this.canvas.letters ??= []).push({ text: text.replace(/\s/g, ' '), left, right: left + wide, y: at.y, size: parseFloat(/([\d.]+)px/.exec(this.font)[1]) * scale, level: m.b === 0, colour: this.fillStyle });
+    return fillText.call(this, text, x, y, ...rest);
+  };
+  CanvasRenderingContext2D.prototype.clearRect = function wipe(x, y, w, h) {
+    if (w * this.getTransform().a >= this.canvas.width) this.canvas.letters = [];
+    return clearRect.call(this, x, y, w, h);
+  };
+};
+
+/** What is on the canvas of a figure: its letters, and its pixels. */
+const read = async (page, id) => {
+  await page.locator(`#figure-${id}`).scrollIntoViewIfNeeded();
+  await page.waitForSelector(`#figure-${id} canvas`);
+  await drawn(page);
+  const { width, height, letters, pixels } = await page.locator(`#figure-${id} .plot`).evaluate((plot) => {
+    const layers = [...plot.querySelectorAll('canvas')];   // one over the other
+    const { width, height } = layers[0];
+    const all = Object.assign(document.createElement('canvas'), { width, height }).getContext('2d', { willReadFrequently: true });
+    for (const layer of layers) all.drawImage(layer, 0, 0);
+    const { data } = all.getImageData(0, 0, width, height);
+    let text = '';
+    for (let i = 0; i < data.length; i += 32768) text += String.fromCharCode(...data.subarray(i, i + 32768));
+    return { width, height, letters: layers.flatMap((layer) => layer.letters ?? []), pixels: btoa(text) };
+  });
+  const bytes = Buffer.from(pixels, 'base64');
+  return { width, height, letters, at: (x, y) => [...bytes.subarray(4 * (Math.round(y) * width + Math.round(x)), 4 * (Math.round(y) * width + Math.round(x)) + 4)] };
+};
+const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
+const like = (a, b, tolerance) => a.slice(0, 3).every((v, i) => near(v, b[i], tolerance));
+const luminance = (of) => of.slice(0, 3).map((v) => (v / 255 <= 0.04045 ? v / 255 / 12.92 : ((v / 255 + 0.055) / 1.055) ** 2.4)).reduce((sum, v, i) => sum + [0.2126, 0.7152, 0.0722][i] * v, 0);
+const contrast = (a, b) => { const [high, low] = [luminance(a), luminance(b)].sort((x, y) => y - x); return (high + 0.05) / (low + 0.05); };
+
+/** No letter is cut off, none lies over another. */
+const legible = ({ width, height, letters }, what) => {
+  check(letters.length > 3, `${what}: ${letters.length} texts`);
+  for (const a of letters.filter((letter) => letter.level)) {
+    check(a.left > -1 && a.right < width + 1 && a.y - a.size / 2 > -1 && a.y + a.size / 2 < height + 1, `${what}: "${a.text}" from ${a.left} to ${a.right} at ${a.y} is cut off in ${width} x ${height}`);
+    for (const b of letters) {
+      if (b === a || !b.level || a.text.trim() === '' || b.text.trim() === '') continue;
+      check(a.right <= b.left + 1 || b.right <= a.left + 1 || Math.abs(a.y - b.y) > 0.4 * (a.size + b.size), `${what}: "${a.text}" lies over "${b.text}"`);
+    }
+  }
+};
+
+const csv = async (page, id) => {
+  const [head, ...lines] = (await saved(page, page.locator(`#figure-${id}`).getByText('Data CSV'))).trim().split('\n').map((line) => (line.match(/("([^"]|"")*"|[^,]*)(,|$)/g) ?? []).map((cell) => cell.replace(/,$/, '').replace(/^"|"$/g, '')));
+  return lines.map((line) => Object.fromEntries(head.map((name, i) => [name, line[i]])));
+};
+const percent = (share) => `${share === 0 || share === 1 ? (100 * share).toFixed(0) : (100 * share).toFixed(1)} %`;
+
+const swept = makePage(makeStore('sweep', 'sweep', 40, 0, 0, '--search'));
+const all = dataOf(swept);
+const [search] = all.tuning;
+// The search's own suite has no trials.
+const [points, overall] = [all.points, all.overall].map((of) => of.filter((one) => one.suite === 'courier-clutter'));
+const short = (key) => key.replace(/^controllers?\./, '');
+
+/** Success over two gains: a bar of colours with its ends written, cells of its colours with rate and interval in them. */
+const heat = async (page, what, ratio) => {
+  const seen = await read(page, 'heat');
+  legible(seen, `${what}, heat map`);
+  const rates = overall.map((row) => row.success_rate);
+  const [low, high] = [Math.min(...rates), Math.max(...rates)];
+  const bar = seen.letters.filter((letter) => letter.y < 40 * ratio).sort((a, b) => a.left - b.left);
+  check(bar.map((letter) => letter.text).join() === [low, high].map(percent).join(), `${what}: the ends of the bar of colours are written: ${bar.map((letter) => letter.text)}`);
+  if (bar.length !== 2) return;
+  // Within the bar, which lies between its ends' names.
+  const row = Array.from({ length: Math.floor(bar[1].left - bar[0].right) }, (_, i) => seen.at(bar[0].right + i, bar[0].y));
+  const filled = row.map((pixel, i) => ({ pixel, i })).filter(({ pixel }) => pixel[3] === 255);
+  const colours = filled.map(({ pixel }) => pixel);
+  check(colours.length > 60 * ratio, `${what}: the bar is ${colours.length} pixels long`);
+  if (colours.length === 0) return;
+  const tenths = Array.from({ length: 9 }, (_, i) => luminance(colours[Math.round((0.1 + 0.1 * i) * (colours.length - 1))]));
+  check(new Set(tenths.slice(1).map((of, i) => Math.sign(of - tenths[i]))).size === 1, `${what}: the bar goes one way, from light to dark or back`);
+  for (const of of overall) {
+    const [rate, interval] = [percent(of.success_rate), `${(100 * of.success_low).toFixed(1)}\u2013${(100 * of.success_high).toFixed(1)} %`];
+    const inside = seen.letters.filter((letter) => letter.y > 40 * ratio && letter.text === interval);
+    check(inside.length > 0, `${what}: a cell has the interval ${interval}`);
+    for (const letter of inside) {
+      const above = seen.letters.filter((other) => other.text === rate && Math.abs(other.left + other.right - letter.left - letter.right) < 6 * ratio && letter.y - other.y > 6 * ratio && letter.y - other.y < 20 * ratio);
+      check(above.length === 1, `${what}: above ${interval} stands ${rate}`);
+      const ground = seen.at(letter.left - 2 * ratio, letter.y);
+      const wanted = colours[Math.round(((of.success_rate - low) / (high - low)) * (colours.length - 1))];
+      check(like(ground, wanted, 8), `${what}: the cell of ${rate} is ${ground}, the bar there ${wanted}`);
+      check(contrast(rgb(letter.colour.length === 4 ? `#${[...letter.colour.slice(1)].map((c) => c + c).join('')}` : letter.colour), ground) >= 4.5, `${what}: ${letter.colour} on ${ground} can be read`);
+    }
+  }
+};
+
+/** A plot of its own for each of `names`, in their order. */
+const apart = async (page, id, names, what, ratio) => {
+  const seen = await read(page, id);
+  legible(seen, `${what}, ${id}`);
+  const titles = seen.letters.filter((letter) => names.includes(letter.text)).sort((a, b) => (Math.abs(a.y - b.y) > 4 * ratio ? a.y - b.y : a.left - b.left));
+  check(titles.map((letter) => letter.text).join('|') === names.join('|'), `${what}: ${id} has a plot each of ${names.join('|')}: ${titles.map((letter) => letter.text).join('|')}`);
+  // Below each title something is drawn that is neither a line of the grid nor text.
+  for (const title of titles) {
+    let marks = 0;
+    for (let y = title.y + 14 * ratio; y < Math.min(seen.height, title.y + 130 * ratio); y += 1) {
+      for (let x = title.left; x < Math.min(seen.width, title.left + 120 * ratio); x += 2) {
+        const [r, g, b, a] = seen.at(x, y);
+        if (a > 150 && Math.max(r, g, b) - Math.min(r, g, b) > 50) marks += 1;
+      }
+    }
+    check(marks > 50 * ratio, `${what}: the plot of ${title.text} in ${id} shows ${marks} pixels in colour`);
+  }
+  return seen;
+};
+
+/** Bars with the greatest first, and on each a whisker of one error to both sides, as long as the data say. */
+const bars = async (page, id, what, ratio) => {
+  const seen = await read(page, id);
+  legible(seen, `${what}, ${id}`);
+  const rows = await csv(page, id);
+  const names = rows.map((row) => short(row.gain));
+  const labels = seen.letters.filter((letter) => names.includes(letter.text)).sort((a, b) => a.y - b.y);
+  check(labels.map((letter) => letter.text).join() === names.join() && rows.every((row, i) => i === 0 || Number(row.share) <= Number(rows[i - 1].share)), `${what}: ${id} has the greatest share first: ${labels.map((letter) => letter.text)}`);
+  const marks = seen.letters.filter((letter) => /^\d+ %$/.test(letter.text) && letter.y > labels[labels.length - 1].y).map((letter) => [parseFloat(letter.text) / 100, (letter.left + letter.right) / 2]).sort((a, b) => a[0] - b[0]);
+  const [first, last] = [marks[0], marks[marks.length - 1]];
+  const place = (share) => first[1] + ((share - first[0]) * (last[1] - first[1])) / (last[0] - first[0]);
+  const ink = rgb(labels[0].colour);
+  labels.forEach((label, i) => {
+    const [share, error] = [Number(rows[i].share), Number(rows[i].error)];
+    check(rows[i].error !== '' && Number.isFinite(error), `${what}: ${id}: the share of ${label.text} has an error`);
+    const ends = [];
+    for (let y = label.y - 3 * ratio; y <= label.y + 3 * ratio; y += 1) for (let x = label.right + 3 * ratio; x < seen.width; x += 1) if (seen.at(x, y)[3] > 90 && like(seen.at(x, y), ink, 24)) ends.push(x);
+    const [from, to] = [place(Math.max(0, share - error)), place(Math.min(1, share + error))];
+    check(to - from < 2 * ratio || (near(Math.min(...ends), from, 2.5 * ratio) && near(Math.max(...ends), to, 2.5 * ratio)), `${what}: ${id}: the error of ${label.text} is drawn from ${Math.min(...ends)} to ${Math.max(...ends)}, wanted ${from} to ${to}`);
+    if (share > 0.02) {
+      const [r, g, b, a] = seen.at(place(share / 2), label.y + 4 * ratio);
+      check(a > 150 && Math.max(r, g, b) - Math.min(r, g, b) > 40, `${what}: ${id} has a bar for ${label.text}`);
+    }
+  });
+};
+
+const views = [
+  ['light', { width: 1440, height: 900, ratio: 1 }], ['dark', { width: 960, height: 480, ratio: 2, scheme: 'dark' }], ['phone', { width: 390, height: 600, ratio: 2, touch: true }],
+];
+const levels = [...new Set(points.flatMap((point) => Object.keys(point.params)))];
+const best = [...overall].sort((a, b) => b.success_rate - a.success_rate);
+for (const [what, view] of views) {
+  const { context, page } = await open(swept, { ...view, init: noteLetters });
+  const { ratio } = view;
+  await heat(page, what, ratio);
+  await bars(page, 'shares', what, ratio);
+  await bars(page, 'importance', what, ratio);
+  await apart(page, 'slices', levels.map(short), what, ratio);
+  // A slice for each gain, the one that explains most first; the value that was found stands below its line.
+  const ranked = [...search.variables].sort((a, b) => b.importance - a.importance);
+  const slices = await apart(page, 'sensitivity', ranked.map((v) => short(v.key)), what, ratio);
+  for (const v of ranked) check(slices.letters.some((letter) => letter.text === String(Number(v.found.toPrecision(3)))), `${what}: the value found for ${v.key} is a mark of its axis`);
+  // More controllers than can be told apart in one plot.
+  const shown = (await csv(page, 'difficulty')).map((row) => Object.values(row).slice(0, 2).join());
+  const named = [...new Set(shown)].map((name) => points.find((point) => `${point.controller},${point.point}` === name.replace(/"/g, '')).point.replace(/\S+=/g, '').replace(' ', ', '));
+  check(named.length === 6, `${what}: the best few are six: ${named}`);
+  await apart(page, 'difficulty', named, what, ratio);
+  if (what === 'light') await apart(page, 'timing', named, what, ratio);
+  for (const id of what === 'light' ? ['pareto', 'parallel', 'forest', 'heldout', 'search', 'arrival', 'paired'] : what === 'phone' ? ['heldout'] : []) legible(await read(page, id), `${what}, ${id}`);
+  await noOverflow(page, what);
+  await accessible(page, source, what, '#tuning, #difficulty, #sweep');
+  if (what === 'light') {
+    // The front, found by comparing all with all, for both costs.
+    for (const [cost, key] of [['command_change_mean', 'command_change_mean'], ['collision_rate', 'collision_rate']]) {
+      await page.locator('#figure-pareto select').selectOption(cost);
+      const pairs = overall.map((row) => [row[key], row.success_rate]);
+      const beats = (a, b) => a[0] <= b[0] && a[1] >= b[1] && (a[0] < b[0] || a[1] > b[1]);
+      const front = new Set(pairs.filter((point) => !pairs.some((other) => beats(other, point))).map(String)).size;
+      check((await page.locator('#figure-pareto .note').innerText()).includes(`${front}\u00a0point`), `${front} points on the front of ${cost}: ${await page.locator('#figure-pareto .note').innerText()}`);
+    }
+    // Sorted, and the best against the baseline, everywhere.
+    const table = await page.locator('.summary tbody').last().locator('tr td:nth-child(3) b').allInnerTexts();
+    check(table.map((cell) => cell.replace(/\s/g, ' ')).join() === best.map((row) => percent(row.success_rate)).join(), `the table is sorted by success: ${table}`);
+    const top = await page.locator('.paired-words').last().innerText();
+    check(top.includes(points[0].point) && top.includes(best[0].point), `the best is compared with the baseline ${points[0].point}: ${top}`);
+    const [a, b] = await page.locator('#figure-paired').evaluate((figure) => [...figure.querySelectorAll('label.choice')].filter((label) => /^Along/.test(label.textContent)).map((label) => label.querySelector('select').selectedOptions[0].textContent));
+    check(a === '0.001, 0.25' && b === best[0].point.replace(/\S+=/g, '').replace(' ', ', '), `and in the paired plot: ${a} with ${b}`);
+    check(/looks better on the worlds that chose it/.test(await page.locator('#figure-forest .note').innerText()), 'the best of many carries its warning');
+    // Names in cards and lists are never cut off, so none looks like another.
+    await page.locator('#failures').scrollIntoViewIfNeeded();
+    await page.waitForSelector('.atlas .who');
+    check((await page.locator('.atlas .who').evaluateAll((all) => all.filter((who) => who.scrollWidth > who.clientWidth + 1).map((who) => who.textContent))).length === 0, 'no name of a card is cut off');
+    const words = await page.locator('#app').innerText();
+    check(/: better\./.test(words) && /success rate \+12\.0 points/.test(words) && !/no trials here yet/i.test(words), 'a page with a search begins with its verdict, and on a suite that has trials');
+    check(!/NaN|undefined|\[object/.test(words), `sweep: ${/.{0,40}(NaN|undefined|\[object).{0,40}/.exec(words)?.[0]}`);
+  }
+  if (what === 'phone') {
+    // On paper: the same words, as lines.
+    await page.setViewportSize({ width: 800, height: 900 });
+    await page.evaluate(() => dispatchEvent(new Event('beforeprint')));
+    await page.emulateMedia({ media: 'print' });
+    const printed = (id) => page.locator(`#figure-${id} .on-paper svg text`).allTextContents();
+    const cells = (await printed('heat')).map((text) => text.replace(/\s/g, ' '));
+    for (const row of overall) check(cells.includes(percent(row.success_rate)) && cells.some((text) => text === `${(100 * row.success_low).toFixed(1)}\u2013${(100 * row.success_high).toFixed(1)} %`), `print: ${percent(row.success_rate)} and its interval in ${cells}`);
+    for (const [id, names] of [['sensitivity', ranked.map((v) => short(v.key))], ['slices', levels.map(short)], ['difficulty', named], ['shares', levels.map(short)], ['importance', ranked.map((v) => short(v.key))]]) {
+      const texts = await printed(id);
+      check(names.every((name) => texts.includes(name)), `print: ${id} names ${names}: ${texts}`);
+    }
+    // As wide as A4 between its margins: no table goes on beyond the paper.
+    await page.setViewportSize({ width: 695, height: 900 });
+    const wide = await page.evaluate(() => [...document.querySelectorAll('main table')].map((table) => [table.className, Math.round(table.getBoundingClientRect().right)]).filter(([, right]) => right > innerWidth));
+    check(wide.length === 0, `print: beyond the paper: ${JSON.stringify(wide)}`);
+    await accessible(page, source, 'print of a sweep', '#tuning, #difficulty, #sweep');
+  }
+  await context.close();
+}
+
+// ---- forty controllers: the best first, against the first one; many names do not push the verdict off the screen ----------
+{
+  const many = makePage(makeStore('many', 'many', 8, 0));
+  const { overall: rows } = dataOf(many);
+  const { context, page } = await open(many, { width: 1440, height: 900, init: noteLetters });
+  await page.waitForSelector('.paired-words:not(.found):not(.soon) p');
+  const verdicts = await page.locator('.verdict h2').allInnerTexts();
+  const rate = (name) => rows.find((row) => row.controller === name).success_rate;
+  const rates = rows.map((row) => row.success_rate).sort((a, b) => b - a);
+  check(verdicts.length === 3 && verdicts.every((name, i) => rate(name) === rates[i]), `the best three of forty, the best first: ${verdicts}`);
+  check(/of 40.controllers.*confirm them/s.test(await page.locator('.verdicts .aside').innerText()), 'the best of forty carry their warning');
+  check((await page.locator('.paired-words:not(.found)').innerText()).includes('controller00'), 'and are compared with the first');
+  check(/and 37 others/.test(await page.locator('.facts').innerText()), 'of forty names a few are written');
+  const box = await page.locator('.forest').boundingBox();
+  check(box.y + box.height < 900, `the axis of the verdicts is on the first screen: it ends at ${box.y + box.height}`);
+  const forest = await read(page, 'forest');
+  legible(forest, 'forty controllers');
+  const names = forest.letters.filter((letter) => /^controller/.test(letter.text)).sort((a, b) => a.y - b.y).map((letter) => letter.text);
+  check(names.length === 40 && names.every((name, i) => rate(name) === rates[i]), `forty rows, the best first: ${names}`);
+  await noOverflow(page, 'forty controllers');
+  await context.close();
+}
+await browser.close();
+end('figures of many points');
