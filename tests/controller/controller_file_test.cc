@@ -295,6 +295,16 @@ TEST_F(ControllerFile, AFreeSlackIsAllowedWithOneWarning) {
   EXPECT_NE(warnings_[0].find("c.yaml:1:17: controller.slack.weight"), std::string::npos) << warnings_[0];
 }
 
+TEST_F(ControllerFile, ACheckBeyondItsRowsIsAWarning) {
+  read("{collision: {stop: 0.02, check: {margin: 0.02}}}");
+  EXPECT_TRUE(warnings_.empty());
+  read("{collision: {stop: 0.015, check: {margin: 0.02}}}");
+  ASSERT_EQ(warnings_.size(), 1u);
+  EXPECT_NE(warnings_[0].find("controller.collision.check.margin: warning: of 0.02 is above collision.stop = 0.015"),
+            std::string::npos)
+      << warnings_[0];
+}
+
 TEST_F(ControllerFile, MarginsAreCheckedPerJoint) {
   // The lift of 0.35 m: a quarter of its range by default; 0.3 cannot work there.
   model_ = mecanum();
