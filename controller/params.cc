@@ -126,8 +126,8 @@ class Checker {
       error("uncertainty", "needs `prediction`: without its tracks nothing is known of how far noise is averaged");
     const CollisionParams& c = p_.collision;
     if (c.check.enabled && c.object.enabled && c.check.margin > c.object.stop)
-      warning("collision.check.margin", "of " + text(c.check.margin) + " is above collision.stop = " +
-                                            text(c.object.stop) +
+      warning("collision.check.margin", "of " + text(c.check.margin) +
+                                            " is above collision.stop = " + text(c.object.stop) +
                                             ": the rows let the robot come to where the check lets it go no further");
     if (p_.sight.enabled && model_.base_dof() > 0 && !(sight_speed(p_.sight, model_, p_.acceleration_limit[0]) > 0.0))
       error("limits.sight", "leaves no speed: range must be above reach + speed x reaction");
