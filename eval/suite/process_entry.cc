@@ -41,7 +41,7 @@ struct Entry {
 
 fs::path whole_path(const fs::path& path) {
   std::error_code error;
-  const fs::path whole = fs::absolute(path, error);
+  const fs::path whole = fs::absolute(path.empty() ? "." : path, error);  // of an option: the working folder
   return (error ? path : whole).lexically_normal();
 }
 

@@ -102,6 +102,15 @@ TEST_F(Processes, ThreadsHaveAProcessEach) {
   }
 }
 
+TEST_F(Processes, OptionsNameThemAsFilesDo) {
+  const std::string command = "[" + (folder_.root() / "odd").string() + ", fast]";
+  const Suite suite = load(odd(""), "", {{"controllers.mine.command", command}, {"simulation.time_limit", "1"}});
+  EXPECT_EQ(run(suite).row.outcome, Outcome::kTimeout) << run(suite).row.reason;
+  EXPECT_EQ(trial_key(suite.points[0], 0),
+            trial_key(load(odd("fast"), "", {{"simulation.time_limit", "1"}}).points[0], 0));
+  EXPECT_EQ(suite.resolved["controllers"]["mine"]["directory"].get<std::string>().front(), '/');
+}
+
 // What they are made of decides, wherever it lies.
 TEST_F(Processes, KeysFollowFilesAndArguments) {
   const auto key = [this](const std::string& entry) { return trial_key(load(entry).points[0], 0); };
