@@ -62,3 +62,10 @@ if(TARGET moma)
   install(DIRECTORY docs examples DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT program)
   install(FILES README.md CHANGELOG.md DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT program)
 endif()
+
+# Into a wheel (component `python`, by pyproject.toml alone): pip's prefix is the package's folder there, and the program with
+# its libraries is installed into the same.
+if(TARGET moma_python)
+  set_target_properties(moma_python PROPERTIES INSTALL_RPATH "$ORIGIN/${MOMA_WHEEL_LIBDIR}")
+  install(TARGETS moma_python LIBRARY DESTINATION . COMPONENT python EXCLUDE_FROM_ALL)
+endif()

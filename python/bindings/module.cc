@@ -1,0 +1,40 @@
+#include <nanobind/nanobind.h>
+
+#include <functional>
+#include <numeric>
+#include <stdexcept>
+#include <vector>
+
+#include "controller/config/json_node.h"
+#include "controller/config/json_text.h"
+#include "python/bindings/bindings.h"
+
+namespace moma::python {
+
+Array make_array(std::initializer_list<std::size_t> shape, double*& data) {
+  const std::vector<std::size_t> sizes(shape);
+  const std::size_t total = std::accumulate(sizes.begin(), sizes.end(), std::size_t{1}, std::multiplies<>());
+  data = new double[total];
+  const nb::capsule owner(data, [](void* numbers) noexcept { delete[] static_cast<double*>(numbers); });
+  return Array(data, sizes.size(), sizes.data(), owner);
+}
+
+void check_size(std::size_t found, std::size_t wanted, const char* what) {
+  if (found == wanted) return;
+  throw std::invalid_argument(std::string(what) + ": found " + std::to_string(found) + " numbers, expected " +
+                              std::to_string(wanted));
+}
+
+config::Node node_of(const std::string& json, const std::string& name) {
+  return config::node_from_json(config::parse_json(json, name), name);
+}
+
+}  // namespace moma::python
+
+NB_MODULE(_core, module) {
+  module.doc() = "moma's controller library; the package moma has the face of it.";
+  nanobind::exception<moma::config::ConfigError>(module, "ConfigError", PyExc_ValueError);
+  moma::python::bind_robot(module);
+  moma::python::bind_controller(module);
+  moma::python::bind_case(module);
+}

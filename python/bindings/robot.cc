@@ -1,0 +1,201 @@
+#include "python/bindings/robot.h"
+
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "controller/case/case_file.h"
+#include "controller/model/kinematics.h"
+#include "controller/model/manipulability.h"
+
+namespace moma::python {
+namespace {
+
+using RowMajor4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
+using RowMajorX = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+nb::object array_of(const Eigen::Ref<const VectorX>& values) {
+  double* data = nullptr;
+  Array array = make_array({static_cast<std::size_t>(values.size())}, data);
+  std::copy(values.begin(), values.end(), data);
+  return nb::cast(std::move(array));
+}
+
+ManipulabilityRows rows_of(const std::string& word) {
+  const std::optional<ManipulabilityRows> rows = from_string<ManipulabilityRows>(word);
+  if (!rows) throw std::invalid_argument("rows: found '" + word + "', expected translation, rotation or all");
+  return *rows;
+}
+
+}  // namespace
+
+template <class Body>
+void Robot::each(const Rows& base, const Rows& q, Body body) const {
+  check_size(base.shape(1), 3, "base");
+  check_size(q.shape(1), static_cast<std::size_t>(model().num_joints()), "q");
+  check_size(base.shape(0), q.shape(0), "configurations of the base");
+  const nb::gil_scoped_release release;
+  Kinematics kinematics(loaded_.model);
+  for (std::size_t i = 0; i < q.shape(0); ++i) {
+    kinematics.update(Eigen::Map<const Vector3>(base.data() + 3 * i),
+                      Eigen::Map<const VectorX>(q.data() + i * q.shape(1), static_cast<Eigen::Index>(q.shape(1))));
+    body(i, kinematics);
+  }
+}
+
+Array Robot::fk(const Rows& base, const Rows& q) const {
+  double* data = nullptr;
+  Array out = make_array({q.shape(0), 4, 4}, data);
+  each(base, q, [data](std::size_t i, const Kinematics& kinematics) {
+    Eigen::Map<RowMajor4> pose(data + 16 * i);
+    pose = kinematics.X_WE().matrix();
+  });
+  return out;
+}
+
+Array Robot::link(const std::string& name, const Rows& base, const Rows& q) const {
+  const int link = model().find_link(name);
+  if (link < 0) throw std::invalid_argument("link: " + model().name + " has no link '" + name + "'");
+  double* data = nullptr;
+  Array out = make_array({q.shape(0), 4, 4}, data);
+  each(base, q, [data, link](std::size_t i, const Kinematics& kinematics) {
+    Eigen::Map<RowMajor4> pose(data + 16 * i);
+    pose = kinematics.X_WL(link).matrix();
+  });
+  return out;
+}
+
+Array Robot::jacobian(const Rows& base, const Rows& q) const {
+  const int n = model().num_velocities();
+  double* data = nullptr;
+  Array out = make_array({q.shape(0), 6, static_cast<std::size_t>(n)}, data);
+  each(base, q, [data, n](std::size_t i, const Kinematics& kinematics) {
+    Eigen::Map<RowMajorX>(data + 6 * n * static_cast<Eigen::Index>(i), 6, n) = kinematics.J_WE_W();
+  });
+  return out;
+}
+
+Array Robot::manipulability(const Rows& q, const std::string& rows) const {
+  const ManipulabilityRows which = rows_of(rows);
+  const std::vector<double> zero(3 * q.shape(0), 0.0);
+  const std::size_t shape[] = {q.shape(0), 3};
+  double* data = nullptr;
+  Array out = make_array({q.shape(0)}, data);
+  const int n = model().num_joints();
+  each(Rows(zero.data(), 2, shape, nb::handle()), q, [=](std::size_t i, const Kinematics& kinematics) {
+    data[i] = moma::manipulability(kinematics.J_WE_W().rightCols(n), which);
+  });
+  return out;
+}
+
+Array Robot::manipulability_gradient(const Rows& q, const std::string& rows) const {
+  const ManipulabilityRows which = rows_of(rows);
+  const std::vector<double> zero(3 * q.shape(0), 0.0);
+  const std::size_t shape[] = {q.shape(0), 3};
+  const int n = model().num_joints();
+  double* data = nullptr;
+  Array out = make_array({q.shape(0), static_cast<std::size_t>(n)}, data);
+  Eigen::VectorXi prismatic(n);
+  for (int j = 0; j < n; ++j)
+    prismatic[j] = model().joints[static_cast<std::size_t>(j)].type == JointType::kPrismatic ? 1 : 0;
+  each(Rows(zero.data(), 2, shape, nb::handle()), q, [&](std::size_t i, const Kinematics& kinematics) {
+    Eigen::Map<VectorX> gradient(data + n * static_cast<Eigen::Index>(i), n);
+    moma::manipulability_gradient(kinematics.J_WE_W().rightCols(n), prismatic, which, gradient);
+  });
+  return out;
+}
+
+nb::tuple Robot::integrate(const Values& base, const Values& q, const Values& velocity, double seconds) const {
+  check_size(base.size(), 3, "base");
+  check_size(q.size(), static_cast<std::size_t>(model().num_joints()), "q");
+  check_size(velocity.size(), static_cast<std::size_t>(model().num_velocities()), "velocity");
+  Vector3 next_base = Eigen::Map<const Vector3>(base.data());
+  VectorX next_q = Eigen::Map<const VectorX>(q.data(), static_cast<Eigen::Index>(q.size()));
+  moma::integrate(model(), next_base, next_q,
+                  Eigen::Map<const VectorX>(velocity.data(), static_cast<Eigen::Index>(velocity.size())), seconds);
+  return nb::make_tuple(array_of(next_base), array_of(next_q));
+}
+
+nb::list Robot::distances(const Values& base, const Values& q, const std::string& objects, double object_range,
+                          double floor_range, double self_range) const {
+  check_size(base.size(), 3, "base");
+  check_size(q.size(), static_cast<std::size_t>(model().num_joints()), "q");
+  std::vector<ObjectShape> shapes;
+  std::vector<ObjectState> states;
+  const config::Node node = node_of(objects, "objects");
+  for (const config::Node& item : node.items) {
+    const int i = static_cast<int>(shapes.size());
+    read_object(item, "objects[" + std::to_string(i) + "]", i, shapes.emplace_back(), states.emplace_back());
+  }
+  Kinematics kinematics(loaded_.model);
+  kinematics.update(Eigen::Map<const Vector3>(base.data()),
+                    Eigen::Map<const VectorX>(q.data(), static_cast<Eigen::Index>(q.size())));
+  Proximity proximity(loaded_.model);
+  proximity.set_objects(shapes);
+  const ProximityRanges ranges{.object = object_range, .floor = floor_range, .self = self_range};
+  nb::list out;
+  const auto name_of = [this](int shape) { return model().shapes[static_cast<std::size_t>(shape)].name; };
+  for (const ProximityPair& pair : proximity.query(kinematics, states, ranges)) {
+    const bool object = pair.kind == PairKind::kObject;
+    const std::string second = object                         ? shapes[static_cast<std::size_t>(pair.second)].name
+                               : pair.kind == PairKind::kSelf ? name_of(pair.second)
+                                                              : std::string("floor");
+    const char* kind = object ? "object" : pair.kind == PairKind::kSelf ? "self" : "floor";
+    out.append(nb::make_tuple(kind, name_of(pair.first), second, pair.distance.d, array_of(pair.distance.n_W),
+                              array_of(pair.distance.p_first_W), array_of(pair.distance.p_second_W)));
+  }
+  return out;
+}
+
+void bind_robot(nb::module_& module) {
+  nb::class_<Robot>(module, "Robot")
+      .def_static("load", [](const std::string& file) { return new Robot(config::load_robot(file)); })
+      .def_static(
+          "read",
+          [](const std::string& json) { return new Robot(config::read_robot(node_of(json, "robot"), "robot")); })
+      .def_prop_ro("name", [](const Robot& robot) { return robot.model().name; })
+      .def_prop_ro("base", [](const Robot& robot) { return std::string(to_string(robot.model().base.type)); })
+      .def_prop_ro("joints",
+                   [](const Robot& robot) {
+                     std::vector<std::string> names;
+                     for (const ControlledJoint& joint : robot.model().joints) names.push_back(joint.name);
+                     return names;
+                   })
+      .def_prop_ro("links",
+                   [](const Robot& robot) {
+                     std::vector<std::string> names;
+                     for (const Link& link : robot.model().links) names.push_back(link.name);
+                     return names;
+                   })
+      .def_prop_ro("velocities", [](const Robot& robot) { return robot.model().velocity_names(); })
+      .def_prop_ro("lower",
+                   [](const Robot& robot) {
+                     std::vector<double> limits;
+                     for (const ControlledJoint& joint : robot.model().joints) limits.push_back(joint.lower);
+                     return limits;
+                   })
+      .def_prop_ro("upper",
+                   [](const Robot& robot) {
+                     std::vector<double> limits;
+                     for (const ControlledJoint& joint : robot.model().joints) limits.push_back(joint.upper);
+                     return limits;
+                   })
+      .def_prop_ro("ready", [](const Robot& robot) { return array_of(robot.model().ready); })
+      .def_prop_ro("velocity_limits", [](const Robot& robot) { return array_of(robot.model().velocity_limits()); })
+      .def_prop_ro("resolved", [](const Robot& robot) { return robot.loaded().resolved.dump(); })
+      .def_prop_ro("warnings", [](const Robot& robot) { return robot.loaded().warnings; })
+      .def_prop_ro("notes", [](const Robot& robot) { return robot.loaded().notes; })
+      .def("fk", &Robot::fk)
+      .def("link", &Robot::link)
+      .def("jacobian", &Robot::jacobian)
+      .def("manipulability", &Robot::manipulability)
+      .def("manipulability_gradient", &Robot::manipulability_gradient)
+      .def("integrate", &Robot::integrate)
+      .def("distances", &Robot::distances);
+}
+
+}  // namespace moma::python

@@ -1,0 +1,62 @@
+"""The program `moma`: what evaluates, and what reads stores."""
+
+from __future__ import annotations
+
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+from typing import Sequence
+
+
+class ProgramError(RuntimeError):
+    """The program ended with an exit code other than 0; the text is what it said."""
+
+    def __init__(self, text: str, code: int):
+        super().__init__(text)
+        self.code = code
+
+
+def program() -> str:
+    """Where it is: $MOMA_PROGRAM, the one that came with this package, or that of PATH."""
+    named = os.environ.get("MOMA_PROGRAM")
+    if named:
+        return named
+    own = pathlib.Path(__file__).parent / "bin" / "moma"
+    if own.is_file():
+        return str(own)
+    found = shutil.which("moma")
+    # The package's own command only leads here.
+    if found and pathlib.Path(found).read_bytes()[:4] == b"\x7fELF":
+        return found
+    raise FileNotFoundError("there is no program moma: not in the package, not in PATH; set MOMA_PROGRAM to where it is")
+
+
+def run(arguments: Sequence[str], *, show: bool = False) -> str:
+    """What it prints. `show`: its progress and remarks go to this process's standard error. Ctrl-C reaches it as well; it
+    stops as it does in a terminal, with what is done saved. Raises ProgramError."""
+    child = subprocess.Popen(
+        [program(), *arguments],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=None if show else subprocess.PIPE,
+        text=True,
+        encoding="utf-8",
+        errors="replace",
+    )
+    try:
+        out, err = child.communicate()
+    except KeyboardInterrupt:
+        child.communicate()
+        raise
+    if child.returncode != 0:
+        text = (err or "").strip() or f"moma {arguments[0]} ended with exit code {child.returncode}"
+        raise ProgramError(text, child.returncode)
+    return out
+
+
+def main() -> None:
+    """The command `moma` of the package."""
+    path = program()
+    os.execv(path, [path, *sys.argv[1:]])

@@ -1,0 +1,79 @@
+"""A store of trials, as tables of pandas."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import pathlib
+from typing import TYPE_CHECKING, Any
+
+from .program import run
+
+if TYPE_CHECKING:
+    import pandas
+
+
+class Store:
+    """A store that `moma run` or evaluate() has written; it is only read. docs/reference/store.md has tables, views and columns.
+
+    Every answer is the program's own: `sql()` takes what `moma query` takes.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]):
+        self.path = pathlib.Path(path)
+        if not self.path.is_file():
+            raise FileNotFoundError(f"no store {self.path}")
+
+    def __repr__(self) -> str:
+        return f"<moma.Store {self.path}>"
+
+    def sql(self, statement: str) -> pandas.DataFrame:
+        """The answer to one SQL statement, or to a named query (@summary, @list, @failures, @pairs, @worst)."""
+        import pandas
+
+        query = ["query", str(self.path), statement, "--format"]
+        rows: list[dict[str, Any]] = json.loads(run([*query, "json"]))
+        if rows:
+            return pandas.DataFrame(rows)
+        return pandas.read_csv(io.StringIO(run([*query, "csv"])))  # nothing but the names of its columns
+
+    def trials(self, where: str = "1") -> pandas.DataFrame:
+        """One row per trial, metrics and what they belong to; `where` is SQL over the columns of v_trials."""
+        return self.sql(f"SELECT * FROM v_trials WHERE {where}")
+
+    def summary(self) -> pandas.DataFrame:
+        """Rates with Wilson's 95 % interval, and metrics, per controller, point, family and mode."""
+        return self.sql("@summary")
+
+    def pairs(self) -> pandas.DataFrame:
+        """Each pair of points on the same worlds: n, both, only_a, only_b, neither."""
+        return self.sql("@pairs")
+
+    def samples(self, trial: str) -> pandas.DataFrame:
+        """The time series of a trial, named by any unique beginning of its name."""
+        if not trial or not all(c in "0123456789abcdef" for c in trial):
+            raise ValueError(f"found {trial!r}, expected (the beginning of) a trial's name, hexadecimal digits")
+        return self.sql(f"SELECT * FROM samples('{trial}') ORDER BY step")
+
+    def compare(self, a: str, b: str, suite: str | None = None) -> str:
+        """Two controllers (NAME, or NAME:POINT of a sweep) on the same worlds, paired: what `moma compare` prints."""
+        return run(["compare", str(self.path), a, b, *(["--suite", suite] if suite else [])])
+
+    def replay(self, trial: str, *, allow_plugins: bool = False) -> dict[str, Any]:
+        """The trial simulated again from the store alone, with its samples. `allow_plugins` lets it run the code that the
+        store names."""
+        allow = ["--allow-plugins"] if allow_plugins else []
+        return json.loads(run(["replay", str(self.path), trial, "--json", *allow]))
+
+    def report(self, output: str | os.PathLike[str] | None = None) -> pathlib.Path:
+        """Writes the report page, beside the store unless told otherwise."""
+        page = pathlib.Path(output) if output is not None else self.path.with_suffix(".html")
+        run(["report", str(self.path), "-o", str(page)])
+        return page
+
+    def to_parquet(self, output: str | os.PathLike[str], statement: str = "SELECT * FROM v_trials") -> pathlib.Path:
+        """Writes an answer as a Parquet file, by pyarrow or fastparquet, of which one has to be installed."""
+        path = pathlib.Path(output)
+        self.sql(statement).to_parquet(path)
+        return path

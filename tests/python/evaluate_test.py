@@ -1,0 +1,108 @@
+"""Suites, their evaluation by the program, and stores as tables. A controller in a process of its own that calls
+moma.Controller has the trials of the program's own, bit for bit."""
+
+import os
+import pathlib
+import tempfile
+import unittest
+
+import moma
+import wrapped
+
+ROOT = pathlib.Path(os.environ["MOMA_SOURCE_DIR"])
+GAINS = str(ROOT / "configs/controllers/moma-reactive.yaml")
+SUITE = {
+    "name": "small",
+    "robot": str(ROOT / "configs/robots/frankie.yaml"),
+    "controllers": {"own": GAINS},
+    "worlds": {"seed": 5, "families": {"clutter": {"objects": 6}}},
+    "simulation": {"mode": "kinematic", "time_limit": 6},
+    "trials": 3,
+    "samples": "all",
+}
+# What a row has to say about a motion, whoever computed its commands.
+MOTION = "outcome, reason, time_end_s, position_error_m, orientation_error_rad, path_ee_m, clearance_min_m, manip_mean"
+# What moma's controller remembers stays in its process.
+REMEMBERED = {"escape_best", "escape_idle", "stagnations", "circulation"} | {
+    "detour" + part for part in ("", "_side", "_remaining", "_x", "_y", "_z")
+}
+
+
+class EvaluateTest(unittest.TestCase):
+    def setUp(self):
+        self.scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(self.scratch.cleanup)
+        self.folder = pathlib.Path(self.scratch.name)
+
+    def evaluate(self, suite=SUITE, controllers=None, **more):
+        chosen = moma.Suite(suite, directory=self.folder)
+        return moma.evaluate(chosen, controllers, store=self.folder / "a.db", progress=False, **more)
+
+    def test_the_same_trial_by_the_program_and_by_a_process_of_the_package(self):
+        store = self.evaluate(controllers={"mine": (wrapped.Wrapped, {"file": GAINS})})
+        trials = store.trials()
+        self.assertEqual(len(trials), 6)
+        self.assertEqual(set(trials.controller), {"own", "mine"})
+        self.assertGreater(trials.clearance_min_m.notna().sum(), 0)
+        for world in range(3):
+            own, mine = (
+                store.sql(f"SELECT trial, {MOTION} FROM v_trials WHERE controller = '{name}' AND world = {world}")
+                for name in ("own", "mine")
+            )
+            self.assertTrue(own.drop(columns="trial").equals(mine.drop(columns="trial")), f"{own}\n{mine}")
+            samples = [store.samples(table.trial[0]) for table in (own, mine)]
+            self.assertGreater(len(samples[0]), 20)
+            compared = 0
+            for column in samples[0].columns:
+                if column in REMEMBERED or column.startswith("plan_"):
+                    continue
+                self.assertTrue(samples[0][column].equals(samples[1][column]), f"world {world}: {column}")
+                compared += 1
+            self.assertGreater(compared, 40)
+        self.assertEqual(int(store.pairs().n.sum()), 3)
+        self.assertIn("own", store.compare("own", "mine"))
+
+    def test_goes_on_from_what_is_there(self):
+        self.evaluate(trials=1)
+        store = self.evaluate(trials=2)
+        self.assertEqual(len(store.trials()), 2)
+        self.assertEqual(len(store.trials("world = 1")), 1)
+        self.assertEqual(list(store.trials("world = 7").columns), list(store.trials().columns))
+        self.assertEqual(int(store.summary().n.sum()), 2)
+        replay = store.replay(store.trials().trial[0])
+        self.assertEqual(len(replay["samples"]), len(store.samples(store.trials().trial[0])))
+
+    def test_a_controller_that_fails_is_an_error_of_its_trials(self):
+        with self.assertRaisesRegex(moma.ProgramError, "RuntimeError: not today"):
+            self.evaluate(controllers={"mine": wrapped.Failing}, trials=1)
+        store = self.evaluate(controllers={"mine": wrapped.Failing}, trials=2, keep_going=True)
+        self.assertEqual(list(store.trials("outcome = 'error'").controller), ["mine", "mine"])
+        reason = store.trials("controller = 'mine'").reason[0]
+        self.assertIn("RuntimeError: not today | wrapped.py:", reason)
+        with self.assertRaisesRegex(moma.ProgramError, "--allow-plugins"):
+            store.replay(store.trials("controller = 'mine'").trial[0])
+
+    def test_mistakes(self):
+        with self.assertRaisesRegex(moma.ProgramError, "trails: unknown key"):
+            self.evaluate(suite={**SUITE, "trails": 3})
+        with self.assertRaisesRegex(ValueError, "is inside of something else"):
+            self.evaluate(controllers={"mine": lambda: None})
+        with self.assertRaisesRegex(ValueError, "needs a name"):
+            moma.Suite({"robot": "x"})
+        store = self.evaluate(trials=1)
+        with self.assertRaisesRegex(moma.ProgramError, "no such table"):
+            store.sql("SELECT * FROM no_such")
+        with self.assertRaisesRegex(ValueError, "hexadecimal"):
+            store.samples("x'; DROP TABLE trial")
+        with self.assertRaises(FileNotFoundError):
+            moma.Store(self.folder / "none.db")
+        self.assertEqual([f.name for f in self.folder.iterdir() if f.name.startswith(".moma-")], [])
+
+    def test_suites(self):
+        suite = moma.Suite(SUITE, {"trials": 2}, self.folder)
+        self.assertIn("small", suite.check())
+        self.assertEqual(suite.world(1)["index"], 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
