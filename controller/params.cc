@@ -6,6 +6,7 @@
 
 #include "controller/describe/check.h"
 #include "controller/model/base_kind.h"
+#include "controller/model/limit_part.h"
 #include "controller/params_described.h"
 #include "controller/qp/limits.h"
 

@@ -4,7 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "controller/qp/limits.h"
+#include "controller/model/limit_part.h"
+#include "controller/safe/braking.h"
 
 namespace moma {
 namespace {
@@ -66,7 +67,7 @@ MotionLimits::MotionLimits(const RobotModel& model, const ControllerParams& para
     lever[i] = lever_of(model, joint);
   }
   const double fast = plan.speed * wheels_part(model.base);
-  linear = fast * foreseen_speed(model, params);
+  linear = fast * foreseen_speed(model, params.collision);
   angular = fast * model.base.max_angular;
   double a_linear = model.base.max_acceleration[0], a_angular = model.base.max_acceleration[1];
   if (first > 0) {

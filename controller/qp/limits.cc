@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "controller/model/base_kind.h"
+#include "controller/model/limit_part.h"
 #include "controller/safe/braking.h"
 
 namespace moma {
@@ -24,7 +25,7 @@ VelocityBounds::VelocityBounds(const RobotModel& model, const ControllerParams& 
     q_upper_[i] = model.joints[static_cast<std::size_t>(i)].upper;
     part_[i] = limit_part(model.joints[static_cast<std::size_t>(i)]);
   }
-  const double foreseen = foreseen_speed(model, params);
+  const double foreseen = foreseen_speed(model, params.collision);
   for (int i = 0; i + 1 < base_dof_; ++i) speed_[i] = std::min(speed_[i], foreseen);
   if (params.sight.enabled && base_dof_ > 0) {
     // Of two linear velocities each has its part.
@@ -132,22 +133,9 @@ double source_bound(double room, double margin, double speed) noexcept {
   return speed * std::min(room / margin, 1.0);
 }
 
-double limit_part(const ControlledJoint& joint) noexcept {
-  constexpr double kWhole = 3.0;
-  if (joint.type != JointType::kPrismatic) return 1.0;
-  return std::min(1.0, (joint.upper - joint.lower) / kWhole);
-}
-
 double damper_bound(double room, const JointLimitParams& params, double part) noexcept {
   if (!(room < part * params.influence)) return kInfinity;
   return params.gain * (room - part * params.stop) / (params.influence - params.stop);
-}
-
-double foreseen_speed(const RobotModel& model, const ControllerParams& params) noexcept {
-  const CollisionParams& c = params.collision;
-  if (model.base_dof() == 0 || !c.braking.enabled || !c.object.enabled) return model.base.max_linear;
-  const double room = c.object.influence - c.object.stop;
-  return std::min(model.base.max_linear, stoppable_speed(room, model.base.max_acceleration[0], c.braking.reaction));
 }
 
 void add_wheel_rows(const MobileBase& base, QpProblem& problem) noexcept {

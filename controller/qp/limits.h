@@ -65,17 +65,9 @@ VectorX resolve_margin(const RobotModel& model, const JointLimitParams& params);
 /// The source's S+ (and, mirrored, S-): 0 where room < 0, else speed min(room / margin, 1).
 double source_bound(double room, double margin, double speed) noexcept;
 
-/// Of lengths along a joint's range (of dampers, of margins of paths) the part that counts: those of prismatic joints
-/// are shorter in proportion to a range below 3 m, the smallest, in rad, of the arm that they were found on.
-double limit_part(const ControlledJoint& joint) noexcept;
-
 /// eta (rho - rho_s)/(rho_i - rho_s) inside rho_i, infinite outside (Haviland & Corke, arXiv 2002.11901, eq. 19). With
-/// a `part` below 1 rho_i and rho_s are so much shorter, and the slope is the same.
+/// a `part` below 1 (limit_part()) rho_i and rho_s are so much shorter, and the slope is the same.
 double damper_bound(double room, const JointLimitParams& params, double part = 1.0) noexcept;
-
-/// Speed from which a base, braking after `reaction` as its drive can, stops between the distance at which its rows
-/// begin, `influence`, and `stop`; not above its own [m/s]. Its own without rows that know how it brakes.
-double foreseen_speed(const RobotModel& model, const ControllerParams& params) noexcept;
 
 /// |omega_i| <= max_speed for every wheel, as rows on the base's velocity.
 void add_wheel_rows(const MobileBase& base, QpProblem& problem) noexcept;

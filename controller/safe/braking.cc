@@ -1,5 +1,6 @@
 #include "controller/safe/braking.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "controller/model/base_kind.h"
@@ -24,6 +25,13 @@ double Deceleration::along(const Eigen::Ref<const VectorX>& c) const noexcept {
 void Deceleration::stopping_times(const VectorX& u, VectorX& times) const noexcept {
   for (Eigen::Index i = 0; i < u.size(); ++i) times[i] = std::abs(u[i]) / acceleration_[i];
   if (pair_) times[0] = times[1] = std::hypot(u[0], u[1]) / acceleration_[0];
+}
+
+double foreseen_speed(const RobotModel& model, const CollisionParams& params) noexcept {
+  const double most = model.base.max_linear;
+  if (model.base_dof() == 0 || !params.braking.enabled || !params.object.enabled) return most;
+  const double room = params.object.influence - params.object.stop;
+  return std::min(most, stoppable_speed(room, model.base.max_acceleration[0], params.braking.reaction));
 }
 
 double stoppable_speed(double room, double deceleration, double reaction) noexcept {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "controller/model/robot_model.h"
+#include "controller/params.h"
 #include "controller/types.h"
 
 namespace moma {
@@ -25,5 +26,9 @@ class Deceleration {
 /// Largest speed from which one stops within `room`, braking at `deceleration` after `reaction`: the root of
 /// v t + v^2/(2 a) = room. 0 without room; infinite where the deceleration is.
 double stoppable_speed(double room, double deceleration, double reaction) noexcept;
+
+/// Speed from which a base, braking after `reaction` as its drive can, stops between the distance at which its rows
+/// begin, `influence`, and `stop`; not above its own [m/s]. Its own without rows that know how it brakes.
+double foreseen_speed(const RobotModel& model, const CollisionParams& params) noexcept;
 
 }  // namespace moma

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "controller/qp/limits.h"
+#include "controller/safe/braking.h"
 #include "controller/task/servo.h"
 #include "tests/controller/qp_robots.h"
 
@@ -108,7 +109,7 @@ TEST(Limits, ABaseIsNoFasterThanItsRowsForesee) {
   p.collision.object.stop = 0.05;
   for (const auto& model : all_robots()) {
     const ControllerParams full = resolved(p, *model);
-    const double speed = foreseen_speed(*model, full);
+    const double speed = foreseen_speed(*model, full.collision);
     const VectorX all = VelocityBounds(*model, full, 0.02).speed();
     for (int i = 0; i + 1 < model->base_dof(); ++i) EXPECT_EQ(all[i], std::min(speed, model->velocity_limits()[i]));
     if (model->base_dof() == 0) continue;
@@ -120,7 +121,7 @@ TEST(Limits, ABaseIsNoFasterThanItsRowsForesee) {
     else
       EXPECT_LE(way, 0.25 + 1e-4) << model->name;
     p.collision.braking.enabled = false;
-    EXPECT_EQ(foreseen_speed(*model, resolved(p, *model)), model->base.max_linear);
+    EXPECT_EQ(foreseen_speed(*model, p.collision), model->base.max_linear);
     p.collision.braking.enabled = true;
   }
 }
