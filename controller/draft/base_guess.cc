@@ -79,6 +79,14 @@ class BaseFinder {
     return true;
   }
 
+  // Joints between what stands for a base and the link's own.
+  int driven_before(int link) const {
+    int count = 0;
+    for (int i = urdf_.link(link).parent; i > 0; i = urdf_.link(i).parent)
+      count += drivable(urdf_.link(i).joint) && !guess_.joints[static_cast<std::size_t>(i)] ? 1 : 0;
+    return count;
+  }
+
   double radius_of(const Wheel& wheel) const {
     double radius = 0.0;
     for (const UrdfGeometry& shape : urdf_.link(wheel.link).collision) {
@@ -108,6 +116,8 @@ class BaseFinder {
       const bool by_name = named(joint.name, {"wheel"}) || named(urdf_.link(i).name, {"wheel"});
       if (!drivable(joint) || joint.type == UrdfJointType::kPrismatic || !(endless || by_name)) continue;
       if (std::abs(urdf_.axis_R(i).z()) > kLevel || !nothing_driven_behind(i)) continue;
+      // A wrist is behind an arm; a wheel behind a fork at most.
+      if (!by_name && driven_before(i) > 1) continue;
       Wheel wheel{i, urdf_.X_R(i).translation(), urdf_.axis_R(i), 0.0, false};
       wheel.radius = radius_of(wheel);
       for (int up = urdf_.link(i).parent; up > 0; up = urdf_.link(up).parent) {

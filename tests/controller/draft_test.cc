@@ -145,6 +145,25 @@ TEST_F(Drafts, OfFourWheelsAndOfSteeredOnes) {
             BaseType::kOmnidirectional);
 }
 
+TEST_F(Drafts, AWristThatTurnsWithoutEndIsNoWheel) {
+  // The lowest of all joints that turn without end about a level axis, since there is no other.
+  std::string parts = body();
+  std::string before = "base_link";
+  const std::pair<const char*, const char*> joints[] = {
+      {"revolute", "0 0 1"}, {"revolute", "0 1 0"}, {"revolute", "0 1 0"}, {"continuous", "1 0 0"}};
+  for (int i = 0; i < 4; ++i) {
+    const std::string name = "link" + std::to_string(i);
+    parts += link(name, "<sphere radius='0.04'/>", 1.0, "0 0 0.08") +
+             joint("turn" + std::to_string(i), joints[i].first, before, name, "0 0 0.2", joints[i].second,
+                   i < 3 ? kLimit : "<limit velocity='1.5' effort='60'/>");
+    before = name;
+  }
+  const Draft made = draft(parts);
+  const config::LoadedRobot robot = load(made);
+  EXPECT_EQ(robot.model->base.type, BaseType::kFixed) << made.text;
+  EXPECT_EQ(robot.model->num_joints(), 4) << made.text;
+}
+
 TEST_F(Drafts, WheelsAboutXTurnTheRobot) {
   const Draft made = draft(body() + wheel("left_wheel", "-0.25 0 0", "1 0 0") +
                            wheel("right_wheel", "0.25 0 0", "1 0 0") + arm("base_link", "", "0 0.1 0.3"));
