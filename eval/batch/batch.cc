@@ -59,13 +59,13 @@ class OrderedDelivery final : public JobBoard {
       BatchResult next = std::move(*slots_[delivered_ % slots_.size()]);
       slots_[delivered_ % slots_.size()].reset();
       const BatchJob& job = jobs_[next.job];
-      const bool success = next.output.row.outcome == Outcome::kSuccess;
+      const Outcome outcome = next.output.row.outcome;
       lock.unlock();
       bool go_on = false;
       std::exception_ptr error;
       try {
         go_on = sink_(job, std::move(next));
-        if (options_.progress) report(success);
+        if (options_.progress) report(outcome);
       } catch (...) {
         error = std::current_exception();
       }
@@ -75,7 +75,8 @@ class OrderedDelivery final : public JobBoard {
         closed_ = true;
       } else {
         ++delivered_;
-        successes_ += success ? 1 : 0;
+        successes_ += outcome == Outcome::kSuccess ? 1 : 0;
+        errors_ += outcome == Outcome::kError ? 1 : 0;
         closed_ = closed_ || !go_on;
       }
       room_.notify_all();
@@ -92,6 +93,7 @@ class OrderedDelivery final : public JobBoard {
 
   std::size_t delivered() const { return delivered_; }
   std::size_t successes() const { return successes_; }
+  std::size_t errors() const { return errors_; }
   void rethrow() const {
     if (error_ != nullptr) std::rethrow_exception(error_);
   }
@@ -113,11 +115,12 @@ class OrderedDelivery final : public JobBoard {
   }
 
   // Only the delivering thread comes here and changes the counts, so that reading them needs no lock.
-  void report(bool success) const {
+  void report(Outcome outcome) const {
     BatchProgress progress;
     progress.done = delivered_ + 1;
     progress.total = todo_.size();
-    progress.successes = successes_ + (success ? 1 : 0);
+    progress.successes = successes_ + (outcome == Outcome::kSuccess ? 1 : 0);
+    progress.errors = errors_ + (outcome == Outcome::kError ? 1 : 0);
     progress.seconds = seconds();
     progress.rate = progress.seconds > 0.0 ? static_cast<double>(progress.done) / progress.seconds : 0.0;
     options_.progress(progress);
@@ -134,6 +137,7 @@ class OrderedDelivery final : public JobBoard {
   std::size_t taken_ = 0;
   std::size_t delivered_ = 0;
   std::size_t successes_ = 0;
+  std::size_t errors_ = 0;
   bool delivering_ = false;
   bool closed_ = false;
   std::exception_ptr error_;
@@ -214,6 +218,7 @@ BatchSummary run_batch(std::span<const SuitePoint> points, std::span<const Batch
   delivery.rethrow();
   summary.delivered = delivery.delivered();
   summary.successes = delivery.successes();
+  summary.errors = delivery.errors();
   summary.stopped = summary.delivered < todo.size();
   summary.seconds = delivery.seconds();
   return summary;

@@ -54,8 +54,9 @@ struct BatchProgress {
   std::size_t done = 0;   ///< delivered to the sink
   std::size_t total = 0;  ///< to do, after skips
   std::size_t successes = 0;
-  double seconds = 0.0;  ///< since the start
-  double rate = 0.0;     ///< trials per second since the start
+  std::size_t errors = 0;  ///< ended by an error: no part of a rate
+  double seconds = 0.0;    ///< since the start
+  double rate = 0.0;       ///< trials per second since the start
 };
 
 /// What run_batch() offers to computers elsewhere: jobs by their place in the order of delivery. For one thread.
@@ -104,6 +105,7 @@ struct BatchSummary {
   std::size_t skipped = 0;     ///< keys in `skip`
   std::size_t duplicates = 0;  ///< jobs whose key an earlier job of this batch has: computed once, delivered once
   std::size_t successes = 0;
+  std::size_t errors = 0;
   bool stopped = false;  ///< ended before the last job, by `stop` or by the sink
   double seconds = 0.0;
 };

@@ -4,9 +4,14 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include "eval/cli/command.h"
+#include "eval/cli/own_metrics.h"
 #include "eval/cli/table.h"
+#include "eval/run/named_point.h"
 #include "eval/stats/bootstrap.h"
 #include "eval/stats/intervals.h"
 #include "eval/store/query.h"
@@ -29,41 +34,15 @@ struct CompareOptions {
 constexpr const char* kMetrics[] = {"time_to_goal_s", "manip_mean",  "clearance_min_m", "command_change_mean",
                                     "path_ee_m",      "path_base_m", "jerk_ee_rms"};
 
-struct Chosen {
-  std::int64_t id = 0;
-  std::int64_t suite_id = 0;
-  std::string suite;
-};
-
-/// Points that go by `name`: a controller, or CONTROLLER:POINT in a sweep.
-std::vector<Chosen> candidates(const CompareOptions& options, const std::string& name) {
-  const std::string where =
-      options.suite.empty() ? "" : fmt::format(" AND s.name = {}", store::sql_literal(options.suite));
-  const QueryResult result = store::query(
-      options.file,
-      fmt::format("SELECT p.id, s.id, s.name FROM point AS p JOIN suite AS s ON s.id = p.suite_id "
-                  "WHERE {} IN (p.controller || ':' || p.label, iif(p.label = '', p.controller, NULL)){} ORDER BY p.id",
-                  store::sql_literal(name), where));
-  std::vector<Chosen> found;
-  for (const auto& row : result.rows) {
-    found.push_back({std::get<std::int64_t>(row[0]), std::get<std::int64_t>(row[1]), std::get<std::string>(row[2])});
-  }
-  if (!found.empty()) return found;
-  const QueryResult all = store::query(
-      options.file, "SELECT DISTINCT controller || iif(label = '', '', ':' || label) FROM point ORDER BY id LIMIT 20");
-  std::vector<std::string> names;
-  for (const auto& row : all.rows) names.push_back(std::get<std::string>(row[0]));
-  throw UsageError(fmt::format("{}: has no point '{}'{}; it has: {}", options.file, name,
-                               options.suite.empty() ? "" : " in suite " + options.suite, fmt::join(names, ", ")));
-}
+using run::NamedPoint;
 
 /// The one suite that has both.
-std::pair<Chosen, Chosen> choose(const CompareOptions& options) {
-  std::vector<std::pair<Chosen, Chosen>> both;
-  const std::vector<Chosen> all_b = candidates(options, options.b);
+std::pair<NamedPoint, NamedPoint> choose(const CompareOptions& options) {
+  std::vector<std::pair<NamedPoint, NamedPoint>> both;
+  const std::vector<NamedPoint> all_b = run::named_points(options.file, options.b, options.suite);
   std::string suites;
-  for (const Chosen& a : candidates(options, options.a)) {
-    for (const Chosen& b : all_b) {
+  for (const NamedPoint& a : run::named_points(options.file, options.a, options.suite)) {
+    for (const NamedPoint& b : all_b) {
       if (a.suite_id != b.suite_id) continue;
       both.emplace_back(a, b);
       suites += (suites.empty() ? "" : ", ") + a.suite;
@@ -79,16 +58,57 @@ double number(const Cell& cell) {
   return std::get<double>(cell);
 }
 
-QueryResult paired(const CompareOptions& options, const std::pair<Chosen, Chosen>& points) {
-  std::string columns =
-      "ta.outcome = 'success', tb.outcome = 'success', ta.outcome = 'collision', tb.outcome = 'collision'";
-  for (const char* metric : kMetrics) columns += fmt::format(", ta.{0}, tb.{0}", metric);
+/// What is compared of a trial beside its outcome: its columns and the suites' own metrics.
+struct Metric {
+  std::string name;
+  std::string a;  ///< SQL over `ta`
+  std::string b;  ///< SQL over `tb`
+};
+
+std::vector<Metric> metrics_of(const CompareOptions& options) {
+  std::vector<Metric> metrics;
+  std::set<std::string> taken;
+  for (const char* name : kMetrics) {
+    metrics.push_back({name, fmt::format("ta.{}", name), fmt::format("tb.{}", name)});
+    taken.insert(name);
+  }
+  for (const OwnMetric& own : own_metrics(options.file, taken))
+    metrics.push_back({own.column, value_sql(own, "ta.key"), value_sql(own, "tb.key")});
+  return metrics;
+}
+
+constexpr std::size_t kOutcomes = 6;  // columns before the metrics
+
+/// One row a world that both met: whether A's and B's trial ended by an error, succeeded, collided; then the metrics.
+QueryResult paired(const CompareOptions& options, const std::pair<NamedPoint, NamedPoint>& points,
+                   const std::vector<Metric>& metrics) {
+  std::string columns;
+  for (const char* outcome : {"error", "success", "collision"})
+    columns += fmt::format("{}ta.outcome = '{}', tb.outcome = '{}'", columns.empty() ? "" : ", ", outcome, outcome);
+  for (const Metric& metric : metrics) columns += fmt::format(", {}, {}", metric.a, metric.b);
   return store::query(options.file,
                       fmt::format("SELECT {} FROM point_trial AS ma JOIN point_trial AS mb USING (world_index) "
                                   "JOIN trial AS ta ON ta.key = ma.key JOIN trial AS tb ON tb.key = mb.key "
                                   "WHERE ma.point_id = {} AND mb.point_id = {} AND ta.world_id = tb.world_id "
                                   "ORDER BY ma.world_index",
                                   columns, points.first.id, points.second.id));
+}
+
+/// Takes out the worlds where a trial ended by an error; in words how many, "" where there are none.
+std::string leave_out_errors(QueryResult& pairs) {
+  std::int64_t of_a = 0;
+  std::int64_t of_b = 0;
+  const auto error = [&](const std::vector<Cell>& pair) {
+    const bool a = std::get<std::int64_t>(pair[0]) != 0;
+    const bool b = std::get<std::int64_t>(pair[1]) != 0;
+    of_a += a ? 1 : 0;
+    of_b += b ? 1 : 0;
+    return a || b;
+  };
+  const std::size_t worlds = std::erase_if(pairs.rows, error);
+  if (worlds == 0) return "";
+  return fmt::format("; {} more {} left out, where a trial ended by an error (A {}, B {})", worlds,
+                     worlds == 1 ? "is" : "are", of_a, of_b);
 }
 
 struct RateRow {
@@ -130,14 +150,14 @@ void print_rates(const std::vector<RateRow>& rates, std::int64_t n) {
   write(std::cout, table, Format::kTable);
 }
 
-void print_metrics(const QueryResult& pairs) {
+void print_metrics(const QueryResult& pairs, const std::vector<Metric>& metrics) {
   QueryResult table{{"metric (both have it)", "n", "mean A", "mean B", "B - A", "95 % (paired bootstrap)"}, {}};
-  for (std::size_t m = 0; m < std::size(kMetrics); ++m) {
+  for (std::size_t m = 0; m < metrics.size(); ++m) {
     std::vector<double> a;
     std::vector<double> b;
     for (const auto& pair : pairs.rows) {
-      const Cell& x = pair[4 + 2 * m];
-      const Cell& y = pair[5 + 2 * m];
+      const Cell& x = pair[kOutcomes + 2 * m];
+      const Cell& y = pair[kOutcomes + 1 + 2 * m];
       if (std::holds_alternative<std::monostate>(x) || std::holds_alternative<std::monostate>(y)) continue;
       a.push_back(number(x));
       b.push_back(number(y));
@@ -150,7 +170,7 @@ void print_metrics(const QueryResult& pairs) {
       mean_b += b[i] / static_cast<double>(a.size());
     }
     const stats::MeanDifference d = stats::paired_bootstrap(b, a);
-    table.rows.push_back({std::string(kMetrics[m]), static_cast<std::int64_t>(a.size()), mean_a, mean_b, d.mean,
+    table.rows.push_back({metrics[m].name, static_cast<std::int64_t>(a.size()), mean_a, mean_b, d.mean,
                           fmt::format("[{:.4g}, {:.4g}]", d.low, d.high)});
   }
   write(std::cout, table, Format::kTable);
@@ -158,16 +178,21 @@ void print_metrics(const QueryResult& pairs) {
 
 int compare(const CompareOptions& options) {
   const auto points = choose(options);
-  const QueryResult pairs = paired(options, points);
+  const std::vector<Metric> metrics = metrics_of(options);
+  QueryResult pairs = paired(options, points, metrics);
+  const std::string left_out = leave_out_errors(pairs);
   const auto n = static_cast<std::int64_t>(pairs.rows.size());
-  std::cout << terminal_safe(fmt::format("A = {}, B = {}, suite {}: {} worlds that both met", options.a, options.b,
-                                         points.first.suite, n))
+  if (n == 0) throw UsageError(fmt::format("no world was met by both: nothing to compare{}", left_out));
+  const auto shown = [](const NamedPoint& point) {
+    return point.why.empty() ? point.name() : fmt::format("{} (best by {})", point.name(), point.why);
+  };
+  std::cout << terminal_safe(fmt::format("A = {}, B = {}, suite {}: {} worlds that both met{}", shown(points.first),
+                                         shown(points.second), points.first.suite, n, left_out))
             << "\n\n";
-  if (n == 0) throw UsageError("no world was met by both: nothing to compare");
-  const RateRow success = compare_rates(pairs, "success", 0);
-  print_rates({success, compare_rates(pairs, "collision", 2)}, n);
+  const RateRow success = compare_rates(pairs, "success", 2);
+  print_rates({success, compare_rates(pairs, "collision", 4)}, n);
   std::cout << '\n';
-  print_metrics(pairs);
+  print_metrics(pairs, metrics);
   const double discordant = static_cast<double>(success.only_a + success.only_b) / static_cast<double>(n);
   std::cout << fmt::format(
       "\nWorlds needed to see a difference of {:g} percentage points in success, 4 times out of 5: {} ({:.1f} % of the "
@@ -189,7 +214,7 @@ void add_compare(CLI::App& app, Action& action, const Arguments& /*arguments*/) 
   CLI::App* command =
       app.add_subcommand("compare", "Paired comparison of two controllers or points on the same worlds");
   command->add_option("DB", options->file, "Store")->required();
-  command->add_option("A", options->a, "Controller, or CONTROLLER:POINT of a sweep")->required();
+  command->add_option("A", options->a, "Controller, CONTROLLER:POINT of a sweep, @best or CONTROLLER@best")->required();
   command->add_option("B", options->b, "The other one")->required();
   command->add_option("--suite", options->suite, "Which suite, where several have both");
   command
@@ -198,7 +223,12 @@ void add_compare(CLI::App& app, Action& action, const Arguments& /*arguments*/) 
       ->check(CLI::Range(0.0, 1.0));
   command->add_option("--difference", options->difference, "Says how many worlds show this difference of rates (0.05)")
       ->check(CLI::Range(0.001, 0.999));
-  command->footer("Example: moma compare results/demo.db holistic moma --fail-if-worse 0.02");
+  command->footer(
+      fmt::format("@best is the point with {}. On the worlds that chose it, the best of many looks better than it is.\n"
+                  "Worlds where a trial ended by an error are left out.\n"
+                  "Examples: moma compare results/demo.db holistic moma --fail-if-worse 0.02\n"
+                  "          moma compare results/sweep.db published @best",
+                  run::kBestCriterion));
   command->callback([&action, options] { action = [options] { return compare(*options); }; });
 }
 

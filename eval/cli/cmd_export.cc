@@ -3,8 +3,12 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "eval/cli/command.h"
+#include "eval/cli/own_metrics.h"
+#include "eval/cli/summary_table.h"
 #include "eval/cli/table.h"
 #include "eval/cli/whole_file.h"
 #include "eval/store/planner_arena.h"
@@ -21,8 +25,6 @@ struct Export {
 };
 
 constexpr Export kFiles[] = {
-    {"trials", "SELECT * FROM v_trials ORDER BY suite, controller, point, world"},
-    {"summary", "SELECT * FROM v_summary ORDER BY suite, robot, family, mode, controller, point"},
     {"pairs", "SELECT * FROM v_pairs ORDER BY suite, controller_a, point_a, controller_b, point_b, world"},
     {"worlds",
      "SELECT DISTINCT s.name AS suite, w.world_index AS world, w.seed, w.family, w.goal_distance_m, w.objects, "
@@ -41,19 +43,32 @@ constexpr Export kFiles[] = {
      "JOIN suite AS s ON s.id = i.suite_id ORDER BY i.id"},
 };
 
+/// v_trials with the suites' own metrics as further columns.
+store::QueryResult trials(const fs::path& db) {
+  const std::vector<std::string> columns = store::query(db, "SELECT * FROM v_trials LIMIT 0").columns;
+  std::string own;
+  for (const OwnMetric& metric : own_metrics(db, {columns.begin(), columns.end()}))
+    own += fmt::format(", {} AS {}", value_sql(metric, "(SELECT key FROM trial WHERE trial.trial = v.trial)"),
+                       sql_name(metric.column));
+  return store::query(db, fmt::format("SELECT v.*{} FROM v_trials AS v ORDER BY suite, controller, point, world", own));
+}
+
 void export_csv(const fs::path& db, const fs::path& folder) {
-  std::vector<store::QueryResult> results;  // all are read before the first is written
-  for (const Export& file : kFiles) results.push_back(store::query(db, file.sql));
+  // All are read before the first is written.
+  std::vector<std::pair<std::string, store::QueryResult>> results;
+  results.emplace_back("trials", trials(db));
+  results.emplace_back("summary", summary_table(db, {}));
+  for (const Export& file : kFiles) results.emplace_back(file.name, store::query(db, file.sql));
   std::error_code error;
   fs::create_directories(folder, error);
   if (!fs::is_directory(folder)) {
     throw UsageError(fmt::format("{}: cannot be made a folder: {}", folder.string(),
                                  error ? error.message() : "something else has this name"));
   }
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    const fs::path file = folder / fmt::format("{}.csv", kFiles[i].name);
-    write_whole(file, [&](std::ostream& out) { write(out, results[i], Format::kCsv); });
-    std::cerr << fmt::format("wrote {} ({} rows)\n", file.string(), results[i].rows.size());
+  for (const auto& [name, table] : results) {
+    const fs::path file = folder / (name + ".csv");
+    write_whole(file, [&rows = table](std::ostream& out) { write(out, rows, Format::kCsv); });
+    std::cerr << fmt::format("wrote {} ({} rows)\n", file.string(), table.rows.size());
   }
 }
 

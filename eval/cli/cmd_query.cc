@@ -1,13 +1,14 @@
 #include <fmt/format.h>
 
 #include <iostream>
-#include <map>
 #include <memory>
 
 #include "controller/config/node.h"
 #include "eval/cli/command.h"
 #include "eval/cli/suite_options.h"
+#include "eval/cli/summary_table.h"
 #include "eval/cli/table.h"
+#include "eval/run/named_point.h"
 #include "eval/store/query.h"
 
 namespace moma::cli {
@@ -16,16 +17,17 @@ namespace {
 struct QueryOptions {
   std::string file;
   std::string sql;
+  std::string sort;
   Format format = Format::kTable;
 };
 
+constexpr std::string_view kSummary = "summary";
+
 std::string sql_of(const QueryOptions& options) {
-  if (options.sql.empty() || options.sql[0] != '@') return options.sql;
   const std::string name = options.sql.substr(1);
-  std::vector<std::string> names;
+  std::vector<std::string> names{"@best"};
   for (const store::NamedQuery& query : store::named_queries()) {
-    const bool for_person = options.format == Format::kTable || options.format == Format::kMarkdown;
-    if (query.name == name) return std::string(for_person && !query.display.empty() ? query.display : query.sql);
+    if (query.name == name) return std::string(query.sql);
     names.push_back(fmt::format("@{}", query.name));
   }
   const std::string near = config::nearest(options.sql, names);
@@ -33,14 +35,43 @@ std::string sql_of(const QueryOptions& options) {
                                near.empty() ? "" : fmt::format(" (did you mean {}?)", near), fmt::join(names, ", ")));
 }
 
+/// "@best", "mine@best".
+bool asks_for_best(const std::string& sql) { return sql.ends_with("@best") && sql.find(' ') == std::string::npos; }
+
+store::QueryResult best_points(const QueryOptions& options) {
+  store::QueryResult table{{"suite", "controller", "point", "by"}, {}};
+  for (const run::NamedPoint& point : run::named_points(options.file, options.sql))
+    table.rows.push_back({point.suite, point.controller, point.label, point.why});
+  return table;
+}
+
+store::QueryResult answer(const QueryOptions& options) {
+  const bool summary = options.sql == fmt::format("@{}", kSummary);
+  if (!options.sort.empty() && !summary)
+    throw UsageError("query: --sort is of @summary; ORDER BY sorts what SQL asks for");
+  if (summary) {
+    const bool for_person = options.format == Format::kTable || options.format == Format::kMarkdown;
+    return summary_table(options.file, {"", options.sort, for_person});
+  }
+  if (asks_for_best(options.sql)) return best_points(options);
+  if (options.sql.starts_with('@')) return store::query(options.file, sql_of(options));
+  // What a person writes may take as long as it takes; Ctrl-C ends it.
+  return store::query(options.file, options.sql, std::chrono::minutes(0));
+}
+
 std::string footer() {
   std::string text = "Named queries:\n";
+  text += fmt::format("  @{:<9} {}\n", "best",
+                      "the best point of each suite, of one controller as NAME@best: the one with");
+  text += fmt::format("  {:<10} {}\n", "", run::kBestCriterion);
   for (const store::NamedQuery& query : store::named_queries()) {
     text += fmt::format("  @{:<9} {}\n", query.name, query.description);
   }
   return text +
-         "Views: v_trials (one flat row per trial), v_summary, v_pairs; docs/reference/store.md describes them.\n"
+         "Views: v_trials (one flat row per trial), v_summary, v_pairs, v_metric_summary; docs/reference/store.md "
+         "describes them.\n"
          "Examples: moma query results/demo.db @summary\n"
+         "          moma query results/gains.db @summary --sort success_rate\n"
          "          moma query results/demo.db \"SELECT outcome, count(*) FROM v_trials GROUP BY 1\" --format csv";
 }
 
@@ -50,16 +81,14 @@ void add_query(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   auto options = std::make_shared<QueryOptions>();
   CLI::App* command = app.add_subcommand("query", "Ask a store: read-only SQL, or a named query such as @summary");
   command->add_option("DB", options->file, "Store")->required();
-  command->add_option("SQL", options->sql, "One SQL statement, or @summary, @list, @failures, @pairs, @worst")
+  command->add_option("SQL", options->sql, "One SQL statement, or @summary, @list, @failures, @pairs, @worst, @best")
       ->required();
   add_format(*command, options->format);
+  add_sort(*command, options->sort);
   command->footer(footer());
   command->callback([&action, options] {
     action = [options] {
-      // What a person writes may take as long as it takes; Ctrl-C ends it.
-      const bool own = !options->sql.starts_with('@');
-      const auto patience = own ? std::chrono::minutes(0) : std::chrono::minutes(10);
-      write(std::cout, store::query(options->file, sql_of(*options), patience), options->format);
+      write(std::cout, answer(*options), options->format);
       return static_cast<int>(kOk);
     };
   });

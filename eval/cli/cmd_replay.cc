@@ -14,6 +14,7 @@
 #include "eval/cli/whole_file.h"
 #include "eval/identify/log_file.h"
 #include "eval/run/log_of_trial.h"
+#include "eval/run/named_point.h"
 #include "eval/run/replay.h"
 #include "eval/store/columns.h"
 #include "eval/store/reader.h"
@@ -102,7 +103,10 @@ void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("replay", "Simulate a stored trial again, from the store alone");
   command->add_option("DB", options->file, "Store")->required();
-  command->add_option("TRIAL", options->trial, "The trial's name, or any unique beginning of it")->required();
+  command
+      ->add_option("TRIAL", options->trial,
+                   "The trial's name, or any unique beginning of it; POINT/WORLD, or the worst of POINT")
+      ->required();
   command->add_flag("--json", options->json, "Print the whole trial with its samples as JSON");
   command->add_flag("--check", options->check, "Compare with the stored row, bit for bit; exit 1 where it differs");
   CLI::Option* step = command->add_option(
@@ -128,9 +132,11 @@ void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   add_allow_plugins(*command, options->plugins);
   command->footer(
       "Examples: moma replay results/demo.db 3f9a12 --check\n"
+      "          moma replay results/gains.db @best/12      (a point as in `moma compare`, and the index of a world)\n"
       "          moma replay results/demo.db 3f9a12 --video failure.webm --size 1920 1080");
   command->callback([&action, options] {
     action = [options] {
+      options->trial = run::named_trial(options->file, options->trial);
       run::StoredSuites suites(options->plugins);
       if (!options->case_file.empty()) {
         const nlohmann::ordered_json json =

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <charconv>
 #include <iostream>
 #include <memory>
@@ -11,10 +10,10 @@
 #include "eval/cli/profile_table.h"
 #include "eval/cli/progress.h"
 #include "eval/cli/suite_options.h"
+#include "eval/cli/summary_table.h"
 #include "eval/cli/table.h"
 #include "eval/run/evaluate.h"
 #include "eval/run/replay.h"
-#include "eval/store/query.h"
 
 namespace moma::cli {
 namespace {
@@ -24,6 +23,7 @@ struct RunOptions {
   run::EvaluateRequest request;
   std::string rerun;
   std::string shard;
+  std::string sort;
   Plugins plugins = Plugins::kRefused;
   double lost_after = 30.0;
   bool quiet = false;
@@ -49,16 +49,6 @@ run::Shard read_shard(const std::string& text) {
   throw UsageError(fmt::format("run: --shard {}: expected I/N with 1 <= I <= N, for instance 2/8", text));
 }
 
-void print_summary(const std::filesystem::path& file, const std::string& suite) {
-  const auto& queries = store::named_queries();
-  const auto summary = std::find_if(queries.begin(), queries.end(), [](const auto& q) { return q.name == "summary"; });
-  write(std::cout,
-        store::query(file,
-                     fmt::format("SELECT * FROM ({}) WHERE suite = {}", summary->display, store::sql_literal(suite))),
-        Format::kTable);
-  std::cout.flush();
-}
-
 int lead(const RunOptions& options, Cluster* cluster) {
   const Suite suite = load(options);
   if (!options.quiet) print_warnings(suite.warnings);
@@ -72,7 +62,8 @@ int lead(const RunOptions& options, Cluster* cluster) {
   const run::Evaluation done = run::evaluate(request, suite, listener_on_stderr(options.quiet, &progress));
   if (!done.stopped.empty()) std::cerr << terminal_safe(done.stopped) << std::endl;
   if (done.end == run::End::kNeverBegan) return kStoppedEarly;
-  print_summary(done.file, done.suite);
+  write(std::cout, summary_table(done.file, {done.suite, options.sort, true}), Format::kTable);
+  std::cout.flush();
   if (request.profile) print_profile(std::cout, done.profile);
   print_warnings(done.warnings);
   if (done.end == run::End::kSameError) return kCheckFailed;
@@ -102,6 +93,7 @@ void add_run(CLI::App& app, Action& action, const Arguments& arguments) {
   options->suite.add_to(*command);
   add_output_store(*command, options->request.file);
   add_threads(*command, options->request.threads);
+  add_sort(*command, options->sort);
   command->add_option("--rerun", options->rerun,
                       "SUITE is a store: run its suite of this name again, from the store alone");
   add_allow_plugins(*command, options->plugins);

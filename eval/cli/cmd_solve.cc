@@ -10,6 +10,7 @@
 #include "eval/cli/lenient.h"
 #include "eval/cli/stored_case.h"
 #include "eval/cli/suite_options.h"
+#include "eval/run/named_point.h"
 
 namespace moma::cli {
 
@@ -28,7 +29,7 @@ void add_solve(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   command->add_option("CASE", options->file,
                       "Case file (JSON; its format is in docs/explanation/controller.md), or a store");
   CLI::Option* trial =
-      command->add_option("TRIAL", options->trial, "Of a store: the trial, or any unique beginning of it");
+      command->add_option("TRIAL", options->trial, "Of a store: the trial, any unique beginning of it, or POINT/WORLD");
   command->add_option("--step", options->step, "Of a stored trial: which control step, from 0")
       ->needs(trial)
       ->check(CLI::NonNegativeNumber)
@@ -60,7 +61,7 @@ void add_solve(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
         if (options->lenient) return read_case(case_with_lenient_robot(options->file));
         if (options->trial.empty()) return read_case(options->file);
         run::StoredSuites suites;
-        return stored_case(suites, options->file, options->trial, options->step);
+        return stored_case(suites, options->file, run::named_trial(options->file, options->trial), options->step);
       };
       const ControlCase control_case = asked();
       if (options->ahead > 0.0) {

@@ -58,6 +58,9 @@ void add_verify(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   command->add_option("--fraction", options->request.fraction, "Fraction of the trials to replay (0.1)")
       ->check(CLI::Range(0.0, 1.0));
   command->add_option("--seed", options->request.seed, "Chooses other trials");
+  command->add_option("--point", options->request.point,
+                      "Replays trials of this controller alone: as in `moma compare`, @best too");
+  command->add_option("--suite", options->request.suite, "Which suite, where several have it");
   add_threads(*command, options->request.threads);
   add_allow_plugins(*command, options->request.plugins);
   command->add_flag("--hash", options->hash, "Print one hash over all results: equal hashes mean equal rows");

@@ -35,6 +35,9 @@ void add_output_store(CLI::App& command, std::filesystem::path& file);
 /// Adds --threads.
 void add_threads(CLI::App& command, int& threads);
 
+/// Adds --sort of a summary (eval/cli/summary_table.h).
+void add_sort(CLI::App& command, std::string& sort);
+
 /// Adds --format.
 void add_format(CLI::App& command, Format& format);
 

@@ -65,6 +65,7 @@ Measured measure_rate(const PointTrials& point, std::size_t at, const PublishedR
   Measured out;
   std::int64_t hits = 0;
   for (const auto& [world, trial] : point.trials) {
+    if (!trial.figures[at]) continue;  // ended by an error
     ++out.n;
     hits += trial.figures[at].value_or(0.0) > 0.0 ? 1 : 0;
   }

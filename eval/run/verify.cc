@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "eval/batch/batch.h"
+#include "eval/run/named_point.h"
 #include "eval/store/hash.h"
 #include "eval/store/reader.h"
 #include "eval/store/records.h"
@@ -106,7 +107,7 @@ class Verifier {
     tell_running();
     const std::vector<std::string> keys = reader_.keys();
     found_.trials = keys.size();
-    const std::vector<std::string> chosen = choose(keys, request_.fraction, request_.seed);
+    const std::vector<std::string> chosen = choose(asked_for(keys), request_.fraction, request_.seed);
     found_.chosen = chosen.size();
     collect(chosen);
     if (replay()) found_.end = End::kStopped;
@@ -119,6 +120,15 @@ class Verifier {
   void complain(const std::string& text) {
     ++found_.findings;
     listener_.tell(listener_.warning, text);
+  }
+
+  std::vector<std::string> asked_for(const std::vector<std::string>& all) const {
+    if (request_.point.empty()) return all;
+    std::vector<std::string> keys;
+    for (const store::PointTrial& trial :
+         reader_.trials_of(named_point(request_.file, request_.point, request_.suite).id))
+      keys.push_back(trial.key);
+    return keys;
   }
 
   /// The point that `stored` belongs to; null, with the reason counted, where it cannot be built.

@@ -111,7 +111,11 @@ std::string filled(std::string text) {
       {"summary index", &summary_index_sql},
       {"trial view", [] { return view_lines(trial_columns(), "t"); }},
       {"timing view", [] { return view_lines(timing_columns(), "e"); }},
-      {"summary means", [] { return of_summary([](auto name) { return fmt::format("avg({0}) AS {0}", name); }); }},
+      {"summary means",
+       [] {
+         return of_summary(
+             [](auto name) { return fmt::format("avg({0}) FILTER (WHERE outcome <> 'error') AS {0}", name); });
+       }},
       {"summary view", [] { return of_summary([](auto name) { return fmt::format("c.{0} AS {0}", name); }); }},
       {"modes", &quoted<SimulationMode>},
       {"run states", &quoted<RunStatus>},

@@ -17,9 +17,10 @@ namespace moma::store {
 
 extern const char* const kMigrate1To2Sql;
 extern const char* const kMigrate2To3Sql;
+extern const char* const kMigrate3To4Sql;
 
 std::span<const Migration> migrations() noexcept {
-  static const Migration kSteps[] = {{1, kMigrate1To2Sql}, {2, kMigrate2To3Sql}};
+  static const Migration kSteps[] = {{1, kMigrate1To2Sql}, {2, kMigrate2To3Sql}, {3, kMigrate3To4Sql}};
   return kSteps;
 }
 

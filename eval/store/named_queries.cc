@@ -5,16 +5,7 @@ namespace moma::store {
 const std::vector<NamedQuery>& named_queries() {
   static const std::vector<NamedQuery> kQueries = {
       {"summary", "rates with Wilson's 95 % interval, and metrics, per controller, point, family and mode",
-       "SELECT * FROM v_summary ORDER BY suite, robot, family, mode, controller, point",
-       R"(SELECT suite, controller, point, family, mode, n,
-       printf('%5.1f  [%5.1f, %5.1f]', 100 * success_rate, 100 * success_low, 100 * success_high) AS "success % [95 %]",
-       printf('%4.1f  [%4.1f, %4.1f]', 100 * collision_rate, 100 * collision_low, 100 * collision_high)
-         AS "collision % [95 %]",
-       iif(time_to_goal_median_s IS NULL, NULL, printf('%.2f', time_to_goal_median_s)) AS "time to goal s",
-       iif(manip_mean IS NULL, NULL, printf('%.4f', manip_mean)) AS manip,
-       iif(clearance_min_m IS NULL, NULL, printf('%.3f', clearance_min_m)) AS "clearance m",
-       iif(command_change_mean IS NULL, NULL, printf('%.3f', command_change_mean)) AS "change"
-FROM (SELECT * FROM v_summary ORDER BY suite, robot, family, mode, controller, point))"},
+       "SELECT * FROM v_summary ORDER BY suite, robot, family, mode, controller, point"},
       {"list", "what the store holds: suites, controllers and points with their numbers of trials",
        R"(SELECT s.name AS suite, r.name AS robot, p.controller AS controller, p.label AS point, p.mode AS mode,
        coalesce(c.n, 0) AS trials, i.first_started, i.last_ended
@@ -22,8 +13,7 @@ FROM point AS p JOIN suite AS s ON s.id = p.suite_id JOIN robot AS r ON r.id = p
 LEFT JOIN (SELECT point_id, count(*) AS n FROM point_trial GROUP BY point_id) AS c ON c.point_id = p.id
 LEFT JOIN (SELECT suite_id, min(started) AS first_started, max(coalesce(ended, started)) AS last_ended
            FROM invocation GROUP BY suite_id) AS i ON i.suite_id = s.id
-ORDER BY p.id)",
-       ""},
+ORDER BY p.id)"},
       {"failures", "how trials fail: outcomes with what touched what, most frequent first",
        // In the order of the keys on both sides, so that tables are read one page after the other; `reason` is that of
        // the example, as SQLite gives bare columns beside min().
@@ -36,10 +26,9 @@ FROM (SELECT m.point_id, m.family, t.outcome, t.link,
       FROM trial AS t CROSS JOIN point_trial AS m INDEXED BY point_trial_by_key ON m.key = t.key
       WHERE t.outcome <> 'success' GROUP BY 1, 2, 3, 4, 5) AS f
 JOIN point AS p ON p.id = f.point_id JOIN suite AS s ON s.id = p.suite_id
-ORDER BY suite, controller, point, n DESC, family, outcome, link, object)",
-       ""},
+ORDER BY suite, controller, point, n DESC, family, outcome, link, object)"},
       {"pairs", "each pair of points on the same worlds: both succeed, only one does, neither does",
-       R"(SELECT * FROM pair_counts ORDER BY suite, family, mode, controller_a, point_a, controller_b, point_b)", ""},
+       R"(SELECT * FROM pair_counts ORDER BY suite, family, mode, controller_a, point_a, controller_b, point_b)"},
       {"worst", "the twenty worst trials: unsuccessful ones by their distance to the goal, largest first",
        R"(WITH worst AS MATERIALIZED (
   SELECT key FROM trial AS t WHERE outcome <> 'success' AND EXISTS (SELECT 1 FROM point_trial AS m WHERE m.key = t.key)
@@ -48,8 +37,7 @@ SELECT t.trial, s.name AS suite, p.controller, p.label AS point, m.family, m.wor
        t.position_error_m, t.orientation_error_rad, t.clearance_min_m, t.time_end_s, t.link, t.object
 FROM worst AS x JOIN trial AS t ON t.key = x.key JOIN point_trial AS m ON m.key = t.key
 JOIN point AS p ON p.id = m.point_id JOIN suite AS s ON s.id = p.suite_id
-ORDER BY t.position_error_m IS NULL DESC, t.position_error_m DESC, t.trial, p.id LIMIT 20)",
-       ""},
+ORDER BY t.position_error_m IS NULL DESC, t.position_error_m DESC, t.trial, p.id LIMIT 20)"},
   };
   return kQueries;
 }

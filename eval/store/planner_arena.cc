@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <set>
 #include <string_view>
 #include <system_error>
@@ -45,13 +46,13 @@ struct Property {
   const char* sql;  // over t (trial), e (execution), w (world)
 };
 
-// OMPL's own names first.
+// OMPL's own names first. Of a run that ended by an error it is not known whether it would have solved anything.
 constexpr Property kProperties[] = {
     {"time", "REAL", "e.t_trial_us * 1e-6"},
-    {"solved", "BOOLEAN", "t.outcome = 'success'"},
+    {"solved", "BOOLEAN", "nullif(t.outcome, 'error') = 'success'"},
     {"status", "ENUM", "o.value"},
     {"correct_solution", "BOOLEAN", "iif(t.outcome = 'success', t.collision_count = 0, NULL)"},
-    {"approximate_solution", "BOOLEAN", "t.outcome <> 'success'"},
+    {"approximate_solution", "BOOLEAN", "nullif(t.outcome, 'error') <> 'success'"},
     {"solution_difference", "REAL", "t.position_error_m"},
     {"solution_length", "REAL", "t.path_ee_m"},
     {"solution_smoothness", "REAL", "t.jerk_ee_rms"},
@@ -106,9 +107,25 @@ class Exporter {
       const bool there = stored.count(std::string(column.name)) > 0;  // else from before it was measured
       add(column.name, real ? "REAL" : "INTEGER", there ? fmt::format("t.{}", column.name) : "NULL");
     }
+    add_own_metrics(add);
     db_.exec(sql +
              ", FOREIGN KEY (experimentid) REFERENCES experiments(id) ON DELETE CASCADE, "
              "FOREIGN KEY (plannerid) REFERENCES plannerConfigs(id) ON DELETE CASCADE)");
+  }
+
+  /// Metrics of the suites' own, under names that other programs can write: metric_NAME, NAME@2 as metric_NAME_2.
+  template <class Add>
+  void add_own_metrics(const Add& add) {
+    std::set<std::string> taken;
+    Statement metrics(db_, "SELECT id, name FROM source.metric ORDER BY id");
+    while (metrics.executeStep()) {
+      std::string name = "metric_" + metrics.getColumn(1).getString();
+      for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+      while (!taken.insert(name).second) name += '_';
+      add(name, "REAL",
+          fmt::format("(SELECT x.value FROM source.metric_value AS x WHERE x.metric_id = {} AND x.key = t.key)",
+                      metrics.getColumn(0).getInt64()));
+    }
   }
 
   // The same name with the same parameters is one configuration, also in several suites.

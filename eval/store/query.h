@@ -38,8 +38,7 @@ std::string sql_literal(std::string_view text);
 struct NamedQuery {
   std::string_view name;
   std::string_view description;
-  std::string_view sql;      ///< plain columns, for programs
-  std::string_view display;  ///< the same for a person, "" where it is the same
+  std::string_view sql;
 };
 
 const std::vector<NamedQuery>& named_queries();

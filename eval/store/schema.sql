@@ -1,4 +1,4 @@
--- The tables of the store, version 3; its views are in views.sql. docs/reference/store.md describes them all. Units are in the
+-- The tables of the store, version 4; its views are in views.sql. docs/reference/store.md describes them all. Units are in the
 -- names of columns. Columns of results and words stand where they are described (eval/trial/row.h, eval/store/words.h
 -- and others); definition.cc puts them in here, in place of what stands in double braces.
 -- Content tables (robot, controller, resolved_suite, world) are addressed by the hash of their text, so that the

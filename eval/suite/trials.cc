@@ -19,6 +19,8 @@ UntilRule read_until(const Node& node, const std::string& key) {
   if (!from_string<Outcome>(rule.metric))
     in.fail_at("metric", fmt::format("found '{}', expected an outcome, whose rate is meant: {}", rule.metric,
                                      list_of_words<Outcome>()));
+  if (rule.metric == to_string(Outcome::kError))
+    in.fail_at("metric", "found 'error': a trial that ends by an error is part of no rate; name another outcome");
   in.finish();
   return rule;
 }

@@ -29,6 +29,7 @@ struct HeldOutVerdict {
   Verdict overall = Verdict::kNoDifference;  ///< against the controller as the suite has it
   std::string why;
   std::vector<std::string> constraints;  ///< a line for each
+  std::int64_t errors = 0;               ///< worlds against `against` where a trial ended by an error: in no rate
 };
 
 /// `rows[j]` belongs to `held_out.jobs[j]`. Compares the found gains with each other controller, for every family and

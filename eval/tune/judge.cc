@@ -44,15 +44,20 @@ void set_difference(store::TuneComparisonRecord& r, const std::vector<double>& a
   r.difference_high = d.high;
 }
 
+bool by_error(const Pair& pair) {
+  return pair.found->outcome == Outcome::kError || pair.theirs->outcome == Outcome::kError;
+}
+
+/// Of the worlds where neither trial ended by an error.
 Row rate_row(const std::vector<Pair>& pairs, Outcome outcome, bool more_is_better) {
   Row row;
   row.rate = true;
   row.more_is_better = more_is_better;
   store::TuneComparisonRecord& r = row.record;
-  r.n = static_cast<std::int64_t>(pairs.size());
   std::int64_t found = 0, theirs = 0, only_found = 0, only_theirs = 0;
   std::vector<double> a, b;
   for (const Pair& pair : pairs) {
+    if (by_error(pair)) continue;
     const bool x = pair.found->outcome == outcome, y = pair.theirs->outcome == outcome;
     found += x ? 1 : 0;
     theirs += y ? 1 : 0;
@@ -61,8 +66,13 @@ Row rate_row(const std::vector<Pair>& pairs, Outcome outcome, bool more_is_bette
     a.push_back(x ? 1.0 : 0.0);
     b.push_back(y ? 1.0 : 0.0);
   }
+  r.n = static_cast<std::int64_t>(a.size());
+  r.p = stats::mcnemar_exact(only_found, only_theirs);
+  r.found = r.found_low = r.found_high = r.theirs = r.theirs_low = r.theirs_high = kNan;
+  r.difference = r.difference_low = r.difference_high = kNan;
+  if (a.empty()) return row;
   const stats::Interval f = stats::wilson(found, r.n), t = stats::wilson(theirs, r.n);
-  const auto n = static_cast<double>(pairs.size());
+  const auto n = static_cast<double>(a.size());
   r.found = static_cast<double>(found) / n;
   r.found_low = f.low;
   r.found_high = f.high;
@@ -70,7 +80,6 @@ Row rate_row(const std::vector<Pair>& pairs, Outcome outcome, bool more_is_bette
   r.theirs_low = t.low;
   r.theirs_high = t.high;
   set_difference(r, a, b);
-  r.p = stats::mcnemar_exact(only_found, only_theirs);
   return row;
 }
 
@@ -148,7 +157,7 @@ std::vector<std::string> judge_constraints(const Tuning& tuning, const std::vect
     }
     const double mean = sum / static_cast<double>(rows.size());
     std::string interval;
-    if (rate) {
+    if (rate && !rows.empty()) {
       const stats::Interval w = stats::wilson(ones, static_cast<std::int64_t>(rows.size()));
       interval = fmt::format(" [{:.3g}, {:.3g}]", w.low, w.high);
     }
@@ -180,6 +189,7 @@ HeldOutVerdict judge(const Tuning& tuning, const HeldOut& held_out, const std::v
     scales.push_back(TrialCost::scale_of(tuning.suites[part].points[tuning.tuned_point[part]]));
   }
 
+  HeldOutVerdict verdict;
   std::vector<Row> all;
   for (const std::string& other : held_out.others) {
     std::map<std::string, std::vector<Pair>> by_family;
@@ -198,6 +208,7 @@ HeldOutVerdict judge(const Tuning& tuning, const HeldOut& held_out, const std::v
       }
     }
     for (Row& row : compare(tuning, together, "all", other)) all.push_back(std::move(row));
+    if (other == held_out.others.front()) verdict.errors = std::count_if(together.begin(), together.end(), by_error);
   }
 
   std::vector<double> p;
@@ -206,7 +217,6 @@ HeldOutVerdict judge(const Tuning& tuning, const HeldOut& held_out, const std::v
   }
   const std::vector<double> adjusted = stats::holm(p);
   std::size_t next = 0;
-  HeldOutVerdict verdict;
   verdict.against = held_out.others.front();
   std::map<std::string, Verdict> overall;
   for (Row& row : all) {
@@ -230,7 +240,10 @@ HeldOutVerdict judge(const Tuning& tuning, const HeldOut& held_out, const std::v
     }
   }
   std::vector<const TrialRow*> found_rows;
-  for (const auto& [where, row_of] : cells) found_rows.push_back(&rows[row_of.at(held_out.found)]);
+  for (const auto& [where, row_of] : cells) {
+    const TrialRow& row = rows[row_of.at(held_out.found)];
+    if (row.outcome != Outcome::kError) found_rows.push_back(&row);
+  }
   verdict.constraints = judge_constraints(tuning, found_rows);
   return verdict;
 }
@@ -260,6 +273,9 @@ std::string table(const HeldOutVerdict& verdict) {
     row.erase(row.find_last_not_of(' ') + 1);
     text += row + "\n";
   }
+  if (verdict.errors > 0)
+    text += fmt::format("rates are without {} where a trial ended by an error\n",
+                        verdict.errors == 1 ? "one world" : fmt::format("{} worlds", verdict.errors));
   return text;
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "reports/render/changes.h"
 #include "reports/render/page_data.h"
 
 namespace moma::reports {
@@ -161,8 +162,12 @@ Json combined(std::vector<Json> pages, const Texts& labels) {
   all["looks"] = Json::object();
   all["samples_stored"] = 0;
   all["store"]["file"] = fmt::format("{}", fmt::join(labels, " + "));
+  std::set<std::string> metrics;
+  for (const Json& metric : all["metrics"]) metrics.insert(metric.at("key").get<std::string>());
   for (std::size_t i = 0; i < pages.size(); ++i) {
     Json& page = pages[i];
+    for (const Json& metric : page.at("metrics"))  // suites have metrics of their own
+      if (metrics.insert(metric.at("key").get<std::string>()).second) all["metrics"].push_back(metric);
     all["stores"].push_back({{"label", labels[i]}, {"file", page.at("store").at("file")}});
     for (const char* part : {"invocations", "points", "summary", "overall", "tuning"}) {
       for (Json& row : page.at(part)) {
@@ -185,6 +190,7 @@ Json combined(std::vector<Json> pages, const Texts& labels) {
     return a.at("family").get<std::string>() < b.at("family").get<std::string>();
   });
   all["trials"] = joined_trials(pages, names);
+  add_changes(all);
   return all;
 }
 

@@ -14,7 +14,9 @@
 #include <vector>
 
 #include "reports/render/assets.h"
+#include "reports/render/changes.h"
 #include "reports/render/evidence.h"
+#include "reports/render/own_metrics.h"
 #include "reports/render/replays.h"
 #include "reports/render/run_state.h"
 #include "reports/render/store.h"
@@ -118,10 +120,10 @@ std::string difficulty() {
   return list;
 }
 
-std::string all_trials_sql() {
+std::string all_trials_sql(const OwnMetrics& own) {
   static constexpr std::string_view kPlace = "{{difficulty}}";
   std::string sql(trials_sql());
-  return sql.replace(sql.find(kPlace), kPlace.size(), difficulty());
+  return sql.replace(sql.find(kPlace), kPlace.size(), difficulty() + own.columns);
 }
 
 /// Rows by column.
@@ -138,8 +140,8 @@ Json columns_of(SQLite::Statement& query, long long& n) {
   return all;
 }
 
-Json trials(SQLite::Database& store, const Extent& extent) {
-  SQLite::Statement query = prepare(store, all_trials_sql());
+Json trials(SQLite::Database& store, const Extent& extent, const OwnMetrics& own) {
+  SQLite::Statement query = prepare(store, all_trials_sql(own));
   query.bind(1, extent.worlds);
   long long n = 0;
   Json columns = columns_of(query, n);
@@ -154,7 +156,7 @@ Json begin(SQLite::Database& store) {
                    {"schema", store.execAndGet("PRAGMA user_version").getInt()}};
   page["metrics"] = Json::parse(metrics_json());
   page["outcomes"] = Json::parse(outcomes_json());
-  page["points"] = rows(store, points_sql());
+  page["points"] = stored_points(store);
   return page;
 }
 
@@ -202,6 +204,8 @@ Json tuning(SQLite::Database& store) {
 
 }  // namespace
 
+nlohmann::ordered_json stored_points(SQLite::Database& store) { return rows(store, points_sql()); }
+
 nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& options) {
   // One transaction: all parts show the store at one moment, whatever a run adds meanwhile.
   SQLite::Transaction snapshot(store);
@@ -210,8 +214,12 @@ nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& o
   add_ends(store.getFilename(), page["invocations"]);
   page["summary"] = rows(store, summary_sql());
   page["overall"] = rows(store, overall_sql());
+  const OwnMetrics own = own_metrics(store);
+  for (const Json& metric : own.described) page["metrics"].push_back(metric);
+  add_own_means(store, own, page);
+  add_changes(page);
   const Extent shown = extent(store, options.trials);
-  page["trials"] = trials(store, shown);
+  page["trials"] = trials(store, shown, own);
   add_evidence(store, shown.worlds, options.time_known, page);
   page["tuning"] = tuning(store);
   page["samples_stored"] = store.execAndGet("SELECT count(*) FROM samples").getInt64();

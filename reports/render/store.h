@@ -10,8 +10,8 @@
 namespace moma::reports {
 
 /// Schema versions whose tables and views have what the queries of reports/sql ask for.
-inline constexpr int kOldestSchema = 2;
-inline constexpr int kNewestSchema = 3;
+inline constexpr int kOldestSchema = 4;
+inline constexpr int kNewestSchema = 4;
 
 /// For how long a store may keep us reading: its views could be of any length. Far beyond what a million trials take.
 inline constexpr std::chrono::seconds kPatience{600};

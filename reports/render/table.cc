@@ -15,13 +15,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Escape = std::function<std::string(const std::string&)>;
 
-constexpr std::array<const char*, 16> kColumns = {"suite",
+constexpr std::array<const char*, 18> kColumns = {"suite",
                                                   "robot",
                                                   "mode",
                                                   "family",
                                                   "controller",
                                                   "point",
                                                   "n",
+                                                  "errors",
                                                   "success_rate",
                                                   "success_low",
                                                   "success_high",
@@ -30,7 +31,8 @@ constexpr std::array<const char*, 16> kColumns = {"suite",
                                                   "collision_high",
                                                   "time_to_goal_median_s",
                                                   "manip_mean",
-                                                  "clearance_min_m"};
+                                                  "clearance_min_m",
+                                                  "command_change_mean"};
 
 std::string csv_cell(const Json& cell) {
   if (cell.is_null()) return "";
@@ -41,11 +43,28 @@ std::string csv_cell(const Json& cell) {
   return '"' + text + '"';
 }
 
-std::string csv(const std::vector<Json>& rows) {
-  std::string out = fmt::format("{},command_change_mean\n", fmt::join(kColumns, ","));
-  for (const Json& row : rows) {
-    for (const char* column : kColumns) out += csv_cell(row.at(column)) + ",";
-    out += csv_cell(row.at("command_change_mean")) + "\n";
+/// What is written: rows of the summary, and the suites' own metrics by key and name.
+struct Table {
+  std::vector<Json> rows;
+  std::vector<std::pair<std::string, std::string>> own;
+  bool errors = false;  ///< whether any trial ended by one
+};
+
+/// NULL where the row's store does not have the metric.
+const Json& own_mean(const Json& row, const std::string& key) {
+  static const Json kNone = nullptr;
+  return row.contains("own") && row.at("own").contains(key) ? row.at("own").at(key) : kNone;
+}
+
+std::string csv(const Table& table) {
+  std::string out = fmt::format("{}", fmt::join(kColumns, ","));
+  for (const auto& [key, name] : table.own) out += "," + csv_cell(key);
+  out += '\n';
+  for (const Json& row : table.rows) {
+    std::string line;
+    for (const char* column : kColumns) line += (line.empty() ? "" : ",") + csv_cell(row.at(column));
+    for (const auto& [key, name] : table.own) line += "," + csv_cell(own_mean(row, key));
+    out += line + '\n';
   }
   return out;
 }
@@ -93,6 +112,7 @@ std::string md_text(const std::string& text) {
 
 /// "57.3 (52.9-61.6)" with `dash` between the bounds.
 std::string rate(const Json& row, const std::string& stem, const std::string& dash) {
+  if (row.at(stem + "_rate").is_null()) return dash;  // all trials ended by an error
   const auto at = [&](const char* end) { return 100.0 * row.at(stem + end).get<double>(); };
   return fmt::format("{:.1f} ({:.1f}{}{:.1f})", at("_rate"), at("_low"), dash, at("_high"));
 }
@@ -102,18 +122,28 @@ std::string fixed(const Json& cell, int decimals, const std::string& none) {
 }
 
 /// Cells of one row as a person reads them.
-std::vector<std::string> cells(const Json& row, const Escape& escape, const std::string& dash) {
+std::vector<std::string> cells(const Table& table, const Json& row, const Escape& escape, const std::string& dash) {
   const std::string point = row.at("point");
   const std::string who = row.at("controller").get<std::string>() + (point.empty() ? "" : ", " + point);
-  return {escape(row.at("family").is_null() ? "all" : row.at("family").get<std::string>()),
-          escape(who),
-          row.at("n").dump(),
-          rate(row, "success", dash),
-          rate(row, "collision", dash),
-          fixed(row.at("time_to_goal_median_s"), 2, dash),
-          fixed(row.at("manip_mean"), 4, dash),
-          fixed(row.at("clearance_min_m"), 3, dash),
-          fixed(row.at("command_change_mean"), 4, dash)};
+  std::vector<std::string> all = {escape(row.at("family").is_null() ? "all" : row.at("family").get<std::string>()),
+                                  escape(who), row.at("n").dump()};
+  if (table.errors) all.push_back(row.at("errors").dump());
+  for (const char* stem : {"success", "collision"}) all.push_back(rate(row, stem, dash));
+  for (const auto& [key, decimals] : {std::pair{"time_to_goal_median_s", 2}, std::pair{"manip_mean", 4},
+                                      std::pair{"clearance_min_m", 3}, std::pair{"command_change_mean", 4}})
+    all.push_back(fixed(row.at(key), decimals, dash));
+  for (const auto& [key, name] : table.own) {
+    const Json& mean = own_mean(row, key);
+    all.push_back(mean.is_number() ? fmt::format("{:.4g}", mean.get<double>()) : dash);
+  }
+  return all;
+}
+
+/// Heads of the cells, the suites' own metrics last.
+std::vector<std::string> heads(const Table& table, const Escape& escape, std::vector<std::string> moma) {
+  if (table.errors) moma.insert(moma.begin() + 3, "errors");
+  for (const auto& [key, name] : table.own) moma.push_back(escape(name));
+  return moma;
 }
 
 /// One table per suite, robot and mode, all under one another.
@@ -146,33 +176,38 @@ std::string layout(const std::vector<Json>& rows, const std::function<std::strin
 
 constexpr const char* kCaption = "Rates in per cent with 95 % Wilson intervals; the median time is over successes";
 
-std::string tex(const std::vector<Json>& rows) {
-  const auto begin = [](const Json& row) {
+std::string tex(const Table& table) {
+  const auto begin = [&](const Json& row) {
+    const std::vector<std::string> head = heads(table, tex_text,
+                                                {"worlds", "controller", "$n$", "success [\\%]", "collision [\\%]",
+                                                 "time [s]", "manipulability", "clearance [m]", "command change"});
     return fmt::format(
         "% {}, {}, {}. {}, means are over all trials that have the value.\n% Needs \\usepackage{{booktabs}}.\n"
-        "\\begin{{tabular}}{{llrrrrrrr}}\n\\toprule\n"
-        "worlds & controller & $n$ & success [\\%] & collision [\\%] & time [s] & manipulability & clearance [m] & "
-        "command change \\\\\n\\midrule\n",
-        tex_text(row.at("suite")), tex_text(row.at("robot")), tex_text(row.at("mode")), kCaption);
+        "\\begin{{tabular}}{{ll{}}}\n\\toprule\n{} \\\\\n\\midrule\n",
+        tex_text(row.at("suite")), tex_text(row.at("robot")), tex_text(row.at("mode")), kCaption,
+        std::string(head.size() - 2, 'r'), fmt::join(head, " & "));
   };
-  const auto line = [](const Json& row) {
-    return fmt::format("{} \\\\\n", fmt::join(cells(row, tex_text, "--"), " & "));
+  const auto line = [&](const Json& row) {
+    return fmt::format("{} \\\\\n", fmt::join(cells(table, row, tex_text, "--"), " & "));
   };
-  return layout(rows, begin, line, "\\bottomrule\n\\end{tabular}\n", "\\midrule\n");
+  return layout(table.rows, begin, line, "\\bottomrule\n\\end{tabular}\n", "\\midrule\n");
 }
 
-std::string markdown(const std::vector<Json>& rows) {
-  const auto begin = [](const Json& row) {
-    return fmt::format(
-        "{}, {}, {}. {}, means are over all trials that have the value.\n\n"
-        "| worlds | controller | n | success [%] | collision [%] | time [s] | manipulability | clearance [m] | command "
-        "change |\n| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n",
-        md_text(row.at("suite")), md_text(row.at("robot")), md_text(row.at("mode")), kCaption);
+std::string markdown(const Table& table) {
+  const auto begin = [&](const Json& row) {
+    const std::vector<std::string> head = heads(table, md_text,
+                                                {"worlds", "controller", "n", "success [%]", "collision [%]",
+                                                 "time [s]", "manipulability", "clearance [m]", "command change"});
+    std::string rule = "| --- | --- |";
+    for (std::size_t i = 2; i < head.size(); ++i) rule += " ---: |";
+    return fmt::format("{}, {}, {}. {}, means are over all trials that have the value.\n\n| {} |\n{}\n",
+                       md_text(row.at("suite")), md_text(row.at("robot")), md_text(row.at("mode")), kCaption,
+                       fmt::join(head, " | "), rule);
   };
-  const auto line = [](const Json& row) {
-    return fmt::format("| {} |\n", fmt::join(cells(row, md_text, "\xe2\x80\x93"), " | "));
+  const auto line = [&](const Json& row) {
+    return fmt::format("| {} |\n", fmt::join(cells(table, row, md_text, "\xe2\x80\x93"), " | "));
   };
-  return layout(rows, begin, line, "", "");
+  return layout(table.rows, begin, line, "", "");
 }
 
 }  // namespace
@@ -192,15 +227,18 @@ void write_table(const Stores& stores, const std::filesystem::path& file) {
     return row.at("suite").dump() + row.at("robot").dump() + row.at("mode").dump() + row.at("controller").dump() +
            row.at("point").dump();
   };
-  std::vector<Json> rows;
+  Table table;
   for (const Json& row : page.at("summary")) {
     ++families[group(row)];
-    rows.push_back(row);
+    table.rows.push_back(row);
+    table.errors = table.errors || row.at("errors").get<std::int64_t>() > 0;
   }
   for (const Json& row : page.at("overall")) {
-    if (families[group(row)] > 1) rows.push_back(row);
+    if (families[group(row)] > 1) table.rows.push_back(row);
   }
-  write_atomically(file, kind == ".csv" ? csv(rows) : kind == ".tex" ? tex(rows) : markdown(rows));
+  for (const Json& metric : page.at("metrics"))
+    if (metric.contains("own")) table.own.emplace_back(metric.at("key"), metric.at("name"));
+  write_atomically(file, kind == ".csv" ? csv(table) : kind == ".tex" ? tex(table) : markdown(table));
 }
 
 }  // namespace moma::reports

@@ -1,6 +1,6 @@
 -- What was evaluated: one row per point, with everything that its trials share.
 SELECT s.name AS suite, r.name AS robot, p.controller AS controller, p.label AS point, p.mode AS mode,
-       p.params AS json_params, c.resolved AS json_parameters, p.worlds AS json_worlds,
+       substr(lower(hex(r.hash)), 1, 12) AS robot_content, p.params AS json_params, c.resolved AS json_parameters, p.worlds AS json_worlds,
        coalesce(json_extract(u.resolved, '$.points[' || p.resolved_position || '].disturbances'),
                 json_extract(u.resolved, '$.disturbances'), '{}') AS json_disturbances,
        coalesce(json_extract(r.resolved, '$.left_out'), '[]') AS json_left_out,

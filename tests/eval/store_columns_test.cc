@@ -24,7 +24,7 @@ namespace {
 
 using store::StoreError;
 
-constexpr const char* kViews[] = {"v_trials", "v_summary", "v_pairs", "v_metrics"};
+constexpr const char* kViews[] = {"v_trials", "v_summary", "v_pairs", "v_metrics", "v_metric_summary"};
 
 /// Makes the store one of a program that did not know these columns yet: without a view that shows them.
 void forget(const fs::path& file, const std::vector<std::string>& trial, const std::vector<std::string>& summary) {

@@ -237,7 +237,7 @@ TEST_F(CliFaults, KilledAtAnyMomentNothingIsLost) {
   works.push_back({"migration", command({"run", "tiny.yaml", "-o", "v.db", "-q", "--trials", "4"}), "v.db", [&] {
                      fs::copy_file(path("one.db"), path("v.db"));
                      SQLite::Database old(path("v.db").string(), SQLite::OPEN_READWRITE);
-                     for (const char* view : {"v_trials", "v_summary", "v_pairs", "v_metrics"})
+                     for (const char* view : {"v_trials", "v_summary", "v_pairs", "v_metrics", "v_metric_summary"})
                        old.exec(fmt::format("DROP VIEW {}", view));
                      old.exec("ALTER TABLE trial DROP COLUMN detector_deepest_m");
                    }});

@@ -184,9 +184,6 @@ TEST(StoreFiles, EveryNamedQueryRuns) {
   write_synthetic(folder / "a.db", {"one", "two"}, 9);
   for (const store::NamedQuery& named : store::named_queries()) {
     EXPECT_FALSE(store::query(folder / "a.db", std::string(named.sql)).rows.empty()) << named.name;
-    if (!named.display.empty()) {
-      EXPECT_FALSE(store::query(folder / "a.db", std::string(named.display)).rows.empty()) << named.name;
-    }
   }
 }
 

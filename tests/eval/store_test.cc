@@ -166,6 +166,7 @@ TEST(Store, ViewsHaveTheDocumentedColumns) {
                                             "family",
                                             "mode",
                                             "n",
+                                            "errors",
                                             "success_rate",
                                             "success_low",
                                             "success_high",
@@ -188,7 +189,7 @@ TEST(Store, TablesAreStrictAndMarkedAsOurs) {
                                  "AND NOT strict AND name NOT LIKE 'sqlite_%'")),
             0);
   EXPECT_EQ(integer(store::query(file, "PRAGMA application_id")), 0x6d6f6d61);
-  EXPECT_EQ(integer(store::query(file, "PRAGMA user_version")), 3);
+  EXPECT_EQ(integer(store::query(file, "PRAGMA user_version")), 4);
   EXPECT_EQ(texts(store::query(file, "PRAGMA journal_mode")), std::vector<std::string>{"wal"});
 }
 
@@ -217,15 +218,76 @@ TEST(Store, WilsonAndMedianInSqlAreThoseOfTheProgram) {
       EXPECT_EQ(std::get<std::int64_t>(row[6]), n);
       const stats::Interval success = stats::wilson(successes, n);
       const stats::Interval collision = stats::wilson(n - successes, n);
-      EXPECT_NEAR(std::get<double>(row[7]), static_cast<double>(successes) / static_cast<double>(n), 1e-15);
-      EXPECT_NEAR(std::get<double>(row[8]), success.low, 1e-12);
-      EXPECT_NEAR(std::get<double>(row[9]), success.high, 1e-12);
-      EXPECT_NEAR(std::get<double>(row[11]), collision.low, 1e-12);
-      EXPECT_NEAR(std::get<double>(row[12]), collision.high, 1e-12);
-      EXPECT_NEAR(std::get<double>(row[13]), stats::median(times), 1e-12);
-      EXPECT_TRUE(std::holds_alternative<std::monostate>(row[15])) << "no trial has a clearance";
+      EXPECT_EQ(std::get<std::int64_t>(row[7]), 0);
+      EXPECT_NEAR(std::get<double>(row[8]), static_cast<double>(successes) / static_cast<double>(n), 1e-15);
+      EXPECT_NEAR(std::get<double>(row[9]), success.low, 1e-12);
+      EXPECT_NEAR(std::get<double>(row[10]), success.high, 1e-12);
+      EXPECT_NEAR(std::get<double>(row[12]), collision.low, 1e-12);
+      EXPECT_NEAR(std::get<double>(row[13]), collision.high, 1e-12);
+      EXPECT_NEAR(std::get<double>(row[14]), stats::median(times), 1e-12);
+      EXPECT_TRUE(std::holds_alternative<std::monostate>(row[16])) << "no trial has a clearance";
     }
   }
+}
+
+/// Ten worlds of one family: point 0 ends by an error in 0, 4 and 8, collides in 1 and 5, is out of time in 9, and
+/// succeeds in 2, 3, 6, 7; point 1 ends by an error in all.
+void write_with_errors(const fs::path& file) {
+  store::SuiteRecord suite = synthetic_suite({"mostly", "never"});
+  suite.metrics = {{"own", "max(t)"}};
+  const std::vector<store::Wanted> jobs = synthetic_jobs(2, 10);
+  Writer writer(file);
+  writer.begin(suite, {}, jobs);
+  for (const store::Wanted& job : jobs) {
+    store::WorldRecord world = synthetic_world(job.world);
+    world.family = "open";
+    TrialRow row = synthetic_row(job.point, job.world);
+    const bool error = job.point == 1 || job.world % 4 == 0;
+    row.outcome = error                ? Outcome::kError
+                  : job.world % 4 == 1 ? (job.world == 9 ? Outcome::kTimeout : Outcome::kCollision)
+                                       : Outcome::kSuccess;
+    row.time_to_goal_s = row.outcome == Outcome::kSuccess ? static_cast<double>(job.world) : kAbsent;
+    row.manip_mean = error ? 1000.0 : static_cast<double>(job.world);
+    const double own[] = {row.manip_mean};
+    writer.add(job, world, row, nullptr, own);
+  }
+  writer.finish(store::RunStatus::kFinished);
+}
+
+TEST(Store, TrialsThatEndByAnErrorArePartOfNoRate) {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "a.db";
+  write_with_errors(file);
+  const QueryResult result =
+      store::query(file,
+                   "SELECT n, errors, success_rate, success_low, success_high, collision_rate, collision_low, "
+                   "collision_high, time_to_goal_median_s, manip_mean FROM v_summary ORDER BY controller");
+  ASSERT_EQ(result.rows.size(), 2u);
+  const auto& mostly = result.rows[0];
+  EXPECT_EQ(std::get<std::int64_t>(mostly[0]), 7);
+  EXPECT_EQ(std::get<std::int64_t>(mostly[1]), 3);
+  const stats::Interval success = stats::wilson(4, 7);
+  const stats::Interval collision = stats::wilson(2, 7);
+  const double expected[] = {4.0 / 7.0,     success.low,    success.high, 2.0 / 7.0,
+                             collision.low, collision.high, 4.5,          (1 + 2 + 3 + 5 + 6 + 7 + 9) / 7.0};
+  for (std::size_t i = 0; i < std::size(expected); ++i)
+    EXPECT_NEAR(std::get<double>(mostly[2 + i]), expected[i], 1e-12) << result.columns[2 + i];
+  const auto& never = result.rows[1];
+  EXPECT_EQ(std::get<std::int64_t>(never[0]), 0);
+  EXPECT_EQ(std::get<std::int64_t>(never[1]), 10);
+  for (std::size_t i = 2; i < never.size(); ++i)
+    EXPECT_TRUE(std::holds_alternative<std::monostate>(never[i])) << result.columns[i] << " of no trial is none";
+
+  const QueryResult own = store::query(file, "SELECT controller, metric, n, mean FROM v_metric_summary");
+  ASSERT_EQ(own.rows.size(), 1u) << "a controller of which no trial counts has no mean";
+  EXPECT_EQ(own.rows[0][0], Cell{std::string("mostly")});
+  EXPECT_EQ(own.rows[0][2], Cell{std::int64_t{7}});
+  EXPECT_NEAR(std::get<double>(own.rows[0][3]), (1 + 2 + 3 + 5 + 6 + 7 + 9) / 7.0, 1e-12);
+
+  EXPECT_EQ(integer(store::query(file, "SELECT count(*) FROM v_pairs WHERE success_b IS NULL")), 10);
+  EXPECT_EQ(integer(store::query(file, "SELECT count(*) FROM v_pairs WHERE success_a IS NULL")), 3);
+  EXPECT_EQ(integer(store::query(file, "SELECT sum(success_a) FROM v_pairs")), 4);
+  EXPECT_TRUE(store::query(file, "SELECT * FROM pair_counts").rows.empty()) << "no world says anything of both";
 }
 
 TEST(Store, PairsAreOnTheSameWorldAndOnce) {

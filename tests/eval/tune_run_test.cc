@@ -216,6 +216,27 @@ TEST_F(Judged, WorseWhenItCollides) {
   EXPECT_NE(v.constraints[0].find("broken"), std::string::npos);
 }
 
+TEST_F(Judged, WorldsWhereATrialEndsByAnErrorAreInNoRate) {
+  // Ten worlds by an error of the found gains, five others by one of theirs; of the rest all succeed.
+  const HeldOutVerdict v = judged([&](const std::string& name, std::uint64_t world) {
+    const std::uint64_t i = world - held_out.jobs.front().world;
+    if (name == "plain-tuned") return i < 10 ? Outcome::kError : Outcome::kSuccess;
+    return i >= 10 && i < 15 ? Outcome::kError : Outcome::kSuccess;
+  });
+  const auto& r = row(v, "plain", "success");
+  EXPECT_EQ(r.n, 15);
+  EXPECT_EQ(r.found, 1.0);
+  EXPECT_EQ(r.theirs, 1.0);
+  EXPECT_EQ(r.p, 1.0);
+  EXPECT_EQ(v.errors, 15);
+  EXPECT_NE(table(v).find("rates are without 15 worlds where a trial ended by an error"), std::string::npos)
+      << table(v);
+  const HeldOutVerdict none = judged([](const std::string&, std::uint64_t) { return Outcome::kError; });
+  EXPECT_EQ(row(none, "plain", "success").n, 0);
+  EXPECT_TRUE(std::isnan(row(none, "plain", "success").found)) << "of no trial there is no rate";
+  EXPECT_EQ(none.overall, Verdict::kNoDifference);
+}
+
 TEST_F(Judged, WorseWhenItSucceedsLessOften) {
   const HeldOutVerdict v = judged([](const std::string& name, std::uint64_t) {
     return name == "plain-tuned" ? Outcome::kTimeout : Outcome::kSuccess;

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <string>
 
+#include "reports/render/changes.h"
 #include "reports/render/report.h"
 #include "reports/render/run_state.h"
 #include "tests/reports/store_files.h"
@@ -52,9 +53,30 @@ TEST(History, StoresOfOneSuiteStandSideBySide) {
     EXPECT_EQ(run.at("started"), june ? "2025-06-01T08:00:00Z" : "2025-03-14T09:26:53Z");
     EXPECT_EQ(run.at("notes"), june ? Json("since *June*") : Json(nullptr));
   }
+  // What changed is said setting by setting, each version against the one before.
+  ASSERT_EQ(page.at("changes").size(), 2u) << page.at("changes");
+  for (const Json& change : page.at("changes")) {
+    const bool moma = change.at("controller") == "moma (march)";
+    EXPECT_EQ(change.at("before"), moma ? "moma (june)" : "holistic (june)");
+    const Json wanted = moma ? Json::array({{{"key", "lambda_q"}, {"from", "0.02"}, {"to", "0.01"}}}) : Json::array();
+    EXPECT_EQ(change.at("differs"), wanted);
+  }
   // Side by side without being told so is a comparison and no history.
   write_report({folder / "june.db", folder / "march.db"}, folder / "b.html");
   EXPECT_FALSE(data_of(read_file(folder / "b.html")).contains("history"));
+}
+
+TEST(Changes, AreOfEverySettingAndOfNothingElse) {
+  using Ordered = nlohmann::ordered_json;
+  const Ordered a = Ordered::parse(R"({"controller": "a", "mode": "kinematic", "time_limit_s": 30,
+    "parameters": {"gain": 1, "collision": {"stop": 0.02, "list": [1, 2.0]}, "gone": "x"}, "worlds": {"seed": 1}})");
+  const Ordered b = Ordered::parse(R"({"controller": "b", "mode": "dynamic", "time_limit_s": 30.0,
+    "parameters": {"gain": 1.0, "collision": {"stop": 0.05, "list": [1.0, 2]}, "come": true}, "worlds": {"seed": 1}})");
+  std::string text;
+  for (const SettingChange& c : setting_changes(a, b))
+    text += c.key + " " + c.from.value_or("-") + " " + c.to.value_or("-") + "; ";
+  EXPECT_EQ(text, "collision.stop 0.02 0.05; gone x -; mode kinematic dynamic; come - true; ");
+  EXPECT_TRUE(setting_changes(a, a).empty());
 }
 
 /// Holds the advisory lock of a store as a run does, by a description of its own.

@@ -90,6 +90,80 @@ TEST_P(PageEqualsStore, EveryCellOfTheSummary) {
 INSTANTIATE_TEST_SUITE_P(Stores, PageEqualsStore, testing::Values("demo", "one", "failures", "hostile", "sweep"),
                          [](const auto& kind) { return std::string(kind.param); });
 
+TEST(PageData, TrialsThatEndByAnErrorArePartOfNoRate) {
+  const Folder folder;
+  make_store(folder / "a.db", "demo", 20);
+  {
+    SQLite::Database store((folder / "a.db").string(), SQLite::OPEN_READWRITE);
+    for (const std::string table : {"trial", "point_trial"}) {
+      store.exec("UPDATE " + table + " SET outcome = 'success' WHERE outcome = 'error'");
+      store.exec("UPDATE " + table +
+                 " SET outcome = 'error' WHERE key IN (SELECT m.key FROM point_trial AS m JOIN point AS p "
+                 "ON p.id = m.point_id WHERE p.controller = 'moma' OR m.world_index < 4)");
+    }
+  }
+  write_report(folder / "a.db", folder / "a.html");
+  const Json page = data_of(read_file(folder / "a.html"));
+  for (const Json& row : page.at("overall")) {
+    const bool never = row.at("controller") == "moma";
+    EXPECT_EQ(row.at("n"), never ? 0 : 16);
+    EXPECT_EQ(row.at("errors"), never ? 20 : 4);
+    EXPECT_EQ(row.at("success_rate").is_null(), never);
+    EXPECT_EQ(row.at("collision_high").is_null(), never);
+  }
+  SQLite::Database store((folder / "a.db").string());
+  const double rate = store
+                          .execAndGet(
+                              "SELECT avg(m.outcome = 'success') FROM point_trial AS m JOIN point AS p ON p.id = "
+                              "m.point_id WHERE p.controller = 'holistic' AND m.outcome <> 'error'")
+                          .getDouble();
+  EXPECT_EQ(page.at("overall").at(0).at("controller"), "holistic");
+  EXPECT_DOUBLE_EQ(page.at("overall").at(0).at("success_rate").get<double>(), rate);
+  write_table({folder / "a.db"}, folder / "a.csv");
+  const std::string csv = read_file(folder / "a.csv");
+  EXPECT_NE(csv.find(",n,errors,success_rate,"), std::string::npos) << csv;
+  EXPECT_NE(csv.find("moma,,0,20,,,,,,,"), std::string::npos) << csv;
+  write_table({folder / "a.db"}, folder / "a.md");
+  EXPECT_NE(read_file(folder / "a.md").find("| n | errors | success"), std::string::npos);
+}
+
+TEST(PageData, MetricsOfASuiteStandBesideMomas) {
+  const Folder folder;
+  make_store(folder / "a.db", "demo", 12);
+  {
+    SQLite::Database store((folder / "a.db").string(), SQLite::OPEN_READWRITE);
+    store.exec(
+        "INSERT INTO metric (id, name, file_name, expression) VALUES (1, 'jitter', 'jitter', 'max(t)'), "
+        "(2, 'steps', 'steps', 'count(*)'); "
+        "INSERT INTO metric_value SELECT 1, key, position_error_m FROM trial; "
+        "INSERT INTO metric_value SELECT 2, key, NULL FROM trial");
+  }
+  write_report(folder / "a.db", folder / "a.html");
+  const Json page = data_of(read_file(folder / "a.html"));
+  std::vector<std::string> own;
+  for (const Json& metric : page.at("metrics"))
+    if (metric.contains("own")) own.push_back(metric.at("key"));
+  EXPECT_EQ(own, (std::vector<std::string>{"jitter", "metric_steps"})) << "moma has a column `steps`";
+  const Json& columns = page.at("trials").at("columns");
+  for (std::size_t i = 0; i < page.at("trials").at("n").get<std::size_t>(); ++i) {
+    EXPECT_EQ(page_cell(columns.at("jitter"), i), page_cell(columns.at("position_error_m"), i));
+    EXPECT_TRUE(page_cell(columns.at("metric_steps"), i).is_null());
+  }
+  SQLite::Database store((folder / "a.db").string());
+  for (const Json& row : page.at("overall")) {
+    SQLite::Statement mean(store,
+                           "SELECT avg(t.position_error_m) FROM trial AS t JOIN point_trial AS m ON m.key = t.key "
+                           "JOIN point AS p ON p.id = m.point_id WHERE p.controller = ? AND m.outcome <> 'error'");
+    mean.bind(1, row.at("controller").get<std::string>());
+    ASSERT_TRUE(mean.executeStep());
+    EXPECT_NEAR(row.at("own").at("jitter").get<double>(), mean.getColumn(0).getDouble(), 1e-12);
+  }
+  write_table({folder / "a.db"}, folder / "a.csv");
+  const std::string csv = read_file(folder / "a.csv");
+  EXPECT_EQ(csv.substr(0, csv.find('\n')).find(",command_change_mean,jitter,metric_steps") != std::string::npos, true)
+      << csv;
+}
+
 TEST(PageData, ManyTrialsAreShownByTheirFirstWorlds) {
   const Folder folder;
   const Json whole = page_of(folder, "demo", 40);

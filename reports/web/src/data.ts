@@ -16,17 +16,23 @@ export function outcomeName(outcome: Outcome): string {
 type Cell = number | string | null;
 
 export interface SummaryRow {
-  suite: string; robot: string; controller: string; point: string; family: string | null; mode: string; n: number;
+  suite: string; robot: string; controller: string; point: string; family: string | null; mode: string;
+  /** Trials that the rates are of, and those that ended by an error, which are part of no rate. */
+  n: number; errors: number;
   success_rate: number; success_low: number; success_high: number;
   collision_rate: number; collision_low: number; collision_high: number;
   time_to_goal_median_s: number | null; manip_mean: number | null; clearance_min_m: number | null;
   command_change_mean: number | null;
+  /** Means of the suites' own metrics, by their keys. */
+  own?: Record<string, number | null>;
   store?: string;
 }
 
 export interface PointInfo {
   store?: string;
   suite: string; robot: string; controller: string; point: string; mode: string;
+  /** The controller without what tells its versions apart. */
+  lineage: string;
   params: Record<string, unknown>; parameters: unknown; worlds: { seed?: number | string; [key: string]: unknown };
   control_period_s: number; physics_step_s: number; time_limit_s: number;
   success_position_m: number; success_orientation_rad: number; success_dwell_s: number;
@@ -47,6 +53,12 @@ export interface Invocation {
   trials_planned: number; trials_present: number; trials_done: number; store?: string;
   /** Of one that is "running": whether its program still holds the store's lock. */
   writer?: 'at work' | 'gone' | 'unknown';
+}
+
+/** A version of a controller, and what in it differs from the one before; null: not set. */
+export interface Change {
+  suite: string; robot: string; mode: string; controller: string; before: string;
+  differs: { key: string; from: string | null; to: string | null }[];
 }
 
 export interface ReplayData {
@@ -87,6 +99,7 @@ export interface PageData {
   outcomes: Outcome[];
   invocations: Invocation[];
   points: PointInfo[];
+  changes?: Change[];
   summary: SummaryRow[];
   overall: SummaryRow[];
   /** Those of each point's first `worlds` worlds, of `stored` in all; the summary is over all. */
@@ -180,12 +193,16 @@ export interface Series {
   point: string;
   info: PointInfo | undefined;
   rows: number[];
+  /** Trials that ended by an error: part of no rate and no figure. */
+  errors: number[];
 }
 
 export class Model {
   readonly trials = new Trials();
   slices: Slice[] = [];
   page: PageData;
+  /** Rows of the summary whose trials all ended by an error: they have no rates. */
+  failed: SummaryRow[] = [];
   private rowOf = new Map<string, number>();
   private replayOf = new Map<string, ReplayData>();
   private named = new Set<string>();
@@ -198,7 +215,8 @@ export class Model {
 
   /** Shows other data from now on; whoever draws must draw again. */
   load(page: PageData): void {
-    this.page = page;
+    this.failed = [...page.summary, ...page.overall].filter((row) => row.n === 0);
+    this.page = { ...page, summary: page.summary.filter((row) => row.n > 0), overall: page.overall.filter((row) => row.n > 0) };
     describeMetrics(page.metrics);
     kOutcomes = page.outcomes;
     this.trials.load(page.trials);
@@ -264,7 +282,7 @@ export class Model {
   }
 
   families(slice: Slice): string[] {
-    return [...new Set(this.page.summary.filter((s) => inSlice(s, slice)).map((s) => s.family ?? ''))];
+    return [...new Set([...this.page.summary, ...this.failed.filter((s) => s.family !== null)].filter((s) => inSlice(s, slice)).map((s) => s.family ?? ''))];
   }
 
   /** The series of a slice, in the order in which the store defined them, with the trials of `family` ('' all). */
@@ -275,14 +293,15 @@ export class Model {
     const values = valuesOnly(infos.map((info) => info.point));
     const series = infos.map((info, index): Series => ({
       index, mark: index, name: seriesName(info.controller, label(info.point)),
-      short: alone && info.point !== '' ? values?.(info.point) ?? label(info.point) : seriesName(info.controller, values?.(info.point) ?? label(info.point)), controller: info.controller, point: info.point, info, rows: [],
+      short: alone && info.point !== '' ? values?.(info.point) ?? label(info.point) : seriesName(info.controller, values?.(info.point) ?? label(info.point)), controller: info.controller, point: info.point, info, rows: [], errors: [],
     }));
     const byName = new Map(series.map((s) => [`${s.controller}\n${s.point}`, s]));
     const t = this.trials;
     for (let row = 0; row < t.n; ++row) {
       if (t.text('suite', row) !== slice.suite || t.text('mode', row) !== slice.mode) continue;
       if (t.text('robot', row) !== slice.robot || (family !== '' && t.text('family', row) !== family)) continue;
-      byName.get(`${t.text('controller', row)}\n${t.text('point', row)}`)?.rows.push(row);
+      const of = byName.get(`${t.text('controller', row)}\n${t.text('point', row)}`);
+      (t.outcome(row) === 'error' ? of?.errors : of?.rows)?.push(row);
     }
     return series;
   }

@@ -9,6 +9,8 @@ export interface Metric {
   /** '' where neither end is better by itself. */
   better: 'high' | 'low' | '';
   of: 'trial' | 'world' | 'machine';
+  /** Of the suite's own. */
+  own: boolean;
   write: (value: number) => string;
 }
 
@@ -19,13 +21,14 @@ export interface MetricData {
   of: Metric['of'];
   /** How it is written: with so many decimals, or else so many significant digits. */
   decimals?: number; significant?: number;
+  own?: boolean;
 }
 
-function made({ key, of, name, unit, better, decimals, significant: digits }: MetricData): Metric {
+function made({ key, of, name, unit, better, decimals, significant: digits, own }: MetricData): Metric {
   const write = decimals === undefined
     ? (value: number): string => significant(value, digits ?? 3)
     : (value: number): string => fixed(value, decimals);
-  return { key, of, name, unit, better, write };
+  return { key, of, name, unit, better, own: own === true, write };
 }
 
 /** All metrics that a trial may have, in the order of their description. */

@@ -3,7 +3,6 @@
 import { axis, endLabels, tip, whisker, type FigureSpec } from '../chart';
 import { inSlice, type Model, type SummaryRow } from '../data';
 import { integer, percent, percentRange, sizes } from '../format';
-import { lineage } from '../sections/changes';
 import { seriesColour, seriesInk, type Palette } from '../theme';
 import { view } from '../view';
 
@@ -32,7 +31,8 @@ export function history(model: Model): FigureSpec {
       const lines = new Map<string, Dot[]>();
       for (const row of rows) {
         const at = order.findIndex((s) => s.label === row.store);
-        const name = [lineage(row), row.point].filter((text) => text !== '').join(' \u00b7 ');
+        const lineage = model.page.points.find((p) => p.controller === row.controller && p.point === row.point && p.store === row.store)?.lineage ?? row.controller;
+        const name = [lineage, row.point].filter((text) => text !== '').join(' \u00b7 ');
         if (at >= 0) lines.set(name, [...(lines.get(name) ?? []), { at, row }]);
       }
       const all = [...lines].map(([name, dots]) => ({ name, dots: dots.sort((a, b) => a.at - b.at) }));

@@ -5,21 +5,24 @@ import { kMedianInterval, pairs, type Pairs } from '../compare';
 import type { Model, Series } from '../data';
 import { choice, download, h, replace } from '../dom';
 import { csv, fixed, integer, plural, probability } from '../format';
-import { metric, withUnit, type Metric } from '../metrics';
+import { kMetrics as kAll, metric, withUnit, type Metric } from '../metrics';
 import * as state from '../state';
 import { holm, pairedRate } from '../stats';
 import { onTheme, palette, seriesColour } from '../theme';
 import { baseline, onView, view } from '../view';
 
-const kMetrics = ['time_to_goal_s', 'manip_mean', 'clearance_min_m', 'command_change_mean', 'path_ee_m'];
+/** Those that are compared: a few of moma's, and the suites' own. */
+function compared(): string[] {
+  return ['time_to_goal_s', 'manip_mean', 'clearance_min_m', 'command_change_mean', 'path_ee_m', ...kAll.filter((m) => m.own).map((m) => m.key)];
+}
 /** More comparisons than this cost each other too much power. */
 const kMost = 12;
 
 interface Row { series: Series; rates: { name: string; only: [number, number]; n: number; p: number }[]; metrics: { of: Metric; r: Pairs }[] }
 
-function compared(model: Model, base: Series): Row[] {
+function rowsAgainst(model: Model, base: Series): Row[] {
   return view().series.filter((s) => s.index !== base.index).slice(0, kMost).map((s) => {
-    const metrics = kMetrics.map((key) => ({ of: metric(key), r: pairs(model, base, s, key) }));
+    const metrics = compared().map((key) => ({ of: metric(key), r: pairs(model, base, s, key) }));
     const worlds = metrics[0]?.r.worlds ?? [];
     const rate = (name: string, hit: (row: number) => boolean): Row['rates'][number] => {
       const only: [number, number] = [worlds.filter((w) => hit(w.a) && !hit(w.b)).length, worlds.filter((w) => hit(w.b) && !hit(w.a)).length];
@@ -43,7 +46,7 @@ export function comparison(model: Model): HTMLElement {
   const fill = (): void => {
     const { series } = view();
     const base = baseline();
-    const rows = base === undefined ? [] : compared(model, base);
+    const rows = base === undefined ? [] : rowsAgainst(model, base);
     replace(controls, base === undefined || series.length < 2 ? null
       : choice('Compared with', (series.includes(base) ? series : [base, ...series]).map((s) => [String(s.index), s.short] as const), String(base.index), (value) => { state.set({ base: value }); fill(); }));
     saveButton.hidden = rows.length === 0;
@@ -58,7 +61,7 @@ export function comparison(model: Model): HTMLElement {
     replace(box, h('table', { class: 'plain' },
       h('thead', null, h('tr', null, h('th', { scope: 'col' }, 'Controller'), h('th', { scope: 'col' }, 'Worlds'),
         ...['Success', 'Collision'].map((name) => h('th', { scope: 'col' }, name, h('small', null, 'percentage points, exact McNemar'))),
-        ...kMetrics.map((key) => h('th', { scope: 'col' }, metric(key).name, h('small', null, 'median difference'))))),
+        ...compared().map((key) => h('th', { scope: 'col' }, metric(key).name, h('small', null, 'median difference'))))),
       h('tbody', null, ...rows.map((row) => h('tr', null,
         h('th', { scope: 'row' }, h('span', { class: 'dotted', style: `--c:${seriesColour(palette(), row.series.mark)}` }, row.series.name)),
         h('td', null, integer(row.rates[0]?.n ?? 0)),

@@ -102,7 +102,7 @@ export function trials(model: Model): HTMLElement {
     scroller.style.setProperty('--columns', shownColumns.map((key) => `minmax(${kWidths[key] ?? 96}px, ${key === 'contact' ? '2fr' : '1fr'})`).join(' '));
     scroller.style.setProperty('--total', `${shownColumns.reduce((sum, key) => sum + (kWidths[key] ?? 96) + 14, 16)}px`);
     rowsBox.style.height = `${rows.length * kRowHeight}px`;
-    const all = view().series.reduce((sum, s) => sum + s.rows.length, 0);
+    const all = view().series.reduce((sum, s) => sum + s.rows.length + s.errors.length, 0);
     count.textContent = rows.length === all ? `${plural(all, 'trial')}.` : `${integer(rows.length)} of ${plural(all, 'trial')}.`;
     drawHead();
     draw();
@@ -110,7 +110,7 @@ export function trials(model: Model): HTMLElement {
 
   const fillControls = (): void => {
     const { series } = view();
-    const present = new Set(series.flatMap((s) => s.rows.map((row) => t.outcome(row))));
+    const present = new Set(series.flatMap((s) => [...s.rows, ...s.errors].map((row) => t.outcome(row))));
     const names = [...new Set(series.map((s) => s.controller))];
     const search = h('input', {
       type: 'search', placeholder: 'Filter: trial, link, object, reason, world:12', value: state.get('q'), 'aria-label': 'Filter trials',

@@ -1,0 +1,171 @@
+#include "eval/cli/summary_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "controller/config/node.h"
+#include "eval/cli/command.h"
+#include "eval/cli/own_metrics.h"
+#include "eval/store/columns.h"
+
+namespace moma::cli {
+namespace {
+
+using store::Cell;
+using store::QueryResult;
+using Row = std::vector<Cell>;
+
+// How rates and means are written for a person; of no trial there is none. In place of the columns from kRates on.
+constexpr const char* kForPerson = R"(,
+  iif(n = 0, NULL, printf('%5.1f  [%5.1f, %5.1f]', 100 * success_rate, 100 * success_low, 100 * success_high))
+    AS "success % [95 %]",
+  iif(n = 0, NULL, printf('%4.1f  [%4.1f, %4.1f]', 100 * collision_rate, 100 * collision_low, 100 * collision_high))
+    AS "collision % [95 %]",
+  iif(time_to_goal_median_s IS NULL, NULL, printf('%.2f', time_to_goal_median_s)) AS "time to goal s",
+  iif(manip_mean IS NULL, NULL, printf('%.4f', manip_mean)) AS manip,
+  iif(clearance_min_m IS NULL, NULL, printf('%.3f', clearance_min_m)) AS "clearance m",
+  iif(command_change_mean IS NULL, NULL, printf('%.3f', command_change_mean)) AS "change")";
+constexpr std::size_t kForPersonColumns = 6;
+
+constexpr std::size_t kNames = 6;  // suite, robot, controller, point, family, mode: what v_summary begins with
+constexpr std::size_t kRobot = 1, kErrors = 7, kRates = 8;
+
+std::optional<double> value_of(const Cell& cell) {
+  if (const auto* integer = std::get_if<std::int64_t>(&cell)) return static_cast<double>(*integer);
+  if (const auto* real = std::get_if<double>(&cell)) return *real;
+  return std::nullopt;
+}
+
+/// The suites' own metrics, as further columns of the rows.
+void add_own(const std::filesystem::path& file, QueryResult& table) {
+  const std::vector<OwnMetric> own = own_metrics(file, {table.columns.begin(), table.columns.end()});
+  if (own.empty()) return;
+  std::map<Row, std::map<std::string, Cell>> means;
+  for (Row& row : store::query(file,
+                               "SELECT suite, robot, controller, point, family, mode, metric, mean FROM "
+                               "v_metric_summary")
+                      .rows) {
+    const std::string metric = std::get<std::string>(row[kNames]);
+    Cell mean = std::move(row[kNames + 1]);
+    row.resize(kNames);
+    means[std::move(row)][metric] = std::move(mean);
+  }
+  for (const OwnMetric& metric : own) table.columns.push_back(metric.column);
+  for (Row& row : table.rows) {
+    const auto& of_row = means[Row(row.begin(), row.begin() + kNames)];
+    for (const OwnMetric& metric : own) {
+      const auto found = of_row.find(metric.name);
+      row.push_back(found == of_row.end() ? Cell{} : found->second);
+    }
+  }
+}
+
+struct Order {
+  std::size_t column = 0;
+  bool down = false;
+};
+
+bool largest_first(const std::string& metric) {
+  if (metric.starts_with("success_")) return true;
+  if (metric.starts_with("collision_") || metric == "errors" || metric == "time_to_goal_median_s") return false;
+  for (const store::TrialColumn& column : store::trial_columns())
+    if (column.name == metric) return column.about.better != Better::kLow;
+  return true;
+}
+
+Order order_of(const std::string& sort, const QueryResult& plain) {
+  const std::size_t colon = sort.rfind(':');
+  const std::string metric = sort.substr(0, colon);
+  const std::string way = colon == std::string::npos ? "" : sort.substr(colon + 1);
+  if (!way.empty() && way != "up" && way != "down")
+    throw UsageError(fmt::format("--sort {}: expected METRIC, METRIC:up or METRIC:down", sort));
+  const auto found = std::find(plain.columns.begin() + kNames, plain.columns.end(), metric);
+  if (found == plain.columns.end()) {
+    const std::vector<std::string> metrics(plain.columns.begin() + kNames, plain.columns.end());
+    const std::string near = config::nearest(metric, metrics);
+    throw UsageError(fmt::format("--sort {}: no such metric{}; there are: {}", sort,
+                                 near.empty() ? "" : fmt::format(" (did you mean {}?)", near),
+                                 fmt::join(metrics, ", ")));
+  }
+  return {static_cast<std::size_t>(found - plain.columns.begin()), way.empty() ? largest_first(metric) : way == "down"};
+}
+
+/// Places of the rows in the order asked for, groups together.
+std::vector<std::size_t> sorted(const QueryResult& plain, const std::string& sort) {
+  std::vector<std::size_t> places(plain.rows.size());
+  for (std::size_t i = 0; i < places.size(); ++i) places[i] = i;
+  if (sort.empty()) return places;
+  const Order order = order_of(sort, plain);
+  const auto group = [&](std::size_t i) {
+    const Row& row = plain.rows[i];
+    return std::array<Cell, 4>{row[0], row[kRobot], row[4], row[5]};
+  };
+  std::stable_sort(places.begin(), places.end(), [&](std::size_t a, std::size_t b) {
+    const auto of_a = group(a);
+    const auto of_b = group(b);
+    if (of_a != of_b) return of_a < of_b;
+    const std::optional<double> x = value_of(plain.rows[a][order.column]);
+    const std::optional<double> y = value_of(plain.rows[b][order.column]);
+    if (!x || !y) return x.has_value() && !y.has_value();
+    return order.down ? *x > *y : *x < *y;
+  });
+  return places;
+}
+
+void keep_columns(QueryResult& table, const std::vector<std::size_t>& kept) {
+  const auto chosen = [&](auto& from) {
+    std::remove_reference_t<decltype(from)> to;
+    for (const std::size_t column : kept) to.push_back(std::move(from[column]));
+    from = std::move(to);
+  };
+  chosen(table.columns);
+  for (Row& row : table.rows) chosen(row);
+}
+
+/// Of what was asked for a person: `own` columns stand from there on.
+std::vector<std::size_t> for_person(QueryResult& table, std::size_t moma, std::size_t own) {
+  const auto any = [&](const auto& holds) { return std::any_of(table.rows.begin(), table.rows.end(), holds); };
+  std::vector<std::size_t> kept;
+  for (std::size_t column = 0; column < kRates; ++column) {
+    if (column == kRobot && !any([&](const Row& row) { return row[column] != table.rows.front()[column]; })) continue;
+    if (column == kErrors && !any([&](const Row& row) { return value_of(row[column]).value_or(0.0) > 0.0; })) continue;
+    kept.push_back(column);
+  }
+  for (std::size_t column = moma; column < own; ++column) kept.push_back(column);
+  for (std::size_t column = own; column < table.columns.size(); ++column) {
+    if (!any([&](const Row& row) { return value_of(row[column]).has_value(); })) continue;  // of another suite
+    kept.push_back(column);
+    for (Row& row : table.rows)
+      if (const auto mean = value_of(row[column])) row[column] = fmt::format("{:.4g}", *mean);
+  }
+  return kept;
+}
+
+}  // namespace
+
+QueryResult summary_table(const std::filesystem::path& file, const SummaryOptions& options) {
+  const std::string where =
+      options.suite.empty() ? "" : fmt::format(" WHERE suite = {}", store::sql_literal(options.suite));
+  // All at once, since a run may add to the store meanwhile.
+  QueryResult table = store::query(
+      file, fmt::format("SELECT *{} FROM v_summary{} ORDER BY suite, robot, family, mode, controller, point",
+                        options.for_person ? kForPerson : "", where));
+  const std::size_t own = table.columns.size();
+  const std::size_t moma = own - (options.for_person ? kForPersonColumns : 0);
+  add_own(file, table);
+  std::vector<Row> rows;
+  rows.reserve(table.rows.size());
+  for (const std::size_t place : sorted(table, options.sort)) rows.push_back(std::move(table.rows[place]));
+  table.rows = std::move(rows);
+  if (options.for_person) keep_columns(table, for_person(table, moma, own));
+  return table;
+}
+
+}  // namespace moma::cli

@@ -1,0 +1,171 @@
+#include "eval/run/named_point.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string_view>
+
+#include "eval/store/error.h"
+#include "eval/store/query.h"
+
+namespace moma::run {
+namespace {
+
+using store::sql_literal;
+using store::StoreError;
+
+constexpr std::string_view kBest = "@best";
+
+std::string text_of(const store::Cell& cell) {
+  const auto* text = std::get_if<std::string>(&cell);
+  return text == nullptr ? "" : *text;
+}
+
+double number_of(const store::Cell& cell) {
+  if (const auto* integer = std::get_if<std::int64_t>(&cell)) return static_cast<double>(*integer);
+  const auto* real = std::get_if<double>(&cell);
+  return real == nullptr ? std::numeric_limits<double>::infinity() : *real;
+}
+
+/// A point with what @best goes by.
+struct Candidate {
+  NamedPoint point;
+  std::int64_t n = 0, successes = 0, collisions = 0;
+  double time = 0.0, change = 0.0;  // infinite where no trial has it
+
+  bool better_than(const Candidate& other) const {
+    // Shares of different numbers of trials, without rounding.
+    const std::int64_t success = successes * other.n - other.successes * n;
+    if (success != 0) return success > 0;
+    const std::int64_t collision = collisions * other.n - other.collisions * n;
+    if (collision != 0) return collision < 0;
+    return time != other.time ? time < other.time : change < other.change;
+  }
+};
+
+std::vector<Candidate> read_points(const std::filesystem::path& file, const std::string& suite, bool rates) {
+  const char* const counts =
+      rates ? "(SELECT point_id, sum(outcome <> 'error') AS n, sum(outcome = 'success') AS successes, "
+              "sum(outcome = 'collision') AS collisions, avg(time_to_goal_s) AS time, "
+              "avg(command_change_mean) FILTER (WHERE outcome <> 'error') AS change FROM point_trial GROUP BY point_id)"
+            : "(SELECT NULL AS point_id, 0 AS n, 0 AS successes, 0 AS collisions, NULL AS time, NULL AS change)";
+  const store::QueryResult found = store::query(
+      file, fmt::format("SELECT p.id, s.id, s.name, p.controller, p.label, coalesce(c.n, 0), coalesce(c.successes, 0), "
+                        "coalesce(c.collisions, 0), c.time, c.change FROM point AS p JOIN suite AS s ON s.id = "
+                        "p.suite_id LEFT JOIN {} AS c ON c.point_id = p.id {} ORDER BY s.id, p.id",
+                        counts, suite.empty() ? "" : "WHERE s.name = " + sql_literal(suite)));
+  std::vector<Candidate> all;
+  for (const auto& row : found.rows) {
+    Candidate c;
+    c.point = {std::get<std::int64_t>(row[0]),
+               std::get<std::int64_t>(row[1]),
+               text_of(row[2]),
+               text_of(row[3]),
+               text_of(row[4]),
+               ""};
+    c.n = std::get<std::int64_t>(row[5]);
+    c.successes = std::get<std::int64_t>(row[6]);
+    c.collisions = std::get<std::int64_t>(row[7]);
+    c.time = number_of(row[8]);
+    c.change = number_of(row[9]);
+    all.push_back(std::move(c));
+  }
+  return all;
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& name, const std::string& suite,
+                         const std::vector<Candidate>& all) {
+  constexpr std::size_t kMost = 20;
+  std::vector<std::string> names;
+  for (const Candidate& c : all)
+    if (std::find(names.begin(), names.end(), c.point.name()) == names.end()) names.push_back(c.point.name());
+  const std::size_t more = names.size() > kMost ? names.size() - kMost : 0;
+  names.resize(names.size() - more);
+  throw StoreError(StoreError::Kind::kNotFound,
+                   fmt::format("{}: has no point '{}'{}; it has: {}{}", file.string(), name,
+                               suite.empty() ? "" : " in suite " + suite, fmt::join(names, ", "),
+                               more > 0 ? fmt::format(" and {} more (moma query {} @list)", more, file.string()) : ""));
+}
+
+std::string why(const Candidate& c) {
+  const auto percent = [&](std::int64_t k) { return 100.0 * static_cast<double>(k) / static_cast<double>(c.n); };
+  std::string text =
+      fmt::format("success {:.1f} %, collision {:.1f} % of {}", percent(c.successes), percent(c.collisions), c.n);
+  if (c.time < std::numeric_limits<double>::infinity()) text += fmt::format(", mean time to goal {:.2f} s", c.time);
+  return text;
+}
+
+std::vector<NamedPoint> best_points(const std::filesystem::path& file, const std::string& name,
+                                    const std::string& suite) {
+  std::string controller = name.substr(0, name.size() - kBest.size());
+  if (controller.ends_with(':')) controller.pop_back();
+  const std::vector<Candidate> all = read_points(file, suite, true);
+  std::map<std::int64_t, const Candidate*> best;  // by suite; of equal ones the first
+  for (const Candidate& c : all) {
+    if (c.n == 0 || (!controller.empty() && c.point.controller != controller)) continue;
+    const Candidate*& of_suite = best[c.point.suite_id];
+    if (of_suite == nullptr || c.better_than(*of_suite)) of_suite = &c;
+  }
+  if (best.empty()) refuse(file, name, suite, all);
+  std::vector<NamedPoint> points;
+  for (const auto& [id, c] : best) {
+    points.push_back(c->point);
+    points.back().why = why(*c);
+  }
+  return points;
+}
+
+std::optional<std::uint64_t> world_in(std::string_view digits) {
+  const bool number = !digits.empty() && digits.size() < 19 &&
+                      std::all_of(digits.begin(), digits.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+  return number ? std::optional<std::uint64_t>(std::stoull(std::string(digits))) : std::nullopt;
+}
+
+}  // namespace
+
+std::vector<NamedPoint> named_points(const std::filesystem::path& file, const std::string& name,
+                                     const std::string& suite) {
+  if (name.ends_with(kBest)) return best_points(file, name, suite);
+  const std::vector<Candidate> all = read_points(file, suite, false);
+  std::vector<NamedPoint> points;
+  for (const Candidate& c : all)
+    if (c.point.name() == name) points.push_back(c.point);
+  if (points.empty()) refuse(file, name, suite, all);
+  return points;
+}
+
+NamedPoint named_point(const std::filesystem::path& file, const std::string& name, const std::string& suite) {
+  std::vector<NamedPoint> points = named_points(file, name, suite);
+  if (points.size() == 1) return std::move(points.front());
+  std::vector<std::string> suites;
+  for (const NamedPoint& point : points) suites.push_back(point.suite);
+  throw StoreError(StoreError::Kind::kNotFound,
+                   fmt::format("{}: several suites have a point '{}': choose one by --suite: {}", file.string(), name,
+                               fmt::join(suites, ", ")));
+}
+
+std::string named_trial(const std::filesystem::path& file, const std::string& name) {
+  const std::size_t slash = name.rfind('/');
+  const auto world = slash == std::string::npos ? std::nullopt : world_in(std::string_view(name).substr(slash + 1));
+  const std::string of = world ? name.substr(0, slash) : name;
+  if (!world && !of.ends_with(kBest)) {
+    const std::vector<Candidate> all = read_points(file, "", false);
+    if (std::none_of(all.begin(), all.end(), [&](const Candidate& c) { return c.point.name() == of; })) return name;
+  }
+  const NamedPoint point = named_point(file, of);
+  const store::QueryResult found = store::query(
+      file, fmt::format("SELECT lower(hex(m.key)) FROM point_trial AS m JOIN trial AS t ON t.key = m.key WHERE "
+                        "m.point_id = {}{} ORDER BY m.outcome = 'success', t.position_error_m IS NULL DESC, "
+                        "iif(m.outcome = 'success', m.time_to_goal_s, t.position_error_m) DESC, m.key LIMIT 1",
+                        point.id, world ? fmt::format(" AND m.world_index = {}", *world) : ""));
+  if (found.rows.empty())
+    throw StoreError(StoreError::Kind::kNotFound, fmt::format("{}: {} has no trial{}", file.string(), point.name(),
+                                                              world ? fmt::format(" in world {}", *world) : ""));
+  return text_of(found.rows.front().front());
+}
+
+}  // namespace moma::run

@@ -1,0 +1,87 @@
+#include "reports/render/own_metrics.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+
+namespace moma::reports {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Place = std::array<std::string, 6>;  // suite, robot, controller, point, family, mode
+
+std::string identifier(const std::string& name) {
+  std::string quoted = "\"";
+  for (const char c : name) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+/// Columns that a trial of the page has without the suites' own.
+std::set<std::string> taken_columns(SQLite::Database& store) {
+  std::set<std::string> taken{"deadline_misses", "world_key", "store", "id", "own"};
+  for (const char* table : {"v_trials", "v_summary", "world"}) {
+    SQLite::Statement query(store, "SELECT name FROM pragma_table_xinfo(?)");
+    query.bind(1, table);
+    while (query.executeStep()) taken.insert(query.getColumn(0).getString());
+  }
+  return taken;
+}
+
+}  // namespace
+
+OwnMetrics own_metrics(SQLite::Database& store) {
+  OwnMetrics metrics;
+  const std::set<std::string> taken = taken_columns(store);
+  SQLite::Statement query(store, "SELECT id, name, expression FROM metric ORDER BY id");
+  while (query.executeStep()) {
+    const std::string name = query.getColumn(1).getString();
+    const std::string key = taken.count(name) == 0 ? name : "metric_" + name;
+    metrics.described.push_back({{"key", key},
+                                 {"of", "trial"},
+                                 {"name", name},
+                                 {"unit", ""},
+                                 {"better", ""},
+                                 {"significant", 4},
+                                 {"own", true},
+                                 {"text", query.getColumn(2).getString()}});
+    metrics.columns +=
+        fmt::format(",\n       (SELECT x.value FROM metric_value AS x WHERE x.metric_id = {} AND x.key = t.key) AS {}",
+                    query.getColumn(0).getInt64(), identifier(key));
+  }
+  return metrics;
+}
+
+void add_own_means(SQLite::Database& store, const OwnMetrics& metrics, Json& page) {
+  if (metrics.described.empty()) return;
+  std::map<std::string, std::string> key_of;
+  for (const Json& metric : metrics.described) key_of[metric.at("name")] = metric.at("key");
+  std::map<Place, Json> means;
+  // Of all families together a mean is weighted by the trials that have the value.
+  SQLite::Statement query(store,
+                          "SELECT suite, robot, controller, point, family, mode, metric, mean FROM v_metric_summary "
+                          "UNION ALL SELECT suite, robot, controller, point, '', mode, metric, sum(n * mean) / sum(n) "
+                          "FROM v_metric_summary GROUP BY suite, robot, controller, point, mode, metric");
+  while (query.executeStep()) {
+    Place place;
+    for (int i = 0; i < 6; ++i) place[static_cast<std::size_t>(i)] = query.getColumn(i).getString();
+    const SQLite::Column mean = query.getColumn(7);
+    means[place][key_of[query.getColumn(6).getString()]] =
+        mean.isNull() || !std::isfinite(mean.getDouble()) ? Json(nullptr) : Json(mean.getDouble());
+  }
+  for (const char* part : {"summary", "overall"}) {
+    for (Json& row : page.at(part)) {
+      const auto text = [&](const char* key) {
+        return row.at(key).is_null() ? std::string() : row.at(key).get<std::string>();
+      };
+      const auto found =
+          means.find({text("suite"), text("robot"), text("controller"), text("point"), text("family"), text("mode")});
+      row["own"] = found == means.end() ? Json::object() : found->second;
+    }
+  }
+}
+
+}  // namespace moma::reports

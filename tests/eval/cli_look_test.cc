@@ -1,0 +1,217 @@
+// Looking closer at a store by the real program: the best point, differences of settings, sorted summaries, metrics of
+// a suite's own, trials that ended by an error.
+#include <SQLiteCpp/SQLiteCpp.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "cli_fixture.h"
+
+namespace moma::test {
+namespace {
+
+using json = nlohmann::json;
+
+class CliLook : public CliTest {
+ protected:
+  /// Three points of a sweep in six worlds, with outcomes as if: the first succeeds in four and collides in two; the
+  /// second succeeds in four and runs out of time in two; the third succeeds in three and ends by an error in three.
+  void make_sweep() const {
+    write("sweep.yaml", R"(name: sweep
+robot: robots/tiny.yaml
+controllers: {mine: controllers/plain.yaml}
+worlds: {seed: 1, families: {open: {}}}
+simulation: {mode: kinematic, time_limit: 4}
+sweep: {design: grid, axes: {controller.k_epsilon: [0.1, 0.2, 0.3]}}
+metrics: {latest: max(t)}
+trials: 6
+)");
+    good({"run", "sweep.yaml", "-o", "a.db", "-q"});
+    set_outcome("", 0, "success");
+    for (const auto& [label, from, outcome] :
+         {std::tuple{"k_epsilon=0.1", 4, "collision"}, {"k_epsilon=0.2", 4, "timeout"}, {"k_epsilon=0.3", 3, "error"}})
+      set_outcome(label, from, outcome);
+  }
+
+  /// Of the worlds from `from` on.
+  void set_outcome(const std::string& label, int from, const std::string& outcome) const {
+    SQLite::Database db(path("a.db").string(), SQLite::OPEN_READWRITE);
+    for (const std::string table : {"trial", "point_trial"}) {
+      SQLite::Statement change(
+          db, "UPDATE " + table +
+                  " SET outcome = ?, time_to_goal_s = NULL WHERE key IN (SELECT m.key "
+                  "FROM point_trial AS m JOIN point AS p ON p.id = m.point_id WHERE p.label LIKE ? AND "
+                  "m.world_index >= ?)");
+      change.bind(1, outcome);
+      change.bind(2, "%" + label);
+      change.bind(3, from);
+      change.exec();
+    }
+  }
+
+  json rows(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.end(), {"-f", "json"});
+    return json::parse(good(arguments).out);
+  }
+};
+
+TEST_F(CliLook, TheBestPointIsFoundByTheStatedCriterion) {
+  make_sweep();
+  // 4 of 6 without a collision; 3 of 3 is more, since an error says nothing of a controller.
+  json best = rows({"query", "a.db", "@best"});
+  ASSERT_EQ(best.size(), 1u);
+  EXPECT_TRUE(best[0]["point"].get<std::string>().ends_with("k_epsilon=0.3")) << best;
+  EXPECT_NE(best[0]["by"].get<std::string>().find("success 100.0 %, collision 0.0 % of 3"), std::string::npos) << best;
+  set_outcome("k_epsilon=0.3", 0, "error");
+  best = rows({"query", "a.db", "mine@best"});
+  EXPECT_TRUE(best[0]["point"].get<std::string>().ends_with("k_epsilon=0.2")) << "fewer collisions decide: " << best;
+  bad({"query", "a.db", "theirs@best"}, {"no point 'theirs@best'", "k_epsilon=0.1"});
+
+  const std::string second = best[0]["controller"].get<std::string>() + ":" + best[0]["point"].get<std::string>();
+  const std::string first = second.substr(0, second.size() - 3) + "0.1";
+  const std::string compared = good({"compare", "a.db", first, "@best"}).out;
+  EXPECT_NE(compared.find("B = " + second + " (best by success 66.7 %"), std::string::npos) << compared;
+  // Its trials are named by their worlds, the worst of them by the point alone.
+  EXPECT_NE(good({"replay", "a.db", "@best/2"}).out.find("world 2\n"), std::string::npos);
+  EXPECT_NE(good({"replay", "a.db", second + "/1"}).out.find("world 1\n"), std::string::npos);
+  const std::string worst = good({"replay", "a.db", "@best"}).out;
+  EXPECT_TRUE(worst.find("world 4\n") != std::string::npos || worst.find("world 5\n") != std::string::npos) << worst;
+  bad({"replay", "a.db", "@best/77"}, {"has no trial in world 77"});
+  bad({"replay", "a.db", "theirs@best"}, {"no point 'theirs@best'"});
+  EXPECT_NE(moma({"verify", "a.db", "--fraction", "1", "--point", "@best"}).out.find("6 of 18 trials replayed"),
+            std::string::npos);
+  bad({"verify", "a.db", "--point", "theirs"}, {"no point 'theirs'"});
+}
+
+TEST_F(CliLook, SummariesAreSortedByAnyMetric) {
+  make_sweep();
+  const auto order = [&](const std::string& sort) {
+    std::string text;
+    for (const json& row : rows({"query", "a.db", "@summary", "--sort", sort}))
+      text += row["point"].get<std::string>().back();
+    return text;
+  };
+  EXPECT_EQ(order("success_rate:up"), "123") << "equal ones as they were";
+  EXPECT_EQ(order("success_rate"), "312") << "the best first";
+  EXPECT_EQ(order("collision_rate"), "231");
+  EXPECT_EQ(order("collision_rate:down"), "123");
+  EXPECT_EQ(order("errors:down"), "312");
+  const json by_own = rows({"query", "a.db", "@summary", "--sort", "latest:down"});
+  EXPECT_GE(by_own[0]["latest"].get<double>(), by_own[2]["latest"].get<double>());
+  bad({"query", "a.db", "@summary", "--sort", "sucess_rate"},
+      {"no such metric", "did you mean success_rate?", "latest"});
+  bad({"query", "a.db", "@summary", "--sort", "n:sideways"}, {"METRIC:up"});
+  bad({"query", "a.db", "@list", "--sort", "n"}, {"--sort is of @summary"});
+}
+
+TEST_F(CliLook, ErrorsAreSaidBesideTheRates) {
+  make_sweep();
+  const std::string table = good({"query", "a.db", "@summary"}).out;
+  EXPECT_NE(table.find("n  errors  success"), std::string::npos) << table;
+  EXPECT_NE(table.find("3       3  100.0"), std::string::npos) << table;
+  const json points = rows({"query", "a.db", "@summary"});
+  const auto name = [&](std::size_t i) { return "mine:" + points[i]["point"].get<std::string>(); };
+  const std::string compared = good({"compare", "a.db", name(0), name(2)}).out;
+  EXPECT_NE(compared.find("3 worlds that both met; 3 more are left out, where a trial ended by an error (A 0, B 3)"),
+            std::string::npos)
+      << compared;
+  EXPECT_EQ(moma({"compare", "a.db", name(0), name(2), "--fail-if-worse", "0"}).code, 0) << "100 % of three each";
+  for (const json& pair : rows({"query", "a.db", "@pairs"}))
+    EXPECT_EQ(pair["n"], pair["point_b"].get<std::string>().back() == '3' ? 3 : 6) << pair;
+  set_outcome("k_epsilon=0.3", 0, "error");
+  bad({"compare", "a.db", name(0), name(2)}, {"nothing to compare; 6 more are left out"});
+  EXPECT_NE(good({"query", "a.db", "@summary", "-f", "csv"}).out.find(",kinematic,0,6,,,,,,,"), std::string::npos);
+  // Without errors there is no column of them.
+  good({"run", "suite.yaml", "-o", "b.db", "-q"});
+  EXPECT_EQ(good({"query", "b.db", "@summary"}).out.find("errors"), std::string::npos);
+}
+
+TEST_F(CliLook, RobotsAreAColumnWhereThereAreSeveral) {
+  write("robots.yaml", R"(name: robots
+robot: robots/tiny.yaml
+controllers: {plain: controllers/plain.yaml}
+worlds: {seed: 1, families: {open: {}}}
+simulation: {mode: kinematic, time_limit: 4}
+sweep: {design: grid, axes: {robot: [robots/tiny.yaml, robots/other.yaml]}}
+trials: 2
+)");
+  write("robots/other.yaml", "include: tiny.yaml\nname: other\n");
+  const std::string table = good({"run", "robots.yaml", "-o", "a.db", "-q"}).out;
+  EXPECT_NE(table.find("robot"), std::string::npos) << table;
+  EXPECT_NE(table.find("robots  other  plain"), std::string::npos) << table;
+  const std::string one = good({"run", "suite.yaml", "-o", "b.db", "-q", "--sort", "time_to_goal_median_s"}).out;
+  EXPECT_EQ(one.find("robot"), std::string::npos) << one;
+}
+
+TEST_F(CliLook, MetricsOfASuiteAreWhereMomasAre) {
+  make_sweep();
+  EXPECT_NE(good({"query", "a.db", "@summary"}).out.find("latest"), std::string::npos);
+  const json points = rows({"query", "a.db", "@summary"});
+  const json mean = rows({"query", "a.db",
+                          "SELECT avg(value) AS mean FROM v_metrics WHERE outcome <> 'error' AND point = '" +
+                              points[2]["point"].get<std::string>() + "'"});
+  EXPECT_DOUBLE_EQ(points[2]["latest"].get<double>(), mean[0]["mean"].get<double>());
+  const std::string compared = good({"compare", "a.db", "mine:" + points[0]["point"].get<std::string>(),
+                                     "mine:" + points[1]["point"].get<std::string>()})
+                                   .out;
+  EXPECT_NE(compared.find("\nlatest "), std::string::npos) << compared;
+  good({"export", "a.db", "--csv", "csv", "--planner-arena", "arena.db"});
+  const auto head = [&](const std::string& file) {
+    std::ifstream in(path(file));
+    std::string line;
+    std::getline(in, line);
+    return line;
+  };
+  EXPECT_TRUE(head("csv/trials.csv").ends_with(",latest"));
+  EXPECT_TRUE(head("csv/summary.csv").ends_with(",latest"));
+  SQLite::Database arena(path("arena.db").string());
+  EXPECT_EQ(arena.execAndGet("SELECT count(metric_latest) FROM runs").getInt(), 18);
+  EXPECT_EQ(arena.execAndGet("SELECT count(*) FROM runs WHERE solved IS NULL").getInt(), 3)
+      << "errors solve nothing and fail nothing";
+  good({"report", "a.db", "-o", "a.html", "--table", "a.csv"});
+  EXPECT_TRUE(head("a.csv").ends_with(",latest"));
+  std::ifstream page(path("a.html"));
+  const std::string text{std::istreambuf_iterator<char>(page), {}};
+  EXPECT_NE(text.find("\"key\":\"latest\""), std::string::npos);
+}
+
+TEST_F(CliLook, DiffNamesEverySettingThatDiffers) {
+  good({"run", "suite.yaml", "-o", "a.db", "-q"});
+  write("suite.yaml", std::string(kSuite) + "disturbances: {joints: {noise: 0.001}}\n");
+  good({"run", "suite.yaml", "-o", "b.db", "-q", "--set", "controllers.plain.lambda_q=0.25", "--set",
+        "simulation.time_limit=5"});
+  // In one store: one key.
+  const json one = rows({"diff", "a.db", "plain", "slow"});
+  ASSERT_EQ(one.size(), 1u) << one;
+  EXPECT_EQ(one[0]["setting"], "k_epsilon");
+  EXPECT_EQ(one[0]["B"], "0.1");
+  const std::string same = good({"diff", "a.db", "plain", "plain"}).out;
+  EXPECT_NE(same.find("they have the same settings"), std::string::npos) << same;
+  // Of two stores: gains, disturbances, simulation.
+  std::map<std::string, json> found;
+  for (const json& row : rows({"diff", "a.db", "plain", "--with", "b.db"})) found[row["setting"]] = row;
+  EXPECT_EQ(std::count_if(found.begin(), found.end(), [](const auto& f) { return !f.first.starts_with("disturbances."); }),
+            2)
+      << "gains and simulation; nothing else differs";
+  EXPECT_EQ(found["lambda_q"]["B"], "0.25");
+  EXPECT_EQ(found["time_limit_s"]["A"], "4");
+  EXPECT_EQ(found["time_limit_s"]["B"], "5");
+  EXPECT_TRUE(found["disturbances.joints.noise"]["A"].is_null()) << "not set";
+  EXPECT_EQ(found["disturbances.joints.noise"]["B"], "0.001");
+  // A version of a controller in one store.
+  fs::copy_file(path("a.db"), path("c.db"));
+  write("suite.yaml", kSuite);
+  good({"run", "suite.yaml", "-o", "c.db", "-q", "--set", "controllers.plain.lambda_q=0.25"});
+  const std::string versions = good({"diff", "c.db", "plain", "plain@2"}).out;
+  EXPECT_NE(versions.find("lambda_q  "), std::string::npos) << versions;
+  bad({"diff", "a.db", "plain"}, {"second controller", "--with"});
+  bad({"diff", "a.db", "plain", "fast"}, {"no point 'fast'", "plain, slow"});
+}
+
+}  // namespace
+}  // namespace moma::test

@@ -1,0 +1,88 @@
+// Mistakes that would look like results, and what the program says of them.
+#include <SQLiteCpp/SQLiteCpp.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "cli_fixture.h"
+
+namespace moma::test {
+namespace {
+
+using CliMistakes = CliTest;
+using json = nlohmann::json;
+
+TEST_F(CliMistakes, LinksFarApartThatTouchAtReadyAreAllNamed) {
+  // A shape of the root that reaches the lower link and the slide, two joints and three away.
+  write("robots/touching.yaml", R"(include: tiny.yaml
+collision:
+  shapes:
+    - {link: root, shape: sphere, size: [0.3], position: [0.7, 0, 0]}
+    - {link: lower, shape: sphere, size: [0.05], position: [0.1, 0, 0]}
+    - {link: slide, shape: capsule, size: [0.04, 0.2], position: [0.2, 0, 0], rpy: [0, 1.5707963, 0]}
+  self: auto
+)");
+  const ProcessResult shown = good({"robot", "robots/touching.yaml"});
+  EXPECT_NE(shown.err.find("warning: self-collision: these touch at `ready`, so that their contacts never count"),
+            std::string::npos)
+      << shown.err;
+  std::string warnings;
+  for (const json& warning : json::parse(good({"robot", "robots/touching.yaml", "--json"}).out)["warnings"])
+    warnings += warning.get<std::string>() + "\n";
+  for (const char* pair : {"root - lower", "root - slide"})
+    EXPECT_NE(warnings.find(pair), std::string::npos) << pair << "\n" << warnings;
+}
+
+TEST_F(CliMistakes, AStartThatIsRefusedNamesTheShapeAndItsHeight) {
+  write("robots/sunk.yaml", "include: tiny.yaml\nbase: {include: base.yaml, mount: {position: [0, 0, -0.2]}}\n");
+  write("robots/base.yaml",
+        "type: differential\nmax_linear: 1\nmax_angular: 2\nwheels: {radius: 0.1, separation: 0.4}\n");
+  write("sunk.yaml", R"(name: sunk
+robot: robots/sunk.yaml
+controllers: {plain: controllers/plain.yaml}
+worlds: {seed: 1, tries: 20, families: {open: {}}}
+simulation: {mode: kinematic}
+trials: 2
+)");
+  const ProcessResult refused = moma({"check", "sunk.yaml"});
+  EXPECT_NE(refused.code, 0);
+  EXPECT_NE((refused.out + refused.err).find("at arm.ready shape upper reaches 0.25 m below the floor"), std::string::npos)
+      << refused.out << refused.err;
+}
+
+TEST_F(CliMistakes, CheckCountsThePointsOfASweep) {
+  const ProcessResult checked =
+      good({"check", "suite.yaml", "--no-time", "--set", "sweep.axes={controller.lambda_q: [0.1, 0.2, 0.3]}"});
+  EXPECT_NE(checked.out.find("36 trials = 6 worlds x 2 controllers (plain, slow) x 3 sweep points"), std::string::npos) << checked.out;
+}
+
+TEST_F(CliMistakes, GainsThatAreWorseDoNotTakeTheirPlace) {
+  // To be as far from the goal as can be: what is found arrives nowhere.
+  write("tune.yaml", std::string(kSuite) + R"(tune:
+  controller: plain
+  variables: {controller.servo.position: {range: [0.001, 2], scale: log}}
+  objective: {minimize: {success: 1}}
+  budget: {trials: 80}
+  worlds: 4
+  racing: none
+  confirm: none
+  sensitivity: none
+  held_out: {count: 20, seed: 9}
+)");
+  const ProcessResult tuned = good({"tune", "tune.yaml", "-o", "t.db", "-q", "--gains", "found.yaml"});
+  EXPECT_NE(tuned.out.find("worse (by success)"), std::string::npos) << tuned.out;
+  EXPECT_FALSE(fs::exists(path("found.yaml"))) << "worse gains under the name where better ones are looked for";
+  EXPECT_TRUE(fs::exists(path("found-worse.yaml"))) << tuned.out << tuned.err;
+}
+
+TEST_F(CliMistakes, AStoreThatIsACopyOfARunThatGoesOnIsDoubted) {
+  good({"run", "suite.yaml", "-o", "a.db", "-q"});
+  SQLite::Database(path("a.db").string(), SQLite::OPEN_READWRITE)
+      .exec("UPDATE invocation SET status = 'running', ended = NULL");
+  const ProcessResult verified = good({"verify", "a.db", "--fraction", "0"});
+  EXPECT_NE((verified.out + verified.err).find("moma merge makes whole copies"), std::string::npos)
+      << verified.out << verified.err;
+}
+
+}  // namespace
+}  // namespace moma::test
