@@ -195,8 +195,8 @@ TEST_F(CliLook, DiffNamesEverySettingThatDiffers) {
   // Of two stores: gains, disturbances, simulation.
   std::map<std::string, json> found;
   for (const json& row : rows({"diff", "a.db", "plain", "--with", "b.db"})) found[row["setting"]] = row;
-  EXPECT_EQ(std::count_if(found.begin(), found.end(), [](const auto& f) { return !f.first.starts_with("disturbances."); }),
-            2)
+  EXPECT_EQ(
+      std::count_if(found.begin(), found.end(), [](const auto& f) { return !f.first.starts_with("disturbances."); }), 2)
       << "gains and simulation; nothing else differs";
   EXPECT_EQ(found["lambda_q"]["B"], "0.25");
   EXPECT_EQ(found["time_limit_s"]["A"], "4");

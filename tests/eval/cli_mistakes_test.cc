@@ -46,14 +46,16 @@ trials: 2
 )");
   const ProcessResult refused = moma({"check", "sunk.yaml"});
   EXPECT_NE(refused.code, 0);
-  EXPECT_NE((refused.out + refused.err).find("at arm.ready shape upper reaches 0.25 m below the floor"), std::string::npos)
+  EXPECT_NE((refused.out + refused.err).find("at arm.ready shape upper reaches 0.25 m below the floor"),
+            std::string::npos)
       << refused.out << refused.err;
 }
 
 TEST_F(CliMistakes, CheckCountsThePointsOfASweep) {
   const ProcessResult checked =
       good({"check", "suite.yaml", "--no-time", "--set", "sweep.axes={controller.lambda_q: [0.1, 0.2, 0.3]}"});
-  EXPECT_NE(checked.out.find("36 trials = 6 worlds x 2 controllers (plain, slow) x 3 sweep points"), std::string::npos) << checked.out;
+  EXPECT_NE(checked.out.find("36 trials = 6 worlds x 2 controllers (plain, slow) x 3 sweep points"), std::string::npos)
+      << checked.out;
 }
 
 TEST_F(CliMistakes, GainsThatAreWorseDoNotTakeTheirPlace) {
