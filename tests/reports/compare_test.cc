@@ -122,14 +122,14 @@ TEST(Tables, CsvHasEveryDigitOfTheStore) {
   std::istringstream lines(table(folder, "a.db", "t.csv"));
   std::string head, line;
   std::getline(lines, head);
-  EXPECT_EQ(head.rfind("suite,robot,mode,family,controller,point,n,success_rate,", 0), 0u);
+  EXPECT_EQ(head.rfind("suite,robot,mode,family,controller,point,n,errors,success_rate,", 0), 0u);
   SQLite::Database db((folder / "a.db").string());
   int rows = 0;
   while (std::getline(lines, line)) {
     std::vector<std::string> cells;
     std::istringstream parts(line);
     for (std::string part; std::getline(parts, part, ',');) cells.push_back(part);
-    ASSERT_GE(cells.size(), 16u) << line;
+    ASSERT_GE(cells.size(), 17u) << line;
     ++rows;
     if (cells[3].empty()) continue;  // all families
     SQLite::Statement one(db,
@@ -139,9 +139,9 @@ TEST(Tables, CsvHasEveryDigitOfTheStore) {
     one.bind(2, cells[4]);
     ASSERT_TRUE(one.executeStep()) << line;
     EXPECT_EQ(std::stoi(cells[6]), one.getColumn(0).getInt());
-    EXPECT_EQ(std::strtod(cells[7].c_str(), nullptr), one.getColumn(1).getDouble());
-    EXPECT_EQ(std::strtod(cells[12].c_str(), nullptr), one.getColumn(2).getDouble());
-    EXPECT_EQ(std::strtod(cells[14].c_str(), nullptr), one.getColumn(3).getDouble());
+    EXPECT_EQ(std::strtod(cells[8].c_str(), nullptr), one.getColumn(1).getDouble());
+    EXPECT_EQ(std::strtod(cells[13].c_str(), nullptr), one.getColumn(2).getDouble());
+    EXPECT_EQ(std::strtod(cells[15].c_str(), nullptr), one.getColumn(3).getDouble());
   }
   EXPECT_EQ(rows, 6);  // two families and both together, two controllers
 }
