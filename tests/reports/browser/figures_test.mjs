@@ -70,7 +70,7 @@ const csv = async (page, id) => {
 };
 const percent = (share) => `${share === 0 || share === 1 ? (100 * share).toFixed(0) : (100 * share).toFixed(1)} %`;
 
-const swept = makePage(makeStore('sweep', 'sweep', 40, 0, 0, '--search'));
+const swept = makePage(makeStore('sweep', 'sweep', 80, 0, 0, '--search'));
 const all = dataOf(swept);
 const [search] = all.tuning;
 // The search's own suite has no trials.
