@@ -6,7 +6,6 @@
 #include <cctype>
 #include <limits>
 #include <map>
-#include <optional>
 #include <string_view>
 
 #include "eval/store/error.h"
@@ -119,10 +118,13 @@ std::vector<NamedPoint> best_points(const std::filesystem::path& file, const std
   return points;
 }
 
-std::optional<std::uint64_t> world_in(std::string_view digits) {
-  const bool number = !digits.empty() && digits.size() < 19 &&
+// The digits of a world's index behind the last slash of `name`; "" where there are none.
+std::string_view world_in(std::string_view name) {
+  const std::size_t slash = name.rfind('/');
+  const std::string_view digits = slash == std::string_view::npos ? std::string_view() : name.substr(slash + 1);
+  const bool number = digits.size() < 19 &&
                       std::all_of(digits.begin(), digits.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
-  return number ? std::optional<std::uint64_t>(std::stoull(std::string(digits))) : std::nullopt;
+  return number ? digits : std::string_view();
 }
 
 }  // namespace
@@ -149,10 +151,9 @@ NamedPoint named_point(const std::filesystem::path& file, const std::string& nam
 }
 
 std::string named_trial(const std::filesystem::path& file, const std::string& name) {
-  const std::size_t slash = name.rfind('/');
-  const auto world = slash == std::string::npos ? std::nullopt : world_in(std::string_view(name).substr(slash + 1));
-  const std::string of = world ? name.substr(0, slash) : name;
-  if (!world && !of.ends_with(kBest)) {
+  const std::string_view world = world_in(name);
+  const std::string of = world.empty() ? name : name.substr(0, name.size() - world.size() - 1);
+  if (world.empty() && !of.ends_with(kBest)) {
     const std::vector<Candidate> all = read_points(file, "", false);
     if (std::none_of(all.begin(), all.end(), [&](const Candidate& c) { return c.point.name() == of; })) return name;
   }
@@ -161,10 +162,10 @@ std::string named_trial(const std::filesystem::path& file, const std::string& na
       file, fmt::format("SELECT lower(hex(m.key)) FROM point_trial AS m JOIN trial AS t ON t.key = m.key WHERE "
                         "m.point_id = {}{} ORDER BY m.outcome = 'success', t.position_error_m IS NULL DESC, "
                         "iif(m.outcome = 'success', m.time_to_goal_s, t.position_error_m) DESC, m.key LIMIT 1",
-                        point.id, world ? fmt::format(" AND m.world_index = {}", *world) : ""));
+                        point.id, world.empty() ? "" : fmt::format(" AND m.world_index = {}", world)));
   if (found.rows.empty())
     throw StoreError(StoreError::Kind::kNotFound, fmt::format("{}: {} has no trial{}", file.string(), point.name(),
-                                                              world ? fmt::format(" in world {}", *world) : ""));
+                                                              world.empty() ? "" : fmt::format(" in world {}", world)));
   return text_of(found.rows.front().front());
 }
 
