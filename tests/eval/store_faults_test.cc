@@ -279,8 +279,9 @@ TEST_F(CliFaults, KilledAtAnyMomentNothingIsLost) {
     }
     process.wait();
     if (!work.store) {
-      if (fs::exists(path(work.db)))
+      if (fs::exists(path(work.db))) {
         ASSERT_EQ(exported(work.db), work.whole) << what << ": it was there, but not whole";
+      }
     } else if (work.name != "migration" && !work.ranks && store_there(work.db)) {
       expect_sound(work.db, what);
     }
