@@ -1,10 +1,5 @@
 #pragma once
 
-#include <array>
-#include <string_view>
-
-#include "controller/describe/enumeration.h"
-
 namespace moma {
 
 /// Is told where the work goes from one part to the next, and may look at a clock then. Whoever works holds a pointer
@@ -27,10 +22,6 @@ enum class StepPart {
   kSafety,      ///< whether the robot can still brake or get out of the way
   kAhead,       ///< predictions and plans
 };
-constexpr auto words(Of<StepPart>) {
-  return std::to_array<std::string_view>({"rest", "kinematics", "distances", "rows", "solve", "safety", "ahead"});
-}
-static_assert(all_worded<StepPart>());
 
 using StepClock = PartClock<StepPart>;
 

@@ -80,9 +80,9 @@ class Drafter {
   Draft draft() {
     read();
     std::shared_ptr<const RobotModel> model = begin();
-    if (stand_on_floor(*model)) model = begin();
+    if (stand_on_floor(model)) model = begin();
     Posture posture = find_posture(*model);
-    if (lift(*model, posture.q)) posture = find_posture(*begin());
+    if (lift(model, posture.q)) posture = find_posture(*begin());
     write_ready(posture);
     lines_.add(0, "collision: {from: urdf, self: auto}");
     const config::LoadedRobot robot = load(lines_.text());
@@ -229,26 +229,26 @@ class Drafter {
   }
 
   // Of the shapes that stand still, or of those that move, at q; `most` where there are none.
-  static double lowest(const RobotModel& model, const VectorX& q, bool standing, double most) {
-    Kinematics kinematics(std::make_shared<const RobotModel>(model));
+  static double lowest(const std::shared_ptr<const RobotModel>& model, const VectorX& q, bool standing, double most) {
+    Kinematics kinematics(model);
     kinematics.update(Vector3::Zero(), q);
-    for (const CollisionShape& shape : model.shapes)
+    for (const CollisionShape& shape : model->shapes)
       if (shape.rigid_with_base == standing) most = std::min(most, lowest_point(shape.shape, kinematics.X_WS(shape)));
     return most;
   }
 
   // A root that is not at the foot of what stands still is lifted. True where it was.
-  bool stand_on_floor(const RobotModel& model) {
+  bool stand_on_floor(const std::shared_ptr<const RobotModel>& model) {
     if (base_.type != BaseType::kFixed) return false;
     constexpr double kSunk = 0.01;  // hulls are a little larger than what they enclose [m]
-    const double foot = lowest(model, model.ready, true, 0.0);
+    const double foot = lowest(model, model->ready, true, 0.0);
     if (foot > -kSunk) return false;
     base_.X_BR.translation().z() = -foot;
     return true;
   }
 
   // Worlds ask for room below an arm; a fixed one whose first links cannot leave the floor is put on a plinth.
-  bool lift(const RobotModel& model, const VectorX& q) {
+  bool lift(const std::shared_ptr<const RobotModel>& model, const VectorX& q) {
     if (base_.type != BaseType::kFixed) return false;
     constexpr double kRoom = 0.05;  // [m]
     const double arm = lowest(model, q, false, kRoom);

@@ -14,7 +14,6 @@ namespace {
 constexpr double kBent = 0.7;
 constexpr double kLongest = 1.0;
 constexpr double kHand = 0.05;
-constexpr double kFullTurn = 2.0 * std::numbers::pi;
 
 double lever_of(const RobotModel& model, const ControlledJoint& joint) {
   if (joint.type == JointType::kPrismatic) return kBent;
@@ -41,7 +40,7 @@ double wheels_part(const MobileBase& base) {
 
 }  // namespace
 
-double wrapped(double angle) noexcept { return std::remainder(angle, 2.0 * std::numbers::pi); }
+double wrapped(double angle) noexcept { return std::remainder(angle, kFullTurn); }
 
 MotionLimits::MotionLimits(const RobotModel& model, const ControllerParams& params)
     : base(&kind_of(model.base.type)),

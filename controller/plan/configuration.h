@@ -1,5 +1,7 @@
 #pragma once
 
+#include <numbers>
+
 #include "controller/model/base_kind.h"
 #include "controller/model/robot_model.h"
 #include "controller/params.h"
@@ -10,6 +12,8 @@ namespace moma {
 /// Base (x, y, phi) in W and one value per controlled joint; phi is not wrapped. Of at most 3 + kMaxJoints values, so
 /// that it never takes memory.
 using WholeConfiguration = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3 + kMaxJoints, 1>;
+
+inline constexpr double kFullTurn = 2.0 * std::numbers::pi;
 
 /// Into [-pi, pi].
 double wrapped(double angle) noexcept;

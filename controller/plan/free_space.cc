@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numbers>
 
 #include "controller/model/proximity.h"
 
@@ -12,7 +11,6 @@ namespace {
 
 // Of what a start has to spare where it is nearer to something than the clearances [m].
 constexpr double kSpare = 0.003;
-constexpr double kOneTurn = 2.0 * std::numbers::pi;
 
 ProximityRanges ranges_of(const Clearances& c) noexcept { return {c.object, c.floor, c.self}; }
 
@@ -59,8 +57,8 @@ void FreeSpace::set_clearances(const Clearances& clearances, const WholeConfigur
     lower_[i] = std::min(limits_->lower[i] + limits_->margin[i], start[3 + i]);
     upper_[i] = std::max(limits_->upper[i] - limits_->margin[i], start[3 + i]);
     if (limits_->winds[i] == 0) continue;
-    lower_[i] = std::clamp(start[3 + i] - 0.5 * kOneTurn, lower_[i], std::max(lower_[i], upper_[i] - kOneTurn));
-    upper_[i] = std::min(upper_[i], lower_[i] + kOneTurn);
+    lower_[i] = std::clamp(start[3 + i] - 0.5 * kFullTurn, lower_[i], std::max(lower_[i], upper_[i] - kFullTurn));
+    upper_[i] = std::min(upper_[i], lower_[i] + kFullTurn);
   }
 }
 
@@ -68,7 +66,7 @@ void FreeSpace::unwind(WholeConfiguration& c) const noexcept {
   for (int i = 0; i < limits_->num_joints(); ++i) {
     double& q = c[3 + i];
     if (limits_->winds[i] != 0 && (q < lower_[i] || q > upper_[i]))
-      q -= kOneTurn * std::floor((q - lower_[i]) / kOneTurn);
+      q -= kFullTurn * std::floor((q - lower_[i]) / kFullTurn);
   }
 }
 

@@ -57,17 +57,15 @@ double BrakeCheck::distance() noexcept {
   double d = std::numeric_limits<double>::infinity();
   const ProximityRanges ranges{params_.margin + widest_, own_.floor > 0.0 ? own_.floor : -1.0,
                                own_.self > 0.0 ? own_.self : -1.0};
-  for (const ProximityPair& pair : proximity_.query(kinematics_, states_, ranges)) {
-    const double kept = pair.kind == PairKind::kObject  ? margin_of(pair)
-                        : pair.kind == PairKind::kFloor ? own_.floor - params_.margin
-                                                        : own_.self - params_.margin;
-    d = std::min(d, pair.distance.d - kept);
-  }
+  for (const ProximityPair& pair : proximity_.query(kinematics_, states_, ranges))
+    d = std::min(d, pair.distance.d - margin_of(pair));
   return d < params_.margin ? d : std::numeric_limits<double>::infinity();
 }
 
-// As kinematics_ stands.
+// What is kept beyond the margin; less than nothing of floor and self, which have their own. As kinematics_ stands.
 double BrakeCheck::margin_of(const ProximityPair& pair) noexcept {
+  if (pair.kind == PairKind::kFloor) return own_.floor - params_.margin;
+  if (pair.kind == PairKind::kSelf) return own_.self - params_.margin;
   if (!uncertainty_.on()) return 0.0;
   const auto second = static_cast<std::size_t>(pair.second);
   kinematics_.point_jacobian(model_->shapes[static_cast<std::size_t>(pair.first)].link, pair.distance.p_first_W, J_);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "controller/describe/enumeration.h"
 #include "controller/part_clock.h"
 #include "world/plant/plant_clock.h"
 
