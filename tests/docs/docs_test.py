@@ -3,6 +3,7 @@
   docs_test.py links ROOT              every relative link and image of every page leads somewhere, anchors included; all pages are in the site
   docs_test.py commands ROOT MOMA      every command line of moma in the pages is one that the program understands
   docs_test.py tutorials ROOT BUILD    the tutorials, done as they say in a folder of their own, with few trials
+  docs_test.py site ROOT               scripts/docs.sh builds the site, with every name of the Python package and every C++ class that is installed
   docs_test.py self-test ROOT MOMA     the first two notice what is wrong
 """
 
@@ -194,6 +195,35 @@ def do_tutorial(page, root, build):
     return None, commands
 
 
+def check_site(root):
+    """Skipped (77) where the site's generators are not installed: this test fetches nothing."""
+    installed = root / ".venv-docs/.installed-requirements"
+    if shutil.which("doxygen") is None or not installed.exists() or installed.read_text() != (root / "requirements-docs.txt").read_text():
+        print("doxygen or the wheels of scripts/docs.sh are not installed")
+        sys.exit(77)
+    made = subprocess.run([root / "scripts/docs.sh"], capture_output=True, text=True)
+    if made.returncode != 0:
+        return [f"scripts/docs.sh ended with {made.returncode}:\n{made.stderr}"], 0
+    site, wrong, names = root / "build/site", [], 0
+    page = (site / "reference/python-api.html").read_text()
+    for name in re.search(r"__all__ = \[(.*?)\]", (root / "python/moma/__init__.py").read_text(), re.S).group(1).split(","):
+        if name.strip():
+            names += 1
+            if not re.search(rf'id="moma\.(\w+\.)?{name.strip().strip(chr(34))}"', page):
+                wrong.append(f"reference/python-api.html has no {name.strip()}")
+    for folder in ("controller", "controller/config", "plugin"):
+        headers = re.search(r'FILE_SET HEADERS BASE_DIRS "[^"]*" FILES([^)]*)\)', (root / folder / "CMakeLists.txt").read_text()).group(1)
+        for header in headers.split():
+            names += 1
+            if not list((site / "cpp").glob(f"{pathlib.Path(header).stem.replace('_', '__')}_8h.html")):
+                wrong.append(f"cpp/ has no page of {folder}/{header}")
+    for file in re.findall(r'href="\.\./(cpp/[^"]+)"', (root / "docs/reference/cpp-api.md").read_text()):
+        names += 1
+        if not (site / file).exists():
+            wrong.append(f"docs/reference/cpp-api.md: the site has no {file}")
+    return wrong, names
+
+
 def self_test(root, moma):
     with tempfile.TemporaryDirectory() as folder:
         fake = pathlib.Path(folder)
@@ -227,9 +257,11 @@ def main():
     elif what == "links":
         wrong, count = check_links(root)
         wrong += check_navigation(root)
+    elif what == "site":
+        wrong, count = check_site(root)
     else:
         wrong, count = check_commands(root, pathlib.Path(sys.argv[3]).resolve())
-    least = {"links": 100, "commands": 80, "tutorials": 15}[what]
+    least = {"links": 100, "commands": 80, "tutorials": 15, "site": 30}[what]
     if count < least:
         wrong.append(f"only {count} {what} were found, not {least}")
     print("\n".join(wrong) if wrong else f"{count} {what}")
