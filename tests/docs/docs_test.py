@@ -3,6 +3,7 @@
   docs_test.py links ROOT              every relative link and image of every page leads somewhere, anchors included; all pages are in the site
   docs_test.py commands ROOT MOMA      every command line of moma in the pages is one that the program understands
   docs_test.py tutorials ROOT BUILD    the tutorials, done as they say in a folder of their own, with few trials
+  docs_test.py snippets ROOT MOMA      every block of YAML is what the program takes, of JSON a case that it solves, of Python what Python reads
   docs_test.py site ROOT               scripts/docs.sh builds the site, with every name of the Python package and every C++ class that is installed
   docs_test.py self-test ROOT MOMA     the first two notice what is wrong
 """
@@ -195,6 +196,80 @@ def do_tutorial(page, root, build):
     return None, commands
 
 
+# What a snippet of a suite leaves out.
+SUITE = {
+    "robot": "../robots/frankie.yaml",
+    "controllers": "{holistic: ../controllers/holistic.yaml}",
+    "worlds": "{seed: 1, families: {open: {}}}",
+    "simulation": "{mode: kinematic, time_limit: 1}",
+    "trials": "2",
+}
+OWN_PROGRAMS = re.compile(r": no file \S+/(libmine\.so|other|mine)$")  # of who reads the page
+
+
+def complaint_about_yaml(block, here, moma):
+    """What the program says against a suite, a robot or a controller in a page; None where it takes it."""
+    keys = re.findall(r"^([A-Za-z_]\w*):", block, re.M)
+    suite, more = here / "configs/suites/snippet.yaml", ""
+    if "urdf" in keys:
+        (here / "configs/robots/snippet.yaml").write_text(block)
+        done = run(moma, ["robot", "configs/robots/snippet.yaml"], here)
+        return None if done.returncode == 0 else done.stderr.strip()
+    if re.match(r" +\w+: \{method:", block):  # one controller of a suite's
+        block, keys = "controllers:\n" + block, ["controllers"]
+    if not set(keys) & {*SUITE, "disturbances", "sweep", "tune", "metrics", "success"}:
+        include = "" if "include" in keys or "method" in keys else "include: moma.yaml\n"
+        (here / "configs/controllers/snippet.yaml").write_text(include + block)
+        block, keys = "controllers: {snippet: ../controllers/snippet.yaml}\n", ["controllers"]
+    if "sweep" in keys and "controller." in block and "controllers" not in keys:
+        more = "controllers: {holistic: ../controllers/holistic.yaml}\n"
+    suite.write_text(block + more + "".join(f"{key}: {value}\n" for key, value in SUITE.items()
+                                            if key not in keys and f"{key}:" not in more))
+    done = run(moma, ["check", suite, "--no-time", "--worlds", "1"], here)
+    said = done.stderr.strip()
+    return None if done.returncode == 0 or OWN_PROGRAMS.search(said) else said
+
+
+def check_snippets(root, moma):
+    wrong, count = [], 0
+    urdf = sorted(root.glob(".venv/lib/python3*/site-packages/cmeel.prefix/share/example-robot-data/robots/ur_description/urdf/ur5_robot.urdf"))
+    with tempfile.TemporaryDirectory() as folder:
+        here = pathlib.Path(folder)
+        shutil.copytree(root / "configs", here / "configs")
+        if (root / ".venv").exists():
+            (here / ".venv").symlink_to(root / ".venv")
+        (here / "configs/my_robot").mkdir()
+        own = re.search(r"```python\n(class Mine:.*?)```", (root / "docs/how-to/python-controller.md").read_text(), re.S)
+        (here / "configs/suites/mine.py").write_text(own.group(1))
+        if urdf:
+            (here / "configs/robots/my_robot.urdf").symlink_to(urdf[0])
+        for page in pages(root):
+            name, text = page.relative_to(root), page.read_text()
+            if name.parts[:2] in (("docs", "tutorials"), ("docs", "studies")):
+                continue  # tutorials are done as a whole; studies tell of files that were
+            for match in FENCE.finditer(text):
+                language, block = match.group(2), match.group(3)
+                said = None
+                if language == "yaml" and not block.startswith("- ") and (urdf or "my_robot.urdf" not in block):
+                    said = complaint_about_yaml(block, here, moma)
+                elif language == "json":
+                    (here / "configs/case.json").write_text(block)
+                    done = run(moma, ["solve", "configs/case.json"], here)
+                    said = done.stderr.strip() if done.returncode else None
+                elif language == "python":
+                    try:
+                        compile(block, str(name), "exec")
+                    except SyntaxError as error:
+                        said = str(error)
+                else:
+                    continue
+                count += 1
+                if said:
+                    line = text[: match.start()].count("\n") + 1
+                    wrong.append(f"{name}:{line}: {said}")
+    return wrong, count
+
+
 def check_site(root):
     """Skipped (77) where the site's generators are not installed: this test fetches nothing."""
     installed = root / ".venv-docs/.installed-requirements"
@@ -232,14 +307,22 @@ def self_test(root, moma):
                                    "moma run x.yaml --seed 3\n```\n`moma query DB --fromat csv` `moma query DB --format csv`\n")
         wrong_links, links = check_links(fake)
         wrong_lines, lines = check_commands(fake, moma)
-    ok = links == 4 and lines == 5
+        shutil.copytree(root / "configs", fake / "configs")
+        (fake / "docs/how-to").mkdir(parents=True)
+        (fake / "docs/how-to/python-controller.md").write_text("```python\nclass Mine:\n    pass\n```\n```python\nmoma.(\n```\n")
+        (fake / "a.md").write_text("```yaml\ntrials: 3\n```\n```yaml\ntrails: 3\n```\n```json\n{}\n```\n```yaml\nk_epsilom: 1\n```\n")
+        wrong_snippets, snippets = check_snippets(fake, moma)
+    ok = snippets == 6 and len(wrong_snippets) == 4
+    for word in ("python-controller.md:5:", "a.md:4:", "a.md:7:", "k_epsilom"):
+        ok &= sum(word in text for text in wrong_snippets) == 1
+    ok &= links == 4 and lines == 5
     for word in ("b.md leads nowhere", "#two: the page has no such heading", "c.png leads nowhere"):
         ok &= sum(word in text for text in wrong_links) == 1
     for word in ("--sed", "rnu", "has no option --fromat"):
         ok &= sum(word in text.split("\n")[0] for text in wrong_lines) == 1
     ok &= len(wrong_links) == 3 and len(wrong_lines) == 3
     if not ok:
-        print("\n".join([f"{links} links, {lines} lines", *wrong_links, *wrong_lines]))
+        print("\n".join([f"{links} links, {lines} lines, {snippets} snippets", *wrong_links, *wrong_lines, *wrong_snippets]))
     return 0 if ok else 1
 
 
@@ -257,11 +340,13 @@ def main():
     elif what == "links":
         wrong, count = check_links(root)
         wrong += check_navigation(root)
+    elif what == "snippets":
+        wrong, count = check_snippets(root, pathlib.Path(sys.argv[3]).resolve())
     elif what == "site":
         wrong, count = check_site(root)
     else:
         wrong, count = check_commands(root, pathlib.Path(sys.argv[3]).resolve())
-    least = {"links": 100, "commands": 80, "tutorials": 15, "site": 30}[what]
+    least = {"links": 100, "commands": 80, "tutorials": 15, "snippets": 25, "site": 30}[what]
     if count < least:
         wrong.append(f"only {count} {what} were found, not {least}")
     print("\n".join(wrong) if wrong else f"{count} {what}")
