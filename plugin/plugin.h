@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <concepts>
 #include <cstdint>
-#include <cstring>
-#include <exception>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -17,6 +15,7 @@
 #include "controller/config/reader.h"
 #include "controller/config/robot_file.h"
 #include "controller/step.h"
+#include "plugin/guarded.h"
 #include "plugin/moma_plugin.h"
 
 /// A C++ controller as a plugin of moma's evaluation (CMake target moma::plugin):
@@ -47,25 +46,6 @@ concept SteppedController = requires(T& controller, const T& constant, std::span
 };
 
 // ---- How MOMA_PLUGIN works; not for users ------------------------------------------------------------------------
-
-/// Runs `body`; what it throws becomes `failed` and a text.
-template <typename Result, typename Body>
-Result guarded(Result failed, char* error, std::size_t error_size, Body body) noexcept {
-  const auto say = [&](const char* text) {
-    if (error == nullptr || error_size == 0) return;
-    const std::size_t length = std::min(std::strlen(text), error_size - 1);
-    std::memcpy(error, text, length);
-    error[length] = '\0';
-  };
-  try {
-    return body();
-  } catch (const std::exception& e) {
-    say(e.what());
-  } catch (...) {
-    say("an exception of unknown type");
-  }
-  return failed;
-}
 
 inline Setup read_setup(const moma_plugin_setup& setup) {
   Setup out;

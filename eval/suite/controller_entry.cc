@@ -20,10 +20,7 @@ using config::MapReader;
 using config::Node;
 using nlohmann::ordered_json;
 
-bool is_plugin(const Node& node) {
-  const Node* method = node.find("method");
-  return method != nullptr && method->kind == Node::Kind::kScalar && method->scalar == "plugin";
-}
+bool is_plugin(const Node& node) { return has_method(node, "plugin"); }
 
 SuiteController read_plugin(const Node& node, const std::string& key, std::shared_ptr<const config::LoadedRobot> robot,
                             double control_period, Plugins plugins) {

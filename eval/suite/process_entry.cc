@@ -24,11 +24,6 @@ using config::MapReader;
 using config::Node;
 using nlohmann::ordered_json;
 
-bool has_method(const Node& node, std::string_view wanted) {
-  const Node* method = node.find("method");
-  return method != nullptr && method->kind == Node::Kind::kScalar && method->scalar == wanted;
-}
-
 /// An entry on its way to a Plugin.
 struct Entry {
   bool python = false;
@@ -136,6 +131,11 @@ std::map<fs::path, std::string> digests(const std::vector<fs::path>& files) {
 }
 
 }  // namespace
+
+bool has_method(const Node& node, std::string_view wanted) {
+  const Node* method = node.find("method");
+  return method != nullptr && method->kind == Node::Kind::kScalar && method->scalar == wanted;
+}
 
 bool is_process(const Node& node) { return has_method(node, "process") || has_method(node, "python"); }
 

@@ -1,8 +1,13 @@
 #pragma once
 
+#include <string_view>
+
 #include "eval/suite/controller_entry.h"
 
 namespace moma {
+
+/// Whether this is an entry's `method`.
+bool has_method(const config::Node& node, std::string_view wanted);
 
 /// Whether an entry says `method: process` or `method: python`.
 bool is_process(const config::Node& node);

@@ -3,8 +3,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
-#include <exception>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -17,12 +15,14 @@
 #include "controller/describe/enumeration.h"
 #include "controller/model/base_kind.h"
 #include "controller/model/shape.h"
+#include "plugin/guarded.h"
 #include "plugin/host/library.h"
 
 namespace moma {
 namespace {
 
 using nlohmann::ordered_json;
+using plugin::guarded;
 
 /// What stands behind moma_plugin_open()'s handle: one robot with one set of parameters.
 struct Opened {
@@ -38,24 +38,6 @@ struct Motion {
   const Opened* opened;
   std::unique_ptr<Session> session;
 };
-
-/// The text of what `body` throws, as the functions of a plugin hand it over.
-template <typename Result, typename Body>
-Result guarded(Result failed, char* error, std::size_t size, Body body) noexcept {
-  const auto say = [&](const char* text) {
-    if (size == 0) return;
-    std::strncpy(error, text, size - 1);
-    error[size - 1] = '\0';
-  };
-  try {
-    return body();
-  } catch (const std::exception& e) {
-    say(e.what());
-  } catch (...) {
-    say("an exception of unknown type");
-  }
-  return failed;
-}
 
 ordered_json numbers(const double* values, std::size_t count) {
   ordered_json list = ordered_json::array();

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <set>
 
-#include "tests/plugin/process_fixture.h"
+#include "tests/plugin/foreign_suite.h"
 
 namespace moma::test {
 namespace {
@@ -28,7 +28,7 @@ class Mine:
         return self.command
 )";
 
-class PythonControllers : public ProcessSuite {
+class PythonControllers : public ForeignSuite {
  protected:
   static std::string entry(const std::string& parameters = "{}", const std::string& more = "") {
     return "{method: python, path: mine.py, class: Mine, parameters: " + parameters + more + "}";

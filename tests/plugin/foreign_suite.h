@@ -11,15 +11,15 @@
 
 namespace moma::test {
 
-/// Suites of one controller, `mine`, that is not moma's own.
-class ProcessSuite : public ::testing::Test {
+/// Suites of one controller, `mine`, that is not moma's own: a plugin or a process.
+class ForeignSuite : public ::testing::Test {
  protected:
   Suite load(const std::string& controller, const std::string& more = "", const Overrides& overrides = {}) {
     return load_suite(folder_.suite(more, "{mine: " + controller + "}"), overrides);
   }
-  std::string error(const std::string& controller) {
+  std::string error(const std::string& controller, const std::string& more = "", const Overrides& overrides = {}) {
     try {
-      load(controller);
+      load(controller, more, overrides);
     } catch (const config::ConfigError& e) {
       return e.what();
     } catch (const std::exception& e) {
@@ -44,6 +44,15 @@ class ProcessSuite : public ::testing::Test {
       const TrialOutput output = run(suite, world);
       EXPECT_EQ(output.row.outcome, Outcome::kError) << controller;
       EXPECT_NE(output.row.reason.find(says), std::string::npos) << controller << ": " << output.row.reason;
+    }
+  }
+  /// What a stored suite names now is not what its trials were computed by.
+  static void expect_other_code(const nlohmann::ordered_json& stored) {
+    try {
+      suite_from_resolved(stored, Plugins::kOfStore);
+      ADD_FAILURE() << "other code was taken for that of the stored trials";
+    } catch (const config::ConfigError& e) {
+      EXPECT_NE(std::string(e.what()).find("is not that of these trials"), std::string::npos) << e.what();
     }
   }
   SuiteFolder folder_;
