@@ -3,7 +3,7 @@
 modes, and writes docs/studies/robots.md. Standard library only.
 
 usage: scripts/robots.py [--fetch] [--only NAME,...] [--worlds N] [--draft] [--packages NAME,...] [--moma PROGRAM]
-                         [--folder DIR]
+                         [--folder DIR] [--threads N]
 
 --fetch        installs the packages with the other URDFs (rtb-data, pybullet, xacro) into .venv-robots first
 --draft        drafts and checks only, fits and runs nothing, writes no page; exit 1 where a robot fails, 77 where no package is there
@@ -125,6 +125,10 @@ ROBOTS = [
     ('so101', 'SO-101', 'example-robot-data', lambda f: erd('so_arm_description/urdf/so101.urdf')),
 ]
 
+# Arms that work on a table, and how high their feet are then.
+DESK = ('xarm7', 'iiwa', 'jaco', 'yumi', 'z1', 'puma560', 'so101')
+DESK_HEIGHT = 0.8
+
 SUITE = """# The robot {name} as `moma robot` drafted it, by scripts/robots.py.
 name: {name}
 robot: {name}.yaml
@@ -143,6 +147,7 @@ class Study:
         self.folder.mkdir(parents=True, exist_ok=True)
         self.worlds = options.worlds
         self.fits = not options.draft
+        self.threads = options.threads
         packages = glob.glob(str(VENV / 'lib/python3*/site-packages/rtbdata/xacro'))
         self.env = {**os.environ, 'MOMA_PACKAGE_PATH': ':'.join(packages)}
 
@@ -180,25 +185,42 @@ class Study:
             row[f'check_{mode}'] = checked.returncode == 0
             if checked.returncode != 0:
                 row[f'why_{mode}'] = checked.stderr.strip().splitlines()[-1]
+        row['weak'] = re.findall(r'joint .*holding the arm.*', checked.stderr)
         return row
 
     def run(self, name, row):
-        db = self.folder / f'{name}.db'
+        self.run_modes(name, name, row, 'rates')
+        draft = (self.folder / f'{name}.yaml').read_text(encoding='utf-8')
+        springs = re.findall(r'# check: limits: {(\S+): {effort: (\S+)}}', draft)
+        if springs and row.get('check_dynamic'):
+            row['springs'] = springs
+            efforts = [word for joint, effort in springs for word in ('--set', f'robot.arm.limits.{joint}.effort={effort}')]
+            self.run_modes(name, f'{name}-springs', row, 'rates_springs', efforts, modes=['dynamic'])
+        if name in DESK:
+            mount = re.search(r'mount: {position: \[([^\]]*)\]', draft)
+            x, y, z = (float(value) for value in mount[1].split(',')) if mount else (0.0, 0.0, 0.0)
+            self.run_modes(name, f'{name}-desk', row, 'rates_desk',
+                           ['--set', 'worlds.families={desk: {}}', '--set', f'trials={self.worlds}',
+                            '--set', f'robot.base.mount.position=[{x:g}, {y:g}, {z + DESK_HEIGHT:g}]'])
+
+    def run_modes(self, name, store, row, key, more=(), modes=('kinematic', 'dynamic')):
+        db = self.folder / f'{store}.db'
         db.unlink(missing_ok=True)
-        for mode in ('kinematic', 'dynamic'):
+        threads = ['--threads', self.threads] if self.threads else []
+        for mode in modes:
             if not row.get(f'check_{mode}'):
                 continue
-            done = self.call('run', self.folder / f'{name}-suite.yaml', '-o', db, '-q', '--set', f'simulation.mode={mode}')
+            done = self.call('run', self.folder / f'{name}-suite.yaml', '-o', db, '-q', *threads, '--set', f'simulation.mode={mode}', *more)
             if done.returncode != 0:
                 row[f'why_{mode}'] = done.stderr.strip().splitlines()[-1]
         if db.exists():
-            row['rates'] = json.loads(self.call('query', db, """SELECT mode, family, sum(outcome <> 'error') AS n,
+            row[key] = json.loads(self.call('query', db, """SELECT mode, family, sum(outcome <> 'error') AS n,
                 sum(outcome = 'error') AS errors, sum(outcome = 'success') AS reached, sum(outcome = 'collision') AS hits
                 FROM v_trials GROUP BY mode, family""", '-f', 'json').stdout)
 
 
-def cell(row, mode, family):
-    for rate in row.get('rates', []):
+def cell(row, mode, family, key='rates'):
+    for rate in row.get(key, []):
         if rate['mode'] != mode or rate['family'] != family:
             continue
         if rate['n'] == 0:
@@ -250,10 +272,27 @@ def page(rows, worlds):
     for _, (title, _), r in rows:
         cells = [cell(r, mode, family) for mode in ('kinematic', 'dynamic') for family in ('open', 'clutter')]
         lines.append(f"| {title} | {' | '.join(cells)} |")
-    PAGE.write_text('\n'.join(lines) + '\n\n' + TAIL, encoding='utf-8')
+        if r.get('springs'):
+            cells = [cell(r, 'dynamic', family, 'rates_springs') for family in ('open', 'clutter')]
+            lines.append(f"| {title}, springs helping | | | {' | '.join(cells)} |")
+    lines += ['', TAIL]
+    lines += [f'- {title}: {shown(sentence)}' for _, (title, _), r in rows for sentence in r.get('weak', [])]
+    lines += ['', DESK_TEXT.format(worlds=worlds, height=DESK_HEIGHT), '| robot | desk, kinematic | desk, dynamic |', '| --- | ---: | ---: |']
+    for name, (title, _), r in rows:
+        if name in DESK:
+            lines.append(f"| {title} | {cell(r, 'kinematic', 'desk', 'rates_desk')} | {cell(r, 'dynamic', 'desk', 'rates_desk')} |")
+    PAGE.write_text('\n'.join(lines) + '\n', encoding='utf-8')
 
 
-TAIL = """A dash: the suite was refused in this mode, or its worlds could not be drawn; the reason is above.
+TAIL = """A dash: the suite was refused in this mode, or its worlds could not be drawn; the reason is above. Dynamic mode has the motors of
+the URDF, and no arm does what its motors cannot. What springs carry is in no URDF: where an effort is too small for the arm's weight in
+a quarter of the range or more, the draft proposes one that is enough, and the rows "springs helping" have it. Of these arms `moma check`
+says, in dynamic mode:
+"""
+DESK_TEXT = """## On a desk: {worlds} worlds each
+
+The family `desk` puts the robot on a table, with things on it. The drafted robots, their feet {height} m up
+(`--set robot.base.mount.position=...`):
 """
 
 
@@ -264,11 +303,11 @@ def shown(text):
 
 
 def fetch():
-    if not VENV.exists():
+    if not (VENV / 'bin/python').exists():
         subprocess.run([sys.executable, '-m', 'venv', VENV], check=True)
     for wheel in WHEELS.values():
         dependencies = [] if wheel.startswith('xacro') else ['--no-deps']
-        subprocess.run([VENV / 'bin/pip', 'install', '-q', '--disable-pip-version-check', '--only-binary', ':all:',
+        subprocess.run([VENV / 'bin/python', '-m', 'pip', 'install', '-q', '--disable-pip-version-check', '--only-binary', ':all:',
                         *dependencies, wheel], check=True)
 
 
@@ -280,6 +319,7 @@ def main():
     parser.add_argument('--worlds', type=int, default=20)
     parser.add_argument('--draft', action='store_true')
     parser.add_argument('--moma', default=str(ROOT / 'build' / 'moma'))
+    parser.add_argument('--threads', type=int, default=0)
     parser.add_argument('--folder', default=str(ROOT / 'build' / 'robots'))
     options = parser.parse_args()
     if options.fetch:

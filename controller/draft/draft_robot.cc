@@ -18,7 +18,9 @@
 #include "controller/draft/arm_guess.h"
 #include "controller/draft/base_guess.h"
 #include "controller/draft/posture.h"
+#include "controller/model/floor_reach.h"
 #include "controller/model/kinematics.h"
+#include "controller/model/statics.h"
 
 namespace moma::draft {
 namespace {
@@ -65,6 +67,11 @@ class Lines {
   void remark(int level, const std::string& comment) {
     text_ += std::string(2U * static_cast<std::size_t>(level), ' ') + "# " + comment + "\n";
   }
+  // A line that may have to be added.
+  void propose(int level, const std::string& line) {
+    remark(level, "check: " + line);
+    ++checks_;
+  }
   const std::string& text() const { return text_; }
   int checks() const { return checks_; }
 
@@ -79,11 +86,16 @@ class Drafter {
 
   Draft draft() {
     read();
+    fold_other_arms();
     std::shared_ptr<const RobotModel> model = begin();
-    if (stand_on_floor(model)) model = begin();
+    if (stand_on_floor(model)) {
+      fold_other_arms();  // there is more room below now
+      model = begin();
+    }
     Posture posture = find_posture(*model);
     if (lift(model, posture.q)) posture = find_posture(*begin());
     write_ready(posture);
+    propose_efforts(model);
     lines_.add(0, "collision: {from: urdf, self: auto}");
     const config::LoadedRobot robot = load(lines_.text());
     return {lines_.text(), robot.warnings, robot.notes, lines_.checks()};
@@ -161,7 +173,7 @@ class Drafter {
     lines_.doubt(1, "max_angular: " + number(angular), "rad/s; " + source);
     lines_.doubt(1, "max_acceleration: [1, 2]", "m/s^2, rad/s^2: what the drive's ramp gives");
     if (!base_.wheels) {
-      lines_.remark(1, "check: wheels: {radius: m, separation: m, max_speed: rad/s}, which physics needs");
+      lines_.propose(1, "wheels: {radius: m, separation: m, max_speed: rad/s}, which physics needs");
       return;
     }
     const double speed = known ? wheels.max_speed : rounded(2.0 * linear / wheels.radius, 0.1);
@@ -176,9 +188,9 @@ class Drafter {
   }
 
   // What read_arm() would refuse to be without.
-  void write_limits() {
+  void write_limits(const std::vector<int>& joints) {
     bool begun = false;
-    for (const int link : arm_.joints) {
+    for (const int link : joints) {
       const UrdfJoint& joint = urdf_.link(link).joint;
       const bool slides = joint.type == UrdfJointType::kPrismatic;
       std::vector<std::string> given;
@@ -206,11 +218,64 @@ class Drafter {
       lines_.add(1, tip, fmt::format("at the end of {} driven joints", arm_.joints.size()));
     else
       lines_.doubt(1, tip, fmt::format("{} would be as long", fmt::join(arm_.others, ", ")));
-    if (!base_.virtual_joints.empty()) {
-      lines_.add(1, "locked:", "moma moves the base itself");
-      for (const std::string& joint : base_.virtual_joints) lines_.add(2, config::yaml_scalar(joint) + ": 0");
+    if (!held_.empty())
+      lines_.doubt(1, "locked:", "an arm that does not work is held out of the way of the one that does");
+    else if (!base_.virtual_joints.empty())
+      lines_.add(1, "locked:");
+    for (const std::string& joint : base_.virtual_joints)
+      lines_.add(2, config::yaml_scalar(joint) + ": 0", "moma moves the base itself");
+    for (const HeldJoint& joint : held_) {
+      const std::string line = fmt::format("{}: {}", config::yaml_scalar(joint.name), number(joint.q));
+      if (joint.clear)
+        lines_.add(2, line);
+      else
+        lines_.doubt(2, line, "no posture was found in which this arm touches nothing");
     }
-    write_limits();
+    write_limits(arm_.joints);
+  }
+
+  // Of two arms one works, and the other is held where it is out of the way.
+  void fold_other_arms() {
+    held_.clear();
+    for (const std::string& tip : arm_.others) {
+      std::vector<int> own;
+      std::vector<std::string> shared;
+      int link = 0;
+      while (urdf_.link(link).name != tip) ++link;
+      for (; link > 0; link = urdf_.link(link).parent) {
+        if (!drivable(urdf_.link(link).joint) || base_.joints[static_cast<std::size_t>(link)]) continue;
+        if (std::find(arm_.joints.begin(), arm_.joints.end(), link) == arm_.joints.end())
+          own.push_back(link);
+        else
+          shared.push_back(urdf_.link(link).joint.name);
+      }
+      if (own.empty()) continue;
+      std::reverse(own.begin(), own.end());
+      lines_ = {};
+      write_head();
+      write_base();
+      lines_.add(0, "arm:");
+      lines_.add(1, "tip: " + config::yaml_scalar(tip));
+      shared.insert(shared.end(), base_.virtual_joints.begin(), base_.virtual_joints.end());
+      if (!shared.empty()) lines_.add(1, "locked:");
+      for (const std::string& joint : shared)
+        lines_.add(2, fmt::format("{}: {}", config::yaml_scalar(joint), number(resting_value(joint))));
+      write_limits(own);
+      const auto model = load(lines_.text() + shapes()).model;
+      const Posture posture = find_posture(*model, PostureFor::kFolded);
+      for (int i = 0; i < model->num_joints(); ++i)
+        held_.push_back({model->joints[static_cast<std::size_t>(i)].name, posture.q[i], posture.clear});
+    }
+  }
+
+  // Where a joint is held that has no place of its own: at 0, or the limit next to it.
+  double resting_value(const std::string& name) const {
+    for (int i = 1; i < urdf_.size(); ++i) {
+      const UrdfJoint& joint = urdf_.link(i).joint;
+      if (joint.name != name || joint.type == UrdfJointType::kContinuous || !joint.lower || !joint.upper) continue;
+      if (*joint.lower <= *joint.upper) return std::clamp(0.0, *joint.lower, *joint.upper);
+    }
+    return 0.0;
   }
 
   config::LoadedRobot load(const std::string& text) const {
@@ -219,25 +284,31 @@ class Drafter {
     return config::read_robot(config::parse_yaml(text, place.string(), options_.folder), "");
   }
 
+  std::string shapes() const {
+    return options_.collision.empty() ? "collision: {from: urdf, self: []}\n" : options_.collision;
+  }
+
   // Writes what comes before `ready`; the robot as it is then, without self-collision.
   std::shared_ptr<const RobotModel> begin() {
     lines_ = {};
     write_head();
     write_base();
     write_arm();
-    return load(lines_.text() + "collision: {from: urdf, self: []}\n").model;
+    return load(lines_.text() + shapes()).model;
   }
 
-  // Of the shapes that stand still, or of those that move, at q; `most` where there are none.
+  // Of the shapes that keep their height, or of those that joints lift, at q; `most` where there are none.
   static double lowest(const std::shared_ptr<const RobotModel>& model, const VectorX& q, bool standing, double most) {
+    const std::vector<bool> lifted = floor_reach(*model).lifted;
     Kinematics kinematics(model);
     kinematics.update(Vector3::Zero(), q);
-    for (const CollisionShape& shape : model->shapes)
-      if (shape.rigid_with_base == standing) most = std::min(most, lowest_point(shape.shape, kinematics.X_WS(shape)));
+    for (std::size_t i = 0; i < model->shapes.size(); ++i)
+      if (lifted[i] != standing)
+        most = std::min(most, lowest_point(model->shapes[i].shape, kinematics.X_WS(model->shapes[i])));
     return most;
   }
 
-  // A root that is not at the foot of what stands still is lifted. True where it was.
+  // A root that is not at the foot of what keeps its height is lifted. True where it was.
   bool stand_on_floor(const std::shared_ptr<const RobotModel>& model) {
     if (base_.type != BaseType::kFixed) return false;
     constexpr double kSunk = 0.01;  // hulls are a little larger than what they enclose [m]
@@ -247,7 +318,7 @@ class Drafter {
     return true;
   }
 
-  // Worlds ask for room below an arm; a fixed one whose first links cannot leave the floor is put on a plinth.
+  // Worlds ask for room below an arm; a fixed one that nowhere has it is put on a plinth.
   bool lift(const std::shared_ptr<const RobotModel>& model, const VectorX& q) {
     if (base_.type != BaseType::kFixed) return false;
     constexpr double kRoom = 0.05;  // [m]
@@ -269,7 +340,29 @@ class Drafter {
                                   : "no posture was found that the joints' efforts can hold");
   }
 
+  // A drive that cannot carry its arm in much of its range seldom has to: springs do, of which URDFs do not tell.
+  void propose_efforts(const std::shared_ptr<const RobotModel>& model) {
+    constexpr double kMuch = 0.25, kSpare = 1.2;
+    for (const JointLoad& load : joint_loads(model)) {
+      if (load.beyond < kMuch) continue;
+      const ControlledJoint& joint = model->joints[static_cast<std::size_t>(load.joint)];
+      lines_.propose(
+          1,
+          fmt::format("limits: {{{}: {{effort: {}}}}} if springs or weights help the motor; the URDF's {} {} are too "
+                      "few for the arm's weight in {:.0f} % of the range",
+                      config::yaml_scalar(joint.name), number(std::ceil(kSpare * load.largest)), number(load.limit),
+                      joint.type == JointType::kPrismatic ? "N" : "Nm", 100.0 * load.beyond));
+    }
+  }
+
+  struct HeldJoint {
+    std::string name;
+    double q = 0.0;
+    bool clear = true;
+  };
+
   const DraftOptions& options_;
+  std::vector<HeldJoint> held_;
   UrdfFacts urdf_;
   BaseGuess base_;
   ArmGuess arm_;

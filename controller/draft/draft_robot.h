@@ -10,6 +10,9 @@ struct DraftOptions {
   std::filesystem::path urdf;
   std::filesystem::path folder;  ///< that the file is for: `urdf:` is relative to it
   bool lenient = false;          ///< what is not understood in the URDF is left out
+  /// A robot file's `collision`, of shapes that will stand for the URDF's: postures are looked for with these. Empty:
+  /// with the URDF's own. The text of the draft has the URDF's in either case.
+  std::string collision = {};
 };
 
 /// A first robot file.

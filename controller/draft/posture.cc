@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "controller/config/robot_build.h"
+#include "controller/model/floor_reach.h"
 #include "controller/model/manipulability.h"
 #include "controller/model/proximity.h"
 #include "controller/model/sampling.h"
@@ -17,6 +18,7 @@ namespace {
 constexpr double kInner = 0.9;   // of the limits
 constexpr double kMostly = 0.8;  // of configurations: what touches in more of them says nothing of a posture
 constexpr double kFloor = 0.05;  // [m]
+constexpr double kApart = 0.03;  // of the arm's shapes: simpler ones, fitted later, are larger [m]
 constexpr double kSpare = 0.9;   // of an effort
 constexpr double kRoom = 0.15;   // of a joint's range to its limit: enough
 constexpr double kTurn = 0.6 * std::numbers::pi;  // [rad]
@@ -25,9 +27,14 @@ constexpr double kLow = 0.2;                      // of E over the floor [m]
 class PostureFinder {
  public:
   PostureFinder(const RobotModel& source, int samples)
-      : model_(with_pairs(source)), kinematics_(model_), proximity_(model_), samples_(samples) {}
+      : model_(with_pairs(source)),
+        kinematics_(model_),
+        proximity_(model_),
+        reach_(floor_reach(*model_)),
+        samples_(samples) {}
 
-  Posture find() {
+  Posture find(PostureFor what) {
+    what_ = what;
     leave_out_touching();
     Posture best;
     double most = -1.0;
@@ -65,43 +72,37 @@ class PostureFinder {
     return q;
   }
 
-  // Neighbours' shapes overlap whatever the posture, and a fixed arm's first links cannot leave the floor.
+  // Neighbours' shapes are near each other whatever the posture.
   void leave_out_touching() {
-    std::vector<int> touches(model_->self_pairs.size(), 0), low(model_->shapes.size(), 0);
+    std::vector<int> touches(model_->self_pairs.size(), 0);
     constexpr int kLooks = 200;
     for (int s = 1; s <= kLooks; ++s) {
       kinematics_.update(Vector3::Zero(), sample(s));
       for_touching([&](std::size_t pair) { ++touches[pair]; });
-      for (std::size_t i = 0; i < low.size(); ++i) low[i] += on_floor(model_->shapes[i]) ? 1 : 0;
     }
-    const auto mostly = [](const std::vector<int>& counts) {
-      std::vector<bool> result;
-      for (const int count : counts) result.push_back(count > kMostly * kLooks);
-      return result;
-    };
-    ignored_ = mostly(touches);
-    grounded_ = mostly(low);
+    for (const int count : touches) ignored_.push_back(count > kMostly * kLooks);
   }
 
   template <class Visit>
   void for_touching(Visit&& visit) {
     std::size_t k = 0;  // the answer keeps the order of the pairs
-    for (const ProximityPair& pair : proximity_.query(kinematics_, {}, {-1.0, -1.0, 0.0})) {
+    for (const ProximityPair& pair : proximity_.query(kinematics_, {}, {-1.0, -1.0, kApart})) {
       while (model_->self_pairs[k].first != pair.first || model_->self_pairs[k].second != pair.second) ++k;
       visit(k);
     }
   }
 
-  bool on_floor(const CollisionShape& shape) const {
-    return !shape.rigid_with_base && lowest_point(shape.shape, kinematics_.X_WS(shape)) < kFloor;
+  bool on_floor(std::size_t i) const {
+    const CollisionShape& shape = model_->shapes[i];
+    return reach_.lifted[i] && lowest_point(shape.shape, kinematics_.X_WS(shape)) < kFloor;
   }
 
   bool clear() {
     bool touching = false;
     for_touching([&](std::size_t pair) { touching = touching || !ignored_[pair]; });
     if (touching) return false;
-    for (std::size_t i = 0; i < grounded_.size(); ++i)
-      if (!grounded_[i] && on_floor(model_->shapes[i])) return false;
+    for (std::size_t i = 0; i < model_->shapes.size(); ++i)
+      if (on_floor(i)) return false;
     return true;
   }
 
@@ -124,6 +125,18 @@ class PostureFinder {
     return std::max(0.0, least) / kRoom;
   }
 
+  // How far the arm's shapes are from the upright line through B at most, those ahead counting twice: there another arm
+  // works [m].
+  double spread() const {
+    double most = 0.0;
+    for (const CollisionShape& shape : model_->shapes) {
+      if (shape.rigid_with_base) continue;
+      const Vector3 p = kinematics_.X_WS(shape).translation();
+      most = std::max(most, std::hypot(p.x() > 0.0 ? 2.0 * p.x() : p.x(), p.y()) + bounding_radius(shape.shape));
+    }
+    return most;
+  }
+
   double judge(VectorX q) {
     kinematics_.update(Vector3::Zero(), q);
     const auto arm = kinematics_.J_WE_W().rightCols(model_->num_joints());
@@ -131,7 +144,8 @@ class PostureFinder {
     const Vector3 p_E = kinematics_.X_WE().translation();
     const double inviting = (p_E.x() < 0.0 ? 0.5 : 1.0) * (p_E.z() < kLow ? 0.5 : 1.0);
     // Robots whose E cannot move in all directions have no manipulability, and differ in room alone.
-    const double worth = (1e-3 + judged_.manipulability) * room(judged_.q) * inviting;
+    const double worth = what_ == PostureFor::kReady ? (1e-3 + judged_.manipulability) * room(judged_.q) * inviting
+                                                     : 1.0 / (0.1 + spread());
     constexpr double kFar = 1e3;  // above any worth
     return worth + (judged_.clear ? 2.0 * kFar : 0.0) + (judged_.held ? kFar : 0.0);
   }
@@ -139,13 +153,17 @@ class PostureFinder {
   std::shared_ptr<const RobotModel> model_;
   Kinematics kinematics_;
   Proximity proximity_;
+  FloorReach reach_;
   int samples_;
-  std::vector<bool> ignored_, grounded_;
+  std::vector<bool> ignored_;
+  PostureFor what_ = PostureFor::kReady;
   Posture judged_;
 };
 
 }  // namespace
 
-Posture find_posture(const RobotModel& model, int samples) { return PostureFinder(model, samples).find(); }
+Posture find_posture(const RobotModel& model, PostureFor what, int samples) {
+  return PostureFinder(model, samples).find(what);
+}
 
 }  // namespace moma::draft

@@ -8,6 +8,7 @@
 #include <memory>
 #include <numbers>
 #include <set>
+#include <utility>
 
 #include "controller/config/robot_build.h"
 #include "controller/config/robot_file.h"
@@ -81,8 +82,44 @@ std::string described(const std::vector<const UrdfCollision*>& elements) {
   return text;
 }
 
-LinkFit fit_link(const std::string& link, const std::vector<const UrdfCollision*>& elements,
-                 const FitOptions& options) {
+bool same_points(const Triangles& a, const Triangles& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const Triangle& x, const Triangle& y) { return x[0] == y[0] && x[1] == y[1] && x[2] == y[2]; });
+}
+
+/// What has been fitted, so that nothing is twice: links of arms that are built alike have the same geometry.
+class Fitted {
+ public:
+  /// Writes shapes around the surfaces, how well they fit, and whose they were.
+  void fit(const std::vector<Triangles>& surfaces, const FitOptions& options, LinkFit& link) {
+    const auto known = std::find_if(all_.begin(), all_.end(), [&](const One& one) {
+      return one.box_weight == options.kinds.box_weight &&
+             std::equal(one.surfaces.begin(), one.surfaces.end(), surfaces.begin(), surfaces.end(), same_points);
+    });
+    if (known != all_.end()) {
+      link.fitted = known->shapes;
+      link.error = known->error;
+      link.like = known->link;
+      return;
+    }
+    link.fitted = fit_surfaces(surfaces, options);
+    link.error = measure(link.surface, link.fitted);
+    all_.push_back({surfaces, options.kinds.box_weight, link.link, link.fitted, link.error});
+  }
+
+ private:
+  struct One {
+    std::vector<Triangles> surfaces;
+    double box_weight = 0.0;  // the one option that differs from link to link
+    std::string link;
+    std::vector<Placed> shapes;
+    FitError error;
+  };
+  std::vector<One> all_;
+};
+
+LinkFit fit_link(const std::string& link, const std::vector<const UrdfCollision*>& elements, const FitOptions& options,
+                 Fitted& fitted) {
   LinkFit fit;
   fit.link = link;
   fit.had = described(elements);
@@ -97,8 +134,7 @@ LinkFit fit_link(const std::string& link, const std::vector<const UrdfCollision*
     fit.surface.insert(fit.surface.end(), surfaces.back().begin(), surfaces.back().end());
   }
   if (surfaces.empty()) return fit;
-  fit.fitted = fit_surfaces(surfaces, options);
-  fit.error = measure(fit.surface, fit.fitted);
+  fitted.fit(surfaces, options, fit);
   return fit;
 }
 
@@ -211,7 +247,7 @@ class Source {
 
 }  // namespace
 
-RobotFit fit_robot(const fs::path& robot_file, const FitOptions& options) {
+RobotFit fit_robot(const fs::path& robot_file, const FitOptions& options, const FitProgress& progress) {
   RobotFit result;
   const auto model = config::load_robot(robot_file).model;
   result.before = self_contact(*model);
@@ -231,11 +267,13 @@ RobotFit fit_robot(const fs::path& robot_file, const FitOptions& options) {
   }
   if (links.empty())
     source.refuse("every link with collision geometry in the URDF has shapes under collision.shapes: nothing to fit");
+  Fitted fitted;
   for (const auto& [link, elements] : links) {
+    if (progress) progress(link, result.links.size() + 1, links.size());
     FitOptions of_link = options;
     if (model->mobile() && !config::can_move_against(*model, 0, model->find_link(link)))
       of_link.kinds.box_weight = kBaseBoxWeight;
-    result.links.push_back(fit_link(link, elements, of_link));
+    result.links.push_back(fit_link(link, elements, of_link, fitted));
   }
 
   result.collision = source.collision(result.links);

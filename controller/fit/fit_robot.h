@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -20,6 +21,7 @@ struct LinkFit {
   std::vector<Placed> kept;    ///< the URDF's own spheres and boxes
   std::vector<Placed> fitted;  ///< around `surface`
   FitError error;              ///< of `fitted`
+  std::string like;            ///< an earlier link with the same surface, whose fit this is; empty where it is its own
 };
 
 /// What a robot's shapes make of its self-collision.
@@ -39,10 +41,15 @@ struct RobotFit {
   std::vector<std::string> warnings;
 };
 
+/// What fit_robot() says as it goes: which link comes next, and of how many.
+using FitProgress = std::function<void(const std::string& link, std::size_t number, std::size_t links)>;
+
 /// Fits the collision geometry that the URDF of a robot file gives to links without shapes in the file. Spheres and
 /// boxes are kept; the meshes and cylinders of a link are fitted together, see fit_surfaces(). A cylinder counts as the
-/// prism of 96 sides around it, which is 0.05 % wider. The result has been read back as a robot file's `collision`.
+/// prism of 96 sides around it, which is 0.05 % wider. Links whose geometry is the same, as of two arms that are built
+/// alike, are fitted once. The result has been read back as a robot file's `collision`.
 /// Deterministic. Throws config::ConfigError: what load_robot() refuses, a mesh that cannot be read, nothing to fit.
-RobotFit fit_robot(const std::filesystem::path& robot_file, const FitOptions& options);
+RobotFit fit_robot(const std::filesystem::path& robot_file, const FitOptions& options,
+                   const FitProgress& progress = {});
 
 }  // namespace moma::fit

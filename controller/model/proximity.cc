@@ -6,6 +6,7 @@
 
 #include "controller/model/analytic_distance.h"
 #include "controller/model/convex_distance.h"
+#include "controller/model/floor_reach.h"
 
 namespace moma {
 namespace {
@@ -43,6 +44,7 @@ int hull_vertices(const Shape& shape) { return shape.hull ? static_cast<int>(sha
 struct Proximity::Impl {
   std::shared_ptr<const RobotModel> model;
   std::vector<Solid> robot;
+  std::vector<bool> stands;  // of the robot: no pair with the floor
   std::vector<Solid> objects;
   std::optional<ConvexDistance> convex;                                  // sized by set_objects()
   std::vector<Isometry, Eigen::aligned_allocator<Isometry>> robot_X_WS;  // the shapes' frames in the world
@@ -98,7 +100,7 @@ struct Proximity::Impl {
     }
     if (ranges.floor >= 0.0) {
       for (std::size_t i = 0; i < shapes.size(); ++i) {
-        if (shapes[i].rigid_with_base) continue;
+        if (stands[i]) continue;
         if (!(robot_X_WS[i].translation().z() - robot[i].radius < ranges.floor)) continue;
         Distance d;
         d.d = lowest_point(shapes[i].shape, robot_X_WS[i], &d.p_first_W);
@@ -122,6 +124,7 @@ struct Proximity::Impl {
 Proximity::Proximity(std::shared_ptr<const RobotModel> model) : impl_(std::make_unique<Impl>()) {
   impl_->model = std::move(model);
   for (const CollisionShape& shape : impl_->model->shapes) impl_->robot.emplace_back(shape.shape);
+  impl_->stands = floor_reach(*impl_->model).stands;
   impl_->robot_X_WS.resize(impl_->robot.size(), Isometry::Identity());
   set_objects({});
 }

@@ -1,8 +1,11 @@
 #include "eval/cli/robot_fit.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cstdio>
 #include <iostream>
 #include <map>
 #include <sstream>
@@ -79,8 +82,38 @@ std::string report(const fit::RobotFit& fit) {
   write(text, error_table(fit), Format::kTable);
   text << "\nOvershoot: from the shapes' outer surface to the hull of what they enclose, on 2,000 points.\n"
        << self_text(fit);
+  const auto same =
+      std::count_if(fit.links.begin(), fit.links.end(), [](const fit::LinkFit& link) { return !link.like.empty(); });
+  if (same > 0) text << fmt::format("links with the geometry of an earlier one, and its shapes: {}\n", same);
   return text.str();
 }
+
+/// Which link is being fitted: one line that is drawn anew on a terminal, else a line every few seconds.
+class FitProgressPrinter {
+ public:
+  void update(const std::string& link, std::size_t number, std::size_t links) {
+    const auto now = std::chrono::steady_clock::now();
+    if (!terminal_ && now - last_ < std::chrono::seconds(5)) return;
+    last_ = now;
+    const std::string text = fmt::format("fitting shapes to link {} of {}: {}", number, links, terminal_safe(link));
+    std::fputs((terminal_ ? "\r" + text + "\033[K" : text + "\n").c_str(), stderr);
+    std::fflush(stderr);
+    drawn_ = terminal_;
+  }
+  void clear() {
+    if (drawn_) std::fputs("\r\033[K", stderr);
+    drawn_ = false;
+  }
+  FitProgressPrinter() = default;
+  ~FitProgressPrinter() { clear(); }
+  FitProgressPrinter(const FitProgressPrinter&) = delete;
+  FitProgressPrinter& operator=(const FitProgressPrinter&) = delete;
+
+ private:
+  bool terminal_ = isatty(STDERR_FILENO) != 0;
+  bool drawn_ = false;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
 
 std::string with_prefix(const std::string& text, const std::string& prefix) {
   std::string result;
@@ -93,11 +126,13 @@ std::string with_prefix(const std::string& text, const std::string& prefix) {
   return result;
 }
 
+std::string collision(const fit::RobotFit& fit) { return "collision:\n" + with_prefix(fit.collision, "  "); }
+
 std::string block(const fit::RobotFit& fit, const std::string& robot) {
   return with_prefix(fmt::format("Shapes around the URDF's collision geometry of {}, by moma robot --fit-shapes.\n\n{}",
                                  terminal_safe(robot), report(fit)),
                      "# ") +
-         "collision:\n" + with_prefix(fit.collision, "  ");
+         collision(fit);
 }
 
 }  // namespace
@@ -123,8 +158,12 @@ FittedShapes fitted_shapes(const RobotFitOptions& options) {
     };
     fit_options.kinds = {.sphere = named("sphere"), .capsule = named("capsule"), .box = named("box")};
   }
-  const fit::RobotFit fit = fit::fit_robot(options.robot, fit_options);
-  return {block(fit, options.robot.filename().string()), report(fit), fit.warnings};
+  FitProgressPrinter printer;
+  const fit::RobotFit fit = fit::fit_robot(
+      options.robot, fit_options,
+      [&](const std::string& link, std::size_t number, std::size_t links) { printer.update(link, number, links); });
+  printer.clear();
+  return {block(fit, options.robot.filename().string()), report(fit), collision(fit), fit.warnings};
 }
 
 int fit_shapes(const RobotFitOptions& options) {

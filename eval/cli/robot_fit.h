@@ -17,8 +17,9 @@ struct RobotFitOptions {
 
 /// Shapes found for a robot file.
 struct FittedShapes {
-  std::string block;   ///< `collision` of a robot file, with how well it fits as a comment
-  std::string report;  ///< that comment, for a terminal
+  std::string block;      ///< `collision` of a robot file, with how well it fits as a comment
+  std::string report;     ///< that comment, for a terminal
+  std::string collision;  ///< `collision` alone
   std::vector<std::string> warnings;
 };
 

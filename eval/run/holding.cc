@@ -21,8 +21,9 @@ std::vector<std::string> holding_warnings(const std::shared_ptr<const RobotModel
       for (const double value : load.q_largest) q += fmt::format("{}{:.2f}", q.empty() ? "" : ", ", value);
       out.push_back(
           fmt::format("joint {}: in {:.3g} % of the joints' ranges holding the arm takes more than its effort limit of "
-                      "{:.4g} {} (up to {:.4g}, at q = [{}]): with physics it sags there",
-                      joint.name, 100.0 * load.beyond, load.limit, unit, load.largest, q));
+                      "{:.4g} {} (up to {:.4g}, at q = [{}]): with physics it sags there, unless "
+                      "arm.limits.{}.effort has the share of springs that help it",
+                      joint.name, 100.0 * load.beyond, load.limit, unit, load.largest, q, joint.name));
     }
   }
   return out;

@@ -11,6 +11,7 @@
 #include "controller/config/robot_file.h"
 #include "controller/model/base_kind.h"
 #include "controller/model/kinematics.h"
+#include "controller/model/proximity.h"
 #include "controller/model/statics.h"
 
 namespace moma::draft {
@@ -197,6 +198,84 @@ TEST_F(Drafts, OfTwoArmsTheRightOneAndTheOtherIsSaid) {
   EXPECT_EQ(load(made).model->num_joints(), 6);
 }
 
+// How far ahead, and how far from the upright line through B, the shapes of an arm reach.
+std::pair<double, double> spread_of(const RobotModel& model, const std::string& prefix) {
+  const Kinematics kinematics(std::make_shared<const RobotModel>(model));
+  double ahead = 0.0;
+  double out = 0.0;
+  for (const CollisionShape& shape : model.shapes) {
+    if (model.links[static_cast<std::size_t>(shape.link)].name.rfind(prefix, 0) != 0) continue;
+    const Vector3 p = kinematics.X_WS(shape).translation();
+    ahead = std::max(ahead, p.x());
+    out = std::max(out, p.head<2>().norm());
+  }
+  return {ahead, out};
+}
+
+TEST_F(Drafts, TheOtherArmIsHeldOutOfTheWay) {
+  // Bent ahead where all joints are at 0, so that there it would be in the way.
+  const auto bent = [](const std::string& side, const std::string& xyz) {
+    return link(side + "shoulder") + "<joint name='" + side +
+           "turned' type='fixed'><parent link='base_link'/><child link='" + side + "shoulder'/><origin xyz='" + xyz +
+           "' rpy='0 1.5707963 0'/></joint>\n" + arm(side + "shoulder", side, "0 0 0.05");
+  };
+  const Draft made = draft(body() + bent("left_", "0 0.3 0.8") + bent("right_", "0 -0.3 0.8"));
+  const config::LoadedRobot robot = load(made);
+  for (int i = 1; i <= 6; ++i) {
+    const Link& link =
+        robot.model->links[static_cast<std::size_t>(robot.model->find_link("left_a" + std::to_string(i)))];
+    EXPECT_EQ(link.controlled, -1);
+    EXPECT_NE(made.text.find("left_j" + std::to_string(i) + ": "), std::string::npos) << made.text;
+  }
+  EXPECT_NE(made.text.find("locked:  # check: an arm that does not work is held out of the way"), std::string::npos)
+      << made.text;
+  RobotModel at_zero = *robot.model;
+  for (Link& link : at_zero.links)
+    if (link.name.rfind("left_", 0) == 0) link.held = 0.0;
+  const auto [ahead, out] = spread_of(*robot.model, "left_");
+  const auto [ahead_at_zero, out_at_zero] = spread_of(at_zero, "left_");
+  EXPECT_GT(ahead_at_zero, 0.9);
+  EXPECT_LT(ahead, 0.5 * ahead_at_zero) << made.text;
+  EXPECT_LT(out, out_at_zero);
+  // Neither arm touches the other, at `ready` or on average in the way.
+  EXPECT_EQ(made.text.find("no posture"), std::string::npos) << made.text;
+  EXPECT_EQ(made.text, draft_robot({folder_ / "robot.urdf", folder_, false}).text);
+}
+
+TEST_F(Drafts, PosturesAreLookedForWithTheShapesThatWillBe) {
+  const fs::path file = urdf(body() + arm("base_link", "", "0 0 0.3"));
+  const Draft plain = draft_robot({file, folder_, false});
+  // A ball of the base where the wrist is in the posture that the URDF's shapes allow.
+  const auto model = load(plain).model;
+  const Kinematics at_ready(model);
+  const Vector3 p =
+      at_ready.X_WL(model->find_link("base_link")).inverse() * at_ready.X_WL(model->find_link("a6")).translation();
+  const std::string ball = "collision: {shapes: [{link: base_link, shape: sphere, size: [0.15], position: [" +
+                           std::to_string(p.x()) + ", " + std::to_string(p.y()) + ", " + std::to_string(p.z()) +
+                           "]}], from: urdf, self: ";
+  const auto clear_of_ball = [&](const Draft& made) {
+    const std::string text = made.text.substr(0, made.text.rfind("collision:")) + ball + "[[a6, base_link]]}\n";
+    const auto with_ball =
+        config::read_robot(config::parse_yaml(text, (folder_ / "ball.yaml").string(), folder_), "").model;
+    return Proximity(with_ball).query(Kinematics(with_ball), {}, {-1.0, -1.0, 0.0}).empty();
+  };
+  const Draft made = draft_robot({file, folder_, false, ball + "[]}\n"});
+  EXPECT_FALSE(clear_of_ball(plain));
+  EXPECT_TRUE(clear_of_ball(made)) << made.text;
+  EXPECT_TRUE(made.text.ends_with("collision: {from: urdf, self: auto}\n")) << made.text;
+}
+
+TEST_F(Drafts, AnArmWhoseFirstLinkIsLowNeedsNoPlinth) {
+  // The first link turns about the vertical 1 cm over the floor, where no joint can lift it.
+  const Draft made = draft(link("base_link", "<box size='0.2 0.2 0.02'/>", 5.0, "0 0 0.01") +
+                           link("turntable", "<cylinder radius='0.08' length='0.06'/>", 1.0, "0 0 0.03") +
+                           joint("pan", "revolute", "base_link", "turntable", "0 0 0.01", "0 0 1", kLimit) +
+                           arm("turntable", "", "0 0 0.15"));
+  const config::LoadedRobot robot = load(made);
+  EXPECT_EQ(robot.model->base.X_BM.translation().z(), 0.0) << made.text;
+  EXPECT_EQ(made.text.find("mount"), std::string::npos) << made.text;
+}
+
 TEST_F(Drafts, WhatTheUrdfDoesNotSayIsProposedAndMarked) {
   std::string parts = body() + arm("base_link", "", "0 0 0.3");
   const auto replace = [&](const std::string& from, const std::string& to) {
@@ -207,6 +286,23 @@ TEST_F(Drafts, WhatTheUrdfDoesNotSayIsProposedAndMarked) {
   const Draft made = draft(parts);
   EXPECT_NE(made.text.find("j2: {lower: -3.14, upper: 3.14, velocity: 1}  # check"), std::string::npos) << made.text;
   EXPECT_NEAR(load(made).model->joints[1].velocity, 1.0, 1e-12);
+}
+
+TEST_F(Drafts, AShoulderTooWeakForItsArmMayHaveSprings) {
+  const Draft strong = draft(body() + arm("base_link", "", "0 0 0.8"));
+  EXPECT_EQ(strong.text.find("springs"), std::string::npos) << strong.text;
+  std::string parts = body() + arm("base_link", "", "0 0 0.8");
+  parts.replace(parts.find(kLimit, parts.find("name='j2'")), kLimit.size(),
+                "<limit lower='-2' upper='2' velocity='1.5' effort='10'/>");
+  const Draft made = draft(parts);
+  const std::string line = "  # check: limits: {j2: {effort: ";
+  const std::size_t at = made.text.find(line);
+  ASSERT_NE(at, std::string::npos) << made.text;
+  EXPECT_EQ(made.checks, strong.checks + 1);
+  // With that much the arm can be held everywhere.
+  RobotModel helped = *load(made).model;
+  helped.joints[1].effort = std::stod(made.text.substr(at + line.size()));
+  for (const JointLoad& held : joint_loads(std::make_shared<const RobotModel>(helped))) EXPECT_EQ(held.beyond, 0.0);
 }
 
 TEST_F(Drafts, AFixedArmStandsOnTheFloorWithRoomBelow) {

@@ -156,6 +156,30 @@ TEST_F(FitRobot, NeedsNoCollisionInTheFile) {
   EXPECT_EQ(fit.after.shapes, fit.links.at(0).fitted.size());
 }
 
+TEST_F(FitRobot, EqualGeometryIsFittedOnceAndProgressIsTold) {
+  const std::string cone = collision("<cylinder radius=\"0.02\" length=\"0.3\"/>") +
+                           collision("<cylinder radius=\"0.1\" length=\"0.1\"/>", "0.1 0 0");
+  std::string told;
+  const auto tell = [&](const std::string& link, std::size_t number, std::size_t links) {
+    told += link + " " + std::to_string(number) + "/" + std::to_string(links) + " ";
+  };
+  const fit::RobotFit same = fit::fit_robot(robot(cone, cone, "collision: {from: urdf}\n"), {}, tell);
+  EXPECT_EQ(told, "arm 1/2 hand 2/2 ");
+  ASSERT_EQ(same.links.size(), 2U);
+  EXPECT_EQ(same.links[0].like, "");
+  EXPECT_EQ(same.links[1].like, "arm");
+  ASSERT_EQ(same.links[1].fitted.size(), same.links[0].fitted.size());
+  for (std::size_t i = 0; i < same.links[0].fitted.size(); ++i) {
+    EXPECT_EQ(same.links[1].fitted[i].solid.shape.size, same.links[0].fitted[i].solid.shape.size);
+    EXPECT_EQ(same.links[1].fitted[i].position, same.links[0].fitted[i].position);
+  }
+  // A little further away is other geometry.
+  const std::string moved = collision("<cylinder radius=\"0.02\" length=\"0.3\"/>") +
+                            collision("<cylinder radius=\"0.1\" length=\"0.1\"/>", "0.1001 0 0");
+  const fit::RobotFit other = fit::fit_robot(robot(cone, moved, "collision: {from: urdf}\n"), {});
+  EXPECT_EQ(other.links.at(1).like, "");
+}
+
 TEST_F(FitRobot, SaysWhatIsMissing) {
   std::string why = refused(robot("", "", ""));
   EXPECT_NE(why.find("small.yaml:1:7: urdf: the URDF has no collision geometry"), std::string::npos) << why;

@@ -112,6 +112,30 @@ TEST_F(CliBadInput, PhysicsWithoutWheels) {
   refused({"suite.yaml:2:", "robot: cannot be simulated in dynamic mode", "base.wheels is missing"});
 }
 
+TEST_F(CliBadInput, PhysicsWithoutMasses) {
+  replace("suite.yaml", "mode: kinematic", "mode: dynamic");
+  replace("robots/tiny.urdf", "<link name=\"lower\"><inertial><mass value=\"1\"/>",
+          "<link name=\"lower\"><inertial><mass value=\"0\"/>");
+  refused({"suite.yaml:2:", "robot: cannot be simulated in dynamic mode", "link 'lower'", "no mass", "<inertial>"});
+}
+
+TEST_F(CliBadInput, MessagesPrintNoWholeFile) {
+  const std::string much = "<robot name='a'>" + std::string(200000, 'x');
+  write("robots/tiny.urdf", much);
+  write("robots/tiny.yaml", much);
+  write("big.urdf", much);
+  write("controllers/plain.yaml", "{method: rrmc, servo: " + std::string(200000, '[') + "}");
+  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{{"robot", "robots/tiny.yaml"},
+                                                                                       {"robot", "big.urdf"},
+                                                                                       {"check", "suite.yaml"},
+                                                                                       {"check", "robots/tiny.yaml"}}) {
+    const ProcessResult done = moma(command);
+    EXPECT_NE(done.code, 0);
+    EXPECT_FALSE(done.err.empty());
+    EXPECT_LT(done.out.size() + done.err.size(), 2000U) << command[0] << ' ' << command[1];
+  }
+}
+
 TEST_F(CliBadInput, AnArmThatCannotHoldItself) {
   replace("robots/tiny.urdf", R"(<limit lower="-1" upper="1" velocity="1.5" effort="80"/>)",
           R"(<limit lower="-1" upper="1" velocity="1.5" effort="2"/>)");
@@ -126,6 +150,14 @@ TEST_F(CliBadInput, AnArmThatCannotHoldItself) {
         std::string::npos)
         << done.err;
   }
+  // At `ready` enough, with the slide out too little.
+  replace("robots/tiny.urdf", R"(effort="2")", R"(effort="3.2")");
+  const std::string said = good({"check", "suite.yaml", "--no-time"}).err;
+  const std::size_t at = said.find("joint bend: in ");
+  ASSERT_NE(at, std::string::npos) << said;
+  for (const char* word : {"% of the joints' ranges holding the arm takes more than its effort limit of 3.2 Nm (up to ",
+                           "at q = [", "with physics it sags there, unless arm.limits.bend.effort has the share of "})
+    EXPECT_NE(said.find(word, at), std::string::npos) << word << '\n' << said;
 }
 
 // A controller that always throws is one mistake, not fifty failures.

@@ -20,6 +20,8 @@ TEST_F(Cli, EveryCommandHasHelpWithAnExample) {
     EXPECT_NE(one.out.find("moma " + name), std::string::npos) << name;
   }
   EXPECT_EQ(good({"--version"}).out.rfind("moma ", 0), 0u);
+  EXPECT_EQ(good({"-V"}).out, good({"--version"}).out);
+  EXPECT_EQ(good({"help", "run"}).out, good({"run", "--help"}).out);
 }
 
 TEST_F(Cli, WrongWordsGetASuggestion) {

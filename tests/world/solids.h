@@ -9,7 +9,7 @@
 // Two solids as a robot and its world, for tests of contacts.
 namespace moma::test {
 
-/// A "robot" that is one solid, fixed to the world.
+/// A "robot" that is one solid, on a slide that could lift it, so that it has to keep off the floor.
 inline std::shared_ptr<const RobotModel> one_solid(const Shape& shape, const Isometry& X) {
   auto model = std::make_shared<RobotModel>();
   model->name = "solid";
@@ -17,14 +17,25 @@ inline std::shared_ptr<const RobotModel> one_solid(const Shape& shape, const Iso
   base.name = "@base";
   root.name = "root";
   root.parent = 0;
+  root.joint = "lift";
+  root.joint_type = JointType::kPrismatic;
+  root.controlled = 0;
   model->links = {base, root};
+  ControlledJoint lift;
+  lift.name = "lift";
+  lift.type = JointType::kPrismatic;
+  lift.link = 1;
+  lift.lower = -1.0;
+  lift.upper = 1.0;
+  lift.velocity = 1.0;
+  model->joints = {lift};
   model->tip = 1;
-  model->ready.resize(0);
+  model->ready = VectorX::Zero(1);
   CollisionShape solid;
   solid.name = "solid";
   solid.shape = shape;
+  solid.link = 1;
   solid.X_LS = X;
-  solid.rigid_with_base = false;  // so that the floor is checked, too
   model->shapes = {solid};
   return model;
 }
@@ -36,6 +47,7 @@ inline World one_object(const Shape& shape, const Isometry& X) {
   object.name = "object";
   object.shape = shape;
   object.X_WO = X;
+  world.start.q = VectorX::Zero(1);  // of one_solid()
   world.objects = {object};
   return world;
 }

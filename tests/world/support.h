@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "controller/config/node.h"
 #include "controller/config/robot_file.h"
 #include "world/plant/plant.h"
+#include "world/scenario/family.h"
 #include "world/scenario/worlds.h"
 
 namespace moma::test {
@@ -17,17 +20,40 @@ inline std::shared_ptr<const RobotModel> robot(const std::string& name) {
 
 inline Worlds worlds(const std::string& yaml) { return Worlds::read(config::parse_yaml(yaml, "test.yaml"), "worlds"); }
 
-/// True where no world can be made because the family is for bases that drive, and this one does not. A family that
-/// cannot be made for another reason throws.
-inline bool needs_driving(const Worlds& source, const std::shared_ptr<const RobotModel>& model) {
-  if (model->mobile()) return false;
+/// A Panda whose mount is raised [m].
+inline std::shared_ptr<const RobotModel> panda_at(double height) {
+  const std::string text = "include: " MOMA_SOURCE_DIR
+                           "/configs/robots/panda.yaml\nbase: {type: fixed, mount: {position: [0, 0, " +
+                           std::to_string(height) + "]}}\n";
+  return config::read_robot(config::parse_yaml(text, "raised.yaml"), "").model;
+}
+
+/// A robot as a family needs it: a Panda on a desk is raised.
+inline std::shared_ptr<const RobotModel> robot_for(const std::string& name, const std::string& family) {
+  return name == "panda" && family == "desk" ? panda_at(0.75) : robot(name);
+}
+
+/// True where no world can be made because the family is for bases that drive, and this one does not, or for robots on
+/// a table, and this one is on none. A family that cannot be made for another reason throws.
+inline bool is_for_others(const Worlds& source, const std::shared_ptr<const RobotModel>& model) {
   try {
     source.make(model, 0);
     return false;
   } catch (const GenerationError& error) {
-    if (std::string(error.what()).find("a fixed base cannot") == std::string::npos) throw;
+    const std::string why = error.what();
+    const bool told = !model->mobile() && (why.find("a fixed base cannot") != std::string::npos ||
+                                           why.find("stands too low for a table") != std::string::npos);
+    if (!told && !(model->mobile() && why.find("cannot stand on a table") != std::string::npos)) throw;
     return true;
   }
+}
+
+/// Families that are made for robots that drive.
+inline std::vector<std::string> families_for_driving() {
+  std::vector<std::string> names;
+  for (const FamilyType& type : family_types())
+    if (type.name != "desk") names.emplace_back(type.name);
+  return names;
 }
 
 /// The robot at rest at the origin, nothing around it.

@@ -73,9 +73,9 @@ class EveryFamily : public testing::TestWithParam<Case> {};
 
 TEST_P(EveryFamily, IsSolvableByConstruction) {
   const auto& [name, family, count] = GetParam();
-  const auto model = robot(name);
+  const auto model = test::robot_for(name, family);
   const Worlds source = worlds("seed: 5\nfamilies: {" + family + ": {weight: 1}}");
-  if (test::needs_driving(source, model)) return;
+  if (test::is_for_others(source, model)) return;
   for (int i = 0; i < count; ++i) {
     const World world = source.make(model, static_cast<std::uint64_t>(i));
     expect_valid(world, *model, source.clearance(), 0.02);
@@ -123,6 +123,47 @@ TEST(Worlds, TheGoalLiesOnTheTable) {
     const Vector3 base(world.witness.base.x(), world.witness.base.y(), top.X_WO.translation().z());
     EXPECT_LT((top.X_WO.inverse() * base).x(), 0.0);
   }
+}
+
+TEST(Worlds, TheRobotStandsOnTheDesk) {
+  const Worlds source = worlds("families: {desk: {items: 3}}");
+  const auto model = test::panda_at(0.75);
+  const Kinematics at_ready(model);
+  double lowest = 1.0;  // of what stands on the table
+  for (const CollisionShape& shape : model->shapes)
+    if (shape.rigid_with_base) lowest = std::min(lowest, lowest_point(shape.shape, at_ready.X_WS(shape)));
+  for (std::uint64_t i = 0; i < 60; ++i) {
+    const World world = source.make(model, i);
+    expect_valid(world, *model, source.clearance(), 0.02);
+    const WorldObject& top = named(world, "table_top");
+    const double height = top.X_WO.translation().z() + 0.5 * top.shape.size.z();
+    EXPECT_NEAR(height, lowest - 0.06, 1e-9) << "the plate under the robot";
+    EXPECT_GT(world.goal.X_WG.translation().z(), height + 0.05);
+    const Vector3 foot = top.X_WO.inverse() * Vector3(0.0, 0.0, height);
+    EXPECT_LT(std::abs(foot.x()), 0.5 * top.shape.size.x()) << "the robot is over the table";
+    EXPECT_LT(std::abs(foot.y()), 0.5 * top.shape.size.y());
+    for (const char* item : {"item1", "item2", "item3"}) {
+      const WorldObject& thing = named(world, item);
+      EXPECT_NEAR(lowest_point(thing.shape, thing.X_WO), height, 1e-9) << item;
+    }
+    EXPECT_EQ(world.objects.size(), 8u) << "top, four legs, three things";
+  }
+}
+
+TEST(Worlds, ADeskIsForRobotsThatStandHighEnough) {
+  const Worlds source = worlds("tries: 10\nfamilies: {desk: {}}");
+  const auto why = [&](const std::shared_ptr<const RobotModel>& model) -> std::string {
+    try {
+      source.make(model, 0);
+      return "made";
+    } catch (const GenerationError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_NE(why(robot("frankie")).find("it cannot stand on a table"), std::string::npos) << why(robot("frankie"));
+  EXPECT_NE(why(test::panda_at(0.0)).find("base.mount.position says how high"), std::string::npos)
+      << why(test::panda_at(0.0));
+  EXPECT_EQ(why(test::panda_at(0.75)), "made");
 }
 
 TEST(Worlds, TheGoalLiesInTheShelf) {

@@ -1,10 +1,8 @@
 #include <cmath>
-#include <numbers>
 
 #include "world/scenario/family.h"
 #include "world/scenario/furniture.h"
 #include "world/scenario/object_mix.h"
-#include "world/scenario/place_objects.h"
 
 namespace moma {
 namespace {
@@ -42,26 +40,6 @@ constexpr void describe(Visitor& v, Of<Table>) {
   v.inlined(&T::items_mix);
 }
 
-bool add_items(const Table& p, SceneBuilder& builder, World& world, const FurnitureFrame& frame, int count,
-               double depth, double width, double top) {
-  const ObjectPlacing placing{.count = count,
-                              .tries = 50,
-                              .name = "item",
-                              .drawn_again = "an item not clear of start and goal",
-                              .out_of_tries = "table: no place for an item clear of the goal (worlds.clearance)"};
-  return placing.place(builder, world, [&](const ObjectTry& at, WorldObject& item) {
-    Draws draws = builder.draws(Stream::kObjects, at.item);
-    // One after the other: the order of a call's arguments is the compiler's.
-    const double across = draws.uniform(-0.45, 0.45) * width;
-    const double along = draws.uniform(0.05, 0.95) * depth;
-    const Vector3 place = frame.point(along, across, 0.0);
-    p.items_mix.sample(draws, place.x(), place.y(), item);
-    const double lift = top - lowest_point(item.shape, item.X_WO);
-    set_pose(item, item.X_WO.translation() + Vector3(0.0, 0.0, lift), item.file_rotation);
-    return builder.stands_clear(item, builder.clearance());
-  });
-}
-
 bool build(const Table& p, SceneBuilder& builder, World& world) {
   if (!builder.place_robot(p.placement, world)) return false;
   Draws draws = builder.draws(Stream::kObjects);
@@ -83,18 +61,9 @@ bool build(const Table& p, SceneBuilder& builder, World& world) {
   const Vector3 left(-in.y(), in.x(), 0.0);
   frame.origin = Vector3(goal.x(), goal.y(), 0.0) - inset * in + sideways * width * left;
 
-  const double leg = 0.06;
-  const double under = top - p.thickness;
-  std::vector<WorldObject> boxes;
-  boxes.push_back(
-      furniture_box(frame, "table_top", {0.5 * depth, 0.0, top - 0.5 * p.thickness}, {depth, width, p.thickness}));
-  int number = 0;
-  for (const double x : {0.5 * leg, depth - 0.5 * leg})
-    for (const double y : {0.5 * (width - leg), -0.5 * (width - leg)})
-      boxes.push_back(
-          furniture_box(frame, "table_leg" + std::to_string(++number), {x, y, 0.5 * under}, {leg, leg, under}));
-  if (!add_furniture(builder, std::move(boxes), "table:", world)) return false;
-  return add_items(p, builder, world, frame, items, depth, width, top);
+  const TopForm form{depth, width, top, p.thickness};
+  if (!add_furniture(builder, table_boxes(frame, form), "table:", world)) return false;
+  return add_things_on(builder, world, frame, form, p.items_mix, items, "table:");
 }
 
 }  // namespace

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <tuple>
+#include <vector>
+
+#include "controller/model/floor_reach.h"
 
 namespace moma {
 namespace {
@@ -67,12 +70,12 @@ ContactScene::ContactScene(std::shared_ptr<const RobotModel> model, const World&
   tags_.reserve(shapes + world_.objects.size() + 1);  // geoms point into it
 
   const Kinematics upright(model_);
+  const std::vector<bool> stands = floor_reach(*model_).stands;
   meets_floor_.assign(shapes, false);
   for (std::size_t i = 0; i < shapes; ++i) {
     const CollisionShape& shape = model_->shapes[i];
     constexpr double kClear = 0.005;
-    meets_floor_[i] =
-        !shape.rigid_with_base || (base_meets_floor && lowest_point(shape.shape, upright.X_WS(shape)) > kClear);
+    meets_floor_[i] = !stands[i] || (base_meets_floor && lowest_point(shape.shape, upright.X_WS(shape)) > kClear);
     tags_.push_back({PairKind::kSelf, static_cast<int>(i)});
     radii_.push_back(bounding_radius(shape.shape));
     const dGeomID geom = make_geom(robot_space_.get(), shape.shape);

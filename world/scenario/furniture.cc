@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+
+#include "world/scenario/place_objects.h"
 
 namespace moma {
 
@@ -69,6 +72,40 @@ bool add_furniture(SceneBuilder& builder, std::vector<WorldObject> boxes, const 
     world.objects.push_back(std::move(box));
   }
   return true;
+}
+
+std::vector<WorldObject> table_boxes(const FurnitureFrame& frame, const TopForm& form) {
+  constexpr double kLeg = 0.06;
+  const double under = form.height - form.thickness;
+  std::vector<WorldObject> boxes;
+  boxes.push_back(furniture_box(frame, "table_top", {0.5 * form.depth, 0.0, form.height - 0.5 * form.thickness},
+                                {form.depth, form.width, form.thickness}));
+  int number = 0;
+  for (const double x : {0.5 * kLeg, form.depth - 0.5 * kLeg})
+    for (const double y : {0.5 * (form.width - kLeg), -0.5 * (form.width - kLeg)})
+      boxes.push_back(
+          furniture_box(frame, "table_leg" + std::to_string(++number), {x, y, 0.5 * under}, {kLeg, kLeg, under}));
+  return boxes;
+}
+
+bool add_things_on(SceneBuilder& builder, World& world, const FurnitureFrame& frame, const TopForm& form,
+                   const ObjectMix& mix, int count, const std::string& what) {
+  const ObjectPlacing placing{.count = count,
+                              .tries = 50,
+                              .name = "item",
+                              .drawn_again = "an item not clear of start and goal",
+                              .out_of_tries = what + " no place for an item clear of the goal (worlds.clearance)"};
+  return placing.place(builder, world, [&](const ObjectTry& at, WorldObject& item) {
+    Draws draws = builder.draws(Stream::kObjects, at.item);
+    // One after the other: the order of a call's arguments is the compiler's.
+    const double across = draws.uniform(-0.45, 0.45) * form.width;
+    const double along = draws.uniform(0.05, 0.95) * form.depth;
+    const Vector3 place = frame.point(along, across, 0.0);
+    mix.sample(draws, place.x(), place.y(), item);
+    const double lift = form.height - lowest_point(item.shape, item.X_WO);
+    set_pose(item, item.X_WO.translation() + Vector3(0.0, 0.0, lift), item.file_rotation);
+    return builder.stands_clear(item, builder.clearance());
+  });
 }
 
 double base_half_width(const SceneBuilder& builder) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "world/scenario/object_mix.h"
 #include "world/scenario/scene_builder.h"
 
 namespace moma {
@@ -53,6 +54,21 @@ std::vector<WorldObject> shelf_boxes(const FurnitureFrame& frame, const ShelfFor
 /// Adds the boxes that reach above the floor to the world where all of them are clear of start and witness;
 /// otherwise rejects the try as `what`.
 bool add_furniture(SceneBuilder& builder, std::vector<WorldObject> boxes, const std::string& what, World& world);
+
+/// A top that things stand on, from x = 0 of its frame on and to both sides of x.
+struct TopForm {
+  double depth = 0.0;      ///< along x [m]
+  double width = 0.0;      ///< [m]
+  double height = 0.0;     ///< of its upper face [m]
+  double thickness = 0.0;  ///< [m]
+};
+
+/// A table: its top and four legs.
+std::vector<WorldObject> table_boxes(const FurnitureFrame& frame, const TopForm& form);
+
+/// Puts `count` things on it, each clear of start and witness; otherwise rejects the try as `what`.
+bool add_things_on(SceneBuilder& builder, World& world, const FurnitureFrame& frame, const TopForm& form,
+                   const ObjectMix& mix, int count, const std::string& what);
 
 /// Half the way across the direction in which the base drives that its shapes take [m]; the arm's are not counted.
 double base_half_width(const SceneBuilder& builder);

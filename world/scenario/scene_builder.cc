@@ -38,6 +38,7 @@ SceneBuilder::SceneBuilder(std::shared_ptr<const RobotModel> model, std::uint64_
       start_(model_),
       witness_(model_),
       proximity_(with_all_self_rows(*model_)),
+      reach_(floor_reach(*model_)),
       one_(1) {}
 
 void SceneBuilder::begin(std::uint64_t attempt, World& world) {
@@ -63,10 +64,12 @@ std::string SceneBuilder::worst_constraint() const {
 bool SceneBuilder::check_pose(const Kinematics& kinematics, double floor_clearance, double self_clearance,
                               const std::string& who, bool at_ready) {
   // What `ready` does is the same in every world, so that what is wrong can be named.
-  for (const CollisionShape& shape : model_->shapes) {
+  for (std::size_t i = 0; i < model_->shapes.size(); ++i) {
+    const CollisionShape& shape = model_->shapes[i];
     if (shape.rigid_with_base) continue;
     const double height = lowest_point(shape.shape, kinematics.X_WS(shape));
-    if (height >= floor_clearance) continue;
+    // Of what no joint can lift no more is asked than that it is not sunk into the floor.
+    if (height >= (reach_.lifted[i] ? floor_clearance : -kStanding)) continue;
     if (!at_ready) return reject(who + ": an arm shape too near the floor");
     return reject(fmt::format("{}: at arm.ready shape {} reaches {:.3g} m below the floor", who, shape.name, -height));
   }

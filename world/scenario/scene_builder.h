@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "controller/model/floor_reach.h"
 #include "controller/model/proximity.h"
 #include "world/draws.h"
 #include "world/scenario/placement.h"
@@ -84,6 +85,7 @@ class SceneBuilder {
   double clearance_;
   Kinematics start_, witness_;
   Proximity proximity_;  ///< one for self pairs and objects: geometry of meshes takes long to build
+  FloorReach reach_;
   std::vector<ObjectState> one_;
   Vector3 start_tip_ = Vector3::Zero();
   bool start_checked_ = false;
