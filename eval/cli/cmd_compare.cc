@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "eval/cli/command.h"
-#include "eval/cli/own_metrics.h"
 #include "eval/cli/table.h"
 #include "eval/run/named_point.h"
 #include "eval/stats/bootstrap.h"
 #include "eval/stats/intervals.h"
 #include "eval/store/query.h"
+#include "reports/render/own_metric.h"
 
 namespace moma::cli {
 namespace {
@@ -72,8 +72,8 @@ std::vector<Metric> metrics_of(const CompareOptions& options) {
     metrics.push_back({name, fmt::format("ta.{}", name), fmt::format("tb.{}", name)});
     taken.insert(name);
   }
-  for (const OwnMetric& own : own_metrics(options.file, taken))
-    metrics.push_back({own.column, value_sql(own, "ta.key"), value_sql(own, "tb.key")});
+  for (const reports::OwnMetric& own : reports::own_metrics(options.file, taken))
+    metrics.push_back({own.column, reports::value_sql(own, "ta.key"), reports::value_sql(own, "tb.key")});
   return metrics;
 }
 

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "eval/cli/command.h"
-#include "eval/cli/own_metrics.h"
 #include "eval/cli/summary_table.h"
 #include "eval/cli/table.h"
 #include "eval/cli/whole_file.h"
 #include "eval/store/planner_arena.h"
 #include "eval/store/query.h"
+#include "reports/render/own_metric.h"
 
 namespace moma::cli {
 namespace {
@@ -47,9 +47,9 @@ constexpr Export kFiles[] = {
 store::QueryResult trials(const fs::path& db) {
   const std::vector<std::string> columns = store::query(db, "SELECT * FROM v_trials LIMIT 0").columns;
   std::string own;
-  for (const OwnMetric& metric : own_metrics(db, {columns.begin(), columns.end()}))
-    own += fmt::format(", {} AS {}", value_sql(metric, "(SELECT key FROM trial WHERE trial.trial = v.trial)"),
-                       sql_name(metric.column));
+  for (const reports::OwnMetric& metric : reports::own_metrics(db, {columns.begin(), columns.end()}))
+    own += fmt::format(", {} AS {}", reports::value_sql(metric, "(SELECT key FROM trial WHERE trial.trial = v.trial)"),
+                       reports::sql_name(metric.column));
   return store::query(db, fmt::format("SELECT v.*{} FROM v_trials AS v ORDER BY suite, controller, point, world", own));
 }
 

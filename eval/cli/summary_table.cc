@@ -12,8 +12,8 @@
 
 #include "controller/config/node.h"
 #include "eval/cli/command.h"
-#include "eval/cli/own_metrics.h"
 #include "eval/store/columns.h"
+#include "reports/render/own_metric.h"
 
 namespace moma::cli {
 namespace {
@@ -45,7 +45,7 @@ std::optional<double> value_of(const Cell& cell) {
 
 /// The suites' own metrics, as further columns of the rows.
 void add_own(const std::filesystem::path& file, QueryResult& table) {
-  const std::vector<OwnMetric> own = own_metrics(file, {table.columns.begin(), table.columns.end()});
+  const std::vector<reports::OwnMetric> own = reports::own_metrics(file, {table.columns.begin(), table.columns.end()});
   if (own.empty()) return;
   std::map<Row, std::map<std::string, Cell>> means;
   for (Row& row : store::query(file,
@@ -57,10 +57,10 @@ void add_own(const std::filesystem::path& file, QueryResult& table) {
     row.resize(kNames);
     means[std::move(row)][metric] = std::move(mean);
   }
-  for (const OwnMetric& metric : own) table.columns.push_back(metric.column);
+  for (const reports::OwnMetric& metric : own) table.columns.push_back(metric.column);
   for (Row& row : table.rows) {
     const auto& of_row = means[Row(row.begin(), row.begin() + kNames)];
-    for (const OwnMetric& metric : own) {
+    for (const reports::OwnMetric& metric : own) {
       const auto found = of_row.find(metric.name);
       row.push_back(found == of_row.end() ? Cell{} : found->second);
     }

@@ -8,17 +8,13 @@
 #include <set>
 #include <utility>
 
+#include "reports/render/own_metric.h"
+
 namespace moma::reports {
 namespace {
 
 using Json = nlohmann::ordered_json;
 using Place = std::array<std::string, 6>;  // suite, robot, controller, point, family, mode
-
-std::string identifier(const std::string& name) {
-  std::string quoted = "\"";
-  for (const char c : name) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
 
 /// Columns that a trial of the page has without the suites' own.
 std::set<std::string> taken_columns(SQLite::Database& store) {
@@ -33,24 +29,18 @@ std::set<std::string> taken_columns(SQLite::Database& store) {
 
 }  // namespace
 
-OwnMetrics own_metrics(SQLite::Database& store) {
+OwnMetrics page_metrics(SQLite::Database& store) {
   OwnMetrics metrics;
-  const std::set<std::string> taken = taken_columns(store);
-  SQLite::Statement query(store, "SELECT id, name, expression FROM metric ORDER BY id");
-  while (query.executeStep()) {
-    const std::string name = query.getColumn(1).getString();
-    const std::string key = taken.count(name) == 0 ? name : "metric_" + name;
-    metrics.described.push_back({{"key", key},
+  for (const OwnMetric& metric : own_metrics(store, taken_columns(store))) {
+    metrics.described.push_back({{"key", metric.column},
                                  {"of", "trial"},
-                                 {"name", name},
+                                 {"name", metric.name},
                                  {"unit", ""},
                                  {"better", ""},
                                  {"significant", 4},
                                  {"own", true},
-                                 {"text", query.getColumn(2).getString()}});
-    metrics.columns +=
-        fmt::format(",\n       (SELECT x.value FROM metric_value AS x WHERE x.metric_id = {} AND x.key = t.key) AS {}",
-                    query.getColumn(0).getInt64(), identifier(key));
+                                 {"text", metric.expression}});
+    metrics.columns += fmt::format(",\n       {} AS {}", value_sql(metric, "t.key"), sql_name(metric.column));
   }
   return metrics;
 }

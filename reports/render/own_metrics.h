@@ -15,7 +15,7 @@ struct OwnMetrics {
 };
 
 /// A key is the metric's name as shown, "metric_NAME" where moma has a column of that name.
-OwnMetrics own_metrics(SQLite::Database& store);
+OwnMetrics page_metrics(SQLite::Database& store);
 
 /// Adds `own`, means by key, to the rows of the summary and of all families together, where the store has any.
 void add_own_means(SQLite::Database& store, const OwnMetrics& metrics, nlohmann::ordered_json& page);

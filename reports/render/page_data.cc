@@ -214,7 +214,7 @@ nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& o
   add_ends(store.getFilename(), page["invocations"]);
   page["summary"] = rows(store, summary_sql());
   page["overall"] = rows(store, overall_sql());
-  const OwnMetrics own = own_metrics(store);
+  const OwnMetrics own = page_metrics(store);
   for (const Json& metric : own.described) page["metrics"].push_back(metric);
   add_own_means(store, own, page);
   add_changes(page);

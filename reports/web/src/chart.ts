@@ -90,6 +90,33 @@ export function axis(p: Palette, name: string, more: Option = {}): Option {
   };
 }
 
+/** In a plot narrower than this names and numbers have less room [px]. */
+export const kNarrow = 560;
+
+/** An axis of shares; in a narrow plot with fewer numbers. */
+export function shareAxis(p: Palette, width: number, more: Option = {}): Option {
+  return axis(p, '', { min: 0, max: 1, interval: width < kNarrow ? 0.5 : 0.2, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` }, ...more });
+}
+
+/** Least height of a row of rowAxis() in a narrow plot, where families stand below names [px]. */
+export const kTwoLines = 34;
+
+/** An upright axis of rows, each named by its controller and, where there are several, its family of worlds: beside the name, in a narrow plot below it. */
+export function rowAxis(p: Palette, rows: readonly { name: string; family: string }[], width: number, fontSize = 12.5): Option {
+  const narrow = width < kNarrow;
+  return {
+    type: 'category', inverse: true, data: rows.map((_, i) => String(i)), axisLine: { show: false }, axisTick: { show: false }, splitLine: { show: false },
+    axisLabel: {
+      color: p.ink, fontSize: narrow ? Math.min(12, fontSize) : fontSize, fontFamily: kFont, interval: 0, align: 'right', width: narrow ? 0.44 * width : Math.min(320, 0.4 * width), overflow: 'truncate',
+      formatter: (place: string) => {
+        const { name = '', family = '' } = rows[Number(place)] ?? {};
+        return family === '' ? name : `${name}${narrow ? '\n' : '  '}{f|${family}}`;
+      },
+      rich: { f: { color: p.muted, fontSize: narrow ? 11 : 12 } },
+    },
+  };
+}
+
 /** Round limits around [low, high] and the step between about `count` marks. */
 export function nice(low: number, high: number, count = 6): { min: number; max: number; interval: number } {
   const span = high > low ? high - low : Math.abs(high) || 1;
@@ -162,15 +189,33 @@ export function bandSeries(lower: readonly (readonly [number, number])[], upper:
   };
 }
 
+/**
+ * How curves bear their names: beside their right ends, in so much `room` [px]; where that would leave the plot too little, as a
+ * legend above it, and `room` is 0.
+ */
+export function curveNames(p: Palette, names: readonly string[], width: number): { room: number; grid: Option; option: Option; above: number } {
+  const wanted = 26 + 7.4 * Math.max(...names.map((name) => name.length));
+  const beside = wanted <= 0.36 * width;
+  const above = beside ? 0 : legendHeight(names, width);
+  return {
+    room: beside ? wanted : 0, above,
+    grid: { left: 8, right: beside ? wanted : 26, top: above + 14, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
+    option: beside ? {} : { legend: legend(p, [...names]) },
+  };
+}
+
 /** Height of a label beside a curve [px]. */
 const kLabel = 15;
+/** Between the last mark and the labels [px]. */
+const kBeside = 9;
 
-/** Names beside the right ends of curves, in `room` pixels, moved apart where they would overlap; `ends` at [x, y] in data. */
-export function endLabels(ends: readonly { name: string; x: number; y: number; colour: string }[], room: number): Option {
-  return {
+/** Names right of the ends of curves, in the room of curveNames(), moved apart where they would overlap; `ends` at [x, y] in data. */
+export function endLabels(ends: readonly { name: string; x: number; y: number; colour: string }[], room: number): Option[] {
+  return room === 0 ? [] : [{
     type: 'custom', clip: false, silent: true, tooltip: { show: false }, z: 6, data: ends.length === 0 ? [] : [[ends[0]?.x ?? 0, ends[0]?.y ?? 0]], encode: { x: 0, y: 1 },
     renderItem: (_: unknown, api: CustomApi) => {
       const placed = ends.map((e) => { const [x = 0, y = 0] = api.coord([e.x, e.y]); return { e, x, y, at: y }; }).sort((a, b) => a.y - b.y);
+      const right = Math.max(...placed.map(({ x }) => x));   // one edge, clear of the marks of all
       for (let i = 1; i < placed.length; ++i) placed[i]!.at = Math.max(placed[i]!.at, placed[i - 1]!.at + kLabel);
       for (let i = placed.length - 1, below = (placed[placed.length - 1]?.y ?? 0) + kLabel; i >= 0; --i) {   // not pushed below the last curve's end
         placed[i]!.at = Math.min(placed[i]!.at, below);
@@ -178,10 +223,10 @@ export function endLabels(ends: readonly { name: string; x: number; y: number; c
       }
       return {
         type: 'group',
-        children: placed.map(({ e, x, at }) => ({ type: 'text', x: x + 7, y: at, style: { text: e.name, fill: e.colour, font: `600 12px ${kFont}`, align: 'left', verticalAlign: 'middle', width: room, overflow: 'truncate' } })),
+        children: placed.map(({ e, at }) => ({ type: 'text', x: right + kBeside, y: at, style: { text: e.name, fill: e.colour, font: `600 12px ${kFont}`, align: 'left', verticalAlign: 'middle', width: room - 12, overflow: 'truncate' } })),
       };
     },
-  };
+  }];
 }
 
 /** What differs between plots of the same kind side by side. */

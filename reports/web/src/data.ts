@@ -127,27 +127,38 @@ export class Trials {
   n = 0;
   private readonly texts = new Map<string, TextColumn>();
   private readonly numbers = new Map<string, Float64Array>();
+  /** As read: made numbers when they are first asked for, most of them after the first paint. */
+  private readonly raw = new Map<string, readonly Cell[]>();
 
   load(source: PageData['trials']): void {
     this.n = source.n;
     this.texts.clear();
     this.numbers.clear();
+    this.raw.clear();
     for (const [name, column] of Object.entries(source.columns)) {
-      if (Array.isArray(column)) {
-        this.numbers.set(name, Float64Array.from(column, (v) => (v === null ? NaN : v === 'inf' ? Infinity : v === '-inf' ? -Infinity : Number(v))));
-      } else {
-        this.texts.set(name, column);
-      }
+      if (Array.isArray(column)) this.raw.set(name, column);
+      else this.texts.set(name, column);
     }
   }
 
+  private values(name: string): Float64Array | undefined {
+    const known = this.numbers.get(name);
+    if (known !== undefined) return known;
+    const raw = this.raw.get(name);
+    if (raw === undefined) return undefined;
+    const made = Float64Array.from(raw, (v) => (v === null ? NaN : v === 'inf' ? Infinity : v === '-inf' ? -Infinity : Number(v)));
+    this.raw.delete(name);
+    this.numbers.set(name, made);
+    return made;
+  }
+
   has(name: string): boolean {
-    return this.numbers.has(name) || this.texts.has(name);
+    return this.numbers.has(name) || this.raw.has(name) || this.texts.has(name);
   }
 
   /** NaN where the store has none. */
   number(name: string, row: number): number {
-    return this.numbers.get(name)?.[row] ?? NaN;
+    return this.values(name)?.[row] ?? NaN;
   }
 
   text(name: string, row: number): string {
@@ -169,7 +180,7 @@ export class Trials {
 
   /** True when any of `rows` has a finite value. */
   any(name: string, rows: readonly number[]): boolean {
-    const column = this.numbers.get(name);
+    const column = this.values(name);
     return column !== undefined && rows.some((row) => Number.isFinite(column[row]));
   }
 }

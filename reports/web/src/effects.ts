@@ -1,8 +1,7 @@
 // Main effects of gains in a full factorial on common worlds: analysis of variance over points and worlds, with a
 // delete-a-group jackknife over the worlds for the errors.
 
-/** So many groups of worlds are left out in turn. */
-const kGroups = 20;
+import { jackknifeErrors, kJackknifeGroups } from './stats';
 
 /**
  * Shares of what the points differ by: for a gain with L values, (SS_gain - (L - 1) s2) / (SS_points - (P - 1) s2), with the
@@ -43,13 +42,6 @@ export function effects(levels: readonly (readonly number[])[], values: readonly
   if (levels.length === 0 || counts.reduce((product, count) => product * count, 1) !== levels.length || new Set(levels.map((level) => level.join())).size !== levels.length) return null;
   const shares = once(levels, values, () => true, true);
   if (shares === null) return null;
-  if ((values[0]?.length ?? 0) < 2 * kGroups) return { shares, errors: null };
-  const parts = Array.from({ length: kGroups }, (_, group) => once(levels, values, (world) => world % kGroups !== group, false));
-  if (parts.some((part) => part === null)) return { shares, errors: null };
-  const errors = shares.map((_, gain) => {
-    const all = parts.map((part) => part?.[gain] ?? 0);
-    const mean = all.reduce((sum, v) => sum + v, 0) / kGroups;
-    return Math.sqrt(((kGroups - 1) / kGroups) * all.reduce((sum, v) => sum + (v - mean) ** 2, 0));
-  });
-  return { shares, errors };
+  const enough = (values[0]?.length ?? 0) >= 2 * kJackknifeGroups;
+  return { shares, errors: enough ? jackknifeErrors((group) => once(levels, values, (world) => world % kJackknifeGroups !== group, false)) : null };
 }

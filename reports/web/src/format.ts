@@ -50,6 +50,12 @@ export function percentRange(low: number | null, high: number | null): string {
   return `${fixed(100 * low, 1)}\u2013${fixed(100 * high, 1)}\u00a0%`;
 }
 
+/** With its sign, unless it is written as nothing: "+0.3", "0.0". */
+export function signed(value: number, write: (v: number) => string): string {
+  const text = write(value);
+  return (value > 0 && /[1-9]/.test(text) ? '+' : '') + text;
+}
+
 export function probability(p: number): string {
   return p < 0.001 ? 'p\u00a0<\u00a00.001' : `p\u00a0=\u00a0${fixed(p, p < 0.01 ? 4 : 3)}`;
 }

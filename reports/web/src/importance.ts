@@ -2,6 +2,7 @@
 // evaluations in the page, with a delete-a-group jackknife for its error.
 
 import type { TuneSearch } from './data';
+import { jackknifeErrors, kJackknifeGroups } from './stats';
 
 type Variable = Pick<TuneSearch['variables'][number], 'lower' | 'upper' | 'scale'>;
 type Evaluation = Pick<TuneSearch['evaluations'][number], 'phase' | 'valid' | 'merit' | 'candidate'>;
@@ -72,19 +73,8 @@ function evaluationsOf(search: Pick<TuneSearch, 'variables' | 'evaluations'>): E
   return global.length >= 3 * (1 + 2 * search.variables.length) ? global : valid.filter((e) => ['start', 'global', 'local'].includes(e.phase));
 }
 
-const kGroups = 20;
-
-/**
- * Standard errors of the shares: every twentieth evaluation is left out in turn (delete-a-group jackknife; Shao and Tu, The
- * Jackknife and Bootstrap, 1995, 2.3). Null where too few are left.
- */
+/** Standard errors of the shares: every twentieth evaluation is left out in turn. Null where too few are left. */
 export function shareErrors(search: Pick<TuneSearch, 'variables' | 'evaluations'>): number[] | null {
   const used = evaluationsOf(search);
-  const parts = Array.from({ length: kGroups }, (_, g) => shares(search.variables, used.filter((__, i) => i % kGroups !== g)));
-  if (parts.some((part) => part === null)) return null;
-  return search.variables.map((_, i) => {
-    const values = parts.map((part) => part?.[i] ?? 0);
-    const mean = values.reduce((sum, v) => sum + v, 0) / kGroups;
-    return Math.sqrt(((kGroups - 1) / kGroups) * values.reduce((sum, v) => sum + (v - mean) ** 2, 0));
-  });
+  return jackknifeErrors((group) => shares(search.variables, used.filter((_, i) => i % kJackknifeGroups !== group)));
 }

@@ -3,6 +3,9 @@
 // phone; from the print by the lines that are printed.
 // Exit 0: passed; 1: failed; 77: left out, since node's packages, python3 or chromium are missing.
 
+import { execFileSync } from 'node:child_process';
+import { join } from 'node:path';
+
 import { accessible, check, dataOf, drawn, end, launch, near, needs, noOverflow, opener, saved, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work] = process.argv;
@@ -177,7 +180,7 @@ for (const [what, view] of views) {
   check(named.length === 6, `${what}: the best few are six: ${named}`);
   await apart(page, 'difficulty', named, what, ratio);
   if (what === 'light') await apart(page, 'timing', named, what, ratio);
-  for (const id of what === 'light' ? ['pareto', 'parallel', 'forest', 'heldout', 'search', 'arrival', 'paired'] : what === 'phone' ? ['heldout'] : []) legible(await read(page, id), `${what}, ${id}`);
+  for (const id of what === 'light' ? ['pareto', 'parallel', 'forest', 'heldout', 'search', 'arrival', 'paired'] : what === 'phone' ? ['heldout', 'pareto', 'forest', 'outcomes', 'timing'] : []) legible(await read(page, id), `${what}, ${id}`);
   await noOverflow(page, what);
   await accessible(page, source, what, '#tuning, #difficulty, #sweep');
   if (what === 'light') {
@@ -222,6 +225,40 @@ for (const [what, view] of views) {
     const wide = await page.evaluate(() => [...document.querySelectorAll('main table')].map((table) => [table.className, Math.round(table.getBoundingClientRect().right)]).filter(([, right]) => right > innerWidth));
     check(wide.length === 0, `print: beyond the paper: ${JSON.stringify(wide)}`);
     await accessible(page, source, 'print of a sweep', '#tuning, #difficulty, #sweep');
+  }
+  await context.close();
+}
+
+// ---- four controllers in two families on a phone: every name is whole, no number lies over another; and wide, where curves bear their names -------
+{
+  const html = join(work, 'both.html');
+  execFileSync(makeReport, [...['before', 'after'].map((name) => makeStore(name, 'demo', 20, 0)), html], { stdio: 'inherit' });
+  const { overall: rows } = dataOf(html);
+  const { context, page } = await open(html, { width: 390, height: 844, ratio: 2, touch: true, scheme: 'dark', init: noteLetters });
+  const families = ['clutter', 'open'];
+  for (const [id, places] of [['forest', [...families, 'all worlds']], ['outcomes', families], ['manipulability', families], ['arrival', null], ['difficulty', null], ['timing', null]]) {
+    const seen = await read(page, id);
+    legible(seen, `phone, ${id} of four`);
+    check(seen.letters.every((letter) => !letter.text.includes('\u2026')), `phone: words of ${id} are cut: ${seen.letters.map((letter) => letter.text).filter((text) => text.includes('\u2026'))}`);
+    const count = (text) => seen.letters.filter((letter) => letter.text === text).length;
+    for (const { controller } of rows) check(count(controller) === (places?.length ?? 1), `phone: ${id} names ${controller} ${count(controller)} times`);
+    for (const place of places ?? []) check(count(place) === rows.length, `phone: ${id} names ${place} ${count(place)} times`);
+    const shares = seen.letters.filter((letter) => /^(0|50|100) %$/.test(letter.text)).length;
+    check(id === 'manipulability' || shares >= 3, `phone: ${id} has ${shares} of three shares at its axis`);
+  }
+  await noOverflow(page, 'four on a phone');
+  // Beside their curves, and clear of every mark.
+  await page.setViewportSize({ width: 900, height: 700 });
+  for (const id of ['arrival', 'difficulty']) {
+    const seen = await read(page, id);
+    legible(seen, `wide, ${id} of four`);
+    const names = seen.letters.filter((letter) => rows.some(({ controller }) => controller === letter.text));
+    check(names.length === rows.length && names.every((name) => name.left > 0.6 * seen.width), `wide: curves of ${id} bear their names`);
+    for (const name of names) {
+      let inked = 0;
+      for (let y = name.y - 10; y < name.y + 10; y += 1) for (let x = name.left - 5; x < name.left - 1; x += 1) if (seen.at(x, y)[3] > 120) inked += 1;
+      check(inked === 0, `wide: left of ${name.text} in ${id} is a mark of ${inked} pixels`);
+    }
   }
   await context.close();
 }

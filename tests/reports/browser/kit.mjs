@@ -137,3 +137,24 @@ export const scrollThrough = async (page) => {
   });
   await figuresStand(page);
 };
+
+/** The picture of the scene as it is seen: pixels as [r, g, b]. */
+export const picture = async (page) => {
+  await drawn(page);
+  const text = await page.locator('.stage').evaluate((canvas) => new Promise((done) => requestAnimationFrame(() => {
+    document.querySelector('.transport input[type=range]').dispatchEvent(new Event('input', { bubbles: true }));   // draws with the next frame
+    requestAnimationFrame(() => {   // in which this comes after it
+      const copy = Object.assign(document.createElement('canvas'), { width: canvas.width, height: canvas.height }).getContext('2d');
+      copy.drawImage(canvas, 0, 0);
+      const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
+      let out = '';
+      for (let i = 0; i < data.length; i += 32768) out += String.fromCharCode(...data.subarray(i, i + 32768));
+      done(btoa(out));
+    });
+  })));
+  const bytes = Buffer.from(text, 'base64');
+  return Array.from({ length: bytes.length / 4 }, (_, i) => bytes.subarray(4 * i, 4 * i + 3));
+};
+
+/** How many colours a picture has, nearly alike ones as one, by every hundredth pixel. */
+export const coloursOf = (pixels) => new Set(pixels.filter((_, i) => i % 101 === 0).map(([r, g, b]) => `${r >> 3},${g >> 3},${b >> 3}`)).size;

@@ -17,13 +17,14 @@ const cells = data.trials.columns;
 const text = (name) => cells[name].codes.map((code) => cells[name].values[code] ?? null);
 const [trials, worlds, outcomes, controllers] = ['trial', 'world_key', 'outcome', 'controller'].map(text);
 
+const inPage = new Set(data.replays.map((replay) => replay.trial));
+const rowOf = (trial) => trials.indexOf(trial);
+const twinOf = (trial) => trials.find((other, row) => other !== trial && inPage.has(other) && worlds[row] === worlds[rowOf(trial)] && outcomes[row] === 'success');
+const failed = data.replays.map((replay) => replay.trial).filter((trial) => outcomes[rowOf(trial)] !== 'success');
+const both = failed.filter((trial) => twinOf(trial) !== undefined);
+
 // ---- two motions in one world ------------------------------------------------------------------------------------------
 {
-  const inPage = new Set(data.replays.map((replay) => replay.trial));
-  const rowOf = (trial) => trials.indexOf(trial);
-  const twinOf = (trial) => trials.find((other, row) => other !== trial && inPage.has(other) && worlds[row] === worlds[rowOf(trial)] && outcomes[row] === 'success');
-  const failed = data.replays.map((replay) => replay.trial).filter((trial) => outcomes[rowOf(trial)] !== 'success');
-  const both = failed.filter((trial) => twinOf(trial) !== undefined);
   check(both.length > 0, `failures with a success in the same world: ${both.length} of ${failed.length}`);
   // Every failure of the page whose world another controller mastered, with samples, has that motion beside it.
   for (const trial of failed.slice(0, 12)) {

@@ -6,7 +6,7 @@ import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { inflateSync } from 'node:zlib';
 
-import { check, dataOf, drawn, end, launch, near, opener, packagesOf, strip, workshop } from './kit.mjs';
+import { accessible, check, coloursOf, dataOf, drawn, end, launch, near, opener, packagesOf, picture, strip, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work, moma] = process.argv;
 const screenshots = process.env.MOMA_SCREENSHOTS;
@@ -36,9 +36,10 @@ const tellAt = (page, i, trial, times) => page.evaluate(async ([place, name, mom
     return { ...box.dataset };
   });
 }, [i, trial, times]);
-/** Distances at arrows never lie over each other, or outside of the scene. */
+/** Distances at arrows never lie over each other, or outside of the scene; which motion ends with most of them. */
 const checkLabels = async (page, pageData) => {
   let labels = 0;
+  let most = [-1, 0];
   for (const [i, replay] of pageData.replays.entries()) {
     await tellAt(page, i, replay.trial, [1e6]);
     await drawn(page);
@@ -47,6 +48,7 @@ const checkLabels = async (page, pageData) => {
       return { scene: of(box), labels: [...box.querySelectorAll('.row-labels span')].map(of) };
     });
     labels += shown.labels.length;
+    if (shown.labels.length > most[1]) most = [i, shown.labels.length];
     shown.labels.forEach((a, k) => {
       const middle = [(a.left + a.right) / 2, (a.top + a.bottom) / 2];
       check(middle[0] > shown.scene.left && middle[0] < shown.scene.right && middle[1] > shown.scene.top && middle[1] < shown.scene.bottom, `trial ${replay.trial}: a label at ${middle}`);
@@ -54,6 +56,7 @@ const checkLabels = async (page, pageData) => {
     });
   }
   check(labels > 0, `${labels} labels looked at`);
+  return most[0];
 };
 /** The page's forward kinematics against the stored errors, which the simulation computed. */
 const checkKinematics = async (page, pageData) => {
@@ -64,23 +67,6 @@ const checkKinematics = async (page, pageData) => {
     const last = column(replay, 'error_position').pop();
     check(near(Number(end.positionErrorNow), last, 1e-5), `trial ${replay.trial}: at the end ${end.positionErrorNow} m from the goal, stored ${last} m`);
   }
-};
-/** The picture of the scene as it is seen: pixels as [r, g, b]. */
-const picture = async (page) => {
-  await drawn(page);
-  const text = await page.locator('.stage').evaluate((canvas) => new Promise((done) => requestAnimationFrame(() => {
-    document.querySelector('.transport input[type=range]').dispatchEvent(new Event('input', { bubbles: true }));   // draws with the next frame
-    requestAnimationFrame(() => {   // in which this comes after it
-      const copy = Object.assign(document.createElement('canvas'), { width: canvas.width, height: canvas.height }).getContext('2d');
-      copy.drawImage(canvas, 0, 0);
-      const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
-      let out = '';
-      for (let i = 0; i < data.length; i += 32768) out += String.fromCharCode(...data.subarray(i, i + 32768));
-      done(btoa(out));
-    });
-  })));
-  const bytes = Buffer.from(text, 'base64');
-  return Array.from({ length: bytes.length / 4 }, (_, i) => bytes.subarray(4 * i, 4 * i + 3));
 };
 /** Pixels in the goal's colour, which nothing else in a world without objects has. */
 const golden = (pixels) => pixels.filter(([r, g, b]) => {
@@ -114,10 +100,43 @@ const checkTolerances = async (page, pageData, replay, dark, ratio) => {
   check(dashed(80, 200).length === 0, 'no other trace has such a line');
 };
 
+/** The replay at a phone's pixel ratio: as fine as its pixels, in the page's colours, its words and controls whole and apart. */
+const replayOnPhone = async (page, scheme) => {
+  const what = `replay on a phone, ${scheme}`;
+  const told = await page.evaluate(() => {
+    const of = (element) => { const { left, top, right, bottom } = element.getBoundingClientRect(); return { what: (element.textContent || element.type || element.className).slice(0, 20), left, top, right, bottom }; };
+    const seen = (selector) => [...document.querySelectorAll(selector)].filter((element) => element.getClientRects().length > 0).map(of);
+    return {
+      ratios: ['.stage', '.timeline'].flatMap((name) => { const c = document.querySelector(name); return [c.width / c.clientWidth, c.height / c.clientHeight]; }),
+      scene: of(document.querySelector('.stage-box')), over: seen('.stage-box .row-labels span, .stage-box .replay-caption'),
+      controls: seen('.transport button, .transport select, .transport input'), width: innerWidth,
+    };
+  });
+  check(told.ratios.every((ratio) => Math.abs(ratio - 2) < 0.01), `${what}: canvases have so many pixels for each of the page's: ${told.ratios}`);
+  check(told.over.length > 1 && told.over.every((box) => box.left >= told.scene.left && box.right <= told.scene.right && box.top >= told.scene.top && box.bottom <= told.scene.bottom), `${what}: caption and distances lie in the scene: ${JSON.stringify(told.over)}`);
+  check(told.controls.length >= 9, `${what}: ${told.controls.length} controls`);
+  for (const all of [told.over, told.controls]) {
+    all.forEach((a, i) => {
+      check(a.left >= 0 && a.right <= told.width, `${what}: ${a.what} from ${a.left} to ${a.right}`);
+      for (const b of all.slice(i + 1)) check(a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top, `${what}: ${a.what} and ${b.what} lie over each other`);
+    });
+  }
+  const pixels = await picture(page);
+  const light = pixels.reduce((sum, [r, g, b]) => sum + 0.2126 * r + 0.7152 * g + 0.0722 * b, 0) / pixels.length / 255;
+  check(coloursOf(pixels) > 30 && (scheme === 'dark' ? light < 0.25 : light > 0.6), `${what}: ${coloursOf(pixels)} colours, ${light.toFixed(2)} of white on average`);
+  const lines = await page.locator('.timeline').evaluate((canvas, dark) => {
+    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4) if (data[i + 3] > 200 && (dark ? Math.max(data[i], data[i + 1], data[i + 2]) > 150 : Math.min(data[i], data[i + 1], data[i + 2]) < 110)) count += 1;
+    return count;
+  }, scheme === 'dark');
+  check(lines > 2000, `${what}: lines and words of the time line are ${lines} pixels`);
+};
+
 // ---- parts of the scene without drawing: wheels, the hand at the goal, the path's colours, pairs that never move -------------
 {
   const { outputFiles } = await packagesOf(source)('esbuild').build({
-    stdin: { contents: ['robot', 'skins', 'wheels', 'goal', 'marks', 'moving_pairs', 'trace'].map((name) => `export * from './replay/${name}';`).join('') + "export * as three from 'three';", resolveDir: join(source, 'reports/web/src'), loader: 'ts' },
+    stdin: { contents: ['robot', 'skins', 'wheels', 'goal', 'marks', 'moving_pairs', 'plate', 'trace'].map((name) => `export * from './replay/${name}';`).join('') + "export * as three from 'three';", resolveDir: join(source, 'reports/web/src'), loader: 'ts' },
     bundle: true, write: false, format: 'iife', globalName: 'parts', target: 'es2022',
   });
   const context = await browser.newContext();
@@ -143,6 +162,17 @@ const checkTolerances = async (page, pageData, replay, dark, ratio) => {
     const columns = ['t', 'base_x', 'base_y', 'base_phi', 'q0', 'q1', 'q2'];
     const values = [[0, 0.5, 1, 2, 4], [0, 0.1, 0.3, 0.8, 1], [0, 0, -0.2, -0.4, -0.5], [0, 0.2, 0.5, 0.9, 1.4], [0, 0.3, 0.1, -0.8, -1], [0.5, 0.4, 0, -0.3, -1], [0, 0.9, 1.1, 0.3, -1.2]];
     const trace = new Trace({ n: 5, columns }, Float32Array.from(values.flat()));
+    // A frame to take along, of a narrow scene: every word of it whole, none over another.
+    const stage = document.body.appendChild(Object.assign(document.createElement('canvas'), { width: 640, height: 480 }));
+    Object.assign(stage.style, { width: '320px', height: '240px' });
+    const written = [];
+    const { fillText } = CanvasRenderingContext2D.prototype;
+    CanvasRenderingContext2D.prototype.fillText = function note(text, x, y) { written.push({ text, left: x, right: x + this.measureText(text).width, y }); };
+    new window.parts.Plate().draw(stage, { dark: false, ink: '#111', muted: '#555' }, '#f00', {
+      outcome: 'collision', colour: '#a00', caption: 'holistic disturbances=realistic \u00b7 clutter world 69 \u00b7 panel_link7 against object_of_a_long_name', clock: '0.50 of 0.66 s',
+      labels: [{ x: 318, y: 120, text: '203 mm', active: true }, { x: 60, y: 20, text: '5 mm', active: false }, { x: 250, y: 236, text: '61 mm', active: false }],
+    });
+    CanvasRenderingContext2D.prototype.fillText = fillText;
     const boxes = wheels(robot, []).map(({ surface, local }) => {
       surface.computeBoundingBox();
       const { min, max } = surface.boundingBox.clone().applyMatrix4(local);
@@ -166,10 +196,15 @@ const checkTolerances = async (page, pageData, replay, dark, ratio) => {
     const shades = all.geometry.getAttribute('instanceColorStart');
     const lineEnd = all.geometry.getAttribute('instanceColorEnd');
     return {
-      boxes, balls, hands: hands.map((child) => child.name), links: own.map(({ link }) => link), apart, pairs: movingPairs(robot),
+      written, boxes, balls, hands: hands.map((child) => child.name), links: own.map(({ link }) => link), apart, pairs: movingPairs(robot),
       reds: [...Array(shades.count).keys()].map((i) => shades.getX(i)).concat(lineEnd.getX(lineEnd.count - 1)), pieces: travelled.geometry.getAttribute('instanceStart').count,
     };
   }, robot);
+  check(told.written.length >= 7 && told.written.map(({ text }) => text).join(' ').includes('object_of_a_long_name'), `a frame's words: ${JSON.stringify(told.written)}`);
+  told.written.forEach((a, i) => {
+    check(a.left >= 0 && a.right <= 320 && a.y > 6 && a.y < 234, `"${a.text}" is in the frame: ${JSON.stringify(a)}`);
+    for (const b of told.written.slice(i + 1)) check(a.right <= b.left || b.right <= a.left || Math.abs(a.y - b.y) > 13, `"${a.text}" and "${b.text}" lie over each other in a frame`);
+  });
   const wanted = [[-0.2, -0.25], [-0.2, 0.25], [0.2, -0.25], [0.2, 0.25]].map(([x, y]) => [[x - 0.11, y - 0.025, 0], [x + 0.11, y + 0.025, 0.22]]);
   check(told.boxes.length === 4 && told.boxes.flat(2).every((v, i) => near(v, wanted.flat(2)[i], 1e-3)), `four wheels on their axles and on the floor: ${JSON.stringify(told.boxes)}`);
   check(told.balls.join() === '0.02', `a ball as large as the tolerance: ${told.balls}`);
@@ -199,21 +234,7 @@ const checkTolerances = async (page, pageData, replay, dark, ratio) => {
   await page.locator('.stage').focus();
   await page.keyboard.press('ArrowRight');
   check((await page.locator('.clock').innerText()).startsWith('1.10 of'), 'an arrow steps');
-  const colours = await page.locator('.stage').evaluate((canvas) => {
-    const copy = document.createElement('canvas');
-    copy.width = canvas.width;
-    copy.height = canvas.height;
-    return new Promise((done) => requestAnimationFrame(() => {
-      document.querySelector('.transport input[type=range]').dispatchEvent(new Event('input', { bubbles: true }));   // draws with the next frame
-      requestAnimationFrame(() => {   // in which this comes after it
-        copy.getContext('2d').drawImage(canvas, 0, 0);
-        const pixels = copy.getContext('2d').getImageData(0, 0, copy.width, copy.height).data;
-        const found = new Set();
-        for (let i = 0; i < pixels.length; i += 404) found.add(`${pixels[i] >> 3},${pixels[i + 1] >> 3},${pixels[i + 2] >> 3}`);
-        done(found.size);
-      });
-    }));
-  });
+  const colours = coloursOf(await picture(page));
   check(colours > 20, `the scene shows ${colours} colours`);
 
   // In a small picture of a world without objects: the hand at the goal, pale, and the wheels, against the same page without.
@@ -296,7 +317,7 @@ for (const [name, robot, family, controller] of moma === undefined ? [] : suites
   execFileSync(moma, ['run', suite, '-o', join(work, `${name}.db`), '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });
   execFileSync(moma, ['report', join(work, `${name}.db`), '-o', join(work, `${name}.html`)], { stdio: 'ignore' });
   const html = join(work, `${name}.html`);
-  const { context, page } = await open(html, { ratio: name === 'rows' ? 2 : 1, scheme: name === 'rows' ? 'dark' : 'light', scene: name === 'frankie', ...(name === 'frankie' ? { width: 820, height: 640 } : {}) });
+  const { context, page } = await open(html, { ratio: name === 'tiago' ? 1 : 2, scheme: name === 'rows' ? 'dark' : 'light', scene: name === 'frankie', ...(name === 'frankie' ? { width: 390, height: 844, touch: true } : {}) });
   await page.locator('#replay').scrollIntoViewIfNeeded();
   // A robot whose URDF has visual meshes is shown as these, or as its shapes.
   const looks = Object.values(dataOf(html).looks);
@@ -316,7 +337,18 @@ for (const [name, robot, family, controller] of moma === undefined ? [] : suites
     if (screenshots !== undefined) await page.locator('.replay').screenshot({ path: join(screenshots, 'replay-meshes.png') });
   }
   check(dataOf(html).replays.length === 3, `${name}: all trials can be played`);
-  if (name === 'frankie') await checkLabels(page, dataOf(html));
+  if (name === 'frankie') {
+    const told = dataOf(html);
+    const place = await checkLabels(page, told);
+    for (const scheme of ['light', 'dark']) {
+      await page.emulateMedia({ colorScheme: scheme });
+      await page.waitForFunction((wanted) => document.documentElement.dataset.theme === wanted, scheme);
+      await tellAt(page, place, told.replays[place].trial, [1e6]);
+      await drawn(page);
+      await replayOnPhone(page, scheme);
+      await accessible(page, source, `replay on a phone, ${scheme}`, '#replay');
+    }
+  }
   if (screenshots === undefined) await strip(page);
   await checkKinematics(page, dataOf(html));
   // Collision rows follow from poses and commands in the page; the controller stored the least distance and how many

@@ -57,6 +57,10 @@ for (let i = 0; i <= 20; ++i) {
 check(along(['#000000', '#ffffff'], 0.5) === '#808080' && along(['#000000', '#ffffff'], 1) === '#ffffff', 'steps of a ramp');
 check(near(contrast('#767676', '#ffffff'), 4.54, 0.005), 'the contrast of #767676 on white is 4.54');
 
+// ---- signs of differences ----------------------------------------------------------------------------------------------
+const { fixed, signed } = await load('format');
+check([0.004, -0.004, 0, 0.02, -0.02].map((v) => signed(v, (x) => fixed(x, 2))).join() === '0.00,0.00,0.00,+0.02,\u22120.02', 'what is written as nothing has no sign');
+
 // ---- statistics at the edges -----------------------------------------------------------------------------------------
 const { spearman, bootstrapMedian } = await load('stats');
 const six = [1, 2, 3, 4, 5, 6];

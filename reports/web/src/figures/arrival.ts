@@ -1,6 +1,6 @@
 // Empirical distribution of the time to goal over all trials: a trial that fails never arrives.
 
-import { axis, bandSeries, endLabels, nice, pathSeries, smallMultiples, stairs, tip, type FigureSpec, type Option } from '../chart';
+import { axis, bandSeries, curveNames, endLabels, nice, pathSeries, smallMultiples, stairs, tip, type FigureSpec, type Option } from '../chart';
 import { fixed, integer, percent, percentRange } from '../format';
 import { thinned, wilson } from '../stats';
 import { dashOf, seriesColour, seriesInk, type Palette } from '../theme';
@@ -66,11 +66,11 @@ export function arrival(): FigureSpec {
       }
       // Where the pointer is: a line through all times, never seen.
       const ticks = Array.from({ length: 241 }, (_, i) => [(end * i) / 240, 0]);
-      const wide = Math.min(0.34 * width, 24 + 7.4 * Math.max(...drawn.map((d) => d.s.short.length)));
+      const named = curveNames(p, drawn.map((d) => d.s.short), width);
       return {
-        height: 360, ...common,
+        height: 360 + named.above, ...common,
         option: {
-          grid: { left: 8, right: Math.max(20, wide), top: 14, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
+          grid: named.grid, ...named.option,
           xAxis, yAxis,
           tooltip: {
             trigger: 'axis', axisPointer: { type: 'line', lineStyle: { color: p.faint } },
@@ -86,7 +86,7 @@ export function arrival(): FigureSpec {
           series: [
             { type: 'line', data: ticks, showSymbol: false, lineStyle: { opacity: 0 }, itemStyle: { opacity: 0 }, silent: true, emphasis: { disabled: true } },
             ...drawn.flatMap((d) => [...(drawn.length > kBands ? [] : [bandSeries(d.low, d.high, d.colour, p.dark ? 0.16 : 0.11)]), path(d)]),
-            endLabels(drawn.map((d) => ({ name: d.s.short, x: end, y: d.last, colour: seriesInk(p, d.s.mark) })), wide - 12),
+            ...endLabels(drawn.map((d) => ({ name: d.s.short, x: end, y: d.last, colour: seriesInk(p, d.s.mark) })), named.room),
           ],
         },
       };

@@ -1,6 +1,6 @@
 // Success rate against what makes a world hard, in bins of about equal size.
 
-import { axis, endLabels, kFont, nice, plain, smallMultiples, tip, whisker, type FigureSpec, type Option } from '../chart';
+import { axis, curveNames, endLabels, kFont, kNarrow, nice, plain, smallMultiples, tip, whisker, type FigureSpec, type Option } from '../chart';
 import { choice } from '../dom';
 import { integer, percent, percentRange, sizes } from '../format';
 import { axisName, kMetrics, metric } from '../metrics';
@@ -72,8 +72,8 @@ export function difficulty(): FigureSpec {
       const [least, most] = [Math.min(...centres), Math.max(...centres)];
       // Side by side, since intervals of equal place would hide one another.
       const together = lines.length <= kTogether;
-      const beside = (i: number): number => (together ? (i - (lines.length - 1) / 2) * (most - least) * 0.008 : 0);
-      const wide = Math.min(0.3 * width, 22 + 7.4 * Math.max(...lines.map((line) => line.s.short.length)));
+      const beside = (i: number): number => (together ? (i - (lines.length - 1) / 2) * (most - least) * (width < kNarrow ? 0.022 : 0.008) : 0);
+      const named = curveNames(p, lines.map((line) => line.s.short), width);
       const unused = series.reduce((sum, s) => sum + s.rows.length, 0) - all.length;
       const xAxis = axis(p, axisName(of), { scale: true, nameGap: 28 });
       const yAxis = axis(p, '', { min: 0, max: 1, interval: 0.25, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` } });
@@ -111,14 +111,14 @@ export function difficulty(): FigureSpec {
         columns: ['controller', 'point', `${of.key}_from`, `${of.key}_to`, `${of.key}_mean`, 'successes', 'n', 'success_rate', 'success_low', 'success_high'],
         rows: lines.flatMap(({ s, cells }) => cells.map((c) => [s.controller, s.point, c.from, c.to, c.x, c.hits, c.n, c.hits / c.n, c.low, c.high])),
         ...(together ? {
-          height: 350,
+          height: 350 + named.above,
           option: {
-            grid: { left: 8, right: wide, top: 14, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' }, yAxis, tooltip, textStyle: { fontFamily: kFont },
-            xAxis: { ...xAxis, ...nice(least, most, width < 560 ? 4 : 7), max: most + 0.02 * (most - least), axisLabel: { color: p.muted, fontSize: 11, showMaxLabel: false, formatter: plain } },
-            series: [...lines.flatMap((_, i) => drawn(i)), endLabels(lines.map(({ s, cells }, i) => {
+            grid: named.grid, ...named.option, yAxis, tooltip, textStyle: { fontFamily: kFont },
+            xAxis: { ...xAxis, ...nice(least, most, width < kNarrow ? 4 : 7), max: most + 0.02 * (most - least), axisLabel: { color: p.muted, fontSize: 11, showMaxLabel: false, formatter: plain } },
+            series: [...lines.flatMap((_, i) => drawn(i)), ...endLabels(lines.map(({ s, cells }, i) => {
               const end = cells[cells.length - 1];
               return { name: s.short, x: (end?.x ?? 0) + beside(i), y: (end?.hits ?? 0) / (end?.n ?? 1), colour: seriesInk(p, s.mark) };
-            }), wide - 12)],
+            }), named.room)],
           },
         } : smallMultiples(width, lines.map(({ s }) => ({ title: s.short, colour: seriesInk(p, s.mark) })),
           { ...xAxis, ...nice(least, most, 3), axisLabel: { color: p.muted, formatter: plain } }, yAxis, drawn, tooltip)),

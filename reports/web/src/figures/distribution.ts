@@ -1,8 +1,8 @@
 // Distribution of any metric, one row per controller and family: density above, box below; of few trials, each as a dot.
 
-import { axis, nice, plain, tip, type FigureSpec } from '../chart';
+import { axis, kNarrow, nice, plain, rowAxis, tip, type FigureSpec } from '../chart';
 import { choice } from '../dom';
-import { integer, upper } from '../format';
+import { integer, sizes, upper } from '../format';
 import { axisName, kMetrics, metric, withUnit } from '../metrics';
 import * as state from '../state';
 import { density, spread, type Spread } from '../stats';
@@ -76,11 +76,12 @@ export function distribution(id: string, first: string): FigureSpec {
       const near = Math.max(...all.map((r) => r.spread.p95));
       const high = far > low + 3 * (near - low) && near > low ? low + 1.6 * (near - low) : far;
       const beyond = all.reduce((sum, r) => sum + r.values.filter((v) => v > high).length, 0);
-      const narrow = width < 560;
-      const range = nice(low, high, narrow ? 4 : 8);
+      const range = nice(low, high, width < kNarrow ? 4 : 8);
+      const families = view().families.length > 1;
+      const counts = all.map((r) => r.spread.n);
       return {
         height: 70 + all.length * (all.length > 10 ? 38 : 58),
-        note: `n = ${all.map((r) => integer(r.spread.n)).join(', ')} (from the top). ${[
+        note: `n = ${new Set(counts).size === 1 ? `${sizes(counts)} a row` : `${counts.map(integer).join(', ')} (from the top)`}. ${[
           all.some((r) => r.spread.n >= kFew) ? 'Box: quartiles and median; whiskers: 5th to 95th percentile; curve: density.' : '',
           all.some((r) => r.spread.n < kFew) ? `Fewer than ${kFew} trials: each is a dot, the ring is their median.` : '',
         ].filter((text) => text !== '').join(' ')}`
@@ -90,18 +91,7 @@ export function distribution(id: string, first: string): FigureSpec {
         option: {
           grid: { left: 4, right: 24, top: 8, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
           xAxis: axis(p, axisName(of), { ...range, nameGap: 28, axisLabel: { color: p.muted, fontSize: 11, hideOverlap: true, formatter: plain } }),
-          yAxis: {
-            type: 'category', inverse: true, data: all.map((_, i) => String(i)), axisLine: { show: false }, axisTick: { show: false },
-            splitLine: { show: false },
-            axisLabel: {
-              color: p.ink, fontSize: 12.5, width: narrow ? 110 : 240, overflow: 'truncate',
-              formatter: (i: string) => {
-                const row = all[Number(i)];
-                return row === undefined ? '' : view().families.length > 1 ? `${row.series.short}  {f|${row.family}}` : row.series.short;
-              },
-              rich: { f: { color: p.muted, fontSize: 12 } },
-            },
-          },
+          yAxis: rowAxis(p, all.map((r) => ({ name: r.series.short, family: families ? r.family : '' })), width),
           tooltip: {
             trigger: 'item',
             formatter: ({ dataIndex }: { dataIndex: number }) => {

@@ -1,6 +1,6 @@
 // Success of every controller with its interval: a row each, the best first where they are many.
 
-import { axis, kFont, tip, whisker, type FigureSpec } from '../chart';
+import { kNarrow, kTwoLines, rowAxis, shareAxis, tip, whisker, type FigureSpec } from '../chart';
 import { inSlice, type Series, type SummaryRow } from '../data';
 import { integer, percent, percentRange, plural, sizes } from '../format';
 import { seriesColour, type Palette } from '../theme';
@@ -36,20 +36,18 @@ export function forest(): FigureSpec {
       if (all.length < 2) return null;
       const base = baseline();
       const many = series.length > kFew;
-      const label = (l: Line): string => (many || view().families.length < 2 ? l.series.short : `${l.series.short}  {f|${l.family === '' ? 'all worlds' : l.family}}`);
+      const families = !many && view().families.length > 1;
+      const row = families && width < kNarrow ? kTwoLines : all.length > 24 ? 17 : 24;
       const against = many ? all.find((l) => l.series === base)?.row.success_rate : undefined;
       return {
-        height: 56 + all.length * (all.length > 24 ? 17 : 24),
+        height: 56 + all.length * row,
         note: `n = ${sizes(all.map((l) => l.row.n))} trials a row; 95 % Wilson, each by itself.${many ? ` The best of ${plural(series.length, series.some((s) => s.point !== '') ? 'point' : 'controller')} looks better on the worlds that chose it than it is: confirm it on others.` : ''}${series.length > kMost ? ` The best ${integer(kMost)} are shown.` : ''}`,
         columns: ['family', 'controller', 'point', 'n', 'success_rate', 'success_low', 'success_high'],
         rows: all.map((l) => [l.family, l.series.controller, l.series.point, l.row.n, l.row.success_rate, l.row.success_low, l.row.success_high]),
         option: {
           grid: { left: 4, right: 24, top: 8, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
-          xAxis: axis(p, '', { min: 0, max: 1, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` } }),
-          yAxis: {
-            type: 'category', inverse: true, data: all.map((_, i) => String(i)), axisLine: { show: false }, axisTick: { show: false }, splitLine: { show: false },
-            axisLabel: { color: p.ink, fontSize: all.length > 24 ? 11 : 12.5, fontFamily: kFont, interval: 0, width: Math.min(320, 0.4 * width), overflow: 'truncate', formatter: (i: string) => { const l = all[Number(i)]; return l === undefined ? '' : label(l); }, rich: { f: { color: p.muted, fontSize: 12 } } },
-          },
+          xAxis: shareAxis(p, width),
+          yAxis: rowAxis(p, all.map((l) => ({ name: l.series.short, family: !families ? '' : l.family === '' ? 'all worlds' : l.family })), width, all.length > 24 ? 11 : 12.5),
           tooltip: {
             trigger: 'item',
             formatter: ({ dataIndex }: { dataIndex: number }) => {

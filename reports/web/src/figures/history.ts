@@ -1,6 +1,6 @@
 // The same suite over time: success of each controller in every store, in the order of their runs.
 
-import { axis, endLabels, tip, whisker, type FigureSpec } from '../chart';
+import { axis, curveNames, endLabels, tip, whisker, type FigureSpec } from '../chart';
 import { inSlice, type Model, type SummaryRow } from '../data';
 import { integer, percent, percentRange, sizes } from '../format';
 import { seriesColour, seriesInk, type Palette } from '../theme';
@@ -37,15 +37,15 @@ export function history(model: Model): FigureSpec {
       }
       const all = [...lines].map(([name, dots]) => ({ name, dots: dots.sort((a, b) => a.at - b.at) }));
       if (order.length < 2 || all.length === 0) return null;
-      const wide = Math.min(0.3 * width, 24 + 7.4 * Math.max(...all.map((l) => l.name.length)));
+      const named = curveNames(p, all.map((l) => l.name), width);
       const beside = (i: number): number => (i - (all.length - 1) / 2) * 0.04;
       return {
-        height: 360,
+        height: 360 + named.above,
         note: `n = ${sizes(rows.map((r) => r.n))} trials a dot; 95 % Wilson, each by itself: for a difference on the same worlds see Pairs.`,
         columns: ['store', 'started', 'controller', 'point', 'n', 'success_rate', 'success_low', 'success_high'],
         rows: all.flatMap((l) => l.dots.map(({ at, row }) => [order[at]?.label ?? '', order[at]?.when ?? '', l.name, row.point, row.n, row.success_rate, row.success_low, row.success_high])),
         option: {
-          grid: { left: 8, right: Math.max(20, wide), top: 14, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
+          grid: named.grid, ...named.option,
           xAxis: axis(p, '', { min: -0.4, max: order.length - 0.6, interval: 1, axisLabel: { color: p.muted, fontSize: 11, hideOverlap: true, customValues: order.map((_, i) => i), formatter: (v: number) => { const s = order[v]; return s === undefined ? '' : `${s.label}\n${s.when.slice(0, 10)}`; } }, splitLine: { show: false } }),
           yAxis: axis(p, '', { min: 0, max: 1, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` } }),
           tooltip: {
@@ -57,10 +57,10 @@ export function history(model: Model): FigureSpec {
               const colour = seriesColour(p, i);
               return [
                 { type: 'custom', silent: true, tooltip: { show: false }, data: l.dots.map((d) => [d.at + beside(i), d.row.success_low, d.row.success_high]), encode: { x: 0, y: [1, 2] }, renderItem: whisker(colour, false, 1.6) },
-                { type: 'line', data: l.dots.map((d) => ({ value: [d.at + beside(i), d.row.success_rate], row: d.row })), symbol: 'circle', symbolSize: 9, lineStyle: { color: colour, width: 1.6 }, itemStyle: { color: colour }, emphasis: { disabled: true }, z: 4 },
+                { name: l.name, type: 'line', data: l.dots.map((d) => ({ value: [d.at + beside(i), d.row.success_rate], row: d.row })), symbol: 'circle', symbolSize: 9, lineStyle: { color: colour, width: 1.6 }, itemStyle: { color: colour }, emphasis: { disabled: true }, z: 4 },
               ];
             }),
-            endLabels(all.flatMap((l, i) => { const d = l.dots[l.dots.length - 1]; return d === undefined ? [] : [{ name: l.name, x: d.at + beside(i), y: d.row.success_rate, colour: seriesInk(p, i) }]; }), wide - 12),
+            ...endLabels(all.flatMap((l, i) => { const d = l.dots[l.dots.length - 1]; return d === undefined ? [] : [{ name: l.name, x: d.at + beside(i), y: d.row.success_rate, colour: seriesInk(p, i) }]; }), named.room),
           ],
         },
       };

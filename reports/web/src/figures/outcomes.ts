@@ -1,6 +1,6 @@
 // How trials ended: one bar per controller, within each family.
 
-import { axis, legend, legendHeight, tip, type FigureSpec } from '../chart';
+import { kNarrow, kTwoLines, legend, legendHeight, rowAxis, shareAxis, tip, type FigureSpec } from '../chart';
 import { inkOn } from '../colour';
 import { outcomeName, kOutcomes, type Outcome, type Series } from '../data';
 import { integer, percent, plural } from '../format';
@@ -45,11 +45,11 @@ export function outcomes(): FigureSpec {
       const all = bars();
       if (all.length === 0) return null;
       const present = kOutcomes.filter((o) => all.some((bar) => bar.counts.has(o)));
-      const narrow = width < 560;
       const top = legendHeight(present.map((o) => outcomeName(o)), width);
-      const label = (bar: Bar): string => (view().families.length > 1 ? `${bar.series.short}  {f|${bar.family}}` : bar.series.short);
+      const families = view().families.length > 1;
+      const row = all.length <= 12 ? 38 : families && width < kNarrow ? kTwoLines : 26;
       return {
-        height: 30 + top + all.length * (all.length > 12 ? 26 : 38),
+        height: 30 + top + all.length * row,
         note: `n = ${[...new Set(all.map((bar) => bar.n))].map(integer).join(', ')} trials a bar; counts of five and more are written in.`,
         columns: ['family', 'controller', 'point', 'outcome', 'trials', 'share', 'n'],
         rows: all.flatMap((bar) => present.map((o) => [
@@ -58,15 +58,8 @@ export function outcomes(): FigureSpec {
         option: {
           legend: legend(p, present.map((o) => outcomeName(o))),
           grid: { left: 4, right: 20, top, bottom: 4, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
-          xAxis: axis(p, '', { min: 0, max: 1, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` }, splitLine: { show: false } }),
-          yAxis: {
-            type: 'category', inverse: true, data: all.map((_, i) => String(i)), axisLine: { show: false }, axisTick: { show: false },
-            axisLabel: {
-              color: p.ink, fontSize: 12.5, width: narrow ? 110 : 240, overflow: 'truncate',
-              formatter: (i: string) => label(all[Number(i)] as Bar).replaceAll('\n', ' '),
-              rich: { f: { color: p.muted, fontSize: 12 } },
-            },
-          },
+          xAxis: shareAxis(p, width, { splitLine: { show: false } }),
+          yAxis: rowAxis(p, all.map((bar) => ({ name: bar.series.short, family: families ? bar.family : '' })), width),
           series: present.map((o) => ({
             name: outcomeName(o), type: 'bar', stack: 'all', barWidth: '68%', barCategoryGap: '20%',
             itemStyle: { color: outcomeColour(p, o), borderColor: p.surface, borderWidth: 1 },

@@ -1,6 +1,6 @@
 // What more success costs: success against command change or collisions, and the points that nothing else beats in both.
 
-import { axis, nice, pathSeries, plain, stairs, tip, whisker, type FigureSpec } from '../chart';
+import { axis, kNarrow, nice, pathSeries, plain, stairs, tip, whisker, type FigureSpec } from '../chart';
 import { inSlice, type Series, type SummaryRow } from '../data';
 import { choice } from '../dom';
 import { integer, percent, percentRange, plural, significant, sizes } from '../format';
@@ -47,7 +47,7 @@ export function pareto(): FigureSpec {
       const best = front(points.map((point) => ({ point, cost: point.cost, gain: point.row.success_rate })));
       const chosen = new Set(best.map((b) => b.point));
       const costs = points.map((q) => q.cost);
-      const range = isRate ? nice(0, Math.max(...points.map((q) => q.row.collision_high)), width < 560 ? 4 : 7) : nice(Math.min(...costs), Math.max(...costs), width < 560 ? 4 : 7);
+      const range = isRate ? nice(0, Math.max(...points.map((q) => q.row.collision_high)), width < kNarrow ? 4 : 7) : nice(Math.min(...costs), Math.max(...costs), width < kNarrow ? 4 : 7);
       const colour = seriesColour(p, 0);
       // Beside a dot on the side where no other lies, at about the scale of the plot.
       const side = ({ cost: x, row: { success_rate: y } }: Point): string => {

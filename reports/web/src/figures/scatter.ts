@@ -1,6 +1,6 @@
 // Any metric against any other: one dot per trial.
 
-import { axis, legend, legendHeight, nice, plain, smallMultiples, tip, type FigureSpec, type Option } from '../chart';
+import { axis, kNarrow, legend, legendHeight, nice, plain, smallMultiples, tip, type FigureSpec, type Option } from '../chart';
 import { outcomeName } from '../data';
 import { choice } from '../dom';
 import { fixed, integer, upper } from '../format';
@@ -76,7 +76,7 @@ export function scatter(): FigureSpec {
           option: {
             legend: legend(p, names), tooltip, series: groups.map((_, i) => drawn(i)),
             grid: { left: 8, right: 20, top: legendHeight(names, width), bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
-            xAxis: axis(p, axisName(mx), { ...nice(...xs, width < 560 ? 4 : 8), nameGap: 30, axisLabel: label }),
+            xAxis: axis(p, axisName(mx), { ...nice(...xs, width < kNarrow ? 4 : 8), nameGap: 30, axisLabel: label }),
             yAxis: axis(p, axisName(my), { ...nice(...ys), nameGap: 46, axisLabel: label }),
           },
         } : smallMultiples(width, groups.map((g) => ({ title: g.s.short, colour: seriesInk(p, g.s.mark) })),

@@ -1,6 +1,6 @@
 // How long control steps took, against the control period.
 
-import { axis, legend, legendHeight, pathSeries, plain, smallMultiples, stairs, tip, type FigureSpec, type Option } from '../chart';
+import { axis, kNarrow, legend, legendHeight, pathSeries, plain, smallMultiples, stairs, tip, type FigureSpec, type Option } from '../chart';
 import { integer, percent, plural, significant } from '../format';
 import { choice } from '../dom';
 import * as state from '../state';
@@ -41,7 +41,7 @@ export function timing(): FigureSpec {
       const names = groups.map((s) => s.short);
       const xAxis = axis(p, `time of the ${what()} [\u00b5s]`, {
         type: 'log', min: 10 ** Math.floor(Math.log10(least)), max: 10 ** Math.ceil(Math.log10(most * 1.01)), nameGap: 28,
-        axisLabel: { color: p.muted, formatter: (v: number) => (v >= 1000 ? `${integer(v)}` : significant(v, 1)) },
+        axisLabel: { color: p.muted, hideOverlap: true, formatter: (v: number) => (v >= 1000 ? (width < kNarrow ? `${plain(v / 1000)}k` : integer(v)) : significant(v, 1)) },
       });
       const yAxis = axis(p, '', { min: 0, max: 1, interval: 0.25, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` } });
       const tooltip = (of: (seriesIndex: number) => Curve | undefined): Option => ({

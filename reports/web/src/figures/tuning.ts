@@ -1,6 +1,6 @@
 // A search for gains: what was found and whether it holds on other worlds, how the search went, what matters.
 
-import { axis, gainAxis, kFont, nice, pathSeries, plain, smallMultiples, stairs, tip, whisker, type FigureSpec } from '../chart';
+import { axis, gainAxis, kFont, kNarrow, nice, pathSeries, plain, smallMultiples, stairs, tip, whisker, type FigureSpec } from '../chart';
 import { figure } from '../figure';
 import type { Model, TuneSearch } from '../data';
 import { h } from '../dom';
@@ -63,7 +63,7 @@ function held(search: TuneSearch, id: string): FigureSpec {
       if (all.length === 0) return null;
       const row = (c: Comparison): string => `${c.family}, ${c.other}`;
       const rows = [...new Set(all.map(row))];
-      const columns = Math.max(1, Math.min(keys.length, width < 560 ? 1 : width < 900 ? 2 : 3));
+      const columns = Math.max(1, Math.min(keys.length, width < kNarrow ? 1 : width < 900 ? 2 : 3));
       const label = Math.min(0.3 * width, 14 + 6.6 * Math.max(...rows.map((r) => r.length)));
       const [high, above, below] = [22 * rows.length + 8, 30, 40];
       const wide = (width - label - 24 * columns) / columns;

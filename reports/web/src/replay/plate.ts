@@ -7,7 +7,23 @@ export interface Words {
   outcome: string; colour: string;   // of the chip
   caption: string;
   clock: string;
-  labels: readonly { x: number; y: number; text: string; active: boolean }[];   // in CSS pixels of the scene
+  labels: readonly { x: number; y: number; text: string; active: boolean }[];   // middles, in CSS pixels of the scene
+}
+
+/** Words in lines no wider than `room` tells. */
+function wrapped(text: string, width: (line: string) => number, room: (line: number) => number): string[] {
+  const lines: string[] = [];
+  let line = '';
+  for (const word of text.split(' ')) {
+    const longer = line === '' ? word : `${line} ${word}`;
+    if (line !== '' && width(longer) > room(lines.length)) {
+      lines.push(line);
+      line = word;
+    } else {
+      line = longer;
+    }
+  }
+  return [...lines, line];
 }
 
 export class Plate {
@@ -40,9 +56,15 @@ export class Plate {
     c.fillRect(size, 1.55 * size, 0.35 * size, 0.9 * size);
     halo(outcome, 1.7 * size, 2 * size, p.ink);
     c.font = `${size}px ${kFont}`;
-    halo(caption, 2.4 * size + wide, 2 * size, p.ink);
-    for (const label of labels) halo(label.text, label.x - c.measureText(label.text).width / 2, label.y, label.active ? hit : p.muted);
-    c.font = `${size}px ${kFont}`;
+    const across = scene.clientWidth;
+    const begin = (line: number): number => (line === 0 ? 2.4 * size + wide : 1.7 * size);
+    const lines = wrapped(caption, (line) => c.measureText(line).width, (line) => across - begin(line) - size);
+    lines.forEach((line, k) => halo(line, begin(k), (2 + 1.5 * k) * size, p.ink));
+    const top = (2 + 1.5 * lines.length) * size;
+    for (const label of labels) {
+      const half = c.measureText(label.text).width / 2;
+      halo(label.text, Math.max(4, Math.min(across - 4 - 2 * half, label.x - half)), Math.max(top, Math.min(scene.clientHeight - 3 * size, label.y)), label.active ? hit : p.muted);
+    }
     halo(clock, scene.clientWidth - size - c.measureText(clock).width, scene.clientHeight - 1.3 * size, p.ink);
   }
 }

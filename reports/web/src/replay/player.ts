@@ -81,6 +81,7 @@ export function player(model: Model): Player {
   const legend = h('p', { class: 'replay-legend' });
   const stage = h('div', { class: 'stage-box' }, canvas, rowWords.labels, caption);
   const paper = paperPlace();
+  rowWords.keepClear(stage, caption, () => { if (current !== '') draw(); });
 
   const last = (): number => Math.max(trace?.end ?? 0, ghost?.trace.end ?? 0);
 

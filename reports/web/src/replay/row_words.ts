@@ -9,6 +9,12 @@ import type { ReplayScene } from './scene';
 /** So many rows that hold the command back have their distance written. */
 const kLabels = 8;
 
+/** Height of a label [px], and how wide one is at most. */
+const kHigh = 18;
+const wide = (text: string): number => 9 + 7.6 * text.length;
+
+const within = (value: number, low: number, high: number): number => Math.max(low, Math.min(high, value));
+
 const millimetres = (row: Row): string => `${fixed(1000 * row.d, 0)} mm`;
 
 const named = (row: Row): string => `${row.link} to ${row.other} ${row.kind === 'passing' ? `(passing, ${fixed(row.d, 2)} m)` : millimetres(row)}`;
@@ -17,19 +23,37 @@ export class RowWords {
   /** Lies over the scene. */
   readonly labels = h('div', { class: 'row-labels', 'aria-hidden': 'true' });
   readonly sentence = h('p', { class: 'note rows-near' });
+  /** Where labels may be [px]. */
+  private place = { top: 0, width: Infinity, height: Infinity };
+
+  /** Keeps labels within the scene and below what is written at its top. */
+  keepClear(stage: HTMLElement, caption: HTMLElement, changed: () => void): void {
+    const observer = new ResizeObserver(() => {
+      this.place = { top: caption.offsetTop + caption.offsetHeight, width: stage.clientWidth, height: stage.clientHeight };
+      changed();
+    });
+    observer.observe(stage);
+    observer.observe(caption);
+  }
 
   /** Writes distances at the arrows of the rows that hold the command back, and of the nearest one. */
   label(scene: ReplayScene | null): Words['labels'] {
     const shown = scene?.rows.filter((row, i) => row.kind !== 'passing' && (row.active || i === 0)).slice(0, kLabels) ?? [];
-    const written: { x: number; y: number; text: string; active: boolean }[] = [];
+    const { top, width, height } = this.place;
+    const written: { left: number; y: number; text: string; active: boolean }[] = [];
     for (const row of shown) {
       const at = scene?.project(row.first.clone().add(row.second).multiplyScalar(0.5)) ?? null;
+      if (at === null) continue;
+      const text = millimetres(row);
+      // Right of its arrow, where there is room.
+      const left = within(at[0] + 8 + wide(text) < width ? at[0] + 8 : at[0] - 8 - wide(text), 2, width - wide(text));
+      const y = within(at[1], top + kHigh / 2, height - kHigh / 2);
       // Nearest first: what would lie over a nearer one's label is left out; the sentence names it.
-      if (at === null || written.some(({ x, y }) => Math.abs(x - at[0]) < 62 && Math.abs(y - at[1]) < 16)) continue;
-      written.push({ x: at[0], y: at[1], text: millimetres(row), active: row.active });
+      if (written.some((other) => Math.abs(other.left - left) < Math.max(wide(text), wide(other.text)) && Math.abs(other.y - y) < kHigh)) continue;
+      written.push({ left, y, text, active: row.active });
     }
-    replace(this.labels, ...written.map(({ x, y, text, active }) => h('span', { class: active ? 'active' : null, style: `left:${x.toFixed(1)}px;top:${y.toFixed(1)}px` }, text)));
-    return written;
+    replace(this.labels, ...written.map(({ left, y, text, active }) => h('span', { class: active ? 'active' : null, style: `left:${left.toFixed(1)}px;top:${y.toFixed(1)}px` }, text)));
+    return written.map(({ left, y, text, active }) => ({ x: left + wide(text) / 2, y, text, active }));
   }
 
   /** `disturbed`: what of the controller's senses is. What `stage` shows is told in its data too. */

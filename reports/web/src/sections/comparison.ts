@@ -4,7 +4,7 @@ import { drawLater, drawOrWait } from '../later';
 import { kMedianInterval, pairs, type Pairs } from '../compare';
 import type { Model, Series } from '../data';
 import { choice, download, h, replace } from '../dom';
-import { csv, fixed, integer, plural, probability } from '../format';
+import { csv, fixed, integer, plural, probability, signed } from '../format';
 import { kMetrics as kAll, metric, withUnit, type Metric } from '../metrics';
 import * as state from '../state';
 import { holm, pairedRate } from '../stats';
@@ -31,10 +31,6 @@ function rowsAgainst(model: Model, base: Series): Row[] {
     const t = model.trials;
     return { series: s, metrics, rates: [rate('Success', (row) => t.success(row)), rate('Collision', (row) => t.outcome(row) === 'collision')] };
   }).filter((row) => (row.rates[0]?.n ?? 0) > 0);
-}
-
-function signed(value: number, write: (v: number) => string): string {
-  return (value > 0 ? '+' : '') + write(value);
 }
 
 export function comparison(model: Model): HTMLElement {

@@ -6,7 +6,7 @@ import { pairs } from '../compare';
 import { conditions, onlyConditions } from '../conditions';
 import { inSlice, type Model, type Series, type SummaryRow } from '../data';
 import { h, replace } from '../dom';
-import { fixed, integer, percent, percentRange, plural, probability, times } from '../format';
+import { fixed, integer, percent, percentRange, plural, probability, signed, times } from '../format';
 import { afterFrame } from '../later';
 import { holm, pairedRate } from '../stats';
 import { palette, seriesColour } from '../theme';
@@ -56,15 +56,15 @@ function differences(model: Model, a: Series, b: Series, families: readonly stri
   return all.map((d, i) => (i === 0 ? d : { ...d, p: corrected[i - 1] ?? 1 }));
 }
 
-function signed(points: number): string {
-  return `${points > 0 ? '+' : ''}${fixed(points, 1)}`;
+function points(value: number): string {
+  return signed(value, (v) => fixed(v, 1));
 }
 
 /** "+34.0 points, 26.9 to 40.5, p < 0.001" */
 function differenceText(d: Difference): Node[] {
   if (d.n === 0) return [document.createTextNode('no common world')];
   const r = pairedRate(d.onlyA, d.onlyB, d.n);
-  return [h('b', null, `${signed(100 * r.value)} points`), h('span', null, `${fixed(100 * r.low, 1)} to ${fixed(100 * r.high, 1)}, ${d.onlyA + d.onlyB === 0 ? 'no world differs' : probability(d.p)}`)];
+  return [h('b', null, `${points(100 * r.value)} points`), h('span', null, `${fixed(100 * r.low, 1)} to ${fixed(100 * r.high, 1)}, ${d.onlyA + d.onlyB === 0 ? 'no world differs' : probability(d.p)}`)];
 }
 
 /** Dots with whiskers on the axis from 0 to 100 %. */
@@ -109,7 +109,7 @@ function sentence(a: Series, b: Series, d: Difference): string {
   const r = pairedRate(d.onlyA, d.onlyB, d.n);
   const verdict = d.p < 0.05 ? `${(d.onlyB > d.onlyA ? b : a).name} is ahead` : 'the difference may be chance';
   return `${on}${b.name} ${often('succeeded', d.onlyB)} where ${a.name} failed, and ${often('failed', d.onlyA)} where it succeeded: ${verdict} `
-    + `(${signed(100 * r.value)} points, 95 % interval ${fixed(100 * r.low, 1)} to ${fixed(100 * r.high, 1)}; exact McNemar ${probability(d.p)}).`;
+    + `(${points(100 * r.value)} points, 95 % interval ${fixed(100 * r.low, 1)} to ${fixed(100 * r.high, 1)}; exact McNemar ${probability(d.p)}).`;
 }
 
 /** "holistic fails mainly in clutter: local minimum, 69 of 86." Of the trials at hand; null where it never fails. */

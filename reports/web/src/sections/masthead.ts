@@ -17,10 +17,12 @@ function unique(values: readonly string[]): string[] {
 /** More names than this are not all written at the top of the page. */
 const kNames = 6;
 
+const kMonths = ['January', 'February', 'March', 'April', 'May', 'June', 'July', 'August', 'September', 'October', 'November', 'December'];
+
+/** "22 November 2026", without the browser's calendar, which takes its time to be read before the first paint. */
 function when(iso: string): string {
   const date = new Date(iso);
-  return Number.isNaN(date.getTime()) ? iso
-    : date.toLocaleDateString('en-GB', { day: 'numeric', month: 'long', year: 'numeric', timeZone: 'UTC' });
+  return Number.isNaN(date.getTime()) ? iso : `${date.getUTCDate()} ${kMonths[date.getUTCMonth()]} ${date.getUTCFullYear()}`;
 }
 
 function seeds(points: readonly PointInfo[]): string {
