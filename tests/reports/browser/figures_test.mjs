@@ -224,6 +224,8 @@ for (const [what, view] of views) {
     await page.setViewportSize({ width: 695, height: 900 });
     const wide = await page.evaluate(() => [...document.querySelectorAll('main table')].map((table) => [table.className, Math.round(table.getBoundingClientRect().right)]).filter(([, right]) => right > innerWidth));
     check(wide.length === 0, `print: beyond the paper: ${JSON.stringify(wide)}`);
+    const torn = await page.evaluate(() => [...document.querySelectorAll('.summary .ci')].filter((ci) => ci.getClientRects().length !== 1 || ci.offsetHeight > 1.9 * parseFloat(getComputedStyle(ci).fontSize)).map((ci) => ci.textContent));
+    check(torn.length === 0, `print: intervals in more than one line: ${torn}`);
     await accessible(page, source, 'print of a sweep', '#tuning, #difficulty, #sweep');
   }
   await context.close();
@@ -239,7 +241,7 @@ for (const [what, view] of views) {
   for (const [id, places] of [['forest', [...families, 'all worlds']], ['outcomes', families], ['manipulability', families], ['arrival', null], ['difficulty', null], ['timing', null]]) {
     const seen = await read(page, id);
     legible(seen, `phone, ${id} of four`);
-    check(seen.letters.every((letter) => !letter.text.includes('\u2026')), `phone: words of ${id} are cut: ${seen.letters.map((letter) => letter.text).filter((text) => text.includes('\u2026'))}`);
+    check(seen.letters.every((letter) => !/\u2026|\.{3}/.test(letter.text)), `phone: words of ${id} are cut: ${seen.letters.map((letter) => letter.text).filter((text) => /\u2026|\.{3}/.test(text))}`);
     const count = (text) => seen.letters.filter((letter) => letter.text === text).length;
     for (const { controller } of rows) check(count(controller) === (places?.length ?? 1), `phone: ${id} names ${controller} ${count(controller)} times`);
     for (const place of places ?? []) check(count(place) === rows.length, `phone: ${id} names ${place} ${count(place)} times`);
