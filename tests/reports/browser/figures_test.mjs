@@ -248,6 +248,8 @@ for (const [what, view] of views) {
     const shares = seen.letters.filter((letter) => /^(0|50|100) %$/.test(letter.text)).length;
     check(id === 'manipulability' || shares >= 3, `phone: ${id} has ${shares} of three shares at its axis`);
   }
+  const few = await page.locator('#figure-manipulability .note').innerText();
+  check(/Fewer than 30 trials: each is a dot/.test(few) && !/density/.test(few), `of ten trials there is no density: ${few}`);
   await noOverflow(page, 'four on a phone');
   // Beside their curves, and clear of every mark.
   await page.setViewportSize({ width: 900, height: 700 });

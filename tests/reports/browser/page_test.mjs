@@ -90,6 +90,13 @@ const { context: first, page } = await open(demo, { idle: true });
     }
   }
 
+  // A title names the metric that is chosen, as the axis does.
+  const quality = page.locator('#figure-manipulability');
+  await quality.locator('select').selectOption('path_ee_m');
+  check((await quality.locator('h3').innerText()) === 'Path of the end effector', `a title names its metric: ${await quality.locator('h3').innerText()}`);
+  check((await saved(page, quality.getByText('Save SVG'))).includes('>path of the end effector [m]<'), 'and so does the axis');
+  await quality.locator('select').selectOption('manip_mean');
+
   // The table of trials.
   const outcomes = data.trials.columns.outcome;
   const stuck = outcomes.codes.filter((code) => outcomes.values[code] === 'stuck').length;

@@ -289,7 +289,11 @@ const replayOnPhone = async (page, scheme) => {
   await new Promise((done) => holder.stdout.once('data', done));
   await page.waitForFunction(() => /30 of 40\strials \(75\s%\).*a run goes on/.test(document.querySelector('.live').textContent));
   check(/interim/.test(await page.locator('.notices').innerText()), 'what is shown before the end is called interim');
-  check((await page.locator('#trials footer .note').innerText()).startsWith('30'), 'the trials so far');
+  sql(db, 'INSERT INTO point_trial SELECT * FROM kept WHERE world_index = 15; DELETE FROM kept WHERE world_index = 15;');
+  await page.waitForFunction(() => / left;/.test(document.querySelector('.live').textContent));
+  const pace = /^32 of 40\strials \(80\s%\), ([\d.]+) a second, about ([\d.]+)\s(s|min) left;/.exec(await page.locator('.live').innerText());
+  check(pace !== null && near(Number(pace[2]) * (pace[3] === 'min' ? 60 : 1), 8 / Number(pace[1]), pace[3] === 'min' ? 45 : 0.5 + 8 * 0.05 / Number(pace[1]) ** 2), `a rate and the time left: ${await page.locator('.live').innerText()}`);
+  await page.waitForFunction(() => document.querySelector('#trials footer .note').textContent.startsWith('32'));   // the trials so far
   await page.locator('#failures').scrollIntoViewIfNeeded();
   await page.locator('.atlas .play').first().click();
   await page.waitForSelector('.stage-box[data-trial]');
