@@ -3,7 +3,7 @@
 import { kNarrow, kTwoLines, legend, legendHeight, rowAxis, shareAxis, tip, type FigureSpec } from '../chart';
 import { inkOn } from '../colour';
 import { outcomeName, kOutcomes, type Outcome, type Series } from '../data';
-import { integer, percent, plural } from '../format';
+import { integer, percent, plural, sizes } from '../format';
 import * as state from '../state';
 import { outcomeColour, type Palette } from '../theme';
 import { view } from '../view';
@@ -50,7 +50,7 @@ export function outcomes(): FigureSpec {
       const row = all.length <= 12 ? 38 : families && width < kNarrow ? kTwoLines : 26;
       return {
         height: 30 + top + all.length * row,
-        note: `n = ${[...new Set(all.map((bar) => bar.n))].map(integer).join(', ')} trials a bar; counts of five and more are written in.`,
+        note: `n = ${sizes(all.map((bar) => bar.n))} trials a bar; counts of five and more are written in.`,
         columns: ['family', 'controller', 'point', 'outcome', 'trials', 'share', 'n'],
         rows: all.flatMap((bar) => present.map((o) => [
           bar.family, bar.series.controller, bar.series.point, o, bar.counts.get(o) ?? 0, (bar.counts.get(o) ?? 0) / bar.n, bar.n,

@@ -50,12 +50,13 @@ export function pareto(): FigureSpec {
       const range = isRate ? nice(0, Math.max(...points.map((q) => q.row.collision_high)), width < kNarrow ? 4 : 7) : nice(Math.min(...costs), Math.max(...costs), width < kNarrow ? 4 : 7);
       const colour = seriesColour(p, 0);
       // Beside a dot on the side where no other lies, at about the scale of the plot.
-      const side = ({ cost: x, row: { success_rate: y } }: Point): string => {
+      const across = (cost: number): number => (cost / (range.max - range.min)) * (width - 90);
+      const side = ({ series, cost: x, row: { success_rate: y } }: Point): string => {
         const covers = (to: number): boolean => points.some((q) => {
-          const [right, up] = [((q.cost - x) / (range.max - range.min)) * (width - 90), (q.row.success_rate - y) * 330];
+          const [right, up] = [across(q.cost - x), (q.row.success_rate - y) * 330];
           return to * right > 3 && to * right < 84 && Math.abs(up) < 12;
         });
-        return covers(1) && !covers(-1) && x - range.min > 0.2 * (range.max - range.min) ? 'left' : covers(1) ? 'top' : 'right';
+        return covers(1) && !covers(-1) && across(x - range.min) > 12 + 6.2 * series.short.length ? 'left' : covers(1) ? 'top' : 'right';
       };
       return {
         height: 400,
