@@ -3,5 +3,14 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 scripts/setup.sh all
+# What some tests of the Python package use (Gymnasium, notebooks, Parquet). Without it they are skipped, and say so.
+if ! cmp -s python/requirements-tests.txt .venv/.installed-tests; then
+  echo "test: installing the packages of python/requirements-tests.txt into .venv" >&2
+  if .venv/bin/python3 -m pip install --quiet --disable-pip-version-check -r python/requirements-tests.txt; then
+    cp python/requirements-tests.txt .venv/.installed-tests
+  else
+    echo "test: they cannot be installed: the tests that use them are skipped" >&2
+  fi
+fi
 if [ "$#" -eq 0 ]; then scripts/check_format.sh; fi
 ctest --test-dir build --output-on-failure --no-tests=error -j "$(nproc)" "$@"

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <utility>
@@ -29,6 +30,7 @@ struct CompareOptions {
   std::string suite;
   std::optional<double> margin;
   double difference = 0.05;
+  bool json = false;
 };
 
 constexpr const char* kMetrics[] = {"time_to_goal_s", "manip_mean",  "clearance_min_m", "command_change_mean",
@@ -150,8 +152,16 @@ void print_rates(const std::vector<RateRow>& rates, std::int64_t n) {
   write(std::cout, table, Format::kTable);
 }
 
-void print_metrics(const QueryResult& pairs, const std::vector<Metric>& metrics) {
-  QueryResult table{{"metric (both have it)", "n", "mean A", "mean B", "B - A", "95 % (paired bootstrap)"}, {}};
+struct MetricRow {
+  std::string name;
+  std::int64_t n = 0;
+  double a = 0.0, b = 0.0;  // means
+  stats::MeanDifference difference;
+};
+
+/// Of the worlds where both have the metric; without those that no world has.
+std::vector<MetricRow> compare_metrics(const QueryResult& pairs, const std::vector<Metric>& metrics) {
+  std::vector<MetricRow> rows;
   for (std::size_t m = 0; m < metrics.size(); ++m) {
     std::vector<double> a;
     std::vector<double> b;
@@ -163,17 +173,68 @@ void print_metrics(const QueryResult& pairs, const std::vector<Metric>& metrics)
       b.push_back(number(y));
     }
     if (a.empty()) continue;
-    double mean_a = 0.0;
-    double mean_b = 0.0;
+    MetricRow row{metrics[m].name, static_cast<std::int64_t>(a.size()), 0.0, 0.0, stats::paired_bootstrap(b, a)};
     for (std::size_t i = 0; i < a.size(); ++i) {
-      mean_a += a[i] / static_cast<double>(a.size());
-      mean_b += b[i] / static_cast<double>(a.size());
+      row.a += a[i] / static_cast<double>(a.size());
+      row.b += b[i] / static_cast<double>(a.size());
     }
-    const stats::MeanDifference d = stats::paired_bootstrap(b, a);
-    table.rows.push_back({metrics[m].name, static_cast<std::int64_t>(a.size()), mean_a, mean_b, d.mean,
-                          fmt::format("[{:.4g}, {:.4g}]", d.low, d.high)});
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+void print_metrics(const std::vector<MetricRow>& metrics) {
+  QueryResult table{{"metric (both have it)", "n", "mean A", "mean B", "B - A", "95 % (paired bootstrap)"}, {}};
+  for (const MetricRow& row : metrics) {
+    const stats::MeanDifference& d = row.difference;
+    table.rows.push_back({row.name, row.n, row.a, row.b, d.mean, fmt::format("[{:.4g}, {:.4g}]", d.low, d.high)});
   }
   write(std::cout, table, Format::kTable);
+}
+
+/// The same as data.
+void print_json(const std::pair<NamedPoint, NamedPoint>& points, std::int64_t n, const std::vector<RateRow>& rates,
+                const std::vector<MetricRow>& metrics) {
+  using nlohmann::ordered_json;
+  ordered_json json{{"a", points.first.name()}, {"b", points.second.name()}, {"suite", points.first.suite}, {"n", n}};
+  std::vector<double> p;
+  for (const RateRow& rate : rates) p.push_back(rate.p);
+  const std::vector<double> adjusted = stats::holm(p);
+  json["rates"] = ordered_json::array();
+  for (std::size_t i = 0; i < rates.size(); ++i) {
+    const RateRow& r = rates[i];
+    const auto share = [n](std::int64_t k) { return static_cast<double>(k) / static_cast<double>(n); };
+    const stats::Interval a = stats::wilson(r.a, n);
+    const stats::Interval b = stats::wilson(r.b, n);
+    json["rates"].push_back({{"rate", r.name},
+                             {"n", n},
+                             {"a", share(r.a)},
+                             {"a_low", a.low},
+                             {"a_high", a.high},
+                             {"b", share(r.b)},
+                             {"b_low", b.low},
+                             {"b_high", b.high},
+                             {"only_a", r.only_a},
+                             {"only_b", r.only_b},
+                             {"p_mcnemar", r.p},
+                             {"p_holm", adjusted[i]}});
+  }
+  json["metrics"] = ordered_json::array();
+  for (const MetricRow& row : metrics) {
+    json["metrics"].push_back({{"metric", row.name},
+                               {"n", row.n},
+                               {"mean_a", row.a},
+                               {"mean_b", row.b},
+                               {"difference", row.difference.mean},
+                               {"low", row.difference.low},
+                               {"high", row.difference.high}});
+  }
+  std::cout << json.dump(-1, ' ', false, ordered_json::error_handler_t::replace) << '\n';
+}
+
+/// Whether B's loss is more than the margin.
+bool too_much_worse(const CompareOptions& options, const RateRow& success, std::int64_t n) {
+  return options.margin && static_cast<double>(success.a - success.b) / static_cast<double>(n) > *options.margin;
 }
 
 int compare(const CompareOptions& options) {
@@ -186,13 +247,19 @@ int compare(const CompareOptions& options) {
   const auto shown = [](const NamedPoint& point) {
     return point.why.empty() ? point.name() : fmt::format("{} (best by {})", point.name(), point.why);
   };
+  const RateRow success = compare_rates(pairs, "success", 2);
+  const std::vector<RateRow> rates{success, compare_rates(pairs, "collision", 4)};
+  const std::vector<MetricRow> compared = compare_metrics(pairs, metrics);
+  if (options.json) {
+    print_json(points, n, rates, compared);
+    return too_much_worse(options, success, n) ? kCheckFailed : kOk;
+  }
   std::cout << terminal_safe(fmt::format("A = {}, B = {}, suite {}: {} worlds that both met{}", shown(points.first),
                                          shown(points.second), points.first.suite, n, left_out))
             << "\n\n";
-  const RateRow success = compare_rates(pairs, "success", 2);
-  print_rates({success, compare_rates(pairs, "collision", 4)}, n);
+  print_rates(rates, n);
   std::cout << '\n';
-  print_metrics(pairs, metrics);
+  print_metrics(compared);
   const double discordant = static_cast<double>(success.only_a + success.only_b) / static_cast<double>(n);
   std::cout << fmt::format(
       "\nWorlds needed to see a difference of {:g} percentage points in success, 4 times out of 5: {} ({:.1f} % of the "
@@ -200,7 +267,7 @@ int compare(const CompareOptions& options) {
       100 * options.difference, stats::mcnemar_pairs(discordant, options.difference), 100 * discordant);
   if (!options.margin) return kOk;
   const double loss = static_cast<double>(success.a - success.b) / static_cast<double>(n);
-  const bool worse = loss > *options.margin;
+  const bool worse = too_much_worse(options, success, n);
   std::cout << fmt::format("\nB succeeds {:.2f} percentage points {} often than A; the margin is {:.2f}: {}\n",
                            100 * std::abs(loss), loss > 0 ? "less" : "more", 100 * *options.margin,
                            worse ? "worse" : "accepted");
@@ -223,6 +290,7 @@ void add_compare(CLI::App& app, Action& action, const Arguments& /*arguments*/) 
       ->check(CLI::Range(0.0, 1.0));
   command->add_option("--difference", options->difference, "Says how many worlds show this difference of rates (0.05)")
       ->check(CLI::Range(0.001, 0.999));
+  command->add_flag("--json", options->json, "As one line of JSON");
   command->footer(
       fmt::format("@best is the point with {}. On the worlds that chose it, the best of many looks better than it is.\n"
                   "Worlds where a trial ended by an error are left out.\n"

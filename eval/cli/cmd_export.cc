@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -85,17 +86,26 @@ void add_export(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
     fs::path file;
     fs::path csv;
     fs::path arena;
+    std::string parquet;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("export", "Write a store as flat CSV files, or for Planner Arena");
   command->add_option("DB", options->file, "Store")->required();
   command->add_option("--csv", options->csv, "Folder for the files, made if missing");
   command->add_option("--planner-arena", options->arena, "File to write: OMPL's benchmark database");
+  command->add_option("--parquet", options->parquet,
+                      "Folder for Parquet files; by the Python package: python3 -m moma export DB --parquet FOLDER");
   command->footer(
       "Examples: moma export results/demo.db --csv results/demo-csv\n"
       "          moma export results/demo.db --planner-arena results/demo-arena.db   (see plannerarena.org)");
   command->callback([&action, options] {
     action = [options] {
+      if (!options->parquet.empty()) {
+        throw UsageError(
+            fmt::format("export: Parquet files are written by the Python package (pip install \"moma[parquet]\"): "
+                        "python3 -m moma export {} --parquet {}",
+                        options->file.string(), options->parquet));
+      }
       if (options->csv.empty() && options->arena.empty())
         throw UsageError("export: says nothing to write; give --csv FOLDER or --planner-arena FILE");
       if (!options->csv.empty()) export_csv(options->file, options->csv);

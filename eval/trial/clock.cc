@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <optional>
+#include <span>
 #include <stdexcept>
 
 #include "controller/model/kinematics.h"
@@ -33,15 +35,15 @@ double l1_error(const Isometry& X_WE, const Isometry& X_WG) {
   return X_EG.translation().lpNorm<1>() + rpy_of(X_EG.linear()).lpNorm<1>();
 }
 
-class TickClock {
+}  // namespace
+
+class TickClock::Impl {
  public:
-  TickClock(const TrialSpec& spec, const World& world, Plant& plant, StepController& controller, Recording& recording,
-            ProfileClock* clock)
+  Impl(const TrialSpec& spec, const World& world, Plant& plant, Recording& recording, ProfileClock* clock)
       : spec_(spec),
         world_(world),
         model_(*spec.robot->model),
         plant_(plant),
-        controller_(controller),
         r_(recording),
         clock_(clock),
         period_(spec.simulation.control_period),
@@ -51,24 +53,82 @@ class TickClock {
         stuck_(spec.stuck, period_),
         infeasible_(spec.infeasible, period_),
         separation_(spec),
-        ends_at_limits_(spec.simulation.joint_limits != AtJointLimit::kIgnore) {}
-
-  TrialRow run() {
+        ends_at_limits_(spec.simulation.joint_limits != AtJointLimit::kIgnore) {
     prepare();
-    const long last_step = std::max(1L, periods_in(spec_.simulation.time_limit, period_));
+    last_step_ = std::max(1L, periods_in(spec_.simulation.time_limit, period_));
     plant_.check_start(report_);
-    Ending ending;
-    for (long k = 0;; ++k) {
-      enter(clock_, TrialPart::kMetrics);
-      take_report();
-      const bool finite = measure_state(k);
-      if (finite) compare_detectors(k);
-      if (end_at(k, last_step, finite, ending)) return finish(k, std::move(ending));
-      command(k);
+  }
+
+  std::span<const ObjectShape> objects() const noexcept { return told_; }
+  const Observation& seen() const noexcept { return observation_; }
+  StepResult& answer() noexcept { return result_; }
+  void truth(Observation& out) const { observe(plant_.state(), objects_, goal_, time(k_), out); }
+
+  bool sense() {
+    enter(clock_, TrialPart::kMetrics);
+    take_report();
+    finite_ = measure_state(k_);
+    if (finite_) compare_detectors(k_);
+    if (end_at(k_, last_step_, finite_, ending_)) return false;
+    enter(clock_, TrialPart::kSensing);
+    look();
+    return true;
+  }
+
+  void look_last() {
+    if (finite_) look();
+  }
+
+  void act(double seconds) {
+    r_.step_seconds.push_back(seconds);
+    enter(clock_, TrialPart::kMetrics);
+    if (result_.solve_seconds > 0.0) r_.solve_seconds.push_back(result_.solve_seconds);
+    if (result_.command.size() != model_.num_velocities() || !result_.command.allFinite()) {
+      throw std::runtime_error(fmt::format("the controller's command at t = {:.4g} s is not {} finite numbers",
+                                           time(k_), model_.num_velocities()));
     }
+    Sample& sample = r_.trace.emplace_back();
+    sample.t = time(k_);
+    const PlantState& state = plant_.state();
+    sample.base = state.base;
+    sample.q = state.q;
+    sample.qdot = state.qdot;
+    sample.command = result_.command;
+    sample.error = error_;
+    sample.slack = result_.slack;
+    sample.manipulability = r_.states.back().manipulability;
+    sample.least_distance = result_.least_distance;
+    sample.status = result_.status;
+    sample.fallback = result_.fallback;
+    sample.active_rows = result_.active_rows;
+    sample.escape = result_.escape;
+    sample.plan = result_.plan;
+    infeasible_.count(result_.fallback);
+    enter(clock_, TrialPart::kSensing);
+    const VectorX& command = actuation_ ? actuation_->act(k_, result_.command) : result_.command;
+    enter(clock_, TrialPart::kPlant);
+    plant_.advance(command, period_, report_);
+    ++k_;
+  }
+
+  TrialRow finish() {
+    r_.separation = separation_.least();
+    note_latencies();
+    TrialRow row = measure(r_, model_);
+    row.outcome = ending_.outcome;
+    row.reason = std::move(ending_.reason);
+    row.time_end_s = time(k_);
+    if (row.outcome == Outcome::kSuccess) row.time_to_goal_s = time(dwell_.first());
+    if (row.outcome == Outcome::kCollision) describe_contact(row);
+    return row;
   }
 
  private:
+  void look() {
+    observe(plant_.state(), objects_, goal_, time(k_), observation_);
+    if (sensing_) sensing_->sense(k_, observation_);
+  }
+
   void prepare() {
     const std::vector<ObjectShape> shapes = object_shapes(world_);
     proximity_.set_objects(shapes);
@@ -82,17 +142,12 @@ class TickClock {
         std::any_of(model_.self_pairs.begin(), model_.self_pairs.end(), [](const SelfPair& pair) { return pair.row; });
     const Disturbances& disturbances = spec_.disturbances;
     if (senses_with_errors(disturbances)) sensing_.emplace(disturbances, model_, world_, period_);
-    std::vector<ObjectShape> told = shapes;
+    told_ = shapes;
     if (sensing_)
-      for (ObjectShape& phantom : sensing_->phantoms(world_)) told.push_back(std::move(phantom));
-    controller_.reset(told);
-    controller_.prepare(result_);
+      for (ObjectShape& phantom : sensing_->phantoms(world_)) told_.push_back(std::move(phantom));
     if (acts_with_errors(disturbances)) actuation_.emplace(disturbances, model_, world_, period_);
     r_.control_period = period_;
     r_.moving_goal = goal_moves_;
-    r_.has_qp = has_qp(spec_);
-    r_.has_prediction = spec_.plugin == nullptr && spec_.controller_params.prediction.enabled;
-    r_.has_slack = r_.has_qp && spec_.controller_params.slack.enabled;
     r_.dynamic = spec_.simulation.mode == SimulationMode::kDynamic;
     r_.has_wheels = r_.dynamic && model_.base_dof() > 0;
     const auto expected = static_cast<std::size_t>(std::min(periods_in(spec_.simulation.time_limit, period_), 4096L));
@@ -231,57 +286,6 @@ class TickClock {
     return text + joint_text;
   }
 
-  void command(long k) {
-    enter(clock_, TrialPart::kSensing);
-    const PlantState& state = plant_.state();
-    observe(state, objects_, goal_, time(k), observation_);
-    if (sensing_) sensing_->sense(k, observation_);
-    enter(clock_, TrialPart::kController);
-    const Clock::time_point before = Clock::now();
-    controller_.step(observation_, result_);
-    r_.step_seconds.push_back(std::chrono::duration<double>(Clock::now() - before).count());
-    enter(clock_, TrialPart::kMetrics);
-    if (result_.solve_seconds > 0.0) r_.solve_seconds.push_back(result_.solve_seconds);
-    if (const std::string_view failure = controller_.failure(); !failure.empty())
-      throw std::runtime_error(fmt::format("at t = {:.4g} s {}", time(k), failure));
-    if (result_.command.size() != model_.num_velocities() || !result_.command.allFinite()) {
-      throw std::runtime_error(fmt::format("the controller's command at t = {:.4g} s is not {} finite numbers", time(k),
-                                           model_.num_velocities()));
-    }
-    Sample& sample = r_.trace.emplace_back();
-    sample.t = time(k);
-    sample.base = state.base;
-    sample.q = state.q;
-    sample.qdot = state.qdot;
-    sample.command = result_.command;
-    sample.error = error_;
-    sample.slack = result_.slack;
-    sample.manipulability = r_.states.back().manipulability;
-    sample.least_distance = result_.least_distance;
-    sample.status = result_.status;
-    sample.fallback = result_.fallback;
-    sample.active_rows = result_.active_rows;
-    sample.escape = result_.escape;
-    sample.plan = result_.plan;
-    infeasible_.count(result_.fallback);
-    enter(clock_, TrialPart::kSensing);
-    const VectorX& command = actuation_ ? actuation_->act(k, result_.command) : result_.command;
-    enter(clock_, TrialPart::kPlant);
-    plant_.advance(command, period_, report_);
-  }
-
-  TrialRow finish(long k, Ending ending) {
-    r_.separation = separation_.least();
-    note_latencies();
-    TrialRow row = measure(r_, model_);
-    row.outcome = ending.outcome;
-    row.reason = std::move(ending.reason);
-    row.time_end_s = time(k);
-    if (row.outcome == Outcome::kSuccess) row.time_to_goal_s = time(dwell_.first());
-    if (row.outcome == Outcome::kCollision) describe_contact(row);
-    return row;
-  }
-
   // What the controller found out, and how far that is from what it was told.
   void note_latencies() {
     const PredictionParams& told = spec_.controller_params.prediction;
@@ -326,7 +330,6 @@ class TickClock {
   const World& world_;
   const RobotModel& model_;
   Plant& plant_;
-  StepController& controller_;
   Recording& r_;
   ProfileClock* clock_;
   const double period_;
@@ -348,13 +351,44 @@ class TickClock {
   bool objects_move_ = false;
   bool goal_moves_ = false;
   bool has_self_pairs_ = false;
+  bool finite_ = true;
+  std::vector<ObjectShape> told_;  // of what the controller is told
+  long k_ = 0;                     // number of the sample
+  long last_step_ = 0;
+  Ending ending_;
 };
 
-}  // namespace
+TickClock::TickClock(const TrialSpec& spec, const World& world, Plant& plant, Recording& recording,
+                     ProfileClock* profile)
+    : impl_(std::make_unique<Impl>(spec, world, plant, recording, profile)) {}
+TickClock::~TickClock() = default;
+std::span<const ObjectShape> TickClock::objects() const noexcept { return impl_->objects(); }
+bool TickClock::sense() { return impl_->sense(); }
+void TickClock::look_last() { impl_->look_last(); }
+const Observation& TickClock::seen() const noexcept { return impl_->seen(); }
+void TickClock::truth(Observation& out) const { impl_->truth(out); }
+StepResult& TickClock::answer() noexcept { return impl_->answer(); }
+void TickClock::act(double seconds) { impl_->act(seconds); }
+TrialRow TickClock::finish() { return impl_->finish(); }
 
 TrialRow run_clock(const TrialSpec& spec, const World& world, Plant& plant, StepController& controller,
-                   Recording& recording, ProfileClock* clock) {
-  return TickClock(spec, world, plant, controller, recording, clock).run();
+                   Recording& recording, ProfileClock* profile) {
+  recording.has_qp = has_qp(spec);
+  recording.has_prediction = spec.plugin == nullptr && spec.controller_params.prediction.enabled;
+  recording.has_slack = recording.has_qp && spec.controller_params.slack.enabled;
+  TickClock clock(spec, world, plant, recording, profile);
+  controller.reset(clock.objects());
+  controller.prepare(clock.answer());
+  while (clock.sense()) {
+    enter(profile, TrialPart::kController);
+    const Clock::time_point before = Clock::now();
+    controller.step(clock.seen(), clock.answer());
+    const double seconds = std::chrono::duration<double>(Clock::now() - before).count();
+    if (const std::string_view failure = controller.failure(); !failure.empty())
+      throw std::runtime_error(fmt::format("at t = {:.4g} s {}", clock.seen().time, failure));
+    clock.act(seconds);
+  }
+  return clock.finish();
 }
 
 }  // namespace moma

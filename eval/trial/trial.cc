@@ -19,28 +19,30 @@ std::unique_ptr<StepController> usual_controller(const TrialSpec& spec, StepCloc
   return controller;
 }
 
+}  // namespace
+
 std::unique_ptr<Plant> usual_plant(const TrialSpec& spec, const World& world) {
   const std::shared_ptr<const RobotModel>& model = spec.robot->model;
   return make_plant(model, world, spec.simulation, plant_conditions(spec.disturbances, *model, world));
 }
 
-}  // namespace
+TrialRow row_of_error(const TrialSpec& spec, const Recording& recording, const char* text) {
+  TrialRow row;
+  try {
+    row = measure(recording, *spec.robot->model);
+  } catch (const std::exception&) {
+    row = {};
+  }
+  row.outcome = Outcome::kError;
+  row.reason = text;
+  row.time_end_s = static_cast<double>(recording.trace.size()) * spec.simulation.control_period;
+  return row;
+}
 
 TrialOutput run_trial(const TrialSpec& spec, const World& world, const TrialParts& parts, ProfileClock* clock) {
   const auto start = std::chrono::steady_clock::now();
   Recording recording;
   TrialOutput output;
-  const auto failed = [&](const char* text) {
-    // What was measured until the exception is kept.
-    try {
-      output.row = measure(recording, *spec.robot->model);
-    } catch (const std::exception&) {
-      output.row = {};
-    }
-    output.row.outcome = Outcome::kError;
-    output.row.reason = text;
-    output.row.time_end_s = static_cast<double>(recording.trace.size()) * spec.simulation.control_period;
-  };
   enter(clock, TrialPart::kSetUp);
   try {
     const std::unique_ptr<Plant> plant = parts.plant ? parts.plant(spec, world) : usual_plant(spec, world);
@@ -49,9 +51,9 @@ TrialOutput run_trial(const TrialSpec& spec, const World& world, const TrialPart
         parts.controller ? parts.controller(spec) : usual_controller(spec, clock);
     output.row = run_clock(spec, world, *plant, *controller, recording, clock);
   } catch (const std::exception& e) {
-    failed(e.what());
+    output.row = row_of_error(spec, recording, e.what());
   } catch (...) {
-    failed("an exception of unknown type");
+    output.row = row_of_error(spec, recording, "an exception of unknown type");
   }
   output.trace = std::move(recording.trace);
   output.row.timing.t_trial_us =

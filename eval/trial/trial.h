@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "controller/step.h"
+#include "eval/trial/metrics.h"
 #include "eval/trial/profile.h"
 #include "eval/trial/row.h"
 #include "eval/trial/spec.h"
@@ -28,6 +29,12 @@ struct TrialParts {
 /// kSetUp first and kMetrics last.
 TrialOutput run_trial(const TrialSpec& spec, const World& world, const TrialParts& parts = {},
                       ProfileClock* clock = nullptr);
+
+/// The plant that `spec` asks for. Throws what make_plant() throws.
+std::unique_ptr<Plant> usual_plant(const TrialSpec& spec, const World& world);
+
+/// Of a trial that ended by an exception with this text: what was measured until then is kept.
+TrialRow row_of_error(const TrialSpec& spec, const Recording& recording, const char* text);
 
 /// Makes the plant that `spec` asks for and throws what that throws: a robot that lacks what its mode of simulation
 /// needs fails in every world by the same words.

@@ -19,6 +19,11 @@ using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cp
 using Values = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Array = nb::ndarray<nb::numpy, double>;
 
+/// The numbers of an observation, as a process gets it (docs/reference/process-protocol.md, "Step"): besides q and
+/// qdot, and of each object.
+inline constexpr std::size_t kFixedNumbers = 22;
+inline constexpr std::size_t kObjectNumbers = 38;
+
 /// A new array of this shape, and where its numbers are.
 Array make_array(std::initializer_list<std::size_t> shape, double*& data);
 
@@ -32,5 +37,7 @@ config::Node node_of(const std::string& json, const std::string& name);
 void bind_robot(nb::module_& module);
 void bind_controller(nb::module_& module);
 void bind_case(nb::module_& module);
+void bind_suite(nb::module_& module);
+void bind_trials(nb::module_& module);
 
 }  // namespace moma::python

@@ -37,9 +37,6 @@ class NumberReader {
   const double* from_;
 };
 
-constexpr std::size_t kFixed = 22;  // the numbers of docs/reference/process-protocol.md, "Step"
-constexpr std::size_t kObject = 38;
-
 /// moma's controller, of which observations are the numbers that a process gets.
 class Controller {
  public:
@@ -112,7 +109,8 @@ class Controller {
   void read(const Values& values) {
     const Eigen::Index n = robot_.model->num_joints();
     const Eigen::Index m = robot_.model->num_velocities();
-    check_size(values.size(), kFixed + static_cast<std::size_t>(n + m) + kObject * objects_.size(), "observation");
+    check_size(values.size(), kFixedNumbers + static_cast<std::size_t>(n + m) + kObjectNumbers * objects_.size(),
+               "observation");
     NumberReader in(values.data());
     seen_.time = in.number();
     seen_.base = in.vector(3);

@@ -37,4 +37,6 @@ NB_MODULE(_core, module) {
   moma::python::bind_robot(module);
   moma::python::bind_controller(module);
   moma::python::bind_case(module);
+  moma::python::bind_suite(module);
+  moma::python::bind_trials(module);
 }

@@ -31,6 +31,14 @@ ManipulabilityRows rows_of(const std::string& word) {
   return *rows;
 }
 
+void read_objects(const std::string& json, std::vector<ObjectShape>& shapes, std::vector<ObjectState>& states) {
+  const config::Node node = node_of(json, "objects");
+  for (const config::Node& item : node.items) {
+    const int i = static_cast<int>(shapes.size());
+    read_object(item, "objects[" + std::to_string(i) + "]", i, shapes.emplace_back(), states.emplace_back());
+  }
+}
+
 }  // namespace
 
 template <class Body>
@@ -109,15 +117,44 @@ Array Robot::manipulability_gradient(const Rows& q, const std::string& rows) con
   return out;
 }
 
-nb::tuple Robot::integrate(const Values& base, const Values& q, const Values& velocity, double seconds) const {
-  check_size(base.size(), 3, "base");
-  check_size(q.size(), static_cast<std::size_t>(model().num_joints()), "q");
-  check_size(velocity.size(), static_cast<std::size_t>(model().num_velocities()), "velocity");
-  Vector3 next_base = Eigen::Map<const Vector3>(base.data());
-  VectorX next_q = Eigen::Map<const VectorX>(q.data(), static_cast<Eigen::Index>(q.size()));
-  moma::integrate(model(), next_base, next_q,
-                  Eigen::Map<const VectorX>(velocity.data(), static_cast<Eigen::Index>(velocity.size())), seconds);
-  return nb::make_tuple(array_of(next_base), array_of(next_q));
+nb::tuple Robot::integrate(const Rows& base, const Rows& q, const Rows& velocity, double seconds) const {
+  const std::size_t rows = q.shape(0);
+  const auto joints = static_cast<std::size_t>(model().num_joints());
+  const auto velocities = static_cast<std::size_t>(model().num_velocities());
+  check_size(base.shape(1), 3, "base");
+  check_size(q.shape(1), joints, "q");
+  check_size(velocity.shape(1), velocities, "velocity");
+  check_size(base.shape(0), rows, "configurations of the base");
+  check_size(velocity.shape(0), rows, "velocities");
+  double* bases = nullptr;
+  double* qs = nullptr;
+  Array next_base = make_array({rows, 3}, bases);
+  Array next_q = make_array({rows, joints}, qs);
+  for (std::size_t i = 0; i < rows; ++i) {
+    Vector3 moved = Eigen::Map<const Vector3>(base.data() + 3 * i);
+    VectorX turned = Eigen::Map<const VectorX>(q.data() + joints * i, static_cast<Eigen::Index>(joints));
+    const Eigen::Map<const VectorX> rate(velocity.data() + velocities * i, static_cast<Eigen::Index>(velocities));
+    moma::integrate(model(), moved, turned, rate, seconds);
+    std::copy(moved.begin(), moved.end(), bases + 3 * i);
+    std::copy(turned.begin(), turned.end(), qs + joints * i);
+  }
+  return nb::make_tuple(nb::cast(std::move(next_base)), nb::cast(std::move(next_q)));
+}
+
+Array Robot::clearance(const Rows& base, const Rows& q, const std::string& objects) const {
+  std::vector<ObjectShape> shapes;
+  std::vector<ObjectState> states;
+  read_objects(objects, shapes, states);
+  Proximity proximity(loaded_.model);
+  proximity.set_objects(shapes);
+  double* data = nullptr;
+  Array out = make_array({q.shape(0)}, data);
+  each(base, q, [&](std::size_t i, const Kinematics& kinematics) {
+    data[i] = kInfinity;
+    for (const ProximityPair& pair : proximity.query(kinematics, states, {.object = 1e6, .floor = -1.0, .self = -1.0}))
+      data[i] = std::min(data[i], pair.distance.d);
+  });
+  return out;
 }
 
 nb::list Robot::distances(const Values& base, const Values& q, const std::string& objects, double object_range,
@@ -126,11 +163,7 @@ nb::list Robot::distances(const Values& base, const Values& q, const std::string
   check_size(q.size(), static_cast<std::size_t>(model().num_joints()), "q");
   std::vector<ObjectShape> shapes;
   std::vector<ObjectState> states;
-  const config::Node node = node_of(objects, "objects");
-  for (const config::Node& item : node.items) {
-    const int i = static_cast<int>(shapes.size());
-    read_object(item, "objects[" + std::to_string(i) + "]", i, shapes.emplace_back(), states.emplace_back());
-  }
+  read_objects(objects, shapes, states);
   Kinematics kinematics(loaded_.model);
   kinematics.update(Eigen::Map<const Vector3>(base.data()),
                     Eigen::Map<const VectorX>(q.data(), static_cast<Eigen::Index>(q.size())));
@@ -195,6 +228,7 @@ void bind_robot(nb::module_& module) {
       .def("manipulability", &Robot::manipulability)
       .def("manipulability_gradient", &Robot::manipulability_gradient)
       .def("integrate", &Robot::integrate)
+      .def("clearance", &Robot::clearance)
       .def("distances", &Robot::distances);
 }
 

@@ -22,7 +22,9 @@ class Robot {
   Array jacobian(const Rows& base, const Rows& q) const;                        ///< (N, 6, velocities)
   Array manipulability(const Rows& q, const std::string& rows) const;           ///< (N,)
   Array manipulability_gradient(const Rows& q, const std::string& rows) const;  ///< (N, joints)
-  nb::tuple integrate(const Values& base, const Values& q, const Values& velocity, double seconds) const;
+  nb::tuple integrate(const Rows& base, const Rows& q, const Rows& velocity, double seconds) const;  ///< base, q
+  /// (N,), to the nearest object; infinite without objects.
+  Array clearance(const Rows& base, const Rows& q, const std::string& objects) const;
   /// `objects`: a JSON list of objects as in a case file. A list of (kind, first, second, d, n_W, p_first_W,
   /// p_second_W).
   nb::list distances(const Values& base, const Values& q, const std::string& objects, double object_range,

@@ -57,6 +57,10 @@ def run(arguments: Sequence[str], *, show: bool = False) -> str:
 
 
 def main() -> None:
-    """The command `moma` of the package."""
+    """The command `moma` of the package: the program, and what only Python's libraries do."""
+    if "export" in sys.argv[1:2] and any(word.split("=")[0] == "--parquet" for word in sys.argv[2:]):
+        from .export import main as export
+
+        sys.exit(export(sys.argv[2:]))
     path = program()
     os.execv(path, [path, *sys.argv[1:]])

@@ -35,7 +35,9 @@ class Robot:
     """
 
     def __init__(self, source: str | os.PathLike[str] | Mapping[str, Any]):
-        if isinstance(source, Mapping):
+        if isinstance(source, _core.Robot):  # of an Env
+            self._core = source
+        elif isinstance(source, Mapping):
             self._core = _core.Robot.read(json.dumps(source))
         else:
             self._core = _core.Robot.load(os.fspath(source))
@@ -87,8 +89,14 @@ class Robot:
         self, q: ArrayLike, velocity: ArrayLike, seconds: float, base: ArrayLike | None = None
     ) -> tuple[Floats, Floats]:
         """(q, base) after a constant velocity: joints linearly, the base along its exact arc."""
-        moved, turned = self._core.integrate(_vector(base, 3), _vector(q, len(self.joints)), _vector(velocity), seconds)
-        return turned, moved
+        rows, bases, single = self._configurations(q, base)
+        rates = np.asarray(velocity, dtype=np.float64)
+        if rates.ndim == 2 and len(rows) == 1:
+            rows, bases = (np.broadcast_to(part, (len(rates), part.shape[1])) for part in (rows, bases))
+        single = single and rates.ndim == 1
+        rates = np.broadcast_to(rates, (len(rows), rates.shape[-1]))
+        moved, turned = self._core.integrate(*(np.ascontiguousarray(part) for part in (bases, rows, rates)), seconds)
+        return (turned[0], moved[0]) if single else (turned, moved)
 
     def distances(
         self,
@@ -107,6 +115,14 @@ class Robot:
             _vector(base, 3), _vector(q, len(self.joints)), text, within, floor, self_pairs
         )
         return sorted((Distance(*pair) for pair in found), key=lambda pair: pair.d)
+
+    def clearance(
+        self, q: ArrayLike, base: ArrayLike | None = None, objects: Sequence[Mapping[str, Any]] = ()
+    ) -> Floats | float:
+        """Least signed distance to any of the objects, whose form is that of distances(); infinite without."""
+        rows, bases, single = self._configurations(q, base)
+        found = self._core.clearance(bases, rows, json.dumps([dict(item) for item in objects]))
+        return float(found[0]) if single else found
 
     def _configurations(self, q: ArrayLike, base: ArrayLike | None) -> tuple[Floats, Floats, bool]:
         rows = np.asarray(q, dtype=np.float64)

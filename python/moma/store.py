@@ -6,12 +6,23 @@ import io
 import json
 import os
 import pathlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .program import run
 
 if TYPE_CHECKING:
     import pandas
+
+
+class Comparison(NamedTuple):
+    """B against A on the worlds that both met; docs/explanation/statistics.md."""
+
+    rates: pandas.DataFrame  #: of success and collision, with Wilson's intervals and McNemar's exact p
+    metrics: pandas.DataFrame  #: means, and the mean difference with its paired bootstrap interval
+    text: str  #: as `moma compare` prints it
+
+    def __str__(self) -> str:
+        return self.text
 
 
 class Store:
@@ -56,9 +67,13 @@ class Store:
             raise ValueError(f"found {trial!r}, expected (the beginning of) a trial's name, hexadecimal digits")
         return self.sql(f"SELECT * FROM samples('{trial}') ORDER BY step")
 
-    def compare(self, a: str, b: str, suite: str | None = None) -> str:
-        """Two controllers (NAME, or NAME:POINT of a sweep) on the same worlds, paired: what `moma compare` prints."""
-        return run(["compare", str(self.path), a, b, *(["--suite", suite] if suite else [])])
+    def compare(self, a: str, b: str, suite: str | None = None) -> Comparison:
+        """Two controllers (NAME, or NAME:POINT of a sweep) on the same worlds, paired: what `moma compare` says."""
+        import pandas
+
+        words = ["compare", str(self.path), a, b, *(["--suite", suite] if suite else [])]
+        found = json.loads(run([*words, "--json"]))
+        return Comparison(pandas.DataFrame(found["rates"]), pandas.DataFrame(found["metrics"]), run(words))
 
     def replay(self, trial: str, *, allow_plugins: bool = False) -> dict[str, Any]:
         """The trial simulated again from the store alone, with its samples. `allow_plugins` lets it run the code that the
@@ -73,7 +88,7 @@ class Store:
         return page
 
     def to_parquet(self, output: str | os.PathLike[str], statement: str = "SELECT * FROM v_trials") -> pathlib.Path:
-        """Writes an answer as a Parquet file, by pyarrow or fastparquet, of which one has to be installed."""
-        path = pathlib.Path(output)
-        self.sql(statement).to_parquet(path)
-        return path
+        """Writes an answer as a Parquet file, by pyarrow, which has to be installed; a whole store: moma export --parquet."""
+        from .export import write_parquet
+
+        return write_parquet(self, statement, pathlib.Path(output))

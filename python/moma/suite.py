@@ -9,27 +9,34 @@ import os
 import pathlib
 import sys
 import tempfile
-from typing import Any, Callable, Iterator, Mapping
+from typing import Any, Callable, Iterator, Mapping, Sequence
 
+from . import _core
 from .program import run
 from .store import Store
+from .world import World
 
 Foreign = Callable[..., Any]
 
 
 class Suite:
     """A suite: its file, or what would stand in one (relative paths are then relative to `directory`, the working folder
-    unless told otherwise), with changes as `--set` takes them: {"simulation.mode": "kinematic", "trials": 20}."""
+    unless told otherwise), with changes as `--set` takes them: {"simulation.mode": "kinematic", "trials": 20}. `worlds`, a
+    list of worlds as data, stand in for those that the suite would draw."""
 
     def __init__(
         self,
         source: str | os.PathLike[str] | Mapping[str, Any],
         changes: Mapping[str, Any] | None = None,
         directory: str | os.PathLike[str] | None = None,
+        worlds: Sequence[Mapping[str, Any]] | None = None,
     ):
         self.source = dict(source) if isinstance(source, Mapping) else pathlib.Path(source)
         self.changes = dict(changes or {})
         self.directory = pathlib.Path(directory or ".")
+        self.worlds = None if worlds is None else [World(world) for world in worlds]
+        if self.worlds is not None and not self.worlds:
+            raise ValueError("worlds: found none, expected at least one")
         if isinstance(self.source, dict) and not isinstance(self.source.get("name"), str):
             raise ValueError("a suite that is a dict needs a name")
 
@@ -38,27 +45,55 @@ class Suite:
         """Of the suite, where it is a dict; else that of its file, which it has unless it says otherwise."""
         return self.source["name"] if isinstance(self.source, dict) else self.source.stem
 
+    def changed(self, changes: Mapping[str, Any]) -> Suite:
+        """A copy with further changes."""
+        return Suite(self.source, {**self.changes, **changes}, self.directory, self.worlds)
+
     def check(self) -> str:
         """What `moma check` says: what the suite would do. Raises ProgramError with what is wrong with it."""
-        with self._arguments() as arguments:
+        with self.arguments() as arguments:
             return run(["check", *arguments])
 
-    def world(self, index: int) -> dict[str, Any]:
+    def load(self) -> Any:
+        """Read in this process, for Env. Raises ConfigError."""
+        with self._files() as (file, changes):
+            return _core.Suite.load(file, [(key, _text(value)) for key, value in changes.items()])
+
+    @property
+    def points(self) -> list[tuple[str, str]]:
+        """Controller and label ("" without a sweep) of each point."""
+        return list(self.load().points)
+
+    def world(self, index: int, point: int = 0) -> World:
         """A world of the suite, as data."""
-        with self._arguments() as arguments:
-            return json.loads(run(["world", arguments[0], str(index), *arguments[1:], "--json"]))
+        return World(json.loads(self.load().world(point, index)))
 
     @contextlib.contextmanager
-    def _arguments(self) -> Iterator[list[str]]:
-        changes = [word for key, value in self.changes.items() for word in ("--set", f"{key}={_text(value)}")]
-        if not isinstance(self.source, dict):
-            yield [str(self.source), *changes]
-            return
-        # Beside what its paths are relative to; JSON is YAML.
-        with tempfile.NamedTemporaryFile("w", dir=self.directory, prefix=".moma-", suffix=".yaml", encoding="utf-8") as file:
-            json.dump(self.source, file)
-            file.flush()
-            yield [file.name, *changes]
+    def arguments(self) -> Iterator[list[str]]:
+        """Of the program, for it; files that it needs are there as long as the context lasts."""
+        with self._files() as (file, changes):
+            yield [file, *(word for key, value in changes.items() for word in ("--set", f"{key}={_text(value)}"))]
+
+    @contextlib.contextmanager
+    def _files(self) -> Iterator[tuple[str, dict[str, Any]]]:
+        with contextlib.ExitStack() as stack:
+
+            def write(text: str, suffix: str) -> str:
+                # Beside what a suite's paths are relative to.
+                file = stack.enter_context(
+                    tempfile.NamedTemporaryFile("w", dir=self.directory, prefix=".moma-", suffix=suffix, encoding="utf-8")
+                )
+                file.write(text)
+                file.flush()
+                return file.name
+
+            source, changes = self.source, dict(self.changes)
+            if self.worlds is not None:
+                lines = "".join(json.dumps(dict(world), separators=(",", ":")) + "\n" for world in self.worlds)
+                changes["worlds"] = {"frozen": os.path.abspath(write(lines, ".jsonl"))}
+                changes.setdefault("trials", len(self.worlds))
+            # JSON is YAML.
+            yield (write(json.dumps(source), ".yaml") if isinstance(source, dict) else str(source)), changes
 
 
 def evaluate(
@@ -83,11 +118,10 @@ def evaluate(
     """
     chosen = suite if isinstance(suite, Suite) else Suite(suite)
     added = {f"controllers.{name}": entry_of(controller) for name, controller in (controllers or {}).items()}
-    every = {**chosen.changes, **dict(changes or {}), **added}
-    whole = Suite(chosen.source, every, chosen.directory)
+    whole = chosen.changed({**dict(changes or {}), **added})
     file = pathlib.Path(store) if store is not None else pathlib.Path("results") / f"{whole.name}.db"
     file.parent.mkdir(parents=True, exist_ok=True)
-    with whole._arguments() as arguments:
+    with whole.arguments() as arguments:
         words = ["run", *arguments, "-o", str(file)]
         for option, value in (("--trials", trials), ("--seed", seed), ("--threads", threads)):
             if value is not None:

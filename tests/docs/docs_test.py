@@ -79,8 +79,8 @@ def shell_lines(block):
 
 
 def invocations(line):
-    """The argument lists of moma in a line of a shell."""
-    for match in re.finditer(r"(?:^|[\s(])(?:build/)?moma (?!_)", line):
+    """The argument lists of moma, the program, in a line of a shell (not of python3 -m moma)."""
+    for match in re.finditer(r"(?:^|(?<!-m)[\s(])(?:build/)?moma (?!_)", line):
         if re.search(r"\bman +$", line[: match.start() + 1]):
             continue
         lexer = shlex.shlex(line[match.end():], posix=True, punctuation_chars="();<>|&")

@@ -8,6 +8,7 @@ import unittest
 
 import moma
 import wrapped
+from moma.suite import entry_of
 
 ROOT = pathlib.Path(os.environ["MOMA_SOURCE_DIR"])
 GAINS = str(ROOT / "configs/controllers/moma-reactive.yaml")
@@ -60,7 +61,14 @@ class EvaluateTest(unittest.TestCase):
                 compared += 1
             self.assertGreater(compared, 40)
         self.assertEqual(int(store.pairs().n.sum()), 3)
-        self.assertIn("own", store.compare("own", "mine"))
+        compared = store.compare("own", "mine")
+        self.assertIn("A = own, B = mine", str(compared))
+        self.assertEqual(list(compared.rates.rate), ["success", "collision"])
+        self.assertEqual((compared.rates.only_a + compared.rates.only_b).sum(), 0)
+        self.assertEqual(compared.metrics.difference.abs().max(), 0.0)
+        self.assertTrue((compared.metrics.mean_a == compared.metrics.mean_b).all())
+        page = store.report(self.folder / "page.html")
+        self.assertIn("<html", page.read_text()[:200])
 
     def test_goes_on_from_what_is_there(self):
         self.evaluate(trials=1)
@@ -82,6 +90,30 @@ class EvaluateTest(unittest.TestCase):
         with self.assertRaisesRegex(moma.ProgramError, "--allow-plugins"):
             store.replay(store.trials("controller = 'mine'").trial[0])
 
+    def test_each_way_of_going_wrong_ends_its_own_trial(self):
+        ways = {
+            "raises": "RuntimeError: not today",
+            "exits": "SystemExit: 3",
+            "dies": "signal",
+            "hangs": "no answer to a step within",
+            "hoards": "MemoryError",
+            "prints": None,
+        }
+        limits = {"deadline": 25, "memory": 1}
+        controllers = {way: {**entry_of((wrapped.Wrong, {"way": way})), **limits} for way in ways}
+        store = self.evaluate(
+            {**SUITE, "simulation": {"mode": "kinematic", "time_limit": 0.4}}, controllers, trials=2, keep_going=True
+        )
+        for way, reason in ways.items():
+            trials = store.trials(f"controller = '{way}'")
+            self.assertEqual(len(trials), 2, way)
+            if reason is None:
+                self.assertEqual(set(trials.outcome), {"timeout"})
+            else:
+                self.assertEqual(set(trials.outcome), {"error"}, way)
+                self.assertIn(reason, trials.reason[0])
+        self.assertEqual(set(store.trials("controller = 'own'").outcome), {"timeout"})
+
     def test_mistakes(self):
         with self.assertRaisesRegex(moma.ProgramError, "trails: unknown key"):
             self.evaluate(suite={**SUITE, "trails": 3})
@@ -101,7 +133,31 @@ class EvaluateTest(unittest.TestCase):
     def test_suites(self):
         suite = moma.Suite(SUITE, {"trials": 2}, self.folder)
         self.assertIn("small", suite.check())
-        self.assertEqual(suite.world(1)["index"], 1)
+        self.assertEqual(suite.points, [("own", "")])
+        with self.assertRaisesRegex(moma.ConfigError, "trails: unknown key"):
+            suite.changed({"trails": 3}).load()
+
+    def test_worlds_as_data(self):
+        suite = moma.Suite(SUITE, {}, self.folder)
+        worlds = [suite.world(index) for index in range(2)]
+        self.assertEqual([world["index"] for world in worlds], [0, 1])
+        worlds[0].save(self.folder / "world.json")
+        self.assertEqual(moma.World(self.folder / "world.json"), worlds[0])
+        with self.assertRaisesRegex(moma.ConfigError, "objects"):
+            moma.World({**worlds[0], "objects": [{"name": "ball"}]})
+        # The ball that the first controller has to go around is gone from a world of one's own.
+        empty = moma.World({**worlds[1], "objects": []})
+        chosen = moma.Suite(SUITE, {}, self.folder, worlds=[worlds[0], empty])
+        store = moma.evaluate(chosen, store=self.folder / "own.db", progress=False)
+        drawn = self.evaluate(trials=2)
+        trials, usual = store.trials(), drawn.trials()
+        self.assertEqual(len(trials), 2)
+        self.assertEqual(trials.path_ee_m[0], usual.path_ee_m[0])
+        self.assertEqual(list(trials.clearance_min_m.notna()), [True, False])
+        moma.save_worlds(worlds, self.folder / "frozen.jsonl")
+        frozen = moma.Suite({**SUITE, "worlds": {"frozen": str(self.folder / "frozen.jsonl")}, "trials": 2})
+        self.assertEqual(frozen.world(1), worlds[1])
+        self.assertEqual([f.name for f in self.folder.iterdir() if f.name.startswith(".moma-")], [])
 
 
 if __name__ == "__main__":

@@ -48,6 +48,26 @@ class RobotTest(unittest.TestCase):
         np.testing.assert_array_equal(self.robot.fk(q[0], base)[3], self.robot.fk(q[0], base[3]))
         np.testing.assert_array_equal(self.robot.fk(q, base, link="panda_link3")[2].shape, (4, 4))
 
+    def test_batches_of_motion_and_of_distances(self):
+        q, base = configurations(self.robot, 4)
+        velocity = np.random.default_rng(3).uniform(-1, 1, (4, 9))
+        turned, moved = self.robot.integrate(q, velocity, 0.1, base)
+        for i in range(4):
+            one = self.robot.integrate(q[i], velocity[i], 0.1, base[i])
+            np.testing.assert_array_equal(turned[i], one[0])
+            np.testing.assert_array_equal(moved[i], one[1])
+        fan, _ = self.robot.integrate(q[0], velocity, 0.1)
+        np.testing.assert_allclose(fan, q[0] + 0.1 * velocity[:, 2:])
+        objects = [{"shape": "sphere", "size": [0.1], "position": [1, 0.2, 0.5]}, {"shape": "box", "size": [0.2, 0.1, 0.3], "position": [-1, 0, 1]}]
+        least = self.robot.clearance(q, base, objects)
+        for i in range(4):
+            nearest = self.robot.distances(q[i], base[i], objects, within=100)[0].d
+            self.assertEqual(least[i], nearest)
+            self.assertEqual(self.robot.clearance(q[i], base[i], objects), nearest)
+        self.assertEqual(self.robot.clearance(q[0]), np.inf)
+        with self.assertRaisesRegex(ValueError, "velocity: found 8 numbers, expected 9"):
+            self.robot.integrate(q[0], np.zeros(8), 0.1)
+
     def test_jacobian_is_the_derivative_of_the_pose(self):
         q, base = configurations(self.robot, 4)
         h = 1e-6

@@ -1,0 +1,326 @@
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "controller/config/json_text.h"
+#include "controller/model/kinematics.h"
+#include "eval/trial/stepped_trial.h"
+#include "eval/trial/trace_json.h"
+#include "python/bindings/robot.h"
+#include "python/bindings/suite.h"
+#include "world/world_json.h"
+
+namespace moma::python {
+namespace {
+
+using nlohmann::ordered_json;
+using Numbers = nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using Indices = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+constexpr std::size_t kDetails = 12;  // of a command, in docs/reference/process-protocol.md
+constexpr std::size_t kSlot = 22;     // of an object: position 3, rotation 9, twist 6, edges 3, visible
+constexpr std::size_t kSignals = 6;   // outcome or -1, time, errors of position and rotation, manipulability, clearance
+
+/// Writes numbers one after the other.
+class NumberWriter {
+ public:
+  explicit NumberWriter(double* to) : to_(to) {}
+  void number(double value) noexcept { *to_++ = value; }
+  void vector(const Eigen::Ref<const VectorX>& values) noexcept { to_ = std::copy(values.begin(), values.end(), to_); }
+  void matrix(const Matrix3& values) noexcept {
+    for (Eigen::Index r = 0; r < 3; ++r)
+      for (Eigen::Index c = 0; c < 3; ++c) number(values(r, c));
+  }
+  void frame(const Isometry& X, const Vector6& twist) noexcept {
+    vector(X.translation());
+    matrix(X.linear());
+    vector(twist);
+  }
+  void zeros(std::size_t count) noexcept { to_ = std::fill_n(to_, count, 0.0); }
+
+ private:
+  double* to_;
+};
+
+/// Edges of the box around a shape, along its own axes.
+Vector3 edges(const Shape& shape) {
+  const Isometry here = Isometry::Identity();
+  Vector3 sizes;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vector3 n = Vector3::Unit(axis);
+    sizes[axis] = extent_along(shape, here, n) + extent_along(shape, here, -n);
+  }
+  return sizes;
+}
+
+ordered_json number(double value) { return std::isfinite(value) ? ordered_json(value == 0.0 ? 0.0 : value) : nullptr; }
+
+/// A row's members under their names, as the store keeps them; without its timing.
+struct RowJson {
+  const TrialRow& row;
+  ordered_json json = ordered_json::object();
+  template <class M>
+  void member(std::string_view name, M TrialRow::*member, const Column&) {
+    if constexpr (std::is_same_v<M, double>) {
+      json[std::string(name)] = number(row.*member);
+    } else if constexpr (std::is_same_v<M, Outcome>) {
+      json[std::string(name)] = to_string(row.*member);
+    } else if constexpr (std::is_same_v<M, std::string>) {
+      json[std::string(name)] = (row.*member).empty() ? ordered_json(nullptr) : ordered_json(row.*member);
+    } else {
+      json[std::string(name)] = row.*member;
+    }
+  }
+  template <class P>
+  void inlined(P) {}
+};
+
+/// Several trials of one point of a suite, each stepped from outside. Different ones may be stepped by different
+/// threads.
+class Trials {
+ public:
+  Trials(const Suite& suite, std::size_t point, std::size_t count, std::size_t slots, bool truth)
+      : worlds_(suite.point(point)), slots_(slots), truth_(truth), trials_(count) {
+    // What a suite's own controllers are is no part of a trial whose controller is outside.
+    worlds_.plugin = nullptr;
+    worlds_.controller_params = {};
+    worlds_.controller_resolved = {};
+    spec_ = std::make_shared<const TrialSpec>(worlds_);
+    for (Slot& slot : trials_) slot.kinematics = std::make_unique<Kinematics>(spec_->robot->model);
+  }
+
+  Trials(const Trials&) = delete;
+  Trials& operator=(const Trials&) = delete;
+
+  std::size_t joints() const { return static_cast<std::size_t>(spec_->robot->model->num_joints()); }
+  std::size_t velocities() const { return static_cast<std::size_t>(spec_->robot->model->num_velocities()); }
+  std::size_t width() const { return 4 + joints() + velocities() + 18 + 6 + slots_ * kSlot; }
+  Robot robot() const { return Robot(*spec_->robot); }
+  const TrialSpec& spec() const { return *spec_; }
+
+  /// Of trials first to last - 1: those with a world's number begin in it, the others answer with their row of
+  /// `actions` (velocities, or the numbers of a command with details). Rows of all are written.
+  void step(std::size_t first, std::size_t last, const Rows& actions, const Indices& worlds, const Numbers& seen,
+            const Numbers& signals) {
+    check_size(actions.shape(0), trials_.size(), "actions");
+    check_size(worlds.shape(0), trials_.size(), "worlds");
+    check_size(seen.shape(0) * seen.shape(1), trials_.size() * width(), "seen");
+    check_size(signals.shape(0) * signals.shape(1), trials_.size() * kSignals, "signals");
+    if (last > trials_.size() || first > last) throw std::invalid_argument("there are no such trials");
+    const std::size_t columns = actions.shape(1);
+    if (columns != velocities() && columns != velocities() + kDetails) check_size(columns, velocities(), "action");
+    const nb::gil_scoped_release release;
+    for (std::size_t i = first; i < last; ++i) {
+      if (worlds.data()[i] >= 0) {
+        begin(i, make_world(worlds_, static_cast<std::uint64_t>(worlds.data()[i])));
+      } else {
+        answer(i, std::span(actions.data() + i * columns, columns));
+      }
+      write(i, seen.data() + i * width(), signals.data() + i * kSignals);
+    }
+  }
+
+  void begin_in(std::size_t i, const std::string& world) {
+    World given = world_from_json(config::parse_json(world, "world"), "world");
+    if (static_cast<std::size_t>(given.start.q.size()) != joints())
+      check_size(static_cast<std::size_t>(given.start.q.size()), joints(), "world: start.q");
+    begin(i, std::move(given));
+  }
+
+  void look(std::size_t i, const Numbers& seen, const Numbers& signals) {
+    check_size(seen.shape(1), width(), "seen");
+    check_size(signals.shape(1), kSignals, "signals");
+    write(i, seen.data(), signals.data());
+  }
+
+  /// What a controller in a process of its own is sent at a step.
+  Array numbers(std::size_t i) {
+    const Observation& now = observation(i);
+    double* data = nullptr;
+    Array out = make_array({kFixedNumbers + joints() + velocities() + kObjectNumbers * now.objects.size()}, data);
+    NumberWriter to(data);
+    to.number(now.time);
+    to.vector(now.base);
+    to.frame(now.goal.X_WG, now.goal.V_WG_W);
+    to.vector(now.q);
+    to.vector(now.qdot);
+    for (const ObjectState& object : now.objects) {
+      to.frame(object.X_WO, object.V_WO_W);
+      to.number(object.visible ? 1.0 : 0.0);
+      to.number(object.covariance ? 1.0 : 0.0);
+      to.matrix(object.covariance ? object.covariance->position_W : Matrix3::Zero());
+      to.matrix(object.covariance ? object.covariance->velocity_W : Matrix3::Zero());
+    }
+    return out;
+  }
+
+  /// And at a reset, as JSON.
+  std::string objects(std::size_t i) {
+    ordered_json list = ordered_json::array();
+    for (const ObjectShape& object : told(i)) {
+      ordered_json vertices = ordered_json::array();
+      ordered_json triangles = ordered_json::array();
+      if (object.shape.hull) {
+        for (const Vector3& v : object.shape.hull->vertices) vertices.push_back({v.x(), v.y(), v.z()});
+        for (const Eigen::Vector3i& t : object.shape.hull->triangles) triangles.push_back({t.x(), t.y(), t.z()});
+      }
+      const auto sizes = static_cast<std::size_t>(num_sizes(object.shape.kind));
+      list.push_back({{"name", object.name},
+                      {"kind", to_string(object.shape.kind)},
+                      {"size", std::vector<double>(object.shape.size.begin(), object.shape.size.begin() + sizes)},
+                      {"vertices", std::move(vertices)},
+                      {"triangles", std::move(triangles)}});
+    }
+    return list.dump();
+  }
+
+  std::string world(std::size_t i) { return to_json(trial(i).world()).dump(); }
+  std::string row(std::size_t i) {
+    const TrialOutput output = trial(i).output();
+    RowJson writer{output.row};
+    describe(writer, Of<TrialRow>{});
+    return writer.json.dump();
+  }
+  std::string trace(std::size_t i) {
+    const SteppedTrial& stepped = trial(i);
+    return trace_json(stepped.spec(), stepped.world(), stepped.output(), "").dump();
+  }
+
+ private:
+  struct Slot {
+    std::unique_ptr<SteppedTrial> trial;
+    std::unique_ptr<Kinematics> kinematics;
+    std::vector<Vector3> edges;
+    Observation truth;
+    StepResult answer;
+  };
+
+  SteppedTrial& trial(std::size_t i) {
+    if (i >= trials_.size() || !trials_[i].trial) throw std::logic_error("no trial has begun: call reset()");
+    return *trials_[i].trial;
+  }
+
+  std::span<const ObjectShape> told(std::size_t i) {
+    const std::span<const ObjectShape> all = trial(i).objects();
+    return truth_ ? all.first(std::min(all.size(), trial(i).world().objects.size())) : all;
+  }
+
+  const Observation& observation(std::size_t i) {
+    if (!truth_) return trial(i).seen();
+    trial(i).truth(trials_[i].truth);
+    return trials_[i].truth;
+  }
+
+  void begin(std::size_t i, World world) {
+    if (i >= trials_.size()) throw std::logic_error("there is no such trial");
+    Slot& slot = trials_[i];
+    slot.trial = std::make_unique<SteppedTrial>(spec_, std::move(world));
+    slot.edges.clear();
+    for (const ObjectShape& object : told(i)) slot.edges.push_back(edges(object.shape));
+    if (slot.edges.size() > slots_) {
+      throw std::invalid_argument("objects: world " + std::to_string(slot.trial->world().index) + " has " +
+                                  std::to_string(slot.edges.size()) + ", the observation has room for " +
+                                  std::to_string(slots_));
+    }
+    slot.answer = StepResult();
+  }
+
+  void answer(std::size_t i, std::span<const double> numbers) {
+    StepResult& answer = trials_[i].answer;
+    const std::size_t n = velocities();
+    answer.command = Eigen::Map<const VectorX>(numbers.data(), static_cast<Eigen::Index>(n));
+    if (numbers.size() > n) {
+      const std::span<const double> details = numbers.subspan(n);
+      answer.status = static_cast<StepStatus>(details[0]);
+      answer.fallback = static_cast<Fallback>(details[1]);
+      answer.slack = Eigen::Map<const Vector6>(details.data() + 2);
+      answer.least_distance = details[8];
+      answer.rows = static_cast<int>(details[9]);
+      answer.active_rows = static_cast<int>(details[10]);
+      answer.iterations = static_cast<int>(details[11]);
+    }
+    trial(i).step(answer);
+  }
+
+  void write(std::size_t i, double* seen, double* signals) {
+    const SteppedTrial& stepped = trial(i);
+    Slot& slot = trials_[i];
+    const Observation& now = observation(i);
+    NumberWriter to(seen);
+    if (static_cast<std::size_t>(now.q.size()) != joints()) {  // of a trial that ended by an exception at its start
+      to.zeros(width());
+    } else {
+      to.number(now.time);
+      to.vector(now.base);
+      to.vector(now.q);
+      to.vector(now.qdot);
+      to.frame(now.goal.X_WG, now.goal.V_WG_W);
+      slot.kinematics->update(now.base, now.q);
+      const Isometry& X_WE = slot.kinematics->X_WE();
+      to.vector(log_so3(now.goal.X_WG.linear() * X_WE.linear().transpose()));
+      to.vector(now.goal.X_WG.translation() - X_WE.translation());
+      for (std::size_t o = 0; o < slots_; ++o) {
+        const bool visible = o < now.objects.size() && now.objects[o].visible;
+        if (!visible) {
+          to.zeros(kSlot);
+          continue;
+        }
+        to.frame(now.objects[o].X_WO, now.objects[o].V_WO_W);
+        to.vector(slot.edges[o]);
+        to.number(1.0);
+      }
+    }
+    const StateRecord* state = stepped.state();
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    NumberWriter out(signals);
+    out.number(stepped.ended() ? static_cast<double>(stepped.outcome()) : -1.0);
+    out.number(now.time);
+    out.number(state != nullptr ? state->position_error : nan);
+    out.number(state != nullptr ? state->orientation_error : nan);
+    out.number(state != nullptr ? state->manipulability : nan);
+    out.number(stepped.clearance());
+  }
+
+  SuitePoint worlds_;
+  std::shared_ptr<const TrialSpec> spec_;
+  std::size_t slots_;
+  bool truth_;
+  std::vector<Slot> trials_;
+};
+
+}  // namespace
+
+void bind_trials(nb::module_& module) {
+  nb::class_<Trials>(module, "Trials")
+      .def(nb::init<const Suite&, std::size_t, std::size_t, std::size_t, bool>())
+      .def_prop_ro("robot", &Trials::robot)
+      .def_prop_ro("width", &Trials::width)
+      .def_prop_ro("control_period", [](const Trials& trials) { return trials.spec().simulation.control_period; })
+      .def_prop_ro("time_limit", [](const Trials& trials) { return trials.spec().simulation.time_limit; })
+      .def("step", &Trials::step)
+      .def("begin", &Trials::begin_in)
+      .def("look", &Trials::look)
+      .def("numbers", &Trials::numbers)
+      .def("objects", &Trials::objects)
+      .def("world", &Trials::world)
+      .def("row", &Trials::row)
+      .def("trace", &Trials::trace);
+  std::vector<std::string> outcomes;
+  for (const std::string_view word : words(Of<Outcome>{})) outcomes.emplace_back(word);
+  module.attr("OUTCOMES") = nb::cast(outcomes);
+}
+
+}  // namespace moma::python

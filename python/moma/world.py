@@ -1,0 +1,56 @@
+"""Worlds as data."""
+
+from __future__ import annotations
+
+import json
+import os
+import pathlib
+from typing import Any, Iterable, Iterator, Mapping
+
+from . import _core
+
+
+class World(Mapping[str, Any]):
+    """A problem as plain numbers: start, goal, objects and how they move (docs/reference/worlds.md, "World files"). From a
+    file, or from what stands in one; Suite.world() draws one, and a changed copy is World({**world, "goal": {...}}).
+
+    It is read strictly: ConfigError says what is wrong. As a mapping it has the keys of the file, in its format, bit for
+    bit.
+    """
+
+    def __init__(self, source: str | os.PathLike[str] | Mapping[str, Any]):
+        if isinstance(source, Mapping):
+            text, name = json.dumps(dict(source)), "world"
+        else:
+            name = os.fspath(source)
+            text = pathlib.Path(name).read_text(encoding="utf-8")
+        self._data: dict[str, Any] = json.loads(_core.read_world(text, name))
+
+    def __getitem__(self, key: str) -> Any:
+        return self._data[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._data)
+
+    def __len__(self) -> int:
+        return len(self._data)
+
+    def __repr__(self) -> str:
+        return f"<moma.World {self['index']} of family {self['family']}: {len(self['objects'])} objects>"
+
+    @property
+    def objects(self) -> list[dict[str, Any]]:
+        """As Robot.distances() takes them."""
+        return [
+            {key: item[key] for key in ("name", "shape", "size", "position", "quaternion")} for item in self["objects"]
+        ]
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes a file that World() reads back to the same bits."""
+        save_worlds([self], path)
+
+
+def save_worlds(worlds: Iterable[Mapping[str, Any]], path: str | os.PathLike[str]) -> None:
+    """Writes a frozen set, one world a line: what a suite's `worlds: {frozen: PATH}` reads."""
+    lines = [json.dumps(dict(world), separators=(",", ":")) + "\n" for world in worlds]
+    pathlib.Path(path).write_text("".join(lines), encoding="utf-8")
