@@ -3,11 +3,12 @@
 modes, and writes docs/studies/robots.md. Standard library only.
 
 usage: scripts/robots.py [--fetch] [--only NAME,...] [--worlds N] [--draft] [--packages NAME,...] [--moma PROGRAM]
-                         [--folder DIR] [--threads N]
+                         [--folder DIR] [--threads N] [--resume]
 
 --fetch        installs the packages with the other URDFs (rtb-data, pybullet, xacro) into .venv-robots first
 --draft        drafts and checks only, fits and runs nothing, writes no page; exit 1 where a robot fails, 77 where no package is there
 --packages     only robots of these packages
+--resume       takes what an earlier call of the same program found out about a robot in the folder
 --folder       where robot files, suites and stores go (build/robots)
 """
 import argparse
@@ -203,6 +204,17 @@ class Study:
                            ['--set', 'worlds.families={desk: {}}', '--set', f'trials={self.worlds}',
                             '--set', f'robot.base.mount.position=[{x:g}, {y:g}, {z + DESK_HEIGHT:g}]'])
 
+    def keep(self, name, row):
+        made_by = {'program': self.call('-V').stdout, 'worlds': self.worlds}
+        (self.folder / f'{name}.json').write_text(json.dumps({**made_by, 'row': row}), encoding='utf-8')
+
+    def known(self, name):
+        """What keep() kept, of this program and as many worlds."""
+        file = self.folder / f'{name}.json'
+        kept = json.loads(file.read_text(encoding='utf-8')) if file.exists() else {}
+        made_by = {'program': self.call('-V').stdout, 'worlds': self.worlds}
+        return kept.get('row') if {key: kept.get(key) for key in made_by} == made_by else None
+
     def run_modes(self, name, store, row, key, more=(), modes=('kinematic', 'dynamic')):
         db = self.folder / f'{store}.db'
         db.unlink(missing_ok=True)
@@ -319,6 +331,7 @@ def main():
     parser.add_argument('--worlds', type=int, default=20)
     parser.add_argument('--draft', action='store_true')
     parser.add_argument('--moma', default=str(ROOT / 'build' / 'moma'))
+    parser.add_argument('--resume', action='store_true')
     parser.add_argument('--threads', type=int, default=0)
     parser.add_argument('--folder', default=str(ROOT / 'build' / 'robots'))
     options = parser.parse_args()
@@ -334,6 +347,9 @@ def main():
     for name, title, package, source in ROBOTS:
         if (wanted and name not in wanted) or (packages and not set(package.split(', ')) <= packages):
             continue
+        if options.resume and (row := study.known(name)):
+            rows.append((name, (title, package), row))
+            continue
         try:
             row = study.draft(name, source)
         except Missing as missing:
@@ -344,10 +360,11 @@ def main():
             failed.append(name)
         if row['drafted'] and not options.draft:
             study.run(name, row)
+            study.keep(name, row)
         rows.append((name, (title, package), row))
         print(name, json.dumps(row), flush=True)
-        if not (wanted or packages or options.draft):
-            page(rows, options.worlds)
+    if not (wanted or packages or options.draft):
+        page(rows, options.worlds)
     there = [r for r in rows if not r[2].get('missing')]
     if options.draft:
         print(f'{len(there) - len(failed)} of {len(there)} drafted and checked; failed: {", ".join(failed) or "none"}')
