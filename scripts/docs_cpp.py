@@ -11,7 +11,7 @@ import subprocess
 
 from mkdocs.exceptions import PluginError
 
-FILE_SET = re.compile(r'FILE_SET HEADERS BASE_DIRS "[^"]*" FILES\s+([^)]*)\)')
+FILE_SET = re.compile(r'FILE_SET HEADERS BASE_DIRS "[^"]*"\s+FILES\s+([^)]*)\)')
 SETTINGS = """
 PROJECT_NAME           = "moma, C++"
 OUTPUT_DIRECTORY       = "{site}"

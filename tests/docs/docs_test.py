@@ -287,7 +287,7 @@ def check_site(root):
             if not re.search(rf'id="moma\.(\w+\.)?{name.strip().strip(chr(34))}"', page):
                 wrong.append(f"reference/python-api.html has no {name.strip()}")
     for folder in ("controller", "controller/config", "plugin"):
-        headers = re.search(r'FILE_SET HEADERS BASE_DIRS "[^"]*" FILES([^)]*)\)', (root / folder / "CMakeLists.txt").read_text()).group(1)
+        headers = re.search(r'FILE_SET HEADERS BASE_DIRS "[^"]*"\s+FILES([^)]*)\)', (root / folder / "CMakeLists.txt").read_text()).group(1)
         for header in headers.split():
             names += 1
             if not list((site / "cpp").glob(f"{pathlib.Path(header).stem.replace('_', '__')}_8h.html")):
