@@ -4,35 +4,11 @@
 #include <optional>
 #include <utility>
 
-#include "controller/model/analytic_distance.h"
-#include "controller/model/convex_distance.h"
 #include "controller/model/floor_reach.h"
+#include "controller/model/solid.h"
 
 namespace moma {
 namespace {
-
-// A shape with what a query needs at hand.
-struct Solid {
-  Shape shape;
-  double radius = 0.0;                     // bounding sphere about the shape's origin
-  Shape bound;                             // the shape itself, or the box around a convex hull
-  Vector3 bound_offset = Vector3::Zero();  // centre of that box
-  ConvexGeometry geometry;
-
-  explicit Solid(const Shape& s) : shape(s), radius(bounding_radius(s)), bound(s), geometry(s) {
-    if (s.kind != ShapeKind::kConvex || !s.hull || s.hull->vertices.empty()) return;
-    Eigen::AlignedBox3d box;
-    for (const Vector3& v : s.hull->vertices) box.extend(v);
-    bound = {ShapeKind::kBox, box.sizes(), nullptr};
-    bound_offset = box.center();
-  }
-
-  // No point of the solid is nearer to p_W than this.
-  double gap(const Isometry& X_WS, const Vector3& p_W) const noexcept {
-    const Vector3 p_S = X_WS.linear().transpose() * (p_W - X_WS.translation());
-    return point_distance(bound, p_S - bound_offset).d;
-  }
-};
 
 // Radius of the ball that stands for a point [m].
 constexpr double kPoint = 1e-3;
@@ -67,13 +43,8 @@ struct Proximity::Impl {
   // The distance where it is less than `range`: cheap lower bounds first.
   std::optional<Distance> within(const Solid& a, const Isometry& X_Wa, const Solid& b, const Isometry& X_Wb,
                                  double range) noexcept {
-    const Vector3 ca = X_Wa.translation();
-    const Vector3 cb = X_Wb.translation();
-    const double reach = range + a.radius + b.radius;
-    if (!((ca - cb).squaredNorm() <= reach * reach)) return {};
-    if (!(a.gap(X_Wa, cb) - b.radius <= range) || !(b.gap(X_Wb, ca) - a.radius <= range)) return {};
-    const auto exact = analytic_distance(a.shape, X_Wa, b.shape, X_Wb);
-    const Distance distance = exact ? *exact : convex->distance(a.geometry, X_Wa, b.geometry, X_Wb);
+    if (apart(a, X_Wa, b, X_Wb, range)) return {};
+    const Distance distance = signed_distance(a, X_Wa, b, X_Wb, *convex);
     if (!(distance.d < range)) return {};
     return distance;
   }

@@ -12,6 +12,7 @@
 
 #include "controller/model/kinematics.h"
 #include "controller/model/manipulability.h"
+#include "eval/trial/clearance.h"
 #include "eval/trial/observe.h"
 #include "eval/trial/rules.h"
 #include "eval/trial/separation.h"
@@ -49,6 +50,7 @@ class TickClock::Impl {
         period_(spec.simulation.control_period),
         kinematics_(spec.robot->model),
         proximity_(spec.robot->model),
+        clearance_(spec.robot->model, world),
         dwell_(spec.success, period_),
         stuck_(spec.stuck, period_),
         infeasible_(spec.infeasible, period_),
@@ -138,8 +140,6 @@ class TickClock::Impl {
     objects_move_ = std::any_of(world_.objects.begin(), world_.objects.end(),
                                 [](const WorldObject& object) { return !at_rest(object.motion, 0.0); });
     goal_moves_ = !at_rest(world_.goal.motion, 0.0);
-    has_self_pairs_ =
-        std::any_of(model_.self_pairs.begin(), model_.self_pairs.end(), [](const SelfPair& pair) { return pair.row; });
     const Disturbances& disturbances = spec_.disturbances;
     if (senses_with_errors(disturbances)) sensing_.emplace(disturbances, model_, world_, period_);
     told_ = shapes;
@@ -198,23 +198,11 @@ class TickClock::Impl {
     const auto J_arm = kinematics_.J_WE_W().rightCols(model_.num_joints());
     record.manipulability = manipulability(J_arm, ManipulabilityRows::kTranslation);
     record.manipulability_all = manipulability(J_arm, ManipulabilityRows::kAll);
-    measure_clearance();
+    clearance_.look(kinematics_, objects_, objects_move_);
+    r_.clearance = clearance_.to_objects();
+    r_.clearance_self = clearance_.to_itself();
     if (objects_move_) separation_.look(kinematics_, proximity_, objects_, state.qdot);
     return true;
-  }
-
-  // Only pairs closer than the least distance so far can lower it: after the first sample the query is cheap, and
-  // still exact.
-  void measure_clearance() {
-    const auto range = [](double least) { return std::isnan(least) ? 1e6 : std::max(least, 0.0); };
-    ProximityRanges ranges;
-    ranges.object = objects_.empty() ? -1.0 : range(r_.clearance);
-    ranges.self = has_self_pairs_ ? range(r_.clearance_self) : -1.0;
-    if (ranges.object < 0.0 && ranges.self < 0.0) return;
-    for (const ProximityPair& pair : proximity_.query(kinematics_, objects_, ranges)) {
-      double& least = pair.kind == PairKind::kSelf ? r_.clearance_self : r_.clearance;
-      if (!(least <= pair.distance.d)) least = pair.distance.d;
-    }
   }
 
   bool end_at(long k, long last_step, bool finite, Ending& ending) {
@@ -335,6 +323,7 @@ class TickClock::Impl {
   const double period_;
   Kinematics kinematics_;
   Proximity proximity_;
+  ClearanceWatch clearance_;
   DwellRule dwell_;
   StuckTracker stuck_;
   InfeasibleTracker infeasible_;
@@ -350,7 +339,6 @@ class TickClock::Impl {
   Vector6 error_ = Vector6::Zero();
   bool objects_move_ = false;
   bool goal_moves_ = false;
-  bool has_self_pairs_ = false;
   bool finite_ = true;
   std::vector<ObjectShape> told_;  // of what the controller is told
   long k_ = 0;                     // number of the sample

@@ -1,9 +1,13 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "tests/world/support.h"
+#include "world/plant/kinematic_plant.h"
 
 namespace moma {
 namespace {
@@ -130,6 +134,74 @@ TEST(KinematicPlant, StopsJointsAtTheirLimitsWhereAsked) {
     EXPECT_NEAR(q[3], at == AtJointLimit::kClamp ? model->joints[3].upper : 1.8, 1e-9);
     EXPECT_EQ(q[1], model->ready[1]);
   }
+}
+
+/// Two plants, one of which looks at every pair at each check, through the same commands; contacts end nothing, so that
+/// they are driven through objects, the floor and themselves.
+struct Both {
+  std::unique_ptr<Plant> some, all;
+  int contacts = 0, clear = 0;
+
+  Both(const std::shared_ptr<const RobotModel>& model, const World& world, bool stops)
+      : some(make_kinematic_plant(model, world, stops)),
+        all(make_kinematic_plant(model, world, stops, ContactChecks::kAll)) {}
+
+  void advance(const VectorX& command, double duration, const std::string& where) {
+    PlantReport a, b;
+    some->advance(command, duration, a);
+    all->advance(command, duration, b);
+    ASSERT_EQ(some->state().base, all->state().base) << where;
+    ASSERT_EQ(some->state().q, all->state().q) << where;
+    ASSERT_EQ(a.contacts.size(), b.contacts.size()) << where;
+    for (std::size_t i = 0; i < a.contacts.size(); ++i) {
+      const Contact &x = a.contacts[i], &y = b.contacts[i];
+      ASSERT_EQ(std::tie(x.kind, x.first, x.second, x.depth, x.time, x.by_ode),
+                std::tie(y.kind, y.first, y.second, y.depth, y.time, y.by_ode))
+          << where;
+    }
+    const DetectorCheck c = some->cross_check(), d = all->cross_check();
+    ASSERT_EQ(c.disagreements, d.disagreements) << where;
+    ASSERT_EQ(c.deepest, d.deepest) << where;
+    (a.contacts.empty() ? clear : contacts) += 1;
+  }
+};
+
+TEST(KinematicPlant, FindsTheContactsThatLookingAtEverythingFinds) {
+  constexpr std::array kWorlds = {"open: {}", "clutter: {objects: 12, shapes: [sphere, box, capsule]}",
+                                  "moving: {walk: 0.4, orbit: 0.3}", "shelf: {}", "table: {}"};
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  int contacts = 0, clear = 0;
+  for (const char* name : {"frankie", "frankie_omni", "panda", "lift_ur5", "ur5"}) {
+    const auto model = robot(name);
+    for (const char* family : kWorlds) {
+      const Worlds source = test::worlds(fmt::format("seed: 5\nfamilies: {{{}}}", family));
+      if (test::is_for_others(source, model)) continue;
+      for (std::uint64_t index = 0; index < 2; ++index) {
+        World world = source.make(model, index);
+        // One that ODE does not decide about.
+        world.objects.push_back(solid("can", ShapeKind::kCylinder, {0.1, 0.4, 0.0}, {0.8, 0.5, 0.6}));
+        for (const double period : {0.004, 0.02, 0.13}) {
+          Both both(model, world, index == 1);
+          const VectorX most = model->velocity_limits();
+          VectorX command = VectorX::Zero(most.size());
+          for (int k = 0; k < 150; ++k) {
+            // Full speed and more towards anywhere, for a while; at rest now and then.
+            if (k % 15 == 0)
+              for (Eigen::Index i = 0; i < command.size(); ++i)
+                command[i] = k % 60 == 45 ? 0.0 : 1.5 * unit(random) * std::min(most[i], 3.0);
+            both.advance(command, period,
+                         fmt::format("{}, {}, world {}, step {} of {} s", name, family, index, k, period));
+            if (HasFatalFailure()) return;
+          }
+          contacts += both.contacts;
+          clear += both.clear;
+        }
+      }
+    }
+  }
+  EXPECT_GT(contacts, 2000);
+  EXPECT_GT(clear, 2000);
 }
 
 }  // namespace

@@ -98,10 +98,10 @@ ContactScene::ContactScene(std::shared_ptr<const RobotModel> model, const World&
     ode::set_pose(geom, object.X_WO * small_turn(object.shape.kind, shapes + i));
   }
   tags_.push_back({PairKind::kFloor, -1});
-  const dGeomID floor = dCreatePlane(world_space_.get(), 0.0, 0.0, 1.0, 0.0);
-  dGeomSetData(floor, &tags_.back());
-  dGeomSetCategoryBits(floor, kFloor);
-  dGeomSetCollideBits(floor, kArm);
+  floor_ = dCreatePlane(world_space_.get(), 0.0, 0.0, 1.0, 0.0);
+  dGeomSetData(floor_, &tags_.back());
+  dGeomSetCategoryBits(floor_, kFloor);
+  dGeomSetCollideBits(floor_, kArm);
 
   for (const SelfPair& pair : model_->self_pairs)
     if (robot_geom(pair.first) != nullptr && robot_geom(pair.second) != nullptr) self_pairs_.push_back(pair);
@@ -117,15 +117,14 @@ Isometry ContactScene::robot_tilt(int shape) const {
 }
 
 void ContactScene::place_robot(const Kinematics& kinematics) {
-  for (std::size_t i = 0; i < robot_geoms_.size(); ++i) {
-    if (robot_geoms_[i] == nullptr) continue;
-    const CollisionShape& shape = model_->shapes[i];
-    const Isometry X_WS = kinematics.X_WS(shape);
-    if (shape.shape.kind == ShapeKind::kBox)
-      ode::set_pose(robot_geoms_[i], X_WS * small_turn(shape.shape.kind, i));
-    else
-      ode::set_pose(robot_geoms_[i], X_WS);
-  }
+  for (int i = 0; i < static_cast<int>(robot_geoms_.size()); ++i)
+    if (robot_geom(i) != nullptr) place_shape(i, kinematics);
+}
+
+void ContactScene::place_shape(int shape, const Kinematics& kinematics) {
+  const CollisionShape& solid = model_->shapes[static_cast<std::size_t>(shape)];
+  const Isometry X_WS = kinematics.X_WS(solid);
+  ode::set_pose(robot_geom(shape), solid.shape.kind == ShapeKind::kBox ? X_WS * robot_tilt(shape) : X_WS);
 }
 
 void ContactScene::place_objects(double t) {
@@ -171,6 +170,26 @@ void ContactScene::detect(TouchSink& sink) {
     if (dx * dx + dy * dy + dz * dz > reach * reach) continue;
     collide(PairKind::kSelf, pair.first, pair.second, a, b, sink);
   }
+}
+
+dGeomID ContactScene::second_geom(const SolidPair& pair) const {
+  switch (pair.kind) {
+    case PairKind::kObject:
+      return object_geom(pair.second);
+    case PairKind::kFloor:
+      return floor_;
+    case PairKind::kSelf:
+      break;
+  }
+  return robot_geom(pair.second);
+}
+
+bool ContactScene::decides(const SolidPair& pair) const {
+  return robot_geom(pair.first) != nullptr && second_geom(pair) != nullptr;
+}
+
+void ContactScene::detect(const SolidPair& pair, TouchSink& sink) {
+  collide(pair.kind, pair.first, pair.second, robot_geom(pair.first), second_geom(pair), sink);
 }
 
 bool ContactScene::meets_floor(int shape) const {

@@ -9,6 +9,7 @@
 #include "world/plant/exact_contacts.h"
 #include "world/plant/ode_raii.h"
 #include "world/plant/plant.h"
+#include "world/plant/solid_pairs.h"
 
 namespace moma {
 
@@ -56,14 +57,19 @@ class ContactScene {
   /// The small turn of a shape's geom.
   Isometry robot_tilt(int shape) const;
   const std::vector<ObjectState>& object_states() const { return states_; }
+  bool objects_move() const { return !moving_.empty(); }
 
   /// Places the robot's geoms that are not attached to bodies.
   void place_robot(const Kinematics& kinematics);
+  void place_shape(int shape, const Kinematics& kinematics);
   /// Moves the objects to where their motion has them at time t.
   void place_objects(double t);
 
   /// Hands every touching pair that ODE decides to `sink`, in a fixed order.
   void detect(TouchSink& sink);
+  /// Of one pair that ODE decides.
+  void detect(const SolidPair& pair, TouchSink& sink);
+  bool decides(const SolidPair& pair) const;
   /// The self-collision pairs that ODE decides.
   const std::vector<SelfPair>& self_pairs() const { return self_pairs_; }
   bool meets_floor(int shape) const;
@@ -83,12 +89,14 @@ class ContactScene {
   };
   struct Near;
   static void near(void* data, dGeomID a, dGeomID b);
+  dGeomID second_geom(const SolidPair& pair) const;
   void collide(PairKind kind, int first, int second, dGeomID a, dGeomID b, TouchSink& sink);
 
   std::shared_ptr<const RobotModel> model_;
   World world_;
   ode::Space robot_space_, world_space_;
   std::vector<dGeomID> robot_geoms_, object_geoms_;
+  dGeomID floor_ = nullptr;
   std::vector<double> radii_;
   std::vector<bool> meets_floor_;
   std::vector<Tag> tags_;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "world/plant/solid_pairs.h"
+
 namespace moma {
 namespace {
 
@@ -110,10 +112,6 @@ bool ExactContacts::overlaps(const ProximityPair& pair, const Kinematics& kinema
 }
 
 double ExactContacts::motion_since(const Kinematics& kinematics, const std::vector<ObjectState>& states) const {
-  // No point of a solid has moved farther than its centre and, at its radius, its rotation together.
-  const auto moved = [](const Isometry& a, const Isometry& b, double radius) {
-    return (a.translation() - b.translation()).norm() + radius * (a.linear() - b.linear()).norm();
-  };
   double robot = 0.0, object = 0.0;
   for (std::size_t i = 0; i < radii_.size(); ++i)
     robot = std::max(robot, moved(kinematics.X_WS(model_->shapes[i]), X_WS_[i], radii_[i]));

@@ -16,11 +16,9 @@ constexpr double kBend = 1.01;
 // Balls this far apart need no distance of what is in them [m].
 constexpr double kFar = 0.1;
 
-double moved(const Isometry& from, const Isometry& to, double radius) {
-  return kBend * ((to.translation() - from.translation()).norm() + radius * (to.linear() - from.linear()).norm());
-}
+double way(const Isometry& from, const Isometry& to, double radius) { return kBend * moved(from, to, radius); }
 
-double moved_in_height(const Isometry& from, const Isometry& to, double radius) {
+double way_in_height(const Isometry& from, const Isometry& to, double radius) {
   return kBend * (std::abs(to.translation().z() - from.translation().z()) +
                   radius * (to.linear().row(2) - from.linear().row(2)).norm());
 }
@@ -35,15 +33,12 @@ GapWatch::GapWatch(const RobotModel& model, const World& world, const std::vecto
       step_(way_.size()),
       last_X_BS_(shapes_.size()),
       last_X_WO_(objects_.size()) {
-  for (int i = 0; i < static_cast<int>(shapes_.size()); ++i) {
-    for (int k = 0; k < static_cast<int>(objects_.size()); ++k) add(PairKind::kObject, i, k);
-    if (meets_floor[static_cast<std::size_t>(i)]) add(PairKind::kFloor, i, -1);
-  }
-  for (const SelfPair& pair : model.self_pairs) add(PairKind::kSelf, pair.first, pair.second);
+  for (const SolidPair& pair : solid_pairs(model, objects_.size(), meets_floor)) add(pair);
   found_.reserve(pairs_.size());
 }
 
-void GapWatch::add(PairKind kind, int first, int second) {
+void GapWatch::add(const SolidPair& pair) {
+  const auto [kind, first, second] = pair;
   const std::size_t n = shapes_.size();
   const auto i = static_cast<std::size_t>(first);
   const auto k = static_cast<std::size_t>(std::max(second, 0));
@@ -69,8 +64,8 @@ double GapWatch::gap(const Pair& pair, const SolidPoses& poses, const std::vecto
   const Solid& b = self ? shapes_[k] : objects_[k];
   const Isometry& X_WA = poses.X_WS[i];
   const Isometry& X_WB = self ? poses.X_WS[k] : objects[k].X_WO;
-  const double apart = (X_WA.translation() - X_WB.translation()).norm() - a.radius - b.radius;
-  return apart > kFar ? apart : coal_.distance(a.geometry, X_WA, b.geometry, X_WB).d;
+  const double balls = (X_WA.translation() - X_WB.translation()).norm() - a.radius - b.radius;
+  return balls > kFar ? balls : coal_.distance(a.geometry, X_WA, b.geometry, X_WB).d;
 }
 
 void GapWatch::note(const SolidPoses& poses, const std::vector<ObjectState>& objects) {
@@ -96,12 +91,12 @@ void GapWatch::measure_steps(const SolidPoses& poses, const std::vector<ObjectSt
   const Isometry X_BW = poses.X_WB.inverse();
   for (std::size_t i = 0; i < n; ++i) {
     const double r = shapes_[i].radius;
-    step_[i] = moved(last_.X_WS[i], poses.X_WS[i], r);
-    step_[n + i] = moved_in_height(last_.X_WS[i], poses.X_WS[i], r);
-    step_[2 * n + i] = moved(last_X_BS_[i], X_BW * poses.X_WS[i], r);
+    step_[i] = way(last_.X_WS[i], poses.X_WS[i], r);
+    step_[n + i] = way_in_height(last_.X_WS[i], poses.X_WS[i], r);
+    step_[2 * n + i] = way(last_X_BS_[i], X_BW * poses.X_WS[i], r);
   }
   for (std::size_t k = 0; k < objects_.size(); ++k)
-    step_[3 * n + k] = moved(last_X_WO_[k], objects[k].X_WO, objects_[k].radius);
+    step_[3 * n + k] = way(last_X_WO_[k], objects[k].X_WO, objects_[k].radius);
 }
 
 bool GapWatch::moves_clear(const SolidPoses& poses, const std::vector<ObjectState>& objects) {

@@ -2,9 +2,7 @@
 
 #include <vector>
 
-#include "controller/model/convex_distance.h"
-#include "world/plant/solid.h"
-#include "world/world.h"
+#include "world/plant/solid_pairs.h"
 
 namespace moma {
 
@@ -46,7 +44,7 @@ class GapWatch {
     double room;
   };
 
-  void add(PairKind kind, int first, int second);
+  void add(const SolidPair& pair);
   void note(const SolidPoses& poses, const std::vector<ObjectState>& objects);
   void measure_steps(const SolidPoses& poses, const std::vector<ObjectState>& objects);
   double gap(const Pair& pair, const SolidPoses& poses, const std::vector<ObjectState>& objects);

@@ -23,12 +23,12 @@ void add(RigidBody& body, double mass, const Vector3& com, const Matrix3& I_com)
   body.com_L = center;
 }
 
-struct Solid {
+struct Volume {
   double volume;
   Vector3 inertia;  // principal moments at unit mass about the shape's origin
 };
 
-Solid solid(const Shape& shape) {
+Volume volume_of(const Shape& shape) {
   constexpr double kPi = std::numbers::pi;
   const double r = shape.size.x();
   const double l = shape.size.y();
@@ -64,7 +64,7 @@ Solid solid(const Shape& shape) {
 void add_base_mass(const RobotModel& model, double mass, RigidBody& body) {
   double volume = 0.0;
   for (const CollisionShape& shape : model.shapes)
-    if (shape.link == 0) volume += solid(shape.shape).volume;
+    if (shape.link == 0) volume += volume_of(shape.shape).volume;
   if (!(model.base.mass > 0.0)) {
     if (!(volume > 0.0)) return;  // the URDF itself has the base among its links
     throw std::runtime_error(
@@ -76,7 +76,7 @@ void add_base_mass(const RobotModel& model, double mass, RigidBody& body) {
         "robot {}: base.footprint is missing; dynamic simulation spreads the base's mass over its shape", model.name));
   for (const CollisionShape& shape : model.shapes) {
     if (shape.link != 0) continue;
-    const Solid part = solid(shape.shape);
+    const Volume part = volume_of(shape.shape);
     const double m = mass * part.volume / volume;
     const Matrix3 R = shape.X_LS.linear();
     add(body, m, shape.X_LS.translation(), R * (m * part.inertia).asDiagonal() * R.transpose());

@@ -3,19 +3,10 @@
 #include <algorithm>
 #include <vector>
 
-#include "controller/model/convex_distance.h"
+#include "controller/model/solid.h"
 #include "world/world.h"
 
 namespace moma {
-
-/// A solid as the distance library wants it.
-struct Solid {
-  Shape shape;
-  ConvexGeometry geometry;
-  double radius;  ///< of the ball about the shape's origin that encloses it [m]
-
-  explicit Solid(const Shape& of) : shape(of), geometry(of), radius(bounding_radius(of)) {}
-};
 
 /// Of the robot's shapes, in their order.
 inline std::vector<Solid> solids_of(const RobotModel& model) {
