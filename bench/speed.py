@@ -25,6 +25,8 @@ from speed_scenes import ROOT, SUITE
 PEERS = ROOT / "bench/peers"
 ONE_THREAD = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")}
 MOMA_STEPS = 20000
+MOMA_TRIALS = 100  # kinematic: so many that a process' start is a hundredth of it, which the peers' times leave out
+CORES_TRIALS = 60
 
 
 class Failed(Exception):
@@ -87,13 +89,25 @@ class Bench:
                         f"worlds: {{seed: 7, families: {family}}}\nsimulation: {{mode: kinematic}}\ntrials: 1\n",
                         encoding="utf-8")
 
+    def run(self, scene, mode, controller, count, *words, threads=1):
+        return spent([self.moma, "run", SUITE, "-o", self.folder / "trials.db", "-q", "--trials", count, "--threads", threads,
+                      "--set", "samples=none", *scenes.settings(scene, mode, controller), *words])
+
+    def moma_again(self, *work):
+        """Processor time of a run that finds every trial of the last one stored."""
+        return self.run(*work)[1]
+
+    def steps_of_trials(self):
+        """Of the last run's, in the order in which they were begun."""
+        rows = scenes.output(self.moma, "query", self.folder / "trials.db", "SELECT steps FROM v_trials ORDER BY world", "-f", "json")
+        return [row["steps"] for row in json.loads(rows)]
+
     def moma_trials(self, scene, mode, controller, count, *words, threads=1):
         store = self.folder / "trials.db"
         for file in self.folder.glob("trials.db*"):
             file.unlink()
         begin = time.monotonic()
-        _, cpu, memory = spent([self.moma, "run", SUITE, "-o", store, "-q", "--trials", count, "--threads", threads,
-                                "--set", "samples=none", *scenes.settings(scene, mode, controller), *words])
+        _, cpu, memory = self.run(scene, mode, controller, count, *words, threads=threads)
         wall = time.monotonic() - begin
         row = json.loads(scenes.output(self.moma, "query", store, "SELECT count(*) AS trials, sum(steps) AS steps, "
                                        "sum(outcome = 'success') AS successes, sum(outcome = 'collision') AS collisions "
@@ -115,7 +129,7 @@ def rounds(bench, options, kept):
         work["search//optuna_asks"] = lambda: bench.peer("optuna_asks", None)
     if "trials" in options.parts:
         for scene in ("frankie-0", "frankie-10"):
-            work[f"kinematic/{scene}/moma"] = lambda s=scene: bench.moma_trials(s, "kinematic", "holistic", 20)
+            work[f"kinematic/{scene}/moma"] = lambda s=scene: bench.moma_trials(s, "kinematic", "holistic", MOMA_TRIALS)
             for peer, count in (("toolbox", 1), ("mink_steps", 5), ("pink_steps", 1), ("proxqp_steps", 1)):
                 work[f"kinematic/{scene}/{peer}"] = lambda s=scene, p=peer, n=count: bench.peer(p, s, "--trials", n)
             for controller in ("holistic", "moma"):
@@ -138,6 +152,7 @@ def rounds(bench, options, kept):
                 print(f"{name}: left out: {failure.args[0]}", file=sys.stderr)
                 continue
             kept["rounds"].setdefault(name, []).append({"round": round_number, **result})
+            save(kept, options.output)
             value = result.get("us") or 1e6 * result["cpu_s"] / result["control_steps"]
             print(f"round {round_number + 1}: {name}: {value:.1f} us", file=sys.stderr)
 
@@ -165,16 +180,35 @@ def scaling(bench, options, kept):
                                                      "--set", "simulation.time_limit=0.4"))
 
 
+def span(weights, threads):
+    """Time that threads need who take the next piece of work when they have done one."""
+    busy = [0.0] * threads
+    for weight in weights:
+        first = busy.index(min(busy))
+        busy[first] += weight
+    return max(busy)
+
+
 def cores(bench, kept):
-    """Wall time on one thread and on two; only where nothing else runs."""
-    if os.getloadavg()[0] > 0.3 or (os.cpu_count() or 1) < 2:
-        kept["cores"] = {"skipped": f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores"}
-        return
-    times = {threads: [] for threads in (1, 2)}
+    """Two threads against one: by wall time where nothing else runs. On a busy machine wall time tells nothing: there by what
+    keeps two threads from taking half the time, each measured: what trials cost more side by side (processor time), what one
+    thread does alone (a run that finds every trial stored) and how long one waits for the other at the end (control steps)."""
+    work = ("frankie-10", "dynamic", "holistic", CORES_TRIALS)
+    quiet = os.getloadavg()[0] <= 0.3 and (os.cpu_count() or 1) >= 2
+    kept["cores"] = {"quiet": quiet, "trials": CORES_TRIALS, "load": os.getloadavg()[0], "rounds": []}
     for _ in range(3):
-        for threads, walls in times.items():
-            walls.append(bench.moma_trials("frankie-10", "dynamic", "holistic", 40, threads=threads)["wall_s"])
-    kept["cores"] = times
+        found = {threads: bench.moma_trials(*work, threads=threads) for threads in (1, 2)}
+        steps = bench.steps_of_trials()
+        alone = bench.moma_again(*work)
+        kept["cores"]["rounds"].append({
+            "wall": [found[1]["wall_s"], found[2]["wall_s"]], "cpu": [found[1]["cpu_s"], found[2]["cpu_s"]],
+            "alone": alone, "share": span(steps, 2) / sum(steps)})
+
+
+def save(kept, file):
+    """Again and again: what was measured stays if the run is broken off."""
+    file.parent.mkdir(exist_ok=True)
+    file.write_text(json.dumps(kept, indent=1), encoding="utf-8")
 
 
 def main():
@@ -196,9 +230,8 @@ def main():
     kept.setdefault("left_out", {})
     kept["rounds"] = {name: values for name, values in kept["rounds"].items()
                       if ("steps" if name.split("/")[0] in ("steps", "search") else "trials") not in options.parts}
-    for part, empty in (("tail", {}), ("scaling", []), ("cores", {})):
-        if part in options.parts or part not in kept:
-            kept[part] = empty
+    empty = {"tail": {}, "scaling": [], "cores": {}}
+    kept = {**empty, **kept}
     cpu = next((line.split(":")[1].strip() for line in open("/proc/cpuinfo") if line.startswith("model name")), "")
     kept["machine"] = {"cpu": cpu, "cores": os.cpu_count(), "system": platform.platform(terse=True),
                        "date": time.strftime("%Y-%m-%d")}
@@ -206,18 +239,16 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         bench = Bench(options, pathlib.Path(folder))
         kept["moma"] = scenes.output(bench.moma, "-V").strip()
-        if options.parts & {"steps", "trials"}:
-            rounds(bench, options, kept)
-        if "tail" in options.parts:
-            tail(bench, options, kept)
-        if "scaling" in options.parts:
-            scaling(bench, options, kept)
-        if "cores" in options.parts:
-            cores(bench, kept)
+        parts = {"rounds": lambda: rounds(bench, options, kept), "tail": lambda: tail(bench, options, kept),
+                 "scaling": lambda: scaling(bench, options, kept), "cores": lambda: cores(bench, kept)}
+        for name, measure in parts.items():
+            if name in options.parts or (name == "rounds" and options.parts & {"steps", "trials"}):
+                if name in empty:
+                    kept[name] = empty[name]
+                measure()
+                save(kept, options.output)
     usage = resource.getrusage(resource.RUSAGE_CHILDREN)
     print(f"{usage.ru_utime + usage.ru_stime:.0f} s of processor time", file=sys.stderr)
-    options.output.parent.mkdir(exist_ok=True)
-    options.output.write_text(json.dumps(kept, indent=1), encoding="utf-8")
 
 
 if __name__ == "__main__":

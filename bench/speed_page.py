@@ -94,18 +94,27 @@ def tail_rows(kept):
     return rows
 
 
+def control_alone(value):
+    """Without contacts and measures, where a loop has them apart."""
+    return 1e6 * (value["cpu_s"] - value.get("look_s", 0.0)) / value["control_steps"]
+
+
 def trials_section(kept, group):
-    rows = []
+    rows, head = [], ["worlds", "", "trials a second of one core", "us a control step, all in", "times moma's"]
+    looks = any("look_s" in value for name, values in kept["rounds"].items() if name.startswith(group) for value in values)
+    head += ["times moma's if they only controlled"] * looks + ["goals", "contacts"]
     for scene in ("frankie-0", "frankie-10"):
         rounds = Rounds(kept, group, scene)
         for who in NAMES:
             if who not in rounds:
                 continue
             last = rounds.found[who][0]
-            rows.append([SCENES[scene], NAMES[who], spread(rounds.values(who, rate)), spread(rounds.values(who, per_step)),
-                         "1" if who == "moma" else spread(rounds.ratios(who, per_step)),
-                         f"{last['successes']} of {last['trials']}"])
-    return table(["worlds", "", "trials a second of one core", "us a control step, all in", "times moma's", "goals"], rows)
+            row = [SCENES[scene], NAMES[who], spread(rounds.values(who, rate)), spread(rounds.values(who, per_step)),
+                   "1" if who == "moma" else spread(rounds.ratios(who, per_step))]
+            if looks:
+                row.append("" if who == "moma" else spread(rounds.ratios(who, control_alone)))
+            rows.append(row + [f"{last['successes']} of {last['trials']}", str(last["collisions"])])
+    return table(head, rows)
 
 
 def shares(kept):
@@ -150,10 +159,13 @@ def scaling_rows(kept):
              number(1024 * row["store_mib"] / row["trials"])] for row in kept["scaling"]]
 
 
-def each_trial(kept):
+def growth_sentence(kept):
     """Bytes by which memory grows."""
+    if len(kept["scaling"]) < 2:
+        return ""
     before, last = kept["scaling"][-2:]
-    return f"{2**20 * (last['rss_mib'] - before['rss_mib']) / (last['trials'] - before['trials']):.0f}"
+    each = 2**20 * (last["rss_mib"] - before["rss_mib"]) / (last["trials"] - before["trials"])
+    return f"From the last but one row to the last the process grew by {each:.0f} bytes a trial: the list of what is to be done, with keys."
 
 
 def figure(kept):
@@ -201,10 +213,22 @@ def figure(kept):
 
 def cores_sentence(kept):
     found = kept["cores"]
-    if "skipped" in found:
-        return f"Two cores against one were not measured: {found['skipped']}. The script does it where nothing else runs."
-    ratios = [one / two for one, two in zip(found["1"], found["2"])]
-    return f"40 dynamic trials on two threads took {spread(ratios)} times less wall time than on one."
+    if not found or not found["rounds"]:
+        return "Two cores against one were not measured."
+    rounds, trials = found["rounds"], found["trials"]
+    if found["quiet"]:
+        ratios = [r["wall"][0] / r["wall"][1] for r in rounds]
+        return f"{trials} dynamic trials on two threads took {spread(ratios)} times less wall time than on one."
+    dearer = [r["cpu"][1] / r["cpu"][0] for r in rounds]
+    alone = [1e3 * r["alone"] for r in rounds]
+    waits = [100 * (2 * r["share"] - 1) for r in rounds]
+    ratios = [r["cpu"][0] / (r["alone"] + r["share"] * (max(r["cpu"]) - r["alone"])) for r in rounds]
+    return (f"The machine was busy (load {found['load']:.1f}), so that wall time tells nothing. What keeps two threads from taking "
+            f"half the time, of {trials} dynamic trials: side by side they cost {spread(dearer)} times the processor time (less "
+            f"than 1 is the noise of a busy machine and counts as 1); {spread(alone)} ms of it are one thread's alone (start, "
+            f"reading, the end of the store); at the end one waits for the other, {spread(waits, lambda v: f'{v:.1f}')} % of a thread's "
+            f"work, by control steps. Together: two cores are {spread(ratios)} times as quick as one. Where nothing else runs "
+            f"the script measures wall time instead.")
 
 
 def page(kept):
@@ -225,7 +249,7 @@ def page(kept):
         "memory": table(["", "greatest memory MiB", "processor time to the first step ms"], memory_rows(kept)),
         "scaling": table(["trials", "ms of processor time a trial", "greatest memory MiB", "KiB of the store a trial"],
                          scaling_rows(kept)),
-        "each": each_trial(kept), "cores": cores_sentence(kept),
+        "growth": growth_sentence(kept), "cores": cores_sentence(kept),
         "optuna": spread(asks.values("optuna_asks", lambda v: v["us"] / 1e3)) if "optuna_asks" in asks else "(left out)",
         "left_out": "Left out in this run:\n\n" + "\n".join(left_out) if left_out else "Nothing was left out in this run.",
     }

@@ -2,7 +2,8 @@
 
 A peer is a module with `make(scene)`, which returns `step(base, q) -> (velocity, position error, orientation error)`:
 base (x, y, phi), joints q; velocity of the base (v, omega; nothing where it is fixed), then of the joints. `run(make)`
-does the rest:
+does the rest; `step.look() -> (least distance to an object, least to the robot itself, manipulability)` is about the state
+that step() was asked about last, infinite where the peer has no such distance; contact is a distance of 0 or less:
 
     PEER.py SCENE.json --steps SECONDS     control steps on the scene's states, over and over
     PEER.py SCENE.json --trials N          kinematic trials from the starts of the scene's first N worlds
@@ -74,22 +75,49 @@ def time_steps(make, scene, seconds):
             "startup_s": startup, "steps": len(took)}
 
 
+def trial(step, world, limit):
+    """Outcome, control steps, processor time of what is looked at besides control: contacts once a control step, least
+    distances, manipulability, the way of the base and the changes of commands. moma does more of it, and more often.
+    A contact is noted and ends nothing: what is timed is a control step, and setting up a peer takes long."""
+    base, q, inside = np.array(world["start"]["base"]), np.array(world["start"]["q"]), 0
+    objects = itself = np.inf
+    looked, manipulabilities, bases, joints, commands = 0.0, [], [], [], []
+    outcome = "timeout"
+    for _ in range(round(limit / PERIOD)):
+        velocity, position, orientation = step(base, q)
+        begin = time.process_time()
+        to_objects, to_itself, manipulability = step.look()
+        objects, itself = min(objects, to_objects), min(itself, to_itself)
+        manipulabilities.append(manipulability)
+        bases.append(base)
+        joints.append(q)
+        commands.append(velocity)
+        looked += time.process_time() - begin
+        there = position < SUCCESS["position"] and orientation < SUCCESS["orientation"]
+        inside = inside + 1 if there else 0
+        if inside > SUCCESS["steps"]:
+            outcome = "success"
+            break
+        base, q = advance(base, q, velocity, PERIOD)
+    begin = time.process_time()
+    row = {"outcome": "collision" if min(objects, itself) <= 0.0 else outcome, "clearance": objects, "clearance_self": itself, "manip": float(np.mean(manipulabilities)),
+           "path_base": float(np.linalg.norm(np.diff([b[:2] for b in bases], axis=0), axis=1).sum()),
+           "change": float(np.abs(np.diff(commands, axis=0)).max(axis=1).mean()) if len(commands) > 1 else 0.0,
+           "jerk": float(np.sqrt(np.mean(np.diff(joints, n=3, axis=0) ** 2))) if len(joints) > 3 else 0.0}
+    return row, len(commands), looked + time.process_time() - begin
+
+
 def trials(make, scene, count, limit=30.0):
-    begin, steps, successes = time.process_time(), 0, 0
+    begin, rows, steps, looked = time.process_time(), [], 0, 0.0
     for world in scene["worlds"][:count]:
-        step = make({**scene, **world})
-        base, q, inside = np.array(world["start"]["base"]), np.array(world["start"]["q"]), 0
-        for _ in range(round(limit / PERIOD)):
-            velocity, position, orientation = step(base, q)
-            steps += 1
-            there = position < SUCCESS["position"] and orientation < SUCCESS["orientation"]
-            inside = inside + 1 if there else 0
-            if inside > SUCCESS["steps"]:
-                successes += 1
-                break
-            base, q = advance(base, q, velocity, PERIOD)
+        row, length, seconds = trial(make({**scene, **world}), world, limit)
+        rows.append(row)
+        steps += length
+        looked += seconds
     spent = time.process_time() - begin
-    return {"trials": count, "successes": successes, "control_steps": steps, "cpu_s": spent}
+    outcomes = [row["outcome"] for row in rows]
+    return {"trials": count, "successes": outcomes.count("success"), "collisions": outcomes.count("collision"),
+            "control_steps": steps, "cpu_s": spent, "look_s": looked}
 
 
 def run(make, version):

@@ -71,6 +71,24 @@ def make(scene):
             velocity = np.zeros(len(dof))
         return velocity, np.linalg.norm(error[:3]), angle(X[:3, :3].T @ pose(scene["goal"])[:3, :3])
 
+    robot = [model.geom(name).id for name in names]
+    solids = [model.geom(name).id for name in things]
+    pairs_of_objects = [(a, b) for a in robot for b in solids]
+    own_pairs = [(robot[a], robot[b]) for a, b in file["self_pairs"]]
+    least = {}
+
+    def nearest(kind, pairs):
+        """Of these pairs in this state; nothing that is farther than what was the least so far is worth its exact value."""
+        d = min((mujoco.mj_geomDistance(model, configuration.data, a, b, least.get(kind, 10.0), None) for a, b in pairs),
+                default=np.inf)
+        least[kind] = max(min(least.get(kind, 10.0), d), 1e-3)
+        return d
+
+    def look():
+        J = configuration.get_frame_jacobian(tip, "body")[:3, dof[-len(at):]]
+        return nearest("objects", pairs_of_objects), nearest("own", own_pairs), np.sqrt(max(np.linalg.det(J @ J.T), 0.0))
+
+    step.look = look
     return step
 
 

@@ -6,7 +6,7 @@ import pink
 import pinocchio as pin
 
 from common import PERIOD, angle, pose, run
-from pinned import place, robot
+from pinned import nearest, place, robot
 
 RATE = 1.5  # of the error [1/s]
 
@@ -38,6 +38,11 @@ def make(scene):
             velocity = np.r_[velocity[1], velocity[0], velocity[2:]]
         return velocity, np.linalg.norm(X[:3, 3] - goal[:3, 3]), angle(X[:3, :3].T @ goal[:3, :3])
 
+    def look():
+        J = configuration.get_frame_jacobian(model.frames[E].name)[:3, model.nv - len(start["q"]):]
+        return *nearest(scene, geometry, near), np.sqrt(max(np.linalg.det(J @ J.T), 0.0))
+
+    step.look = look
     return step
 
 

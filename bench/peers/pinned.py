@@ -63,3 +63,11 @@ def place(model, base, q):
         return np.array(q)
     model.jointPlacements[1] = pin.SE3(planar([base[0], base[1], 0.0]))
     return np.r_[base[2], 0.0, q]
+
+
+def nearest(scene, geometry, near):
+    """Least distances to objects and to itself among the results that the last step asked coal for: pairs with objects
+    come first."""
+    d = [result.min_distance for result in near.distanceResults]
+    own = len(scene["model"]["self_pairs"])
+    return min(d[:len(d) - own], default=np.inf), min(d[len(d) - own:], default=np.inf)

@@ -6,7 +6,7 @@ import pinocchio as pin
 import proxsuite
 
 from common import angle, pose, run
-from pinned import place, robot
+from pinned import nearest, place, robot
 
 ROWS = 60  # for pairs of solids within their influence, nearest first
 OBJECT, OWN = (0.3, 0.05), (0.1, 0.01)  # influence, stop [m]
@@ -84,6 +84,11 @@ def make(scene):
         velocity = np.r_[x[1], x[0], x[2:]] if dof else x
         return velocity, np.linalg.norm(e_p), angle(X.rotation.T @ goal[:3, :3])
 
+    def look():
+        J = pin.getFrameJacobian(model, data, E, pin.LOCAL_WORLD_ALIGNED)[:3, dof:]
+        return *nearest(scene, geometry, near), np.sqrt(max(np.linalg.det(J @ J.T), 0.0))
+
+    step.look = look
     return step
 
 

@@ -17,6 +17,7 @@ def shape(item):
     solid = spatialgeometry.Sphere(item["size"][0], pose=X) if item["shape"] == "sphere" else \
         spatialgeometry.Cuboid(item["size"], pose=X)
     solid.v = np.zeros(6)
+    solid._propogate_scene_tree()
     return solid
 
 
@@ -29,11 +30,17 @@ def make(scene):
     first, last = robot.link_dict["panda_link1"], robot.link_dict["panda_link8"]
     arm = robot.links[4] if mobile else None
 
+    asked = []
+
     def step(base, q):
         if mobile:
             robot._T = planar(base)
             q = np.r_[0.0, 0.0, q]
         robot.q = q
+        asked[:] = [q]
+        if objects:  # what Swift does at each of its steps
+            robot._update_link_tf(q)
+            robot._propogate_scene_tree()
         X_WE = robot.fkine(q).A
         X_EG = np.linalg.inv(X_WE) @ goal
         error = np.sum(np.abs(X_EG[:3, 3]))
@@ -65,6 +72,14 @@ def make(scene):
             velocity = np.r_[velocity[1], velocity[0], velocity[2:]]  # its base turns first
         return velocity, np.linalg.norm(X_EG[:3, 3]), angle(X_EG[:3, :3])
 
+    def look():
+        """The toolbox has distances to solids, within a range, and none of the robot's links to each other."""
+        q = asked[0]
+        near = [robot.closest_point(q, solid, 10.0, skip=True)[0] for solid in objects]
+        return (min((d for d in near if d is not None), default=np.inf), np.inf,
+                robot.manipulability(q, start=arm, axes="trans"))
+
+    step.look = look
     return step
 
 
