@@ -1,0 +1,59 @@
+"""What a step of a peer costs, in processor time: 200 steps of a motion in world 1 of the cluttered family, by itself and without moma's program.
+
+    PYTHONPATH=build/python .venv-peers/bin/python3 examples/peers/step_time.py mink_peer Mink frankie [PARAMETERS as JSON]
+
+The world comes from configs/suites/peers.yaml or peers-panda.yaml by `moma world` (MOMA_PROGRAM). Prints the median in microseconds.
+"""
+
+import importlib
+import json
+import pathlib
+import sys
+import time
+from types import SimpleNamespace
+
+import moma
+import numpy as np
+from moma.program import run
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+STEPS = 200
+
+
+def rotation(quaternion):
+    w, x, y, z = quaternion
+    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                     [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                     [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
+
+
+def pose(item):
+    return SimpleNamespace(position=np.array(item["position"]), rotation=rotation(item["quaternion"]), twist=np.zeros(6), visible=True,
+                           position_covariance=None, velocity_covariance=None)
+
+
+def main(module, name, robot, parameters="{}"):
+    families = {"frankie": {"objects": 10, "shapes": ["sphere", "box"]}, "panda": {"objects": 3, "shapes": ["sphere"]}}
+    suite = ROOT / "configs/suites/peers.yaml"
+    plain = {"robot": str(ROOT / f"configs/robots/{robot}.yaml"), "controllers": {"rrmc": str(ROOT / "configs/controllers/rrmc.yaml")},
+             "worlds.families": {"clutter": families[robot]}}
+    sets = [word for key, value in plain.items() for word in ("--set", f"{key}={value if isinstance(value, str) else json.dumps(value)}")]
+    world = json.loads(run(["world", str(suite), "1", *sets, "--json"]))
+    body = moma.Robot(ROOT / f"configs/robots/{robot}.yaml")
+    body.control_period = 0.02
+    controller = getattr(importlib.import_module(module), name)(**json.loads(parameters))
+    controller.reset(body, [SimpleNamespace(name=o["name"], kind=o["shape"], size=np.array(o["size"])) for o in world["objects"]])
+    q, base = np.array(world["start"]["q"]), np.array(world["start"]["base"])
+    objects, goal, took = [pose(item) for item in world["objects"]], pose(world["goal"]), []
+    for k in range(STEPS):
+        seen = SimpleNamespace(time=0.02 * k, q=q, base=base, qdot=np.zeros(len(body.velocities)), goal=goal, objects=objects)
+        begin = time.process_time()
+        answer = controller.step(seen)
+        took.append(time.process_time() - begin)
+        velocity = answer["command"] if isinstance(answer, dict) else answer
+        q, base = body.integrate(q, velocity, 0.02, base)
+    print(f"{name} {robot}: {1e6 * np.median(took):.0f} us")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
