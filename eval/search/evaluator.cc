@@ -18,6 +18,9 @@ bool same_bits(std::span<const double> a, std::span<const double> b) {
   });
 }
 
+// What an excess over a bound is measured by.
+double scale_of(double bound) { return std::max(std::abs(bound), 0.01); }
+
 }  // namespace
 
 Evaluator::Evaluator(EvaluatorSettings settings, Objective& objective, EvaluationLog& log,
@@ -29,18 +32,37 @@ Evaluator::Evaluator(EvaluatorSettings settings, Objective& objective, Evaluatio
   if (objective_.width() != 1 + settings_.constraints.size()) {
     throw std::invalid_argument("the objective must give one cost and one value per constraint");
   }
+  for (const Constraint& constraint : settings_.constraints) scales_.push_back(scale_of(constraint.at_most));
 }
 
 double Evaluator::violation(std::span<const double> means) const {
   double sum = 0.0;
   for (std::size_t k = 0; k < means.size(); ++k) {
-    const double bound = settings_.constraints[k].at_most;
-    sum += std::max(0.0, means[k] - bound) / std::max(std::abs(bound), 0.01);
+    sum += std::max(0.0, means[k] - settings_.constraints[k].at_most) / scales_[k];
   }
   return sum;
 }
 
-void Evaluator::summarise(Evaluation& evaluation, const std::vector<double>& values) const {
+double Evaluator::above_start(std::size_t k, const std::vector<double>& values) const {
+  if (history_.empty()) return 0.0;  // this is the start
+  const std::vector<double>& start = known_.at(history_.front().candidate).values;
+  const std::size_t width = objective_.width();
+  const std::size_t worlds = std::min(values.size() / width, settings_.search_worlds);
+  double sum = 0.0;
+  for (std::size_t w = 0; w < worlds; ++w) sum += values[w * width + k + 1] - start[w * width + k + 1];
+  return sum / static_cast<double>(worlds);
+}
+
+double Evaluator::penalised(const Evaluation& evaluation) const {
+  const double penalty = penalty_ * violation(evaluation.constraints);
+  double cost = evaluation.cost;
+  for (std::size_t k = 0; k < settings_.constraints.size(); ++k)
+    if (settings_.constraints[k].of_start && evaluation.constraints[k] > 0.0)
+      cost = std::max(cost, history_.front().cost);
+  return cost + penalty;
+}
+
+void Evaluator::summarise(Evaluation& evaluation, const std::vector<double>& values) {
   const std::size_t width = objective_.width();
   evaluation.worlds = values.size() / width;
   std::vector<double> sums(width, 0.0);
@@ -48,6 +70,11 @@ void Evaluator::summarise(Evaluation& evaluation, const std::vector<double>& val
   for (double& sum : sums) sum /= static_cast<double>(evaluation.worlds);
   evaluation.cost = sums[0];
   evaluation.constraints.assign(sums.begin() + 1, sums.end());
+  for (std::size_t k = 0; k < settings_.constraints.size(); ++k) {
+    if (!settings_.constraints[k].of_start) continue;
+    if (history_.empty()) scales_[k] = scale_of(evaluation.constraints[k]);
+    evaluation.constraints[k] = above_start(k, values);
+  }
 }
 
 bool Evaluator::race_lost(const Known& known, std::size_t worlds) const {
@@ -131,7 +158,7 @@ const Evaluation& Evaluator::conclude(Evaluation evaluation, Known& known, const
     if (history_.empty()) {
       penalty_ = settings_.penalty > 0.0 ? settings_.penalty : std::max(1.0, std::abs(evaluation.cost));
     }
-    evaluation.merit = evaluation.cost + penalty_ * violation(evaluation.constraints);
+    evaluation.merit = penalised(evaluation);
   } else {
     evaluation.constraints.assign(settings_.constraints.size(), 0.0);
   }

@@ -82,7 +82,8 @@ class Evaluator {
   /// Cost per world of a candidate, in the order of the worlds.
   std::vector<double> costs(const Candidate& candidate) const;
   double penalty() const { return penalty_; }
-  /// Sum of the constraints' relative excesses: max(0, mean - bound) / max(|bound|, 0.01).
+  /// Sum of the constraints' relative excesses: max(0, mean - bound) / max(|bound|, 0.01), where the bound of those by
+  /// the start is its own mean on the search's worlds.
   double violation(std::span<const double> constraint_means) const;
 
  private:
@@ -97,7 +98,10 @@ class Evaluator {
   /// The next of the history, nothing measured yet; `first` worlds are known before. Cut where it is not valid.
   Begun begin(const Candidate& candidate, Phase phase, int run, std::size_t first);
   bool race_lost(const Known& known, std::size_t worlds) const;
-  void summarise(Evaluation& evaluation, const std::vector<double>& values) const;
+  void summarise(Evaluation& evaluation, const std::vector<double>& values);
+  /// What value k + 1 is more than the start's, in the search's worlds that both have met.
+  double above_start(std::size_t k, const std::vector<double>& values) const;
+  double penalised(const Evaluation& evaluation) const;
   void estimate(Evaluation& evaluation) const;
   const Evaluation& conclude(Evaluation evaluation, Known& known, const Evaluation* stored);
   std::optional<Evaluation> logged(const Evaluation& begun);
@@ -114,6 +118,7 @@ class Evaluator {
   std::uint64_t saved_ = 0;
   std::uint64_t cuts_ = 0;
   double penalty_ = 1.0;
+  std::vector<double> scales_;  // of the constraints' excesses
 };
 
 }  // namespace moma::tune

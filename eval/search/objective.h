@@ -29,10 +29,12 @@ class Interrupted : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The mean over worlds of value k must be at most `at_most`.
+/// The mean over worlds of value k must be at most `at_most`; or at most what the start has in the same worlds. What
+/// breaks the latter counts as no better than the start, whatever its cost.
 struct Constraint {
   std::string name;
   double at_most = 0.0;
+  bool of_start = false;  ///< Evaluation::constraints has the mean difference to the start, `at_most` is 0
 };
 
 }  // namespace moma::tune

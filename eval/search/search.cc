@@ -185,7 +185,9 @@ void check(const SearchSettings& s) {
 }
 
 void add_notes(const SearchSettings& settings, const Confirmation& fitted, SearchResult& result) {
-  if (!settings.constraints.empty()) {
+  const bool bounded = std::any_of(settings.constraints.begin(), settings.constraints.end(),
+                                   [](const Constraint& constraint) { return !constraint.of_start; });
+  if (bounded) {
     for (const PlanStep& step : settings.plan.empty() ? default_plan() : settings.plan) {
       result.notes.push_back(step.algorithm->takes_constraints
                                  ? fmt::format("{} takes the constraints as they are", step.algorithm->name)

@@ -146,6 +146,7 @@ std::vector<std::string> judge_constraints(const Tuning& tuning, const std::vect
   std::vector<std::string> lines;
   for (const MetricBound& bound : tuning.config.bounds) {
     const Constraint constraint = constraint_of(bound);
+    if (constraint.of_start) continue;  // the comparisons tell
     double sum = 0.0;
     std::int64_t ones = 0;
     bool rate = true;

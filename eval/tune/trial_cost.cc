@@ -80,8 +80,9 @@ double bound_value(const MetricBound& bound, const TrialRow& row) {
 }
 
 Constraint constraint_of(const MetricBound& bound) {
-  return {fmt::format("{} {} {}", bound.metric.name(), bound.at_least ? ">=" : "<=", bound.bound),
-          bound.at_least ? -bound.bound : bound.bound};
+  const std::string name = fmt::format("{} {} ", bound.metric.name(), bound.at_least ? ">=" : "<=");
+  if (!bound.bound) return {name + "the start's", 0.0, true};
+  return {fmt::format("{}{}", name, *bound.bound), bound.at_least ? -*bound.bound : *bound.bound};
 }
 
 }  // namespace moma::tune

@@ -23,7 +23,7 @@ struct CostTerm {
 struct MetricBound {
   Metric metric;
   bool at_least = false;
-  double bound = 0.0;
+  std::optional<double> bound;  ///< none: what the search's start has in the same worlds
   std::optional<double> when_null;
 };
 

@@ -126,13 +126,14 @@ std::vector<MetricBound> read_bounds(const Node* node) {
     config::fail(node->mark, key, "expected a map such as {collision: {at_most: 0.01}}");
   for (const auto& [metric, entry] : node->entries) {
     const std::string where = key + "." + metric;
-    MetricBound bound{at(entry, where, [&, name = metric] { return Metric::find(name); }), false, 0.0, std::nullopt};
+    MetricBound bound{at(entry, where, [&, name = metric] { return Metric::find(name); }), false, {}, {}};
     MapReader in(entry, where);
     const Node* at_most = in.get("at_most");
     const Node* at_least = in.get("at_least");
     if ((at_most == nullptr) == (at_least == nullptr)) in.fail("expected one of the keys at_most and at_least");
     bound.at_least = at_least != nullptr;
-    bound.bound = config::read_number(bound.at_least ? *at_least : *at_most, where);
+    const Node& given = bound.at_least ? *at_least : *at_most;
+    if (!is_word(&given, "start")) bound.bound = config::read_number(given, where);
     if (const Node* null_node = in.get("when_null"))
       bound.when_null = config::read_number(*null_node, where + ".when_null");
     in.finish();
@@ -143,6 +144,14 @@ std::vector<MetricBound> read_bounds(const Node* node) {
     bounds.push_back(std::move(bound));
   }
   return bounds;
+}
+
+// The default objective weighs success against other things, but is not to give any of it away.
+void keep_success(TuneConfig& tune) {
+  const Metric success = Metric::find(to_string(Outcome::kSuccess));
+  const bool told = std::any_of(tune.bounds.begin(), tune.bounds.end(),
+                                [&](const MetricBound& bound) { return bound.metric.name() == success.name(); });
+  if (tune.cost.standard() && !told) tune.bounds.push_back({success, true, {}, {}});
 }
 
 std::vector<PlanStep> read_plan(const Node* node) {
@@ -288,7 +297,8 @@ const std::vector<OwnKey>& own_keys() {
        [](const Reading& r) {
          if (r.node != nullptr) r.tune.cost = read_objective(*r.node);
        }},
-      {"constraints", "", "", "a map {METRIC: {at_most or at_least: x}}", "", "what has to hold",
+      {"constraints", "", "", "a map {METRIC: {at_most or at_least: x}}, where x is a number or start",
+       "success as often as at the start", "what has to hold",
        [](const Reading& r) { r.tune.bounds = read_bounds(r.node); }},
       {"algorithm", "", "", "default, a name, or a list of names or maps {name, share, population}", "default",
        "of NLopt", [](const Reading& r) { r.tune.plan = read_plan(r.node); }},
@@ -324,6 +334,7 @@ TuneConfig read_tune(const Node& node, const std::vector<std::string>& controlle
     }
   };
   read(false);
+  keep_success(tune);
   tune.confirmation.worlds = tune.worlds.count;
   config::read_members(in, tune);
   in.check(tune.sensitivity.near < tune.sensitivity.far, "sensitivity", "far must be larger than near");

@@ -75,7 +75,8 @@ std::vector<Key> tune_keys(const std::string& prefix = "tune");
 /// Reads `tune`:
 ///   variables: {KEY: {range: [low, high], scale: linear | log | integer, start: x}, ...}
 ///   objective: default | {minimize: METRIC | {METRIC: weight | {weight: w, when_null: v}, ...}} | {maximize: ...}
-///   constraints: {METRIC: {at_most: x | at_least: x, when_null: v}, ...}
+///   constraints: {METRIC: {at_most: x | at_least: x, when_null: v}, ...}, x a number or `start`. With the default
+///     objective and no bound on success, {success: {at_least: start}} is added.
 ///   algorithm: NAME | [NAME | {name: NAME, share: s, population: p}, ...]
 ///   budget: {trials: n}       worlds: n | {first: i, count: n}       held_out: n | {first: i, count: n, seed: s}
 ///   confirm: none | {candidates, worlds, neighbours, radius}         racing: none | {first, block, significance}

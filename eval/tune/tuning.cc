@@ -22,7 +22,7 @@ using config::Node;
 using nlohmann::ordered_json;
 
 // Raised by hand when the search takes another path for the same settings: stored searches of before are not resumed.
-constexpr int kSearchVersion = 2;
+constexpr int kSearchVersion = 3;
 
 // "controller.k" and "controllers.NAME.k" become "k"; anything else is not the controller's: "".
 std::string inner_key(const std::string& key, const std::string& controller) {

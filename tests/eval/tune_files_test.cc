@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -118,6 +119,22 @@ TEST(TuneFiles, ObjectiveAndConstraintsKnowTheirMetrics) {
   EXPECT_SAYS(with("  constraints: {collision: 0.01}\n"), "collision");
   EXPECT_SAYS(with("  constraints: {collision: {at_most: 0.01, at_least: 0}}\n"), "one of the keys");
   EXPECT_SAYS(with("  constraints: {time_to_goal_s: {at_most: 10}}\n"), "when_null");
+  EXPECT_EQ(with("  constraints: {collision: {at_most: start}}\n"), "");
+  EXPECT_SAYS(with("  constraints: {collision: {at_most: begin}}\n"), "tune.constraints.collision");
+}
+
+TEST(TuneFiles, TheDefaultObjectiveKeepsTheStartsSuccess) {
+  const auto bounds = [](const std::string& more) {
+    const SuiteFolder folder;
+    const Tuning tuning = load_tuning(folder.suite("tune:\n" + (kVariables + ("  budget: {trials: 1000}\n" + more))));
+    std::vector<std::string> names;
+    for (const Constraint& constraint : search_settings(tuning).constraints) names.push_back(constraint.name);
+    return fmt::format("{}", fmt::join(names, ", "));
+  };
+  EXPECT_EQ(bounds(""), "success >= the start's");
+  EXPECT_EQ(bounds("  constraints: {collision: {at_most: 0.01}}\n"), "collision <= 0.01, success >= the start's");
+  EXPECT_EQ(bounds("  constraints: {success: {at_least: 0}}\n"), "success >= 0");
+  EXPECT_EQ(bounds("  objective: {minimize: command_change_mean}\n"), "");
 }
 
 TEST(TuneFiles, HeldOutWorldsMayNotOverlapTheSearch) {
