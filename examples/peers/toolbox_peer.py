@@ -43,8 +43,12 @@ class Holistic:
         n = self.robot.n
         A, b = np.zeros((n + 6, n + 6)), np.zeros(n + 6)
         A[:n, :n], b[:n] = self.robot.joint_velocity_damper(*self.damper, n)
+        if self.solids:  # the robot's own follow it, as they do in each step of the toolbox's simulator
+            self.robot._update_link_tf(q)
+            self.robot._propogate_scene_tree()
         for shape, item in zip(self.solids, seen.objects):
             shape.T = spatialmath.SE3(frame(item), check=False).A
+            shape._propogate_scene_tree()
             links = self.robot.link_dict  # of Frankie without its hand
             first, last = links["panda_link1"], links.get("panda_hand") or links["panda_link8"]
             more, bound = self.robot.link_collision_damper(shape, q, 0.3, 0.05, 1.0, start=first, end=last)

@@ -59,5 +59,5 @@ def __getattr__(name: str) -> Any:
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
-if "gymnasium" in sys.modules:  # also by gymnasium.make("moma:...")
+if sys.modules.get("gymnasium") is not None:  # also by gymnasium.make("moma:...")
     importlib.import_module(".env", __name__).register_envs()

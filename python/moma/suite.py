@@ -37,6 +37,7 @@ class Suite:
         self.worlds = None if worlds is None else [World(world) for world in worlds]
         if self.worlds is not None and not self.worlds:
             raise ValueError("worlds: found none, expected at least one")
+        self._loaded: Any = None
         if isinstance(self.source, dict) and not isinstance(self.source.get("name"), str):
             raise ValueError("a suite that is a dict needs a name")
 
@@ -55,9 +56,11 @@ class Suite:
             return run(["check", *arguments])
 
     def load(self) -> Any:
-        """Read in this process, for Env. Raises ConfigError."""
-        with self._files() as (file, changes):
-            return _core.Suite.load(file, [(key, _text(value)) for key, value in changes.items()])
+        """Read in this process, once, for Env and worlds. Raises ConfigError."""
+        if self._loaded is None:
+            with self._files() as (file, changes):
+                self._loaded = _core.Suite.load(file, [(key, _text(value)) for key, value in changes.items()])
+        return self._loaded
 
     @property
     def points(self) -> list[tuple[str, str]]:
