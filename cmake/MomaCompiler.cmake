@@ -33,7 +33,8 @@ add_compile_options(-ffp-contract=off)
 
 set(MOMA_SANITIZE "" CACHE STRING "Sanitizers, for instance address,undefined or thread")
 if(MOMA_SANITIZE)
-  add_compile_options(-fsanitize=${MOMA_SANITIZE} -fno-omit-frame-pointer)
+  # What is found ends the program: undefined behaviour would only be printed, which neither a test nor a fuzzer notices.
+  add_compile_options(-fsanitize=${MOMA_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${MOMA_SANITIZE})
   # Eigen would keep its own header before each block. The wheels, built without, export some of Eigen's inline functions,
   # and a plugin's calls end in those: blocks taken by one and given back by the other.

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <new>
 #include <numbers>
 #include <set>
 #include <stdexcept>
@@ -128,6 +129,8 @@ Mesh read_mesh(const std::filesystem::path& file, const Vector3& scale) {
   coal::BVHModelPtr_t loaded;
   try {
     loaded = coal::MeshLoader(coal::BV_AABB).load(file.string(), check.unit * scale);
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& e) {
     throw std::runtime_error("the mesh " + file.string() + " cannot be read: " + reason_in(e.what()));
   }
@@ -168,6 +171,8 @@ MeshSolid mesh_solid(const std::filesystem::path& file, const Vector3& scale) {
       }
       solid.shape = {ShapeKind::kConvex, Vector3::Zero(), hull};
       return solid;
+    } catch (const std::bad_alloc&) {
+      throw;
     } catch (const std::exception&) {
       // In one plane: the box below stands for them.
     }

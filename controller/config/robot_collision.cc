@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <new>
 #include <set>
 #include <string>
 #include <utility>
@@ -186,6 +187,8 @@ class CollisionReader {
                                         " became a thin box");
             add(link, at->second.shape, geometry.X_LS * at->second.X_MS);
           } catch (const ConfigError&) {
+            throw;
+          } catch (const std::bad_alloc&) {
             throw;
           } catch (const std::exception& e) {
             in.fail_at("from", "link " + source.name + ": " + e.what());

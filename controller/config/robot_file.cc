@@ -1,6 +1,7 @@
 #include "controller/config/robot_file.h"
 
 #include <map>
+#include <new>
 #include <utility>
 
 #include "controller/config/json_node.h"
@@ -68,6 +69,8 @@ void read_urdf_of(MapReader& robot, RobotBuild& build) {
       build.urdf_directory = file.parent_path();
       name = file.string();
       text = read_text_file(file);
+    } catch (const std::bad_alloc&) {
+      throw;
     } catch (const std::exception& e) {
       robot.fail_at("urdf", e.what());
     }

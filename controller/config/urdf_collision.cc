@@ -1,5 +1,6 @@
 #include "controller/config/urdf_collision.h"
 
+#include <new>
 #include <utility>
 
 #include "controller/config/robot_build.h"
@@ -22,6 +23,8 @@ std::vector<UrdfCollision> load_urdf_collision(const std::filesystem::path& robo
       if (!geometry.mesh.empty()) {
         try {
           element.surface = read_mesh(build.packages.resolve(geometry.mesh, build.urdf_directory), geometry.scale);
+        } catch (const std::bad_alloc&) {
+          throw;
         } catch (const std::exception& e) {
           robot.fail_at("urdf", "link " + link.name + ": " + e.what());
         }

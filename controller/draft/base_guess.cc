@@ -6,6 +6,7 @@
 #include <cmath>
 #include <exception>
 #include <limits>
+#include <new>
 #include <numbers>
 #include <utility>
 
@@ -102,6 +103,8 @@ class BaseFinder {
           const Vector3 p_L = shape.X_LS * p_M;
           radius = std::max(radius, (p_L - axis_L.dot(p_L) * axis_L).norm());
         }
+      } catch (const std::bad_alloc&) {
+        throw;
       } catch (const std::exception&) {
         // What is wrong with it is said where the robot's shapes are read.
       }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <new>
 #include <numbers>
 #include <optional>
 #include <sstream>
@@ -110,6 +111,8 @@ class Drafter {
     std::string text;
     try {
       text = config::read_text_file(options_.urdf);
+    } catch (const std::bad_alloc&) {
+      throw;
     } catch (const std::exception& e) {
       fail(e.what());
     }

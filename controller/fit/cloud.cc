@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <numbers>
 #include <set>
 #include <stdexcept>
@@ -82,6 +83,8 @@ Points hull_points(const Points& points) {
   if (distinct.size() < 5) return distinct;
   try {
     return config::convex_hull(distinct).vertices;
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception&) {
     return distinct;  // in one plane
   }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <utility>
 #include <vector>
 
@@ -152,6 +153,8 @@ std::vector<Vector3> normals(const Points& points, Effort effort) {
           (hull.vertices[static_cast<std::size_t>(t[1])] - a).cross(hull.vertices[static_cast<std::size_t>(t[2])] - a);
       if (n.norm() > 1e-12) all.emplace_back(n.normalized());
     }
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception&) {
     // All in one plane: its normal is the last principal axis.
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <vector>
 
 #include "controller/config/mesh_hull.h"
@@ -49,6 +50,8 @@ class Hull {
         volume += (at(0) - centre).dot((at(1) - centre).cross(at(2) - centre)) / 6.0;
       }
       volume_ = volume;
+    } catch (const std::bad_alloc&) {
+      throw;
     } catch (const std::exception&) {
       triangles_ = surface;
     }

@@ -1,6 +1,7 @@
 #include "controller/fit/minimise.h"
 
 #include <exception>
+#include <new>
 #include <nlopt.hpp>
 
 namespace moma::fit {
@@ -39,6 +40,8 @@ std::vector<double> minimise(const std::function<double(const std::vector<double
   double y = 0.0;
   try {
     search.optimize(x, y);
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception&) {
     // Rounding that stops the search, say: the best point so far stands.
   }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 #include <mutex>
+#include <new>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -67,6 +68,33 @@ void remove_all(TiXmlElement& parent, const char* name) {
   while (TiXmlElement* child = parent.FirstChildElement(name)) parent.RemoveChild(child);
 }
 
+// Where it finds no root, urdfdom lets go of links that hold each other, which are then never freed.
+void refuse_loops(const TiXmlElement& robot) {
+  std::map<std::string, std::set<std::string>> parents;  // of each link on a joint
+  for (const TiXmlElement* joint = robot.FirstChildElement("joint"); joint != nullptr;
+       joint = joint->NextSiblingElement("joint")) {
+    const TiXmlElement* parent = joint->FirstChildElement("parent");
+    const TiXmlElement* child = joint->FirstChildElement("child");
+    const char* from = parent != nullptr ? parent->Attribute("link") : nullptr;
+    const char* to = child != nullptr ? child->Attribute("link") : nullptr;
+    if (from != nullptr && to != nullptr) parents[to].insert(from);
+  }
+  if (parents.size() > kMaxUrdfLinks) throw UrdfError("more than " + std::to_string(kMaxUrdfLinks) + " links");
+  // Links without parents go, then those whose parents have gone: what stays hangs on a loop.
+  const auto gone = [&](const auto& entry) {
+    return std::none_of(entry.second.begin(), entry.second.end(),
+                        [&](const std::string& parent) { return parents.count(parent) != 0; });
+  };
+  while (std::erase_if(parents, gone) > 0) {
+  }
+  if (parents.empty()) return;
+  std::string link = parents.begin()->first;
+  for (std::set<std::string> passed; passed.insert(link).second;)
+    for (const std::string& parent : parents.at(link))
+      if (parents.count(parent) != 0) link = parent;
+  throw UrdfError("link " + link + " hangs on itself, by joints that form a loop");
+}
+
 struct Amended {
   std::string text;
   bool named = true;
@@ -103,6 +131,7 @@ Amended amend(const std::string& text, UrdfReading reading) {
     amended.named = false;
     robot->SetAttribute("name", "robot");  // urdfdom insists on one
   }
+  refuse_loops(*robot);
   amended.missing = complete_limits(*robot);
   TiXmlPrinter printer;
   document.Accept(&printer);
@@ -251,6 +280,8 @@ UrdfTree parse(const std::string& text, UrdfReading reading) {
     MessageCapture capture;
     try {
       model = urdf::parseURDF(amended.text);
+    } catch (const std::bad_alloc&) {
+      throw;
     } catch (const std::exception& e) {
       throw UrdfError(e.what() + (capture.text().empty() ? std::string() : "; " + capture.text()));
     }

@@ -171,14 +171,14 @@ void Search::sample(const FreeSpace& space, CountedDraws& draws, WholeConfigurat
     const double f = draws.uniform();
     c.tail(joints) += f * (goal - task_.start).tail(joints);
   } else if (kind < kNearGoal) {
-    constexpr double kAway = 0.4, kTurned = 1.0, kBent = 0.8;  // [m, rad, rad]
+    constexpr double kAway = 0.4, kTurned = 1.0, kFolded = 0.8;  // [m, rad, rad]
     if (mobile) {
       c[0] = goal[0] + draws.uniform(-kAway, kAway);
       c[1] = goal[1] + draws.uniform(-kAway, kAway);
       c[2] = goal[2] + draws.uniform(-kTurned, kTurned);
     }
     for (int i = 0; i < joints; ++i) {
-      const double bent = limits_->part[i] * kBent;
+      const double bent = limits_->part[i] * kFolded;
       c[3 + i] = std::clamp(goal[3 + i] + draws.uniform(-bent, bent), space.lower()[i], space.upper()[i]);
     }
   } else {

@@ -14,33 +14,31 @@ namespace moma {
 struct DaqpSolver::Impl {
   int n = 0;
   int max_rows = 0;
+  // The arrays of the workspace are ours, not those of DAQP's allocate_ and setup_ functions, which write through what
+  // malloc() gives them without looking. A block each, so that memory checkers see where one ends.
   DAQPWorkspace work{};
+  DAQPSettings settings{};
+  std::vector<std::vector<double>> numbers;
+  std::vector<std::vector<int>> words;
   DAQPProblem qp{};
-  bool allocated = false;
   // DAQP reads a dense row-major H and bounds of variables and rows in one array.
   std::vector<double> H, f, lower, upper, x, multipliers;
 
-  void release() {
-    if (!allocated) return;
-    free_daqp_ldp(&work);
-    free_daqp_workspace(&work);
-    work = DAQPWorkspace{};
-    allocated = false;
-  }
+  double* array(std::size_t count) { return numbers.emplace_back(std::max<std::size_t>(count, 1), 0.0).data(); }
+  int* int_array(std::size_t count) { return words.emplace_back(std::max<std::size_t>(count, 1), 0).data(); }
 };
 
 DaqpSolver::DaqpSolver() : impl_(std::make_unique<Impl>()) {}
-DaqpSolver::~DaqpSolver() { impl_->release(); }
+DaqpSolver::~DaqpSolver() = default;
 int DaqpSolver::num_variables() const noexcept { return impl_->n; }
 int DaqpSolver::max_rows() const noexcept { return impl_->max_rows; }
 
 void DaqpSolver::allocate(int num_variables, int max_rows) {
+  impl_ = std::make_unique<Impl>();
   Impl& s = *impl_;
-  s.release();
-  s.n = num_variables;
-  s.max_rows = max_rows;
   const auto n = static_cast<std::size_t>(num_variables);
-  const std::size_t m = n + static_cast<std::size_t>(max_rows);
+  const auto rows = static_cast<std::size_t>(max_rows);
+  const std::size_t m = n + rows;
   s.H.assign(n * n, 0.0);
   s.f.assign(n, 0.0);
   s.lower.assign(m, 0.0);
@@ -48,18 +46,34 @@ void DaqpSolver::allocate(int num_variables, int max_rows) {
   s.x.assign(n, 0.0);
   s.multipliers.assign(m, 0.0);
 
-  allocate_daqp_settings(&s.work);
-  s.work.settings->primal_tol = 1e-9;
-  s.work.settings->eq_reduction = DAQP_EQ_REDUCTION_OFF;
-  s.work.settings->iter_limit = 1000;
-  allocate_daqp_workspace(&s.work, num_variables, 0);
-  allocate_daqp_ldp(&s.work, num_variables, static_cast<int>(m), num_variables, 1, 1);
-  s.work.n = num_variables;
-  s.work.m = static_cast<int>(m);
-  s.work.ms = num_variables;
+  daqp_default_settings(&s.settings);
+  s.settings.primal_tol = 1e-9;
+  s.settings.eq_reduction = DAQP_EQ_REDUCTION_OFF;
+  s.settings.iter_limit = 1000;
+  DAQPWorkspace& work = s.work;
+  work.settings = &s.settings;
+  work.n = num_variables;
+  work.m = static_cast<int>(m);
+  work.ms = num_variables;
+  work.outer_iter = 1;
+  // What allocate_daqp_workspace() and allocate_daqp_ldp() would make.
+  for (double** one : {&work.lam, &work.lam_star, &work.D, &work.xldl, &work.zldl}) *one = s.array(n + 1);
+  work.L = s.array((n + 1) * (n + 2) / 2);
+  work.u = work.x = s.array(n);
+  work.xold = s.array(n);
+  work.WS = s.int_array(n + 1);
+  work.prox_mask = s.int_array(n);
+  for (double** one : {&work.scaling, &work.dupper, &work.dlower}) *one = s.array(m);
+  std::fill(work.scaling, work.scaling + n, 1.0);
+  work.M = s.array(n * rows);
+  if (rows > 0) work.Mu = s.array(rows);
+  work.sense = s.int_array(m);
+  work.Rinv = s.array(n * (n + 1) / 2);
+  work.v = s.array(n);
   s.qp.n = num_variables;
   s.qp.ms = num_variables;
-  s.allocated = true;
+  s.n = num_variables;
+  s.max_rows = max_rows;
 }
 
 StepStatus DaqpSolver::do_solve(const QpProblem& p, const Box& box, QpSolution& solution) noexcept {

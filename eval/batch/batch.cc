@@ -8,6 +8,7 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <stdexcept>
 
@@ -178,6 +179,8 @@ BatchResult compute_job(const SuitePoint& point, const BatchJob& job, std::size_
     if (result.world == nullptr) throw std::runtime_error(fmt::format("there is no world {}", job.world));
     result.output = run_trial(point, *result.world, options.parts, clock);
     if (options.finish) options.finish(point, result);
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& e) {
     result.output = {};
     result.output.row.outcome = Outcome::kError;
@@ -210,9 +213,13 @@ BatchSummary run_batch(std::span<const SuitePoint> points, std::span<const Batch
         delivery.fail(std::current_exception());
       }
     }
-    while (const std::optional<std::size_t> position = delivery.take()) {
-      const std::size_t i = todo[*position];
-      delivery.put(*position, compute_job(points[jobs[i].point], jobs[i], i, options));
+    try {
+      while (const std::optional<std::size_t> position = delivery.take()) {
+        const std::size_t i = todo[*position];
+        delivery.put(*position, compute_job(points[jobs[i].point], jobs[i], i, options));
+      }
+    } catch (...) {
+      delivery.fail(std::current_exception());
     }
   }
   delivery.rethrow();

@@ -40,8 +40,8 @@ struct BatchResult {
 
 struct BatchOptions;
 
-/// Makes the world, runs the trial, finishes it: one job, whoever computes it. Never throws: what went wrong is the
-/// row's reason.
+/// Makes the world, runs the trial, finishes it: one job, whoever computes it. What went wrong is the row's
+/// reason; throws std::bad_alloc alone, since a machine without memory says nothing of the trial.
 BatchResult compute_job(const SuitePoint& point, const BatchJob& job, std::size_t position,
                         const BatchOptions& options);
 
@@ -112,7 +112,7 @@ struct BatchSummary {
 
 /// Runs the jobs over OpenMP threads. Every result but timings is the same for any number of threads. At most a few
 /// dozen finished results wait for an earlier one, so memory stays bounded. A trial that throws is a row with
-/// outcome `error`. Throws only what the sink throws, std::invalid_argument for a job whose point does not exist.
+/// outcome `error`. Throws what the sink throws, std::bad_alloc, std::invalid_argument for a job of no point.
 BatchSummary run_batch(std::span<const SuitePoint> points, std::span<const BatchJob> jobs, const BatchOptions& options,
                        const BatchSink& sink);
 

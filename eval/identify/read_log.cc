@@ -5,6 +5,7 @@
 #include <cstring>
 #include <functional>
 #include <map>
+#include <new>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
@@ -195,6 +196,7 @@ MotionLog parse_log(const std::string& text, const std::string& name) {
       config::fail(mark, "", fmt::format("found {} values, expected {} as in the head", fields.size(), places.size()));
     for (std::size_t i = 0; i < fields.size(); ++i) places[i]->push_back(number(fields[i], mark, names[i]));
   }
+  if (in.bad()) throw std::bad_alloc();  // what getline() takes for an end
   if (const std::string wrong = columns.finish(); !wrong.empty()) config::fail({name, 0, 0}, "", wrong);
   check_times(log);
   return log;

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <new>
 #include <set>
 #include <string_view>
 #include <system_error>
@@ -191,6 +192,8 @@ UPDATE experiments SET totaltime = (SELECT sum(time) FROM runs WHERE experimenti
   static Trace decoded(const EncodedSamples& encoded) {
     try {
       return decode_samples(encoded);
+    } catch (const std::bad_alloc&) {
+      throw;
     } catch (const std::exception& error) {  // a store from anywhere
       throw StoreError(StoreError::Kind::kUnusable, error.what());
     }

@@ -1,6 +1,7 @@
 #include "eval/trial/stepped_trial.h"
 
 #include <exception>
+#include <new>
 #include <stdexcept>
 #include <utility>
 
@@ -21,6 +22,8 @@ template <class Body>
 void SteppedTrial::guarded(Body body) {
   try {
     body();
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& e) {
     row_ = row_of_error(*spec_, recording_, e.what());
   } catch (...) {

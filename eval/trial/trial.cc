@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <exception>
+#include <new>
 
 #include "controller/controller.h"
 #include "eval/trial/clock.h"
@@ -50,6 +51,8 @@ TrialOutput run_trial(const TrialSpec& spec, const World& world, const TrialPart
     const std::unique_ptr<StepController> controller =
         parts.controller ? parts.controller(spec) : usual_controller(spec, clock);
     output.row = run_clock(spec, world, *plant, *controller, recording, clock);
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& e) {
     output.row = row_of_error(spec, recording, e.what());
   } catch (...) {

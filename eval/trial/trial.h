@@ -24,9 +24,9 @@ struct TrialParts {
   std::function<std::unique_ptr<StepController>(const TrialSpec&)> controller;
 };
 
-/// Simulates one trial of `spec` in `world` and measures it. Deterministic but for row.timing. Never throws:
-/// an exception from any part becomes Outcome::kError with its text. `clock`, where there is one, is told of its parts,
-/// kSetUp first and kMetrics last.
+/// Simulates one trial of `spec` in `world` and measures it. Deterministic but for row.timing. Throws no more
+/// than std::bad_alloc: other exceptions of any part become Outcome::kError with their text. `clock`, where there is
+/// one, is told of its parts, kSetUp first and kMetrics last.
 TrialOutput run_trial(const TrialSpec& spec, const World& world, const TrialParts& parts = {},
                       ProfileClock* clock = nullptr);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <new>
 #include <numbers>
 #include <span>
 #include <stdexcept>
@@ -99,6 +100,8 @@ void add_evidence(SQLite::Database& store, std::int64_t worlds, const TimeKnown&
       } else if (time_known) {
         if (const std::optional<double> seconds = time_known(question(query))) known[trial] = *seconds;
       }
+    } catch (const std::bad_alloc&) {
+      throw;
     } catch (const std::exception&) {
       // Samples or worlds that do not fit tell nothing; the replay says what is wrong with them.
     }

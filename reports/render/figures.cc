@@ -27,6 +27,7 @@ std::string text_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
   text << in.rdbuf();
+  if (in.bad() || text.bad()) throw ReportError(fmt::format("{} cannot be read to its end", file.string()));
   return text.str();
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <new>
 
 #include "reports/render/assets.h"
 #include "reports/render/store.h"
@@ -77,6 +78,8 @@ void add_replays(SQLite::Database& store, const ReportOptions& options, std::int
       const std::string robot = replay["robot"];
       if (!page["robots"].contains(robot)) page["robots"][robot] = robot_of(store, query.getColumn("robot").getInt64());
       page["replays"].push_back(std::move(replay));
+    } catch (const std::bad_alloc&) {
+      throw;
     } catch (const std::exception& error) {
       throw ReportError(fmt::format("{}: trial {}: {}", store.getFilename(), trial, error.what()));
     }
@@ -87,6 +90,8 @@ void add_replays(SQLite::Database& store, const ReportOptions& options, std::int
     const std::string trial = page["replays"][i].at("trial");
     try {
       add_twin(store, options, trial, page);
+    } catch (const std::bad_alloc&) {
+      throw;
     } catch (const std::exception&) {
       // A trial that cannot be simulated here, its robot's file being gone for instance, is played alone.
     }

@@ -4,6 +4,9 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "controller/model/urdf.h"
 
@@ -217,6 +220,27 @@ TEST(Urdf, HasLimits) {
   std::string deep = "<robot name='r'>";
   for (int i = 0; i < 50'000; ++i) deep += "<a b='/>'>";
   EXPECT_NE(message(deep).find("nested more than 200 deep"), std::string::npos);
+}
+
+// Said before urdfdom sees them, which would never free them.
+TEST(Urdf, LoopsAreRefused) {
+  const auto message = [](const std::vector<std::pair<std::string, std::string>>& joints) -> std::string {
+    std::string text = "<robot name='r'><link name='a'/><link name='b'/><link name='c'/><link name='d'/>";
+    for (const auto& [parent, child] : joints)
+      text += "<joint name='" + parent + child + "' type='fixed'><parent link='" + parent + "'/><child link='" + child +
+              "'/></joint>";
+    try {
+      read_urdf(text + "</robot>");
+    } catch (const UrdfError& e) {
+      return e.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(message({{"d", "c"}, {"c", "b"}, {"b", "a"}}), "accepted");
+  const std::string loop = " hangs on itself, by joints that form a loop";
+  EXPECT_EQ(message({{"a", "a"}}), "link a" + loop);
+  EXPECT_EQ(message({{"a", "b"}, {"b", "a"}, {"c", "d"}}), "link a" + loop);
+  EXPECT_EQ(message({{"b", "c"}, {"c", "d"}, {"d", "b"}, {"b", "a"}}), "link b" + loop);  // a only hangs on it
 }
 
 TEST(Urdf, XacroIsHintedAt) {

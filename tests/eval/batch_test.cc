@@ -2,10 +2,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <bit>
 #include <chrono>
 #include <cstring>
+#include <new>
 #include <stdexcept>
 #include <thread>
 
@@ -168,6 +170,35 @@ TEST(Batch, ATrialOrWorldThatFailsIsARow) {
   EXPECT_EQ(summary.successes, 8u);
   EXPECT_EQ(reasons, (std::vector<std::string>{"world 2: no place for the table", "world 2: no place for the table",
                                                "no wheels", "no wheels"}));
+}
+
+// A row would be kept for ever, though the machine was at fault and not the trial.
+TEST(Batch, WithoutMemoryThereIsNoRow) {
+  for (const int threads : {1, 3}) {
+    for (const bool in_world : {false, true}) {
+      FastBatch batch(20);
+      batch.options.threads = threads;
+      const auto world = batch.options.world;
+      const auto plant = batch.options.parts.plant;
+      batch.options.world = [=](const SuitePoint& point, std::uint64_t index) {
+        if (in_world && index == 4) throw std::bad_alloc();
+        return world(point, index);
+      };
+      batch.options.parts.plant = [=](const TrialSpec& spec, const World& made) {
+        if (!in_world && made.index == 4) throw std::bad_alloc();
+        return plant(spec, made);
+      };
+      std::size_t last = 0;
+      EXPECT_THROW(run_batch(batch.points, batch.jobs, batch.options,
+                             [&](const BatchJob& job, BatchResult&& result) {
+                               EXPECT_NE(result.output.row.outcome, Outcome::kError);
+                               last = std::max<std::size_t>(last, job.world);
+                               return true;
+                             }),
+                   std::bad_alloc);
+      EXPECT_LT(last, 4u);
+    }
+  }
 }
 
 TEST(Batch, ReportsProgressAndRefusesUnknownPoints) {

@@ -1,5 +1,5 @@
-// Disks that fill up or break at any moment, and programs that are killed: each time a message and an exit code that
-// say so, a store that is sound, and the same results once the program runs again.
+// Disks that fill up or break at any moment, memory that is short, and programs that are killed: each time a message
+// and an exit code that say so, a store that is sound, and the same results once the program runs again.
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -97,15 +97,55 @@ tune:
   }
 
   /// Which of `all` calls fail, each alone in turn (or, `on`, with all later ones): a number spread over them, the
-  /// first and the last among them, those of the two ways between each other; with MOMA_FAULTS=all every one.
+  /// first and the last among them, those of the two ways between each other; with MOMA_FAULTS=all every one, but of
+  /// more than a thousand a thousand.
   static std::vector<long> chosen(long all, bool on) {
-    constexpr long kUsual = 16;
+    constexpr long kUsual = 16, kMost = 1000;
     const char* const wanted = std::getenv("MOMA_FAULTS");
-    const bool every = (wanted != nullptr && std::string(wanted) == "all") || all <= kUsual;
+    const long some = wanted != nullptr && std::string(wanted) == "all" ? kMost : kUsual;
+    const bool every = all <= some;
     std::vector<long> calls;
-    for (long i = 0; i < (every ? all : kUsual); ++i)
-      calls.push_back(every ? i + 1 : 1 + (2 * i + (on && i + 1 < kUsual ? 1 : 0)) * (all - 1) / (2 * (kUsual - 1)));
+    for (long i = 0; i < (every ? all : some); ++i)
+      calls.push_back(every ? i + 1 : 1 + (2 * i + (on && i + 1 < some ? 1 : 0)) * (all - 1) / (2 * (some - 1)));
     return calls;
+  }
+
+  /// Commands that only look at tiny.yaml or a.db; a page is a.html.
+  inline static const std::vector<std::vector<std::string>> kReaders = {
+      {"check", "tiny.yaml"}, {"query", "a.db", "@summary"}, {"report", "a.db", "-o", "a.html"}};
+
+  /// Lets call n of a kind fail, for the chosen n of those that a reader comes to: it is done all the same, and what it
+  /// says is the same, or it ends with a message and its code.
+  void fail_every_of_a_reader(const std::string& call, const std::vector<std::string>& arguments) {
+    SCOPED_TRACE(call + " of " + arguments.front());
+    const auto page = [&] { return fs::exists(path("a.html")) ? fs::file_size(path("a.html")) : 0; };
+    const ProcessResult whole = Process(failing(call, 0, false, arguments), folder_.root()).wait();
+    ASSERT_EQ(whole.code, 0) << whole.err;
+    const long all = calls();
+    const std::uintmax_t whole_page = page();
+    ASSERT_GT(all, 0) << "the shim saw no " << call;
+    int refused = 0;
+    for (const bool on : {false, true}) {
+      for (const long n : chosen(all, on)) {
+        const std::string what = fmt::format("{} of {}{}", n, all, on ? " and all later ones" : "");
+        fs::remove(path("a.html"));
+        const ProcessResult failed = Process(failing(call, n, on, arguments), folder_.root()).wait();
+        EXPECT_EQ(failed.signal, 0) << what << ": " << failed.err;
+        EXPECT_TRUE(failed.code == 0 || failed.code == 2) << what << ": " << failed.code << ": " << failed.err;
+        for (const char* bug : {"internal error", "terminate"})
+          EXPECT_EQ(failed.err.find(bug), std::string::npos) << what << ": " << failed.err;
+        if (failed.code != 0) {
+          ++refused;
+          EXPECT_NE(failed.err.find("moma: "), std::string::npos) << what << " said nothing: " << failed.err;
+        } else if (arguments.front() == "query") {
+          EXPECT_EQ(failed.out, whole.out) << what;
+        }
+        // Whole or not there; it may be there where only the word of it could not be said.
+        EXPECT_TRUE(page() == whole_page || (failed.code != 0 && page() == 0)) << what << ": " << page();
+        if (HasFailure()) return;
+      }
+    }
+    EXPECT_GT(refused, 0) << "no failing " << call << " was ever told";
   }
 
   /// Lets call n of a kind fail, for the chosen n of those that `arguments` come to. `reset` makes the place as it was.
@@ -185,6 +225,29 @@ TEST_F(CliFaults, EveryWriteSynchronisationAndRenamingOfAMergeMayFail) {
     fail_every(call, {"merge", "out.db", "two.db"}, "out.db", reset);
     EXPECT_FALSE(fs::exists(path("out.db.part")));
   }
+}
+
+// SQLite is tested so (https://sqlite.org/testing.html, 3.1).
+TEST_F(CliFaults, EveryAllocationOfARunMayFail) {
+  fail_every("malloc", {"run", "tiny.yaml", "-o", "a.db", "-q", "--threads", "1"}, "a.db",
+             [&] { remove_store("a.db"); });
+}
+
+TEST_F(CliFaults, EveryAllocationOfARunWithPhysicsMayFail) {
+  fail_every("malloc", {"run", "tiny.yaml", "-o", "a.db", "-q", "--threads", "1", "--set", "simulation.mode=dynamic"},
+             "a.db", [&] { remove_store("a.db"); });
+}
+
+TEST_F(CliFaults, EveryAllocationOfACheckAQueryAndAReportMayFail) {
+  good({"run", "tiny.yaml", "-o", "a.db", "-q"});
+  for (const std::vector<std::string>& arguments : kReaders) fail_every_of_a_reader("malloc", arguments);
+  expect_sound("a.db", "after all that");
+}
+
+TEST_F(CliFaults, EveryReadOfACheckAQueryAndAReportMayFail) {
+  good({"run", "tiny.yaml", "-o", "a.db", "-q"});
+  for (const std::vector<std::string>& arguments : kReaders) fail_every_of_a_reader("read", arguments);
+  expect_sound("a.db", "after all that");
 }
 
 TEST_F(CliFaults, AReportThatCannotBeWrittenLeavesTheOneThatIsThere) {

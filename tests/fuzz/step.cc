@@ -1,6 +1,6 @@
 // The control step with any robot, gains, states, goals and objects: a finite command within the limits, whatever
-// comes. Robots and controllers with changed numbers are built once for each choice; an input chooses one of each, and
-// what is seen at each of its steps.
+// comes. Robots and controllers with changed numbers are built once for each choice, few enough that all stay; an input
+// chooses one of them, and what is seen at each of its steps.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -24,9 +24,8 @@ namespace {
 constexpr double kPeriod = 0.02;
 constexpr std::array<const char*, 4> kRobots = {"frankie", "panda", "frankie_omni", "ur5"};
 constexpr std::array<const char*, 6> kControllers = {"holistic", "neo", "rrmc", "moma", "moma-safe", "moma-ahead"};
-constexpr std::size_t kRobotSettings = 8;
-constexpr std::size_t kGainSettings = 32;
-constexpr std::size_t kMostBuilt = 300;  // controllers at a time
+constexpr std::size_t kSettings = 16;  // of the numbers of robot and gains; building one takes as long as many steps
+constexpr std::size_t kRobotSettings = 4;
 
 /// Numbers that are multiplied, so that a file's structure stays while its numbers do not.
 void scale(config::Node& node, fuzz::Bytes& bytes, std::size_t one_of) {
@@ -65,17 +64,16 @@ std::shared_ptr<const RobotModel> robot_of(std::size_t robot, std::size_t settin
 
 /// nullptr where robot or gains are refused.
 Controller* controller_of(fuzz::Bytes& bytes) {
-  static std::map<std::array<std::size_t, 4>, std::unique_ptr<Controller>> built;
-  const std::array<std::size_t, 4> choice = {bytes.below(kRobots.size()), bytes.below(kRobotSettings),
-                                             bytes.below(kControllers.size()), bytes.below(kGainSettings)};
+  static std::map<std::array<std::size_t, 3>, std::unique_ptr<Controller>> built;
+  const std::array<std::size_t, 3> choice = {bytes.below(kRobots.size()), bytes.below(kControllers.size()),
+                                             bytes.below(kSettings)};
   if (const auto found = built.find(choice); found != built.end()) return found->second.get();
-  if (built.size() >= kMostBuilt) built.clear();
   std::unique_ptr<Controller> controller;
-  if (const auto robot = robot_of(choice[0], choice[1]); robot != nullptr) {
-    const std::string name = std::string("configs/controllers/") + kControllers[choice[2]] + ".yaml";
+  if (const auto robot = robot_of(choice[0], choice[2] % kRobotSettings); robot != nullptr) {
+    const std::string name = std::string("configs/controllers/") + kControllers[choice[1]] + ".yaml";
     try {
       std::vector<std::string> warnings;
-      const auto params = config::read_controller(file(name, choice[3], 4), "", *robot, kPeriod, warnings);
+      const auto params = config::read_controller(file(name, choice[2], 4), "", *robot, kPeriod, warnings);
       controller = std::make_unique<Controller>(robot, params, kPeriod);
     } catch (const config::ConfigError&) {
     } catch (const std::invalid_argument&) {

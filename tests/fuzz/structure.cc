@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 #include <set>
+#include <stdexcept>
 #include <string_view>
 #include <vector>
 
@@ -62,7 +63,8 @@ constexpr auto kScalars = std::to_array<std::string_view>({"0",
 const std::vector<std::string>& known_keys() {
   static const std::vector<std::string> keys = [] {
     std::set<std::string> found{"include", "enabled", "name"};
-    std::ifstream page("docs/reference-keys.md");
+    std::ifstream page("docs/reference/keys.md");
+    if (!page) throw std::runtime_error("docs/reference/keys.md is not there: fuzzers start at the source");
     for (std::string line; std::getline(page, line);) {
       if (!line.starts_with("| `")) continue;
       const std::string key = line.substr(3, line.find('`', 3) - 3);

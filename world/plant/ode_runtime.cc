@@ -4,6 +4,9 @@
 
 #include <cstdarg>
 #include <cstdio>
+#include <cstdlib>
+#include <new>
+#include <stdexcept>
 #include <string>
 
 namespace moma::ode {
@@ -26,7 +29,29 @@ void count_message(int number, const char*, va_list) {
   throw Fault(text_of(number, format, arguments));
 }
 
+// ODE writes through what it is given without looking, and leaves things half made where an exception passes through
+// it: without memory the program ends by std::terminate, as what follows may not throw. The handler of `new` hears of
+// it.
+[[noreturn]] void no_memory() {
+  if (const std::new_handler handler = std::get_new_handler()) handler();
+  throw std::bad_alloc();
+}
+void* take(std::size_t size) noexcept {
+  void* const memory = std::malloc(size);
+  if (memory == nullptr && size > 0) no_memory();
+  return memory;
+}
+void* take_more(void* before, std::size_t /*size*/, std::size_t wanted) noexcept {
+  void* const memory = std::realloc(before, wanted);
+  if (memory == nullptr && wanted > 0) no_memory();
+  return memory;
+}
+void give_back(void* memory, std::size_t /*size*/) noexcept { std::free(memory); }
+
 bool start() {
+  dSetAllocHandler(take);
+  dSetReallocHandler(take_more);
+  dSetFreeHandler(give_back);
   if (dInitODE2(0) == 0) throw std::runtime_error("ODE cannot be initialised");
   dSetMessageHandler(count_message);
   dSetErrorHandler(throw_fault);

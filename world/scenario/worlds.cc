@@ -125,6 +125,8 @@ Frozen read_frozen(const config::Node& node, const std::string& key) {
       const std::string where = fmt::format("{}:{}", path.string(), number);
       worlds.push_back(world_from_json(config::parse_json(line, where), where));
     }
+    // Lines also end where the disk fails or memory is short.
+    if (file.bad()) config::fail(node.mark, key, "'" + path.string() + "' cannot be read to its end");
   }
   if (worlds.empty()) config::fail(node.mark, key, "expected at least one world");
   return worlds;
