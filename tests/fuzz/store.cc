@@ -1,5 +1,6 @@
 // Stores as strangers would send them: a small one whose values, tables or bytes were changed as the input says, read
 // by all that reads stores. A file of its own in the temporary folder; TMPDIR=/dev/shm makes it quicker.
+#include <SQLiteCpp/Backup.h>
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 #include <sqlite3.h>
