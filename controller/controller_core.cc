@@ -390,7 +390,8 @@ void ControllerCore::evade(const Observation& o, StepResult& result) noexcept {
 
 void ControllerCore::check_braking(const Observation& o, StepResult& result) noexcept {
   smallest_command(problem_.lb.head(nv_), problem_.ub.head(nv_), pair_, scratch_);
-  result.kept = check_.apply(o, {hard_lower_, hard_upper_, scratch_}, predictor_.spreads(), command_);
+  result.kept = check_.apply(o, {hard_lower_, hard_upper_, scratch_}, predictor_.spreads(), command_,
+                             {collision_.sorted(), collision_.ranges(), &kinematics_});
 }
 
 void ControllerCore::scale_output() noexcept {

@@ -36,7 +36,7 @@ Kinematics::Kinematics(std::shared_ptr<const RobotModel> model)
   update(base_, q_);
 }
 
-void Kinematics::update(const Vector3& base, const Eigen::Ref<const VectorX>& q) noexcept {
+void Kinematics::place(const Vector3& base, const Eigen::Ref<const VectorX>& q) noexcept {
   base_ = base;
   q_ = q;
   X_WL_[0] = base_pose(base);
@@ -46,6 +46,10 @@ void Kinematics::update(const Vector3& base, const Eigen::Ref<const VectorX>& q)
     X_WL_[i] = X_WP * X_PL_[i];
     if (link.controlled >= 0) X_WL_[i] = X_WL_[i] * joint_motion(link.joint_type, link.axis, q_[link.controlled]);
   }
+}
+
+void Kinematics::update(const Vector3& base, const Eigen::Ref<const VectorX>& q) noexcept {
+  place(base, q);
   X_WE_ = X_WL(model_->tip) * model_->X_TE;
 
   const Vector3 p_E = X_WE_.translation();

@@ -17,6 +17,8 @@ class Kinematics {
 
   /// base = (x, y, phi) of B in W; q has num_joints() values. O(links).
   void update(const Vector3& base, const Eigen::Ref<const VectorX>& q) noexcept;
+  /// The same for who asks of the links only: X_WE() and J_WE_W() stay those of the last update(). Half the cost.
+  void place(const Vector3& base, const Eigen::Ref<const VectorX>& q) noexcept;
 
   const Vector3& base() const noexcept { return base_; }
   const VectorX& q() const noexcept { return q_; }

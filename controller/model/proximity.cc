@@ -49,15 +49,31 @@ struct Proximity::Impl {
     return distance;
   }
 
+  bool place(const Kinematics& kinematics) noexcept {
+    const std::vector<CollisionShape>& shapes = model->shapes;
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      robot_X_WS[i] = kinematics.X_WS(shapes[i]);
+      if (!is_pose(robot_X_WS[i])) return false;
+    }
+    return true;
+  }
+
+  std::optional<Distance> to_floor(std::size_t i, double range) const noexcept {
+    if (stands[i] || !(robot_X_WS[i].translation().z() - robot[i].radius < range)) return {};
+    Distance distance;
+    distance.d = lowest_point(robot[i].shape, robot_X_WS[i], &distance.p_first_W);
+    distance.p_second_W = distance.p_first_W;
+    distance.p_second_W.z() = 0.0;
+    if (!(distance.d < range)) return {};
+    return distance;
+  }
+
   // Calls found(pair) for every pair inside its range, in the fixed order, until it says false.
   template <class Found>
   void each(const Kinematics& kinematics, std::span<const ObjectState> states, const ProximityRanges& ranges,
             Found&& found) noexcept {
     const std::vector<CollisionShape>& shapes = model->shapes;
-    for (std::size_t i = 0; i < shapes.size(); ++i) {
-      robot_X_WS[i] = kinematics.X_WS(shapes[i]);
-      if (!is_pose(robot_X_WS[i])) return;
-    }
+    if (!place(kinematics)) return;
     if (ranges.object >= 0.0) {
       const std::size_t count = std::min(states.size(), objects.size());
       for (std::size_t j = 0; j < count; ++j) usable[j] = states[j].visible && is_pose(states[j].X_WO) ? 1 : 0;
@@ -71,13 +87,8 @@ struct Proximity::Impl {
     }
     if (ranges.floor >= 0.0) {
       for (std::size_t i = 0; i < shapes.size(); ++i) {
-        if (stands[i]) continue;
-        if (!(robot_X_WS[i].translation().z() - robot[i].radius < ranges.floor)) continue;
-        Distance d;
-        d.d = lowest_point(shapes[i].shape, robot_X_WS[i], &d.p_first_W);
-        d.p_second_W = d.p_first_W;
-        d.p_second_W.z() = 0.0;
-        if (d.d < ranges.floor && !found(ProximityPair{PairKind::kFloor, static_cast<int>(i), -1, d})) return;
+        const auto d = to_floor(i, ranges.floor);
+        if (d && !found(ProximityPair{PairKind::kFloor, static_cast<int>(i), -1, *d})) return;
       }
     }
     if (ranges.self >= 0.0) {
@@ -134,6 +145,26 @@ bool Proximity::clear(const Kinematics& kinematics, std::span<const ObjectState>
   bool none = true;
   impl_->each(kinematics, states, ranges, [&](const ProximityPair&) { return none = false; });
   return none;
+}
+
+bool Proximity::place(const Kinematics& kinematics) noexcept { return impl_->place(kinematics); }
+
+std::optional<Distance> Proximity::within(PairKind kind, int first, int second, std::span<const ObjectState> states,
+                                          double range) noexcept {
+  Impl& impl = *impl_;
+  const auto a = static_cast<std::size_t>(first);
+  if (kind == PairKind::kFloor) return impl.to_floor(a, range);
+  const auto b = static_cast<std::size_t>(second);
+  if (kind == PairKind::kSelf)
+    return impl.within(impl.robot[a], impl.robot_X_WS[a], impl.robot[b], impl.robot_X_WS[b], range);
+  return impl.within(impl.robot[a], impl.robot_X_WS[a], impl.objects[b], states[b].X_WO, range);
+}
+
+double Proximity::least_gap(int shape, int object, const Isometry& X_WO) const noexcept {
+  const Solid& a = impl_->robot[static_cast<std::size_t>(shape)];
+  const Solid& b = impl_->objects[static_cast<std::size_t>(object)];
+  const Isometry& X_WA = impl_->robot_X_WS[static_cast<std::size_t>(shape)];
+  return std::max(a.gap(X_WA, X_WO.translation()) - b.radius, b.gap(X_WO, X_WA.translation()) - a.radius);
 }
 
 Distance Proximity::ball_to_robot(const Vector3& centre_W, double radius, int shape) noexcept {

@@ -97,6 +97,15 @@ class Proximity {
   /// Whether query() would find nothing: false at the first pair inside its range.
   bool clear(const Kinematics& kinematics, std::span<const ObjectState> states, const ProximityRanges& ranges) noexcept;
 
+  /// The same for single pairs, with the robot where place() or the last query() found it: false where that is no pose,
+  /// and then no pair has a distance. `second` is as in ProximityPair; objects are to be visible and their poses poses.
+  bool place(const Kinematics& kinematics) noexcept;
+  /// The distance where it is less than `range`, bit for bit that of query().
+  std::optional<Distance> within(PairKind kind, int first, int second, std::span<const ObjectState> states,
+                                 double range) noexcept;
+  /// Of a pair with an object: no distance, but cheap, and never more than it by more than rounding.
+  double least_gap(int shape, int object, const Isometry& X_WO) const noexcept;
+
   /// Signed distance from a robot shape, or from an object at X_WO, to a ball: `first` is the ball in both. The
   /// robot's shapes are where the last query() found them.
   Distance ball_to_robot(const Vector3& centre_W, double radius, int shape) noexcept;

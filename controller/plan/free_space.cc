@@ -78,7 +78,7 @@ bool FreeSpace::free(const WholeConfiguration& c) noexcept {
 
 bool FreeSpace::clear(const WholeConfiguration& c, const Clearances& clearances) noexcept {
   ++checks_;
-  place(c);
+  kinematics_.place(c.head<3>(), c.tail(c.size() - 3));
   return proximity_.clear(kinematics_, states_, ranges_of(clearances));
 }
 

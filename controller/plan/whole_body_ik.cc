@@ -135,7 +135,7 @@ bool WholeBodyIk::find(FreeSpace& space, const Isometry& X_WG, double roomy, con
     const double room = std::min(limits_->upper[i] - c[3 + i], c[3 + i] - limits_->lower[i]);
     out.cost += kLimit * std::max(0.0, 1.0 - room / (limits_->part[i] * kLimitRoom));
   }
-  const double m = manipulability(space.kinematics().J_WE_W().rightCols(joints), ManipulabilityRows::kTranslation);
+  const double m = manipulability(space.place(c).J_WE_W().rightCols(joints), ManipulabilityRows::kTranslation);
   out.cost += kSingular * std::max(0.0, 1.0 - m / kAgile);
   return true;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace moma {
@@ -11,6 +10,8 @@ namespace {
 constexpr int kMostPlaces = 200;  // on one way to a stop
 constexpr double kNear = 1.0;     // what is further takes no part in how wide margins may be [m]
 constexpr double kWider = 1.5;    // and they may become so much wider on the way
+constexpr double kSure = 1e-3;    // more than what rounding does to distances and ways [m]
+constexpr double kAhead = 0.1;    // what is measured is measured so far beyond what counts: the next place is near [m]
 
 // Of a velocity that falls evenly from 1 to 0 in `time`: the mean over [from, to].
 double mean_left(double time, double from, double to) noexcept {
@@ -44,22 +45,186 @@ BrakeCheck::BrakeCheck(std::shared_ptr<const RobotModel> model, const BrakeCheck
       times_(mean_),
       trial_(mean_),
       full_(mean_),
-      in_proportion_(mean_) {}
+      in_proportion_(mean_),
+      ways_(*model_),
+      gone_(mean_),
+      floor_bounds_(model_->shapes.size()),
+      self_bounds_(model_->self_pairs.size()),
+      self_at_(model_->shapes.size() * model_->shapes.size(), -1),
+      own_start_(model_) {
+  for (std::size_t p = 0; p < model_->self_pairs.size(); ++p) {
+    const SelfPair& pair = model_->self_pairs[p];
+    const std::size_t at = static_cast<std::size_t>(pair.first) * model_->shapes.size();
+    self_at_[at + static_cast<std::size_t>(pair.second)] = static_cast<int>(p);
+  }
+  set_objects({});
+}
 
 void BrakeCheck::set_objects(std::span<const ObjectShape> objects) {
   if (!on()) return;
   proximity_.set_objects(objects);
   states_.assign(objects.size(), ObjectState{});
+  object_bounds_.assign(model_->shapes.size() * objects.size(), 0.0);
+  sharp_.assign(object_bounds_.size(), 0);
+  radii_.clear();
+  for (const ObjectShape& object : objects) radii_.push_back(bounding_radius(object.shape));
+  candidates_.reserve(object_bounds_.size() + floor_bounds_.size() + self_bounds_.size());
+  groups_.reserve(model_->shapes.size());
 }
 
+// Distances of this kind count below it; less than nothing: none does.
+double BrakeCheck::range_of(PairKind kind) const noexcept {
+  switch (kind) {
+    case PairKind::kObject:
+      break;
+    case PairKind::kFloor:
+      return own_.floor > 0.0 ? own_.floor : -1.0;
+    case PairKind::kSelf:
+      return own_.self > 0.0 ? own_.self : -1.0;
+  }
+  return params_.margin + widest_;
+}
+
+// Takes what is known for bounds. What is left out is infinitely far.
+void BrakeCheck::begin(const Observation& o, const Known& known) noexcept {
+  start_ = known.kinematics;
+  if (start_ == nullptr) {
+    own_start_.place(o.base, o.q);
+    start_ = &own_start_;
+  }
+  ways_.begin(*start_);
+  placed_ = Placed::kNot;
+  const auto bound = [](double range) { return range >= 0.0 ? range : -kInfinity; };
+  const std::size_t shapes = model_->shapes.size(), count = states_.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const double far = states_[k].visible ? bound(known.ranges.object) : kInfinity;
+    for (std::size_t i = 0; i < shapes; ++i) object_bounds_[i * count + k] = far;
+  }
+  std::fill(sharp_.begin(), sharp_.end(), char{0});
+  std::fill(floor_bounds_.begin(), floor_bounds_.end(), bound(known.ranges.floor));
+  std::fill(self_bounds_.begin(), self_bounds_.end(), bound(known.ranges.self));
+  for (const ProximityPair& pair : known.pairs) {
+    const auto first = static_cast<std::size_t>(pair.first), second = static_cast<std::size_t>(pair.second);
+    switch (pair.kind) {
+      case PairKind::kObject:
+        if (!states_[second].visible) break;
+        object_bounds_[first * count + second] = pair.distance.d;
+        sharp_[first * count + second] = 1;
+        break;
+      case PairKind::kFloor:
+        floor_bounds_[first] = pair.distance.d;
+        break;
+      case PairKind::kSelf: {
+        const int at = self_at_[first * shapes + second];
+        if (at >= 0) self_bounds_[static_cast<std::size_t>(at)] = pair.distance.d;
+        break;
+      }
+    }
+  }
+}
+
+// A bound of a shape's distance to an object as the step begins; made better where it is not `enough`.
+double BrakeCheck::object_bound(int shape, int object, double enough) noexcept {
+  const auto k = static_cast<std::size_t>(object);
+  const std::size_t at = static_cast<std::size_t>(shape) * states_.size() + k;
+  double& bound = object_bounds_[at];
+  if (bound >= enough || sharp_[at] != 0) return bound;
+  const Isometry& X_WO = states_[k].X_WO;
+  const double apart = (ways_.centre_W(shape) - X_WO.translation()).norm();
+  bound = std::max(bound, apart - ways_.radius(shape) - radii_[k]);
+  if (bound >= enough) return bound;
+  if (placed_ != Placed::kAtStart) proximity_.place(*start_);
+  placed_ = Placed::kAtStart;
+  sharp_[at] = 1;
+  return bound = std::max(bound, proximity_.least_gap(shape, object, X_WO));
+}
+
+// The pairs that the way to a stop may bring too near; ways_ is limited to it.
+void BrakeCheck::choose_candidates() noexcept {
+  candidates_.clear();
+  groups_.clear();
+  const double range = range_of(PairKind::kObject) + kSure;
+  const int shapes = static_cast<int>(model_->shapes.size());
+  for (int i = 0; i < shapes; ++i) {
+    const double enough = range + ways_.most_in_world(i);
+    Group group{i, candidates_.size(), 0, kInfinity};
+    const double* known = object_bounds_.data() + static_cast<std::size_t>(i) * states_.size();
+    for (int k = 0; k < static_cast<int>(states_.size()); ++k) {
+      if (known[k] >= enough) continue;
+      const double bound = object_bound(i, k, enough);
+      if (bound >= enough) continue;
+      candidates_.push_back({PairKind::kObject, i, k, bound});
+      group.least_room = std::min(group.least_room, bound);
+    }
+    group.end = candidates_.size();
+    if (group.end > group.begin) groups_.push_back(group);
+  }
+  grouped_ = candidates_.size();
+  if (own_.floor > 0.0) {
+    for (int i = 0; i < shapes; ++i) {
+      if (model_->shapes[static_cast<std::size_t>(i)].rigid_with_base) continue;
+      const double ball = ways_.centre_W(i).z() - ways_.radius(i);
+      const double bound = std::max(floor_bounds_[static_cast<std::size_t>(i)], ball);
+      if (!(bound >= own_.floor + kSure + ways_.in_height(i, gone_)))
+        candidates_.push_back({PairKind::kFloor, i, -1, bound});
+    }
+  }
+  if (own_.self > 0.0) {
+    for (std::size_t p = 0; p < self_bounds_.size(); ++p) {
+      const SelfPair& pair = model_->self_pairs[p];
+      if (!pair.row) continue;
+      const double enough = own_.self + kSure + ways_.between(pair.first, pair.second, gone_);
+      double bound = self_bounds_[p];
+      if (bound >= enough) continue;
+      const double apart = (ways_.centre_W(pair.first) - ways_.centre_W(pair.second)).norm();
+      bound = std::max(bound, apart - ways_.radius(pair.first) - ways_.radius(pair.second));
+      if (!(bound >= enough)) candidates_.push_back({PairKind::kSelf, pair.first, pair.second, bound});
+    }
+  }
+}
+
+// The robot at base_ and q_; false where that is no pose.
+bool BrakeCheck::place() noexcept {
+  kinematics_.place(base_, q_);
+  return proximity_.place(kinematics_);
+}
+
+// What a pair counts with where it is too near, else infinite. It has gone `way` since the step began.
+double BrakeCheck::measure(Candidate& candidate, double way) noexcept {
+  const double range = range_of(candidate.kind);
+  const auto found = proximity_.within(candidate.kind, candidate.first, candidate.second, states_, range + kAhead);
+  candidate.room = way + (found ? found->d : range + kAhead);
+  if (!found || !(found->d < range)) return kInfinity;
+  return found->d - margin_of({candidate.kind, candidate.first, candidate.second, *found});
+}
+
+// The least at base_ and q_, which is gone_ from where the step begins.
 double BrakeCheck::distance() noexcept {
-  kinematics_.update(base_, q_);
-  double d = std::numeric_limits<double>::infinity();
-  const ProximityRanges ranges{params_.margin + widest_, own_.floor > 0.0 ? own_.floor : -1.0,
-                               own_.self > 0.0 ? own_.self : -1.0};
-  for (const ProximityPair& pair : proximity_.query(kinematics_, states_, ranges))
-    d = std::min(d, pair.distance.d - margin_of(pair));
-  return d < params_.margin ? d : std::numeric_limits<double>::infinity();
+  double least = kInfinity;
+  bool here = false;
+  // Whether the pair may be too near, and the robot is there for it to be measured.
+  const auto near = [&](double room, double way, PairKind kind) {
+    if (room - way >= range_of(kind) + kSure) return false;
+    if (here) return true;
+    placed_ = Placed::kHere;
+    return here = place();
+  };
+  for (Group& group : groups_) {
+    const double way = ways_.in_world(group.shape, gone_);
+    if (!near(group.least_room, way, PairKind::kObject)) continue;
+    group.least_room = kInfinity;
+    for (std::size_t i = group.begin; i < group.end; ++i) {
+      if (near(candidates_[i].room, way, PairKind::kObject)) least = std::min(least, measure(candidates_[i], way));
+      group.least_room = std::min(group.least_room, candidates_[i].room);
+    }
+  }
+  for (std::size_t i = grouped_; i < candidates_.size(); ++i) {
+    Candidate& own = candidates_[i];
+    const double way =
+        own.kind == PairKind::kFloor ? ways_.in_height(own.first, gone_) : ways_.between(own.first, own.second, gone_);
+    if (near(own.room, way, own.kind)) least = std::min(least, measure(own, way));
+  }
+  return least < params_.margin ? least : kInfinity;
 }
 
 // What is kept beyond the margin; less than nothing of floor and self, which have their own. As kinematics_ stands.
@@ -76,7 +241,7 @@ double BrakeCheck::margin_of(const ProximityPair& pair) noexcept {
 
 double BrakeCheck::widest_margin(const Observation& o) noexcept {
   if (!uncertainty_.on()) return 0.0;
-  kinematics_.update(o.base, o.q);
+  kinematics_.place(o.base, o.q);
   double widest = 0.0;
   for (const ProximityPair& pair : proximity_.query(kinematics_, states_, {kNear, -1.0, -1.0}))
     widest = std::max(widest, margin_of(pair));
@@ -84,6 +249,11 @@ double BrakeCheck::widest_margin(const Observation& o) noexcept {
 }
 
 double BrakeCheck::least_distance(const Observation& o, const VectorX& command, bool in_proportion) noexcept {
+  begin(o, {});
+  return way_to_stop(o, command, in_proportion);
+}
+
+double BrakeCheck::way_to_stop(const Observation& o, const VectorX& command, bool in_proportion) noexcept {
   base_ = o.base;
   q_ = o.q;
   deceleration_.stopping_times(command, times_);
@@ -98,12 +268,18 @@ double BrakeCheck::least_distance(const Observation& o, const VectorX& command, 
   }
   const Vector3 ramped = ramp_.follow(wanted, dt_, velocity);
   for (int i = 0; i < ramp_.dof(); ++i) mean_[i] = ramped[i];
+  gone_ = dt_ * mean_.cwiseAbs() + 0.5 * command.cwiseAbs().cwiseProduct(times_);
+  ways_.limit(gone_);
+  choose_candidates();
+  if (candidates_.empty()) return kInfinity;
+  gone_ = dt_ * mean_.cwiseAbs();
   integrate(*model_, base_, q_, mean_, dt_);
   double d = distance();
   const double part = params_.every * dt_;
   for (int k = 0; k < kMostPlaces && k * part < last; ++k) {
     const double from = k * part, to = std::min(from + part, last);
     for (Eigen::Index i = 0; i < mean_.size(); ++i) mean_[i] = command[i] * mean_left(times_[i], from, to);
+    gone_ += (to - from) * mean_.cwiseAbs();
     integrate(*model_, base_, q_, mean_, to - from);
     d = std::min(d, distance());
   }
@@ -111,18 +287,19 @@ double BrakeCheck::least_distance(const Observation& o, const VectorX& command, 
 }
 
 double BrakeCheck::clearance(const Observation& o, const VectorX& command) noexcept {
-  const double d = least_distance(o, command, true);
-  return d >= params_.margin ? d : std::max(d, least_distance(o, command, false));
+  const double d = way_to_stop(o, command, true);
+  return d >= params_.margin ? d : std::max(d, way_to_stop(o, command, false));
 }
 
 double BrakeCheck::apply(const Observation& o, const Allowed& allowed, std::span<const PlaceSpread> spreads,
-                         VectorX& command) noexcept {
+                         VectorX& command, const Known& known) noexcept {
   spreads_ = spreads;
   for (std::size_t i = 0; i < states_.size(); ++i) {
     states_[i] = o.objects[i];
-    if (!states_[i].V_WO_W.isZero(0.0)) states_[i].visible = false;
+    if (!states_[i].V_WO_W.isZero(0.0) || !is_pose(states_[i].X_WO)) states_[i].visible = false;
   }
   widest_ = widest_margin(o);
+  begin(o, known);
   double best = clearance(o, command);
   if (best >= params_.margin) return 1.0;
   double kept = 1.0;

@@ -6,6 +6,7 @@
 
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
+#include "controller/model/shape_ways.h"
 #include "controller/params.h"
 #include "controller/safe/base_ramp.h"
 #include "controller/safe/braking.h"
@@ -37,6 +38,10 @@ OwnMargins own_margins(const DamperParams& floor, const DamperParams& self) noex
 /// margin there, of pairs that are no further than 1.5 times the largest margin of those within 1 m as the step begins.
 /// One per controller; only set_objects() takes memory. Distances are looked at every `every` periods on the way, and
 /// as it ends.
+///
+/// A pair of solids is measured only where it may be too near: its distance as the step begins, or where it was
+/// measured last, less the most that the robot's shape can have moved since (ShapeWays). That leaves out what counts
+/// for nothing, so that results are to the bit those of measuring all pairs everywhere; most steps measure none.
 class BrakeCheck {
  public:
   /// `acceleration` per velocity, resolved; `pair_together` as of Deceleration.
@@ -53,16 +58,48 @@ class BrakeCheck {
     const VectorX& upper;
     const VectorX& slowest;  ///< the smallest command in it
   };
+  /// What is known of where the command begins to act: pairs that are near, how near they would have to be to be among
+  /// them (a kind with a negative range is not known), and the robot there, null where it is not at hand.
+  struct Known {
+    std::span<const ProximityPair> pairs;
+    ProximityRanges ranges{-1.0, -1.0, -1.0};
+    const Kinematics* kinematics = nullptr;
+  };
   /// `o`: where the command begins to act. Returns the share of `command` that was kept, 1 where it passes.
   /// `spreads`: of the objects' places, empty where they are exact.
+  double apply(const Observation& o, const Allowed& allowed, std::span<const PlaceSpread> spreads, VectorX& command,
+               const Known& known) noexcept;
   double apply(const Observation& o, const Allowed& allowed, std::span<const PlaceSpread> spreads,
-               VectorX& command) noexcept;
+               VectorX& command) noexcept {
+    return apply(o, allowed, spreads, command, Known{});
+  }
 
   /// Least distance to objects at rest on the way to a stop, as far as it is below the margin, else infinite. That to
-  /// the floor and to itself counts with what the margin is above theirs added.
+  /// the floor and to itself counts with what the margin is above theirs added. Objects are where the last apply()
+  /// found them.
   double least_distance(const Observation& o, const VectorX& command, bool in_proportion) noexcept;
 
  private:
+  // A pair that may come too near on the way to a stop that is looked at.
+  struct Candidate {
+    PairKind kind;
+    int first, second;
+    double room;  // the way at which it may be at 0 [m]
+  };
+  // Those of one shape and objects.
+  struct Group {
+    int shape;
+    std::size_t begin, end;
+    double least_room;
+  };
+
+  void begin(const Observation& o, const Known& known) noexcept;
+  void choose_candidates() noexcept;
+  double object_bound(int shape, int object, double enough) noexcept;
+  double range_of(PairKind kind) const noexcept;
+  double way_to_stop(const Observation& o, const VectorX& command, bool in_proportion) noexcept;
+  bool place() noexcept;
+  double measure(Candidate& candidate, double way) noexcept;
   double clearance(const Observation& o, const VectorX& command) noexcept;
   double distance() noexcept;
   double margin_of(const ProximityPair& pair) noexcept;
@@ -85,6 +122,20 @@ class BrakeCheck {
   VectorX trial_, full_, in_proportion_;
   Vector3 base_ = Vector3::Zero();
   std::vector<ObjectState> states_;
+
+  ShapeWays ways_;
+  VectorX gone_;  // of each velocity so far
+  // No distance is less than these as the step begins: of shapes and objects, of shapes, of the model's self pairs.
+  std::vector<double> object_bounds_, floor_bounds_, self_bounds_;
+  std::vector<double> radii_;                                          // of the objects
+  std::vector<char> sharp_;                                            // whether an object's is as good as is cheap
+  std::vector<int> self_at_;                                           // place of a pair of shapes in the model's list
+  enum class Placed { kNot, kAtStart, kHere } placed_ = Placed::kNot;  // what proximity_ has of the robot
+  const Kinematics* start_ = nullptr;                                  // the robot as the step begins
+  Kinematics own_start_;
+  std::vector<Candidate> candidates_;  // those of groups first
+  std::vector<Group> groups_;
+  std::size_t grouped_ = 0;
 };
 
 }  // namespace moma

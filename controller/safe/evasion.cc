@@ -80,7 +80,7 @@ Vector3 Evasion::leading(const VectorX& velocities) const noexcept {
 
 // How far the robot's solids are from the base's origin at most, until the arm has braked.
 double Evasion::reach(const Observation& o, const VectorX& command) noexcept {
-  kinematics_.update(o.base, o.q);
+  kinematics_.place(o.base, o.q);
   const Vector3 origin = kinematics_.X_WB().translation();
   double reach = 0.0, moved = 0.0, turned = 0.0;
   for (const CollisionShape& shape : model_->shapes)
@@ -104,7 +104,7 @@ void Evasion::look(double range, double& moving, double& resting) noexcept {
     near = !(away.norm() > range + reach_ + radii_[i]);
   }
   if (!near) return;
-  kinematics_.update(base_, q_);
+  kinematics_.place(base_, q_);
   for (const ProximityPair& pair : proximity_.query(kinematics_, states_, {range, -1.0, -1.0})) {
     double& least = in_motion(states_[static_cast<std::size_t>(pair.second)]) ? moving : resting;
     least = std::min(least, pair.distance.d);

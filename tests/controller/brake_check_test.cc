@@ -253,6 +253,93 @@ TEST(BrakeCheck, KeepsItsMarginForWhatIsUncertain) {
   EXPECT_GT(mended, 3);
 }
 
+// The same places with all distances at each of them.
+double measured_everywhere(const Scene& scene, const Observation& o, const VectorX& u, bool in_proportion,
+                           const BrakeCheckParams& params, const OwnMargins& own) {
+  Kinematics kinematics(scene.model);
+  Proximity proximity(scene.model);
+  proximity.set_objects(scene.shapes);
+  Vector3 base = o.base;
+  VectorX q = o.q, mean = u, times = u;
+  double last = 0.0;
+  for (Eigen::Index i = 0; i < u.size(); ++i) {
+    times[i] = u[i] != 0.0 ? std::abs(u[i]) / rate(scene, u, i) : 0.0;
+    last = std::max(last, times[i]);
+  }
+  if (in_proportion) times.setConstant(last);
+  double least = kInfinity;
+  const auto look = [&] {
+    kinematics.update(base, q);
+    for (const ProximityPair& pair : proximity.query(kinematics, o.objects, {params.margin, own.floor, own.self})) {
+      const double kept = pair.kind == PairKind::kObject  ? params.margin
+                          : pair.kind == PairKind::kFloor ? own.floor
+                                                          : own.self;
+      least = std::min(least, pair.distance.d + params.margin - kept);
+    }
+  };
+  Vector3 velocity = Vector3::Zero(), wanted = Vector3::Zero();
+  const int dof = scene.model->base_dof();
+  velocity.head(dof) = o.qdot.head(dof);
+  wanted.head(dof) = u.head(dof);
+  mean.head(dof) = BaseRamp(*scene.model).follow(wanted, kPeriod, velocity).head(dof);
+  integrate(*scene.model, base, q, mean, kPeriod);
+  look();
+  const auto gone = [](double time, double t) { return t < time ? t - 0.5 * t * t / time : 0.5 * time; };
+  const double part = params.every * kPeriod;
+  for (double from = 0.0; from < last - 1e-12; from += part) {
+    const double to = std::min(from + part, last);
+    for (Eigen::Index i = 0; i < u.size(); ++i)
+      mean[i] = u[i] * (gone(times[i], to) - gone(times[i], from)) / (to - from);
+    integrate(*scene.model, base, q, mean, to - from);
+    look();
+  }
+  return least;
+}
+
+TEST(BrakeCheck, FindsWithFewDistancesWhatItFindsWithAll) {
+  Rng rng(6);
+  int within = 0, clear = 0, mended = 0;
+  const OwnMargins own{0.01, 0.02};
+  for (const auto& model : all_robots()) {
+    Kinematics kinematics(model);
+    for (int trial = 0; trial < 300; ++trial) {
+      const Scene scene(model, rng);
+      const BrakeCheckParams params{.enabled = true, .margin = trial % 3 == 0 ? 0.2 : 0.02, .every = 1 + trial % 4};
+      BrakeCheck check = scene.check(params.margin, params.every, own);
+      const Observation o = still_objects(scene, rng);
+      const VectorX u = near_velocity(scene, o.qdot, rng);
+      Proximity proximity(model);
+      proximity.set_objects(scene.shapes);
+      kinematics.update(o.base, o.q);
+      const ProximityRanges ranges{0.3, 0.1, trial % 2 == 0 ? 0.1 : -1.0};
+      const auto near = proximity.query(kinematics, o.objects, ranges);
+      const VectorX step = 10.0 * kPeriod * scene.acceleration;
+      const VectorX lower = o.qdot - step, upper = o.qdot + step;
+      const VectorX slowest = VectorX::Zero(o.qdot.size()).cwiseMax(lower).cwiseMin(upper);
+      VectorX alone = u, told = u;
+      const double kept = check.apply(o, {lower, upper, slowest}, {}, alone);
+      NoAlloc guard;
+      EXPECT_EQ(check.apply(o, {lower, upper, slowest}, {}, told, {near, ranges}), kept);
+      EXPECT_EQ(guard.count(), 0);
+      EXPECT_EQ(told, alone) << "what is known of distances shows in the result";
+      mended += kept < 1.0 ? 1 : 0;
+      for (const bool in_proportion : {true, false}) {
+        const double expected = measured_everywhere(scene, o, u, in_proportion, params, own);
+        const double found = check.least_distance(o, u, in_proportion);
+        ++(expected < params.margin ? within : clear);
+        if (expected < params.margin) {
+          EXPECT_NEAR(found, expected, 1e-9) << model->name << " trial " << trial << " together " << in_proportion;
+        } else {
+          EXPECT_EQ(found, kInfinity) << model->name << " trial " << trial << " together " << in_proportion;
+        }
+      }
+    }
+  }
+  EXPECT_GT(within, 300);
+  EXPECT_GT(clear, 300);
+  EXPECT_GT(mended, 50);
+}
+
 TEST(BrakeCheck, LeavesWhatMovesOut) {
   Rng rng(3);
   const Scene scene(frankie(), rng);
