@@ -106,8 +106,12 @@ void step(benchmark::State& state, const std::string& name) {
   report(state, rows, iterations, failed);
 }
 void Step(benchmark::State& state) { step(state, "holistic"); }
+void StepReactive(benchmark::State& state) { step(state, "moma-reactive"); }
+void StepSafe(benchmark::State& state) { step(state, "moma-safe"); }
 void StepMoma(benchmark::State& state) { step(state, "moma"); }
 BENCHMARK(Step)->Arg(0)->Arg(10)->Arg(40)->ArgName("objects");
+BENCHMARK(StepReactive)->Arg(0)->Arg(10)->Arg(40)->ArgName("objects");
+BENCHMARK(StepSafe)->Arg(0)->Arg(10)->Arg(40)->ArgName("objects");
 BENCHMARK(StepMoma)->Arg(0)->Arg(10)->Arg(40)->ArgName("objects");
 
 void PartKinematics(benchmark::State& state) {

@@ -198,6 +198,40 @@ double BrakeCheck::measure(Candidate& candidate, double way) noexcept {
   return found->d - margin_of({candidate.kind, candidate.first, candidate.second, *found});
 }
 
+// Of the pairs that are left, with the robot at the end of the way and gone_ all of it: a pair is no nearer on the way
+// than it is at the start less the way so far, nor than it is at the end less the way to come; the greater of the two
+// is no less than half of both together.
+void BrakeCheck::leave_out_by_end() noexcept {
+  placed_ = Placed::kHere;
+  if (!place()) return;
+  const auto clear = [&](const Candidate& c, double way) {
+    const double need = 2.0 * (range_of(c.kind) + kSure) + way - c.room;
+    return need < kInfinity && !proximity_.within(c.kind, c.first, c.second, states_, need);
+  };
+  std::size_t kept = 0;
+  for (Group& group : groups_) {
+    const std::size_t begin = kept;
+    group.least_room = kInfinity;
+    for (std::size_t i = group.begin; i < group.end; ++i) {
+      if (clear(candidates_[i], ways_.most_in_world(group.shape))) continue;
+      group.least_room = std::min(group.least_room, candidates_[i].room);
+      candidates_[kept++] = candidates_[i];
+    }
+    group.begin = begin;
+    group.end = kept;
+  }
+  const std::size_t own = grouped_;
+  grouped_ = kept;
+  for (std::size_t i = own; i < candidates_.size(); ++i)
+    if (!clear(candidates_[i], way_of_own(candidates_[i]))) candidates_[kept++] = candidates_[i];
+  candidates_.erase(candidates_.begin() + static_cast<std::ptrdiff_t>(kept), candidates_.end());
+}
+
+// So far, of a pair of a shape with the floor or of two shapes.
+double BrakeCheck::way_of_own(const Candidate& own) const noexcept {
+  return own.kind == PairKind::kFloor ? ways_.in_height(own.first, gone_) : ways_.between(own.first, own.second, gone_);
+}
+
 // The least at base_ and q_, which is gone_ from where the step begins.
 double BrakeCheck::distance() noexcept {
   double least = kInfinity;
@@ -220,8 +254,7 @@ double BrakeCheck::distance() noexcept {
   }
   for (std::size_t i = grouped_; i < candidates_.size(); ++i) {
     Candidate& own = candidates_[i];
-    const double way =
-        own.kind == PairKind::kFloor ? ways_.in_height(own.first, gone_) : ways_.between(own.first, own.second, gone_);
+    const double way = way_of_own(own);
     if (near(own.room, way, own.kind)) least = std::min(least, measure(own, way));
   }
   return least < params_.margin ? least : kInfinity;
@@ -250,10 +283,12 @@ double BrakeCheck::widest_margin(const Observation& o) noexcept {
 
 double BrakeCheck::least_distance(const Observation& o, const VectorX& command, bool in_proportion) noexcept {
   begin(o, {});
-  return way_to_stop(o, command, in_proportion);
+  return way_to_stop(o, command, in_proportion, -kInfinity);
 }
 
-double BrakeCheck::way_to_stop(const Observation& o, const VectorX& command, bool in_proportion) noexcept {
+// Whoever asks for no more than whether it is above `floor` is told as soon as it is not.
+double BrakeCheck::way_to_stop(const Observation& o, const VectorX& command, bool in_proportion,
+                               double floor) noexcept {
   base_ = o.base;
   q_ = o.q;
   deceleration_.stopping_times(command, times_);
@@ -271,12 +306,21 @@ double BrakeCheck::way_to_stop(const Observation& o, const VectorX& command, boo
   gone_ = dt_ * mean_.cwiseAbs() + 0.5 * command.cwiseAbs().cwiseProduct(times_);
   ways_.limit(gone_);
   choose_candidates();
+  if (in_proportion && !candidates_.empty()) {
+    // On this way the base brakes along one arc, so that its end is soon found.
+    integrate(*model_, base_, q_, mean_, dt_);
+    row_ = 0.5 * command;
+    integrate(*model_, base_, q_, row_, last);
+    leave_out_by_end();
+    base_ = o.base;
+    q_ = o.q;
+  }
   if (candidates_.empty()) return kInfinity;
   gone_ = dt_ * mean_.cwiseAbs();
   integrate(*model_, base_, q_, mean_, dt_);
   double d = distance();
   const double part = params_.every * dt_;
-  for (int k = 0; k < kMostPlaces && k * part < last; ++k) {
+  for (int k = 0; k < kMostPlaces && k * part < last && d > floor; ++k) {
     const double from = k * part, to = std::min(from + part, last);
     for (Eigen::Index i = 0; i < mean_.size(); ++i) mean_[i] = command[i] * mean_left(times_[i], from, to);
     gone_ += (to - from) * mean_.cwiseAbs();
@@ -286,9 +330,10 @@ double BrakeCheck::way_to_stop(const Observation& o, const VectorX& command, boo
   return d;
 }
 
-double BrakeCheck::clearance(const Observation& o, const VectorX& command) noexcept {
-  const double d = way_to_stop(o, command, true);
-  return d >= params_.margin ? d : std::max(d, way_to_stop(o, command, false));
+// The better of the two ways, or no more than `floor` where neither is above it.
+double BrakeCheck::clearance(const Observation& o, const VectorX& command, double floor) noexcept {
+  const double d = way_to_stop(o, command, true, floor);
+  return d >= params_.margin ? d : std::max(d, way_to_stop(o, command, false, floor));
 }
 
 double BrakeCheck::apply(const Observation& o, const Allowed& allowed, std::span<const PlaceSpread> spreads,
@@ -300,7 +345,7 @@ double BrakeCheck::apply(const Observation& o, const Allowed& allowed, std::span
   }
   widest_ = widest_margin(o);
   begin(o, known);
-  double best = clearance(o, command);
+  double best = clearance(o, command, -kInfinity);
   if (best >= params_.margin) return 1.0;
   double kept = 1.0;
   full_ = command;
@@ -310,7 +355,7 @@ double BrakeCheck::apply(const Observation& o, const Allowed& allowed, std::span
   for (const double share : {0.75, 0.5, 0.25, 0.0}) {
     for (const VectorX* slower : {static_cast<const VectorX*>(&in_proportion_), &allowed.slowest}) {
       trial_ = *slower + share * (full_ - *slower);
-      const double d = clearance(o, trial_);
+      const double d = clearance(o, trial_, best);
       if (!(d > best)) continue;
       best = d;
       kept = share;

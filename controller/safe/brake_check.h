@@ -97,10 +97,12 @@ class BrakeCheck {
   void choose_candidates() noexcept;
   double object_bound(int shape, int object, double enough) noexcept;
   double range_of(PairKind kind) const noexcept;
-  double way_to_stop(const Observation& o, const VectorX& command, bool in_proportion) noexcept;
+  void leave_out_by_end() noexcept;
+  double way_of_own(const Candidate& own) const noexcept;
+  double way_to_stop(const Observation& o, const VectorX& command, bool in_proportion, double floor) noexcept;
   bool place() noexcept;
   double measure(Candidate& candidate, double way) noexcept;
-  double clearance(const Observation& o, const VectorX& command) noexcept;
+  double clearance(const Observation& o, const VectorX& command, double floor) noexcept;
   double distance() noexcept;
   double margin_of(const ProximityPair& pair) noexcept;
   double widest_margin(const Observation& o) noexcept;
