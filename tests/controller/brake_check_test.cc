@@ -172,7 +172,7 @@ TEST(BrakeCheck, LooksAtTheFloorAndAtTheRobotItself) {
   Rng rng(5);
   int by_floor = 0, by_itself = 0;
   constexpr double kMargin = 0.3;
-  const OwnMargins own{0.1, 0.2};
+  const OwnMargins own{0.3, 0.2};  // of the floor more, since what no joint lifts is left out
   for (const auto& model : all_robots()) {
     for (int trial = 0; trial < 40; ++trial) {
       const Scene scene(model, rng);
