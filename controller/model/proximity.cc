@@ -161,10 +161,8 @@ std::optional<Distance> Proximity::within(PairKind kind, int first, int second, 
 }
 
 double Proximity::least_gap(int shape, int object, const Isometry& X_WO) const noexcept {
-  const Solid& a = impl_->robot[static_cast<std::size_t>(shape)];
-  const Solid& b = impl_->objects[static_cast<std::size_t>(object)];
-  const Isometry& X_WA = impl_->robot_X_WS[static_cast<std::size_t>(shape)];
-  return std::max(a.gap(X_WA, X_WO.translation()) - b.radius, b.gap(X_WO, X_WA.translation()) - a.radius);
+  const auto i = static_cast<std::size_t>(shape);
+  return moma::least_gap(impl_->robot[i], impl_->robot_X_WS[i], impl_->objects[static_cast<std::size_t>(object)], X_WO);
 }
 
 Distance Proximity::ball_to_robot(const Vector3& centre_W, double radius, int shape) noexcept {
