@@ -3,6 +3,7 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 
+#include "reports/render/report.h"
 #include "reports/render/store.h"
 
 namespace moma::reports {
@@ -20,7 +21,11 @@ std::vector<OwnMetric> own_metrics(SQLite::Database& store, const std::set<std::
 
 std::vector<OwnMetric> own_metrics(const std::filesystem::path& store, const std::set<std::string>& taken) {
   SQLite::Database opened = open_store(store);
-  return own_metrics(opened, taken);
+  try {
+    return own_metrics(opened, taken);
+  } catch (const SQLite::Exception& error) {
+    throw ReportError(fmt::format("{}: cannot be read: {}", store.string(), error.what()));
+  }
 }
 
 std::string value_sql(const OwnMetric& metric, const std::string& key) {

@@ -23,7 +23,7 @@ struct OwnMetric {
 /// Those of a store, in the order in which they came.
 std::vector<OwnMetric> own_metrics(SQLite::Database& store, const std::set<std::string>& taken);
 
-/// The same of a file. Throws ReportError where it is no store of moma's.
+/// The same of a file. Throws ReportError where it is no store of moma's or cannot be read.
 std::vector<OwnMetric> own_metrics(const std::filesystem::path& store, const std::set<std::string>& taken);
 
 /// Its value of the trial whose key is `key` (SQL), as an expression.
