@@ -1,6 +1,6 @@
-"""What a step of a peer costs, in processor time: 200 steps of a motion in world 1 of the cluttered family, by itself and without moma's program.
+"""What a step of a controller of examples/peers costs, in processor time: 200 steps of a motion in world 1 of the cluttered family, by itself and without moma's program.
 
-    PYTHONPATH=build/python .venv-peers/bin/python3 examples/peers/step_time.py mink_peer Mink frankie [PARAMETERS as JSON]
+    PYTHONPATH=build/python .venv-peers/bin/python3 bench/peers/step_time.py mink_peer Mink frankie [PARAMETERS as JSON]
 
 The world comes from configs/suites/peers.yaml or peers-panda.yaml by `moma world` (MOMA_PROGRAM). Prints the median in microseconds.
 """
@@ -12,24 +12,21 @@ import sys
 import time
 from types import SimpleNamespace
 
+import common
 import moma
 import numpy as np
 from moma.program import run
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 STEPS = 200
+sys.path.insert(0, str(ROOT / "examples/peers"))
 
 
-def rotation(quaternion):
-    w, x, y, z = quaternion
-    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                     [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                     [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
-
-
-def pose(item):
-    return SimpleNamespace(position=np.array(item["position"]), rotation=rotation(item["quaternion"]), twist=np.zeros(6), visible=True,
-                           position_covariance=None, velocity_covariance=None)
+def placed(item):
+    """An object or the goal, as observed."""
+    X = common.pose(item)
+    return SimpleNamespace(position=X[:3, 3], rotation=X[:3, :3], twist=np.zeros(6), visible=True, position_covariance=None,
+                           velocity_covariance=None)
 
 
 def main(module, name, robot, parameters="{}"):
@@ -40,18 +37,18 @@ def main(module, name, robot, parameters="{}"):
     sets = [word for key, value in plain.items() for word in ("--set", f"{key}={value if isinstance(value, str) else json.dumps(value)}")]
     world = json.loads(run(["world", str(suite), "1", *sets, "--json"]))
     body = moma.Robot(ROOT / f"configs/robots/{robot}.yaml")
-    body.control_period = 0.02
+    body.control_period = common.PERIOD
     controller = getattr(importlib.import_module(module), name)(**json.loads(parameters))
     controller.reset(body, [SimpleNamespace(name=o["name"], kind=o["shape"], size=np.array(o["size"])) for o in world["objects"]])
     q, base = np.array(world["start"]["q"]), np.array(world["start"]["base"])
-    objects, goal, took = [pose(item) for item in world["objects"]], pose(world["goal"]), []
+    objects, goal, took = [placed(item) for item in world["objects"]], placed(world["goal"]), []
     for k in range(STEPS):
-        seen = SimpleNamespace(time=0.02 * k, q=q, base=base, qdot=np.zeros(len(body.velocities)), goal=goal, objects=objects)
+        seen = SimpleNamespace(time=common.PERIOD * k, q=q, base=base, qdot=np.zeros(len(body.velocities)), goal=goal, objects=objects)
         begin = time.process_time()
         answer = controller.step(seen)
         took.append(time.process_time() - begin)
         velocity = answer["command"] if isinstance(answer, dict) else answer
-        q, base = body.integrate(q, velocity, 0.02, base)
+        q, base = body.integrate(q, velocity, common.PERIOD, base)
     print(f"{name} {robot}: {1e6 * np.median(took):.0f} us")
 
 
