@@ -14,7 +14,7 @@ from typing import Any, Callable, Iterator, Mapping, Sequence
 from . import _core
 from .program import run
 from .store import Store
-from .world import World
+from .world import World, frozen_set
 
 Foreign = Callable[..., Any]
 
@@ -92,8 +92,7 @@ class Suite:
 
             source, changes = self.source, dict(self.changes)
             if self.worlds is not None:
-                lines = "".join(json.dumps(dict(world), separators=(",", ":")) + "\n" for world in self.worlds)
-                changes["worlds"] = {"frozen": os.path.abspath(write(lines, ".jsonl"))}
+                changes["worlds"] = {"frozen": os.path.abspath(write(frozen_set(self.worlds), ".jsonl"))}
                 changes.setdefault("trials", len(self.worlds))
             # JSON is YAML.
             yield (write(json.dumps(source), ".yaml") if isinstance(source, dict) else str(source)), changes

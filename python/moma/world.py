@@ -50,7 +50,11 @@ class World(Mapping[str, Any]):
         save_worlds([self], path)
 
 
+def frozen_set(worlds: Iterable[Mapping[str, Any]]) -> str:
+    """The text of a frozen set, one world a line."""
+    return "".join(json.dumps(dict(world), separators=(",", ":")) + "\n" for world in worlds)
+
+
 def save_worlds(worlds: Iterable[Mapping[str, Any]], path: str | os.PathLike[str]) -> None:
-    """Writes a frozen set, one world a line: what a suite's `worlds: {frozen: PATH}` reads."""
-    lines = [json.dumps(dict(world), separators=(",", ":")) + "\n" for world in worlds]
-    pathlib.Path(path).write_text("".join(lines), encoding="utf-8")
+    """Writes a frozen set: what a suite's `worlds: {frozen: PATH}` reads."""
+    pathlib.Path(path).write_text(frozen_set(worlds), encoding="utf-8")
