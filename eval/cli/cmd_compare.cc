@@ -113,41 +113,61 @@ std::string leave_out_errors(QueryResult& pairs) {
                      worlds == 1 ? "is" : "are", of_a, of_b);
 }
 
-struct RateRow {
-  const char* name;
-  std::int64_t a = 0, b = 0, only_a = 0, only_b = 0;
-  double p = 1.0;
+/// Of n worlds.
+struct Share {
+  std::int64_t count = 0;
+  double rate = 0.0;
+  stats::Interval wilson;
 };
 
-RateRow compare_rates(const QueryResult& pairs, const char* name, std::size_t column) {
-  RateRow row{name};
+struct RateRow {
+  const char* name;
+  Share a, b;
+  std::int64_t only_a = 0, only_b = 0;
+  double p = 1.0, p_holm = 1.0;
+};
+
+Share share(std::int64_t count, std::int64_t n) {
+  return {count, static_cast<double>(count) / static_cast<double>(n), stats::wilson(count, n)};
+}
+
+RateRow compare_rate(const QueryResult& pairs, const char* name, std::size_t column) {
+  RateRow row{name, {}, {}};
+  std::int64_t in_a = 0, in_b = 0;
   for (const auto& pair : pairs.rows) {
     const bool a = number(pair[column]) > 0.0;
     const bool b = number(pair[column + 1]) > 0.0;
-    row.a += a ? 1 : 0;
-    row.b += b ? 1 : 0;
+    in_a += a ? 1 : 0;
+    in_b += b ? 1 : 0;
     row.only_a += a && !b ? 1 : 0;
     row.only_b += b && !a ? 1 : 0;
   }
+  const auto n = static_cast<std::int64_t>(pairs.rows.size());
+  row.a = share(in_a, n);
+  row.b = share(in_b, n);
   row.p = stats::mcnemar_exact(row.only_a, row.only_b);
   return row;
 }
 
-std::string rate_text(std::int64_t k, std::int64_t n) {
-  const stats::Interval interval = stats::wilson(k, n);
-  return fmt::format("{:5.1f} [{:5.1f}, {:5.1f}]", 100.0 * static_cast<double>(k) / static_cast<double>(n),
-                     100 * interval.low, 100 * interval.high);
-}
-
-void print_rates(const std::vector<RateRow>& rates, std::int64_t n) {
+/// Success comes first.
+std::vector<RateRow> compare_rates(const QueryResult& pairs) {
+  std::vector<RateRow> rates{compare_rate(pairs, "success", 2), compare_rate(pairs, "collision", 4)};
   std::vector<double> p;
   for (const RateRow& rate : rates) p.push_back(rate.p);
   const std::vector<double> adjusted = stats::holm(p);
+  for (std::size_t i = 0; i < rates.size(); ++i) rates[i].p_holm = adjusted[i];
+  return rates;
+}
+
+std::string share_text(const Share& share) {
+  return fmt::format("{:5.1f} [{:5.1f}, {:5.1f}]", 100.0 * share.rate, 100 * share.wilson.low, 100 * share.wilson.high);
+}
+
+void print_rates(const std::vector<RateRow>& rates, std::int64_t n) {
   QueryResult table{{"rate", "n", "A % [95 %]", "B % [95 %]", "only A", "only B", "p (McNemar)", "p (Holm)"}, {}};
-  for (std::size_t i = 0; i < rates.size(); ++i) {
-    const RateRow& r = rates[i];
-    table.rows.push_back({std::string(r.name), n, rate_text(r.a, n), rate_text(r.b, n), r.only_a, r.only_b,
-                          fmt::format("{:.3g}", r.p), fmt::format("{:.3g}", adjusted[i])});
+  for (const RateRow& r : rates) {
+    table.rows.push_back({std::string(r.name), n, share_text(r.a), share_text(r.b), r.only_a, r.only_b,
+                          fmt::format("{:.3g}", r.p), fmt::format("{:.3g}", r.p_holm)});
   }
   write(std::cout, table, Format::kTable);
 }
@@ -197,27 +217,20 @@ void print_json(const std::pair<NamedPoint, NamedPoint>& points, std::int64_t n,
                 const std::vector<MetricRow>& metrics) {
   using nlohmann::ordered_json;
   ordered_json json{{"a", points.first.name()}, {"b", points.second.name()}, {"suite", points.first.suite}, {"n", n}};
-  std::vector<double> p;
-  for (const RateRow& rate : rates) p.push_back(rate.p);
-  const std::vector<double> adjusted = stats::holm(p);
   json["rates"] = ordered_json::array();
-  for (std::size_t i = 0; i < rates.size(); ++i) {
-    const RateRow& r = rates[i];
-    const auto share = [n](std::int64_t k) { return static_cast<double>(k) / static_cast<double>(n); };
-    const stats::Interval a = stats::wilson(r.a, n);
-    const stats::Interval b = stats::wilson(r.b, n);
+  for (const RateRow& r : rates) {
     json["rates"].push_back({{"rate", r.name},
                              {"n", n},
-                             {"a", share(r.a)},
-                             {"a_low", a.low},
-                             {"a_high", a.high},
-                             {"b", share(r.b)},
-                             {"b_low", b.low},
-                             {"b_high", b.high},
+                             {"a", r.a.rate},
+                             {"a_low", r.a.wilson.low},
+                             {"a_high", r.a.wilson.high},
+                             {"b", r.b.rate},
+                             {"b_low", r.b.wilson.low},
+                             {"b_high", r.b.wilson.high},
                              {"only_a", r.only_a},
                              {"only_b", r.only_b},
                              {"p_mcnemar", r.p},
-                             {"p_holm", adjusted[i]}});
+                             {"p_holm", r.p_holm}});
   }
   json["metrics"] = ordered_json::array();
   for (const MetricRow& row : metrics) {
@@ -232,11 +245,6 @@ void print_json(const std::pair<NamedPoint, NamedPoint>& points, std::int64_t n,
   std::cout << json.dump(-1, ' ', false, ordered_json::error_handler_t::replace) << '\n';
 }
 
-/// Whether B's loss is more than the margin.
-bool too_much_worse(const CompareOptions& options, const RateRow& success, std::int64_t n) {
-  return options.margin && static_cast<double>(success.a - success.b) / static_cast<double>(n) > *options.margin;
-}
-
 int compare(const CompareOptions& options) {
   const auto points = choose(options);
   const std::vector<Metric> metrics = metrics_of(options);
@@ -247,12 +255,14 @@ int compare(const CompareOptions& options) {
   const auto shown = [](const NamedPoint& point) {
     return point.why.empty() ? point.name() : fmt::format("{} (best by {})", point.name(), point.why);
   };
-  const RateRow success = compare_rates(pairs, "success", 2);
-  const std::vector<RateRow> rates{success, compare_rates(pairs, "collision", 4)};
+  const std::vector<RateRow> rates = compare_rates(pairs);
+  const RateRow& success = rates.front();
+  const double loss = static_cast<double>(success.a.count - success.b.count) / static_cast<double>(n);
+  const bool worse = options.margin && loss > *options.margin;
   const std::vector<MetricRow> compared = compare_metrics(pairs, metrics);
   if (options.json) {
     print_json(points, n, rates, compared);
-    return too_much_worse(options, success, n) ? kCheckFailed : kOk;
+    return worse ? kCheckFailed : kOk;
   }
   std::cout << terminal_safe(fmt::format("A = {}, B = {}, suite {}: {} worlds that both met{}", shown(points.first),
                                          shown(points.second), points.first.suite, n, left_out))
@@ -266,8 +276,6 @@ int compare(const CompareOptions& options) {
       "worlds are won by one side alone)\n",
       100 * options.difference, stats::mcnemar_pairs(discordant, options.difference), 100 * discordant);
   if (!options.margin) return kOk;
-  const double loss = static_cast<double>(success.a - success.b) / static_cast<double>(n);
-  const bool worse = too_much_worse(options, success, n);
   std::cout << fmt::format("\nB succeeds {:.2f} percentage points {} often than A; the margin is {:.2f}: {}\n",
                            100 * std::abs(loss), loss > 0 ? "less" : "more", 100 * *options.margin,
                            worse ? "worse" : "accepted");
