@@ -1,7 +1,5 @@
 #include "eval/trial/stepped_trial.h"
 
-#include <exception>
-#include <new>
 #include <stdexcept>
 #include <utility>
 
@@ -18,17 +16,8 @@ SteppedTrial::SteppedTrial(std::shared_ptr<const TrialSpec> spec, World world)
   });
 }
 
-template <class Body>
-void SteppedTrial::guarded(Body body) {
-  try {
-    body();
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& e) {
-    row_ = row_of_error(*spec_, recording_, e.what());
-  } catch (...) {
-    row_ = row_of_error(*spec_, recording_, "an exception of unknown type");
-  }
+void SteppedTrial::guarded(const std::function<void()>& part) {
+  if (std::optional<TrialRow> error = error_of(*spec_, recording_, part)) row_ = std::move(error);
 }
 
 void SteppedTrial::go_on() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -47,8 +48,7 @@ class SteppedTrial {
   TrialOutput output() const;
 
  private:
-  template <class Body>
-  void guarded(Body body);
+  void guarded(const std::function<void()>& part);
   void go_on();
 
   std::shared_ptr<const TrialSpec> spec_;

@@ -20,13 +20,6 @@ std::unique_ptr<StepController> usual_controller(const TrialSpec& spec, StepCloc
   return controller;
 }
 
-}  // namespace
-
-std::unique_ptr<Plant> usual_plant(const TrialSpec& spec, const World& world) {
-  const std::shared_ptr<const RobotModel>& model = spec.robot->model;
-  return make_plant(model, world, spec.simulation, plant_conditions(spec.disturbances, *model, world));
-}
-
 TrialRow row_of_error(const TrialSpec& spec, const Recording& recording, const char* text) {
   TrialRow row;
   try {
@@ -40,24 +33,39 @@ TrialRow row_of_error(const TrialSpec& spec, const Recording& recording, const c
   return row;
 }
 
+}  // namespace
+
+std::unique_ptr<Plant> usual_plant(const TrialSpec& spec, const World& world) {
+  const std::shared_ptr<const RobotModel>& model = spec.robot->model;
+  return make_plant(model, world, spec.simulation, plant_conditions(spec.disturbances, *model, world));
+}
+
+std::optional<TrialRow> error_of(const TrialSpec& spec, const Recording& recording, const std::function<void()>& part) {
+  try {
+    part();
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& e) {
+    return row_of_error(spec, recording, e.what());
+  } catch (...) {
+    return row_of_error(spec, recording, "an exception of unknown type");
+  }
+  return {};
+}
+
 TrialOutput run_trial(const TrialSpec& spec, const World& world, const TrialParts& parts, ProfileClock* clock) {
   const auto start = std::chrono::steady_clock::now();
   Recording recording;
   TrialOutput output;
   enter(clock, TrialPart::kSetUp);
-  try {
+  const std::optional<TrialRow> error = error_of(spec, recording, [&] {
     const std::unique_ptr<Plant> plant = parts.plant ? parts.plant(spec, world) : usual_plant(spec, world);
     plant->set_clock(clock);
     const std::unique_ptr<StepController> controller =
         parts.controller ? parts.controller(spec) : usual_controller(spec, clock);
     output.row = run_clock(spec, world, *plant, *controller, recording, clock);
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& e) {
-    output.row = row_of_error(spec, recording, e.what());
-  } catch (...) {
-    output.row = row_of_error(spec, recording, "an exception of unknown type");
-  }
+  });
+  if (error) output.row = *error;
   output.trace = std::move(recording.trace);
   output.row.timing.t_trial_us =
       std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();

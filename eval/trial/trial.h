@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "controller/step.h"
 #include "eval/trial/metrics.h"
@@ -33,8 +34,9 @@ TrialOutput run_trial(const TrialSpec& spec, const World& world, const TrialPart
 /// The plant that `spec` asks for. Throws what make_plant() throws.
 std::unique_ptr<Plant> usual_plant(const TrialSpec& spec, const World& world);
 
-/// Of a trial that ended by an exception with this text: what was measured until then is kept.
-TrialRow row_of_error(const TrialSpec& spec, const Recording& recording, const char* text);
+/// Runs a part of a trial. The row of an error where it throws anything but std::bad_alloc, which passes: what was
+/// measured until then is kept.
+std::optional<TrialRow> error_of(const TrialSpec& spec, const Recording& recording, const std::function<void()>& part);
 
 /// Makes the plant that `spec` asks for and throws what that throws: a robot that lacks what its mode of simulation
 /// needs fails in every world by the same words.
