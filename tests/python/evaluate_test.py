@@ -1,9 +1,15 @@
 """Suites, their evaluation by the program, and stores as tables. A controller in a process of its own that calls
 moma.Controller has the trials of the program's own, bit for bit."""
 
+import contextlib
 import os
 import pathlib
+import signal
+import sqlite3
+import subprocess
+import sys
 import tempfile
+import time
 import unittest
 
 import moma
@@ -79,6 +85,38 @@ class EvaluateTest(unittest.TestCase):
         self.assertEqual(int(store.summary().n.sum()), 2)
         replay = store.replay(store.trials().trial[0])
         self.assertEqual(len(replay["samples"]), len(store.samples(store.trials().trial[0])))
+
+    def test_ctrl_c_keeps_what_is_done(self):
+        file = self.folder / "a.db"
+        suite = {**SUITE, "controllers": {"slow": entry_of(wrapped.Slow)}, "simulation": {"mode": "kinematic", "time_limit": 0.4}}
+        call = f"moma.evaluate(moma.Suite({suite!r}, directory={str(self.folder)!r}), store={str(file)!r}, trials=1000, progress=False)"
+        # In a group of its own, as a terminal has it: Ctrl-C is a signal to Python and to the program that it waits for.
+        child = subprocess.Popen([sys.executable, "-c", f"import moma; {call}"], start_new_session=True, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(child.kill)
+        self.wait_for_trials(file, child)
+        os.killpg(child.pid, signal.SIGINT)
+        said = child.communicate(timeout=100)[1]
+        self.assertEqual(child.returncode, -signal.SIGINT, said)
+        self.assertIn("KeyboardInterrupt", said)
+        store = moma.Store(file)
+        self.assertEqual(list(store.sql("SELECT status FROM invocation").status), ["stopped"])
+        self.assertEqual(set(store.trials().outcome), {"timeout"}, "trials in flight were let end")
+        done = len(store.trials())
+        self.assertLess(done, 1000)
+        self.assertEqual(sorted(path.name for path in self.folder.glob(".moma-*")), [], "files for the program")
+        self.assertEqual(len(self.evaluate(suite, trials=done + 1).trials()), done + 1)
+
+    def wait_for_trials(self, file, child):
+        for _ in range(1000):
+            if child.poll() is not None:
+                self.fail(f"ended before it was told to: {child.communicate()[1]}")
+            if file.is_file():
+                with contextlib.closing(sqlite3.connect(f"file:{file}?mode=ro", uri=True)) as store:
+                    with contextlib.suppress(sqlite3.OperationalError):  # no tables yet
+                        if store.execute("SELECT count(*) FROM trial").fetchone()[0] > 0:
+                            return
+            time.sleep(0.1)
+        self.fail("no trial in 100 s")
 
     def test_a_controller_that_fails_is_an_error_of_its_trials(self):
         with self.assertRaisesRegex(moma.ProgramError, "RuntimeError: not today"):

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import time
 
 import moma
 
@@ -24,6 +25,15 @@ class Failing:
 
     def step(self, seen):
         raise RuntimeError("not today")
+
+
+class Slow:
+    def reset(self, robot, objects):
+        self.still = [0.0] * len(robot.velocities)
+
+    def step(self, seen):
+        time.sleep(0.05)
+        return self.still
 
 
 class Wrong:
