@@ -12,6 +12,8 @@ import spatialmath
 
 from parts import frame, mobile
 
+REACH = 0.5  # [m] half of the arm's longest solid (0.154 m) and the 0.3 m in which rows act
+
 
 def solid(item):
     if item.kind == "sphere":
@@ -21,21 +23,20 @@ def solid(item):
     else:
         raise ValueError(f"the toolbox is given no {item.kind}")
     shape.v = np.zeros(6)
-    return shape
+    return shape, np.linalg.norm(item.size) / min(len(item.size), 2)  # and the radius of a sphere around it
 
 
 class Holistic:
     dof = 2
 
-    def __init__(self, gain=1.5, turn=1.3, effort=0.01, facing=0.5, stop=0.1, influence=0.9, avoid=False, fast=True):
+    def __init__(self, gain=1.5, turn=1.3, effort=0.01, facing=0.5, stop=0.1, influence=0.9, avoid=False, avoidance=1.0, fast=True):
         self.gain, self.turn, self.effort, self.facing = gain, turn, effort, facing
-        self.damper, self.avoid, self.fast = (stop, influence), avoid, fast
+        self.damper, self.avoid, self.avoidance, self.fast = (stop, influence), avoid, avoidance, fast
 
     def reset(self, robot, objects):
         if mobile(robot) != (self.dof > 0):
             raise ValueError(f"{type(self).__name__} is not for a base that is {robot.base}")
         self.robot = rtb.models.Frankie() if self.dof else rtb.models.Panda()
-        self.limits = robot.velocity_limits
         self.solids = [solid(item) for item in objects] if self.avoid else []
 
     def rows(self, q, seen):
@@ -46,12 +47,15 @@ class Holistic:
         if self.solids:  # the robot's own follow it, as they do in each step of the toolbox's simulator
             self.robot._update_link_tf(q)
             self.robot._propogate_scene_tree()
-        for shape, item in zip(self.solids, seen.objects):
+            centres = np.array([part._wT[:3, 3] for link in self.robot.links for part in link.collision])
+        for (shape, radius), item in zip(self.solids, seen.objects):
+            if np.linalg.norm(centres - item.position, axis=1).min() > REACH + radius:
+                continue  # it would have no row
             shape.T = spatialmath.SE3(frame(item), check=False).A
             shape._propogate_scene_tree()
             links = self.robot.link_dict  # of Frankie without its hand
-            first, last = links["panda_link1"], links.get("panda_hand") or links["panda_link8"]
-            more, bound = self.robot.link_collision_damper(shape, q, 0.3, 0.05, 1.0, start=first, end=last)
+            ends = {"start": links["panda_link1"], "end": links.get("panda_hand") or links["panda_link8"]}
+            more, bound = self.robot.link_collision_damper(shape, q, 0.3, 0.05, self.avoidance, **ends)
             if more is not None and bound is not None:
                 A = np.r_[A, np.c_[more, np.zeros((len(more), n + 6 - more.shape[1]))]]
                 b = np.r_[b, bound]
@@ -81,7 +85,7 @@ class Holistic:
         x = qpsolvers.solve_qp(Q, c, A, b, np.c_[robot.jacobe(q), np.eye(6)], twist.reshape(6), lb=-most, ub=most,
                                solver="quadprog")
         if x is None:
-            return {"command": np.zeros(len(self.limits)), "status": "infeasible", "fallback": "brake"}
+            return {"command": np.zeros(len(seen.qdot)), "status": "infeasible", "fallback": "brake"}
         velocity = x[:n]
         if dof and self.fast:  # the example drives at a speed that grows near the goal
             velocity = velocity * (0.7 / error if error > 0.5 else 1.4)
@@ -91,5 +95,5 @@ class Holistic:
 class Neo(Holistic):
     dof = 0
 
-    def __init__(self, gain=0.5, turn=1.0, effort=0.01, stop=0.05, influence=0.9, avoid=True):
-        super().__init__(gain, turn, effort, 0.0, stop, influence, avoid, False)
+    def __init__(self, gain=0.5, turn=1.0, effort=0.01, stop=0.05, influence=0.9, avoid=True, avoidance=1.0):
+        super().__init__(gain, turn, effort, 0.0, stop, influence, avoid, avoidance, False)

@@ -33,7 +33,7 @@ TOOLBOX = {
     "parameters.gain": {"range": [0.4, 4], **LOG, "start": 1.5},
     "parameters.turn": {"range": [0.5, 2], **LOG, "start": 1.3},
     "parameters.effort": {"range": [0.001, 0.1], **LOG, "start": 0.01},
-    "parameters.influence": {"range": [0.3, 1.2], **LOG, "start": 0.9},
+    "parameters.avoidance": {"range": [0.3, 4], **LOG, "start": 1},
 }
 TUNED = {
     "peers": {"mink": MINK, "toolbox-avoid": TOOLBOX, "holistic": OWN, "pink": PINK},
