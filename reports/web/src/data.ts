@@ -122,6 +122,8 @@ interface TextColumn {
   codes: number[];
 }
 
+const kNone = new Float64Array(0);
+
 /** One row per trial, by column. */
 export class Trials {
   n = 0;
@@ -141,11 +143,12 @@ export class Trials {
     }
   }
 
-  private values(name: string): Float64Array | undefined {
+  /** By row, NaN where the store has none; of what no trial has: no rows. */
+  values(name: string): Float64Array {
     const known = this.numbers.get(name);
     if (known !== undefined) return known;
     const raw = this.raw.get(name);
-    if (raw === undefined) return undefined;
+    if (raw === undefined) return kNone;
     const made = Float64Array.from(raw, (v) => (v === null ? NaN : v === 'inf' ? Infinity : v === '-inf' ? -Infinity : Number(v)));
     this.raw.delete(name);
     this.numbers.set(name, made);
@@ -158,7 +161,7 @@ export class Trials {
 
   /** NaN where the store has none. */
   number(name: string, row: number): number {
-    return this.values(name)?.[row] ?? NaN;
+    return this.values(name)[row] ?? NaN;
   }
 
   text(name: string, row: number): string {
@@ -181,7 +184,7 @@ export class Trials {
   /** True when any of `rows` has a finite value. */
   any(name: string, rows: readonly number[]): boolean {
     const column = this.values(name);
-    return column !== undefined && rows.some((row) => Number.isFinite(column[row]));
+    return column.length > 0 && rows.some((row) => Number.isFinite(column[row]));
   }
 }
 

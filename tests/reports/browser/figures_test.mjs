@@ -238,6 +238,14 @@ for (const [what, view] of views) {
   const { overall: rows } = dataOf(html);
   const { context, page } = await open(html, { width: 390, height: 844, ratio: 2, touch: true, scheme: 'dark', init: noteLetters });
   const families = ['clutter', 'open'];
+  // The bar that stays on top is two lines, however much there is to choose from, and no section begins behind it.
+  const bar = await page.locator('.toolbar').boundingBox();
+  check(bar.height < 92, `the bar takes ${bar.height} of a phone's 844`);
+  await page.getByRole('navigation').getByText('Time').click();
+  check(await page.waitForFunction(() => {
+    const [over, title] = ['.toolbar', '#time h2'].map((one) => document.querySelector(one).getBoundingClientRect());
+    return over.top === 0 && title.top >= over.bottom && title.top < over.bottom + 60;
+  }, null, { timeout: 20000 }).then(() => true, () => false), 'phone: a section that is gone to begins below the bar');
   for (const [id, places] of [['forest', [...families, 'all worlds']], ['outcomes', families], ['manipulability', families], ['arrival', null], ['difficulty', null], ['timing', null]]) {
     const seen = await read(page, id);
     legible(seen, `phone, ${id} of four`);

@@ -104,6 +104,26 @@ const { context: first, page } = await open(demo, { idle: true });
   await page.locator('#trials input[type=search]').fill('stuck');
   check((await note.innerText()).startsWith(`${stuck} of 120`), `filter finds ${stuck} stuck trials: ${await note.innerText()}`);
   check(page.url().includes('q=stuck'), 'the address keeps the filter');
+  // Words that find more and fewer from one to the next, by the data row by row: how many, and those that are drawn in their order.
+  const columns = data.trials.columns;
+  const texts = Array.from({ length: 120 }, (_, row) => [
+    ...['trial', 'controller', 'point', 'family', 'outcome', 'link', 'object', 'reason'].map((key) => columns[key]?.values[columns[key].codes[row]] ?? ''), `world:${columns.world[row]}`,
+  ].map((text) => text.toLowerCase()));
+  const byWorld = texts.map((_, row) => row).sort((a, b) => columns.world[a] - columns.world[b] || columns.controller.codes[a] - columns.controller.codes[b]);
+  const part = texts[7][0].slice(-5);
+  for (const query of ['s', 'ST', 'stu', 'world:1', '1', 'o', 'ob', `stuck ${part}`, part, 'world:2 tim', 'nothing has this', 'success world:3', 'succ']) {
+    await page.locator('#trials input[type=search]').fill(query);
+    const rows = byWorld.filter((row) => query.toLowerCase().split(' ').every((word) => texts[row].some((text) => text.includes(word))));
+    const names = await page.locator('#trials .rows .row').evaluateAll((lines) => lines.map((line) => [line.style.top, line.dataset.trial, line.children[0].textContent.slice(0, line.dataset.trial.length)].join(' ')));
+    const expected = rows.slice(0, names.length).map((row, i) => { const name = columns.trial.values[columns.trial.codes[row]]; return `${34 * i}px ${name} ${name}`; });
+    check((await note.innerText()).replace(/\s/g, ' ').startsWith(rows.length === 120 ? '120 trials' : `${rows.length} of 120`), `"${query}" finds ${rows.length}: ${await note.innerText()}`);
+    check(names.length >= Math.min(rows.length, 14) && names.join() === expected.join(), `and draws them: ${names} for ${expected}`);
+  }
+  await page.locator('#trials .grid-scroll').evaluate((box) => { box.scrollTop = 1000; });
+  await page.waitForFunction(() => document.querySelector('#trials .rows .row').style.top !== '0px');
+  const tops = await page.locator('#trials .rows .row').evaluateAll((lines) => lines.map((line) => parseFloat(line.style.top)));
+  check(tops[0] <= 1000 && tops.at(-1) >= 1000 + 420 - 34 && tops.every((top, i) => top === tops[0] + 34 * i), `rows follow the scroll: ${tops}`);
+  await page.locator('#trials input[type=search]').fill('stuck');
   await page.locator('#trials').getByText('To goal [s]').click();
   await page.locator('#trials').getByText('Clear', { exact: true }).click();
   check((await note.innerText()).replace(/\s/g, ' ').startsWith('120 trials'), 'cleared filter shows all');

@@ -158,6 +158,20 @@ const open = opener(browser);
   let darkest = 255;
   for (const colour of counts.keys()) darkest = Math.min(darkest, parseInt(colour.slice(3, 5), 16));
   check(darkest < 60, `the darkest ink is ${darkest}`);
+  // The whiskers of the verdicts, which are backgrounds on the screen: the longest of a controller is as long as its widest interval.
+  const [sharp] = pixelsOf(pdf, 150, 1);
+  const longest = (hex) => {
+    const wanted = [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
+    let [most, run] = [0, 0];
+    for (let i = 0; i < sharp.width * sharp.height; ++i) {
+      run = i % sharp.width !== 0 && wanted.every((v, k) => near(v, sharp.rgb[3 * i + k], 30)) ? run + 1 : 0;
+      most = Math.max(most, run);
+    }
+    return most;
+  };
+  const widest = data.overall.map(({ controller }) => Math.max(...[...data.overall, ...data.summary].filter((row) => row.controller === controller).map((row) => row.success_high - row.success_low)));
+  const lengths = ['#27598f', '#d96294'].map(longest);
+  check(lengths.every((length) => length > 60) && near(lengths[0] / lengths[1], widest[0] / widest[1], 0.06), `printed whiskers are ${lengths} long, of intervals of ${widest}`);
   check((await page.evaluate(() => document.documentElement.dataset.theme)) === 'dark', 'after the print the screen is dark again');
   check((await page.locator('.on-paper').evaluateAll((places) => places.every((place) => place.childElementCount === 0))), 'and holds nothing of the print');
   await context.close();

@@ -36,6 +36,8 @@ const both = failed.filter((trial) => twinOf(trial) !== undefined);
   await page.locator('#replay').scrollIntoViewIfNeeded();
   await page.waitForFunction((trial) => document.querySelector('.stage-box')?.dataset.trial === trial, both[0]);
   check((await page.locator('.stage-box').getAttribute('data-beside')) === twinOf(both[0]), 'the success plays beside the failure by itself');
+  const said = (await page.locator('.replay aside').innerText()).replace(/\s/g, ' ');
+  check(said.includes(`${data.replays.length} trials at 10 Hz: the worst of each kind first, of ${data.samples_stored} with stored samples, and successes to play beside failures.`), `what can be played is told: ${said.slice(0, 200)}`);
   const lengths = [both[0], twinOf(both[0])].map((trial) => cells.time_end_s[rowOf(trial)]);
   const clock = Number(/of ([\d.]+) s/.exec(await page.locator('.clock').innerText())[1]);
   check(Math.abs(clock - Math.max(...lengths)) < 0.11, `one clock for both: ${clock} of ${lengths}`);

@@ -28,7 +28,7 @@ export function forest(): FigureSpec {
   return {
     id: 'forest',
     title: 'Success rate of every controller',
-    caption: 'A dot per controller with its 95 % Wilson interval; of more than four the best first. The broken line is the baseline: the first controller, unless another is chosen under Pairs.',
+    caption: 'A dot per controller with its 95 % Wilson interval.',
     empty: 'No trials here yet.',
     draw: (p: Palette, width: number) => {
       const all = lines();
@@ -41,7 +41,7 @@ export function forest(): FigureSpec {
       const against = many ? all.find((l) => l.series === base)?.row.success_rate : undefined;
       return {
         height: 56 + all.length * row,
-        note: `n = ${sizes(all.map((l) => l.row.n))} trials a row; 95 % Wilson, each by itself.${many ? ` The best of ${plural(series.length, series.some((s) => s.point !== '') ? 'point' : 'controller')} looks better on the worlds that chose it than it is: confirm it on others.` : ''}${series.length > kMost ? ` The best ${integer(kMost)} are shown.` : ''}`,
+        note: `n = ${sizes(all.map((l) => l.row.n))} trials a row; 95 % Wilson, each by itself.${against === undefined ? '' : ' The broken line is the baseline: the first controller, unless another is chosen under Pairs.'}${many ? ` The best stand first. The best of ${plural(series.length, series.some((s) => s.point !== '') ? 'point' : 'controller')} looks better on the worlds that chose it than it is: confirm it on others.` : ''}${series.length > kMost ? ` The best ${integer(kMost)} are shown.` : ''}`,
         columns: ['family', 'controller', 'point', 'n', 'success_rate', 'success_low', 'success_high'],
         rows: all.map((l) => [l.family, l.series.controller, l.series.point, l.row.n, l.row.success_rate, l.row.success_low, l.row.success_high]),
         option: {

@@ -23,7 +23,8 @@ export function shelfNote(model: Model): string {
     return model.page.samples_stored === 0 ? 'Any trial can be played, from the table too: it is simulated again.'
       : `The worst of each kind, of ${plural(model.page.samples_stored, 'trial')} with stored samples. Any other can be played from the table${model.page.live.simulates ? ': it is simulated again' : ''}.`;
   }
-  return `${plural(model.page.replays.length, 'trial')} of ${integer(model.page.samples_stored)} with stored samples; the worst of each kind first, at ${first !== undefined && 'hz' in first ? first.hz : 10} Hz.`;
+  const won = new Set(model.page.replays.map(({ trial }) => model.trials.success(model.row(trial) ?? -1)));
+  return `${plural(model.page.replays.length, 'trial')} at ${first !== undefined && 'hz' in first ? first.hz : 10} Hz: the worst of each kind first, of ${integer(model.page.samples_stored)} with stored samples${won.size === 2 ? ', and successes to play beside failures' : ''}.`;
 }
 
 export class Shelf {

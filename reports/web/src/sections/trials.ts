@@ -12,6 +12,7 @@ import { outcomeColour, onTheme, palette } from '../theme';
 import { onView, view } from '../view';
 
 const kRowHeight = 34;
+const kBeyond = 6;   // rows drawn above and below those in sight
 const kText: Record<string, string> = { trial: 'Trial', controller: 'Controller', point: 'Point', family: 'Family', outcome: 'Outcome', contact: 'Contact or reason' };
 const kNumbers = ['world', 'time_to_goal_s', 'position_error_m', 'orientation_error_rad', 'manip_mean', 'clearance_min_m', 'command_change_mean', 't_step_p99_us'];
 const kWidths: Record<string, number> = { trial: 158, controller: 118, point: 190, family: 88, world: 68, outcome: 112, contact: 230 };
@@ -52,6 +53,9 @@ export function trials(model: Model): HTMLElement {
   const controls = h('div', { class: 'controls wide' });
   let rows: number[] = [];
   let shownColumns: string[] = [];
+  let all = 0;
+  /** Rows that are drawn: those that stay in sight from one key stroke to the next stay as they are. */
+  const drawn = new Map<number, HTMLElement>();
 
   const cell = (key: string, row: number): HTMLElement => {
     if (key === 'outcome') {
@@ -68,20 +72,36 @@ export function trials(model: Model): HTMLElement {
     return h('span', { role: 'cell', class: 'num' }, Number.isNaN(value) ? '\u2013' : key === 'world' ? integer(value) : metric(key).write(value));
   };
 
+  const newLine = (row: number): HTMLElement => {
+    const name = t.text('trial', row);
+    return h('div', { class: 'row', role: 'row', 'data-trial': name, click: () => select(name, false), dblclick: () => select(name, true) }, ...shownColumns.map((key) => cell(key, row)));
+  };
+
   const draw = (): void => {
-    const first = Math.max(0, Math.floor(scroller.scrollTop / kRowHeight) - 6);
-    const last = Math.min(rows.length, first + Math.ceil(scroller.clientHeight / kRowHeight) + 14);
+    const top = Math.floor(scroller.scrollTop / kRowHeight);
+    const first = Math.max(0, top - kBeyond);
+    const seen = rows.slice(first, top + Math.ceil(scroller.clientHeight / kRowHeight) + kBeyond);
     const chosen = state.get('trial');
-    const drawn: HTMLElement[] = [];
-    for (let i = first; i < last; ++i) {
-      const row = rows[i] ?? 0;
-      const name = t.text('trial', row);
-      drawn.push(h('div', {
-        class: name === chosen ? 'row chosen' : 'row', role: 'row', style: `top:${i * kRowHeight}px`, 'data-trial': name,
-        click: () => select(name, false), dblclick: () => select(name, true),
-      }, ...shownColumns.map((key) => cell(key, row))));
+    const keep = new Set(seen);
+    for (const [row, line] of drawn) {
+      if (keep.has(row)) continue;
+      line.remove();
+      drawn.delete(row);
     }
-    replace(rowsBox, ...drawn);
+    let next = rowsBox.firstChild;
+    seen.forEach((row, i) => {
+      let line = drawn.get(row);
+      if (line === undefined) drawn.set(row, line = newLine(row));
+      line.style.top = `${(first + i) * kRowHeight}px`;
+      line.classList.toggle('chosen', line.dataset['trial'] === chosen);
+      if (line === next) next = next.nextSibling;
+      else rowsBox.insertBefore(line, next);
+    });
+  };
+  /** Words or colours of rows have changed. */
+  const forget = (): void => {
+    drawn.clear();
+    replace(rowsBox);
   };
 
   const drawHead = (): void => {
@@ -98,14 +118,20 @@ export function trials(model: Model): HTMLElement {
 
   const refresh = (): void => {
     rows = filtered(model, (key) => key in kText, (row) => contact(model, row));
+    rowsBox.style.height = `${rows.length * kRowHeight}px`;
+    draw();
+    count.textContent = rows.length === all ? `${plural(all, 'trial')}.` : `${integer(rows.length)} of ${plural(all, 'trial')}.`;
+  };
+
+  /** What follows from the trials that are shown, whatever the filter. */
+  const settle = (): void => {
     shownColumns = columns(model);
+    all = view().series.reduce((sum, s) => sum + s.rows.length + s.errors.length, 0);
     scroller.style.setProperty('--columns', shownColumns.map((key) => `minmax(${kWidths[key] ?? 96}px, ${key === 'contact' ? '2fr' : '1fr'})`).join(' '));
     scroller.style.setProperty('--total', `${shownColumns.reduce((sum, key) => sum + (kWidths[key] ?? 96) + 14, 16)}px`);
-    rowsBox.style.height = `${rows.length * kRowHeight}px`;
-    const all = view().series.reduce((sum, s) => sum + s.rows.length + s.errors.length, 0);
-    count.textContent = rows.length === all ? `${plural(all, 'trial')}.` : `${integer(rows.length)} of ${plural(all, 'trial')}.`;
     drawHead();
-    draw();
+    forget();
+    refresh();
   };
 
   const fillControls = (): void => {
@@ -170,11 +196,12 @@ export function trials(model: Model): HTMLElement {
     else if (top + 2 * kRowHeight > scroller.scrollTop + scroller.clientHeight) scroller.scrollTop = top + 2 * kRowHeight - scroller.clientHeight;
   };
   fillControls();
-  requestAnimationFrame(refresh);
-  onView(() => { fillControls(); refresh(); });
-  onTheme(() => { draw(); showDetail(state.get('trial')); });
+  requestAnimationFrame(settle);
+  onView(() => { fillControls(); settle(); });
+  onTheme(() => { forget(); draw(); showDetail(state.get('trial')); });
   state.listen(['outcome', 'who', 'q', 'sort'], (changed) => {
     if (changed.has('outcome') || changed.has('who')) fillControls();
+    if (changed.has('sort')) drawHead();
     scroller.scrollTop = 0;
     refresh();
   });
