@@ -48,6 +48,7 @@ BrakeCheck::BrakeCheck(std::shared_ptr<const RobotModel> model, const BrakeCheck
       in_proportion_(mean_),
       ways_(*model_),
       gone_(mean_),
+      whole_(mean_),
       floor_bounds_(model_->shapes.size()),
       self_bounds_(model_->self_pairs.size()),
       self_at_(model_->shapes.size() * model_->shapes.size(), -1),
@@ -165,7 +166,7 @@ void BrakeCheck::choose_candidates() noexcept {
       if (model_->shapes[static_cast<std::size_t>(i)].rigid_with_base) continue;
       const double ball = ways_.centre_W(i).z() - ways_.radius(i);
       const double bound = std::max(floor_bounds_[static_cast<std::size_t>(i)], ball);
-      if (!(bound >= own_.floor + kSure + ways_.in_height(i, gone_)))
+      if (!(bound >= own_.floor + kSure + ways_.in_height(i, whole_)))
         candidates_.push_back({PairKind::kFloor, i, -1, bound});
     }
   }
@@ -173,7 +174,7 @@ void BrakeCheck::choose_candidates() noexcept {
     for (std::size_t p = 0; p < self_bounds_.size(); ++p) {
       const SelfPair& pair = model_->self_pairs[p];
       if (!pair.row) continue;
-      const double enough = own_.self + kSure + ways_.between(pair.first, pair.second, gone_);
+      const double enough = own_.self + kSure + ways_.between(pair.first, pair.second, whole_);
       double bound = self_bounds_[p];
       if (bound >= enough) continue;
       const double apart = (ways_.centre_W(pair.first) - ways_.centre_W(pair.second)).norm();
@@ -190,23 +191,30 @@ bool BrakeCheck::place() noexcept {
 }
 
 // What a pair counts with where it is too near, else infinite. It has gone `way` since the step began.
-double BrakeCheck::measure(Candidate& candidate, double way) noexcept {
+double BrakeCheck::measure(Candidate& candidate, double way, double to_come) noexcept {
   const double range = range_of(candidate.kind);
-  const auto found = proximity_.within(candidate.kind, candidate.first, candidate.second, states_, range + kAhead);
-  candidate.room = way + (found ? found->d : range + kAhead);
-  if (!found || !(found->d < range)) return kInfinity;
-  return found->d - margin_of({candidate.kind, candidate.first, candidate.second, *found});
+  // As leave_out_by_end() has it, from here on.
+  const double clear = 2.0 * (range + kSure) + to_come - candidate.end;
+  const double far = std::max(range + kAhead, clear < kInfinity ? clear : 0.0);
+  const auto found = proximity_.within(candidate.kind, candidate.first, candidate.second, states_, far);
+  const double d = found ? found->d : far;
+  candidate.room = d >= clear ? kInfinity : way + d;
+  if (!(d < range)) return kInfinity;
+  return d - margin_of({candidate.kind, candidate.first, candidate.second, *found});
 }
 
-// Of the pairs that are left, with the robot at the end of the way and gone_ all of it: a pair is no nearer on the way
-// than it is at the start less the way so far, nor than it is at the end less the way to come; the greater of the two
-// is no less than half of both together.
+// Of the pairs that are left, with the robot at the end of the way: a pair is no nearer on the way than it is at the
+// start less the way so far, nor than it is at the end less the way to come; the greater of the two is no less than
+// half of both together.
 void BrakeCheck::leave_out_by_end() noexcept {
   placed_ = Placed::kHere;
   if (!place()) return;
-  const auto clear = [&](const Candidate& c, double way) {
+  const auto clear = [&](Candidate& c, double way) {
     const double need = 2.0 * (range_of(c.kind) + kSure) + way - c.room;
-    return need < kInfinity && !proximity_.within(c.kind, c.first, c.second, states_, need);
+    if (!(need < kInfinity)) return false;
+    const auto found = proximity_.within(c.kind, c.first, c.second, states_, need);
+    if (found) c.end = found->d;
+    return !found;
   };
   std::size_t kept = 0;
   for (Group& group : groups_) {
@@ -223,39 +231,51 @@ void BrakeCheck::leave_out_by_end() noexcept {
   const std::size_t own = grouped_;
   grouped_ = kept;
   for (std::size_t i = own; i < candidates_.size(); ++i)
-    if (!clear(candidates_[i], way_of_own(candidates_[i]))) candidates_[kept++] = candidates_[i];
+    if (!clear(candidates_[i], way_of_own(candidates_[i], whole_))) candidates_[kept++] = candidates_[i];
   candidates_.erase(candidates_.begin() + static_cast<std::ptrdiff_t>(kept), candidates_.end());
 }
 
-// So far, of a pair of a shape with the floor or of two shapes.
-double BrakeCheck::way_of_own(const Candidate& own) const noexcept {
-  return own.kind == PairKind::kFloor ? ways_.in_height(own.first, gone_) : ways_.between(own.first, own.second, gone_);
+// Of a pair of a shape with the floor or of two shapes.
+double BrakeCheck::way_of_own(const Candidate& own, const VectorX& gone) const noexcept {
+  return own.kind == PairKind::kFloor ? ways_.in_height(own.first, gone) : ways_.between(own.first, own.second, gone);
 }
 
-// The least at base_ and q_, which is gone_ from where the step begins.
+// The least at base_ and q_, which is gone_ from where the step begins. open_: whether a pair may be too near later.
 double BrakeCheck::distance() noexcept {
   double least = kInfinity;
   bool here = false;
-  // Whether the pair may be too near, and the robot is there for it to be measured.
-  const auto near = [&](double room, double way, PairKind kind) {
-    if (room - way >= range_of(kind) + kSure) return false;
-    if (here) return true;
-    placed_ = Placed::kHere;
-    return here = place();
+  open_ = false;
+  const auto look = [&](Candidate& c, double way, double to_come) {
+    const double enough = range_of(c.kind) + kSure;
+    if (c.end - to_come >= enough) c.room = kInfinity;
+    if (c.room - way < enough) {
+      if (!here) {
+        placed_ = Placed::kHere;
+        here = place();
+      }
+      if (here) least = std::min(least, measure(c, way, to_come));
+    }
+    open_ |= c.room < kInfinity;
   };
   for (Group& group : groups_) {
+    if (!(group.least_room < kInfinity)) continue;
     const double way = ways_.in_world(group.shape, gone_);
-    if (!near(group.least_room, way, PairKind::kObject)) continue;
+    if (group.least_room - way >= range_of(PairKind::kObject) + kSure) {
+      open_ = true;
+      continue;
+    }
+    const double to_come = ways_.most_in_world(group.shape) - way;
     group.least_room = kInfinity;
     for (std::size_t i = group.begin; i < group.end; ++i) {
-      if (near(candidates_[i].room, way, PairKind::kObject)) least = std::min(least, measure(candidates_[i], way));
+      look(candidates_[i], way, to_come);
       group.least_room = std::min(group.least_room, candidates_[i].room);
     }
   }
   for (std::size_t i = grouped_; i < candidates_.size(); ++i) {
     Candidate& own = candidates_[i];
-    const double way = way_of_own(own);
-    if (near(own.room, way, own.kind)) least = std::min(least, measure(own, way));
+    if (!(own.room < kInfinity)) continue;
+    const double way = way_of_own(own, gone_);
+    look(own, way, way_of_own(own, whole_) - way);
   }
   return least < params_.margin ? least : kInfinity;
 }
@@ -303,8 +323,8 @@ double BrakeCheck::way_to_stop(const Observation& o, const VectorX& command, boo
   }
   const Vector3 ramped = ramp_.follow(wanted, dt_, velocity);
   for (int i = 0; i < ramp_.dof(); ++i) mean_[i] = ramped[i];
-  gone_ = dt_ * mean_.cwiseAbs() + 0.5 * command.cwiseAbs().cwiseProduct(times_);
-  ways_.limit(gone_);
+  whole_ = dt_ * mean_.cwiseAbs() + 0.5 * command.cwiseAbs().cwiseProduct(times_);
+  ways_.limit(whole_);
   choose_candidates();
   if (in_proportion && !candidates_.empty()) {
     // On this way the base brakes along one arc, so that its end is soon found.
@@ -320,7 +340,7 @@ double BrakeCheck::way_to_stop(const Observation& o, const VectorX& command, boo
   integrate(*model_, base_, q_, mean_, dt_);
   double d = distance();
   const double part = params_.every * dt_;
-  for (int k = 0; k < kMostPlaces && k * part < last && d > floor; ++k) {
+  for (int k = 0; k < kMostPlaces && k * part < last && d > floor && open_; ++k) {
     const double from = k * part, to = std::min(from + part, last);
     for (Eigen::Index i = 0; i < mean_.size(); ++i) mean_[i] = command[i] * mean_left(times_[i], from, to);
     gone_ += (to - from) * mean_.cwiseAbs();

@@ -84,7 +84,8 @@ class BrakeCheck {
   struct Candidate {
     PairKind kind;
     int first, second;
-    double room;  // the way at which it may be at 0 [m]
+    double room;              // the way at which it may be at 0 [m]; infinite where it is clear to the end of the way
+    double end = -kInfinity;  // no distance is less there [m]
   };
   // Those of one shape and objects.
   struct Group {
@@ -98,10 +99,10 @@ class BrakeCheck {
   double object_bound(int shape, int object, double enough) noexcept;
   double range_of(PairKind kind) const noexcept;
   void leave_out_by_end() noexcept;
-  double way_of_own(const Candidate& own) const noexcept;
+  double way_of_own(const Candidate& own, const VectorX& gone) const noexcept;
   double way_to_stop(const Observation& o, const VectorX& command, bool in_proportion, double floor) noexcept;
   bool place() noexcept;
-  double measure(Candidate& candidate, double way) noexcept;
+  double measure(Candidate& candidate, double way, double to_come) noexcept;
   double clearance(const Observation& o, const VectorX& command, double floor) noexcept;
   double distance() noexcept;
   double margin_of(const ProximityPair& pair) noexcept;
@@ -126,7 +127,7 @@ class BrakeCheck {
   std::vector<ObjectState> states_;
 
   ShapeWays ways_;
-  VectorX gone_;  // of each velocity so far
+  VectorX gone_, whole_;  // of each velocity so far, and by all of the way
   // No distance is less than these as the step begins: of shapes and objects, of shapes, of the model's self pairs.
   std::vector<double> object_bounds_, floor_bounds_, self_bounds_;
   std::vector<double> radii_;                                          // of the objects
@@ -138,6 +139,7 @@ class BrakeCheck {
   std::vector<Candidate> candidates_;  // those of groups first
   std::vector<Group> groups_;
   std::size_t grouped_ = 0;
+  bool open_ = false;
 };
 
 }  // namespace moma
