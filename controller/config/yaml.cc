@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "controller/config/budget.h"
+#include "controller/model/utf8.h"
 
 namespace moma::config {
 namespace {
@@ -182,6 +183,10 @@ class Builder : public YAML::EventHandler {
 Node read_document(const std::string& text, const std::string& name, int depth, YamlUse& use) {
   if (text.size() > kMaxTextBytes)
     fail({name, 0, 0}, "", "more than " + std::to_string(kMaxTextBytes >> 20U) + " MiB of text");
+  if (const std::size_t at = not_utf8(text); at != std::string::npos) {
+    const std::size_t begin = at == 0 ? 0 : text.rfind('\n', at - 1) + 1;  // npos + 1 is 0: the first line
+    fail({name, static_cast<int>(line_of(text, at)), static_cast<int>(at - begin) + 1}, "", not_utf8_message(text, at));
+  }
   Builder builder(name, depth, use);
   try {
     std::istringstream stream(text);

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "controller/model/urdf_check.h"
+#include "controller/model/utf8.h"
 #include "controller/model/xml_depth.h"
 
 namespace moma {
@@ -110,7 +111,19 @@ struct Amended {
   throw UrdfError(text + " (--lenient, or `lenient: true` in the robot file, leaves out what is not understood)");
 }
 
+/// Numbers of characters ("&#233;") are bytes of Latin-1 to the parser where the file does not say that it is UTF-8.
+void check_encoding(const std::string& text, const TiXmlDocument& document) {
+  if (text.find("&#") == std::string::npos) return;
+  TiXmlPrinter printer;
+  document.Accept(&printer);
+  if (not_utf8(printer.Str()) != std::string::npos)
+    throw UrdfError(
+        "characters by number, as &#233;, need <?xml version=\"1.0\" encoding=\"UTF-8\"?> as the first line");
+}
+
 Amended amend(const std::string& text, UrdfReading reading) {
+  if (const std::size_t at = not_utf8(text); at != std::string::npos)
+    throw UrdfError("line " + std::to_string(line_of(text, at)) + ": " + not_utf8_message(text, at));
   if (xml_depth(text) > kMaxXmlDepth)
     throw UrdfError("elements are nested more than " + std::to_string(kMaxXmlDepth) + " deep");
   TiXmlDocument document;
@@ -119,6 +132,7 @@ Amended amend(const std::string& text, UrdfReading reading) {
     throw UrdfError("not valid XML: " + std::string(document.ErrorDesc()) + " at row " +
                     std::to_string(document.ErrorRow()) + ", column " + std::to_string(document.ErrorCol()));
   }
+  check_encoding(text, document);
   TiXmlElement* robot = document.FirstChildElement("robot");
   if (robot == nullptr) throw UrdfError("not a URDF: there is no <robot> element");
   for (const char* name : {"material", "transmission", "gazebo", "sensor"}) remove_all(*robot, name);

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "controller/closed_form/closed_form.h"
+#include "controller/model/utf8.h"
 
 namespace moma {
 namespace {
@@ -65,21 +66,6 @@ class Shapes {
   std::vector<std::vector<double>> vertices_;
   std::vector<std::vector<std::int32_t>> triangles_;
 };
-
-// Bytes of the character at the beginning of `text`; 0 where there is none (RFC 3629).
-std::size_t utf8_length(std::string_view text) {
-  const auto byte = [text](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
-  const unsigned lead = byte(0);
-  if (lead < 0x80) return 1;
-  const std::size_t length = lead >= 0xc2 && lead < 0xe0 ? 2 : lead >= 0xe0 && lead < 0xf0 ? 3 : lead < 0xf5 ? 4 : 0;
-  if (lead < 0xc2 || length == 0) return 0;
-  const unsigned low = lead == 0xe0 ? 0xa0 : lead == 0xf0 ? 0x90 : 0x80;   // nothing longer than it has to be,
-  const unsigned high = lead == 0xed ? 0x9f : lead == 0xf4 ? 0x8f : 0xbf;  // no surrogates, nothing beyond U+10FFFF
-  if (byte(1) < low || byte(1) > high) return 0;
-  for (std::size_t i = 2; i < length; ++i)
-    if (byte(i) < 0x80 || byte(i) > 0xbf) return 0;
-  return length;
-}
 
 }  // namespace
 

@@ -229,6 +229,23 @@ TEST_F(RobotFileErrors, Collision) {
   expect_change("collision:\n", "collision:\n  from: urdf\n", {"collision.from: link root: the mesh"});
 }
 
+// What is accepted becomes JSON in stores, which holds nothing but UTF-8.
+TEST_F(RobotFileErrors, TextIsUtf8) {
+  expect(replaced(kRobot, "  tip: tip", "  tip: \"t\xe9p\""), {"robot.yaml:9:10: the byte 0xe9 is not UTF-8"});
+  expect("\xff\xfeu\n", {"robot.yaml:1:1: the byte 0xff is not UTF-8"});
+  expect_urdf(replaced(urdf(), "<link name=\"root\"/>", "<link name=\"root\"/><!-- caf\xe9 -->"),
+              {"small.urdf: line 3: the byte 0xe9 is not UTF-8"});
+  const std::string numbered = replaced(urdf(), "<robot name=\"small\">", "<robot name=\"caf&#233;\">");
+  const std::string declared = replaced(numbered, "version=\"1.0\"", "version=\"1.0\" encoding=\"UTF-8\"");
+  expect_urdf(replaced(numbered, "<?xml version=\"1.0\"?>\n", ""), {"small.urdf: characters by number"});
+  for (const std::string& text : {declared, replaced(declared, "&#233;", "\xc3\xa9")}) {
+    scratch_.write("small.urdf", text);
+    const config::LoadedRobot robot = load(kRobot);
+    EXPECT_EQ(robot.model->name, "caf\xc3\xa9");
+    EXPECT_NO_THROW((void)robot.resolved.dump());
+  }
+}
+
 TEST_F(RobotFileErrors, BrokenYaml) {
   expect("urdf: [", {"robot.yaml", "not valid YAML"});
   expect("", {"urdf: missing"});

@@ -43,6 +43,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::ofstream(kFolder.file(), std::ios::binary) << text;
   try {
     const Suite suite = load_suite(kFolder.file(), {});
+    (void)suite.resolved.dump();
     if (suite_from_resolved(suite.resolved).points.size() != suite.points.size()) std::abort();
   } catch (const config::ConfigError&) {
   }

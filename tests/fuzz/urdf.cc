@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "controller/model/urdf.h"
+#include "controller/model/utf8.h"
 #include "tests/fuzz/target.h"
 
 namespace {
@@ -21,6 +22,12 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text = moma::fuzz::text_of(data, size);
   const auto strict = read(text, moma::UrdfReading::kStrict);
   const auto lenient = read(text, moma::UrdfReading::kLenient);
+  if (lenient) {  // names become JSON
+    std::string names = lenient->name;
+    for (const moma::UrdfLink& link : lenient->links) names += link.name + link.joint.name;
+    for (const std::string& what : lenient->left_out) names += what;
+    if (moma::not_utf8(names) != std::string::npos) std::abort();
+  }
   if (strict && (!lenient || !lenient->left_out.empty() || lenient->links.size() != strict->links.size())) std::abort();
   return 0;
 }

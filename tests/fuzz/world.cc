@@ -10,6 +10,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {
     const World world = world_from_json(config::parse_json(fuzz::text_of(data, size), "fuzz"), "fuzz");
     const auto json = to_json(world);
+    (void)json.dump();
     if (to_json(world_from_json(json, "again")) != json) std::abort();
   } catch (const config::ConfigError&) {
   }

@@ -11,6 +11,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const config::Node node = config::parse_yaml(fuzz::text_of(data, size), "fuzz.yaml");
     const auto json = config::node_to_json(node);
     if (config::node_to_json(config::node_from_json(json, "again")) != json) std::abort();
+    (void)json.dump();  // as stores keep it
   } catch (const config::ConfigError&) {
   }
   return 0;
