@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "controller/config/json_node.h"
+#include "controller/config/json_text.h"
 #include "tests/fuzz/draws.h"
 #include "tests/fuzz/target.h"
 
@@ -79,6 +80,17 @@ const std::vector<std::string>& known_keys() {
   return keys;
 }
 
+/// What was changed before is JSON, which is read in a tenth of the time.
+Node read(const std::string& text) {
+  if (text.starts_with('{')) {
+    try {
+      return config::node_from_json(config::parse_json(text, "fuzz.json"), "fuzz.json");
+    } catch (const config::ConfigError&) {  // YAML may begin like this
+    }
+  }
+  return config::parse_yaml(text, "fuzz.yaml");
+}
+
 void collect(Node& node, std::vector<Node*>& all) {
   all.push_back(&node);
   for (Node& item : node.items) collect(item, all);
@@ -138,7 +150,7 @@ void change(Node& root, Draws& draws) {
 
 std::string changed_structure(const std::string& text, std::uint64_t seed) {
   try {
-    Node root = config::parse_yaml(text, "fuzz.yaml");
+    Node root = read(text);
     Draws draws{seed};
     for (std::size_t n = 1 + draws.below(3); n > 0; --n) change(root, draws);
     return config::node_to_json(root).dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
