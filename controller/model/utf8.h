@@ -37,7 +37,8 @@ inline std::size_t not_utf8(std::string_view text) noexcept {
 inline std::string not_utf8_message(std::string_view text, std::size_t at) {
   constexpr const char* kDigits = "0123456789abcdef";
   const auto byte = static_cast<unsigned char>(text[at]);
-  return std::string("the byte 0x") + kDigits[byte >> 4U] + kDigits[byte & 0xfU] + " is not UTF-8, which text has to be";
+  return std::string("the byte 0x") + kDigits[byte >> 4U] + kDigits[byte & 0xfU] +
+         " is not UTF-8, which text has to be";
 }
 
 /// Line of a byte, from 1.
