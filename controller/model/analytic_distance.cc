@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
 #include "controller/model/segment_distance.h"
@@ -15,28 +16,62 @@ Vector3 direction(const Vector3& v, const Vector3& otherwise) noexcept {
   return length > 1e-14 ? Vector3(v / length) : otherwise;
 }
 
-PointDistance to_box(const Vector3& half, const Vector3& p) noexcept {
+// Whoever asks for a distance alone pays for no normal.
+template <class Answer, class Normal>
+Answer answer(double d, Normal normal) noexcept {
+  if constexpr (std::is_same_v<Answer, double>) {
+    return d;
+  } else {
+    return {d, normal()};
+  }
+}
+
+template <class Answer>
+Answer to_box(const Vector3& half, const Vector3& p) noexcept {
   const Vector3 beyond = p.cwiseAbs() - half;
   const Vector3 outside = beyond.cwiseMax(0.0);
   const double d = outside.norm();
+  const auto sign = [](double x) { return std::copysign(1.0, x); };
   if (d > 1e-14)
-    return {d, Vector3(outside.array() * p.array().unaryExpr([](double x) { return std::copysign(1.0, x); })) / d};
+    return answer<Answer>(d, [&]() -> Vector3 { return (outside.array() * p.array().unaryExpr(sign)) / d; });
   Eigen::Index i = 0;  // inside: out through the nearest face
   const double depth = beyond.maxCoeff(&i);
-  return {depth, std::copysign(1.0, p[i]) * Vector3::Unit(i)};
+  return answer<Answer>(depth, [&]() -> Vector3 { return sign(p[i]) * Vector3::Unit(i); });
 }
 
-PointDistance to_cylinder(double radius, double half, const Vector3& p) noexcept {
+template <class Answer>
+Answer to_cylinder(double radius, double half, const Vector3& p) noexcept {
   const double rho = std::hypot(p.x(), p.y());
-  const Vector3 radial = rho > 1e-14 ? Vector3(p.x() / rho, p.y() / rho, 0.0) : Vector3::UnitX();
-  const Vector3 axial(0.0, 0.0, std::copysign(1.0, p.z()));
   const double out = rho - radius;
   const double up = std::abs(p.z()) - half;
+  const auto radial = [&]() -> Vector3 {
+    return rho > 1e-14 ? Vector3(p.x() / rho, p.y() / rho, 0.0) : Vector3::UnitX();
+  };
+  const auto axial = [&]() -> Vector3 { return {0.0, 0.0, std::copysign(1.0, p.z())}; };
   if (out > 0.0 && up > 0.0) {
     const double d = std::hypot(out, up);
-    return {d, (out * radial + up * axial) / d};
+    return answer<Answer>(d, [&]() -> Vector3 { return (out * radial() + up * axial()) / d; });
   }
-  return out > up ? PointDistance{out, radial} : PointDistance{up, axial};
+  return out > up ? answer<Answer>(out, radial) : answer<Answer>(up, axial);
+}
+
+template <class Answer>
+Answer to_point(const Shape& shape, const Vector3& p) noexcept {
+  switch (shape.kind) {
+    case ShapeKind::kBox:
+      return to_box<Answer>(0.5 * shape.size, p);
+    case ShapeKind::kCylinder:
+      return to_cylinder<Answer>(shape.size.x(), 0.5 * shape.size.y(), p);
+    case ShapeKind::kCapsule: {
+      const double half = 0.5 * shape.size.y();
+      const Vector3 r = p - Vector3(0.0, 0.0, std::clamp(p.z(), -half, half));
+      return answer<Answer>(r.norm() - shape.size.x(), [&] { return direction(r, Vector3::UnitX()); });
+    }
+    case ShapeKind::kSphere:
+    case ShapeKind::kConvex:
+      break;
+  }
+  return answer<Answer>(p.norm() - bounding_radius(shape), [&] { return direction(p, Vector3::UnitZ()); });
 }
 
 Distance sphere_against(const Shape& sphere, const Isometry& X_W1, const Shape& solid, const Isometry& X_W2) noexcept {
@@ -106,23 +141,9 @@ Distance capsule_capsule(const Shape& first, const Isometry& X_W1, const Shape& 
 }  // namespace
 
 PointDistance point_distance(const Shape& shape, const Vector3& p) noexcept {
-  switch (shape.kind) {
-    case ShapeKind::kSphere:
-      return {p.norm() - shape.size.x(), direction(p, Vector3::UnitZ())};
-    case ShapeKind::kBox:
-      return to_box(0.5 * shape.size, p);
-    case ShapeKind::kCylinder:
-      return to_cylinder(shape.size.x(), 0.5 * shape.size.y(), p);
-    case ShapeKind::kCapsule: {
-      const double half = 0.5 * shape.size.y();
-      const Vector3 r = p - Vector3(0.0, 0.0, std::clamp(p.z(), -half, half));
-      return {r.norm() - shape.size.x(), direction(r, Vector3::UnitX())};
-    }
-    case ShapeKind::kConvex:
-      break;
-  }
-  return {p.norm() - bounding_radius(shape), direction(p, Vector3::UnitZ())};
+  return to_point<PointDistance>(shape, p);
 }
+double point_gap(const Shape& shape, const Vector3& p) noexcept { return to_point<double>(shape, p); }
 
 namespace {
 

@@ -15,6 +15,8 @@ struct PointDistance {
 /// Exact for sphere, box, cylinder and capsule, inside as outside; where the gradient is not unique (a centre, an
 /// axis) one of the right directions is chosen. A convex hull is not handled: its bounding sphere is used instead.
 PointDistance point_distance(const Shape& shape, const Vector3& p_S) noexcept;
+/// Its d alone, to the same bit, for half the time.
+double point_gap(const Shape& shape, const Vector3& p_S) noexcept;
 
 /// Closed forms: sphere against sphere, box, cylinder and capsule; capsule against capsule, and against box and
 /// cylinder while its axis lies outside (segment_distance.h). Unlike an iterative method they stay exact where axes

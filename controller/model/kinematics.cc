@@ -18,6 +18,15 @@ Isometry joint_motion(JointType type, const Vector3& axis, double value) noexcep
   return X;
 }
 
+// X * joint_motion(), of what that is not 0.
+void move(const Link& link, double value, Isometry& X) noexcept {
+  if (link.joint_type == JointType::kPrismatic) {
+    X.translation() += X.linear() * (value * link.axis);
+  } else {
+    X.linear() *= Eigen::AngleAxisd(value, link.axis).toRotationMatrix();
+  }
+}
+
 // sin(x)/x, accurate everywhere.
 double sinc(double x) noexcept { return std::abs(x) < 1e-4 ? 1.0 - x * x / 6.0 : std::sin(x) / x; }
 
@@ -44,7 +53,7 @@ void Kinematics::place(const Vector3& base, const Eigen::Ref<const VectorX>& q) 
     const Link& link = model_->links[i];
     const Isometry& X_WP = X_WL_[static_cast<std::size_t>(link.parent)];
     X_WL_[i] = X_WP * X_PL_[i];
-    if (link.controlled >= 0) X_WL_[i] = X_WL_[i] * joint_motion(link.joint_type, link.axis, q_[link.controlled]);
+    if (link.controlled >= 0) move(link, q_[link.controlled], X_WL_[i]);
   }
 }
 

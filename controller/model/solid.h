@@ -26,7 +26,7 @@ struct Solid {
   /// No point of the solid is nearer to p_W than this.
   double gap(const Isometry& X_WS, const Vector3& p_W) const noexcept {
     const Vector3 p_S = X_WS.linear().transpose() * (p_W - X_WS.translation());
-    return point_distance(bound, p_S - bound_offset).d;
+    return point_gap(bound, p_S - bound_offset);
   }
 };
 

@@ -131,9 +131,6 @@ double BrakeCheck::object_bound(int shape, int object, double enough) noexcept {
   double& bound = object_bounds_[at];
   if (bound >= enough || sharp_[at] != 0) return bound;
   const Isometry& X_WO = states_[k].X_WO;
-  const double apart = (ways_.centre_W(shape) - X_WO.translation()).norm();
-  bound = std::max(bound, apart - ways_.radius(shape) - radii_[k]);
-  if (bound >= enough) return bound;
   if (placed_ != Placed::kAtStart) proximity_.place(*start_);
   placed_ = Placed::kAtStart;
   sharp_[at] = 1;
@@ -152,6 +149,9 @@ void BrakeCheck::choose_candidates() noexcept {
     const double* known = object_bounds_.data() + static_cast<std::size_t>(i) * states_.size();
     for (int k = 0; k < static_cast<int>(states_.size()); ++k) {
       if (known[k] >= enough) continue;
+      const double reach = enough + ways_.radius(i) + radii_[static_cast<std::size_t>(k)];
+      const Vector3 between = ways_.centre_W(i) - states_[static_cast<std::size_t>(k)].X_WO.translation();
+      if (between.squaredNorm() >= reach * reach) continue;
       const double bound = object_bound(i, k, enough);
       if (bound >= enough) continue;
       candidates_.push_back({PairKind::kObject, i, k, bound});

@@ -235,7 +235,7 @@ void SceneBuilder::measure(World& world) {
   for (int k = 0; k <= kPoints; ++k) {
     const Vector3 p = start_tip_ + (static_cast<double>(k) / kPoints) * (goal - start_tip_);
     for (std::size_t i = 0; i < world.objects.size(); ++i) {
-      if (point_distance(world.objects[i].shape, states[i].X_WO.inverse() * p).d > kGrown) continue;
+      if (point_gap(world.objects[i].shape, states[i].X_WO.inverse() * p) > kGrown) continue;
       ++blocked;
       break;
     }

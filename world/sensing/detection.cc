@@ -28,7 +28,7 @@ std::pair<Shape, Isometry> ray(const Vector3& from, const Vector3& to) {
 }
 
 bool contains(const Shape& shape, const Isometry& X_W, const Vector3& p_W) {
-  return point_distance(shape, X_W.inverse() * p_W).d <= 0.0;
+  return point_gap(shape, X_W.inverse() * p_W) <= 0.0;
 }
 
 bool blocks(const Shape& shape, const Isometry& X_W, const Vector3& from, const Vector3& to) {
