@@ -66,14 +66,16 @@ void support_of(const coal::ShapeBase& shape, const Vector3& direction, Vector3&
       return getShapeSupport<kOptions>(static_cast<const coal::Cylinder*>(&shape), direction, support, hint, data);
     case coal::GEOM_CAPSULE:
       return getShapeSupport<kOptions>(static_cast<const coal::Capsule*>(&shape), direction, support, hint, data);
-    default:  // a hull, as make_coal_shape() makes nothing else; its two searches are told apart as coal does
-      if (static_cast<const coal::ConvexBase&>(shape).num_points >
-          coal::ConvexBase::num_vertices_large_convex_threshold) {
+    default: {  // a hull, as make_coal_shape() makes nothing else; its two searches are told apart as coal does
+      // LargeConvex and SmallConvex only choose the function, which casts back: no object is ever one of them.
+      const auto* const hull = static_cast<const coal::ConvexBase*>(&shape);
+      if (hull->num_points > coal::ConvexBase::num_vertices_large_convex_threshold) {
         using coal::details::LargeConvex;
-        return getShapeSupport<kOptions>(static_cast<const LargeConvex*>(&shape), direction, support, hint, data);
+        return getShapeSupport<kOptions>(reinterpret_cast<const LargeConvex*>(hull), direction, support, hint, data);
       }
       using coal::details::SmallConvex;
-      return getShapeSupport<kOptions>(static_cast<const SmallConvex*>(&shape), direction, support, hint, data);
+      return getShapeSupport<kOptions>(reinterpret_cast<const SmallConvex*>(hull), direction, support, hint, data);
+    }
   }
 }
 

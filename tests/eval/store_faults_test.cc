@@ -16,6 +16,7 @@
 #include "eval/store/database.h"
 #include "eval/store/reader.h"
 #include "tests/support/mpi.h"
+#include "tests/support/sanitized.h"
 
 namespace moma::test {
 namespace {
@@ -47,7 +48,7 @@ tune:
 )";
 
   void SetUp() override {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if MOMA_SANITIZED
     GTEST_SKIP() << "a sanitizer's library has to be the first one";
 #endif
     CliTest::SetUp();

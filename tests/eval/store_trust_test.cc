@@ -8,11 +8,12 @@
 
 #include "cli_fixture.h"
 #include "eval/store/columns.h"
+#include "tests/support/sanitized.h"
 
 namespace moma::test {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if MOMA_SANITIZED
 const std::string kLimit;  // sanitizers map terabytes
 #else
 const std::string kLimit = "ulimit -v 4194304; ";  // KiB: four times what the program maps

@@ -3,7 +3,9 @@
 #include <cerrno>
 #include <cstddef>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#include "tests/support/sanitized.h"
+
+#if MOMA_SANITIZED
 #define MOMA_HOOK_MALLOC 0
 #else
 #define MOMA_HOOK_MALLOC 1
