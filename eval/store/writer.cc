@@ -130,10 +130,7 @@ struct Writer::Impl {
   std::size_t committed = 0;
   bool fresh = false;  ///< this writer made the file
 
-  explicit Impl(const std::filesystem::path& path)
-      : file(path), db(open_database(path, Access::kCreate)), fresh(count_suites() == 0) {}
-
-  std::int64_t count_suites() { return db.execAndGet("SELECT count(*) FROM suite").getInt64(); }
+  explicit Impl(const std::filesystem::path& path) : file(path), db(open_database(path, Access::kCreate)) {}
 
   std::int64_t world_id(const WorldRecord& world) {
     const Hash hash = hash_text(world.json);
@@ -316,7 +313,10 @@ struct Writer::Impl {
   }
 };
 
-Writer::Writer(const std::filesystem::path& file) : impl_(std::make_unique<Impl>(file)) {}
+Writer::Writer(const std::filesystem::path& file) : impl_(std::make_unique<Impl>(file)) {
+  impl_->fresh = impl_->guarded(StoreError::Kind::kUnusable,
+                                [this] { return impl_->db.execAndGet("SELECT count(*) FROM suite").getInt64() == 0; });
+}
 
 Writer::~Writer() {
   if (impl_ == nullptr) return;
