@@ -26,7 +26,9 @@ constexpr std::array<const char*, 4> kRobots = {"frankie", "panda", "frankie_omn
 constexpr std::array<const char*, 6> kControllers = {"holistic", "neo", "rrmc", "moma", "moma-safe", "moma-ahead"};
 constexpr std::size_t kSettings = 16;  // of the numbers of robot and gains; building one takes as long as many steps
 constexpr std::size_t kRobotSettings = 4;
-constexpr const char* kFewChecks = "6";  // of predictions in a step; with the file's hundreds all else waits for them
+// Checks of predictions in a step: with the files' hundreds all else would wait for them. More in the last setting.
+constexpr const char* kFewChecks = "4";
+constexpr const char* kMoreChecks = "40";
 
 /// Numbers that are multiplied, so that a file's structure stays while its numbers do not.
 void scale(config::Node& node, fuzz::Bytes& bytes, std::size_t one_of) {
@@ -75,8 +77,8 @@ Controller* controller_of(fuzz::Bytes& bytes) {
     try {
       std::vector<std::string> warnings;
       config::Node gains = file(name, choice[2], 4);
-      if (choice[2] + 1 < kSettings && gains.find("plan") != nullptr)
-        config::set_value(gains, "plan.budget", kFewChecks);
+      if (gains.find("plan") != nullptr)
+        config::set_value(gains, "plan.budget", choice[2] + 1 < kSettings ? kFewChecks : kMoreChecks);
       const auto params = config::read_controller(gains, "", *robot, kPeriod, warnings);
       controller = std::make_unique<Controller>(robot, params, kPeriod);
     } catch (const config::ConfigError&) {
@@ -169,7 +171,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   seen.objects.resize(objects.size());
   for (std::size_t i = 0; i < objects.size(); ++i)
     seen.objects[i].X_WO.translation() = Vector3(0.6 + 0.4 * static_cast<double>(i), 0.2, 0.5);
-  const std::size_t steps = 1 + bytes.below(4);
+  const std::size_t steps = 1 + bytes.below(3);
   for (std::size_t k = 0; k < steps; ++k) {
     for (std::size_t n = bytes.below(4); n > 0; --n) disturb(seen, bytes);
     controller->step(seen, result);
