@@ -12,7 +12,7 @@ import spatialmath
 
 from parts import frame, mobile
 
-REACH = 0.5  # [m] half of the arm's longest solid (0.154 m) and the 0.3 m in which rows act
+REACH = 0.76  # [m] half of the largest solid's diagonal (of Frankie's base, 0.455 m) and the 0.3 m in which rows act
 
 
 def solid(item):
@@ -53,11 +53,11 @@ class Holistic:
                 continue  # it would have no row
             shape.T = spatialmath.SE3(frame(item), check=False).A
             shape._propogate_scene_tree()
-            links = self.robot.link_dict  # of Frankie without its hand
-            ends = {"start": links["panda_link1"], "end": links.get("panda_hand") or links["panda_link8"]}
+            links = self.robot.link_dict  # of Frankie from the base on, without its hand
+            ends = {"end": links["panda_link8"]} if self.dof else {"start": links["panda_link1"], "end": links["panda_hand"]}
             more, bound = self.robot.link_collision_damper(shape, q, 0.3, 0.05, self.avoidance, **ends)
             if more is not None and bound is not None:
-                A = np.r_[A, np.c_[more, np.zeros((len(more), n + 6 - more.shape[1]))]]
+                A = np.r_[A, np.c_[more[:, :n], np.zeros((len(more), 6))]]
                 b = np.r_[b, bound]
         return A, b
 
