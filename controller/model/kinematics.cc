@@ -8,21 +8,11 @@
 namespace moma {
 namespace {
 
-Isometry joint_motion(JointType type, const Vector3& axis, double value) noexcept {
-  Isometry X = Isometry::Identity();
-  if (type == JointType::kPrismatic) {
-    X.translation() = value * axis;
-  } else if (type != JointType::kFixed) {
-    X.linear() = Eigen::AngleAxisd(value, axis).toRotationMatrix();
-  }
-  return X;
-}
-
-// X * joint_motion(), of what that is not 0.
+// X * the joint's motion, of what that is not 0.
 void move(const Link& link, double value, Isometry& X) noexcept {
   if (link.joint_type == JointType::kPrismatic) {
     X.translation() += X.linear() * (value * link.axis);
-  } else {
+  } else if (link.joint_type != JointType::kFixed) {
     X.linear() *= Eigen::AngleAxisd(value, link.axis).toRotationMatrix();
   }
 }
@@ -40,7 +30,8 @@ Kinematics::Kinematics(std::shared_ptr<const RobotModel> model)
       J_WE_W_(Matrix6X::Zero(6, model_->num_velocities())) {
   for (std::size_t i = 0; i < X_PL_.size(); ++i) {
     const Link& link = model_->links[i];
-    X_PL_[i] = link.controlled >= 0 ? link.X_PJ : link.X_PJ * joint_motion(link.joint_type, link.axis, link.held);
+    X_PL_[i] = link.X_PJ;
+    if (link.controlled < 0) move(link, link.held, X_PL_[i]);
   }
   update(base_, q_);
 }

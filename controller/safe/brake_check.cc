@@ -124,12 +124,12 @@ void BrakeCheck::begin(const Observation& o, const Known& known) noexcept {
   }
 }
 
-// A bound of a shape's distance to an object as the step begins; made better where it is not `enough`.
-double BrakeCheck::object_bound(int shape, int object, double enough) noexcept {
+// The best bound that is quickly had of a shape's distance to an object as the step begins.
+double BrakeCheck::object_bound(int shape, int object) noexcept {
   const auto k = static_cast<std::size_t>(object);
   const std::size_t at = static_cast<std::size_t>(shape) * states_.size() + k;
   double& bound = object_bounds_[at];
-  if (bound >= enough || sharp_[at] != 0) return bound;
+  if (sharp_[at] != 0) return bound;
   const Isometry& X_WO = states_[k].X_WO;
   if (placed_ != Placed::kAtStart) proximity_.place(*start_);
   placed_ = Placed::kAtStart;
@@ -152,7 +152,7 @@ void BrakeCheck::choose_candidates() noexcept {
       const double reach = enough + ways_.radius(i) + radii_[static_cast<std::size_t>(k)];
       const Vector3 between = ways_.centre_W(i) - states_[static_cast<std::size_t>(k)].X_WO.translation();
       if (between.squaredNorm() >= reach * reach) continue;
-      const double bound = object_bound(i, k, enough);
+      const double bound = object_bound(i, k);
       if (bound >= enough) continue;
       candidates_.push_back({PairKind::kObject, i, k, bound});
       group.least_room = std::min(group.least_room, bound);

@@ -96,7 +96,7 @@ class BrakeCheck {
 
   void begin(const Observation& o, const Known& known) noexcept;
   void choose_candidates() noexcept;
-  double object_bound(int shape, int object, double enough) noexcept;
+  double object_bound(int shape, int object) noexcept;
   double range_of(PairKind kind) const noexcept;
   void leave_out_by_end() noexcept;
   double way_of_own(const Candidate& own, const VectorX& gone) const noexcept;

@@ -7,30 +7,20 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "controller/model/utf8.h"
+
 namespace moma::cli {
 namespace {
 
 using store::Cell;
 using store::QueryResult;
 
-/// Length of the valid UTF-8 sequence at `text`'s start, 0 where there is none; the code point goes to `code`.
-std::size_t decode(std::string_view text, char32_t& code) {
+/// The code point of one character, whose UTF-8 `text` is.
+char32_t code_point(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char first = byte(0);
-  const std::size_t length = first < 0x80                    ? 1
-                             : first >= 0xc2 && first < 0xe0 ? 2
-                             : first >= 0xe0 && first < 0xf0 ? 3
-                             : first >= 0xf0 && first < 0xf5 ? 4
-                                                             : 0;
-  if (length == 0 || length > text.size()) return 0;
-  code = length == 1 ? first : first & (0xffU >> (length + 1));
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(i) & 0xc0) != 0x80) return 0;
-    code = (code << 6) | (byte(i) & 0x3f);
-  }
-  constexpr char32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
-  const bool valid = code >= kLeast[length] && code <= 0x10ffff && !(code >= 0xd800 && code < 0xe000);
-  return valid ? length : 0;
+  char32_t code = text.size() == 1 ? byte(0) : byte(0) & (0xffU >> (text.size() + 1));
+  for (std::size_t i = 1; i < text.size(); ++i) code = (code << 6) | (byte(i) & 0x3f);
+  return code;
 }
 
 bool acts_on_terminal(char32_t code) {
@@ -181,13 +171,13 @@ void write_json(std::ostream& out, const QueryResult& result) {
 std::string terminal_safe(std::string_view text) {
   std::string safe;
   for (std::size_t i = 0; i < text.size();) {
-    char32_t code = 0;
-    const std::size_t length = decode(text.substr(i), code);
+    const std::size_t length = utf8_length(text.substr(i));
     if (length == 0) {
       safe += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[i]));
       ++i;
       continue;
     }
+    const char32_t code = code_point(text.substr(i, length));
     if (code == '\n' || code == '\t') {
       safe += code == '\n' ? "\\n" : "\\t";
     } else if (acts_on_terminal(code)) {

@@ -1,5 +1,5 @@
-// Of inputs that are choices, what numbers were compared tells libFuzzer nothing, and noting it took half the time of a
-// control step: linked with --wrap, these take the place of its functions.
+// Of inputs that are choices, what numbers were compared tells libFuzzer nothing, and noting it takes time: linked with
+// --wrap, these take the place of its functions.
 #include <cstdint>
 
 // NOLINTBEGIN(readability-identifier-naming,bugprone-reserved-identifier): the linker's names
