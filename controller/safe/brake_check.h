@@ -40,8 +40,8 @@ OwnMargins own_margins(const DamperParams& floor, const DamperParams& self) noex
 /// as it ends.
 ///
 /// A pair of solids is measured only where it may be too near: its distance as the step begins, or where it was
-/// measured last, less the most that the robot's shape can have moved since (ShapeWays). That leaves out what counts
-/// for nothing, so that results are to the bit those of measuring all pairs everywhere; most steps measure none.
+/// measured last, or at the end of the way less the most that the robot's shape can move between (ShapeWays). That
+/// leaves out what counts for nothing, so that results are to the bit those of measuring all pairs everywhere.
 class BrakeCheck {
  public:
   /// `acceleration` per velocity, resolved; `pair_together` as of Deceleration.
