@@ -67,6 +67,9 @@ class Builder : public YAML::EventHandler {
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& value) override {
     Node node = scalar(mark);
+    // The library's \N and \_ are bytes of Latin-1.
+    if (const std::size_t at = not_text(value); at != std::string::npos)
+      fail(node.mark, "", not_text_message(value, at) + "; it is from one of the escapes \\N, \\_ and \\0");
     node.kind = Node::Kind::kScalar;
     node.scalar = value;
     node.quoted = tag == "!";
@@ -183,9 +186,9 @@ class Builder : public YAML::EventHandler {
 Node read_document(const std::string& text, const std::string& name, int depth, YamlUse& use) {
   if (text.size() > kMaxTextBytes)
     fail({name, 0, 0}, "", "more than " + std::to_string(kMaxTextBytes >> 20U) + " MiB of text");
-  if (const std::size_t at = not_utf8(text); at != std::string::npos) {
+  if (const std::size_t at = not_text(text); at != std::string::npos) {
     const std::size_t begin = at == 0 ? 0 : text.rfind('\n', at - 1) + 1;  // npos + 1 is 0: the first line
-    fail({name, static_cast<int>(line_of(text, at)), static_cast<int>(at - begin) + 1}, "", not_utf8_message(text, at));
+    fail({name, static_cast<int>(line_of(text, at)), static_cast<int>(at - begin) + 1}, "", not_text_message(text, at));
   }
   Builder builder(name, depth, use);
   try {

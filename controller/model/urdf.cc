@@ -116,14 +116,14 @@ void check_encoding(const std::string& text, const TiXmlDocument& document) {
   if (text.find("&#") == std::string::npos) return;
   TiXmlPrinter printer;
   document.Accept(&printer);
-  if (not_utf8(printer.Str()) != std::string::npos)
+  if (not_text(printer.Str()) != std::string::npos)
     throw UrdfError(
         "characters by number, as &#233;, need <?xml version=\"1.0\" encoding=\"UTF-8\"?> as the first line");
 }
 
 Amended amend(const std::string& text, UrdfReading reading) {
-  if (const std::size_t at = not_utf8(text); at != std::string::npos)
-    throw UrdfError("line " + std::to_string(line_of(text, at)) + ": " + not_utf8_message(text, at));
+  if (const std::size_t at = not_text(text); at != std::string::npos)
+    throw UrdfError("line " + std::to_string(line_of(text, at)) + ": " + not_text_message(text, at));
   if (xml_depth(text) > kMaxXmlDepth)
     throw UrdfError("elements are nested more than " + std::to_string(kMaxXmlDepth) + " deep");
   TiXmlDocument document;

@@ -22,21 +22,23 @@ inline std::size_t utf8_length(std::string_view text) noexcept {
   return length;
 }
 
-/// The first byte that belongs to no character; npos where all of `text` is UTF-8. Names and whole files become JSON in
-/// stores, which nothing else can.
-inline std::size_t not_utf8(std::string_view text) noexcept {
+/// The first byte that belongs to no character, or is NUL; npos where all of `text` is text in UTF-8. Names and whole
+/// files become JSON in stores, which nothing else can; and readers take NUL for the end, or for a sign of UTF-16 or
+/// UTF-32.
+inline std::size_t not_text(std::string_view text) noexcept {
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t length = utf8_length(text.substr(at));
-    if (length == 0) return at;
+    if (length == 0 || text[at] == '\0') return at;
     at += length;
   }
   return std::string_view::npos;
 }
 
-/// What to say of the byte at `at`, which not_utf8() found.
-inline std::string not_utf8_message(std::string_view text, std::size_t at) {
+/// What to say of the byte at `at`, which not_text() found.
+inline std::string not_text_message(std::string_view text, std::size_t at) {
   constexpr const char* kDigits = "0123456789abcdef";
   const auto byte = static_cast<unsigned char>(text[at]);
+  if (byte == 0) return "the byte 0x00 is no part of a text";
   return std::string("the byte 0x") + kDigits[byte >> 4U] + kDigits[byte & 0xfU] +
          " is not UTF-8, which text has to be";
 }

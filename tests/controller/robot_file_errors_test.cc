@@ -233,6 +233,9 @@ TEST_F(RobotFileErrors, Collision) {
 TEST_F(RobotFileErrors, TextIsUtf8) {
   expect(replaced(kRobot, "  tip: tip", "  tip: \"t\xe9p\""), {"robot.yaml:9:10: the byte 0xe9 is not UTF-8"});
   expect("\xff\xfeu\n", {"robot.yaml:1:1: the byte 0xff is not UTF-8"});
+  expect(std::string("u\0\0\0\n\0\0\0", 8), {"robot.yaml:1:2: the byte 0x00 is no part of a text"});  // UTF-32
+  expect(replaced(kRobot, "  tip: tip", "  tip: \"t\\_p\""),
+         {"robot.yaml:9:8: the byte 0xa0 is not UTF-8", "from one of the escapes"});
   expect_urdf(replaced(urdf(), "<link name=\"root\"/>", "<link name=\"root\"/><!-- caf\xe9 -->"),
               {"small.urdf: line 3: the byte 0xe9 is not UTF-8"});
   const std::string numbered = replaced(urdf(), "<robot name=\"small\">", "<robot name=\"caf&#233;\">");
