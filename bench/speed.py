@@ -33,6 +33,17 @@ class Failed(Exception):
     pass
 
 
+def load():
+    """Cores that others keep busy, looked at for a second in which nothing of this runs. The system's load averages would
+    count what was measured just before."""
+    def busy():
+        user, nice, system, _, _, *interrupts = map(int, open("/proc/stat").readline().split()[1:9])
+        return user + nice + system + sum(interrupts)
+    before = busy()
+    time.sleep(1.0)
+    return (busy() - before) / os.sysconf("SC_CLK_TCK")
+
+
 def spent(command):
     """What a process printed and took: user and system time, greatest memory."""
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
@@ -160,14 +171,13 @@ def rounds(bench, options, kept):
 def tail(bench, options, kept):
     """The longest of many steps, as the machine is and with as many busy processes beside it as it has cores."""
     for label, busy in (("as it is", 0), ("loaded", os.cpu_count())):
-        if busy and os.getloadavg()[0] > busy:
+        if busy and load() > 0.5 * busy:
             continue  # it is loaded as it is
-        load = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(busy)]
+        spinning = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(busy)]
         try:
-            kept["tail"][label] = {"load": os.getloadavg()[0],
-                                   **bench.moma_steps("frankie-10", steps=options.tail_steps)}
+            kept["tail"][label] = {"load": load(), **bench.moma_steps("frankie-10", steps=options.tail_steps)}
         finally:
-            for process in load:
+            for process in spinning:
                 process.kill()
                 process.wait()
 
@@ -194,8 +204,9 @@ def cores(bench, kept):
     keeps two threads from taking half the time, each measured: what trials cost more side by side (processor time), what one
     thread does alone (a run that finds every trial stored) and how long one waits for the other at the end (control steps)."""
     work = ("frankie-10", "dynamic", "holistic", CORES_TRIALS)
-    quiet = os.getloadavg()[0] <= 0.3 and (os.cpu_count() or 1) >= 2
-    kept["cores"] = {"quiet": quiet, "trials": CORES_TRIALS, "load": os.getloadavg()[0], "rounds": []}
+    others = load()
+    kept["cores"] = {"quiet": others <= 0.1 and (os.cpu_count() or 1) >= 2, "trials": CORES_TRIALS, "load": others,
+                     "rounds": []}
     for _ in range(3):
         found = {threads: bench.moma_trials(*work, threads=threads) for threads in (1, 2)}
         steps = bench.steps_of_trials()
@@ -235,7 +246,8 @@ def main():
     cpu = next((line.split(":")[1].strip() for line in open("/proc/cpuinfo") if line.startswith("model name")), "")
     kept["machine"] = {"cpu": cpu, "cores": os.cpu_count(), "system": platform.platform(terse=True),
                        "date": time.strftime("%Y-%m-%d")}
-    kept["loads"] = {**kept.get("loads", {}), **{part: os.getloadavg()[0] for part in options.parts}}
+    others = load()
+    kept["loads"] = {**kept.get("loads", {}), **{part: others for part in options.parts}}
     with tempfile.TemporaryDirectory() as folder:
         bench = Bench(options, pathlib.Path(folder))
         kept["moma"] = scenes.output(bench.moma, "-V").strip()

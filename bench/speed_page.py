@@ -82,7 +82,7 @@ def tail_rows(kept):
     rows = []
     for label, found in kept["tail"].items():
         for clock, prefix in (("processor time", "cpu_"), ("steady clock", "")):
-            rows.append([f"moma, {label} (load {found['load']:.1f}), {clock}", f"{found['steps']:,}"] +
+            rows.append([f"moma, {label} ({found['load']:.1f} cores busy with others), {clock}", f"{found['steps']:,}"] +
                         [number(found[prefix + key]) for key in ("p50", "p999", "worst")])
     for who in ("toolbox", "mink_steps", "pink_steps", "proxqp_steps"):
         found = Rounds(kept, "steps", "frankie-10")
@@ -223,7 +223,7 @@ def cores_sentence(kept):
     alone = [1e3 * r["alone"] for r in rounds]
     waits = [100 * (2 * r["share"] - 1) for r in rounds]
     ratios = [r["cpu"][0] / (r["alone"] + r["share"] * (max(r["cpu"]) - r["alone"])) for r in rounds]
-    return (f"The machine was busy (load {found['load']:.1f}), so that wall time tells nothing. What keeps two threads from taking "
+    return (f"Others kept {found['load']:.1f} cores busy, so that wall time tells nothing. What keeps two threads from taking "
             f"half the time, of {trials} dynamic trials: side by side they cost {spread(dearer)} times the processor time (less "
             f"than 1 is the noise of a busy machine and counts as 1); {spread(alone)} ms of it are one thread's alone (start, "
             f"reading, the end of the store); at the end one waits for the other, {spread(waits, lambda v: f'{v:.1f}')} % of a thread's "
@@ -239,7 +239,7 @@ def page(kept):
     asks = Rounds(kept, "search", "")
     text = (ROOT / "bench/speed_page.md.in").read_text(encoding="utf-8")
     parts = {
-        "machine": f"{machine['cpu']}, {machine['cores']} cores, {machine['date']}; processes that wanted one when the parts began: "
+        "machine": f"{machine['cpu']}, {machine['cores']} cores, {machine['date']}; cores that others kept busy when the parts began: "
                    + ", ".join(f"{load:.1f} ({part})" for part, load in sorted(kept["loads"].items())),
         "moma": kept["moma"].split(" (")[0], "versions": "; ".join(versions), "rounds": str(rounds),
         "steps": steps_section(kept),
