@@ -67,10 +67,12 @@ run("configuring a consumer" "${CMAKE_COMMAND}" -S "${SOURCE_DIR}/tests/install/
     "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}" "-DEXAMPLE=${SOURCE_DIR}/examples/steer_frankie.cc"
     "-DHEADERS=${prefix}/include/moma")
 run("building a consumer" "${CMAKE_COMMAND}" --build "${SCRATCH}/build")
-run("running the consumer" "${SCRATCH}/build/consumer")
-if(NOT output MATCHES "frankie: solved")
-  message(FATAL_ERROR "unexpected output of the consumer: ${output}")
-endif()
+foreach(consumer IN ITEMS consumer consumer_native)
+  run("running ${consumer}" "${SCRATCH}/build/${consumer}")
+  if(NOT output MATCHES "frankie: solved")
+    message(FATAL_ERROR "unexpected output of ${consumer}: ${output}")
+  endif()
+endforeach()
 run("running the consumer of the bare library" "${SCRATCH}/build/library_only")
 run("running the example" "${SCRATCH}/build/my_robot" "${prefix}/share/moma/configs/robots/frankie.yaml"
     "${prefix}/share/moma/configs/controllers/moma.yaml")
