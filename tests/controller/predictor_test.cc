@@ -213,10 +213,11 @@ TEST(Predictor, MovesOnWhatMoves) {
   PredictionParams params = known({3, 1, 1, 0});
   params.object_sensing = 0.08;
   params.goal_sensing = 0.04;
-  Predictor predictor(*frankie(), params, {}, 0.0, kPeriod);
+  const auto model = frankie();
+  Predictor predictor(*model, params, {}, 0.0, kPeriod);
   predictor.reset(3);
   Observation o;
-  o.q = frankie()->ready;
+  o.q = model->ready;
   o.qdot = VectorX::Zero(9);
   o.objects.resize(3);
   o.objects[0].V_WO_W << 0, 0, 1.0, 0.5, 0, 0;
@@ -235,10 +236,11 @@ TEST(Predictor, MovesOnWhatMoves) {
 TEST(Predictor, TakesWrappedHeadingsAndRelocations) {
   PredictionParams params = known({});
   params.base_filter = 0.2;
-  Predictor predictor(*frankie(), params, {}, 0.0, kPeriod);
+  const auto model = frankie();
+  Predictor predictor(*model, params, {}, 0.0, kPeriod);
   predictor.reset(0);
   Observation o;
-  o.q = frankie()->ready;
+  o.q = model->ready;
   o.qdot = VectorX::Zero(9);
   VectorX sent = VectorX::Zero(9);
   double heading = 3.0;
