@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """moma's speed beside that of its peers (bench/peers), in one run: what scripts/bench.sh calls.
 
-    bench/speed.py --build build --peers .venv-peers --toolbox .venv-toolbox [--rounds 5] [--parts steps,trials,tail,scaling]
+    bench/speed.py --build build --peers .venv-bench-peers --toolbox .venv-bench-toolbox [--rounds 5] [--parts steps,trials,tail,scaling]
 
 A round measures everything once, one after another, each round beginning elsewhere, all on one thread; a peer's control steps
 stand between moma's, whose mean they are compared with. Figures are processor
@@ -225,8 +225,8 @@ def save(kept, file):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build")
-    parser.add_argument("--peers", type=pathlib.Path, default=ROOT / ".venv-peers")
-    parser.add_argument("--toolbox", type=pathlib.Path, default=ROOT / ".venv-toolbox")
+    parser.add_argument("--peers", type=pathlib.Path, default=ROOT / ".venv-bench-peers")
+    parser.add_argument("--toolbox", type=pathlib.Path, default=ROOT / ".venv-bench-toolbox")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--seconds", type=float, default=0.5, help="of processor time for a peer's steps in a round")
     parser.add_argument("--tail-steps", type=int, default=1000000)

@@ -2,7 +2,7 @@
 # moma's speed beside that of what a user would pick instead (bench/peers), on this machine: same work, one thread, in turns.
 # Writes results/speed.json, and docs/studies/speed.md with its figure from that.
 # Usage: scripts/bench.sh [OPTIONS of bench/speed.py]   e.g. --rounds 3 --parts steps
-# The peers are installed once into .venv-peers and .venv-toolbox (bench/peers/requirements*.txt); one that cannot be is left out.
+# The peers are installed once into .venv-bench-peers and .venv-bench-toolbox (bench/peers/requirements*.txt); one that cannot be is left out.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -21,8 +21,8 @@ install() {  # FOLDER REQUIREMENTS
     done < <(grep -v '^[#-]' "$2")
   fi
 }
-install .venv-peers bench/peers/requirements.txt
-install .venv-toolbox bench/peers/requirements-toolbox.txt
+install .venv-bench-peers bench/peers/requirements.txt
+install .venv-bench-toolbox bench/peers/requirements-toolbox.txt
 scripts/setup.sh moma moma_bench_control physics_probe
 python3 -B bench/speed.py "$@"
 python3 -B bench/speed_page.py
