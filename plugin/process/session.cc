@@ -82,9 +82,10 @@ void Session::late(const Due& due) {
                    after("; it said: ", child_.last_words())));
 }
 
-void Session::not_a_frame(std::size_t have) {
+// Of what came in, as much as is there however slowly it comes: the same words each time.
+void Session::not_a_frame() {
   fail(fmt::format("its process writes to its standard output what is no frame of the protocol, beginning with '{}'",
-                   text_of(std::span(in_).first(std::min<std::size_t>(have, 40)))));
+                   text_of(std::span(in_).first(kFrameHeader))));
 }
 
 std::span<const unsigned char> Session::answer(Frame wanted, const Due& due) {
@@ -100,12 +101,12 @@ std::span<const unsigned char> Session::answer(Frame wanted, const Due& due) {
     const bool known = header.kind >= static_cast<std::uint32_t>(Frame::kReady) &&
                        header.kind <= static_cast<std::uint32_t>(Frame::kError);
     const std::size_t size = kFrameHeader + header.length;
-    if (!known || header.length > kLargestAnswer) not_a_frame(have);
+    if (!known || header.length > kLargestAnswer) not_a_frame();
     if (in_.size() < size) in_.resize(size);
     if (have < size) continue;
     const std::span<const unsigned char> payload = std::span(in_).subspan(kFrameHeader, header.length);
     if (header.kind == static_cast<std::uint32_t>(Frame::kError)) fail(text_of(payload));
-    if (have > size) not_a_frame(have);
+    if (have > size) not_a_frame();
     if (header.kind != static_cast<std::uint32_t>(wanted)) {
       fail(fmt::format("its process answers {} with a frame of kind {}; {} is due", due.to, header.kind,
                        static_cast<std::uint32_t>(wanted)));

@@ -51,7 +51,7 @@ class Session {
   [[noreturn]] void fail(const std::string& what);
   [[noreturn]] void ended(const Due& due);
   [[noreturn]] void late(const Due& due);
-  [[noreturn]] void not_a_frame(std::size_t have);
+  [[noreturn]] void not_a_frame();
 
   const ProcessLimits limits_;
   double control_period_;

@@ -68,7 +68,7 @@ TEST_F(Processes, WhateverTheyDoEndsTheTrialWithAReason) {
   expect("hang", "gave no answer to a step within 0.1 s and was killed", ", deadline: 5");
   expect("spin", "gave no answer to a step within 0.1 s and was killed", ", deadline: 5");
   expect("fail", "the plugin fails: lost my way");
-  expect("print", "no frame of the protocol, beginning with 'step three (");
+  expect("print", "no frame of the protocol, beginning with 'step thr'");
   expect("too_much", "commands 48 bytes; 5 velocities are 40, or 136 with details");
   expect("short", "commands 32 bytes");
   expect("endless", "no frame of the protocol");
