@@ -54,7 +54,10 @@ void make_links(RobotBuild& build) {
 class ArmReader {
  public:
   ArmReader(const Node& node, const std::string& key, RobotBuild& build)
-      : build_(build), model_(build.model), in_(node, key), written_(build.resolved["arm"]) {}
+      : build_(build),
+        model_(build.model),
+        in_(node, key),
+        written_(build.resolved["arm"] = nlohmann::ordered_json::object()) {}
 
   void read() {
     read_tip();

@@ -18,7 +18,7 @@ struct RobotBuild {
   UrdfTree tree;  ///< link i of the tree is link i + 1 of the model
   PackagePaths packages;
   std::filesystem::path urdf_directory;
-  nlohmann::ordered_json resolved;
+  nlohmann::ordered_json resolved = nlohmann::ordered_json::object();
   std::vector<std::string> warnings;
   std::vector<std::string> notes;
 };

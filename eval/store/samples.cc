@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 #include <zstd.h>
+#include <zstd_errors.h>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string_view>
@@ -211,6 +213,7 @@ EncodedSamples encode_samples(const Trace& trace) {
   encoded.data.resize(ZSTD_compressBound(bytes));
   const std::size_t size =
       ZSTD_compress(encoded.data.data(), encoded.data.size(), table.data(), bytes, kCompressionLevel);
+  if (ZSTD_getErrorCode(size) == ZSTD_error_memory_allocation) throw std::bad_alloc();
   if (ZSTD_isError(size) != 0U) throw std::runtime_error(fmt::format("zstd: {}", ZSTD_getErrorName(size)));
   encoded.data.resize(size);
   encoded.data.shrink_to_fit();
@@ -251,6 +254,7 @@ SampleTable decode_table(const EncodedSamples& encoded) {
   if (bytes != n * columns * sizeof(double)) throw std::runtime_error("samples are damaged: their size does not fit");
   std::vector<unsigned char> raw(bytes);
   const std::size_t size = ZSTD_decompress(raw.data(), raw.size(), encoded.data.data(), encoded.data.size());
+  if (ZSTD_getErrorCode(size) == ZSTD_error_memory_allocation) throw std::bad_alloc();
   if (ZSTD_isError(size) != 0U || size != bytes) throw std::runtime_error("samples are damaged: zstd cannot read them");
   table.columns.resize(table.names.size());
   for (std::size_t c = 0; c < table.names.size(); ++c) {

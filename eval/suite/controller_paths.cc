@@ -17,7 +17,7 @@ ordered_json paths_of(const Plugin& plugin, const ordered_json& controller_resol
   if (processes == nullptr) return {{"path", plugin.library().file.string()}};
   const ProcessCommand& command = processes->command();
   std::map<std::filesystem::path, std::string> files = processes->files();
-  ordered_json paths;
+  ordered_json paths = ordered_json::object();
   if (controller_resolved.at("method") == "python") {
     paths["path"] = command.files.front().string();
     paths["python"] = command.arguments.front();

@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 #include <zstd.h>
+#include <zstd_errors.h>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <new>
 #include <stdexcept>
 
 #include "reports/render/packed.h"
@@ -56,6 +58,7 @@ std::vector<double> unpack(const StoredSamples& samples) {
   if (said != wanted) throw std::runtime_error("samples: size differs from its columns");
   std::vector<double> values(wanted / sizeof(double));
   const std::size_t got = ZSTD_decompress(values.data(), wanted, samples.data.data(), samples.data.size());
+  if (ZSTD_getErrorCode(got) == ZSTD_error_memory_allocation) throw std::bad_alloc();
   if (ZSTD_isError(got) || got != wanted) throw std::runtime_error("samples: damaged");
   return values;
 }
