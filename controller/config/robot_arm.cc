@@ -240,7 +240,9 @@ class ArmReader {
     joint.velocity = *velocity;
     joint.effort = effort ? std::max(0.0, *effort) : 0.0;
     link_at(link).controlled = model_.num_joints();
-    nlohmann::ordered_json& out = written_["limits"][joint.name];
+    nlohmann::ordered_json& all = written_["limits"];
+    if (all.is_null()) all = nlohmann::ordered_json::object();
+    nlohmann::ordered_json& out = all[joint.name] = nlohmann::ordered_json::object();
     if (joint.type != JointType::kContinuous) out = {{"lower", joint.lower}, {"upper", joint.upper}};
     out["velocity"] = joint.velocity;
     out["effort"] = joint.effort;

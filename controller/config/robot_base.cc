@@ -53,6 +53,7 @@ nlohmann::ordered_json to_json_list(const Eigen::Ref<const VectorX>& values) {
 }
 
 Isometry read_pose(MapReader& in, nlohmann::ordered_json& written) {
+  written = nlohmann::ordered_json::object();
   Isometry X = Isometry::Identity();
   X.translation() = read_vector(in, "position", Vector3::Zero());
   written["position"] = to_json_list(X.translation());
