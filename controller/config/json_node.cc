@@ -43,6 +43,11 @@ nlohmann::ordered_json number_to_json(double value) {
   return value;
 }
 
+nlohmann::ordered_json& as_object(nlohmann::ordered_json& json) {
+  if (json.is_null()) json = nlohmann::ordered_json::object();
+  return json;
+}
+
 nlohmann::ordered_json node_to_json(const Node& node) {
   switch (node.kind) {
     case Node::Kind::kNull:

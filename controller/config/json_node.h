@@ -18,4 +18,8 @@ nlohmann::ordered_json node_to_json(const Node& node);
 /// A number as JSON, infinities as ".inf" and "-.inf": the readers take both.
 nlohmann::ordered_json number_to_json(double value);
 
+/// `json`, made an empty object if it was null: for values that get keys one by one. The library would make one of a
+/// null by itself, but names it an object before it has the memory, and crashes when that fails (3.11).
+nlohmann::ordered_json& as_object(nlohmann::ordered_json& json);
+
 }  // namespace moma::config

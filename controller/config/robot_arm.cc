@@ -54,10 +54,7 @@ void make_links(RobotBuild& build) {
 class ArmReader {
  public:
   ArmReader(const Node& node, const std::string& key, RobotBuild& build)
-      : build_(build),
-        model_(build.model),
-        in_(node, key),
-        written_(build.resolved["arm"] = nlohmann::ordered_json::object()) {}
+      : build_(build), model_(build.model), in_(node, key), written_(as_object(build.resolved["arm"])) {}
 
   void read() {
     read_tip();
@@ -123,7 +120,7 @@ class ArmReader {
                    (held >= *joint.lower && held <= *joint.upper),
                name, "found " + value.scalar + ", outside the joint's limits");
       locked_[link] = held;
-      written_["locked"][name] = held;
+      as_object(written_["locked"])[name] = held;
     }
     in.finish();
   }
@@ -240,9 +237,7 @@ class ArmReader {
     joint.velocity = *velocity;
     joint.effort = effort ? std::max(0.0, *effort) : 0.0;
     link_at(link).controlled = model_.num_joints();
-    nlohmann::ordered_json& all = written_["limits"];
-    if (all.is_null()) all = nlohmann::ordered_json::object();
-    nlohmann::ordered_json& out = all[joint.name] = nlohmann::ordered_json::object();
+    nlohmann::ordered_json& out = as_object(as_object(written_["limits"])[joint.name]);
     if (joint.type != JointType::kContinuous) out = {{"lower", joint.lower}, {"upper", joint.upper}};
     out["velocity"] = joint.velocity;
     out["effort"] = joint.effort;

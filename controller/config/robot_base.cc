@@ -79,7 +79,7 @@ void read_base(MapReader& robot, RobotBuild& build) {
   const Node* node = robot.get("base");
   MapReader in(node != nullptr ? *node : kNone, robot.key_of("base"));
   MobileBase& base = build.model.base;
-  nlohmann::ordered_json& written = build.resolved["base"] = nlohmann::ordered_json::object();
+  nlohmann::ordered_json& written = as_object(build.resolved["base"]);
   in.read_enum("type", base.type);
   written["type"] = std::string(to_string(base.type));
   if (const Node* mount = in.get("mount")) {

@@ -116,7 +116,7 @@ class CollisionReader {
     const Node* node = base != nullptr && base->kind == Node::Kind::kMap ? base->find("footprint") : nullptr;
     if (node == nullptr || node->kind == Node::Kind::kNull) return;
     MapReader in(*node, robot_.key_of("base") + ".footprint");
-    auto pose = nlohmann::ordered_json::object();
+    nlohmann::ordered_json pose;
     const Shape shape = read_shape(in);
     add(0, shape, read_pose(in, pose));
     in.read("mass", model_.base.mass, Range::non_negative());
@@ -135,7 +135,7 @@ class CollisionReader {
       std::string name;
       in.read("link", name);
       const int link = link_named(in, "link", name);
-      auto pose = nlohmann::ordered_json::object();
+      nlohmann::ordered_json pose;
       const Shape shape = read_shape(in);
       add(link, shape, read_pose(in, pose));
       in.finish();

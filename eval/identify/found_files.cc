@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 #include "controller/config/json_node.h"
 #include "controller/config/yaml_text.h"
@@ -90,27 +91,29 @@ std::string disturbances_file(const Found& found, const std::string& source) {
 
 std::string controller_file(const Found& found, const std::string& source) {
   const Disturbances d = disturbances_of(found);
-  Json prediction = Json::object();
-  Json uncertainty = Json::object();
+  Json drives = Json::object(), sensing = Json::object(), uncertainty = Json::object();
   if (found.base) {
-    prediction["drives"]["base"] = d.actuators.base.delay;
-    prediction["sensing"]["base"] = d.base.delay;
+    drives["base"] = d.actuators.base.delay;
+    sensing["base"] = d.base.delay;
     uncertainty["base"] = {{"position", d.base.noise.position}, {"rotation", d.base.noise.rotation}};
   }
   if (found.joints) {
-    prediction["drives"]["joints"] = d.actuators.joints.delay;
-    prediction["sensing"]["joints"] = d.joints.delay;
+    drives["joints"] = d.actuators.joints.delay;
+    sensing["joints"] = d.joints.delay;
     uncertainty["joints"] = d.joints.noise;
   }
   if (found.objects) {
-    if (found.objects->sensing) prediction["sensing"]["objects"] = d.objects.delay;
-    uncertainty["objects"]["noise"]["position"] = d.objects.noise.position;
+    if (found.objects->sensing) sensing["objects"] = d.objects.delay;
+    uncertainty["objects"] = {{"noise", {{"position", d.objects.noise.position}}}};
   }
   std::string text = head(found, source);
   text += "With what moma-safe.yaml has: include: moma-safe.yaml.\n";
   if (!found.objects || !found.objects->sensing)
     text += "prediction.sensing.objects and .goal have to be known from elsewhere.\n";
-  return comment(text) + yaml({{"prediction", prediction}, {"uncertainty", uncertainty}});
+  Json prediction = Json::object();
+  if (!drives.empty()) prediction["drives"] = std::move(drives);
+  if (!sensing.empty()) prediction["sensing"] = std::move(sensing);
+  return comment(text) + yaml({{"prediction", std::move(prediction)}, {"uncertainty", std::move(uncertainty)}});
 }
 
 std::string summary(const Found& found) {

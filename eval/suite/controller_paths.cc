@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "controller/config/json_node.h"
 #include "plugin/process/process_plugin.h"
@@ -28,7 +29,9 @@ ordered_json paths_of(const Plugin& plugin, const ordered_json& controller_resol
     for (const std::string& argument : command.arguments)
       files.erase((command.directory / argument).lexically_normal());
   }
-  for (const auto& [file, digest] : files) paths["files"].push_back(file.string());
+  ordered_json rest = ordered_json::array();
+  for (const auto& [file, digest] : files) rest.push_back(file.string());
+  if (!rest.empty()) paths["files"] = std::move(rest);
   return paths;
 }
 

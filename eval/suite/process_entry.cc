@@ -170,7 +170,7 @@ SuiteController read_process(const Node& node, const std::string& key, std::shar
 
   const ordered_json parameters = given != nullptr ? config::node_to_json(*given) : ordered_json::object();
   SuiteController out;
-  out.resolved["method"] = entry.python ? "python" : "process";
+  config::as_object(out.resolved)["method"] = entry.python ? "python" : "process";
   try {
     const std::map<fs::path, std::string> named = digests(entry.command.files);
     if (!digest.empty()) check_digest(digest_of(entry, named), digest);

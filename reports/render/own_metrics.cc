@@ -59,7 +59,9 @@ void add_own_means(SQLite::Database& store, const OwnMetrics& metrics, Json& pag
     Place place;
     for (int i = 0; i < 6; ++i) place[static_cast<std::size_t>(i)] = query.getColumn(i).getString();
     const SQLite::Column mean = query.getColumn(7);
-    means[place][key_of[query.getColumn(6).getString()]] =
+    // An object from the start: the JSON library (3.11) crashes where the memory to make one of a null runs out.
+    Json& of_place = means.try_emplace(place, Json::object()).first->second;
+    of_place[key_of[query.getColumn(6).getString()]] =
         mean.isNull() || !std::isfinite(mean.getDouble()) ? Json(nullptr) : Json(mean.getDouble());
   }
   for (const char* part : {"summary", "overall"}) {
