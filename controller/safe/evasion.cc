@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "controller/model/base_kind.h"
+#include "controller/params.h"
 
 namespace moma {
 namespace {
