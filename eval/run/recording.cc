@@ -3,7 +3,7 @@
 #include <map>
 #include <memory>
 
-#include "eval/run/listener.h"
+#include "controller/config/node.h"
 #include "eval/store/user_metrics.h"
 
 namespace moma::run {
@@ -24,7 +24,7 @@ std::function<void(const SuitePoint&, BatchResult&)> finishing(const Suite& suit
         if (one == nullptr)
           one = std::make_shared<store::UserMetrics>(suite.metrics, robot.num_joints(), robot.num_velocities());
       } catch (const store::MetricError& error) {
-        throw RunError(error.what());
+        config::fail(suite.metric_marks.at(error.metric), "metrics." + suite.metrics[error.metric].first, error.what());
       }
     }
   }

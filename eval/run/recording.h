@@ -11,7 +11,7 @@ namespace moma::run {
 void drop_samples(SamplesKept kept, TrialOutput& output);
 
 /// What every process does to a trial that it computed (BatchOptions::finish): evaluates the suite's own metrics, and
-/// drops samples that it does not keep. Throws RunError where a metric's SQL cannot be used.
+/// drops samples that it does not keep. Throws config::ConfigError where a metric's SQL cannot be used.
 std::function<void(const SuitePoint&, BatchResult&)> finishing(const Suite& suite);
 
 /// The world of a result, whether it could be made or not.

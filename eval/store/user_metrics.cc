@@ -8,8 +8,10 @@
 #include <cctype>
 #include <cmath>
 #include <mutex>
+#include <new>
 #include <string_view>
 
+#include "controller/config/node.h"
 #include "eval/store/samples.h"
 #include "eval/store/statement.h"
 
@@ -56,6 +58,37 @@ int authorize(void* refused, int action, const char* /*first*/, const char* seco
   }
 }
 
+/// A connection in memory to a table of its own fails for want of memory alone, except by the SQL that it is given.
+void expect(bool done) {
+  if (!done) throw std::bad_alloc();
+}
+
+/// Names in a row whose numbers follow each other as the first and the last of them.
+std::string ranges(const std::vector<std::string>& names) {
+  const auto number = [](const std::string& name) { return name.find_last_not_of("0123456789") + 1; };
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::size_t digits = number(names[i]);
+    const std::string stem = names[i].substr(0, digits);
+    std::size_t last = i;
+    while (digits < names[i].size() && last + 1 < names.size() && number(names[last + 1]) == digits &&
+           names[last + 1].starts_with(stem))
+      ++last;
+    text += (i > 0 ? ", " : "") + names[i] + (last > i ? " to " + names[last] : "");
+    i = last;
+  }
+  return text;
+}
+
+/// SQLite's word, and the columns where one is named that is not there.
+std::string complaint(const std::string& of_sqlite, const std::vector<std::string>& columns) {
+  constexpr std::string_view kUnknown = "no such column: ";
+  if (!of_sqlite.starts_with(kUnknown)) return of_sqlite;
+  const std::string near = config::nearest(of_sqlite.substr(kUnknown.size()), columns);
+  return fmt::format("{}{}; columns are step, {}", of_sqlite, near.empty() ? "" : " (did you mean " + near + "?)",
+                     ranges(columns));
+}
+
 }  // namespace
 
 /// One connection in memory with the table of one trial at a time.
@@ -72,7 +105,7 @@ struct UserMetrics::Evaluator {
     sqlite3* raw = nullptr;
     const int opened = sqlite3_open(":memory:", &raw);
     connection.reset(raw);
-    if (opened != SQLITE_OK) throw MetricError("metrics: no memory for a table of samples");
+    expect(opened == SQLITE_OK);
     const std::vector<std::string> names = sample_columns(q, v);
     columns = names.size();
     std::string table = "CREATE TABLE samples (step INTEGER PRIMARY KEY";
@@ -81,34 +114,35 @@ struct UserMetrics::Evaluator {
       table += fmt::format(", {} REAL", name);
       marks += ", ?";
     }
-    sqlite3_exec(raw, (table + ")").c_str(), nullptr, nullptr, nullptr);
+    execute((table + ")").c_str());
     insert = prepare(fmt::format("INSERT INTO samples VALUES ({})", marks));
     clear = prepare("DELETE FROM samples");
+    expect(insert != nullptr && clear != nullptr);
     sqlite3_limit(raw, SQLITE_LIMIT_ATTACHED, 0);
     sqlite3_limit(raw, SQLITE_LIMIT_LENGTH, 10'000'000);
     sqlite3_set_authorizer(raw, &authorize, &refused);
     sqlite3_progress_handler(
         raw, kCheckEvery, [](void* self) { return ++static_cast<Evaluator*>(self)->checks > kMostChecks ? 1 : 0; },
         this);
-    for (const auto& [name, expression] : metrics) {
+    for (std::size_t i = 0; i < metrics.size(); ++i) {
+      const std::string& expression = metrics[i].second;
       StatementPtr query = prepare(fmt::format("SELECT ({}\n) FROM samples", expression));
       if (!refused.empty()) {
-        throw MetricError(fmt::format("metrics.{}: the function {}() is not accepted; accepted are {}", name, refused,
-                                      fmt::join(kFunctions, ", ")));
+        throw MetricError(
+            i, fmt::format("the function {}() is not accepted; accepted are {}", refused, fmt::join(kFunctions, ", ")));
       }
-      if (query == nullptr) throw MetricError(fmt::format("metrics.{}: {}", name, sqlite3_errmsg(raw)));
-      if (sqlite3_bind_parameter_count(query.get()) > 0)
-        throw MetricError(fmt::format("metrics.{}: has an unbound parameter (? or :name)", name));
+      expect(sqlite3_errcode(raw) != SQLITE_NOMEM);
+      if (query == nullptr) throw MetricError(i, complaint(sqlite3_errmsg(raw), names));
+      if (sqlite3_bind_parameter_count(query.get()) > 0) throw MetricError(i, "has an unbound parameter (? or :name)");
       // An aggregate gives one row even of no samples; anything else would be the value of some sample.
       checks = 0;
       const int code = sqlite3_step(query.get());
-      if (code != SQLITE_ROW && code != SQLITE_DONE)
-        throw MetricError(fmt::format("metrics.{}: {}", name, sqlite3_errmsg(raw)));
+      expect(code != SQLITE_NOMEM);
+      if (code != SQLITE_ROW && code != SQLITE_DONE) throw MetricError(i, sqlite3_errmsg(raw));
       if (code == SQLITE_DONE) {
-        throw MetricError(
-            fmt::format("metrics.{}: '{}' is one value per sample; make it one per trial by an aggregate, "
-                        "for instance max({})",
-                        name, expression, expression));
+        throw MetricError(i, fmt::format("'{}' is one value per sample; make it one per trial by an aggregate, "
+                                         "for instance max({})",
+                                         expression, expression));
       }
       sqlite3_reset(query.get());
       queries.push_back(std::move(query));
@@ -127,11 +161,15 @@ struct UserMetrics::Evaluator {
     return tail != nullptr && *tail != '\0' ? nullptr : std::move(owned);
   }
 
+  void execute(const char* sql) const {
+    expect(sqlite3_exec(connection.get(), sql, nullptr, nullptr, nullptr) == SQLITE_OK);
+  }
+
   void fill(const Trace& trace) {
     sqlite3_set_authorizer(connection.get(), nullptr, nullptr);
-    sqlite3_step(clear.get());
+    expect(sqlite3_step(clear.get()) == SQLITE_DONE);
     sqlite3_reset(clear.get());
-    sqlite3_exec(connection.get(), "BEGIN", nullptr, nullptr, nullptr);
+    execute("BEGIN");
     for (std::size_t k = 0; k < trace.size(); ++k) {
       const std::vector<double> row = sample_row(trace[k]);
       sqlite3_bind_int64(insert.get(), 1, static_cast<sqlite3_int64>(k));
@@ -143,17 +181,19 @@ struct UserMetrics::Evaluator {
           sqlite3_bind_null(insert.get(), index);
         }
       }
-      sqlite3_step(insert.get());
+      expect(sqlite3_step(insert.get()) == SQLITE_DONE);
       sqlite3_reset(insert.get());
     }
-    sqlite3_exec(connection.get(), "COMMIT", nullptr, nullptr, nullptr);
+    execute("COMMIT");
     sqlite3_set_authorizer(connection.get(), &authorize, &refused);
   }
 
   double value(sqlite3_stmt* query) {
     checks = 0;
     double result = kAbsent;
-    if (sqlite3_step(query) == SQLITE_ROW) {
+    const int code = sqlite3_step(query);
+    expect(code != SQLITE_NOMEM);
+    if (code == SQLITE_ROW) {
       const int type = sqlite3_column_type(query, 0);
       if (type == SQLITE_INTEGER || type == SQLITE_FLOAT) result = sqlite3_column_double(query, 0);
     }

@@ -11,10 +11,10 @@
 
 namespace moma::store {
 
-/// A metric's SQL that cannot be used: what() names the metric and SQLite's complaint.
-class MetricError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
+/// A metric's SQL that cannot be used: what() has the complaint.
+struct MetricError : std::runtime_error {
+  MetricError(std::size_t i, const std::string& complaint) : std::runtime_error(complaint), metric(i) {}
+  std::size_t metric;  ///< which of them
 };
 
 /// A suite's own metrics: each an aggregate SQL expression over the table `samples` of one trial, for instance
@@ -30,7 +30,7 @@ class UserMetrics {
   UserMetrics& operator=(const UserMetrics&) = delete;
 
   /// One value per metric; NaN for NULL, for what is no number, and where the SQL fails on these samples or takes more
-  /// than ten million of SQLite's steps. May be called from many threads. About 2 us per sample.
+  /// than ten million of SQLite's steps. Throws std::bad_alloc. May be called from many threads. About 2 us per sample.
   std::vector<double> evaluate(const Trace& trace) const;
 
  private:

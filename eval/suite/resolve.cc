@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "controller/config/json_node.h"
 #include "controller/config/reader.h"
 #include "eval/suite/sections.h"
 #include "eval/suite/trials.h"
@@ -19,11 +20,12 @@ using config::MapReader;
 using config::Node;
 using nlohmann::ordered_json;
 
-const Node kNothing;
-
-const Node& section(MapReader& in, const char* name) {
-  const Node* node = in.get(name);
-  return node != nullptr ? *node : kNothing;
+/// Where a section is not there: nothing, placed where it would stand, so that messages have the file.
+Node section(MapReader& in, const Node& root, const char* name) {
+  if (const Node* node = in.get(name)) return *node;
+  Node nothing;
+  nothing.mark = root.mark;
+  return nothing;
 }
 
 void check_name(const std::string& name, const Node& node, const std::string& key) {
@@ -71,10 +73,10 @@ Sections read_sections(const Node& root, const SuiteRobot& robot, std::vector<st
   Sections sections;
   sections.robot = robot;
   MapReader in(root, "");
-  sections.simulation = read_simulation(section(in, "simulation"), "simulation");
-  sections.success = read_success(section(in, "success"), "success", sections.simulation);
-  sections.stuck = read_stuck(section(in, "stuck"), "stuck", sections.simulation);
-  sections.infeasible = read_infeasible(section(in, "infeasible"), "infeasible");
+  sections.simulation = read_simulation(section(in, root, "simulation"), "simulation");
+  sections.success = read_success(section(in, root, "success"), "success", sections.simulation);
+  sections.stuck = read_stuck(section(in, root, "stuck"), "stuck", sections.simulation);
+  sections.infeasible = read_infeasible(section(in, root, "infeasible"), "infeasible");
   if (const Node* disturbances = in.get("disturbances"))
     sections.disturbances = read_disturbances(*disturbances, "disturbances");
   sections.worlds =
@@ -155,7 +157,7 @@ ordered_json resolved_json(const Suite& suite, bool swept) {
     if (!base.at(key).empty()) json[key] = base.at(key);
   json["trials"] = trials_json(suite);
   json["samples"] = to_string(suite.samples);
-  for (const auto& [name, expression] : suite.metrics) json["metrics"][name] = expression;
+  for (const auto& [name, expression] : suite.metrics) config::as_object(json["metrics"])[name] = expression;
   if (!suite.notes.empty()) json["notes"] = suite.notes;
   if (!swept) return json;
 

@@ -38,7 +38,7 @@ Suite suite_from_resolved(const ordered_json& resolved, Plugins plugins) {
   suite.name = config::read_string(in.require("name", "a name"), "name");
   read_trials(in.require("trials", "the number of worlds"), "trials", suite);
   suite.samples = read_samples(in.require("samples", "all, failures or none"), "samples");
-  if (const Node* metrics = in.get("metrics")) suite.metrics = read_metrics(*metrics, "metrics");
+  if (const Node* metrics = in.get("metrics")) read_metrics(*metrics, "metrics", suite);
   if (const Node* notes = in.get("notes")) suite.notes = read_notes(*notes, "notes");
   in.require("robot", "a resolved robot");
   for (const char* key : kSectionKeys) in.get(key);

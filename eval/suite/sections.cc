@@ -17,8 +17,7 @@ SamplesKept read_samples(const Node& node, const std::string& key) {
   return samples;
 }
 
-std::vector<std::pair<std::string, std::string>> read_metrics(const Node& node, const std::string& key) {
-  std::vector<std::pair<std::string, std::string>> metrics;
+void read_metrics(const Node& node, const std::string& key, Suite& suite) {
   if (node.kind != Node::Kind::kMap)
     config::fail(node.mark, key, "expected a map {NAME: SQL expression over a trial's samples}");
   for (const auto& [name, expression] : node.entries) {
@@ -26,9 +25,9 @@ std::vector<std::pair<std::string, std::string>> read_metrics(const Node& node, 
     const auto word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
     if (name.empty() || name.size() > 64 || !std::all_of(name.begin(), name.end(), word))
       config::fail(node.mark, full, "a metric's name has 1 to 64 letters, digits and underscores");
-    metrics.emplace_back(name, config::read_string(expression, full));
+    suite.metrics.emplace_back(name, config::read_string(expression, full));
+    suite.metric_marks.push_back(expression.mark);
   }
-  return metrics;
 }
 
 std::string read_notes(const Node& node, const std::string& key) {

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "controller/config/node.h"
 #include "eval/suite/suite.h"
@@ -13,8 +11,9 @@ namespace moma {
 
 SamplesKept read_samples(const config::Node& node, const std::string& key);
 
-/// {NAME: SQL, ...}: names are words of letters, digits and _. The SQL itself is checked by eval/store.
-std::vector<std::pair<std::string, std::string>> read_metrics(const config::Node& node, const std::string& key);
+/// {NAME: SQL, ...} into Suite::metrics, with where they stand: names are words of letters, digits and _. The SQL
+/// itself is checked by eval/store.
+void read_metrics(const config::Node& node, const std::string& key, Suite& suite);
 
 /// Text of one line or more.
 std::string read_notes(const config::Node& node, const std::string& key);

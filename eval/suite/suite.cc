@@ -137,7 +137,7 @@ Assignment part_for(const Assignment& assignment, const std::string& controller)
 
 void describe(SuitePoint& point, const Assignment& assignment) {
   for (const auto& [key, value] : assignment) {
-    point.params[key] = config::node_to_json(value);
+    config::as_object(point.params)[key] = config::node_to_json(value);
     point.label += fmt::format("{}{}={}", point.label.empty() ? "" : " ", short_key(key), short_value(value));
   }
 }
@@ -228,7 +228,7 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
   in.check(!suite.name.empty(), "name", "found nothing, expected a name");
   read_trials(in.require("trials", "the number of worlds, 1 or more"), "trials", suite);
   if (const Node* samples = in.get("samples")) suite.samples = read_samples(*samples, "samples");
-  if (const Node* metrics = in.get("metrics")) suite.metrics = read_metrics(*metrics, "metrics");
+  if (const Node* metrics = in.get("metrics")) read_metrics(*metrics, "metrics", suite);
   if (const Node* notes = in.get("notes")) suite.notes = read_notes(*notes, "notes");
   const Node* sweep = in.get("sweep");
   std::vector<Assignment> assignments(1);

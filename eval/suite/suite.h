@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "controller/config/node.h"
 #include "controller/describe/describe.h"
 #include "controller/describe/enumeration.h"
 #include "eval/trial/spec.h"
@@ -64,8 +65,9 @@ struct Suite {
   /// The suite's own metrics, `metrics: {NAME: EXPRESSION}`: aggregate SQL expressions over a trial's samples
   /// (eval/store/user_metrics.h).
   std::vector<std::pair<std::string, std::string>> metrics;
-  std::string notes;                ///< Markdown for the head of the report page; decides no trial
-  nlohmann::ordered_json resolved;  ///< the whole suite: suite_from_resolved() gives it back
+  std::vector<config::Mark> metric_marks;  ///< where each of them stands
+  std::string notes;                       ///< Markdown for the head of the report page; decides no trial
+  nlohmann::ordered_json resolved;         ///< the whole suite: suite_from_resolved() gives it back
   std::vector<std::string> warnings;
 };
 

@@ -77,7 +77,7 @@ TEST_F(CliBadInput, GeometryThatIsNotUnderstood) {
 TEST_F(CliBadInput, MetricsThatARunRefuses) {
   for (const char* metric : {"max(nothing)", "random() + count(*)", "julianday('now') + count(*)"}) {
     write("suite.yaml", std::string(kSuite) + "metrics: {mine: \"" + metric + "\"}\n");
-    bad({"check", "suite.yaml"}, {"metrics.mine"});
+    bad({"check", "suite.yaml"}, {"suite.yaml:7:17: metrics.mine: "});
   }
 }
 

@@ -1,10 +1,12 @@
 // What works on whole stores: samples(), pair_counts, metrics of suites, Planner Arena, migration, the lock of runs.
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 #include <sys/file.h>
 
 #include <fstream>
 #include <iterator>
+#include <new>
 #include <regex>
 #include <set>
 #include <thread>
@@ -176,6 +178,18 @@ TEST(UserMetrics, AreAggregatesOverTheSamples) {
   EXPECT_TRUE(std::isnan(metrics.evaluate({})[0]));
 }
 
+// A trial of which only some samples were seen would have a value, a wrong one.
+TEST(UserMetrics, MemoryThatRunsOutIsNoValue) {
+  const store::UserMetrics metrics({{"steps", "count(*)"}}, 3, 5);
+  const Trace trace = made_up_trace(5000, 3);
+  for (const sqlite3_int64 left : {0, 1'000, 30'000, 300'000}) {
+    sqlite3_hard_heap_limit64(sqlite3_memory_used() + left + 1);
+    EXPECT_THROW((void)metrics.evaluate(trace), std::bad_alloc) << left;
+    sqlite3_hard_heap_limit64(0);
+    EXPECT_EQ(metrics.evaluate(trace)[0], 5000.0) << left;
+  }
+}
+
 TEST(UserMetrics, BadSqlIsRefusedByName) {
   const auto message = [](const std::string& sql) -> std::string {
     try {
@@ -185,8 +199,11 @@ TEST(UserMetrics, BadSqlIsRefusedByName) {
     }
     return "no error";
   };
-  EXPECT_NE(message("max(q7)").find("metrics.mine: no such column: q7"), std::string::npos) << message("max(q7)");
-  EXPECT_NE(message("max(q0").find("metrics.mine"), std::string::npos);
+  EXPECT_NE(message("max(q7)").find("no such column: q7 (did you mean q0?); columns are step, t, base_x, base_y, "
+                                    "base_phi, q0 to q2, qdot0 to qdot4,"),
+            std::string::npos)
+      << message("max(q7)");
+  EXPECT_NE(message("max(q0").find("syntax error"), std::string::npos) << message("max(q0");
   EXPECT_NE(message("q0").find("one per trial by an aggregate"), std::string::npos) << message("q0");
   EXPECT_NE(message("max(?)").find("parameter"), std::string::npos);
   EXPECT_NE(message("1); DROP TABLE samples; --"), "no error");
