@@ -7,6 +7,7 @@
 #include <exception>
 #include <iostream>
 #include <new>
+#include <system_error>
 
 #include "controller/config/node.h"
 #include "eval/cli/command.h"
@@ -146,6 +147,8 @@ int run_program(const Arguments& arguments) {
     return complain(error.what(), kBadInput);
   } catch (const std::bad_alloc&) {
     return complain("out of memory", kBadInput);
+  } catch (const std::system_error& error) {  // of files and threads: what the system refused
+    return complain(error.what(), kBadInput);
   } catch (const std::exception& error) {
     return complain(fmt::format("internal error: {}", error.what()), kInternalError);
   }

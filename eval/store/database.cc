@@ -171,6 +171,9 @@ StoreError explain(const SQLite::Exception& error, const fs::path& file, Kind ki
     case SQLITE_CANTOPEN:
       message = "cannot be opened";
       break;
+    case SQLITE_CONSTRAINT:
+      message = "holds or would get what breaks a rule of its tables; 'moma verify' tells which";
+      break;
     case SQLITE_IOERR:
       message = "reading or writing failed (is the disk full or gone?)";
       break;

@@ -63,8 +63,9 @@ class Searches {
     const std::string columns = columns_of(db_, table);
     std::string from = columns;
     from.replace(from.find("search_id"), 9, std::to_string(search.target));
-    db_.exec(fmt::format("INSERT OR IGNORE INTO main.{0} ({1}) SELECT {2} FROM source.{0} WHERE search_id = {3}", table,
-                         columns, from, search.source));
+    db_.exec(fmt::format(
+        "INSERT INTO main.{0} ({1}) SELECT {2} FROM source.{0} WHERE search_id = {3} ON CONFLICT DO NOTHING", table,
+        columns, from, search.source));
   }
 
   bool add(Search& search) {

@@ -203,7 +203,7 @@ UPDATE experiments SET totaltime = (SELECT sum(time) FROM runs WHERE experimenti
     Statement query(db_,
                     "SELECT r.id, x.layout, x.n, x.columns, x.data FROM run_of AS r "
                     "JOIN source.samples AS x ON x.key = r.key ORDER BY r.id");
-    Statement insert(db_, "INSERT OR IGNORE INTO progress VALUES (?, ?, ?, ?, ?, ?)");
+    Statement insert(db_, "INSERT INTO progress VALUES (?, ?, ?, ?, ?, ?) ON CONFLICT DO NOTHING");
     while (query.executeStep()) {
       EncodedSamples encoded;
       encoded.layout = query.getColumn(1).getInt();

@@ -10,6 +10,7 @@
 #include <cctype>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "eval/store/columns.h"
 #include "eval/store/database.h"
@@ -34,6 +35,16 @@ std::pair<Hash, Hash> key_range(std::string prefix) {
   low.resize(32, '0');
   prefix.resize(32, 'f');
   return {hash_from_hex(low), hash_from_hex(prefix)};
+}
+
+std::vector<std::string> findings_of_sqlite(const SQLite::Database& db) {
+  std::vector<std::string> findings;
+  Statement integrity(db, "PRAGMA integrity_check");
+  while (integrity.executeStep()) {
+    std::string line = integrity.getColumn(0).getString();
+    if (line != "ok") findings.push_back(std::move(line));
+  }
+  return findings;
 }
 
 }  // namespace
@@ -275,11 +286,13 @@ std::size_t Reader::searched_trials() const {
 
 std::vector<std::string> Reader::integrity_problems() const {
   return impl_->guarded([&] {
-    std::vector<std::string> problems;
-    Statement integrity(impl_->db, "PRAGMA integrity_check");
-    while (integrity.executeStep()) {
-      const std::string line = integrity.getColumn(0).getString();
-      if (line != "ok") problems.push_back(line);
+    std::vector<std::string> problems = findings_of_sqlite(impl_->db);
+    // A page that it could not get, for want of memory or since the disk failed, is a finding like any other.
+    if (!problems.empty() && findings_of_sqlite(impl_->db) != problems) {
+      throw StoreError(StoreError::Kind::kUnusable,
+                       fmt::format("{}: cannot be read: two looks at its pages found different things (do the disk or "
+                                   "the memory fail?)",
+                                   impl_->file.string()));
     }
     Statement foreign(impl_->db, "PRAGMA foreign_key_check");
     while (foreign.executeStep()) {

@@ -48,7 +48,7 @@ std::string placeholders(std::size_t n) {
 }
 
 std::string insert_trial_sql() {
-  return fmt::format("INSERT OR IGNORE INTO trial (key, world_id, {}) VALUES ({})", trial_column_list(),
+  return fmt::format("INSERT INTO trial (key, world_id, {}) VALUES ({}) ON CONFLICT DO NOTHING", trial_column_list(),
                      placeholders(3 + trial_columns().size()));
 }
 
@@ -93,14 +93,17 @@ struct Pending {
   std::vector<double> metrics;
 };
 
-/// Prepared once; SQLite compiles a statement in tens of microseconds.
+/// Prepared once; SQLite compiles a statement in tens of microseconds. What is there already is left by ON CONFLICT,
+/// not by OR IGNORE, which would leave out rows that break a rule of their table as well, and say nothing: also where
+/// memory runs out while a CHECK is computed (json_valid() in SQLite 3.40).
 struct Statements {
   explicit Statements(SQLite::Database& db)
       : find_world(db, "SELECT id FROM world WHERE hash = ?"),
         world(db, insert_world_sql()),
         trial(db, insert_trial_sql()),
         execution(db, insert_execution_sql()),
-        samples(db, "INSERT OR IGNORE INTO samples (key, layout, n, columns, data) VALUES (?, ?, ?, ?, ?)"),
+        samples(db,
+                "INSERT INTO samples (key, layout, n, columns, data) VALUES (?, ?, ?, ?, ?) ON CONFLICT DO NOTHING"),
         link(db, fmt::format("INSERT INTO point_trial (point_id, world_index, key, world_id, family, outcome, "
                              "time_to_goal_s, {}) SELECT ?1, ?2, t.key, t.world_id, w.family, t.outcome, "
                              "t.time_to_goal_s, {} FROM trial AS t JOIN world AS w ON w.id = t.world_id "
@@ -109,7 +112,7 @@ struct Statements {
         find_trial(db, fmt::format("SELECT i.machine_class, {} FROM trial AS t LEFT JOIN execution AS e USING (key) "
                                    "LEFT JOIN invocation AS i ON i.id = e.invocation_id WHERE t.key = ?",
                                    trial_column_list("t."))),
-        metric(db, "INSERT OR IGNORE INTO metric_value (metric_id, key, value) VALUES (?, ?, ?)"),
+        metric(db, "INSERT INTO metric_value (metric_id, key, value) VALUES (?, ?, ?) ON CONFLICT DO NOTHING"),
         done(db, "UPDATE invocation SET trials_done = ? WHERE id = ?") {}
   Statement find_world, world, trial, execution, samples, link, find_trial, metric, done;
 };
