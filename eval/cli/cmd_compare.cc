@@ -207,7 +207,8 @@ void print_metrics(const std::vector<MetricRow>& metrics) {
   QueryResult table{{"metric (both have it)", "n", "mean A", "mean B", "B - A", "95 % (paired bootstrap)"}, {}};
   for (const MetricRow& row : metrics) {
     const stats::MeanDifference& d = row.difference;
-    table.rows.push_back({row.name, row.n, row.a, row.b, d.mean, fmt::format("[{:.4g}, {:.4g}]", d.low, d.high)});
+    table.rows.push_back({row.name, row.n, row.a, row.b, d.mean,
+                          std::isnan(d.low) ? "too few" : fmt::format("[{:.4g}, {:.4g}]", d.low, d.high)});
   }
   write(std::cout, table, Format::kTable);
 }

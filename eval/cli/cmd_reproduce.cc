@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <iostream>
 #include <memory>
 
@@ -77,7 +78,9 @@ store::QueryResult differences_table(const run::Reproduction& done) {
     const int decimals = d.figure->decimals + 1;
     table.rows.push_back({d.robot, fmt::format("{} - {}", d.a, d.b), std::string(d.figure->label), d.n,
                           fmt::format("{:+.{}f}", d.difference.mean, decimals),
-                          fmt::format("[{:+.{}f}, {:+.{}f}]", d.difference.low, decimals, d.difference.high, decimals),
+                          std::isnan(d.difference.low) ? "too few"
+                                                       : fmt::format("[{:+.{}f}, {:+.{}f}]", d.difference.low, decimals,
+                                                                     d.difference.high, decimals),
                           std::string(d.difference.low > 0.0 || d.difference.high < 0.0 ? "yes" : "no")});
   }
   return table;

@@ -3,7 +3,9 @@
 #include <Random123/philox.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <limits>
 #include <numeric>
 #include <stdexcept>
 #include <vector>
@@ -46,14 +48,17 @@ MeanDifference paired_bootstrap(std::span<const double> a, std::span<const doubl
   }
   std::vector<double> differences(a.size());
   std::transform(a.begin(), a.end(), b.begin(), differences.begin(), std::minus<>());
+  const double sum = std::accumulate(differences.begin(), differences.end(), 0.0);
+  const double mean = sum / static_cast<double>(differences.size());
+  if (std::ldexp(2.0, -static_cast<int>(std::min<std::size_t>(differences.size(), 1000))) > 1.0 - options.confidence)
+    return {mean, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
   std::vector<double> means(static_cast<std::size_t>(options.replicates));
   for (std::size_t r = 0; r < means.size(); ++r) {
     means[r] = resampled_mean(differences, options.seed, static_cast<std::uint32_t>(r));
   }
   std::sort(means.begin(), means.end());
   const double tail = (1.0 - options.confidence) / 2;
-  const double sum = std::accumulate(differences.begin(), differences.end(), 0.0);
-  return {sum / static_cast<double>(differences.size()), quantile(means, tail), quantile(means, 1.0 - tail)};
+  return {mean, quantile(means, tail), quantile(means, 1.0 - tail)};
 }
 
 }  // namespace moma::stats

@@ -31,6 +31,16 @@ Interval difference_of_rates(std::int64_t k, std::int64_t n, std::int64_t l, std
   return {p - q - std::hypot(p - a.low, b.high - q), p - q + std::hypot(a.high - p, q - b.low)};
 }
 
+Interval difference_of_paired_rates(std::int64_t only_a, std::int64_t only_b, std::int64_t n, double confidence) {
+  if (only_a < 0 || only_b < 0 || only_a + only_b > n)
+    throw std::invalid_argument("difference_of_paired_rates: need counts of 0 .. n worlds");
+  const double z = boost::math::quantile(boost::math::normal(), 0.5 + confidence / 2);
+  const auto m = static_cast<double>(n + 2);
+  const double a = static_cast<double>(only_a + 1) / m, b = static_cast<double>(only_b + 1) / m;
+  const double half = z * std::sqrt((a + b - (a - b) * (a - b)) / m);
+  return {std::max(a - b - half, -1.0), std::min(a - b + half, 1.0)};
+}
+
 WeightedMean weighted_mean(const std::vector<double>& values, const std::vector<double>& weights) {
   if (values.size() != weights.size()) throw std::invalid_argument("weighted_mean: sizes differ");
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();

@@ -20,6 +20,12 @@ Interval wilson(std::int64_t successes, std::int64_t n, double confidence = 0.95
 /// intervals, within [-1, 1]. Source: Newcombe, Statistics in Medicine 17, 1998, method 10.
 Interval difference_of_rates(std::int64_t k, std::int64_t n, std::int64_t l, std::int64_t m, double confidence = 0.95);
 
+/// Interval of the difference of the rates of a and b in the same n worlds, of which `only_a` and `only_b` are hits of
+/// one alone: the adjusted Wald interval, within [-1, 1]. Of some width also where no world tells them apart: 0 of 10
+/// may differ from 0 of 10 by 0.23. Source: Bonett & Price, J. Educ. Behav. Stat. 37, 2012; the report page has the
+/// same. Throws std::invalid_argument for counts that are negative or more than n.
+Interval difference_of_paired_rates(std::int64_t only_a, std::int64_t only_b, std::int64_t n, double confidence = 0.95);
+
 /// A weighted mean, and its standard error by the linearised ratio (Cochran, Sampling Techniques, 1977, 6.4): with
 /// equal weights the standard deviation / sqrt(n). NaN where there are too few values, or no weight.
 struct WeightedMean {

@@ -37,13 +37,6 @@ Verdict verdict_of(const Row& row) {
   return (r.difference > 0.0) == row.more_is_better ? Verdict::kBetter : Verdict::kWorse;
 }
 
-void set_difference(store::TuneComparisonRecord& r, const std::vector<double>& a, const std::vector<double>& b) {
-  const stats::MeanDifference d = stats::paired_bootstrap(a, b);
-  r.difference = d.mean;
-  r.difference_low = d.low;
-  r.difference_high = d.high;
-}
-
 bool by_error(const Pair& pair) {
   return pair.found->outcome == Outcome::kError || pair.theirs->outcome == Outcome::kError;
 }
@@ -54,32 +47,30 @@ Row rate_row(const std::vector<Pair>& pairs, Outcome outcome, bool more_is_bette
   row.rate = true;
   row.more_is_better = more_is_better;
   store::TuneComparisonRecord& r = row.record;
-  std::int64_t found = 0, theirs = 0, only_found = 0, only_theirs = 0;
-  std::vector<double> a, b;
+  std::int64_t both = 0, only_found = 0, only_theirs = 0, neither = 0;
   for (const Pair& pair : pairs) {
     if (by_error(pair)) continue;
     const bool x = pair.found->outcome == outcome, y = pair.theirs->outcome == outcome;
-    found += x ? 1 : 0;
-    theirs += y ? 1 : 0;
-    only_found += x && !y ? 1 : 0;
-    only_theirs += y && !x ? 1 : 0;
-    a.push_back(x ? 1.0 : 0.0);
-    b.push_back(y ? 1.0 : 0.0);
+    ++(x && y ? both : x ? only_found : y ? only_theirs : neither);
   }
-  r.n = static_cast<std::int64_t>(a.size());
+  r.n = both + only_found + only_theirs + neither;
   r.p = stats::mcnemar_exact(only_found, only_theirs);
   r.found = r.found_low = r.found_high = r.theirs = r.theirs_low = r.theirs_high = kNan;
   r.difference = r.difference_low = r.difference_high = kNan;
-  if (a.empty()) return row;
+  if (r.n == 0) return row;
+  const std::int64_t found = both + only_found, theirs = both + only_theirs;
   const stats::Interval f = stats::wilson(found, r.n), t = stats::wilson(theirs, r.n);
-  const auto n = static_cast<double>(a.size());
+  const stats::Interval d = stats::difference_of_paired_rates(only_found, only_theirs, r.n);
+  const auto n = static_cast<double>(r.n);
   r.found = static_cast<double>(found) / n;
   r.found_low = f.low;
   r.found_high = f.high;
   r.theirs = static_cast<double>(theirs) / n;
   r.theirs_low = t.low;
   r.theirs_high = t.high;
-  set_difference(r, a, b);
+  r.difference = static_cast<double>(only_found - only_theirs) / n;
+  r.difference_low = d.low;
+  r.difference_high = d.high;
   return row;
 }
 
@@ -113,7 +104,10 @@ Row mean_row(const std::vector<Pair>& pairs, bool more_is_better,
   r.found_high = f.high;
   r.theirs_low = t.low;
   r.theirs_high = t.high;
-  set_difference(r, a, b);
+  const stats::MeanDifference d = stats::paired_bootstrap(a, b);
+  r.difference = d.mean;
+  r.difference_low = d.low;
+  r.difference_high = d.high;
   return row;
 }
 
@@ -173,6 +167,7 @@ std::string number(double value) { return std::isnan(value) ? "-" : fmt::format(
 std::string interval(double value, double low, double high, bool percent) {
   if (std::isnan(value)) return "-";
   if (percent) return fmt::format("{:.1f} % [{:.1f}, {:.1f}]", 100 * value, 100 * low, 100 * high);
+  if (std::isnan(low)) return number(value);  // too few for one
   return fmt::format("{} [{}, {}]", number(value), number(low), number(high));
 }
 
