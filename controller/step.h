@@ -60,8 +60,8 @@ struct StepResult {
   double solve_seconds = 0.0;  ///< 0 unless timing was asked for; never part of a comparison
 };
 
-/// The one interface between a controller and the world. reset() may allocate and throw; step() does neither,
-/// locks nothing, logs nothing. The same sequence of calls gives the same bits.
+/// The one interface between a controller and the world. reset() may allocate and throw, and can be called again after
+/// that; step() does neither, locks nothing, logs nothing. The same sequence of calls gives the same bits.
 class StepController {
  public:
   virtual ~StepController() = default;

@@ -8,6 +8,7 @@
 namespace moma {
 
 void QpProblem::allocate(int num_variables, int max_rows) {
+  *this = {};  // Eigen frees an array before it takes a larger one, and would free it again where there is none
   H = VectorX::Zero(num_variables);
   g = VectorX::Zero(num_variables);
   lb = VectorX::Zero(num_variables);

@@ -65,6 +65,7 @@ bool accept_output(const QpProblem& p, const Box& box, VectorX& x) noexcept {
 }  // namespace
 
 void QpSolution::allocate(int num_variables, int max_rows) {
+  *this = {};  // as QpProblem::allocate()
   x = VectorX::Zero(num_variables);
   bound_multipliers = VectorX::Zero(num_variables);
   row_multipliers = VectorX::Zero(max_rows);

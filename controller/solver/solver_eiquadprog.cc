@@ -46,6 +46,7 @@ int EiquadprogSolver::num_variables() const noexcept { return impl_->n; }
 int EiquadprogSolver::max_rows() const noexcept { return impl_->max_rows; }
 
 void EiquadprogSolver::allocate(int num_variables, int max_rows) {
+  impl_ = std::make_unique<Impl>();  // as QpProblem::allocate()
   Impl& s = *impl_;
   s.n = num_variables;
   s.max_rows = max_rows;

@@ -16,4 +16,15 @@ class NoAlloc {
   int start_;
 };
 
+/// Lets the n-th allocation of this thread from now fail (n from 1), while it lives. Not under sanitizers.
+class FailingAlloc {
+ public:
+  explicit FailingAlloc(int n) noexcept;
+  ~FailingAlloc();
+  FailingAlloc(const FailingAlloc&) = delete;
+  FailingAlloc& operator=(const FailingAlloc&) = delete;
+  /// Whether it has.
+  bool failed() const noexcept;
+};
+
 }  // namespace moma::test
