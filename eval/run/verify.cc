@@ -12,6 +12,7 @@
 
 #include "eval/batch/batch.h"
 #include "eval/run/named_point.h"
+#include "eval/run/store_file.h"
 #include "eval/store/hash.h"
 #include "eval/store/reader.h"
 #include "eval/store/records.h"

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Sources include the standard headers of what they name, themselves or by the header of the same name, and reach the
-headers of moma whose constants they name: where several sources are compiled as one, another's headers would do.
+headers of moma whose constants and functions they name: where several sources are compiled as one, another's would do.
 
-  direct_includes.py ROOT FOLDER...      says what is missing, as FILE: <HEADER> for NAME, in FOLDER...; of constants, in all
+  direct_includes.py ROOT FOLDER...      says what is missing, as FILE: <HEADER> for NAME, in FOLDER...; of moma's own, in all
   direct_includes.py --self-test         proves that it notices
 """
 
@@ -50,13 +50,21 @@ def code_of(text):
     return re.sub(r'//[^\n]*|"(?:\\.|[^"\\\n])*"', "", text)
 
 
+# At the beginning of a line, where namespaces have what they declare. Functions have an underscore in their names here,
+# which tells them from most of what else is followed by a parenthesis.
+CONSTANT = re.compile(r"^(?:inline )?constexpr [^=({;]*?\b(k[A-Z]\w*)", re.M)
+FUNCTION = re.compile(r"^(?!return|else|#|using|typedef)(?:\[\[\w+\]\] )?[A-Za-z_][\w:<>,&* ]*[ &*]([a-z]\w*_\w+)\(", re.M)
+
+
 def unreached(texts):
-    """(file, header, name) for each constant of a header in `texts` (path: text) that a source names and does not reach."""
+    """(file, header, name) for each constant or function of a header in `texts` (path: text) that a source names and does
+    not reach."""
     homes = {}
     for file, text in texts.items():
         if file.endswith(".h"):
-            for name in re.findall(r"^(?:inline )?constexpr [^=({;]*?\b(k[A-Z]\w*)", code_of(text), re.M):
-                homes.setdefault(name, set()).add(file)
+            for pattern in (CONSTANT, FUNCTION):
+                for name in pattern.findall(code_of(text)):
+                    homes.setdefault(name, set()).add(file)
     for file, text in sorted(texts.items()):
         if not file.endswith(".cc"):
             continue
@@ -65,11 +73,17 @@ def unreached(texts):
             here = ahead.pop()
             if here not in reached and here in texts:
                 reached.add(here)
-                ahead += re.findall(r'#include "([^"]+)"', texts[here])
+                for header in re.findall(r'#include "([^"]+)"', texts[here]):
+                    ahead += [header, str(Path(here).parent / header)]
         code = code_of(text)
         own = set(re.findall(r"(?:constexpr|const)\b[^;=]*?\b(k[A-Z]\w*)", code))
         own.update(name for body in re.findall(r"\benum\b[^}]*", code) for name in re.findall(r"k[A-Z]\w*", body))
-        for name in sorted(set(re.findall(r"(?<![.\w:])k[A-Z]\w*", code)) - own):
+        own.update(FUNCTION.findall(code))
+        own.update(re.findall(r"^ +[A-Za-z_][\w:<>,&*]* +[&*]?([a-z]\w*_\w+)\([^;]*?\)[^;]*?\{", code, re.M))
+        own.update(re.findall(r"[\w>&*] [&*]?([a-z]\w*_\w+)\s*[,);={]", code))  # parameters and variables
+        own.update(re.findall(r"\b(?:auto|function<.*?>) *&?([a-z]\w*_\w+) *[=(]", code))
+        used = set(re.findall(r"(?<![.\w:])k[A-Z]\w*", code)) | set(re.findall(r"(?<![.\w:>~])([a-z]\w*_\w+)\(", code))
+        for name in sorted(used - own):
             if name in homes and not homes[name] & reached:
                 yield file, min(homes[name]), name
 
@@ -77,7 +91,8 @@ def unreached(texts):
 def check(root, folders):
     ours = ("controller", "world", "eval", "reports", "plugin", "python", "bench", "tests")
     files = [file for folder in ours for end in ("h", "cc") for file in (root / folder).rglob(f"*.{end}")]
-    texts = {str(file.relative_to(root)): file.read_text() for file in files if "node_modules" not in file.parts}
+    others = {"node_modules", "install"}  # other people's, and users of the installed library
+    texts = {str(file.relative_to(root)): file.read_text() for file in files if not others & set(file.parts)}
     found = [f"{file}: {header} for {name}" for file, header, name in unreached(texts)]
     for folder in folders:
         for file in sorted((root / folder).rglob("*.cc")):
@@ -95,13 +110,15 @@ def self_test():
     assert list(missing("std::vector<int> v;", "#include <string>")) == [("vector", "std::vector<")]
     assert list(missing("auto x = std::max(1, 2);", "")) == [("algorithm", "std::max(")]
     texts = {
-        "a.h": "inline constexpr double kHigh = 1;\nconstexpr std::array<int, 2> kTwo = {};",
-        "b.h": '#include "a.h"',
-        "reaches.cc": '#include "b.h"\nreturn kHigh;',
-        "does_not.cc": "return kHigh + kTwo[0];",
-        "has_its_own.cc": "constexpr double kHigh = 2;\nenum class E { kTwo };\nreturn kHigh + Other::kTwo;",
+        "x/a.h": "inline constexpr double kHigh = 1;\nconstexpr std::array<int, 2> kTwo = {};\nint least_of(int a);",
+        "x/b.h": '#include "a.h"',
+        "reaches.cc": '#include "x/b.h"\nreturn least_of(kHigh);',
+        "does_not.cc": "  return kHigh + kTwo[0] + least_of(3);",
+        "has_its_own.cc": "constexpr double kHigh = 2;\nenum class E { kTwo };\nint least_of(int b) {\n"
+        "  return kHigh + Other::kTwo + it.least_of(3) + least_of(4);\n}",
     }
-    assert list(unreached(texts)) == [("does_not.cc", "a.h", "kHigh"), ("does_not.cc", "a.h", "kTwo")]
+    assert [name for file, _, name in unreached(texts) if file == "does_not.cc"] == ["kHigh", "kTwo", "least_of"]
+    assert {file for file, _, _ in unreached(texts)} == {"does_not.cc"}
     for header in NAMES:
         assert re.fullmatch(r"[a-z_]+", header), header
 
