@@ -48,8 +48,7 @@ fs::path behind_links(const fs::path& file) {
   fs::path place = file;
   std::error_code error;
   for (int links = 0; links < 40 && fs::is_symlink(fs::symlink_status(place, error)); ++links) {
-    const fs::path target = fs::read_symlink(place, error);
-    if (error) break;
+    const fs::path target = fs::read_symlink(place);  // throws: what it leads to is not to be guessed
     place = target.is_absolute() ? target : place.parent_path() / target;
   }
   return place;

@@ -14,7 +14,7 @@ class OutputError : public std::runtime_error {
 };
 
 /// Where writing to `file` ends: behind its symbolic links, also where the last one leads to nothing yet. Not more than
-/// forty links are followed.
+/// forty links are followed. Throws std::filesystem::filesystem_error where one cannot be read.
 std::filesystem::path behind_links(const std::filesystem::path& file);
 
 /// Writes a file whole or not at all: `write` fills a file beside it, which then takes its place, with the access

@@ -59,8 +59,8 @@ Cell read_cell(sqlite3_stmt* statement, int i) {
     case SQLITE_FLOAT:
       return sqlite3_column_double(statement, i);
     case SQLITE_TEXT: {
-      const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement, i));
-      return std::string(text, static_cast<std::size_t>(sqlite3_column_bytes(statement, i)));
+      const unsigned char* const text = sqlite3_column_text(statement, i);
+      return text_of(text, sqlite3_column_bytes(statement, i));
     }
     case SQLITE_BLOB: {
       const auto* bytes = static_cast<const unsigned char*>(sqlite3_column_blob(statement, i));

@@ -154,7 +154,8 @@ int filter(sqlite3_vtab_cursor* base, int /*number*/, const char* /*text*/, int 
   cursor.row = cursor.n = 0;
   return guarded(base->pVtab->zErrMsg, [&] {
     if (argc < 1 || sqlite3_value_type(argv[0]) == SQLITE_NULL) return SQLITE_OK;
-    cursor.trial = reinterpret_cast<const char*>(sqlite3_value_text(argv[0]));
+    const unsigned char* const trial = sqlite3_value_text(argv[0]);
+    cursor.trial = text_of(trial, sqlite3_value_bytes(argv[0]));
     load(cursor, Samples::table(base->pVtab));
     return SQLITE_OK;
   });

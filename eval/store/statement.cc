@@ -1,5 +1,6 @@
 #include "eval/store/statement.h"
 
+#include <new>
 #include <stdexcept>
 
 namespace moma::store {
@@ -19,8 +20,14 @@ bool step(sqlite3* connection, sqlite3_stmt* statement) {
 }
 
 std::string column_text(sqlite3_stmt* statement, int column) {
-  const auto* words = reinterpret_cast<const char*>(sqlite3_column_text(statement, column));
-  return words == nullptr ? std::string() : words;
+  if (sqlite3_column_type(statement, column) == SQLITE_NULL) return {};
+  const unsigned char* const text = sqlite3_column_text(statement, column);
+  return text_of(text, sqlite3_column_bytes(statement, column));
+}
+
+std::string text_of(const unsigned char* text, int bytes) {
+  if (text == nullptr) throw std::bad_alloc();
+  return {reinterpret_cast<const char*>(text), static_cast<std::size_t>(bytes)};
 }
 
 }  // namespace moma::store

@@ -21,6 +21,10 @@ StatementPtr prepare_statement(sqlite3* connection, const char* sql);
 /// The next row; false at the end. Throws std::runtime_error with SQLite's message.
 bool step(sqlite3* connection, sqlite3_stmt* statement);
 
+/// A value of SQLite's that is text, of so many bytes. Throws std::bad_alloc for nullptr, which SQLite gives where it
+/// has no memory to end it.
+std::string text_of(const unsigned char* text, int bytes);
+
 /// A column of the present row as text; empty for NULL.
 std::string column_text(sqlite3_stmt* statement, int column);
 

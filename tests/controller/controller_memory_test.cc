@@ -1,4 +1,5 @@
-// Memory that runs out while a controller is made or starts a motion: an exception, and a controller that can start again.
+// Memory that runs out while a controller is made or starts a motion: an exception, and a controller that can start
+// again.
 
 #include <gtest/gtest.h>
 
