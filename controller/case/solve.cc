@@ -87,7 +87,7 @@ nlohmann::ordered_json solve(const ControlCase& control_case) {
   const ControllerCore& controller = step.controller;
   const StepResult& result = step.result;
   const bool qp = controller.params().method == Method::kQp;
-  Json out;
+  Json out = Json::object();
   out["status"] = to_string(result.status);
   out["fallback"] = to_string(result.fallback);
   out["qdot"] = numbers(result.command);

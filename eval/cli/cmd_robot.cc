@@ -91,6 +91,7 @@ ordered_json to_json(const config::LoadedRobot& robot) {
                        {"velocities", model.velocity_names()},
                        {"tip", model.links[static_cast<std::size_t>(model.tip)].name},
                        {"mass", total_mass(model)}};
+  json["joints"] = ordered_json::array();
   for (int i = 0; i < model.num_joints(); ++i) {
     const ControlledJoint& joint = model.joints[static_cast<std::size_t>(i)];
     json["joints"].push_back({{"name", joint.name},
@@ -102,6 +103,7 @@ ordered_json to_json(const config::LoadedRobot& robot) {
                               {"ready", model.ready[i]},
                               {"link", model.links[static_cast<std::size_t>(joint.link)].name}});
   }
+  json["links"] = ordered_json::array();
   for (const Link& link : model.links) {
     json["links"].push_back(
         {{"name", link.name},

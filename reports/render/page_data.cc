@@ -150,7 +150,7 @@ Json trials(SQLite::Database& store, const Extent& extent, const OwnMetrics& own
 
 /// What every page has.
 Json begin(SQLite::Database& store) {
-  Json page;
+  Json page = Json::object();
   page["format"] = 1;
   page["store"] = {{"file", std::filesystem::path(store.getFilename()).filename().string()},
                    {"schema", store.execAndGet("PRAGMA user_version").getInt()}};

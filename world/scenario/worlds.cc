@@ -184,7 +184,7 @@ Worlds Worlds::read(const config::Node& node, const std::string& key) {
 }
 
 Json Worlds::to_json() const {
-  Json out;
+  Json out = Json::object();
   if (const auto* frozen = std::get_if<Frozen>(&data_->source)) {
     out["clearance"] = data_->making.clearance;
     out["frozen"] = Json::array();
@@ -250,11 +250,8 @@ std::string Worlds::family_of(std::uint64_t index) const {
 }
 
 Json Worlds::identity(std::uint64_t index) const {
-  if (const auto* frozen = std::get_if<Frozen>(&data_->source)) {
-    Json out;
-    out["frozen"] = index < frozen->size() ? moma::to_json((*frozen)[index]) : Json();
-    return out;
-  }
+  if (const auto* frozen = std::get_if<Frozen>(&data_->source))
+    return {{"frozen", index < frozen->size() ? moma::to_json((*frozen)[index]) : Json()}};
   if (const auto* scenes = std::get_if<Scenes>(&data_->source))
     return {{"scene", index < scenes->size() ? scenes->identity(index) : Json()}};
   const Member& member = std::get<Mixture>(data_->source).at(index);
