@@ -56,6 +56,7 @@ trials: 300
 
   std::vector<std::string> command(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), MOMA_BINARY_DIR "/moma");
+    arguments.insert(arguments.begin(), starter_.begin(), starter_.end());
     return arguments;
   }
   ProcessResult moma(const std::vector<std::string>& arguments) const {
@@ -99,6 +100,7 @@ trials: 300
   }
 
   SuiteFolder folder_;
+  std::vector<std::string> starter_;  ///< a program that starts moma, and its arguments
 };
 
 }  // namespace moma::test
