@@ -154,15 +154,16 @@ const { context: first, page } = await open(demo, { idle: true });
   await page.locator('.segments').getByText('all worlds').click();
 }
 
-/** Moves over a figure, as a reader could, until a tooltip shows; false where none does. */
+/** Moves over a figure, as a reader could, until a tooltip shows: the colour of its text; null where none does. */
 const showTip = async (page, id) => {
   await page.locator(`#${id}`).scrollIntoViewIfNeeded();
   const box = await page.locator(`#${id} canvas`).boundingBox();
   for (let k = 1; k < 200; ++k) {
     await page.mouse.move(box.x + 80 + ((0.618 * k) % 1) * (box.width - 100), box.y + 40 + ((0.382 * k) % 1) * (box.height - 80));
-    if (await page.evaluate((figure) => [...document.querySelectorAll(`#${figure} .tip`)].some((tip) => getComputedStyle(tip).visibility === 'visible'), id)) return true;
+    const colour = await page.evaluate((figure) => [...document.querySelectorAll(`#${figure} .tip`)].map((tip) => getComputedStyle(tip)).find((style) => style.visibility === 'visible')?.color, id);
+    if (colour !== undefined) return colour;
   }
-  return false;
+  return null;
 };
 
 /** Clicks marks of a figure, as a reader could, until one does something; false where none does. */
@@ -210,13 +211,14 @@ const clickMark = async (page, id) => {
 {
   const surface = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
   const light = await surface();
-  await figuresStand(page);
   for (const scheme of ['light', 'dark']) {
     if (scheme === 'dark') await page.locator('.toolbar').getByText('Dark').click();
+    await figuresStand(page); // drawn anew for each
     check((await page.evaluate(() => document.documentElement.dataset.theme)) === scheme, `the page is ${scheme}`);
     // A tooltip is in the page's colours, and is looked at with it.
-    check(await showTip(page, 'figure-outcomes'), `${scheme}: a figure has a tooltip`);
-    const [tip, ink] = await page.evaluate(() => [document.querySelector('#figure-outcomes .tip'), document.body].map((of) => getComputedStyle(of).color));
+    const tip = await showTip(page, 'figure-outcomes');
+    check(tip !== null, `${scheme}: a figure has a tooltip`);
+    const ink = await page.evaluate(() => getComputedStyle(document.body).color);
     check(tip === ink, `${scheme}: the tooltip's text is ${tip}, the page's ${ink}`);
     await accessible(page, source, scheme);
   }
@@ -237,7 +239,7 @@ const clickMark = async (page, id) => {
   check((await page.locator('.verdict h2').nth(1).innerText()) === 'quo"te\'s & <b>bold</b>', 'hostile controller shows as text');
   check((await page.locator('.facts').innerText()).includes('机器人'), 'names that are not ASCII show');
   check((await page.locator('#app b').allInnerTexts()).every((text) => text !== 'bold'), 'no markup from names');
-  check(await showTip(page, 'figure-outcomes'), 'hostile: a figure has a tooltip');
+  check((await showTip(page, 'figure-outcomes')) !== null, 'hostile: a figure has a tooltip');
   check((await page.evaluate(() => [...document.querySelectorAll('b')].some((b) => b.textContent === 'bold'))) === false, 'no markup in tooltips');
   await context.close();
 }
