@@ -64,6 +64,7 @@ COMMANDS = {
     "arena": (["export", "a.db", "--planner-arena", "out.arena.db"], "", "out.arena.db"),
     "robot": (["robot", f"{CONFIGS}/robots/lift_ur5.yaml", "--json"], "words", ""),
     "draft": (["robot", f"{CONFIGS}/robots/panda.urdf"], "words", ""),
+    "solve": (["solve", f"{ROOT}/tests/data/qp_cases/cases/frankie_100.json"], "words", ""),
     "world": (["world", "run.yaml", "0"], "words", ""),
     "check": (["check", f"{CONFIGS}/suites/safe-ablation.yaml"], "", ""),
     "keys": (["keys"], "words", ""),
