@@ -4,13 +4,14 @@
   scripts/check_memory.py SECONDS [SEED]      needs build/ (scripts/setup.sh all)
 
 A command that runs out of memory ends by a message and exit code 2 (3 where a part of its work is kept), or does what it
-always does: then what it printed or wrote is compared. Each line but the last is a fault; its position
-is counted from the program's start (tests/support/fail_nth.c).
+always does: then what it printed or wrote is compared. Each line but the last is a fault, its allocation counted from the
+program's start (tests/support/fail_nth.c).
 """
 
 import hashlib
 import os
 import random
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -87,7 +88,10 @@ class Commands:
     def fail(self, name, at, on=False):
         """The command with this allocation failing (0: none), `on`: and all later ones."""
         arguments, _, made = COMMANDS[name]
-        subprocess.run(f"rm -rf {made or 'out'}*; [ {made or '-'} != more.db ] || cp a.db more.db", shell=True, cwd=self.folder)
+        if made:
+            subprocess.run(f"rm -rf {made}*", shell=True, cwd=self.folder, check=True)
+        if made == "more.db":
+            shutil.copy(self.folder / "a.db", self.folder / made)
         environment = dict(os.environ, LD_PRELOAD=ROOT / "build/tests/fail_nth.so", MOMA_FAIL_CALL="malloc",
                            MOMA_FAIL_AT=str(at), MOMA_FAIL_ON=str(int(on)), MOMA_FAIL_LOG=self.folder / "calls")
         words = [self.trial if word == "TRIAL" else word for word in arguments]

@@ -50,7 +50,7 @@ MeanDifference paired_bootstrap(std::span<const double> a, std::span<const doubl
   std::transform(a.begin(), a.end(), b.begin(), differences.begin(), std::minus<>());
   const double sum = std::accumulate(differences.begin(), differences.end(), 0.0);
   const double mean = sum / static_cast<double>(differences.size());
-  if (std::ldexp(2.0, -static_cast<int>(std::min<std::size_t>(differences.size(), 1000))) > 1.0 - options.confidence)
+  if (2.0 * std::pow(0.5, static_cast<double>(differences.size())) > 1.0 - options.confidence)
     return {mean, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
   std::vector<double> means(static_cast<std::size_t>(options.replicates));
   for (std::size_t r = 0; r < means.size(); ++r) {

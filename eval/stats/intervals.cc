@@ -9,12 +9,18 @@
 #include <stdexcept>
 
 namespace moma::stats {
+namespace {
+
+/// So many standard deviations hold this part of a normal distribution.
+double deviations(double confidence) { return boost::math::quantile(boost::math::normal(), 0.5 + confidence / 2); }
+
+}  // namespace
 
 Interval wilson(std::int64_t successes, std::int64_t n, double confidence) {
   if (n < 0 || successes < 0 || successes > n) throw std::invalid_argument("wilson: need 0 <= successes <= n");
   if (!(confidence > 0.0 && confidence < 1.0)) throw std::invalid_argument("wilson: need a confidence in (0, 1)");
   if (n == 0) return {};
-  const double z = boost::math::quantile(boost::math::normal(), 0.5 + confidence / 2);
+  const double z = deviations(confidence);
   const double zz = z * z;
   const auto k = static_cast<double>(successes);
   const auto m = static_cast<double>(n);
@@ -34,7 +40,7 @@ Interval difference_of_rates(std::int64_t k, std::int64_t n, std::int64_t l, std
 Interval difference_of_paired_rates(std::int64_t only_a, std::int64_t only_b, std::int64_t n, double confidence) {
   if (only_a < 0 || only_b < 0 || only_a + only_b > n)
     throw std::invalid_argument("difference_of_paired_rates: need counts of 0 .. n worlds");
-  const double z = boost::math::quantile(boost::math::normal(), 0.5 + confidence / 2);
+  const double z = deviations(confidence);
   const auto m = static_cast<double>(n + 2);
   const double a = static_cast<double>(only_a + 1) / m, b = static_cast<double>(only_b + 1) / m;
   const double half = z * std::sqrt((a + b - (a - b) * (a - b)) / m);

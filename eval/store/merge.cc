@@ -32,11 +32,10 @@ namespace {
 using SQLite::Statement;
 namespace fs = std::filesystem;
 
-/// Not OR IGNORE, which leaves out what breaks a rule of its table, too. SQLite wants a WHERE before it.
-constexpr const char* kUnlessThere = "ON CONFLICT DO NOTHING";
 constexpr const char* kContent[] = {"robot", "controller", "resolved_suite", "world"};
 
-/// Adds what is attached as `source`. Maps from its ids to ours are temporary tables.
+/// Adds what is attached as `source`. Maps from its ids to ours are temporary tables. ON CONFLICT leaves out what is
+/// there already; OR IGNORE would leave out what breaks a rule of its table, too. SQLite wants a WHERE before it.
 class Importer {
  public:
   Importer(SQLite::Database& db, fs::path file) : db_(db), file_(std::move(file)) {}
@@ -90,8 +89,10 @@ class Importer {
 
   void import_content(const std::string& table) {
     const std::string columns = columns_of(db_, table);
-    db_.exec(fmt::format("INSERT INTO {0} ({1}) SELECT {1} FROM source.{0} WHERE true ORDER BY id {2}", table, columns,
-                         kUnlessThere));
+    db_.exec(
+        fmt::format("INSERT INTO {0} ({1}) SELECT {1} FROM source.{0} WHERE true ORDER BY id "
+                    "ON CONFLICT DO NOTHING",
+                    table, columns));
     make_map(table, fmt::format("SELECT s.id, o.id FROM source.{0} AS s JOIN main.{0} AS o USING (hash)", table));
   }
 
@@ -241,25 +242,30 @@ class Importer {
     values.replace(values.find("t.world_id"), 10, "mw.target");
     summary.added = static_cast<std::size_t>(
         db_.exec(fmt::format("INSERT INTO main.trial ({}) SELECT {} FROM source.trial AS t "
-                             "JOIN map_world AS mw ON mw.source = t.world_id WHERE true ORDER BY t.key {}",
-                             trial, values, kUnlessThere)));
+                             "JOIN map_world AS mw ON mw.source = t.world_id WHERE true ORDER BY t.key "
+                             "ON CONFLICT DO NOTHING",
+                             trial, values)));
     summary.present = total - summary.added;
     std::string execution = shared_columns("execution", "e.");
     execution.replace(execution.find("e.invocation_id"), 15, "mi.target");
     db_.exec(
         fmt::format("INSERT INTO main.execution ({}) SELECT {} FROM source.execution AS e "
-                    "JOIN map_invocation AS mi ON mi.source = e.invocation_id WHERE true ORDER BY e.key {}",
-                    shared_columns("execution"), execution, kUnlessThere));
-    db_.exec(fmt::format("INSERT INTO main.samples ({0}) SELECT {0} FROM source.samples WHERE true ORDER BY key {1}",
-                         columns_of(db_, "samples"), kUnlessThere));
+                    "JOIN map_invocation AS mi ON mi.source = e.invocation_id WHERE true ORDER BY e.key "
+                    "ON CONFLICT DO NOTHING",
+                    shared_columns("execution"), execution));
+    db_.exec(
+        fmt::format("INSERT INTO main.samples ({0}) SELECT {0} FROM source.samples WHERE true ORDER BY key "
+                    "ON CONFLICT DO NOTHING",
+                    columns_of(db_, "samples")));
     db_.exec(
         fmt::format("INSERT INTO main.point_trial (point_id, world_index, key, world_id, family, outcome, "
                     "time_to_goal_s, {}) "
                     "SELECT mp.target, m.world_index, m.key, t.world_id, w.family, t.outcome, t.time_to_goal_s, {} "
                     "FROM source.point_trial AS m "
                     "JOIN map_point AS mp ON mp.source = m.point_id JOIN main.trial AS t ON t.key = m.key "
-                    "JOIN main.world AS w ON w.id = t.world_id WHERE true ORDER BY 1, 2 {}",
-                    summary_list(), summary_list("t."), kUnlessThere));
+                    "JOIN main.world AS w ON w.id = t.world_id WHERE true ORDER BY 1, 2 "
+                    "ON CONFLICT DO NOTHING",
+                    summary_list(), summary_list("t.")));
     import_metrics();
     return summary;
   }
@@ -271,10 +277,10 @@ class Importer {
                       "USING (file_name, expression) WHERE o.id IS NULL ORDER BY s.id");
     while (missing.executeStep()) metric_id(db_, missing.getColumn(0).getString(), missing.getColumn(1).getString());
     db_.exec(
-        fmt::format("INSERT INTO main.metric_value (metric_id, key, value) SELECT o.id, v.key, v.value "
-                    "FROM source.metric_value AS v JOIN source.metric AS s ON s.id = v.metric_id JOIN main.metric AS o "
-                    "ON o.file_name = s.file_name AND o.expression = s.expression WHERE true ORDER BY 1, 2 {}",
-                    kUnlessThere));
+        "INSERT INTO main.metric_value (metric_id, key, value) SELECT o.id, v.key, v.value "
+        "FROM source.metric_value AS v JOIN source.metric AS s ON s.id = v.metric_id "
+        "JOIN main.metric AS o ON o.file_name = s.file_name AND o.expression = s.expression WHERE true ORDER BY 1, 2 "
+        "ON CONFLICT DO NOTHING");
   }
 
   SQLite::Database& db_;

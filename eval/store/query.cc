@@ -58,10 +58,8 @@ Cell read_cell(sqlite3_stmt* statement, int i) {
       return sqlite3_column_int64(statement, i);
     case SQLITE_FLOAT:
       return sqlite3_column_double(statement, i);
-    case SQLITE_TEXT: {
-      const unsigned char* const text = sqlite3_column_text(statement, i);
-      return text_of(text, sqlite3_column_bytes(statement, i));
-    }
+    case SQLITE_TEXT:
+      return column_text(statement, i);
     case SQLITE_BLOB: {
       const auto* bytes = static_cast<const unsigned char*>(sqlite3_column_blob(statement, i));
       std::string hex;

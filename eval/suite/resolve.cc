@@ -21,10 +21,10 @@ using config::Node;
 using nlohmann::ordered_json;
 
 /// Where a section is not there: nothing, placed where it would stand, so that messages have the file.
-Node section(MapReader& in, const Node& root, const char* name) {
+Node section(MapReader& in, const char* name) {
   if (const Node* node = in.get(name)) return *node;
   Node nothing;
-  nothing.mark = root.mark;
+  nothing.mark = in.mark();
   return nothing;
 }
 
@@ -73,10 +73,10 @@ Sections read_sections(const Node& root, const SuiteRobot& robot, std::vector<st
   Sections sections;
   sections.robot = robot;
   MapReader in(root, "");
-  sections.simulation = read_simulation(section(in, root, "simulation"), "simulation");
-  sections.success = read_success(section(in, root, "success"), "success", sections.simulation);
-  sections.stuck = read_stuck(section(in, root, "stuck"), "stuck", sections.simulation);
-  sections.infeasible = read_infeasible(section(in, root, "infeasible"), "infeasible");
+  sections.simulation = read_simulation(section(in, "simulation"), "simulation");
+  sections.success = read_success(section(in, "success"), "success", sections.simulation);
+  sections.stuck = read_stuck(section(in, "stuck"), "stuck", sections.simulation);
+  sections.infeasible = read_infeasible(section(in, "infeasible"), "infeasible");
   if (const Node* disturbances = in.get("disturbances"))
     sections.disturbances = read_disturbances(*disturbances, "disturbances");
   sections.worlds =
