@@ -2,112 +2,31 @@
 
 #include <coal/BVH/BVH_model.h>
 #include <coal/mesh_loader/loader.h>
-#include <coal/shape/convex.h>
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <new>
-#include <numbers>
-#include <set>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "controller/config/convex_hull.h"
 #include "controller/config/mesh_check.h"
 
 namespace moma::config {
 namespace {
 
-using Points = std::vector<coal::Vec3s>;
-
-// Greatest `distance` of a point of `cloud`, and the first point that has it.
-template <typename Measure>
-std::pair<double, Vector3> furthest(const Points& cloud, const Measure& distance) {
-  std::pair<double, Vector3> most(-1.0, cloud.front());
-  for (const Vector3& p : cloud) {
-    const double d = distance(p);
-    if (d > most.first) most = {d, p};
+/// None where too many faces meet in a vertex for coal to count: a disc's rim, cut into triangles from one point.
+std::optional<ConvexHull> exact_hull(const std::vector<Vector3>& cloud) {
+  try {
+    return convex_hull(cloud);
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception&) {
+    return std::nullopt;
   }
-  return most;
-}
-
-// Thickness over length below 1e-7. Qhull must not see such points: coal's build of it crashes when it has something to
-// complain about, since it is given a number in place of a file to write to.
-bool in_one_plane(const Points& cloud) {
-  constexpr double kThin = 1e-7;
-  const Vector3& a = cloud.front();
-  const auto [length, b] = furthest(cloud, [&](const Vector3& p) { return (p - a).norm(); });
-  if (!(length > 0.0)) return true;
-  const Vector3 along = (b - a) / length;
-  const auto [width, c] = furthest(cloud, [&](const Vector3& p) { return (p - a).cross(along).norm(); });
-  if (!(width > kThin * length)) return true;
-  const Vector3 normal = along.cross(c - a).normalized();
-  const double thickness = furthest(cloud, [&](const Vector3& p) { return std::abs(normal.dot(p - a)); }).first;
-  return !(thickness > kThin * length);
-}
-
-std::shared_ptr<ConvexHull> hull_of(const Points& cloud) {
-  if (cloud.size() < 4 || in_one_plane(cloud)) throw std::runtime_error("the points lie in one plane");
-  auto points = std::make_shared<Points>(cloud);
-  const std::unique_ptr<coal::ConvexBase> base(
-      coal::ConvexBase::convexHull(points, static_cast<unsigned>(points->size()), true, "Qt"));
-  const auto* convex = dynamic_cast<const coal::Convex<coal::Triangle>*>(base.get());
-  if (convex == nullptr) throw std::runtime_error("no triangles");
-  auto hull = std::make_shared<ConvexHull>();
-  hull->vertices.assign(convex->points->begin(), convex->points->end());
-  Vector3 centre = Vector3::Zero();
-  for (const Vector3& v : hull->vertices) centre += v / static_cast<double>(hull->vertices.size());
-  for (unsigned i = 0; i < convex->num_polygons; ++i) {
-    const coal::Triangle& t = (*convex->polygons)[i];
-    Eigen::Vector3i triangle(static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2]));
-    const Vector3& a = hull->vertices[t[0]];
-    const Vector3 normal = (hull->vertices[t[1]] - a).cross(hull->vertices[t[2]] - a);
-    if (normal.dot(a - centre) < 0.0) std::swap(triangle[1], triangle[2]);
-    hull->triangles.push_back(triangle);
-  }
-  return hull;
-}
-
-// The extreme points of `cloud` in `count` directions of a Fibonacci spiral on the sphere.
-Points extreme_points(const Points& cloud, int count) {
-  const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
-  std::set<std::size_t> chosen;
-  for (int k = 0; k < count; ++k) {
-    const double z = 1.0 - (2.0 * k + 1.0) / count;
-    const double r = std::sqrt(1.0 - z * z);
-    const Vector3 direction(r * std::cos(golden * k), r * std::sin(golden * k), z);
-    std::size_t best = 0;
-    for (std::size_t i = 1; i < cloud.size(); ++i)
-      if (cloud[i].dot(direction) > cloud[best].dot(direction)) best = i;
-    chosen.insert(best);
-  }
-  Points points;
-  for (const std::size_t i : chosen) points.push_back(cloud[i]);
-  return points;
-}
-
-// Scales the hull about its centre so that it encloses every point of `cloud`.
-void enclose(ConvexHull& hull, const Points& cloud) {
-  Vector3 centre = Vector3::Zero();
-  for (const Vector3& v : hull.vertices) centre += v / static_cast<double>(hull.vertices.size());
-  double factor = 1.0;
-  for (const Eigen::Vector3i& t : hull.triangles) {
-    const Vector3& a = hull.vertices[static_cast<std::size_t>(t[0])];
-    const Vector3 normal =
-        (hull.vertices[static_cast<std::size_t>(t[1])] - a).cross(hull.vertices[static_cast<std::size_t>(t[2])] - a);
-    const double reach = normal.dot(a - centre);
-    if (!(reach > 1e-12 * normal.norm())) continue;  // a sliver
-    for (const Vector3& p : cloud) factor = std::max(factor, normal.dot(p - centre) / reach);
-  }
-  for (Vector3& v : hull.vertices) v = centre + factor * (v - centre);
-}
-
-Eigen::AlignedBox3d box_of(const Points& points) {
-  Eigen::AlignedBox3d box;
-  for (const Vector3& p : points) box.extend(p);
-  return box;
 }
 
 /// Of what coal says of a file, the reason alone: around it are the place in coal's sources and a guess.
@@ -151,34 +70,33 @@ Mesh read_mesh(const std::filesystem::path& file, const Vector3& scale) {
   return mesh;
 }
 
-ConvexHull convex_hull(const std::vector<Vector3>& points) { return *hull_of(Points(points.begin(), points.end())); }
-
 MeshSolid mesh_solid(const std::filesystem::path& file, const Vector3& scale) {
-  const Mesh mesh = read_mesh(file, scale);
-  Points cloud(mesh.vertices.begin(), mesh.vertices.end());
+  return point_solid(read_mesh(file, scale).vertices);
+}
+
+MeshSolid point_solid(std::vector<Vector3> cloud) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3& p : cloud) box.extend(p);
 
   MeshSolid solid;
-  const Eigen::AlignedBox3d box = box_of(cloud);
   solid.X_MS.translation() = box.center();
-  if (box.sizes().minCoeff() > 1e-6) {
-    for (coal::Vec3s& p : cloud) p -= box.center();
-    try {
-      std::shared_ptr<ConvexHull> hull = hull_of(cloud);
-      if (static_cast<int>(hull->vertices.size()) > kMaxHullVertices) {
-        const Points outer(hull->vertices.begin(), hull->vertices.end());
-        hull = hull_of(extreme_points(outer, kMaxHullVertices));
-        enclose(*hull, outer);
-      }
-      solid.shape = {ShapeKind::kConvex, Vector3::Zero(), hull};
-      return solid;
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (const std::exception&) {
-      // In one plane: the box below stands for them.
-    }
+  for (Vector3& p : cloud) p -= box.center();
+  solid.flat = !(box.sizes().minCoeff() > 1e-6) || in_one_plane(cloud);
+  if (solid.flat) {
+    solid.shape = {ShapeKind::kBox, box.sizes().cwiseMax(1e-3), nullptr};
+    return solid;
   }
-  solid.flat = true;
-  solid.shape = {ShapeKind::kBox, box.sizes().cwiseMax(1e-3), nullptr};
+  std::optional<ConvexHull> whole = exact_hull(cloud);
+  if (!whole || static_cast<int>(whole->vertices.size()) > kHullVertices) {
+    for (const int vertices : {kHullVertices, kMostHullVertices}) {
+      const EnclosingHull around = enclosing_hull(whole ? whole->vertices : cloud, vertices);
+      solid.excess = excess(around.hull, whole ? *whole : around.inside);
+      solid.shape = {ShapeKind::kConvex, Vector3::Zero(), std::make_shared<ConvexHull>(around.hull)};
+      if (solid.excess <= kHullExcess) break;
+    }
+    return solid;
+  }
+  solid.shape = {ShapeKind::kConvex, Vector3::Zero(), std::make_shared<ConvexHull>(*std::move(whole))};
   return solid;
 }
 

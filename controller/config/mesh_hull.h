@@ -7,14 +7,18 @@
 
 namespace moma::config {
 
-/// Most vertices of a hull made from a mesh. A query climbs along the hull's edges, so its cost grows with them.
-inline constexpr int kMaxHullVertices = 96;
+/// Vertices of a hull made from a mesh: a query climbs along the hull's edges, so its cost grows with them.
+inline constexpr int kHullVertices = 96;
+inline constexpr int kMostHullVertices = 192;  ///< where kHullVertices are too coarse
+inline constexpr double kHullExcess =
+    2.5e-3;  ///< how far a hull may reach out of the exact one before it gets those [m]
 
 /// A solid made from a mesh, and where it stands in the mesh's frame M.
 struct MeshSolid {
   Shape shape;
   Isometry X_MS = Isometry::Identity();
-  bool flat = false;  ///< the mesh has no volume: `shape` is its bounding box, at least 1 mm thick
+  double excess = 0.0;  ///< how far `shape` reaches out of the hull of all vertices [m]
+  bool flat = false;    ///< the mesh has no volume: `shape` is its bounding box, at least 1 mm thick
 };
 
 /// A surface as its file has it, in the mesh's frame M [m]; it need not be closed, and orientation means nothing.
@@ -28,14 +32,12 @@ struct Mesh {
 /// kinds, larger or with more in it than controller/config/mesh_check.h accepts, unreadable, empty, not finite.
 Mesh read_mesh(const std::filesystem::path& file, const Vector3& scale);
 
-/// Convex hull (Qhull, through coal), exact to rounding; its vertices are some of `points`. Throws std::runtime_error
-/// where the points lie in one plane.
-ConvexHull convex_hull(const std::vector<Vector3>& points);
+/// Convex hull of points (one or more, finite), in a frame at the centre of their bounding box. A hull of more than
+/// kHullVertices is replaced by an enclosing_hull() of so many, or of kMostHullVertices where it would reach further
+/// out than kHullExcess.
+MeshSolid point_solid(std::vector<Vector3> cloud);
 
-/// Convex hull of all vertices of a mesh file.
-/// The hull's frame is at the centre of its bounding box. A hull of more than kMaxHullVertices is replaced by the
-/// hull of its extreme points in as many evenly spread directions, blown up about its centre until it encloses the
-/// whole mesh again (typically by 1 or 2 %). Throws std::runtime_error: unreadable, empty, not finite.
+/// Of all vertices of a mesh file. Throws std::runtime_error: unreadable, empty, not finite.
 MeshSolid mesh_solid(const std::filesystem::path& file, const Vector3& scale);
 
 }  // namespace moma::config

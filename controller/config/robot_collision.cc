@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <map>
 #include <memory>
 #include <new>
@@ -185,6 +187,14 @@ class CollisionReader {
             if (at->second.flat)
               build_.warnings.push_back("link " + source.name + ": the flat mesh " + geometry.mesh +
                                         " became a thin box");
+            if (at->second.excess > 0.0) {
+              std::array<char, 32> text{};
+              std::snprintf(text.data(), text.size(), "%.2g", 1e3 * at->second.excess);
+              build_.notes.push_back("link " + source.name + ": its hull of " +
+                                     std::to_string(at->second.shape.hull->vertices.size()) +
+                                     " vertices exceeds the exact hull of " + file.filename().string() + " by up to " +
+                                     text.data() + " mm");
+            }
             add(link, at->second.shape, geometry.X_LS * at->second.X_MS);
           } catch (const ConfigError&) {
             throw;

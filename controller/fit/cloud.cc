@@ -8,7 +8,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "controller/config/mesh_hull.h"
+#include "controller/config/convex_hull.h"
 
 namespace moma::fit {
 namespace {

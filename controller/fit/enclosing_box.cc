@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "controller/config/mesh_hull.h"
+#include "controller/config/convex_hull.h"
 #include "controller/fit/enclosing.h"
 #include "controller/fit/minimise.h"
 

@@ -362,7 +362,7 @@ TEST_F(RobotFileErrors, LargeHullsAreSimplifiedOutwards) {
   const config::LoadedRobot robot = load(replaced(kRobot, "collision:\n", "collision:\n  from: urdf\n"));
   const CollisionShape& shape = robot.model->shapes.back();
   ASSERT_TRUE(shape.shape.hull);
-  EXPECT_LE(shape.shape.hull->vertices.size(), 96U);
+  EXPECT_LE(shape.shape.hull->vertices.size(), 192U);
   EXPECT_GE(shape.shape.hull->vertices.size(), 60U);
   const auto& vertices = shape.shape.hull->vertices;
   double outmost = -1.0;
@@ -373,7 +373,7 @@ TEST_F(RobotFileErrors, LargeHullsAreSimplifiedOutwards) {
     for (const Vector3& p : points) outmost = std::max(outmost, n.dot(shape.X_LS.inverse() * p - a));
   }
   EXPECT_LT(outmost, 1e-5);  // the file has six digits
-  EXPECT_LT(bounding_radius(shape.shape), 1.1);
+  EXPECT_LT(bounding_radius(shape.shape), 1.03);
 }
 
 }  // namespace

@@ -131,7 +131,7 @@ TEST_P(RobotFileOf, IsConsistent) {
       EXPECT_TRUE(shape.rigid_with_base);
     }
     if (!shape.shape.hull) continue;
-    EXPECT_LE(shape.shape.hull->vertices.size(), 96U) << shape.name;
+    EXPECT_LE(shape.shape.hull->vertices.size(), 192U) << shape.name;
     // Closed and oriented outwards: Euler's formula, and the origin (the centre of its box) on every face's inner side.
     EXPECT_EQ(shape.shape.hull->triangles.size(), 2 * shape.shape.hull->vertices.size() - 4) << shape.name;
     for (const Eigen::Vector3i& t : shape.shape.hull->triangles) {
