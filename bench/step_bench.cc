@@ -3,6 +3,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include <memory>
 #include <random>
 
 #include "controller/config/controller_file.h"
@@ -10,8 +11,8 @@
 #include "controller/controller.h"
 #include "controller/controller_core.h"
 #include "controller/model/manipulability.h"
-#include "controller/qp/terms.h"
-#include "controller/qp/tracking.h"
+#include "controller/qp/pose.h"
+#include "controller/situation.h"
 
 namespace moma {
 namespace {
@@ -159,50 +160,30 @@ BENCHMARK(PartDistances)->Arg(10)->Arg(40)->ArgName("objects");
 
 // Terms, tracking, bounds, wheels and collision rows; distances known.
 void PartRows(benchmark::State& state) {
-  const ControllerParams params = preset("holistic");
-  const Drive drive(params, static_cast<int>(state.range(0)));
   const auto model = frankie();
-  const VelocityBounds bounds(*model, params, 0.02);
-  CollisionRows collision(*model, params.collision, {*model, params.acceleration_limit, false},
-                          {params.uncertainty, model->base_dof()});
-  const int rows = 8 + collision.allocate(static_cast<int>(drive.shapes.size()));
-  QpProblem problem;
-  problem.allocate(15, rows);
-  Proximity proximity(model);
-  proximity.set_objects(drive.shapes);
-  std::vector<Kinematics> kin;
-  std::vector<std::vector<ProximityPair>> pairs;
-  for (const Observation& o : drive.states) {
-    kin.emplace_back(model);
-    kin.back().update(o.base, o.q);
-    const auto near = proximity.query(kin.back(), o.objects, collision.ranges());
-    pairs.emplace_back(near.begin(), near.end());
+  const ControllerParams params = resolved(preset("holistic"), *model);
+  const Drive drive(params, static_cast<int>(state.range(0)));
+  struct Look {
+    explicit Look(const ControllerParams& p) : assessment(frankie(), p), poser(frankie(), p, 0.02) {}
+    Assessment assessment;
+    QpPoser poser;
+  };
+  std::vector<std::unique_ptr<Look>> looks;
+  std::vector<Situation> situations;
+  constexpr std::size_t kEvery = 8;
+  for (std::size_t i = 0; i < drive.states.size(); i += kEvery) {
+    looks.push_back(std::make_unique<Look>(params));
+    looks.back()->poser.set_objects(drive.shapes);
+    situations.push_back(looks.back()->assessment.assess(drive.states[i], {}, nullptr));
+    looks.back()->poser.look(situations.back());
   }
-  VectorX low(9), high(9);
-  const VectorX J_m = VectorX::Ones(7);
   std::size_t i = 0;
   double count = 0;
   for (auto _ : state) {
-    const Observation& o = drive.states[i];
-    problem.clear();
-    Task task;
-    task.error = pose_error(kin[i].X_WE(), o.goal.X_WG);
-    task.nu = servo_twist(params.servo, task.error, o.goal.V_WG_W);
-    task.error_norm = error_norm(params.error_norm, task.error);
-    task.theta_eps = bearing(kin[i].X_WB(), kin[i].X_WE().translation());
-    bounds.joint_limits(o.q, low, high);
-    bounds.acceleration(o.qdot, low, high, problem.lb.head(9), problem.ub.head(9));
-    add_base_term(params, 2, task, problem);
-    add_manipulability_term(params.manipulability, 2, J_m, problem);
-    add_slack_term(params.slack, 9, task, problem);
-    add_acceleration_term(params.acceleration_weight, o.qdot, problem);
-    add_tracking_rows(kin[i].J_WE_W(), task.nu, params.tracking_band, true, problem);
-    collision.select(pairs[i]);
-    collision.add(kin[i], proximity, o.objects, {}, problem);
-    add_wheel_rows(model->base, problem);
-    count += problem.rows;
-    benchmark::DoNotOptimize(problem.A.data());
-    i = i + 1 < drive.states.size() ? i + 1 : 0;
+    const Posed posed = looks[i]->poser.pose({.task = situations[i].servo}, situations[i]);
+    count += posed.problem.rows;
+    benchmark::DoNotOptimize(posed.problem.A.data());
+    i = i + 1 < looks.size() ? i + 1 : 0;
   }
   state.counters["rows"] = count / static_cast<double>(state.iterations());
 }

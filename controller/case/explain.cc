@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "controller/case/case_step.h"
-#include "controller/case/cost_terms.h"
 #include "controller/case/infeasible_set.h"
 #include "controller/case/plan_words.h"
 #include "controller/case/solve.h"
@@ -41,27 +40,26 @@ std::string unit_of(const ControllerCore& controller, int variable) {
   return variable - model.num_velocities() < 3 ? "rad/s" : "m/s";
 }
 
-// Which of speed limit, joint limit and acceleration makes this bound.
+// What makes this bound: read from the bounds that the step had.
 std::string bound_cause(const CaseStep& step, int variable, bool upper, double bound) {
   const ControllerCore& controller = step.controller;
   const RobotModel& model = controller.model();
-  const int velocities = model.num_velocities();
-  if (variable >= velocities) return "the slack's limit";
-  const VelocityBounds bounds(model, controller.params(), controller.control_period());
-  VectorX lower_hard(velocities), upper_hard(velocities);
-  bounds.joint_limits(step.given.observation.q, lower_hard, upper_hard);
-  const double hard = upper ? upper_hard[variable] : lower_hard[variable];
-  if (bound != hard) return "the acceleration limit";
-  const double speed = (upper ? 1.0 : -1.0) * bounds.speed()[variable];
-  if (hard == speed || variable < model.base_dof()) return "the speed limit";
-  const ControlledJoint& joint = model.joints[static_cast<std::size_t>(variable - model.base_dof())];
-  const double q = step.given.observation.q[variable - model.base_dof()];
+  if (variable >= model.num_velocities()) return "the slack's limit";
+  const Bounds& bounds = controller.bounds();
+  const bool base = variable < model.base_dof();
+  if (base && controller.asked().base)
+    return controller.evades() ? "the base's backup trajectory" : "the base stands while the arm moves";
+  if (bound == (upper ? 1.0 : -1.0) * controller.limits().speed()[variable]) return "the speed limit";
+  if (base || bound != (upper ? bounds.hard_upper : bounds.hard_lower)[variable]) return "the acceleration limit";
+  const int i = variable - model.base_dof();
+  const ControlledJoint& joint = model.joints[static_cast<std::size_t>(i)];
+  const double q = controller.kinematics().q()[i];
   const double room = upper ? joint.upper - q : q - joint.lower;
   return std::string("the ") + (upper ? "upper" : "lower") + " joint limit, " + number(room) + " away";
 }
 
 // What a row asks, in words.
-std::string row_meaning(const CaseStep& step, const QpProblem& problem, int row) {
+std::string row_meaning(const QpProblem& problem, int row) {
   const RowId& id = problem.ids[static_cast<std::size_t>(row)];
   switch (id.kind) {
     case RowKind::kTracking: {
@@ -87,14 +85,7 @@ std::string row_meaning(const CaseStep& step, const QpProblem& problem, int row)
     case RowKind::kSelf:
       break;
   }
-  std::string text;
-  for (const ProximityPair& pair : step.controller.distances()) {
-    const PairKind kind = id.kind == RowKind::kObject  ? PairKind::kObject
-                          : id.kind == RowKind::kFloor ? PairKind::kFloor
-                                                       : PairKind::kSelf;
-    if (pair.kind == kind && pair.first == id.first && (kind == PairKind::kFloor || pair.second == id.second))
-      text = (pair.distance.d < 0.0 ? "overlapping by " : "distance ") + number(std::abs(pair.distance.d)) + " m, ";
-  }
+  const std::string text = (id.d < 0.0 ? "overlapping by " : "distance ") + number(std::abs(id.d)) + " m, ";
   // The row says -n^T v <= bound: a negative bound asks for a retreat.
   const double bound = problem.ubA[row];
   return text + (bound >= 0.0 ? "may approach at no more than " : "must retreat at no less than ") +
@@ -114,7 +105,7 @@ std::string describe_active(const CaseStep& step, const StageCheck& check) {
     if (kind == RowKind::kTracking) continue;  // told apart, by the slack
     const double value = p.A.row(i).dot(check.x);
     if (p.ubA[i] - value > kActive && value - p.lbA[i] > kActive) continue;
-    active.push_back({step.controller.row_name(i) + ": " + row_meaning(step, p, i), std::abs(check.report.y[i])});
+    active.push_back({step.controller.row_name(i) + ": " + row_meaning(p, i), std::abs(check.report.y[i])});
   }
   const int named = step.controller.problem().n();
   for (int i = 0; i < named; ++i) {
@@ -134,16 +125,17 @@ std::string describe_active(const CaseStep& step, const StageCheck& check) {
 }
 
 std::string describe_cost(const CaseStep& step) {
-  std::vector<CostTerm> terms = cost_terms(step);
+  std::vector<TermCost> terms = step.controller.term_costs();
   std::stable_sort(terms.begin(), terms.end(),
-                   [](const CostTerm& a, const CostTerm& b) { return std::abs(a.value) > std::abs(b.value); });
+                   [](const TermCost& a, const TermCost& b) { return std::abs(a.value) > std::abs(b.value); });
   std::string out = "Cost " + number(step.controller.cost()) + ", largest term first";
   const double total = std::accumulate(terms.begin(), terms.end(), 0.0,
-                                       [](double sum, const CostTerm& t) { return sum + std::abs(t.value); });
-  out += total > 0.0 ? ": " + terms.front().name + " dominates.\n" : ".\n";
-  for (const CostTerm& term : terms) {
+                                       [](double sum, const TermCost& t) { return sum + std::abs(t.value); });
+  out += total > 0.0 ? ": " + std::string(terms.front().words) + " dominates.\n" : ".\n";
+  for (const TermCost& term : terms) {
     const double share = total > 0.0 ? 100.0 * std::abs(term.value) / total : 0.0;
-    out += "  " + number(term.value, "%10.3g") + "  " + number(share, "%3.0f") + " %  " + term.name + "\n";
+    out +=
+        "  " + number(term.value, "%10.3g") + "  " + number(share, "%3.0f") + " %  " + std::string(term.words) + "\n";
   }
   return out;
 }
@@ -155,7 +147,7 @@ std::string describe_infeasible(const CaseStep& step) {
   std::string out = "These cannot be met together (without any one of them the others can):\n";
   for (const ConstraintId& id : set) {
     if (id.kind == ConstraintId::Kind::kRow) {
-      out += "  " + step.controller.row_name(id.index) + ": " + row_meaning(step, problem, id.index) + "\n";
+      out += "  " + step.controller.row_name(id.index) + ": " + row_meaning(problem, id.index) + "\n";
       continue;
     }
     const bool upper = id.kind == ConstraintId::Kind::kUpperBound;

@@ -14,7 +14,7 @@ class DampedInverse {
  public:
   /// J is 6 x num_velocities, finite; damping >= 0.
   void update(const Matrix6X& J, double damping) noexcept;
-  /// J^+ nu.
+  /// J^+ nu: resolved-rate motion control (Whitney 1969; the baseline of MMC, arXiv 2002.11901).
   void apply(const Matrix6X& J, const Vector6& nu, VectorX& out) const noexcept;
   double smallest_singular_value() const noexcept { return s_min_; }
   double damping_squared() const noexcept { return damping_squared_; }
@@ -24,9 +24,6 @@ class DampedInverse {
   double s_min_ = 0.0;
   double damping_squared_ = 0.0;
 };
-
-/// Resolved-rate motion control: qdot = J^+ nu (Whitney 1969; the baseline of MMC, arXiv 2002.11901).
-void rrmc(const DampedInverse& inverse, const Matrix6X& J, const Vector6& nu, VectorX& qdot) noexcept;
 
 /// qdot += (I - J^+ J) gradient; `gradient` has one value per velocity and is overwritten.
 void add_projected(const DampedInverse& inverse, const Matrix6X& J, VectorX& gradient, VectorX& scratch,

@@ -147,7 +147,9 @@ bool CollisionRows::fill(const Kinematics& kinematics, const ProximityPair& pair
   }
   // Written so that a NaN keeps the row: the solver's input check then reports it.
   if (row_.cwiseAbs().maxCoeff() < kNoEffect) return false;
-  const int row = problem.append({row_kind(pair.kind), pair.first, pair.second, end, moves}, -kInfinity, limit);
+  const int row = problem.append(
+      {row_kind(pair.kind), pair.first, pair.second, end, moves, distance.d, distance.p_first_W, distance.p_second_W},
+      -kInfinity, limit);
   if (row < 0) return false;
   problem.A.row(row).head(row_.size()) = row_.transpose();
   return true;

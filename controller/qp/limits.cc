@@ -36,6 +36,44 @@ VelocityBounds::VelocityBounds(const RobotModel& model, const ControllerParams& 
   for (const double a : params.acceleration_limit) has_acceleration_ = has_acceleration_ || std::isfinite(a);
 }
 
+void Bounds::allocate(int num_velocities) {
+  lower = upper = hard_lower = hard_upper = VectorX::Zero(num_velocities);
+  pair = {};
+}
+
+void Bounds::hold_base(int base_dof, const Vector3& velocity) noexcept {
+  for (int i = 0; i < base_dof; ++i) {
+    const double held = std::min(std::max(velocity[i], lower[i]), upper[i]);
+    lower[i] = upper[i] = hard_lower[i] = hard_upper[i] = held;
+  }
+}
+
+void VelocityBounds::bound(const VectorX& q, const VectorX& qdot, Bounds& out) const noexcept {
+  joint_limits(q, out.hard_lower, out.hard_upper);
+  acceleration(qdot, out.hard_lower, out.hard_upper, out.lower, out.upper);
+  out.pair = linear_pair(qdot);
+  if (!hard_base_) return;
+  // What the drives can do holds in every stage of the fallback.
+  out.hard_lower.head(base_dof_) = out.lower.head(base_dof_);
+  out.hard_upper.head(base_dof_) = out.upper.head(base_dof_);
+}
+
+void VelocityBounds::brake(const VectorX& q, const VectorX& qdot, Bounds& work, VectorX& command) const noexcept {
+  const bool measured = qdot.size() == speed_.size();
+  work.hard_lower = -speed_;
+  work.hard_upper = speed_;
+  if (q.size() == q_lower_.size()) joint_limits(q, work.hard_lower, work.hard_upper);
+  work.lower = work.hard_lower;
+  work.upper = work.hard_upper;
+  if (measured) acceleration(qdot, work.hard_lower, work.hard_upper, work.lower, work.upper);
+  for (Eigen::Index i = 0; i < command.size(); ++i) {
+    const bool known = measured && std::isfinite(qdot[i]);
+    command[i] = known ? braking(work.lower[i], work.upper[i]) : braking(work.hard_lower[i], work.hard_upper[i]);
+  }
+  work.pair = measured && qdot.allFinite() ? linear_pair(qdot) : LinearPair{};
+  if (work.pair.on) smallest_command(work.lower.head(2), work.upper.head(2), work.pair, command.head(2));
+}
+
 void VelocityBounds::joint_limits(const Eigen::Ref<const VectorX>& q, Eigen::Ref<VectorX> lower,
                                   Eigen::Ref<VectorX> upper) const noexcept {
   for (int i = 0; i < base_dof_; ++i) {

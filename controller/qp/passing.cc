@@ -56,14 +56,14 @@ PassingRows::PassingRows(const RobotModel& model, const CollisionParams& params)
 
 int PassingRows::allocate(int num_objects) {
   const std::size_t pairs = shapes_.size() * static_cast<std::size_t>(num_objects);
-  candidates_.clear();
-  candidates_.reserve(pairs);
+  chosen_.clear();
+  chosen_.reserve(pairs);
   return static_cast<int>(std::min(pairs, max_rows_));
 }
 
 void PassingRows::select(const Kinematics& kinematics, const Proximity& proximity,
                          std::span<const ObjectState> states) noexcept {
-  candidates_.clear();
+  chosen_.clear();
   if (shapes_.empty()) return;
   const std::size_t count = std::min(states.size(), static_cast<std::size_t>(proximity.num_objects()));
   for (std::size_t j = 0; j < count; ++j) {
@@ -78,7 +78,7 @@ void PassingRows::select(const Kinematics& kinematics, const Proximity& proximit
       if (lowest_point(shape.shape, X_WS) > top || highest_point(shape.shape, X_WS) < bottom) continue;
       const Vector3 centre = horizontal(state.X_WO.translation() - X_WS.translation());
       const double distance = centre.norm();
-      if (!(distance > kTiny) || candidates_.size() == candidates_.capacity()) continue;
+      if (!(distance > kTiny) || chosen_.size() == chosen_.capacity()) continue;
       const Vector3 to = centre / distance;
       const double gap = to.dot(support_point(object, state.X_WO, -to) - support_point(shape.shape, X_WS, to));
       // The fastest that the shape's centre can go: it is turned about B as well.
@@ -86,30 +86,30 @@ void PassingRows::select(const Kinematics& kinematics, const Proximity& proximit
       const double fastest =
           std::sqrt(static_cast<double>(kind_of(model_->base.type).num_linear())) * model_->base.max_linear +
           offset * model_->base.max_angular;
-      if (gap < params_.horizon * (speed + fastest)) candidates_.push_back({gap, i, static_cast<int>(j)});
+      if (gap < params_.horizon * (speed + fastest)) chosen_.push_back({gap, i, static_cast<int>(j)});
     }
   }
-  std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
+  std::sort(chosen_.begin(), chosen_.end(), [](const ApproachingPair& a, const ApproachingPair& b) {
     if (a.gap != b.gap) return a.gap < b.gap;
     return a.object != b.object ? a.object < b.object : a.shape < b.shape;
   });
 }
 
-bool PassingRows::near() const noexcept { return !candidates_.empty() && candidates_.front().gap < kNear; }
+bool PassingRows::near() const noexcept { return !chosen_.empty() && chosen_.front().gap < kNear; }
 
 void PassingRows::add(const Kinematics& kinematics, const Proximity& proximity, std::span<const ObjectState> states,
                       QpProblem& problem) noexcept {
-  const std::size_t kept = std::min(candidates_.size(), max_rows_);
+  const std::size_t kept = std::min(chosen_.size(), max_rows_);
   for (std::size_t k = 0; k < kept; ++k) {
-    const Candidate& candidate = candidates_[k];
-    append(kinematics, candidate, proximity.object_shape(candidate.object),
-           states[static_cast<std::size_t>(candidate.object)], problem);
+    const ApproachingPair& pair = chosen_[k];
+    append(kinematics, pair, proximity.object_shape(pair.object), states[static_cast<std::size_t>(pair.object)],
+           problem);
   }
 }
 
-void PassingRows::append(const Kinematics& kinematics, const Candidate& candidate, const Shape& object,
+void PassingRows::append(const Kinematics& kinematics, const ApproachingPair& pair, const Shape& object,
                          const ObjectState& state, QpProblem& problem) noexcept {
-  const CollisionShape& shape = model_->shapes[static_cast<std::size_t>(candidate.shape)];
+  const CollisionShape& shape = model_->shapes[static_cast<std::size_t>(pair.shape)];
   const Isometry X_WS = kinematics.X_WS(shape);
   const Vector3 v = horizontal(state.V_WO_W.tail<3>());
   const Tangent tangent = passing_tangent(shape.shape, X_WS, object, state.X_WO, v);
@@ -119,8 +119,10 @@ void PassingRows::append(const Kinematics& kinematics, const Candidate& candidat
   kinematics.point_jacobian(shape.link, X_WS.translation(), J_);
   row_.noalias() = -J_.transpose() * n;
   if (row_.cwiseAbs().maxCoeff() < kNoEffect) return;
-  const double limit = std::max(candidate.gap, 0.0) / params_.horizon - n.dot(v);
-  const int row = problem.append({RowKind::kPassing, candidate.shape, candidate.object}, -kInfinity, limit);
+  const double limit = std::max(pair.gap, 0.0) / params_.horizon - n.dot(v);
+  const Vector3 centre = X_WS.translation();
+  const int row = problem.append({RowKind::kPassing, pair.shape, pair.object, 0, true, pair.gap, centre, centre + n},
+                                 -kInfinity, limit);
   if (row < 0) return;
   problem.A.row(row).head(row_.size()) = row_.transpose();
 }

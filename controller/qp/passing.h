@@ -56,18 +56,18 @@ class PassingRows {
   bool near() const noexcept;
 
  private:
-  struct Candidate {
+  struct ApproachingPair {
     double gap;
     int shape, object;
   };
-  void append(const Kinematics& kinematics, const Candidate& candidate, const Shape& object, const ObjectState& state,
+  void append(const Kinematics& kinematics, const ApproachingPair& pair, const Shape& object, const ObjectState& state,
               QpProblem& problem) noexcept;
 
   const RobotModel* model_;
   PassingParams params_;
   std::size_t max_rows_;
   std::vector<int> shapes_;  // rigid with the base; none where it does not drive
-  std::vector<Candidate> candidates_;
+  std::vector<ApproachingPair> chosen_;
   Matrix3X J_;
   VectorX row_;
 };

@@ -14,24 +14,29 @@ using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::R
 
 enum class RowKind { kTracking, kObject, kFloor, kSelf, kPassing, kSeparation, kWheel, kDrive };
 
-/// Rows that bound how fast a distance shrinks.
+/// Whether the row bounds how fast a distance shrinks.
 constexpr bool is_collision(RowKind kind) noexcept {
   return kind == RowKind::kObject || kind == RowKind::kFloor || kind == RowKind::kSelf;
 }
 
-/// Below this largest coefficient [m/s per unit velocity] a row about a distance holds nothing the robot can do.
+/// A row about a distance whose largest coefficient is below this bounds no motion of the robot [m/s per unit
+/// velocity].
 inline constexpr double kNoEffect = 1e-9;
 
-/// What a constraint row is about, enough to name it later. tracking: (component 0-5, -); object: (robot shape,
-/// object); floor: (robot shape, -); self: (robot shape, robot shape); passing and separation: (robot shape, object);
-/// wheel: (wheel, -); drive: (0 or 1: the diagonal x + y or x - y, -). An object's row may be that of a capsule's end:
-/// 1, 2 of the robot's shape, 3, 4 of the object's; 0 is the usual row.
+/// Subject of a constraint row, with the numbers that it was made of. tracking: (component 0-5, -); object: (robot
+/// shape, object); floor: (robot shape, -); self: (robot shape, robot shape); passing and separation: (robot shape,
+/// object); wheel: (wheel, -); drive: (0 or 1: the diagonal x + y or x - y, -).
 struct RowId {
   RowKind kind = RowKind::kTracking;
   int first = 0;
   int second = 0;
-  int end = 0;
-  bool moves = false;  ///< it is about an object in motion
+  int end = 0;  ///< of an object's row: a capsule's end, 1, 2 of the robot's shape, 3, 4 of the object's; 0: none
+  bool moves = false;  ///< the object is in motion
+  /// Distance of the two shapes and their nearest points [m]. A passing row has the gap along the line of centres, the
+  /// centre of the robot's shape, and a point 1 m from it on the side that the robot keeps to. Other rows have zeros.
+  double d = 0.0;
+  Vector3 p_first_W = Vector3::Zero();
+  Vector3 p_second_W = Vector3::Zero();
 };
 
 /// min 1/2 x^T diag(H) x + g^T x  subject to  lbA <= A x <= ubA, lb <= x <= ub (the form of qpOASES).

@@ -30,8 +30,8 @@ int SeparationRows::allocate(int num_objects) {
   if (!on_) return 0;
   const std::size_t pairs = model_->shapes.size() * static_cast<std::size_t>(num_objects);
   moving_.assign(static_cast<std::size_t>(num_objects), ObjectState{});
-  candidates_.clear();
-  candidates_.reserve(pairs);
+  chosen_.clear();
+  chosen_.reserve(pairs);
   return static_cast<int>(std::min(pairs, max_rows_));
 }
 
@@ -64,20 +64,22 @@ void SeparationRows::add(const Kinematics& kinematics, Proximity& proximity, std
   }
   if (!any) return;
   const std::span<const ProximityPair> pairs = proximity.query(kinematics, moving_, {params_.range, -1.0, -1.0});
-  candidates_.clear();
-  for (std::size_t i = 0; i < pairs.size() && candidates_.size() < candidates_.capacity(); ++i) {
+  chosen_.clear();
+  for (std::size_t i = 0; i < pairs.size() && chosen_.size() < chosen_.capacity(); ++i) {
     const double speed = fill(kinematics, pairs[i], spreads);
     if (!(row_.cwiseAbs().maxCoeff() < kNoEffect) && !(row_.cwiseAbs().dot(most_) <= speed))
-      candidates_.push_back({speed, static_cast<int>(i)});
+      chosen_.push_back({speed, static_cast<int>(i)});
   }
-  std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
+  std::sort(chosen_.begin(), chosen_.end(), [](const SlowingPair& a, const SlowingPair& b) {
     return a.speed < b.speed || (a.speed == b.speed && a.pair < b.pair);
   });
-  const std::size_t kept = std::min(candidates_.size(), max_rows_);
+  const std::size_t kept = std::min(chosen_.size(), max_rows_);
   for (std::size_t k = 0; k < kept; ++k) {
-    const ProximityPair& pair = pairs[static_cast<std::size_t>(candidates_[k].pair)];
+    const ProximityPair& pair = pairs[static_cast<std::size_t>(chosen_[k].pair)];
     const double speed = fill(kinematics, pair, spreads);
-    const int row = problem.append({RowKind::kSeparation, pair.first, pair.second, 0, true}, -kInfinity, speed);
+    const int row = problem.append({RowKind::kSeparation, pair.first, pair.second, 0, true, pair.distance.d,
+                                    pair.distance.p_first_W, pair.distance.p_second_W},
+                                   -kInfinity, speed);
     if (row < 0) return;
     problem.A.row(row).head(row_.size()) = row_.transpose();
   }

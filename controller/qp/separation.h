@@ -44,7 +44,7 @@ class SeparationRows {
            std::span<const PlaceSpread> spreads, QpProblem& problem) noexcept;
 
  private:
-  struct Candidate {
+  struct SlowingPair {
     double speed;
     int pair;
   };
@@ -58,7 +58,7 @@ class SeparationRows {
   Uncertainty uncertainty_;
   VectorX most_;  // speeds of all velocities
   std::vector<ObjectState> moving_;
-  std::vector<Candidate> candidates_;
+  std::vector<SlowingPair> chosen_;
   Matrix3X J_;
   VectorX row_;
 };

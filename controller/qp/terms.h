@@ -1,34 +1,58 @@
 #pragma once
 
-#include "controller/params.h"
+#include <array>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "controller/qp/limits.h"
 #include "controller/qp/problem.h"
-#include "controller/step.h"
-#include "controller/task/servo.h"
+#include "controller/situation.h"
 
 namespace moma {
 
-/// The terms of the objective, one file each. Every function adds its part of the diagonal of Q and of C; a term
-/// whose weight is zero leaves no trace. Velocities come first in x: base (base_dof), then joints, then delta.
-/// None takes memory or throws.
+/// Task of one step that the QP solves. A policy (policy/policy.h) or a guard (guard/guard.h) fills it.
+struct QpTask {
+  /// Velocities that the objective pulls the robot to, in place of the terms about base, joints and manipulability.
+  struct Pull {
+    const VectorX* velocities = nullptr;  ///< one per velocity; null: zero
+    double base_weight = 0.0;
+    double joint_weight = 0.0;
+  };
 
-/// Q1's w_b I and lambda_qa, and C1's -k_eps theta_eps on the base's omega (the article's first objective).
-void add_base_term(const ControllerParams& params, int base_dof, const Task& task, QpProblem& problem) noexcept;
+  Task task;                               ///< twist of E, scale of its slack, whether a detour bends it
+  std::optional<Pull> pull = {};           ///< empty: base, joints and manipulability have their own terms
+  const VelocityBounds* bounds = nullptr;  ///< null: the builder's own
+  std::optional<Vector3> base = {};        ///< velocity to which the base is held, clipped into its bounds
+  bool evades = false;  ///< `base` begins a backup trajectory: rows about the base's way are left out
+};
 
-/// C1's -lambda_m J_m on the joints; `gradient` has one value per joint.
-void add_manipulability_term(const ManipulabilityParams& params, int base_dof, const VectorX& gradient,
-                             QpProblem& problem) noexcept;
+/// Value of one term of the objective at a solution: its part of 1/2 x^T H x + g^T x.
+struct TermCost {
+  std::string_view words;
+  double value = 0.0;
+};
 
-/// Q1's lambda_delta I on delta. With 1/||e|| or a constant; 0 leaves delta free, as the article allows.
-void add_slack_term(const SlackParams& params, int num_velocities, const Task& task, QpProblem& problem) noexcept;
+/// Objective of the QP: a sum of terms, listed with their words in terms.cc. Each term writes its own part of the
+/// diagonal of H and of g. The parts are kept, so that an explanation reads what the step used. Velocities come first
+/// in x: base, then joints, then delta. Only allocate() and costs() take memory.
+class Objective {
+ public:
+  static constexpr int kTerms = 9;
 
-/// Q2 = diag(lambda_qdd, 0), C2 = -(qdot_r^T lambda_qdd, 0); qdot_r is the measured velocity.
-void add_acceleration_term(const VectorX& weight, const VectorX& qdot_measured, QpProblem& problem) noexcept;
+  void allocate(int num_variables);
+  /// No terms: costs() is empty.
+  void clear() noexcept { on_ = {}; }
+  /// Writes problem.H and problem.g.
+  void pose(const ControllerParams& params, const RobotModel& model, const Situation& now, const QpTask& asked,
+            QpProblem& problem) noexcept;
+  /// Costs of the terms of the last pose() that are switched on, in the order of controller.md, at x. Their sum is
+  /// QpProblem::cost(x).
+  std::vector<TermCost> costs(const VectorX& x) const;
 
-/// Q3 = diag(0, lambda_qd, 0), C3 = -(0, qd_des^T lambda_qd, 0), qd_des = k_posture (target - q).
-void add_posture_term(const PostureParams& params, int base_dof, const VectorX& target, const VectorX& q,
-                      QpProblem& problem) noexcept;
-
-/// 1/||e|| or the constant.
-double weight_value(const Weight& weight, const Task& task) noexcept;
+ private:
+  MatrixX H_, g_;  // one column per term
+  std::array<bool, kTerms> on_ = {};
+};
 
 }  // namespace moma

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "controller/case/cost_terms.h"
+#include "controller/case/case_step.h"
 #include "controller/case/infeasible_set.h"
 #include "controller/case/solve.h"
 #include "controller/solver/solver.h"
@@ -57,7 +57,7 @@ TEST(CaseExplain, TermsAddUpToTheCost) {
     const ControlCase given = read_case(file);
     const CaseStep step(given);
     double sum = 0.0;
-    for (const CostTerm& term : cost_terms(step)) sum += term.value;
+    for (const TermCost& term : step.controller.term_costs()) sum += term.value;
     EXPECT_NEAR(sum, step.controller.cost(), 1e-12 * std::max(1.0, std::abs(sum))) << file;
   }
 }
@@ -112,6 +112,26 @@ TEST(CaseExplain, AccelerationAndClosedForms) {
   EXPECT_TRUE(json["Q"].empty());
   EXPECT_TRUE(json["kkt_residual"].is_null());
   EXPECT_EQ(json["qdot"].size(), 7u);
+}
+
+TEST(CaseExplain, TellsABaseHeldByItsDrivesFromOneAtItsSpeedLimit) {
+  ControlCase given = read_case(kCases / "frankie_119.json");
+  given.objects.clear();
+  given.observation.objects.clear();
+  given.observation.qdot.setZero();
+  given.controller.base_weight = {false, 1e-6};
+  given.observation.goal.X_WG.translation() += Vector3(30.0, 30.0, 0.0);
+  EXPECT_TRUE(mentions(explain(given), "m/s: the speed limit")) << explain(given);
+  given.controller.base_share = 0.5;
+  EXPECT_TRUE(mentions(explain(given), "m/s: the acceleration limit")) << explain(given);
+  given.controller.base_share = 0.0;
+  given.controller.separate.enabled = true;
+  given.controller.separate.reach =
+      (given.observation.goal.X_WG.translation() - Vector3(given.observation.base.x(), given.observation.base.y(), 0.0))
+          .head<2>()
+          .norm();
+  given.controller.separate.bearing = 4.0;
+  EXPECT_TRUE(mentions(explain(given), "the base stands while the arm moves")) << explain(given);
 }
 
 TEST(CaseExplain, NamesObjectsThatPass) {

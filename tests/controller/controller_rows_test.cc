@@ -69,6 +69,9 @@ TEST(ControllerRows, CollisionRowsMatchTheMeasuredRateOfDistance) {
                (kind == PairKind::kFloor || candidate.second == id.second);
       });
       ASSERT_NE(pair, pairs.end()) << c.row_name(r);
+      EXPECT_EQ(id.d, pair->distance.d) << c.row_name(r);
+      EXPECT_EQ(id.p_first_W, pair->distance.p_first_W) << c.row_name(r);
+      EXPECT_EQ(id.p_second_W, pair->distance.p_second_W) << c.row_name(r);
       if (kind == PairKind::kObject && pair->distance.d < 0.01) continue;  // inside, the normal may jump
       if (kind == PairKind::kSelf && pair->distance.d < 0.01) continue;
       VectorX v = VectorX::NullaryExpr(model->num_velocities(), [&] { return uniform(rng, -0.5, 0.5); });

@@ -66,6 +66,7 @@ TEST(EndRows, MatchTheMeasuredRateOfTheBallsDistance) {
       const VectorX v = VectorX::NullaryExpr(model->num_velocities(), [&] { return uniform(rng, -0.5, 0.5); });
       const double h = 1e-5;
       const double here = moved_distance(*model, shapes, o, id, v, 0.0);
+      EXPECT_NEAR(id.d, here, 1e-9) << c.row_name(r);
       if (here < 0.01) continue;  // inside, the normal may jump
       const double ahead = moved_distance(*model, shapes, o, id, v, h);
       const double behind = moved_distance(*model, shapes, o, id, v, -h);

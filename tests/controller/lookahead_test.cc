@@ -362,6 +362,16 @@ TEST_P(Ahead, ABlockedPathIsGivenUp) {
   const auto& state = [&]() -> const PlanState& { return loop.controller.lookahead()->state(); };
   for (int i = 0; i < 300 && state().brief.mode != PlanMode::kFollow; ++i) loop.step();
   ASSERT_EQ(state().brief.mode, PlanMode::kFollow);
+  // The terms of the cost are those that pull to the path's velocities.
+  loop.step();
+  double sum = 0.0;
+  bool pulled = false;
+  for (const TermCost& term : loop.controller.term_costs()) {
+    sum += term.value;
+    pulled = pulled || term.words == "velocities other than those asked for";
+  }
+  EXPECT_TRUE(pulled);
+  EXPECT_NEAR(sum, loop.controller.cost(), 1e-9 * std::max(1.0, std::abs(sum)));
   WholeConfiguration ahead;
   state().path.at(0.7 * state().path.duration, ahead);
   loop.o.objects[1].visible = true;

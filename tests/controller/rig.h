@@ -23,6 +23,13 @@ struct Rig {
   }
   void step(const Observation& o) { controller.step(o, result); }
 
+  /// Sum of the last problem's terms at its solution: the cost.
+  double sum_of_terms() const {
+    double sum = 0.0;
+    for (const TermCost& term : controller.term_costs()) sum += term.value;
+    return sum;
+  }
+
   /// How many rows of the last problem are of this kind.
   int rows(RowKind kind) const {
     int count = 0;

@@ -1,5 +1,5 @@
 // The base first, then the arm; and servoing by roll, pitch and yaw.
-#include "controller/task/separate.h"
+#include "controller/task/base_first.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "controller/task/separate.h"
+#include "controller/task/base_first.h"
 
 #include <algorithm>
 #include <cmath>

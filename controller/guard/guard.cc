@@ -1,0 +1,80 @@
+#include "controller/guard/guard.h"
+
+#include <algorithm>
+
+#include "controller/safe/brake_check.h"
+#include "controller/safe/evasion.h"
+
+namespace moma {
+namespace {
+
+// If no admissible way out of the way of what moves is left (safe/evasion.h), the base begins its backup trajectory.
+// The arm goes with the base as far as its rows let it.
+class EvasionGuard final : public Guard {
+ public:
+  EvasionGuard(const std::shared_ptr<const RobotModel>& model, const ControllerParams& p, double control_period)
+      : base_dof_(model->base_dof()),
+        evasion_(model, p.collision.evasion, p.acceleration_limit, p.base_share, control_period),
+        base_(VectorX::Zero(model->num_velocities())) {}
+
+  void set_objects(std::span<const ObjectShape> objects) override { evasion_.set_objects(objects); }
+
+  Verdict judge(const Situation& now, const Posed& posed, const VectorX& command) noexcept override {
+    if (evasion_.passes(now.o, command, base_)) return Passes{};
+    constexpr double kSlack = 1e-4, kWeight = 1.0;  // E goes with the base; joints are asked for no velocity
+    QpTask asked{.task = now.servo,
+                 .pull = QpTask::Pull{nullptr, 0.0, kWeight},
+                 .bounds = posed.asked.bounds,
+                 .base = Vector3::Zero(),
+                 .evades = true};
+    asked.task.nu.setZero();
+    for (int i = 0; i < base_dof_; ++i) {
+      (*asked.base)[i] = std::min(std::max(base_[i], posed.bounds.lower[i]), posed.bounds.upper[i]);
+      asked.task.nu += (*asked.base)[i] * now.kinematics.J_WE_W().col(i);
+    }
+    asked.task.slack_scale.setConstant(kSlack);
+    return asked;
+  }
+
+ private:
+  int base_dof_;
+  Evasion evasion_;
+  VectorX base_;  // velocities of the backup trajectory, as far as the base goes
+};
+
+// A command from which braking would come too near to something at rest gives way (safe/brake_check.h).
+class BrakeGuard final : public Guard {
+ public:
+  BrakeGuard(const std::shared_ptr<const RobotModel>& model, const ControllerParams& p, double control_period)
+      : check_(model, p.collision.check, p.acceleration_limit, p.base_share > 0.0, control_period,
+               {p.uncertainty, model->base_dof()}, own_margins(p.collision.floor, p.collision.self)),
+        slowest_(VectorX::Zero(model->num_velocities())),
+        command_(slowest_) {}
+
+  void set_objects(std::span<const ObjectShape> objects) override { check_.set_objects(objects); }
+
+  Verdict judge(const Situation& now, const Posed& posed, const VectorX& command) noexcept override {
+    const Bounds& bounds = posed.bounds;
+    smallest_command(bounds.lower, bounds.upper, bounds.pair, slowest_);
+    command_ = command;
+    const double kept = check_.apply(now.o, {bounds.hard_lower, bounds.hard_upper, slowest_}, now.spreads, command_,
+                                     {posed.near.pairs, posed.near.ranges, &now.kinematics});
+    return Slowed{command_, kept};
+  }
+
+ private:
+  BrakeCheck check_;
+  VectorX slowest_, command_;
+};
+
+}  // namespace
+
+std::vector<std::unique_ptr<Guard>> make_guards(const std::shared_ptr<const RobotModel>& model,
+                                                const ControllerParams& params, double control_period) {
+  std::vector<std::unique_ptr<Guard>> guards;
+  if (params.collision.evasion.enabled) guards.push_back(std::make_unique<EvasionGuard>(model, params, control_period));
+  if (params.collision.check.enabled) guards.push_back(std::make_unique<BrakeGuard>(model, params, control_period));
+  return guards;
+}
+
+}  // namespace moma

@@ -1,0 +1,92 @@
+#include "controller/qp/pose.h"
+
+#include <utility>
+
+#include "controller/model/base_kind.h"
+
+namespace moma {
+namespace {
+
+// Six rows nu - Delta <= J qdot + delta <= nu + Delta; without slack x has no delta. Delta = 0: equalities.
+void add_tracking_rows(const Matrix6X& J_WE_W, const Vector6& nu, const Vector6& band, bool slack,
+                       QpProblem& problem) noexcept {
+  const int nv = static_cast<int>(J_WE_W.cols());
+  for (int i = 0; i < 6; ++i) {
+    const int row = problem.append({RowKind::kTracking, i, -1}, nu[i] - band[i], nu[i] + band[i]);
+    if (row < 0) return;
+    for (int j = 0; j < nv; ++j) problem.A(row, j) = J_WE_W(i, j);
+    if (slack) problem.A(row, nv + i) = 1.0;
+  }
+}
+
+}  // namespace
+
+QpPoser::QpPoser(std::shared_ptr<const RobotModel> model, const ControllerParams& params, double control_period)
+    : model_(std::move(model)),
+      params_(params),
+      limits_(*model_, params, control_period),
+      proximity_(model_),
+      collision_(*model_, params.collision, {*model_, params.acceleration_limit, params.base_share > 0.0},
+                 {params.uncertainty, model_->base_dof()}),
+      passing_(*model_, params.collision),
+      separation_(*model_, params.collision, {*model_, params.acceleration_limit, params.base_share > 0.0},
+                  {params.uncertainty, model_->base_dof()}) {
+  bounds_.allocate(model_->num_velocities());
+}
+
+void QpPoser::set_objects(std::span<const ObjectShape> objects) {
+  const int nv = model_->num_velocities();
+  const int num_objects = static_cast<int>(objects.size());
+  proximity_.set_objects(objects);
+  const int near_rows =
+      collision_.allocate(num_objects) + passing_.allocate(num_objects) + separation_.allocate(num_objects);
+  const int drive_rows = limits_.linear_pair(VectorX::Zero(nv)).on ? 2 : 0;
+  problem_.allocate(nv + (params_.slack.enabled ? 6 : 0), 6 + near_rows + num_wheels(model_->base) + drive_rows);
+  objective_.allocate(problem_.n());
+  if (params_.slack.enabled) {
+    problem_.lb.tail<6>() = -params_.slack.limit;
+    problem_.ub.tail<6>() = params_.slack.limit;
+  }
+}
+
+Near QpPoser::near() const noexcept { return {collision_.sorted(), collision_.ranges(), passing_.near(), proximity_}; }
+
+Near QpPoser::look(const Situation& now) noexcept {
+  enter(now.clock, StepPart::kDistances);
+  collision_.select(proximity_.query(now.kinematics, now.o.objects, collision_.ranges()));
+  passing_.select(now.kinematics, proximity_, now.o.objects);
+  return near();
+}
+
+Posed QpPoser::pose(const QpTask& asked, const Situation& now) noexcept {
+  enter(now.clock, StepPart::kRows);
+  asked_ = asked;
+
+  const VelocityBounds& limits = asked.bounds != nullptr ? *asked.bounds : limits_;
+  limits.bound(now.o.q, now.o.qdot, bounds_);
+  if (asked.base) bounds_.hold_base(model_->base_dof(), *asked.base);
+  if (asked.evades) bounds_.pair = {};
+  problem_.lb.head(bounds_.lower.size()) = bounds_.lower;
+  problem_.ub.head(bounds_.upper.size()) = bounds_.upper;
+
+  objective_.pose(params_, *model_, now, asked, problem_);
+
+  problem_.rows = 0;
+  add_tracking_rows(now.kinematics.J_WE_W(), asked.task.nu, params_.tracking_band, params_.slack.enabled, problem_);
+  collision_.add(now.kinematics, proximity_, now.o.objects, now.spreads, problem_);
+  if (!asked.evades) {
+    passing_.add(now.kinematics, proximity_, now.o.objects, problem_);
+    separation_.add(now.kinematics, proximity_, now.o.objects, now.spreads, problem_);
+    add_wheel_rows(model_->base, problem_);
+    add_drive_rows(bounds_.pair, problem_);
+  }
+  return {asked_, bounds_, problem_, near()};
+}
+
+void QpPoser::clear() noexcept {
+  problem_.clear();
+  objective_.clear();
+  asked_ = {};
+}
+
+}  // namespace moma

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "controller/model/kinematics.h"
+#include "controller/params.h"
+#include "controller/part_clock.h"
+#include "controller/safe/uncertainty.h"
+#include "controller/step.h"
+#include "controller/task/servo.h"
+
+namespace moma {
+
+/// Input of a control step's policy, problem and guards: the state in which the step's command takes effect, and what
+/// follows from that state alone. References are to the buffers of Assessment and of the predictor; they hold until the
+/// next step.
+struct Situation {
+  const Observation& o;                  ///< predicted, or as measured where prediction is off
+  std::span<const PlaceSpread> spreads;  ///< uncertainty of each object's place; empty where places are exact
+  const Kinematics& kinematics;          ///< of o
+  Task servo;                            ///< error of E, and the twist that the servo asks for
+  double manipulability;
+  const VectorX& J_m;  ///< gradient of the manipulability per joint; zero where its weight is zero
+  StepClock* clock;    ///< null, or the clock that is told which part of the step runs
+};
+
+/// Computes Situation: forward kinematics, pose error, servo twist and manipulability. One per controller; assess()
+/// takes no memory.
+class Assessment {
+ public:
+  Assessment(std::shared_ptr<const RobotModel> model, const ControllerParams& params);
+
+  Situation assess(const Observation& o, std::span<const PlaceSpread> spreads, StepClock* clock) noexcept;
+
+  /// Of the last assess().
+  const Kinematics& kinematics() const noexcept { return kinematics_; }
+  /// Gradient of the manipulability at the last assess(), whatever its weight is. Allocates.
+  VectorX J_m() const;
+
+ private:
+  const ControllerParams& params_;
+  int base_dof_;
+  Eigen::VectorXi prismatic_;  // 1 for prismatic joints
+  Kinematics kinematics_;
+  VectorX J_m_;
+};
+
+}  // namespace moma
