@@ -93,8 +93,7 @@ class CollisionReader {
     in.check(from.empty() || from == "urdf", "from", "found '" + from + "', expected urdf");
     const std::set<int> links = read_links(in, from);
     if (from == "urdf") take_urdf(in, links);
-    if (model_.shapes.empty())
-      build_.warnings.emplace_back("the robot has no collision shapes: nothing it does can be a collision");
+    check_arm(in, from);
     read_self(in);
     in.finish();
     build_.resolved["collision"] = std::move(written_);
@@ -111,6 +110,28 @@ class CollisionReader {
     added.X_LS = X_LS;
     added.rigid_with_base = !can_move_against(model_, 0, link);
     model_.shapes.push_back(std::move(added));
+  }
+
+  // An arm that nothing can touch has to be asked for: `shapes: []`. Resolved robots are as they were.
+  void check_arm(MapReader& in, const std::string& from) {
+    const bool arm = std::any_of(model_.shapes.begin(), model_.shapes.end(),
+                                 [](const CollisionShape& shape) { return !shape.rigid_with_base; });
+    if (arm) return;
+    const Node* list = in.get("shapes");
+    const bool meant = list != nullptr && list->items.empty();
+    if (meant || robot_.get("urdf_text") != nullptr) {
+      build_.warnings.emplace_back(model_.shapes.empty()
+                                       ? "the robot has no collision shapes: nothing it does can be a collision"
+                                       : "the arm has no collision shapes: nothing it does can be a collision");
+      return;
+    }
+    const std::string why = from == "urdf" ? "the URDF has no collision geometry for what the arm's joints move"
+                                           : "no link that the arm's joints move has a shape";
+    robot_.fail_at("collision",
+                   why +
+                       ", so that nothing the arm does could be a collision; `moma robot FILE --fit-shapes` "
+                       "makes shapes of the URDF's meshes, and an empty list, `shapes: []`, says that this is "
+                       "meant");
   }
 
   void read_footprint() {

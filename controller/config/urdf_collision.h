@@ -8,7 +8,7 @@
 
 namespace moma::config {
 
-/// One collision element of a URDF as it is: a primitive, or a mesh with every triangle.
+/// One collision or visual element of a URDF as it is: a primitive, or a mesh with every triangle.
 struct UrdfCollision {
   std::string link;
   std::string mesh;                      ///< as the URDF names it; empty for a primitive
@@ -17,8 +17,11 @@ struct UrdfCollision {
   Isometry X_LS = Isometry::Identity();  ///< of the primitive, or of the mesh's frame
 };
 
-/// The collision geometry of the URDF under a robot file, in the order of the URDF's tree; what the robot file says
-/// under `collision` plays no part. Throws ConfigError: the file, its URDF, or a mesh that cannot be read.
-std::vector<UrdfCollision> load_urdf_collision(const std::filesystem::path& robot_file);
+enum class UrdfPart { kCollision, kVisual };
+
+/// The collision or visual geometry of the URDF under a robot file, in the order of the URDF's tree; what the robot
+/// file says under `collision` plays no part. Throws ConfigError: the file, its URDF, or a mesh that cannot be read.
+std::vector<UrdfCollision> load_urdf_collision(const std::filesystem::path& robot_file,
+                                               UrdfPart part = UrdfPart::kCollision);
 
 }  // namespace moma::config

@@ -97,7 +97,13 @@ class Drafter {
     if (lift(model, posture.q)) posture = find_posture(*begin());
     write_ready(posture);
     propose_efforts(model);
-    lines_.add(0, "collision: {from: urdf, self: auto}");
+    if (arm_has_geometry())
+      lines_.add(0, "collision: {from: urdf, self: auto}");
+    else
+      lines_.doubt(
+          0, "collision: {shapes: [], from: urdf, self: auto}",
+          "the URDF has no collision geometry for the arm, so that nothing it does is a collision; --fit-shapes "
+          "makes shapes of its visual meshes");
     const config::LoadedRobot robot = load(lines_.text());
     return {lines_.text(), robot.warnings, robot.notes, lines_.checks()};
   }
@@ -288,7 +294,17 @@ class Drafter {
   }
 
   std::string shapes() const {
-    return options_.collision.empty() ? "collision: {from: urdf, self: []}\n" : options_.collision;
+    return options_.collision.empty() ? "collision: {shapes: [], from: urdf, self: []}\n" : options_.collision;
+  }
+
+  // Whether anything that the arm's joints move has collision geometry.
+  bool arm_has_geometry() const {
+    for (int i = 1; i < urdf_.size(); ++i) {
+      if (urdf_.link(i).collision.empty()) continue;
+      for (int up = i; up > 0; up = urdf_.link(up).parent)
+        if (std::find(arm_.joints.begin(), arm_.joints.end(), up) != arm_.joints.end()) return true;
+    }
+    return false;
   }
 
   // Writes what comes before `ready`; the robot as it is then, without self-collision.

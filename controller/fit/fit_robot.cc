@@ -202,6 +202,13 @@ class Source {
     if (const Node* stop = collision->find("self_stop")) stop_ = *stop;
   }
 
+  /// The robot with the shapes that it has, which may be none yet.
+  config::LoadedRobot before(const fs::path& file, bool any_geometry) const {
+    const Node* collision = root_.find("collision");
+    const bool from = any_geometry && collision != nullptr && collision->find("from") != nullptr;
+    return from || !shapes_.empty() ? config::load_robot(file) : with("shapes: []\nself: []\n");
+  }
+
   std::vector<std::string> own_links() const {
     std::vector<std::string> names;
     for (const Node& shape : shapes_)
@@ -249,11 +256,13 @@ class Source {
 
 RobotFit fit_robot(const fs::path& robot_file, const FitOptions& options, const FitProgress& progress) {
   RobotFit result;
-  const auto model = config::load_robot(robot_file).model;
-  result.before = self_contact(*model);
   const Source source(robot_file);
-  const std::vector<UrdfCollision> geometry = config::load_urdf_collision(robot_file);
-  if (geometry.empty()) source.refuse("the URDF has no collision geometry that shapes could be fitted to");
+  std::vector<UrdfCollision> geometry = config::load_urdf_collision(robot_file);
+  const auto model = source.before(robot_file, !geometry.empty()).model;
+  result.before = self_contact(*model);
+  result.of_visuals = geometry.empty();
+  if (geometry.empty()) geometry = config::load_urdf_collision(robot_file, config::UrdfPart::kVisual);
+  if (geometry.empty()) source.refuse("the URDF has no collision geometry that shapes could be fitted to, and no visual one");
 
   const std::vector<std::string> own = source.own_links();
   std::vector<std::pair<std::string, std::vector<const UrdfCollision*>>> links;

@@ -129,8 +129,8 @@ std::string with_prefix(const std::string& text, const std::string& prefix) {
 std::string collision(const fit::RobotFit& fit) { return "collision:\n" + with_prefix(fit.collision, "  "); }
 
 std::string block(const fit::RobotFit& fit, const std::string& robot) {
-  return with_prefix(fmt::format("Shapes around the URDF's collision geometry of {}, by moma robot --fit-shapes.\n\n{}",
-                                 terminal_safe(robot), report(fit)),
+  return with_prefix(fmt::format("Shapes around the URDF's {} geometry of {}, by moma robot --fit-shapes.\n\n{}",
+                                 fit.of_visuals ? "visual" : "collision", terminal_safe(robot), report(fit)),
                      "# ") +
          collision(fit);
 }

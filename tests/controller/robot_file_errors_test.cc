@@ -336,6 +336,29 @@ TEST_F(RobotFileErrors, MeshesBecomeHulls) {
 }
 
 // A ball of 30 x 15 points becomes a smaller hull that still has every one of them inside, and is hardly larger.
+TEST_F(RobotFileErrors, AnArmWithoutShapesHasToBeMeant) {
+  const std::string block =
+      "collision:\n  shapes:\n    - {link: tip, shape: sphere, size: 0.05, position: [0.3, 0, 0.5]}\n";
+  const std::vector<std::string> way_out = {"collision", "--fit-shapes", "`shapes: []`"};
+  expect_change(block, "", way_out);
+  expect_change(block, "collision: {self: []}\n", way_out);
+  expect_change(block, "collision: {from: urdf}\n", {"the URDF has no collision geometry", "--fit-shapes"});
+  expect_change("link: tip", "link: \"@base\"", way_out);
+  expect_change("link: tip", "link: root", way_out);
+  for (const char* meant : {"collision: {shapes: []}\n", "collision: {shapes: [], from: urdf}\n"}) {
+    const config::LoadedRobot robot = load(replaced(kRobot, block, meant));
+    EXPECT_EQ(robot.model->shapes.size(), 1U) << "the footprint";
+    ASSERT_FALSE(robot.warnings.empty());
+    EXPECT_NE(robot.warnings.front().find("nothing it does can be a collision"), std::string::npos);
+    config::robot_from_resolved(robot.resolved);
+  }
+  // Stores have robots of before.
+  nlohmann::ordered_json resolved = load(kRobot).resolved;
+  resolved["collision"]["shapes"][0]["link"] = "@base";
+  resolved["collision"]["pairs"] = nlohmann::ordered_json::array();
+  EXPECT_NO_THROW(config::robot_from_resolved(resolved));
+}
+
 TEST_F(RobotFileErrors, LargeHullsAreSimplifiedOutwards) {
   std::vector<Vector3> points;
   for (int i = 0; i < 15; ++i) {

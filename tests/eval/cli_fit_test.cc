@@ -50,6 +50,33 @@ TEST_F(CliFit, PrintsABlockToPaste) {
   EXPECT_EQ(loaded.out.find("hull"), std::string::npos) << loaded.out;
 }
 
+// A URDF that says what links look like, and of none what can collide.
+TEST_F(CliFit, VisualMeshesAreAWayOutWhereNothingCanCollide) {
+  std::string urdf = read("robots/wedge.urdf");
+  for (const char* tag : {"<collision>", "</collision>"}) {
+    for (std::size_t at; (at = urdf.find(tag)) != std::string::npos;)
+      urdf.replace(at, std::string(tag).size(), tag[1] == '/' ? "</visual>" : "<visual>");
+  }
+  write("robots/seen.urdf", urdf);
+  std::string yaml = read("robots/wedge.yaml");
+  yaml.replace(yaml.find("wedge.urdf"), 10, "seen.urdf");
+  write("robots/seen.yaml", yaml.substr(0, yaml.find("collision:")) + "collision: {from: urdf}\n");
+  const test::ProcessResult refused = moma({"robot", "robots/seen.yaml"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.err.find("--fit-shapes"), std::string::npos) << refused.err;
+  good({"robot", "robots/seen.yaml", "--fit-shapes", "-o", "robots/fitted.yaml"});
+  EXPECT_NE(read("robots/fitted.yaml").find("the URDF's visual geometry"), std::string::npos);
+  EXPECT_NE(read("robots/fitted.yaml").find("link: upper"), std::string::npos);
+  good({"robot", "robots/fitted.yaml"});
+  good({"robot", "robots/seen.urdf", "-o", "robots/drafted.yaml"});
+  EXPECT_NE(
+      read("robots/drafted.yaml").find("collision: {shapes: [], from: urdf, self: auto}  # check: the URDF has no"),
+      std::string::npos)
+      << read("robots/drafted.yaml");
+  good({"robot", "robots/seen.urdf", "--fit-shapes", "-o", "robots/whole.yaml"});
+  EXPECT_NE(good({"robot", "robots/whole.yaml", "--json"}).out.find("\"link\": \"upper\""), std::string::npos);
+}
+
 TEST_F(CliFit, WritesARobotFile) {
   const test::ProcessResult result = good({"robot", "robots/wedge.yaml", "--fit-shapes", "-o", "fitted.yaml"});
   EXPECT_NE(result.err.find("wrote fitted.yaml"), std::string::npos) << result.err;
