@@ -44,6 +44,7 @@ set(rules
   ".*|dlfcn\\.h|(plugin/host/.*|(tests|bench)/.*)|shared libraries are loaded by plugin/host"
   "(controller|world|eval|plugin)|(spawn|sys/wait)\\.h|plugin/process/.*|processes are started by plugin/process"
   "reports|(controller|world|eval)/|-|reports see only the database"
+  "files|(controller|plugin|world|eval|reports)/|-|files are written without knowing what is in them"
   "python|(plugin|reports|eval/(stats|identify|batch|store|search|tune|run|cli))/|-|the Python package binds robots, controllers and trials, and what evaluates is the program"
   "(controller|plugin|world|eval|reports|bench)|python/|-|sources do not depend on the Python package"
   "controller|tests/|-|sources do not depend on tests"
@@ -95,7 +96,7 @@ endfunction()
 # Sets `found` to the violations of the tree at `root`.
 function(check_tree root)
   set(violations "")
-  file(GLOB_RECURSE files RELATIVE "${root}" "${root}/controller/*.h" "${root}/controller/*.cc" "${root}/world/*.h"
+  file(GLOB_RECURSE files RELATIVE "${root}" "${root}/files/*.h" "${root}/files/*.cc" "${root}/controller/*.h" "${root}/controller/*.cc" "${root}/world/*.h"
        "${root}/world/*.cc" "${root}/eval/*.h" "${root}/eval/*.cc" "${root}/reports/*.h" "${root}/reports/*.cc"
        "${root}/tests/*.h" "${root}/tests/*.cc" "${root}/bench/*.h" "${root}/bench/*.cc" "${root}/examples/*.cc"
        "${root}/plugin/*.h" "${root}/plugin/*.cc" "${root}/python/*.h" "${root}/python/*.cc")
@@ -138,6 +139,7 @@ endif()
 
 # One file that breaks one rule, for each rule at least one; and one file that breaks none.
 set(samples
+  "files/a.cc=eval/store/error.h"
   "controller/a.cc=world/world.h" "controller/qp/a.h=eval/trial/row.h" "controller/model/a.h=reports/render/page.h"
   "controller/model/b.cc=controller/solver/solver.h" "controller/qp/b.cc=controller/config/node.h"
   "controller/describe/a.h=controller/types.h" "controller/task/a.cc=controller/qp/problem.h" "controller/qp/e.cc=controller/solver/solver.h"

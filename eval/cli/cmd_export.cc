@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -8,11 +9,12 @@
 #include <vector>
 
 #include "eval/cli/command.h"
+#include "eval/cli/suite_options.h"
 #include "eval/cli/summary_table.h"
 #include "eval/cli/table.h"
-#include "eval/cli/whole_file.h"
 #include "eval/store/planner_arena.h"
 #include "eval/store/query.h"
+#include "files/output_file.h"
 #include "reports/render/own_metric.h"
 
 namespace moma::cli {
@@ -54,7 +56,14 @@ store::QueryResult trials(const fs::path& db) {
   return store::query(db, fmt::format("SELECT v.*{} FROM v_trials AS v ORDER BY suite, controller, point, world", own));
 }
 
-void export_csv(const fs::path& db, const fs::path& folder) {
+/// Known by how its head begins: the suites' own metrics come after that.
+files::Kind kind_of(const std::string& name, const store::QueryResult& table) {
+  std::string head;
+  for (std::size_t i = 0; i < std::min<std::size_t>(table.columns.size(), 5); ++i) head += table.columns[i] + ",";
+  return {fmt::format("table of {} by moma export", name), head};
+}
+
+void export_csv(const fs::path& db, const fs::path& folder, files::Replace replace) {
   // All are read before the first is written.
   std::vector<std::pair<std::string, store::QueryResult>> results;
   results.emplace_back("trials", trials(db));
@@ -66,15 +75,18 @@ void export_csv(const fs::path& db, const fs::path& folder) {
     throw UsageError(fmt::format("{}: cannot be made a folder: {}", folder.string(),
                                  error ? error.message() : "something else has this name"));
   }
+  for (const auto& [name, table] : results)
+    files::check_replace(folder / (name + ".csv"), kind_of(name, table), replace);
   for (const auto& [name, table] : results) {
     const fs::path file = folder / (name + ".csv");
-    write_whole(file, [&rows = table](std::ostream& out) { write(out, rows, Format::kCsv); });
+    files::write_file(file, kind_of(name, table), replace,
+                      [&rows = table](std::ostream& out) { write(out, rows, Format::kCsv); });
     std::cerr << fmt::format("wrote {} ({} rows)\n", file.string(), table.rows.size());
   }
 }
 
-void export_arena(const fs::path& db, const fs::path& file) {
-  const store::PlannerArenaSummary summary = store::export_planner_arena(db, file);
+void export_arena(const fs::path& db, const fs::path& file, files::Replace replace) {
+  const store::PlannerArenaSummary summary = store::export_planner_arena(db, file, replace);
   std::cerr << fmt::format("wrote {}: {} experiments, {} planner configurations, {} runs, {} progress rows\n",
                            file.string(), summary.experiments, summary.planners, summary.runs, summary.progress);
 }
@@ -86,6 +98,7 @@ void add_export(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
     fs::path file;
     fs::path csv;
     fs::path arena;
+    files::Replace replace = files::Replace::kOwn;
     std::string parquet;
   };
   auto options = std::make_shared<Options>();
@@ -93,6 +106,7 @@ void add_export(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   command->add_option("DB", options->file, "Store")->required();
   command->add_option("--csv", options->csv, "Folder for the files, made if missing");
   command->add_option("--planner-arena", options->arena, "File to write: OMPL's benchmark database");
+  add_force(*command, options->replace);
   command->add_option("--parquet", options->parquet,
                       "Folder for Parquet files; by the Python package: python3 -m moma export DB --parquet FOLDER");
   command->footer(
@@ -108,8 +122,8 @@ void add_export(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       }
       if (options->csv.empty() && options->arena.empty())
         throw UsageError("export: says nothing to write; give --csv FOLDER or --planner-arena FILE");
-      if (!options->csv.empty()) export_csv(options->file, options->csv);
-      if (!options->arena.empty()) export_arena(options->file, options->arena);
+      if (!options->csv.empty()) export_csv(options->file, options->csv, options->replace);
+      if (!options->arena.empty()) export_arena(options->file, options->arena, options->replace);
       return static_cast<int>(kOk);
     };
   });

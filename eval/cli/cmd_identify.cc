@@ -3,16 +3,17 @@
 #include <memory>
 
 #include "eval/cli/command.h"
-#include "eval/cli/whole_file.h"
+#include "eval/cli/suite_options.h"
 #include "eval/identify/found_files.h"
 #include "eval/identify/log_file.h"
+#include "files/output_file.h"
 
 namespace moma::cli {
 
 void add_identify(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   struct Options {
     std::string log, disturbances, controller;
-    bool force = false;
+    files::Replace replace = files::Replace::kOwn;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
@@ -21,22 +22,24 @@ void add_identify(CLI::App& app, Action& action, const Arguments& /*arguments*/)
   command->add_option("--disturbances", options->disturbances, "Write a file for a suite's `disturbances`");
   command->add_option("--controller", options->controller,
                       "Write a controller file with `prediction` and `uncertainty`");
-  command->add_flag("--force", options->force, "Replace the files");
+  add_force(*command, options->replace);
   command->footer(
       "Example: moma replay results/demo.db 3f9a12 --log drive.csv\n"
       "         moma identify drive.csv --disturbances my-robot.yaml --controller my-prediction.yaml");
   command->callback([&action, options] {
     action = [options] {
+      const files::Kind kind{"file of what was identified", ""};  // people edit it
       for (const std::string& file : {options->disturbances, options->controller})
-        if (!file.empty() && !options->force && std::filesystem::exists(file))
-          throw UsageError(file + " exists; --force replaces it");
+        if (!file.empty()) files::check_replace(file, kind, options->replace);
       const identify::Found found = identify::identify(identify::read_log(options->log));
       std::cout << identify::summary(found) << std::flush;
       const std::string source = std::filesystem::path(options->log).filename().string();
       if (!options->disturbances.empty())
-        write_whole(options->disturbances, [&](std::ostream& out) { out << disturbances_file(found, source); });
+        files::write_file(options->disturbances, kind, options->replace,
+                          [&](std::ostream& out) { out << disturbances_file(found, source); });
       if (!options->controller.empty())
-        write_whole(options->controller, [&](std::ostream& out) { out << controller_file(found, source); });
+        files::write_file(options->controller, kind, options->replace,
+                          [&](std::ostream& out) { out << controller_file(found, source); });
       return static_cast<int>(kOk);
     };
   });

@@ -11,7 +11,6 @@
 #include "eval/cli/stored_case.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
-#include "eval/cli/whole_file.h"
 #include "eval/identify/log_file.h"
 #include "eval/run/log_of_trial.h"
 #include "eval/run/named_point.h"
@@ -20,6 +19,7 @@
 #include "eval/store/reader.h"
 #include "eval/trial/trace_json.h"
 #include "eval/trial/trial.h"
+#include "files/output_file.h"
 #include "reports/render/video.h"
 
 namespace moma::cli {
@@ -98,6 +98,7 @@ void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
     std::string case_file;
     std::string log_file;
     Film film;
+    files::Replace replace = files::Replace::kOwn;
     Plugins plugins = Plugins::kRefused;
   };
   auto options = std::make_shared<Options>();
@@ -129,6 +130,7 @@ void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       ->check(CLI::Range(64, 4096))
       ->capture_default_str();
   add_look_options(*command, options->film.robots, options->film.shapes);
+  add_force(*command, options->replace);
   add_allow_plugins(*command, options->plugins);
   command->footer(
       "Examples: moma replay results/demo.db 3f9a12 --check\n"
@@ -136,18 +138,26 @@ void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       "          moma replay results/demo.db 3f9a12 --video failure.webm --size 1920 1080");
   command->callback([&action, options] {
     action = [options] {
+      // Such files are edited, or come from a robot or a camera too: none is known for moma's own.
+      const files::Kind kind{"case, log or video", ""};
+      for (const std::filesystem::path& file :
+           {std::filesystem::path(options->case_file), std::filesystem::path(options->log_file), options->film.file})
+        if (!file.empty()) files::check_replace(file, kind, options->replace);
+      options->film.video.replace = options->replace;
       options->trial = run::named_trial(options->file, options->trial);
       run::StoredSuites suites(options->plugins);
       if (!options->case_file.empty()) {
         const nlohmann::ordered_json json =
             case_to_json(stored_case(suites, options->file, options->trial, options->step));
-        write_whole(options->case_file, [&](std::ostream& out) { out << json.dump() << '\n'; });
+        files::write_file(options->case_file, kind, options->replace,
+                          [&](std::ostream& out) { out << json.dump() << '\n'; });
         return static_cast<int>(kOk);
       }
       if (!options->log_file.empty()) {
         const store::StoredTrial trial = store::Reader(options->file).trial(options->trial);
         const identify::MotionLog log = run::log_of_trial(suites.point_of(trial), run::world_of(trial));
-        write_whole(options->log_file, [&](std::ostream& out) { identify::write_log(out, log); });
+        files::write_file(options->log_file, kind, options->replace,
+                          [&](std::ostream& out) { identify::write_log(out, log); });
         return static_cast<int>(kOk);
       }
       if (!options->film.file.empty()) return write_film(options->file, options->trial, options->film, suites);

@@ -48,6 +48,7 @@ void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   add_look_options(*command, options->robots, options->shapes);
   command->add_option("--figures", options->figures, "Write every figure as SVG and PDF into this folder (needs node)");
   command->add_option("--table", options->table, "Write the table of results as .tex, .md or .csv");
+  add_force(*command, options->report.replace);
   add_allow_plugins(*command, options->plugins);
   command->footer(
       "With --figures or --table the page is written only where -o asks for it.\n"
@@ -56,17 +57,20 @@ void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   command->callback([&action, options] {
     action = [options] {
       const reports::Stores& stores = options->stores;
+      const files::Replace replace = options->report.replace;
+      std::filesystem::path html = options->html;
+      if (html.empty() && options->table.empty() && options->figures.empty())
+        html = std::filesystem::path(stores.front()).replace_extension(".html");
+      if (!html.empty()) files::check_replace(html, reports::page_kind(), replace);  // before a table is written
       std::vector<std::filesystem::path> written;
       if (!options->table.empty()) {
-        write_table(stores, options->table);
+        write_table(stores, options->table, replace);
         written.push_back(options->table);
       }
       if (!options->figures.empty()) {
-        for (auto& file : write_figures(stores, options->figures)) written.push_back(std::move(file));
+        for (auto& file : write_figures(stores, options->figures, replace)) written.push_back(std::move(file));
       }
-      if (!options->html.empty() || (options->table.empty() && options->figures.empty())) {
-        std::filesystem::path html = options->html;
-        if (html.empty()) html = std::filesystem::path(stores.front()).replace_extension(".html");
+      if (!html.empty()) {
         ReportOptions report = options->report;
         report.time_known = time_known;
         if (!options->shapes) report.look = robot_look(options->robots);

@@ -166,7 +166,7 @@ void add_robot(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       ->needs(fit);
   command->add_option("-o,--output", o.output,
                       "Write a robot file: of a URDF the first one, else ROBOT with the shapes");
-  command->add_flag("--force", o.force, "Replace the output file");
+  add_force(*command, o.replace);
   command->footer(
       "Examples: moma robot configs/robots/frankie.yaml\n"
       "          moma robot my_robot.urdf -o my_robot.yaml\n"

@@ -84,6 +84,7 @@ void add_tune(CLI::App& app, Action& action, const Arguments& arguments) {
   add_output_store(*command, options->request.file);
   command->add_option("--gains", options->request.gains,
                       "File for the found gains (configs/controllers/CONTROLLER-tuned.yaml)");
+  add_force(*command, options->request.replace);
   add_threads(*command, options->request.threads);
   command->add_flag("--no-verdict", options->no_verdict, "Search only; the same command without it judges later");
   command->add_flag("-q,--quiet", options->quiet, "No progress and no remarks");

@@ -17,6 +17,7 @@
 #include "eval/store/build_info.h"
 #include "eval/store/error.h"
 #include "eval/store/query.h"
+#include "files/output_file.h"
 #include "reports/render/report.h"
 #include "world/scenario/worlds.h"
 
@@ -142,6 +143,8 @@ int run_program(const Arguments& arguments) {
   } catch (const store::QueryError& error) {
     return complain(error.what(), kBadInput);
   } catch (const GenerationError& error) {
+    return complain(error.what(), kBadInput);
+  } catch (const files::OutputError& error) {
     return complain(error.what(), kBadInput);
   } catch (const ReportError& error) {
     return complain(error.what(), kBadInput);

@@ -11,7 +11,6 @@
 #include "controller/draft/draft_robot.h"
 #include "eval/cli/command.h"
 #include "eval/cli/suite_options.h"
-#include "eval/cli/whole_file.h"
 #include "eval/run/holding.h"
 
 namespace moma::cli {
@@ -19,8 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// What it replaces was asked for, or is what it wrote itself: check_output() has looked.
 void write_text(const fs::path& file, const std::string& text) {
-  write_whole(file, [&](std::ostream& out) { out << text; });
+  files::write_file(file, robot_file_kind(), files::Replace::kAny, [&](std::ostream& out) { out << text; });
 }
 
 // The draft's last block gives way to the fitted shapes. They are larger than what they enclose, so that the posture is

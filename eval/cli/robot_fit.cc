@@ -15,7 +15,6 @@
 #include "eval/cli/command.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
-#include "eval/cli/whole_file.h"
 
 namespace moma::cli {
 namespace {
@@ -137,16 +136,16 @@ std::string block(const fit::RobotFit& fit, const std::string& robot) {
 
 }  // namespace
 
+const files::Kind& robot_file_kind() {
+  static const files::Kind kind{"robot file", ""};
+  return kind;
+}
+
 void check_output(const RobotFitOptions& options) {
   std::error_code error;
-  if (!fs::exists(options.output, error)) return;
-  if (fs::is_directory(options.output, error))
-    throw UsageError(fmt::format("{}: is a folder", options.output.string()));
   if (fs::equivalent(options.output, options.robot, error))
     throw UsageError(fmt::format("{}: is the robot file itself; name another file", options.output.string()));
-  if (!options.force)
-    throw UsageError(
-        fmt::format("{}: is there already; name another file, or replace it with --force", options.output.string()));
+  files::check_replace(options.output, robot_file_kind(), options.replace);
 }
 
 FittedShapes fitted_shapes(const RobotFitOptions& options) {
@@ -176,7 +175,7 @@ int fit_shapes(const RobotFitOptions& options) {
     const fs::path folder = fs::absolute(options.output).parent_path();
     fs::path robot = fs::relative(options.robot, folder, error);
     if (error || robot.empty()) robot = fs::absolute(options.robot);
-    write_whole(options.output, [&](std::ostream& out) {
+    files::write_file(options.output, robot_file_kind(), options.replace, [&](std::ostream& out) {
       out << "include: " << config::yaml_scalar(robot.generic_string()) << '\n' << fitted.block;
     });
     std::cout << fitted.report << std::flush;

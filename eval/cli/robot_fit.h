@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "files/output_file.h"
+
 namespace moma::cli {
 
 /// `moma robot --fit-shapes`.
@@ -12,7 +14,7 @@ struct RobotFitOptions {
   std::filesystem::path output;    ///< a robot file over `robot`; empty: the block goes to stdout
   std::vector<std::string> kinds;  ///< of sphere, capsule, box
   int max_shapes = 3;
-  bool force = false;  ///< replace `output`
+  files::Replace replace = files::Replace::kOwn;  ///< of `output`
 };
 
 /// Shapes found for a robot file.
@@ -29,7 +31,10 @@ FittedShapes fitted_shapes(const RobotFitOptions& options);
 /// Fits, prints, writes; returns the exit code. Throws UsageError, config::ConfigError.
 int fit_shapes(const RobotFitOptions& options);
 
-/// Throws UsageError where `options.output` is a folder, the robot itself, or there already without `force`.
+/// A robot file is edited by hand: none gives way by itself.
+const files::Kind& robot_file_kind();
+
+/// Throws UsageError where `options.output` is the robot itself, files::OutputError where it may not be replaced.
 void check_output(const RobotFitOptions& options);
 
 }  // namespace moma::cli

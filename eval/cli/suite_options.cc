@@ -62,6 +62,12 @@ void add_output_store(CLI::App& command, std::filesystem::path& file) {
   command.add_option("-o,--output", file, "Store to write, made if missing (results/NAME.db)");
 }
 
+void add_force(CLI::App& command, files::Replace& replace) {
+  command.add_flag_callback(
+      "--force", [&replace] { replace = files::Replace::kAny; },
+      "Replace a file that is there, also one that moma did not write; never a store");
+}
+
 void add_threads(CLI::App& command, int& threads) {
   command.add_option("--threads", threads, "Threads (all cores)")->check(CLI::Range(1, 4096));
 }

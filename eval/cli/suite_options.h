@@ -7,6 +7,7 @@
 
 #include "eval/cli/table.h"
 #include "eval/suite/stored.h"
+#include "files/output_file.h"
 
 namespace moma::cli {
 
@@ -31,6 +32,9 @@ void add_allow_plugins(CLI::App& command, Plugins& plugins);
 
 /// Adds --output of a command that evaluates into a store.
 void add_output_store(CLI::App& command, std::filesystem::path& file);
+
+/// Adds --force, for what the command writes.
+void add_force(CLI::App& command, files::Replace& replace);
 
 /// Adds --threads.
 void add_threads(CLI::App& command, int& threads);

@@ -12,16 +12,18 @@
 #include "eval/store/build_info.h"
 #include "eval/store/database.h"
 #include "eval/store/machine.h"
-#include "eval/store/output_file.h"
 #include "eval/store/run_lock.h"
 #include "eval/store/writer.h"
 #include "eval/tune/stored_search.h"
 #include "eval/tune/tuned_file.h"
+#include "files/output_file.h"
 
 namespace moma::run {
 namespace {
 
 namespace fs = std::filesystem;
+
+const files::Kind kGains{"file of gains by moma tune", "found by moma tune."};
 
 /// One search into one store.
 class Tune {
@@ -164,21 +166,18 @@ class Tune {
         store::utc_now().substr(0, 10), store::kVersion,
         commit.empty() ? "" : fmt::format(" ({}{})", commit.substr(0, 12), store::kGitDirty ? ", changed" : ""),
         tune::objective_text(tuning_));
-    try {
-      store::write_file(file,
-                        [&](std::ostream& out) { out << tune::tuned_file(tuning_, result, verdict, provenance); });
-    } catch (const store::OutputError& error) {
-      throw RunError(error.what());
-    }
+    files::write_file(file, kGains, request_.replace,
+                      [&](std::ostream& out) { out << tune::tuned_file(tuning_, result, verdict, provenance); });
   }
 
   /// Now rather than after half an hour.
   void check_gains_file() const {
-    const fs::path place = store::behind_links(gains_);
+    files::check_replace(gains_, kGains, request_.replace);
+    const fs::path place = files::behind_links(gains_);
     std::error_code error;
     const bool there = fs::exists(place, error);
     const fs::path folder = place.has_parent_path() ? place.parent_path() : fs::path(".");
-    if (fs::is_directory(place, error) || !fs::is_directory(folder, error) || ::access(folder.c_str(), W_OK) != 0 ||
+    if (!fs::is_directory(folder, error) || ::access(folder.c_str(), W_OK) != 0 ||
         (there && ::access(place.c_str(), W_OK) != 0))
       throw RunError(fmt::format("{}: cannot be written; name another file with --gains", gains_.string()));
   }

@@ -11,15 +11,17 @@
 #include "eval/tune/held_out.h"
 #include "eval/tune/trial_objective.h"
 #include "eval/tune/tuning.h"
+#include "files/output_file.h"
 
 namespace moma::run {
 
 struct TuneRequest {
-  std::filesystem::path file;          ///< store, made where it is missing; usual_store() where empty
-  std::filesystem::path gains;         ///< for the found gains; usual_gains() where empty
-  std::vector<std::string> arguments;  ///< the command line, for provenance and "to go on"
-  int threads = 0;                     ///< 0: usual_threads()
-  bool verdict = true;                 ///< judge what was found on the held-out worlds
+  std::filesystem::path file;                     ///< store, made where it is missing; usual_store() where empty
+  std::filesystem::path gains;                    ///< for the found gains; usual_gains() where empty
+  std::vector<std::string> arguments;             ///< the command line, for provenance and "to go on"
+  int threads = 0;                                ///< 0: usual_threads()
+  bool verdict = true;                            ///< judge what was found on the held-out worlds
+  files::Replace replace = files::Replace::kOwn;  ///< what may stand where the gains go
   const std::atomic<bool>* stop = nullptr;
 };
 
@@ -45,7 +47,8 @@ std::filesystem::path usual_gains(const tune::Tuning& tuning);
 
 /// Searches the gains of a suite's controller into a store, going on from what is there, judges them on worlds that
 /// took no part in the search, and writes them as a controller file. The same gains come out whatever the number of
-/// threads and stops. Throws store::StoreError, RunError, config::ConfigError, tune::ReplayError.
+/// threads and stops. Throws store::StoreError, RunError, config::ConfigError, tune::ReplayError,
+/// files::OutputError where the gains cannot be written, before anything is computed.
 Tuned tune(const TuneRequest& request, const tune::Tuning& tuning, const TuneListener& listener = {});
 
 }  // namespace moma::run

@@ -22,9 +22,9 @@
 #include "eval/store/definition.h"
 #include "eval/store/merge_searches.h"
 #include "eval/store/migrations.h"
-#include "eval/store/output_file.h"
 #include "eval/store/registry.h"
 #include "eval/store/run_lock.h"
+#include "files/output_file.h"
 
 namespace moma::store {
 namespace {
@@ -384,7 +384,7 @@ class Locks {
  private:
   static fs::path place_of(const fs::path& file) {
     std::error_code error;
-    const fs::path place = fs::weakly_canonical(behind_links(file), error);
+    const fs::path place = fs::weakly_canonical(files::behind_links(file), error);
     return error ? file : place;
   }
 
@@ -405,7 +405,7 @@ void copy_store(const fs::path& from, const fs::path& to) {
 
 MergeSummary merge(const fs::path& out, const std::vector<fs::path>& in, const MergeOptions& options) {
   std::error_code error;
-  const fs::path place = behind_links(out);
+  const fs::path place = files::behind_links(out);
   for (const fs::path& file : in) {
     if (fs::equivalent(file, place, error)) {
       throw StoreError(StoreError::Kind::kUnusable, fmt::format("{}: is input and output at once", out.string()));
@@ -432,11 +432,11 @@ MergeSummary merge(const fs::path& out, const std::vector<fs::path>& in, const M
       current = &out;
       settle(db, part);
     }
-    put_in_place(part, place);
+    files::put_in_place(part, place);
     return summary;
   } catch (const SQLite::Exception& failure) {
     throw explain(failure, *current, StoreError::Kind::kUnusable);
-  } catch (const OutputError& failure) {
+  } catch (const files::OutputError& failure) {
     throw StoreError(StoreError::Kind::kUnusable, failure.what());
   }
 }

@@ -18,9 +18,9 @@
 #include "eval/store/columns.h"
 #include "eval/store/database.h"
 #include "eval/store/migrations.h"
-#include "eval/store/output_file.h"
 #include "eval/store/row_binding.h"
 #include "eval/store/samples.h"
+#include "files/output_file.h"
 
 namespace moma::store {
 namespace {
@@ -237,12 +237,14 @@ UPDATE experiments SET totaltime = (SELECT sum(time) FROM runs WHERE experimenti
 
 }  // namespace
 
-PlannerArenaSummary export_planner_arena(const fs::path& file, const fs::path& named, int progress_per_run) {
-  const fs::path out = behind_links(named);
+PlannerArenaSummary export_planner_arena(const fs::path& file, const fs::path& named, files::Replace replace,
+                                         int progress_per_run) {
+  const fs::path out = files::behind_links(named);
   { const ReadConnection look(file); }  // ours, and of this version
   std::error_code error;
   if (fs::equivalent(file, out, error))
     throw StoreError(StoreError::Kind::kUnusable, fmt::format("{}: is input and output at once", out.string()));
+  files::check_replace(named, {"benchmark database", ""}, replace);
   if (fs::exists(out, error) && !fs::is_regular_file(out, error))
     throw StoreError(StoreError::Kind::kUnusable,
                      fmt::format("{}: is no regular file; a database cannot be written into it", named.string()));
@@ -261,12 +263,12 @@ PlannerArenaSummary export_planner_arena(const fs::path& file, const fs::path& n
       summary = Exporter(db, progress_per_run).execute();
       db.exec("DETACH source");
     }
-    put_in_place(part, out);
+    files::put_in_place(part, out);
     return summary;
   } catch (const SQLite::Exception& failure) {
     fs::remove(part, error);
     throw explain(failure, *current, StoreError::Kind::kUnusable);
-  } catch (const OutputError& failure) {
+  } catch (const files::OutputError& failure) {
     fs::remove(part, error);
     throw StoreError(StoreError::Kind::kUnusable, failure.what());
   } catch (...) {

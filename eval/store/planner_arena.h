@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <filesystem>
 
+#include "files/output_file.h"
+
 namespace moma::store {
 
 struct PlannerArenaSummary {
@@ -18,8 +20,9 @@ struct PlannerArenaSummary {
 /// names have its names (time, solved, status, solution_length, ...); the others are the columns of v_trials. `time`
 /// is the time spent computing the trial, `time_to_goal_s` the simulated one. `progress` holds the errors of trials
 /// whose samples are stored, at most `progress_per_run` rows each.
-/// `out` appears whole or not at all and takes the place of an earlier file. Throws StoreError.
+/// `out` appears whole or not at all; OMPL writes such files too, so that one that is there gives way to kAny alone.
+/// Throws StoreError, files::OutputError.
 PlannerArenaSummary export_planner_arena(const std::filesystem::path& db, const std::filesystem::path& out,
-                                         int progress_per_run = 100);
+                                         files::Replace replace = files::Replace::kOwn, int progress_per_run = 100);
 
 }  // namespace moma::store

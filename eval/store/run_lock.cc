@@ -13,7 +13,7 @@
 
 #include "eval/store/error.h"
 #include "eval/store/machine.h"
-#include "eval/store/output_file.h"
+#include "files/output_file.h"
 
 namespace moma::store {
 namespace {
@@ -33,7 +33,7 @@ std::string holder(int descriptor) {
 
 RunLock::RunLock(const std::filesystem::path& db, const std::atomic<bool>* stop,
                  const std::function<void(const std::string&)>& waiting, Use use)
-    : file_(behind_links(db).string() + "-lock"), use_(use) {
+    : file_(files::behind_links(db).string() + "-lock"), use_(use) {
   bool told = false;
   while (!(held_ = try_lock())) {
     if (!told)
@@ -58,7 +58,8 @@ RunLock::~RunLock() {
 }
 
 bool RunLock::taken(const std::filesystem::path& db) {
-  const int file = open((behind_links(db).string() + "-lock").c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  const int file =
+      open((files::behind_links(db).string() + "-lock").c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
   if (file < 0) return false;
   // Shared: two that only ask do not take each other for a run.
   const bool taken = flock(file, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
@@ -68,7 +69,7 @@ bool RunLock::taken(const std::filesystem::path& db) {
 
 bool RunLock::there(const std::filesystem::path& db) {
   struct stat found {};
-  return lstat((behind_links(db).string() + "-lock").c_str(), &found) == 0;
+  return lstat((files::behind_links(db).string() + "-lock").c_str(), &found) == 0;
 }
 
 void RunLock::release() {

@@ -8,6 +8,7 @@ import pathlib
 from typing import Any, Iterable, Iterator, Mapping
 
 from . import _core
+from .replace import check_replace
 
 
 class World(Mapping[str, Any]):
@@ -45,9 +46,9 @@ class World(Mapping[str, Any]):
             {key: item[key] for key in ("name", "shape", "size", "position", "quaternion")} for item in self["objects"]
         ]
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes a file that World() reads back to the same bits."""
-        save_worlds([self], path)
+    def save(self, path: str | os.PathLike[str], force: bool = False) -> None:
+        """Writes a file that World() reads back to the same bits; what it replaces is as for save_worlds()."""
+        save_worlds([self], path, force)
 
 
 def frozen_set(worlds: Iterable[Mapping[str, Any]]) -> str:
@@ -55,6 +56,18 @@ def frozen_set(worlds: Iterable[Mapping[str, Any]]) -> str:
     return "".join(json.dumps(dict(world), separators=(",", ":")) + "\n" for world in worlds)
 
 
-def save_worlds(worlds: Iterable[Mapping[str, Any]], path: str | os.PathLike[str]) -> None:
-    """Writes a frozen set: what a suite's `worlds: {frozen: PATH}` reads."""
-    pathlib.Path(path).write_text(frozen_set(worlds), encoding="utf-8")
+def save_worlds(worlds: Iterable[Mapping[str, Any]], path: str | os.PathLike[str], force: bool = False) -> None:
+    """Writes a frozen set: what a suite's `worlds: {frozen: PATH}` reads. It takes the place of an earlier one; a file that
+    begins by no world is replaced with `force` only, a store never: FileExistsError."""
+    file, text = pathlib.Path(path), frozen_set(worlds)
+    check_replace(file, "set of worlds", _begins_by_world, force)
+    file.write_text(text, encoding="utf-8")
+
+
+def _begins_by_world(file: pathlib.Path) -> bool:
+    try:
+        with file.open(encoding="utf-8") as lines:
+            _core.read_world(lines.readline(), str(file))
+    except (_core.ConfigError, UnicodeDecodeError):
+        return False
+    return True

@@ -51,12 +51,14 @@ void run_node(const std::vector<std::string>& arguments) {
 
 }  // namespace
 
-std::vector<fs::path> write_figures(const Stores& stores, const fs::path& folder) {
+std::vector<fs::path> write_figures(const Stores& stores, const fs::path& folder, files::Replace replace) {
   const nlohmann::ordered_json page = read_stores(stores, {});
   const Temporary work{temporary_folder("figures")};
   const fs::path drawn = work.path / "drawn";
-  write_atomically(work.path / "figures.mjs", std::string(figures_js()));
-  write_atomically(work.path / "page.json", page.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  const files::Kind none;
+  write_text(work.path / "figures.mjs", none, files::Replace::kOwn, std::string(figures_js()));
+  write_text(work.path / "page.json", none, files::Replace::kOwn,
+             page.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   fs::create_directory(drawn);
   run_node({(work.path / "figures.mjs").string(), (work.path / "page.json").string(), drawn.string()});
   std::error_code error;
@@ -64,10 +66,25 @@ std::vector<fs::path> write_figures(const Stores& stores, const fs::path& folder
   if (!fs::is_directory(folder, error)) {
     throw ReportError(fmt::format("{}: cannot be made; wanted: a folder for the figures", folder.string()));
   }
-  std::vector<fs::path> written;
+  struct Figure {
+    fs::path file;
+    files::Kind kind;
+    std::string text;
+  };
+  std::vector<Figure> figures;
   for (const auto& entry : fs::directory_iterator(drawn)) {
-    written.push_back(folder / entry.path().filename());
-    write_atomically(written.back(), text_of(entry.path()));
+    const fs::path file = folder / entry.path().filename();
+    // Both kinds may go on after their end: by comments.
+    const std::string mark =
+        file.extension() == ".svg" ? "<!-- A figure by moma report -->" : "% A figure by moma report";
+    const files::Kind kind{"figure by moma report", mark};
+    figures.push_back({file, kind, text_of(entry.path()) + mark + "\n"});
+    files::check_replace(file, kind, replace);
+  }
+  std::vector<fs::path> written;
+  for (const Figure& figure : figures) {
+    write_text(figure.file, figure.kind, replace, figure.text);
+    written.push_back(figure.file);
   }
   std::sort(written.begin(), written.end());
   return written;

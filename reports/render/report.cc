@@ -54,11 +54,16 @@ nlohmann::ordered_json read_stores(const Stores& stores, const ReportOptions& op
   return all;
 }
 
+const files::Kind& page_kind() {
+  static const files::Kind kind{"report page of moma's", " moma report</title>"};
+  return kind;
+}
+
 void write_report(const Stores& stores, const std::filesystem::path& html_file, const ReportOptions& options) {
   if (options.trials < 1) throw ReportError("trials: wanted: 1 or more");
   if (options.replays < 0) throw ReportError("replays: wanted: 0 or more");
   if (!(options.replay_hz > 0.0)) throw ReportError("replay_hz: wanted: more than 0");
-  write_atomically(html_file, html(read_stores(stores, options)));
+  write_text(html_file, page_kind(), options.replace, html(read_stores(stores, options)));
 }
 
 void write_report(const std::filesystem::path& store, const std::filesystem::path& html_file,

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "files/output_file.h"
 #include "reports/render/evidence.h"
 #include "reports/render/mesh_data.h"
 #include "reports/render/replay_data.h"
@@ -31,7 +32,8 @@ struct ReportOptions {
   TimeKnown time_known;  ///< for causes of collisions; without it they are not looked for
   int twins = 12;  ///< of so many failures with motion the page has a success in the same world too, to play beside it
   Look look;       ///< what robots look like; without it they are shown as the shapes that count in collisions
-  Simulate simulate;  ///< for successes without samples; without it they are left out
+  Simulate simulate;                              ///< for successes without samples; without it they are left out
+  files::Replace replace = files::Replace::kOwn;  ///< what may stand where the page goes
 };
 
 using Stores = std::vector<std::filesystem::path>;
@@ -42,10 +44,14 @@ class ReportError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Every page, also of earlier versions, has its mark in its title.
+const files::Kind& page_kind();
+
 /// Writes the page of one store, or of several side by side, to `html`: one file that needs nothing else, neither
 /// program nor network. Each store is only read, in one transaction, also while a run writes to it. The page appears
 /// whole or not at all (written beside its place, then renamed). A store without trials gives a page that says so.
-/// Throws ReportError: no such store, not SQLite, not moma's, another schema version, no place for the page.
+/// Throws ReportError: no such store, not SQLite, not moma's, another schema version, no place for the page, or a
+/// file in that place which is no such page.
 /// Cost: about 0.1 ms and 0.6 kB a trial, 30 kB a replay, 1.5 MB for the page's script and fonts.
 void write_report(const Stores& stores, const std::filesystem::path& html, const ReportOptions& options = {});
 void write_report(const std::filesystem::path& store, const std::filesystem::path& html,
@@ -53,12 +59,15 @@ void write_report(const std::filesystem::path& store, const std::filesystem::pat
 
 /// Writes every figure of the page that has something to show as FOLDER/ID.svg and ID.pdf, on white paper, drawn by the
 /// same code.
-/// Returns the files. Runs the program `node`; throws ReportError where it is missing or the folder cannot be written.
-std::vector<std::filesystem::path> write_figures(const Stores& stores, const std::filesystem::path& folder);
+/// Returns the files. Runs the program `node`; throws ReportError where it is missing or the folder cannot be written,
+/// files::OutputError where one of the files may not be replaced, before any is written.
+std::vector<std::filesystem::path> write_figures(const Stores& stores, const std::filesystem::path& folder,
+                                                 files::Replace replace = files::Replace::kOwn);
 
 /// Writes the table of results (v_summary, and all families together) for a paper; the file's ending chooses
 /// .tex (booktabs), .md or .csv (every digit). Throws ReportError naming what is wrong.
-void write_table(const Stores& stores, const std::filesystem::path& file);
+void write_table(const Stores& stores, const std::filesystem::path& file,
+                 files::Replace replace = files::Replace::kOwn);
 
 }  // namespace moma::reports
 

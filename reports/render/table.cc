@@ -175,6 +175,7 @@ std::string layout(const std::vector<Json>& rows, const std::function<std::strin
 }
 
 constexpr const char* kCaption = "Rates in per cent with 95 % Wilson intervals; the median time is over successes";
+constexpr const char* kMeans = "means are over all trials that have the value";  // known by it in earlier versions too
 
 std::string tex(const Table& table) {
   const auto begin = [&](const Json& row) {
@@ -182,9 +183,9 @@ std::string tex(const Table& table) {
                                                 {"worlds", "controller", "$n$", "success [\\%]", "collision [\\%]",
                                                  "time [s]", "manipulability", "clearance [m]", "command change"});
     return fmt::format(
-        "% {}, {}, {}. {}, means are over all trials that have the value.\n% Needs \\usepackage{{booktabs}}.\n"
+        "% {}, {}, {}. {}, {}.\n% Needs \\usepackage{{booktabs}}.\n"
         "\\begin{{tabular}}{{ll{}}}\n\\toprule\n{} \\\\\n\\midrule\n",
-        tex_text(row.at("suite")), tex_text(row.at("robot")), tex_text(row.at("mode")), kCaption,
+        tex_text(row.at("suite")), tex_text(row.at("robot")), tex_text(row.at("mode")), kCaption, kMeans,
         std::string(head.size() - 2, 'r'), fmt::join(head, " & "));
   };
   const auto line = [&](const Json& row) {
@@ -200,9 +201,8 @@ std::string markdown(const Table& table) {
                                                  "time [s]", "manipulability", "clearance [m]", "command change"});
     std::string rule = "| --- | --- |";
     for (std::size_t i = 2; i < head.size(); ++i) rule += " ---: |";
-    return fmt::format("{}, {}, {}. {}, means are over all trials that have the value.\n\n| {} |\n{}\n",
-                       md_text(row.at("suite")), md_text(row.at("robot")), md_text(row.at("mode")), kCaption,
-                       fmt::join(head, " | "), rule);
+    return fmt::format("{}, {}, {}. {}, {}.\n\n| {} |\n{}\n", md_text(row.at("suite")), md_text(row.at("robot")),
+                       md_text(row.at("mode")), kCaption, kMeans, fmt::join(head, " | "), rule);
   };
   const auto line = [&](const Json& row) {
     return fmt::format("| {} |\n", fmt::join(cells(table, row, md_text, "\xe2\x80\x93"), " | "));
@@ -212,7 +212,7 @@ std::string markdown(const Table& table) {
 
 }  // namespace
 
-void write_table(const Stores& stores, const std::filesystem::path& file) {
+void write_table(const Stores& stores, const std::filesystem::path& file, files::Replace replace) {
   const std::string kind = file.extension().string();
   if (kind != ".tex" && kind != ".md" && kind != ".csv") {
     throw ReportError(fmt::format("{}: unknown kind of table '{}'; wanted: a name that ends in .tex, .md or .csv",
@@ -238,7 +238,9 @@ void write_table(const Stores& stores, const std::filesystem::path& file) {
   }
   for (const Json& metric : page.at("metrics"))
     if (metric.contains("own")) table.own.emplace_back(metric.at("key"), metric.at("name"));
-  write_atomically(file, kind == ".csv" ? csv(table) : kind == ".tex" ? tex(table) : markdown(table));
+  const files::Kind own{"table of results by moma report",
+                        kind == ".csv" ? "suite,robot,mode,family,controller,point,n," : kMeans};
+  write_text(file, own, replace, kind == ".csv" ? csv(table) : kind == ".tex" ? tex(table) : markdown(table));
 }
 
 }  // namespace moma::reports

@@ -72,13 +72,13 @@ int write_video(const fs::path& db, const std::string& trial, const fs::path& fi
       {"width", options.width}, {"height", options.height}, {"fps", options.fps}, {"speed", options.speed}};
   const Temporary folder{temporary_folder("film")};
   const fs::path page_file = folder.path / "film.html";
-  write_atomically(page_file, html(*page));
+  write_text(page_file, page_kind(), files::Replace::kOwn, html(*page));
 
   Browser browser(options.width, options.height);
   browser.open(page_file);
   const int frames = frames_of(browser.evaluate("momaFilm.begin()").get<double>(), options);
   for (int k = 0; k < frames; ++k) browser.evaluate(fmt::format("momaFilm.add({})", k));
-  write_atomically(file, from_base64(browser.evaluate("momaFilm.end()").get<std::string>()));
+  write_text(file, {"video", ""}, options.replace, from_base64(browser.evaluate("momaFilm.end()").get<std::string>()));
   return frames;
 }
 

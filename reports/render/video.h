@@ -8,12 +8,13 @@
 namespace moma::reports {
 
 struct VideoOptions {
-  int width = 1280;    ///< [px], 64 to 4096, even
-  int height = 720;    ///< [px], 64 to 4096, even
-  double fps = 30.0;   ///< frames per second, 1 to 120
-  double speed = 1.0;  ///< seconds of the motion per second of the film, > 0
-  Look look;           ///< as in ReportOptions
-  Simulate simulate;   ///< as in ReportOptions
+  int width = 1280;                               ///< [px], 64 to 4096, even
+  int height = 720;                               ///< [px], 64 to 4096, even
+  double fps = 30.0;                              ///< frames per second, 1 to 120
+  double speed = 1.0;                             ///< seconds of the motion per second of the film, > 0
+  Look look;                                      ///< as in ReportOptions
+  Simulate simulate;                              ///< as in ReportOptions
+  files::Replace replace = files::Replace::kOwn;  ///< what may stand where the video goes
 };
 
 /// Frames of a motion of `duration` seconds: one at each k * speed / fps up to its end, and its end.

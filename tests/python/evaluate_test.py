@@ -195,6 +195,16 @@ class EvaluateTest(unittest.TestCase):
         moma.save_worlds(worlds, self.folder / "frozen.jsonl")
         frozen = moma.Suite({**SUITE, "worlds": {"frozen": str(self.folder / "frozen.jsonl")}, "trials": 2})
         self.assertEqual(frozen.world(1), worlds[1])
+        worlds[0].save(self.folder / "frozen.jsonl")  # an earlier set gives way
+        notes = self.folder / "notes.txt"
+        for file, force, words in ((notes, False, "force"), (store.path, False, "is a store"), (store.path, True, "is a store")):
+            notes.write_text("mine")
+            before = pathlib.Path(file).read_bytes()
+            with self.assertRaisesRegex(FileExistsError, words):
+                worlds[0].save(file, force=force)
+            self.assertEqual(pathlib.Path(file).read_bytes(), before)
+        worlds[0].save(notes, force=True)
+        self.assertEqual(moma.World(notes), worlds[0])
         self.assertEqual([f.name for f in self.folder.iterdir() if f.name.startswith(".moma-")], [])
 
 

@@ -180,9 +180,9 @@ TEST(Figures, DrawnWithoutABrowser) {
   if (std::system("node --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "node is missing";
   const Folder folder;
   make_store(folder / "a.db", "demo", 20);
-  const auto files = write_figures({folder / "a.db"}, folder / "figures");
+  const auto drawn = write_figures({folder / "a.db"}, folder / "figures");
   std::set<std::string> names;
-  for (const auto& file : files) {
+  for (const auto& file : drawn) {
     names.insert(file.filename());
     if (file.extension() == ".pdf") {
       EXPECT_EQ(read_file(file).rfind("%PDF-", 0), 0u) << file;
@@ -200,6 +200,13 @@ TEST(Figures, DrawnWithoutABrowser) {
     wanted.insert({std::string(id) + ".svg", std::string(id) + ".pdf"});
   }
   EXPECT_EQ(names, wanted);
+  write_figures({folder / "a.db"}, folder / "figures");  // its own of before give way
+  std::filesystem::remove(folder / "figures" / "arrival.pdf");
+  std::ofstream(folder / "figures" / "timing.svg") << "<svg>mine</svg>";
+  EXPECT_THROW(write_figures({folder / "a.db"}, folder / "figures"), files::OutputError);
+  EXPECT_EQ(read_file(folder / "figures" / "timing.svg"), "<svg>mine</svg>");
+  EXPECT_FALSE(std::filesystem::exists(folder / "figures" / "arrival.pdf")) << "looked at before any is written";
+  EXPECT_EQ(write_figures({folder / "a.db"}, folder / "figures", files::Replace::kAny).size(), drawn.size());
 }
 
 TEST(Figures, WithoutNodeAMessageNamesThePackage) {

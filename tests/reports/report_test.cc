@@ -139,7 +139,7 @@ TEST(Report, NoPlaceForThePage) {
   std::ofstream(folder / "file") << "x";
   expect_refused(folder / "a.db", folder / "file" / "a.html", "cannot be written");
   std::filesystem::create_directory(folder / "b.html");
-  expect_refused(folder / "a.db", folder / "b.html", "this is a folder");
+  expect_refused(folder / "a.db", folder / "b.html", "is a folder");
 }
 
 TEST(Report, AFailedReportLeavesTheOldPage) {
