@@ -116,7 +116,10 @@ fs::path behind_links(const fs::path& file) {
   std::error_code error;
   for (int links = 0; links < 40 && fs::is_symlink(fs::symlink_status(place, error)); ++links) {
     const fs::path target = fs::read_symlink(place);  // throws: what it leads to is not to be guessed
-    place = target.is_absolute() ? target : place.parent_path() / target;
+    const fs::path next = target.is_absolute() ? target : place.parent_path() / target;
+    // What /dev/stdout leads to, a pipe, has no path: the link itself opens it.
+    if (!fs::exists(fs::symlink_status(next, error)) && fs::exists(place, error)) return place;
+    place = next;
   }
   return place;
 }
