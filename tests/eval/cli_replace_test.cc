@@ -104,7 +104,7 @@ TEST_F(CliReplace, WhatMomaWroteBeforeIsReplaced) {
   good({"export", "a.db", "--csv", "csv"});
   // Into a pipe, which has no path.
   const std::string piped = "'" MOMA_BINARY_DIR "/moma' replay a.db " + trial() + " --log /dev/stdout | cat > piped";
-  EXPECT_EQ(Process({"sh", "-c", piped}, folder_.root()).wait().code, 0);
+  EXPECT_EQ(Process({"/bin/sh", "-c", piped}, folder_.root()).wait().code, 0);
   EXPECT_EQ(text("piped").rfind("time_s,", 0), 0u);
 }
 
