@@ -30,11 +30,15 @@ void read_wheels(MapReader& base, MobileBase& model, nlohmann::ordered_json& wri
   if (wheelbase) in.require("wheelbase", "the distance of front and rear wheels [m]");
   in.read("wheelbase", wheels.wheelbase, Range::non_negative());
   in.check(!wheelbase || wheels.wheelbase > 0.0, "wheelbase", "mecanum wheels need a number above 0");
+  double width = 0.0;
+  const bool wide = in.get("width") != nullptr;  // read_collision() makes shapes of them
+  in.read("width", width, Range::positive());
   in.finish();
   written["wheels"] = {{"radius", wheels.radius},
                        {"separation", wheels.separation},
                        {"wheelbase", wheels.wheelbase},
                        {"max_speed", wheels.max_speed}};
+  if (wide) written["wheels"]["width"] = width;
   model.wheels = wheels;
 }
 

@@ -83,6 +83,7 @@ class CollisionReader {
 
   void read() {
     read_footprint();
+    add_wheels();
     static const Node kNone;
     const Node* node = robot_.get("collision");
     MapReader in(node != nullptr ? *node : kNone, robot_.key_of("collision"));
@@ -148,6 +149,22 @@ class CollisionReader {
     json.erase("link");
     json["mass"] = model_.base.mass;
     build_.resolved["base"]["footprint"] = std::move(json);
+  }
+
+  // Wheels of a given width are boxes of the base.
+  void add_wheels() {
+    const nlohmann::ordered_json& base = build_.resolved["base"];
+    if (!model_.base.wheels || !base.contains("wheels") || !base["wheels"].contains("width")) return;
+    const Wheels& wheels = *model_.base.wheels;
+    const Vector3 size(2.0 * wheels.radius, base["wheels"]["width"].get<double>(), 2.0 * wheels.radius);
+    for (const double x : {0.5, -0.5}) {
+      for (const double y : {0.5, -0.5}) {
+        Isometry X_BS = Isometry::Identity();
+        X_BS.translation() = Vector3(x * wheels.wheelbase, y * wheels.separation, wheels.radius);
+        add(0, {ShapeKind::kBox, size, nullptr}, X_BS);
+      }
+      if (wheels.wheelbase == 0.0) break;
+    }
   }
 
   void read_shapes(const Node& list, const std::string& key) {

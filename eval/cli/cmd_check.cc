@@ -13,6 +13,7 @@
 #include "eval/cli/survey_table.h"
 #include "eval/cli/table.h"
 #include "eval/run/holding.h"
+#include "eval/run/reach.h"
 #include "eval/run/recording.h"
 #include "eval/run/store_file.h"
 #include "eval/run/survey.h"
@@ -45,15 +46,24 @@ std::string points_text(const Suite& suite) {
   return controllers + (each > 1 ? fmt::format(" x {} sweep points", each) : std::string());
 }
 
-/// Of every robot that is simulated with physics.
-std::vector<std::string> holding_warnings(const Suite& suite) {
+/// Of every robot: drives too weak for the arm, where physics asks them, and what reaches out of what can collide.
+std::vector<std::string> robot_warnings(const Suite& suite, const std::filesystem::path& file) {
   std::vector<std::string> warnings;
   std::set<std::string> seen;
+  const auto say = [&](const RobotModel& model, const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) warnings.push_back(fmt::format("robot {}: {}", model.name, text));
+  };
   for (const SuitePoint& point : suite.points) {
-    if (point.simulation.mode != SimulationMode::kDynamic || !seen.insert(point.robot_digest).second) continue;
-    for (const std::string& warning : run::holding_warnings(point.robot->model))
-      warnings.push_back(fmt::format("robot {}: {}", point.robot->model->name, warning));
+    const std::shared_ptr<const RobotModel>& model = point.robot->model;
+    if (point.simulation.mode == SimulationMode::kDynamic && seen.insert(point.robot_digest + " physics").second)
+      say(*model, run::holding_warnings(model));
+    if (seen.insert(point.robot_digest).second) say(*model, run::wheel_warnings(*model));
   }
+  const config::Node suite_file = config::load_yaml(file);
+  const config::Node* robot = suite_file.find("robot");
+  const std::shared_ptr<const RobotModel>& first = suite.points.front().robot->model;
+  if (robot != nullptr && robot->kind == config::Node::Kind::kScalar && seen.size() <= 2)
+    say(*first, run::visual_warnings(config::directory_of(robot->mark) / robot->scalar, *first));
   return warnings;
 }
 
@@ -103,14 +113,14 @@ int check(const CheckOptions& check_options) {
   std::cout << time;
   print_warnings(suite.warnings);
   print_warnings(survey.failures());
-  const std::vector<std::string> holding = holding_warnings(suite);
-  print_warnings(holding);
+  const std::vector<std::string> of_robots = robot_warnings(suite, options.file);
+  print_warnings(of_robots);
   if (config::load_yaml(options.file).find("tune") != nullptr) {
     const tune::Tuning tuning = tune::load_tuning(options.file, options.overrides());
     print_warnings(tuning.warnings);
     std::cout << tune::plan_text(tuning) << '\n';
   }
-  const std::size_t warnings = suite.warnings.size() + survey.failures().size() + holding.size();
+  const std::size_t warnings = suite.warnings.size() + survey.failures().size() + of_robots.size();
   std::cout << (warnings == 0 ? "no warnings\n" : fmt::format("{} warning{}\n", warnings, warnings == 1 ? "" : "s"));
   return kOk;
 }

@@ -14,6 +14,7 @@
 #include "eval/cli/table.h"
 #include "eval/cli/text.h"
 #include "eval/run/holding.h"
+#include "eval/run/reach.h"
 
 namespace moma::cli {
 namespace {
@@ -84,7 +85,16 @@ double total_mass(const RobotModel& model) {
   return mass;
 }
 
-ordered_json to_json(const config::LoadedRobot& robot) {
+/// What a robot file was read with, and what shows only when somebody looks.
+std::vector<std::string> all_warnings(const std::string& file, const config::LoadedRobot& robot) {
+  std::vector<std::string> all = robot.warnings;
+  for (const auto& more : {run::holding_warnings(robot.model), run::wheel_warnings(*robot.model),
+                           run::visual_warnings(file, *robot.model)})
+    all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+ordered_json to_json(const config::LoadedRobot& robot, const std::vector<std::string>& warnings) {
   const RobotModel& model = *robot.model;
   ordered_json json = {{"name", model.name},
                        {"base", std::string(to_string(model.base.type))},
@@ -125,8 +135,7 @@ ordered_json to_json(const config::LoadedRobot& robot) {
     json["self_pairs"].push_back({model.shapes[static_cast<std::size_t>(pair.first)].name,
                                   model.shapes[static_cast<std::size_t>(pair.second)].name});
   }
-  json["warnings"] = robot.warnings;
-  for (const std::string& warning : run::holding_warnings(robot.model)) json["warnings"].push_back(warning);
+  json["warnings"] = warnings;
   json["notes"] = robot.notes;
   json["resolved"] = robot.resolved;
   return json;
@@ -186,8 +195,9 @@ void add_robot(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
         throw UsageError(options->file + ": is a robot file already; -o writes one of a URDF, or with --fit-shapes");
       const config::LoadedRobot robot =
           options->lenient ? config::read_robot(lenient_robot(options->file), "") : config::load_robot(options->file);
+      const std::vector<std::string> warnings = all_warnings(options->file, robot);
       if (options->json) {
-        std::cout << to_json(robot).dump(2) << '\n';
+        std::cout << to_json(robot, warnings).dump(2) << '\n';
         return static_cast<int>(kOk);
       }
       print_base(*robot.model);
@@ -196,8 +206,7 @@ void add_robot(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       write(std::cout, link_table(*robot.model), Format::kTable);
       std::cout << fmt::format("\ntotal mass {:.4g} kg\n", total_mass(*robot.model)) << std::flush;
       for (const std::string& note : robot.notes) std::cout << "note: " << note << '\n';
-      print_warnings(robot.warnings);
-      print_warnings(run::holding_warnings(robot.model));
+      print_warnings(warnings);
       return static_cast<int>(kOk);
     };
   });

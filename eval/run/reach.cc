@@ -1,0 +1,122 @@
+#include "eval/run/reach.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <memory>
+
+#include "controller/config/convex_hull.h"
+#include "controller/config/robot_build.h"
+#include "controller/config/urdf_collision.h"
+#include "controller/model/kinematics.h"
+#include "controller/model/proximity.h"
+
+namespace moma::run {
+namespace {
+
+constexpr double kPointRadius = 1e-4;  // of the sphere that stands for a point [m]
+
+std::vector<Vector3> corners_of(const Shape& shape) {
+  std::vector<Vector3> corners;
+  for (const Vector3& n : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1), Vector3(1, 1, 1), Vector3(1, 1, -1),
+                           Vector3(1, -1, 1), Vector3(-1, 1, 1)}) {
+    for (const double sign : {1.0, -1.0})
+      corners.push_back(support_point(shape, Isometry::Identity(), sign * n.normalized()));
+  }
+  return corners;
+}
+
+/// What is outermost of a visual, in its link.
+std::vector<Vector3> outermost(const config::UrdfCollision& visual) {
+  std::vector<Vector3> points = visual.mesh.empty() ? corners_of(visual.shape) : visual.surface.vertices;
+  if (points.size() > 100 && !config::in_one_plane(points)) points = config::enclosing_hull(points, 96).inside.vertices;
+  for (Vector3& p : points) p = visual.X_LS * p;
+  return points;
+}
+
+}  // namespace
+
+std::vector<std::string> wheel_warnings(const RobotModel& model) {
+  constexpr double kReach = 0.005;  // [m]
+  if (!model.mobile() || !model.base.wheels) return {};
+  const Wheels& wheels = *model.base.wheels;
+  const Kinematics at_ready(std::make_shared<RobotModel>(model));
+  const Shape upright{ShapeKind::kCapsule, Vector3(kPointRadius, 20.0, 0.0), nullptr};
+  double most = 0.0;
+  bool any = false;
+  for (const double side : {-0.5, 0.5}) {
+    for (const double end : {-0.5, 0.5}) {
+      for (int i = -4; i <= 4; ++i) {
+        Isometry X_WP = at_ready.X_WB();
+        X_WP.translate(Vector3(end * wheels.wheelbase + 0.25 * i * wheels.radius, side * wheels.separation, 0.0));
+        double least = std::numeric_limits<double>::infinity();
+        for (const CollisionShape& shape : model.shapes) {
+          if (!shape.rigid_with_base) continue;
+          any = true;
+          least = std::min(least, shape_distance(upright, X_WP, shape.shape, at_ready.X_WS(shape)).d + kPointRadius);
+        }
+        most = std::max(most, least);
+      }
+    }
+  }
+  if (!any)
+    return {"the base has wheels, and nothing of it can collide: give it a `footprint`, and its wheels a `width`"};
+  if (!(most > kReach)) return {};
+  return {
+      fmt::format("the wheels reach {:.0f} mm out of what can collide of the base, so that what they run into is no "
+                  "collision: give `wheels` a `width`",
+                  1e3 * most)};
+}
+
+std::vector<std::string> visual_warnings(const std::filesystem::path& robot_file, const RobotModel& model) {
+  constexpr double kReach = 0.02;  // [m]
+  const bool arm = std::any_of(model.shapes.begin(), model.shapes.end(),
+                               [](const CollisionShape& shape) { return !shape.rigid_with_base; });
+  if (!arm) return {};
+  const Kinematics at_ready(std::make_shared<RobotModel>(model));
+  const Shape point{ShapeKind::kSphere, Vector3(kPointRadius, 0.0, 0.0), nullptr};
+  std::map<std::string, double> reach;
+  std::vector<config::UrdfCollision> visuals;
+  try {
+    visuals = config::load_urdf_collision(robot_file, config::UrdfPart::kVisual);
+  } catch (const config::ConfigError&) {
+    return {};
+  }
+  for (const config::UrdfCollision& visual : visuals) {
+    const int link = model.find_link(visual.link);
+    if (link < 0) continue;
+    double most = 0.0;
+    bool any = false;
+    for (const Vector3& p_L : outermost(visual)) {
+      Isometry X_WP = at_ready.X_WL(link);
+      X_WP.translate(p_L);
+      double least = std::numeric_limits<double>::infinity();
+      for (const CollisionShape& shape : model.shapes) {
+        if (config::can_move_against(model, link, shape.link)) continue;
+        any = true;
+        least = std::min(least, shape_distance(point, X_WP, shape.shape, at_ready.X_WS(shape)).d + kPointRadius);
+      }
+      if (any) most = std::max(most, least);
+    }
+    double& known = reach[visual.link];
+    known = std::max(known, any ? most : std::numeric_limits<double>::infinity());
+  }
+  std::vector<std::pair<double, std::string>> worst;
+  for (const auto& [link, most] : reach)
+    if (most > kReach) worst.emplace_back(-most, link);
+  if (worst.empty()) return {};
+  std::sort(worst.begin(), worst.end());
+  std::string text;
+  for (std::size_t i = 0; i < std::min<std::size_t>(worst.size(), 4); ++i) {
+    const auto& [most, link] = worst[i];
+    text += (i == 0 ? "" : ", ") + link +
+            (std::isinf(most) ? std::string(" (no shape)") : fmt::format(" by {:.0f} mm", -1e3 * most));
+  }
+  if (worst.size() > 4) text += fmt::format(" and {} more", worst.size() - 4);
+  return {
+      fmt::format("{} of {} links look larger than what can collide of them: {}", worst.size(), reach.size(), text)};
+}
+
+}  // namespace moma::run
