@@ -14,23 +14,18 @@ double half_width_of(std::int64_t hits, std::uint64_t worlds) {
 
 }  // namespace
 
-SequentialRule::SequentialRule(const UntilRule& rule, std::size_t points)
-    : rule_(rule), hits_(points, 0), errors_(points, 0) {}
+SequentialRule::SequentialRule(const UntilRule& rule, std::size_t points) : rule_(rule), hits_(points, 0) {}
 
 std::uint64_t SequentialRule::next_block() const { return reached() ? 0 : std::min(rule_.block, rule_.max - worlds_); }
 
 void SequentialRule::add(std::size_t point, Outcome outcome) {
-  if (outcome == Outcome::kError) ++errors_.at(point);
   if (to_string(outcome) == rule_.metric) ++hits_.at(point);
 }
 
 void SequentialRule::end_block(std::uint64_t worlds) {
   worlds_ += worlds;
   half_width_ = 0.0;
-  for (std::size_t i = 0; i < hits_.size(); ++i) {
-    const std::uint64_t n = worlds_ - errors_[i];
-    half_width_ = std::max(half_width_, n == 0 ? 0.5 : half_width_of(hits_[i], n));
-  }
+  for (const std::int64_t hits : hits_) half_width_ = std::max(half_width_, half_width_of(hits, worlds_));
 }
 
 StoppedCoverage stopped_coverage(const UntilRule& rule, double p) {

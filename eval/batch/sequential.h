@@ -36,7 +36,6 @@ class SequentialRule {
  private:
   UntilRule rule_;
   std::vector<std::int64_t> hits_;
-  std::vector<std::uint64_t> errors_;  ///< no part of a rate
   std::uint64_t worlds_ = 0;
   double half_width_ = 0.5;
 };

@@ -73,15 +73,15 @@ store::QueryResult rows_table(const run::Reproduction& done, const run::Experime
 }
 
 store::QueryResult differences_table(const run::Reproduction& done) {
-  store::QueryResult table{{"robot", "difference", "figure", "n", "mean", "95 % (paired bootstrap)", "beyond 0"}, {}};
+  store::QueryResult table{{"robot", "difference", "figure", "n", "mean", "95 % (paired)", "beyond 0"}, {}};
   for (const run::PairedDifference& d : done.differences) {
     const int decimals = d.figure->decimals + 1;
     table.rows.push_back({d.robot, fmt::format("{} - {}", d.a, d.b), std::string(d.figure->label), d.n,
-                          fmt::format("{:+.{}f}", d.difference.mean, decimals),
-                          std::isnan(d.difference.low) ? "too few"
-                                                       : fmt::format("[{:+.{}f}, {:+.{}f}]", d.difference.low, decimals,
-                                                                     d.difference.high, decimals),
-                          std::string(d.difference.low > 0.0 || d.difference.high < 0.0 ? "yes" : "no")});
+                          fmt::format("{:+.{}f}", d.difference, decimals),
+                          std::isnan(d.interval.low) ? "too few"
+                                                     : fmt::format("[{:+.{}f}, {:+.{}f}]", d.interval.low, decimals,
+                                                                   d.interval.high, decimals),
+                          std::string(d.interval.low > 0.0 || d.interval.high < 0.0 ? "yes" : "no")});
   }
   return table;
 }

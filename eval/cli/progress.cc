@@ -30,9 +30,8 @@ std::string duration_text(double seconds) {
 std::string describe_progress(const BatchProgress& p, const std::string& what) {
   std::string text = fmt::format("{} of {} trials", p.done, p.total);
   if (p.rate > 0.0) text += fmt::format(", {:.1f}/s", p.rate);
-  if (p.done > p.errors) {
-    text += fmt::format(", {} {:.1f} %", what,
-                        100.0 * static_cast<double>(p.successes) / static_cast<double>(p.done - p.errors));
+  if (p.done > 0) {
+    text += fmt::format(", {} {:.1f} %", what, 100.0 * static_cast<double>(p.successes) / static_cast<double>(p.done));
   }
   if (p.errors > 0) text += fmt::format(", {} {}", p.errors, p.errors == 1 ? "error" : "errors");
   if (p.rate > 0.0 && p.done < p.total) {

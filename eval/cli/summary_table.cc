@@ -22,17 +22,20 @@ using store::Cell;
 using store::QueryResult;
 using Row = std::vector<Cell>;
 
-// How rates and means are written for a person; of no trial there is none. In place of the columns from kRates on.
+// How rates and means are written for a person; a missing value is none. In place of the columns from kRates on.
 constexpr const char* kForPerson = R"(,
-  iif(n = 0, NULL, printf('%5.1f  [%5.1f, %5.1f]', 100 * success_rate, 100 * success_low, 100 * success_high))
+  printf('%5.1f  [%5.1f, %5.1f]', 100 * success_rate, 100 * success_low, 100 * success_high)
     AS "success % [95 %]",
-  iif(n = 0, NULL, printf('%4.1f  [%4.1f, %4.1f]', 100 * collision_rate, 100 * collision_low, 100 * collision_high))
+  iif(success_without_errors IS NULL, NULL, printf('%5.1f', 100 * success_without_errors)) AS "without errors %",
+  printf('%4.1f  [%4.1f, %4.1f]', 100 * collision_rate, 100 * collision_low, 100 * collision_high)
     AS "collision % [95 %]",
   iif(time_to_goal_median_s IS NULL, NULL, printf('%.2f', time_to_goal_median_s)) AS "time to goal s",
   iif(manip_mean IS NULL, NULL, printf('%.4f', manip_mean)) AS manip,
   iif(clearance_min_m IS NULL, NULL, printf('%.3f', clearance_min_m)) AS "clearance m",
   iif(command_change_mean IS NULL, NULL, printf('%.3f', command_change_mean)) AS "change")";
-constexpr std::size_t kForPersonColumns = 6;
+constexpr std::size_t kForPersonColumns = 7;
+
+constexpr const char* kWithoutErrors = "without errors %";
 
 constexpr std::size_t kNames = 6;  // suite, robot, controller, point, family, mode: what v_summary begins with
 constexpr std::size_t kRobot = 1, kErrors = 7, kRates = 8;
@@ -132,13 +135,15 @@ void keep_columns(QueryResult& table, const std::vector<std::size_t>& kept) {
 /// Of what was asked for a person: `own` columns stand from there on.
 std::vector<std::size_t> for_person(QueryResult& table, std::size_t moma, std::size_t own) {
   const auto any = [&](const auto& holds) { return std::any_of(table.rows.begin(), table.rows.end(), holds); };
+  const bool errors = any([&](const Row& row) { return value_of(row[kErrors]).value_or(0.0) > 0.0; });
   std::vector<std::size_t> kept;
   for (std::size_t column = 0; column < kRates; ++column) {
     if (column == kRobot && !any([&](const Row& row) { return row[column] != table.rows.front()[column]; })) continue;
-    if (column == kErrors && !any([&](const Row& row) { return value_of(row[column]).value_or(0.0) > 0.0; })) continue;
+    if (column == kErrors && !errors) continue;
     kept.push_back(column);
   }
-  for (std::size_t column = moma; column < own; ++column) kept.push_back(column);
+  for (std::size_t column = moma; column < own; ++column)
+    if (errors || table.columns[column] != kWithoutErrors) kept.push_back(column);
   for (std::size_t column = own; column < table.columns.size(); ++column) {
     if (!any([&](const Row& row) { return value_of(row[column]).has_value(); })) continue;  // of another suite
     kept.push_back(column);

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <limits>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "eval/store/error.h"
@@ -46,17 +47,27 @@ struct Candidate {
   }
 };
 
+/// Of a point's params, those that are no gains.
+std::string conditions_of(const std::string& params) {
+  nlohmann::json json = nlohmann::json::parse(params, nullptr, false);
+  if (!json.is_object()) return params;
+  for (auto at = json.begin(); at != json.end();)
+    at = at.key().starts_with("controller.") || at.key().starts_with("controllers.") ? json.erase(at) : std::next(at);
+  return json.dump();
+}
+
 std::vector<Candidate> read_points(const std::filesystem::path& file, const std::string& suite, bool rates) {
   const char* const counts =
-      rates ? "(SELECT point_id, sum(outcome <> 'error') AS n, sum(outcome = 'success') AS successes, "
+      rates ? "(SELECT point_id, count(*) AS n, sum(outcome = 'success') AS successes, "
               "sum(outcome = 'collision') AS collisions, avg(time_to_goal_s) AS time, "
-              "avg(command_change_mean) FILTER (WHERE outcome <> 'error') AS change FROM point_trial GROUP BY point_id)"
+              "avg(command_change_mean) AS change FROM point_trial GROUP BY point_id)"
             : "(SELECT NULL AS point_id, 0 AS n, 0 AS successes, 0 AS collisions, NULL AS time, NULL AS change)";
   const store::QueryResult found = store::query(
-      file, fmt::format("SELECT p.id, s.id, s.name, p.controller, p.label, coalesce(c.n, 0), coalesce(c.successes, 0), "
-                        "coalesce(c.collisions, 0), c.time, c.change FROM point AS p JOIN suite AS s ON s.id = "
-                        "p.suite_id LEFT JOIN {} AS c ON c.point_id = p.id {} ORDER BY s.id, p.id",
-                        counts, suite.empty() ? "" : "WHERE s.name = " + sql_literal(suite)));
+      file,
+      fmt::format("SELECT p.id, s.id, s.name, p.controller, p.label, coalesce(c.n, 0), coalesce(c.successes, 0), "
+                  "coalesce(c.collisions, 0), c.time, c.change, p.params FROM point AS p JOIN suite AS s ON s.id = "
+                  "p.suite_id LEFT JOIN {} AS c ON c.point_id = p.id {} ORDER BY s.id, p.id",
+                  counts, suite.empty() ? "" : "WHERE s.name = " + sql_literal(suite)));
   std::vector<Candidate> all;
   for (const auto& row : found.rows) {
     Candidate c;
@@ -65,6 +76,7 @@ std::vector<Candidate> read_points(const std::filesystem::path& file, const std:
                text_of(row[2]),
                text_of(row[3]),
                text_of(row[4]),
+               conditions_of(text_of(row[10])),
                ""};
     c.n = std::get<std::int64_t>(row[5]);
     c.successes = std::get<std::int64_t>(row[6]);
@@ -137,6 +149,17 @@ std::vector<NamedPoint> named_points(const std::filesystem::path& file, const st
   for (const Candidate& c : all)
     if (c.point.name() == name) points.push_back(c.point);
   if (points.empty()) refuse(file, name, suite, all);
+  return points;
+}
+
+std::vector<NamedPoint> points_of_controller(const std::filesystem::path& file, const std::string& controller,
+                                             const std::string& suite) {
+  std::vector<NamedPoint> points;
+  for (const Candidate& c : read_points(file, suite, false)) {
+    if (c.point.controller != controller) continue;
+    if (c.point.label.empty()) return {};
+    points.push_back(c.point);
+  }
   return points;
 }
 

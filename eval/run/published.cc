@@ -86,9 +86,9 @@ Experiment read_entry(const std::string& name, const Node& node) {
 std::span<const Figure> figures() {
   using enum Figure::Kind;
   static const std::array kAll = {
-      Figure{"success_rate", "success %", kRate, "nullif(t.outcome, 'error') = 'success'", 100.0, 1},
-      Figure{"failure_rate", "failures %", kRate, "nullif(t.outcome, 'error') <> 'success'", 100.0, 1},
-      Figure{"collision_rate", "collisions %", kRate, "nullif(t.outcome, 'error') = 'collision'", 100.0, 1},
+      Figure{"success_rate", "success %", kRate, "t.outcome = 'success'", 100.0, 1},
+      Figure{"failure_rate", "failures %", kRate, "t.outcome <> 'success'", 100.0, 1},
+      Figure{"collision_rate", "collisions %", kRate, "t.outcome = 'collision'", 100.0, 1},
       Figure{"mean_manipulability", "mean manip.", kMean, "t.manip_all_mean", 1.0, 4},
       Figure{"final_manipulability", "final manip.", kMean, "t.manip_all_final", 1.0, 4},
       Figure{"mean_translational_manipulability", "mean transl. manip.", kMean, "t.manip_mean", 1.0, 4},

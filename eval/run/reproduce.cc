@@ -65,7 +65,6 @@ Measured measure_rate(const PointTrials& point, std::size_t at, const PublishedR
   Measured out;
   std::int64_t hits = 0;
   for (const auto& [world, trial] : point.trials) {
-    if (!trial.figures[at]) continue;  // ended by an error
     ++out.n;
     hits += trial.figures[at].value_or(0.0) > 0.0 ? 1 : 0;
   }
@@ -102,23 +101,29 @@ Measured measure_mean(const PointTrials& point, std::size_t at, const PublishedR
 
 std::optional<PairedDifference> difference_of(const PointTrials& a, const PointTrials& b, std::size_t at,
                                               const Figure& figure, Averaging averaging) {
-  std::vector<double> of_a;
-  std::vector<double> of_b;
+  stats::PairedValues values;  // a - b: b is the side that is taken away
+  std::vector<std::pair<bool, bool>> hits;
   for (const auto& [world, trial] : a.trials) {
     const auto other = b.trials.find(world);
     if (other == b.trials.end() || !counts(trial, figure, averaging) || !counts(other->second, figure, averaging))
       continue;
     if (!trial.figures[at] || !other->second.figures[at]) continue;
-    of_a.push_back(figure.scale * *trial.figures[at]);
-    of_b.push_back(figure.scale * *other->second.figures[at]);
+    values.a.push_back(figure.scale * *other->second.figures[at]);
+    values.b.push_back(figure.scale * *trial.figures[at]);
+    hits.emplace_back(*other->second.figures[at] > 0.0, *trial.figures[at] > 0.0);
   }
-  if (of_a.empty()) return std::nullopt;
-  return PairedDifference{a.robot,
-                          a.method,
-                          b.method,
-                          &figure,
-                          static_cast<std::int64_t>(of_a.size()),
-                          stats::paired_bootstrap(of_a, of_b)};
+  if (hits.empty()) return std::nullopt;
+  PairedDifference found{a.robot, a.method, b.method, &figure, static_cast<std::int64_t>(hits.size()), 0.0, {}};
+  if (figure.kind == Figure::Kind::kRate) {
+    const stats::PairedRate rate = stats::paired_rate("", hits);
+    found.difference = figure.scale * rate.difference;
+    found.interval = {figure.scale * rate.interval.low, figure.scale * rate.interval.high};
+  } else {
+    const stats::PairedMean mean = stats::paired_mean(values);
+    found.difference = mean.difference;
+    found.interval = mean.interval;
+  }
+  return found;
 }
 
 ReproducedRow row_of(const PointTrials& point, const Experiment& experiment) {

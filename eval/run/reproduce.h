@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "eval/run/published.h"
-#include "eval/stats/bootstrap.h"
+#include "eval/stats/comparison.h"
 #include "eval/stats/intervals.h"
 #include "eval/suite/suite.h"
 
@@ -38,7 +38,8 @@ struct PairedDifference {
   std::string a, b;
   const Figure* figure = nullptr;
   std::int64_t n = 0;
-  stats::MeanDifference difference;
+  double difference = 0.0;
+  stats::Interval interval;  ///< 95 %; NaN of too few worlds
 };
 
 struct Reproduction {

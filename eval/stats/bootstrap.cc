@@ -3,6 +3,7 @@
 #include <Random123/philox.h>
 
 #include <algorithm>
+#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -52,6 +53,14 @@ MeanDifference paired_bootstrap(std::span<const double> a, std::span<const doubl
   const double mean = sum / static_cast<double>(differences.size());
   if (2.0 * std::pow(0.5, static_cast<double>(differences.size())) > 1.0 - options.confidence)
     return {mean, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+  if (differences.size() > kResampledPairs) {
+    double squares = 0.0;
+    for (const double difference : differences) squares += (difference - mean) * (difference - mean);
+    const auto n = static_cast<double>(differences.size());
+    const double half =
+        boost::math::quantile(boost::math::normal(), 0.5 + options.confidence / 2) * std::sqrt(squares / (n - 1.0) / n);
+    return {mean, mean - half, mean + half};
+  }
   std::vector<double> means(static_cast<std::size_t>(options.replicates));
   for (std::size_t r = 0; r < means.size(); ++r) {
     means[r] = resampled_mean(differences, options.seed, static_cast<std::uint32_t>(r));

@@ -95,16 +95,11 @@ class Checker {
   /// Views are what every table and page is read from; triggers could change what is written. The views of another
   /// build are rightly other ones, and only that build could say whether they are its own.
   void check_definitions() {
-    SQLite::Database fresh(":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
-    fresh.exec(tables_sql());
-    fresh.exec(views_sql());
-    Statement views(fresh, "SELECT name, sql FROM sqlite_schema WHERE type = 'view' ORDER BY name");
-    while (views.executeStep()) {
-      const std::string name = views.getColumn(0).getString();
+    for (const auto& [name, statement] : views()) {
       Statement ours(db_, "SELECT sql FROM main.sqlite_schema WHERE type = 'view' AND name = ?");
       ours.bind(1, name);
       const bool there = ours.executeStep();
-      if (there && ours.getColumn(0).getString() == views.getColumn(1).getString()) continue;
+      if (there && ours.getColumn(0).getString() == statement) continue;
       if (there && other_builds()) {
         counts_.foreign_views.push_back(name);
       } else {

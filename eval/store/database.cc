@@ -196,6 +196,7 @@ SQLite::Database open_database(const fs::path& file, Access access) {
         throw unusable(file,
                        "was written by an older moma; 'moma run' on it, or 'moma merge NEW OLD', brings it up to date");
       }
+      shadow_views(db);
       db.exec("PRAGMA query_only = ON");
       return db;
     }

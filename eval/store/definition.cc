@@ -111,11 +111,7 @@ std::string filled(std::string text) {
       {"summary index", &summary_index_sql},
       {"trial view", [] { return view_lines(trial_columns(), "t"); }},
       {"timing view", [] { return view_lines(timing_columns(), "e"); }},
-      {"summary means",
-       [] {
-         return of_summary(
-             [](auto name) { return fmt::format("avg({0}) FILTER (WHERE outcome <> 'error') AS {0}", name); });
-       }},
+      {"summary means", [] { return of_summary([](auto name) { return fmt::format("avg({0}) AS {0}", name); }); }},
       {"summary view", [] { return of_summary([](auto name) { return fmt::format("c.{0} AS {0}", name); }); }},
       {"modes", &quoted<SimulationMode>},
       {"run states", &quoted<RunStatus>},
@@ -165,7 +161,33 @@ std::string type_of(const TrialColumn& column) { return type_of_any(column); }
 std::string type_of(const TimingColumn& column) { return type_of_any(column); }
 
 std::string tables_sql() { return filled(kSchemaSql); }
-std::string views_sql() { return filled(kViewsSql); }
+
+std::vector<std::pair<std::string, std::string>> views() {
+  static const auto kViews = [] {
+    std::vector<std::pair<std::string, std::string>> all;
+    const std::string text = filled(kViewsSql);
+    constexpr std::string_view kCreate = "CREATE VIEW ";
+    for (std::size_t at = text.find(kCreate); at != std::string::npos; at = text.find(kCreate, at + 1)) {
+      const std::size_t name = at + kCreate.size();
+      all.emplace_back(text.substr(name, text.find(' ', name) - name), text.substr(at, text.find(';', at) - at));
+    }
+    return all;
+  }();
+  return kViews;
+}
+
+std::string views_sql() {
+  std::string sql;
+  for (const auto& [name, statement] : views()) sql += fmt::format("DROP VIEW IF EXISTS {};\n{};\n", name, statement);
+  return sql;
+}
+
+std::string temporary_views_sql() {
+  std::string sql;
+  for (const auto& [name, statement] : views())
+    sql += fmt::format("CREATE TEMP{};\n", statement.substr(statement.find(" VIEW")));
+  return sql;
+}
 
 std::string summary_index_sql() {
   return fmt::format(

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "eval/store/columns.h"
 
@@ -15,8 +17,13 @@ std::string type_of(const TimingColumn& column);
 
 /// All tables and indices, but no views.
 std::string tables_sql();
+/// The views, each with the statement that makes it, as SQLite keeps it.
+std::vector<std::pair<std::string, std::string>> views();
 /// Drops the views that are there and makes them.
 std::string views_sql();
+/// Makes them in the connection alone, before those of the file: the views of a store that another build wrote may
+/// count otherwise.
+std::string temporary_views_sql();
 /// Drops and makes the index that v_summary is read from.
 std::string summary_index_sql();
 

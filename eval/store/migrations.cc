@@ -88,15 +88,30 @@ std::vector<std::string> all_additions(SQLite::Database& db) {
   return sql;
 }
 
+bool has_our_views(SQLite::Database& db) {
+  const auto& ours = views();
+  SQLite::Statement s(db, "SELECT sql FROM main.sqlite_schema WHERE type = 'view' AND name = ?");
+  return std::all_of(ours.begin(), ours.end(), [&](const auto& view) {
+    s.reset();
+    s.bind(1, view.first);
+    return s.executeStep() && s.getColumn(0).getString() == view.second;
+  });
+}
+
 }  // namespace
 
+void shadow_views(SQLite::Database& db) {
+  // Without a column that this build describes only the file's own views can be read.
+  if (!has_our_views(db) && all_additions(db).empty()) db.exec(temporary_views_sql());
+}
+
 void add_described_columns(SQLite::Database& db) {
-  if (all_additions(db).empty()) return;
+  if (all_additions(db).empty() && has_our_views(db)) return;
   SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
   // Asked again under the lock: another process may have been quicker.
   const std::vector<std::string> sql = all_additions(db);
   for (const std::string& statement : sql) db.exec(statement);
-  if (!sql.empty()) db.exec(views_sql());
+  db.exec(views_sql());
   transaction.commit();
 }
 

@@ -29,9 +29,12 @@ void create_schema(SQLite::Database& db);
 /// all or none happen. Throws SQLite::Exception; std::logic_error where a step is missing.
 void migrate(SQLite::Database& db, std::span<const Migration> steps, int target);
 
+/// Gives a connection that only reads this build's views, where the file has those of another.
+void shadow_views(SQLite::Database& db);
+
 /// Adds the columns of results that are described (eval/trial/row.h) and that a store of this version does not have
-/// yet, and makes the views anew: a new metric needs neither a version of the store nor a migration. Columns that this
-/// program does not know stay as they are. In one transaction; throws SQLite::Exception.
+/// yet, and makes the views anew where they differ: a new metric needs neither a version of the store nor a migration.
+/// Columns that this program does not know stay as they are. In one transaction; throws SQLite::Exception.
 void add_described_columns(SQLite::Database& db);
 
 /// Names of a table's columns.

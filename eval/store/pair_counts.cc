@@ -88,8 +88,8 @@ std::vector<PointBits> read_points(sqlite3* connection, const WorldOrder& worlds
                       sqlite3_column_int64(query.get(), 6), Words(worlds.first_word.back(), 0),
                       Words(worlds.first_word.back(), 0)});
   }
-  const StatementPtr trials = prepare_statement(
-      connection, "SELECT point_id, world_id, outcome = 'success' FROM point_trial WHERE outcome <> 'error'");
+  const StatementPtr trials =
+      prepare_statement(connection, "SELECT point_id, world_id, outcome = 'success' FROM point_trial");
   while (step(connection, trials.get())) {
     PointBits& point = points.at(place.at(sqlite3_column_int64(trials.get(), 0)));
     const std::size_t bit = worlds.bit.at(sqlite3_column_int64(trials.get(), 1));

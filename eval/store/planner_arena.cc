@@ -47,10 +47,10 @@ struct Property {
   const char* sql;  // over t (trial), e (execution), w (world)
 };
 
-// OMPL's own names first. Of a run that ended by an error it is not known whether it would have solved anything.
+// OMPL's own names first.
 constexpr Property kProperties[] = {
     {"time", "REAL", "e.t_trial_us * 1e-6"},
-    {"solved", "BOOLEAN", "nullif(t.outcome, 'error') = 'success'"},
+    {"solved", "BOOLEAN", "t.outcome = 'success'"},
     {"status", "ENUM", "o.value"},
     {"correct_solution", "BOOLEAN", "iif(t.outcome = 'success', t.collision_count = 0, NULL)"},
     {"approximate_solution", "BOOLEAN", "nullif(t.outcome, 'error') <> 'success'"},

@@ -1,10 +1,5 @@
--- The views of the store. They are made anew whenever a store is migrated.
-DROP VIEW IF EXISTS v_trials;
-DROP VIEW IF EXISTS v_summary;
-DROP VIEW IF EXISTS v_pairs;
-DROP VIEW IF EXISTS v_metrics;
-DROP VIEW IF EXISTS v_metric_summary;
-
+-- The views of the store. A store that is written to gets them anew where they differ; one that is only read is read
+-- through temporary ones.
 CREATE VIEW v_trials AS
 SELECT t.trial AS trial, s.name AS suite, r.name AS robot, p.controller AS controller, p.label AS point,
        p.params AS params, w.family AS family, w.world_index AS world, p.mode AS mode, t.outcome AS outcome,
@@ -19,12 +14,13 @@ JOIN world AS w ON w.id = t.world_id
 LEFT JOIN execution AS e ON e.key = t.key;
 
 -- Rates with Wilson's 95 % interval (z = 1.959963984540054); the median is over successful trials, means over the
--- trials that have the value. Trials that ended by an error tell nothing of the controller: they are counted apart, in
--- `errors`, and are no part of n, rates and means. The index point_trial_summary has all that is read.
+-- trials that have the value. A trial that ended by an error did not succeed: else a controller could leave every
+-- difficult world to errors. `errors` counts them within n; success_without_errors is the rate of the other trials. The
+-- index point_trial_summary has all that is read.
 CREATE VIEW v_summary AS
 WITH counted AS (
-  SELECT point_id, family, sum(outcome <> 'error') AS n, sum(outcome = 'error') AS errors,
-         1.0 * sum(outcome <> 'error') AS m, 1.0 * sum(outcome = 'success') AS successes,
+  SELECT point_id, family, count(*) AS n, sum(outcome = 'error') AS errors,
+         1.0 * count(*) AS m, 1.0 * sum(outcome = 'success') AS successes,
          1.0 * sum(outcome = 'collision') AS collisions, 3.8414588206941245 AS zz, count(time_to_goal_s) AS arrived,
          {{summary means}}
   FROM point_trial
@@ -44,15 +40,16 @@ WITH counted AS (
 SELECT s.name AS suite, b.name AS robot, p.controller AS controller, p.label AS point, c.family AS family,
        p.mode AS mode, n, errors,
        successes / m AS success_rate,
-       CASE WHEN m = 0 THEN NULL WHEN successes = 0 THEN 0.0 ELSE
+       CASE WHEN successes = 0 THEN 0.0 ELSE
          (successes + zz / 2 - sqrt(zz * (successes * (m - successes) / m + zz / 4))) / (m + zz) END AS success_low,
-       CASE WHEN m = 0 THEN NULL WHEN successes = m THEN 1.0 ELSE
+       CASE WHEN successes = m THEN 1.0 ELSE
          (successes + zz / 2 + sqrt(zz * (successes * (m - successes) / m + zz / 4))) / (m + zz) END AS success_high,
+       successes / nullif(n - errors, 0) AS success_without_errors,
        collisions / m AS collision_rate,
-       CASE WHEN m = 0 THEN NULL WHEN collisions = 0 THEN 0.0 ELSE
+       CASE WHEN collisions = 0 THEN 0.0 ELSE
          (collisions + zz / 2 - sqrt(zz * (collisions * (m - collisions) / m + zz / 4))) / (m + zz) END
          AS collision_low,
-       CASE WHEN m = 0 THEN NULL WHEN collisions = m THEN 1.0 ELSE
+       CASE WHEN collisions = m THEN 1.0 ELSE
          (collisions + zz / 2 + sqrt(zz * (collisions * (m - collisions) / m + zz / 4))) / (m + zz) END
          AS collision_high,
        d.time_to_goal_median_s AS time_to_goal_median_s, {{summary view}}
@@ -62,14 +59,12 @@ JOIN suite AS s ON s.id = p.suite_id
 JOIN robot AS b ON b.id = p.robot_id
 LEFT JOIN medians AS d ON d.point_id = c.point_id AND d.family = c.family;
 
--- Two points of one suite on the same world; each pair of points once, the one that was defined first as `a`. Whether a
--- trial that ended by an error would have succeeded is not known: NULL.
+-- Two points of one suite on the same world; each pair of points once, the one that was defined first as `a`.
 CREATE VIEW v_pairs AS
 SELECT s.name AS suite, r.name AS robot, w.family AS family, w.world_index AS world, pa.mode AS mode,
        pa.controller AS controller_a, pa.label AS point_a, pb.controller AS controller_b, pb.label AS point_b,
        ta.trial AS trial_a, tb.trial AS trial_b, ta.outcome AS outcome_a, tb.outcome AS outcome_b,
-       iif(ta.outcome = 'error', NULL, ta.outcome = 'success') AS success_a,
-       iif(tb.outcome = 'error', NULL, tb.outcome = 'success') AS success_b,
+       ta.outcome = 'success' AS success_a, tb.outcome = 'success' AS success_b,
        ta.time_to_goal_s AS time_to_goal_a_s, tb.time_to_goal_s AS time_to_goal_b_s
 FROM point_trial AS ma
 JOIN point AS pa ON pa.id = ma.point_id
@@ -92,8 +87,7 @@ JOIN point_trial AS m ON m.key = x.key
 JOIN point AS p ON p.id = m.point_id
 JOIN suite AS s ON s.id = p.suite_id;
 
--- Means of the suites' own metrics over the trials that have the value and did not end by an error, as v_summary has
--- those of moma's.
+-- Means of the suites' own metrics over the trials that have the value, as v_summary has those of moma's.
 CREATE VIEW v_metric_summary AS
 SELECT s.name AS suite, r.name AS robot, p.controller AS controller, p.label AS point, m.family AS family,
        p.mode AS mode, d.name AS metric, count(x.value) AS n, avg(x.value) AS mean
@@ -103,5 +97,4 @@ JOIN point_trial AS m ON m.key = x.key
 JOIN point AS p ON p.id = m.point_id
 JOIN suite AS s ON s.id = p.suite_id
 JOIN robot AS r ON r.id = p.robot_id
-WHERE m.outcome <> 'error'
 GROUP BY p.id, m.family, d.id;

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "eval/batch/batch.h"
+#include "eval/stats/comparison.h"
 #include "eval/store/tuning.h"
 #include "eval/tune/tuning.h"
 
@@ -29,7 +31,8 @@ struct HeldOutVerdict {
   Verdict overall = Verdict::kNoDifference;  ///< against the controller as the suite has it
   std::string why;
   std::vector<std::string> constraints;  ///< a line for each
-  std::int64_t errors = 0;               ///< worlds against `against` where a trial ended by an error: in no rate
+  std::int64_t errors = 0;               ///< worlds against `against` where a trial ended by an error: no success
+  std::optional<stats::PairedRate> success_without_errors;  ///< A: `against`, B: found; where there are errors
 };
 
 /// `rows[j]` belongs to `held_out.jobs[j]`. Compares the found gains with each other controller, for every family and

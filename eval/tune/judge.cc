@@ -2,21 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
-#include <set>
 
-#include "eval/stats/bootstrap.h"
-#include "eval/stats/intervals.h"
+#include "eval/stats/comparison.h"
 #include "eval/tune/held_out.h"
 
 namespace moma::tune {
 namespace {
 
-constexpr double kSignificance = 0.05;
-constexpr double kNan = kAbsent;
-
-// One world met by both sides.
+// Trials of one world by both sides.
 struct Pair {
   std::string family;
   const TrialRow* found = nullptr;
@@ -24,116 +18,80 @@ struct Pair {
   TrialCost::Scale scale;
 };
 
-struct Row {
-  store::TuneComparisonRecord record;
-  bool rate = false;
-  bool more_is_better = false;
+/// Theirs is side A, the found gains are side B, so that differences are found - theirs.
+struct Compared {
+  std::string family, other;
+  stats::Comparison comparison;
 };
 
-Verdict verdict_of(const Row& row) {
-  const store::TuneComparisonRecord& r = row.record;
-  const bool shown = row.rate ? r.p < kSignificance : r.difference_low > 0.0 || r.difference_high < 0.0;
-  if (!shown || std::isnan(r.difference) || r.difference == 0.0) return Verdict::kNoDifference;
-  return (r.difference > 0.0) == row.more_is_better ? Verdict::kBetter : Verdict::kWorse;
+Verdict verdict_of(int shown, bool more_is_better) {
+  if (shown == 0) return Verdict::kNoDifference;
+  return (shown > 0) == more_is_better ? Verdict::kBetter : Verdict::kWorse;
 }
 
-bool by_error(const Pair& pair) {
-  return pair.found->outcome == Outcome::kError || pair.theirs->outcome == Outcome::kError;
+stats::Ending ending_of(const TrialRow& row) {
+  return {row.outcome == Outcome::kSuccess, row.outcome == Outcome::kCollision, row.outcome == Outcome::kError};
 }
 
-/// Of the worlds where neither trial ended by an error.
-Row rate_row(const std::vector<Pair>& pairs, Outcome outcome, bool more_is_better) {
-  Row row;
-  row.rate = true;
-  row.more_is_better = more_is_better;
-  store::TuneComparisonRecord& r = row.record;
-  std::int64_t both = 0, only_found = 0, only_theirs = 0, neither = 0;
+Compared compare(const Tuning& tuning, const std::vector<Pair>& pairs, const std::string& family,
+                 const std::string& other) {
+  std::vector<std::pair<stats::Ending, stats::Ending>> endings;
+  // The time to the goal is NULL unless the trial succeeds, so that only worlds where both do are compared.
+  std::vector<stats::PairedValues> values{{"objective", {}, {}}};
+  std::vector<Metric> metrics;
+  for (const char* name : {"time_to_goal_s", "manip_mean", "command_change_mean"}) {
+    metrics.push_back(Metric::find(name));
+    values.push_back({name, {}, {}});
+  }
   for (const Pair& pair : pairs) {
-    if (by_error(pair)) continue;
-    const bool x = pair.found->outcome == outcome, y = pair.theirs->outcome == outcome;
-    ++(x && y ? both : x ? only_found : y ? only_theirs : neither);
+    endings.emplace_back(ending_of(*pair.theirs), ending_of(*pair.found));
+    values[0].a.push_back(tuning.config.cost(*pair.theirs, pair.scale));
+    values[0].b.push_back(tuning.config.cost(*pair.found, pair.scale));
+    for (std::size_t m = 0; m < metrics.size(); ++m) {
+      values[m + 1].a.push_back(metrics[m].value(*pair.theirs));
+      values[m + 1].b.push_back(metrics[m].value(*pair.found));
+    }
   }
-  r.n = both + only_found + only_theirs + neither;
-  r.p = stats::mcnemar_exact(only_found, only_theirs);
-  r.found = r.found_low = r.found_high = r.theirs = r.theirs_low = r.theirs_high = kNan;
-  r.difference = r.difference_low = r.difference_high = kNan;
-  if (r.n == 0) return row;
-  const std::int64_t found = both + only_found, theirs = both + only_theirs;
-  const stats::Interval f = stats::wilson(found, r.n), t = stats::wilson(theirs, r.n);
-  const stats::Interval d = stats::difference_of_paired_rates(only_found, only_theirs, r.n);
-  const auto n = static_cast<double>(r.n);
-  r.found = static_cast<double>(found) / n;
-  r.found_low = f.low;
-  r.found_high = f.high;
-  r.theirs = static_cast<double>(theirs) / n;
-  r.theirs_low = t.low;
-  r.theirs_high = t.high;
-  r.difference = static_cast<double>(only_found - only_theirs) / n;
-  r.difference_low = d.low;
-  r.difference_high = d.high;
-  return row;
+  return {family, other, stats::compare(endings, values)};
 }
 
-Row mean_row(const std::vector<Pair>& pairs, bool more_is_better,
-             const std::function<double(const TrialRow&, const TrialCost::Scale&)>& value) {
-  Row row;
-  row.more_is_better = more_is_better;
-  store::TuneComparisonRecord& r = row.record;
-  std::vector<double> a, b;
-  for (const Pair& pair : pairs) {
-    const double x = value(*pair.found, pair.scale), y = value(*pair.theirs, pair.scale);
-    if (std::isnan(x) || std::isnan(y)) continue;
-    a.push_back(x);
-    b.push_back(y);
-  }
-  r.n = static_cast<std::int64_t>(a.size());
-  r.found_low = r.found_high = r.theirs_low = r.theirs_high = r.p = kNan;
-  r.found = r.theirs = r.difference = r.difference_low = r.difference_high = kNan;
-  if (a.empty()) return row;
-  const std::vector<double> zero(a.size(), 0.0);
-  const auto n = static_cast<double>(a.size());
-  double sum_a = 0.0, sum_b = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    sum_a += a[i];
-    sum_b += b[i];
-  }
-  r.found = sum_a / n;
-  r.theirs = sum_b / n;
-  const stats::MeanDifference f = stats::paired_bootstrap(a, zero), t = stats::paired_bootstrap(b, zero);
-  r.found_low = f.low;
-  r.found_high = f.high;
-  r.theirs_low = t.low;
-  r.theirs_high = t.high;
-  const stats::MeanDifference d = stats::paired_bootstrap(a, b);
-  r.difference = d.mean;
-  r.difference_low = d.low;
-  r.difference_high = d.high;
-  return row;
+store::TuneComparisonRecord record_of(const Compared& of, const stats::PairedRate& r, bool more_is_better) {
+  const auto low = [](const stats::Share& side) { return std::isnan(side.rate) ? kAbsent : side.interval.low; };
+  const auto high = [](const stats::Share& side) { return std::isnan(side.rate) ? kAbsent : side.interval.high; };
+  const bool none = std::isnan(r.difference);
+  return {of.family,
+          of.other,
+          r.name,
+          r.n,
+          r.b.rate,
+          low(r.b),
+          high(r.b),
+          r.a.rate,
+          low(r.a),
+          high(r.a),
+          r.difference,
+          none ? kAbsent : r.interval.low,
+          none ? kAbsent : r.interval.high,
+          r.p_holm,
+          std::string(to_string(verdict_of(r.shown(), more_is_better)))};
 }
 
-std::vector<Row> compare(const Tuning& tuning, const std::vector<Pair>& pairs, const std::string& family,
-                         const std::string& other) {
-  const auto metric = [](const char* name) {
-    return [m = Metric::find(name)](const TrialRow& row, const TrialCost::Scale&) { return m.value(row); };
-  };
-  std::vector<std::pair<std::string, Row>> named;
-  named.emplace_back("success", rate_row(pairs, Outcome::kSuccess, true));
-  named.emplace_back("collision", rate_row(pairs, Outcome::kCollision, false));
-  named.emplace_back("objective", mean_row(pairs, false, [&](const TrialRow& row, const TrialCost::Scale& scale) {
-                       return tuning.config.cost(row, scale);
-                     }));
-  // NULL unless the trial succeeds, so that only worlds where both do are compared.
-  named.emplace_back("time_to_goal_s", mean_row(pairs, false, metric("time_to_goal_s")));
-  named.emplace_back("manip_mean", mean_row(pairs, true, metric("manip_mean")));
-  named.emplace_back("command_change_mean", mean_row(pairs, false, metric("command_change_mean")));
-  std::vector<Row> rows;
-  for (auto& [name, row] : named) {
-    row.record.metric = name;
-    row.record.family = family;
-    row.record.other = other;
-    rows.push_back(std::move(row));
-  }
-  return rows;
+store::TuneComparisonRecord record_of(const Compared& of, const stats::PairedMean& m) {
+  return {of.family,
+          of.other,
+          m.name,
+          m.n,
+          m.b,
+          m.of_b.low,
+          m.of_b.high,
+          m.a,
+          m.of_a.low,
+          m.of_a.high,
+          m.difference,
+          m.interval.low,
+          m.interval.high,
+          kAbsent,
+          std::string(to_string(verdict_of(m.shown(), m.name == "manip_mean")))};
 }
 
 std::vector<std::string> judge_constraints(const Tuning& tuning, const std::vector<const TrialRow*>& rows) {
@@ -144,16 +102,20 @@ std::vector<std::string> judge_constraints(const Tuning& tuning, const std::vect
     double sum = 0.0;
     std::int64_t ones = 0;
     bool rate = true;
+    std::int64_t n = 0;
     for (const TrialRow* row : rows) {
+      // An error may leave a metric without a value.
+      if (row->outcome == Outcome::kError && !bound.when_null && std::isnan(bound.metric.value(*row))) continue;
       const double value = bound_value(bound, *row);
+      ++n;
       sum += value;
       rate = rate && (value == 0.0 || std::abs(value) == 1.0);
       ones += std::abs(value) == 1.0 ? 1 : 0;
     }
-    const double mean = sum / static_cast<double>(rows.size());
+    const double mean = sum / static_cast<double>(n);
     std::string interval;
-    if (rate && !rows.empty()) {
-      const stats::Interval w = stats::wilson(ones, static_cast<std::int64_t>(rows.size()));
+    if (rate && n > 0) {
+      const stats::Interval w = stats::wilson(ones, n);
       interval = fmt::format(" [{:.3g}, {:.3g}]", w.low, w.high);
     }
     lines.push_back(fmt::format("{}: {:.4g}{}, {}", constraint.name, bound.at_least ? -mean : mean, interval,
@@ -171,6 +133,10 @@ std::string interval(double value, double low, double high, bool percent) {
   return fmt::format("{} [{}, {}]", number(value), number(low), number(high));
 }
 
+std::string percent_of(const stats::Share& share) {
+  return std::isnan(share.rate) ? "of none" : fmt::format("{:.1f} %", 100 * share.rate);
+}
+
 }  // namespace
 
 HeldOutVerdict judge(const Tuning& tuning, const HeldOut& held_out, const std::vector<TrialRow>& rows) {
@@ -186,7 +152,7 @@ HeldOutVerdict judge(const Tuning& tuning, const HeldOut& held_out, const std::v
   }
 
   HeldOutVerdict verdict;
-  std::vector<Row> all;
+  std::vector<Compared> all;
   for (const std::string& other : held_out.others) {
     std::map<std::string, std::vector<Pair>> by_family;
     std::vector<Pair> together;
@@ -199,28 +165,29 @@ HeldOutVerdict judge(const Tuning& tuning, const HeldOut& held_out, const std::v
       together.push_back(pair);
     }
     if (by_family.size() > 1) {
-      for (const auto& [family, pairs] : by_family) {
-        for (Row& row : compare(tuning, pairs, family, other)) all.push_back(std::move(row));
-      }
+      for (const auto& [family, pairs] : by_family) all.push_back(compare(tuning, pairs, family, other));
     }
-    for (Row& row : compare(tuning, together, "all", other)) all.push_back(std::move(row));
-    if (other == held_out.others.front()) verdict.errors = std::count_if(together.begin(), together.end(), by_error);
+    all.push_back(compare(tuning, together, "all", other));
   }
 
-  std::vector<double> p;
-  for (const Row& row : all) {
-    if (row.rate) p.push_back(row.record.p);
-  }
-  const std::vector<double> adjusted = stats::holm(p);
-  std::size_t next = 0;
+  std::vector<stats::PairedRate*> rates;
+  for (Compared& of : all)
+    for (stats::PairedRate& rate : of.comparison.rates) rates.push_back(&rate);
+  stats::correct_by_holm(rates);
   verdict.against = held_out.others.front();
   std::map<std::string, Verdict> overall;
-  for (Row& row : all) {
-    if (row.rate) row.record.p = adjusted[next++];
-    const Verdict v = verdict_of(row);
-    row.record.verdict = to_string(v);
-    if (row.record.other == verdict.against && row.record.family == "all") overall[row.record.metric] = v;
-    verdict.rows.push_back(row.record);
+  for (const Compared& of : all) {
+    const stats::Comparison& comparison = of.comparison;
+    const auto add = [&](store::TuneComparisonRecord record) { verdict.rows.push_back(std::move(record)); };
+    add(record_of(of, comparison.rate("success"), true));
+    add(record_of(of, comparison.rate("collision"), false));
+    for (const stats::PairedMean& mean : comparison.means) add(record_of(of, mean));
+    if (of.other != verdict.against || of.family != "all") continue;
+    verdict.errors = comparison.worlds_with_errors;
+    verdict.success_without_errors = comparison.sans_errors;
+    overall["success"] = verdict_of(comparison.rate("success").shown(), true);
+    overall["collision"] = verdict_of(comparison.rate("collision").shown(), false);
+    overall["objective"] = verdict_of(comparison.mean("objective").shown(), false);
   }
   const auto is = [&](const char* metric, Verdict v) { return overall.at(metric) == v; };
   for (const char* metric : {"success", "collision"}) {
@@ -237,8 +204,7 @@ HeldOutVerdict judge(const Tuning& tuning, const HeldOut& held_out, const std::v
   }
   std::vector<const TrialRow*> found_rows;
   for (const auto& [where, row_of] : cells) {
-    const TrialRow& row = rows[row_of.at(held_out.found)];
-    if (row.outcome != Outcome::kError) found_rows.push_back(&row);
+    found_rows.push_back(&rows[row_of.at(held_out.found)]);
   }
   verdict.constraints = judge_constraints(tuning, found_rows);
   return verdict;
@@ -270,8 +236,10 @@ std::string table(const HeldOutVerdict& verdict) {
     text += row + "\n";
   }
   if (verdict.errors > 0)
-    text += fmt::format("rates are without {} where a trial ended by an error\n",
-                        verdict.errors == 1 ? "one world" : fmt::format("{} worlds", verdict.errors));
+    text += fmt::format(
+        "in {} a trial ended by an error, which is no success; without these worlds success is {} against {}\n",
+        verdict.errors == 1 ? "one world" : fmt::format("{} worlds", verdict.errors),
+        percent_of(verdict.success_without_errors->b), percent_of(verdict.success_without_errors->a));
   return text;
 }
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 class Comparison(NamedTuple):
     """B against A on the worlds that both met; docs/explanation/statistics.md."""
 
-    rates: pandas.DataFrame  #: of success and collision, with Wilson's intervals and McNemar's exact p
+    rates: pandas.DataFrame  #: of success and collision (and of success without errors, where there are any), with intervals and p
     metrics: pandas.DataFrame  #: means, and the mean difference with its paired bootstrap interval
     text: str  #: as `moma compare` prints it
 
@@ -68,7 +68,7 @@ class Store:
         return self.sql(f"SELECT * FROM samples('{trial}') ORDER BY step")
 
     def compare(self, a: str, b: str, suite: str | None = None) -> Comparison:
-        """Two controllers (NAME, or NAME:POINT of a sweep) on the same worlds, paired: what `moma compare` says."""
+        """Two controllers (NAME under equal conditions, or NAME:POINT) on the same worlds, paired: what `moma compare` says."""
         import pandas
 
         words = ["compare", str(self.path), a, b, *(["--suite", suite] if suite else [])]

@@ -15,7 +15,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Escape = std::function<std::string(const std::string&)>;
 
-constexpr std::array<const char*, 18> kColumns = {"suite",
+constexpr std::array<const char*, 19> kColumns = {"suite",
                                                   "robot",
                                                   "mode",
                                                   "family",
@@ -26,6 +26,7 @@ constexpr std::array<const char*, 18> kColumns = {"suite",
                                                   "success_rate",
                                                   "success_low",
                                                   "success_high",
+                                                  "success_without_errors",
                                                   "collision_rate",
                                                   "collision_low",
                                                   "collision_high",
@@ -128,7 +129,12 @@ std::vector<std::string> cells(const Table& table, const Json& row, const Escape
   std::vector<std::string> all = {escape(row.at("family").is_null() ? "all" : row.at("family").get<std::string>()),
                                   escape(who), row.at("n").dump()};
   if (table.errors) all.push_back(row.at("errors").dump());
-  for (const char* stem : {"success", "collision"}) all.push_back(rate(row, stem, dash));
+  all.push_back(rate(row, "success", dash));
+  if (table.errors)
+    all.push_back(row.at("success_without_errors").is_null()
+                      ? dash
+                      : fmt::format("{:.1f}", 100 * row.at("success_without_errors").get<double>()));
+  all.push_back(rate(row, "collision", dash));
   for (const auto& [key, decimals] : {std::pair{"time_to_goal_median_s", 2}, std::pair{"manip_mean", 4},
                                       std::pair{"clearance_min_m", 3}, std::pair{"command_change_mean", 4}})
     all.push_back(fixed(row.at(key), decimals, dash));
@@ -141,7 +147,10 @@ std::vector<std::string> cells(const Table& table, const Json& row, const Escape
 
 /// Heads of the cells, the suites' own metrics last.
 std::vector<std::string> heads(const Table& table, const Escape& escape, std::vector<std::string> moma) {
-  if (table.errors) moma.insert(moma.begin() + 3, "errors");
+  if (table.errors) {
+    moma.insert(moma.begin() + 3, "errors");
+    moma.insert(moma.begin() + 5, escape("without errors %"));
+  }
   for (const auto& [key, name] : table.own) moma.push_back(escape(name));
   return moma;
 }

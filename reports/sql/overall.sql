@@ -1,11 +1,10 @@
--- v_summary over all families of a point together, errors apart as there. Wilson's 95 % interval, z = 1.959963984540054.
+-- v_summary over all families of a point together. Wilson's 95 % interval, z = 1.959963984540054.
 WITH counted AS (
-  SELECT point_id, sum(outcome <> 'error') AS n, sum(outcome = 'error') AS errors, 1.0 * sum(outcome <> 'error') AS m,
+  SELECT point_id, count(*) AS n, sum(outcome = 'error') AS errors, 1.0 * count(*) AS m,
          1.0 * sum(outcome = 'success') AS successes,
          1.0 * sum(outcome = 'collision') AS collisions, 3.8414588206941245 AS zz, count(time_to_goal_s) AS arrived,
-         avg(manip_mean) FILTER (WHERE outcome <> 'error') AS manip_mean,
-         avg(clearance_min_m) FILTER (WHERE outcome <> 'error') AS clearance_min_m,
-         avg(command_change_mean) FILTER (WHERE outcome <> 'error') AS command_change_mean
+         avg(manip_mean) AS manip_mean, avg(clearance_min_m) AS clearance_min_m,
+         avg(command_change_mean) AS command_change_mean
   FROM point_trial
   GROUP BY point_id
 ), ranked AS (
@@ -20,15 +19,16 @@ WITH counted AS (
 )
 SELECT s.name AS suite, b.name AS robot, p.controller, p.label AS point, NULL AS family, p.mode, c.n, c.errors,
        successes / m AS success_rate,
-       CASE WHEN m = 0 THEN NULL WHEN successes = 0 THEN 0.0 ELSE
+       CASE WHEN successes = 0 THEN 0.0 ELSE
          (successes + zz / 2 - sqrt(zz * (successes * (m - successes) / m + zz / 4))) / (m + zz) END AS success_low,
-       CASE WHEN m = 0 THEN NULL WHEN successes = m THEN 1.0 ELSE
+       CASE WHEN successes = m THEN 1.0 ELSE
          (successes + zz / 2 + sqrt(zz * (successes * (m - successes) / m + zz / 4))) / (m + zz) END AS success_high,
+       successes / nullif(n - errors, 0) AS success_without_errors,
        collisions / m AS collision_rate,
-       CASE WHEN m = 0 THEN NULL WHEN collisions = 0 THEN 0.0 ELSE
+       CASE WHEN collisions = 0 THEN 0.0 ELSE
          (collisions + zz / 2 - sqrt(zz * (collisions * (m - collisions) / m + zz / 4))) / (m + zz) END
          AS collision_low,
-       CASE WHEN m = 0 THEN NULL WHEN collisions = m THEN 1.0 ELSE
+       CASE WHEN collisions = m THEN 1.0 ELSE
          (collisions + zz / 2 + sqrt(zz * (collisions * (m - collisions) / m + zz / 4))) / (m + zz) END
          AS collision_high,
        d.time_to_goal_median_s, c.manip_mean, c.clearance_min_m, c.command_change_mean

@@ -62,12 +62,9 @@ trials: 6
 
 TEST_F(CliLook, TheBestPointIsFoundByTheStatedCriterion) {
   make_sweep();
-  // 4 of 6 without a collision; 3 of 3 is more, since an error says nothing of a controller.
   json best = rows({"query", "a.db", "@best"});
   ASSERT_EQ(best.size(), 1u);
-  EXPECT_TRUE(best[0]["point"].get<std::string>().ends_with("k_epsilon=0.3")) << best;
-  EXPECT_NE(best[0]["by"].get<std::string>().find("success 100.0 %, collision 0.0 % of 3"), std::string::npos) << best;
-  set_outcome("k_epsilon=0.3", 0, "error");
+  EXPECT_NE(best[0]["by"].get<std::string>().find("success 66.7 %, collision 0.0 % of 6"), std::string::npos) << best;
   best = rows({"query", "a.db", "mine@best"});
   EXPECT_TRUE(best[0]["point"].get<std::string>().ends_with("k_epsilon=0.2")) << "fewer collisions decide: " << best;
   bad({"query", "a.db", "theirs@best"}, {"no point 'theirs@best'", "k_epsilon=0.1"});
@@ -96,8 +93,8 @@ TEST_F(CliLook, SummariesAreSortedByAnyMetric) {
       text += row["point"].get<std::string>().back();
     return text;
   };
-  EXPECT_EQ(order("success_rate:up"), "123") << "equal ones as they were";
-  EXPECT_EQ(order("success_rate"), "312") << "the best first";
+  EXPECT_EQ(order("success_rate:up"), "312") << "errors are no success; equal ones as they were";
+  EXPECT_EQ(order("success_rate"), "123") << "the best first";
   EXPECT_EQ(order("collision_rate"), "231");
   EXPECT_EQ(order("collision_rate:down"), "123");
   EXPECT_EQ(order("errors:down"), "312");
@@ -113,22 +110,61 @@ TEST_F(CliLook, ErrorsAreSaidBesideTheRates) {
   make_sweep();
   const std::string table = good({"query", "a.db", "@summary"}).out;
   EXPECT_NE(table.find("n  errors  success"), std::string::npos) << table;
-  EXPECT_NE(table.find("3       3  100.0"), std::string::npos) << table;
+  EXPECT_NE(table.find("without errors %"), std::string::npos) << table;
+  EXPECT_NE(table.find("6       3   50.0"), std::string::npos) << table;
   const json points = rows({"query", "a.db", "@summary"});
   const auto name = [&](std::size_t i) { return "mine:" + points[i]["point"].get<std::string>(); };
   const std::string compared = good({"compare", "a.db", name(0), name(2)}).out;
-  EXPECT_NE(compared.find("3 worlds that both met; 3 more are left out, where a trial ended by an error (A 0, B 3)"),
+  EXPECT_NE(compared.find("In 3 of these worlds a trial ended by an error (A 0, B 3), which is no success"),
             std::string::npos)
       << compared;
-  EXPECT_EQ(moma({"compare", "a.db", name(0), name(2), "--fail-if-worse", "0"}).code, 0) << "100 % of three each";
-  for (const json& pair : rows({"query", "a.db", "@pairs"}))
-    EXPECT_EQ(pair["n"], pair["point_b"].get<std::string>().back() == '3' ? 3 : 6) << pair;
+  const json data = json::parse(good({"compare", "a.db", name(0), name(2), "--json"}).out);
+  EXPECT_EQ(data["n"], 6);
+  EXPECT_EQ(data["errors_b"], 3);
+  EXPECT_EQ(data["rates"][0]["b"], 0.5) << data;
+  EXPECT_EQ(data["rates"][2]["rate"], "success without errors");
+  EXPECT_EQ(data["rates"][2]["n"], 3);
+  EXPECT_EQ(data["rates"][2]["b"], 1.0) << data;
+  EXPECT_EQ(moma({"compare", "a.db", name(0), name(2), "--fail-if-worse", "0"}).code, 1) << "leaving is losing";
+  for (const json& pair : rows({"query", "a.db", "@pairs"})) EXPECT_EQ(pair["n"], 6) << pair;
   set_outcome("k_epsilon=0.3", 0, "error");
-  bad({"compare", "a.db", name(0), name(2)}, {"nothing to compare; 6 more are left out"});
-  EXPECT_NE(good({"query", "a.db", "@summary", "-f", "csv"}).out.find(",kinematic,0,6,,,,,,,"), std::string::npos);
+  EXPECT_NE(good({"query", "a.db", "@summary", "-f", "csv"}).out.find(",kinematic,6,6,0,0,"), std::string::npos);
   // Without errors there is no column of them.
   good({"run", "suite.yaml", "-o", "b.db", "-q"});
   EXPECT_EQ(good({"query", "b.db", "@summary"}).out.find("errors"), std::string::npos);
+}
+
+TEST_F(CliLook, ControllersAreComparedUnderEqualConditions) {
+  write("conditions.yaml", R"(name: conditions
+robot: robots/tiny.yaml
+controllers: {mine: controllers/plain.yaml, theirs: controllers/plain.yaml}
+worlds: {seed: 1, families: {open: {}}}
+simulation: {mode: kinematic, time_limit: 4}
+sweep: {points: [{disturbances: none}, {disturbances: {joints: {noise: 0.001}}}]}
+trials: 6
+)");
+  good({"run", "conditions.yaml", "-o", "a.db", "-q"});
+  set_outcome("", 0, "success");
+  SQLite::Database(path("a.db").string(), SQLite::OPEN_READWRITE)
+      .exec(
+          "UPDATE trial SET outcome = 'timeout' WHERE key IN (SELECT m.key FROM point_trial AS m JOIN point AS p ON "
+          "p.id = m.point_id WHERE p.controller = 'mine' AND p.label <> 'disturbances=none')");
+  const json both = json::parse(good({"compare", "a.db", "mine", "theirs", "--json"}).out);
+  EXPECT_EQ(both["n"], 12);
+  ASSERT_EQ(both["pairs"].size(), 2u) << both;
+  for (const json& pair : both["pairs"])
+    EXPECT_EQ(pair["a"].get<std::string>().substr(4), pair["b"].get<std::string>().substr(6));
+  EXPECT_EQ(both["rates"][0]["a"], 0.5) << both;
+  const std::string one = both["pairs"][0]["a"].get<std::string>(), other = both["pairs"][1]["b"].get<std::string>();
+  EXPECT_EQ(json::parse(good({"compare", "a.db", one, "theirs", "--json"}).out)["n"], 6) << "its condition alone";
+  const std::string crossed = good({"compare", "a.db", one, other}).out;
+  EXPECT_NE(crossed.find("not under the same conditions"), std::string::npos) << crossed;
+  EXPECT_EQ(good({"compare", "a.db", "mine", "theirs"}).out.find("not under the same"), std::string::npos);
+  // Points that differ in gains are candidates: one has to be chosen.
+  fs::remove(path("a.db"));
+  make_sweep();
+  bad({"compare", "a.db", "mine", "@best"},
+      {"several points of mine under the same conditions", "k_epsilon=0.1", "mine@best"});
 }
 
 TEST_F(CliLook, RobotsAreAColumnWhereThereAreSeveral) {
@@ -171,8 +207,7 @@ TEST_F(CliLook, MetricsOfASuiteAreWhereMomasAre) {
   EXPECT_TRUE(head("csv/summary.csv").ends_with(",latest"));
   SQLite::Database arena(path("arena.db").string());
   EXPECT_EQ(arena.execAndGet("SELECT count(metric_latest) FROM runs").getInt(), 18);
-  EXPECT_EQ(arena.execAndGet("SELECT count(*) FROM runs WHERE solved IS NULL").getInt(), 3)
-      << "errors solve nothing and fail nothing";
+  EXPECT_EQ(arena.execAndGet("SELECT count(*) FROM runs WHERE solved IS NULL").getInt(), 0) << "errors solve nothing";
   good({"report", "a.db", "-o", "a.html", "--table", "a.csv"});
   EXPECT_TRUE(head("a.csv").ends_with(",latest"));
   std::ifstream page(path("a.html"));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "eval/stats/bootstrap.h"
+#include "eval/stats/comparison.h"
 #include "eval/stats/intervals.h"
 
 namespace moma::stats {
@@ -205,6 +206,82 @@ TEST(Stats, FewPairsHaveNoInterval) {
     EXPECT_EQ(std::isnan(d.high), n < 6) << n;
   }
   EXPECT_FALSE(std::isnan(paired_bootstrap({a.data(), 3}, {b.data(), 3}, {.confidence = 0.7}).low));
+}
+
+// tests/reports/browser/units_test.mjs asks the page for the same numbers.
+TEST(StatsComparison, TheIntervalIsThePagesToo) {
+  const std::vector<double> a{1.0, 2.0, 5.0, 3.0, 8.0, 2.0};
+  const std::vector<double> b{0.5, 2.5, 4.0, 3.5, 6.0, 1.0};
+  const MeanDifference d = paired_bootstrap(a, b);
+  EXPECT_DOUBLE_EQ(d.low, -1.0 / 12);
+  EXPECT_DOUBLE_EQ(d.high, 1.25);
+}
+
+// Beyond kResampledPairs the interval is the limit of the bootstrap's: the two are near each other at the border.
+TEST(StatsComparison, ManyPairsHaveTheLimitOfTheBootstrap) {
+  std::mt19937_64 random(7);
+  std::exponential_distribution<double> skewed;
+  std::vector<double> a, zero;
+  for (std::size_t i = 0; i < kResampledPairs + 1; ++i) {
+    a.push_back(skewed(random));
+    zero.push_back(0.0);
+  }
+  const MeanDifference many = paired_bootstrap(a, zero);
+  const MeanDifference one_less = paired_bootstrap({a.data(), kResampledPairs}, {zero.data(), kResampledPairs});
+  const double width = many.high - many.low;
+  EXPECT_GT(width, 0.0);
+  EXPECT_NEAR(many.low, one_less.low, 0.05 * width);
+  EXPECT_NEAR(many.high, one_less.high, 0.05 * width);
+}
+
+// A behaves alike but reports an error before most of its time-outs: that gains nothing.
+TEST(StatsComparison, AnErrorIsNoSuccess) {
+  std::vector<std::pair<Ending, Ending>> endings;
+  for (int world = 0; world < 60; ++world) {
+    const bool reached = world < 31;
+    const bool leaves = !reached && world < 57;
+    endings.push_back({{reached, false, leaves}, {reached, false, false}});
+  }
+  const Comparison c = compare(endings, {});
+  EXPECT_EQ(c.n, 60);
+  EXPECT_EQ(c.errors_a, 26);
+  EXPECT_EQ(c.errors_b, 0);
+  EXPECT_EQ(c.worlds_with_errors, 26);
+  EXPECT_DOUBLE_EQ(c.rate("success").a.rate, 31.0 / 60);
+  EXPECT_EQ(c.rate("success").difference, 0.0);
+  EXPECT_EQ(c.rate("success").shown(), 0);
+  ASSERT_TRUE(c.sans_errors.has_value());
+  EXPECT_EQ(c.sans_errors->n, 34);
+  EXPECT_DOUBLE_EQ(c.sans_errors->a.rate, 31.0 / 34);
+  EXPECT_TRUE(std::isnan(c.sans_errors->p_holm)) << "no part of the correction";
+}
+
+TEST(StatsComparison, RatesAndMeansAreOfTheSameWorlds) {
+  std::vector<std::pair<Ending, Ending>> endings;
+  PairedValues time{"time", {}, {}};
+  for (int world = 0; world < 20; ++world) {
+    const bool a = world < 8, b = world < 18;
+    endings.push_back({{a, !a, false}, {b, false, false}});
+    time.a.push_back(a ? 5.0 + world : kUnknown);
+    time.b.push_back(b ? 4.0 + world : kUnknown);
+  }
+  const Comparison c = compare(endings, {{time}});
+  EXPECT_FALSE(c.sans_errors.has_value());
+  const PairedRate& success = c.rate("success");
+  EXPECT_EQ(success.only_a, 0);
+  EXPECT_EQ(success.only_b, 10);
+  EXPECT_EQ(success.difference, 0.5);
+  EXPECT_EQ(success.interval.low, difference_of_paired_rates(10, 0, 20).low);
+  EXPECT_EQ(success.p, mcnemar_exact(10, 0));
+  EXPECT_EQ(success.p_holm, holm({mcnemar_exact(10, 0), mcnemar_exact(12, 0)})[0]);
+  EXPECT_EQ(success.shown(), 1);
+  EXPECT_EQ(c.rate("collision").shown(), -1);
+  EXPECT_EQ(c.mean("time").n, 8);
+  EXPECT_DOUBLE_EQ(c.mean("time").difference, -1.0);
+  EXPECT_EQ(c.mean("time").shown(), -1);
+  EXPECT_THROW((void)c.mean("path"), std::out_of_range);
+  const Comparison none = compare({}, {});
+  EXPECT_TRUE(std::isnan(none.rate("success").difference));
 }
 
 TEST(Stats, WeightedMeansAndTheirErrors) {

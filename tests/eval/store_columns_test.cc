@@ -76,6 +76,25 @@ TEST(StoreColumns, ANewMetricComesToAStoreByItself) {
   EXPECT_EQ(count("SELECT count(*) FROM v_summary WHERE manip_mean IS NULL"), 0);
 }
 
+// What counts as a rate is this build's word, also in a store that another one wrote.
+TEST(StoreColumns, AStoreIsReadThroughThisBuildsViews) {
+  const TemporaryFolder folder;
+  const fs::path old = folder / "old.db";
+  write_synthetic(old, {"one", "two"}, 4);
+  {
+    SQLite::Database db(old.string(), SQLite::OPEN_READWRITE);
+    db.exec("DROP VIEW v_summary");
+    db.exec("CREATE VIEW v_summary AS SELECT 77 AS n");
+  }
+  const auto count = [&](const std::string& sql) {
+    return std::get<std::int64_t>(store::query(old, sql).rows.at(0).at(0));
+  };
+  EXPECT_EQ(count("SELECT sum(n) FROM v_summary"), 8);
+  EXPECT_EQ(count("SELECT n FROM main.v_summary"), 77) << "reading changes nothing";
+  write_synthetic(old, {"one", "two"}, 5);
+  EXPECT_EQ(count("SELECT sum(n) FROM main.v_summary"), 10) << "a run makes them anew";
+}
+
 TEST(StoreColumns, MergeTakesStoresFromBeforeAMetric) {
   const TemporaryFolder folder;
   write_synthetic(folder / "old.db", {"one"}, 4);

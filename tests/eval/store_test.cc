@@ -170,6 +170,7 @@ TEST(Store, ViewsHaveTheDocumentedColumns) {
                                             "success_rate",
                                             "success_low",
                                             "success_high",
+                                            "success_without_errors",
                                             "collision_rate",
                                             "collision_low",
                                             "collision_high",
@@ -222,10 +223,10 @@ TEST(Store, WilsonAndMedianInSqlAreThoseOfTheProgram) {
       EXPECT_NEAR(std::get<double>(row[8]), static_cast<double>(successes) / static_cast<double>(n), 1e-15);
       EXPECT_NEAR(std::get<double>(row[9]), success.low, 1e-12);
       EXPECT_NEAR(std::get<double>(row[10]), success.high, 1e-12);
-      EXPECT_NEAR(std::get<double>(row[12]), collision.low, 1e-12);
-      EXPECT_NEAR(std::get<double>(row[13]), collision.high, 1e-12);
-      EXPECT_NEAR(std::get<double>(row[14]), stats::median(times), 1e-12);
-      EXPECT_TRUE(std::holds_alternative<std::monostate>(row[16])) << "no trial has a clearance";
+      EXPECT_NEAR(std::get<double>(row[13]), collision.low, 1e-12);
+      EXPECT_NEAR(std::get<double>(row[14]), collision.high, 1e-12);
+      EXPECT_NEAR(std::get<double>(row[15]), stats::median(times), 1e-12);
+      EXPECT_TRUE(std::holds_alternative<std::monostate>(row[17])) << "no trial has a clearance";
     }
   }
 }
@@ -254,40 +255,42 @@ void write_with_errors(const fs::path& file) {
   writer.finish(store::RunStatus::kFinished);
 }
 
-TEST(Store, TrialsThatEndByAnErrorArePartOfNoRate) {
+TEST(Store, TrialsThatEndByAnErrorDidNotSucceed) {
   const TemporaryFolder folder;
   const fs::path file = folder / "a.db";
   write_with_errors(file);
   const QueryResult result =
       store::query(file,
-                   "SELECT n, errors, success_rate, success_low, success_high, collision_rate, collision_low, "
+                   "SELECT n, errors, success_rate, success_low, success_high, success_without_errors, collision_rate, "
+                   "collision_low, "
                    "collision_high, time_to_goal_median_s, manip_mean FROM v_summary ORDER BY controller");
   ASSERT_EQ(result.rows.size(), 2u);
   const auto& mostly = result.rows[0];
-  EXPECT_EQ(std::get<std::int64_t>(mostly[0]), 7);
+  EXPECT_EQ(std::get<std::int64_t>(mostly[0]), 10);
   EXPECT_EQ(std::get<std::int64_t>(mostly[1]), 3);
-  const stats::Interval success = stats::wilson(4, 7);
-  const stats::Interval collision = stats::wilson(2, 7);
-  const double expected[] = {4.0 / 7.0,     success.low,    success.high, 2.0 / 7.0,
-                             collision.low, collision.high, 4.5,          (1 + 2 + 3 + 5 + 6 + 7 + 9) / 7.0};
+  const stats::Interval success = stats::wilson(4, 10);
+  const stats::Interval collision = stats::wilson(2, 10);
+  const double mean = (1 + 2 + 3 + 5 + 6 + 7 + 9 + 3 * 1000) / 10.0;
+  const double expected[] = {0.4, success.low, success.high, 4.0 / 7.0, 0.2, collision.low, collision.high, 4.5, mean};
   for (std::size_t i = 0; i < std::size(expected); ++i)
     EXPECT_NEAR(std::get<double>(mostly[2 + i]), expected[i], 1e-12) << result.columns[2 + i];
   const auto& never = result.rows[1];
-  EXPECT_EQ(std::get<std::int64_t>(never[0]), 0);
+  EXPECT_EQ(std::get<std::int64_t>(never[0]), 10);
   EXPECT_EQ(std::get<std::int64_t>(never[1]), 10);
-  for (std::size_t i = 2; i < never.size(); ++i)
-    EXPECT_TRUE(std::holds_alternative<std::monostate>(never[i])) << result.columns[i] << " of no trial is none";
+  EXPECT_EQ(std::get<double>(never[2]), 0.0);
+  EXPECT_NEAR(std::get<double>(never[4]), stats::wilson(0, 10).high, 1e-12);
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(never[5])) << "without errors there is no trial";
 
   const QueryResult own = store::query(file, "SELECT controller, metric, n, mean FROM v_metric_summary");
-  ASSERT_EQ(own.rows.size(), 1u) << "a controller of which no trial counts has no mean";
+  ASSERT_EQ(own.rows.size(), 2u);
   EXPECT_EQ(own.rows[0][0], Cell{std::string("mostly")});
-  EXPECT_EQ(own.rows[0][2], Cell{std::int64_t{7}});
-  EXPECT_NEAR(std::get<double>(own.rows[0][3]), (1 + 2 + 3 + 5 + 6 + 7 + 9) / 7.0, 1e-12);
+  EXPECT_EQ(own.rows[0][2], Cell{std::int64_t{10}});
+  EXPECT_NEAR(std::get<double>(own.rows[0][3]), mean, 1e-12) << "as v_summary has moma's metrics";
 
-  EXPECT_EQ(integer(store::query(file, "SELECT count(*) FROM v_pairs WHERE success_b IS NULL")), 10);
-  EXPECT_EQ(integer(store::query(file, "SELECT count(*) FROM v_pairs WHERE success_a IS NULL")), 3);
   EXPECT_EQ(integer(store::query(file, "SELECT sum(success_a) FROM v_pairs")), 4);
-  EXPECT_TRUE(store::query(file, "SELECT * FROM pair_counts").rows.empty()) << "no world says anything of both";
+  EXPECT_EQ(integer(store::query(file, "SELECT sum(success_b) FROM v_pairs")), 0);
+  EXPECT_EQ(integer(store::query(file, "SELECT sum(n) FROM pair_counts")), 10);
+  EXPECT_EQ(integer(store::query(file, "SELECT sum(only_a) FROM pair_counts")), 4);
 }
 
 TEST(Store, PairsAreOnTheSameWorldAndOnce) {

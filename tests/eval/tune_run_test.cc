@@ -216,7 +216,7 @@ TEST_F(Judged, WorseWhenItCollides) {
   EXPECT_NE(v.constraints[0].find("broken"), std::string::npos);
 }
 
-TEST_F(Judged, WorldsWhereATrialEndsByAnErrorAreInNoRate) {
+TEST_F(Judged, ATrialThatEndsByAnErrorIsNoSuccess) {
   // Ten worlds by an error of the found gains, five others by one of theirs; of the rest all succeed.
   const HeldOutVerdict v = judged([&](const std::string& name, std::uint64_t world) {
     const std::uint64_t i = world - held_out.jobs.front().world;
@@ -224,16 +224,21 @@ TEST_F(Judged, WorldsWhereATrialEndsByAnErrorAreInNoRate) {
     return i >= 10 && i < 15 ? Outcome::kError : Outcome::kSuccess;
   });
   const auto& r = row(v, "plain", "success");
-  EXPECT_EQ(r.n, 15);
-  EXPECT_EQ(r.found, 1.0);
-  EXPECT_EQ(r.theirs, 1.0);
-  EXPECT_EQ(r.p, 1.0);
+  EXPECT_EQ(r.n, 30);
+  EXPECT_EQ(r.found, 20.0 / 30);
+  EXPECT_EQ(r.theirs, 25.0 / 30);
+  ASSERT_TRUE(v.success_without_errors.has_value());
+  EXPECT_EQ(v.success_without_errors->n, 15);
+  EXPECT_EQ(v.success_without_errors->b.rate, 1.0);
   EXPECT_EQ(v.errors, 15);
-  EXPECT_NE(table(v).find("rates are without 15 worlds where a trial ended by an error"), std::string::npos)
+  EXPECT_NE(table(v).find("in 15 worlds a trial ended by an error, which is no success; without these worlds success "
+                          "is 100.0 % against 100.0 %"),
+            std::string::npos)
       << table(v);
   const HeldOutVerdict none = judged([](const std::string&, std::uint64_t) { return Outcome::kError; });
-  EXPECT_EQ(row(none, "plain", "success").n, 0);
-  EXPECT_TRUE(std::isnan(row(none, "plain", "success").found)) << "of no trial there is no rate";
+  EXPECT_EQ(row(none, "plain", "success").n, 30);
+  EXPECT_EQ(row(none, "plain", "success").found, 0.0);
+  EXPECT_NE(table(none).find("success is of none against of none"), std::string::npos) << table(none);
   EXPECT_EQ(none.overall, Verdict::kNoDifference);
 }
 

@@ -141,8 +141,8 @@ TEST(Tables, CsvHasEveryDigitOfTheStore) {
     ASSERT_TRUE(one.executeStep()) << line;
     EXPECT_EQ(std::stoi(cells[6]), one.getColumn(0).getInt());
     EXPECT_EQ(std::strtod(cells[8].c_str(), nullptr), one.getColumn(1).getDouble());
-    EXPECT_EQ(std::strtod(cells[13].c_str(), nullptr), one.getColumn(2).getDouble());
-    EXPECT_EQ(std::strtod(cells[15].c_str(), nullptr), one.getColumn(3).getDouble());
+    EXPECT_EQ(std::strtod(cells[14].c_str(), nullptr), one.getColumn(2).getDouble());
+    EXPECT_EQ(std::strtod(cells[16].c_str(), nullptr), one.getColumn(3).getDouble());
   }
   EXPECT_EQ(rows, 6);  // two families and both together, two controllers
 }

@@ -3,7 +3,7 @@
 import type { Model, Series } from './data';
 import { integer, probability } from './format';
 import { withUnit, type Metric } from './metrics';
-import { bootstrapMedian, mcnemar, quantile, type Interval } from './stats';
+import { bootstrapMean, mcnemar, type Interval } from './stats';
 
 export interface Pairs {
   worlds: { world: number; a: number; b: number; x: number; y: number }[];   // rows of the two trials, their metric
@@ -15,8 +15,8 @@ export interface Pairs {
   p: number;
   /** Of B - A over the worlds in which both have the metric. */
   differences: number;
-  median: number;
-  /** Of the median; only where it is asked for, since it takes its time. */
+  mean: number;
+  /** Of the mean; only where it is asked for, since it takes its time. */
   readonly interval: Interval;
 }
 
@@ -36,23 +36,22 @@ export function pairs(model: Model, a: Series, b: Series, key: string): Pairs {
     count[sa && sb ? 'both' : sa ? 'onlyA' : sb ? 'onlyB' : 'neither'] += 1;
   }
   const differences = worlds.filter((w) => Number.isFinite(w.x) && Number.isFinite(w.y)).map((w) => w.y - w.x);
-  const sorted = Float64Array.from(differences).sort();
   let interval: Interval | undefined;
   return {
     worlds, ...count, p: mcnemar(count.onlyA, count.onlyB), differences: differences.length,
-    median: sorted.length > 0 ? quantile(sorted, 0.5) : NaN,
-    get interval() { return interval ??= bootstrapMedian(differences); },
+    mean: differences.reduce((sum, d) => sum + d, 0) / differences.length,
+    get interval() { return interval ??= bootstrapMean(differences); },
   };
 }
 
-/** What bootstrapMedian() gives, in words. */
-export const kMedianInterval = 'bootstrap; of more than 300 worlds by order statistics';
+/** What bootstrapMean() gives, in words. */
+export const kMeanInterval = 'paired bootstrap, as in moma compare';
 
 export function pairsText(of: Pairs, a: string, b: string, metric: Metric): string {
   const n = of.worlds.length;
   const test = of.onlyA + of.onlyB === 0 ? 'no world tells them apart' : `exact McNemar ${probability(of.p)}`;
   const outcome = `n = ${integer(n)} worlds: both succeed in ${integer(of.both)}, only ${a} in ${integer(of.onlyA)}, only ${b} in ${integer(of.onlyB)}, neither in ${integer(of.neither)} (${test}).`;
   if (of.differences === 0) return outcome;
-  const interval = Number.isFinite(of.interval.low) ? `, 95 % interval ${metric.write(of.interval.low)} to ${withUnit(metric, of.interval.high)} (${kMedianInterval})` : ', no interval of so few';
-  return `${outcome} Median difference of ${metric.name}, ${b} less ${a}, where both have it (n = ${integer(of.differences)}): ${withUnit(metric, of.median)}${interval}.`;
+  const interval = Number.isFinite(of.interval.low) ? `, 95 % interval ${metric.write(of.interval.low)} to ${withUnit(metric, of.interval.high)} (${kMeanInterval})` : ', no interval of so few';
+  return `${outcome} Mean difference of ${metric.name}, ${b} less ${a}, where both have it (n = ${integer(of.differences)}): ${withUnit(metric, of.mean)}${interval}.`;
 }

@@ -17,9 +17,9 @@ type Cell = number | string | null;
 
 export interface SummaryRow {
   suite: string; robot: string; controller: string; point: string; family: string | null; mode: string;
-  /** Trials that the rates are of, and those that ended by an error, which are part of no rate. */
+  /** Trials that the rates are of, and those of them that ended by an error, which is no success. */
   n: number; errors: number;
-  success_rate: number; success_low: number; success_high: number;
+  success_rate: number; success_low: number; success_high: number; success_without_errors: number | null;
   collision_rate: number; collision_low: number; collision_high: number;
   time_to_goal_median_s: number | null; manip_mean: number | null; clearance_min_m: number | null;
   command_change_mean: number | null;
@@ -207,16 +207,12 @@ export interface Series {
   point: string;
   info: PointInfo | undefined;
   rows: number[];
-  /** Trials that ended by an error: part of no rate and no figure. */
-  errors: number[];
 }
 
 export class Model {
   readonly trials = new Trials();
   slices: Slice[] = [];
   page: PageData;
-  /** Rows of the summary whose trials all ended by an error: they have no rates. */
-  failed: SummaryRow[] = [];
   private rowOf = new Map<string, number>();
   private replayOf = new Map<string, ReplayData>();
   private named = new Set<string>();
@@ -229,8 +225,7 @@ export class Model {
 
   /** Shows other data from now on; whoever draws must draw again. */
   load(page: PageData): void {
-    this.failed = [...page.summary, ...page.overall].filter((row) => row.n === 0);
-    this.page = { ...page, summary: page.summary.filter((row) => row.n > 0), overall: page.overall.filter((row) => row.n > 0) };
+    this.page = page;
     describeMetrics(page.metrics);
     kOutcomes = page.outcomes;
     this.trials.load(page.trials);
@@ -296,7 +291,7 @@ export class Model {
   }
 
   families(slice: Slice): string[] {
-    return [...new Set([...this.page.summary, ...this.failed.filter((s) => s.family !== null)].filter((s) => inSlice(s, slice)).map((s) => s.family ?? ''))];
+    return [...new Set(this.page.summary.filter((s) => inSlice(s, slice)).map((s) => s.family ?? ''))];
   }
 
   /** The series of a slice, in the order in which the store defined them, with the trials of `family` ('' all). */
@@ -307,15 +302,14 @@ export class Model {
     const values = valuesOnly(infos.map((info) => info.point));
     const series = infos.map((info, index): Series => ({
       index, mark: index, name: seriesName(info.controller, label(info.point)),
-      short: alone && info.point !== '' ? values?.(info.point) ?? label(info.point) : seriesName(info.controller, values?.(info.point) ?? label(info.point)), controller: info.controller, point: info.point, info, rows: [], errors: [],
+      short: alone && info.point !== '' ? values?.(info.point) ?? label(info.point) : seriesName(info.controller, values?.(info.point) ?? label(info.point)), controller: info.controller, point: info.point, info, rows: [],
     }));
     const byName = new Map(series.map((s) => [`${s.controller}\n${s.point}`, s]));
     const t = this.trials;
     for (let row = 0; row < t.n; ++row) {
       if (t.text('suite', row) !== slice.suite || t.text('mode', row) !== slice.mode) continue;
       if (t.text('robot', row) !== slice.robot || (family !== '' && t.text('family', row) !== family)) continue;
-      const of = byName.get(`${t.text('controller', row)}\n${t.text('point', row)}`);
-      (t.outcome(row) === 'error' ? of?.errors : of?.rows)?.push(row);
+      byName.get(`${t.text('controller', row)}\n${t.text('point', row)}`)?.rows.push(row);
     }
     return series;
   }

@@ -62,7 +62,7 @@ function inOrder(model: Model, isText: (key: string) => boolean, last: (row: num
   const t = model.trials;
   const [key = 'world', direction = 'up'] = by.split(':');
   const sign = direction === 'down' ? -1 : 1;
-  const rows = now.series.flatMap((s) => [...s.rows, ...s.errors]);
+  const rows = now.series.flatMap((s) => s.rows);
   if (key === 'contact') {
     const texts = new Map(rows.map((row) => [row, last(row)]));
     rows.sort((a, b) => sign * (texts.get(a) ?? '').localeCompare(texts.get(b) ?? ''));

@@ -1,7 +1,7 @@
 // All shown controllers against one of them, on the worlds that both met.
 
 import { drawLater, drawOrWait } from '../later';
-import { kMedianInterval, pairs, type Pairs } from '../compare';
+import { kMeanInterval, pairs, type Pairs } from '../compare';
 import type { Model, Series } from '../data';
 import { choice, download, h, replace } from '../dom';
 import { csv, fixed, integer, plural, probability, signed } from '../format';
@@ -57,7 +57,7 @@ export function comparison(model: Model): HTMLElement {
     replace(box, h('table', { class: 'plain' },
       h('thead', null, h('tr', null, h('th', { scope: 'col' }, 'Controller'), h('th', { scope: 'col' }, 'Worlds'),
         ...['Success', 'Collision'].map((name) => h('th', { scope: 'col' }, name, h('small', null, 'percentage points, exact McNemar'))),
-        ...compared().map((key) => h('th', { scope: 'col' }, metric(key).name, h('small', null, 'median difference'))))),
+        ...compared().map((key) => h('th', { scope: 'col' }, metric(key).name, h('small', null, 'mean difference'))))),
       h('tbody', null, ...rows.map((row) => h('tr', null,
         h('th', { scope: 'row' }, h('span', { class: 'dotted', style: `--c:${seriesColour(palette(), row.series.mark)}` }, row.series.name)),
         h('td', null, integer(row.rates[0]?.n ?? 0)),
@@ -68,11 +68,11 @@ export function comparison(model: Model): HTMLElement {
           return h('td', null, h('b', null, signed(100 * d.value, (v) => fixed(v, 1))), h('small', null, `${fixed(100 * d.low, 1)} to ${fixed(100 * d.high, 1)}, ${r.only[0] + r.only[1] === 0 ? 'no world differs' : probability(p)}`));
         }),
         ...row.metrics.map(({ of, r }) => {
-          table.push([row.series.name, base.name, of.key, r.differences, r.median, r.interval.low, r.interval.high, null, null, null, null]);
+          table.push([row.series.name, base.name, of.key, r.differences, r.mean, r.interval.low, r.interval.high, null, null, null, null]);
           return r.differences === 0 ? h('td', null, '\u2013')
-            : h('td', null, h('b', null, signed(r.median, (v) => withUnit(of, v))), h('small', null, `${Number.isFinite(r.interval.low) ? `${of.write(r.interval.low)} to ${of.write(r.interval.high)}` : 'too few for an interval'}, n\u00a0=\u00a0${integer(r.differences)}`));
+            : h('td', null, h('b', null, signed(r.mean, (v) => withUnit(of, v))), h('small', null, `${Number.isFinite(r.interval.low) ? `${of.write(r.interval.low)} to ${of.write(r.interval.high)}` : 'too few for an interval'}, n\u00a0=\u00a0${integer(r.differences)}`));
         }))))));
-    replace(note, `Each controller less ${base.name}, world by world. Rates: 95 % interval of paired proportions (Bonett and Price), exact McNemar test with Holm\u2019s correction over ${plural(corrected.length, 'test')}. Metrics: where both trials have them, median difference with its 95 % interval (${kMedianInterval}).`);
+    replace(note, `Each controller less ${base.name}, world by world. Rates: 95 % interval of paired proportions (Bonett and Price), exact McNemar test with Holm\u2019s correction over ${plural(corrected.length, 'test')}. Metrics: where both trials have them, mean difference with its 95 % interval (${kMeanInterval}).`);
   };
   saveButton.addEventListener('click', () => download('comparison.csv', 'text/csv',
     csv(['controller', 'baseline', 'measure', 'n', 'difference', 'low', 'high', 'only_baseline', 'only_controller', 'p', 'p_holm'], table)));

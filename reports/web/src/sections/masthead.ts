@@ -42,7 +42,7 @@ function facts(model: Model): [string, string][] {
   const working = all.filter((i) => i.trials_done > 0);
   const runs = working.length > 0 ? working : all;   // one that found every trial in the store has made none of them
   const latest = runs[0];
-  const trials = [...page.overall, ...model.failed.filter((o) => o.family === null)].filter((o) => inSlice(o, slice)).reduce((sum, o) => sum + o.n + o.errors, 0);
+  const trials = page.overall.filter((o) => inSlice(o, slice)).reduce((sum, o) => sum + o.n, 0);
   const versions = unique(runs.map((r) => `${r.moma_version}${r.git_commit ? ` (${r.git_commit.slice(0, 7)}${r.git_dirty ? ', changed' : ''})` : ''}`));
   const out: [string, string][] = [
     ['Robot', slice.robot],
@@ -66,7 +66,7 @@ function sentence(name: string, row: SummaryRow): string {
   const time = row.time_to_goal_median_s === null ? '' : ` Median time to goal ${seconds(row.time_to_goal_median_s)}.`;
   return `${name} reached the goal in ${integer(reached)} of ${plural(row.n, 'trial')} (95 % interval ${percentRange(row.success_low, row.success_high)}). `
     + `${collided} (${percent(row.collision_rate)}, ${percentRange(row.collision_low, row.collision_high)}).${time}`
-    + (row.errors === 0 ? '' : ` ${plural(row.errors, 'more trial')} ended in a program error.`);
+    + (row.errors === 0 ? '' : ` ${plural(row.errors, 'trial')} ended by an error, which is no success${row.success_without_errors === null ? '' : `; of the others ${percent(row.success_without_errors)} succeeded`}.`);
 }
 
 function verdicts(model: Model): HTMLElement[] {
@@ -76,7 +76,7 @@ function verdicts(model: Model): HTMLElement[] {
   return shown.map(({ series: s, row }) => {
     const colour = seriesColour(palette(), s.mark);
     if (row === undefined) {
-      return h('article', { class: 'verdict', style: `--c:${colour}` }, h('h2', null, s.name), h('p', null, s.errors.length === 0 ? 'has no trials here yet.' : `ended in a program error in ${s.errors.length === 1 ? 'its one trial' : `all ${integer(s.errors.length)} trials`}: there is no rate.`));
+      return h('article', { class: 'verdict', style: `--c:${colour}` }, h('h2', null, s.name), h('p', null, 'has no trials here yet.'));
     }
     return h('article', { class: 'verdict', style: `--c:${colour}` },
       h('h2', null, s.name),

@@ -33,7 +33,7 @@ export function notices(model: Model, suites: readonly string[]): string[] {
   for (const store of page.stores?.map((s) => s.label) ?? [undefined]) {
     const latest = runs.find((i) => i.store === store);
     if (latest === undefined) continue;
-    const stored = [...page.overall, ...model.failed.filter((o) => o.family === null)].filter((o) => o.suite === slice.suite && o.store === store).reduce((sum, o) => sum + o.n + o.errors, 0);
+    const stored = page.overall.filter((o) => o.suite === slice.suite && o.store === store).reduce((sum, o) => sum + o.n, 0);
     const where = store === undefined ? '' : `${store}: `;
     const missing = latest.trials_planned - stored;
     const running = { 'at work': page.live === undefined ? 'The run was still going on when this page was made' : 'The run goes on', gone: 'The last run was killed' }[latest.writer as string]
@@ -47,7 +47,7 @@ export function notices(model: Model, suites: readonly string[]): string[] {
   if (leftOut.size > 0) {
     out.push(`Of the URDF of ${slice.robot} ${leftOut.size === 1 ? 'one part was' : `${integer(leftOut.size)} parts were`} not understood and left out (--lenient), so that nothing can collide with what is missing: ${list([...leftOut])}.`);
   }
-  const counts = page.overall.filter((o) => inSlice(o, slice)).map((o) => o.n + o.errors);
+  const counts = page.overall.filter((o) => inSlice(o, slice)).map((o) => o.n);
   if (new Set(counts).size > 1) out.push('The controllers do not have equally many trials: compare them world by world.');
   const broken = (outcome: string): number => {
     let n = 0;
@@ -56,9 +56,9 @@ export function notices(model: Model, suites: readonly string[]): string[] {
     }
     return n;
   };
-  const errors = [...page.overall, ...model.failed.filter((o) => o.family === null)].filter((o) => inSlice(o, slice)).reduce((sum, o) => sum + o.errors, 0);
+  const errors = page.overall.filter((o) => inSlice(o, slice)).reduce((sum, o) => sum + o.errors, 0);
   const diverged = broken('diverged');
-  if (errors > 0) out.push(`${plural(errors, 'trial')} ended in a program error; ${errors === 1 ? 'it is' : 'they are'} part of no rate and no figure. The table of trials has the text.`);
+  if (errors > 0) out.push(`${plural(errors, 'trial')} ended by an error; ${errors === 1 ? 'it counts' : 'they count'} as failed. The table of results has the rate without ${errors === 1 ? 'it' : 'them'}, the table of trials the text.`);
   if (diverged > 0) out.push(`In ${plural(diverged, 'trial')} the physics diverged; ${diverged === 1 ? 'it counts' : 'they count'} as failed.`);
   const classes = new Set(runs.map((r) => r.machine_class));
   if (classes.size > 1) out.push(`Trials come from ${integer(classes.size)} classes of machines, whose last bits may differ.`);

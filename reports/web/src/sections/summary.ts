@@ -3,7 +3,7 @@
 import { onlyConditions } from '../conditions';
 import { inSlice, type Model, type SummaryRow } from '../data';
 import { download, h, replace, roving } from '../dom';
-import { csv, integer, kNone, percent, percentRange, seconds, significant } from '../format';
+import { csv, integer, percent, percentRange, seconds, significant } from '../format';
 import { axisName, kMetrics, type Metric } from '../metrics';
 import * as state from '../state';
 import { onTheme, palette, seriesColour } from '../theme';
@@ -11,7 +11,7 @@ import { onView, view } from '../view';
 
 function rows(model: Model): SummaryRow[] {
   const { slice, family, families } = view();
-  const all = [...model.page.summary, ...model.page.overall, ...model.failed].filter((s) => inSlice(s, slice));
+  const all = [...model.page.summary, ...model.page.overall].filter((s) => inSlice(s, slice));
   return all.filter((s) => (s.family === null ? family === '' && families.length > 1 : family === '' || s.family === family));
 }
 
@@ -82,9 +82,9 @@ export function summary(model: Model): HTMLElement {
           const series = all.find((s) => s.controller === r.controller && s.point === r.point);
           return h('tr', { class: best(group, r) ? 'best' : null },
             h('th', { scope: 'row', class: 'text' }, h('span', { class: 'dotted', style: `--c:${seriesColour(palette(), series?.mark ?? -1)}` }, r.controller), r.point ? h('small', null, r.point) : null),
-            h('td', { class: 'num' }, integer(r.n), r.errors === 0 ? null : h('small', { class: 'errors' }, `and ${r.errors === 1 ? 'one error' : `${integer(r.errors)} errors`}`)),
-            h('td', { class: 'num' }, ...(r.n === 0 ? [kNone] : rate(r.success_rate, r.success_low, r.success_high))),
-            h('td', { class: 'num' }, ...(r.n === 0 ? [kNone] : rate(r.collision_rate, r.collision_low, r.collision_high))),
+            h('td', { class: 'num' }, integer(r.n), r.errors === 0 ? null : h('small', { class: 'errors' }, `with ${r.errors === 1 ? 'one error' : `${integer(r.errors)} errors`}`)),
+            h('td', { class: 'num' }, ...rate(r.success_rate, r.success_low, r.success_high), r.errors === 0 ? null : h('small', { class: 'errors' }, r.success_without_errors === null ? 'nothing but errors' : `${percent(r.success_without_errors)} without errors`)),
+            h('td', { class: 'num' }, ...rate(r.collision_rate, r.collision_low, r.collision_high)),
             h('td', { class: 'num' }, seconds(r.time_to_goal_median_s)),
             h('td', { class: 'num' }, significant(r.manip_mean)),
             h('td', { class: 'num' }, r.clearance_min_m === null ? '\u2013' : `${significant(r.clearance_min_m)}\u00a0m`),

@@ -126,7 +126,7 @@ export function trials(model: Model): HTMLElement {
   /** What follows from the trials that are shown, whatever the filter. */
   const settle = (): void => {
     shownColumns = columns(model);
-    all = view().series.reduce((sum, s) => sum + s.rows.length + s.errors.length, 0);
+    all = view().series.reduce((sum, s) => sum + s.rows.length, 0);
     scroller.style.setProperty('--columns', shownColumns.map((key) => `minmax(${kWidths[key] ?? 96}px, ${key === 'contact' ? '2fr' : '1fr'})`).join(' '));
     scroller.style.setProperty('--total', `${shownColumns.reduce((sum, key) => sum + (kWidths[key] ?? 96) + 14, 16)}px`);
     drawHead();
@@ -136,7 +136,7 @@ export function trials(model: Model): HTMLElement {
 
   const fillControls = (): void => {
     const { series } = view();
-    const present = new Set(series.flatMap((s) => [...s.rows, ...s.errors].map((row) => t.outcome(row))));
+    const present = new Set(series.flatMap((s) => s.rows.map((row) => t.outcome(row))));
     const names = [...new Set(series.map((s) => s.controller))];
     const search = h('input', {
       type: 'search', placeholder: 'Filter: trial, link, object, reason, world:12', value: state.get('q'), 'aria-label': 'Filter trials',
