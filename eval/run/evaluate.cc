@@ -17,6 +17,7 @@
 #include "eval/store/run_lock.h"
 #include "eval/store/writer.h"
 #include "eval/suite/stored.h"
+#include "eval/trial/late.h"
 
 namespace moma::run {
 namespace {
@@ -71,6 +72,8 @@ class Run {
     }
     store::Writer writer(result_.file);
     if (lock.exclusive()) tell_killed(writer.close_killed(), lock_left, listener_);
+    if (const std::size_t late = writer.forgotten(); late > 0)
+      note(fmt::format("{} stored errors came from a busy machine: they are tried again", late));
     const std::string warning = store::file_system_warning(result_.file);
     if (!warning.empty()) listener_.tell(listener_.warning, warning);
     try {
@@ -125,6 +128,7 @@ class Run {
       note(fmt::format("{} trials{} to do, on {}: {}", jobs.size(), of, computers(), result_.file.string()));
     }
     const BatchSummary summary = compute(writer, jobs, present);
+    if (late_ > 0) return incomplete();
     if (!summary.stopped) {
       if (summary.delivered > 0) note(fmt::format("{} trials in {:.1f} s", summary.delivered, summary.seconds));
       return;
@@ -147,6 +151,7 @@ class Run {
       there += count_present(jobs, present);
       const BatchSummary summary = compute(writer, jobs, present);
       done += summary.delivered;
+      if (late_ > 0) return incomplete();
       if (summary.stopped)
         return stopped(there + done, fmt::format("at most {}", suite_.trials * suite_.points.size()));
       for (const BatchJob& job : jobs) {
@@ -200,6 +205,10 @@ class Run {
     const auto sink = [&](const BatchJob& job, BatchResult&& result) {
       result_.profile += result.profile;
       const StoreTime time(request_.profile, result_.profile);
+      if (is_late(result.output.row)) {
+        if (late_++ == 0) first_late_ = result.output.row.reason;
+        return request_.keep_going || late_ < SameError::kEnough;
+      }
       const SuitePoint& point = suite_.points[job.point];
       const store::WorldRecord world = world_record(point, job, result);
       row_warnings_.look(result.output.row, has_qp(point) && point.controller_params.prediction.identify);
@@ -212,7 +221,7 @@ class Run {
     try {
       const BatchSummary summary = run_batch(suite_.points, jobs, batch, sink);
       const StoreTime time(request_.profile, result_.profile);
-      if (summary.stopped) {
+      if (summary.stopped || late_ > 0) {
         writer.finish(store::RunStatus::kStopped);
       } else if (!suite_.until) {
         writer.finish(store::RunStatus::kFinished);
@@ -229,6 +238,16 @@ class Run {
   void stopped(std::size_t saved, const std::string& of) {
     result_.end = End::kStopped;
     result_.stopped = stopped_text("", fmt::format("{} of {} trials are", saved, of), result_.file, request_.arguments);
+  }
+
+  /// Some trials have no result: real time ran out.
+  void incomplete() {
+    result_.end = End::kStopped;
+    result_.stopped = fmt::format(
+        "incomplete: real time ran out in {} trial{}, the first: {}\n{} not stored: they say how busy this machine "
+        "was. To try "
+        "again: {}",
+        late_, late_ == 1 ? "" : "s", first_late_, late_ == 1 ? "It is" : "They are", command_line(request_.arguments));
   }
 
   void tell_same_error(const SameError::Found& found) {
@@ -252,6 +271,8 @@ class Run {
   int threads_ = 1;
   RowWarnings row_warnings_;
   SameError same_error_;
+  std::size_t late_ = 0;  ///< trials without a result
+  std::string first_late_;
   Evaluation result_;
 };
 

@@ -31,7 +31,7 @@ struct Listener {
 /// How a run ended. A store always holds what was done.
 enum class End {
   kFinished,
-  kStopped,     ///< by the stop flag
+  kStopped,     ///< by the stop flag, or incomplete: real time ran out in some trials
   kNeverBegan,  ///< stopped while it waited for another run on the same store
   kSameError,   ///< a point's first trials, or all of them, ended by one error: what is asked for cannot work
 };

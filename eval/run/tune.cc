@@ -14,6 +14,7 @@
 #include "eval/store/machine.h"
 #include "eval/store/run_lock.h"
 #include "eval/store/writer.h"
+#include "eval/trial/late.h"
 #include "eval/tune/stored_search.h"
 #include "eval/tune/tuned_file.h"
 #include "files/output_file.h"
@@ -93,8 +94,9 @@ class Tune {
       writer.finish(store::RunStatus::kFinished);
       tell_counts(objective.counts());
       return result;
-    } catch (const tune::Interrupted&) {
+    } catch (const tune::Interrupted& why) {
       progress_end();
+      tell_late(why.what());
       records.stopped();
       writer.finish(store::RunStatus::kStopped);
       return std::nullopt;
@@ -132,8 +134,13 @@ class Tune {
       drop_samples(samples, done.output);
     };
     const std::vector<SuitePoint>& points = held_out.suite.points;
+    std::string late;
     const BatchSummary summary = run_batch(points, held_out.jobs, batch, [&](const BatchJob& job, BatchResult&& done) {
       const TrialRow& row = done.output.row;
+      if (is_late(row)) {
+        late = row.reason;
+        return false;
+      }
       const Trace& trace = done.output.trace;
       writer.add({job.point, job.world, job.key}, world_record(points[job.point], job, done), row,
                  trace.empty() ? nullptr : &trace);
@@ -141,8 +148,10 @@ class Tune {
       return true;
     });
     progress_end();
-    writer.finish(summary.stopped ? store::RunStatus::kStopped : store::RunStatus::kFinished);
-    if (summary.stopped) return std::nullopt;
+    tell_late(late);
+    const bool stopped = summary.stopped || !late.empty();
+    writer.finish(stopped ? store::RunStatus::kStopped : store::RunStatus::kFinished);
+    if (stopped) return std::nullopt;
     std::vector<TrialRow> in_order;
     for (const BatchJob& job : held_out.jobs) in_order.push_back(rows.at(job.key));
     tune::HeldOutVerdict verdict = tune::judge(tuning_, held_out, in_order);
@@ -186,6 +195,12 @@ class Tune {
     tuned.end = end;
     tuned.stopped = stopped_text("during " + what, "everything measured is", file_, request_.arguments);
     return tuned;
+  }
+
+  /// `reason` of a trial, where there was one.
+  void tell_late(const std::string& reason) const {
+    if (!reason.empty())
+      listener_.tell(listener_.warning, "real time ran out in a trial, which is not stored and tried again: " + reason);
   }
 
   void progress_end() const {

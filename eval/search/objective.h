@@ -23,7 +23,8 @@ class Objective {
   virtual std::vector<double> measure(const Candidate& candidate, std::span<const std::uint64_t> worlds) = 0;
 };
 
-/// Thrown by an objective that was asked to stop (Ctrl-C). What was logged stays; the search can be resumed.
+/// Thrown by an objective that was asked to stop (Ctrl-C), or with a text that could not measure now. What was logged
+/// stays; the search can be resumed.
 class Interrupted : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -20,6 +20,7 @@
 #include "eval/store/columns.h"
 #include "eval/store/database.h"
 #include "eval/store/definition.h"
+#include "eval/store/late.h"
 #include "eval/store/merge_searches.h"
 #include "eval/store/migrations.h"
 #include "eval/store/registry.h"
@@ -312,19 +313,20 @@ struct Removed {
   ~Removed() { remove_store(file); }
 };
 
-bool is_older(const fs::path& file) {
+/// Of an older version, or with trials that are to be tried again.
+bool needs_change(const fs::path& file) {
   try {
     SQLite::Database db(file.string(), SQLite::OPEN_READONLY);
     return db.execAndGet("PRAGMA application_id").getInt() == kApplicationId && schema_version(db) > 0 &&
-           schema_version(db) < kSchemaVersion;
+           (schema_version(db) < kSchemaVersion || (schema_version(db) == kSchemaVersion && count_late(db) > 0));
   } catch (const SQLite::Exception&) {
     return false;  // opening it as a store says why
   }
 }
 
-/// An input is only read: one of an older version is copied, and the copy brought up to date.
+/// An input is only read: where it needs a change it is copied, and the copy brought up to date.
 void merge_input(SQLite::Database& db, const fs::path& file, const fs::path& copy, MergeSummary& summary) {
-  if (!is_older(file)) {
+  if (!needs_change(file)) {
     { const ReadConnection look(file); }  // ours, and of this version
     return merge_into(db, file, summary);
   }
@@ -332,11 +334,12 @@ void merge_input(SQLite::Database& db, const fs::path& file, const fs::path& cop
   remove_store(copy);
   {
     SQLite::Database old(file.string(), SQLite::OPEN_READONLY);
-    Statement vacuum(old, "VACUUM INTO ?");
-    vacuum.bind(1, copy.string());
-    vacuum.exec();
+    old.backup(copy.string().c_str(), SQLite::Database::Save);  // VACUUM INTO fails at generated columns
   }
-  { const SQLite::Database migrated = open_database(copy, Access::kReadWrite); }
+  {
+    SQLite::Database migrated = open_database(copy, Access::kReadWrite);
+    forget_late(migrated);
+  }
   merge_into(db, copy, summary);
 }
 
@@ -425,6 +428,7 @@ MergeSummary merge(const fs::path& out, const std::vector<fs::path>& in, const M
     if (there) copy_store(place, part);
     {
       SQLite::Database db = open_database(part, Access::kCreate);
+      forget_late(db);
       for (const fs::path& file : in) {
         current = &file;
         merge_input(db, file, part.string() + "-in", summary);

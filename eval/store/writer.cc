@@ -19,6 +19,7 @@
 #include "eval/store/database.h"
 #include "eval/store/definition.h"
 #include "eval/store/difficulty.h"
+#include "eval/store/late.h"
 #include "eval/store/machine.h"
 #include "eval/store/registry.h"
 #include "eval/store/row_binding.h"
@@ -132,6 +133,7 @@ struct Writer::Impl {
   Clock::time_point last_commit = Clock::now();
   std::size_t committed = 0;
   bool fresh = false;  ///< this writer made the file
+  std::size_t forgotten = 0;
 
   explicit Impl(const std::filesystem::path& path) : file(path), db(open_database(path, Access::kCreate)) {}
 
@@ -317,8 +319,10 @@ struct Writer::Impl {
 };
 
 Writer::Writer(const std::filesystem::path& file) : impl_(std::make_unique<Impl>(file)) {
-  impl_->fresh = impl_->guarded(StoreError::Kind::kUnusable,
-                                [this] { return impl_->db.execAndGet("SELECT count(*) FROM suite").getInt64() == 0; });
+  impl_->guarded(StoreError::Kind::kUnusable, [this] {
+    impl_->fresh = impl_->db.execAndGet("SELECT count(*) FROM suite").getInt64() == 0;
+    impl_->forgotten = forget_late(impl_->db);
+  });
 }
 
 Writer::~Writer() {
@@ -382,6 +386,7 @@ const std::string& Writer::controller_name(std::size_t point) const {
   return impl_->registered.controller_names.at(point);
 }
 std::size_t Writer::committed() const { return impl_->committed; }
+std::size_t Writer::forgotten() const { return impl_->forgotten; }
 
 void Writer::add(const Wanted& trial, const WorldRecord& world, const TrialRow& row, const Trace* trace,
                  std::span<const double> metrics) {

@@ -89,6 +89,8 @@ class Writer {
 
   /// Rows committed by this writer.
   std::size_t committed() const;
+  /// Trials that the constructor removed, so that they are tried again (eval/store/late.h).
+  std::size_t forgotten() const;
 
  private:
   struct Impl;

@@ -4,6 +4,8 @@
 
 #include <unordered_set>
 
+#include "eval/trial/late.h"
+
 namespace moma::tune {
 
 TrialObjective::TrialObjective(const Tuning& tuning, TrialSource& source, int threads, const std::atomic<bool>* stop)
@@ -80,8 +82,13 @@ std::vector<double> TrialObjective::measure(const Candidate& candidate, std::spa
       return world(point, static_cast<std::size_t>(&point - points->data()), index);
     };
   }
+  std::string late;
   const BatchSummary summary = run_batch(*points, jobs, batch, [&](const BatchJob& job, BatchResult&& result) {
     const TrialRow& row = result.output.row;
+    if (is_late(row)) {
+      late = row.reason;
+      return false;
+    }
     source_.add((*points)[job.point], job.world, job.key, result.world.get(), row);
     ++counts_.computed;
     if (row.outcome == Outcome::kError && counts_.errors++ == 0) counts_.first_error = row.reason;
@@ -89,7 +96,8 @@ std::vector<double> TrialObjective::measure(const Candidate& candidate, std::spa
     if (on_trial) on_trial();
     return true;
   });
-  if (summary.stopped) throw Interrupted("stopped");
+  if (!late.empty()) throw Interrupted(late);
+  if (summary.stopped) throw Interrupted("");
 
   std::vector<double> values;
   for (const BatchJob& job : jobs) {

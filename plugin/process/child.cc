@@ -13,6 +13,7 @@
 #include <cerrno>
 #include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <string_view>
 #include <system_error>
@@ -21,6 +22,7 @@
 #include <vector>
 
 #include "plugin/host/library.h"
+#include "plugin/process/leftovers.h"
 
 namespace moma {
 namespace {
@@ -90,7 +92,7 @@ class Spawning {
 };
 
 // This process's environment with the command's values in it.
-std::vector<char*> environment_of(const ProcessCommand& command) {
+std::vector<char*> environment_of(const ProcessCommand& command, std::string& mark) {
   const auto name_of = [](std::string_view entry) { return entry.substr(0, entry.find('=')); };
   std::vector<char*> all;
   for (const std::string& entry : command.environment) all.push_back(const_cast<char*>(entry.c_str()));
@@ -99,6 +101,7 @@ std::vector<char*> environment_of(const ProcessCommand& command) {
                                       [&](const std::string& own) { return name_of(own) == name_of(*entry); });
     if (!replaced) all.push_back(*entry);
   }
+  all.push_back(mark.data());
   all.push_back(nullptr);
   return all;
 }
@@ -115,6 +118,13 @@ void limit(pid_t pid, const ProcessLimits& limits) {
 }  // namespace
 
 Child::Child(const ProcessCommand& command) {
+  if (std::getenv(kWorkerVariable) != nullptr) {
+    throw PluginError(
+        "a process that moma started as a controller starts controllers in turn, which would have no end; in a Python "
+        "script, what evaluates belongs under: if __name__ == \"__main__\":");
+  }
+  Leftovers& leftovers = Leftovers::of_this_process();
+  mark_ = leftovers.new_mark();
   int ends[2];
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) fail("no socket for it", errno);
   Descriptor ours(ends[0]);
@@ -124,7 +134,8 @@ Child::Child(const ProcessCommand& command) {
   const Descriptor their_errors(ends[1]);
   ::fcntl(ours.get(), F_SETFL, O_NONBLOCK);
   ::fcntl(errors.get(), F_SETFL, O_NONBLOCK);
-  const std::vector<char*> environment = environment_of(command);
+  std::string mark = fmt::format("{}={}", kWorkerVariable, mark_);
+  const std::vector<char*> environment = environment_of(command, mark);
   pid_ = Spawning().start(command, theirs.get(), their_errors.get(), environment.data());
   limit(pid_, command.limits);
   socket_ = ours.release();
@@ -133,6 +144,7 @@ Child::Child(const ProcessCommand& command) {
 
 Child::~Child() {
   end(Clock::now());
+  Leftovers::of_this_process().kill(mark_);
   ::close(socket_);
   if (errors_ >= 0) ::close(errors_);
 }

@@ -14,13 +14,15 @@ namespace moma {
 
 /// A process of a command, in a group of its own (keys pressed at the terminal do not reach it), with one socket as its
 /// standard input and output, and what it writes to its standard error kept as far as its last words. No other
-/// descriptor of ours is open in it. It dies with this object, and all of its group.
+/// descriptor of ours is open in it. It dies with this object and with this process, and so does what it started
+/// (leftovers.h).
 class Child {
  public:
   using Clock = std::chrono::steady_clock;
   enum class Wait { kDone, kLate, kEnded };
 
-  /// Throws PluginError where it cannot be started.
+  /// Throws PluginError where it cannot be started, and within a process that a Child started: what is started while a
+  /// controller is read would start itself without end.
   explicit Child(const ProcessCommand& command);
   ~Child();
   Child(const Child&) = delete;
@@ -45,6 +47,7 @@ class Child {
   bool gone() noexcept;
   void hear() noexcept;
 
+  std::string mark_;
   pid_t pid_ = -1;
   int socket_ = -1;
   int errors_ = -1;

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "controller/config/json_text.h"
+#include "plugin/host/late.h"
 #include "plugin/host/library.h"
 
 namespace moma {
@@ -78,7 +79,7 @@ void Session::ended(const Due& due) {
 }
 
 void Session::late(const Due& due) {
-  fail(fmt::format("its process gave no answer {} within {:g} s and was killed{}", due.to, due.seconds,
+  fail(fmt::format("{}{} within {:g}{}{}", kLateBefore, due.to, due.seconds, kLateAfter,
                    after("; it said: ", child_.last_words())));
 }
 

@@ -33,6 +33,16 @@ def program() -> str:
     raise FileNotFoundError("there is no program moma: not in the package, not in PATH; set MOMA_PROGRAM to where it is")
 
 
+def refuse_in_worker(what: str) -> None:
+    """Raises RuntimeError in a process that moma started for a controller: what evaluates as a file is read for its class would
+    start such processes without end."""
+    if os.environ.get("MOMA_WORKER"):
+        raise RuntimeError(
+            f"{what} is called as a process of a controller reads the controller's file; in a script, put the call under: "
+            'if __name__ == "__main__":'
+        )
+
+
 def run(arguments: Sequence[str], *, show: bool = False) -> str:
     """What it prints. `show`: its progress and remarks go to this process's standard error. Ctrl-C reaches it as well; it
     stops as it does in a terminal, with what is done saved. Raises ProgramError."""

@@ -81,14 +81,14 @@ class Store:
         allow = ["--allow-plugins"] if allow_plugins else []
         return json.loads(run(["replay", str(self.path), trial, "--json", *allow]))
 
-    def report(self, output: str | os.PathLike[str] | None = None) -> pathlib.Path:
-        """Writes the report page, beside the store unless told otherwise."""
+    def report(self, output: str | os.PathLike[str] | None = None, force: bool = False) -> pathlib.Path:
+        """Writes the report page, beside the store unless told otherwise; over a file that is no such page with `force` only."""
         page = pathlib.Path(output) if output is not None else self.path.with_suffix(".html")
-        run(["report", str(self.path), "-o", str(page)])
+        run(["report", str(self.path), "-o", str(page), *["--force"] * force])
         return page
 
-    def to_parquet(self, output: str | os.PathLike[str], statement: str = "SELECT * FROM v_trials") -> pathlib.Path:
+    def to_parquet(self, output: str | os.PathLike[str], statement: str = "SELECT * FROM v_trials", force: bool = False) -> pathlib.Path:
         """Writes an answer as a Parquet file, by pyarrow, which has to be installed; a whole store: moma export --parquet."""
         from .export import write_parquet
 
-        return write_parquet(self, statement, pathlib.Path(output))
+        return write_parquet(self, statement, pathlib.Path(output), force)

@@ -12,7 +12,7 @@ import tempfile
 from typing import Any, Callable, Iterator, Mapping, Sequence
 
 from . import _core
-from .program import run
+from .program import refuse_in_worker, run
 from .store import Store
 from .world import World, frozen_set
 
@@ -116,8 +116,10 @@ def evaluate(
     returns such an object, of a file that can be read again (not of a notebook or a prompt); with its parameters as
     (class, {...}); or whatever a suite may say, a file's path or a dict. Classes run in processes of their own by
     this interpreter. A controller whose first trials all end by the same error raises ProgramError, unless told to
-    `keep_going`. Ctrl-C lets the trials in flight end and keeps what is done.
+    `keep_going`. Ctrl-C lets the trials in flight end and keeps what is done. The processes read the class's file anew, so that
+    a script evaluates under `if __name__ == "__main__":`; RuntimeError where one of them evaluates again.
     """
+    refuse_in_worker("moma.evaluate()")
     chosen = suite if isinstance(suite, Suite) else Suite(suite)
     added = {f"controllers.{name}": entry_of(controller) for name, controller in (controllers or {}).items()}
     whole = chosen.changed({**dict(changes or {}), **added})

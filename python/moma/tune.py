@@ -9,7 +9,7 @@ import re
 from typing import Any, Mapping, NamedTuple
 
 from . import _core
-from .program import run
+from .program import refuse_in_worker, run
 from .store import Store
 from .suite import Suite, entry_of
 
@@ -40,6 +40,7 @@ def tune(
     `controllers` are those of evaluate(): classes of one's own are tuned by their parameters. `gains` is the file for what is
     found, beside the store unless told otherwise; it gets a name of its own where the verdict is that it is worse.
     """
+    refuse_in_worker("moma.tune()")
     chosen = suite if isinstance(suite, Suite) else Suite(suite)
     if controllers:
         chosen = _with_controllers(chosen, {name: entry_of(controller) for name, controller in controllers.items()})

@@ -207,6 +207,35 @@ class EvaluateTest(unittest.TestCase):
         self.assertEqual(moma.World(notes), worlds[0])
         self.assertEqual([f.name for f in self.folder.iterdir() if f.name.startswith(".moma-")], [])
 
+    def test_a_script_that_evaluates_as_it_is_read_starts_nothing_without_end(self):
+        script = self.folder / "script.py"
+        script.write_text(
+            f"""import os, moma
+with open({str(self.folder / "read")!r}, "a") as file:
+    file.write(str(os.getpid()) + "\\n")
+class Still:
+    def reset(self, robot, objects):
+        self.size = len(robot.velocities)
+    def step(self, seen):
+        return [0.0] * self.size
+moma.evaluate({dict(SUITE, controllers={})!r}, {{"still": Still}}, store={str(self.folder / "n.db")!r}, progress=False)
+"""
+        )
+        read = self.folder / "read"
+        child = subprocess.Popen([sys.executable, str(script)], stderr=subprocess.PIPE, text=True, start_new_session=True)
+        try:
+            while child.poll() is None:
+                time.sleep(0.02)
+                count = len(read.read_text().split()) if read.exists() else 0
+                self.assertLess(count, 8, "the script reads itself again and again")
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(child.pid, signal.SIGKILL)
+            said = child.communicate()[1]
+        self.assertNotEqual(child.returncode, 0)
+        self.assertIn("__main__", said)
+        self.assertLessEqual(len(read.read_text().split()), 2)
+
 
 if __name__ == "__main__":
     unittest.main()

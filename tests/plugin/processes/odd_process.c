@@ -41,6 +41,37 @@ static int count(const char* text, const char* key) {
   return names + 1;
 }
 
+static void mark(const char* name) {
+  FILE* file = fopen(name, "w");
+  if (file != NULL) fclose(file);
+}
+
+static void mark_left(void) {
+  char name[64];
+  snprintf(name, sizeof name, "left.%ld", (long)getpid());
+  mark(name);
+}
+
+/* A child of its group and one that leaves it, which would stay until they are killed; both are there before it goes
+ * on. */
+static void leave(void) {
+  mark_left();
+  for (int i = 0; i < 2; ++i) {
+    int ready[2];
+    char byte;
+    if (pipe(ready) != 0) exit(9);
+    if (fork() == 0) {
+      if (i == 1) setsid();
+      signal(SIGTERM, SIG_IGN);
+      signal(SIGHUP, SIG_IGN);
+      mark_left();
+      if (write(ready[1], "x", 1) != 1) exit(9);
+      for (;;) pause();
+    }
+    if (read(ready[0], &byte, 1) != 1) exit(9);
+  }
+}
+
 int main(int argc, char** argv) {
   if (argc > 1) deed = argv[1];
   if (asked("exit_at_once")) {
@@ -48,6 +79,7 @@ int main(int argc, char** argv) {
     return 3;
   }
   if (asked("hang_at_once")) pause();
+  if (strncmp(deed, "leave", 5) == 0) leave();
   int velocities = 0, steps = 0;
   for (;;) {
     uint32_t header[2];
@@ -65,6 +97,7 @@ int main(int argc, char** argv) {
                                         : "{\"protocol\":1}");
     } else if (header[1] == 2) {
       steps = 0;
+      while (asked("slow") && access("busy", F_OK) == 0) usleep(1000);
       if (asked("fail_in_reset")) say(104, "too many objects, \xff of them");  // and goes on as if nothing were
       if (asked("exit_in_reset")) return 5;
       say(102, "");
@@ -73,6 +106,10 @@ int main(int argc, char** argv) {
       uint32_t size = (uint32_t)velocities * 8;
       if (++steps == 3) {
         if (asked("exit")) return 4;
+        if (asked("leave_and_hang")) {
+          mark("hangs");
+          for (;;) pause();
+        }
         if (asked("exit_0")) return 0;
         if (asked("crash")) raise(SIGSEGV);
         if (asked("killed")) raise(SIGKILL);
