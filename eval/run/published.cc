@@ -93,7 +93,7 @@ std::span<const Figure> figures() {
       Figure{"final_manipulability", "final manip.", kMean, "t.manip_all_final", 1.0, 4},
       Figure{"mean_translational_manipulability", "mean transl. manip.", kMean, "t.manip_mean", 1.0, 4},
       Figure{"final_translational_manipulability", "final transl. manip.", kMean, "t.manip_final", 1.0, 4},
-      Figure{"time_to_goal", "time to goal s", kMean, "t.time_to_goal_s", 1.0, 2},
+      Figure{"time_to_goal", "mean time to goal s", kMean, "t.time_to_goal_s", 1.0, 2},
       Figure{"path_of_base", "base's path m", kMean, "t.path_base_m", 1.0, 2},
       Figure{"average_time", "time ms", kClock, "e.t_step_median_us", 1e-3, 3},
   };

@@ -24,7 +24,7 @@ def main(*files):
     whole = pandas.concat([moma.Store(file).sql(SUMMARY) for file in files])
     for (robot, family), table in whole.groupby(["robot", "family"], sort=False):
         print(f"\n{robot}, {family}\n")
-        print("| controller | n | success % [95 %] | collision % [95 %] | time to goal s | manipulability | command change |")
+        print("| controller | n | success % [95 %] | collision % [95 %] | median time to goal s | mean manip. | mean command change |")
         print("| --- | ---: | ---: | ---: | ---: | ---: | ---: |")
         for _, row in table.sort_values(["success_rate", "controller"], ascending=[False, True]).iterrows():
             numbers = (row.time_to_goal_median_s, 2), (row.manip_mean, 3), (row.command_change_mean, 3)

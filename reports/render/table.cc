@@ -114,7 +114,8 @@ std::string md_text(const std::string& text) {
 /// "57.3 (52.9-61.6)" with `dash` between the bounds.
 std::string rate(const Json& row, const std::string& stem, const std::string& dash) {
   if (row.at(stem + "_rate").is_null()) return dash;  // all trials ended by an error
-  const auto at = [&](const char* end) { return 100.0 * row.at(stem + end).get<double>(); };
+  // Half a unit of the last decimal is rounded up, as in the page and in SQL's printf().
+  const auto at = [&](const char* end) { return std::round(1000.0 * row.at(stem + end).get<double>()) / 10.0; };
   return fmt::format("{:.1f} ({:.1f}{}{:.1f})", at("_rate"), at("_low"), dash, at("_high"));
 }
 
@@ -188,9 +189,10 @@ constexpr const char* kMeans = "means are over all trials that have the value"; 
 
 std::string tex(const Table& table) {
   const auto begin = [&](const Json& row) {
-    const std::vector<std::string> head = heads(table, tex_text,
-                                                {"worlds", "controller", "$n$", "success [\\%]", "collision [\\%]",
-                                                 "time [s]", "manipulability", "clearance [m]", "command change"});
+    const std::vector<std::string> head =
+        heads(table, tex_text,
+              {"worlds", "controller", "$n$", "success [\\%]", "collision [\\%]", "median time to goal [s]",
+               "mean manip.", "mean least clearance [m]", "mean command change"});
     return fmt::format(
         "% {}, {}, {}. {}, {}.\n% Needs \\usepackage{{booktabs}}.\n"
         "\\begin{{tabular}}{{ll{}}}\n\\toprule\n{} \\\\\n\\midrule\n",
@@ -205,9 +207,10 @@ std::string tex(const Table& table) {
 
 std::string markdown(const Table& table) {
   const auto begin = [&](const Json& row) {
-    const std::vector<std::string> head = heads(table, md_text,
-                                                {"worlds", "controller", "n", "success [%]", "collision [%]",
-                                                 "time [s]", "manipulability", "clearance [m]", "command change"});
+    const std::vector<std::string> head =
+        heads(table, md_text,
+              {"worlds", "controller", "n", "success [%]", "collision [%]", "median time to goal [s]", "mean manip.",
+               "mean least clearance [m]", "mean command change"});
     std::string rule = "| --- | --- |";
     for (std::size_t i = 2; i < head.size(); ++i) rule += " ---: |";
     return fmt::format("{}, {}, {}. {}, {}.\n\n| {} |\n{}\n", md_text(row.at("suite")), md_text(row.at("robot")),

@@ -31,7 +31,7 @@ export interface FigureSpec {
   /** Names the metric; a function where that is chosen. */
   title: string | (() => string);
   /** One sentence on how to read it. */
-  caption: string;
+  caption: string | (() => string);
   controls?: (redraw: () => void) => Node[];
   /** null: there is nothing to show, and `empty` says why. */
   draw: (palette: Palette, width: number) => Drawing | null;
@@ -288,6 +288,10 @@ export function smallMultiples(width: number, parts: readonly Part[], xAxis: Opt
       series: parts.flatMap((_, i) => series(i).map((s) => ({ ...s, xAxisIndex: i, yAxisIndex: i }))),
     },
   };
+}
+
+export function captionOf(spec: FigureSpec): string {
+  return typeof spec.caption === 'string' ? spec.caption : spec.caption();
 }
 
 export function titleOf(spec: FigureSpec): string {

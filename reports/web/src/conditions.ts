@@ -62,6 +62,13 @@ export function meets(model: Model, slice: Slice, point: PointInfo | undefined):
   });
 }
 
+/** Whether two points were run under the same conditions and disturbances; what no point says is the same. */
+export function equalConditions(model: Model, slice: Slice, a: PointInfo | undefined, b: PointInfo | undefined): boolean {
+  if (a === undefined || b === undefined) return true;
+  const disturbedBy = (point: PointInfo): string => JSON.stringify(Object.entries(point.disturbances ?? {}).filter(([key]) => key !== 'seed'));
+  return disturbedBy(a) === disturbedBy(b) && conditions(model, slice).every((c) => valueOf(a, c.key) === valueOf(b, c.key));
+}
+
 /** {"collision": {"stop": 1}} -> [["collision.stop", "1"]]. */
 export function flatten(value: unknown, prefix = ''): [string, string][] {
   if (value !== null && typeof value === 'object' && !Array.isArray(value)) {

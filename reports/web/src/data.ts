@@ -1,5 +1,6 @@
 // The page's data block, as reports/render writes it, and the views of it that figures share.
 
+import { integer, plural } from './format';
 import { describeMetrics, type MetricData } from './metrics';
 
 /** How a trial ends, in the words of the store. */
@@ -257,6 +258,15 @@ export class Model {
     return this.page.live === undefined ? this.replayOf.has(trial) : this.named.has(trial);
   }
 
+  /** What a click on the mark of a trial does, in a sentence that says how many motions are at hand. */
+  clickPlays(): string {
+    if (this.page.live?.simulates === true) return 'A click plays the trial.';
+    const motions = this.page.replays.length;
+    if (this.page.live === undefined && motions >= this.trials.n) return 'A click plays the trial.';
+    return `A click plays the trial where its motion is at hand (${integer(motions)} of ${plural(this.page.trials.stored, 'trial')}); `
+      + (this.page.live === undefined ? `moma view ${this.page.store.file} plays any.` : 'of another it shows the command.');
+  }
+
   /** A motion that the page itself holds. */
   embedded(trial: string): Motion | undefined {
     const replay = this.replayOf.get(trial);
@@ -333,13 +343,16 @@ export function inSlice(row: { suite: string; robot: string; mode: string }, sli
   return row.suite === slice.suite && row.robot === slice.robot && row.mode === slice.mode;
 }
 
-/** Where all points differ in one thing: its value, where that is a name ("disturbances=none"), else the key's last part with it. */
+/** Where all points differ in one thing: the last part of its key with the value, "disturbances: none" or "lambda_q=0.1". */
 function shortLabels(labels: readonly string[]): (label: string) => string {
   const parts = labels.map((label) => /^([^\s=]+)=([^\s=]*)$/.exec(label));
   const keys = new Set(parts.map((part) => part?.[1] ?? ''));
   if (keys.size !== 1 || keys.has('')) return (label) => label;
   const named = parts.every((part) => /^[A-Za-z]/.test(part?.[2] ?? ''));
-  return (label) => (named ? label.slice(label.indexOf('=') + 1) : label.slice(label.lastIndexOf('.', label.indexOf('=')) + 1));
+  return (label) => {
+    const short = label.slice(label.lastIndexOf('.', label.indexOf('=')) + 1);
+    return named ? short.replace('=', ': ') : short;
+  };
 }
 
 /** The keys that all labels give values to, where those are too many to be repeated in every name: "lambda_q, k_epsilon". */

@@ -2,7 +2,7 @@
 
 import * as echarts from 'echarts/core';
 
-import { base, titleOf, type FigureSpec, type Option } from './chart';
+import { base, captionOf, titleOf, type FigureSpec, type Option } from './chart';
 import { download, h, replace } from './dom';
 import { csv } from './format';
 import { drawLater, drawOrWait } from './later';
@@ -13,13 +13,14 @@ import { naming, onView } from './view';
 export function figure(spec: FigureSpec): HTMLElement {
   const plot = h('div', { class: 'plot', role: 'img', 'aria-label': titleOf(spec) });
   const title = h('h3', null, titleOf(spec));
+  const caption = h('p', null, captionOf(spec));
   const note = h('p', { class: 'note' });
   const saveSvg = h('button', { type: 'button', class: 'quiet', click: () => save() }, 'Save SVG');
   const saveCsv = h('button', { type: 'button', class: 'quiet', click: () => saveData() }, 'Data CSV');
   const controls = h('div', { class: 'controls' });
   const paper = paperPlace();
   const element = h('figure', { class: 'figure', id: `figure-${spec.id}` },
-    h('figcaption', null, h('div', null, title, h('p', null, spec.caption)), controls),
+    h('figcaption', null, h('div', null, title, caption), controls),
     plot, paper, h('footer', null, note, h('div', { class: 'actions' }, saveSvg, saveCsv)));
   let chart: echarts.ECharts | null = null;
   let started = false;
@@ -28,6 +29,7 @@ export function figure(spec: FigureSpec): HTMLElement {
   const draw = (): void => {
     if (!started) return;
     title.textContent = titleOf(spec);
+    caption.textContent = captionOf(spec);
     const drawing = spec.draw(palette(), plot.clientWidth);
     saveSvg.hidden = saveCsv.hidden = drawing === null;
     if (drawing === null) {

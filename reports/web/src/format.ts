@@ -34,20 +34,35 @@ export function fixed(value: number | null | undefined, decimals: number): strin
   return (value < 0 && Number(text) !== 0 ? kMinus : '') + text;
 }
 
+/** More decimals of a percentage than this are never written. */
+const kMostDecimals = 6;
+
+/** Half a unit of the last decimal is rounded up, also where its binary form lies below: 0.8235 is 82.4 %, however it was computed. */
+function percentWith(share: number, decimals: number): string {
+  return fixed(Math.round(Number((100 * share * 10 ** decimals).toPrecision(12))) / 10 ** decimals, decimals);
+}
+
 /** 0.635 -> "63.5 %". */
-export function percent(share: number | null | undefined, decimals = 1): string {
+export function percent(share: number | null | undefined): string {
   if (share === null || share === undefined || !Number.isFinite(share)) return kNone;
-  return `${percentNumber(share, decimals)}\u00a0%`;
+  return `${percentNumber(share)}\u00a0%`;
 }
 
-export function percentNumber(share: number, decimals = 1): string {
-  return fixed(100 * share, share === 0 || share === 1 ? 0 : decimals);
+/** One decimal, or as many as tell a share from none and from all: 1 of 10,000 is 0.01 %. */
+export function percentNumber(share: number): string {
+  if (share === 0 || share === 1) return fixed(100 * share, 0);
+  for (let decimals = 1; ; ++decimals) {
+    const text = percentWith(share, decimals);
+    if (decimals === kMostDecimals || (Number(text) !== 0 && Number(text) !== 100)) return text;
+  }
 }
 
-/** "56.7–69.9 %". */
+/** "56.7–69.9 %": one decimal, or as many as tell the ends apart. */
 export function percentRange(low: number | null, high: number | null): string {
   if (low === null || high === null || !Number.isFinite(low) || !Number.isFinite(high)) return kNone;
-  return `${fixed(100 * low, 1)}\u2013${fixed(100 * high, 1)}\u00a0%`;
+  let decimals = 1;
+  while (low < high && decimals < kMostDecimals && percentWith(low, decimals) === percentWith(high, decimals)) ++decimals;
+  return `${percentWith(low, decimals)}\u2013${percentWith(high, decimals)}\u00a0%`;
 }
 
 /** With its sign, unless it is written as nothing: "+0.3", "0.0". */

@@ -43,8 +43,8 @@ function drawWaiting(element: Element): void {
 
 let idling = 0;
 
-/** Draws the figures that nobody has looked at yet, one at a time, when the reader has done nothing for a while. */
-function drawSoon(): void {
+/** Draws the figures that nobody has looked at yet, one at a time, when the reader has done nothing for so long [ms]. */
+function drawSoon(delay = 1500): void {
   const idle = (): void => {
     const next = figures.find((element) => waiting.has(element));
     if (next === undefined) return;
@@ -52,12 +52,12 @@ function drawSoon(): void {
     requestIdleCallback(idle);
   };
   clearTimeout(idling);
-  idling = window.setTimeout(() => requestIdleCallback(idle), 1500);
+  idling = window.setTimeout(() => requestIdleCallback(idle), delay);
 }
 
-/** Draws all figures sooner or later. */
+/** Draws all figures as soon as nothing else is to do: a picture of the whole page shows them. */
 export function drawWhenIdle(): void {
-  drawSoon();
+  drawSoon(100);
 }
 
 const afterwards = new Set<() => void>();

@@ -6,6 +6,7 @@ import './style.css';
 import { drawWhenIdle } from './later';
 import { Model, readPageData, type PageData } from './data';
 import { append, h, replace } from './dom';
+import { goToSection } from './go_to';
 import { isSwept } from './figures/swept';
 import { liveLine } from './live';
 import { masthead } from './sections/masthead';
@@ -41,7 +42,7 @@ function start(app: HTMLElement, page: PageData): void {
   const bar = toolbar(model, sections);
   const skip = h('a', { class: 'skip', href: '#results', click: (event) => {
     event.preventDefault();
-    document.getElementById('results')?.scrollIntoView();
+    goToSection('results');
   } }, 'Skip to the results');
   replace(app, skip, masthead(model, live), bar.element);
   // The verdict is painted before the rest is built.
@@ -54,7 +55,9 @@ function start(app: HTMLElement, page: PageData): void {
     bar.watch();
     drawWhenIdle();
     // A link that names a part of the page; reading on or going back is the browser's.
-    if (state.get('in') !== '' && scrollY === 0) document.getElementById(state.get('in'))?.scrollIntoView();
+    if (scrollY === 0) goToSection(state.get('in'));
+    // An address that the reader typed or pasted; entries of the page's own history have a state, and the browser scrolls to where they were.
+    addEventListener('hashchange', () => { if (history.state === null) goToSection(state.get('in')); });
     startPaper();
   })));
 }

@@ -2,7 +2,7 @@
 
 import * as echarts from 'echarts/core';
 
-import { base, type FigureSpec } from './chart';
+import { base, kFont, titleOf, type FigureSpec } from './chart';
 import { append, h, replace } from './dom';
 import { drawAll } from './later';
 import { palette, usePaper } from './theme';
@@ -40,8 +40,23 @@ function measured<T>(draw: () => T): T {
 
 const kWidth = 760;
 
-/** The figure on white paper; null where it has nothing to show. Needs no browser. */
-export function svgOf(spec: FigureSpec): string | null {
+/** White around a saved figure, for letters of wider fonts; and the height of its title [px]. */
+const kMargin = 14;
+const kTitle = 30;
+
+/** `svg` of so many pixels with white around it and a title above. */
+function titled(svg: string, title: string, wide: number, tall: number): string {
+  const text = title.replace(/[&<>]/g, (letter) => `&#${letter.charCodeAt(0)};`);
+  const [w, h] = [wide + 2 * kMargin, tall + 2 * kMargin + kTitle];
+  const inner = svg.replace(/^<svg[^>]*>/, '').replace(/<\/svg>\s*$/, '');
+  return `<svg width="${w}" height="${h}" xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" version="1.1" viewBox="0 0 ${w} ${h}">`
+    + `<title>${text}</title><rect width="${w}" height="${h}" fill="#ffffff"/>`
+    + `<text x="${kMargin}" y="${kMargin + 14}" fill="${palette(true).ink}" style="font-size:15px;font-family:${kFont};font-weight:600;">${text}</text>`
+    + `<g transform="translate(${kMargin} ${kMargin + kTitle})">${inner}</g></svg>`;
+}
+
+/** The figure on white paper, with its title and a margin unless it is `bare`; null where it has nothing to show. Needs no browser. */
+export function svgOf(spec: FigureSpec, bare = false): string | null {
   const drawing = spec.draw(palette(true), kWidth);
   if (drawing === null) return null;
   const { option, height = 340 } = drawing;
@@ -50,7 +65,7 @@ export function svgOf(spec: FigureSpec): string | null {
     paper.setOption({ ...base(palette(true)), ...option, animation: false, backgroundColor: '#ffffff' });
     const svg = paper.renderToSVGString();
     paper.dispose();
-    return svg;
+    return bare ? svg : titled(svg, titleOf(spec), kWidth, height);
   });
 }
 
@@ -64,7 +79,7 @@ export function onPaper(place: HTMLElement, make: () => Node | null): void {
 
 /** The figure's SVG as an element of this page. */
 export function paperFigure(spec: FigureSpec): Node | null {
-  const svg = svgOf(spec);
+  const svg = svgOf(spec, true);
   if (svg === null) return null;
   const element = new DOMParser().parseFromString(svg, 'image/svg+xml').documentElement;
   element.setAttribute('width', '100%');

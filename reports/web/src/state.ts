@@ -34,8 +34,8 @@ export function set(changes: Record<string, string>, step = false): void {
   if (changed.size === 0) return;
   const text = new URLSearchParams([...values]).toString();
   const address = text === '' ? location.pathname + location.search : `#${text}`;
-  if (step) history.pushState(null, '', address);
-  else history.replaceState(null, '', address);
+  if (step) history.pushState('view', '', address);
+  else history.replaceState('view', '', address);
   tell(changed);
 }
 

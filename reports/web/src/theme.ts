@@ -22,8 +22,8 @@ const light: Palette = {
   dark: false, ink: '#20262f', muted: '#5a6472', faint: '#6b7480', rule: '#e3e0d8', surface: '#ffffff',
   series: ['#27598f', '#d96294', '#016155', '#d57e24', '#1d5ccb', '#3f8440', '#029edb', '#4a3518'],
   outcomes: {
-    success: '#4c9a7d', collision: '#a7333f', timeout: '#fca347', stuck: '#836f07', joint_limit: '#5c57b9',
-    tipped: '#7a2b56', infeasible: '#76b8f1', diverged: '#5b6592', error: '#020b24',
+    success: '#4c9a7d', collision: '#8d1020', timeout: '#fca347', stuck: '#3a1acf', joint_limit: '#5c57b9',
+    tipped: '#77325a', infeasible: '#76b8f1', diverged: '#6e75a0', error: '#020b24',
   },
 };
 
@@ -31,7 +31,7 @@ const dark: Palette = {
   dark: true, ink: '#e9e7e2', muted: '#aab1bc', faint: '#8b93a0', rule: '#2d333d', surface: '#1a1e25',
   series: ['#7fb0e6', '#cb64a3', '#9ed4a6', '#ebb22a', '#6791f8', '#c9e67a', '#deeaf3', '#cd7a4f'],
   outcomes: {
-    success: '#56ad8d', collision: '#da5118', timeout: '#e4c86a', stuck: '#9d5a36', joint_limit: '#6569ce',
+    success: '#56ad8d', collision: '#b83c10', timeout: '#e4c86a', stuck: '#3750c3', joint_limit: '#817f4c',
     tipped: '#98487c', infeasible: '#b1d9ec', diverged: '#7896c6', error: '#dff4d4',
   },
 };

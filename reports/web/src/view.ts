@@ -1,6 +1,6 @@
 // What the figures show now: the slice, the family and the series that the reader has chosen.
 
-import { meets, onlyConditions } from './conditions';
+import { equalConditions, meets, onlyConditions } from './conditions';
 import { inSlice, namedBy, type Model, type Series, type Slice } from './data';
 import * as state from './state';
 import { kColours } from './theme';
@@ -103,10 +103,21 @@ export function baseline(): Series | undefined {
   return all.find((s) => asked !== '' && s.index === Number(asked)) ?? (series.length > kFew ? all[0] : series[0]);
 }
 
-/** The shown series with the highest success rate, other than `than`. */
-export function bestBut(than: Series | undefined): Series | undefined {
+/**
+ * The others of `among` that `base` may be compared with. A pair differs in its controllers or in the conditions, never in both: those
+ * under the same conditions; where there are none, the same controller under other ones.
+ */
+export function rivalsOf(base: Series, among: readonly Series[]): Series[] {
+  const { model, slice } = view();
+  const others = among.filter((s) => s !== base);
+  const alike = others.filter((s) => equalConditions(model, slice, base.info, s.info));
+  return alike.length > 0 ? alike : others.filter((s) => s.controller === base.controller);
+}
+
+/** Of the shown series that `base` may be compared with, the one with the highest success rate. */
+export function bestRival(base: Series | undefined): Series | undefined {
   const { model, slice, series } = view();
-  return series.filter((s) => s !== than).sort((a, b) => rateOf(model, slice, b) - rateOf(model, slice, a))[0];
+  return base === undefined ? undefined : rivalsOf(base, series).sort((a, b) => rateOf(model, slice, b) - rateOf(model, slice, a))[0];
 }
 
 /** What the numbers in names are, where names are only numbers. */

@@ -5,7 +5,7 @@ import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { accessible, check, dataOf, drawn, end, launch, noOverflow, opener, packagesOf, scrollThrough, strip, workshop } from './kit.mjs';
+import { accessible, check, dataOf, drawn, end, figuresStand, launch, noOverflow, opener, packagesOf, saved, scrollThrough, strip, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work] = process.argv;
 const { makeStore, makePage, sql } = workshop(source, makeReport, work);
@@ -23,6 +23,49 @@ const twinOf = (trial) => trials.find((other, row) => other !== trial && inPage.
 const failed = data.replays.map((replay) => replay.trial).filter((trial) => outcomes[rowOf(trial)] !== 'success');
 const both = failed.filter((trial) => twinOf(trial) !== undefined);
 
+// ---- where links lead: the target stands below the bar, also after what is above it was drawn ----------------------------
+for (const [width, height] of [[1280, 900], [390, 844]]) {
+  const { context, page } = await open(html, { hash: '#in=failures', width, height, idle: true });
+  const below = async (id, what) => {
+    await figuresStand(page);   // drawn when nothing else is to do, above the target, too
+    await drawn(page);
+    const off = await page.evaluate((name) => document.getElementById(name).getBoundingClientRect().top - document.querySelector('.toolbar').getBoundingClientRect().bottom, id);
+    check(Math.abs(off) < 3, `${what} leads to ${off} px below the bar of a window of ${width}`);
+  };
+  await below('failures', 'the address');
+  await page.reload();
+  await page.waitForSelector('main');
+  await page.locator('.toolbar nav').getByText('Timing').click();
+  await below('timing', 'the bar');
+  await page.mouse.move(width / 2, height / 2);
+  await page.mouse.wheel(0, -300);
+  await page.waitForFunction(() => Math.abs(document.getElementById('timing').getBoundingClientRect().top - document.querySelector('.toolbar').getBoundingClientRect().bottom) > 100);
+  check((await page.locator('.replay').boundingBox()).height > 0 && (await page.locator('.stage-box').getAttribute('data-trial')) !== null, 'a picture of the whole page has the replay');
+  await context.close();
+}
+
+// ---- a saved figure says what it shows, and has room around it --------------------------------------------------------------
+{
+  const { context, page } = await open(html);
+  const figure = page.locator('#figure-arrival');
+  await figure.scrollIntoViewIfNeeded();
+  await page.waitForSelector('#figure-arrival canvas');
+  const svg = await saved(page, figure.getByText('Save SVG'));
+  check(svg.includes('<title>Arrived by a given time</title>') && />Arrived by a given time<\/text>/.test(svg), `the title of a saved figure: ${svg.slice(0, 400)}`);
+  // In the widest of the fonts that may stand in for the page's own.
+  const cut = await page.evaluate((text) => {
+    const box = document.body.appendChild(document.createElement('div'));
+    box.innerHTML = text.replaceAll("'Inter Variable', Inter", "'DejaVu Sans', Verdana");
+    const frame = box.firstChild.getBoundingClientRect();
+    const out = [...box.querySelectorAll('text')].filter((t) => t.textContent.trim() !== '').map((t) => [t.textContent, t.getBoundingClientRect()])
+      .filter(([, r]) => r.left < frame.left || r.right > frame.right || r.top < frame.top || r.bottom > frame.bottom).map(([t]) => t);
+    box.remove();
+    return out;
+  }, svg);
+  check(cut.length === 0, `a saved figure cuts off ${cut}`);
+  await context.close();
+}
+
 // ---- two motions in one world ------------------------------------------------------------------------------------------
 {
   check(both.length > 0, `failures with a success in the same world: ${both.length} of ${failed.length}`);
@@ -35,16 +78,18 @@ const both = failed.filter((trial) => twinOf(trial) !== undefined);
   const { context, page } = await open(html, { hash: `#trial=${both[0]}`, ratio: 2 });
   await page.locator('#replay').scrollIntoViewIfNeeded();
   await page.waitForFunction((trial) => document.querySelector('.stage-box')?.dataset.trial === trial, both[0]);
-  check((await page.locator('.stage-box').getAttribute('data-beside')) === twinOf(both[0]), 'the success plays beside the failure by itself');
+  check((await page.locator('.stage-box').getAttribute('data-beside')) === '', 'the replay opens on the robot alone');
+  await page.getByLabel('Beside it').selectOption(twinOf(both[0]));
+  await page.waitForFunction((trial) => document.querySelector('.stage-box').dataset.beside === trial, twinOf(both[0]));
+  check(page.url().includes(`beside=${twinOf(both[0])}`), 'the address keeps what is beside');
   const said = (await page.locator('.replay aside').innerText()).replace(/\s/g, ' ');
   check(said.includes(`${data.replays.length} trials at 10 Hz: the worst of each kind first, of ${data.samples_stored} with stored samples, and successes to play beside failures.`), `what can be played is told: ${said.slice(0, 200)}`);
   const lengths = [both[0], twinOf(both[0])].map((trial) => cells.time_end_s[rowOf(trial)]);
   const clock = Number(/of ([\d.]+) s/.exec(await page.locator('.clock').innerText())[1]);
   check(Math.abs(clock - Math.max(...lengths)) < 0.11, `one clock for both: ${clock} of ${lengths}`);
   check((await page.locator('.replay-legend').innerText()).includes(`${controllers[rowOf(twinOf(both[0]))]} in the same world`), 'the legend names the other one');
-  await page.getByLabel('Beside it').selectOption('none');
+  await page.getByLabel('Beside it').selectOption('');
   await page.waitForFunction(() => document.querySelector('.stage-box').dataset.beside === '');
-  check(page.url().includes('beside=none'), 'the address keeps what is beside');
 
   // Jumps, the wheel, and what can be taken along.
   const time = async () => Number(await page.locator('.transport input[type=range]').inputValue());
@@ -83,7 +128,7 @@ const both = failed.filter((trial) => twinOf(trial) !== undefined);
 {
   const { ALL_FORMATS, BlobSource, EncodedPacketSink, Input } = packagesOf(source)('mediabunny');
   const shortest = data.replays.map((replay) => replay.trial).reduce((a, b) => (cells.time_end_s[trials.indexOf(a)] < cells.time_end_s[trials.indexOf(b)] ? a : b));
-  const { context, page } = await open(html, { hash: `#trial=${shortest}&beside=none`, width: 240, height: 500 });
+  const { context, page } = await open(html, { hash: `#trial=${shortest}`, width: 240, height: 500 });
   await page.locator('#replay').scrollIntoViewIfNeeded();
   await page.waitForFunction((trial) => document.querySelector('.stage-box')?.dataset.trial === trial, shortest);
   await page.getByLabel('Speed').selectOption('4');

@@ -15,7 +15,7 @@ export function arrival(): FigureSpec {
   return {
     id: 'arrival',
     title: 'Arrived by a given time',
-    caption: 'Share of all trials at the goal by a given time. Failures never arrive, so a curve ends at the success rate; the band is its 95 % interval.',
+    caption: 'Share of all trials at the goal by a given time. Failures never arrive, so a curve ends at the success rate.',
     empty: 'No trial reached its goal.',
     draw: (p: Palette, width: number) => {
       const { model, series } = view();
@@ -47,8 +47,9 @@ export function arrival(): FigureSpec {
       const xAxis = axis(p, 'time [s]', { min: 0, max: end, nameGap: 26 });
       const path = (d: (typeof drawn)[number], style: Option = {}): Option =>
         pathSeries(d.s.short, d.share, { colour: d.colour, width: 2, dash: dashOf(d.s.mark), ...style }, { silent: true, z: 5 });
+      const bands = drawn.length <= kBands || drawn.length > kTogether;
       const common = {
-        note: curves.map((c) => `${c.s.short}: ${integer(c.times.length)} of n = ${integer(c.n)} arrived`).join('; ') + '. Bands: pointwise 95 % Wilson.',
+        note: curves.map((c) => `${c.s.short}: ${integer(c.times.length)} of n = ${integer(c.n)} arrived`).join('; ') + (bands ? '. Bands: pointwise 95 % Wilson.' : '. The data have the 95 % Wilson intervals.'),
         columns: ['controller', 'point', 'time_to_goal_s', 'share_arrived', 'share_low', 'share_high', 'n'],
         rows: curves.flatMap(({ s, times, n }) => times.map((t, i) => {
           const w = wilson(i + 1, n);
@@ -85,7 +86,7 @@ export function arrival(): FigureSpec {
           },
           series: [
             { type: 'line', data: ticks, showSymbol: false, lineStyle: { opacity: 0 }, itemStyle: { opacity: 0 }, silent: true, emphasis: { disabled: true } },
-            ...drawn.flatMap((d) => [...(drawn.length > kBands ? [] : [bandSeries(d.low, d.high, d.colour, p.dark ? 0.16 : 0.11)]), path(d)]),
+            ...drawn.flatMap((d) => [...(bands ? [bandSeries(d.low, d.high, d.colour, p.dark ? 0.16 : 0.11)] : []), path(d)]),
             ...endLabels(drawn.map((d) => ({ name: d.s.short, x: end, y: d.last, colour: seriesInk(p, d.s.mark) })), named.room),
           ],
         },

@@ -45,7 +45,7 @@ export function course(model: Model): FigureSpec {
   return {
     id: 'course',
     title: 'Manipulability along the motion',
-    caption: 'One line per trial whose motion is at hand, from its start to its end; broken where it failed. A click plays the trial.',
+    caption: () => `One line per trial whose motion is at hand, from its start to its end; broken where it failed. ${model.clickPlays()}`,
     empty: 'No motion of these trials is at hand.',
     ...(model.page.live === undefined ? {} : { prepare: async () => {
       for (const { trial } of model.page.replays.slice(0, kMost)) {

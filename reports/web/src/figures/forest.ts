@@ -29,11 +29,11 @@ export function forest(): FigureSpec {
     id: 'forest',
     title: 'Success rate of every controller',
     caption: 'A dot per controller with its 95 % Wilson interval.',
-    empty: 'No trials here yet.',
+    empty: 'No trial here has a result.',
     draw: (p: Palette, width: number) => {
       const all = lines();
       const { all: series } = view();
-      if (all.length < 2) return null;
+      if (all.length === 0) return null;
       const base = baseline();
       const many = series.length > kFew;
       const families = !many && view().families.length > 1;

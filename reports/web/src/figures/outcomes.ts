@@ -4,6 +4,7 @@ import { kNarrow, kTwoLines, legend, legendHeight, rowAxis, shareAxis, tip, type
 import { inkOn } from '../colour';
 import { outcomeName, kOutcomes, type Outcome, type Series } from '../data';
 import { integer, percent, plural, sizes } from '../format';
+import { goToSection } from '../go_to';
 import * as state from '../state';
 import { outcomeColour, type Palette } from '../theme';
 import { view } from '../view';
@@ -40,7 +41,7 @@ export function outcomes(): FigureSpec {
     id: 'outcomes',
     title: 'How trials ended',
     caption: 'Every trial has exactly one outcome; a bar is all trials of a controller in a family of worlds. A click lists the trials.',
-    empty: 'No trials here yet.',
+    empty: 'No trial here has a result.',
     draw: (p: Palette, width: number) => {
       const all = bars();
       if (all.length === 0) return null;
@@ -94,7 +95,7 @@ export function outcomes(): FigureSpec {
       const outcome = kOutcomes.filter((o) => all.some((b) => b.counts.has(o)))[seriesIndex];
       if (bar === undefined || outcome === undefined) return;
       state.set({ outcome, who: bar.series.controller, q: [bar.family, bar.series.point].filter((text) => /^\S+$/.test(text)).join(' '), in: 'trials' }, true);
-      document.getElementById('trials')?.scrollIntoView();
+      goToSection('trials');
     },
   };
 }

@@ -10,14 +10,14 @@ import { select } from '../select';
 import * as state from '../state';
 import { extent } from '../stats';
 import { outcomeColour, seriesColour, type Palette } from '../theme';
-import { baseline, bestBut, view } from '../view';
+import { baseline, bestRival, view } from '../view';
 
 /** The two series that are compared: as chosen, else the baseline with the best of the others that are shown. */
 function chosen(): [number, number] {
   const { all } = view();
   const valid = (text: string): number | undefined => all.find((s) => text !== '' && s.index === Number(text))?.index;
   const a = valid(state.get('f.a')) ?? baseline()?.index ?? 0;
-  const b = valid(state.get('f.b')) ?? bestBut(all.find((s) => s.index === a))?.index ?? a;
+  const b = valid(state.get('f.b')) ?? bestRival(all.find((s) => s.index === a))?.index ?? a;
   return [a, b];
 }
 
@@ -26,7 +26,7 @@ export function paired(): FigureSpec {
   return {
     id: 'paired',
     title: () => `${upper(metric(state.get('f.paired')).name)} on the same worlds`,
-    caption: 'Each dot is one world that both controllers met. Where only one has a value, its dot lies in the strip named none. A click plays the trial.',
+    caption: () => `Each dot is one world that both controllers met. Where only one has a value, its dot lies in the strip named none. ${view().model.clickPlays()}`,
     empty: 'Two controllers that met the same worlds are needed.',
     controls: (redraw) => {
       const { all, model, series } = view();

@@ -28,7 +28,7 @@ export function scatter(): FigureSpec {
   return {
     id: 'scatter',
     title: () => `${upper(metric(state.get('f.sy')).name)} against ${metric(state.get('f.sx')).name}`,
-    caption: 'Each dot is one trial that has both; hollow where it failed. A click plays the trial.',
+    caption: () => `Each dot is one trial that has both; hollow where it failed. ${view().model.clickPlays()}`,
     empty: 'No trial here has both metrics.',
     controls: (redraw) => (['sx', 'sy'] as const).map((key) =>
       choice(key === 'sx' ? 'Along x' : 'Along y', presentMetrics(), state.get(`f.${key}`), (value) => { state.set({ [`f.${key}`]: value }); redraw(); })),

@@ -1,7 +1,7 @@
 // A sweep: success over two swept gains as a heat map, and all gains of all points as parallel coordinates.
 
 import { axis, nice, plain, tip, type FigureSpec } from '../chart';
-import { along, inkOn } from '../colour';
+import { along, inkOn, stepOf } from '../colour';
 import type { Model } from '../data';
 import { choice } from '../dom';
 import { integer, percentRange, sizes, upper } from '../format';
@@ -121,7 +121,7 @@ function parallel(model: Model): FigureSpec {
       const last = { name, low: write(result.min), high: write(result.max), at: (v: number) => (v - result.min) / (result.max - result.min), log: false };
       const ends = [...scales, last];
       const colours = ramp(p).slice(1);
-      const colour = (point: Point): string => colours[Math.min(colours.length - 1, Math.floor(last.at(value(point)) * colours.length))] ?? p.ink;
+      const colour = (point: Point): string => stepOf(colours, last.at(value(point)));
       const ordered = [...all].sort((a, b) => value(a) - value(b));
       return {
         height: 340,

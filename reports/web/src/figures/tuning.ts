@@ -24,7 +24,7 @@ function gains(search: TuneSearch): HTMLElement {
       h('td', null, `${significant(v.lower)} \u2026 ${significant(v.upper)}${v.scale === 'linear' ? '' : `, ${v.scale}`}`),
       h('td', null, significant(v.start)),
       h('td', null, h('b', null, v.found === null ? '\u2013' : significant(v.found))),
-      h('td', null, v.importance === null ? '\u2013' : h('span', { class: 'share', style: `--w:${(100 * v.importance) / most}%` }, percent(v.importance, 0))))))));
+      h('td', null, v.importance === null ? '\u2013' : h('span', { class: 'share', style: `--w:${(100 * v.importance) / most}%` }, `${integer(100 * v.importance)}\u00a0%`)))))));
 }
 
 type Comparison = TuneSearch['comparisons'][number];

@@ -1,4 +1,4 @@
-// Which motion plays beside the one that is shown: another controller's in the same world, as chosen or by itself.
+// Which motion plays beside the one that is shown: another controller's in the same world, as chosen.
 
 import { outcomeName, type Model } from '../data';
 import { h, replace } from '../dom';
@@ -26,13 +26,10 @@ export class Beside {
     return found.sort((a, b) => Number(t.success(b)) - Number(t.success(a))).slice(0, kMost).map((i) => t.text('trial', i));
   }
 
-  /** The trial to play beside `current`, as chosen; by itself a success of the page beside a failure; '' for none. */
+  /** The trial to play beside `current`, as chosen; '' for none. */
   wanted(current: string, all = this.rivals(current)): string {
     const chosen = state.get('beside');
-    if (chosen === 'none' || all.includes(chosen)) return chosen === 'none' ? '' : chosen;
-    const t = this.model.trials;
-    const [first] = all;
-    return this.model.page.live === undefined && first !== undefined && !t.success(this.model.row(current) ?? -1) && t.success(this.model.row(first) ?? -1) ? first : '';
+    return all.includes(chosen) ? chosen : '';
   }
 
   /** Offers what can play beside `current`. */
@@ -41,7 +38,7 @@ export class Beside {
     const all = this.rivals(current);
     this.element.hidden = all.length === 0;
     const now = this.wanted(current, all);
-    replace(this.list, h('option', { value: 'none', selected: now === '' }, 'nothing'), ...all.map((trial) => {
+    replace(this.list, h('option', { value: '', selected: now === '' }, 'nothing'), ...all.map((trial) => {
       const row = this.model.row(trial) ?? -1;
       return h('option', { value: trial, selected: trial === now }, `${t.text('controller', row)}${t.text('point', row) === '' ? '' : ` ${t.text('point', row)}`}: ${outcomeName(t.outcome(row))}`);
     }));

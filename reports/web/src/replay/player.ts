@@ -4,7 +4,8 @@ import { disturbed } from '../conditions';
 import { outcomeName, type Model, type Motion } from '../data';
 import { h, replace } from '../dom';
 import { fixed, integer, plural } from '../format';
-import { whenSeen } from '../later';
+import { goToSection } from '../go_to';
+import { drawLater, whenSeen } from '../later';
 import { onPaper, paperPlace } from '../paper';
 import { onSelect } from '../select';
 import { command } from '../sections/trials';
@@ -279,7 +280,7 @@ export function player(model: Model): Player {
   onSelect((trial, thenPlay) => {
     if (!model.playable(trial)) return;
     if (model.page.live !== undefined && !thenPlay) return;   // walking through the table asks for nothing
-    if (thenPlay) document.getElementById('replay')?.scrollIntoView();
+    if (thenPlay) goToSection('replay');
     safely(trial, thenPlay);
   });
   state.listen(['beside'], () => {
@@ -306,7 +307,8 @@ export function player(model: Model): Player {
   shelf.fill(current);
   onPaper(paper, still);
   onView(() => shelf.fill(current));
-  whenSeen(element, () => {
+  // A motion of the page itself is shown like a figure; one of the server, which may have to simulate it, when it is looked at.
+  (model.page.live === undefined ? drawLater : whenSeen)(element, () => {
     const ofAddress = state.get('trial');
     if (current === '' && wanted === '') safely(model.playable(ofAddress) ? ofAddress : listed(model)[0] ?? '', false);
     new ResizeObserver(() => draw()).observe(stage);

@@ -9,7 +9,7 @@ import { kMetrics as kAll, metric, withUnit, type Metric } from '../metrics';
 import * as state from '../state';
 import { holm, pairedRate } from '../stats';
 import { onTheme, palette, seriesColour } from '../theme';
-import { baseline, onView, view } from '../view';
+import { baseline, onView, rivalsOf, view } from '../view';
 
 /** Those that are compared: a few of moma's, and the suites' own. */
 function compared(): string[] {
@@ -21,7 +21,7 @@ const kMost = 12;
 interface Row { series: Series; rates: { name: string; only: [number, number]; n: number; p: number }[]; metrics: { of: Metric; r: Pairs }[] }
 
 function rowsAgainst(model: Model, base: Series): Row[] {
-  return view().series.filter((s) => s.index !== base.index).slice(0, kMost).map((s) => {
+  return rivalsOf(base, view().series).slice(0, kMost).map((s) => {
     const metrics = compared().map((key) => ({ of: metric(key), r: pairs(model, base, s, key) }));
     const worlds = metrics[0]?.r.worlds ?? [];
     const rate = (name: string, hit: (row: number) => boolean): Row['rates'][number] => {

@@ -5,6 +5,7 @@ import { causeOf, kCauses, kCauseTexts, type Cause } from '../causes';
 import { outcomeName, type Model, type Outcome, type Series } from '../data';
 import { download, h, replace, roving } from '../dom';
 import { csv, integer, percent, plural } from '../format';
+import { goToSection } from '../go_to';
 import { metric, withUnit } from '../metrics';
 import { select } from '../select';
 import * as state from '../state';
@@ -92,10 +93,10 @@ export function failures(model: Model): HTMLElement {
           h('button', { type: 'button', class: playable === undefined ? 'quiet' : 'play', click: () => select(trial, true) }, playable === undefined ? 'Command' : 'Play'),
           h('button', { type: 'button', class: 'quiet', click: () => {
             state.set({ outcome: c.outcome, q: c.outcome === 'collision' ? model.trials.text('link', row) : '', who: c.series.controller, in: 'trials' }, true);
-            document.getElementById('trials')?.scrollIntoView();
+            goToSection('trials');
           } }, 'List')));
     }));
-    if (all.length === 0) replace(box, h('p', { class: 'empty' }, met === 0 ? 'No trials here yet.' : 'No trial failed.'));
+    if (all.length === 0) replace(box, h('p', { class: 'empty' }, met === 0 ? 'No trial here has a result.' : 'No trial failed.'));
     replace(note, all.length === 0 ? '' : `${integer(failed)} of n = ${integer(met)} trials failed, in ${plural(all.length, 'kind')} (outcome, controller, cause, and what took part). `,
       all.length > few ? h('button', { type: 'button', class: 'quiet', click: () => { open = !open; fill(); } }, open ? 'Show fewer' : `Show all ${integer(all.length)}`) : null);
   };

@@ -10,7 +10,7 @@ import { fixed, integer, percent, percentRange, plural, probability, signed, tim
 import { afterFrame } from '../later';
 import { holm, pairedRate } from '../stats';
 import { palette, seriesColour } from '../theme';
-import { baseline, kFew, view } from '../view';
+import { baseline, kFew, rivalsOf, view } from '../view';
 
 export interface Judged {
   series: Series;
@@ -33,7 +33,8 @@ export function judged(model: Model): Judged[] {
 /** The baseline and the best of the others that are judged. */
 function rivals(shown: readonly Judged[]): [Series, Series] | null {
   const base = baseline();
-  const best = shown.filter((j) => j.series !== base).sort((a, b) => rateOf(b) - rateOf(a))[0]?.series;
+  const allowed = base === undefined ? [] : rivalsOf(base, shown.map((j) => j.series));
+  const best = shown.filter((j) => allowed.includes(j.series)).sort((a, b) => rateOf(b) - rateOf(a))[0]?.series;
   return base === undefined || best === undefined ? null : [base, best];
 }
 

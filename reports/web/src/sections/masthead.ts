@@ -76,7 +76,7 @@ function verdicts(model: Model): HTMLElement[] {
   return shown.map(({ series: s, row }) => {
     const colour = seriesColour(palette(), s.mark);
     if (row === undefined) {
-      return h('article', { class: 'verdict', style: `--c:${colour}` }, h('h2', null, s.name), h('p', null, 'has no trials here yet.'));
+      return h('article', { class: 'verdict', style: `--c:${colour}` }, h('h2', null, s.name), h('p', null, 'has no trials among these worlds.'));
     }
     return h('article', { class: 'verdict', style: `--c:${colour}` },
       h('h2', null, s.name),

@@ -91,7 +91,7 @@ export function summary(model: Model): HTMLElement {
             h('td', { class: 'num' }, significant(r.command_change_mean)),
             ...own.map((m) => h('td', { class: 'num' }, significant(r.own?.[m.key]))));
         })))));
-    if (groups.size === 0) replace(body, h('p', { class: 'empty' }, 'No trials here yet.'));
+    if (groups.size === 0) replace(body, h('p', { class: 'empty' }, 'No trial here has a result.'));
   };
   fill();
   onView(fill);

@@ -3,6 +3,7 @@
 import { choose, chosenValue, conditions, shortValue, type Condition } from '../conditions';
 import type { Model } from '../data';
 import { choice, h, replace, roving } from '../dom';
+import { goToSection } from '../go_to';
 import * as state from '../state';
 import { isDark, onTheme, palette, seriesColour, toggleTheme } from '../theme';
 import { onView, toggleSeries, view } from '../view';
@@ -29,7 +30,7 @@ export function toolbar(model: Model, sections: readonly (readonly [id: string, 
   const links = new Map(sections.map(([id, name]) => [id, h('a', { href: `#${id}`, click: (event) => {
     event.preventDefault();
     state.set({ in: id }, true);   // the hash belongs to the view
-    document.getElementById(id)?.scrollIntoView();
+    goToSection(id);
   } }, name)]));
   const nav = roving(h('nav', { 'aria-label': 'Sections' }, ...links.values()), 'a');
   const what = h('div', { class: 'what-shown' });
@@ -68,5 +69,7 @@ export function toolbar(model: Model, sections: readonly (readonly [id: string, 
     }
   };
   const element = h('div', { class: 'toolbar' }, h('div', { class: 'inner' }, nav, what, theme));
+  // The bar has as many lines as its contents need: what is scrolled to stands below all of them.
+  new ResizeObserver(() => { document.documentElement.style.scrollPaddingTop = `${element.offsetHeight}px`; }).observe(element);
   return { element, watch };
 }

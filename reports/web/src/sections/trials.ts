@@ -19,7 +19,7 @@ const kWidths: Record<string, number> = { trial: 158, controller: 118, point: 19
 
 function heading(key: string): string {
   const short: Record<string, string> = {
-    world: 'World', time_to_goal_s: 'To goal [s]', position_error_m: 'Error [m]', orientation_error_rad: 'Error [rad]', manip_mean: 'Manip.',
+    world: 'World', time_to_goal_s: 'To goal [s]', position_error_m: 'Error [m]', orientation_error_rad: 'Error [rad]', manip_mean: 'Mean manip.',
     clearance_min_m: 'Clearance [m]', command_change_mean: 'Change', t_step_p99_us: 'Step p99 [\u00b5s]',
   };
   return kText[key] ?? short[key] ?? key;

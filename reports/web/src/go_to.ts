@@ -1,0 +1,38 @@
+// Where links of the page lead: their target stays below the bar while what lies above it is still being drawn.
+
+let target: Element | null = null;
+let place = 0;
+
+function align(): void {
+  target?.scrollIntoView({ behavior: 'instant' });
+  place = scrollY;
+}
+
+function release(): void {
+  if (target === null) return;
+  target = null;
+  document.documentElement.style.overflowAnchor = '';
+  changes?.disconnect();
+}
+
+let changes: ResizeObserver | null = null;
+
+/** Scrolls to an element and keeps it there, whatever changes its height above, until the reader scrolls, clicks or types. */
+export function goTo(element: Element | null): void {
+  if (element === null) return;
+  if (changes === null) {
+    changes = new ResizeObserver(align);
+    for (const act of ['wheel', 'touchstart', 'pointerdown', 'keydown']) addEventListener(act, release, { capture: true, passive: true });
+    // A scroll bar tells nobody but by what it does. The browser's own anchoring is off, so that else only align() scrolls.
+    addEventListener('scroll', () => { if (target !== null && Math.abs(scrollY - place) > 2 && scrollY + innerHeight < document.documentElement.scrollHeight - 2) release(); }, { passive: true });
+  }
+  target = element;
+  document.documentElement.style.overflowAnchor = 'none';
+  align();
+  changes.observe(document.body);
+}
+
+/** To a section of the page, by its name. */
+export function goToSection(id: string): void {
+  if (id !== '') goTo(document.getElementById(id));
+}
