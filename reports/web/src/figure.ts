@@ -5,7 +5,7 @@ import * as echarts from 'echarts/core';
 import { base, captionOf, titleOf, type FigureSpec, type Option } from './chart';
 import { download, h, replace } from './dom';
 import { csv } from './format';
-import { drawLater, drawOrWait } from './later';
+import { drawLater, drawOrWait } from './draw_order';
 import { onPaper, paperFigure, paperPlace, svgOf } from './paper';
 import { onTheme, palette } from './theme';
 import { naming, onView } from './view';

@@ -3,7 +3,7 @@
 
 import './style.css';
 
-import { drawWhenIdle } from './later';
+import { drawWhenIdle } from './draw_order';
 import { Model, readPageData, type PageData } from './data';
 import { append, h, replace } from './dom';
 import { goToSection } from './go_to';
@@ -46,7 +46,7 @@ function start(app: HTMLElement, page: PageData): void {
   } }, 'Skip to the results');
   replace(app, skip, masthead(model, live), bar.element);
   // The verdict is painted before the rest is built.
-  requestAnimationFrame(() => setTimeout(() => void import('./rest').then(({ contents, startPaper }) => {
+  requestAnimationFrame(() => setTimeout(() => void import('./contents').then(({ contents, startPaper }) => {
     const made = contents(model);
     append(app,
       h('main', null, ...sections.map(([id, title]) => section(id, title, ...(made[id]?.() ?? [])))),

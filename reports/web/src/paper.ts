@@ -4,7 +4,7 @@ import * as echarts from 'echarts/core';
 
 import { base, kFont, titleOf, type FigureSpec } from './chart';
 import { append, h, replace } from './dom';
-import { drawAll } from './later';
+import { drawAll } from './draw_order';
 import { palette, usePaper } from './theme';
 
 /** Advance widths of DejaVu Sans, by size of the font: the widest of the fonts that stand in for a missing one. */

@@ -1,8 +1,8 @@
 // The report page in a real browser, offline: page_test.mjs SOURCE_DIR MAKE_REPORT WORK_DIR [MOMA]
 // With the program MOMA, also pages of trials that it simulates. MOMA_SCREENSHOTS=DIR writes screenshots there.
 // Exit 0: passed; 1: failed; 77: left out, since node's packages, python3 or chromium are missing.
-import { execFileSync } from 'node:child_process';
-import { readFileSync, writeFileSync } from 'node:fs';
+import { execFileSync, spawnSync } from 'node:child_process';
+import { existsSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 import { accessible, check, dataOf, end, figuresStand, launch, near, noOverflow, opener, saved, scrollThrough, workshop } from './kit.mjs';
@@ -307,6 +307,17 @@ if (moma !== undefined) {
   execFileSync(moma, ['run', suite, '-o', join(work, 'sight.db'), '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });
   execFileSync(moma, ['report', join(work, 'sight.db'), '-o', join(work, 'sight.html')], { stdio: 'ignore' });
   const told = dataOf(join(work, 'sight.html'));
+  // The same page, written and handed to the reader's browser; no file of the reader's is replaced.
+  const [browserOf, opened] = [join(work, 'browser.sh'), join(work, 'opened')];
+  writeFileSync(browserOf, `#!/bin/sh\nprintf %s "$1" > '${opened}'\n`, { mode: 0o755 });
+  const openStore = () => spawnSync(moma, ['open', join(work, 'sight.db')], { env: { ...process.env, BROWSER: browserOf }, encoding: 'utf8' });
+  rmSync(join(work, 'sight.html'));
+  check(openStore().status === 0 && readFileSync(opened, 'utf8') === join(work, 'sight.html') && dataOf(join(work, 'sight.html')).points.length === told.points.length, 'moma open writes the page and opens it');
+  rmSync(opened);
+  const whole = readFileSync(join(work, 'sight.html'));
+  writeFileSync(join(work, 'sight.html'), 'notes of mine');
+  check(openStore().status === 2 && readFileSync(join(work, 'sight.html'), 'utf8') === 'notes of mine' && !existsSync(opened), 'moma open replaces nothing but a page');
+  writeFileSync(join(work, 'sight.html'), whole);
   check(told.points.map((p) => Object.keys(p.disturbances).length > 0).join() === 'false,true,true,false,true,true', 'points say what disturbs them');
   const { context, page } = await open(join(work, 'sight.html'));
   check(/Disturbances\s+none/.test(await page.locator('.facts').innerText()), 'the top names the disturbances');

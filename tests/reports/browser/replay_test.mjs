@@ -136,7 +136,7 @@ const replayOnPhone = async (page, scheme) => {
 // ---- parts of the scene without drawing: wheels, the hand at the goal, the path's colours, pairs that never move -------------
 {
   const { outputFiles } = await packagesOf(source)('esbuild').build({
-    stdin: { contents: ['robot', 'skins', 'wheels', 'goal', 'marks', 'moving_pairs', 'plate', 'trace'].map((name) => `export * from './replay/${name}';`).join('') + "export * as three from 'three';", resolveDir: join(source, 'reports/web/src'), loader: 'ts' },
+    stdin: { contents: ['robot', 'skins', 'wheels', 'goal', 'marks', 'moving_pairs', 'captioned_picture', 'trace'].map((name) => `export * from './replay/${name}';`).join('') + "export * as three from 'three';", resolveDir: join(source, 'reports/web/src'), loader: 'ts' },
     bundle: true, write: false, format: 'iife', globalName: 'parts', target: 'es2022',
   });
   const context = await browser.newContext();

@@ -2,7 +2,7 @@
 
 import { h, replace } from '../dom';
 import { fixed, integer, plural } from '../format';
-import type { Words } from './plate';
+import type { Words } from './captioned_picture';
 import type { Row } from './rows';
 import type { ReplayScene } from './scene';
 

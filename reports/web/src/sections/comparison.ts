@@ -1,6 +1,6 @@
 // All shown controllers against one of them, on the worlds that both met.
 
-import { drawLater, drawOrWait } from '../later';
+import { drawLater, drawOrWait } from '../draw_order';
 import { kMeanInterval, pairs, type Pairs } from '../compare';
 import type { Model, Series } from '../data';
 import { choice, download, h, replace } from '../dom';

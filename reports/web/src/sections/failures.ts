@@ -1,6 +1,6 @@
 // The failure atlas: failures that look alike together, the worst of each ready to play.
 
-import { drawLater, drawOrWait } from '../later';
+import { drawLater, drawOrWait } from '../draw_order';
 import { causeOf, kCauses, kCauseTexts, type Cause } from '../causes';
 import { outcomeName, type Model, type Outcome, type Series } from '../data';
 import { download, h, replace, roving } from '../dom';

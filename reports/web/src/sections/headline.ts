@@ -7,7 +7,7 @@ import { conditions, onlyConditions } from '../conditions';
 import { inSlice, type Model, type Series, type SummaryRow } from '../data';
 import { h, replace } from '../dom';
 import { fixed, integer, percent, percentRange, plural, probability, signed, times } from '../format';
-import { afterFrame } from '../later';
+import { afterFrame } from '../draw_order';
 import { holm, pairedRate } from '../stats';
 import { palette, seriesColour } from '../theme';
 import { baseline, kFew, rivalsOf, view } from '../view';

@@ -1,0 +1,73 @@
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "eval/cli/command.h"
+#include "eval/cli/play_again.h"
+#include "eval/cli/robot_look.h"
+#include "eval/cli/suite_options.h"
+#include "eval/cli/time_known.h"
+#include "reports/render/report.h"
+
+extern char** environ;
+
+namespace moma::cli {
+namespace {
+
+/// The reader's own browser, as $BROWSER or the desktop names it. False where there is none, or it fails.
+bool show(const std::filesystem::path& html) {
+  const char* chosen = std::getenv("BROWSER");
+  std::string program = chosen != nullptr && *chosen != '\0' ? chosen : "xdg-open";
+  std::string file = std::filesystem::absolute(html).string();
+  char* arguments[] = {program.data(), file.data(), nullptr};
+  pid_t child = 0;
+  if (posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments, environ) != 0) return false;
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0) {
+    if (errno != EINTR) return false;
+  }
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+}  // namespace
+
+void add_open(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
+  struct Options {
+    reports::Stores stores;
+    ReportOptions report;
+    Plugins plugins = Plugins::kRefused;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("open", "Write a store's report page beside it and open it in the browser");
+  command->add_option("DB", options->stores, "Store; several are compared on one page")->required();
+  add_force(*command, options->report.replace);
+  add_allow_plugins(*command, options->plugins);
+  command->footer(
+      "The page is the first store's name with .html. $BROWSER names the program that opens it; else it is xdg-open.\n"
+      "Example: moma open results/demo.db");
+  command->callback([&action, options] {
+    action = [options] {
+      const std::filesystem::path html = std::filesystem::path(options->stores.front()).replace_extension(".html");
+      ReportOptions report = options->report;
+      report.time_known = time_known;
+      report.look = robot_look({});
+      run::StoredSuites suites(options->plugins);
+      report.simulate = [&suites](const std::filesystem::path& db, const std::string& trial) {
+        return play_again(suites, db, trial);
+      };
+      write_report(options->stores, html, report);
+      std::cerr << fmt::format("wrote {}\n", html.string());
+      if (!show(html)) std::cerr << "no browser could be started (BROWSER names one): open the file yourself\n";
+      return static_cast<int>(kOk);
+    };
+  });
+}
+
+}  // namespace moma::cli
