@@ -1,6 +1,7 @@
 #include "eval/run/log_of_trial.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <stdexcept>
 #include <utility>
@@ -48,9 +49,9 @@ std::unique_ptr<StepController> usual(const TrialSpec& spec) {
 std::vector<double> stamps(const std::vector<double>& time, double delay, const Irregularity& irregularity,
                            double period) {
   if (irregularity != Irregularity{}) return {};  // nobody can say which one has arrived
-  const auto late = static_cast<std::size_t>(delay_steps(delay, period));
+  const long late = delay_steps(delay, period);
   std::vector<double> out;
-  for (std::size_t k = 0; k < time.size(); ++k) out.push_back(time[k < late ? 0 : k - late]);
+  for (const double t : time) out.push_back(static_cast<double>(std::max(0L, std::lround(t / period) - late)) * period);
   return out;
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <stdexcept>
 
 #include "controller/controller_core.h"
@@ -14,7 +15,8 @@ class Witness final : public StepController {
  public:
   Witness(const TrialSpec& spec, long k, ControlCase& out, bool& found)
       : controller_(spec.robot->model, spec.controller_params, spec.simulation.control_period),
-        left_(k),
+        k_(k),
+        period_(spec.simulation.control_period),
         out_(out),
         found_(found) {}
 
@@ -23,7 +25,7 @@ class Witness final : public StepController {
     out_.objects.assign(objects.begin(), objects.end());
   }
   void step(const Observation& observation, StepResult& result) noexcept override {
-    if (left_-- == 0) {
+    if (std::lround(observation.time / period_) == k_) {
       out_.observation = observation;
       controller_.get_memory(out_.memory);
       found_ = true;
@@ -35,7 +37,8 @@ class Witness final : public StepController {
 
  private:
   ControllerCore controller_;
-  long left_;
+  long k_;
+  double period_;
   ControlCase& out_;
   bool& found_;
 };
@@ -56,7 +59,9 @@ ControlCase case_of_step(const TrialSpec& spec, const World& world, long k) {
   const TrialOutput trial = run_trial(spec, world, parts);
   if (!found) {
     throw std::invalid_argument(
-        fmt::format("the trial has no control step {}: it ends after {}", k, trial.trace.size()));
+        static_cast<std::size_t>(k) < trial.trace.size()
+            ? fmt::format("control step {} of the trial was missed (disturbances.control.missed)", k)
+            : fmt::format("the trial has no control step {}: it ends after {}", k, trial.trace.size()));
   }
   return out;
 }

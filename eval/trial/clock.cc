@@ -19,6 +19,7 @@
 #include "world/draws.h"
 #include "world/sensing/actuation.h"
 #include "world/sensing/sensing.h"
+#include "world/sensing/streams.h"
 
 namespace moma {
 namespace {
@@ -67,6 +68,42 @@ class TickClock::Impl {
   void truth(Observation& out) const { observe(plant_.state(), objects_, goal_, time(k_), out); }
 
   bool sense() {
+    while (measure_and_look()) {
+      if (!misses(k_)) return true;
+      apply_answer();
+    }
+    return false;
+  }
+
+  void look_last() {
+    if (finite_) look();
+  }
+
+  void act(double seconds) {
+    r_.step_seconds.push_back(seconds);
+    if (result_.solve_seconds > 0.0) r_.solve_seconds.push_back(result_.solve_seconds);
+    apply_answer();
+  }
+
+  TrialRow finish() {
+    r_.separation = separation_.least();
+    note_latencies();
+    TrialRow row = measure(r_, model_);
+    row.outcome = ending_.outcome;
+    row.reason = std::move(ending_.reason);
+    row.time_end_s = time(k_);
+    if (row.outcome == Outcome::kSuccess) row.time_to_goal_s = time(dwell_.first());
+    if (row.outcome == Outcome::kCollision) describe_contact(row);
+    return row;
+  }
+
+ private:
+  void look() {
+    observe(plant_.state(), objects_, goal_, time(k_), observation_);
+    if (sensing_) sensing_->sense(k_, observation_);
+  }
+
+  bool measure_and_look() {
     enter(clock_, TrialPart::kMetrics);
     take_report();
     finite_ = measure_state(k_);
@@ -77,14 +114,16 @@ class TickClock::Impl {
     return true;
   }
 
-  void look_last() {
-    if (finite_) look();
+  bool misses(long k) const {
+    const double missed = spec_.disturbances.control.missed;
+    if (k == 0 || !(missed > 0.0)) return false;
+    const DisturbanceStreams streams(world_, spec_.disturbances.seed);
+    return streams.sensing(DisturbanceSource::kMissedTick, k).uniform() < missed;
   }
 
-  void act(double seconds) {
-    r_.step_seconds.push_back(seconds);
+  // The plant follows the last answer for a period, which a sample keeps.
+  void apply_answer() {
     enter(clock_, TrialPart::kMetrics);
-    if (result_.solve_seconds > 0.0) r_.solve_seconds.push_back(result_.solve_seconds);
     if (result_.command.size() != model_.num_velocities() || !result_.command.allFinite()) {
       throw std::runtime_error(fmt::format("the controller's command at t = {:.4g} s is not {} finite numbers",
                                            time(k_), model_.num_velocities()));
@@ -111,24 +150,6 @@ class TickClock::Impl {
     enter(clock_, TrialPart::kPlant);
     plant_.advance(command, period_, report_);
     ++k_;
-  }
-
-  TrialRow finish() {
-    r_.separation = separation_.least();
-    note_latencies();
-    TrialRow row = measure(r_, model_);
-    row.outcome = ending_.outcome;
-    row.reason = std::move(ending_.reason);
-    row.time_end_s = time(k_);
-    if (row.outcome == Outcome::kSuccess) row.time_to_goal_s = time(dwell_.first());
-    if (row.outcome == Outcome::kCollision) describe_contact(row);
-    return row;
-  }
-
- private:
-  void look() {
-    observe(plant_.state(), objects_, goal_, time(k_), observation_);
-    if (sensing_) sensing_->sense(k_, observation_);
   }
 
   void prepare() {

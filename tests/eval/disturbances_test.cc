@@ -24,9 +24,9 @@ constexpr const char* kEverything = R"({
             bias: {position: 0.005, rotation: 0.005}, delay: 0.08, range: 3, detection: 0.1},
   goal: {frame: base, noise: {position: 0.002, rotation: 0.005}, velocity_noise: {linear: 0.01, angular: 0.01},
          bias: {position: 0.003, rotation: 0.01}, delay: 0.08},
-  actuators: {joints: {delay: 0.02, gain_error: 0.01, friction: {effort: 0.05, spread: 0.02}},
+  actuators: {joints: {delay: 0.02, lag: 0.03, gain_error: 0.01, friction: {effort: 0.05, spread: 0.02}},
               base: {delay: 0.04, gain_error: {linear: 0.02, angular: 0.02}}},
-  payload: {mass: 0.5, spread: 0.2}, floor: {friction: 0.7, spread: 0.1}
+  payload: {mass: 0.5, spread: 0.2}, floor: {friction: 0.7, spread: 0.1}, control: {missed: 0.05}
 })";
 
 std::vector<TrialOutput> run(const Suite& suite, int threads) {
@@ -95,7 +95,8 @@ TEST(Disturbances, EachIsPartOfTheKeyAndChangesTheTrial) {
         "{joints: {delay: 0.1}}", "{base: {noise: {position: 0.01}}}", "{base: {odometry: {distance: 0.1}}}",
         "{base: {delay: 0.1}}", "{goal: {noise: {position: 0.01}}}", "{goal: {bias: {rotation: 0.1}}}",
         "{objects: {range: 0.1}}", "{objects: {bias: {position: 0.05}}}", "{actuators: {joints: {delay: 0.1}}}",
-        "{actuators: {base: {gain_error: {linear: 0.1}}}}", "{seed: 1, joints: {noise: 0.01}}"}) {
+        "{actuators: {base: {gain_error: {linear: 0.1}}}}", "{actuators: {joints: {lag: 0.1}}}",
+        "{actuators: {base: {lag: 0.1}}}", "{control: {missed: 0.4}}", "{seed: 1, joints: {noise: 0.01}}"}) {
     const Suite suite = clutter(folder, "disturbances: " + std::string(on) + "\n");
     EXPECT_TRUE(keys.insert(trial_key(suite.points[0], 0)).second) << on;
     const TrialOutput after = run_trial(suite.points[0], suite.points[0].worlds.make(suite.points[0].robot->model, 0));
@@ -210,6 +211,29 @@ TEST(Disturbances, CommandsActLateAndScaledOnThePlant) {
     EXPECT_LT((moved - (k < 3 ? VectorX::Zero(3) : VectorX(out.trace[k - 3].command.tail(3)))).norm(), 1e-12) << k;
     EXPECT_NEAR(driven, k < 5 ? 0.0 : factor * out.trace[k - 5].command[0], 1e-12) << k;
   }
+}
+
+TEST(Disturbances, AMissedPeriodRepeatsTheLastCommand) {
+  TrialSpec point = tiny_spec();
+  point.simulation.time_limit = 10.0;
+  point.stuck.time = kInfinity;
+  point.disturbances.control.missed = 0.3;
+  World world = tiny_world(30.0);
+  world.seed = 8;
+  std::vector<double> asked;
+  const TrialOutput out = run_scripted(point, world, [&](const Observation& o, StepResult& result) {
+    asked.push_back(o.time);
+    result.command[0] = 0.1 + 0.01 * o.time;
+  });
+  ASSERT_EQ(out.trace.size(), 500u) << out.row.reason;
+  EXPECT_EQ(asked.front(), 0.0) << "the first period has a command";
+  EXPECT_NEAR(static_cast<double>(asked.size()), 0.7 * 500, 5.0 * std::sqrt(500 * 0.3 * 0.7));
+  std::size_t next = 0;
+  for (const Sample& sample : out.trace) {
+    if (next < asked.size() && asked[next] == sample.t) ++next;
+    EXPECT_EQ(sample.command[0], 0.1 + 0.01 * asked[next - 1]) << sample.t;
+  }
+  EXPECT_EQ(next, asked.size()) << "the controller is asked at the trial's own times";
 }
 
 TEST(Disturbances, AreSweptSetAndResolvedInAnyOrder) {

@@ -356,6 +356,34 @@ TEST(Actuation, SlowsDownAndSpeedsUpAsItsRampsSay) {
   EXPECT_NEAR(drives.act(k++, command_of(now + 0.001, 0.0))[0], now + 0.001, 1e-12);
 }
 
+// The way of v' = (w - v)/lag, integrated in small steps, is the way of the applied command.
+TEST(Actuation, LagsAsAFirstOrderSystem) {
+  constexpr double kBaseLag = 0.15, kJointLag = 0.03;
+  Disturbances d;
+  d.actuators.base.lag = kBaseLag;
+  d.actuators.joints.lag = kJointLag;
+  Actuation drives(d, *tiny_robot(), World{}, kPeriod);
+  double base = 0.0, joint = 0.0;  // velocities
+  for (long k = 0; k < 40; ++k) {
+    const double w = k < 20 ? 0.5 : -0.2, w_joint = std::sin(0.3 * static_cast<double>(k));
+    const VectorX applied = drives.act(k, command_of(w, 0.0, w_joint));
+    double way_base = 0.0, way_joint = 0.0;
+    constexpr int kSteps = 4000;
+    constexpr double kStep = kPeriod / kSteps;
+    for (int i = 0; i < kSteps; ++i) {  // the midpoint rule
+      const double base_mid = base + 0.5 * kStep * (w - base) / kBaseLag;
+      const double joint_mid = joint + 0.5 * kStep * (w_joint - joint) / kJointLag;
+      way_base += kStep * base_mid;
+      way_joint += kStep * joint_mid;
+      base += kStep * (w - base_mid) / kBaseLag;
+      joint += kStep * (w_joint - joint_mid) / kJointLag;
+    }
+    EXPECT_NEAR(applied[0] * kPeriod, way_base, 1e-9) << k;
+    EXPECT_EQ(applied[1], 0.0);
+    for (int i = 2; i < 5; ++i) EXPECT_NEAR(applied[i] * kPeriod, way_joint, 1e-9) << k;
+  }
+}
+
 TEST(Actuation, KeepsTheLastCommandWhereOneIsLost) {
   Disturbances d;
   d.actuators.base.irregularity.dropout = 0.3;

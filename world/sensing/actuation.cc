@@ -31,6 +31,7 @@ Actuation::Actuation(const Disturbances& disturbances, const RobotModel& model, 
       base_jitter_(delay_steps(errors_.base.irregularity.jitter, control_period)),
       base_dof_(model.base_dof()),
       factor_(VectorX::Ones(model.num_velocities())),
+      lagging_(VectorX::Zero(model.num_velocities())),
       base_(VectorX::Zero(base_dof_)),
       joints_(VectorX::Zero(model.num_joints())),
       applied_(VectorX::Zero(model.num_velocities())),
@@ -66,6 +67,7 @@ const VectorX& Actuation::act(long k, const VectorX& command) {
   applied_.head(base_dof_) = base_;
   applied_.tail(joints_.size()) = joints_;
   applied_.array() *= factor_.array();
+  lag_behind();
   if (errors_.base.ramps != BaseRamps{} && base_dof_ > 0) {
     Vector3 wanted = Vector3::Zero();
     for (int i = 0; i < base_dof_; ++i) wanted[i + 1 == base_dof_ ? 2 : i] = applied_[i];
@@ -73,6 +75,16 @@ const VectorX& Actuation::act(long k, const VectorX& command) {
     for (int i = 0; i < base_dof_; ++i) applied_[i] = followed_[i + 1 == base_dof_ ? 2 : i];
   }
   return applied_;
+}
+
+void Actuation::lag_behind() {
+  for (Eigen::Index i = 0; i < applied_.size(); ++i) {
+    const double lag = i < base_dof_ ? errors_.base.lag : errors_.joints.lag;
+    if (!(lag > 0.0)) continue;
+    const double behind = lagging_[i] - applied_[i];
+    lagging_[i] = applied_[i] + behind * std::exp(-dt_ / lag);
+    applied_[i] -= behind * lag / dt_ * std::expm1(-dt_ / lag);
+  }
 }
 
 // (v_x, v_y, omega), v_y unused by a differential base.

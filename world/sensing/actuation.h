@@ -9,9 +9,12 @@ namespace moma {
 
 /// The drives between controller and plant (Actuators): nothing moves until the first command is due, and a
 /// factor 1 + g is never below 0. A command at its limit may thus be exceeded by the gain's error. A base's command
-/// comes late, falls into the deadband or not, takes its gain, and is followed by the ramps: from the velocity u that
-/// it follows to w, by no more than part x base.max_acceleration x T, the part being that of slow_down where
-/// |w| < |u| or u w < 0, else of speed_up; a linear velocity as one vector. One per trial.
+/// comes late, falls into the deadband or not, takes its gain, lags, and is followed by the ramps: from the velocity u
+/// that it follows to w, by no more than part x base.max_acceleration x T, the part being that of slow_down where
+/// |w| < |u| or u w < 0, else of speed_up; a linear velocity as one vector.
+///
+/// Lag: a velocity v follows its command w by v' = (w - v)/lag. What is applied for a period T is the mean of v in it,
+/// w + (v - w) (lag/T) (1 - exp(-T/lag)), so that a plant which holds it comes as far. One per trial.
 class Actuation {
  public:
   Actuation(const Disturbances& disturbances, const RobotModel& model, const World& world, double control_period);
@@ -22,6 +25,7 @@ class Actuation {
 
  private:
   void follow(const Vector3& wanted);
+  void lag_behind();
 
   DisturbanceStreams streams_;
   Actuators errors_;
@@ -30,7 +34,8 @@ class Actuation {
   long joint_jitter_, base_jitter_;  // in periods
   Vector3 followed_ = Vector3::Zero();
   int base_dof_;
-  VectorX factor_;  // 1 + g
+  VectorX factor_;   // 1 + g
+  VectorX lagging_;  // v of the lag, as the period begins
   VectorX base_, joints_, applied_;
   DelayLine<VectorX> late_base_, late_joints_;
 };

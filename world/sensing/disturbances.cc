@@ -24,6 +24,7 @@ bool senses_with_errors(const Disturbances& disturbances) {
   reduced.actuators = off.actuators;
   reduced.payload = off.payload;
   reduced.floor = off.floor;
+  reduced.control = off.control;
   return reduced != off;
 }
 

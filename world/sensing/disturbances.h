@@ -291,9 +291,11 @@ constexpr void describe(Visitor& v, Of<JointFriction>) {
   v.member("spread", &JointFriction::spread, about("1", kFriction, "standard deviation of it"));
 }
 
-/// Between a command and the motion: applied command of coordinate i at step k is (1 + g_i) command_i(k - delay).
+/// Between a command and the motion: applied command of coordinate i at step k is (1 + g_i) command_i(k - delay), then
+/// followed with the time constant `lag`.
 struct JointDrives {
   double delay = 0.0;       ///< [s]
+  double lag = 0.0;         ///< [s]
   double gain_error = 0.0;  ///< of g [1]
   JointFriction friction;
   Irregularity irregularity{};
@@ -307,6 +309,7 @@ constexpr void describe(Visitor& v, Of<JointDrives>) {
   v.member("delay", &T::delay,
            about("s", kDelay, "from a command to its effect; until the first is due nothing moves"));
   v.inlined(&T::irregularity);
+  v.member("lag", &T::lag, about("s", kDelay, "time constant of the first-order lag with which a velocity follows"));
   v.member("gain_error", &T::gain_error, about("1", kGain, "of g in v = (1 + g) command, of each joint, per trial"));
   v.member("friction", &T::friction, about("dry friction of each joint, per trial; dynamic mode"));
 }
@@ -343,6 +346,7 @@ constexpr void describe(Visitor& v, Of<BaseRamps>) {
 
 struct BaseDrive {
   double delay = 0.0;  ///< [s]
+  double lag = 0.0;    ///< [s]
   GainSpread gain_error;
   Irregularity irregularity{};
   TwistSpread deadband{};  ///< [m/s, rad/s]
@@ -355,6 +359,7 @@ constexpr void describe(Visitor& v, Of<BaseDrive>) {
   using namespace disturbed;
   v.member("delay", &BaseDrive::delay, about("s", kDelay, "as of joints"));
   v.inlined(&BaseDrive::irregularity);
+  v.member("lag", &BaseDrive::lag, about("s", kDelay, "as of joints"));
   v.member("deadband", &BaseDrive::deadband, about("commands no larger than this do not move the base"));
   v.member("ramps", &BaseDrive::ramps, about("slower than the robot file believes"));
   v.member("gain_error", &BaseDrive::gain_error, about("of the base's velocities, per trial"));
@@ -370,6 +375,19 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<Actuators>) {
   v.member("joints", &Actuators::joints, disturbed::about("the arm's drives"));
   v.member("base", &Actuators::base, disturbed::about("the base's drives"));
+}
+
+/// Control periods in which the controller does not run, as on a busy computer: the last command goes on. The first
+/// period is never missed. Sensors go on measuring.
+struct ControlTicks {
+  double missed = 0.0;  ///< [1]
+  bool operator==(const ControlTicks&) const = default;
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<ControlTicks>) {
+  v.member("missed", &ControlTicks::missed,
+           disturbed::about("1", disturbed::kFriction, "probability with which the controller misses a period"));
 }
 
 /// A ball held at the end effector, which the robot file does not know of. Its mass is never below 0. Dynamic mode
@@ -416,6 +434,7 @@ struct Disturbances {
   Actuators actuators;
   UnknownPayload payload;
   FloorFriction floor;
+  ControlTicks control;
   bool operator==(const Disturbances&) const = default;
 };
 
@@ -434,6 +453,7 @@ constexpr void describe(Visitor& v, Of<Disturbances>) {
   v.member("actuators", &T::actuators, about("between a command and the motion"));
   v.member("payload", &T::payload, about("held at the end effector, unknown to the controller; dynamic mode"));
   v.member("floor", &T::floor, about("dynamic mode"));
+  v.member("control", &T::control, about("control periods that are missed; the last command goes on"));
 }
 
 /// Whether the controller sees anything but the truth. Seed, frames and the sensor's place alone switch nothing on.
@@ -442,7 +462,9 @@ bool senses_with_errors(const Disturbances& disturbances);
 bool acts_with_errors(const Disturbances& disturbances);
 /// Whether the physics are others than the robot file's. The payload's position alone switches nothing on.
 bool moves_with_errors(const Disturbances& disturbances);
-inline bool any(const Disturbances& d) { return senses_with_errors(d) || acts_with_errors(d) || moves_with_errors(d); }
+inline bool any(const Disturbances& d) {
+  return senses_with_errors(d) || acts_with_errors(d) || moves_with_errors(d) || d.control != ControlTicks{};
+}
 
 /// Least number of control periods that last at least `delay` [s]; a billionth of a period of rounding is forgiven.
 long delay_steps(double delay, double control_period);

@@ -50,7 +50,8 @@ enum class DisturbanceSource : std::uint64_t {
   kBaseCommandArrival = 38,
   kObjectMissed = 39,
   kPhantom = 40,
-  kOdometrySlip = 41
+  kOdometrySlip = 41,
+  kMissedTick = 42
 };
 
 /// The draws of a trial's disturbances: a pure function of (the world's seed and index, `seed`, source, control step,
