@@ -92,6 +92,8 @@ class ControllerCore final : public StepController {
   /// Wheel speeds [rad/s] of the last command: left, right or FL, FR, RL, RR; empty without wheels. Allocates.
   VectorX wheels() const;
   const StepCounters& counters() const noexcept { return counters_; }
+  /// Stop distance of the rows of objects at rest in the last step [m].
+  double kept_stop() const noexcept { return poser_.stop(); }
   /// Whether the base executes a backup trajectory (safe/evasion.h) instead of the policy's task.
   bool evades() const noexcept { return asked().evades; }
 

@@ -52,6 +52,7 @@ class Checker {
     if (p_.collision.check.enabled) error("collision.check", no_obstacles);
     if (p_.collision.separation.enabled) error("collision.separation", no_obstacles);
     if (p_.collision.evasion.enabled) error("collision.evasion", no_obstacles);
+    if (p_.collision.at_goal.enabled) error("collision.at_goal", no_obstacles);
     if (p_.collision.relaxation != Relaxation::kCommon)
       error("collision.relaxation", "needs method qp: there are no rows");
     if (p_.base_share > 0.0) error("limits.base", "needs method qp: the closed forms know no accelerations");

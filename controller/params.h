@@ -112,6 +112,7 @@ struct CollisionParams {
   BrakeCheckParams check;
   SeparationParams separation;
   EvasionParams evasion;
+  GoalClearanceParams at_goal;
 };
 
 struct PostureParams {

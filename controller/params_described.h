@@ -132,6 +132,8 @@ constexpr void describe(Visitor& v, Of<CollisionParams>) {
              "the robot slows down towards what moves, by the distance of ISO/TS 15066 and ISO 13855");
   v.optional("evasion", &CollisionParams::evasion, &EvasionParams::enabled, Off::kOmitted,
              "the base drives out of the way of what moves before there is no way out left");
+  v.optional("at_goal", &CollisionParams::at_goal, &GoalClearanceParams::enabled, Off::kOmitted,
+             "distances to objects at rest shrink towards what the goal's own pose needs");
 }
 
 template <class Visitor>

@@ -16,7 +16,7 @@ constexpr double kNearMover = 2.5;                // from the base to an object 
 constexpr double kSlow = 0.1;                     // velocities at which a robot stands, to choose [rad/s, m/s]
 constexpr double kLongestStop = 1.0;              // [s]
 constexpr double kLongestChoice = 1.8;            // of a robot that stands: the best so far counts then [s]
-constexpr double kArrived = 0.03;                 // lag at a path's end [m]
+constexpr double kArrived = 0.005;                // lag at a path's end [m]
 constexpr double kThere = 0.3;                    // a goal that is reached so soon needs no choice [s]
 constexpr double kProgress = 0.05;                // on the path's clock that is progress [s]
 constexpr double kPushed = 0.3;                   // lag among objects in motion that gives a path up [m]
@@ -35,7 +35,7 @@ ControllerParams without_plan(ControllerParams params) {
 }
 
 ControllerParams late_limits(ControllerParams params) {
-  constexpr double kInfluence = 0.3, kStop = 0.05;  // [rad]
+  constexpr double kInfluence = 0.3, kStop = 0.002;  // [rad]
   params.joint_limits.influence = std::min(params.joint_limits.influence, kInfluence);
   params.joint_limits.stop = std::min(params.joint_limits.stop, kStop);
   return params;
@@ -85,6 +85,11 @@ void Lookahead::set_state(const PlanState& state) noexcept {
   news_ = false;
   later_time_ = -1.0;
   watch_.forget();
+}
+
+double Lookahead::kept_at_goal() const noexcept {
+  constexpr double kPart = 0.8;  // of what the path keeps: the robot lags, and objects are seen elsewhere
+  return state_.brief.mode == PlanMode::kFollow ? kPart * state_.path.kept_at_goal : kInfinity;
 }
 
 std::int64_t Lookahead::periods(double seconds) const noexcept { return std::llround(seconds / dt_); }
@@ -178,8 +183,10 @@ bool Lookahead::near_mover(const Observation& o) const noexcept {
   return false;
 }
 
-void Lookahead::decide(const Observation& o) noexcept {
+void Lookahead::decide(const Observation& o, const Vector6& error) noexcept {
   const EscapeState kNothing;
+  const RolloutLimits limits = prediction_limits(params_, escape_, params_.horizon);
+  arrived_ = error.tail<3>().norm() < limits.position && error.head<3>().norm() < limits.orientation;
   if (state_.has_goal && jumped(state_.X_WG, o.goal.X_WG)) {
     const bool was_direct = state_.brief.mode == PlanMode::kDirect;
     go_direct(PlanReason::kStart, was_direct ? nullptr : &kNothing);
@@ -311,9 +318,15 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
     stop(PlanReason::kPathBroken, -1.0);
     return;
   }
-  if (at_end()) {
-    go_direct(PlanReason::kPathEnds, &kNothing);
-    return;
+  if (state_.brief.clock >= state_.path.duration) {
+    if (arrived_) {  // it holds the path's end
+      state_.mark = state_.steps;
+      return;
+    }
+    if (at_end()) {
+      go_direct(PlanReason::kPathEnds, &kNothing);
+      return;
+    }
   }
   if (job_ == Job::kNone && state_.steps < state_.next && !news_ && !stuck()) return;
   const double rest = state_.path.duration - state_.brief.clock + params_.settle;
@@ -331,7 +344,9 @@ void Lookahead::work_choice(const Observation& o, long& budget) noexcept {
     choice_.begin(o, state_.direct_time, ++state_.brief.attempts);
     job_ = Job::kChoose;
   }
-  const bool late = state_.brief.mode == PlanMode::kChoose && state_.steps >= state_.stop_end + periods(kLongestChoice);
+  // Where nothing arrives so far there is nothing to hurry for.
+  const bool late = state_.brief.mode == PlanMode::kChoose && choice_.best().time >= 0.0 &&
+                    state_.steps >= state_.stop_end + periods(kLongestChoice);
   if (!choice_.advance(rollout_, budget) || late) choose();
 }
 
@@ -378,9 +393,7 @@ bool Lookahead::stuck() const noexcept {
   return state_.steps - state_.mark > periods((traffic_ ? 4.0 : 1.0) * params_.stuck);
 }
 
-bool Lookahead::at_end() const noexcept {
-  return state_.brief.clock >= state_.path.duration && (state_.brief.lag < kArrived || stuck());
-}
+bool Lookahead::at_end() const noexcept { return state_.brief.lag < kArrived || stuck(); }
 
 // The quickest counts; where nothing arrives, the direct policy goes on, anew where it was not the policy's turn.
 void Lookahead::choose() noexcept {

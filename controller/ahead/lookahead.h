@@ -35,11 +35,14 @@ class Lookahead {
 
   void reset(std::span<const ObjectShape> objects);
 
-  /// Begins a step; `o` is what the controller acts on.
-  void decide(const Observation& o) noexcept;
+  /// Begins a step; `o` is what the controller acts on, `error` [e_R; e_p] that of E.
+  void decide(const Observation& o, const Vector6& error) noexcept;
   /// Whether velocities() replace the policy's task in this step: those of a path, or none.
   bool guides() const noexcept { return guides_; }
   const VectorX& velocities() const noexcept { return wanted_; }
+  /// Distance to objects at rest that rows may keep at the goal of the path that is followed; infinite where the path
+  /// needs no less there than elsewhere [m].
+  double kept_at_goal() const noexcept;
   /// Whether the policy's memory of detours is to be `start()` from this step on.
   bool begins_anew() const noexcept { return anew_; }
   const EscapeState& start() const noexcept { return anew_start_; }
@@ -94,6 +97,7 @@ class Lookahead {
 
   PlanState state_;
   bool guides_ = false, anew_ = false, traffic_ = false;
+  bool arrived_ = false;  // E is well inside the tolerances of its goal
   EscapeState anew_start_;
   VectorX wanted_;
   PlanarShift shift_;

@@ -87,7 +87,8 @@ RolloutEnd Rollout::step() noexcept {
   policy_.step(state_, result_);
   if (result_.error.tail<3>().norm() < limits_.position && result_.error.head<3>().norm() < limits_.orientation)
     return end_ = RolloutEnd::kArrives;
-  if (result_.least_distance < limits_.touch) return end_ = RolloutEnd::kTouches;
+  // The hand may be nearer to what it is to grasp.
+  if (result_.least_distance < std::min(limits_.touch, 0.5 * policy_.kept_stop())) return end_ = RolloutEnd::kTouches;
   if (limits_.stagnation_ends && policy_.escape_state().stagnations > allowed_) return end_ = RolloutEnd::kStagnates;
   if (limits_.late_ends && time_ + kSooner * least_time(servo_, result_.error, limits_) > limits_.time)
     return end_ = RolloutEnd::kLate;

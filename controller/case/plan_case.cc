@@ -1,5 +1,6 @@
 #include "controller/case/plan_case.h"
 
+#include <cmath>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -89,6 +90,7 @@ void read_path(const Node& node, const std::string& key, const RobotModel& model
       read_configuration(in.require("origin", "a value for x, y, phi and each joint"), in.key_of("origin"), model);
   path.X_WG = read_goal(in.require("goal", "a pose"), in.key_of("goal"));
   in.read("clearance", path.clearance, Range::non_negative());
+  in.read("clearance_at_goal", path.kept_at_goal, Range::non_negative());
   in.require("duration", "its time in seconds");
   in.read("duration", path.duration, Range::non_negative());
   const Node& motions = in.require("motions", "a list of motions");
@@ -119,11 +121,13 @@ nlohmann::ordered_json to_json(const Path& path) {
     motions.push_back(
         {{"start", motion.start}, {"time", motion.time}, {"ramp", motion.ramp}, {"change", numbers(motion.change)}});
   }
-  return {{"origin", numbers(path.origin)},
-          {"motions", std::move(motions)},
-          {"duration", path.duration},
-          {"clearance", path.clearance},
-          {"goal", pose(path.X_WG)}};
+  nlohmann::ordered_json json = {{"origin", numbers(path.origin)},
+                                 {"motions", std::move(motions)},
+                                 {"duration", path.duration},
+                                 {"clearance", path.clearance},
+                                 {"goal", pose(path.X_WG)}};
+  if (std::isfinite(path.kept_at_goal)) json["clearance_at_goal"] = path.kept_at_goal;
+  return json;
 }
 
 }  // namespace

@@ -26,6 +26,7 @@ class EvasionGuard final : public Guard {
                  .pull = QpTask::Pull{nullptr, 0.0, kWeight},
                  .bounds = posed.asked.bounds,
                  .base = Vector3::Zero(),
+                 .at_goal = posed.asked.at_goal,
                  .evades = true};
     asked.task.nu.setZero();
     for (int i = 0; i < base_dof_; ++i) {
@@ -48,6 +49,8 @@ class BrakeGuard final : public Guard {
   BrakeGuard(const std::shared_ptr<const RobotModel>& model, const ControllerParams& p, double control_period)
       : check_(model, p.collision.check, p.acceleration_limit, p.base_share > 0.0, control_period,
                {p.uncertainty, model->base_dof()}, own_margins(p.collision.floor, p.collision.self)),
+        margin_(p.collision.check.margin),
+        stop_(p.collision.object.stop),
         slowest_(VectorX::Zero(model->num_velocities())),
         command_(slowest_) {}
 
@@ -57,6 +60,7 @@ class BrakeGuard final : public Guard {
     const Bounds& bounds = posed.bounds;
     smallest_command(bounds.lower, bounds.upper, bounds.pair, slowest_);
     command_ = command;
+    check_.set_margin(margin_ * (posed.stop < stop_ ? posed.stop / stop_ : 1.0));
     const double kept = check_.apply(now.o, {bounds.hard_lower, bounds.hard_upper, slowest_}, now.spreads, command_,
                                      {posed.near.pairs, posed.near.ranges, &now.kinematics});
     return Slowed{command_, kept};
@@ -64,6 +68,7 @@ class BrakeGuard final : public Guard {
 
  private:
   BrakeCheck check_;
+  double margin_, stop_;  // configured; near the goal both shrink by the same factor [m]
   VectorX slowest_, command_;
 };
 

@@ -43,7 +43,7 @@ Kinematics& FreeSpace::place(const WholeConfiguration& c) noexcept {
   return kinematics_;
 }
 
-void FreeSpace::set_clearances(const Clearances& clearances, const WholeConfiguration& start) noexcept {
+void FreeSpace::set_clearances(const Clearances& clearances, const WholeConfiguration& start, double room) noexcept {
   clearances_ = clearances;
   place(start);
   ++checks_;
@@ -54,8 +54,8 @@ void FreeSpace::set_clearances(const Clearances& clearances, const WholeConfigur
     clearance = std::min(clearance, std::max(0.0, pair.distance.d - kSpare));
   }
   for (int i = 0; i < limits_->num_joints(); ++i) {
-    lower_[i] = std::min(limits_->lower[i] + limits_->margin[i], start[3 + i]);
-    upper_[i] = std::max(limits_->upper[i] - limits_->margin[i], start[3 + i]);
+    lower_[i] = std::min(limits_->lower[i] + room * limits_->margin[i], start[3 + i]);
+    upper_[i] = std::max(limits_->upper[i] - room * limits_->margin[i], start[3 + i]);
     if (limits_->winds[i] == 0) continue;
     lower_[i] = std::clamp(start[3 + i] - 0.5 * kFullTurn, lower_[i], std::max(lower_[i], upper_[i] - kFullTurn));
     upper_[i] = std::min(upper_[i], lower_[i] + kFullTurn);
@@ -79,11 +79,32 @@ bool FreeSpace::free(const WholeConfiguration& c) noexcept {
 bool FreeSpace::clear(const WholeConfiguration& c, const Clearances& clearances) noexcept {
   ++checks_;
   kinematics_.place(c.head<3>(), c.tail(c.size() - 3));
-  return proximity_.clear(kinematics_, states_, ranges_of(clearances));
+  ProximityRanges ranges = ranges_of(clearances);
+  if (kept_.at_goal < ranges.object) {
+    // Where half the clearances count, half of what is kept at the goal does.
+    const double part = clearances_.object > 0.0 ? std::min(1.0, clearances.object / clearances_.object) : 1.0;
+    ranges.object = std::min(ranges.object, part * kept_.of(kInfinity, hand()));
+  }
+  return proximity_.clear(kinematics_, states_, ranges);
+}
+
+// Of E at the last configuration that was placed.
+Vector3 FreeSpace::hand() const noexcept {
+  const RobotModel& model = kinematics_.model();
+  return kinematics_.X_WL(model.tip) * model.X_TE.translation();
+}
+
+// Of what is kept at `c`, a point may go a multiple between two checks.
+double FreeSpace::step_near(const WholeConfiguration& c, double step) noexcept {
+  constexpr double kTimes = 2.3, kLeast = 0.012;  // [1, m]
+  if (!(kept_.at_goal < clearances_.object)) return step;
+  kinematics_.place(c.head<3>(), c.tail(c.size() - 3));
+  return std::clamp(kTimes * kept_.of(clearances_.object, hand()), kLeast, step);
 }
 
 bool FreeSpace::free(const Edge& edge, double step) noexcept {
   const double way = longest_way(*limits_, edge);
+  step = std::min(step_near(edge.a, step), step_near(edge.b, step));
   int parts = 1;
   while (parts * step < way && parts < kMostParts) parts *= 2;
   if (!free(edge.b)) return false;

@@ -5,6 +5,7 @@
 
 #include "controller/model/proximity.h"
 #include "controller/plan/edge.h"
+#include "controller/safe/goal_clearance.h"
 
 namespace moma {
 
@@ -31,7 +32,12 @@ class FreeSpace {
   /// Margins to limits and clearances from here on. Where `start` is nearer than that to a limit or to something, as
   /// near is near enough everywhere: else no way would lead out. Joints that wind keep to one turn, about the start's
   /// as far as their limits let it.
-  void set_clearances(const Clearances& clearances, const WholeConfiguration& start) noexcept;
+  /// `room`: the part of the joints' margins that is kept.
+  void set_clearances(const Clearances& clearances, const WholeConfiguration& start, double room = 1.0) noexcept;
+  /// Near the goal less is kept from objects from here on.
+  void keep_near(const KeptDistance& kept) noexcept { kept_ = kept; }
+  const KeptDistance& kept() const noexcept { return kept_; }
+  static constexpr double kSlope = 0.25;  ///< of what is kept near the goal
   const Clearances& clearances() const noexcept { return clearances_; }
   const VectorX& lower() const noexcept { return lower_; }  ///< of the joints, margins kept
   const VectorX& upper() const noexcept { return upper_; }
@@ -39,11 +45,16 @@ class FreeSpace {
   /// Turns joints that wind, as often as need be, into the turn that they keep to.
   void unwind(WholeConfiguration& c) const noexcept;
 
+  /// The hand's least distance to an object with E at X_WG, `range` at most [m]. `c` is any configuration.
+  double least_at_goal(GoalClearance& hand, const WholeConfiguration& c, const Isometry& X_WG, double range) noexcept {
+    return hand.least(place(c), X_WG, states_, range, proximity_);
+  }
+
   bool free(const WholeConfiguration& c) noexcept;
   /// The same with other clearances, whatever the joints are.
   bool clear(const WholeConfiguration& c, const Clearances& clearances) noexcept;
   /// The edge's end first, then its middle, its quarters ... until no point of the robot goes farther than `step`
-  /// between two checks, or it has been cut into kMostParts.
+  /// between two checks, less where little is kept, or it has been cut into kMostParts.
   bool free(const Edge& edge, double step) noexcept;
 
   static constexpr int kMostParts = 128;
@@ -59,11 +70,15 @@ class FreeSpace {
   const MotionLimits& limits() const noexcept { return *limits_; }
 
  private:
+  Vector3 hand() const noexcept;
+  double step_near(const WholeConfiguration& c, double step) noexcept;
+
   const MotionLimits* limits_;
   Kinematics kinematics_;
   Proximity proximity_;
   std::vector<ObjectState> states_;
   Clearances clearances_;
+  KeptDistance kept_;
   VectorX lower_, upper_;
   WholeConfiguration point_;
   long checks_ = 0;

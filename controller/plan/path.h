@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <span>
 
 #include "controller/plan/edge.h"
@@ -26,6 +27,8 @@ struct Path {
   int count = 0;
   double duration = 0.0;   ///< [s]
   double clearance = 0.0;  ///< from objects at rest [m]; half of it where motions overlap
+  /// And where E is at the goal, if that is less; it grows with the distance from there (goal_clearance.h) [m].
+  double kept_at_goal = std::numeric_limits<double>::infinity();
   Isometry X_WG = Isometry::Identity();
 
   /// Where it is at t; its ends beyond them. Meaningless for a path without motions.

@@ -18,9 +18,17 @@ constexpr double kMoreWay = 0.3;
 constexpr double kAnyLength = 1e18;
 // Part of an edge's time that may be left where it overlaps with others, and of the best run's after further runs.
 constexpr double kOverlapped = 0.75, kShortened = 0.6;
-constexpr int kTiers = 2;
-// How far beyond start and goal a way may lead at each clearance [m].
-constexpr double kBeyond[kTiers] = {1.5, 2.5};
+// What a plan keeps, the most first.
+struct Tier {
+  bool roomy;     // the roomy clearance, else the smaller one
+  bool close;     // the goal is approached as closely as `at_goal` lets it, whatever the hand needs
+  double room;    // part of the joints' margins
+  double beyond;  // how far beyond start and goal a way may lead [m]
+};
+constexpr Tier kTiers[] = {
+    {true, false, 1.0, 1.5}, {false, false, 1.0, 2.5}, {false, true, 0.25, 2.5}, {false, true, 0.02, 2.5}};
+// Goals that are as close as rows let them be would be reached never: they keep so much more [1].
+constexpr double kCloser = 1.7;
 // A goal keeps so much more than the rows' stop distances: there they would not let the robot arrive [m].
 constexpr double kWithinRows = 0.002;
 
@@ -39,7 +47,9 @@ Planner::Planner(std::shared_ptr<const RobotModel> model, const ControllerParams
       search_(*limits_, params.plan.check_step),
       tuck_(tucked_arm(*model, space_, {-1.0, params.plan.self, params.plan.self})),
       least_{-1.0, least_of(params.collision.floor, params.plan.self),
-             least_of(params.collision.self, params.plan.self)} {
+             least_of(params.collision.self, params.plan.self)},
+      at_goal_(params.collision.at_goal),
+      goal_clearance_(*model) {
   // Some links are nearer to each other than that however the arm is held.
   WholeConfiguration ready = WholeConfiguration::Zero(3 + model->num_joints());
   ready.tail(model->num_joints()) = model->ready;
@@ -51,17 +61,24 @@ Planner::Planner(std::shared_ptr<const RobotModel> model, const ControllerParams
 
 void Planner::set_objects(std::span<const ObjectShape> objects) {
   space_.set_objects(objects);
+  goal_clearance_.allocate(objects.size());
   stage_ = PlanStage::kIdle;
 }
 
 void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::span<const ObjectState> objects,
-                    std::uint64_t seed, double within) noexcept {
+                    std::uint64_t seed, double within, int effort) noexcept {
   within_ = within;
+  effort_ = effort;
   start_ = start;
   X_WG_ = X_WG;
   draws_ = {seed, 0};
   space_.set_states(objects);
   counts_ = {};
+  needed_ = kInfinity;
+  if (at_goal_.enabled) {
+    const double needed = space_.least_at_goal(goal_clearance_, start, X_WG, params_.clearance);
+    if (needed < params_.clearance) needed_ = needed;
+  }
   begin_tier(0);
 }
 
@@ -76,11 +93,17 @@ bool Planner::advance(long& budget) noexcept {
   return stage_ != PlanStage::kFound && stage_ != PlanStage::kFailed && stage_ != PlanStage::kIdle;
 }
 
-// The roomy clearance, then the other; a single tier where they are the same.
 void Planner::begin_tier(int tier) noexcept {
   tier_ = tier;
-  const double object = tier == 0 ? std::max(params_.roomy, params_.clearance) : params_.clearance;
-  space_.set_clearances({object, params_.self, params_.self}, start_);
+  const Tier& now = kTiers[tier];
+  const double object = now.roomy ? std::max(params_.roomy, params_.clearance) : params_.clearance;
+  space_.set_clearances({object, params_.self, params_.self}, start_, now.room);
+  ik_.keep_room(now.room);
+  // Half way between what rows keep and what the hand has.
+  double kept = 0.5 * (1.0 + at_goal_.part) * needed_;
+  if (now.close) kept = 0.0;
+  kept = std::max(kept, kCloser * at_goal_.least);
+  space_.keep_near({kept < object ? kept : kInfinity, FreeSpace::kSlope, X_WG_.translation()});
   goals_.clear();
   tries_ = late_ = 0;
   stage_ = PlanStage::kGoals;
@@ -139,7 +162,7 @@ void Planner::try_goal() noexcept {
     else
       goals_.push_back(goal);
   }
-  if (tries_ < params_.ik_tries && static_cast<int>(goals_.size()) + late_ < params_.ik_enough) return;
+  if (tries_ < effort_ * params_.ik_tries && static_cast<int>(goals_.size()) + late_ < params_.ik_enough) return;
   counts_.goals = static_cast<int>(goals_.size());
   best_.clear();
   best_time_ = std::numeric_limits<double>::infinity();
@@ -151,7 +174,7 @@ void Planner::try_goal() noexcept {
   for (std::size_t i = 1; i < goals_.size(); ++i)
     for (std::size_t j = i; j > 0 && goals_[j].cost < goals_[j - 1].cost; --j) std::swap(goals_[j], goals_[j - 1]);
   const bool half = tier_ == 0 && params_.roomy > params_.clearance;
-  search_end_ = counts_.checks + (half ? params_.checks / 2 : params_.checks);
+  search_end_ = counts_.checks + static_cast<long>(effort_) * (half ? params_.checks / 2 : params_.checks);
   run_ = 0;
   longest_ = within_ < kAnyLength ? within_ * limits_->linear : kAnyLength;
   begin_run();
@@ -167,7 +190,7 @@ bool Planner::within_rows(const WholeConfiguration& c) noexcept {
 void Planner::begin_run() noexcept {
   ++run_;
   ++counts_.runs;
-  search_.begin({start_, X_WG_.translation().head<2>(), goals_, params_.roots, &tuck_, kBeyond[tier_], longest_});
+  search_.begin({start_, X_WG_.translation().head<2>(), goals_, params_.roots, &tuck_, kTiers[tier_].beyond, longest_});
   stage_ = PlanStage::kSearch;
 }
 
@@ -187,11 +210,18 @@ void Planner::end_tier() noexcept {
     overlap_ = params_.overlap;
     laid_ = -1;
     stage_ = PlanStage::kLay;
-  } else if (tier_ + 1 < kTiers && params_.roomy > params_.clearance && !(late_ > 0 && goals_.empty())) {
-    begin_tier(tier_ + 1);
-  } else {
+  } else if ((late_ > 0 && goals_.empty()) || !next_tier()) {
     stage_ = PlanStage::kFailed;
   }
+}
+
+// False where there is none that keeps less.
+bool Planner::next_tier() noexcept {
+  int next = tier_ + 1;
+  if (next == 1 && params_.roomy <= params_.clearance) ++next;
+  if (next == static_cast<int>(std::size(kTiers)) || (kTiers[next].close && !at_goal_.enabled)) return false;
+  begin_tier(next);
+  return true;
 }
 
 // Half the clearances are enough for what the overlaps cut off. Without overlaps the path is that of the edges.
@@ -203,6 +233,7 @@ void Planner::lay() noexcept {
     }
     path_.X_WG = X_WG_;
     path_.clearance = space_.clearances().object;
+    path_.kept_at_goal = space_.kept().at_goal;
     laid_ = 0;
   }
   constexpr int kAtOnce = 16;

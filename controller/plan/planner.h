@@ -30,7 +30,9 @@ struct PlanCounts {
 ///    leaves open, the quickest counts;
 /// 3. a path of motions that overlap where half the clearances hold, one after another where they do not (path.h).
 ///
-/// All of it at the roomy clearance first, then at the smaller one. The work is cut into pieces of one inverse
+/// All of it at the roomy clearance first, then at the smaller one, then with the goal approached more closely and with
+/// joints nearer to their limits. Where the hand itself is nearer to an object at the goal than the clearance, what is
+/// kept shrinks towards that in every tier (`at_goal`). The work is cut into pieces of one inverse
 /// kinematics or one edge's checks, so that it can be spread over control steps: the same plan comes out however it is
 /// spread. No clock decides anything, all draws come from the seed. After set_objects() nothing takes memory.
 class Planner {
@@ -39,9 +41,10 @@ class Planner {
 
   void set_objects(std::span<const ObjectShape> objects);
   /// Begins a plan among the objects that are seen and at rest. The start is where the robot stands. What would take
-  /// longer than `within` [s] is not looked for: the plan fails where there is nothing else.
+  /// longer than `within` [s] is not looked for: the plan fails where there is nothing else. `effort` multiplies tries
+  /// and checks.
   void begin(const WholeConfiguration& start, const Isometry& X_WG, std::span<const ObjectState> objects,
-             std::uint64_t seed, double within = std::numeric_limits<double>::infinity()) noexcept;
+             std::uint64_t seed, double within = std::numeric_limits<double>::infinity(), int effort = 1) noexcept;
   /// Works until `budget` checks are used up or the plan is found or failed; takes what it used from `budget`, which a
   /// last piece of work may leave below zero. True as long as there is more to do.
   bool advance(long& budget) noexcept;
@@ -61,6 +64,7 @@ class Planner {
  private:
   void work() noexcept;
   void begin_tier(int tier) noexcept;
+  bool next_tier() noexcept;
   void try_goal() noexcept;
   bool within_rows(const WholeConfiguration& c) noexcept;
   void begin_run() noexcept;
@@ -76,6 +80,10 @@ class Planner {
   Search search_;
   VectorX tuck_;
   Clearances least_;  // of a goal, however near the start is to something
+  GoalClearanceParams at_goal_;
+  GoalClearance goal_clearance_;
+  double needed_ = kInfinity;  // the hand's distance at the goal; infinite where it is not below the clearance [m]
+  int effort_ = 1;
 
   PlanStage stage_ = PlanStage::kIdle;
   WholeConfiguration start_;

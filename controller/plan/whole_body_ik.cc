@@ -45,9 +45,14 @@ WholeBodyIk::WholeBodyIk(std::shared_ptr<const RobotModel> model, const MotionLi
       mobile_(limits.mobile()),
       lower_(limits.num_joints()),
       upper_(limits.num_joints()) {
+  keep_room(1.0);
+}
+
+void WholeBodyIk::keep_room(double room) noexcept {
+  const MotionLimits& limits = *limits_;
   for (int i = 0; i < limits.num_joints(); ++i) {
     const double inside =
-        std::min(limits.margin[i] + limits.part[i] * kInside, 0.45 * (limits.upper[i] - limits.lower[i]));
+        std::min(room * (limits.margin[i] + limits.part[i] * kInside), 0.45 * (limits.upper[i] - limits.lower[i]));
     lower_[i] = limits.lower[i] + inside;
     upper_[i] = limits.upper[i] - inside;
   }
@@ -130,7 +135,8 @@ bool WholeBodyIk::find(FreeSpace& space, const Isometry& X_WG, double roomy, con
   constexpr double kTight = 0.7, kLimit = 0.4, kLimitRoom = 0.5, kSingular = 1.0, kAgile = 0.06;
   out.cost = out.time = edge_time(*limits_, start, c);
   const Clearances& now = space.clearances();
-  if (now.object < roomy && !space.clear(c, {roomy, now.floor, now.self})) out.cost += kTight;
+  if (now.object < roomy && !(space.kept().at_goal < now.object) && !space.clear(c, {roomy, now.floor, now.self}))
+    out.cost += kTight;
   for (int i = 0; i < joints; ++i) {
     const double room = std::min(limits_->upper[i] - c[3 + i], c[3 + i] - limits_->lower[i]);
     out.cost += kLimit * std::max(0.0, 1.0 - room / (limits_->part[i] * kLimitRoom));

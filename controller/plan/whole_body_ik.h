@@ -20,6 +20,9 @@ class WholeBodyIk {
  public:
   WholeBodyIk(std::shared_ptr<const RobotModel> model, const MotionLimits& limits);
 
+  /// The part of the joints' margins that is kept from here on.
+  void keep_room(double room) noexcept;
+
   /// Moves base and arm together from `c` until E is at the goal: damped least squares, c += W J^T (J W J^T + 1e-4
   /// I)^-1 e, with the error's two parts clamped (0.6 rad, 0.3 m) and half weights on the base's place (Wampler, IEEE
   /// Trans. SMC 16(1), 1986). The base counts as free to go sideways: it is a place to stand at, not a motion. Joints

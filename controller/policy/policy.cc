@@ -39,7 +39,7 @@ class PathPolicy final : public Policy {
     const Near near = parts_.poser.look(now);
     enter(now.clock, StepPart::kAhead);
     Lookahead& ahead = *parts_.lookahead;
-    ahead.decide(now.o);
+    ahead.decide(now.o, now.servo.error);
     if (ahead.begins_anew()) parts_.escape.set_state(ahead.start());
     begun_with_ = parts_.escape.state();
     if (!ahead.guides()) return servo_.aim(now, near);
@@ -49,7 +49,10 @@ class PathPolicy final : public Policy {
     constexpr double kSlack = 1e-4;
     const VectorX& velocities = ahead.velocities();
     const double weight = parts_.params.plan.weight;
-    QpTask asked{.task = now.servo, .pull = QpTask::Pull{&velocities, weight, weight}, .bounds = &ahead.bounds()};
+    QpTask asked{.task = now.servo,
+                 .pull = QpTask::Pull{&velocities, weight, weight},
+                 .bounds = &ahead.bounds(),
+                 .at_goal = ahead.kept_at_goal()};
     asked.task.nu.setZero();
     const Matrix6X& J = now.kinematics.J_WE_W();
     for (Eigen::Index i = 0; i < velocities.size(); ++i) asked.task.nu += velocities[i] * J.col(i);

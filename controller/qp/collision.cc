@@ -31,6 +31,7 @@ CollisionRows::CollisionRows(const RobotModel& model, const CollisionParams& par
                              const Uncertainty& uncertainty)
     : model_(&model),
       params_(params),
+      resting_(params.object),
       J_first_(3, model.num_velocities()),
       J_second_(3, model.num_velocities()),
       row_(model.num_velocities()),
@@ -131,8 +132,10 @@ bool CollisionRows::fill(const Kinematics& kinematics, const ProximityPair& pair
     d -= uncertainty_.margin(pair, kinematics, row_, object ? &states[second] : nullptr,
                              object && second < spreads_.size() ? spreads_[second] : PlaceSpread{});
   }
-  double limit = approach_speed(damper(pair.kind), d);
-  const double room = d - damper(pair.kind).stop;
+  const bool rests = pair.kind == PairKind::kObject && !in_motion(states[static_cast<std::size_t>(pair.second)]);
+  const DamperParams& row_damper = rests ? resting_ : damper(pair.kind);
+  double limit = approach_speed(row_damper, d);
+  const double room = d - row_damper.stop;
   if (params_.braking.enabled && room > 0.0) {
     const double a = params_.braking.share * deceleration_.along(row_);
     limit = std::min(limit, stoppable_speed(room, a, params_.braking.reaction));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -39,6 +40,9 @@ class CollisionRows {
   void add(const Kinematics& kinematics, Proximity& proximity, std::span<const ObjectState> states,
            std::span<const PlaceSpread> spreads, QpProblem& problem) noexcept;
 
+  /// Stop distance d_s of objects at rest from here on, no more than the configured one [m].
+  void keep_from_resting(double stop) noexcept { resting_.stop = std::min(params_.object.stop, stop); }
+
   /// The pairs of the last select() within their d_i, sorted nearest first; more than max_pairs if there were.
   std::span<const ProximityPair> sorted() const noexcept { return {sorted_.data(), sorted_.size()}; }
   int left_out() const noexcept { return left_out_; }
@@ -56,6 +60,7 @@ class CollisionRows {
 
   const RobotModel* model_;
   CollisionParams params_;
+  DamperParams resting_;  // of objects at rest
   std::vector<Key> keys_;
   std::vector<ProximityPair> sorted_;
   Matrix3X J_first_, J_second_;

@@ -1,5 +1,6 @@
 #include "controller/qp/pose.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "controller/model/base_kind.h"
@@ -30,7 +31,9 @@ QpPoser::QpPoser(std::shared_ptr<const RobotModel> model, const ControllerParams
                  {params.uncertainty, model_->base_dof()}),
       passing_(*model_, params.collision),
       separation_(*model_, params.collision, {*model_, params.acceleration_limit, params.base_share > 0.0},
-                  {params.uncertainty, model_->base_dof()}) {
+                  {params.uncertainty, model_->base_dof()}),
+      goal_clearance_(*model_),
+      stop_(params.collision.object.stop) {
   bounds_.allocate(model_->num_velocities());
 }
 
@@ -38,6 +41,7 @@ void QpPoser::set_objects(std::span<const ObjectShape> objects) {
   const int nv = model_->num_velocities();
   const int num_objects = static_cast<int>(objects.size());
   proximity_.set_objects(objects);
+  goal_clearance_.allocate(objects.size());
   const int near_rows =
       collision_.allocate(num_objects) + passing_.allocate(num_objects) + separation_.allocate(num_objects);
   const int drive_rows = limits_.linear_pair(VectorX::Zero(nv)).on ? 2 : 0;
@@ -58,6 +62,19 @@ Near QpPoser::look(const Situation& now) noexcept {
   return near();
 }
 
+// What the hand needs at its goal and what a path was laid with bound the distance that rows keep near the goal.
+double QpPoser::stop_near_goal(const QpTask& asked, const Situation& now) noexcept {
+  const GoalClearanceParams& at_goal = params_.collision.at_goal;
+  const double stop = params_.collision.object.stop;
+  const Vector3& p_WE = now.kinematics.X_WE().translation();
+  KeptDistance kept{at_goal.least, at_goal.slope, now.o.goal.X_WG.translation()};
+  if (!at_goal.enabled || !(kept.of(stop, p_WE) < stop)) return stop;
+  const double needed =
+      goal_clearance_.least(now.kinematics, now.o.goal.X_WG, now.o.objects, stop / at_goal.part, proximity_);
+  kept.at_goal = std::max(at_goal.least, std::min(at_goal.part * needed, asked.at_goal));
+  return kept.of(stop, p_WE);
+}
+
 Posed QpPoser::pose(const QpTask& asked, const Situation& now) noexcept {
   enter(now.clock, StepPart::kRows);
   asked_ = asked;
@@ -72,6 +89,8 @@ Posed QpPoser::pose(const QpTask& asked, const Situation& now) noexcept {
   objective_.pose(params_, *model_, now, asked, problem_);
 
   problem_.rows = 0;
+  stop_ = stop_near_goal(asked, now);
+  collision_.keep_from_resting(stop_);
   add_tracking_rows(now.kinematics.J_WE_W(), asked.task.nu, params_.tracking_band, params_.slack.enabled, problem_);
   collision_.add(now.kinematics, proximity_, now.o.objects, now.spreads, problem_);
   if (!asked.evades) {
@@ -80,7 +99,7 @@ Posed QpPoser::pose(const QpTask& asked, const Situation& now) noexcept {
     add_wheel_rows(model_->base, problem_);
     add_drive_rows(bounds_.pair, problem_);
   }
-  return {asked_, bounds_, problem_, near()};
+  return {asked_, bounds_, problem_, near(), stop_};
 }
 
 void QpPoser::clear() noexcept {

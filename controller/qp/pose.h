@@ -11,6 +11,7 @@
 #include "controller/qp/problem.h"
 #include "controller/qp/separation.h"
 #include "controller/qp/terms.h"
+#include "controller/safe/goal_clearance.h"
 #include "controller/situation.h"
 
 namespace moma {
@@ -29,6 +30,7 @@ struct Posed {
   const Bounds& bounds;
   const QpProblem& problem;
   Near near;
+  double stop;  ///< stop distance d_s of objects at rest, which shrinks near the goal [m]
 };
 
 /// Poses the QP of one step: bounds, objective, rows. A step is look(), then pose() for each task: a pose() depends on
@@ -57,9 +59,11 @@ class QpPoser {
   const QpProblem& problem() const noexcept { return problem_; }
   const Objective& objective() const noexcept { return objective_; }
   const CollisionRows& collision() const noexcept { return collision_; }
+  double stop() const noexcept { return stop_; }
 
  private:
   Near near() const noexcept;
+  double stop_near_goal(const QpTask& asked, const Situation& now) noexcept;
 
   std::shared_ptr<const RobotModel> model_;
   const ControllerParams& params_;
@@ -68,6 +72,8 @@ class QpPoser {
   CollisionRows collision_;
   PassingRows passing_;
   SeparationRows separation_;
+  GoalClearance goal_clearance_;
+  double stop_;
   QpTask asked_;
   Bounds bounds_;
   Objective objective_;

@@ -24,6 +24,7 @@ struct QpTask {
   std::optional<Pull> pull = {};           ///< empty: base, joints and manipulability have their own terms
   const VelocityBounds* bounds = nullptr;  ///< null: the builder's own
   std::optional<Vector3> base = {};        ///< velocity to which the base is held, clipped into its bounds
+  double at_goal = kInfinity;              ///< distance to objects at rest that a path keeps with E at the goal [m]
   bool evades = false;  ///< `base` begins a backup trajectory: rows about the base's way are left out
 };
 

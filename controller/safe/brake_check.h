@@ -50,6 +50,8 @@ class BrakeCheck {
              const OwnMargins& own = {});
 
   bool on() const noexcept { return params_.enabled; }
+  /// The margin from here on [m].
+  void set_margin(double margin) noexcept { params_.margin = margin; }
   void set_objects(std::span<const ObjectShape> objects);
 
   /// Box of the commands that are allowed.

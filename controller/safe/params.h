@@ -44,6 +44,24 @@ constexpr void describe(V& v, Of<BrakeCheckParams>) {
   v.member("every", &P::every, {.range = {1.0, 1000.0}, .text = "control periods between the places looked at"});
 }
 
+/// Distances to objects at rest shrink towards what the goal's own pose needs (goal_clearance.h).
+struct GoalClearanceParams {
+  bool enabled = false;
+  double least = 0.0015;  ///< [m]
+  double part = 0.5;      ///< of the distance that the hand has at its goal, which rows keep there [1]
+  double slope = 0.25;    ///< by which that grows with the distance from the goal [1]
+};
+
+template <class V>
+constexpr void describe(V& v, Of<GoalClearanceParams>) {
+  using P = GoalClearanceParams;
+  v.member("least", &P::least, {.unit = "m", .range = Range::positive(), .text = "kept however near the goal is"});
+  v.member("part", &P::part,
+           {.unit = "1", .range = {0.0, 1.0, true}, .text = "of the hand's distance at the goal, kept there"});
+  v.member("slope", &P::slope,
+           {.unit = "1", .range = Range::positive(), .text = "growth of what is kept with the distance from the goal"});
+}
+
 /// The robot slows down towards what moves (qp/separation.h).
 struct SeparationParams {
   bool enabled = false;

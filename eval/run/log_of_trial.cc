@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "controller/controller.h"
+#include "eval/trial/told_params.h"
 
 namespace moma::run {
 namespace {
@@ -42,7 +43,7 @@ class Listened final : public StepController {
 
 std::unique_ptr<StepController> usual(const TrialSpec& spec) {
   if (spec.plugin != nullptr) return spec.plugin->make();
-  return std::make_unique<Controller>(spec.robot->model, spec.controller_params, spec.simulation.control_period);
+  return std::make_unique<Controller>(spec.robot->model, told_params(spec), spec.simulation.control_period);
 }
 
 /// When what is there at each row was measured: `delay` before, the first one until that is due.

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "controller/controller_core.h"
+#include "eval/trial/told_params.h"
 
 namespace moma {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 class Witness final : public StepController {
  public:
   Witness(const TrialSpec& spec, long k, ControlCase& out, bool& found)
-      : controller_(spec.robot->model, spec.controller_params, spec.simulation.control_period),
+      : controller_(spec.robot->model, told_params(spec), spec.simulation.control_period),
         k_(k),
         period_(spec.simulation.control_period),
         out_(out),
@@ -50,7 +51,7 @@ ControlCase case_of_step(const TrialSpec& spec, const World& world, long k) {
     throw std::invalid_argument("a plugin's steps have no cases: what it remembers is its own");
   ControlCase out;
   out.robot = *spec.robot;
-  out.controller = spec.controller_params;
+  out.controller = told_params(spec);
   out.control_period = spec.simulation.control_period;
   out.has_plan = out.controller.plan.enabled;
   bool found = false;

@@ -1,11 +1,13 @@
 #include "eval/trial/trial.h"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <new>
 
 #include "controller/controller.h"
 #include "eval/trial/clock.h"
+#include "eval/trial/told_params.h"
 #include "world/sensing/plant_conditions.h"
 
 namespace moma {
@@ -13,8 +15,7 @@ namespace {
 
 std::unique_ptr<StepController> usual_controller(const TrialSpec& spec, StepClock* clock) {
   if (spec.plugin != nullptr) return spec.plugin->make();
-  auto controller =
-      std::make_unique<Controller>(spec.robot->model, spec.controller_params, spec.simulation.control_period);
+  auto controller = std::make_unique<Controller>(spec.robot->model, told_params(spec), spec.simulation.control_period);
   controller->enable_timing(true);
   controller->set_clock(clock);
   return controller;
@@ -34,6 +35,13 @@ TrialRow row_of_error(const TrialSpec& spec, const Recording& recording, const c
 }
 
 }  // namespace
+
+ControllerParams told_params(const TrialSpec& spec) {
+  ControllerParams params = spec.controller_params;
+  params.escape.position = std::min(params.escape.position, spec.success.position);
+  params.escape.orientation = std::min(params.escape.orientation, spec.success.orientation);
+  return params;
+}
 
 std::unique_ptr<Plant> usual_plant(const TrialSpec& spec, const World& world) {
   const std::shared_ptr<const RobotModel>& model = spec.robot->model;

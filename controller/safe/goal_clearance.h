@@ -1,0 +1,49 @@
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "controller/model/kinematics.h"
+#include "controller/model/proximity.h"
+#include "controller/params.h"
+
+namespace moma {
+
+/// The distance to objects at rest that is kept near the goal. A grasp has the hand nearer to the object than any stop
+/// distance; the rest of the way has not. With the distance r of E from the goal,
+///
+///   kept = min(far, at_goal + slope r)
+///
+/// so that what is kept shrinks over the last `far`/`slope` metres alone.
+struct KeptDistance {
+  double at_goal = kInfinity;  ///< [m]; infinite: `far` everywhere
+  double slope = 0.0;          ///< [1]
+  Vector3 p_WG = Vector3::Zero();
+
+  double of(double far, const Vector3& p_WE) const noexcept {
+    if (!(at_goal < far)) return far;
+    return std::min(far, at_goal + slope * (p_WE - p_WG).norm());
+  }
+};
+
+/// How near the solids that are rigid with E are to objects where E is at its goal: no configuration changes that. One
+/// per worker; only allocate() takes memory.
+class GoalClearance {
+ public:
+  explicit GoalClearance(const RobotModel& model);
+
+  void allocate(std::size_t num_objects) { states_.assign(num_objects, ObjectState{}); }
+
+  /// The least distance with E at X_WG to visible objects at rest, `range` where none is nearer [m]. `kinematics` is
+  /// the robot anywhere, `proximity` has its objects; robot and goal are moved together there, so that E is at the
+  /// goal. Costs one distance for each solid and object whose balls are nearer than `range`.
+  double least(const Kinematics& kinematics, const Isometry& X_WG, std::span<const ObjectState> objects, double range,
+               Proximity& proximity) noexcept;
+
+ private:
+  std::vector<int> shapes_;  // rigid with E
+  std::vector<ObjectState> states_;
+};
+
+}  // namespace moma
