@@ -79,10 +79,7 @@ void Choice::take(const PlanCandidate& candidate) noexcept {
 
 // No path that takes longer than the best so far is of use.
 void Choice::begin_plan() noexcept {
-  // What a choice did not find the next looks for with more work.
-  constexpr std::uint64_t kMostDoublings = 3;
-  const int effort = 1 << std::min(seed_ / 2, kMostDoublings);
-  planner_.begin(stand_, from_.goal.X_WG, from_.objects, seed_, least_ - params_.settle - stopping_, effort);
+  planner_.begin(stand_, from_.goal.X_WG, from_.objects, seed_, least_ - params_.settle - stopping_);
   job_ = Job::kPlan;
 }
 

@@ -49,7 +49,7 @@ class Choice {
 
   const Planner& planner() const noexcept { return planner_; }
 
-  static constexpr int kTrusted = 3;
+  static constexpr int kTrusted = 1;
 
  private:
   enum class Job { kDetours, kPlan, kDone };

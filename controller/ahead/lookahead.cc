@@ -87,9 +87,13 @@ void Lookahead::set_state(const PlanState& state) noexcept {
   watch_.forget();
 }
 
-double Lookahead::kept_at_goal() const noexcept {
-  constexpr double kPart = 0.8;  // of what the path keeps: the robot lags, and objects are seen elsewhere
-  return state_.brief.mode == PlanMode::kFollow ? kPart * state_.path.kept_at_goal : kInfinity;
+// The robot lags behind a path, objects are seen elsewhere than when it was laid, and where motions overlap it has half
+// its clearance.
+KeptDistance Lookahead::keeps() const noexcept {
+  constexpr double kPart = 0.45;
+  const Path& path = state_.path;
+  if (state_.brief.mode != PlanMode::kFollow || !(path.kept_at_goal < path.clearance)) return {};
+  return {kPart * path.kept_at_goal, kPart * FreeSpace::kSlope, state_.X_WG.translation(), kPart * path.clearance};
 }
 
 std::int64_t Lookahead::periods(double seconds) const noexcept { return std::llround(seconds / dt_); }
@@ -344,9 +348,7 @@ void Lookahead::work_choice(const Observation& o, long& budget) noexcept {
     choice_.begin(o, state_.direct_time, ++state_.brief.attempts);
     job_ = Job::kChoose;
   }
-  // Where nothing arrives so far there is nothing to hurry for.
-  const bool late = state_.brief.mode == PlanMode::kChoose && choice_.best().time >= 0.0 &&
-                    state_.steps >= state_.stop_end + periods(kLongestChoice);
+  const bool late = state_.brief.mode == PlanMode::kChoose && state_.steps >= state_.stop_end + periods(kLongestChoice);
   if (!choice_.advance(rollout_, budget) || late) choose();
 }
 

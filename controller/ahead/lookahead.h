@@ -40,9 +40,9 @@ class Lookahead {
   /// Whether velocities() replace the policy's task in this step: those of a path, or none.
   bool guides() const noexcept { return guides_; }
   const VectorX& velocities() const noexcept { return wanted_; }
-  /// Distance to objects at rest that rows may keep at the goal of the path that is followed; infinite where the path
-  /// needs no less there than elsewhere [m].
-  double kept_at_goal() const noexcept;
+  /// Distance to objects at rest that rows let the path that is followed have, where it leads nearer to its goal's
+  /// objects than to others.
+  KeptDistance keeps() const noexcept;
   /// Whether the policy's memory of detours is to be `start()` from this step on.
   bool begins_anew() const noexcept { return anew_; }
   const EscapeState& start() const noexcept { return anew_start_; }

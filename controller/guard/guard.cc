@@ -26,7 +26,7 @@ class EvasionGuard final : public Guard {
                  .pull = QpTask::Pull{nullptr, 0.0, kWeight},
                  .bounds = posed.asked.bounds,
                  .base = Vector3::Zero(),
-                 .at_goal = posed.asked.at_goal,
+                 .keeps = posed.asked.keeps,
                  .evades = true};
     asked.task.nu.setZero();
     for (int i = 0; i < base_dof_; ++i) {

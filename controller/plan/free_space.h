@@ -14,6 +14,7 @@ struct Clearances {
   double object = 0.0;
   double floor = 0.0;
   double self = 0.0;
+  bool operator==(const Clearances&) const = default;
 };
 
 /// Which configurations and edges keep clear of objects at rest, the floor and the robot itself, and inside the joints'

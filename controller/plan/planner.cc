@@ -20,15 +20,19 @@ constexpr double kAnyLength = 1e18;
 constexpr double kOverlapped = 0.75, kShortened = 0.6;
 // What a plan keeps, the most first.
 struct Tier {
-  bool roomy;     // the roomy clearance, else the smaller one
+  bool roomy;     // the roomy clearance, else the smaller one,
+  double part;    // or this part of it
   bool close;     // the goal is approached as closely as `at_goal` lets it, whatever the hand needs
   double room;    // part of the joints' margins
   double beyond;  // how far beyond start and goal a way may lead [m]
 };
-constexpr Tier kTiers[] = {
-    {true, false, 1.0, 1.5}, {false, false, 1.0, 2.5}, {false, true, 0.25, 2.5}, {false, true, 0.02, 2.5}};
+constexpr Tier kTiers[] = {{true, 1.0, false, 1.0, 1.5},
+                           {false, 1.0, false, 1.0, 2.5},
+                           {false, 0.3, true, 0.25, 2.5},
+                           {false, 0.3, true, 0.02, 2.5}};
 // Goals that are as close as rows let them be would be reached never: they keep so much more [1].
 constexpr double kCloser = 1.7;
+constexpr int kMostEffort = 16;
 // A goal keeps so much more than the rows' stop distances: there they would not let the robot arrive [m].
 constexpr double kWithinRows = 0.002;
 
@@ -66,9 +70,10 @@ void Planner::set_objects(std::span<const ObjectShape> objects) {
 }
 
 void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::span<const ObjectState> objects,
-                    std::uint64_t seed, double within, int effort) noexcept {
+                    std::uint64_t seed, double within) noexcept {
+  const bool goes_on = stage_ != PlanStage::kIdle && same_world(X_WG, objects);
+  const bool failed = stage_ == PlanStage::kFailed;
   within_ = within;
-  effort_ = effort;
   start_ = start;
   X_WG_ = X_WG;
   draws_ = {seed, 0};
@@ -79,7 +84,27 @@ void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::
     const double needed = space_.least_at_goal(goal_clearance_, start, X_WG, params_.clearance);
     if (needed < params_.clearance) needed_ = needed;
   }
-  begin_tier(0);
+  // Where the hand is near to something at its goal, no way is roomy.
+  const int first = needed_ < kInfinity && params_.roomy > params_.clearance ? 1 : 0;
+  if (!goes_on) effort_ = 1;
+  if (goes_on && failed) effort_ = std::min(2 * effort_, kMostEffort);
+  begin_tier(goes_on && !failed ? tier_ : first, goes_on && !failed);
+}
+
+// Seen within what sensors that are filtered say of the same place.
+bool Planner::same_world(const Isometry& X_WG, std::span<const ObjectState> objects) const noexcept {
+  constexpr double kMoved = 1e-3, kTurned = 2e-3;  // [m, rad]
+  const auto same = [](const Isometry& a, const Isometry& b) {
+    return (a.translation() - b.translation()).squaredNorm() < kMoved * kMoved &&
+           (a.linear() - b.linear()).squaredNorm() < 2.0 * kTurned * kTurned;
+  };
+  if (!same(X_WG, X_WG_) || objects.size() != space_.states().size()) return false;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const ObjectState& then = space_.states()[i];
+    const bool counts = objects[i].visible && !in_motion(objects[i]);
+    if (counts != then.visible || (counts && !same(objects[i].X_WO, then.X_WO))) return false;
+  }
+  return true;
 }
 
 bool Planner::advance(long& budget) noexcept {
@@ -93,10 +118,11 @@ bool Planner::advance(long& budget) noexcept {
   return stage_ != PlanStage::kFound && stage_ != PlanStage::kFailed && stage_ != PlanStage::kIdle;
 }
 
-void Planner::begin_tier(int tier) noexcept {
+void Planner::begin_tier(int tier, bool goes_on) noexcept {
   tier_ = tier;
+  const Clearances before = space_.clearances();
   const Tier& now = kTiers[tier];
-  const double object = now.roomy ? std::max(params_.roomy, params_.clearance) : params_.clearance;
+  const double object = now.roomy ? std::max(params_.roomy, params_.clearance) : now.part * params_.clearance;
   space_.set_clearances({object, params_.self, params_.self}, start_, now.room);
   ik_.keep_room(now.room);
   // Half way between what rows keep and what the hand has.
@@ -104,9 +130,20 @@ void Planner::begin_tier(int tier) noexcept {
   if (now.close) kept = 0.0;
   kept = std::max(kept, kCloser * at_goal_.least);
   space_.keep_near({kept < object ? kept : kInfinity, FreeSpace::kSlope, X_WG_.translation()});
-  goals_.clear();
-  tries_ = late_ = 0;
+  late_ = 0;
   stage_ = PlanStage::kGoals;
+  // Joints that wind keep to the start's turn, and a start that is near to something lessens clearances.
+  goes_on_ = goes_on && limits_->winds.isZero() && before == space_.clearances();
+  if (!goes_on_) {
+    goals_.clear();
+    tries_ = 0;
+    return;
+  }
+  for (GoalConfiguration& goal : goals_) {
+    const double time = edge_time(*limits_, start_, goal.c);
+    goal.cost += time - goal.time;
+    goal.time = time;
+  }
 }
 
 void Planner::work() noexcept {
@@ -154,6 +191,7 @@ void Planner::work() noexcept {
 }
 
 void Planner::try_goal() noexcept {
+  if (goes_on_ && !goals_.empty()) return begin_search();
   GoalConfiguration goal;
   ++counts_.ik_tries;
   if (ik_.find(space_, X_WG_, params_.roomy, start_, tries_++, draws_, goal) && within_rows(goal.c)) {
@@ -163,6 +201,10 @@ void Planner::try_goal() noexcept {
       goals_.push_back(goal);
   }
   if (tries_ < effort_ * params_.ik_tries && static_cast<int>(goals_.size()) + late_ < params_.ik_enough) return;
+  begin_search();
+}
+
+void Planner::begin_search() noexcept {
   counts_.goals = static_cast<int>(goals_.size());
   best_.clear();
   best_time_ = std::numeric_limits<double>::infinity();
@@ -190,7 +232,8 @@ bool Planner::within_rows(const WholeConfiguration& c) noexcept {
 void Planner::begin_run() noexcept {
   ++run_;
   ++counts_.runs;
-  search_.begin({start_, X_WG_.translation().head<2>(), goals_, params_.roots, &tuck_, kTiers[tier_].beyond, longest_});
+  search_.begin({start_, X_WG_.translation().head<2>(), goals_, params_.roots, &tuck_, kTiers[tier_].beyond, longest_},
+                goes_on_ && run_ == 1);
   stage_ = PlanStage::kSearch;
 }
 
@@ -220,7 +263,7 @@ bool Planner::next_tier() noexcept {
   int next = tier_ + 1;
   if (next == 1 && params_.roomy <= params_.clearance) ++next;
   if (next == static_cast<int>(std::size(kTiers)) || (kTiers[next].close && !at_goal_.enabled)) return false;
-  begin_tier(next);
+  begin_tier(next, false);
   return true;
 }
 

@@ -41,10 +41,11 @@ class Planner {
 
   void set_objects(std::span<const ObjectShape> objects);
   /// Begins a plan among the objects that are seen and at rest. The start is where the robot stands. What would take
-  /// longer than `within` [s] is not looked for: the plan fails where there is nothing else. `effort` multiplies tries
-  /// and checks.
+  /// longer than `within` [s] is not looked for: the plan fails where there is nothing else. Where goal and objects are
+  /// those of the last plan, its goal configurations and the tree that grew from them are kept, the plan goes on in the
+  /// tier in which that one ended, and once all tiers have failed begins again with twice the work.
   void begin(const WholeConfiguration& start, const Isometry& X_WG, std::span<const ObjectState> objects,
-             std::uint64_t seed, double within = std::numeric_limits<double>::infinity(), int effort = 1) noexcept;
+             std::uint64_t seed, double within = std::numeric_limits<double>::infinity()) noexcept;
   /// Works until `budget` checks are used up or the plan is found or failed; takes what it used from `budget`, which a
   /// last piece of work may leave below zero. True as long as there is more to do.
   bool advance(long& budget) noexcept;
@@ -63,8 +64,10 @@ class Planner {
 
  private:
   void work() noexcept;
-  void begin_tier(int tier) noexcept;
+  void begin_tier(int tier, bool goes_on) noexcept;
   bool next_tier() noexcept;
+  bool same_world(const Isometry& X_WG, std::span<const ObjectState> objects) const noexcept;
+  void begin_search() noexcept;
   void try_goal() noexcept;
   bool within_rows(const WholeConfiguration& c) noexcept;
   void begin_run() noexcept;
@@ -84,6 +87,7 @@ class Planner {
   GoalClearance goal_clearance_;
   double needed_ = kInfinity;  // the hand's distance at the goal; infinite where it is not below the clearance [m]
   int effort_ = 1;
+  bool goes_on_ = false;  // with the tree of the last plan
 
   PlanStage stage_ = PlanStage::kIdle;
   WholeConfiguration start_;

@@ -44,13 +44,14 @@ Search::Search(const MotionLimits& limits, double check_step)
       from_start_(3 + limits.num_joints(), kNodes),
       from_goal_(3 + limits.num_joints(), kNodes) {}
 
-void Search::begin(const SearchTask& task) {
+void Search::begin(const SearchTask& task, bool goes_on) {
   task_ = task;
   const Vector2 at = task.start.head<2>();
   box_low_ = at.cwiseMin(task.goal_W).array() - task.beyond;
   box_high_ = at.cwiseMax(task.goal_W).array() + task.beyond;
   from_start_.clear();
-  from_goal_.clear();
+  if (!goes_on || from_goal_.full()) from_goal_.clear();
+  has_roots_ = from_goal_.size() > 0;
   from_start_.add(task.start, -1);
   edges_.clear();
   stage_ = Stage::kStraight;
@@ -63,7 +64,7 @@ SearchProgress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
     const int roots = std::min(task_.roots, static_cast<int>(task_.goals.size()));
     if (straight_ < roots) {
       const WholeConfiguration& goal = task_.goals[static_cast<std::size_t>(straight_++)].c;
-      from_goal_.add(goal, -1);
+      if (!has_roots_) from_goal_.add(goal, -1);
       make_edge(*limits_, task_.start, goal, edge_);
       if (!edges_.empty() && edge_.time >= quickest_) return SearchProgress::kMore;
       if (!space.free(edge_, check_step_)) return SearchProgress::kMore;

@@ -59,8 +59,9 @@ class Search {
  public:
   Search(const MotionLimits& limits, double check_step);
 
-  /// The spans and pointers of `task` have to last as long as the search.
-  void begin(const SearchTask& task);
+  /// The spans and pointers of `task` have to last as long as the search. With `goes_on` the tree from the goals stays
+  /// as the last search left it, which has to have had the same goals and clearances.
+  void begin(const SearchTask& task, bool goes_on = false);
   /// One piece of work. kFailed where a tree is full.
   SearchProgress advance(FreeSpace& space, CountedDraws& draws) noexcept;
   /// Of a search that is done.
@@ -80,6 +81,7 @@ class Search {
   Tree from_start_, from_goal_;
   Stage stage_ = Stage::kStraight;
   int straight_ = 0;
+  bool has_roots_ = false;  // of a search that goes on
   double quickest_ = 0.0;
   int side_ = 0;      // of the tree that grew last
   int grown_ = 0;     // its new node

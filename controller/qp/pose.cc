@@ -62,17 +62,21 @@ Near QpPoser::look(const Situation& now) noexcept {
   return near();
 }
 
-// What the hand needs at its goal and what a path was laid with bound the distance that rows keep near the goal.
+// What the hand needs at its goal, and what a path was laid with, bound the distance that rows keep.
 double QpPoser::stop_near_goal(const QpTask& asked, const Situation& now) noexcept {
   const GoalClearanceParams& at_goal = params_.collision.at_goal;
   const double stop = params_.collision.object.stop;
+  if (!at_goal.enabled) return stop;
   const Vector3& p_WE = now.kinematics.X_WE().translation();
   KeptDistance kept{at_goal.least, at_goal.slope, now.o.goal.X_WG.translation()};
-  if (!at_goal.enabled || !(kept.of(stop, p_WE) < stop)) return stop;
-  const double needed =
-      goal_clearance_.least(now.kinematics, now.o.goal.X_WG, now.o.objects, stop / at_goal.part, proximity_);
-  kept.at_goal = std::max(at_goal.least, std::min(at_goal.part * needed, asked.at_goal));
-  return kept.of(stop, p_WE);
+  if (kept.of(stop, p_WE) < stop) {
+    const double needed =
+        goal_clearance_.least(now.kinematics, now.o.goal.X_WG, now.o.objects, stop / at_goal.part, proximity_);
+    kept.at_goal = std::max(at_goal.least, at_goal.part * needed);
+  } else {
+    kept.at_goal = kInfinity;
+  }
+  return std::max(at_goal.least, std::min(kept.of(stop, p_WE), asked.keeps.of(stop, p_WE)));
 }
 
 Posed QpPoser::pose(const QpTask& asked, const Situation& now) noexcept {

@@ -7,6 +7,7 @@
 
 #include "controller/qp/limits.h"
 #include "controller/qp/problem.h"
+#include "controller/safe/goal_clearance.h"
 #include "controller/situation.h"
 
 namespace moma {
@@ -24,8 +25,8 @@ struct QpTask {
   std::optional<Pull> pull = {};           ///< empty: base, joints and manipulability have their own terms
   const VelocityBounds* bounds = nullptr;  ///< null: the builder's own
   std::optional<Vector3> base = {};        ///< velocity to which the base is held, clipped into its bounds
-  double at_goal = kInfinity;              ///< distance to objects at rest that a path keeps with E at the goal [m]
-  bool evades = false;  ///< `base` begins a backup trajectory: rows about the base's way are left out
+  KeptDistance keeps = {};  ///< distance to objects at rest that rows let a path have; infinite: theirs [m]
+  bool evades = false;      ///< `base` begins a backup trajectory: rows about the base's way are left out
 };
 
 /// Value of one term of the objective at a solution: its part of 1/2 x^T H x + g^T x.

@@ -21,7 +21,10 @@ struct KeptDistance {
   double slope = 0.0;          ///< [1]
   Vector3 p_WG = Vector3::Zero();
 
+  double most = kInfinity;  ///< kept far from the goal, where that is less than `far` [m]
+
   double of(double far, const Vector3& p_WE) const noexcept {
+    far = std::min(far, most);
     if (!(at_goal < far)) return far;
     return std::min(far, at_goal + slope * (p_WE - p_WG).norm());
   }

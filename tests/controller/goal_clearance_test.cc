@@ -1,0 +1,160 @@
+// Distances near the goal: the hand's by coal at a configuration that has it there, and whether goals that are nearer
+// to objects than rows keep, or nearer to joint limits than paths keep, are planned for and reached.
+#include "controller/safe/goal_clearance.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/controller/plan_scenes.h"
+
+namespace moma::test {
+namespace {
+
+ControllerParams params_at_goal(const RobotModel& model, bool on) {
+  ControllerParams params = plan_params(model);
+  params.collision.at_goal.enabled = on;
+  return params;
+}
+
+/// The Panda with its hand at a configuration of the witness's, a ball `gap` from the hand's nearest solid.
+struct Grasp {
+  std::shared_ptr<const RobotModel> model = load_model("configs/robots/panda.yaml");
+  WholeConfiguration witness;
+  Scene scene;
+
+  explicit Grasp(double gap) {
+    scene = make_scene(model, 1, 0);
+    witness = WholeConfiguration::Zero(3 + model->num_joints());
+    witness.tail(7) << 0.6, 0.2, -0.3, -1.7, 0.1, 1.9, 0.5;
+    Kinematics kinematics(model);
+    kinematics.update(witness.head<3>(), witness.tail(7));
+    scene.X_WG = kinematics.X_WE();
+    scene.shapes = {{"ball", make_sphere(0.05)}};
+    scene.states.resize(1);
+    // Along the hand's axis, from far to where the gap is left.
+    double along = 0.4;
+    do {
+      along -= 2e-4;
+      scene.states[0].X_WO.translation() = kinematics.X_WE() * Vector3(0.0, 0.0, along);
+    } while (object_clearance(*model, kinematics, scene) > gap);
+  }
+};
+
+TEST(GoalClearance, IsThatOfTheHandWhereverTheRobotIs) {
+  const auto model = load_model("configs/robots/frankie.yaml");
+  GoalClearance hand(*model);
+  Kinematics here(model), at_goal(model);
+  Proximity proximity(model);
+  constexpr double kRange = 0.5;
+  int near = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Scene scene = make_scene(model, seed, 12);
+    std::mt19937_64 engine(seed);
+    VectorX q = model->ready;
+    for (Eigen::Index i = 0; i < q.size(); ++i) q[i] += uniform(engine, -0.4, 0.4);
+    at_goal.update({uniform(engine, -1.0, 4.0), uniform(engine, -1.0, 1.0), uniform(engine, -3.0, 3.0)}, q);
+    here.update(scene.start.head<3>(), scene.start.tail(model->num_joints()));
+    scene.states[0].V_WO_W[4] = 0.3;  // what moves does not count,
+    scene.states[1].visible = false;  // nor what is not seen
+    double expected = kRange;
+    for (const CollisionShape& shape : model->shapes) {
+      const std::string& link = model->links[static_cast<std::size_t>(shape.link)].name;
+      if (link != "panda_link7" && link != "panda_link8" && link != "panda_hand") continue;
+      for (std::size_t k = 2; k < scene.shapes.size(); ++k)
+        expected = std::min(
+            expected, coal_distance(shape.shape, at_goal.X_WS(shape), scene.shapes[k].shape, scene.states[k].X_WO));
+    }
+    near += expected < kRange ? 1 : 0;
+    proximity.set_objects(scene.shapes);
+    hand.allocate(scene.shapes.size());
+    EXPECT_NEAR(hand.least(here, at_goal.X_WE(), scene.states, kRange, proximity), expected, 2e-5) << "seed " << seed;
+  }
+  EXPECT_GT(near, 8) << "too few to say anything";
+}
+
+TEST(GoalClearance, WhatIsKeptGrowsFromTheGoalToAllOfIt) {
+  const KeptDistance kept{0.004, 0.25, {1.0, 0.0, 0.0}};
+  EXPECT_DOUBLE_EQ(kept.of(0.03, {1.0, 0.0, 0.0}), 0.004);
+  EXPECT_DOUBLE_EQ(kept.of(0.03, {1.0, 0.04, 0.0}), 0.014);
+  EXPECT_DOUBLE_EQ(kept.of(0.03, {1.0, 0.0, -0.2}), 0.03);
+  EXPECT_DOUBLE_EQ(kept.of(0.002, {1.0, 0.0, 0.0}), 0.002) << "never more than far from the goal";
+  EXPECT_DOUBLE_EQ(KeptDistance{}.of(0.03, Vector3::Zero()), 0.03);
+}
+
+// A goal with the hand 6 mm from a ball: rows that stop at 3 cm everywhere keep the robot from it.
+TEST(GoalClearance, RowsLetTheHandComeToItsObject) {
+  const Grasp grasp(0.006);
+  for (const bool on : {false, true}) {
+    ControllerParams params = params_at_goal(*grasp.model, on);
+    params.plan.enabled = false;
+    params.collision.object.stop = 0.03;
+    params.base_weight = params.manipulability.weight = 0.0;
+    ControllerCore controller(grasp.model, params, 0.02);
+    controller.reset(grasp.scene.shapes);
+    StepResult result;
+    controller.prepare(result);
+    Observation o;
+    o.q = grasp.witness.tail(7) + VectorX::Constant(7, 0.05);
+    o.qdot = VectorX::Zero(7);
+    o.goal.X_WG = grasp.scene.X_WG;
+    o.objects = grasp.scene.states;
+    double least = 1.0;
+    Kinematics kinematics(grasp.model);
+    for (int k = 0; k < 500; ++k) {
+      controller.step(o, result);
+      integrate(*grasp.model, o.base, o.q, result.command, 0.02);
+      o.qdot = result.command;
+      kinematics.update(o.base, o.q);
+      least = std::min(least, object_clearance(*grasp.model, kinematics, grasp.scene));
+    }
+    const double error = result.error.tail<3>().norm();
+    EXPECT_GT(least, 0.001) << on;
+    if (on)
+      EXPECT_LT(error, 0.002);
+    else
+      EXPECT_GT(error, 0.01) << "the goal asks nothing of the rows";
+  }
+}
+
+TEST(GoalClearance, PathsLeadToGoalsThatAreNearerThanTheClearance) {
+  const Grasp grasp(0.008);
+  Kinematics kinematics(grasp.model);
+  for (const bool on : {false, true}) {
+    Planner planner(grasp.model, params_at_goal(*grasp.model, on));
+    EXPECT_EQ(plan_whole(planner, grasp.scene, 1), on);
+    if (!on) continue;
+    const double clearance = planner.path().clearance;
+    WholeConfiguration c;
+    double nearest = 1.0;
+    for (double t = 0.0; t < planner.path().duration + 0.02; t += 0.02) {
+      planner.path().at(t, c);
+      kinematics.update(c.head<3>(), c.tail(7));
+      const double left = (kinematics.X_WE().translation() - grasp.scene.X_WG.translation()).norm();
+      const double d = object_clearance(*grasp.model, kinematics, grasp.scene);
+      nearest = std::min(nearest, d);
+      // Between two checks a path may be a little nearer than at them, and half as near where motions overlap.
+      EXPECT_GT(d, 0.4 * std::min(clearance, planner.path().kept_at_goal + 0.25 * left)) << t;
+    }
+    EXPECT_NEAR(nearest, 0.008, 0.003);
+  }
+}
+
+// The goal's only configurations nearby have a joint 0.01 rad from its limit.
+TEST(GoalClearance, PathsLeadToGoalsAtAJointsLimit) {
+  const auto model = load_model("configs/robots/panda.yaml");
+  Scene scene = make_scene(model, 1, 0);
+  WholeConfiguration goal = scene.start;
+  goal[3 + 3] = model->joints[3].lower + 0.01;  // the elbow, folded: its angle decides how far the hand is
+  Kinematics kinematics(model);
+  kinematics.update(goal.head<3>(), goal.tail(7));
+  ASSERT_GT(own_clearance(*model, kinematics), 0.02);
+  scene.X_WG = kinematics.X_WE();
+  for (const bool on : {false, true}) {
+    Planner planner(model, params_at_goal(*model, on));
+    EXPECT_EQ(plan_whole(planner, scene, 1), on);
+  }
+}
+
+}  // namespace
+}  // namespace moma::test
