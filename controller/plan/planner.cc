@@ -33,6 +33,8 @@ constexpr Tier kTiers[] = {{true, 1.0, false, 1.0, 1.5},
 // Goals that are as close as rows let them be would be reached never: they keep so much more [1].
 constexpr double kCloser = 1.7;
 constexpr int kMostEffort = 16;
+// In narrow places most steps of a tree are blocked; shorter ones get on.
+constexpr int kShortenings = 3;
 // A goal keeps so much more than the rows' stop distances: there they would not let the robot arrive [m].
 constexpr double kWithinRows = 0.002;
 
@@ -232,7 +234,8 @@ bool Planner::within_rows(const WholeConfiguration& c) noexcept {
 void Planner::begin_run() noexcept {
   ++run_;
   ++counts_.runs;
-  search_.begin({start_, X_WG_.translation().head<2>(), goals_, params_.roots, &tuck_, kTiers[tier_].beyond, longest_},
+  search_.begin({start_, X_WG_.translation().head<2>(), goals_, params_.roots, &tuck_, kTiers[tier_].beyond,
+                 space_.kept().at_goal < kInfinity ? kShortenings : 0, longest_},
                 goes_on_ && run_ == 1);
   stage_ = PlanStage::kSearch;
 }

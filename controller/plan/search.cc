@@ -102,25 +102,28 @@ SearchProgress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
   return SearchProgress::kMore;
 }
 
-// One edge from a node towards the target, a step at most. The new node, or -1 where something is in the way.
+// One edge from a node towards the target, a step at most, shorter where that is blocked. The new node, or -1.
 int Search::grow(FreeSpace& space, Tree& tree, int from, const WholeConfiguration& target, bool& reached) noexcept {
+  constexpr double kShorter = 0.4;
   const WholeConfiguration a = tree.node(from);
-  WholeConfiguration b = target;
   const double way = std::sqrt(distance_squared(a, target));
-  reached = way <= kStep;
-  if (!reached) {
-    const double f = kStep / way;
-    b = a + f * (target - a);
-    b[2] = target[2];
-    const bool mobile = limits_->mobile();
-    if (limits_->base->nonholonomic() && (b - a).head<2>().norm() > kShortWay)
-      head_along(*limits_, a, kShortWay, b);
-    else
-      b[2] = mobile ? a[2] + f * wrapped(target[2] - a[2]) : a[2];
+  double part = way <= kStep ? 1.0 : kStep / way;
+  for (int k = 0; k <= task_.shortenings; ++k, part *= kShorter) {
+    WholeConfiguration b = target;
+    reached = part == 1.0;
+    if (!reached) {
+      b = a + part * (target - a);
+      b[2] = target[2];
+      const bool mobile = limits_->mobile();
+      if (limits_->base->nonholonomic() && (b - a).head<2>().norm() > kShortWay)
+        head_along(*limits_, a, kShortWay, b);
+      else
+        b[2] = mobile ? a[2] + part * wrapped(target[2] - a[2]) : a[2];
+    }
+    make_edge(*limits_, a, b, edge_);
+    if (space.free(edge_, check_step_)) return tree.add(b, from);
   }
-  make_edge(*limits_, a, b, edge_);
-  if (!space.free(edge_, check_step_)) return -1;
-  return tree.add(b, from);
+  return -1;
 }
 
 // The way from the start to where the trees meet, and on along the goals' tree.

@@ -49,6 +49,7 @@ struct SearchTask {
   int roots = 0;                             ///< ... and so many of the first are roots
   const VectorX* tuck = nullptr;             ///< joint values of an arm that takes little room
   double beyond = 1.5;                       ///< samples' bases lie so far beyond start and goal, at most [m]
+  int shortenings = 0;                       ///< of a step that is blocked, until it is given up
   double longest = 1e18;                     ///< of the base's way to a sample and from there to the goal [m]
 };
 
