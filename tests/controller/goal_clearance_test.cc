@@ -6,6 +6,7 @@
 
 #include <string>
 
+#include "controller/controller_core.h"
 #include "tests/controller/plan_scenes.h"
 
 namespace moma::test {
@@ -48,7 +49,7 @@ TEST(GoalClearance, IsThatOfTheHandWhereverTheRobotIs) {
   Proximity proximity(model);
   constexpr double kRange = 0.5;
   int near = 0;
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     Scene scene = make_scene(model, seed, 12);
     std::mt19937_64 engine(seed);
     VectorX q = model->ready;
@@ -89,7 +90,6 @@ TEST(GoalClearance, RowsLetTheHandComeToItsObject) {
     ControllerParams params = params_at_goal(*grasp.model, on);
     params.plan.enabled = false;
     params.collision.object.stop = 0.03;
-    params.base_weight = params.manipulability.weight = 0.0;
     ControllerCore controller(grasp.model, params, 0.02);
     controller.reset(grasp.scene.shapes);
     StepResult result;

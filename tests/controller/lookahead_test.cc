@@ -227,6 +227,7 @@ TEST_P(Ahead, AChoiceDoesNotDependOnTheBudget) {
   const Observation o = Loop(model, params, scene).o;
   std::vector<PlanCandidate> whole;
   for (const long per_step : {1L << 30, 300L, 7L}) {
+    choice.reset(scene.shapes);  // which forgets what the planner found before
     choice.begin(o, -1.0, 1);
     bool more = true;
     for (int k = 0; more && k < 1000000; ++k) {

@@ -127,8 +127,8 @@ TEST_P(PlannerOf, TheSamePlanHoweverItIsSpread) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const Scene scene = make_scene(model, seed, 20);
     plan_whole(planner, scene, seed);
-    other.set_objects(scene.shapes);
     for (const long budget : {50L, 700L, 5000L}) {
+      other.set_objects(scene.shapes);  // which forgets the plan before
       other.begin(scene.start, scene.X_WG, scene.states, seed);
       long steps = 0, debt = 0;
       do {

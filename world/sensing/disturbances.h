@@ -295,10 +295,10 @@ constexpr void describe(Visitor& v, Of<JointFriction>) {
 /// followed with the time constant `lag`.
 struct JointDrives {
   double delay = 0.0;       ///< [s]
-  double lag = 0.0;         ///< [s]
   double gain_error = 0.0;  ///< of g [1]
   JointFriction friction;
   Irregularity irregularity{};
+  double lag = 0.0;  ///< [s]
   bool operator==(const JointDrives&) const = default;
 };
 
@@ -346,11 +346,11 @@ constexpr void describe(Visitor& v, Of<BaseRamps>) {
 
 struct BaseDrive {
   double delay = 0.0;  ///< [s]
-  double lag = 0.0;    ///< [s]
   GainSpread gain_error;
   Irregularity irregularity{};
   TwistSpread deadband{};  ///< [m/s, rad/s]
   BaseRamps ramps{};
+  double lag = 0.0;  ///< [s]
   bool operator==(const BaseDrive&) const = default;
 };
 
