@@ -142,18 +142,18 @@ void print_head(const run::ComparedPoints& compared, const CompareOptions& optio
     const std::string name = name_of(compared, of_a, of_a ? options.a : options.b);
     return point.why.empty() ? name : fmt::format("{} (best by {})", name, point.why);
   };
-  std::string text = fmt::format("A = {}, B = {}, suite {}: {} worlds that both met", shown(true), shown(false),
-                                 compared.suite, all.n);
-  if (compared.pairs.size() > 1) {
-    text += ", each condition's counted:";
-    for (const auto& [a, b] : compared.pairs) text += fmt::format("\n  {} and {}", a.name(), b.name());
-  }
+  const auto say = [](const std::string& line) { std::cout << terminal_safe(line) << '\n'; };
+  const bool several = compared.pairs.size() > 1;
+  say(fmt::format("A = {}, B = {}, suite {}: {} worlds that both met{}", shown(true), shown(false), compared.suite,
+                  all.n, several ? ", each condition's counted:" : ""));
+  for (const auto& [a, b] : compared.pairs)
+    if (several) say(fmt::format("  {} and {}", a.name(), b.name()));
   if (!compared.same_conditions)
-    text += "\nThe two are not under the same conditions: the difference is not one of controllers alone";
+    say("The two are not under the same conditions: the difference is not one of controllers alone");
   if (all.worlds_with_errors > 0)
-    text += fmt::format("\nIn {} of these worlds a trial ended by an error (A {}, B {}), which is no success",
-                        all.worlds_with_errors, all.errors_a, all.errors_b);
-  std::cout << terminal_safe(text) << "\n\n";
+    say(fmt::format("In {} of these worlds a trial ended by an error (A {}, B {}), which is no success",
+                    all.worlds_with_errors, all.errors_a, all.errors_b));
+  std::cout << '\n';
 }
 
 int compare(const CompareOptions& options) {

@@ -155,6 +155,9 @@ trials: 6
   for (const json& pair : both["pairs"])
     EXPECT_EQ(pair["a"].get<std::string>().substr(4), pair["b"].get<std::string>().substr(6));
   EXPECT_EQ(both["rates"][0]["a"], 0.5) << both;
+  const std::string table = good({"compare", "a.db", "mine", "theirs"}).out;
+  EXPECT_NE(table.find("\n  mine:"), std::string::npos) << table;
+  EXPECT_EQ(table.find("\\n"), std::string::npos) << "line ends in words: " << table;
   const std::string one = both["pairs"][0]["a"].get<std::string>(), other = both["pairs"][1]["b"].get<std::string>();
   EXPECT_EQ(json::parse(good({"compare", "a.db", one, "theirs", "--json"}).out)["n"], 6) << "its condition alone";
   const std::string crossed = good({"compare", "a.db", one, other}).out;
