@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <utility>
 
 #include "controller/config/node.h"
 #include "eval/cli/command.h"
@@ -17,6 +18,7 @@
 #include "eval/run/recording.h"
 #include "eval/run/store_file.h"
 #include "eval/run/survey.h"
+#include "eval/run/world_look.h"
 #include "eval/tune/tuned_file.h"
 #include "eval/tune/tuning.h"
 
@@ -115,12 +117,15 @@ int check(const CheckOptions& check_options) {
   print_warnings(survey.failures());
   const std::vector<std::string> of_robots = robot_warnings(suite, options.file);
   print_warnings(of_robots);
+  std::vector<std::string> of_worlds = survey.doubts();
+  for (std::string& text : run::arrival_warnings(suite.points)) of_worlds.push_back(std::move(text));
+  print_warnings(of_worlds);
   if (config::load_yaml(options.file).find("tune") != nullptr) {
     const tune::Tuning tuning = tune::load_tuning(options.file, options.overrides());
     print_warnings(tuning.warnings);
     std::cout << tune::plan_text(tuning) << '\n';
   }
-  const std::size_t warnings = suite.warnings.size() + survey.failures().size() + of_robots.size();
+  const std::size_t warnings = suite.warnings.size() + survey.failures().size() + of_robots.size() + of_worlds.size();
   std::cout << (warnings == 0 ? "no warnings\n" : fmt::format("{} warning{}\n", warnings, warnings == 1 ? "" : "s"));
   return kOk;
 }

@@ -1,10 +1,11 @@
 #include "eval/run/survey.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <ctime>
-#include <set>
 
 namespace moma::run {
 namespace {
@@ -21,29 +22,65 @@ double processor_seconds() {
 }  // namespace
 
 void WorldSurvey::make_worlds(const std::vector<SuitePoint>& points, std::uint64_t count, std::uint64_t trials) {
-  std::vector<const SuitePoint*> distinct;
-  std::set<std::string> seen;
+  std::map<std::string, std::size_t> known;
+  std::vector<std::size_t> drawn;
+  groups_.clear();
   for (const SuitePoint& point : points) {
-    if (point.worlds.size() >= 0) continue;  // frozen
-    if (seen.insert(point.robot_digest + point.robot->model->name + point.worlds.to_json().dump()).second)
-      distinct.push_back(&point);
+    const auto [it, first] = known.try_emplace(
+        point.robot_digest + point.robot->model->name + point.worlds.to_json().dump(), groups_.size());
+    if (first) {
+      if (point.worlds.size() < 0) drawn.push_back(groups_.size());
+      groups_.emplace_back();
+    }
+    groups_[it->second].points.push_back(&point);
   }
-  for (std::size_t i = 0; i < distinct.size(); ++i)
-    make_worlds(*distinct[i], std::min(trials, count * (i + 1) / distinct.size() - count * i / distinct.size()));
+  for (std::size_t i = 0; i < drawn.size(); ++i)
+    make_worlds(groups_[drawn[i]], std::min(trials, count * (i + 1) / drawn.size() - count * i / drawn.size()));
+  for (Group& group : groups_) look_at_frozen(group, std::min(trials, count));
 }
 
-void WorldSurvey::make_worlds(const SuitePoint& point, std::uint64_t count) {
+void WorldSurvey::make_worlds(Group& group, std::uint64_t count) {
+  const SuitePoint& point = *group.points.front();
   for (std::uint64_t index = 0; index < count; ++index) {
     Tally& tally = tallies_[{point.robot->model->name, point.worlds.family_of(index)}];
     if (tally.failed >= kEnoughFailures) continue;
     const double start = processor_seconds();
+    double seconds = 0.0;
     try {
-      (void)point.worlds.make(point.robot->model, index, &tally.log);
+      const World world = point.worlds.make(point.robot->model, index, &tally.log);
+      seconds = processor_seconds() - start;
+      look_at(world, point.robot->model, group.look);
     } catch (const GenerationError& error) {
+      seconds = processor_seconds() - start;
       if (tally.failed++ == 0) failures_.emplace_back(error.what());
     }
-    tally.seconds += processor_seconds() - start;
+    tally.seconds += seconds;
   }
+}
+
+void WorldSurvey::look_at_frozen(Group& group, std::uint64_t count) {
+  const SuitePoint& point = *group.points.front();
+  const auto size = static_cast<std::uint64_t>(std::max(0LL, point.worlds.size()));
+  try {
+    for (std::uint64_t index = 0; index < std::min(size, count); ++index)
+      look_at(point.worlds.make(point.robot->model, index), point.robot->model, group.look);
+  } catch (const GenerationError& error) {  // worlds of another robot
+    failures_.emplace_back(error.what());
+  }
+}
+
+std::vector<std::string> WorldSurvey::doubts() const {
+  std::vector<std::string> out;
+  for (const Group& group : groups_) {
+    const WorldLook& look = group.look;
+    const std::string robot = groups_.size() > 1 ? "robot " + group.points.front()->robot->model->name + ": " : "";
+    if (look.in_touch > 0)
+      out.push_back(fmt::format("{}{} of {} worlds start in touch, which counts as a collision (first: {})", robot,
+                                look.in_touch, look.goals.size(), look.first_touch));
+    for (const std::string& text : touching_goals(look)) out.push_back(robot + text);
+    for (const std::string& text : goal_warnings(group.points, look)) out.push_back(robot + text);
+  }
+  return out;
 }
 
 void WorldSurvey::run(const SuitePoint& point, const BatchJob& job) {

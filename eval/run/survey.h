@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "eval/batch/batch.h"
+#include "eval/run/world_look.h"
 
 namespace moma::run {
 
@@ -24,7 +25,7 @@ class WorldSurvey {
   using Place = std::pair<std::string, std::string>;  ///< robot, family
 
   /// Makes about `count` worlds in all, the first ones of each robot and `worlds` section among the points, of which
-  /// there are `trials`.
+  /// there are `trials`, and looks at them; of each frozen set `count`. The points have to last as long as the survey.
   void make_worlds(const std::vector<SuitePoint>& points, std::uint64_t count, std::uint64_t trials);
   /// Computes a job on this thread and counts the trial's time.
   void run(const SuitePoint& point, const BatchJob& job);
@@ -33,12 +34,23 @@ class WorldSurvey {
   const std::map<Place, Tally>& tallies() const { return tallies_; }
   /// Worlds that cannot be made, one sentence per robot and family.
   const std::vector<std::string>& failures() const { return failures_; }
+  /// What is doubtful of the worlds that were made: robots that start in touch, goals nearer to objects than
+  /// controllers keep. One sentence each, with counts.
+  std::vector<std::string> doubts() const;
 
  private:
-  void make_worlds(const SuitePoint& point, std::uint64_t count);
+  /// Points that share robot and worlds.
+  struct Group {
+    std::vector<const SuitePoint*> points;
+    WorldLook look;
+  };
+
+  void make_worlds(Group& group, std::uint64_t count);
+  void look_at_frozen(Group& group, std::uint64_t count);
 
   std::map<Place, Tally> tallies_;
   std::vector<std::string> failures_;
+  std::vector<Group> groups_;
 };
 
 /// How long trials of a suite take.
