@@ -15,11 +15,15 @@ int rigid_root(const RobotModel& model, int link) noexcept {
 
 }  // namespace
 
-GoalClearance::GoalClearance(const RobotModel& model) {
+std::vector<int> hand_shapes(const RobotModel& model) {
+  std::vector<int> shapes;
   const int hand = rigid_root(model, model.tip);
   for (std::size_t i = 0; i < model.shapes.size(); ++i)
-    if (rigid_root(model, model.shapes[i].link) == hand) shapes_.push_back(static_cast<int>(i));
+    if (rigid_root(model, model.shapes[i].link) == hand) shapes.push_back(static_cast<int>(i));
+  return shapes;
 }
+
+GoalClearance::GoalClearance(const RobotModel& model) : shapes_(hand_shapes(model)) {}
 
 double GoalClearance::least(const Kinematics& kinematics, const Isometry& X_WG, std::span<const ObjectState> objects,
                             double range, Proximity& proximity) noexcept {

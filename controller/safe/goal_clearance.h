@@ -30,6 +30,9 @@ struct KeptDistance {
   }
 };
 
+/// Indices of the shapes that no controlled joint separates from E.
+std::vector<int> hand_shapes(const RobotModel& model);
+
 /// How near the solids that are rigid with E are to objects where E is at its goal: no configuration changes that. One
 /// per worker; only allocate() takes memory.
 class GoalClearance {

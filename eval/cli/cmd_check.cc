@@ -5,7 +5,6 @@
 #include <map>
 #include <memory>
 #include <set>
-#include <utility>
 
 #include "controller/config/node.h"
 #include "eval/cli/command.h"
@@ -18,7 +17,6 @@
 #include "eval/run/recording.h"
 #include "eval/run/store_file.h"
 #include "eval/run/survey.h"
-#include "eval/run/world_look.h"
 #include "eval/tune/tuned_file.h"
 #include "eval/tune/tuning.h"
 
@@ -117,8 +115,7 @@ int check(const CheckOptions& check_options) {
   print_warnings(survey.failures());
   const std::vector<std::string> of_robots = robot_warnings(suite, options.file);
   print_warnings(of_robots);
-  std::vector<std::string> of_worlds = survey.doubts();
-  for (std::string& text : run::arrival_warnings(suite.points)) of_worlds.push_back(std::move(text));
+  const std::vector<std::string> of_worlds = survey.doubts();
   print_warnings(of_worlds);
   if (config::load_yaml(options.file).find("tune") != nullptr) {
     const tune::Tuning tuning = tune::load_tuning(options.file, options.overrides());

@@ -33,8 +33,4 @@ std::vector<std::string> touching_goals(const WorldLook& look);
 /// `look` that it does not touch, with counts.
 std::vector<std::string> goal_warnings(const std::vector<const SuitePoint*>& points, const WorldLook& look);
 
-/// One sentence per controller that takes the goal for reached farther away than `success` allows, with the count of
-/// its points.
-std::vector<std::string> arrival_warnings(const std::vector<SuitePoint>& points);
-
 }  // namespace moma::run

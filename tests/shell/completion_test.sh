@@ -25,7 +25,8 @@ cat > robots/arm.urdf <<'XML'
 XML
 echo 'urdf: arm.urdf
 base: {type: fixed}
-arm: {tip: lower, tool: {position: [0.3, 0, 0]}, ready: [0, 0]}' > robots/arm.yaml
+arm: {tip: lower, tool: {position: [0.3, 0, 0]}, ready: [0, 0]}
+collision: {shapes: [{link: lower, shape: sphere, size: [0.05]}]}' > robots/arm.yaml
 touch disturbances/noisy.yaml controllers/neo.yaml
 moma run suites/small.yaml -o a.db --quiet >/dev/null
 
