@@ -13,7 +13,7 @@ class Cli : public CliTest {};
 TEST_F(Cli, EveryCommandHasHelpWithAnExample) {
   const ProcessResult help = good({"--help"});
   for (const std::string name : {"run", "query", "report", "replay", "verify", "compare", "merge", "export", "world",
-                                 "robot", "solve", "check"}) {
+                                 "import", "robot", "solve", "check"}) {
     EXPECT_NE(help.out.find("\n  " + name), std::string::npos) << name;
     const ProcessResult one = good({name, "--help"});
     EXPECT_NE(one.out.find("Example"), std::string::npos) << name;
@@ -222,6 +222,26 @@ TEST_F(Cli, WorldPrintsWhatFrozenReads) {
   EXPECT_NE(good({"world", "suite.yaml", "3", "--seed", "9", "--json"}).out, printed.out);
   bad({"world", "suite.yaml", "-3"}, {"moma world --help"});
   bad({"world", "suite.yaml", "three"}, {"INDEX"});
+}
+
+// What another program's problems become is read as any frozen world is.
+TEST_F(Cli, ImportWritesWhatFrozenReads) {
+  write("own.yaml", R"(joints: [turn, bend, reach]
+scenes:
+  shelf:
+    base: [0, 0, 0]
+    boxes: {board: {size: [0.1, 0.1, 0.1], center: [2, 2, 1]}}
+    configurations: [[0.1, 0.2, 0.05], [0.2, 0.4, 0.1]]
+)");
+  const ProcessResult imported = good({"import", "own.yaml", "--robot", "robots/tiny.yaml", "-o", "own.jsonl"});
+  EXPECT_NE(imported.err.find("1 worlds: 1 shelf"), std::string::npos) << imported.err;
+  const ProcessResult read = good({"world", "suite.yaml", "0", "--json", "--set", "worlds={frozen: own.jsonl}", "--set", "trials=1"});
+  EXPECT_EQ(json::parse(read.out)["objects"][0]["name"], "board");
+  EXPECT_EQ(read.out, good({"import", "own.yaml", "--robot", "robots/tiny.yaml"}).out);
+  good({"import", "own.yaml", "--robot", "robots/tiny.yaml", "-o", "own.jsonl"});  // its own file
+  write("mine.txt", "kept\n");
+  bad({"import", "own.yaml", "--robot", "robots/tiny.yaml", "-o", "mine.txt"}, {"mine.txt", "--force"});
+  bad({"import", "robots/tiny.yaml", "--robot", "robots/tiny.yaml"}, {"tiny.yaml:1:1", "planning scene"});
 }
 
 TEST_F(Cli, RobotShowsJointsAndShapes) {

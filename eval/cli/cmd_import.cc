@@ -1,0 +1,69 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <memory>
+
+#include "controller/config/robot_file.h"
+#include "eval/cli/command.h"
+#include "eval/cli/suite_options.h"
+#include "eval/cli/table.h"
+#include "files/output_file.h"
+#include "world/scenario/foreign.h"
+#include "world/scenario/worlds.h"
+#include "world/world_json.h"
+
+namespace moma::cli {
+namespace {
+
+struct ImportOptions {
+  std::vector<std::filesystem::path> files;
+  std::filesystem::path robot;
+  std::filesystem::path output;
+  files::Replace replace = files::Replace::kOwn;
+};
+
+int import(const ImportOptions& options) {
+  static const files::Kind kKind{"file of worlds", "\"difficulty\""};
+  if (!options.output.empty()) files::check_replace(options.output, kKind, options.replace);
+  const ForeignWorlds found = read_foreign(config::load_robot(options.robot).model, options.files);
+  const auto print = [&](std::ostream& out) {
+    for (const World& world : found.worlds) out << to_json(world).dump() << '\n';
+  };
+  if (options.output.empty()) {
+    print(std::cout);
+    std::cout << std::flush;
+  } else {
+    files::write_file(options.output, kKind, options.replace, print);
+  }
+  std::map<std::string, int> families;
+  for (const World& world : found.worlds) ++families[world.family];
+  std::string counts;
+  for (const auto& [family, count] : families)
+    counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, terminal_safe(family));
+  std::cerr << fmt::format("{} worlds: {}\n", found.worlds.size(), counts);
+  for (const std::string& note : found.notes) std::cerr << "note: " << terminal_safe(note) << '\n';
+  return kOk;
+}
+
+}  // namespace
+
+void add_import(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
+  auto options = std::make_shared<ImportOptions>();
+  CLI::App* command = app.add_subcommand("import", "Turn planning problems of other programs into frozen worlds");
+  command
+      ->add_option("FILE", options->files,
+                   "MoveIt planning scenes and requests (YAML, .scene), folders of them (MotionBenchMaker), VAMP's "
+                   "problems.json, scenes of boxes")
+      ->required();
+  command->add_option("--robot", options->robot, "Robot file; base at the origin, poses in its URDF's root")
+      ->required();
+  command->add_option("-o,--output", options->output,
+                      "Write the worlds there, one a line, for `worlds: {frozen: FILE}`");
+  add_force(*command, options->replace);
+  command->footer("Example: moma import scene0001.yaml request0001.yaml --robot my_panda.yaml -o worlds.jsonl");
+  command->callback([&action, options] { action = [options] { return import(*options); }; });
+}
+
+}  // namespace moma::cli

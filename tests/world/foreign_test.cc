@@ -1,0 +1,205 @@
+// Problems of other programs as worlds.
+#include "world/scenario/foreign.h"
+
+#include <gtest/gtest.h>
+
+#include "controller/config/node.h"
+#include "controller/model/kinematics.h"
+#include "tests/support/scratch.h"
+#include "tests/world/support.h"
+
+namespace moma {
+namespace {
+
+using test::robot;
+
+constexpr const char* kScene = R"(name: kitchen
+robot_state:
+  attached_collision_objects:
+    - {link_name: panda_hand, object: {id: cup}}
+world:
+  collision_objects:
+    - header: {frame_id: panda_link0}
+      id: table
+      primitives: [{type: box, dimensions: [0.8, 1.2, 0.05]}]
+      primitive_poses: [{position: [0.6, 0, 0.3], orientation: [0, 0, 0.70710678, 0.70710678]}]
+    - header: {frame_id: world}
+      id: can
+      pose: {position: {x: 0.5, y: 0.1, z: 0.4}, orientation: {x: 0, y: 0, z: 0, w: 1}}
+      primitives: [{type: 3, dimensions: [0.12, 0.03]}, {type: sphere, dimensions: [0.05]}]
+      primitive_poses:
+        - {position: [0, 0, 0], orientation: [0, 0, 0, 1]}
+        - {position: {x: 0, y: 0, z: 0.2}, orientation: {x: 0, y: 0, z: 0, w: 1}}
+    - id: wall
+      planes: [{coef: [-1, 0, 0, 0.9]}]
+      plane_poses: [{position: [0, 0, 0], orientation: [0, 0, 0, 1]}]
+    - id: mug
+      meshes: [{vertices: [{x: 0, y: 0, z: 0}, {x: 0.1, y: 0, z: 0}, {x: 0, y: 0.2, z: 0}, {x: 0, y: 0, z: 0.3}],
+                triangles: [{vertex_indices: [0, 1, 2]}]}]
+      mesh_poses: [{position: [0.4, -0.3, 0.5], orientation: [0, 0, 0, 1]}]
+)";
+
+constexpr const char* kRequest = R"(group_name: arm
+start_state:
+  joint_state:
+    name: [panda_joint2, panda_joint1]
+    position: [-0.5, 0.3]
+goal_constraints:
+  - joint_constraints:
+      - {joint_name: panda_joint7, position: 0.7}
+      - {joint_name: panda_joint1, position: 0.1}
+      - {joint_name: panda_joint2, position: -0.2}
+      - {joint_name: panda_joint3, position: 0.3}
+      - {joint_name: panda_joint4, position: -1.4}
+      - {joint_name: panda_joint5, position: 0.5}
+      - {joint_name: panda_joint6, position: 1.6}
+)";
+
+const WorldObject& named(const World& world, const std::string& name) {
+  for (const WorldObject& object : world.objects)
+    if (object.name == name) return object;
+  ADD_FAILURE() << name;
+  return world.objects.front();
+}
+
+bool noted(const ForeignWorlds& found, const std::string& text) {
+  for (const std::string& note : found.notes)
+    if (note.find(text) != std::string::npos) return true;
+  return false;
+}
+
+class Foreign : public testing::Test {
+ protected:
+  std::string message(const std::vector<std::filesystem::path>& files) {
+    try {
+      read_foreign(panda_, files);
+    } catch (const config::ConfigError& e) {
+      return e.what();
+    }
+    return "";
+  }
+
+  test::Scratch scratch_;
+  std::shared_ptr<const RobotModel> panda_ = robot("panda");
+};
+
+TEST_F(Foreign, MoveItsMessages) {
+  const ForeignWorlds found =
+      read_foreign(panda_, {scratch_.write("scene.yaml", kScene), scratch_.write("request.yaml", kRequest)});
+  ASSERT_EQ(found.worlds.size(), 1U);
+  const World& world = found.worlds[0];
+  EXPECT_EQ(world.family, "kitchen");
+  ASSERT_EQ(world.objects.size(), 5U);
+  Kinematics kinematics(panda_);
+  kinematics.update(Vector3::Zero(), panda_->ready);
+  const Isometry X_WR = kinematics.X_WL(panda_->find_link("panda_link0"));
+
+  const WorldObject& table = named(world, "table");
+  EXPECT_EQ(table.shape.size, Vector3(0.8, 1.2, 0.05));
+  EXPECT_LT((table.X_WO.translation() - X_WR * Vector3(0.6, 0, 0.3)).norm(), 1e-9);
+  EXPECT_LT((table.X_WO.linear() * Vector3::UnitX() - X_WR.linear() * Vector3::UnitY()).norm(), 1e-6);
+  const WorldObject& can = named(world, "can/1");
+  EXPECT_EQ(can.shape.kind, ShapeKind::kCylinder);
+  EXPECT_EQ(can.shape.size.x(), 0.03) << "the message has the height first";
+  EXPECT_EQ(can.shape.size.y(), 0.12);
+  EXPECT_LT((named(world, "can/2").X_WO.translation() - X_WR * Vector3(0.5, 0.1, 0.6)).norm(), 1e-9);
+  // The wall is where x > 0.9: its slab begins there.
+  const WorldObject& wall = named(world, "wall");
+  EXPECT_NEAR(extent_along(wall.shape, wall.X_WO, -X_WR.linear().col(0)),
+              -X_WR.linear().col(0).dot(X_WR * Vector3(0.9, 0, 0)), 1e-9);
+  const WorldObject& mug = named(world, "mug");
+  EXPECT_LT((mug.shape.size - Vector3(0.1, 0.2, 0.3)).norm(), 1e-12);
+  EXPECT_LT((mug.X_WO.translation() - X_WR * Vector3(0.45, -0.2, 0.65)).norm(), 1e-9);
+
+  EXPECT_EQ(world.start.q[0], 0.3);
+  EXPECT_EQ(world.start.q[1], -0.5);
+  EXPECT_EQ(world.start.q[3], panda_->ready[3]);
+  EXPECT_EQ(world.witness.q[6], 0.7);
+  kinematics.update(Vector3::Zero(), world.witness.q);
+  EXPECT_LT((kinematics.X_WE().matrix() - world.goal.X_WG.matrix()).norm(), 1e-12);
+  for (const char* text : {"attached objects are not carried, and left out: cup", "meshes are the boxes",
+                           "mug (4 vertices)", "planes are slabs", "taken for its root: world"})
+    EXPECT_TRUE(noted(found, text)) << text;
+}
+
+TEST_F(Foreign, MoveItsTextInBothVersions) {
+  const std::string shape = "box\n0.1 0.2 0.3\n0.5 0 0.4\n0 0 0 1\n0 0 0 0\n";
+  const auto old_text = scratch_.write("old.scene", "shop\n* crate\n1\n" + shape + ".\n");
+  const auto new_text = scratch_.write("new.scene", "shop\n* crate\n0 0 0.1\n0 0 0 1\n1\n" + shape +
+                                                        "1\nhandle\n0 0 0\n0 0 0 1\n* ball\n0 0 0\n0 0 0 1\n1\n"
+                                                        "sphere\n0.2\n1 1 1\n0 0 0 1\n0 0 0 0\n0\n.\n");
+  const auto request = scratch_.write("request.yaml", kRequest);
+  const World before = read_foreign(panda_, {old_text, request}).worlds.at(0);
+  const World now = read_foreign(panda_, {new_text, request}).worlds.at(0);
+  ASSERT_EQ(before.objects.size(), 1U);
+  ASSERT_EQ(now.objects.size(), 2U);
+  EXPECT_EQ(before.objects[0].shape.size, Vector3(0.1, 0.2, 0.3));
+  EXPECT_NEAR((now.objects[0].X_WO.translation() - before.objects[0].X_WO.translation()).norm(), 0.1, 1e-12);
+  EXPECT_EQ(named(now, "ball").shape.size.x(), 0.2);
+}
+
+TEST_F(Foreign, FoldersVampAndScenesOfBoxes) {
+  for (const char* number : {"0001", "0002"}) {
+    scratch_.write(
+        std::string("box_panda/scene") + number + ".yaml",
+        "world: {collision_objects: [{id: a" + std::string(number) +
+            ", primitives: [{type: sphere, dimensions: [0.1]}], primitive_poses: [{position: [1, 0, 0]}]}]}\n");
+    scratch_.write(std::string("box_panda/request") + number + ".yaml", kRequest);
+  }
+  const ForeignWorlds folder = read_foreign(panda_, {scratch_.folder() / "box_panda"});
+  ASSERT_EQ(folder.worlds.size(), 2U);
+  EXPECT_EQ(folder.worlds[1].family, "box_panda");
+  EXPECT_EQ(folder.worlds[1].index, 1U);
+  EXPECT_EQ(folder.worlds[1].objects.at(0).name, "a0002");
+
+  const std::string joints = R"(["panda_joint1", "panda_joint2", "panda_joint3", "panda_joint4", "panda_joint5",
+    "panda_joint6", "panda_joint7"])";
+  const auto vamp = scratch_.write("problems.json", R"({"robot": "panda", "joints": )" + joints + R"(,
+    "problems": {"cage": [{"index": 1, "valid": true, "start": [0, -0.8, 0, -2.3, 0, 1.5, 0.8],
+      "goals": [[0.1, -0.2, 0.3, -1.4, 0.5, 1.6, 0.7]], "sphere": [], "cylinder": [{"name": "rod", "radius": 0.02, "length": 0.5,
+      "position": [0.5, 0, 0.5], "orientation_euler_xyz": [0, 0, 0], "orientation_quat_xyzw": [0, 0, 0, 1]}],
+      "box": [{"name": "lid", "half_extents": [0.1, 0.2, 0.3], "position": [0.7, 0, 0.2],
+      "orientation_quat_xyzw": [0, 0, 0, 1]}]}]}})");
+  const World cage = read_foreign(panda_, {vamp}).worlds.at(0);
+  EXPECT_EQ(cage.family, "cage");
+  EXPECT_EQ(named(cage, "lid").shape.size, Vector3(0.2, 0.4, 0.6));
+  EXPECT_EQ(named(cage, "rod").shape.size.head<2>(), Vector2(0.02, 0.5));
+  EXPECT_EQ(cage.start.q[1], -0.8);
+
+  const auto own = scratch_.write("own.yaml", "joints: " + joints + R"(
+scenes:
+  shelf:
+    base: [0, 0, 0]
+    boxes: {board: {size: [0.4, 0.3, 0.02], center: [0.1, 0.7, 0.5]}}
+    configurations: [[0, 0, 0, -1, 0, 1, 0], [0.1, 0, 0, -1, 0, 1, 0], [0.2, 0, 0, -1, 0, 1, 0]]
+)");
+  EXPECT_EQ(read_foreign(panda_, {own}).worlds.size(), 3U);
+}
+
+TEST_F(Foreign, SaysWhatIsWrong) {
+  const auto says = [&](const std::vector<std::filesystem::path>& files, const std::string& text) {
+    EXPECT_NE(message(files).find(text), std::string::npos) << text << "\n" << message(files);
+  };
+  const auto scene = scratch_.write("scene.yaml", kScene);
+  const auto request = scratch_.write("request.yaml", kRequest);
+  says({scene}, "found 1 planning scenes and 0 requests");
+  says({scene, scene, request}, "found 2 planning scenes and 1 requests");
+  says({scratch_.write("a.yaml", "a: 1\n")}, "a.yaml:1:1: expected a planning scene");
+  std::string text = kScene;
+  text.replace(text.find("type: sphere"), 12, "type: helix");
+  says({scratch_.write("b.yaml", text), request}, "b.yaml:14:");
+  text = kRequest;
+  text.erase(text.find("      - {joint_name: panda_joint4"), 50);
+  says({scene, scratch_.write("c.yaml", text)}, "panda_joint4");
+  says({scene, scratch_.write("d.yaml", "goal_constraints: [{position_constraints: []}]\n")},
+       "expected joint_constraints");
+  says({scratch_.write("e.scene", "shop\n* crate\n1\nbox\n0.1 0.2\n"), request}, "e.scene:5:1: found '0.1 0.2'");
+  says({scratch_.write("f.scene", "shop\n* crate\n1\nbox\n"), request}, "f.scene:4:1: ends where");
+  says({scratch_.write("g.yaml",
+                       "world: {collision_objects: [{id: a, primitives: [{type: box, dimensions: [1, 1]}]}]}\n"),
+        request},
+       "g.yaml:1:");
+}
+
+}  // namespace
+}  // namespace moma

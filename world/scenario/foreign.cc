@@ -1,0 +1,534 @@
+#include "world/scenario/foreign.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <string_view>
+#include <utility>
+
+#include "controller/config/reader.h"
+#include "controller/config/text_file.h"
+#include "controller/model/kinematics.h"
+#include "world/scenario/scene_builder.h"
+#include "world/scenario/scenes.h"
+
+namespace moma {
+namespace {
+
+namespace fs = std::filesystem;
+using config::Node;
+
+constexpr double kSlab = 0.2, kSlabEdge = 20.0;  // what stands for a plane [m]
+
+/// `name` of a map, or an error that says what is wanted. Keys of messages that say nothing about shapes are not asked.
+const Node& need(const Node& map, const std::string& name, const std::string& what) {
+  const Node* node = map.find(name);
+  if (node == nullptr || node->kind == Node::Kind::kNull) config::fail(map.mark, name, "missing; expected " + what);
+  return *node;
+}
+
+const std::vector<Node>& list_of(const Node& map, const std::string& name) {
+  static const std::vector<Node> kNone;
+  const Node* node = map.find(name);
+  if (node == nullptr || node->kind == Node::Kind::kNull) return kNone;
+  if (node->kind != Node::Kind::kSequence) config::fail(node->mark, name, "expected a list");
+  return node->items;
+}
+
+/// `count` numbers as a list, or as a map with these keys in turn.
+VectorX numbers(const Node& node, const std::string& key, std::string_view letters) {
+  VectorX v(static_cast<Eigen::Index>(letters.size()));
+  if (node.kind == Node::Kind::kMap) {
+    for (std::size_t i = 0; i < letters.size(); ++i) {
+      const std::string letter(1, letters[i]);
+      v[static_cast<Eigen::Index>(i)] = config::read_number(need(node, letter, "a number"), key + "." + letter);
+    }
+    return v;
+  }
+  const std::vector<double> list = config::read_numbers(node, key, static_cast<int>(letters.size()));
+  return Eigen::Map<const VectorX>(list.data(), v.size());
+}
+
+Isometry pose_of(const Vector3& position, const Eigen::Vector4d& xyzw, const config::Mark& mark) {
+  if (!(xyzw.norm() > 1e-6)) config::fail(mark, "orientation", "expected a quaternion x, y, z, w that is not zero");
+  Isometry X = Isometry::Identity();
+  X.linear() = Eigen::Quaterniond(xyzw[3], xyzw[0], xyzw[1], xyzw[2]).normalized().toRotationMatrix();
+  X.translation() = position;
+  return X;
+}
+
+Isometry read_pose(const Node& node) {
+  const Node* orientation = node.find("orientation");
+  Eigen::Vector4d xyzw(0.0, 0.0, 0.0, 1.0);
+  if (orientation != nullptr) xyzw = numbers(*orientation, "orientation", "xyzw");
+  return pose_of(numbers(need(node, "position", "x, y, z"), "position", "xyz"), xyzw, node.mark);
+}
+
+struct Part {
+  Shape shape;
+  Isometry X = Isometry::Identity();  ///< in its object's frame
+};
+
+struct Scene {
+  std::string name;
+  std::vector<WorldObject> objects;  ///< X_WO
+};
+
+struct Request {
+  std::map<std::string, double> start, goal;
+  config::Mark mark;
+};
+
+using Frames = std::map<std::string, Isometry>;
+
+class Importer {
+ public:
+  explicit Importer(const std::shared_ptr<const RobotModel>& model) : model_(model), at_ready_(model) {
+    at_ready_.update(Vector3::Zero(), model->ready);
+  }
+
+  void read(const fs::path& path) {
+    std::error_code error;
+    if (fs::is_directory(path, error)) {
+      std::set<fs::path> files;
+      for (const auto& entry : fs::directory_iterator(path))
+        if (is_scene_file(entry.path())) files.insert(entry.path());
+      if (files.empty()) config::fail({path.string()}, "", "this folder has no .yaml, .yml, .json or .scene");
+      const std::string family = fs::weakly_canonical(path).filename().string();
+      for (const fs::path& file : files) read_file(file, family);
+      pair_up();
+      return;
+    }
+    read_file(path, path.stem().string());
+  }
+
+  ForeignWorlds finish() {
+    pair_up();
+    if (out_.worlds.empty())
+      throw config::ConfigError("these files hold no problem: a scene needs a request with a goal");
+    for (const auto& [what, names] : not_as_it_was_) {
+      std::string list;
+      std::size_t k = 0;
+      for (const std::string& name : names) {
+        if (++k > 5) break;
+        list += (list.empty() ? "" : ", ") + name;
+      }
+      if (names.size() > 5) list += fmt::format(" and {} more", names.size() - 5);
+      out_.notes.push_back(what + ": " + list);
+    }
+    const auto touching = std::count_if(out_.worlds.begin(), out_.worlds.end(),
+                                        [](const World& world) { return world.difficulty.witness_clearance_m <= 0.0; });
+    if (touching > 0)
+      out_.notes.push_back(fmt::format("{} of {} goals are in touch with an object", touching, out_.worlds.size()));
+    return std::move(out_);
+  }
+
+ private:
+  static bool is_scene_file(const fs::path& path) {
+    const std::string end = path.extension().string();
+    return end == ".yaml" || end == ".yml" || end == ".json" || end == ".scene";
+  }
+
+  void note(const std::string& what, const std::string& name) { not_as_it_was_[what].insert(name); }
+
+  void read_file(const fs::path& file, const std::string& family) {
+    if (file.extension() == ".scene") {
+      scenes_.push_back(read_text_scene(file, family));
+      return;
+    }
+    const Node root = config::load_yaml(file);
+    if (root.find("problems") != nullptr) {
+      read_vamp(root);
+    } else if (root.find("scenes") != nullptr && root.find("joints") != nullptr) {
+      const Scenes own = Scenes::read(root, "");
+      for (std::uint64_t i = 0; i < own.size(); ++i) {
+        out_.worlds.push_back(own.make(model_, i));
+        out_.worlds.back().index = out_.worlds.size() - 1;
+      }
+    } else if (root.find("goal_constraints") != nullptr) {
+      requests_.push_back(read_request(root));
+    } else if (root.find("world") != nullptr || root.find("collision_objects") != nullptr) {
+      scenes_.push_back(read_scene(root, family));
+    } else {
+      config::fail(
+          root.mark, "",
+          "expected a planning scene (`world`), a motion plan request (`goal_constraints`), VAMP's `problems`, or "
+          "`joints` and `scenes`");
+    }
+  }
+
+  Isometry frame(const Node& object) {
+    const Node* header = object.find("header");
+    const Node* id = header != nullptr ? header->find("frame_id") : nullptr;
+    std::string name = id != nullptr ? id->scalar : "";
+    if (!name.empty() && name.front() == '/') name.erase(0, 1);
+    const int link = name.empty() || name == "@base" ? -1 : model_->find_link(name);
+    if (link >= 0) return at_ready_.X_WL(link);
+    if (!name.empty()) note("frames that are no link of the robot are taken for its root", name);
+    return at_ready_.X_WL(1);
+  }
+
+  // --- shapes -------------------------------------------------------------------------------------------------------
+  Part primitive(const Node& node, const std::string& owner) {
+    const std::string type = config::read_string(need(node, "type", "box, sphere, cylinder or cone"), "type");
+    const Node& dimensions = need(node, "dimensions", "the shape's numbers");
+    const std::vector<double> d = config::read_numbers(dimensions, "dimensions", -1, Range::positive());
+    const auto wants = [&](std::size_t count) {
+      if (d.size() != count)
+        config::fail(dimensions.mark, "dimensions", fmt::format("a {} has {}, found {}", type, count, d.size()));
+    };
+    Part part;
+    if (type == "box" || type == "1") {
+      wants(3);
+      part.shape = {ShapeKind::kBox, Vector3(d[0], d[1], d[2]), nullptr};
+    } else if (type == "sphere" || type == "2") {
+      wants(1);
+      part.shape = {ShapeKind::kSphere, Vector3(d[0], 0.0, 0.0), nullptr};
+    } else if (type == "cylinder" || type == "3" || type == "cone" || type == "4") {
+      wants(2);  // height, radius
+      part.shape = {ShapeKind::kCylinder, Vector3(d[1], d[0], 0.0), nullptr};
+      if (type == "cone" || type == "4") note("cones are the cylinders around them", owner);
+    } else {
+      config::fail(node.mark, "type", "found '" + type + "', expected box, sphere, cylinder or cone");
+    }
+    return part;
+  }
+
+  Part plane(const Eigen::Vector4d& abcd, const config::Mark& mark, const std::string& owner) {
+    const Vector3 n = abcd.head<3>();
+    if (!(n.norm() > 1e-9)) config::fail(mark, "coef", "expected a, b, c, d of a x + b y + c z + d = 0");
+    note(fmt::format("planes are slabs of {} x {} x {} m behind them", kSlabEdge, kSlabEdge, kSlab), owner);
+    Part part;
+    part.shape = {ShapeKind::kBox, Vector3(kSlabEdge, kSlabEdge, kSlab), nullptr};
+    part.X.linear() = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), n).toRotationMatrix();
+    part.X.translation() = -(abcd[3] / n.norm() + 0.5 * kSlab) * n.normalized();
+    return part;
+  }
+
+  Part mesh(const std::vector<Vector3>& vertices, const config::Mark& mark, const std::string& owner) {
+    if (vertices.empty()) config::fail(mark, "vertices", "a mesh has some");
+    Eigen::AlignedBox3d box;
+    for (const Vector3& p : vertices) box.extend(p);
+    note("meshes are the boxes around them", fmt::format("{} ({} vertices)", owner, vertices.size()));
+    Part part;
+    part.shape = {ShapeKind::kBox, box.sizes().cwiseMax(1e-3), nullptr};
+    part.X.translation() = box.center();
+    return part;
+  }
+
+  static void add(Scene& scene, const std::string& name, const Isometry& X_WO, const std::vector<Part>& parts) {
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      WorldObject object;
+      object.name = parts.size() == 1 ? name : fmt::format("{}/{}", name, i + 1);
+      object.shape = parts[i].shape;
+      const Isometry X = X_WO * parts[i].X;
+      set_pose(object, X.translation(), Eigen::Quaterniond(X.linear()));
+      scene.objects.push_back(std::move(object));
+    }
+  }
+
+  // --- MoveIt's messages --------------------------------------------------------------------------------------------
+  Scene read_scene(const Node& root, const std::string& family) {
+    Scene scene;
+    const Node* named = root.find("name");
+    scene.name = named != nullptr && !named->scalar.empty() ? named->scalar : family;
+    const Node* world = root.find("world");
+    const Node& from = world != nullptr ? *world : root;
+    for (const Node& object : list_of(from, "collision_objects")) {
+      const std::string id = config::read_string(need(object, "id", "the object's name"), "id");
+      const Node* pose = object.find("pose");
+      const Isometry X_WO = frame(object) * (pose != nullptr ? read_pose(*pose) : Isometry::Identity());
+      std::vector<Part> parts;
+      const auto take = [&](const std::string& shapes, const std::string& poses, const auto& part_of) {
+        const std::vector<Node>& all = list_of(object, shapes);
+        const std::vector<Node>& at = list_of(object, poses);
+        if (at.size() > all.size() || (at.size() < all.size() && !(at.empty() && pose != nullptr)))
+          config::fail(object.mark, poses, fmt::format("{} has {} {} and {} poses", id, all.size(), shapes, at.size()));
+        for (std::size_t i = 0; i < all.size(); ++i) {
+          Part part = part_of(all[i]);
+          if (i < at.size()) part.X = read_pose(at[i]) * part.X;
+          parts.push_back(std::move(part));
+        }
+      };
+      take("primitives", "primitive_poses", [&](const Node& node) { return primitive(node, id); });
+      take("planes", "plane_poses", [&](const Node& node) {
+        return plane(numbers(need(node, "coef", "a, b, c, d"), "coef", "abcd"), node.mark, id);
+      });
+      take("meshes", "mesh_poses", [&](const Node& node) {
+        std::vector<Vector3> vertices;
+        for (const Node& vertex : list_of(node, "vertices")) vertices.emplace_back(numbers(vertex, "vertices", "xyz"));
+        return mesh(vertices, node.mark, id);
+      });
+      if (parts.empty()) config::fail(object.mark, "primitives", "the object " + id + " has no shape");
+      add(scene, id, X_WO, parts);
+    }
+    if (const Node* state = root.find("robot_state"))
+      for (const Node& held : list_of(*state, "attached_collision_objects")) note_attached(held);
+    if (const Node* octomap = from.find("octomap"))
+      if (const Node* map = octomap->find("octomap"))
+        if (!list_of(*map, "data").empty()) note("occupancy maps are left out", scene.name);
+    return scene;
+  }
+
+  void note_attached(const Node& held) {
+    const Node* object = held.find("object");
+    const Node* id = object != nullptr ? object->find("id") : nullptr;
+    note("attached objects are not carried, and left out", id != nullptr ? id->scalar : "without a name");
+  }
+
+  static void take_state(const Node& state, std::map<std::string, double>& q) {
+    const Node* joints = state.find("joint_state");
+    if (joints == nullptr) return;
+    const std::vector<Node>& names = list_of(*joints, "name");
+    const std::vector<Node>& values = list_of(*joints, "position");
+    if (names.size() != values.size())
+      config::fail(joints->mark, "position", fmt::format("{} values of {} joints", values.size(), names.size()));
+    for (std::size_t i = 0; i < names.size(); ++i) q[names[i].scalar] = config::read_number(values[i], "position");
+  }
+
+  Request read_request(const Node& root) {
+    Request request;
+    request.mark = root.mark;
+    if (const Node* state = root.find("start_state")) {
+      take_state(*state, request.start);
+      for (const Node& held : list_of(*state, "attached_collision_objects")) note_attached(held);
+    }
+    const std::vector<Node>& goals = list_of(root, "goal_constraints");
+    if (goals.empty()) config::fail(root.mark, "goal_constraints", "expected a goal");
+    if (goals.size() > 1) note("of several goals the first is taken", root.mark.file);
+    for (const Node& joint : list_of(goals.front(), "joint_constraints"))
+      request.goal[config::read_string(need(joint, "joint_name", "a joint"), "joint_name")] =
+          config::read_number(need(joint, "position", "its value"), "position");
+    if (request.goal.empty())
+      config::fail(goals.front().mark, "goal_constraints",
+                   "expected joint_constraints: a goal that is a pose alone has no configuration that shows it can be "
+                   "reached");
+    return request;
+  }
+
+  // --- MoveIt's text ------------------------------------------------------------------------------------------------
+  Scene read_text_scene(const fs::path& file, const std::string& family) {
+    std::istringstream text(config::read_text_file(file));
+    int number = 0;
+    std::string line;
+    const auto next = [&](const std::string& what) {
+      while (std::getline(text, line)) {
+        ++number;
+        const std::size_t first = line.find_first_not_of(" \t\r");
+        if (first == std::string::npos) continue;
+        line = line.substr(first, line.find_last_not_of(" \t\r") + 1 - first);
+        return;
+      }
+      config::fail({file.string(), number, 1}, "", "ends where " + what + " is expected");
+    };
+    const auto wrong = [&](const std::string& what) {
+      config::fail({file.string(), number, 1}, "", "found '" + line + "', expected " + what);
+    };
+    const auto values = [&](const std::string& what) {
+      std::vector<double> v;
+      std::istringstream in(line);
+      for (std::string word; in >> word;) v.push_back(config::read_number(scalar(word, file, number), what));
+      return v;
+    };
+    const auto some = [&](std::size_t count, const std::string& what) {
+      next(what);
+      const std::vector<double> v = values(what);
+      if (v.size() != count) wrong(fmt::format("{}: {} numbers", what, count));
+      return VectorX(Eigen::Map<const VectorX>(v.data(), static_cast<Eigen::Index>(count)));
+    };
+    const auto pose = [&] {
+      const Vector3 p = some(3, "a position");
+      return pose_of(p, some(4, "a quaternion"), {file.string(), number, 1});
+    };
+    const auto count_of = [&](double value) {
+      if (!(value >= 0.0 && value <= 1e6 && value == std::floor(value))) wrong("a whole number");
+      return static_cast<int>(value);
+    };
+    next("the scene's name");
+    Scene scene;
+    scene.name = line.empty() || line == "(noname)+" || line == "(noname)" ? family : line;
+    const Isometry X_WR = at_ready_.X_WL(1);
+    for (next("* OBJECT, or ."); line != "."; next("* OBJECT, or .")) {
+      if (line.size() < 3 || line[0] != '*') wrong("* OBJECT, or .");
+      const std::string id = line.substr(line.find_first_not_of(" \t", 1));
+      next("the number of shapes, or the object's position");
+      std::vector<double> v = values("the number of shapes");
+      Isometry X_WO = X_WR;
+      const bool placed = v.size() == 3;  // since MoveIt 1.1 an object has a pose and subframes of its own
+      if (placed) {
+        X_WO = X_WR * pose_of({v[0], v[1], v[2]}, some(4, "a quaternion"), {file.string(), number, 1});
+        next("the number of shapes");
+        v = values("the number of shapes");
+      }
+      if (v.size() != 1) wrong("the number of shapes");
+      const int shapes = count_of(v[0]);
+      std::vector<Part> parts;
+      for (int i = 0; i < shapes; ++i) {
+        next("box, sphere, cylinder, cone, plane or mesh");
+        const std::string type = line;
+        Part part;
+        if (type == "box") {
+          part.shape = {ShapeKind::kBox, some(3, "three edges"), nullptr};
+        } else if (type == "sphere") {
+          part.shape = {ShapeKind::kSphere, Vector3(some(1, "a radius")[0], 0.0, 0.0), nullptr};
+        } else if (type == "cylinder" || type == "cone") {
+          const VectorX d = some(2, "radius and length");
+          part.shape = {ShapeKind::kCylinder, Vector3(d[0], d[1], 0.0), nullptr};
+          if (type == "cone") note("cones are the cylinders around them", id);
+        } else if (type == "plane") {
+          part = plane(some(4, "a, b, c, d"), {file.string(), number, 1}, id);
+        } else if (type == "mesh") {
+          const VectorX n = some(2, "numbers of vertices and triangles");
+          std::vector<Vector3> vertices;
+          for (int k = 0; k < count_of(n[0]); ++k) vertices.emplace_back(some(3, "a vertex"));
+          for (int k = 0; k < count_of(n[1]); ++k) (void)some(3, "a triangle");
+          part = mesh(vertices, {file.string(), number, 1}, id);
+        } else {
+          wrong("box, sphere, cylinder, cone, plane or mesh");
+        }
+        if (!(part.shape.size.head(num_sizes(part.shape.kind)).minCoeff() > 0.0)) wrong("sizes above 0");
+        part.X = pose() * part.X;
+        (void)some(4, "a colour");
+        parts.push_back(part);
+      }
+      if (placed) {
+        const int subframes = count_of(some(1, "the number of subframes")[0]);
+        for (int k = 0; k < subframes; ++k) {
+          next("a subframe's name");
+          (void)pose();
+        }
+      }
+      add(scene, id, X_WO, parts);
+    }
+    return scene;
+  }
+
+  static Node scalar(const std::string& word, const fs::path& file, int number) {
+    Node node;
+    node.kind = Node::Kind::kScalar;
+    node.scalar = word;
+    node.mark = {file.string(), number, 1};
+    return node;
+  }
+
+  // --- VAMP ---------------------------------------------------------------------------------------------------------
+  void read_vamp(const Node& root) {
+    std::vector<std::string> joints;
+    for (const Node& joint : list_of(root, "joints")) joints.push_back(config::read_string(joint, "joints"));
+    if (joints.empty()) config::fail(root.mark, "joints", "missing; expected the names of the configurations' joints");
+    const auto configuration = [&](const Node& node, const std::string& key) {
+      const std::vector<double> q = config::read_numbers(node, key, static_cast<int>(joints.size()));
+      std::map<std::string, double> named;
+      for (std::size_t i = 0; i < q.size(); ++i) named[joints[i]] = q[i];
+      return named;
+    };
+    const Node& problems = need(root, "problems", "a map {NAME: [PROBLEM, ...]}");
+    if (problems.kind != Node::Kind::kMap)
+      config::fail(problems.mark, "problems", "expected a map {NAME: [PROBLEM, ...]}");
+    for (const auto& [family, list] : problems.entries) {
+      for (const Node& problem : list.items) {
+        Scene scene;
+        scene.name = family;
+        for (const char* kind : {"sphere", "cylinder", "box"})
+          for (const Node& object : list_of(problem, kind)) add_vamp(scene, kind, object);
+        Request request;
+        request.mark = problem.mark;
+        request.start = configuration(need(problem, "start", "a configuration"), "start");
+        const std::vector<Node>& goals = list_of(problem, "goals");
+        if (goals.empty()) config::fail(problem.mark, "goals", "expected a list of configurations");
+        if (goals.size() > 1) note("of several goals the first is taken", family);
+        request.goal = configuration(goals.front(), "goals");
+        make(scene, request);
+      }
+    }
+  }
+
+  void add_vamp(Scene& scene, const std::string& kind, const Node& object) {
+    Part part;
+    const auto number = [&](const char* key) {
+      return config::read_number(need(object, key, "a number"), key, Range::positive());
+    };
+    if (kind == "sphere") {
+      part.shape = {ShapeKind::kSphere, Vector3(number("radius"), 0.0, 0.0), nullptr};
+    } else if (kind == "cylinder") {
+      part.shape = {ShapeKind::kCylinder, Vector3(number("radius"), number("length"), 0.0), nullptr};
+    } else {
+      const Node& half = need(object, "half_extents", "three half edges");
+      const std::vector<double> h = config::read_numbers(half, "half_extents", 3, Range::positive());
+      part.shape = {ShapeKind::kBox, 2.0 * Vector3(h[0], h[1], h[2]), nullptr};
+    }
+    Eigen::Vector4d xyzw(0.0, 0.0, 0.0, 1.0);
+    if (const Node* q = object.find("orientation_quat_xyzw")) xyzw = numbers(*q, "orientation_quat_xyzw", "xyzw");
+    part.X = pose_of(numbers(need(object, "position", "x, y, z"), "position", "xyz"), xyzw, object.mark);
+    const Node* name = object.find("name");
+    const std::string id = name != nullptr ? name->scalar : fmt::format("{}{}", kind, scene.objects.size());
+    add(scene, id, at_ready_.X_WL(1), {part});
+  }
+
+  // --- problems -----------------------------------------------------------------------------------------------------
+  void pair_up() {
+    if (scenes_.empty() && requests_.empty()) return;
+    if (scenes_.empty() || requests_.empty() || (scenes_.size() != 1 && scenes_.size() != requests_.size()))
+      throw config::ConfigError(fmt::format(
+          "found {} planning scenes and {} requests; expected as many of both, or one scene for all requests",
+          scenes_.size(), requests_.size()));
+    for (std::size_t i = 0; i < requests_.size(); ++i) make(scenes_[scenes_.size() == 1 ? 0 : i], requests_[i]);
+    scenes_.clear();
+    requests_.clear();
+  }
+
+  VectorX configuration(const std::map<std::string, double>& named, const Request& request, bool goal) {
+    VectorX q = model_->ready;
+    for (int i = 0; i < model_->num_joints(); ++i) {
+      const std::string& joint = model_->joints[static_cast<std::size_t>(i)].name;
+      const auto found = named.find(joint);
+      if (found != named.end())
+        q[i] = found->second;
+      else if (goal)
+        config::fail(request.mark, "goal",
+                     "says nothing of the joint " + joint + ", which robot " + model_->name + " controls");
+    }
+    return q;
+  }
+
+  void make(const Scene& scene, const Request& request) {
+    World world;
+    SceneBuilder builder(model_, 0, out_.worlds.size(), 0.0);
+    builder.begin(0, world);
+    world.family = scene.name;
+    world.start = {Vector3::Zero(), configuration(request.start, request, false)};
+    world.witness = {Vector3::Zero(), configuration(request.goal, request, true)};
+    std::map<std::string, int> seen;
+    for (WorldObject object : scene.objects) {
+      const int times = ++seen[object.name];
+      if (times > 1) object.name += fmt::format("#{}", times);
+      world.objects.push_back(std::move(object));
+    }
+    builder.take_robot(world);
+    builder.measure(world);
+    out_.worlds.push_back(std::move(world));
+  }
+
+  std::shared_ptr<const RobotModel> model_;
+  Kinematics at_ready_;
+  std::vector<Scene> scenes_;
+  std::vector<Request> requests_;
+  std::map<std::string, std::set<std::string>> not_as_it_was_;
+  ForeignWorlds out_;
+};
+
+}  // namespace
+
+ForeignWorlds read_foreign(const std::shared_ptr<const RobotModel>& model, const std::vector<fs::path>& files) {
+  Importer importer(model);
+  for (const fs::path& file : files) importer.read(file);
+  return importer.finish();
+}
+
+}  // namespace moma

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "controller/model/robot_model.h"
+#include "world/world.h"
+
+namespace moma {
+
+/// Problems of other programs as worlds, and what of them is not as it was there.
+struct ForeignWorlds {
+  std::vector<World> worlds;
+  std::vector<std::string> notes;
+};
+
+/// Reads planning problems, each file by its content:
+///   - MoveIt planning scenes, as YAML or JSON of the message or as text (.scene), and motion plan requests with joint
+///     goals. Scenes and requests are paired in order; one scene serves all requests.
+///   - a folder of those: MotionBenchMaker's sceneNNNN.yaml and requestNNNN.yaml, in order of their names.
+///   - VAMP's problems.json.
+///   - moma's own scenes of boxes and configurations (world/scenario/scenes.h).
+/// Poses are in the frame that an object's header names, where it is a link of the robot, else in the URDF's root; the
+/// base stands at the origin. The goal is the tool's pose at the goal's joint values, which are the witness. A joint
+/// that a start does not name is at the robot's `ready`. Planes become slabs 0.2 m thick, cones cylinders, meshes the
+/// boxes around their vertices; attached objects are not carried. Each of these is noted, as are worlds that start or
+/// end in touch. Throws config::ConfigError naming file and line: content that is none of these, shapes and goals that
+/// are not understood, joints that the robot does not control.
+ForeignWorlds read_foreign(const std::shared_ptr<const RobotModel>& model,
+                           const std::vector<std::filesystem::path>& files);
+
+}  // namespace moma
