@@ -262,7 +262,8 @@ RobotFit fit_robot(const fs::path& robot_file, const FitOptions& options, const 
   result.before = self_contact(*model);
   result.of_visuals = geometry.empty();
   if (geometry.empty()) geometry = config::load_urdf_collision(robot_file, config::UrdfPart::kVisual);
-  if (geometry.empty()) source.refuse("the URDF has no collision geometry that shapes could be fitted to, and no visual one");
+  if (geometry.empty())
+    source.refuse("the URDF has no collision geometry that shapes could be fitted to, and no visual one");
 
   const std::vector<std::string> own = source.own_links();
   std::vector<std::pair<std::string, std::vector<const UrdfCollision*>>> links;

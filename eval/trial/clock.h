@@ -22,9 +22,9 @@ inline constexpr double kJointLimitTolerance = 1e-3;
 ///
 /// At each sample t = k control_period, in this order: errors and distances at the state; collision; dwell; diverged,
 /// tipped, joint_limit, infeasible, stuck, timeout; then the command for the next period.
-/// A control period that is missed (Disturbances::control) is no answer's: sense() goes on through it with the last one.
-/// Everything that is measured or decides is the truth; only the controller sees what spec.disturbances make of it.
-/// Exceptions of the plant pass through; what was recorded until then is in `recording`. All arguments outlive it.
+/// A control period that is missed (Disturbances::control) is no answer's: sense() goes on through it with the last
+/// one. Everything that is measured or decides is the truth; only the controller sees what spec.disturbances make of
+/// it. Exceptions of the plant pass through; what was recorded until then is in `recording`. All arguments outlive it.
 /// `profile`, where there is one, is told of the parts.
 class TickClock {
  public:

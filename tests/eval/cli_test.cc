@@ -235,7 +235,8 @@ scenes:
 )");
   const ProcessResult imported = good({"import", "own.yaml", "--robot", "robots/tiny.yaml", "-o", "own.jsonl"});
   EXPECT_NE(imported.err.find("1 worlds: 1 shelf"), std::string::npos) << imported.err;
-  const ProcessResult read = good({"world", "suite.yaml", "0", "--json", "--set", "worlds={frozen: own.jsonl}", "--set", "trials=1"});
+  const ProcessResult read =
+      good({"world", "suite.yaml", "0", "--json", "--set", "worlds={frozen: own.jsonl}", "--set", "trials=1"});
   EXPECT_EQ(json::parse(read.out)["objects"][0]["name"], "board");
   EXPECT_EQ(read.out, good({"import", "own.yaml", "--robot", "robots/tiny.yaml"}).out);
   good({"import", "own.yaml", "--robot", "robots/tiny.yaml", "-o", "own.jsonl"});  // its own file
