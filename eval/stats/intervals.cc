@@ -49,12 +49,12 @@ Interval difference_of_paired_rates(std::int64_t only_a, std::int64_t only_b, st
 
 WeightedMean weighted_mean(const std::vector<double>& values, const std::vector<double>& weights) {
   if (values.size() != weights.size()) throw std::invalid_argument("weighted_mean: sizes differ");
-  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const double weight = std::accumulate(weights.begin(), weights.end(), 0.0);
-  if (!(weight > 0.0)) return {kUnknown, kUnknown};
+  if (!(weight > 0.0)) return {kNone, kNone};
   double mean = 0.0;
   for (std::size_t i = 0; i < values.size(); ++i) mean += weights[i] / weight * values[i];
-  if (values.size() < 2) return {mean, kUnknown};
+  if (values.size() < 2) return {mean, kNone};
   double squares = 0.0;
   for (std::size_t i = 0; i < values.size(); ++i) squares += std::pow(weights[i] / weight * (values[i] - mean), 2);
   const auto n = static_cast<double>(values.size());
