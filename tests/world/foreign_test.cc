@@ -55,7 +55,7 @@ goal_constraints:
       - {joint_name: panda_joint6, position: 1.6}
 )";
 
-const WorldObject& named(const World& world, const std::string& name) {
+const WorldObject& object_named(const World& world, const std::string& name) {
   for (const WorldObject& object : world.objects)
     if (object.name == name) return object;
   ADD_FAILURE() << name;
@@ -94,20 +94,20 @@ TEST_F(Foreign, MoveItsMessages) {
   kinematics.update(Vector3::Zero(), panda_->ready);
   const Isometry X_WR = kinematics.X_WL(panda_->find_link("panda_link0"));
 
-  const WorldObject& table = named(world, "table");
+  const WorldObject& table = object_named(world, "table");
   EXPECT_EQ(table.shape.size, Vector3(0.8, 1.2, 0.05));
   EXPECT_LT((table.X_WO.translation() - X_WR * Vector3(0.6, 0, 0.3)).norm(), 1e-9);
   EXPECT_LT((table.X_WO.linear() * Vector3::UnitX() - X_WR.linear() * Vector3::UnitY()).norm(), 1e-6);
-  const WorldObject& can = named(world, "can/1");
+  const WorldObject& can = object_named(world, "can/1");
   EXPECT_EQ(can.shape.kind, ShapeKind::kCylinder);
   EXPECT_EQ(can.shape.size.x(), 0.03) << "the message has the height first";
   EXPECT_EQ(can.shape.size.y(), 0.12);
-  EXPECT_LT((named(world, "can/2").X_WO.translation() - X_WR * Vector3(0.5, 0.1, 0.6)).norm(), 1e-9);
+  EXPECT_LT((object_named(world, "can/2").X_WO.translation() - X_WR * Vector3(0.5, 0.1, 0.6)).norm(), 1e-9);
   // The wall is where x > 0.9: its slab begins there.
-  const WorldObject& wall = named(world, "wall");
+  const WorldObject& wall = object_named(world, "wall");
   EXPECT_NEAR(extent_along(wall.shape, wall.X_WO, -X_WR.linear().col(0)),
               -X_WR.linear().col(0).dot(X_WR * Vector3(0.9, 0, 0)), 1e-9);
-  const WorldObject& mug = named(world, "mug");
+  const WorldObject& mug = object_named(world, "mug");
   EXPECT_LT((mug.shape.size - Vector3(0.1, 0.2, 0.3)).norm(), 1e-12);
   EXPECT_LT((mug.X_WO.translation() - X_WR * Vector3(0.45, -0.2, 0.65)).norm(), 1e-9);
 
@@ -135,7 +135,7 @@ TEST_F(Foreign, MoveItsTextInBothVersions) {
   ASSERT_EQ(now.objects.size(), 2U);
   EXPECT_EQ(before.objects[0].shape.size, Vector3(0.1, 0.2, 0.3));
   EXPECT_NEAR((now.objects[0].X_WO.translation() - before.objects[0].X_WO.translation()).norm(), 0.1, 1e-12);
-  EXPECT_EQ(named(now, "ball").shape.size.x(), 0.2);
+  EXPECT_EQ(object_named(now, "ball").shape.size.x(), 0.2);
 }
 
 TEST_F(Foreign, FoldersVampAndScenesOfBoxes) {
@@ -162,8 +162,8 @@ TEST_F(Foreign, FoldersVampAndScenesOfBoxes) {
       "orientation_quat_xyzw": [0, 0, 0, 1]}]}]}})");
   const World cage = read_foreign(panda_, {vamp}).worlds.at(0);
   EXPECT_EQ(cage.family, "cage");
-  EXPECT_EQ(named(cage, "lid").shape.size, Vector3(0.2, 0.4, 0.6));
-  EXPECT_EQ(named(cage, "rod").shape.size.head<2>(), Vector2(0.02, 0.5));
+  EXPECT_EQ(object_named(cage, "lid").shape.size, Vector3(0.2, 0.4, 0.6));
+  EXPECT_EQ(object_named(cage, "rod").shape.size.head<2>(), Vector2(0.02, 0.5));
   EXPECT_EQ(cage.start.q[1], -0.8);
 
   const auto own = scratch_.write("own.yaml", "joints: " + joints + R"(
