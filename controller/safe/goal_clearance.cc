@@ -1,6 +1,7 @@
 #include "controller/safe/goal_clearance.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace moma {
 namespace {

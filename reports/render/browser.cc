@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <sstream>
@@ -200,6 +201,20 @@ Json Browser::evaluate(const std::string& expression) {
                       raised.value("description", details.value("text", "no reason given")));
   }
   return answer.at("result").value("value", Json());
+}
+
+bool open_in_browser(const std::filesystem::path& html) {
+  const char* chosen = std::getenv("BROWSER");
+  std::string program = chosen != nullptr && *chosen != '\0' ? chosen : "xdg-open";
+  std::string file = fs::absolute(html).string();
+  char* arguments[] = {program.data(), file.data(), nullptr};
+  pid_t child = 0;
+  if (posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments, environ) != 0) return false;
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0) {
+    if (errno != EINTR) return false;
+  }
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 }  // namespace moma::reports

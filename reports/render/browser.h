@@ -43,4 +43,8 @@ class Browser {
   bool loaded_ = false;
 };
 
+/// Shows a page in the reader's own browser, as $BROWSER or else xdg-open names it, and waits until that has started
+/// it. False where there is none, or it fails.
+bool open_in_browser(const std::filesystem::path& html);
+
 }  // namespace moma::reports

@@ -267,7 +267,7 @@ TEST_F(CliFaults, AReportThatCannotBeWrittenLeavesTheOneThatIsThere) {
   write("a.html", "the one from before");
   for (const char* call : {"write", "fsync", "rename"}) {
     const ProcessResult failed =
-        Process(failing(call, 1, true, {"report", "a.db", "-o", "a.html"}), folder_.root()).wait();
+        Process(failing(call, 1, true, {"report", "a.db", "-o", "a.html", "--force"}), folder_.root()).wait();
     EXPECT_EQ(failed.code, 2) << call << failed.err;
     // The reading connection writes, too: the index of SQLite's write-ahead log.
     EXPECT_TRUE(failed.err.find("a.html: cannot be written") != std::string::npos ||

@@ -133,7 +133,6 @@ class EvaluateTest(unittest.TestCase):
             "raises": "RuntimeError: not today",
             "exits": "SystemExit: 3",
             "dies": "signal",
-            "hangs": "no answer to a step within",
             "hoards": "MemoryError",
             "prints": None,
         }
@@ -151,6 +150,12 @@ class EvaluateTest(unittest.TestCase):
                 self.assertEqual(set(trials.outcome), {"error"}, way)
                 self.assertIn(reason, trials.reason[0])
         self.assertEqual(set(store.trials("controller = 'own'").outcome), {"timeout"})
+
+    def test_what_real_time_ended_is_no_result(self):
+        hangs = {**entry_of((wrapped.Wrong, {"way": "hangs"})), "deadline": 25}
+        with self.assertRaisesRegex(moma.ProgramError, "no answer to a step within"):
+            self.evaluate(controllers={"hangs": hangs}, trials=1, keep_going=True)
+        self.assertEqual(len(moma.Store(self.folder / "a.db").trials("controller = 'hangs'")), 0)
 
     def test_mistakes(self):
         with self.assertRaisesRegex(moma.ProgramError, "trails: unknown key"):
