@@ -63,7 +63,7 @@ void Choice::begin(const Observation& from, double direct_time, int number) noex
   least_ = kInfinity;
   take({.kind = PlanKind::kPolicy, .time = direct_time});
   seed_ = static_cast<std::uint64_t>(number - 1);
-  plans_first_ = number > kTrusted;
+  plans_first_ = number > (planner_.close_goal() ? 1 : kTrusted);
   detour_ = params_.detours ? 0 : kCandidates;
   rolling_ = false;
   job_ = Job::kDetours;

@@ -33,7 +33,8 @@ class Choice {
 
   /// Begins a choice that takes effect at `from`, where the direct policy would take `direct_time` seconds (negative:
   /// it fails). A robot that moves there comes to rest first where it follows a path. `number` is the choice's, from 1:
-  /// draws come from it, and after kTrusted choices detours, which were not kept, give way to paths.
+  /// draws come from it, and after kTrusted choices, or one of a goal close to an object, detours, which were not kept,
+  /// give way to paths.
   void begin(const Observation& from, double direct_time, int number) noexcept;
   /// Works until `budget` checks are used up or all is known; `rollout` is of the direct policy. True as long as there
   /// is more to do.
@@ -49,7 +50,7 @@ class Choice {
 
   const Planner& planner() const noexcept { return planner_; }
 
-  static constexpr int kTrusted = 1;
+  static constexpr int kTrusted = 3;
 
  private:
   enum class Job { kDetours, kPlan, kDone };

@@ -54,6 +54,8 @@ class Planner {
   bool found() const noexcept { return stage_ == PlanStage::kFound; }
   /// Of a plan that was found.
   const Path& path() const noexcept { return path_; }
+  /// Whether the hand is nearer to an object at the goal than the clearance, in the last plan.
+  bool close_goal() const noexcept { return needed_ < kInfinity; }
   const PlanCounts& counts() const noexcept { return counts_; }
   const MotionLimits& limits() const noexcept { return *limits_; }
   const VectorX& tuck() const noexcept { return tuck_; }

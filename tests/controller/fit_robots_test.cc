@@ -137,7 +137,8 @@ TEST_F(FitRobot, ABaseThatTurnsGetsNoCorners) {
   const auto kind = [&](const std::string& base) {
     scratch_.write("round.urdf", "<robot name=\"round\"><link name=\"root\">" +
                                      collision("<cylinder radius=\"0.25\" length=\"0.3\"/>") +
-                                     R"(</link><link name="arm"/>
+                                     "</link><link name=\"arm\">" + collision("<sphere radius=\"0.05\"/>", "0 0 0.4") +
+                                     R"(</link>
 <joint name="turn" type="revolute"><parent link="root"/><child link="arm"/><axis xyz="0 0 1"/>
   <limit lower="-2" upper="2" velocity="1.5" effort="80"/></joint></robot>)");
     const auto file = scratch_.write("round.yaml", "urdf: round.urdf\narm: {tip: arm}\nbase: " + base + "\n");
