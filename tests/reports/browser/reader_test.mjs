@@ -29,7 +29,10 @@ for (const [width, height] of [[1280, 900], [390, 844]]) {
   const below = async (id, what) => {
     await figuresStand(page);   // drawn when nothing else is to do, above the target, too
     await drawn(page);
-    const off = await page.evaluate((name) => document.getElementById(name).getBoundingClientRect().top - document.querySelector('.toolbar').getBoundingClientRect().bottom, id);
+    // The page follows what was drawn once a frame has passed.
+    const offset = (name) => document.getElementById(name).getBoundingClientRect().top - document.querySelector('.toolbar').getBoundingClientRect().bottom;
+    await page.waitForFunction(`Math.abs((${offset})("${id}")) < 3`, null, { timeout: 20000 }).catch(() => {});
+    const off = await page.evaluate(offset, id);
     check(Math.abs(off) < 3, `${what} leads to ${off} px below the bar of a window of ${width}`);
   };
   await below('failures', 'the address');
