@@ -75,7 +75,7 @@ TEST_F(CliInterrupt, KilledWhileItLooksAheadGoesOnWithTheSameBits) {
 worlds: {seed: 3, families: {clutter: {}}}
 simulation: {mode: kinematic, time_limit: 6}
 samples: all
-trials: 12
+trials: 24
 )");
   const auto looking = [this](const std::string& db) {
     return command({"run", "looking.yaml", "-o", db, "--threads", "2"});
