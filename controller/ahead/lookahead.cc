@@ -55,7 +55,8 @@ Lookahead::Lookahead(std::shared_ptr<const RobotModel> model, const ControllerPa
       dt_(control_period),
       mobile_(model->mobile()),
       choice_(model, params),
-      watch_(model, planner().limits()),
+      slope_(params.collision.at_goal.slope),
+      watch_(model, planner().limits(), slope_),
       bounds_(*model, late_limits(params), control_period),
       rollout_(model, without_plan(params), params.plan.step),
       wanted_(VectorX::Zero(model->num_velocities())) {
@@ -93,7 +94,7 @@ KeptDistance Lookahead::keeps() const noexcept {
   constexpr double kPart = 0.45;
   const Path& path = state_.path;
   if (state_.brief.mode != PlanMode::kFollow || !(path.kept_at_goal < path.clearance)) return {};
-  return {kPart * path.kept_at_goal, kPart * FreeSpace::kSlope, state_.X_WG.translation(), kPart * path.clearance};
+  return {kPart * path.kept_at_goal, kPart * slope_, state_.X_WG.translation(), kPart * path.clearance};
 }
 
 std::int64_t Lookahead::periods(double seconds) const noexcept { return std::llround(seconds / dt_); }

@@ -91,6 +91,7 @@ class Lookahead {
   double dt_;
   bool mobile_;
   Choice choice_;
+  double slope_;  // of what paths keep near their goal
   PathWatch watch_;
   VelocityBounds bounds_;
   Rollout rollout_;

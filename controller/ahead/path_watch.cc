@@ -20,8 +20,8 @@ double least_clearance(const Path& path) noexcept {
 }
 
 // Near the goal a path may be as near as it was laid there, less what objects are seen elsewhere.
-KeptDistance shifted_goal(const Path& path, const PlanarShift& shift) noexcept {
-  KeptDistance kept{std::max(0.0, kPart * path.kept_at_goal - kLess), FreeSpace::kSlope, path.X_WG.translation()};
+KeptDistance shifted_goal(const Path& path, const PlanarShift& shift, double slope) noexcept {
+  KeptDistance kept{std::max(0.0, kPart * path.kept_at_goal - kLess), slope, path.X_WG.translation()};
   const Vector2 at = kept.p_WG.head<2>();
   const double cs = std::cos(shift.turn), sn = std::sin(shift.turn);
   kept.p_WG.head<2>() = shift.move + Vector2(cs * at.x() - sn * at.y(), sn * at.x() + cs * at.y());
@@ -30,8 +30,8 @@ KeptDistance shifted_goal(const Path& path, const PlanarShift& shift) noexcept {
 
 }  // namespace
 
-PathWatch::PathWatch(std::shared_ptr<const RobotModel> model, const MotionLimits& limits)
-    : space_(model, limits), movers_(model) {}
+PathWatch::PathWatch(std::shared_ptr<const RobotModel> model, const MotionLimits& limits, double slope)
+    : slope_(slope), space_(model, limits), movers_(model) {}
 
 void PathWatch::set_objects(std::span<const ObjectShape> objects) {
   space_.set_objects(objects);
@@ -65,7 +65,7 @@ bool PathWatch::holds(const Path& path, const PlanarShift& shift, double t, std:
     std::copy(objects.begin(), objects.end(), looked_at_.begin());
     space_.set_states(objects);
     looked_shift_ = shift;
-    space_.keep_near(shifted_goal(path, shift));
+    space_.keep_near(shifted_goal(path, shift, slope_));
     known_ = true;
     from_ = t;
   }

@@ -15,7 +15,8 @@ namespace moma {
 /// times. Nothing takes memory but set_objects().
 class PathWatch {
  public:
-  PathWatch(std::shared_ptr<const RobotModel> model, const MotionLimits& limits);
+  /// `slope`: growth of what a path keeps with the distance from its goal (GoalClearanceParams).
+  PathWatch(std::shared_ptr<const RobotModel> model, const MotionLimits& limits, double slope);
 
   void set_objects(std::span<const ObjectShape> objects);
   /// All that was known is to be looked at again.
@@ -32,6 +33,7 @@ class PathWatch {
  private:
   bool news(std::span<const ObjectState> objects, const PlanarShift& shift) noexcept;
 
+  double slope_;
   FreeSpace space_;
   std::vector<ObjectState> looked_at_;  // as they were when the look began that is going on, or was the last
   PlanarShift looked_shift_;

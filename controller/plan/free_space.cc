@@ -88,13 +88,13 @@ bool FreeSpace::clear(const WholeConfiguration& c, const Clearances& clearances)
   return proximity_.clear(kinematics_, states_, ranges);
 }
 
-// Of E at the last configuration that was placed.
+// Place of E at the last configuration that was placed.
 Vector3 FreeSpace::hand() const noexcept {
   const RobotModel& model = kinematics_.model();
   return kinematics_.X_WL(model.tip) * model.X_TE.translation();
 }
 
-// Of what is kept at `c`, a point may go a multiple between two checks.
+// Between two checks a point goes no more than a multiple of what is kept at `c`.
 double FreeSpace::step_near(const WholeConfiguration& c, double step) noexcept {
   constexpr double kTimes = 2.3, kLeast = 0.012;  // [1, m]
   if (!(kept_.at_goal < clearances_.object)) return step;

@@ -38,7 +38,6 @@ class FreeSpace {
   /// Near the goal less is kept from objects from here on.
   void keep_near(const KeptDistance& kept) noexcept { kept_ = kept; }
   const KeptDistance& kept() const noexcept { return kept_; }
-  static constexpr double kSlope = 0.25;  ///< of what is kept near the goal
   const Clearances& clearances() const noexcept { return clearances_; }
   const VectorX& lower() const noexcept { return lower_; }  ///< of the joints, margins kept
   const VectorX& upper() const noexcept { return upper_; }

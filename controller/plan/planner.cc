@@ -18,7 +18,7 @@ constexpr double kMoreWay = 0.3;
 constexpr double kAnyLength = 1e18;
 // Part of an edge's time that may be left where it overlaps with others, and of the best run's after further runs.
 constexpr double kOverlapped = 0.75, kShortened = 0.6;
-// What a plan keeps, the most first.
+// Distances and margins of a plan, the widest first.
 struct Tier {
   bool roomy;     // the roomy clearance, else the smaller one,
   double part;    // or this part of it
@@ -131,7 +131,7 @@ void Planner::begin_tier(int tier, bool goes_on) noexcept {
   double kept = 0.5 * (1.0 + at_goal_.part) * needed_;
   if (now.close) kept = 0.0;
   kept = std::max(kept, kCloser * at_goal_.least);
-  space_.keep_near({kept < object ? kept : kInfinity, FreeSpace::kSlope, X_WG_.translation()});
+  space_.keep_near({kept < object ? kept : kInfinity, at_goal_.slope, X_WG_.translation()});
   late_ = 0;
   stage_ = PlanStage::kGoals;
   // Joints that wind keep to the start's turn, and a start that is near to something lessens clearances.
