@@ -146,7 +146,7 @@ void ControllerCore::solve(const Posed& posed, StepResult& result) noexcept {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point start = timing_ ? Clock::now() : Clock::time_point{};
   answer_.outcome = fallback_.solve(posed.problem, posed.bounds.hard_lower, posed.bounds.hard_upper,
-                                    poser_.limits().has_acceleration(), posed.bounds.pair);
+                                    poser_.limits().has_soft_acceleration(), posed.bounds.pair);
   if (timing_) result.solve_seconds += std::chrono::duration<double>(Clock::now() - start).count();
   enter(clock_, StepPart::kRest);
   const VectorX& x = fallback_.solution().x;

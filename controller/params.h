@@ -21,8 +21,8 @@ constexpr auto words(Of<Method>) { return std::to_array<std::string_view>({"qp",
 enum class ErrorNormKind { kEuclidean, kL1, kPose };
 constexpr auto words(Of<ErrorNormKind>) { return std::to_array<std::string_view>({"euclidean", "l1", "pose"}); }
 
-enum class JointLimitMethod { kSource, kDamper, kNone };
-constexpr auto words(Of<JointLimitMethod>) { return std::to_array<std::string_view>({"source", "damper", "none"}); }
+enum class JointLimitMethod { kSource, kDamper, kBraking, kNone };
+constexpr auto words(Of<JointLimitMethod>) { return std::to_array<std::string_view>({"source", "damper", "braking", "none"}); }
 
 enum class SolverKind { kDaqp, kQpoases, kEiquadprog };
 constexpr auto words(Of<SolverKind>) { return std::to_array<std::string_view>({"daqp", "qpoases", "eiquadprog"}); }
@@ -76,14 +76,17 @@ struct ManipulabilityParams {
   ManipulabilityRows rows = ManipulabilityRows::kTranslation;
 };
 
-/// `source`: the article's S+-, margin q_s per joint; `damper`: eta (rho - rho_s)/(rho_i - rho_s) inside rho_i.
+/// `source`: the article's S+-, margin q_s per joint; `damper`: eta (rho - rho_s)/(rho_i - rho_s) inside rho_i;
+/// `braking`: the speed from which `share` of the acceleration limit still stops the joint at rho_s, and acceleration
+/// limits of all joints hold in every stage of the fallback.
 struct JointLimitParams {
   JointLimitMethod method = JointLimitMethod::kSource;
   bool auto_margin = true;  ///< q_s = min(0.3, a quarter of the joint's range)
   VectorX margin;           ///< q_s per joint, resolved [rad, m]; `source` only
   double influence = 0.9;   ///< rho_i
   double stop = 0.1;        ///< rho_s
-  double gain = 1.0;        ///< eta
+  double gain = 1.0;        ///< eta; `braking`: of the way back from beyond rho_s [1/s]
+  double share = 0.8;       ///< of the acceleration limit; `braking` only
 };
 
 struct DamperParams {

@@ -77,7 +77,8 @@ constexpr void describe(Visitor& v, Of<ManipulabilityParams>) {
 
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<JointLimitParams>) {
-  v.member("method", &JointLimitParams::method, {.text = "the article's S+-, a damper, or nothing"});
+  v.member("method", &JointLimitParams::method,
+           {.text = "the article's S+-, a damper, what can be braked, or nothing"});
   v.word_or("margin", "auto", &JointLimitParams::auto_margin, &JointLimitParams::margin,
             {.unit = "rad or m",
              .range = Range::positive(),
@@ -87,9 +88,13 @@ constexpr void describe(Visitor& v, Of<JointLimitParams>) {
   v.member("influence", &JointLimitParams::influence,
            {.unit = "rad or m", .range = Range::positive(), .text = "rho_i of the damper"});
   v.member("stop", &JointLimitParams::stop,
-           {.unit = "rad or m", .range = Range::non_negative(), .text = "rho_s of the damper"});
+           {.unit = "rad or m", .range = Range::non_negative(), .text = "rho_s: room that is left to the limit"});
   v.member("gain", &JointLimitParams::gain,
            {.unit = "rad/s or m/s", .range = Range::positive(), .text = "eta of the damper"});
+  v.member("share", &JointLimitParams::share,
+           {.range = {0.0, 1.0, true, false},
+            .written = Written::kUnlessDefault,
+            .text = "part of the acceleration limit with which `braking` brakes"});
 }
 
 template <class Visitor>

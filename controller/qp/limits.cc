@@ -8,6 +8,12 @@
 #include "controller/safe/braking.h"
 
 namespace moma {
+namespace {
+
+// The command acts one period later than its state was measured, and is held for one.
+constexpr double kReactionPeriods = 2.0;
+
+}  // namespace
 
 VelocityBounds::VelocityBounds(const RobotModel& model, const ControllerParams& params, double control_period)
     : base_dof_(model.base_dof()),
@@ -18,7 +24,10 @@ VelocityBounds::VelocityBounds(const RobotModel& model, const ControllerParams& 
       margin_(resolve_margin(model, params.joint_limits)),
       part_(model.num_joints()),
       step_(params.acceleration_limit * control_period),
+      deceleration_(params.joint_limits.share * params.acceleration_limit.tail(model.num_joints())),
+      reaction_(kReactionPeriods * control_period),
       hard_base_(params.base_share > 0.0 && base_dof_ > 0),
+      hard_joints_(params.joint_limits.method == JointLimitMethod::kBraking),
       pair_(hard_base_ && kind_of(model.base.type).lateral()) {
   for (int i = 0; i < model.num_joints(); ++i) {
     q_lower_[i] = model.joints[static_cast<std::size_t>(i)].lower;
@@ -33,7 +42,9 @@ VelocityBounds::VelocityBounds(const RobotModel& model, const ControllerParams& 
     const double most = part * sight_speed(params.sight, model, params.acceleration_limit[0]);
     for (int i = 0; i + 1 < base_dof_; ++i) speed_[i] = std::min(speed_[i], most);
   }
-  for (const double a : params.acceleration_limit) has_acceleration_ = has_acceleration_ || std::isfinite(a);
+  for (int i = 0; i < model.num_velocities(); ++i)
+    if (!(i < base_dof_ ? hard_base_ : hard_joints_) && std::isfinite(params.acceleration_limit[i]))
+      has_soft_acceleration_ = true;
 }
 
 void Bounds::allocate(int num_velocities) {
@@ -52,10 +63,16 @@ void VelocityBounds::bound(const VectorX& q, const VectorX& qdot, Bounds& out) c
   joint_limits(q, out.hard_lower, out.hard_upper);
   acceleration(qdot, out.hard_lower, out.hard_upper, out.lower, out.upper);
   out.pair = linear_pair(qdot);
-  if (!hard_base_) return;
   // What the drives can do holds in every stage of the fallback.
-  out.hard_lower.head(base_dof_) = out.lower.head(base_dof_);
-  out.hard_upper.head(base_dof_) = out.upper.head(base_dof_);
+  const Eigen::Index joints = out.lower.size() - base_dof_;
+  if (hard_base_) {
+    out.hard_lower.head(base_dof_) = out.lower.head(base_dof_);
+    out.hard_upper.head(base_dof_) = out.upper.head(base_dof_);
+  }
+  if (hard_joints_) {
+    out.hard_lower.tail(joints) = out.lower.tail(joints);
+    out.hard_upper.tail(joints) = out.upper.tail(joints);
+  }
 }
 
 void VelocityBounds::brake(const VectorX& q, const VectorX& qdot, Bounds& work, VectorX& command) const noexcept {
@@ -102,6 +119,13 @@ void VelocityBounds::joint_limits(const Eigen::Ref<const VectorX>& q, Eigen::Ref
         high = std::min(std::max(high, -speed), speed);
         low = std::min(std::max(low, -speed), speed);
         break;
+      case JointLimitMethod::kBraking:
+        high = braking_bound(above, law_, part_[i], deceleration_[i], reaction_);
+        low = -braking_bound(below, law_, part_[i], deceleration_[i], reaction_);
+        if (low > high) low = high = 0.5 * (low + high);
+        high = std::min(std::max(high, -speed), speed);
+        low = std::min(std::max(low, -speed), speed);
+        break;
     }
     lower[v] = low;
     upper[v] = high;
@@ -112,8 +136,15 @@ void VelocityBounds::acceleration(const VectorX& qdot, const Eigen::Ref<const Ve
                                   const Eigen::Ref<const VectorX>& hard_upper, Eigen::Ref<VectorX> lower,
                                   Eigen::Ref<VectorX> upper) const noexcept {
   for (int i = 0; i < static_cast<int>(step_.size()); ++i) {
-    lower[i] = std::min(std::max(qdot[i] - step_[i], hard_lower[i]), hard_upper[i]);
-    upper[i] = std::min(std::max(qdot[i] + step_[i], hard_lower[i]), hard_upper[i]);
+    const double slowest = qdot[i] - step_[i], fastest = qdot[i] + step_[i];
+    if (hard_joints_ && i >= base_dof_) {
+      const double most = speed_[i];
+      lower[i] = std::clamp(std::clamp(hard_lower[i], slowest, fastest), -most, most);
+      upper[i] = std::clamp(std::clamp(hard_upper[i], slowest, fastest), -most, most);
+    } else {
+      lower[i] = std::min(std::max(slowest, hard_lower[i]), hard_upper[i]);
+      upper[i] = std::min(std::max(fastest, hard_lower[i]), hard_upper[i]);
+    }
   }
 }
 
@@ -169,6 +200,12 @@ VectorX resolve_margin(const RobotModel& model, const JointLimitParams& params) 
 double source_bound(double room, double margin, double speed) noexcept {
   if (room < 0.0) return 0.0;
   return speed * std::min(room / margin, 1.0);
+}
+
+double braking_bound(double room, const JointLimitParams& params, double part, double deceleration,
+                     double reaction) noexcept {
+  const double left = room - part * params.stop;
+  return left < 0.0 ? params.gain * left : stoppable_speed(left, deceleration, reaction);
 }
 
 double damper_bound(double room, const JointLimitParams& params, double part) noexcept {

@@ -34,7 +34,9 @@ void smallest_command(const Eigen::Ref<const VectorX>& lower, const Eigen::Ref<c
 double braking(double lower, double upper) noexcept;
 
 /// Makes the bounds of every velocity: speed limits, joint limits by the chosen law, and acceleration bounds clipped
-/// into those. One per controller; only the constructor takes memory.
+/// into those. With the law `braking` it is the other way round: no joint changes its velocity by more than its
+/// acceleration limit, whatever its position and whatever the stage of the fallback; only the speed limit is above it.
+/// One per controller; only the constructor takes memory.
 class VelocityBounds {
  public:
   VelocityBounds(const RobotModel& model, const ControllerParams& params, double control_period);
@@ -53,8 +55,8 @@ class VelocityBounds {
                     Eigen::Ref<VectorX> upper) const noexcept;
   /// Returns the linear pair of an omnidirectional base whose drives are bounded (limits.base); off for other bases.
   LinearPair linear_pair(const VectorX& qdot) const noexcept;
-  /// True where any acceleration bound is finite.
-  bool has_acceleration() const noexcept { return has_acceleration_; }
+  /// True where the bounds without acceleration are wider than those with.
+  bool has_soft_acceleration() const noexcept { return has_soft_acceleration_; }
   /// Largest speeds, base first.
   const VectorX& speed() const noexcept { return speed_; }
 
@@ -63,10 +65,12 @@ class VelocityBounds {
   JointLimitParams law_;
   VectorX speed_;
   VectorX q_lower_, q_upper_, margin_;
-  VectorX part_;  // of the dampers' lengths
-  VectorX step_;  // a_max dt
-  bool hard_base_ = false, pair_ = false;
-  bool has_acceleration_ = false;
+  VectorX part_;          // of the dampers' lengths
+  VectorX step_;          // a_max dt
+  VectorX deceleration_;  // of the law `braking`, per joint
+  double reaction_;       // of that law [s]
+  bool hard_base_ = false, hard_joints_ = false, pair_ = false;
+  bool has_soft_acceleration_ = false;
 };
 
 /// Returns the largest speed v of a base that still stops in front of an object which approaches at `speed` and is seen
@@ -79,6 +83,12 @@ VectorX resolve_margin(const RobotModel& model, const JointLimitParams& params);
 
 /// S+ of the article (mirrored: S-): 0 where room < 0, else speed min(room / margin, 1).
 double source_bound(double room, double margin, double speed) noexcept;
+
+/// The speed from which a joint stops at rho_s, braking at `deceleration` after `reaction`; eta (rho - rho_s), the way
+/// back, where there is less room than rho_s. With a reaction of at least one control period T a joint that keeps the
+/// bound can keep it in the next step: v(rho - v T) >= v(rho) - deceleration T.
+double braking_bound(double room, const JointLimitParams& params, double part, double deceleration,
+                     double reaction) noexcept;
 
 /// eta (rho - rho_s)/(rho_i - rho_s) inside rho_i, infinite outside (Haviland & Corke, arXiv 2002.11901, eq. 19). With
 /// a `part` below 1 (limit_part()) rho_i and rho_s are so much shorter, and the slope is the same.

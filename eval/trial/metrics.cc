@@ -80,7 +80,7 @@ void measure_steps(const Recording& r, const RobotModel& model, TrialRow& row) {
   row.steps = static_cast<int>(r.trace.size());
   if (r.trace.empty()) return;
   const VectorX limits = model.velocity_limits();
-  double change_sum = 0.0, slack_sum = 0.0, slack_max = 0.0, active_sum = 0.0;
+  double change_sum = 0.0, slack_sum = 0.0, slack_max = 0.0, active_sum = 0.0, acceleration = 0.0;
   for (std::size_t k = 0; k < r.trace.size(); ++k) {
     const Sample& s = r.trace[k];
     const double slack = s.slack.norm();
@@ -96,9 +96,15 @@ void measure_steps(const Recording& r, const RobotModel& model, TrialRow& row) {
     for (Eigen::Index i = 0; i < s.command.size(); ++i)
       if (limits[i] > 0.0) change = std::max(change, std::abs(s.command[i] - r.trace[k - 1].command[i]) / limits[i]);
     change_sum += change;
+    const auto& before = r.trace[k - 1].command;
+    for (Eigen::Index i = model.base_dof(); i < s.command.size(); ++i)
+      acceleration = std::max(acceleration, std::abs(s.command[i] - before[i]) / r.control_period);
   }
   const auto n = static_cast<double>(r.trace.size());
-  if (r.trace.size() > 1) row.command_change_mean = change_sum / (n - 1.0);
+  if (r.trace.size() > 1) {
+    row.command_change_mean = change_sum / (n - 1.0);
+    row.acceleration_max = acceleration;
+  }
   if (r.has_slack) {
     row.slack_mean = slack_sum / n;
     row.slack_max = slack_max;

@@ -59,6 +59,8 @@ struct Recording {
 ///   trial of |third difference of positions| / dt^3, the joints' as one vector. NULL with fewer than 4 samples.
 /// - command_change_mean: mean over steps, from the second on, of the largest |change of a command's coordinate| /
 ///   its velocity limit. NULL with fewer than 2 steps.
+/// - acceleration_max [rad/s^2, m/s^2 for prismatic joints]: the largest |change of a joint's command| over the control
+///   period, of all joints and steps from the second on. NULL with fewer than 2 steps.
 /// - slack_mean, slack_max: of |delta| over steps. NULL without slack. active_rows_mean: NULL without a QP.
 /// - tracking_error_rms [m]: root mean square of |e_p| over all samples; only for a goal that moves.
 /// - latency_*, separation_margin_min_m: as recorded.

@@ -37,6 +37,7 @@ struct TrialRow {
   double jerk_ee_rms = kAbsent;
   double jerk_joint_rms = kAbsent;
   double command_change_mean = kAbsent;
+  double acceleration_max = kAbsent;
   double energy_j = kAbsent;
   double slack_mean = kAbsent;
   double slack_max = kAbsent;
@@ -171,6 +172,11 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
                   .better = kLow,
                   .summary = true,
                   .text = "mean over steps of the largest |change| / limit"});
+  v.member("acceleration_max", &R::acceleration_max,
+           Column{.label = "acceleration of the joints, greatest",
+                  .unit = "rad/s²",
+                  .better = kLow,
+                  .text = "greatest change of a joint's command over the control period"});
   v.member("energy_j", &R::energy_j,
            Column{.label = "energy",
                   .unit = "J",

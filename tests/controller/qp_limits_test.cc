@@ -81,6 +81,58 @@ TEST(Limits, DamperLaw) {
   expect(0.6, -2, 2);
 }
 
+// A joint that goes as fast towards its limit as it may, from any speed that it may have, meets its bound by braking
+// within its limit, and stands where the law says.
+TEST(Limits, BrakingLawIsMetWithinTheAccelerationLimit) {
+  constexpr double kPeriod = 0.02, kMost = 5.0, kStop = 0.1;
+  const auto model = two_joints();
+  ControllerParams p;
+  p.joint_limits = {.method = JointLimitMethod::kBraking, .stop = kStop, .share = 0.8};
+  p.acceleration_limit = VectorX::Constant(2, kMost);
+  const VelocityBounds bounds(*model, resolved(p, *model), kPeriod);
+  EXPECT_FALSE(bounds.has_soft_acceleration());
+  moma::Bounds b;
+  b.allocate(2);
+  for (const double start : {-0.9, -0.3, 0.4, 0.7, 0.85}) {
+    VectorX q(2), v = VectorX::Zero(2);
+    q << start, 0.0;
+    double fastest = 0.0;
+    for (int k = 0; k < 400; ++k) {
+      bounds.bound(q, v, b);
+      EXPECT_EQ(b.upper[0], b.hard_upper[0]);
+      EXPECT_LE(std::abs(b.upper[0] - v[0]), kMost * kPeriod + 1e-12) << "from " << start << " in step " << k;
+      v[0] = b.upper[0];
+      q[0] += kPeriod * v[0];
+      fastest = std::max(fastest, v[0]);
+      EXPECT_LE(q[0], 1.0 - kStop + 1e-9) << "from " << start << " in step " << k;
+    }
+    EXPECT_NEAR(q[0], 1.0 - kStop, 1e-3) << "from " << start;
+    if (start == -0.9) EXPECT_EQ(fastest, 2.0) << "the law costs no speed far from the limit";
+  }
+}
+
+TEST(Limits, BrakingLawLeadsBackAndNeverBreaksTheAccelerationLimit) {
+  const auto model = two_joints();
+  ControllerParams p;
+  p.joint_limits = {.method = JointLimitMethod::kBraking, .stop = 0.1, .gain = 2.0};
+  p.acceleration_limit = VectorX::Constant(2, 5.0);
+  const VelocityBounds bounds(*model, resolved(p, *model), 0.02);
+  moma::Bounds b;
+  b.allocate(2);
+  VectorX q(2), v(2);
+  q << 0.95, 0.0;
+  v << 0.0, 0.0;
+  bounds.bound(q, v, b);
+  EXPECT_NEAR(b.upper[0], -0.1, 1e-12) << "2 x 5 cm beyond the stop, as fast as the limit lets it";
+  v << 1.5, 0.0;
+  bounds.bound(q, v, b);
+  EXPECT_NEAR(b.upper[0], 1.4, 1e-12) << "a joint that is too fast brakes as hard as it may, and no harder";
+  EXPECT_NEAR(b.lower[0], 1.4, 1e-12);
+  v << 2.3, 0.0;
+  bounds.bound(q, v, b);
+  EXPECT_EQ(b.upper[0], 2.0) << "a measured velocity beyond the speed limit is no leave to keep it";
+}
+
 // A lift of 0.3 m: a tenth of the lengths, the same slope.
 TEST(Limits, DampersOfAPrismaticJointAreShortInProportionToItsRange) {
   RobotBuilder b("lift");
@@ -149,7 +201,7 @@ TEST(Limits, DampersOfBothEndsThatCrossBecomeTheirMean) {
 
 TEST(Limits, ContinuousJointsKeepTheirSpeedAlone) {
   for (const JointLimitMethod method :
-       {JointLimitMethod::kNone, JointLimitMethod::kSource, JointLimitMethod::kDamper}) {
+       {JointLimitMethod::kNone, JointLimitMethod::kSource, JointLimitMethod::kDamper, JointLimitMethod::kBraking}) {
     JointLimitParams law;
     law.method = method;
     for (const double q : {0.0, 10.0, -1e6}) {
@@ -168,7 +220,7 @@ TEST(Limits, AccelerationIsClippedIntoThePositionBounds) {
   p.acceleration_limit.resize(2);
   p.acceleration_limit << 5.0, kInfinity;
   const VelocityBounds bounds(*model, resolved(p, *model), 0.02);
-  EXPECT_TRUE(bounds.has_acceleration());
+  EXPECT_TRUE(bounds.has_soft_acceleration());
   const auto at = [&](double measured, double hard_low, double hard_high) {
     VectorX v(2), low(2), high(2), a(2), b(2);
     v << measured, 1.0;
@@ -186,7 +238,7 @@ TEST(Limits, AccelerationIsClippedIntoThePositionBounds) {
   EXPECT_NEAR(at(1.95, -2, 0.3).high, 0.3, 1e-12);
   EXPECT_NEAR(at(-1.0, 0.1, 2).high, 0.1, 1e-12);
   ControllerParams none;
-  EXPECT_FALSE(VelocityBounds(*model, resolved(none, *model), 0.02).has_acceleration());
+  EXPECT_FALSE(VelocityBounds(*model, resolved(none, *model), 0.02).has_soft_acceleration());
 }
 
 TEST(ErrorNorm, Kinds) {

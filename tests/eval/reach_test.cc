@@ -13,7 +13,7 @@ config::LoadedRobot frankie(const std::string& wheels) {
   const test::Scratch scratch;
   return config::load_robot(scratch.write(
       "robot.yaml", "include: " + kRobots +
-                        "frankie.yaml\nbase: {type: differential, max_linear: 1, max_angular: 1, wheels: {radius: 0.1, "
+                        "panda.yaml\nbase: {type: differential, max_linear: 1, max_angular: 1, wheels: {radius: 0.1, "
                         "separation: 0.5" +
                         wheels +
                         "}, footprint: {shape: box, size: [0.6, 0.4, 0.3], position: [0, 0, 0.2], mass: 90}}\n"));

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <thread>
 
 #include "tests/world/support.h"
@@ -372,8 +373,14 @@ TEST(RigidBodies, KeepTheRobotsMassAndCentre) {
   q.array() += 0.2;
   kinematics.update(Vector3(1.0, -2.0, 0.7), q);
   double mass = model->base.mass, mass_merged = 0.0;
-  Vector3 moment = model->base.mass * (kinematics.X_WB() * model->shapes[0].X_LS.translation());
-  ASSERT_EQ(model->shapes[0].link, 0);
+  // The base's mass fills its footprint, a capsule, and its wheels, two boxes, evenly.
+  const Vector3 capsule = model->shapes[0].shape.size;
+  const double footprint = std::numbers::pi * capsule[0] * capsule[0] * (capsule[1] + 4.0 / 3.0 * capsule[0]);
+  const double wheels = 2.0 * model->shapes[1].shape.size.prod();
+  for (int i = 0; i < 3; ++i) ASSERT_EQ(model->shapes[static_cast<std::size_t>(i)].link, 0);
+  const Vector3 axle(0.0, 0.0, model->base.wheels->radius);
+  const Vector3 com_B = (footprint * model->shapes[0].X_LS.translation() + wheels * axle) / (footprint + wheels);
+  Vector3 moment = model->base.mass * (kinematics.X_WB() * com_B);
   Vector3 moment_merged = Vector3::Zero();
   for (std::size_t i = 0; i < model->links.size(); ++i) {
     if (!model->links[i].inertial) continue;
