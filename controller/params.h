@@ -22,7 +22,9 @@ enum class ErrorNormKind { kEuclidean, kL1, kPose };
 constexpr auto words(Of<ErrorNormKind>) { return std::to_array<std::string_view>({"euclidean", "l1", "pose"}); }
 
 enum class JointLimitMethod { kSource, kDamper, kBraking, kNone };
-constexpr auto words(Of<JointLimitMethod>) { return std::to_array<std::string_view>({"source", "damper", "braking", "none"}); }
+constexpr auto words(Of<JointLimitMethod>) {
+  return std::to_array<std::string_view>({"source", "damper", "braking", "none"});
+}
 
 enum class SolverKind { kDaqp, kQpoases, kEiquadprog };
 constexpr auto words(Of<SolverKind>) { return std::to_array<std::string_view>({"daqp", "qpoases", "eiquadprog"}); }

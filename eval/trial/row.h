@@ -176,6 +176,7 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
            Column{.label = "acceleration of the joints, greatest",
                   .unit = "rad/s²",
                   .better = kLow,
+                  .earlier = Earlier::kUnknown,
                   .text = "greatest change of a joint's command over the control period"});
   v.member("energy_j", &R::energy_j,
            Column{.label = "energy",

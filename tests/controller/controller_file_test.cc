@@ -230,7 +230,8 @@ TEST_F(ControllerFile, MistakesAreNamedWithTheirPlace) {
   expect_error("tracking_band: -1", "c.yaml:1:16: controller.tracking_band:", "at least 0");
   expect_error("manipulability: {rows: six}",
                "c.yaml:1:24: controller.manipulability.rows:", "translation, rotation, all");
-  expect_error("joint_limits: {method: soft}", "c.yaml:1:24: controller.joint_limits.method:", "source, damper, none");
+  expect_error("joint_limits: {method: soft}",
+               "c.yaml:1:24: controller.joint_limits.method:", "source, damper, braking, none");
   expect_error("joint_limits: {margin: 0}", "c.yaml:1:24: controller.joint_limits.margin:", "above 0");
   expect_error("joint_limits: {margin: 0.04}",
                "c.yaml:1:24: controller.joint_limits.margin:", "velocity limit x control period");

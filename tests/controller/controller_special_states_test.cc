@@ -76,11 +76,12 @@ TEST_P(SpecialStates, SingularStarts) {
       EXPECT_LT(result_.manipulability, 1e-9);
       EXPECT_EQ(controller_->J_m(), VectorX::Zero(6)) << "no gradient at a singularity";
     }
-    // Lying 9 cm above the floor it is too near to it; getting away takes more than an acceleration bound allows.
+    // Lying 9 cm above the floor it is too near to it; getting away takes more than an acceleration bound allows. Where
+    // that bound holds in every stage, the floor's rows give way to it.
     if (!params_.acceleration_limit.allFinite()) {
       EXPECT_EQ(result_.status, StepStatus::kSolved);
     } else {
-      EXPECT_TRUE(result_.fallback == Fallback::kNone || result_.fallback == Fallback::kNoAcceleration);
+      EXPECT_NE(result_.fallback, Fallback::kBrake);
     }
 
     load("panda");

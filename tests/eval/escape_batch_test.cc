@@ -41,7 +41,7 @@ Suite load(SuiteFolder& folder, const std::string& controller, const std::string
                                  "robot: " + configs + "robots/frankie.yaml\n" + "controllers: {one: {include: " +
                                      configs + "controllers/" + controller + ".yaml" + changes + "}}\n" + R"(
 worlds: {seed: 3, families: {clutter: {weight: 3}, moving: {weight: 1}}}
-simulation: {mode: kinematic, time_limit: 10}
+simulation: {mode: kinematic, time_limit: 20}
 trials: 12
 )"));
 }
@@ -105,7 +105,7 @@ void expect_told(const Trials& trials) {
       ASSERT_GT(plan.duration, 0.0) << where;
       ASSERT_LE(plan.clock, plan.duration) << where;
       // The base is as far from where the path has it as it is said to lag, but for the way of a period or two.
-      ASSERT_LE((trace[k].base - plan.target).head<2>().norm(), plan.lag + 0.06) << where;
+      ASSERT_LE((trace[k].base - plan.target).head<2>().norm(), plan.lag + 0.08) << where;
       // And the path ends no further away than it can be driven in what is left of it.
       constexpr double kFastest = 2.0;  // [m/s]
       ASSERT_LE((plan.end - plan.target).head<2>().norm(), kFastest * (plan.duration - plan.clock) + 1e-9) << where;
