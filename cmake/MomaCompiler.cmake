@@ -15,6 +15,12 @@ if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
 endif()
 
+option(MOMA_FAST_LINK "Link by mold where it is there" OFF)
+find_program(MOLD_PROGRAM mold)
+if(MOMA_FAST_LINK AND MOLD_PROGRAM)
+  add_link_options(-fuse-ld=mold)
+endif()
+
 add_library(moma_warnings INTERFACE)
 target_compile_options(moma_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor> -Wswitch)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)

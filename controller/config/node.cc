@@ -3,6 +3,7 @@
 
 #include "controller/config/budget.h"
 #include "controller/config/node.h"
+#include "controller/config/suggestion.h"
 #include "controller/config/text_file.h"
 #include "controller/config/yaml.h"
 
@@ -194,6 +195,11 @@ std::string nearest(std::string_view word, const std::vector<std::string>& known
     }
   }
   return best;
+}
+
+std::string suggestion(std::string_view word, const std::vector<std::string>& known) {
+  const std::string near = nearest(word, known);
+  return near.empty() ? "" : " (did you mean " + near + "?)";
 }
 
 }  // namespace moma::config

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "controller/config/suggestion.h"
 #include "controller/config/text_file.h"
 #include "controller/describe/accepted.h"
 
@@ -99,10 +100,8 @@ std::vector<double> read_numbers(const Node& node, const std::string& key, int c
 void fail_choice(const Node& found, const std::string& key, const std::vector<std::string>& names) {
   std::string list;
   for (const std::string& option : names) list += (list.empty() ? "" : ", ") + option;
-  const std::string near = found.kind == Node::Kind::kScalar ? nearest(found.scalar, names) : "";
-  refuse(found.mark, key,
-         "found " + found_text(found) + ", expected one of: " + list +
-             (near.empty() ? "" : " (did you mean " + near + "?)"));
+  if (found.kind == Node::Kind::kScalar) list += suggestion(found.scalar, names);
+  refuse(found.mark, key, "found " + found_text(found) + ", expected one of: " + list);
 }
 
 MapReader::MapReader(const Node& node, std::string key) : node_(&node), key_(std::move(key)) {
@@ -168,11 +167,9 @@ void MapReader::check(bool ok, std::string_view name, const std::string& message
 void MapReader::finish() const {
   for (const auto& [name, value] : node_->entries) {
     if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
-    const std::string near = nearest(name, known_);
-    std::string message = "unknown key";
-    if (!near.empty()) {
-      message += " (did you mean " + near + "?)";
-    } else {
+    const std::string near = suggestion(name, known_);
+    std::string message = "unknown key" + near;
+    if (near.empty()) {
       std::string list;
       for (const std::string& k : known_) list += (list.empty() ? "" : ", ") + k;
       message += known_.empty() ? "; no keys are accepted here" : "; accepted here: " + list;

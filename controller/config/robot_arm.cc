@@ -8,6 +8,7 @@
 
 #include "controller/config/json_node.h"
 #include "controller/config/robot_build.h"
+#include "controller/config/suggestion.h"
 
 namespace moma::config {
 namespace {
@@ -78,11 +79,10 @@ class ArmReader {
       if (model_.links[i].joint == joint) return static_cast<int>(i);
       names.push_back(model_.links[i].joint);
     }
-    const std::string near = nearest(joint, names);
+    const std::string near = suggestion(joint, names);
     std::string all;
     for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
-    in.fail_key(joint, "the URDF has no movable joint of this name" +
-                           (near.empty() ? "; it has: " + all : " (did you mean " + near + "?)"));
+    in.fail_key(joint, "the URDF has no movable joint of this name" + (near.empty() ? "; it has: " + all : near));
   }
 
   void read_tip() {
@@ -93,11 +93,11 @@ class ArmReader {
     if (model_.tip < 1) {
       std::vector<std::string> names;
       for (const UrdfLink& link : build_.tree.links) names.push_back(link.name);
-      const std::string near = nearest(tip, names);
+      const std::string near = suggestion(tip, names);
       std::string all;
       for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
-      in_.fail_at("tip", "found '" + tip + "', which is no link of the URDF" +
-                             (near.empty() ? "; its links: " + all : " (did you mean " + near + "?)"));
+      in_.fail_at("tip",
+                  "found '" + tip + "', which is no link of the URDF" + (near.empty() ? "; its links: " + all : near));
     }
     written_["tip"] = tip;
     if (const Node* tool = in_.get("tool")) {

@@ -12,6 +12,7 @@
 #include "controller/config/json_node.h"
 #include "controller/config/mesh_hull.h"
 #include "controller/config/robot_build.h"
+#include "controller/config/suggestion.h"
 #include "controller/model/proximity.h"
 
 namespace moma::config {
@@ -188,9 +189,7 @@ class CollisionReader {
     if (link >= 0) return link;
     std::vector<std::string> names;
     for (const Link& l : model_.links) names.push_back(l.name);
-    const std::string near = nearest(name, names);
-    in.fail_at(key, "found '" + name + "', which is no link of the URDF and not @base" +
-                        (near.empty() ? "" : " (did you mean " + near + "?)"));
+    in.fail_at(key, "found '" + name + "', which is no link of the URDF and not @base" + suggestion(name, names));
   }
 
   // Of `links`, those whose geometry is taken from the URDF; none: all. Not in resolved robots, which have the shapes.
@@ -287,10 +286,7 @@ class CollisionReader {
     if (found.empty()) {
       std::vector<std::string> names;
       for (const CollisionShape& shape : model_.shapes) names.push_back(shape.name);
-      const std::string near = nearest(name, names);
-      fail(
-          node.mark, key,
-          "found '" + name + "', which has no collision shape" + (near.empty() ? "" : " (did you mean " + near + "?)"));
+      fail(node.mark, key, "found '" + name + "', which has no collision shape" + suggestion(name, names));
     }
     return found;
   }

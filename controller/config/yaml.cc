@@ -181,6 +181,21 @@ class Builder : public YAML::EventHandler {
   std::unordered_map<YAML::anchor_t, Node> anchors_;
 };
 
+/// The parser's message, where it leads to the mistake.
+std::string words_of(const YAML::Exception& e, const std::string& text) {
+  std::size_t begin = 0;
+  for (int line = 0; line < e.mark.line && begin != std::string::npos; ++line) {
+    const std::size_t end = text.find('\n', begin);
+    begin = end == std::string::npos ? end : end + 1;
+  }
+  const std::size_t first = begin == std::string::npos ? begin : text.find_first_not_of(" \t", begin);
+  if (first != std::string::npos && text.substr(begin, first - begin).find('\t') != std::string::npos)
+    return "a tab indents this line; YAML takes spaces alone";
+  if (e.msg == YAML::ErrorMsg::MAP_VALUE || e.msg == YAML::ErrorMsg::MAP_KEY)
+    return "KEY: VALUE has no place here; is this line indented as its neighbours are, and is there one key a line?";
+  return e.msg;
+}
+
 }  // namespace
 
 Node read_document(const std::string& text, const std::string& name, int depth, YamlUse& use) {
@@ -190,6 +205,10 @@ Node read_document(const std::string& text, const std::string& name, int depth, 
     const std::size_t begin = at == 0 ? 0 : text.rfind('\n', at - 1) + 1;  // npos + 1 is 0: the first line
     fail({name, static_cast<int>(line_of(text, at)), static_cast<int>(at - begin) + 1}, "", not_text_message(text, at));
   }
+  if (const std::size_t at = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+      at != std::string::npos && text[at] == '<' && text.compare(at, 2, "<<") != 0)
+    fail({name, static_cast<int>(line_of(text, at)), 0}, "",
+         "begins like XML, which a URDF is; expected YAML (a URDF goes into a robot file: moma robot URDF drafts one)");
   Builder builder(name, depth, use);
   try {
     std::istringstream stream(text);
@@ -197,7 +216,7 @@ Node read_document(const std::string& text, const std::string& name, int depth, 
     while (parser.HandleNextDocument(builder)) {
     }
   } catch (const YAML::Exception& e) {
-    fail({name, e.mark.line + 1, e.mark.column + 1}, "", "not valid YAML: " + e.msg);
+    fail({name, e.mark.line + 1, e.mark.column + 1}, "", "not valid YAML: " + words_of(e, text));
   }
   return builder.take_root();
 }

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "controller/config/node.h"
+#include "controller/config/suggestion.h"
 #include "eval/cli/command.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/summary_table.h"
@@ -30,9 +31,8 @@ std::string sql_of(const QueryOptions& options) {
     if (query.name == name) return std::string(query.sql);
     names.push_back(fmt::format("@{}", query.name));
   }
-  const std::string near = config::nearest(options.sql, names);
   throw UsageError(fmt::format("query: unknown query {}{}; there are {}", terminal_safe(options.sql),
-                               near.empty() ? "" : fmt::format(" (did you mean {}?)", near), fmt::join(names, ", ")));
+                               config::suggestion(options.sql, names), fmt::join(names, ", ")));
 }
 
 /// "@best", "mine@best".

@@ -6,6 +6,7 @@
 
 #include "eval/cli/command.h"
 #include "eval/cli/interrupt.h"
+#include "eval/cli/lines.h"
 #include "eval/cli/listener.h"
 #include "eval/cli/profile_table.h"
 #include "eval/cli/progress.h"
@@ -60,7 +61,7 @@ int lead(const RunOptions& options, Cluster* cluster) {
   request.stop = &InterruptGuard::flag();
   ProgressPrinter progress(options.quiet, "success");
   const run::Evaluation done = run::evaluate(request, suite, listener_on_stderr(options.quiet, &progress));
-  if (!done.stopped.empty()) std::cerr << terminal_safe(done.stopped) << std::endl;
+  if (!done.stopped.empty()) std::cerr << terminal_safe_lines(done.stopped) << std::endl;
   if (done.end == run::End::kNeverBegan) return kStoppedEarly;
   write(std::cout, summary_table(done.file, {done.suite, options.sort, true}), Format::kTable);
   std::cout.flush();

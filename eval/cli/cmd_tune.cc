@@ -5,6 +5,7 @@
 
 #include "eval/cli/command.h"
 #include "eval/cli/interrupt.h"
+#include "eval/cli/lines.h"
 #include "eval/cli/listener.h"
 #include "eval/cli/progress.h"
 #include "eval/cli/suite_options.h"
@@ -64,8 +65,12 @@ int tune_suite(const TuneOptions& options) {
   request.stop = &InterruptGuard::flag();
   const run::Tuned tuned = run::tune(request, tuning, listener);
   if (tuned.end != run::End::kFinished) {
-    std::cerr << terminal_safe(tuned.stopped) << std::endl;
+    std::cerr << terminal_safe_lines(tuned.stopped) << std::endl;
     return kStoppedEarly;
+  }
+  if (tuned.gains.empty()) {
+    std::cout << "the search found nothing better than the gains that it began with: no gains are written\n";
+    return kOk;
   }
   const bool worse = tuned.verdict && tuned.verdict->overall == tune::Verdict::kWorse;
   std::cout << fmt::format("the found gains are in {}{}\n", tuned.gains.string(),

@@ -71,7 +71,7 @@ void add_world(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   options->suite.add_to(*command);
   command->add_option("INDEX", options->index, "Number of the world, from 0")
       ->required()
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 62));
   command->add_flag("--json", options->json, "As JSON, the format of frozen worlds");
   std::string families;
   for (const FamilyType& type : family_types()) families += (families.empty() ? "" : ", ") + std::string(type.name);

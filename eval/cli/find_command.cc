@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "controller/config/node.h"
+#include "controller/config/suggestion.h"
 #include "eval/cli/command.h"
 #include "eval/cli/table.h"
 
@@ -20,14 +20,9 @@ CLI::App& find_command(const CLI::App& app, const std::string& name) {
   const std::vector<std::string> names = command_names(app);
   if (std::find(names.begin(), names.end(), name) == names.end()) {
     throw UsageError(fmt::format("unknown command '{}'{}; the commands are {}", terminal_safe(name),
-                                 suggestion(name, names), fmt::join(names, ", ")));
+                                 config::suggestion(name, names), fmt::join(names, ", ")));
   }
   return *app.get_subcommand(name);
-}
-
-std::string suggestion(const std::string& word, const std::vector<std::string>& known) {
-  const std::string near = config::nearest(word, known);
-  return near.empty() ? "" : fmt::format(" (did you mean {}?)", near);
 }
 
 }  // namespace moma::cli

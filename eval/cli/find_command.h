@@ -12,7 +12,4 @@ std::vector<std::string> command_names(const CLI::App& app);
 /// The command of this name. Throws UsageError, which names the nearest one and all.
 CLI::App& find_command(const CLI::App& app, const std::string& name);
 
-/// " (did you mean WORD?)", or "" where none of `known` is near to `word`.
-std::string suggestion(const std::string& word, const std::vector<std::string>& known);
-
 }  // namespace moma::cli

@@ -2,13 +2,14 @@
 
 #include <iostream>
 
+#include "eval/cli/lines.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 
 namespace moma::cli {
 
 run::Listener listener_on_stderr(bool quiet, ProgressPrinter* progress) {
-  const auto say = [](const std::string& text) { std::cerr << terminal_safe(text) << std::endl; };
+  const auto say = [](const std::string& text) { std::cerr << terminal_safe_lines(text) << std::endl; };
   run::Listener listener;
   if (!quiet) listener.note = say;
   listener.notice = say;

@@ -10,8 +10,10 @@
 #include <system_error>
 
 #include "controller/config/node.h"
+#include "controller/config/suggestion.h"
 #include "eval/cli/command.h"
 #include "eval/cli/find_command.h"
+#include "eval/cli/lines.h"
 #include "eval/cli/table.h"
 #include "eval/run/listener.h"
 #include "eval/store/build_info.h"
@@ -40,8 +42,20 @@ std::string version_text() {
   return text;
 }
 
+/// Heads under which the help lists the commands; a command of none stands under the last.
+constexpr std::pair<std::string_view, const char*> kGroups[] = {
+    {" init run reproduce tune ", "Evaluate"},
+    {" query report open view replay compare diff ", "Look at results"},
+    {" verify merge export ", "Keep results"},
+    {" check robot world import identify solve keys ", "Make suites, robots and controllers"},
+    {"", "Help"}};
+
 void add_commands(CLI::App& app, Action& action, const Arguments& arguments) {
   for (const AddCommand add : commands()) add(app, action, arguments);
+  for (CLI::App* command : app.get_subcommands(nullptr))
+    command->group(std::find_if(std::begin(kGroups), std::end(kGroups) - 1, [&](const auto& group) {
+                     return group.first.find(" " + command->get_name() + " ") != std::string_view::npos;
+                   })->second);
   for (CLI::App* command : app.get_subcommands(nullptr)) command->allow_extras();  // reported by us, with a suggestion
 }
 
@@ -67,20 +81,13 @@ void check_extras(const CLI::App& app) {
     }
     const std::string given = extra.substr(0, extra.find('='));
     throw UsageError(fmt::format("{}: unknown option {}{}; see moma {} --help", command->get_name(),
-                                 terminal_safe(given), suggestion(given, names), command->get_name()));
+                                 terminal_safe(given), config::suggestion(given, names), command->get_name()));
   }
 }
 
 int complain(const std::string& message, int code) {
-  // Messages quote files and stores, which may hold anything; their own line ends stay.
-  std::string safe;
-  for (std::size_t begin = 0; begin <= message.size();) {
-    const std::size_t end = std::min(message.find('\n', begin), message.size());
-    safe += terminal_safe(std::string_view(message).substr(begin, end - begin)) + '\n';
-    begin = end + 1;
-  }
   std::cout.flush();
-  std::cerr << "moma: " << safe << std::flush;
+  std::cerr << "moma: " << terminal_safe_lines(message) << std::endl;
   return code;
 }
 
@@ -103,7 +110,7 @@ int parse_and_run(const Arguments& arguments) {
       "Each command has its own help with an example: moma help run, or moma run --help\n"
       "Exit codes: 0 done, 1 a check failed, 2 bad input, 3 stopped early with its work saved.");
   app.set_version_flag("-V,--version", version_text());
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);
   app.failure_message(CLI::FailureMessage::simple);
   Action action;
   add_commands(app, action, arguments);
@@ -120,6 +127,10 @@ int parse_and_run(const Arguments& arguments) {
     throw UsageError(fmt::format("{}{}; see {}", name, error.what(), help));
   }
   check_extras(app);
+  if (!action) {  // moma alone
+    std::cout << app.help();
+    return kOk;
+  }
   const int code = action();
   std::cout.flush();
   if (!std::cout) return complain("the output could not be written (is the disk full?)", kBadInput);

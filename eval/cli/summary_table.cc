@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "controller/config/node.h"
+#include "controller/config/suggestion.h"
 #include "eval/cli/command.h"
 #include "eval/store/columns.h"
 #include "reports/render/own_metric.h"
@@ -92,10 +93,8 @@ Order order_of(const std::string& sort, const QueryResult& plain) {
   const auto found = std::find(plain.columns.begin() + kNames, plain.columns.end(), metric);
   if (found == plain.columns.end()) {
     const std::vector<std::string> metrics(plain.columns.begin() + kNames, plain.columns.end());
-    const std::string near = config::nearest(metric, metrics);
     throw UsageError(fmt::format("--sort {}: no such metric{}; there are: {}", sort,
-                                 near.empty() ? "" : fmt::format(" (did you mean {}?)", near),
-                                 fmt::join(metrics, ", ")));
+                                 config::suggestion(metric, metrics), fmt::join(metrics, ", ")));
   }
   return {static_cast<std::size_t>(found - plain.columns.begin()), way.empty() ? largest_first(metric) : way == "down"};
 }

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "controller/config/reader.h"
+#include "controller/config/suggestion.h"
 #include "eval/run/listener.h"
 
 namespace moma::run {
@@ -115,10 +116,9 @@ Experiment read_experiment(const fs::path& file, const std::string& name) {
     if (entry == name) return read_entry(name, node);
     names.push_back(entry);
   }
-  const std::string near = config::nearest(name, names);
   config::fail({file.string(), 0, 0}, "",
-               fmt::format("there is no experiment '{}'{}; there are: {}", name,
-                           near.empty() ? "" : fmt::format(" (did you mean {}?)", near), fmt::join(names, ", ")));
+               fmt::format("there is no experiment '{}'{}; there are: {}", name, config::suggestion(name, names),
+                           fmt::join(names, ", ")));
 }
 
 fs::path find_published() {

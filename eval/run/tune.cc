@@ -53,6 +53,8 @@ class Tune {
       if (!tuned.verdict) return stopped(std::move(tuned), End::kStopped, "the held-out evaluation");
       if (listener_.judged) listener_.judged(*tuned.verdict);
     }
+    const bool better = tuned.verdict && tuned.verdict->overall == tune::Verdict::kBetter;
+    if (tuned.search->found == tune::start_of(tuning_.config.variables) && !better) return tuned;  // nothing found
     tuned.gains = gains_of(tuned.verdict ? &*tuned.verdict : nullptr);
     write_gains(tuned.gains, *tuned.search, tuned.verdict ? &*tuned.verdict : nullptr);
     return tuned;

@@ -38,7 +38,7 @@ struct Tuned {
   std::string stopped;                          ///< where it did not finish: what is saved and how to go on
   std::optional<tune::SearchResult> search;     ///< none where it was stopped before its end
   std::optional<tune::HeldOutVerdict> verdict;  ///< none where it was not asked for, or stopped before its end
-  std::filesystem::path gains;                  ///< written where nothing was stopped
+  std::filesystem::path gains;                  ///< written; empty where stopped, or no better than the start was found
 };
 
 /// The file that the suite names, else configs/controllers/CONTROLLER-tuned.yaml, or without that folder in the working

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "controller/config/node.h"
+#include "controller/config/suggestion.h"
 
 namespace moma::tune {
 namespace {
@@ -81,9 +82,8 @@ const AlgorithmInfo& find_algorithm(std::string_view name) {
     known.emplace_back(bare(info.name));
     list += (list.empty() ? "" : ", ") + std::string(info.name);
   }
-  const std::string near = config::nearest(bare(wanted), known);
-  throw std::invalid_argument(fmt::format("unknown algorithm '{}'{}; known are {}", name,
-                                          near.empty() ? "" : fmt::format(" (did you mean {}?)", near), list));
+  throw std::invalid_argument(
+      fmt::format("unknown algorithm '{}'{}; known are {}", name, config::suggestion(bare(wanted), known), list));
 }
 
 }  // namespace moma::tune

@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "controller/config/node.h"
+#include "controller/config/suggestion.h"
 #include "eval/store/samples.h"
 #include "eval/store/statement.h"
 
@@ -84,9 +85,8 @@ std::string ranges(const std::vector<std::string>& names) {
 std::string complaint(const std::string& of_sqlite, const std::vector<std::string>& columns) {
   constexpr std::string_view kUnknown = "no such column: ";
   if (!of_sqlite.starts_with(kUnknown)) return of_sqlite;
-  const std::string near = config::nearest(of_sqlite.substr(kUnknown.size()), columns);
-  return fmt::format("{}{}; columns are step, {}", of_sqlite, near.empty() ? "" : " (did you mean " + near + "?)",
-                     ranges(columns));
+  return fmt::format("{}{}; columns are step, {}", of_sqlite,
+                     config::suggestion(of_sqlite.substr(kUnknown.size()), columns), ranges(columns));
 }
 
 }  // namespace

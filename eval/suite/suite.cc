@@ -9,6 +9,7 @@
 
 #include "controller/config/json_node.h"
 #include "controller/config/reader.h"
+#include "controller/config/suggestion.h"
 #include "eval/suite/keys.h"
 #include "eval/suite/resolve.h"
 #include "eval/suite/sections.h"
@@ -75,10 +76,9 @@ class Draft {
 
   [[noreturn]] void refuse_controller(const Node& value, const std::string& key, const std::string& name) const {
     const std::vector<std::string> names = controller_names(value);
-    const std::string meant = config::nearest(name, names);
     config::fail(value.mark, key,
-                 fmt::format("the suite has no controller {}{}; it has {}", name,
-                             meant.empty() ? "" : fmt::format(" (did you mean {}?)", meant), fmt::join(names, ", ")));
+                 fmt::format("the suite has no controller {}{}; it has {}", name, config::suggestion(name, names),
+                             fmt::join(names, ", ")));
   }
 
   Node* find(const char* map, const std::string& name) {
@@ -231,6 +231,7 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
   if (const Node* metrics = in.get("metrics")) read_metrics(*metrics, "metrics", suite);
   if (const Node* notes = in.get("notes")) suite.notes = read_notes(*notes, "notes");
   const Node* sweep = in.get("sweep");
+  if (sweep != nullptr && sweep->kind == Node::Kind::kScalar && sweep->scalar == "none") sweep = nullptr;
   std::vector<Assignment> assignments(1);
   if (sweep != nullptr) assignments = read_sweep(*sweep, "sweep");
   Robots robots;

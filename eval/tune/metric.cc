@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "controller/config/node.h"
+#include "controller/config/suggestion.h"
 #include "eval/store/columns.h"
 
 namespace moma::tune {
@@ -43,9 +44,7 @@ Metric Metric::find(std::string_view name) {
     }
   }
   const std::vector<std::string> known = metric_names();
-  const std::string near = config::nearest(name, known);
-  throw std::invalid_argument(fmt::format("unknown metric '{}'{}; known are {}", name,
-                                          near.empty() ? "" : fmt::format(" (did you mean {}?)", near),
+  throw std::invalid_argument(fmt::format("unknown metric '{}'{}; known are {}", name, config::suggestion(name, known),
                                           fmt::join(known, ", ")));
 }
 

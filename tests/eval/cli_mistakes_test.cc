@@ -78,6 +78,58 @@ tune:
   EXPECT_TRUE(fs::exists(path("found-worse.yaml"))) << tuned.out << tuned.err;
 }
 
+TEST_F(CliMistakes, WhatIsNoYamlIsSaidInWords) {
+  write("robot.urdf", "<?xml version=\"1.0\"?>\n<robot name=\"x\"><link name=\"a\"/></robot>\n");
+  bad({"check", "robot.urdf"}, {"robot.urdf:1", "begins like XML, which a URDF is; expected YAML"});
+  write("tab.yaml", "name: x\n\trobot: y\n");
+  bad({"check", "tab.yaml"}, {"tab.yaml:2", "a tab indents this line"});
+  write("places.yaml", "name: x\n  robot: y\n");
+  bad({"check", "places.yaml"}, {"places.yaml:2", "KEY: VALUE has no place here"});
+  const ProcessResult refused = bad({"world", "suite.yaml", "--", "-1"}, {"-1"});
+  EXPECT_LT(refused.err.size(), 200u) << refused.err;
+}
+
+TEST_F(CliMistakes, ASweepCanBeSwitchedOff) {
+  write("sweep.yaml", std::string(kSuite) + "sweep: {axes: {controller.lambda_q: [0.1, 0.2, 0.3]}}\n");
+  EXPECT_NE(good({"check", "sweep.yaml", "--no-time"}).out.find("x 3 sweep points"), std::string::npos);
+  EXPECT_EQ(good({"check", "sweep.yaml", "--no-time", "--set", "sweep=none"}).out.find("sweep point"),
+            std::string::npos);
+}
+
+TEST_F(CliMistakes, MomaAloneListsItsCommandsInGroups) {
+  const std::string help = good({}).out;
+  for (const char* head : {"Evaluate", "Look at results", "Keep results", "Make suites, robots and controllers"})
+    EXPECT_NE(help.find(head), std::string::npos) << help;
+  EXPECT_LT(help.find("  run "), help.find("  compare ")) << help;
+}
+
+TEST_F(CliMistakes, AFirstSuiteIsWrittenAndGood) {
+  EXPECT_NE(good({"init", "mine.yaml"}).out.find("moma check mine.yaml"), std::string::npos);
+  EXPECT_NE(good({"check", "mine.yaml", "--no-time"}).out.find("mine: 80 trials = 40 worlds x 2 controllers"),
+            std::string::npos);
+  write("mine.yaml", "name: edited\n");
+  bad({"init", "mine.yaml"}, {"mine.yaml", "--force"});
+}
+
+TEST_F(CliMistakes, ASearchThatFindsNothingWritesNoGains) {
+  // Every candidate does the same: the cost is a constant of the outcome.
+  write("tune.yaml", std::string(kSuite) + R"(success: {position: 0.6, orientation: 3.15}
+tune:
+  controller: plain
+  variables: {controller.servo.position: {range: [0.001, 2], scale: log}}
+  objective: {minimize: {error: 1}}
+  budget: {trials: 40}
+  worlds: 4
+  racing: none
+  confirm: none
+  sensitivity: none
+  held_out: {count: 8, seed: 9}
+)");
+  const ProcessResult tuned = good({"tune", "tune.yaml", "-o", "t.db", "-q", "--gains", "found.yaml"});
+  EXPECT_NE(tuned.out.find("nothing better than the gains that it began with"), std::string::npos) << tuned.out;
+  EXPECT_FALSE(fs::exists(path("found.yaml")));
+}
+
 TEST_F(CliMistakes, AStoreThatIsACopyOfARunThatGoesOnIsDoubted) {
   good({"run", "suite.yaml", "-o", "a.db", "-q"});
   SQLite::Database(path("a.db").string(), SQLite::OPEN_READWRITE)

@@ -13,6 +13,7 @@
 #include "controller/config/budget.h"
 #include "controller/config/json_text.h"
 #include "controller/config/reader.h"
+#include "controller/config/suggestion.h"
 #include "world/scenario/apportion.h"
 #include "world/scenario/family.h"
 #include "world/scenario/scenes.h"
@@ -74,9 +75,7 @@ Member read_member(const std::string& name, const config::Node& node, const std:
   }
   std::string list;
   for (const std::string& known : names) list += (list.empty() ? "" : ", ") + known;
-  const std::string near = config::nearest(name, names);
-  config::fail(node.key_place(), key,
-               "unknown family" + (near.empty() ? "" : " (did you mean " + near + "?)") + "; families are: " + list);
+  config::fail(node.key_place(), key, "unknown family" + config::suggestion(name, names) + "; families are: " + list);
 }
 
 Mixture read_mixture(config::MapReader& in) {

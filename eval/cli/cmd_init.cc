@@ -1,0 +1,70 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "eval/cli/command.h"
+#include "eval/cli/suite_options.h"
+#include "eval/run/published.h"
+#include "files/output_file.h"
+
+namespace moma::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSuite =
+    R"(# What is evaluated: a robot, controllers, worlds. Every key: docs/reference/suites.md, or moma keys.
+name: {name}
+robot: {configs}/robots/frankie.yaml          # a Panda arm on a base with two driven wheels
+controllers:                                  # NAME: FILE; every controller meets the same worlds
+  published: {configs}/controllers/holistic.yaml
+  moma: {configs}/controllers/moma.yaml
+worlds:
+  seed: 7                                     # another seed, other worlds
+  families:                                   # moma world FILE INDEX shows one; moma world --help lists families
+    open: {{weight: 1}}
+    clutter: {{weight: 1}}
+simulation: {{mode: kinematic, time_limit: 30}} # dynamic: rigid bodies, motors and wheels in ODE
+success: {{position: 0.02, orientation: 0.05}}  # m and rad, to be kept for the dwell of 0.2 s
+trials: 40                                    # worlds; more make the intervals narrower
+samples: failures                             # time series that are kept: all, failures, none
+# disturbances: {configs}/disturbances/realistic.yaml
+# sweep: {{axes: {{controllers.moma.lambda_q: [0.01, 0.02, 0.04]}}}}
+)";
+
+/// Relative where the two share a folder that is not the root.
+std::string path_to(const fs::path& configs, const fs::path& folder) {
+  const fs::path relative = fs::relative(configs, folder);
+  return (relative.empty() ? configs : relative).generic_string();
+}
+
+}  // namespace
+
+void add_init(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
+  struct Options {
+    fs::path file = "first.yaml";
+    files::Replace replace = files::Replace::kOwn;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("init", "Write a first suite, with a comment on each key");
+  command->add_option("FILE", options->file, "Suite to write (first.yaml)");
+  add_force(*command, options->replace);
+  command->footer("Example: moma init first.yaml");
+  command->callback([&action, options] {
+    action = [options] {
+      const fs::path folder = fs::absolute(options->file).parent_path();
+      const std::string configs = path_to(fs::absolute(run::find_published()).parent_path(), folder);
+      files::write_file(options->file, {"suite", ""}, options->replace, [&](std::ostream& out) {
+        out << fmt::format(fmt::runtime(kSuite), fmt::arg("name", options->file.stem().string()),
+                           fmt::arg("configs", configs));
+      });
+      std::cout << fmt::format("{0} is written. What it costs: moma check {0}; then moma run {0}\n",
+                               options->file.string());
+      return static_cast<int>(kOk);
+    };
+  });
+}
+
+}  // namespace moma::cli
