@@ -3,6 +3,9 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
 
 #include "eval/cli/command.h"
 #include "eval/cli/suite_options.h"
@@ -17,10 +20,10 @@ namespace fs = std::filesystem;
 constexpr const char* kSuite =
     R"(# What is evaluated: a robot, controllers, worlds. Every key: docs/reference/suites.md, or moma keys.
 name: {name}
-robot: {configs}/robots/frankie.yaml          # a Panda arm on a base with two driven wheels
+robot: {robot}  # a Panda arm on a base with two driven wheels
 controllers:                                  # NAME: FILE; every controller meets the same worlds
-  published: {configs}/controllers/holistic.yaml
-  moma: {configs}/controllers/moma.yaml
+  published: {published}
+  moma: {moma}
 worlds:
   seed: 7                                     # another seed, other worlds
   families:                                   # moma world FILE INDEX shows one; moma world --help lists families
@@ -30,14 +33,23 @@ simulation: {{mode: kinematic, time_limit: 30}} # dynamic: rigid bodies, motors 
 success: {{position: 0.02, orientation: 0.05}}  # m and rad, to be kept for the dwell of 0.2 s
 trials: 40                                    # worlds; more make the intervals narrower
 samples: failures                             # time series that are kept: all, failures, none
-# disturbances: {configs}/disturbances/realistic.yaml
+# disturbances: {realistic}
 # sweep: {{axes: {{controllers.moma.lambda_q: [0.01, 0.02, 0.04]}}}}
 )";
 
 /// Relative where the two share a folder that is not the root.
-std::string path_to(const fs::path& configs, const fs::path& folder) {
-  const fs::path relative = fs::relative(configs, folder);
-  return (relative.empty() ? configs : relative).generic_string();
+std::string path_to(const fs::path& file, const fs::path& folder) {
+  const auto first_of = [](const fs::path& path) { return path.relative_path().begin()->string(); };
+  const bool near = !folder.relative_path().empty() && first_of(file) == first_of(folder);
+  const fs::path relative = near ? fs::relative(file, folder) : fs::path();
+  return (relative.empty() ? file : relative).generic_string();
+}
+
+/// As YAML: in quotes where it would mean something else without.
+std::string scalar(const std::string& text) {
+  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-";
+  const bool plain = text.find_first_not_of(kPlain) == std::string::npos && !text.starts_with('-');
+  return plain ? text : nlohmann::json(text).dump();
 }
 
 }  // namespace
@@ -55,10 +67,14 @@ void add_init(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   command->callback([&action, options] {
     action = [options] {
       const fs::path folder = fs::absolute(options->file).parent_path();
-      const std::string configs = path_to(fs::absolute(run::find_published()).parent_path(), folder);
+      const fs::path configs = fs::absolute(run::find_published()).parent_path();
+      const auto path = [&](const char* file) { return scalar(path_to(configs / file, folder)); };
       files::write_file(options->file, {"suite", ""}, options->replace, [&](std::ostream& out) {
-        out << fmt::format(fmt::runtime(kSuite), fmt::arg("name", options->file.stem().string()),
-                           fmt::arg("configs", configs));
+        out << fmt::format(fmt::runtime(kSuite), fmt::arg("name", scalar(options->file.stem().string())),
+                           fmt::arg("robot", path("robots/frankie.yaml")),
+                           fmt::arg("published", path("controllers/holistic.yaml")),
+                           fmt::arg("moma", path("controllers/moma.yaml")),
+                           fmt::arg("realistic", path("disturbances/realistic.yaml")));
       });
       std::cout << fmt::format("{0} is written. What it costs: moma check {0}; then moma run {0}\n",
                                options->file.string());

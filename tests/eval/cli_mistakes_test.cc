@@ -101,6 +101,11 @@ TEST_F(CliMistakes, MomaAloneListsItsCommandsInGroups) {
   for (const char* head : {"Evaluate", "Look at results", "Keep results", "Make suites, robots and controllers"})
     EXPECT_NE(help.find(head), std::string::npos) << help;
   EXPECT_LT(help.find("  run "), help.find("  compare ")) << help;
+  // Whatever no head names stands under the last: the two that are about the program itself.
+  const std::string last = help.substr(help.find("\nHelp:"));
+  for (const char* command : {"\n  completion ", "\n  help "}) EXPECT_NE(last.find(command), std::string::npos) << help;
+  const std::string commands = last.substr(0, last.find("\n\n", 2));
+  EXPECT_EQ(std::count(commands.begin(), commands.end(), '\n'), 3) << commands;
 }
 
 TEST_F(CliMistakes, AFirstSuiteIsWrittenAndGood) {
@@ -109,6 +114,8 @@ TEST_F(CliMistakes, AFirstSuiteIsWrittenAndGood) {
             std::string::npos);
   write("mine.yaml", "name: edited\n");
   bad({"init", "mine.yaml"}, {"mine.yaml", "--force"});
+  good({"init", "a: b #1.yaml"});
+  EXPECT_NE(good({"check", "a: b #1.yaml", "--no-time"}).out.find("a: b #1: 80 trials"), std::string::npos);
 }
 
 TEST_F(CliMistakes, ASearchThatFindsNothingWritesNoGains) {

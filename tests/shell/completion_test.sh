@@ -57,7 +57,8 @@ expect() {
   done
 }
 
-expect 'moma ' ... run tune query report help completion
+expect 'moma ' ... init run tune query report help completion
+expect 'moma init --fo' --force
 expect 'moma ru' run
 expect 'moma -' --help --version
 expect 'NAME=1 moma ver' verify
