@@ -52,7 +52,7 @@ set(rules
   ".*|ode/|((tests/)?world/.*|tests/support/ode_.*|bench/.*)|ODE belongs to world"
   ".*|yaml-cpp/|controller/config/.*|YAML belongs to controller/config"
   ".*|CLI/|(tests/)?eval/cli[/_].*|CLI11 belongs to eval/cli"
-  ".*|(sqlite3|SQLiteCpp/)|((tests/)?eval/store|(tests/)?reports|tests/fuzz/store|tests/eval/cli_(look|mistakes|workers))[/_.].*|SQLite belongs to the store and the reports"
+  ".*|(sqlite3|SQLiteCpp/)|((tests/)?eval/store|(tests/)?reports|tests/fuzz/store|tests/eval/cli_(look|mistakes|tamper|workers))[/_.].*|SQLite belongs to the store and the reports"
   ".*|nlopt\\.|((tests/)?eval/search[/_].*|controller/fit/.*)|NLopt belongs to eval/search and controller/fit"
   ".*|mpi\\.h|(tests/)?eval/batch[/_].*|MPI belongs to eval/batch"
   ".*|(urdf|urdf_parser|urdf_model)/|controller/.*|URDFs are read by the controller's library"

@@ -24,7 +24,11 @@ std::string verdict(const run::Verification& found) {
   if (found.findings > 0) return fmt::format("{} findings", found.findings);
   if (found.in_vain())
     return fmt::format("none of the {} chosen ones can be, so that nothing is known of the results", found.chosen);
+  if (!found.in_doubt.empty())
+    return fmt::format("no findings, but not all could be checked: {}", found.in_doubt.front());
   if (found.replayed == 0) return "nothing is known of the results; all else is sound";
+  if (found.replayed < found.trials)
+    return "all the same, bit for bit; of the other results nothing is known, all else is sound";
   return "all the same, bit for bit; the store is sound";
 }
 
@@ -42,11 +46,12 @@ int verify(const VerifyOptions& options) {
         "compared: {} hashes, {} worlds, {} points with their suites, {} copies of trials, {} series "
         "of samples unpacked\n",
         found.contents.hashes, found.contents.worlds, found.points, found.contents.copies, found.contents.samples);
+    for (const std::string& text : found.in_doubt) std::cout << "could not be checked: " << terminal_safe(text) << '\n';
     for (const std::string& text : found.not_checked) std::cout << "not checked: " << terminal_safe(text) << '\n';
   }
-  if (options.hash) std::cout << fmt::format("results {}\n", found.hash);
+  if (options.hash) std::cout << fmt::format("results {}\ntables {}\n", found.hash, found.contents.table_hash);
   if (found.end != run::End::kFinished) return kStoppedEarly;
-  return found.findings == 0 && !found.in_vain() ? kOk : kCheckFailed;
+  return found.findings == 0 && found.in_doubt.empty() && !found.in_vain() ? kOk : kCheckFailed;
 }
 
 }  // namespace
@@ -67,7 +72,8 @@ void add_verify(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   command->add_flag("-q,--quiet", options->quiet, "No progress");
   command->footer(
       "Compares besides what the store says twice, and every hash, and says what it did not look at.\n"
-      "Exit 1 where a trial differs, the store is damaged, or none of the chosen trials can be replayed.\n"
+      "Exit 1 where a trial differs, the store is damaged, or what was to be checked cannot be (another simulation's\n"
+      "trials, views of another build, metrics that SQLite refuses).\n"
       "Example: moma verify results/demo.db --fraction 0.05 --hash");
   command->callback([&action, options] { action = [options] { return verify(*options); }; });
 }

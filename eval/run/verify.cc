@@ -169,12 +169,20 @@ class Verifier {
       if (!differ.empty()) complain(fmt::format("{}: {} not as its resolved suite says", name, differ));
       const TrialKeys keys(*point);
       for (const store::PointTrial& trial : trials) {
-        if (keys.key(point->worlds.identity(trial.world_index)) != trial.key)
+        if (!has_key(keys, *point, trial))
           complain(
               fmt::format("trial {}: its content gives another key; the store was changed", trial.key.substr(0, 16)));
       }
     }
     unbuilt_.clear();  // counted again by trials
+  }
+
+  static bool has_key(const TrialKeys& keys, const SuitePoint& point, const store::PointTrial& trial) {
+    try {
+      return keys.key(point.worlds.identity(trial.world_index)) == trial.key;
+    } catch (const GenerationError&) {  // no suite has such a world
+      return false;
+    }
   }
 
   /// Turns the chosen trials into jobs of a batch over copies of their points.
@@ -261,21 +269,22 @@ class Verifier {
 
   void tell_unchecked() {
     std::vector<std::string>& list = found_.not_checked;
+    std::vector<std::string>& doubt = found_.in_doubt;
     if (found_.replayed < found_.trials)
       list.push_back(fmt::format("results of {} trials that were not replayed", found_.trials - found_.replayed));
-    for (const auto& [why, n] : unbuilt_) list.push_back(fmt::format("{} chosen trials {}", n, why));
+    for (const auto& [why, n] : unbuilt_) doubt.push_back(fmt::format("{} chosen trials {}", n, why));
     if (keys_unchecked_ > 0)
-      list.push_back(fmt::format("keys of {} trials whose suites could not be read", keys_unchecked_));
+      doubt.push_back(fmt::format("keys of {} trials whose suites could not be read", keys_unchecked_));
     if (found_.contents.samples > samples_compared_)
       list.push_back(fmt::format("values of {} series of samples", found_.contents.samples - samples_compared_));
     if (const auto& views = found_.contents.foreign_views; !views.empty())
-      list.push_back(
+      doubt.push_back(
           fmt::format("views {}, which queries and reports read: another build of moma wrote to the store, and "
                       "they are not this one's",
                       fmt::join(views, ", ")));
     if (const std::size_t n = reader_.searched_trials(); n > 0)
       list.push_back(fmt::format("{} trials of searches, and what searches found", n));
-    for (const std::string& text : unable_) list.push_back(text);
+    for (const std::string& text : unable_) doubt.push_back(text);
     list.push_back("how long trials took, and what invocations say of themselves");
   }
 

@@ -31,6 +31,7 @@ struct Verification {
   store::ContentCounts contents;
   std::size_t points = 0;                ///< built again and compared with their rows
   std::vector<std::string> not_checked;  ///< what nothing is said of, in words
+  std::vector<std::string> in_doubt;     ///< what was to be checked and could not be: the store is not called sound
   std::string hash;                      ///< over every result: equal hashes mean equal rows
   End end = End::kFinished;
 

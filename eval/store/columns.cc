@@ -54,7 +54,7 @@ bool absent(const std::string& value) noexcept { return value.empty(); }
 
 template <class Value>
 bool agree_as_stored(const Column& about, const Value& a, const Value& b) {
-  return same(a, b) || (about.earlier == Earlier::kUnknown && (absent(a) || absent(b)));
+  return same(a, b) || (about.earlier == Earlier::kUnknown && absent(a));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <new>
@@ -64,15 +65,14 @@ class Checker {
 
   ContentCounts execute() {
     check_definitions();
-    for (const auto& [table, text] :
-         {std::pair{"robot", "resolved"}, std::pair{"controller", "resolved"}, std::pair{"resolved_suite", "resolved"},
-          std::pair{"world", "json"}, std::pair{"tune_search", "identity"}})
-      check_hashes(table, text);
+    counts_.hashes = check_hashes(db_, "main", finding_);
     check_worlds();
     check_names();
     check_keys();
     check_copies();
+    check_missing();
     check_samples();
+    hash_tables();
     return counts_;
   }
 
@@ -137,20 +137,6 @@ class Checker {
       tell(fmt::format("suite {}: its name is {:.80}, but that of its resolved suite {:.80}",
                        suites.getColumn(0).getInt64(), suites.getColumn(1).getString(),
                        suites.getColumn(2).getString()));
-  }
-
-  void check_hashes(const std::string& table, const std::string& text) {
-    Statement s(db_, fmt::format("SELECT id, hash, {} FROM main.{}", text, table));
-    while (s.executeStep()) {
-      ++counts_.hashes;
-      const Hash hash = hash_text(s.getColumn(2).getString());
-      const SQLite::Column kept = s.getColumn(1);
-      const bool same = kept.isBlob() && kept.getBytes() == static_cast<int>(hash.size()) &&
-                        std::equal(hash.begin(), hash.end(), static_cast<const unsigned char*>(kept.getBlob()));
-      if (!same)
-        tell(fmt::format("{} {}: its text has another hash than the one that it is kept under; it was changed", table,
-                         s.getColumn(0).getInt64()));
-    }
   }
 
   void check_worlds() {
@@ -227,6 +213,63 @@ class Checker {
     counts_.copies = static_cast<std::size_t>(db_.execAndGet("SELECT count(*) FROM main.point_trial").getInt64());
   }
 
+  /// What somebody could have taken away: trials that a run stored and no point has (a search plans none, and links
+  /// none), trials that a finished run had, and values of the metrics that a suite has.
+  void check_missing() {
+    Statement orphans(db_,
+                      "SELECT count(*) FROM main.trial AS t LEFT JOIN main.execution AS e USING (key) LEFT JOIN "
+                      "main.invocation AS i ON i.id = e.invocation_id WHERE coalesce(i.trials_planned, 1) > 0 AND NOT "
+                      "EXISTS (SELECT 1 FROM main.point_trial AS m WHERE m.key = t.key)");
+    orphans.executeStep();
+    if (const std::int64_t n = orphans.getColumn(0).getInt64(); n > 0)
+      tell(fmt::format("{} trials belong to no point, although a run stored them: tables leave them out", n));
+    Statement planned(
+        db_,
+        "SELECT u.name, max(i.trials_planned) AS planned, (SELECT count(*) FROM main.point_trial AS m JOIN "
+        "main.point AS p ON p.id = m.point_id WHERE p.suite_id = u.id) AS there FROM main.suite AS u JOIN "
+        "main.invocation AS i ON i.suite_id = u.id WHERE i.status = 'finished' GROUP BY u.id HAVING there "
+        "< planned");
+    while (planned.executeStep())
+      tell(fmt::format("suite {}: a run finished with {} trials, and {} are there", planned.getColumn(0).getString(),
+                       planned.getColumn(1).getInt64(), planned.getColumn(2).getInt64()));
+    Statement metrics(
+        db_,
+        "SELECT p.id, j.key, j.value, count(*) FROM main.point AS p JOIN main.resolved_suite AS r ON r.id = "
+        "p.resolved_suite_id AND json_valid(r.resolved), json_each(r.resolved, '$.metrics') AS j JOIN "
+        "main.point_trial AS m ON m.point_id = p.id WHERE NOT EXISTS (SELECT 1 FROM main.metric_value AS v "
+        "JOIN main.metric AS d ON d.id = v.metric_id WHERE v.key = m.key AND d.file_name = j.key AND "
+        "d.expression = j.value) GROUP BY p.id, j.key");
+    while (metrics.executeStep())
+      tell(fmt::format("point {}: {} trials have no value of metric {} as its suite has it: {:.200}",
+                       metrics.getColumn(0).getInt64(), metrics.getColumn(3).getInt64(),
+                       metrics.getColumn(1).getString(), metrics.getColumn(2).getString()));
+  }
+
+  void hash_tables() {
+    Hash chain{};
+    Statement s(db_,
+                fmt::format("SELECT u.file_name, lower(hex(u.setting_hash)), r.name, p.controller_name, p.label, "
+                            "p.params, lower(hex(p.content_hash)), p.simulation_version, m.world_index, "
+                            "lower(hex(m.key)), m.family, m.outcome, m.time_to_goal_s, {} FROM main.point_trial AS m "
+                            "JOIN main.point AS p ON p.id = m.point_id JOIN main.suite AS u ON u.id = p.suite_id "
+                            "JOIN main.robot AS r ON r.id = p.robot_id ORDER BY 1, 2, 4, 5, 7, 9",
+                            summary_list("m.")));
+    while (s.executeStep()) {
+      std::string line = to_hex(chain);
+      for (int c = 0; c < s.getColumnCount(); ++c) {
+        const SQLite::Column value = s.getColumn(c);
+        line += '|';
+        if (value.isFloat()) {
+          line += fmt::format("{:016x}", std::bit_cast<std::uint64_t>(value.getDouble()));
+        } else if (!value.isNull()) {
+          line += value.getString();
+        }
+      }
+      chain = hash_text(line);
+    }
+    counts_.table_hash = to_hex(chain);
+  }
+
   void check_samples() {
     Statement s(db_,
                 "SELECT lower(hex(a.key)), a.layout, a.n, a.columns, a.data, t.steps FROM main.samples AS a "
@@ -255,6 +298,25 @@ class Checker {
 };
 
 }  // namespace
+
+std::size_t check_hashes(SQLite::Database& db, const std::string& schema, const Found& finding) {
+  std::size_t count = 0;
+  for (const auto& [table, text] :
+       {std::pair{"robot", "resolved"}, std::pair{"controller", "resolved"}, std::pair{"resolved_suite", "resolved"},
+        std::pair{"world", "json"}, std::pair{"tune_search", "identity"}}) {
+    Statement s(db, fmt::format("SELECT id, hash, {} FROM {}.{}", text, schema, table));
+    for (; s.executeStep(); ++count) {
+      const Hash hash = hash_text(s.getColumn(2).getString());
+      const SQLite::Column kept = s.getColumn(1);
+      const bool same = kept.isBlob() && kept.getBytes() == static_cast<int>(hash.size()) &&
+                        std::equal(hash.begin(), hash.end(), static_cast<const unsigned char*>(kept.getBlob()));
+      if (!same)
+        finding(fmt::format("{} {}: its text has another hash than the one that it is kept under; it was changed",
+                            table, s.getColumn(0).getInt64()));
+    }
+  }
+  return count;
+}
 
 ContentCounts check_contents(const std::filesystem::path& file, const Found& finding) {
   ReadConnection connection(file);

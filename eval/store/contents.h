@@ -1,5 +1,7 @@
 #pragma once
 
+#include <SQLiteCpp/Database.h>
+
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -10,6 +12,8 @@ namespace moma::store {
 
 /// How much of a store was compared.
 struct ContentCounts {
+  std::string
+      table_hash;  ///< over what tables read besides results: which trials belong to which point, under which names
   std::size_t hashes =
       0;  ///< texts with the hash that they are kept under: robots, controllers, suites, worlds, searches
   std::size_t copies = 0;                  ///< rows of point_trial with the rows of trial and world that they repeat
@@ -22,5 +26,10 @@ struct ContentCounts {
 /// sentence for each disagreement. The values that are there once (rows of trials, their timings, samples) are for a
 /// replay to judge. Cost: about 20 us a world, 5 us a trial, 1 ms a series of 1000 samples. Throws StoreError.
 ContentCounts check_contents(const std::filesystem::path& file, const std::function<void(const std::string&)>& finding);
+
+/// Compares every text that is kept under its hash with it, of `schema` ("main", or one that is attached); returns how
+/// many there are. A change is told in a sentence.
+std::size_t check_hashes(SQLite::Database& db, const std::string& schema,
+                         const std::function<void(const std::string&)>& finding);
 
 }  // namespace moma::store

@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "eval/store/columns.h"
+#include "eval/store/contents.h"
 #include "eval/store/database.h"
 #include "eval/store/definition.h"
 #include "eval/store/late.h"
@@ -293,6 +294,10 @@ void merge_into(SQLite::Database& db, const fs::path& file, MergeSummary& summar
   Statement attach(db, "ATTACH ? AS source");
   attach.bind(1, file.string());
   attach.exec();
+  check_hashes(db, "source", [&](const std::string& finding) {
+    throw StoreError(StoreError::Kind::kContradiction,
+                     fmt::format("{}: {}; nothing was merged ('moma verify' says all)", file.string(), finding));
+  });
   SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
   MergeSummary one = Importer(db, file).import();
   transaction.commit();

@@ -9,6 +9,7 @@
 #include "controller/config/json_node.h"
 #include "world/scenario/apportion.h"
 #include "world/scenario/distribution.h"
+#include "world/scenario/worlds.h"
 
 namespace moma {
 namespace {
@@ -149,6 +150,15 @@ TEST(Apportionment, EveryPrefixIsWithinOneOfItsShare) {
       }
     }
   }
+}
+
+// Memory does not grow with the index.
+TEST(Apportionment, AnyIndexOfWholeWeights) {
+  const Apportionment whole({3.0, 0.0, 2.0, 1.0});
+  for (std::uint64_t k = 0; k < 6; ++k) EXPECT_EQ(whole.family_of(600'000'000'000 + k), whole.family_of(k));
+  const Apportionment odd({1.0, 2.5});
+  EXPECT_GE(odd.family_of(1000), 0);
+  EXPECT_THROW(odd.family_of(100'000'000'007), GenerationError);
 }
 
 TEST(Apportionment, EqualWeightsGiveHalvesExactly) {

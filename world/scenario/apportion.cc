@@ -1,6 +1,12 @@
 #include "world/scenario/apportion.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
 #include <utility>
+
+#include "world/scenario/worlds.h"
 
 namespace moma {
 
@@ -14,10 +20,18 @@ Apportionment::Apportionment(std::vector<double> weights) : weights_(std::move(w
     }
   }
   if (positive != 1) only_ = -1;
+  // After as many indices as the sum of whole weights every family has its weight of them, and all comparisons of
+  // next() are those of the beginning, exactly.
+  const bool whole = std::all_of(weights_.begin(), weights_.end(), [](double w) { return w == std::floor(w); });
+  if (whole && sum_ <= 1e6) period_ = static_cast<std::uint64_t>(sum_);
 }
 
 int Apportionment::family_of(std::uint64_t index) const {
   if (only_ >= 0) return only_;
+  if (period_ > 0) index %= period_;
+  if (index >= kMost)
+    throw GenerationError(fmt::format(
+        "there is no world {}: weights of families that are not whole numbers share out {} worlds", index, kMost));
   const std::lock_guard lock(mutex_);
   while (given_.size() <= index) given_.push_back(static_cast<std::uint8_t>(next()));
   return given_[index];
