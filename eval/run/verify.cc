@@ -165,7 +165,7 @@ class Verifier {
       const Suite& suite = suites_.suite_of(as);
       auto record = records.find(&suite);
       if (record == records.end()) record = records.emplace(&suite, store::describe(suite)).first;
-      const std::string differ = reader_.point_differences(stored.id, record->second.points[stored.position]);
+      const std::string differ = reader_.point_differences(stored.id, record->second, stored.position);
       if (!differ.empty()) complain(fmt::format("{}: {} not as its resolved suite says", name, differ));
       const TrialKeys keys(*point);
       for (const store::PointTrial& trial : trials) {

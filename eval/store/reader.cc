@@ -220,14 +220,15 @@ std::vector<PointTrial> Reader::trials_of(std::int64_t point) const {
   });
 }
 
-std::string Reader::point_differences(std::int64_t point, const PointRecord& record) const {
+std::string Reader::point_differences(std::int64_t point, const SuiteRecord& suite, std::size_t position) const {
+  const PointRecord& record = suite.points.at(position);
   return impl_->guarded([&] {
     Statement s(impl_->db,
                 "SELECT p.controller_name, p.label, p.params, p.content_hash, r.name, r.resolved, c.resolved, p.mode, "
                 "p.control_period_s, p.physics_step_s, p.time_limit_s, p.success_position_m, "
                 "p.success_orientation_rad, p.success_dwell_s, p.stuck_time_s, p.stuck_motion, p.infeasible_time_s, "
-                "p.worlds FROM point AS p JOIN robot AS r ON r.id = p.robot_id JOIN controller AS c "
-                "ON c.id = p.controller_id WHERE p.id = ?");
+                "p.worlds, u.setting_hash FROM point AS p JOIN robot AS r ON r.id = p.robot_id JOIN controller AS c "
+                "ON c.id = p.controller_id JOIN suite AS u ON u.id = p.suite_id WHERE p.id = ?");
     s.bind(1, point);
     if (!s.executeStep()) return std::string("robot or controller");
     std::string differ;
@@ -241,10 +242,12 @@ std::string Reader::point_differences(std::int64_t point, const PointRecord& rec
     text(record.controller);
     text(record.label);
     text(record.params);
-    const SQLite::Column hash = s.getColumn(i);
-    compare(hash.getBytes() == static_cast<int>(record.content_hash.size()) &&
-            std::equal(record.content_hash.begin(), record.content_hash.end(),
-                       static_cast<const unsigned char*>(hash.getBlob())));
+    const auto hash = [&](const Hash& said) {
+      const SQLite::Column kept = s.getColumn(i);
+      compare(kept.getBytes() == static_cast<int>(said.size()) &&
+              std::equal(said.begin(), said.end(), static_cast<const unsigned char*>(kept.getBlob())));
+    };
+    hash(record.content_hash);
     text(record.robot_name);
     text(record.robot_resolved);
     text(record.controller_resolved);
@@ -259,6 +262,7 @@ std::string Reader::point_differences(std::int64_t point, const PointRecord& rec
     number(record.stuck.motion);
     number(record.infeasible.time);
     text(record.worlds);
+    hash(suite.setting_hash);
     return differ;
   });
 }

@@ -62,7 +62,7 @@ struct PointTrial {
   std::string key;  ///< 32 hex digits
 };
 
-struct PointRecord;
+struct SuiteRecord;
 
 /// Reads a store; any number of readers beside the writer. Throws StoreError.
 class Reader {
@@ -84,8 +84,9 @@ class Reader {
   std::vector<StoredMetric> metrics(const std::string& key) const;
   std::vector<StoredPoint> points() const;
   std::vector<PointTrial> trials_of(std::int64_t point) const;
-  /// Names of the columns of a point that are not as `record` says; "" where all are.
-  std::string point_differences(std::int64_t point, const PointRecord& record) const;
+  /// Names of the columns of a point and its suite that are not as `suite` and its point `position` say; "" where all
+  /// are.
+  std::string point_differences(std::int64_t point, const SuiteRecord& suite, std::size_t position) const;
   /// When the runs began that say that they are running.
   std::vector<std::string> running() const;
   /// How many trials belong to no point: those of searches.
