@@ -13,6 +13,7 @@
 #include "eval/batch/batch.h"
 #include "eval/run/named_point.h"
 #include "eval/run/store_file.h"
+#include "eval/store/columns.h"
 #include "eval/store/hash.h"
 #include "eval/store/reader.h"
 #include "eval/store/records.h"
@@ -237,6 +238,8 @@ class Verifier {
 
   void compare(const BatchJob& job, const BatchResult& result, bool drawn) {
     ReplayDifferences found = differences(rows_[job.point], classes_[job.point], result.output.row);
+    for (const std::string_view column : store::missing_columns(rows_[job.point], result.output.row))
+      ++missing_[column];
     if (!drawn) found.lines.push_back("its world is not the one that its suite draws");
     try {
       if (const auto samples = reader_.trial(job.key).samples) {
@@ -285,6 +288,11 @@ class Verifier {
     if (const std::size_t n = reader_.searched_trials(); n > 0)
       list.push_back(fmt::format("{} trials of searches, and what searches found", n));
     for (const std::string& text : unable_) doubt.push_back(text);
+    for (const auto& [column, n] : missing_)
+      doubt.push_back(
+          fmt::format("{}: {} trials have no value and come out with one: it was removed, or a moma stored "
+                      "them that did not measure it",
+                      column, n));
     list.push_back("how long trials took, and what invocations say of themselves");
   }
 
@@ -302,6 +310,8 @@ class Verifier {
   std::size_t keys_unchecked_ = 0;
   std::size_t samples_compared_ = 0;
   std::set<std::string> unable_;
+  std::map<std::string_view, std::size_t>
+      missing_;  ///< trials without the column's value, although they come out with one
   Verification found_;
 };
 

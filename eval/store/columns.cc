@@ -63,6 +63,15 @@ bool agree(const Column& about, double a, double b) { return agree_as_stored(abo
 bool agree(const Column& about, int a, int b) { return agree_as_stored(about, a, b); }
 bool agree(const Column& about, const std::string& a, const std::string& b) { return agree_as_stored(about, a, b); }
 
+std::vector<std::string_view> missing_columns(const TrialRow& stored, const TrialRow& now) {
+  std::vector<std::string_view> names;
+  for (const TrialColumn& column : trial_columns()) {
+    const auto missing = [&](auto member) { return absent(stored.*member) && !absent(now.*member); };
+    if (column.about.earlier == Earlier::kUnknown && std::visit(missing, column.member)) names.push_back(column.name);
+  }
+  return names;
+}
+
 std::vector<std::string> differences(const TrialRow& a, const TrialRow& b) {
   std::vector<std::string> found;
   if (a.outcome != b.outcome) {

@@ -37,4 +37,7 @@ bool agree(const Column& about, const std::string& a, const std::string& b);
 /// "column: a != b" for every deterministic column that does not agree; empty where the rows agree.
 std::vector<std::string> differences(const TrialRow& a, const TrialRow& b);
 
+/// Columns that came later, of which `stored` has no value and `now` has one.
+std::vector<std::string_view> missing_columns(const TrialRow& stored, const TrialRow& now);
+
 }  // namespace moma::store

@@ -35,6 +35,10 @@ constexpr Tampering kTamperings[] = {
     {"a metric's values", "DELETE FROM metric_value", "no value of metric last", true},
     {"a column that later versions have", "UPDATE trial SET redone_steps = 999, separation_margin_min_m = 0.77",
      "redone_steps: 999 != nan", true},
+    {"values of columns that earlier versions lack",
+     "UPDATE trial SET separation_margin_min_m = NULL, acceleration_max = NULL, latency_joints_s = NULL, "
+     "tracking_error_rms = NULL",
+     "trials have no value and come out with one", true},
     {"the hash of a suite's setting", "UPDATE suite SET setting_hash = zeroblob(16)", "setting_hash not as", true},
     {"a world without a number", "UPDATE point_trial SET world_index = 100000000007 WHERE world_index = 3",
      "its content gives another key", true},
