@@ -10,6 +10,8 @@ namespace {
 
 constexpr double kGain = 0.1;       // of a detour over the best so far, at least [s]
 constexpr double kStopping = 0.01;  // between two moments of coming to rest [s]
+// Plans, each with more work, before detours are looked at: they hardly ever lead to a goal that is close to an object.
+constexpr int kPlans = 4;
 
 }  // namespace
 
@@ -63,11 +65,12 @@ void Choice::begin(const Observation& from, double direct_time, int number) noex
   least_ = kInfinity;
   take({.kind = PlanKind::kPolicy, .time = direct_time});
   seed_ = static_cast<std::uint64_t>(number - 1);
-  plans_first_ = number > (planner_.close_goal() ? 1 : kTrusted);
   detour_ = params_.detours ? 0 : kCandidates;
   rolling_ = false;
-  job_ = Job::kDetours;
-  if (plans_first_) begin_plan();
+  plans_ = 0;
+  begin_plan();
+  plans_first_ = number > kTrusted || planner_.close_goal();
+  if (!plans_first_) job_ = Job::kDetours;
 }
 
 void Choice::take(const PlanCandidate& candidate) noexcept {
@@ -79,6 +82,7 @@ void Choice::take(const PlanCandidate& candidate) noexcept {
 
 // No path that takes longer than the best so far is of use.
 void Choice::begin_plan() noexcept {
+  ++plans_;
   planner_.begin(stand_, from_.goal.X_WG, from_.objects, seed_, least_ - params_.settle - stopping_);
   job_ = Job::kPlan;
 }
@@ -88,6 +92,10 @@ bool Choice::advance(Rollout& rollout, long& budget) noexcept {
     if (job_ == Job::kPlan) {
       if (planner_.advance(budget)) break;
       const bool found = planner_.found();
+      if (!found && planner_.close_goal() && plans_ < kPlans) {
+        begin_plan();
+        continue;
+      }
       take({.kind = PlanKind::kPath, .time = found ? stopping_ + planner_.path().duration + params_.settle : -1.0});
       job_ = plans_first_ && !found ? Job::kDetours : Job::kDone;
       continue;

@@ -33,12 +33,16 @@ class Choice {
 
   /// Begins a choice that takes effect at `from`, where the direct policy would take `direct_time` seconds (negative:
   /// it fails). A robot that moves there comes to rest first where it follows a path. `number` is the choice's, from 1:
-  /// draws come from it, and after kTrusted choices, or one of a goal close to an object, detours, which were not kept,
-  /// give way to paths.
+  /// draws come from it, and after kTrusted choices detours, which were not kept, give way to paths, as they do for a
+  /// goal that is close to an object.
   void begin(const Observation& from, double direct_time, int number) noexcept;
   /// Works until `budget` checks are used up or all is known; `rollout` is of the direct policy. True as long as there
   /// is more to do.
   bool advance(Rollout& rollout, long& budget) noexcept;
+  /// Has a path that was found count as it is.
+  void hurry() noexcept {
+    if (job_ == Job::kPlan) planner_.hurry();
+  }
   /// Of a choice that is made: the best of candidates(). Its time is negative where nothing arrives.
   const PlanCandidate& best() const noexcept { return candidates_[best_]; }
   /// The choice as it is remembered.
@@ -71,6 +75,7 @@ class Choice {
   double stopping_ = 0.0;     // ... and how long that takes [s]
   std::uint64_t seed_ = 0;
   bool plans_first_ = false;
+  int plans_ = 0;         // begun
   int detour_ = 0;        // the next one
   bool rolling_ = false;  // one is being rolled out
   std::vector<PlanCandidate> candidates_;

@@ -16,10 +16,12 @@ constexpr double kNearMover = 2.5;                // from the base to an object 
 constexpr double kSlow = 0.1;                     // velocities at which a robot stands, to choose [rad/s, m/s]
 constexpr double kLongestStop = 1.0;              // [s]
 constexpr double kLongestChoice = 1.8;            // of a robot that stands: the best so far counts then [s]
-constexpr double kArrived = 0.005;                // lag at a path's end [m]
-constexpr double kThere = 0.3;                    // a goal that is reached so soon needs no choice [s]
-constexpr double kProgress = 0.05;                // on the path's clock that is progress [s]
-constexpr double kPushed = 0.3;                   // lag among objects in motion that gives a path up [m]
+// Lag at a path's end: of one that leads close to an object, which the policy may not be able to finish, less [m].
+constexpr double kArrived = 0.005, kArrivedClose = 0.0005;
+constexpr std::int64_t kHurry = 3;  // steps before a choice has to be made
+constexpr double kThere = 0.3;      // a goal that is reached so soon needs no choice [s]
+constexpr double kProgress = 0.05;  // on the path's clock that is progress [s]
+constexpr double kPushed = 0.3;     // lag among objects in motion that gives a path up [m]
 // Robot and object on their ways meet: the path's clock slows down from so soon on, and stands from so soon on [s].
 constexpr double kMeetAhead = 2.0, kMeetNear = 0.5;
 constexpr double kGoOn = 0.52;  // of the policy's motion while a choice is worked out, at most [s]
@@ -35,7 +37,7 @@ ControllerParams without_plan(ControllerParams params) {
 }
 
 ControllerParams late_limits(ControllerParams params) {
-  constexpr double kInfluence = 0.3, kStop = 0.002;  // [rad]
+  constexpr double kInfluence = 0.1, kStop = 0.002;  // [rad]
   params.joint_limits.influence = std::min(params.joint_limits.influence, kInfluence);
   params.joint_limits.stop = std::min(params.joint_limits.stop, kStop);
   return params;
@@ -349,8 +351,10 @@ void Lookahead::work_choice(const Observation& o, long& budget) noexcept {
     choice_.begin(o, state_.direct_time, ++state_.brief.attempts);
     job_ = Job::kChoose;
   }
-  const bool late = state_.brief.mode == PlanMode::kChoose && state_.steps >= state_.stop_end + periods(kLongestChoice);
-  if (!choice_.advance(rollout_, budget) || late) choose();
+  const bool stands = state_.brief.mode == PlanMode::kChoose;
+  const std::int64_t end = stands ? state_.stop_end + periods(kLongestChoice) : state_.commit;
+  if ((stands || state_.brief.going_on) && state_.steps + kHurry >= end) choice_.hurry();
+  if (!choice_.advance(rollout_, budget) || (stands && state_.steps >= end)) choose();
 }
 
 // Begins a prediction or goes on with the one that is under way. True where it has ended.
@@ -396,7 +400,10 @@ bool Lookahead::stuck() const noexcept {
   return state_.steps - state_.mark > periods((traffic_ ? 4.0 : 1.0) * params_.stuck);
 }
 
-bool Lookahead::at_end() const noexcept { return state_.brief.lag < kArrived || stuck(); }
+bool Lookahead::at_end() const noexcept {
+  const bool close = state_.path.kept_at_goal < state_.path.clearance;
+  return state_.brief.lag < (close ? kArrivedClose : kArrived) || stuck();
+}
 
 // The quickest counts; where nothing arrives, the direct policy goes on, anew where it was not the policy's turn.
 void Lookahead::choose() noexcept {
@@ -407,6 +414,7 @@ void Lookahead::choose() noexcept {
   state_.next = state_.steps + periods(params_.period);
   state_.brief.choice = choice_.verdict();
   if (best.time < 0.0 || best.kind == PlanKind::kPolicy) {
+    if (best.time < 0.0 && planner().close_goal()) state_.next = state_.steps;  // nothing else leads there
     go_direct(best.time < 0.0 ? PlanReason::kNoPath : PlanReason::kQuicker, state_.left_path ? &kNothing : nullptr);
   } else if (best.kind == PlanKind::kPath) {
     state_.path = planner().path();

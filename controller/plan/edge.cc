@@ -70,6 +70,13 @@ void make_edge(const MotionLimits& limits, const WholeConfiguration& a, const Wh
   edge.time = std::max({edge.base_time(), edge.arm.time, 1e-6});
 }
 
+void edge_point(const MotionLimits& limits, const Edge& edge, double part, WholeConfiguration& c) noexcept {
+  if (limits.mobile())
+    edge_at(limits, edge, part * edge.time, c);
+  else
+    c = edge.a + part * (edge.b - edge.a);
+}
+
 void edge_at(const MotionLimits& limits, const Edge& edge, double t, WholeConfiguration& c) noexcept {
   const double share = edge.arm.time > 0.0 ? edge.arm.stretched(edge.time / edge.arm.time).part(t) : 1.0;
   c = edge.a;

@@ -25,6 +25,10 @@ void make_edge(const MotionLimits& limits, const WholeConfiguration& a, const Wh
 /// Where it is at t in [0, time]; times beyond are those of the ends.
 void edge_at(const MotionLimits& limits, const Edge& edge, double t, WholeConfiguration& c) noexcept;
 
+/// The same for looking at all of it, `part` in [0, 1]: of the arm's way where the base is bolted down, else of the
+/// time.
+void edge_point(const MotionLimits& limits, const Edge& edge, double part, WholeConfiguration& c) noexcept;
+
 /// About how far the robot's farthest point goes on it [m].
 double longest_way(const MotionLimits& limits, const Edge& edge) noexcept;
 

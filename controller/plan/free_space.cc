@@ -20,8 +20,7 @@ FreeSpace::FreeSpace(std::shared_ptr<const RobotModel> model, const MotionLimits
     : limits_(&limits),
       kinematics_(model),
       proximity_(model),
-      lower_(limits.lower),
-      upper_(limits.upper),
+      keeps_{.low = limits.lower, .high = limits.upper},
       point_(WholeConfiguration::Zero(3 + limits.num_joints())) {}
 
 void FreeSpace::set_objects(std::span<const ObjectShape> objects) {
@@ -44,46 +43,48 @@ Kinematics& FreeSpace::place(const WholeConfiguration& c) noexcept {
 }
 
 void FreeSpace::set_clearances(const Clearances& clearances, const WholeConfiguration& start, double room) noexcept {
-  clearances_ = clearances;
+  keeps_.clearances = clearances;
   place(start);
   ++checks_;
   for (const ProximityPair& pair : proximity_.query(kinematics_, states_, ranges_of(clearances))) {
-    double& clearance = pair.kind == PairKind::kObject  ? clearances_.object
-                        : pair.kind == PairKind::kFloor ? clearances_.floor
-                                                        : clearances_.self;
+    double& clearance = pair.kind == PairKind::kObject  ? keeps_.clearances.object
+                        : pair.kind == PairKind::kFloor ? keeps_.clearances.floor
+                                                        : keeps_.clearances.self;
     clearance = std::min(clearance, std::max(0.0, pair.distance.d - kSpare));
   }
   for (int i = 0; i < limits_->num_joints(); ++i) {
-    lower_[i] = std::min(limits_->lower[i] + room * limits_->margin[i], start[3 + i]);
-    upper_[i] = std::max(limits_->upper[i] - room * limits_->margin[i], start[3 + i]);
+    keeps_.low[i] = std::min(limits_->lower[i] + room * limits_->margin[i], start[3 + i]);
+    keeps_.high[i] = std::max(limits_->upper[i] - room * limits_->margin[i], start[3 + i]);
     if (limits_->winds[i] == 0) continue;
-    lower_[i] = std::clamp(start[3 + i] - 0.5 * kFullTurn, lower_[i], std::max(lower_[i], upper_[i] - kFullTurn));
-    upper_[i] = std::min(upper_[i], lower_[i] + kFullTurn);
+    keeps_.low[i] =
+        std::clamp(start[3 + i] - 0.5 * kFullTurn, keeps_.low[i], std::max(keeps_.low[i], keeps_.high[i] - kFullTurn));
+    keeps_.high[i] = std::min(keeps_.high[i], keeps_.low[i] + kFullTurn);
   }
 }
 
 void FreeSpace::unwind(WholeConfiguration& c) const noexcept {
   for (int i = 0; i < limits_->num_joints(); ++i) {
     double& q = c[3 + i];
-    if (limits_->winds[i] != 0 && (q < lower_[i] || q > upper_[i]))
-      q -= kFullTurn * std::floor((q - lower_[i]) / kFullTurn);
+    if (limits_->winds[i] != 0 && (q < keeps_.low[i] || q > keeps_.high[i]))
+      q -= kFullTurn * std::floor((q - keeps_.low[i]) / kFullTurn);
   }
 }
 
 bool FreeSpace::free(const WholeConfiguration& c) noexcept {
   for (int i = 0; i < limits_->num_joints(); ++i)
-    if (c[3 + i] < lower_[i] || c[3 + i] > upper_[i]) return false;
-  return clear(c, clearances_);
+    if (c[3 + i] < keeps_.low[i] || c[3 + i] > keeps_.high[i]) return false;
+  return clear(c, keeps_.clearances);
 }
 
 bool FreeSpace::clear(const WholeConfiguration& c, const Clearances& clearances) noexcept {
   ++checks_;
   kinematics_.place(c.head<3>(), c.tail(c.size() - 3));
   ProximityRanges ranges = ranges_of(clearances);
-  if (kept_.at_goal < ranges.object) {
+  if (keeps_.at_goal.at_goal < ranges.object) {
     // Where half the clearances count, half of what is kept at the goal does.
-    const double part = clearances_.object > 0.0 ? std::min(1.0, clearances.object / clearances_.object) : 1.0;
-    ranges.object = std::min(ranges.object, part * kept_.of(kInfinity, hand()));
+    const double part =
+        keeps_.clearances.object > 0.0 ? std::min(1.0, clearances.object / keeps_.clearances.object) : 1.0;
+    ranges.object = std::min(ranges.object, part * keeps_.at_goal.of(kInfinity, hand()));
   }
   return proximity_.clear(kinematics_, states_, ranges);
 }
@@ -97,9 +98,9 @@ Vector3 FreeSpace::hand() const noexcept {
 // Between two checks a point goes no more than a multiple of what is kept at `c`.
 double FreeSpace::step_near(const WholeConfiguration& c, double step) noexcept {
   constexpr double kTimes = 2.3, kLeast = 0.012;  // [1, m]
-  if (!(kept_.at_goal < clearances_.object)) return step;
+  if (!(keeps_.at_goal.at_goal < keeps_.clearances.object)) return step;
   kinematics_.place(c.head<3>(), c.tail(c.size() - 3));
-  return std::clamp(kTimes * kept_.of(clearances_.object, hand()), kLeast, step);
+  return std::clamp(kTimes * keeps_.at_goal.of(keeps_.clearances.object, hand()), kLeast, step);
 }
 
 bool FreeSpace::free(const Edge& edge, double step) noexcept {
@@ -110,11 +111,22 @@ bool FreeSpace::free(const Edge& edge, double step) noexcept {
   if (!free(edge.b)) return false;
   for (int stride = parts; stride > 1; stride /= 2) {
     for (int k = stride / 2; k < parts; k += stride) {
-      edge_at(*limits_, edge, edge.time * k / parts, point_);
+      edge_point(*limits_, edge, static_cast<double>(k) / parts, point_);
       if (!free(point_)) return false;
     }
   }
   return true;
+}
+
+double FreeSpace::free_part(const Edge& edge, double step) noexcept {
+  const double way = longest_way(*limits_, edge);
+  step = std::min(step_near(edge.a, step), step_near(edge.b, step));
+  const int parts = std::clamp(static_cast<int>(std::ceil(way / step)), 1, kMostParts);
+  for (int k = 1; k <= parts; ++k) {
+    edge_point(*limits_, edge, static_cast<double>(k) / parts, point_);
+    if (!free(point_)) return static_cast<double>(k - 1) / parts;
+  }
+  return 1.0;
 }
 
 }  // namespace moma

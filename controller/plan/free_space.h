@@ -17,6 +17,17 @@ struct Clearances {
   bool operator==(const Clearances&) const = default;
 };
 
+/// What configurations have to keep: distances, and room to the joints' limits.
+struct Keeps {
+  Clearances clearances;
+  KeptDistance at_goal;          ///< from objects, near the goal
+  WholeConfiguration low, high;  ///< of the joints, margins kept; one value each
+
+  bool operator==(const Keeps& other) const noexcept {
+    return clearances == other.clearances && low == other.low && high == other.high;
+  }
+};
+
 /// Which configurations and edges keep clear of objects at rest, the floor and the robot itself, and inside the joints'
 /// limits. Counts what it does in checks, each one configuration's distances. One per worker; set_objects() may take
 /// memory, nothing else does.
@@ -36,11 +47,14 @@ class FreeSpace {
   /// `room`: the part of the joints' margins that is kept.
   void set_clearances(const Clearances& clearances, const WholeConfiguration& start, double room = 1.0) noexcept;
   /// Near the goal less is kept from objects from here on.
-  void keep_near(const KeptDistance& kept) noexcept { kept_ = kept; }
-  const KeptDistance& kept() const noexcept { return kept_; }
-  const Clearances& clearances() const noexcept { return clearances_; }
-  const VectorX& lower() const noexcept { return lower_; }  ///< of the joints, margins kept
-  const VectorX& upper() const noexcept { return upper_; }
+  void keep_near(const KeptDistance& kept) noexcept { keeps_.at_goal = kept; }
+  /// All of that; keep() goes back to what was kept then.
+  const Keeps& keeps() const noexcept { return keeps_; }
+  void keep(const Keeps& keeps) noexcept { keeps_ = keeps; }
+  const KeptDistance& kept() const noexcept { return keeps_.at_goal; }
+  const Clearances& clearances() const noexcept { return keeps_.clearances; }
+  const WholeConfiguration& lower() const noexcept { return keeps_.low; }  ///< of the joints, margins kept
+  const WholeConfiguration& upper() const noexcept { return keeps_.high; }
 
   /// Turns joints that wind, as often as need be, into the turn that they keep to.
   void unwind(WholeConfiguration& c) const noexcept;
@@ -56,6 +70,8 @@ class FreeSpace {
   /// The edge's end first, then its middle, its quarters ... until no point of the robot goes farther than `step`
   /// between two checks, less where little is kept, or it has been cut into kMostParts.
   bool free(const Edge& edge, double step) noexcept;
+  /// From the edge's start on, in the same steps: the part of its time up to which it is free, 1 for all of it.
+  double free_part(const Edge& edge, double step) noexcept;
 
   static constexpr int kMostParts = 128;
 
@@ -77,9 +93,7 @@ class FreeSpace {
   Kinematics kinematics_;
   Proximity proximity_;
   std::vector<ObjectState> states_;
-  Clearances clearances_;
-  KeptDistance kept_;
-  VectorX lower_, upper_;
+  Keeps keeps_;
   WholeConfiguration point_;
   long checks_ = 0;
 };

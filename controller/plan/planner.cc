@@ -18,7 +18,7 @@ constexpr double kMoreWay = 0.3;
 constexpr double kAnyLength = 1e18;
 // Part of an edge's time that may be left where it overlaps with others, and of the best run's after further runs.
 constexpr double kOverlapped = 0.75, kShortened = 0.6;
-// Distances and margins of a plan, the widest first.
+// Distances and margins of a plan's tiers, the widest first.
 struct Tier {
   bool roomy;     // the roomy clearance, else the smaller one,
   double part;    // or this part of it
@@ -26,15 +26,13 @@ struct Tier {
   double room;    // part of the joints' margins
   double beyond;  // how far beyond start and goal a way may lead [m]
 };
-constexpr Tier kTiers[] = {{true, 1.0, false, 1.0, 1.5},
-                           {false, 1.0, false, 1.0, 2.5},
-                           {false, 0.3, true, 0.25, 2.5},
-                           {false, 0.3, true, 0.02, 2.5}};
+constexpr std::array<Tier, 3> kTierOf{
+    {{true, 1.0, false, 1.0, 1.5}, {false, 1.0, false, 1.0, 2.5}, {false, 0.3, true, 0.02, 2.5}}};
 // Goals that are as close as rows let them be would be reached never: they keep so much more [1].
 constexpr double kCloser = 1.7;
+// Goal configurations are kept for later tiers, too: so many times as many as are enough for one.
+constexpr int kMoreGoals = 3;
 constexpr int kMostEffort = 16;
-// In narrow places most steps of a tree are blocked; shorter ones get on.
-constexpr int kShortenings = 3;
 // A goal keeps so much more than the rows' stop distances: there they would not let the robot arrive [m].
 constexpr double kWithinRows = 0.002;
 
@@ -62,7 +60,8 @@ Planner::Planner(std::shared_ptr<const RobotModel> model, const ControllerParams
   space_.set_clearances(least_, ready);
   least_ = space_.clearances();
   least_.object = least_of(params.collision.object, params.plan.clearance);
-  goals_.reserve(static_cast<std::size_t>(params_.ik_enough));
+  goals_.reserve(static_cast<std::size_t>(kMoreGoals * params_.ik_enough));
+  tiers_.fill(space_.keeps());
 }
 
 void Planner::set_objects(std::span<const ObjectShape> objects) {
@@ -73,8 +72,9 @@ void Planner::set_objects(std::span<const ObjectShape> objects) {
 
 void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::span<const ObjectState> objects,
                     std::uint64_t seed, double within) noexcept {
-  const bool goes_on = stage_ != PlanStage::kIdle && same_world(X_WG, objects);
-  const bool failed = stage_ == PlanStage::kFailed;
+  const bool same = stage_ != PlanStage::kIdle && same_world(X_WG, objects);
+  if (!same) effort_ = 1;
+  if (same && stage_ == PlanStage::kFailed) effort_ = std::min(2 * effort_, kMostEffort);
   within_ = within;
   start_ = start;
   X_WG_ = X_WG;
@@ -87,10 +87,35 @@ void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::
     if (needed < params_.clearance) needed_ = needed;
   }
   // Where the hand is near to something at its goal, no way is roomy.
-  const int first = needed_ < kInfinity && params_.roomy > params_.clearance ? 1 : 0;
-  if (!goes_on) effort_ = 1;
-  if (goes_on && failed) effort_ = std::min(2 * effort_, kMostEffort);
-  begin_tier(goes_on && !failed ? tier_ : first, goes_on && !failed);
+  const int first = close_goal() && params_.roomy > params_.clearance ? 1 : 0;
+  const Keeps before = tiers_[static_cast<std::size_t>(tier_)];
+  set_tiers(first);
+  // Joints that wind keep to the start's turn, and a start that is near to something lessens what is kept.
+  goes_on_ = same && limits_->winds.isZero() && tier_ >= first && before == tiers_[static_cast<std::size_t>(tier_)];
+  if (!goes_on_) {
+    goals_.clear();
+    tries_ = 0;
+  }
+  for (GoalConfiguration& goal : goals_) {
+    const double time = edge_time(*limits_, start_, goal.c);
+    goal.cost += time - goal.time;
+    goal.time = time;
+  }
+  begin_tier(goes_on_ ? tier_ : first);
+}
+
+void Planner::set_tiers(int first) noexcept {
+  for (int tier = first; tier < kTiers; ++tier) {
+    const Tier& now = kTierOf[static_cast<std::size_t>(tier)];
+    const double object = now.roomy ? std::max(params_.roomy, params_.clearance) : now.part * params_.clearance;
+    space_.set_clearances({object, params_.self, params_.self}, start_, now.room);
+    // Half way between what rows keep and what the hand has.
+    double kept = 0.5 * (1.0 + at_goal_.part) * needed_;
+    if (now.close) kept = 0.0;
+    kept = std::max(kept, kCloser * at_goal_.least);
+    space_.keep_near({kept < object ? kept : kInfinity, at_goal_.slope, X_WG_.translation()});
+    tiers_[static_cast<std::size_t>(tier)] = space_.keeps();
+  }
 }
 
 // Seen within what sensors that are filtered say of the same place.
@@ -120,32 +145,16 @@ bool Planner::advance(long& budget) noexcept {
   return stage_ != PlanStage::kFound && stage_ != PlanStage::kFailed && stage_ != PlanStage::kIdle;
 }
 
-void Planner::begin_tier(int tier, bool goes_on) noexcept {
+void Planner::begin_tier(int tier) noexcept {
   tier_ = tier;
-  const Clearances before = space_.clearances();
-  const Tier& now = kTiers[tier];
-  const double object = now.roomy ? std::max(params_.roomy, params_.clearance) : now.part * params_.clearance;
-  space_.set_clearances({object, params_.self, params_.self}, start_, now.room);
-  ik_.keep_room(now.room);
-  // Half way between what rows keep and what the hand has.
-  double kept = 0.5 * (1.0 + at_goal_.part) * needed_;
-  if (now.close) kept = 0.0;
-  kept = std::max(kept, kCloser * at_goal_.least);
-  space_.keep_near({kept < object ? kept : kInfinity, at_goal_.slope, X_WG_.translation()});
+  space_.keep(tiers_[static_cast<std::size_t>(tier)]);
   late_ = 0;
   stage_ = PlanStage::kGoals;
-  // Joints that wind keep to the start's turn, and a start that is near to something lessens clearances.
-  goes_on_ = goes_on && limits_->winds.isZero() && before == space_.clearances();
-  if (!goes_on_) {
-    goals_.clear();
-    tries_ = 0;
-    return;
-  }
-  for (GoalConfiguration& goal : goals_) {
-    const double time = edge_time(*limits_, start_, goal.c);
-    goal.cost += time - goal.time;
-    goal.time = time;
-  }
+}
+
+int Planner::usable_goals() const noexcept {
+  return static_cast<int>(
+      std::count_if(goals_.begin(), goals_.end(), [&](const GoalConfiguration& goal) { return goal.tier <= tier_; }));
 }
 
 void Planner::work() noexcept {
@@ -171,11 +180,7 @@ void Planner::work() noexcept {
         try_shortcut(space_, params_.check_step, shortcut_++, draws_, edges_, work_, spare_);
         break;
       }
-      if (edges_.time() < best_time_) {
-        best_time_ = edges_.time();
-        best_.swap(edges_);
-        longest_ = best_.base_way() + kMoreWay;
-      }
+      take_edges();
       if (best_.size() == 1 || run_ >= params_.runs || counts_.checks >= search_end_ ||
           kShortened * best_time_ > within_)
         end_tier();
@@ -192,36 +197,67 @@ void Planner::work() noexcept {
   }
 }
 
+// Those of a goal that is close to an object are sought for all tiers at once: where none keeps clear of joint limits
+// that is seen soon.
 void Planner::try_goal() noexcept {
-  if (goes_on_ && !goals_.empty()) return begin_search();
-  GoalConfiguration goal;
+  if (usable_goals() + late_ >= params_.ik_enough || tries_ >= effort_ * params_.ik_tries) return begin_search();
+  const int aim = close_goal() && tries_ % 2 == 1 ? last_tier() : tier_;
+  ik_.keep_room(kTierOf[static_cast<std::size_t>(aim)].room);
+  space_.keep(tiers_[static_cast<std::size_t>(aim)]);
   ++counts_.ik_tries;
-  if (ik_.find(space_, X_WG_, params_.roomy, start_, tries_++, draws_, goal) && within_rows(goal.c)) {
-    if (kOverlapped * goal.time > within_)
-      ++late_;
-    else
-      goals_.push_back(goal);
+  GoalConfiguration goal;
+  if (ik_.find(space_, X_WG_, start_, goals_, tries_++, draws_, goal.c)) take_goal(goal);
+  space_.keep(tiers_[static_cast<std::size_t>(tier_)]);
+}
+
+// Keeps it with the first tier from this on in which it is free.
+void Planner::take_goal(GoalConfiguration& goal) noexcept {
+  if (goals_.size() == goals_.capacity()) return;
+  const auto free = [&](int tier) {
+    space_.keep(tiers_[static_cast<std::size_t>(tier)]);
+    return space_.free(goal.c) && within_rows(goal.c);
+  };
+  goal.tier = last_tier();
+  if (!free(goal.tier)) return;
+  for (int tier = tier_; tier < last_tier(); ++tier) {
+    if (!free(tier)) continue;
+    goal.tier = tier;
+    break;
   }
-  if (tries_ < effort_ * params_.ik_tries && static_cast<int>(goals_.size()) + late_ < params_.ik_enough) return;
-  begin_search();
+  space_.keep(tiers_[static_cast<std::size_t>(goal.tier)]);
+  goal.time = edge_time(*limits_, start_, goal.c);
+  goal.cost = goal.time + ik_.penalty(space_, params_.roomy, goal.c);
+  if (kOverlapped * goal.time > within_)
+    late_ += goal.tier == tier_ ? 1 : 0;
+  else
+    goals_.push_back(goal);
 }
 
 void Planner::begin_search() noexcept {
-  counts_.goals = static_cast<int>(goals_.size());
+  counts_.goals = usable_goals();
   best_.clear();
   best_time_ = std::numeric_limits<double>::infinity();
-  if (goals_.empty()) {
+  if (counts_.goals == 0) {
     end_tier();
     return;
   }
+  const auto before = [&](const GoalConfiguration& a, const GoalConfiguration& b) {
+    const bool first = a.tier <= tier_, second = b.tier <= tier_;
+    return first != second ? first : a.cost < b.cost;
+  };
   // Insertion: stable, few of them, and it takes no memory.
   for (std::size_t i = 1; i < goals_.size(); ++i)
-    for (std::size_t j = i; j > 0 && goals_[j].cost < goals_[j - 1].cost; --j) std::swap(goals_[j], goals_[j - 1]);
-  const bool half = tier_ == 0 && params_.roomy > params_.clearance;
-  search_end_ = counts_.checks + static_cast<long>(effort_) * (half ? params_.checks / 2 : params_.checks);
+    for (std::size_t j = i; j > 0 && before(goals_[j], goals_[j - 1]); --j) std::swap(goals_[j], goals_[j - 1]);
+  search_end_ = counts_.checks + static_cast<long>(effort_) * tier_checks();
   run_ = 0;
   longest_ = within_ < kAnyLength ? within_ * limits_->linear : kAnyLength;
   begin_run();
+}
+
+// Half the work for a roomy path, a quarter for one that keeps all of its clearance near the objects of its goal.
+long Planner::tier_checks() const noexcept {
+  if (tier_ == 0 && params_.roomy > params_.clearance) return params_.checks / 2;
+  return close_goal() && tier_ != last_tier() ? params_.checks / 4 : params_.checks;
 }
 
 bool Planner::within_rows(const WholeConfiguration& c) noexcept {
@@ -234,8 +270,9 @@ bool Planner::within_rows(const WholeConfiguration& c) noexcept {
 void Planner::begin_run() noexcept {
   ++run_;
   ++counts_.runs;
-  search_.begin({start_, X_WG_.translation().head<2>(), goals_, params_.roots, &tuck_, kTiers[tier_].beyond,
-                 space_.kept().at_goal < kInfinity ? kShortenings : 0, longest_},
+  const std::span<GoalConfiguration> goals = std::span(goals_).first(static_cast<std::size_t>(counts_.goals));
+  search_.begin({start_, X_WG_.translation().head<2>(), goals, params_.roots, &tuck_,
+                 kTierOf[static_cast<std::size_t>(tier_)].beyond, longest_},
                 goes_on_ && run_ == 1);
   stage_ = PlanStage::kSearch;
 }
@@ -251,6 +288,20 @@ void Planner::end_run(bool found) noexcept {
   stage_ = PlanStage::kShorten;
 }
 
+void Planner::take_edges() noexcept {
+  if (edges_.time() >= best_time_) return;
+  best_time_ = edges_.time();
+  best_.swap(edges_);
+  longest_ = best_.base_way() + kMoreWay;
+}
+
+void Planner::hurry() noexcept {
+  run_ = params_.runs;
+  if (best_.empty() || (stage_ != PlanStage::kShorten && stage_ != PlanStage::kSearch)) return;
+  if (stage_ == PlanStage::kShorten) take_edges();
+  end_tier();
+}
+
 void Planner::end_tier() noexcept {
   if (!best_.empty()) {
     overlap_ = params_.overlap;
@@ -261,12 +312,16 @@ void Planner::end_tier() noexcept {
   }
 }
 
+int Planner::last_tier() const noexcept { return at_goal_.enabled ? kTiers - 1 : kTiers - 2; }
+
 // False where there is none that keeps less.
 bool Planner::next_tier() noexcept {
   int next = tier_ + 1;
   if (next == 1 && params_.roomy <= params_.clearance) ++next;
-  if (next == static_cast<int>(std::size(kTiers)) || (kTiers[next].close && !at_goal_.enabled)) return false;
-  begin_tier(next, false);
+  if (next > last_tier()) return false;
+  goes_on_ = false;
+  if (!close_goal()) tries_ = 0;
+  begin_tier(next);
   return true;
 }
 

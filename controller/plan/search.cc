@@ -9,7 +9,17 @@ namespace moma {
 namespace {
 
 constexpr int kNodes = 3000;
-constexpr double kStep = 0.8;       // of a tree, in the metric of distance_squared()
+// Of a tree's step, in the metric of distance_squared(), at most: of a robot that drives, and of an arm that is bolted
+// down, in whose narrow places longer ones are blocked.
+constexpr double kStep = 0.8, kArmStep = 0.25;
+constexpr double kLeastStep = 0.05;  // shorter ones, where more is blocked, are left out
+constexpr int kMoreFromGoal = 2;     // nodes of the tree from the goals for each of that from the start
+// Up to which part of the samples are of a kind: the arm tucked, between the start's and a goal's, near a goal, with
+// the base near the start; the rest is anyhow.
+struct SampleKinds {
+  double tucked, between, near_goal, near_start;
+};
+constexpr SampleKinds kDriving{0.45, 0.65, 0.8, 0.9}, kBolted{0.0, 0.1, 0.3, 0.3};
 constexpr double kReach = 0.6;      // of the arm, in the base's way [m]
 constexpr double kShortWay = 0.05;  // shorter steps keep their heading [m]
 constexpr int kBlocked = 2;         // checks for looking through a tree in vain
@@ -50,8 +60,10 @@ void Search::begin(const SearchTask& task, bool goes_on) {
   box_low_ = at.cwiseMin(task.goal_W).array() - task.beyond;
   box_high_ = at.cwiseMax(task.goal_W).array() + task.beyond;
   from_start_.clear();
-  if (!goes_on || from_goal_.full()) from_goal_.clear();
-  has_roots_ = from_goal_.size() > 0;
+  if (!goes_on || from_goal_.full()) {
+    from_goal_.clear();
+    for (GoalConfiguration& goal : task_.goals) goal.rooted = false;
+  }
   from_start_.add(task.start, -1);
   edges_.clear();
   stage_ = Stage::kStraight;
@@ -63,9 +75,13 @@ SearchProgress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
   if (stage_ == Stage::kStraight) {
     const int roots = std::min(task_.roots, static_cast<int>(task_.goals.size()));
     if (straight_ < roots) {
-      const WholeConfiguration& goal = task_.goals[static_cast<std::size_t>(straight_++)].c;
-      if (!has_roots_) from_goal_.add(goal, -1);
-      make_edge(*limits_, task_.start, goal, edge_);
+      GoalConfiguration& goal = task_.goals[static_cast<std::size_t>(straight_++)];
+      if (!goal.rooted) {
+        if (from_goal_.full()) return SearchProgress::kFailed;
+        from_goal_.add(goal.c, -1);
+        goal.rooted = true;
+      }
+      make_edge(*limits_, task_.start, goal.c, edge_);
       if (!edges_.empty() && edge_.time >= quickest_) return SearchProgress::kMore;
       if (!space.free(edge_, check_step_)) return SearchProgress::kMore;
       quickest_ = edge_.time;
@@ -78,7 +94,7 @@ SearchProgress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
     stage_ = Stage::kGrow;
   }
   if (stage_ == Stage::kGrow) {
-    side_ = 1 - side_;
+    side_ = kMoreFromGoal * from_start_.size() <= from_goal_.size() ? 0 : 1;
     WholeConfiguration target;
     sample(space, draws, target);
     space.charge(kBlocked);
@@ -102,28 +118,34 @@ SearchProgress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
   return SearchProgress::kMore;
 }
 
-// One edge from a node towards the target, a step at most, shorter where that is blocked. The new node, or -1.
+// An edge from a node towards the target, a step at most, as far as it is free. The new node, or -1.
 int Search::grow(FreeSpace& space, Tree& tree, int from, const WholeConfiguration& target, bool& reached) noexcept {
-  constexpr double kShorter = 0.4;
   const WholeConfiguration a = tree.node(from);
   const double way = std::sqrt(distance_squared(a, target));
-  double part = way <= kStep ? 1.0 : kStep / way;
-  for (int k = 0; k <= task_.shortenings; ++k, part *= kShorter) {
-    WholeConfiguration b = target;
-    reached = part == 1.0;
-    if (!reached) {
-      b = a + part * (target - a);
-      b[2] = target[2];
-      const bool mobile = limits_->mobile();
-      if (limits_->base->nonholonomic() && (b - a).head<2>().norm() > kShortWay)
-        head_along(*limits_, a, kShortWay, b);
-      else
-        b[2] = mobile ? a[2] + part * wrapped(target[2] - a[2]) : a[2];
-    }
-    make_edge(*limits_, a, b, edge_);
-    if (space.free(edge_, check_step_)) return tree.add(b, from);
+  const double most = limits_->mobile() ? kStep : kArmStep;
+  const double part = way <= most ? 1.0 : most / way;
+  WholeConfiguration b = target;
+  reached = part == 1.0;
+  if (!reached) {
+    b = a + part * (target - a);
+    b[2] = target[2];
+    const bool mobile = limits_->mobile();
+    if (limits_->base->nonholonomic() && (b - a).head<2>().norm() > kShortWay)
+      head_along(*limits_, a, kShortWay, b);
+    else
+      b[2] = mobile ? a[2] + part * wrapped(target[2] - a[2]) : a[2];
   }
-  return -1;
+  make_edge(*limits_, a, b, edge_);
+  const double free = space.free_part(edge_, check_step_);
+  if (free == 1.0) return tree.add(b, from);
+  reached = false;
+  if (free * std::sqrt(distance_squared(a, b)) < kLeastStep) return -1;
+  edge_point(*limits_, edge_, free, b);
+  if (limits_->mobile()) {
+    make_edge(*limits_, a, b, edge_);
+    if (!space.free(edge_, check_step_)) return -1;
+  }
+  return tree.add(b, from);
 }
 
 // The way from the start to where the trees meet, and on along the goals' tree.
@@ -151,9 +173,9 @@ bool Search::join(int from_start, int from_goal) noexcept {
 }
 
 void Search::sample(const FreeSpace& space, CountedDraws& draws, WholeConfiguration& c) const noexcept {
-  constexpr double kTucked = 0.45, kBetween = 0.65, kNearGoal = 0.8, kNearStart = 0.9;
-  constexpr int kTries = 10;
   const bool mobile = limits_->mobile();
+  const SampleKinds& kinds = mobile ? kDriving : kBolted;
+  constexpr int kTries = 10;
   const int joints = limits_->num_joints();
   c = task_.start;
   if (mobile) {
@@ -168,13 +190,13 @@ void Search::sample(const FreeSpace& space, CountedDraws& draws, WholeConfigurat
   }
   const double kind = draws.uniform();
   const WholeConfiguration& goal = task_.goals[draws.choice(task_.goals.size())].c;
-  if (kind < kTucked && mobile) {
+  if (kind < kinds.tucked) {
     c.tail(joints) = *task_.tuck;
     space.unwind(c);
-  } else if (kind < kBetween) {
+  } else if (kind < kinds.between) {
     const double f = draws.uniform();
     c.tail(joints) += f * (goal - task_.start).tail(joints);
-  } else if (kind < kNearGoal) {
+  } else if (kind < kinds.near_goal) {
     constexpr double kAway = 0.4, kTurned = 1.0, kFolded = 0.8;  // [m, rad, rad]
     if (mobile) {
       c[0] = goal[0] + draws.uniform(-kAway, kAway);
@@ -187,7 +209,7 @@ void Search::sample(const FreeSpace& space, CountedDraws& draws, WholeConfigurat
     }
   } else {
     constexpr double kAway = 0.3, kTurned = 1.0;
-    if (mobile && kind < kNearStart) {
+    if (kind < kinds.near_start) {
       c[0] = task_.start[0] + draws.uniform(-kAway, kAway);
       c[1] = task_.start[1] + draws.uniform(-kAway, kAway);
       c[2] = task_.start[2] + draws.uniform(-kTurned, kTurned);

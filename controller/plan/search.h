@@ -44,18 +44,19 @@ enum class SearchProgress { kMore, kDone, kFailed };
 /// What a search starts from.
 struct SearchTask {
   WholeConfiguration start;
-  Vector2 goal_W = Vector2::Zero();          ///< the goal's place, seen from above
-  std::span<const GoalConfiguration> goals;  ///< the best first; samples are drawn near any of them ...
-  int roots = 0;                             ///< ... and so many of the first are roots
-  const VectorX* tuck = nullptr;             ///< joint values of an arm that takes little room
-  double beyond = 1.5;                       ///< samples' bases lie so far beyond start and goal, at most [m]
-  int shortenings = 0;                       ///< of a step that is blocked, until it is given up
-  double longest = 1e18;                     ///< of the base's way to a sample and from there to the goal [m]
+  Vector2 goal_W = Vector2::Zero();    ///< the goal's place, seen from above
+  std::span<GoalConfiguration> goals;  ///< the best first; samples are drawn near any of them ...
+  int roots = 0;                       ///< ... and so many of the first are roots
+  const VectorX* tuck = nullptr;       ///< joint values of an arm that takes little room
+  double beyond = 1.5;                 ///< samples' bases lie so far beyond start and goal, at most [m]
+  double longest = 1e18;               ///< of the base's way to a sample and from there to the goal [m]
 };
 
 /// Edges from the start to one of several goal configurations: straight there, the quickest; else by two trees that
-/// grow towards each other (RRT-Connect: Kuffner & LaValle, ICRA 2000), one from the start, one from all roots. Samples
-/// have the arm tucked, between the start's and a goal's, near a goal, or anyhow. Work is cut into pieces of one edge.
+/// grow towards each other (RRT-Connect: Kuffner & LaValle, ICRA 2000), one from the start, one from all roots. A step
+/// that is blocked goes as far as it is free; the tree from the goals, which lie in narrow places more often, may have
+/// twice as many nodes. Samples have the arm tucked, between the start's and a goal's, near a goal, or anyhow. Work is
+/// cut into pieces of one edge.
 class Search {
  public:
   Search(const MotionLimits& limits, double check_step);
@@ -82,7 +83,6 @@ class Search {
   Tree from_start_, from_goal_;
   Stage stage_ = Stage::kStraight;
   int straight_ = 0;
-  bool has_roots_ = false;  // of a search that goes on
   double quickest_ = 0.0;
   int side_ = 0;      // of the tree that grew last
   int grown_ = 0;     // its new node

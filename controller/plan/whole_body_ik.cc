@@ -16,6 +16,9 @@ constexpr double kPosition = 1e-3, kOrientation = 2e-3;  // [m, rad]
 constexpr double kMostTurn = 0.6, kMostWay = 0.3;        // of one iteration [rad, m]
 constexpr double kDamping = 1e-4;
 constexpr double kPlaceWeight = 0.5;
+constexpr int kLook = 4;       // iterations ...
+constexpr double kFall = 0.5;  // ... after which no more than this part of the error is left, or it is given up
+constexpr int kPasses = 4;     // in which joints come to their bounds
 // Further inside the joints' limits than a path has to be, so that the result is free.
 constexpr double kInside = 0.03;  // [rad, m]
 
@@ -60,32 +63,55 @@ void WholeBodyIk::keep_room(double room) noexcept {
 
 bool WholeBodyIk::solve(FreeSpace& space, const Isometry& X_WG, WholeConfiguration& c) const noexcept {
   const int joints = limits_->num_joints();
-  Jacobian J(6, 3 + joints);
+  const int n = 3 + joints;
+  Jacobian J(6, n);
   Matrix6 M;
+  WholeConfiguration weight(n), step(n);
+  double before = kInfinity;
   for (int k = 0; k < kIterations; ++k) {
-    space.charge(1);
+    space.charge(k % 2);
     const Kinematics& kinematics = space.place(c);
     const Vector6 e = pose_error(kinematics.X_WE(), X_WG);
     const double turn = e.head<3>().norm(), way = e.tail<3>().norm();
     if (way < kPosition && turn < kOrientation) return true;
+    if (k % kLook == 0) {
+      const double error = turn / kMostTurn + way / kMostWay;
+      if (error > kFall * before) return false;
+      before = error;
+    }
     free_jacobian(kinematics, mobile_, J);
     Vector6 wanted = e;
     wanted.head<3>() *= shortened(turn, kMostTurn);
     wanted.tail<3>() *= shortened(way, kMostWay);
-    for (int i = 0; i < 6; ++i) {
-      for (int j = 0; j <= i; ++j) {
-        double sum = i == j ? kDamping : 0.0;
-        for (int l = 0; l < 3 + joints; ++l) sum += (l < 2 ? kPlaceWeight : 1.0) * J(i, l) * J(j, l);
-        M(i, j) = M(j, i) = sum;
+    weight.setOnes();
+    weight.head<2>().setConstant(kPlaceWeight);
+    for (int pass = 0; pass < kPasses; ++pass) {
+      for (int i = 0; i < 6; ++i) {
+        for (int j = 0; j <= i; ++j) {
+          double sum = i == j ? kDamping : 0.0;
+          for (int l = 0; l < n; ++l) sum += weight[l] * J(i, l) * J(j, l);
+          M(i, j) = M(j, i) = sum;
+        }
       }
+      const Vector6 y = M.ldlt().solve(wanted);
+      for (int l = 0; l < n; ++l) {
+        double sum = 0.0;
+        for (int i = 0; i < 6; ++i) sum += J(i, l) * y[i];
+        step[l] = weight[l] * sum;
+      }
+      bool beyond = false;
+      for (int l = 3; l < n; ++l) {
+        const double to = std::clamp(c[l] + step[l], lower_[l - 3], upper_[l - 3]);
+        if (weight[l] == 0.0 || to == c[l] + step[l]) continue;
+        weight[l] = 0.0;
+        wanted -= (to - c[l]) * J.col(l);
+        c[l] = to;
+        step[l] = 0.0;
+        beyond = true;
+      }
+      if (!beyond) break;
     }
-    const Vector6 y = M.ldlt().solve(wanted);
-    for (int l = 0; l < 3 + joints; ++l) {
-      double sum = 0.0;
-      for (int i = 0; i < 6; ++i) sum += J(i, l) * y[i];
-      c[l] += (l < 2 ? kPlaceWeight : 1.0) * sum;
-    }
-    for (int i = 0; i < joints; ++i) c[3 + i] = std::clamp(c[3 + i], lower_[i], upper_[i]);
+    c += step;
   }
   return false;
 }
@@ -122,28 +148,37 @@ void WholeBodyIk::seed(const FreeSpace& space, const Isometry& X_WG, const Whole
   }
 }
 
-bool WholeBodyIk::find(FreeSpace& space, const Isometry& X_WG, double roomy, const WholeConfiguration& start, int index,
-                       CountedDraws& draws, GoalConfiguration& out) const noexcept {
-  const int joints = limits_->num_joints();
-  WholeConfiguration& c = out.c;
-  seed(space, X_WG, start, index, draws, c);
+bool WholeBodyIk::find(FreeSpace& space, const Isometry& X_WG, const WholeConfiguration& start,
+                       std::span<const GoalConfiguration> found, int index, CountedDraws& draws,
+                       WholeConfiguration& c) const noexcept {
+  constexpr double kNear = 0.6;  // [rad]
+  if (!mobile_ && !found.empty() && index % 3 == 2) {
+    c = found[draws.choice(found.size())].c;
+    for (int i = 0; i < limits_->num_joints(); ++i)
+      c[3 + i] = std::clamp(c[3 + i] + limits_->part[i] * draws.uniform(-kNear, kNear), lower_[i], upper_[i]);
+  } else {
+    seed(space, X_WG, start, index, draws, c);
+  }
   if (!solve(space, X_WG, c)) return false;
   space.unwind(c);
   c[2] = start[2] + wrapped(c[2] - start[2]);
-  if (!space.free(c)) return false;
-  // Penalties [s], each growing to its whole as clearance, room or manipulability vanish.
+  return true;
+}
+
+double WholeBodyIk::penalty(FreeSpace& space, double roomy, const WholeConfiguration& c) const noexcept {
+  // Each grows to its whole as clearance, room or manipulability vanish [s].
   constexpr double kTight = 0.7, kLimit = 0.4, kLimitRoom = 0.5, kSingular = 1.0, kAgile = 0.06;
-  out.cost = out.time = edge_time(*limits_, start, c);
+  const int joints = limits_->num_joints();
+  double cost = 0.0;
   const Clearances& now = space.clearances();
   if (now.object < roomy && !(space.kept().at_goal < now.object) && !space.clear(c, {roomy, now.floor, now.self}))
-    out.cost += kTight;
+    cost += kTight;
   for (int i = 0; i < joints; ++i) {
     const double room = std::min(limits_->upper[i] - c[3 + i], c[3 + i] - limits_->lower[i]);
-    out.cost += kLimit * std::max(0.0, 1.0 - room / (limits_->part[i] * kLimitRoom));
+    cost += kLimit * std::max(0.0, 1.0 - room / (limits_->part[i] * kLimitRoom));
   }
   const double m = manipulability(space.place(c).J_WE_W().rightCols(joints), ManipulabilityRows::kTranslation);
-  out.cost += kSingular * std::max(0.0, 1.0 - m / kAgile);
-  return true;
+  return cost + kSingular * std::max(0.0, 1.0 - m / kAgile);
 }
 
 }  // namespace moma

@@ -59,6 +59,12 @@ ProximityRanges CollisionRows::ranges() const noexcept {
   return {.object = range(params_.object), .floor = range(params_.floor), .self = range(params_.self)};
 }
 
+void CollisionRows::keep_from_resting(double stop, double rate) noexcept {
+  const DamperParams& object = params_.object;
+  resting_.stop = std::min(object.stop, stop);
+  resting_.influence = rate > 0.0 ? std::min(object.influence, resting_.stop + object.gain / rate) : object.influence;
+}
+
 const DamperParams& CollisionRows::damper(PairKind kind) const noexcept {
   switch (kind) {
     case PairKind::kObject:

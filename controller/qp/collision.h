@@ -40,8 +40,9 @@ class CollisionRows {
   void add(const Kinematics& kinematics, Proximity& proximity, std::span<const ObjectState> states,
            std::span<const PlaceSpread> spreads, QpProblem& problem) noexcept;
 
-  /// Stop distance d_s of objects at rest from here on, no more than the configured one [m].
-  void keep_from_resting(double stop) noexcept { resting_.stop = std::min(params_.object.stop, stop); }
+  /// Stop distance d_s of objects at rest from here on, no more than the configured one [m]. `rate`: that of the
+  /// approach, xi/(d_i - d_s), no less than the configured one [1/s].
+  void keep_from_resting(double stop, double rate) noexcept;
 
   /// The pairs of the last select() within their d_i, sorted nearest first; more than max_pairs if there were.
   std::span<const ProximityPair> sorted() const noexcept { return {sorted_.data(), sorted_.size()}; }

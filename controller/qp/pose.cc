@@ -8,6 +8,10 @@
 namespace moma {
 namespace {
 
+// Rate at which a path that leads close to the objects of its goal may approach the distance that rows keep, in place
+// of the damper's: it keeps clear by itself, and would else never be followed at its speed [1/s].
+constexpr double kOnPath = 15.0;
+
 // Six rows nu - Delta <= J qdot + delta <= nu + Delta; without slack x has no delta. Delta = 0: equalities.
 void add_tracking_rows(const Matrix6X& J_WE_W, const Vector6& nu, const Vector6& band, bool slack,
                        QpProblem& problem) noexcept {
@@ -94,7 +98,7 @@ Posed QpPoser::pose(const QpTask& asked, const Situation& now) noexcept {
 
   problem_.rows = 0;
   stop_ = stop_near_goal(asked, now);
-  collision_.keep_from_resting(stop_);
+  collision_.keep_from_resting(stop_, asked.keeps.at_goal < kInfinity ? kOnPath : 0.0);
   add_tracking_rows(now.kinematics.J_WE_W(), asked.task.nu, params_.tracking_band, params_.slack.enabled, problem_);
   collision_.add(now.kinematics, proximity_, now.o.objects, now.spreads, problem_);
   if (!asked.evades) {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "controller/controller_core.h"
+#include "controller/qp/collision.h"
 #include "tests/controller/plan_scenes.h"
 
 namespace moma::test {
@@ -117,6 +118,34 @@ TEST(GoalClearance, RowsLetTheHandComeToItsObject) {
   }
 }
 
+// The damper's row lets a distance of 8 mm shrink at gain (d - d_s)/(d_i - d_s); on a path at its rate, which is
+// higher.
+TEST(GoalClearance, PathsMayComeNearAtARateOfTheirOwn) {
+  const Grasp grasp(0.008);
+  ControllerParams params = params_at_goal(*grasp.model, true);
+  params.collision.object = {true, 0.3, 0.03, 0.6};
+  params.collision.braking.enabled = false;
+  CollisionRows rows(*grasp.model, params.collision, {*grasp.model, params.acceleration_limit, false},
+                     {params.uncertainty, 0});
+  Kinematics kinematics(grasp.model);
+  kinematics.update(grasp.witness.head<3>(), grasp.witness.tail(7));
+  Proximity proximity(grasp.model);
+  proximity.set_objects(grasp.scene.shapes);
+  QpProblem problem;
+  problem.allocate(7 + 6, rows.allocate(1));
+  constexpr double kStop = 0.003;
+  for (const double rate : {0.0, 1.0, 15.0}) {
+    problem.rows = 0;
+    rows.keep_from_resting(kStop, rate);
+    rows.select(proximity.query(kinematics, grasp.scene.states, rows.ranges()));
+    rows.add(kinematics, proximity, grasp.scene.states, {}, problem);
+    ASSERT_GT(problem.rows, 0);
+    const double own = 0.6 / (0.3 - kStop);
+    EXPECT_NEAR(problem.ubA[0], std::max(own, rate) * (problem.ids[0].d - kStop), 1e-12) << rate;
+    EXPECT_NEAR(problem.ids[0].d, 0.008, 3e-4);
+  }
+}
+
 TEST(GoalClearance, PathsLeadToGoalsThatAreNearerThanTheClearance) {
   const Grasp grasp(0.008);
   Kinematics kinematics(grasp.model);
@@ -145,7 +174,9 @@ TEST(GoalClearance, PathsLeadToGoalsAtAJointsLimit) {
   const auto model = load_model("configs/robots/panda.yaml");
   Scene scene = make_scene(model, 1, 0);
   WholeConfiguration goal = scene.start;
-  goal[3 + 3] = model->joints[3].lower + 0.01;  // the elbow, folded: its angle decides how far the hand is
+  goal[3 + 3] = model->joints[3].lower + 0.01;  // the elbow, folded, and the wrist outwards: no other one is so near
+  goal[3 + 1] = -0.5;
+  goal[3 + 5] = 2.2;
   Kinematics kinematics(model);
   kinematics.update(goal.head<3>(), goal.tail(7));
   ASSERT_GT(own_clearance(*model, kinematics), 0.02);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -153,6 +154,111 @@ TEST_P(PlannerOf, TheSamePlanHoweverItIsSpread) {
       }
     }
   }
+}
+
+// A shelf in front of a Panda, open to it, with the hand's goal inside, and a plate before it that leaves a slot.
+Scene inside_a_shelf(const std::shared_ptr<const RobotModel>& model, std::uint64_t seed) {
+  Scene scene = make_scene(model, seed, 0);
+  std::mt19937_64 engine(seed);
+  scene.start[3] = 1.4;  // the arm, beside it
+  const Vector3 at(0.6, uniform(engine, -0.1, 0.1), uniform(engine, 0.45, 0.6));
+  scene.X_WG.linear() = Eigen::AngleAxisd(0.5 * std::numbers::pi, Vector3::UnitY()).toRotationMatrix();
+  scene.X_WG.translation() = at;
+  const auto plate = [&](const Vector3& size, const Vector3& from_goal) {
+    scene.shapes.push_back({"plate" + std::to_string(scene.shapes.size()), make_box(size.x(), size.y(), size.z())});
+    scene.states.emplace_back();
+    scene.states.back().X_WO.translation() = at + from_goal;
+  };
+  plate({0.5, 0.6, 0.02}, {0.05, 0.0, -0.17});
+  plate({0.5, 0.6, 0.02}, {0.05, 0.0, 0.17});
+  plate({0.5, 0.02, 0.36}, {0.05, -0.3, 0.0});
+  plate({0.5, 0.02, 0.36}, {0.05, 0.3, 0.0});
+  plate({0.02, 0.6, 0.36}, {0.3, 0.0, 0.0});
+  return scene;
+}
+
+// Of many goal configurations, by trees that go as far as they can: before there were 3 to 19, and 5858 checks.
+TEST(Planner, NarrowPlacesTakeFewChecks) {
+  const auto model = load_model("configs/robots/panda.yaml");
+  ControllerParams params = plan_params(*model);
+  params.plan.roomy = params.plan.clearance;
+  params.plan.checks = 200000;
+  params.plan.runs = 1;
+  Planner planner(model, params);
+  std::vector<long> checks;
+  for (std::uint64_t seed = 1; seed <= 15; ++seed) {
+    if (!plan_whole(planner, inside_a_shelf(model, seed), seed)) continue;
+    checks.push_back(planner.counts().checks);
+    EXPECT_GE(planner.counts().goals, 20) << "seed " << seed;
+  }
+  ASSERT_GE(checks.size(), 14u);
+  std::sort(checks.begin(), checks.end());
+  EXPECT_LT(checks[checks.size() / 2], 4500);
+}
+
+// What a path needs of time is worth more than a quicker path, from some moment on.
+TEST(Planner, InAHurryTheBestSoFarCounts) {
+  const auto model = load_model("configs/robots/panda.yaml");
+  Planner planner(model, plan_params(*model));
+  int hurried = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const Scene scene = inside_a_shelf(model, seed);
+    if (!plan_whole(planner, scene, seed)) continue;
+    const PlanCounts whole = planner.counts();
+    planner.set_objects(scene.shapes);
+    planner.begin(scene.start, scene.X_WG, scene.states, seed);
+    long budget = 0;
+    do {
+      planner.hurry();
+      budget = 50;
+    } while (planner.advance(budget));
+    ASSERT_TRUE(planner.found()) << "seed " << seed;
+    EXPECT_LE(planner.counts().checks, whole.checks);
+    hurried += planner.counts().runs < whole.runs ? 1 : 0;
+    Kinematics kinematics(model);
+    WholeConfiguration c;
+    planner.path().at(planner.path().duration, c);
+    kinematics.update(c.head<3>(), c.tail(model->num_joints()));
+    EXPECT_LT((kinematics.X_WE().translation() - scene.X_WG.translation()).norm(), 2e-3);
+  }
+  EXPECT_GE(hurried, 3);
+}
+
+// A step of a tree that is blocked goes as far as the last configuration that was looked at and is free.
+TEST_P(PlannerOf, EdgesAreFreeUpToTheirFreePart) {
+  const MotionLimits limits(*model, params);
+  FreeSpace space(model, limits);
+  const Scene scene = make_scene(model, 5, 25);
+  space.set_objects(scene.shapes);
+  space.set_states(scene.states);
+  space.set_clearances({0.01, 0.0, -1.0}, scene.start);
+  CountedDraws draws{3, 0};
+  constexpr double kStep = 0.02;
+  int blocked = 0, free = 0;
+  Edge edge;
+  for (int k = 0; k < 60; ++k) {
+    WholeConfiguration to = scene.start;
+    if (model->mobile()) to.head<2>() += 0.5 * Vector2(draws.uniform(-1.0, 1.0), draws.uniform(-1.0, 1.0));
+    for (int i = 3; i < to.size(); ++i) to[i] += limits.part[i - 3] * draws.uniform(-0.7, 0.7);
+    make_edge(limits, scene.start, to, edge);
+    const double part = space.free_part(edge, kStep);
+    const int looks = 200;
+    int first = looks + 1;  // that is not free
+    for (int l = 0; l <= looks && first > looks; ++l) {
+      WholeConfiguration c;
+      edge_point(limits, edge, static_cast<double>(l) / looks, c);
+      if (!space.free(c)) first = l;
+    }
+    (part < 1.0 ? blocked : free) += 1;
+    if (first > looks) EXPECT_EQ(part, 1.0) << k;
+    // Between two that it looked at it may be blocked, or be free for less than it looked further.
+    const double between = kStep / longest_way(limits, edge) + 1.0 / FreeSpace::kMostParts;
+    EXPECT_LE(part, static_cast<double>(first) / looks + between) << k;
+    EXPECT_GE(part, std::min(1.0, static_cast<double>(first - 1) / looks - between)) << k;
+    EXPECT_EQ(part == 1.0, space.free(edge, kStep)) << k;
+  }
+  EXPECT_GT(blocked, 5);
+  EXPECT_GT(free, 5);
 }
 
 TEST_P(PlannerOf, TakesNoMemory) {
