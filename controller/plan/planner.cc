@@ -271,9 +271,13 @@ void Planner::begin_run() noexcept {
   ++run_;
   ++counts_.runs;
   const std::span<GoalConfiguration> goals = std::span(goals_).first(static_cast<std::size_t>(counts_.goals));
+  const auto rooted = [](const GoalConfiguration& goal) { return goal.rooted; };
+  const bool goes_on = goes_on_ && run_ == 1 && std::any_of(goals.begin(), goals.end(), rooted);
+  if (!goes_on)
+    for (GoalConfiguration& goal : goals_) goal.rooted = false;
   search_.begin({start_, X_WG_.translation().head<2>(), goals, params_.roots, &tuck_,
                  kTierOf[static_cast<std::size_t>(tier_)].beyond, longest_},
-                goes_on_ && run_ == 1);
+                goes_on);
   stage_ = PlanStage::kSearch;
 }
 
