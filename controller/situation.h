@@ -22,6 +22,7 @@ struct Situation {
   Task servo;                            ///< error of E, and the twist that the servo asks for
   double manipulability;
   const VectorX& J_m;  ///< gradient of the manipulability per joint; zero where its weight is zero
+  double hold;         ///< control periods that the command may have to act for, at least 1 (Predictor::hold)
   StepClock* clock;    ///< null, or the clock that is told which part of the step runs
 };
 
@@ -31,7 +32,7 @@ class Assessment {
  public:
   Assessment(std::shared_ptr<const RobotModel> model, const ControllerParams& params);
 
-  Situation assess(const Observation& o, std::span<const PlaceSpread> spreads, StepClock* clock) noexcept;
+  Situation assess(const Observation& o, std::span<const PlaceSpread> spreads, double hold, StepClock* clock) noexcept;
 
   /// Of the last assess().
   const Kinematics& kinematics() const noexcept { return kinematics_; }

@@ -49,6 +49,7 @@ class BrakeGuard final : public Guard {
   BrakeGuard(const std::shared_ptr<const RobotModel>& model, const ControllerParams& p, double control_period)
       : check_(model, p.collision.check, p.acceleration_limit, p.base_share > 0.0, control_period,
                {p.uncertainty, model->base_dof()}, own_margins(p.collision.floor, p.collision.self)),
+        dt_(control_period),
         margin_(p.collision.check.margin),
         stop_(p.collision.object.stop),
         slowest_(VectorX::Zero(model->num_velocities())),
@@ -61,6 +62,7 @@ class BrakeGuard final : public Guard {
     smallest_command(bounds.lower, bounds.upper, bounds.pair, slowest_);
     command_ = command;
     check_.set_margin(margin_ * (posed.stop < stop_ ? posed.stop / stop_ : 1.0));
+    check_.set_hold(now.hold * dt_);
     const double kept = check_.apply(now.o, {bounds.hard_lower, bounds.hard_upper, slowest_}, now.spreads, command_,
                                      {posed.near.pairs, posed.near.ranges, &now.kinematics});
     return Slowed{command_, kept};
@@ -68,6 +70,7 @@ class BrakeGuard final : public Guard {
 
  private:
   BrakeCheck check_;
+  double dt_;
   double margin_, stop_;  // configured; near the goal both shrink by the same factor [m]
   VectorX slowest_, command_;
 };

@@ -25,7 +25,7 @@ VelocityBounds::VelocityBounds(const RobotModel& model, const ControllerParams& 
       part_(model.num_joints()),
       step_(params.acceleration_limit * control_period),
       deceleration_(params.joint_limits.share * params.acceleration_limit.tail(model.num_joints())),
-      reaction_(kReactionPeriods * control_period),
+      period_(control_period),
       hard_base_(params.base_share > 0.0 && base_dof_ > 0),
       hard_joints_(params.joint_limits.method == JointLimitMethod::kBraking),
       pair_(hard_base_ && kind_of(model.base.type).lateral()) {
@@ -59,8 +59,8 @@ void Bounds::hold_base(int base_dof, const Vector3& velocity) noexcept {
   }
 }
 
-void VelocityBounds::bound(const VectorX& q, const VectorX& qdot, Bounds& out) const noexcept {
-  joint_limits(q, out.hard_lower, out.hard_upper);
+void VelocityBounds::bound(const VectorX& q, const VectorX& qdot, double hold, Bounds& out) const noexcept {
+  joint_limits(q, out.hard_lower, out.hard_upper, hold);
   acceleration(qdot, out.hard_lower, out.hard_upper, out.lower, out.upper);
   out.pair = linear_pair(qdot);
   // What the drives can do holds in every stage of the fallback.
@@ -92,7 +92,9 @@ void VelocityBounds::brake(const VectorX& q, const VectorX& qdot, Bounds& work, 
 }
 
 void VelocityBounds::joint_limits(const Eigen::Ref<const VectorX>& q, Eigen::Ref<VectorX> lower,
-                                  Eigen::Ref<VectorX> upper) const noexcept {
+                                  Eigen::Ref<VectorX> upper, double hold) const noexcept {
+  // The velocity can be changed once in `hold` periods, by what the limit lets it change in one.
+  const double reaction = (kReactionPeriods - 1.0 + hold) * period_;
   for (int i = 0; i < base_dof_; ++i) {
     lower[i] = -speed_[i];
     upper[i] = speed_[i];
@@ -120,8 +122,8 @@ void VelocityBounds::joint_limits(const Eigen::Ref<const VectorX>& q, Eigen::Ref
         low = std::min(std::max(low, -speed), speed);
         break;
       case JointLimitMethod::kBraking:
-        high = braking_bound(above, law_, part_[i], deceleration_[i], reaction_);
-        low = -braking_bound(below, law_, part_[i], deceleration_[i], reaction_);
+        high = braking_bound(above, law_, part_[i], deceleration_[i] / hold, reaction);
+        low = -braking_bound(below, law_, part_[i], deceleration_[i] / hold, reaction);
         if (low > high) low = high = 0.5 * (low + high);
         high = std::min(std::max(high, -speed), speed);
         low = std::min(std::max(low, -speed), speed);

@@ -41,14 +41,15 @@ class VelocityBounds {
  public:
   VelocityBounds(const RobotModel& model, const ControllerParams& params, double control_period);
 
-  /// Writes all bounds for the joint values q and the measured velocity.
-  void bound(const VectorX& q, const VectorX& qdot_measured, Bounds& out) const noexcept;
+  /// Writes all bounds for the joint values q and the measured velocity. `hold`: control periods that the command may
+  /// have to act for (Situation::hold); the law `braking` reacts so much later.
+  void bound(const VectorX& q, const VectorX& qdot_measured, double hold, Bounds& out) const noexcept;
   /// Writes the smallest command within the bounds, each velocity by itself: what is finite of q and of the measured
   /// velocity, and of the right size, still bounds the command. `work` holds those bounds afterwards.
   void brake(const VectorX& q, const VectorX& qdot_measured, Bounds& work, VectorX& command) const noexcept;
   /// Writes the bounds without acceleration for the joint values q.
-  void joint_limits(const Eigen::Ref<const VectorX>& q, Eigen::Ref<VectorX> lower,
-                    Eigen::Ref<VectorX> upper) const noexcept;
+  void joint_limits(const Eigen::Ref<const VectorX>& q, Eigen::Ref<VectorX> lower, Eigen::Ref<VectorX> upper,
+                    double hold = 1.0) const noexcept;
   /// Writes clip(qdot -+ a_max dt, [hard_lower, hard_upper]).
   void acceleration(const VectorX& qdot_measured, const Eigen::Ref<const VectorX>& hard_lower,
                     const Eigen::Ref<const VectorX>& hard_upper, Eigen::Ref<VectorX> lower,
@@ -68,7 +69,7 @@ class VelocityBounds {
   VectorX part_;          // of the dampers' lengths
   VectorX step_;          // a_max dt
   VectorX deceleration_;  // of the law `braking`, per joint
-  double reaction_;       // of that law [s]
+  double period_;         // [s]
   bool hard_base_ = false, hard_joints_ = false, pair_ = false;
   bool has_soft_acceleration_ = false;
 };

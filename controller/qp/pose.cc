@@ -88,7 +88,7 @@ Posed QpPoser::pose(const QpTask& asked, const Situation& now) noexcept {
   asked_ = asked;
 
   const VelocityBounds& limits = asked.bounds != nullptr ? *asked.bounds : limits_;
-  limits.bound(now.o.q, now.o.qdot, bounds_);
+  limits.bound(now.o.q, now.o.qdot, now.hold, bounds_);
   if (asked.base) bounds_.hold_base(model_->base_dof(), *asked.base);
   if (asked.evades) bounds_.pair = {};
   problem_.lb.head(bounds_.lower.size()) = bounds_.lower;

@@ -33,6 +33,7 @@ BrakeCheck::BrakeCheck(std::shared_ptr<const RobotModel> model, const BrakeCheck
       params_(params),
       own_(own),
       dt_(control_period),
+      hold_(control_period),
       kinematics_(model_),
       proximity_(model_),
       ramp_(*model_),
@@ -314,21 +315,21 @@ double BrakeCheck::way_to_stop(const Observation& o, const VectorX& command, boo
   deceleration_.stopping_times(command, times_);
   const double last = times_.maxCoeff();
   if (in_proportion) times_.setConstant(last);
-  // The first period: the base still has to come to the command.
+  // While the command acts: the base still has to come to the command.
   mean_ = command;
   Vector3 velocity = Vector3::Zero(), wanted = Vector3::Zero();
   for (int i = 0; i < ramp_.dof(); ++i) {
     velocity[i] = o.qdot[i];
     wanted[i] = command[i];
   }
-  const Vector3 ramped = ramp_.follow(wanted, dt_, velocity);
+  const Vector3 ramped = ramp_.follow(wanted, hold_, velocity);
   for (int i = 0; i < ramp_.dof(); ++i) mean_[i] = ramped[i];
-  whole_ = dt_ * mean_.cwiseAbs() + 0.5 * command.cwiseAbs().cwiseProduct(times_);
+  whole_ = hold_ * mean_.cwiseAbs() + 0.5 * command.cwiseAbs().cwiseProduct(times_);
   ways_.limit(whole_);
   choose_candidates();
   if (in_proportion && !candidates_.empty()) {
     // On this way the base brakes along one arc, so that its end is soon found.
-    integrate(*model_, base_, q_, mean_, dt_);
+    integrate(*model_, base_, q_, mean_, hold_);
     row_ = 0.5 * command;
     integrate(*model_, base_, q_, row_, last);
     leave_out_by_end();
@@ -336,10 +337,16 @@ double BrakeCheck::way_to_stop(const Observation& o, const VectorX& command, boo
     q_ = o.q;
   }
   if (candidates_.empty()) return kInfinity;
-  gone_ = dt_ * mean_.cwiseAbs();
-  integrate(*model_, base_, q_, mean_, dt_);
-  double d = distance();
   const double part = params_.every * dt_;
+  const int held = std::max(1, static_cast<int>(std::ceil(hold_ / part - 1e-9)));
+  const double each = hold_ / held;
+  double d = kInfinity;
+  gone_.setZero();
+  for (int k = 0; k < held; ++k) {
+    gone_ += each * mean_.cwiseAbs();
+    integrate(*model_, base_, q_, mean_, each);
+    d = std::min(d, distance());
+  }
   for (int k = 0; k < kMostPlaces && k * part < last && d > floor && open_; ++k) {
     const double from = k * part, to = std::min(from + part, last);
     for (Eigen::Index i = 0; i < mean_.size(); ++i) mean_[i] = command[i] * mean_left(times_[i], from, to);

@@ -12,6 +12,8 @@ namespace moma {
 /// What the predictor remembers from step to step. Sizes are fixed by Predictor::reset(): copies among equal sizes take
 /// no memory.
 struct PredictionMemory {
+  double time = -1.0;  ///< of the last observation [s]; negative: there is none
+  double hold = 1.0;   ///< periods that a command may have to act for: 1, more where steps were missed of late
   // One for each control period, the latest first.
   std::vector<VectorX> computed;       ///< commands as the steps computed them
   std::vector<VectorX> sent;           ///< as they were sent, those of base or joints later than computed
@@ -28,6 +30,11 @@ struct PredictionMemory {
 template <class V>
 constexpr void describe(V& v, Of<PredictionMemory>) {
   using M = PredictionMemory;
+  v.member("time", &M::time, {.unit = "s", .written = Written::kUnlessDefault, .text = "of the last observation"});
+  v.member("hold", &M::hold,
+           {.range = Range::positive(),
+            .written = Written::kUnlessDefault,
+            .text = "periods that a command may have to act for, because steps were missed of late"});
   v.member("computed", &M::computed, {.unit = "rad/s or m/s", .text = "commands of past periods, the latest first"});
   v.member("sent", &M::sent, {.unit = "rad/s or m/s", .text = "the same as they were sent to the drives"});
   v.member("base_velocity", &M::base_velocity, {.unit = "m/s or rad/s", .text = "the base's, by its ramp"});

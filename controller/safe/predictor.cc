@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 #include <string_view>
+#include <utility>
 
 #include "controller/model/kinematics.h"
 
@@ -15,6 +16,7 @@ constexpr int kLeastTried = 12;  // periods of round trips that are tried at lea
 constexpr int kBeyond = 3;       // and so many more than configured
 // What noise leaves of every misfit: (0.01 m/s)^2 + (0.01 rad/s)^2, and of the joints as much.
 constexpr double kFloor = 2e-4;
+constexpr double kHoldTime = 5.0;   // time constant with which missed steps are forgotten [s]
 constexpr double kRelocated = 0.5;  // a base measured so far from where it should be was put there [m, rad]
 
 int whole_periods(double seconds, double dt) noexcept { return static_cast<int>(std::ceil(seconds / dt - 1e-9)); }
@@ -39,6 +41,12 @@ template <class T>
 T& shifted(std::vector<T>& latest_first) noexcept {
   std::rotate(latest_first.begin(), latest_first.end() - 1, latest_first.end());
   return latest_first.front();
+}
+
+// What was the latest goes on.
+template <class T>
+void repeat(std::vector<T>& latest_first) noexcept {
+  shifted(latest_first) = latest_first[1];
 }
 
 }  // namespace
@@ -78,6 +86,8 @@ void Predictor::reset(int num_objects) {
   m.computed.assign(at(periods_), VectorX::Zero(nv));
   m.sent.assign(at(periods_), VectorX::Zero(nv));
   m.base_velocity.assign(at(periods_), Vector3::Zero());
+  m.time = -1.0;
+  m.hold = 1.0;
   m.begun = false;
   m.catching_up = false;
   m.base.setZero();
@@ -140,6 +150,7 @@ Vector3 Predictor::mean_velocity(int age) const noexcept {
 
 const Observation& Predictor::predict(const Observation& o) noexcept {
   PredictionMemory& m = memory_;
+  miss_steps(o.time);
   if (params_.identify) identify(o);
   out_.time = o.time + late_ * dt_;
   predict_joints(o.q);
@@ -165,6 +176,25 @@ const Observation& Predictor::predict(const Observation& o) noexcept {
     advance(m.goal.V_W, (goal_age_ + late_) * dt_, out_.goal.X_WG);
   }
   return out_;
+}
+
+void Predictor::miss_steps(double time) noexcept {
+  PredictionMemory& m = memory_;
+  const double since = std::exchange(m.time, time);
+  const double most = static_cast<double>(periods_);  // all that is remembered is the command sent last, from there on
+  const double missed = since < 0.0 ? 0.0 : std::clamp(std::round((time - since) / dt_) - 1.0, 0.0, most);
+  for (int k = 0; k < missed; ++k) {
+    skip();
+    repeat(m.computed);
+    repeat(m.sent);
+    Vector3 velocity = m.base_velocity.front(), sent = Vector3::Zero();
+    for (int i = 0; i < base_dof_; ++i) sent[i] = m.sent.front()[i];
+    ramp_.follow(sent, dt_, velocity);
+    shifted(m.base_velocity) = velocity;
+  }
+  if (missed > 0.0) m.time = time;  // skip() moved it on
+  if (missed >= most) m.begun = false;
+  m.hold = std::max(1.0 + missed, 1.0 + (m.hold - 1.0) * std::exp(-dt_ / kHoldTime));
 }
 
 void Predictor::predict_object(const ObjectState& seen, std::size_t i) noexcept {
@@ -234,6 +264,7 @@ void Predictor::predict_velocity() noexcept {
 
 void Predictor::skip() noexcept {
   PredictionMemory& m = memory_;
+  if (m.time >= 0.0) m.time += dt_;
   if (m.begun) move(*model_, m.base, mean_velocity(m.base_trip.periods), dt_);
   predict_velocity();
   for (PoseTrack& track : m.objects) filter_.coast(track);

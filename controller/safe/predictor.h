@@ -31,6 +31,11 @@ namespace moma {
 ///   objects and goal, filtered (pose_track.h) and, where they move, moved on by (S + L) T.
 /// What is not known exactly about the base alone is the ramp within a period: the mean velocity is taken along an arc.
 ///
+/// Missed steps: where an observation is n > 1 periods younger than the last one, by its time stamp, n - 1 steps were
+/// missed. The command sent last acted through them, and what moves went on. hold() is the largest n of late, which
+/// falls back to 1 with a time constant of 5 s: a command may have to act for so long. Stamps that stay or go back say
+/// nothing (n = 1).
+///
 /// One per controller; only reset() takes memory. A step is predict() or skip(), then send().
 class Predictor {
  public:
@@ -57,6 +62,8 @@ class Predictor {
   std::span<const PlaceSpread> spreads() const noexcept { return spreads_; }
   /// From now to when the command of this step acts [s].
   double lateness() const noexcept { return late_ * dt_; }
+  /// Periods that the command of this step may have to act for; at least 1.
+  double hold() const noexcept { return memory_.hold; }
   /// From a command to the velocity measured of it, as configured or found [s].
   double base_round_trip() const noexcept { return base_dof_ > 0 ? memory_.base_trip.periods * dt_ : 0.0; }
   double joint_round_trip() const noexcept { return memory_.joint_trip.periods * dt_; }
@@ -66,6 +73,7 @@ class Predictor {
   void set_memory(const PredictionMemory& memory) noexcept;
 
  private:
+  void miss_steps(double time) noexcept;
   void synchronise() noexcept;
   void identify(const Observation& o) noexcept;
   void correct_base(const Vector3& measured) noexcept;

@@ -40,12 +40,17 @@ class SensedObject(Pose):
 
 @dataclass
 class Observation:
-    """What a controller may know at one step; objects in the order of reset(). qdot is 0 where it is left out."""
+    """What a controller may know at one step; objects in the order of reset().
+
+    qdot is measured, never made up: from it the controller learns how late drives and sensors are. Who measures none gives the
+    differences of what is measured, over the control period. time [s] tells missed steps, by any clock that goes on evenly;
+    where it stays the same, steps are taken to be regular.
+    """
 
     q: ArrayLike
+    qdot: ArrayLike
     goal: Pose
     base: ArrayLike = _zeros(3)
-    qdot: ArrayLike | None = None
     time: float = 0.0
     objects: Sequence[SensedObject] = ()
 
@@ -113,20 +118,41 @@ class Controller:
         whole = getattr(seen, "_values", None)
         if isinstance(whole, np.ndarray):
             return whole
-        qdot = getattr(seen, "qdot", None)
-        parts: list[ArrayLike] = [[seen.time], seen.base, *_frame(seen.goal), seen.q]
-        parts.append(np.zeros(len(self.robot.velocities)) if qdot is None else qdot)
-        for item in seen.objects:
-            parts.extend(_frame(item))
+        parts = [
+            _part("time", seen.time, 1),
+            _part("base", seen.base, 3),
+            *_frame("goal", seen.goal),
+            _part("q", seen.q, len(self.robot.joints)),
+            _part("qdot", seen.qdot, len(self.robot.velocities)),
+        ]
+        for i, item in enumerate(seen.objects):
+            name = f"objects[{i}]"
+            parts.extend(_frame(name, item))
             position, velocity = item.position_covariance, item.velocity_covariance
             tracked = position is not None or velocity is not None
-            parts.append([float(item.visible), float(tracked)])
-            parts.extend(np.zeros(9) if matrix is None else matrix for matrix in (position, velocity))
-        return np.concatenate([np.asarray(part, dtype=np.float64).reshape(-1) for part in parts])
+            parts.append(np.array([float(item.visible), float(tracked)]))
+            for key, matrix in (("position_covariance", position), ("velocity_covariance", velocity)):
+                parts.append(np.zeros(9) if matrix is None else _part(f"{name}.{key}", matrix, 9))
+        return np.concatenate(parts)
 
 
-def _frame(pose: Any) -> tuple[ArrayLike, ArrayLike, ArrayLike]:
-    return pose.position, pose.rotation, pose.twist
+def _part(name: str, value: Any, size: int) -> Floats:
+    found = None if value is None else np.asarray(value, dtype=np.float64)
+    if found is None or found.size != size:
+        what = "None" if found is None else f"{found.size} numbers"
+        raise ValueError(f"{name}: found {what}, expected {size} number{'s' if size > 1 else ''}")
+    return found.reshape(-1)
+
+
+def _frame(name: str, pose: Any) -> tuple[Floats, Floats, Floats]:
+    rotation = pose.rotation
+    if np.size(rotation) == 4:
+        raise ValueError(f"{name}.rotation: found 4 numbers, which a quaternion has; expected a 3 x 3 matrix")
+    return (
+        _part(f"{name}.position", pose.position, 3),
+        _part(f"{name}.rotation", rotation, 9),
+        _part(f"{name}.twist", pose.twist, 6),
+    )
 
 
 def _shape(item: Any) -> dict[str, Any]:

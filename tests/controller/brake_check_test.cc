@@ -44,9 +44,9 @@ double rate(const Scene& scene, const VectorX& u, Eigen::Index i) {
 // To objects alone, or to the floor and to itself alone.
 constexpr ProximityRanges kObjects{1.0, -1.0, -1.0}, kFloor{-1.0, 1.0, -1.0}, kSelf{-1.0, -1.0, 1.0};
 
-// Least distance on the way: one period towards u by the drive, then braking.
+// Least distance on the way: one period (or `hold`) towards u by the drive, then braking.
 double simulated(const Scene& scene, const Observation& o, const VectorX& u, bool in_proportion,
-                 const ProximityRanges& ranges = kObjects) {
+                 const ProximityRanges& ranges = kObjects, double hold = kPeriod) {
   Kinematics kinematics(scene.model);
   Proximity proximity(scene.model);
   proximity.set_objects(scene.shapes);
@@ -59,8 +59,8 @@ double simulated(const Scene& scene, const Observation& o, const VectorX& u, boo
   for (Eigen::Index i = 0; i < u.size(); ++i)
     if (u[i] != 0.0) last = std::max(last, std::abs(u[i]) / rate(scene, u, i));
   double least = 1e9;
-  for (double t = 0.0; t < kPeriod + last; t += h) {
-    if (t < kPeriod) {
+  for (double t = 0.0; t < hold + last; t += h) {
+    if (t < hold) {
       VectorX change = u - v;
       if (dof > 0) {
         const double linear = change.head(dof - 1).norm(), most = scene.model->base.max_acceleration.x() * h;
@@ -72,7 +72,7 @@ double simulated(const Scene& scene, const Observation& o, const VectorX& u, boo
     } else {
       for (Eigen::Index i = 0; i < u.size(); ++i) {
         const double down = in_proportion ? std::abs(u[i]) / last : rate(scene, u, i);
-        v[i] = std::copysign(std::max(0.0, std::abs(u[i]) - down * (t - kPeriod)), u[i]);
+        v[i] = std::copysign(std::max(0.0, std::abs(u[i]) - down * (t - hold)), u[i]);
       }
     }
     base.z() += 0.5 * h * (dof > 0 ? v[dof - 1] : 0.0);
@@ -128,6 +128,34 @@ TEST(BrakeCheck, FindsTheLeastDistanceOnTheWayToAStop) {
     }
   }
   EXPECT_GT(within, 100);
+}
+
+// Where steps are missed a command acts for longer than a period.
+TEST(BrakeCheck, BrakesLaterWhereTheCommandMayActForLonger) {
+  Rng rng(2);
+  int within = 0;
+  double off = 0.0, off_without = 0.0;
+  for (const auto& model : all_robots()) {
+    for (int trial = 0; trial < 20; ++trial) {
+      const Scene scene(model, rng);
+      BrakeCheck fine = scene.check(0.5, 1);
+      const Observation o = still_objects(scene, rng);
+      const VectorX u = near_velocity(scene, o.qdot, rng);
+      VectorX out = u;
+      fine.apply(o, {u, u, u}, {}, out);
+      const double once = fine.least_distance(o, u, true);
+      fine.set_hold(4 * kPeriod);
+      const double expected = simulated(scene, o, u, true, kObjects, 4 * kPeriod);
+      const double found = fine.least_distance(o, u, true);
+      if (expected > 0.45) continue;
+      ++within;
+      off += std::abs(found - expected);
+      off_without += std::abs(std::min(once, 0.5) - expected);
+      EXPECT_NEAR(found, expected, 0.04) << model->name << " trial " << trial;
+    }
+  }
+  EXPECT_GT(within, 30);
+  EXPECT_LT(off, 0.5 * off_without) << "as far off as without the longer hold";
 }
 
 TEST(BrakeCheck, GivesWayOnlyWhereItMustAndStaysInsideTheBox) {

@@ -315,5 +315,84 @@ TEST(Predictor, KnowsWhereTheBaseIsAfterAStepWithoutMeasurements) {
   }
 }
 
+// Steps that nobody took, seen by the observations' time stamps: the command sent last acted through them.
+TEST(Predictor, AllowsForStepsThatWereMissed) {
+  const auto model = frankie();
+  for (const bool stamped : {true, false}) {
+    const Lateness late{3, 1, 1, 0};
+    PredictionParams params = known(late);
+    params.base_filter = 1.0;
+    params.identify = true;
+    Predictor predictor(*model, params, {}, 0.0, kPeriod);
+    predictor.reset(0);
+    LateRobot robot(*model, late, Vector3::Zero(), model->ready);
+    VectorX command = VectorX::Zero(9), sent = command;
+    double worst = 0.0;
+    int steps = 0;
+    for (int k = 0; k < 150; ++k) {
+      if (k % 5 != 2 && k % 5 != 3) {  // two of five are missed
+        Observation o = robot.measured();
+        o.time = stamped ? 100.0 + k * kPeriod : 100.0 + steps * kPeriod;
+        ++steps;
+        const Observation predicted = predictor.predict(o);
+        if (k > 20 && k % 5 == 4) {
+          // Without a new command the predicted place is reached: 3 periods of the last commands.
+          LateRobot ahead = robot;
+          VectorX wait = command, now = sent;
+          Predictor copy = predictor;
+          copy.send(wait, now);
+          for (int i = 0; i < 3; ++i) {
+            ahead.drive(now);
+            copy.skip();
+            copy.send(wait, now);
+          }
+          worst = std::max(worst, (predicted.base - ahead.state().base).norm());
+          worst = std::max(worst, (predicted.q - ahead.state().q).norm());
+        }
+        command.setConstant(0.2 * std::sin(0.1 * k));
+        command[0] = 0.5 * std::cos(0.15 * k);
+        predictor.send(command, sent);
+      }
+      robot.drive(sent);
+    }
+    if (stamped) {
+      EXPECT_LT(worst, 1e-3);
+      EXPECT_EQ(predictor.base_round_trip(), 4 * kPeriod);
+      EXPECT_GE(predictor.hold(), 2.9);
+      EXPECT_LE(predictor.hold(), 3.0);
+    } else {
+      EXPECT_GT(worst, 0.005) << "the test can fail";
+      EXPECT_EQ(predictor.hold(), 1.0);
+    }
+  }
+}
+
+// Stamps that are regular but for rounding and jitter, that stay, that go back, and a pause.
+TEST(Predictor, TakesNoStepForMissedThatWasNot) {
+  const auto model = frankie();
+  Predictor predictor(*model, known({}), {}, 0.0, kPeriod);
+  VectorX command = VectorX::Constant(9, 0.1), sent = command;
+  Observation o;
+  o.q = model->ready;
+  o.qdot = VectorX::Zero(9);
+  const auto hold_after = [&](const std::vector<double>& times) {
+    predictor.reset(0);
+    for (const double t : times) {
+      o.time = t;
+      predictor.predict(o);
+      predictor.send(command, sent);
+    }
+    return predictor.hold();
+  };
+  EXPECT_EQ(hold_after({1.7e9, 1.7e9 + 0.02, 1.7e9 + 0.04}), 1.0);
+  EXPECT_EQ(hold_after({0.0, 0.027, 0.036, 0.064}), 1.0);
+  EXPECT_EQ(hold_after({0.0, 0.0, 0.0}), 1.0);
+  EXPECT_EQ(hold_after({5.0, 1.0, 0.0}), 1.0);
+  EXPECT_EQ(hold_after({0.0, 0.02, 0.08}), 3.0);
+  const double pause = hold_after({0.0, 0.02, 1e6});
+  EXPECT_GT(pause, 10.0);
+  EXPECT_LT(pause, 30.0);
+}
+
 }  // namespace
 }  // namespace moma

@@ -98,7 +98,7 @@ TEST(Limits, BrakingLawIsMetWithinTheAccelerationLimit) {
     q << start, 0.0;
     double fastest = 0.0;
     for (int k = 0; k < 400; ++k) {
-      bounds.bound(q, v, b);
+      bounds.bound(q, v, 1.0, b);
       EXPECT_EQ(b.upper[0], b.hard_upper[0]);
       EXPECT_LE(std::abs(b.upper[0] - v[0]), kMost * kPeriod + 1e-12) << "from " << start << " in step " << k;
       v[0] = b.upper[0];
@@ -109,6 +109,33 @@ TEST(Limits, BrakingLawIsMetWithinTheAccelerationLimit) {
     EXPECT_NEAR(q[0], 1.0 - kStop, 1e-3) << "from " << start;
     if (start == -0.9) EXPECT_EQ(fastest, 2.0) << "the law costs no speed far from the limit";
   }
+}
+
+// Where two of three steps are missed, each command acts for three periods.
+TEST(Limits, BrakingLawHoldsWhereStepsAreMissed) {
+  constexpr double kPeriod = 0.02, kStop = 0.1;
+  const auto model = two_joints();
+  ControllerParams p;
+  p.joint_limits = {.method = JointLimitMethod::kBraking, .stop = kStop, .share = 0.8};
+  p.acceleration_limit = VectorX::Constant(2, 5.0);
+  const VelocityBounds bounds(*model, resolved(p, *model), kPeriod);
+  moma::Bounds b;
+  b.allocate(2);
+  const auto furthest = [&](double hold) {
+    VectorX q = VectorX::Zero(2), v = VectorX::Zero(2);
+    double most = 0.0;
+    for (int k = 0; k < 400; ++k) {
+      if (k % 3 == 0) {
+        bounds.bound(q, v, hold, b);
+        v[0] = b.upper[0];
+      }
+      q[0] += kPeriod * v[0];
+      most = std::max(most, q[0]);
+    }
+    return most;
+  };
+  EXPECT_GT(furthest(1.0), furthest(3.0) + 0.02) << "the test can fail";
+  EXPECT_LT(furthest(3.0), 1.0) << "the limit";
 }
 
 TEST(Limits, BrakingLawLeadsBackAndNeverBreaksTheAccelerationLimit) {
@@ -122,14 +149,14 @@ TEST(Limits, BrakingLawLeadsBackAndNeverBreaksTheAccelerationLimit) {
   VectorX q(2), v(2);
   q << 0.95, 0.0;
   v << 0.0, 0.0;
-  bounds.bound(q, v, b);
+  bounds.bound(q, v, 1.0, b);
   EXPECT_NEAR(b.upper[0], -0.1, 1e-12) << "2 x 5 cm beyond the stop, as fast as the limit lets it";
   v << 1.5, 0.0;
-  bounds.bound(q, v, b);
+  bounds.bound(q, v, 1.0, b);
   EXPECT_NEAR(b.upper[0], 1.4, 1e-12) << "a joint that is too fast brakes as hard as it may, and no harder";
   EXPECT_NEAR(b.lower[0], 1.4, 1e-12);
   v << 2.3, 0.0;
-  bounds.bound(q, v, b);
+  bounds.bound(q, v, 1.0, b);
   EXPECT_EQ(b.upper[0], 2.0) << "a measured velocity beyond the speed limit is no leave to keep it";
 }
 

@@ -21,7 +21,7 @@ class ControllerTest(unittest.TestCase):
         q, base, commands = self.robot.ready, np.zeros(3), []
         velocity = np.zeros(9)
         for k in range(steps):
-            seen = moma.Observation(q, self.goal, base, velocity, 0.02 * k, objects)
+            seen = moma.Observation(q, velocity, self.goal, base, 0.02 * k, objects)
             step = controller.step(seen)
             velocity = step.command
             commands.append(step.command)
@@ -46,8 +46,8 @@ class ControllerTest(unittest.TestCase):
 
     def test_sees_velocities_and_covariances(self):
         controller = moma.Controller(self.robot, {"limits": {"acceleration": 1}})
-        resting = controller.step(moma.Observation(self.robot.ready, self.goal))
-        moving = controller.step(moma.Observation(self.robot.ready, self.goal, qdot=0.3 * np.ones(9)))
+        resting = controller.step(moma.Observation(self.robot.ready, np.zeros(9), self.goal))
+        moving = controller.step(moma.Observation(self.robot.ready, 0.3 * np.ones(9), self.goal))
         self.assertLess(np.max(np.abs(resting.command)), 0.03)
         self.assertGreater(np.max(np.abs(moving.command)), 0.2)
         tracking = moma.Controller(self.robot, {"prediction": {}, "uncertainty": {}})
@@ -55,7 +55,7 @@ class ControllerTest(unittest.TestCase):
         for covariance in (None, 0.01 * np.eye(3)):
             tracking.reset([BALL])
             ball = moma.SensedObject([0.9, 0.0, 0.5], position_covariance=covariance)
-            commands.append(tracking.step(moma.Observation(self.robot.ready, self.goal, objects=[ball])).command)
+            commands.append(tracking.step(moma.Observation(self.robot.ready, np.zeros(9), self.goal, objects=[ball])).command)
         self.assertFalse(np.array_equal(*commands))
 
     def test_sees_objects(self):
@@ -73,7 +73,7 @@ class ControllerTest(unittest.TestCase):
         controller.reset([BALL])
         ball = moma.SensedObject(position=[0.9, 0.0, 0.5])
         self.drive(controller, 5, [ball])
-        seen = moma.Observation(self.robot.ready, self.goal, objects=[ball])
+        seen = moma.Observation(self.robot.ready, np.zeros(9), self.goal, objects=[ball])
         shown = controller.solve(seen)
         self.assertGreater(len(controller.explain(seen).splitlines()), 3)
         step = controller.step(seen)
@@ -89,8 +89,25 @@ class ControllerTest(unittest.TestCase):
         with self.assertRaisesRegex(moma.ConfigError, "lambda_p: unknown key"):
             moma.Controller(self.robot, {"lambda_p": 1})
         controller = moma.Controller(self.robot, {})
-        with self.assertRaisesRegex(ValueError, "observation: found 37 numbers, expected 38"):
-            controller.step(moma.Observation(self.robot.ready[:6], self.goal))
+        ready, still = self.robot.ready, np.zeros(9)
+        for words, seen in {
+            "q: found 6 numbers, expected 7 numbers": moma.Observation(ready[:6], still, self.goal),
+            "qdot: found None, expected 9 numbers": moma.Observation(ready, None, self.goal),
+            "goal.rotation: found 4 numbers, which a quaternion has": moma.Observation(
+                ready, still, moma.Pose([1, 0, 1], [0, 0, 0, 1])
+            ),
+            "base: found 2 numbers, expected 3": moma.Observation(ready, still, self.goal, [0, 0]),
+            r"objects\[0\].twist: found 3 numbers": moma.Observation(
+                ready, still, self.goal, objects=[moma.SensedObject(twist=[0, 0, 0])]
+            ),
+            "observation: found 76 numbers, expected 38": moma.Observation(
+                ready, still, self.goal, objects=[moma.SensedObject()]
+            ),
+        }.items():
+            with self.assertRaisesRegex(ValueError, words):
+                controller.step(seen)
+        with self.assertRaises(TypeError, msg="velocities have no default: made-up ones are learnt from"):
+            moma.Observation(q=ready, goal=self.goal)
         with self.assertRaisesRegex(ValueError, "no such kind of shape"):
             controller.reset([{"name": "ball", "kind": "egg", "size": [1]}])
 
