@@ -33,7 +33,7 @@ set(rules
   "eval/trial|eval/(stats|suite|batch|store|search|tune|run|cli)/|-|a trial needs its spec and its world alone"
   "eval/suite|eval/(stats|batch|store|search|tune|run|cli)/|-|a suite makes specs of files and computes nothing"
   "eval/batch|eval/(store|search|tune|run|cli)/|-|a batch computes trials whoever keeps them"
-  "eval/store|eval/(stats|batch|search/([^w]|w[^o])|tune|run|cli)|-|the store keeps what it is given, and knows the words of a search"
+  "eval/store|eval/(stats|batch|search/(algorithms|confirm|evaluator|nlopt|objective|random|wilcoxon)|tune|run|cli)|-|the store keeps what it is given, and knows the records of a search"
   "eval/tune|eval/(run|cli)/|-|tuning is measured by trials, whoever asks for it"
   "eval/run|eval/cli/|-|what the commands do can be done without them"
   "eval/(stats|identify|trial|suite|batch|store|search|tune|run)|(iostream|cstdio)|eval/store/define_store\\.cc|only the commands print, and a program that writes a part of the build"

@@ -81,18 +81,18 @@ class Tune {
     const std::string warning = store::file_system_warning(file_);
     if (!warning.empty()) listener_.tell(listener_.warning, warning);
     writer.begin(without_metrics(store::describe(tune::searched_suite(tuning_))), {request_.arguments, threads_}, {});
-    store::TuneRecords records(writer, tune::search_record(tuning_));
+    store::TuneRecords records(writer, tune::search_record(tuning_), tuning_.config.variables);
     if (records.present() > 0) note(fmt::format("{} evaluations are stored: going on from there", records.present()));
     tune::StoredTrials trials(writer);
-    tune::StoredLog log(records);
     tune::TrialObjective objective(tuning_, trials, threads_, request_.stop);
     objective.on_trial = [this] {
       if (listener_.trial) listener_.trial();
     };
     try {
-      tune::SearchResult result = tune::search(tune::search_settings(tuning_), objective, log, listener_.evaluation);
+      tune::SearchResult result =
+          tune::search(tune::search_settings(tuning_), objective, records, listener_.evaluation);
       progress_end();
-      records.finish(tune::result_record(result));
+      records.finish(result);
       writer.finish(store::RunStatus::kFinished);
       tell_counts(objective.counts());
       return result;
@@ -157,9 +157,9 @@ class Tune {
     std::vector<TrialRow> in_order;
     for (const BatchJob& job : held_out.jobs) in_order.push_back(rows.at(job.key));
     tune::HeldOutVerdict verdict = tune::judge(tuning_, held_out, in_order);
-    store::TuneRecords records(writer, tune::search_record(tuning_));
-    records.finish(tune::result_record(result));
-    records.verdict(writer.suite_name(), verdict.rows, std::string(to_string(verdict.overall)));
+    store::TuneRecords records(writer, tune::search_record(tuning_), tuning_.config.variables);
+    records.finish(result);
+    records.verdict(writer.suite_name(), verdict.rows, verdict.overall);
     return verdict;
   }
 

@@ -23,6 +23,7 @@
 #include "eval/store/migrations.h"
 #include "eval/store/records.h"
 #include "eval/store/samples.h"
+#include "eval/store/table.h"
 #include "world/world_json.h"
 
 namespace moma::store {
@@ -30,34 +31,6 @@ namespace {
 
 using SQLite::Statement;
 using Found = std::function<void(const std::string&)>;
-
-/// A column of a world differs from what the world says. Compared as the store keeps numbers: bit for bit.
-struct DifficultyDiffers {
-  Statement& row;
-  const Difficulty& said;
-  int index = 0;
-  std::string names;
-  template <class M>
-  void member(std::string_view name, M Difficulty::*member, const Column&) {
-    const SQLite::Column cell = row.getColumn(index++);
-    bool same = false;
-    if constexpr (std::is_same_v<M, double>) {
-      const double wanted = stored(said.*member);
-      same = std::isnan(wanted) ? cell.isNull() : cell.isFloat() && cell.getDouble() == wanted;
-    } else {
-      same = cell.isInteger() && cell.getInt64() == said.*member;
-    }
-    if (!same) names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
-  }
-};
-
-struct DifficultyNames {
-  std::string list;
-  template <class M>
-  void member(std::string_view name, M Difficulty::*, const Column&) {
-    list += fmt::format(", {}", name);
-  }
-};
 
 class Checker {
  public:
@@ -140,9 +113,8 @@ class Checker {
   }
 
   void check_worlds() {
-    DifficultyNames difficulty;
-    describe(difficulty, Of<Difficulty>{});
-    Statement s(db_, fmt::format("SELECT id, world_index, seed, family, json{} FROM main.world", difficulty.list));
+    Statement s(
+        db_, fmt::format("SELECT id, world_index, seed, family, json, {} FROM main.world", column_names<Difficulty>()));
     while (s.executeStep()) {
       ++counts_.worlds;
       const std::string name = fmt::format("world {}", s.getColumn(0).getInt64());
@@ -163,9 +135,8 @@ class Checker {
         compare("world_index", s.getColumn(1).getInt64() == static_cast<std::int64_t>(said.index));
         compare("seed", s.getColumn(2).getString() == std::to_string(said.seed));
         compare("family", s.getColumn(3).getString() == said.family);
-        DifficultyDiffers columns{s, said.difficulty, 5, {}};
-        describe(columns, Of<Difficulty>{});
-        if (!columns.names.empty()) compare(columns.names.c_str(), false);
+        const std::string columns = differing_columns(s, 5, said.difficulty);
+        if (!columns.empty()) compare(columns.c_str(), false);
         if (!differ.empty()) tell(fmt::format("{}: {} not as the world itself says", name, differ));
       } catch (const std::bad_alloc&) {
         throw;

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "controller/describe/complete.h"
-#include "eval/search/words.h"
+#include "eval/store/columns.h"
 #include "eval/store/difficulty.h"
-#include "eval/store/words.h"
-#include "world/plant/plant.h"
+#include "eval/store/rows.h"
+#include "eval/store/search_tables.h"
 
 namespace moma::store {
 
@@ -25,58 +25,21 @@ namespace {
 
 static_assert(is_complete<Difficulty>(), "a member of Difficulty without its line in describe()");
 
-std::string type_name(double /*value*/, const Column& about) { return about.always ? "REAL NOT NULL" : "REAL"; }
-std::string type_name(int /*value*/, const Column& about) {
-  switch (about.earlier) {
-    case Earlier::kNone:
-      return "INTEGER NOT NULL";
-    case Earlier::kZero:
-      return "INTEGER NOT NULL DEFAULT 0";
-    case Earlier::kUnknown:
-      return "INTEGER";
-  }
-  return "";
-}
-std::string type_name(const std::string& /*value*/, const Column& /*about*/) { return "TEXT"; }
-
-template <class M, class C>
-M value_type(M C::*);
-
-template <class TableColumn>
-std::string type_of_any(const TableColumn& column) {
-  return std::visit([&](auto member) { return type_name(decltype(value_type(member)){}, column.about); },
-                    column.member);
-}
-
 /// A line of CREATE TABLE for each column, with what is said of it. What came later stands last, as it does where it
 /// was added to a table that was there.
-template <class TableColumn>
-std::string table_lines(const std::vector<TableColumn>& columns) {
-  std::vector<TableColumn> ordered = columns;
-  std::stable_partition(ordered.begin(), ordered.end(),
-                        [](const TableColumn& c) { return c.about.earlier != Earlier::kUnknown; });
+std::string column_lines(std::string_view table, bool ends_table) {
+  const auto& all = described_tables();
+  const auto found = std::find_if(all.begin(), all.end(), [&](const auto& t) { return t.first == table; });
+  if (found == all.end()) return "";
+  std::vector<ColumnDefinition> ordered = found->second;
+  std::stable_partition(ordered.begin(), ordered.end(), [](const ColumnDefinition& c) { return !c.later; });
   std::string lines;
-  for (std::size_t i = 0; i < ordered.size(); ++i) {
-    const TableColumn& c = ordered[i];
-    const std::string code = fmt::format("{} {}{}", c.name, type_of(c), i + 1 < ordered.size() ? "," : "");
-    lines += fmt::format("{}{:<57} -- {}{}", i == 0 ? "" : "\n  ", code,
-                         c.about.unit.empty() ? "" : fmt::format("[{}] ", c.about.unit), c.about.text);
+  for (const ColumnDefinition& c : ordered) {
+    const bool last = ends_table && &c == &ordered.back();
+    const std::string code = fmt::format("{} {}{}", c.name, c.type, last ? "" : ",");
+    lines += (lines.empty() ? "" : "\n  ") + (c.text.empty() ? code : fmt::format("{:<57} -- {}", code, c.text));
   }
   return lines;
-}
-
-struct DifficultyColumns {
-  std::string lines;
-  template <class M>
-  void member(std::string_view name, M Difficulty::*, const Column& about) {
-    lines += fmt::format("{}{} {},", lines.empty() ? "" : "\n  ", name, type_name(M{}, about));
-  }
-};
-
-std::string difficulty_lines() {
-  DifficultyColumns columns;
-  describe(columns, Of<Difficulty>{});
-  return columns.lines;
 }
 
 /// "text(COLUMN)" of each of the summary's columns, apart by commas.
@@ -96,38 +59,30 @@ std::string view_lines(const std::vector<TableColumn>& columns, std::string_view
   return lines;
 }
 
-template <Worded E>
-std::string quoted() {
-  return list_of_words<E>(", ", "'");
-}
-
 /// The text with each {{NAME}} replaced.
 std::string filled(std::string text) {
   const std::pair<const char*, std::string (*)()> parts[] = {
-      {"trial columns", [] { return table_lines(trial_columns()); }},
-      {"timing columns", [] { return table_lines(timing_columns()); }},
-      {"difficulty columns", &difficulty_lines},
       {"summary columns", [] { return of_summary([](auto name) { return fmt::format("{} REAL", name); }); }},
       {"summary index", &summary_index_sql},
       {"trial view", [] { return view_lines(trial_columns(), "t"); }},
       {"timing view", [] { return view_lines(timing_columns(), "e"); }},
       {"summary means", [] { return of_summary([](auto name) { return fmt::format("avg({0}) AS {0}", name); }); }},
       {"summary view", [] { return of_summary([](auto name) { return fmt::format("c.{0} AS {0}", name); }); }},
-      {"modes", &quoted<SimulationMode>},
-      {"run states", &quoted<RunStatus>},
-      {"outcomes", &quoted<Outcome>},
-      {"search states", &quoted<tune::SearchStatus>},
-      {"verdicts", &quoted<tune::Verdict>},
-      {"scales", &quoted<tune::Scale>},
-      {"phases", &quoted<tune::Phase>},
   };
   for (std::size_t at = text.find("{{"); at != std::string::npos; at = text.find("{{", at)) {
     const std::size_t end = text.find("}}", at);
     const std::string name = text.substr(at + 2, end - at - 2);
     const auto part = std::find_if(std::begin(parts), std::end(parts), [&](const auto& p) { return p.first == name; });
-    if (end == std::string::npos || part == std::end(parts))
+    constexpr std::string_view kColumns = "columns of ";
+    std::string value;
+    if (part != std::end(parts)) {
+      value = part->second();
+    } else if (name.starts_with(kColumns)) {
+      const std::size_t next = text.find_first_not_of(" \n", end + 2);
+      value = column_lines(name.substr(kColumns.size()), next != std::string::npos && text[next] == ')');
+    }
+    if (end == std::string::npos || value.empty())
       throw std::logic_error("the definition of the store has an unknown part {{" + name);
-    const std::string value = part->second();
     text.replace(at, end + 2 - at, value);
     at += value.size();
   }
@@ -157,8 +112,23 @@ class MetricList {
 
 }  // namespace
 
-std::string type_of(const TrialColumn& column) { return type_of_any(column); }
-std::string type_of(const TimingColumn& column) { return type_of_any(column); }
+const std::vector<std::pair<std::string, std::vector<ColumnDefinition>>>& described_tables() {
+  static const std::vector<std::pair<std::string, std::vector<ColumnDefinition>>> kTables{
+      {"suite", definitions<SuiteRow>()},
+      {"point", definitions<PointRow>()},
+      {"world", definitions<Difficulty>()},
+      {"invocation", definitions<InvocationRow>()},
+      {"trial", definitions<TrialRow>()},
+      {"execution", definitions<TrialRow::Timing>()},
+      {"tune_search", definitions<TuneSearchRecord>()},
+      {"tune_variable", definitions<TuneVariableRecord>()},
+      {"tune_evaluation", definitions<tune::Evaluation>()},
+      {"tune_finalist", definitions<tune::Finalist>()},
+      {"tune_sensitivity", definitions<TuneSensitivityRecord>()},
+      {"tune_comparison", definitions<TuneComparisonRecord>()},
+  };
+  return kTables;
+}
 
 std::string tables_sql() { return filled(kSchemaSql); }
 

@@ -4,16 +4,16 @@
 #include <utility>
 #include <vector>
 
-#include "eval/store/columns.h"
+#include "eval/store/field.h"
 
 namespace moma::store {
 
 // What the store looks like, made of schema.sql and views.sql and of the descriptions of what it keeps: columns and
 // words are not written down a second time.
 
-/// Definition of a column's values: "REAL", "INTEGER NOT NULL".
-std::string type_of(const TrialColumn& column);
-std::string type_of(const TimingColumn& column);
+/// The described columns of each table that has any, by the table's name. A record that is named here has its columns
+/// in schema.sql by {{columns of TABLE}}, and a store that lacks one of them gets it when it is opened for writing.
+const std::vector<std::pair<std::string, std::vector<ColumnDefinition>>>& described_tables();
 
 /// All tables and indices, but no views.
 std::string tables_sql();

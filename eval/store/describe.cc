@@ -38,12 +38,18 @@ SuiteRecord describe(const Suite& suite) {
     p.robot_resolved = robot;
     p.controller_resolved = point.controller_resolved.dump();
     p.worlds = point.worlds.to_json().dump();
-    p.simulation = point.simulation;
-    p.success = point.success;
-    p.stuck = point.stuck;
-    p.infeasible = point.infeasible;
+    p.mode = point.simulation.mode;
+    p.control_period_s = point.simulation.control_period;
+    p.physics_step_s = point.simulation.physics_step;
+    p.time_limit_s = point.simulation.time_limit;
+    p.success_position_m = point.success.position;
+    p.success_orientation_rad = point.success.orientation;
+    p.success_dwell_s = point.success.dwell;
+    p.stuck_time_s = point.stuck.time;
+    p.stuck_motion = point.stuck.motion;
+    p.infeasible_time_s = point.infeasible.time;
     p.simulation_version = kSimulationVersion;
-    Json rules = {to_json(p.simulation), to_json(p.success), to_json(p.stuck), to_json(p.infeasible)};
+    Json rules = {to_json(point.simulation), to_json(point.success), to_json(point.stuck), to_json(point.infeasible)};
     if (any(point.disturbances)) rules.push_back(to_json(point.disturbances));
     p.content_hash = hash_text(p.params + '\n' + robot + '\n' + p.controller_resolved + '\n' + p.worlds + '\n' +
                                rules.dump() + '\n' + std::to_string(kSimulationVersion));

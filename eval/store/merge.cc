@@ -78,17 +78,6 @@ class Importer {
     }
   }
 
-  /// Columns of a table of results that both stores have: the other one may be from before a metric was there.
-  std::string shared_columns(const std::string& table, const std::string& prefix = {}) {
-    Statement s(db_,
-                "SELECT name FROM pragma_table_xinfo(?1, 'main') WHERE hidden = 0 AND name IN "
-                "(SELECT name FROM pragma_table_xinfo(?1, 'source'))");
-    s.bind(1, table);
-    std::string names;
-    while (s.executeStep()) names += (names.empty() ? "" : ", ") + prefix + s.getColumn(0).getString();
-    return names;
-  }
-
   void import_content(const std::string& table) {
     const std::string columns = columns_of(db_, table);
     db_.exec(
@@ -140,20 +129,13 @@ class Importer {
                                        "JOIN map_suite AS ms ON ms.source = s.suite_id "
                                        "LEFT JOIN main.point AS o ON {} WHERE o.id IS NULL ORDER BY s.id",
                                        same));
-    std::string columns;
-    std::string values;
-    Statement names(db_, "SELECT name FROM pragma_table_xinfo('point') WHERE name <> 'id'");
-    while (names.executeStep()) {
-      const std::string name = names.getColumn(0).getString();
-      columns += (columns.empty() ? "" : ", ") + name;
-      values += values.empty() ? "" : ", ";
-      values += name == "suite_id"            ? "ms.target"
-                : name == "controller"        ? "?1"
-                : name == "robot_id"          ? "mr.target"
-                : name == "controller_id"     ? "mc.target"
-                : name == "resolved_suite_id" ? "mx.target"
-                                              : "s." + name;
-    }
+    const std::string columns = columns_of(db_, "point");
+    const std::string values = columns_of(db_, "point", "s.",
+                                          {{"suite_id", "ms.target"},
+                                           {"controller", "?1"},
+                                           {"robot_id", "mr.target"},
+                                           {"controller_id", "mc.target"},
+                                           {"resolved_suite_id", "mx.target"}});
     Statement insert(db_,
                      fmt::format("INSERT INTO main.point ({}) SELECT {} FROM source.point AS s "
                                  "JOIN map_suite AS ms ON ms.source = s.suite_id "
@@ -190,15 +172,9 @@ class Importer {
         "JOIN map_resolved_suite AS mx ON mx.source = s.resolved_suite_id "
         "LEFT JOIN main.invocation AS o ON {}",
         same);
-    std::string columns;
-    std::string values;
-    Statement names(db_, "SELECT name FROM pragma_table_xinfo('invocation') WHERE name <> 'id'");
-    while (names.executeStep()) {
-      const std::string name = names.getColumn(0).getString();
-      columns += (columns.empty() ? "" : ", ") + name;
-      values += values.empty() ? "" : ", ";
-      values += name == "suite_id" ? "ms.target" : name == "resolved_suite_id" ? "mx.target" : "s." + name;
-    }
+    const std::string columns = columns_of(db_, "invocation");
+    const std::string values =
+        columns_of(db_, "invocation", "s.", {{"suite_id", "ms.target"}, {"resolved_suite_id", "mx.target"}});
     db_.exec(fmt::format("INSERT INTO main.invocation ({}) SELECT {} {} WHERE o.id IS NULL ORDER BY s.id", columns,
                          values, from));
     db_.exec(fmt::format("INSERT INTO map_invocation SELECT s.id, min(o.id) {} GROUP BY s.id", from));
@@ -239,22 +215,20 @@ class Importer {
   MergeSummary import_trials() {
     MergeSummary summary;
     const auto total = static_cast<std::size_t>(db_.execAndGet("SELECT count(*) FROM source.trial").getInt64());
-    const std::string trial = shared_columns("trial");
-    std::string values = shared_columns("trial", "t.");
-    values.replace(values.find("t.world_id"), 10, "mw.target");
+    const std::string trial = columns_of(db_, "trial");
+    const std::string values = columns_of(db_, "trial", "t.", {{"world_id", "mw.target"}});
     summary.added = static_cast<std::size_t>(
         db_.exec(fmt::format("INSERT INTO main.trial ({}) SELECT {} FROM source.trial AS t "
                              "JOIN map_world AS mw ON mw.source = t.world_id WHERE true ORDER BY t.key "
                              "ON CONFLICT DO NOTHING",
                              trial, values)));
     summary.present = total - summary.added;
-    std::string execution = shared_columns("execution", "e.");
-    execution.replace(execution.find("e.invocation_id"), 15, "mi.target");
+    const std::string execution = columns_of(db_, "execution", "e.", {{"invocation_id", "mi.target"}});
     db_.exec(
         fmt::format("INSERT INTO main.execution ({}) SELECT {} FROM source.execution AS e "
                     "JOIN map_invocation AS mi ON mi.source = e.invocation_id WHERE true ORDER BY e.key "
                     "ON CONFLICT DO NOTHING",
-                    shared_columns("execution"), execution));
+                    columns_of(db_, "execution"), execution));
     db_.exec(
         fmt::format("INSERT INTO main.samples ({0}) SELECT {0} FROM source.samples WHERE true ORDER BY key "
                     "ON CONFLICT DO NOTHING",

@@ -45,27 +45,18 @@ class Searches {
  private:
   /// The columns of tune_search with the held-out suite by the name that it has in OUT.
   std::string values() {
-    std::string list;
-    Statement names(db_,
-                    "SELECT name FROM pragma_table_xinfo('tune_search', 'main') WHERE hidden = 0 AND name <> 'id'");
-    while (names.executeStep()) {
-      const std::string name = names.getColumn(0).getString();
-      list += list.empty() ? "" : ", ";
-      list += name == "held_out_suite"
-                  ? "coalesce((SELECT o.name FROM source.suite AS i JOIN map_suite AS m ON m.source = i.id "
-                    "JOIN main.suite AS o ON o.id = m.target WHERE i.name = s.held_out_suite), s.held_out_suite)"
-                  : "s." + name;
-    }
-    return list;
+    return columns_of(
+        db_, "tune_search", "s.",
+        {{"held_out_suite",
+          "coalesce((SELECT o.name FROM source.suite AS i JOIN map_suite AS m ON m.source = i.id "
+          "JOIN main.suite AS o ON o.id = m.target WHERE i.name = s.held_out_suite), s.held_out_suite)"}});
   }
 
   void copy(const char* table, const Search& search) {
-    const std::string columns = columns_of(db_, table);
-    std::string from = columns;
-    from.replace(from.find("search_id"), 9, std::to_string(search.target));
     db_.exec(fmt::format(
         "INSERT INTO main.{0} ({1}) SELECT {2} FROM source.{0} WHERE search_id = {3} ON CONFLICT DO NOTHING", table,
-        columns, from, search.source));
+        columns_of(db_, table), columns_of(db_, table, "", {{"search_id", std::to_string(search.target)}}),
+        search.source));
   }
 
   bool add(Search& search) {
@@ -137,11 +128,18 @@ class Searches {
 
 }  // namespace
 
-std::string columns_of(SQLite::Database& db, const std::string& table, const std::string& prefix) {
-  Statement s(
-      db, fmt::format("SELECT name FROM pragma_table_xinfo('{}', 'main') WHERE hidden = 0 AND name <> 'id'", table));
+std::string columns_of(SQLite::Database& db, const std::string& table, const std::string& prefix,
+                       const std::map<std::string, std::string>& instead) {
+  Statement s(db,
+              "SELECT name FROM pragma_table_xinfo(?1, 'main') WHERE hidden = 0 AND name <> 'id' AND name IN "
+              "(SELECT name FROM pragma_table_xinfo(?1, 'source'))");
+  s.bind(1, table);
   std::string names;
-  while (s.executeStep()) names += (names.empty() ? "" : ", ") + prefix + s.getColumn(0).getString();
+  while (s.executeStep()) {
+    const std::string name = s.getColumn(0).getString();
+    const auto other = instead.find(name);
+    names += (names.empty() ? "" : ", ") + (other != instead.end() ? other->second : prefix + name);
+  }
   return names;
 }
 

@@ -3,6 +3,7 @@
 #include <SQLiteCpp/Database.h>
 
 #include <filesystem>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -11,8 +12,11 @@ namespace moma::store {
 
 // Parts of merge(): into `main`, from what is attached as `source`, in the caller's transaction.
 
-/// Names of a table's columns, stored ones only, without the integer key that each store gives on its own.
-std::string columns_of(SQLite::Database& db, const std::string& table, const std::string& prefix = {});
+/// Names of the columns that a table has here and in what is attached as `source`, which may be from before one of
+/// them; stored ones only, without the integer key that each store gives on its own. `instead`: what stands in the list
+/// for a column, in place of its name behind `prefix`.
+std::string columns_of(SQLite::Database& db, const std::string& table, const std::string& prefix = {},
+                       const std::map<std::string, std::string>& instead = {});
 
 /// Everything that a new store has: tables, indices and views of moma's own.
 std::set<std::string> own_names();

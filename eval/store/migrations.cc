@@ -60,21 +60,15 @@ std::set<std::string> stored_columns(SQLite::Database& db, const std::string& ta
 
 namespace {
 
-/// ALTER TABLE for each described column that the table does not have.
-template <class TableColumn>
-std::vector<std::string> additions(SQLite::Database& db, const std::string& table,
-                                   const std::vector<TableColumn>& columns) {
-  const std::set<std::string> there = stored_columns(db, table);
-  std::vector<std::string> sql;
-  for (const TableColumn& column : columns)
-    if (there.count(std::string(column.name)) == 0)
-      sql.push_back(fmt::format("ALTER TABLE {} ADD COLUMN {} {}", table, column.name, type_of(column)));
-  return sql;
-}
-
+/// ALTER TABLE for each described column that its table does not have, and what follows.
 std::vector<std::string> all_additions(SQLite::Database& db) {
-  std::vector<std::string> sql = additions(db, "trial", trial_columns());
-  for (std::string& statement : additions(db, "execution", timing_columns())) sql.push_back(std::move(statement));
+  std::vector<std::string> sql;
+  for (const auto& [table, columns] : described_tables()) {
+    const std::set<std::string> stored = stored_columns(db, table);
+    for (const ColumnDefinition& column : columns)
+      if (stored.count(column.name) == 0)
+        sql.push_back(fmt::format("ALTER TABLE {} ADD COLUMN {} {}", table, column.name, column.type));
+  }
   const std::set<std::string> there = stored_columns(db, "point_trial");
   bool copied = false;
   for (const TrialColumn& column : trial_columns()) {

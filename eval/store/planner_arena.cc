@@ -18,8 +18,8 @@
 #include "eval/store/columns.h"
 #include "eval/store/database.h"
 #include "eval/store/migrations.h"
-#include "eval/store/row_binding.h"
 #include "eval/store/samples.h"
+#include "eval/store/table.h"
 #include "files/output_file.h"
 
 namespace moma::store {
@@ -220,10 +220,10 @@ UPDATE experiments SET totaltime = (SELECT sum(time) FROM runs WHERE experimenti
         insert.reset();
         insert.bind(1, query.getColumn(0).getInt64());
         insert.bind(2, sample.t);
-        bind_number(insert, 3, sample.error.tail<3>().norm());
-        bind_number(insert, 4, sample.error.head<3>().norm());
-        bind_number(insert, 5, sample.manipulability);
-        bind_number(insert, 6, sample.least_distance);
+        bind_metric(insert, 3, sample.error.tail<3>().norm());
+        bind_metric(insert, 4, sample.error.head<3>().norm());
+        bind_metric(insert, 5, sample.manipulability);
+        bind_metric(insert, 6, sample.least_distance);
         insert.exec();
       }
     }

@@ -17,7 +17,7 @@
 #include "eval/store/hash.h"
 #include "eval/store/migrations.h"
 #include "eval/store/records.h"
-#include "eval/store/row_binding.h"
+#include "eval/store/table.h"
 #include "eval/store/words.h"
 
 namespace moma::store {
@@ -78,8 +78,8 @@ struct Reader::Impl {
     std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
     const auto [low, high] = key_range(lower);
     Statement s(db, "SELECT lower(hex(key)) FROM trial WHERE key BETWEEN ? AND ? ORDER BY key LIMIT 4");
-    s.bind(1, low.data(), static_cast<int>(low.size()));
-    s.bind(2, high.data(), static_cast<int>(high.size()));
+    bind_cell(s, 1, low);
+    bind_cell(s, 2, high);
     std::vector<std::string> found;
     while (s.executeStep()) found.push_back(s.getColumn(0).getString());
     if (found.empty()) throw not_found(file, fmt::format("has no trial that begins with {}", prefix));
@@ -102,6 +102,7 @@ StoredTrial Reader::trial(const std::string& prefix) const {
   return impl_->guarded([&] {
     const std::string key = impl_->full_key(prefix);
     const Hash hash = hash_from_hex(key);
+    const std::set<std::string> there = stored_columns(impl_->db, "trial");
     Statement s(
         impl_->db,
         fmt::format("SELECT s.name, p.controller, p.label, r.resolved, p.resolved_position, w.world_index, "
@@ -112,8 +113,8 @@ StoredTrial Reader::trial(const std::string& prefix) const {
                     "LEFT JOIN execution AS e ON e.key = t.key "
                     "LEFT JOIN invocation AS i ON i.id = e.invocation_id "
                     "LEFT JOIN samples AS a ON a.key = t.key WHERE t.key = ? ORDER BY p.id LIMIT 1",
-                    trial_column_list("t.", stored_columns(impl_->db, "trial"))));
-    s.bind(1, hash.data(), static_cast<int>(hash.size()));
+                    column_names<TrialRow>("t.", &there)));
+    bind_cell(s, 1, hash);
     if (!s.executeStep()) throw not_found(impl_->file, fmt::format("trial {} belongs to no suite", key));
     StoredTrial trial;
     trial.key = key;
@@ -136,7 +137,7 @@ StoredTrial Reader::trial(const std::string& prefix) const {
       if (begin != nullptr) samples.data.assign(begin, begin + data.getBytes());
       trial.samples = std::move(samples);
     }
-    trial.row = read_row(s, 13);
+    trial.row = read_record<TrialRow>(s, 13);
     return trial;
   });
 }
@@ -181,7 +182,7 @@ std::vector<StoredMetric> Reader::metrics(const std::string& key) const {
         impl_->db,
         "SELECT d.file_name, d.expression, v.value FROM metric_value AS v JOIN metric AS d ON d.id = v.metric_id "
         "WHERE v.key = ? ORDER BY d.id");
-    s.bind(1, hash.data(), static_cast<int>(hash.size()));
+    bind_cell(s, 1, hash);
     std::vector<StoredMetric> metrics;
     while (s.executeStep()) {
       const SQLite::Column value = s.getColumn(2);
@@ -221,48 +222,32 @@ std::vector<PointTrial> Reader::trials_of(std::int64_t point) const {
 }
 
 std::string Reader::point_differences(std::int64_t point, const SuiteRecord& suite, std::size_t position) const {
-  const PointRecord& record = suite.points.at(position);
   return impl_->guarded([&] {
-    Statement s(impl_->db,
-                "SELECT p.controller_name, p.label, p.params, p.content_hash, r.name, r.resolved, c.resolved, p.mode, "
-                "p.control_period_s, p.physics_step_s, p.time_limit_s, p.success_position_m, "
-                "p.success_orientation_rad, p.success_dwell_s, p.stuck_time_s, p.stuck_motion, p.infeasible_time_s, "
-                "p.worlds, u.setting_hash FROM point AS p JOIN robot AS r ON r.id = p.robot_id JOIN controller AS c "
-                "ON c.id = p.controller_id JOIN suite AS u ON u.id = p.suite_id WHERE p.id = ?");
+    const PointRecord& said = suite.points.at(position);
+    Statement s(impl_->db, fmt::format("SELECT r.name, r.resolved, c.resolved, u.setting_hash, {} "
+                                       "FROM point AS p JOIN robot AS r ON r.id = p.robot_id JOIN controller AS c "
+                                       "ON c.id = p.controller_id JOIN suite AS u ON u.id = p.suite_id WHERE p.id = ?",
+                                       column_names<PointRow>("p.")));
     s.bind(1, point);
     if (!s.executeStep()) return std::string("robot or controller");
     std::string differ;
-    int i = 0;
-    const auto compare = [&](bool same) {
-      if (!same) differ += fmt::format("{}{}", differ.empty() ? "" : ", ", s.getColumnName(i));
-      ++i;
+    const auto compare = [&](const char* name, bool same) {
+      if (!same) differ += fmt::format("{}{}", differ.empty() ? "" : ", ", name);
     };
-    const auto text = [&](const std::string& said) { compare(s.getColumn(i).getString() == said); };
-    const auto number = [&](double said) { compare(s.getColumn(i).getDouble() == said); };
-    text(record.controller);
-    text(record.label);
-    text(record.params);
-    const auto hash = [&](const Hash& said) {
-      const SQLite::Column kept = s.getColumn(i);
-      compare(kept.getBytes() == static_cast<int>(said.size()) &&
-              std::equal(said.begin(), said.end(), static_cast<const unsigned char*>(kept.getBlob())));
-    };
-    hash(record.content_hash);
-    text(record.robot_name);
-    text(record.robot_resolved);
-    text(record.controller_resolved);
-    text(std::string(to_string(record.simulation.mode)));
-    number(record.simulation.control_period);
-    number(record.simulation.physics_step);
-    number(record.simulation.time_limit);
-    number(record.success.position);
-    number(record.success.orientation);
-    number(record.success.dwell);
-    number(record.stuck.time);
-    number(record.stuck.motion);
-    number(record.infeasible.time);
-    text(record.worlds);
-    hash(suite.setting_hash);
+    compare("robot",
+            s.getColumn(0).getString() == said.robot_name && s.getColumn(1).getString() == said.robot_resolved);
+    compare("controller", s.getColumn(2).getString() == said.controller_resolved);
+    Hash setting{};
+    read_cell(s.getColumn(3), setting);
+    compare("setting_hash", setting == suite.setting_hash);
+    PointRow row = said;  // names as shown, and where its parts are, are this store's own
+    const PointRow own = read_record<PointRow>(s, 4);
+    row.controller_name = said.controller;
+    row.suite_id = own.suite_id, row.controller = own.controller, row.robot_id = own.robot_id;
+    row.controller_id = own.controller_id, row.resolved_suite_id = own.resolved_suite_id;
+    row.resolved_position = own.resolved_position;
+    const std::string columns = differing_columns(s, 4, row);
+    if (!columns.empty()) compare(columns.c_str(), false);
     return differ;
   });
 }
@@ -310,9 +295,10 @@ std::vector<std::string> Reader::integrity_problems() const {
 std::string Reader::result_hash() const {
   return impl_->guarded([&] {
     Hash chain{};
+    const std::set<std::string> there = stored_columns(impl_->db, "trial");
     Statement s(impl_->db, fmt::format("SELECT lower(hex(t.key)), w.hash, {} FROM trial AS t "
                                        "JOIN world AS w ON w.id = t.world_id ORDER BY t.key",
-                                       trial_column_list("t.", stored_columns(impl_->db, "trial"))));
+                                       column_names<TrialRow>("t.", &there)));
     const std::vector<TrialColumn>& columns = trial_columns();
     const int first = s.getColumnCount() - static_cast<int>(columns.size());
     while (s.executeStep()) {

@@ -6,26 +6,18 @@
 #include <vector>
 
 #include "eval/store/hash.h"
+#include "eval/store/rows.h"
 #include "eval/suite/suite.h"
 #include "world/world.h"
 
 namespace moma::store {
 
 /// A suite in the form of the tables: texts and typed columns.
-struct PointRecord {
-  std::string controller;
-  std::string label;
-  std::string params;  ///< JSON
+/// Its `controller` is as in the suite file, and the places of its parts in a store are left out.
+struct PointRecord : PointRow {
   std::string robot_name;
   std::string robot_resolved;       ///< JSON
   std::string controller_resolved;  ///< JSON
-  std::string worlds;               ///< JSON
-  SimulationConfig simulation;
-  SuccessRule success;
-  StuckRule stuck;
-  InfeasibleRule infeasible;
-  int simulation_version = 0;
-  Hash content_hash{};  ///< of all of the above but names
 };
 
 struct SuiteRecord {

@@ -1,6 +1,6 @@
 -- The tables of the store, version 4; its views are in views.sql. docs/reference/store.md describes them all. Units are in the
--- names of columns. Columns of results and words stand where they are described (eval/trial/row.h, eval/store/words.h
--- and others); definition.cc puts them in here, in place of what stands in double braces.
+-- names of columns. Columns stand where they are described (eval/trial/row.h, eval/store/rows.h,
+-- eval/store/search_tables.h and others); definition.cc puts them in here, in place of what stands in double braces.
 -- Content tables (robot, controller, resolved_suite, world) are addressed by the hash of their text, so that the
 -- same thing is kept once whatever run brought it, and stores of several machines can be joined.
 
@@ -30,37 +30,14 @@ CREATE TABLE resolved_suite (
 -- another setting is another row, shown as NAME@2, NAME@3 ...: rates over different settings are never pooled.
 CREATE TABLE suite (
   id INTEGER PRIMARY KEY,
-  name TEXT NOT NULL UNIQUE,                                -- as shown
-  file_name TEXT NOT NULL,                                  -- as in the suite file
-  setting_hash BLOB NOT NULL CHECK (length(setting_hash) = 16),
+  {{columns of suite}}
   UNIQUE (file_name, setting_hash)
 ) STRICT;
 
 -- One column of an evaluation: a controller of a suite, at one sweep point.
 CREATE TABLE point (
   id INTEGER PRIMARY KEY,
-  suite_id INTEGER NOT NULL REFERENCES suite (id),
-  controller TEXT NOT NULL,                                 -- as shown: changed parameters make NAME@2 ...
-  controller_name TEXT NOT NULL,                            -- as in the suite file
-  label TEXT NOT NULL,                                      -- '' without a sweep
-  params TEXT NOT NULL CHECK (json_valid(params)),          -- the swept keys and their values
-  content_hash BLOB NOT NULL CHECK (length(content_hash) = 16),
-  robot_id INTEGER NOT NULL REFERENCES robot (id),
-  controller_id INTEGER NOT NULL REFERENCES controller (id),
-  mode TEXT NOT NULL CHECK (mode IN ({{modes}})),
-  control_period_s REAL NOT NULL,
-  physics_step_s REAL NOT NULL,
-  time_limit_s REAL NOT NULL,
-  success_position_m REAL NOT NULL,
-  success_orientation_rad REAL NOT NULL,
-  success_dwell_s REAL NOT NULL,
-  stuck_time_s REAL NOT NULL,
-  stuck_motion REAL NOT NULL,                               -- m or rad
-  infeasible_time_s REAL NOT NULL,
-  worlds TEXT NOT NULL CHECK (json_valid(worlds)),          -- the worlds section, resolved
-  simulation_version INTEGER NOT NULL,
-  resolved_suite_id INTEGER NOT NULL REFERENCES resolved_suite (id),   -- where to build this point from again
-  resolved_position INTEGER NOT NULL,                       -- its place among that suite's points, from 0
+  {{columns of point}}
   UNIQUE (suite_id, controller_name, label, content_hash),
   UNIQUE (suite_id, controller, label)
 ) STRICT;
@@ -72,35 +49,14 @@ CREATE TABLE world (
   world_index INTEGER NOT NULL,
   seed TEXT NOT NULL,                                       -- unsigned 64 bit: more than INTEGER holds
   family TEXT NOT NULL,
-  {{difficulty columns}}
+  {{columns of world}}
   json TEXT NOT NULL CHECK (json_valid(json))
 ) STRICT;
 
 -- One call of the program that wrote into this store.
 CREATE TABLE invocation (
   id INTEGER PRIMARY KEY,
-  suite_id INTEGER NOT NULL REFERENCES suite (id),
-  resolved_suite_id INTEGER NOT NULL REFERENCES resolved_suite (id),
-  started TEXT NOT NULL,                                    -- UTC, ISO 8601
-  ended TEXT,                                               -- NULL: still running, or killed
-  status TEXT NOT NULL CHECK (status IN ({{run states}})),
-  arguments TEXT NOT NULL CHECK (json_valid(arguments)),    -- the command line, a list
-  moma_version TEXT NOT NULL,
-  git_commit TEXT,                                          -- NULL: not built from a git checkout
-  git_dirty INTEGER CHECK (git_dirty IN (0, 1)),
-  build_type TEXT NOT NULL,
-  compiler TEXT NOT NULL,
-  compiler_flags TEXT NOT NULL,
-  libraries TEXT NOT NULL CHECK (json_valid(libraries)),    -- name: version
-  host TEXT NOT NULL,
-  os TEXT NOT NULL,
-  cpu TEXT NOT NULL,
-  cpu_count INTEGER NOT NULL,
-  threads INTEGER NOT NULL,
-  machine_class TEXT NOT NULL,                              -- equal classes must give equal bits
-  trials_planned INTEGER NOT NULL,
-  trials_present INTEGER NOT NULL,                          -- found already stored
-  trials_done INTEGER NOT NULL
+  {{columns of invocation}}
 ) STRICT;
 
 -- Results. Deterministic columns only: any number of threads, any machine of one class gives the same bits.
@@ -109,8 +65,7 @@ CREATE TABLE trial (
   key BLOB PRIMARY KEY CHECK (length(key) = 16),            -- hash of everything that decides the row
   trial TEXT NOT NULL GENERATED ALWAYS AS (lower(substr(hex(key), 1, 16))) VIRTUAL,
   world_id INTEGER NOT NULL REFERENCES world (id),
-  outcome TEXT NOT NULL CHECK (outcome IN ({{outcomes}})),
-  {{trial columns}}
+  {{columns of trial}}
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX trial_by_name ON trial (trial);
 CREATE INDEX trial_by_world ON trial (world_id);
@@ -119,7 +74,7 @@ CREATE INDEX trial_by_world ON trial (world_id);
 CREATE TABLE execution (
   key BLOB PRIMARY KEY REFERENCES trial (key),
   invocation_id INTEGER NOT NULL REFERENCES invocation (id),
-  {{timing columns}}
+  {{columns of execution}}
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX execution_by_invocation ON execution (invocation_id);
 
@@ -172,53 +127,20 @@ CREATE INDEX metric_value_by_key ON metric_value (key);
 -- of their own, NAME-held-out.
 CREATE TABLE tune_search (
   id INTEGER PRIMARY KEY,
-  hash BLOB NOT NULL UNIQUE CHECK (length(hash) = 16),      -- XXH3-128 of `identity`
-  suite TEXT NOT NULL,
-  controller TEXT NOT NULL,
-  identity TEXT NOT NULL CHECK (json_valid(identity)),
-  objective TEXT NOT NULL,                                  -- in words
-  unit TEXT NOT NULL,
-  budget_trials INTEGER NOT NULL,
-  started TEXT NOT NULL,                                    -- UTC, ISO 8601
-  ended TEXT,
-  status TEXT NOT NULL CHECK (status IN ({{search states}})),
-  trials INTEGER,                                           -- measured by search and confirmation
-  trials_saved INTEGER,                                     -- by cutting candidates short
-  evaluations_cut INTEGER,
-  held_out_suite TEXT,                                      -- as shown in v_trials
-  verdict TEXT CHECK (verdict IN ({{verdicts}})),
-  runs TEXT CHECK (runs IS NULL OR json_valid(runs)),       -- NLopt's runs: algorithm, trials, why it ended
-  notes TEXT CHECK (notes IS NULL OR json_valid(notes))
+  {{columns of tune_search}}
 ) STRICT;
 
 CREATE TABLE tune_variable (
   search_id INTEGER NOT NULL REFERENCES tune_search (id),
   variable INTEGER NOT NULL,                                -- from 0, as in candidates
-  key TEXT NOT NULL,
-  lower REAL NOT NULL,
-  upper REAL NOT NULL,
-  scale TEXT NOT NULL CHECK (scale IN ({{scales}})),
-  start REAL NOT NULL,
-  found REAL,
-  importance REAL,                                          -- share of the variance over the search
+  {{columns of tune_variable}}
   PRIMARY KEY (search_id, variable)
 ) STRICT, WITHOUT ROWID;
 
 -- Every candidate measured, in order; what a resumed search is replayed from.
 CREATE TABLE tune_evaluation (
   search_id INTEGER NOT NULL REFERENCES tune_search (id),
-  evaluation INTEGER NOT NULL,                              -- from 0
-  phase TEXT NOT NULL CHECK (phase IN ({{phases}})),
-  run INTEGER NOT NULL,
-  candidate TEXT NOT NULL CHECK (json_valid(candidate)),    -- values in the order of tune_variable
-  first_world INTEGER NOT NULL,                             -- worlds known before, of the search's order
-  worlds INTEGER NOT NULL,                                  -- known after
-  cut INTEGER NOT NULL CHECK (cut IN (0, 1)),
-  valid INTEGER NOT NULL CHECK (valid IN (0, 1)),
-  cost REAL NOT NULL,
-  merit REAL NOT NULL,                                      -- cost and penalty; an estimate where cut
-  constraints TEXT NOT NULL CHECK (json_valid(constraints)),
-  measured BLOB NOT NULL,                                   -- doubles, little endian: cost and constraints per world
+  {{columns of tune_evaluation}}
   PRIMARY KEY (search_id, evaluation)
 ) STRICT;
 
@@ -226,12 +148,7 @@ CREATE TABLE tune_evaluation (
 CREATE TABLE tune_finalist (
   search_id INTEGER NOT NULL REFERENCES tune_search (id),
   place INTEGER NOT NULL,
-  candidate TEXT NOT NULL CHECK (json_valid(candidate)),
-  search_merit REAL NOT NULL,
-  merit REAL NOT NULL,
-  neighbours REAL NOT NULL,                                 -- mean merit around it
-  robust REAL NOT NULL,
-  worlds INTEGER NOT NULL,
+  {{columns of tune_finalist}}
   PRIMARY KEY (search_id, place)
 ) STRICT, WITHOUT ROWID;
 
@@ -240,12 +157,7 @@ CREATE TABLE tune_finalist (
 CREATE TABLE tune_sensitivity (
   search_id INTEGER NOT NULL REFERENCES tune_search (id),
   entry INTEGER NOT NULL,
-  variable INTEGER NOT NULL,
-  other INTEGER,
-  value REAL,                                               -- the gain's; NULL for pairs
-  change REAL NOT NULL,
-  error REAL NOT NULL,                                      -- standard error
-  valid INTEGER NOT NULL CHECK (valid IN (0, 1)),
+  {{columns of tune_sensitivity}}
   PRIMARY KEY (search_id, entry)
 ) STRICT, WITHOUT ROWID;
 
@@ -253,20 +165,6 @@ CREATE TABLE tune_sensitivity (
 CREATE TABLE tune_comparison (
   search_id INTEGER NOT NULL REFERENCES tune_search (id),
   entry INTEGER NOT NULL,
-  family TEXT NOT NULL,                                     -- 'all': every family together
-  other TEXT NOT NULL,                                      -- the controller compared with
-  metric TEXT NOT NULL,
-  n INTEGER NOT NULL,                                       -- worlds compared
-  found REAL,                                               -- rate or mean
-  found_low REAL,
-  found_high REAL,
-  theirs REAL,
-  theirs_low REAL,
-  theirs_high REAL,
-  difference REAL,                                          -- found - theirs, paired
-  difference_low REAL,
-  difference_high REAL,
-  p REAL,                                                   -- exact McNemar with Holm's correction; NULL for means
-  verdict TEXT NOT NULL CHECK (verdict IN ({{verdicts}})),
+  {{columns of tune_comparison}}
   PRIMARY KEY (search_id, entry)
 ) STRICT, WITHOUT ROWID;

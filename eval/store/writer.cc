@@ -22,8 +22,8 @@
 #include "eval/store/late.h"
 #include "eval/store/machine.h"
 #include "eval/store/registry.h"
-#include "eval/store/row_binding.h"
 #include "eval/store/samples.h"
+#include "eval/store/table.h"
 
 namespace moma::store {
 namespace {
@@ -33,57 +33,6 @@ using SQLite::Statement;
 
 constexpr std::size_t kBatchRows = 64;
 constexpr std::chrono::milliseconds kBatchTime{20};
-
-void bind_text(Statement& statement, int index, const std::string& text) {
-  if (text.empty()) {
-    statement.bind(index);
-  } else {
-    statement.bind(index, text);
-  }
-}
-
-std::string placeholders(std::size_t n) {
-  std::string text = "?";
-  for (std::size_t i = 1; i < n; ++i) text += ", ?";
-  return text;
-}
-
-std::string insert_trial_sql() {
-  return fmt::format("INSERT INTO trial (key, world_id, {}) VALUES ({}) ON CONFLICT DO NOTHING", trial_column_list(),
-                     placeholders(3 + trial_columns().size()));
-}
-
-std::string insert_execution_sql() {
-  std::string names = "key, invocation_id";
-  for (const TimingColumn& column : timing_columns()) names += fmt::format(", {}", column.name);
-  return fmt::format("INSERT INTO execution ({}) VALUES ({})", names, placeholders(2 + timing_columns().size()));
-}
-
-/// The difficulty's columns: their names, and their values bound after parameter `index`.
-struct Difficulties {
-  Statement* statement = nullptr;
-  const Difficulty* values = nullptr;
-  int index = 0;
-  std::string names;
-  template <class M>
-  void member(std::string_view name, M Difficulty::*member, const Column&) {
-    ++index;
-    names += fmt::format(", {}", name);
-    if (statement == nullptr) return;
-    if constexpr (std::is_same_v<M, double>) {
-      bind_number(*statement, index, values->*member);
-    } else {
-      statement->bind(index, values->*member);
-    }
-  }
-};
-
-std::string insert_world_sql() {
-  Difficulties columns;
-  describe(columns, Of<Difficulty>{});
-  return fmt::format("INSERT INTO world (hash, world_index, seed, family, json{}) VALUES ({})", columns.names,
-                     placeholders(5 + static_cast<std::size_t>(columns.index)));
-}
 
 struct Pending {
   Wanted trial;
@@ -100,9 +49,9 @@ struct Pending {
 struct Statements {
   explicit Statements(SQLite::Database& db)
       : find_world(db, "SELECT id FROM world WHERE hash = ?"),
-        world(db, insert_world_sql()),
-        trial(db, insert_trial_sql()),
-        execution(db, insert_execution_sql()),
+        world(db, insert_sql("world", "hash, world_index, seed, family, json, " + column_names<Difficulty>())),
+        trial(db, insert_sql("trial", "key, world_id, " + column_names<TrialRow>()) + " ON CONFLICT DO NOTHING"),
+        execution(db, insert_sql("execution", "key, invocation_id, " + column_names<TrialRow::Timing>())),
         samples(db,
                 "INSERT INTO samples (key, layout, n, columns, data) VALUES (?, ?, ?, ?, ?) ON CONFLICT DO NOTHING"),
         link(db, fmt::format("INSERT INTO point_trial (point_id, world_index, key, world_id, family, outcome, "
@@ -112,7 +61,7 @@ struct Statements {
                              summary_list(), summary_list("t."))),
         find_trial(db, fmt::format("SELECT i.machine_class, {} FROM trial AS t LEFT JOIN execution AS e USING (key) "
                                    "LEFT JOIN invocation AS i ON i.id = e.invocation_id WHERE t.key = ?",
-                                   trial_column_list("t."))),
+                                   column_names<TrialRow>("t."))),
         metric(db, "INSERT INTO metric_value (metric_id, key, value) VALUES (?, ?, ?) ON CONFLICT DO NOTHING"),
         done(db, "UPDATE invocation SET trials_done = ? WHERE id = ?") {}
   Statement find_world, world, trial, execution, samples, link, find_trial, metric, done;
@@ -140,7 +89,7 @@ struct Writer::Impl {
   std::int64_t world_id(const WorldRecord& world) {
     const Hash hash = hash_text(world.json);
     sql->find_world.reset();
-    bind_hash(sql->find_world, 1, hash);
+    bind_cell(sql->find_world, 1, hash);
     if (sql->find_world.executeStep()) {
       const std::int64_t id = sql->find_world.getColumn(0).getInt64();
       sql->find_world.reset();  // an open reading statement would keep its snapshot past the commit
@@ -148,13 +97,12 @@ struct Writer::Impl {
     }
     Statement& s = sql->world;
     s.reset();
-    bind_hash(s, 1, hash);
+    bind_cell(s, 1, hash);
     s.bind(2, static_cast<std::int64_t>(world.index));
     s.bind(3, std::to_string(world.seed));
     s.bind(4, world.family);
     s.bind(5, world.json);
-    Difficulties columns{&s, &world.difficulty, 5, {}};
-    describe(columns, Of<Difficulty>{});
+    bind_record(s, 6, world.difficulty);
     s.exec();
     return db.getLastInsertRowid();
   }
@@ -162,9 +110,9 @@ struct Writer::Impl {
   void insert(const Pending& p) {
     Statement& s = sql->trial;
     s.reset();
-    bind_hash(s, 1, p.key);
+    bind_cell(s, 1, p.key);
     s.bind(2, world_id(p.world));
-    bind_row(s, 3, p.row);
+    bind_record(s, 3, p.row);
     if (s.exec() == 0) {
       check_same(p);
     } else {
@@ -175,8 +123,8 @@ struct Writer::Impl {
       Statement& m = sql->metric;
       m.reset();
       m.bind(1, metrics[i]);
-      bind_hash(m, 2, p.key);
-      bind_number(m, 3, p.metrics[i]);
+      bind_cell(m, 2, p.key);
+      bind_metric(m, 3, p.metrics[i]);
       m.exec();
     }
     if (p.trial.point != kNoPoint) link(p.trial, p.key);
@@ -185,24 +133,16 @@ struct Writer::Impl {
   void insert_execution(const Pending& p) {
     Statement& s = sql->execution;
     s.reset();
-    int index = 0;
-    bind_hash(s, ++index, p.key);
-    s.bind(++index, invocation);
-    for (const TimingColumn& column : timing_columns()) {
-      ++index;
-      if (const auto* number = std::get_if<double TrialRow::Timing::*>(&column.member)) {
-        bind_number(s, index, p.row.timing.*(*number));
-      } else {
-        s.bind(index, p.row.timing.*std::get<int TrialRow::Timing::*>(column.member));
-      }
-    }
+    bind_cell(s, 1, p.key);
+    s.bind(2, invocation);
+    bind_record(s, 3, p.row.timing);
     s.exec();
   }
 
   void insert_samples(const Pending& p) {
     Statement& s = sql->samples;
     s.reset();
-    bind_hash(s, 1, p.key);
+    bind_cell(s, 1, p.key);
     s.bind(2, p.samples->layout);
     s.bind(3, p.samples->n);
     s.bind(4, p.samples->columns);
@@ -215,7 +155,7 @@ struct Writer::Impl {
     s.reset();
     s.bind(1, registered.point_ids.at(trial.point));
     s.bind(2, static_cast<std::int64_t>(trial.world));
-    bind_hash(s, 3, key);
+    bind_cell(s, 3, key);
     s.exec();
   }
 
@@ -223,10 +163,10 @@ struct Writer::Impl {
   void check_same(const Pending& p) {
     Statement& s = sql->find_trial;
     s.reset();
-    bind_hash(s, 1, p.key);
+    bind_cell(s, 1, p.key);
     if (!s.executeStep()) return;
     const bool same_class = s.getColumn(0).isNull() || s.getColumn(0).getString() == machine.machine_class;
-    const std::vector<std::string> found = differences(read_row(s, 1), p.row);
+    const std::vector<std::string> found = differences(read_record<TrialRow>(s, 1), p.row);
     s.reset();
     if (same_class && !found.empty()) {
       throw StoreError(
@@ -239,33 +179,28 @@ struct Writer::Impl {
   void begin_invocation(const SuiteRecord& suite, const InvocationInfo& info) {
     registered = register_suite(db, suite);
     for (const auto& [name, expression] : suite.metrics) metrics.push_back(metric_id(db, name, expression));
-    Statement s(db,
-                "INSERT INTO invocation (suite_id, resolved_suite_id, started, status, arguments, moma_version, "
-                "git_commit, git_dirty, build_type, compiler, compiler_flags, libraries, host, os, cpu, cpu_count, "
-                "threads, machine_class, trials_planned, trials_present, trials_done) VALUES "
-                "(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 0, 0)");
-    int i = 0;
-    s.bind(++i, registered.suite_id);
-    s.bind(++i, registered.resolved_suite_id);
-    s.bind(++i, utc_now());
-    s.bind(++i, std::string(to_string(RunStatus::kRunning)));
-    s.bind(++i, nlohmann::json(info.arguments).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
-    s.bind(++i, std::string(kVersion));
-    bind_text(s, ++i, kGitCommit);
-    ++i;
-    if (*kGitCommit != '\0') s.bind(i, kGitDirty ? 1 : 0);
-    s.bind(++i, std::string(kBuildType));
-    s.bind(++i, std::string(kCompiler));
-    s.bind(++i, std::string(kCompilerFlags));
-    s.bind(++i, machine.libraries);
-    s.bind(++i, machine.host);
-    s.bind(++i, machine.os);
-    s.bind(++i, machine.cpu);
-    s.bind(++i, machine.cpu_count);
-    s.bind(++i, info.threads);
-    s.bind(++i, machine.machine_class);
-    s.bind(++i, static_cast<std::int64_t>(wanted.size()));
-    s.exec();
+    InvocationRow row;
+    row.suite_id = registered.suite_id;
+    row.resolved_suite_id = registered.resolved_suite_id;
+    row.started = utc_now();
+    row.arguments = nlohmann::json(info.arguments).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    row.moma_version = kVersion;
+    if (*kGitCommit != '\0') {
+      row.git_commit = kGitCommit;
+      row.git_dirty = kGitDirty;
+    }
+    row.build_type = kBuildType;
+    row.compiler = kCompiler;
+    row.compiler_flags = kCompilerFlags;
+    row.libraries = machine.libraries;
+    row.host = machine.host;
+    row.os = machine.os;
+    row.cpu = machine.cpu;
+    row.cpu_count = machine.cpu_count;
+    row.threads = info.threads;
+    row.machine_class = machine.machine_class;
+    row.trials_planned = wanted.size();
+    Table<InvocationRow>(db, "invocation", {"id"}).insert(row);
     invocation = db.getLastInsertRowid();
   }
 
@@ -280,7 +215,7 @@ struct Writer::Impl {
     for (const Wanted& trial : trials) {
       const Hash key = hash_from_hex(trial.key);
       find.reset();
-      bind_hash(find, 1, key);
+      bind_cell(find, 1, key);
       if (!find.executeStep()) continue;
       const bool complete = find.getColumn(0).getInt64() == static_cast<std::int64_t>(metrics.size());
       if (complete) present.insert(trial.key);
@@ -403,9 +338,9 @@ std::optional<TrialRow> Writer::find(const std::string& key) {
     impl_->flush();
     Statement& s = impl_->sql->find_trial;
     s.reset();
-    bind_hash(s, 1, hash_from_hex(key));
+    bind_cell(s, 1, hash_from_hex(key));
     if (!s.executeStep()) return std::nullopt;
-    TrialRow row = read_row(s, 1);
+    TrialRow row = read_record<TrialRow>(s, 1);
     s.reset();
     return row;
   });

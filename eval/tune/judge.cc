@@ -73,7 +73,7 @@ store::TuneComparisonRecord record_of(const Compared& of, const stats::PairedRat
           none ? kAbsent : r.interval.low,
           none ? kAbsent : r.interval.high,
           r.p_holm,
-          std::string(to_string(verdict_of(r.shown(), more_is_better)))};
+          verdict_of(r.shown(), more_is_better)};
 }
 
 store::TuneComparisonRecord record_of(const Compared& of, const stats::PairedMean& m) {
@@ -91,7 +91,7 @@ store::TuneComparisonRecord record_of(const Compared& of, const stats::PairedMea
           m.interval.low,
           m.interval.high,
           kAbsent,
-          std::string(to_string(verdict_of(m.shown(), m.name == "manip_mean")))};
+          verdict_of(m.shown(), m.name == "manip_mean")};
 }
 
 std::vector<std::string> judge_constraints(const Tuning& tuning, const std::vector<const TrialRow*>& rows) {
@@ -222,7 +222,7 @@ std::string table(const HeldOutVerdict& verdict) {
                      std::isnan(r.p) ? ""
                      : r.p < 1e-4    ? fmt::format("{:.0e}", r.p)
                                      : fmt::format("{:.4f}", r.p),
-                     r.verdict});
+                     std::string(to_string(r.verdict))});
   }
   std::vector<std::size_t> widths(lines.front().size(), 0);
   for (const auto& line : lines) {

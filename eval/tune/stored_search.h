@@ -23,23 +23,11 @@ class StoredTrials : public TrialSource {
   store::Writer& writer_;
 };
 
-/// The evaluation log in a store: a search that was killed at any moment goes on from here.
-class StoredLog : public EvaluationLog {
- public:
-  explicit StoredLog(store::TuneRecords& records) : records_(records) {}
-  std::optional<Evaluation> find(std::uint64_t index) override;
-  void append(const Evaluation& evaluation) override;
-
- private:
-  store::TuneRecords& records_;
-};
-
 /// The objective in words, for tables and the store.
 std::string objective_text(const Tuning& tuning);
 
 /// What table tune_search keeps.
 store::TuneSearchRecord search_record(const Tuning& tuning);
-store::TuneResultRecord result_record(const SearchResult& result);
 
 /// The suite whose row the search's invocation belongs to: the tuned controller's points only.
 Suite searched_suite(const Tuning& tuning);

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <nlohmann/json.hpp>
 
+#include "eval/store/columns.h"
 #include "eval/store/database.h"
 #include "eval/store/definition.h"
 #include "eval/store/merge.h"

@@ -33,24 +33,32 @@ void write_search(const fs::path& file, const std::string& identity, std::uint64
   store::Writer writer(file);
   store::SuiteRecord suite = synthetic_suite({"one"});
   writer.begin(suite, {{"moma", "tune"}, 1}, {});
-  store::TuneRecords records(writer, {"synthetic",
-                                      "one",
-                                      fmt::format("\"{}\"", identity),
-                                      "in words",
-                                      "s",
-                                      100,
-                                      {{"gain", 0, 1, "linear", 0.5, {}, {}}}});
-  for (std::uint64_t i = records.present(); i < evaluations; ++i)
-    records.append({i, "start", 0, {0.1 * static_cast<double>(i)}, 0, 2, false, true, 1.0, merit, {}, {1.0, 2.0}});
+  store::TuneSearchRecord search;
+  search.suite = "synthetic";
+  search.controller = "one";
+  search.identity = fmt::format("\"{}\"", identity);
+  search.objective = "in words";
+  search.unit = "s";
+  search.budget_trials = 100;
+  store::TuneRecords records(writer, search, {{"gain", 0, 1, tune::Scale::kLinear, 0.5}});
+  for (std::uint64_t i = records.present(); i < evaluations; ++i) {
+    tune::Evaluation e;
+    e.index = i;
+    e.candidate = {0.1 * static_cast<double>(i)};
+    e.worlds = 2;
+    e.cost = 1.0;
+    e.merit = merit;
+    e.measured = {1.0, 2.0};
+    records.append(e);
+  }
   if (finished) {
-    store::TuneResultRecord result;
+    tune::SearchResult result;
     result.found = {0.25};
     result.importance = {1.0};
     result.trials = evaluations;
-    result.runs = result.notes = "[]";
     result.finalists.push_back({{0.25}, 1, 1, 1, 1, 2});
     records.finish(result);
-    if (judged) records.verdict(writer.suite_name(), {}, "better");
+    if (judged) records.verdict(writer.suite_name(), {}, tune::Verdict::kBetter);
   } else {
     records.stopped();
   }

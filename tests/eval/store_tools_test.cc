@@ -393,7 +393,8 @@ TEST(Migration, AStoreOfAnOlderVersionBecomesWhatThisProgramWrites) {
     SQLite::Database b(same.string(), SQLite::OPEN_READWRITE);
     for (const store::TrialColumn& column : store::trial_columns()) {
       if (column.about.earlier == Earlier::kNone || (version >= 3 && column.about.earlier == Earlier::kZero)) continue;
-      const bool zero = store::type_of(column).find("DEFAULT 0") != std::string::npos;
+      const bool zero =
+          column.about.earlier == Earlier::kZero && !std::holds_alternative<double TrialRow::*>(column.member);
       for (const char* table : {"trial", column.about.summary ? "point_trial" : "trial"})
         b.exec(fmt::format("UPDATE {} SET {} = {}", table, column.name, zero ? "0" : "NULL"));
     }

@@ -50,15 +50,14 @@ struct Outcome2 {
 Outcome2 run(const Tuning& tuning, const std::filesystem::path& db, int threads, std::uint64_t stop_after = 0) {
   store::Writer writer(db);
   writer.begin(store::describe(searched_suite(tuning)), {{"test"}, threads}, {});
-  store::TuneRecords records(writer, search_record(tuning));
+  store::TuneRecords records(writer, search_record(tuning), tuning.config.variables);
   std::atomic<bool> stop{false};
   Killer trials(writer, stop, stop_after);
-  StoredLog log(records);
   TrialObjective objective(tuning, trials, threads, &stop);
   Outcome2 out;
   try {
-    out.result = search(search_settings(tuning), objective, log);
-    records.finish(result_record(*out.result));
+    out.result = search(search_settings(tuning), objective, records);
+    records.finish(*out.result);
     writer.finish(store::RunStatus::kFinished);
   } catch (const Interrupted&) {
     // As after a kill: nothing is closed properly.
@@ -202,7 +201,7 @@ TEST_F(Judged, NoDifferenceShownByAHandfulOfWorlds) {
   const HeldOutVerdict v = judged([](const std::string& name, std::uint64_t world) {
     return world % 2 == 0 || (name == "plain-tuned" && world < 17) ? Outcome::kSuccess : Outcome::kStuck;
   });
-  EXPECT_EQ(row(v, "plain", "success").verdict, "no difference shown");
+  EXPECT_EQ(row(v, "plain", "success").verdict, Verdict::kNoDifference);
 }
 
 TEST_F(Judged, WorseWhenItCollides) {
@@ -210,8 +209,8 @@ TEST_F(Judged, WorseWhenItCollides) {
     if (name == "plain-tuned") return world % 2 == 0 ? Outcome::kCollision : Outcome::kSuccess;
     return world % 2 == 0 ? Outcome::kTimeout : Outcome::kStuck;
   });
-  EXPECT_EQ(row(v, "plain", "success").verdict, "better");
-  EXPECT_EQ(row(v, "plain", "collision").verdict, "worse");
+  EXPECT_EQ(row(v, "plain", "success").verdict, Verdict::kBetter);
+  EXPECT_EQ(row(v, "plain", "collision").verdict, Verdict::kWorse);
   EXPECT_EQ(v.overall, Verdict::kWorse) << "more successes do not pay for collisions";
   EXPECT_NE(v.constraints[0].find("broken"), std::string::npos);
 }

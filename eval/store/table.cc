@@ -1,0 +1,111 @@
+#include "eval/store/table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "controller/config/json_text.h"
+#include "controller/config/text_file.h"
+#include "eval/store/columns.h"
+
+namespace moma::store {
+namespace {
+
+std::string column_name(const SQLite::Column& cell) { return cell.getName(); }
+
+// Little endian whatever the machine, so that a store can be carried anywhere.
+std::string to_bytes(const std::vector<double>& values) {
+  std::string bytes;
+  bytes.reserve(values.size() * 8);
+  for (const double value : values) {
+    const auto bits = std::bit_cast<std::uint64_t>(value);
+    for (int shift = 0; shift < 64; shift += 8) bytes.push_back(static_cast<char>(bits >> shift));
+  }
+  return bytes;
+}
+
+std::vector<double> from_bytes(const SQLite::Column& cell) {
+  const auto* bytes = static_cast<const unsigned char*>(cell.getBlob());
+  std::vector<double> values(static_cast<std::size_t>(cell.getBytes()) / 8);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    std::uint64_t bits = 0;
+    for (std::size_t b = 0; b < 8; ++b) bits |= static_cast<std::uint64_t>(bytes[8 * i + b]) << (8 * b);
+    values[i] = std::bit_cast<double>(bits);
+  }
+  return values;
+}
+
+}  // namespace
+
+void bind_cell(SQLite::Statement& s, int index, std::int64_t value) { s.bind(index, value); }
+void bind_cell(SQLite::Statement& s, int index, double value) { s.bind(index, value); }
+void bind_cell(SQLite::Statement& s, int index, const std::string& value) { s.bind(index, value); }
+void bind_cell(SQLite::Statement& s, int index, const Hash& value) {
+  s.bind(index, value.data(), static_cast<int>(value.size()));
+}
+void bind_cell(SQLite::Statement& s, int index, const std::vector<double>& value, bool bits) {
+  if (!bits) return s.bind(index, nlohmann::json(value).dump());
+  const std::string bytes = to_bytes(value);
+  s.bind(index, static_cast<const void*>(bytes.data()), static_cast<int>(bytes.size()));
+}
+
+void read_cell(const SQLite::Column& cell, double& value) { value = cell.getDouble(); }
+void read_cell(const SQLite::Column& cell, std::string& value) { value = cell.getString(); }
+void read_cell(const SQLite::Column& cell, Hash& value) {
+  if (cell.getBytes() != static_cast<int>(value.size()))
+    throw std::invalid_argument(fmt::format("{} has no {} bytes", column_name(cell), value.size()));
+  const auto* bytes = static_cast<const unsigned char*>(cell.getBlob());
+  std::copy(bytes, bytes + value.size(), value.begin());
+}
+void read_cell(const SQLite::Column& cell, std::vector<double>& value, bool bits) {
+  if (bits) {
+    value = from_bytes(cell);
+    return;
+  }
+  const std::string text = cell.getString();
+  try {
+    value = config::parse_json(text, column_name(cell)).get<std::vector<double>>();
+  } catch (const nlohmann::json::exception&) {
+    throw std::invalid_argument(
+        fmt::format("{}: '{}' is no list of numbers", column_name(cell), config::shortened(text)));
+  }
+}
+void refuse_word(const SQLite::Column& cell) {
+  throw std::invalid_argument(fmt::format("unknown {} {}", column_name(cell), config::shortened(cell.getString())));
+}
+
+void bind_metric(SQLite::Statement& s, int index, double value) {
+  s.bind(index, stored(value));  // SQLite keeps NaN as NULL
+}
+void bind_metric(SQLite::Statement& s, int index, const std::string& value) {
+  if (value.empty()) return s.bind(index);
+  s.bind(index, value);
+}
+void read_metric(const SQLite::Column& cell, double& value) { value = cell.isNull() ? kAbsent : cell.getDouble(); }
+void read_metric(const SQLite::Column& cell, std::string& value) {
+  value = cell.isNull() ? std::string() : cell.getString();
+}
+
+bool same_metric(double kept, double said) {
+  const double wanted = stored(said);
+  return kept == wanted || (std::isnan(kept) && std::isnan(wanted));
+}
+
+std::string insert_sql(std::string_view table, const std::string& names) {
+  std::string places = "?";
+  for (const char c : names)
+    if (c == ',') places += ", ?";
+  return fmt::format("INSERT INTO {} ({}) VALUES ({})", table, names, places);
+}
+
+std::string where_sql(const std::vector<std::string>& keys, std::size_t n) {
+  std::string text;
+  for (std::size_t i = 0; i < n; ++i) text += fmt::format("{}{} = ?", i == 0 ? " WHERE " : " AND ", keys[i]);
+  return text;
+}
+
+}  // namespace moma::store
