@@ -285,8 +285,9 @@ class Verifier {
           fmt::format("views {}, which queries and reports read: another build of moma wrote to the store, and "
                       "they are not this one's",
                       fmt::join(views, ", ")));
-    if (const std::size_t n = reader_.searched_trials(); n > 0)
-      list.push_back(fmt::format("{} trials of searches, and what searches found", n));
+    found_.searched = reader_.searched_trials();
+    if (found_.searched > 0)
+      list.push_back(fmt::format("{} trials of searches, what searches found, and their verdicts", found_.searched));
     for (const std::string& text : unable_) doubt.push_back(text);
     for (const auto& [column, n] : missing_)
       doubt.push_back(

@@ -32,6 +32,7 @@ struct Verification {
   std::size_t points = 0;                ///< built again and compared with their rows
   std::vector<std::string> not_checked;  ///< what nothing is said of, in words
   std::vector<std::string> in_doubt;     ///< what was to be checked and could not be: the store is not called sound
+  std::size_t searched = 0;              ///< trials of searches, which are not replayed
   std::string hash;                      ///< over every result: equal hashes mean equal rows
   End end = End::kFinished;
 

@@ -96,6 +96,30 @@ TEST_F(CliTamper, WhatWasNotLookedAtIsNotCalledSound) {
   EXPECT_NE(part.find("of the other results nothing is known"), std::string::npos) << part;
 }
 
+TEST_F(CliTamper, AVerdictThatWasNotComparedIsNotCalledSound) {
+  write("tune.yaml", R"(name: tuned
+robot: robots/tiny.yaml
+controllers: {plain: controllers/plain.yaml}
+worlds: {seed: 1, families: {open: {}}}
+simulation: {mode: kinematic, time_limit: 4}
+trials: 2
+tune:
+  variables: {controller.k_epsilon: {range: [0.05, 2]}}
+  worlds: 3
+  budget: {trials: 12}
+  held_out: 4
+  confirm: none
+  sensitivity: none
+)");
+  moma({"tune", "tune.yaml", "-o", "t.db", "--gains", "g.yaml", "-q"});
+  for (const char* verdict : {"", "UPDATE tune_search SET verdict = 'better'"}) {
+    change("t.db", verdict);
+    const ProcessResult found = verify("t.db");
+    EXPECT_NE(found.out.find("of what searches found nothing is known"), std::string::npos) << found.out << found.err;
+    EXPECT_EQ(found.out.find("the store is sound"), std::string::npos) << found.out;
+  }
+}
+
 TEST_F(CliTamper, MergeTakesNoChangedTexts) {
   for (const char* sql : {"UPDATE world SET json = replace(json, '\"index\":1', '\"index\":1 ') WHERE world_index = 1",
                           "UPDATE controller SET resolved = resolved || ' '"}) {
