@@ -1,23 +1,24 @@
 #include "controller/config/plausible.h"
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <sstream>
+#include <utility>
 
 namespace moma::config {
 namespace {
 
 using nlohmann::ordered_json;
 
-/// What robots on wheels with an arm have, generously: from desk arms to forklifts.
-struct Usual {
-  double low = 0.0;
-  double high = 0.0;
-  const char* unit = "";
-};
+// Of robots on wheels with an arm, from desk arms to forklifts.
 constexpr Usual kAngle{-2.0 * std::numbers::pi, 2.0 * std::numbers::pi, "rad"};
 constexpr Usual kMount{-3.0, 3.0, "m"};
 constexpr Usual kLinkLength{0.0, 3.0, "m"};
+constexpr Usual kTool{0.0, 2.0, "m"};
+constexpr Usual kLowest{-0.01, 0.3, "m"};
 constexpr Usual kShapeSize{0.0, 3.0, "m"};
 constexpr Usual kWheelRadius{0.02, 0.6, "m"};
 constexpr Usual kWheelDistance{0.05, 3.0, "m"};
@@ -37,14 +38,11 @@ class UnitCheck {
  public:
   explicit UnitCheck(std::vector<std::string>& out) : out_(out) {}
 
-  void look(const std::string& what, double value, const Usual& usual, const char* hint = "") {
-    if (value >= usual.low && value <= usual.high) return;
-    std::ostringstream text;
-    text.precision(4);
-    text << what << ": " << value << ' ' << usual.unit << " is unusual, where robots have " << usual.low << " to "
-         << usual.high << ' ' << usual.unit << hint;
-    out_.push_back(text.str());
+  void look(const std::string& what, double value, const Usual& usual, const char* hint = "",
+            const char* whose = "robots") {
+    if (std::string text = unusual(what, value, usual, hint, whose); !text.empty()) out_.push_back(std::move(text));
   }
+  void say(std::string text) { out_.push_back(std::move(text)); }
 
  private:
   std::vector<std::string>& out_;
@@ -78,7 +76,12 @@ void look_at_base(UnitCheck& check, const MobileBase& base) {
     check.look("base.wheels.max_speed", base.wheels->max_speed, kWheelSpeed);
   }
   if (base.max_linear > 0.0) {
-    check.look("base.max_linear", base.max_linear, kSpeed);
+    const double by_wheels = base.wheels ? 1.001 * base.wheels->radius * base.wheels->max_speed : kSpeed.high;
+    if (base.max_linear > by_wheels) {
+      check.look("base.max_linear", base.max_linear, {0.0, by_wheels, "m/s"}, " by radius x max_speed", "these wheels");
+    } else {
+      check.look("base.max_linear", base.max_linear, kSpeed);
+    }
     check.look("base.max_angular", base.max_angular, kTurning, ": degrees?");
     check.look("base.max_acceleration", base.max_acceleration.x(), kAcceleration);
     check.look("base.max_acceleration", base.max_acceleration.y(), kTurningAcceleration, ": degrees?");
@@ -86,20 +89,59 @@ void look_at_base(UnitCheck& check, const MobileBase& base) {
   if (base.mass > 0.0) check.look("base.footprint.mass", base.mass, kBaseMass, ": grams?");
 }
 
+/// A body's principal moments of inertia are positive, and none is more than the other two together. Files round them.
+void look_at_inertia(UnitCheck& check, const Link& link) {
+  constexpr double kRounding = 0.05;
+  const Matrix3& I = link.inertial->I_C;
+  if (I.isZero(0.0)) return;
+  const Vector3 moments = Eigen::SelfAdjointEigenSolver<Matrix3>(I, Eigen::EigenvaluesOnly).eigenvalues();
+  const double most = moments.cwiseAbs().maxCoeff();
+  const bool body =
+      moments[0] > -kRounding * most && moments[2] <= moments[0] + moments[1] + kRounding * most && moments[2] > 0.0;
+  if (body) return;
+  std::ostringstream text;
+  text.precision(4);
+  text << "link " << link.name << ": inertia: its principal moments, " << moments[0] << ", " << moments[1] << " and "
+       << moments[2] << " kg m^2, are those of no body: none is negative, and none is more than the other two together";
+  check.say(text.str());
+}
+
+// Of the base's own shapes over the floor.
+void look_at_footprint(UnitCheck& check, const RobotModel& model) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const CollisionShape& shape : model.shapes)
+    if (shape.link == 0) lowest = std::min(lowest, lowest_point(shape.shape, shape.X_LS));
+  check.look("base.footprint: its lowest point", lowest, kLowest, ": in the floor, or over it?");
+}
+
 }  // namespace
+
+std::string unusual(const std::string& what, double value, const Usual& usual, const char* hint, const char* whose) {
+  if (!std::isfinite(value) || (value >= usual.low && value <= usual.high)) return "";
+  std::ostringstream text;
+  text.precision(4);
+  text << what << ": " << value << ' ' << usual.unit << " is unusual, where " << whose << " have " << usual.low
+       << " to " << usual.high << ' ' << usual.unit << hint;
+  return text.str();
+}
 
 std::vector<std::string> implausible(const RobotModel& model, const ordered_json& resolved) {
   std::vector<std::string> out;
   UnitCheck check(out);
   look_at_angles(check, resolved, "");
   look_at_base(check, model.base);
+  look_at_footprint(check, model);
+  check.look("arm.tool: its distance from the tip", model.X_TE.translation().norm(), kTool, ": millimetres?");
   for (std::size_t l = 2; l < model.links.size(); ++l) {  // the root hangs at the mount
     const Link& link = model.links[l];
     check.look("joint " + link.joint + ": the way from its parent's", link.X_PJ.translation().norm(), kLinkLength,
                ": millimetres?");
   }
-  for (const Link& link : model.links)
-    if (link.inertial) check.look("link " + link.name + ": mass", link.inertial->mass, kLinkMass, ": grams?");
+  for (const Link& link : model.links) {
+    if (!link.inertial) continue;
+    check.look("link " + link.name + ": mass", link.inertial->mass, kLinkMass, ": grams?");
+    look_at_inertia(check, link);
+  }
   for (const ControlledJoint& joint : model.joints) {
     const bool slides = joint.type == JointType::kPrismatic;
     for (const double limit : {joint.lower, joint.upper})

@@ -135,6 +135,9 @@ Amended amend(const std::string& text, UrdfReading reading) {
   check_encoding(text, document);
   TiXmlElement* robot = document.FirstChildElement("robot");
   if (robot == nullptr) throw UrdfError("not a URDF: there is no <robot> element");
+  if (const TiXmlElement* other = robot->NextSiblingElement(); other != nullptr)
+    throw UrdfError("after </robot> stands <" + other->ValueStr() + "> at row " + std::to_string(other->Row()) +
+                    ", which nothing reads: a URDF has one element, <robot>");
   for (const char* name : {"material", "transmission", "gazebo", "sensor"}) remove_all(*robot, name);
   for (TiXmlElement* link = robot->FirstChildElement("link"); link != nullptr; link = link->NextSiblingElement("link"))
     remove_all(*link, "visual");
@@ -333,7 +336,10 @@ UrdfTree parse(const std::string& text, UrdfReading reading) {
       stack.push_back({*child, index});
   }
   for (const auto& [name, link] : model->links_)
-    if (seen.count(name) == 0) throw UrdfError("link " + name + " is not connected to the root " + tree.links[0].name);
+    if (name == "@base") {
+      throw UrdfError("a link is called @base, which is the mobile base's name");
+    } else if (seen.count(name) == 0)
+      throw UrdfError("link " + name + " is not connected to the root " + tree.links[0].name);
   return tree;
 }
 

@@ -24,6 +24,8 @@ int authorize(void* /*unused*/, int action, const char* first, const char* secon
     case SQLITE_CREATE_TEMP_TABLE:
     case SQLITE_CREATE_VTABLE:
       return SQLITE_DENY;
+    case SQLITE_FUNCTION:  // tells where code lies in memory, and takes such a place
+      return second != nullptr && std::strcmp(second, "fts3_tokenizer") == 0 ? SQLITE_DENY : SQLITE_OK;
     case SQLITE_PRAGMA:
       // PRAGMAs that only tell something; the argument of the table ones is a name.
       for (const char* allowed : {"table_info", "table_xinfo", "table_list", "index_list", "index_info",

@@ -133,6 +133,8 @@ struct UserMetrics::Evaluator {
       }
       expect(sqlite3_errcode(raw) != SQLITE_NOMEM);
       if (query == nullptr) throw MetricError(i, complaint(sqlite3_errmsg(raw), names));
+      if (prepare(fmt::format("SELECT {}\n FROM samples", expression)) == nullptr)
+        throw MetricError(i, "its brackets do not match: it is one expression");
       if (sqlite3_bind_parameter_count(query.get()) > 0) throw MetricError(i, "has an unbound parameter (? or :name)");
       // An aggregate gives one row even of no samples; anything else would be the value of some sample.
       checks = 0;

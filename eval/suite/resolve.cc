@@ -6,6 +6,7 @@
 #include <map>
 
 #include "controller/config/json_node.h"
+#include "controller/config/plausible.h"
 #include "controller/config/reader.h"
 #include "eval/suite/sections.h"
 #include "eval/suite/trials.h"
@@ -63,6 +64,34 @@ void warn_about_braking(const SuitePoint& point, std::vector<std::string>& warni
                   point.controller, way, needed, speed, base.max_acceleration.x(), collision.object.stop + needed));
 }
 
+/// What is allowed and looks like another unit.
+void warn_of_units(const Sections& s, std::vector<std::string>& warnings) {
+  const Disturbances& d = s.disturbances;
+  const char* degrees = ": degrees?";
+  const char* millimetres = ": millimetres?";
+  const struct {
+    const char* key;
+    double value;
+    config::Usual usual;
+    const char* hint;
+  } values[] = {
+      {"success.position", s.success.position, {0.0, 0.5, "m"}, millimetres},
+      {"success.orientation", s.success.orientation, {0.0, 1.0, "rad"}, degrees},
+      {"disturbances.joints.noise", d.joints.noise, {0.0, 0.2, "rad"}, degrees},
+      {"disturbances.joints.bias", d.joints.bias, {0.0, 0.2, "rad"}, degrees},
+      {"disturbances.base.noise.position", d.base.noise.position, {0.0, 0.5, "m"}, millimetres},
+      {"disturbances.base.noise.rotation", d.base.noise.rotation, {0.0, 0.5, "rad"}, degrees},
+      {"disturbances.objects.noise.position", d.objects.noise.position, {0.0, 0.5, "m"}, millimetres},
+      {"disturbances.objects.noise.rotation", d.objects.noise.rotation, {0.0, 0.5, "rad"}, degrees},
+      {"disturbances.goal.noise.position", d.goal.noise.position, {0.0, 0.5, "m"}, millimetres},
+      {"disturbances.goal.noise.rotation", d.goal.noise.rotation, {0.0, 0.5, "rad"}, degrees},
+      {"disturbances.payload.mass", d.payload.mass, {0.0, 50.0, "kg"}, ": grams?"},
+  };
+  for (const auto& v : values)
+    if (std::string text = config::unusual(v.key, v.value, v.usual, v.hint, "suites"); !text.empty())
+      add_warning(warnings, std::move(text));
+}
+
 }  // namespace
 
 void add_warning(std::vector<std::string>& warnings, std::string text) {
@@ -79,6 +108,7 @@ Sections read_sections(const Node& root, const SuiteRobot& robot, std::vector<st
   sections.infeasible = read_infeasible(section(in, "infeasible"), "infeasible");
   if (const Node* disturbances = in.get("disturbances"))
     sections.disturbances = read_disturbances(*disturbances, "disturbances");
+  warn_of_units(sections, warnings);
   sections.worlds =
       Worlds::read(in.require("worlds", "a map such as {seed: 1, families: {open: {weight: 1}}}"), "worlds");
 

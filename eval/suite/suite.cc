@@ -228,7 +228,12 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
   in.check(!suite.name.empty(), "name", "found nothing, expected a name");
   read_trials(in.require("trials", "the number of worlds, 1 or more"), "trials", suite);
   if (const Node* samples = in.get("samples")) suite.samples = read_samples(*samples, "samples");
-  if (const Node* metrics = in.get("metrics")) read_metrics(*metrics, "metrics", suite);
+  if (const Node* metrics = in.get("metrics")) {
+    read_metrics(*metrics, "metrics", suite);
+    for (const auto& [name, expression] : metrics->entries)
+      if (from_string<Outcome>(name) || name == "success_without_errors")
+        config::fail(expression.mark, "metrics." + name, "is the name of moma's own rate of outcomes; take another");
+  }
   if (const Node* notes = in.get("notes")) suite.notes = read_notes(*notes, "notes");
   const Node* sweep = in.get("sweep");
   if (sweep != nullptr && sweep->kind == Node::Kind::kScalar && sweep->scalar == "none") sweep = nullptr;

@@ -84,6 +84,21 @@ TEST(Urdf, TakesWhatIsThereAndNoMore) {
   EXPECT_EQ(b.collision[1].scale, Vector3(2, 2, 2));
 }
 
+TEST(Urdf, RefusesASecondRobotAndTheBasesName) {
+  const std::string good = R"(<robot name="r"><link name="a"/></robot>)";
+  EXPECT_EQ(read_urdf(good).links.size(), 1U);
+  const auto refused = [](const std::string& text) -> std::string {
+    try {
+      read_urdf(text);
+    } catch (const UrdfError& e) {
+      return e.what();
+    }
+    return "accepted";
+  };
+  EXPECT_NE(refused(good + "<robot name=\"z\"/>").find("after </robot> stands <robot>"), std::string::npos);
+  EXPECT_NE(refused(R"(<robot name="r"><link name="@base"/></robot>)").find("is called @base"), std::string::npos);
+}
+
 // Cut off anywhere, or with any one byte changed, a URDF is read or refused, and nothing else.
 TEST(Urdf, DamageIsRefusedOrHarmless) {
   const std::string text = kText;

@@ -47,6 +47,22 @@ TEST(Plausible, DegreesMillimetresAndGramsAreNamed) {
       {"joint bend: the way from its parent's: 300 m is unusual",
        [](RobotModel& m) { m.links[3].X_PJ.translation().x() = 300; }},
       {"link lower: mass: 2500 kg", [](RobotModel& m) { m.links[3].inertial = Inertial{.mass = 2500}; }},
+      {"link lower: inertia: its principal moments, -1, 0.01 and 0.01 kg m^2, are those of no body",
+       [](RobotModel& m) { m.links[3].inertial = Inertial{.mass = 1, .I_C = Vector3(-1, 0.01, 0.01).asDiagonal()}; }},
+      {"link lower: inertia: its principal moments, 0.01, 0.01 and 100 kg m^2",
+       [](RobotModel& m) { m.links[3].inertial = Inertial{.mass = 1, .I_C = Vector3(100, 0.01, 0.01).asDiagonal()}; }},
+      {"arm.tool: its distance from the tip: 100 m", [](RobotModel& m) { m.X_TE.translation().z() = 100; }},
+      {"base.max_linear: ", [](RobotModel& m) { m.base.wheels->max_speed = 1; }},
+      {"base.footprint: its lowest point: -",
+       [](RobotModel& m) {
+         for (CollisionShape& s : m.shapes)
+           if (s.link == 0) s.X_LS.translation().z() -= 0.5;
+       }},
+      {"base.footprint: its lowest point: ",
+       [](RobotModel& m) {
+         for (CollisionShape& s : m.shapes)
+           if (s.link == 0) s.X_LS.translation().z() += 1.0;
+       }},
       {"joint turn: limit: 170 rad is unusual", [](RobotModel& m) { m.joints[0].upper = 170; }},
       {"joint reach: limit: 400 m is unusual", [](RobotModel& m) { m.joints[2].upper = 400; }},
       {"joint turn: velocity: 120 rad/s", [](RobotModel& m) { m.joints[0].velocity = 120; }},

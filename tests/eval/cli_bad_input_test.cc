@@ -75,7 +75,10 @@ TEST_F(CliBadInput, GeometryThatIsNotUnderstood) {
 }
 
 TEST_F(CliBadInput, MetricsThatARunRefuses) {
-  for (const char* metric : {"max(nothing)", "random() + count(*)", "julianday('now') + count(*)"}) {
+  write("suite.yaml", std::string(kSuite) + "metrics: {success: \"count(*)\"}\n");
+  bad({"check", "suite.yaml"}, {"suite.yaml:7:20: metrics.success: is the name of moma's own rate"});
+  for (const char* metric :
+       {"max(nothing)", "random() + count(*)", "julianday('now') + count(*)", "max(t)) FROM samples UNION SELECT (2"}) {
     write("suite.yaml", std::string(kSuite) + "metrics: {mine: \"" + metric + "\"}\n");
     bad({"check", "suite.yaml"}, {"suite.yaml:7:17: metrics.mine: "});
   }

@@ -145,10 +145,10 @@ TEST(StoreFiles, AQueryCannotChangeAnything) {
   const fs::path file = folder / "a.db";
   write_synthetic(file, {"one"}, 2);
   const std::string hash = store::Reader(file).result_hash();
-  for (const std::string sql :
-       {"DELETE FROM trial", "DROP TABLE trial", "UPDATE trial SET steps = 0",
-        "INSERT INTO suite VALUES (9,'a','b',x'')", "ATTACH 'other.db' AS o", "PRAGMA user_version = 7",
-        "PRAGMA query_only = OFF", "PRAGMA writable_schema = ON", "CREATE TABLE t (x)"}) {
+  for (const std::string sql : {"DELETE FROM trial", "DROP TABLE trial", "UPDATE trial SET steps = 0",
+                                "INSERT INTO suite VALUES (9,'a','b',x'')", "ATTACH 'other.db' AS o",
+                                "PRAGMA user_version = 7", "PRAGMA query_only = OFF", "PRAGMA writable_schema = ON",
+                                "CREATE TABLE t (x)", "SELECT fts3_tokenizer('simple')"}) {
     EXPECT_THROW(store::query(file, sql), store::QueryError) << sql;
   }
   EXPECT_THROW(store::query(file, "VACUUM INTO '" + (folder / "copy.db").string() + "'"), store::QueryError);

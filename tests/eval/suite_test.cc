@@ -184,6 +184,17 @@ TEST(Suite, WarnsOfDoubtfulThings) {
   };
   EXPECT_TRUE(mentions("collision.stop: 0.08 m is more than worlds.clearance (0.05 m)"));
   EXPECT_TRUE(mentions("a and b are the same in every value"));
+  EXPECT_FALSE(mentions("unusual"));
+  const Suite units =
+      load_suite(folder.suite("success: {position: 5, orientation: 3}\n"
+                              "disturbances: {base: {noise: {position: 5}}, payload: {mass: 100}}\n"));
+  for (const char* words :
+       {"success.position: 5 m is unusual, where suites have 0 to 0.5 m: millimetres?", "success.orientation: 3 rad",
+        "disturbances.base.noise.position: 5 m", "disturbances.payload.mass: 100 kg"})
+    EXPECT_EQ(std::count_if(units.warnings.begin(), units.warnings.end(),
+                            [&](const std::string& w) { return w.find(words) != std::string::npos; }),
+              1)
+        << words;
 }
 
 void expect_same_keys(const Suite& a, const Suite& b) {
