@@ -6,7 +6,6 @@
 
 #include "eval/cli/command.h"
 #include "eval/cli/interrupt.h"
-#include "eval/cli/lines.h"
 #include "eval/cli/listener.h"
 #include "eval/cli/profile_table.h"
 #include "eval/cli/progress.h"

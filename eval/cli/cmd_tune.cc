@@ -5,7 +5,6 @@
 
 #include "eval/cli/command.h"
 #include "eval/cli/interrupt.h"
-#include "eval/cli/lines.h"
 #include "eval/cli/listener.h"
 #include "eval/cli/progress.h"
 #include "eval/cli/suite_options.h"

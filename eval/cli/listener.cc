@@ -2,7 +2,6 @@
 
 #include <iostream>
 
-#include "eval/cli/lines.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 

@@ -13,7 +13,6 @@
 #include "controller/config/suggestion.h"
 #include "eval/cli/command.h"
 #include "eval/cli/find_command.h"
-#include "eval/cli/lines.h"
 #include "eval/cli/table.h"
 #include "eval/run/listener.h"
 #include "eval/store/build_info.h"

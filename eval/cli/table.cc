@@ -191,6 +191,16 @@ std::string terminal_safe(std::string_view text) {
   return safe;
 }
 
+std::string terminal_safe_lines(std::string_view text) {
+  std::string safe;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    safe += (begin > 0 ? "\n" : "") + terminal_safe(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return safe;
+}
+
 std::size_t display_width(std::string_view text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));

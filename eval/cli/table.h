@@ -17,6 +17,8 @@ void write(std::ostream& out, const store::QueryResult& result, Format format);
 /// Control characters, invalid UTF-8 and text direction marks become visible escapes: nothing that was stored can act
 /// on the terminal.
 std::string terminal_safe(std::string_view text);
+/// The same of a text of several lines, whose ends stay.
+std::string terminal_safe_lines(std::string_view text);
 
 /// Columns that `text` (valid UTF-8) takes on a terminal, one per code point.
 std::size_t display_width(std::string_view text);
