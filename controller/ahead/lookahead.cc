@@ -24,10 +24,9 @@ constexpr double kProgress = 0.05;  // on the path's clock that is progress [s]
 constexpr double kPushed = 0.3;     // lag among objects in motion that gives a path up [m]
 // Robot and object on their ways meet: the path's clock slows down from so soon on, and stands from so soon on [s].
 constexpr double kMeetAhead = 2.0, kMeetNear = 0.5;
-constexpr double kGoOn = 0.52;  // of the policy's motion while a choice is worked out, at most [s]
+constexpr double kGoOn = 0.24;  // of the policy's motion while a choice is worked out, at most [s]
 // A prediction that touches something so much later than the robot would go on is no reason to stop [s].
 constexpr double kSafe = 0.5;
-constexpr double kNeverMind = 1.5;  // a start whose policy takes no longer than this times a free way needs no choice
 // While a path is followed a moment of it costs more than anything else in a step: few of them.
 constexpr long kWatched = 40;
 
@@ -53,7 +52,6 @@ bool jumped(const Isometry& from, const Isometry& to) noexcept {
 Lookahead::Lookahead(std::shared_ptr<const RobotModel> model, const ControllerParams& params, double control_period)
     : params_(params.plan),
       escape_(params.escape),
-      servo_(params.servo),
       dt_(control_period),
       mobile_(model->mobile()),
       choice_(model, params),
@@ -368,9 +366,7 @@ bool Lookahead::predict(const Observation& o, const EscapeState& escape, double 
   }
   while (budget > 0) {
     budget -= Rollout::kChecks;
-    const bool first = rollout_.time() <= 0.0;
     const bool ended = rollout_.step() != RolloutEnd::kGoesOn || rollout_.over();
-    if (first) bound_ = least_time(servo_, rollout_.result().error, prediction_limits(params_, escape_, time));
     if (later_time_ < 0.0 && rollout_.time() + 0.5 * rollout_.period() > kGoOn) {
       copy_observation(rollout_.state(), later_);
       later_time_ = rollout_.time();
@@ -390,7 +386,7 @@ void Lookahead::end_direct_prediction() noexcept {
   if (time < kThere) return;
   if (!arrives)
     go_on(PlanReason::kFails, -1.0);
-  else if (first && time > kNeverMind * bound_)
+  else if (first)
     go_on(PlanReason::kStart, time);
   else
     state_.brief.reason = PlanReason::kArrives;

@@ -18,7 +18,7 @@ namespace moma {
 ///
 /// A step is decide(), which follows from PlanState and the observation alone, and, once the command is found, work():
 /// no more than `budget` checks of predictions and plans that are spread over steps. What they lead to is in the state
-/// for the next step. While a choice is worked out the direct policy goes on for the first half second of its
+/// for the next step. While a choice is worked out the direct policy goes on for the first quarter of a second of its
 /// prediction where that is safe, and the choice begins where it ends; else, and where that was too short, the robot
 /// slows down and stands.
 ///
@@ -87,7 +87,6 @@ class Lookahead {
 
   PlanParams params_;
   EscapeParams escape_;
-  ServoParams servo_;
   double dt_;
   bool mobile_;
   Choice choice_;
@@ -107,10 +106,9 @@ class Lookahead {
   long debt_ = 0;  // checks of the last step beyond its budget
   long checks_ = 0;
   bool news_ = false;  // objects came into sight or left it since the last prediction began
-  // Of the prediction that is going on or was the last: the step in which it began, how long a free way would take, and
-  // where the robot will be when a choice takes effect.
+  // Of the prediction that is going on or was the last: the step in which it began, and where the robot will be when a
+  // choice takes effect.
   std::int64_t predicted_from_ = 0;
-  double bound_ = 0.0;
   Observation later_;
   double later_time_ = -1.0;  // after its beginning; negative: it has not come so far [s]
 };
