@@ -24,7 +24,8 @@ constexpr double kProgress = 0.05;  // on the path's clock that is progress [s]
 constexpr double kPushed = 0.3;     // lag among objects in motion that gives a path up [m]
 // Robot and object on their ways meet: the path's clock slows down from so soon on, and stands from so soon on [s].
 constexpr double kMeetAhead = 2.0, kMeetNear = 0.5;
-constexpr double kGoOn = 0.24;  // of the policy's motion while a choice is worked out, at most [s]
+// Of the policy's motion while a choice is worked out, at most: a stop costs a base more than an arm [s].
+constexpr double kGoOnDriving = 0.52, kGoOnStanding = 0.24;
 // A prediction that touches something so much later than the robot would go on is no reason to stop [s].
 constexpr double kSafe = 0.5;
 // While a path is followed a moment of it costs more than anything else in a step: few of them.
@@ -367,7 +368,7 @@ bool Lookahead::predict(const Observation& o, const EscapeState& escape, double 
   while (budget > 0) {
     budget -= Rollout::kChecks;
     const bool ended = rollout_.step() != RolloutEnd::kGoesOn || rollout_.over();
-    if (later_time_ < 0.0 && rollout_.time() + 0.5 * rollout_.period() > kGoOn) {
+    if (later_time_ < 0.0 && rollout_.time() + 0.5 * rollout_.period() > (mobile_ ? kGoOnDriving : kGoOnStanding)) {
       copy_observation(rollout_.state(), later_);
       later_time_ = rollout_.time();
     }

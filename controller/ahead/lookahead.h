@@ -18,7 +18,8 @@ namespace moma {
 ///
 /// A step is decide(), which follows from PlanState and the observation alone, and, once the command is found, work():
 /// no more than `budget` checks of predictions and plans that are spread over steps. What they lead to is in the state
-/// for the next step. While a choice is worked out the direct policy goes on for the first quarter of a second of its
+/// for the next step. While a choice is worked out the direct policy goes on for the first half second (an arm
+/// alone: a quarter of a second) of its
 /// prediction where that is safe, and the choice begins where it ends; else, and where that was too short, the robot
 /// slows down and stands.
 ///
