@@ -20,7 +20,7 @@ FreeSpace::FreeSpace(std::shared_ptr<const RobotModel> model, const MotionLimits
     : limits_(&limits),
       kinematics_(model),
       proximity_(model),
-      keeps_{.low = limits.lower, .high = limits.upper},
+      keeps_{{}, {}, limits.lower, limits.upper},
       point_(WholeConfiguration::Zero(3 + limits.num_joints())) {}
 
 void FreeSpace::set_objects(std::span<const ObjectShape> objects) {

@@ -158,14 +158,14 @@ Sample sized(const Sizes& sizes) {
 }
 
 /// Names of the columns, in the order of flatten().
-std::vector<std::string> column_names(const Sizes& sizes) {
+std::vector<std::string> names_of(const Sizes& sizes) {
   std::vector<std::string> names;
   Sample sample = sized(sizes);
   visit_numbers(sample, [&](const ColumnName& name, double&, bool) { names.push_back(name.text()); });
   return names;
 }
 
-/// One sample as numbers, in the order of column_names().
+/// One sample as numbers, in the order of names_of().
 std::vector<double> flatten(Sample s) {
   std::vector<double> row;
   visit_numbers(s, [&](const ColumnName&, double& value, bool) { row.push_back(value); });
@@ -182,18 +182,18 @@ Eigen::Index count_of(const std::vector<std::string>& names, const std::string& 
 }  // namespace
 
 void add_written_columns(std::vector<std::string>& names) {
-  for (std::string& name : column_names({count_of(names, "q"), count_of(names, "qdot")}))
+  for (std::string& name : names_of({count_of(names, "q"), count_of(names, "qdot")}))
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(std::move(name));
 }
 
-std::vector<std::string> sample_columns(Eigen::Index q, Eigen::Index v) { return column_names({q, v}); }
+std::vector<std::string> sample_columns(Eigen::Index q, Eigen::Index v) { return names_of({q, v}); }
 std::vector<double> sample_row(const Sample& sample) { return flatten(sample); }
 
 EncodedSamples encode_samples(const Trace& trace) {
   EncodedSamples encoded;
   encoded.n = static_cast<std::int64_t>(trace.size());
   const Sizes sizes = trace.empty() ? Sizes{} : sizes_of(trace.front());
-  const std::vector<std::string> names = column_names(sizes);
+  const std::vector<std::string> names = names_of(sizes);
   encoded.columns = nlohmann::json(names).dump();
 
   const std::size_t n = trace.size();
