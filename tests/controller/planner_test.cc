@@ -250,7 +250,9 @@ TEST_P(PlannerOf, EdgesAreFreeUpToTheirFreePart) {
       if (!space.free(c)) first = l;
     }
     (part < 1.0 ? blocked : free) += 1;
-    if (first > looks) EXPECT_EQ(part, 1.0) << k;
+    if (first > looks) {
+      EXPECT_EQ(part, 1.0) << k;
+    }
     // Between two that it looked at it may be blocked, or be free for less than it looked further.
     const double between = kStep / longest_way(limits, edge) + 1.0 / FreeSpace::kMostParts;
     EXPECT_LE(part, static_cast<double>(first) / looks + between) << k;

@@ -87,7 +87,9 @@ TEST(Limits, BrakingLawIsMetWithinTheAccelerationLimit) {
   constexpr double kPeriod = 0.02, kMost = 5.0, kStop = 0.1;
   const auto model = two_joints();
   ControllerParams p;
-  p.joint_limits = {.method = JointLimitMethod::kBraking, .stop = kStop, .share = 0.8};
+  p.joint_limits.method = JointLimitMethod::kBraking;
+  p.joint_limits.stop = kStop;
+  p.joint_limits.share = 0.8;
   p.acceleration_limit = VectorX::Constant(2, kMost);
   const VelocityBounds bounds(*model, resolved(p, *model), kPeriod);
   EXPECT_FALSE(bounds.has_soft_acceleration());
@@ -107,7 +109,9 @@ TEST(Limits, BrakingLawIsMetWithinTheAccelerationLimit) {
       EXPECT_LE(q[0], 1.0 - kStop + 1e-9) << "from " << start << " in step " << k;
     }
     EXPECT_NEAR(q[0], 1.0 - kStop, 1e-3) << "from " << start;
-    if (start == -0.9) EXPECT_EQ(fastest, 2.0) << "the law costs no speed far from the limit";
+    if (start == -0.9) {
+      EXPECT_EQ(fastest, 2.0) << "the law costs no speed far from the limit";
+    }
   }
 }
 
@@ -116,7 +120,9 @@ TEST(Limits, BrakingLawHoldsWhereStepsAreMissed) {
   constexpr double kPeriod = 0.02, kStop = 0.1;
   const auto model = two_joints();
   ControllerParams p;
-  p.joint_limits = {.method = JointLimitMethod::kBraking, .stop = kStop, .share = 0.8};
+  p.joint_limits.method = JointLimitMethod::kBraking;
+  p.joint_limits.stop = kStop;
+  p.joint_limits.share = 0.8;
   p.acceleration_limit = VectorX::Constant(2, 5.0);
   const VelocityBounds bounds(*model, resolved(p, *model), kPeriod);
   moma::Bounds b;
@@ -141,7 +147,9 @@ TEST(Limits, BrakingLawHoldsWhereStepsAreMissed) {
 TEST(Limits, BrakingLawLeadsBackAndNeverBreaksTheAccelerationLimit) {
   const auto model = two_joints();
   ControllerParams p;
-  p.joint_limits = {.method = JointLimitMethod::kBraking, .stop = 0.1, .gain = 2.0};
+  p.joint_limits.method = JointLimitMethod::kBraking;
+  p.joint_limits.stop = 0.1;
+  p.joint_limits.gain = 2.0;
   p.acceleration_limit = VectorX::Constant(2, 5.0);
   const VelocityBounds bounds(*model, resolved(p, *model), 0.02);
   moma::Bounds b;
