@@ -18,9 +18,9 @@ namespace moma {
 ///
 /// A step is decide(), which follows from PlanState and the observation alone, and, once the command is found, work():
 /// no more than `budget` checks of predictions and plans that are spread over steps. What they lead to is in the state
-/// for the next step. While a choice is worked out the direct policy goes on for the first half second of its prediction
-/// (an arm alone: a quarter of a second) where that is safe, and the choice begins where it ends; else, and where that was
-/// too short, the robot slows down and stands.
+/// for the next step. While a choice is worked out the direct policy goes on for the first half second of its
+/// prediction (an arm alone: a quarter of a second) where that is safe, and the choice begins where it ends; else, and
+/// where that was too short, the robot slows down and stands.
 ///
 /// The direct policy is predicted every `period` seconds. At the start, after a goal's jump and where it is predicted
 /// to fail or has stagnated, there is a choice. On a path, the direct policy takes over where it is predicted to take
