@@ -312,11 +312,11 @@ const replayOnPhone = async (page, scheme) => {
 }
 
 // ---- trials that moma simulated: robots, worlds and samples as the program writes them -----------------------------
-const suites = [['frankie', 'robots/frankie.yaml', 'clutter', '{}'], ['tiago', 'robots/examples/tiago.yaml', 'moving', '{}'],
-  ['rows', 'robots/frankie.yaml', 'moving', join(source, 'configs/controllers/moma-reactive.yaml')]];
-for (const [name, robot, family, controller] of moma === undefined ? [] : suites) {
+const suites = [['frankie', 'robots/frankie.yaml', 'clutter', 5, '{}'], ['tiago', 'robots/examples/tiago.yaml', 'moving', 5, '{}'],
+  ['rows', 'robots/frankie.yaml', 'moving', 6, join(source, 'configs/controllers/moma-reactive.yaml')]];
+for (const [name, robot, family, seed, controller] of moma === undefined ? [] : suites) {
   const suite = join(work, `${name}.yaml`);
-  writeFileSync(suite, `name: ${name}\nrobot: ${join(source, 'configs', robot)}\ncontrollers: {moma: ${controller}}\nworlds: {seed: 5, families: `
+  writeFileSync(suite, `name: ${name}\nrobot: ${join(source, 'configs', robot)}\ncontrollers: {moma: ${controller}}\nworlds: {seed: ${seed}, families: `
     + `{${family}: {weight: 1}}}\nsimulation: {mode: kinematic, time_limit: 8}\ntrials: 3\nsamples: all\n`);
   execFileSync(moma, ['run', suite, '-o', join(work, `${name}.db`), '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });
   execFileSync(moma, ['report', join(work, `${name}.db`), '-o', join(work, `${name}.html`)], { stdio: 'ignore' });
@@ -391,7 +391,7 @@ for (const [name, robot, family, controller] of moma === undefined ? [] : suites
 if (moma !== undefined) {
   const suite = join(work, 'ahead.yaml');
   writeFileSync(suite, `name: ahead\nrobot: ${join(source, 'configs/robots/frankie.yaml')}\ncontrollers: {ahead: ${join(source, 'configs/controllers/moma-ahead.yaml')}}\n`
-    + 'worlds: {seed: 4242, families: {clutter: {weight: 1}}}\nsimulation: {mode: kinematic, time_limit: 8}\ntrials: 10\nsamples: all\n');
+    + 'worlds: {seed: 4244, families: {clutter: {weight: 1}}}\nsimulation: {mode: kinematic, time_limit: 8}\ntrials: 10\nsamples: all\n');
   execFileSync(moma, ['run', suite, '-o', join(work, 'ahead.db'), '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });
   execFileSync(moma, ['report', join(work, 'ahead.db'), '-o', join(work, 'ahead.html')], { stdio: 'ignore' });
   const html = join(work, 'ahead.html');

@@ -9,7 +9,7 @@ export interface ShapeJson extends PoseJson {
 }
 
 /** Of the base [m]: two, or four with a wheelbase between the axles. */
-export interface Wheels { radius?: number; separation?: number; wheelbase?: number }
+export interface Wheels { radius?: number; separation?: number; wheelbase?: number; width?: number }
 
 interface RobotJson {
   name: string;
@@ -82,6 +82,14 @@ function moves(joint: Joint): boolean {
   return ['revolute', 'continuous', 'prismatic'].includes(joint.type);
 }
 
+/** Wheels of a given width are boxes of the base, behind its footprint: front and left first, as the controller has them. */
+function wheelBoxes(wheels: Wheels | undefined): ShapeJson[] {
+  const { radius = 0, separation = 0, wheelbase = 0, width } = wheels ?? {};
+  if (width === undefined) return [];
+  return (wheelbase === 0 ? [0] : [wheelbase / 2, -wheelbase / 2]).flatMap((x) => [separation / 2, -separation / 2]
+    .map((y) => ({ shape: 'box', size: [2 * radius, width, 2 * radius], position: [x, y, radius] })));
+}
+
 export class Robot {
   readonly name: string;
   readonly driven: Driven[] = [];
@@ -140,6 +148,7 @@ export class Robot {
     }
     const add = (shape: ShapeJson, link: string): void => { this.shapes.push({ link, shape, local: poseMatrix(shape) }); };
     if (json.base.footprint !== undefined) add(json.base.footprint, '@base');
+    for (const shape of wheelBoxes(json.base.wheels)) add(shape, '@base');
     for (const shape of json.collision?.shapes ?? []) add(shape, shape.link ?? '@base');
     this.pairs = (json.collision?.pairs ?? []).flatMap(([a, b, row]) => (row ? [[a, b] as [number, number]] : []));
     this.poses.set('@base', new Matrix4());
