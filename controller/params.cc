@@ -22,7 +22,10 @@ std::string text(double value) {
 class Checker {
  public:
   Checker(const ControllerParams& params, const RobotModel& model, double control_period)
-      : p_(params), model_(model), dt_(control_period) {}
+      : p_(params),
+        model_(model),
+        dt_(control_period),
+        longest_(std::max(dt_, params.plan.enabled ? params.plan.step : 0.0)) {}
 
   std::vector<ParamsIssue> run() {
     if (!(dt_ > 0.0 && std::isfinite(dt_))) error("control_period", "must be a finite number above 0");
@@ -74,10 +77,10 @@ class Checker {
       const ControlledJoint& joint = model_.joints[static_cast<std::size_t>(i)];
       if (std::isinf(joint.lower) && std::isinf(joint.upper)) continue;
       const double margin = p_.joint_limits.margin[i];
-      const double step = joint.velocity * dt_;
+      const double step = joint.velocity * longest_;
       if (!(margin > step)) {
         error("joint_limits.margin", "of " + joint.name + " is " + text(margin) +
-                                         "; it must be above velocity limit x control period = " + text(step) +
+                                         "; it must be above velocity limit x " + longest_name() + " = " + text(step) +
                                          ", or one step can overshoot the limit");
       } else if (!(joint.lower + margin < joint.upper - margin)) {
         error("joint_limits.margin", "of " + joint.name + " is " + text(margin) +
@@ -94,16 +97,17 @@ class Checker {
             "must be below joint_limits.influence = " + text(d.influence) + ", is " + text(d.stop));
       return;
     }
-    if (d.gain * dt_ >= d.influence - d.stop) {
-      error("joint_limits.gain", "of " + text(d.gain) + " x control period must stay below influence - stop = " +
-                                     text(d.influence - d.stop) + ", or the damper overshoots");
+    if (d.gain * longest_ >= d.influence - d.stop) {
+      error("joint_limits.gain", "of " + text(d.gain) + " x " + longest_name() +
+                                     " must stay below influence - stop = " + text(d.influence - d.stop) +
+                                     ", or the damper overshoots");
     }
     for (const ControlledJoint& joint : model_.joints) {
       if (std::isinf(joint.lower) && std::isinf(joint.upper)) continue;
       const double influence = limit_part(joint) * d.influence;
-      if (!(influence > joint.velocity * dt_)) {
-        error("joint_limits.influence", "of " + text(influence) + " must be above velocity limit x control period of " +
-                                            joint.name + " = " + text(joint.velocity * dt_) +
+      if (!(influence > joint.velocity * longest_)) {
+        error("joint_limits.influence", "of " + text(influence) + " must be above velocity limit x " + longest_name() +
+                                            " of " + joint.name + " = " + text(joint.velocity * longest_) +
                                             ", or one step can overshoot the limit");
         return;
       }
@@ -148,8 +152,12 @@ class Checker {
   }
 
   const ControllerParams& p_;
+  // A look ahead rolls the same laws out in steps of its own.
+  const char* longest_name() const { return longest_ > dt_ ? "plan.step" : "control period"; }
+
   const RobotModel& model_;
   double dt_;
+  double longest_;
   std::vector<ParamsIssue> issues_;
 };
 

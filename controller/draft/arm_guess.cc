@@ -42,6 +42,7 @@ class ArmFinder {
     for (int i = end; i > 0; i = urdf_.link(i).parent)
       if (counts(i)) guess.joints.push_back(i);
     std::reverse(guess.joints.begin(), guess.joints.end());
+    guess.p_TE = between_fingers(end, guess.tip);
     return guess;
   }
 
@@ -84,6 +85,38 @@ class ArmFinder {
       if (named(name, {"right", "_r_"}) || name.rfind("r_", 0) == 0) return true;
     }
     return false;
+  }
+
+  // In the frame of the tip, along its axis next to the fingers; zero where there are none, or hardly beyond the tip.
+  Vector3 between_fingers(int end, int tip) const {
+    constexpr double kBeyond = 0.05, kPads = 0.9;  // [m]; the part of their length where they close
+    if (named(urdf_.link(tip).name, {"tcp", "grasp"})) return Vector3::Zero();
+    std::vector<int> fingers;
+    for (const int link : rigid_with(end))
+      for (const int child : urdf_.children_of(link))
+        if (urdf_.link(child).joint.type != UrdfJointType::kFixed) fingers.push_back(child);
+    const std::size_t roots = fingers.size();
+    const Isometry X_TR = urdf_.X_R(tip).inverse();
+    Vector3 middle = Vector3::Zero();
+    std::vector<Vector3> points;
+    for (std::size_t k = 0; k < fingers.size(); ++k) {
+      const int link = fingers[k];
+      if (k < roots) middle += X_TR * urdf_.X_R(link).translation() / static_cast<double>(roots);
+      fingers.insert(fingers.end(), urdf_.children_of(link).begin(), urdf_.children_of(link).end());
+      for (const UrdfGeometry& shape : urdf_.link(link).collision)
+        for (const Vector3& p_L : outline(urdf_, shape)) points.push_back(X_TR * (urdf_.X_R(link) * p_L));
+    }
+    if (points.empty()) return Vector3::Zero();
+    Vector3 away = -(X_TR * urdf_.X_R(end).translation());  // of the wrist
+    for (const Vector3& p_T : points) away += p_T / static_cast<double>(points.size());
+    Eigen::Index axis = 0;
+    away.cwiseAbs().maxCoeff(&axis);
+    const double sign = away[axis] < 0.0 ? -1.0 : 1.0;
+    double reach = 0.0;
+    for (const Vector3& p_T : points) reach = std::max(reach, sign * p_T[axis]);
+    if (reach < kBeyond) return Vector3::Zero();
+    middle[axis] = sign * kPads * reach;
+    return middle;
   }
 
   int tool_of(int end) const {

@@ -12,6 +12,7 @@ struct ArmGuess {
   int tip = 0;                      ///< the link that carries the end effector
   std::vector<int> joints;          ///< links that the chain's driven joints move, from the root on
   std::vector<std::string> others;  ///< ends of other chains that are as long
+  Vector3 p_TE = Vector3::Zero();   ///< between the fingertips where the tip is well before them
 };
 
 /// `not_arm`: links whose joints belong to the base. Of chains that are as long the one named "right" is taken, else

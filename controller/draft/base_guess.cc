@@ -4,13 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <limits>
-#include <new>
 #include <numbers>
 #include <utility>
-
-#include "controller/config/mesh_hull.h"
 
 namespace moma::draft {
 namespace {
@@ -23,6 +19,7 @@ struct Wheel {
   Vector3 p_R = Vector3::Zero();
   Vector3 axis_R = Vector3::UnitY();
   double radius = 0.0;  // 0: not known
+  bool round = true;
   bool steered = false;
 };
 
@@ -34,8 +31,7 @@ std::string names(const UrdfFacts& urdf, const std::vector<Wheel>& wheels) {
 
 class BaseFinder {
  public:
-  BaseFinder(const UrdfFacts& urdf, const config::PackagePaths& packages, const std::filesystem::path& directory)
-      : urdf_(urdf), packages_(packages), directory_(directory) {}
+  explicit BaseFinder(const UrdfFacts& urdf) : urdf_(urdf) {}
 
   BaseGuess find() {
     guess_.joints.assign(static_cast<std::size_t>(urdf_.size()), false);
@@ -46,12 +42,21 @@ class BaseFinder {
   }
 
  private:
-  // Joints one after another from the root, before anything that weighs.
+  bool has_shape(int link) const {
+    const std::string& name = urdf_.link(link).name;
+    return !urdf_.link(link).collision.empty() ||
+           std::any_of(urdf_.visuals.begin(), urdf_.visuals.end(), [&](const UrdfVisual& v) { return v.link == name; });
+  }
+
+  // Joints one after another from the root, before anything that has a shape.
   void find_virtual() {
     std::vector<int> chain;
     int linear = 0, turns = 0;
-    int link = 0;
-    while (urdf_.children_of(link).size() == 1 && !urdf_.link(link).inertial) {
+    double mass = 0.0;
+    bool shapes = false;
+    for (int link = 0; urdf_.children_of(link).size() == 1;) {
+      mass += urdf_.link(link).inertial ? urdf_.link(link).inertial->mass : 0.0;
+      shapes = shapes || has_shape(link);
       link = urdf_.children_of(link).front();
       const UrdfJoint& joint = urdf_.link(link).joint;
       if (joint.type == UrdfJointType::kFixed) continue;
@@ -59,19 +64,27 @@ class BaseFinder {
       const double z = std::abs(urdf_.axis_R(link).z());
       if (joint.type == UrdfJointType::kPrismatic && z < kLevel)
         ++linear;
-      else if (joint.type != UrdfJointType::kPrismatic && z > kUpright && turns == 0)
+      else if (joint.type != UrdfJointType::kPrismatic && z > kUpright)
         ++turns;
       else
         break;
       chain.push_back(link);
+      if (linear > 0 && turns > 0) break;
     }
-    if (linear == 0 || linear > 2 || turns != 1) return;
+    if (linear == 0 || linear > 2 || turns != 1 || (shapes && linear < 2)) return;
+    std::vector<std::string> joints;
+    for (const int i : chain) joints.push_back(urdf_.link(i).joint.name);
+    const std::string listed = fmt::format("{}", fmt::join(joints, ", "));
+    guess_.doubtful = shapes || mass > 0.0;
+    if (shapes) {
+      guess_.reason = "a gantry, or a mobile base that these stand for: " + listed;
+      return;
+    }
     guess_.type = linear == 2 ? BaseType::kOmnidirectional : BaseType::kDifferential;
-    for (const int i : chain) {
-      guess_.virtual_joints.push_back(urdf_.link(i).joint.name);
-      guess_.joints[static_cast<std::size_t>(i)] = true;
-    }
-    guess_.reason = fmt::format("joints that stand for a base: {}", fmt::join(guess_.virtual_joints, ", "));
+    for (const int i : chain) guess_.joints[static_cast<std::size_t>(i)] = true;
+    guess_.virtual_joints = std::move(joints);
+    guess_.reason = "joints that stand for a base: " + listed;
+    if (mass > 0.0) guess_.reason += fmt::format("; before the last of them weigh {:.3g} kg without a shape", mass);
   }
 
   bool nothing_driven_behind(int link) const {
@@ -88,28 +101,39 @@ class BaseFinder {
     return count;
   }
 
-  double radius_of(const Wheel& wheel) const {
-    double radius = 0.0;
-    for (const UrdfGeometry& shape : urdf_.link(wheel.link).collision) {
-      if (shape.mesh.empty()) {
-        const ShapeKind kind = shape.shape.kind;
-        if (kind != ShapeKind::kBox) radius = std::max(radius, shape.shape.size.x());
-        continue;
-      }
-      try {
-        const config::Mesh mesh = config::read_mesh(packages_.resolve(shape.mesh, directory_), shape.scale);
-        const Vector3 axis_L = urdf_.link(wheel.link).joint.axis;
-        for (const Vector3& p_M : mesh.vertices) {
-          const Vector3 p_L = shape.X_LS * p_M;
-          radius = std::max(radius, (p_L - axis_L.dot(p_L) * axis_L).norm());
-        }
-      } catch (const std::bad_alloc&) {
-        throw;
-      } catch (const std::exception&) {
-        // What is wrong with it is said where the robot's shapes are read.
-      }
+  // Of what is round about the axis, the largest distance from it; of anything else half the least width.
+  void measure(Wheel& wheel) const {
+    const UrdfLink& link = urdf_.link(wheel.link);
+    std::vector<Vector3> solid, seen;
+    const auto add = [&](std::vector<Vector3>& to, const UrdfGeometry& shape) {
+      const std::vector<Vector3> points = outline(urdf_, shape);
+      to.insert(to.end(), points.begin(), points.end());
+    };
+    for (const UrdfGeometry& shape : link.collision) add(solid, shape);
+    if (fit(wheel, solid, link.joint.axis)) return;
+    for (const UrdfVisual& visual : urdf_.visuals)
+      if (visual.link == link.name) add(seen, visual.geometry);
+    Wheel looks = wheel;
+    if (fit(looks, seen, link.joint.axis) || solid.empty()) wheel = looks;
+  }
+
+  static bool fit(Wheel& wheel, const std::vector<Vector3>& points, const Vector3& axis) {
+    constexpr int kDirections = 36;
+    constexpr double kRound = 1.15;  // an octagon is
+    if (points.empty()) return false;
+    const Vector3 u = axis.unitOrthogonal(), v = axis.cross(u);
+    double least = std::numeric_limits<double>::infinity(), most = 0.0;
+    for (int i = 0; i < kDirections; ++i) {
+      const double angle = 2.0 * std::numbers::pi * i / kDirections;
+      const Vector3 d = std::cos(angle) * u + std::sin(angle) * v;
+      double reach = 0.0;
+      for (const Vector3& p : points) reach = std::max(reach, p.dot(d));
+      least = std::min(least, reach);
     }
-    return radius;
+    for (const Vector3& p : points) most = std::max(most, (p - axis.dot(p) * axis).norm());
+    wheel.round = most <= kRound * least;
+    wheel.radius = wheel.round ? most : least;
+    return wheel.round;
   }
 
   void find_wheels() {
@@ -121,8 +145,8 @@ class BaseFinder {
       if (std::abs(urdf_.axis_R(i).z()) > kLevel || !nothing_driven_behind(i)) continue;
       // A wrist is behind an arm; a wheel behind a fork at most.
       if (!by_name && driven_before(i) > 1) continue;
-      Wheel wheel{i, urdf_.X_R(i).translation(), urdf_.axis_R(i), 0.0, false};
-      wheel.radius = radius_of(wheel);
+      Wheel wheel{i, urdf_.X_R(i).translation(), urdf_.axis_R(i)};
+      measure(wheel);
       for (int up = urdf_.link(i).parent; up > 0; up = urdf_.link(up).parent) {
         const UrdfJoint& above = urdf_.link(up).joint;
         const bool turns = above.type == UrdfJointType::kContinuous || above.type == UrdfJointType::kRevolute;
@@ -147,7 +171,8 @@ class BaseFinder {
 
   bool caster(const Wheel& wheel) const {
     for (int i = wheel.link; i > 0; i = urdf_.link(i).parent)
-      if (named(urdf_.link(i).name, {"caster"}) || named(urdf_.link(i).joint.name, {"caster"})) return true;
+      for (const std::string& name : {urdf_.link(i).name, urdf_.link(i).joint.name})
+        if (named(name, {"caster", "castor"})) return true;
     return wheel.steered;
   }
 
@@ -168,8 +193,9 @@ class BaseFinder {
     if (all_steered) driven = wheels_;
     if (driven.size() < 2) {
       const std::string still = stuck();
-      guess_.doubtful = guess_.type == BaseType::kFixed && !still.empty();
-      if (guess_.doubtful) guess_.reason = "these are called wheels, but their joints do not turn: " + still;
+      if (guess_.type != BaseType::kFixed || guess_.doubtful || still.empty()) return;
+      guess_.doubtful = true;
+      guess_.reason = "these are called wheels, but their joints do not turn: " + still;
       return;
     }
     const bool one_axis = std::all_of(driven.begin(), driven.end(), [&](const Wheel& wheel) {
@@ -195,6 +221,7 @@ class BaseFinder {
     for (const Wheel& wheel : driven) {
       middle += wheel.p_R / static_cast<double>(driven.size());
       radius = std::max(radius, wheel.radius);
+      guess_.round = guess_.round && wheel.round;
     }
     for (const Wheel& wheel : wheels_) lowest = std::min(lowest, wheel.p_R.z() - wheel.radius);
     height = middle.z() - lowest;
@@ -226,17 +253,12 @@ class BaseFinder {
   }
 
   const UrdfFacts& urdf_;
-  const config::PackagePaths& packages_;
-  const std::filesystem::path& directory_;
   BaseGuess guess_;
   std::vector<Wheel> wheels_;
 };
 
 }  // namespace
 
-BaseGuess guess_base(const UrdfFacts& urdf, const config::PackagePaths& packages,
-                     const std::filesystem::path& urdf_directory) {
-  return BaseFinder(urdf, packages, urdf_directory).find();
-}
+BaseGuess guess_base(const UrdfFacts& urdf) { return BaseFinder(urdf).find(); }
 
 }  // namespace moma::draft

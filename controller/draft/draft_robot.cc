@@ -128,24 +128,35 @@ class Drafter {
                        expanded.extension() == ".urdf" ? expanded.string() : expanded.string() + ".urdf"));
     }
     try {
-      urdf_ = facts_of(read_urdf(text, options_.lenient ? UrdfReading::kLenient : UrdfReading::kStrict));
+      urdf_ =
+          facts_of(text, options_.lenient ? UrdfReading::kLenient : UrdfReading::kStrict, options_.urdf.parent_path());
     } catch (const UrdfError& e) {
       fail(e.what());
     }
-    base_ = guess_base(urdf_, {}, fs::absolute(options_.urdf).parent_path());
+    base_ = guess_base(urdf_);
     arm_ = guess_arm(urdf_, base_.joints);
     if (arm_.joints.empty()) fail("has no joint that an arm could be driven by");
   }
 
   void write_head() {
     std::error_code error;
-    fs::path urdf = fs::relative(options_.urdf, options_.folder.empty() ? fs::path(".") : options_.folder, error);
-    if (error || urdf.empty()) urdf = fs::absolute(options_.urdf);
+    const auto from_here = [&](const fs::path& path) {
+      const fs::path relative = fs::relative(path, options_.folder.empty() ? fs::path(".") : options_.folder, error);
+      return config::yaml_scalar((error || relative.empty() ? fs::absolute(path) : relative).generic_string());
+    };
     lines_.remark(0,
                   fmt::format("A first robot file, by `moma robot {}`. What the URDF does not say is marked \"check\".",
                               options_.urdf.filename().string()));
     if (urdf_.tree.name.empty()) lines_.add(0, "name: " + config::yaml_scalar(options_.urdf.stem().string()));
-    lines_.add(0, "urdf: " + config::yaml_scalar(urdf.generic_string()));
+    lines_.add(0, "urdf: " + from_here(options_.urdf));
+    if (!urdf_.packages.empty()) lines_.add(0, "packages:");
+    for (const auto& [name, folder] : urdf_.packages) {
+      const std::string line = config::yaml_scalar(name) + ": " + from_here(folder);
+      if (std::find(urdf_.renamed.begin(), urdf_.renamed.end(), name) == urdf_.renamed.end())
+        lines_.add(1, line);
+      else
+        lines_.doubt(1, line, "a folder of another name has its meshes");
+    }
     if (options_.lenient) lines_.doubt(0, "lenient: true", "what is left out of the URDF cannot collide");
   }
 
@@ -190,10 +201,12 @@ class Drafter {
                                    number(rounded(wheels.separation, 1e-4)));
     if (base_.type == BaseType::kOmnidirectional) text += ", wheelbase: " + number(rounded(wheels.wheelbase, 1e-4));
     text += fmt::format(", max_speed: {}}}", number(speed));
-    if (known)
+    if (known && base_.round)
       lines_.add(1, text, "m, m, rad/s; as the URDF has them");
     else
-      lines_.doubt(1, text, "m, m as the URDF has them; rad/s is twice what max_linear needs");
+      lines_.doubt(1, text,
+                   std::string(base_.round ? "m, m as the URDF has them" : "m; no shape of the wheels is round") +
+                       (known ? "" : "; rad/s is twice what max_linear needs"));
   }
 
   // What read_arm() would refuse to be without.
@@ -227,6 +240,11 @@ class Drafter {
       lines_.add(1, tip, fmt::format("at the end of {} driven joints", arm_.joints.size()));
     else
       lines_.doubt(1, tip, fmt::format("{} would be as long", fmt::join(arm_.others, ", ")));
+    if (!arm_.p_TE.isZero())
+      lines_.doubt(1,
+                   fmt::format("tool: {{position: {}}}",
+                               list(arm_.p_TE.unaryExpr([](double value) { return rounded(value, 1e-3); }))),
+                   "between the fingertips, where the URDF has no frame");
     if (!held_.empty())
       lines_.doubt(1, "locked:", "an arm that does not work is held out of the way of the one that does");
     else if (!base_.virtual_joints.empty())

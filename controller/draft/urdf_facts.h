@@ -1,9 +1,14 @@
 #pragma once
 
+#include <filesystem>
+#include <map>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include "controller/config/package_path.h"
 #include "controller/model/urdf.h"
+#include "controller/model/urdf_visual.h"
 
 namespace moma::draft {
 
@@ -12,6 +17,10 @@ struct UrdfFacts {
   UrdfTree tree;
   std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_RL;  ///< of the links, all joints at 0
   std::vector<std::vector<int>> children;
+  std::vector<UrdfVisual> visuals;
+  std::filesystem::path directory;                        ///< of the URDF
+  std::map<std::string, std::filesystem::path> packages;  ///< that are to be named in the robot file
+  std::vector<std::string> renamed;                       ///< of `packages` those whose folder is called otherwise
 
   const UrdfLink& link(int i) const { return tree.links[static_cast<std::size_t>(i)]; }
   const Isometry& X_R(int i) const { return X_RL[static_cast<std::size_t>(i)]; }
@@ -21,7 +30,13 @@ struct UrdfFacts {
   Vector3 axis_R(int i) const { return X_R(i).linear() * link(i).joint.axis; }
 };
 
-UrdfFacts facts_of(UrdfTree tree);
+/// `text`: the URDF, in `directory`. Packages of its meshes that stand neither beside nor above it are looked for as
+/// always, then as a folder above it that has the mesh, whatever its name.
+UrdfFacts facts_of(const std::string& text, UrdfReading reading, const std::filesystem::path& directory);
+
+/// Points on the outline of a shape, in the link's frame: vertices of a mesh, corners of a box, rings of what is round.
+/// Empty where a mesh cannot be read; what is wrong with it is said where the robot's shapes are read.
+std::vector<Vector3> outline(const UrdfFacts& urdf, const UrdfGeometry& shape);
 
 /// Revolute, continuous or prismatic, and free to be driven: it mimics no other.
 bool drivable(const UrdfJoint& joint);

@@ -189,8 +189,15 @@ class Checker {
     }
     if (const TiXmlElement* inertia = inertial.FirstChildElement("inertia")) {
       const Names moments{"ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
-      attributes(*inertia, where, moments);
+      attributes(*inertia, where, moments, {"iyx", "izx", "izy"});
       for (const std::string_view name : moments) numbers(*inertia, where, name.data(), 1);
+      // The other half of a symmetric matrix, which some exporters write as well.
+      for (const auto& [mirror, name] : {std::pair{"iyx", "ixy"}, {"izx", "ixz"}, {"izy", "iyz"}}) {
+        if (inertia->Attribute(mirror) == nullptr) continue;
+        const auto value = numbers(*inertia, where, name, 1), again = numbers(*inertia, where, mirror, 1);
+        if (value && again && *value != *again)
+          fault(*inertia, where, std::string(mirror) + " differs from " + name + ": an inertia is symmetric");
+      }
     } else {
       fault(inertial, where, "there is no <inertia>");
     }
@@ -214,7 +221,8 @@ class Checker {
       TiXmlElement* const next = collision->NextSiblingElement("collision");
       const std::string at = where + ", collision " + std::to_string(++number);
       const std::size_t before = faults_.size();
-      content(*collision, at, {{"origin", "geometry"}, {}, {"material", "verbose"}});
+      // <surface>: friction and stiffness of Gazebo's contacts; what collides is the geometry.
+      content(*collision, at, {{"origin", "geometry"}, {}, {"material", "verbose", "surface"}});
       check_origin(*collision, at);
       check_geometry(*collision, at);
       if (faults_.size() != before) link.RemoveChild(collision);

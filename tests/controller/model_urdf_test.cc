@@ -168,6 +168,8 @@ TEST(Urdf, WhatIsNotUnderstoodIsAnErrorAndNeverDroppedInSilence) {
       {no_mass, "there is no <mass>"},
       {comma, "inertia izz=\"1,5\""},
       {twice, "a second <inertial>"},
+      {"<inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0.1' izz='1' izy='0.2'/></inertial>",
+       "izy differs from iyz"},
   };
   for (const auto& [geometry, words] : shapes) cases.emplace_back(shape(geometry), words);
   for (const auto& [inside, words] : cases) {
@@ -188,9 +190,9 @@ TEST(Urdf, WhatIsNotUnderstoodIsAnErrorAndNeverDroppedInSilence) {
     EXPECT_EQ(tree.links[1].inertial.has_value(), words == "a second <inertial>") << inside;
   }
   const UrdfTree good = read_b(
-      "<inertial><mass value='+2e0'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/>"
+      "<inertial><mass value='+2e0'/><inertia ixx='1' ixy='0.1' ixz='0' iyy='1' iyz='0' izz='1' iyx='0.10'/>"
       "</inertial><collision><geometry><mesh filename='m.stl' scale='-1 1 1'/></geometry>"
-      "<drake:proximity/></collision>",
+      "<drake:proximity/><surface><friction><ode><mu>1</mu></ode></friction></surface></collision>",
       UrdfReading::kStrict);
   EXPECT_EQ(good.links[1].inertial->mass, 2.0);
   EXPECT_EQ(good.links[1].collision.size(), 2U);
