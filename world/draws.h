@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "world/moves.h"
+
 namespace moma {
 
 /// What a stream of draws is for. A new draw in one stream never shifts another. Values are part of what a seed
@@ -25,7 +27,9 @@ enum class Stream : std::uint64_t {
 /// use libm and are the same for the same libm.
 class Draws {
  public:
-  Draws(std::uint64_t seed, std::uint64_t index, Stream stream, std::uint64_t attempt = 0, std::uint64_t item = 0);
+  /// `moves`, where there are any, change the numbers and have to outlive this; null and empty are the same.
+  Draws(std::uint64_t seed, std::uint64_t index, Stream stream, std::uint64_t attempt = 0, std::uint64_t item = 0,
+        const Moves* moves = nullptr);
 
   /// 64 random bits.
   std::uint64_t bits();
@@ -45,8 +49,10 @@ class Draws {
     std::uint64_t word[4];
   };
   Block next();
+  Block after(std::size_t moves) const;
 
   std::uint64_t seed_, index_, stream_, attempt_, item_;
+  const Moves* moves_;
   std::uint64_t draw_ = 0;
 };
 

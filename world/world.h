@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "controller/model/proximity.h"
 #include "controller/step.h"
 #include "world/motion.h"
+#include "world/moves.h"
 
 namespace moma {
 
@@ -21,6 +23,7 @@ struct WorldObject {
   Isometry X_WO = Isometry::Identity();  ///< at t = 0
   Motion motion;
   Eigen::Quaterniond file_rotation = Eigen::Quaterniond::Identity();  ///< see set_pose()
+  int noise = -1;  ///< number by which errors of sensing it are drawn; -1: its place among the objects
 };
 
 struct WorldGoal {
@@ -48,6 +51,7 @@ struct World {
   std::vector<WorldObject> objects;
   Configuration witness;  ///< reaches the goal (at t = 0) clear of all objects
   Difficulty difficulty;
+  std::shared_ptr<const Moves> moves;  ///< of the random numbers that its disturbances are drawn by; null: none
 };
 
 /// Places an object or the goal. The quaternion is kept as it is beside the pose made from it: matrix to quaternion

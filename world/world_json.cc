@@ -119,8 +119,26 @@ WorldObject object(const Node& node, const std::string& key) {
     const Vector6 found = vector6(*velocity, in.key_of("velocity"));
     if (std::holds_alternative<StaticMotion>(out.motion) && !found.isZero(0.0)) out.motion = LinearMotion{found};
   }
+  in.read("noise", out.noise, 0, (1 << 24) - 1);
   check_start(node, key, out.motion, out.X_WO);
   in.finish();
+  return out;
+}
+
+/// A list of [id, scale, fraction, mask].
+std::shared_ptr<const Moves> moves(const Node& node, const std::string& key) {
+  if (node.kind != Node::Kind::kSequence) config::fail(node.mark, key, "expected a list of moves");
+  auto out = std::make_shared<Moves>();
+  for (std::size_t i = 0; i < node.items.size(); ++i) {
+    const std::string at = key + "[" + std::to_string(i) + "]";
+    const std::vector<double> v = config::read_numbers(node.items[i], at, 4);
+    const auto whole = [](double x, double below) { return x >= 0.0 && x < below && x == std::floor(x); };
+    if (!whole(v[0], 0x1p53) || !(v[1] > 0.0 && v[1] <= 1.0) || !(v[2] > 0.0 && v[2] <= 1.0) || !whole(v[3], 128.0))
+      config::fail(
+          node.items[i].mark, at,
+          "expected [id, scale, fraction, mask]: whole numbers below 2^53 and 128, scale and fraction in (0, 1]");
+    out->push_back({static_cast<std::uint64_t>(v[0]), v[1], v[2], static_cast<std::uint32_t>(v[3])});
+  }
   return out;
 }
 
@@ -233,27 +251,36 @@ Json to_json(const World& world) {
                        {"quaternion", json_of(rotation_for_file(o.X_WO.linear(), o.file_rotation))},
                        {"velocity", json_of(velocity)},
                        {"motion", to_json(o.motion)}});
+    if (o.noise >= 0) objects.back()["noise"] = o.noise;
   }
   const Difficulty& d = world.difficulty;
   const Vector6 twist = evaluate(world.goal.motion, world.goal.X_WG, 0.0).V_W;
-  return {{"index", world.index},
-          {"seed", world.seed},
-          {"family", world.family},
-          {"robot", world.robot},
-          {"start", json_of(world.start)},
-          {"goal",
-           {{"position", json_of(Vector3(world.goal.X_WG.translation()))},
-            {"quaternion", json_of(rotation_for_file(world.goal.X_WG.linear(), world.goal.file_rotation))},
-            {"twist", json_of(twist)},
-            {"motion", to_json(world.goal.motion)}}},
-          {"objects", std::move(objects)},
-          {"witness", json_of(world.witness)},
-          {"difficulty",
-           {{"goal_distance_m", d.goal_distance_m},
-            {"objects", d.objects},
-            {"witness_clearance_m", d.witness_clearance_m},
-            {"blocked_fraction", d.blocked_fraction},
-            {"narrowest_gap_m", d.narrowest_gap_m}}}};
+  Json out = {{"index", world.index},
+              {"seed", world.seed},
+              {"family", world.family},
+              {"robot", world.robot},
+              {"start", json_of(world.start)},
+              {"goal",
+               {{"position", json_of(Vector3(world.goal.X_WG.translation()))},
+                {"quaternion", json_of(rotation_for_file(world.goal.X_WG.linear(), world.goal.file_rotation))},
+                {"twist", json_of(twist)},
+                {"motion", to_json(world.goal.motion)}}},
+              {"objects", std::move(objects)},
+              {"witness", json_of(world.witness)},
+              {"difficulty",
+               {{"goal_distance_m", d.goal_distance_m},
+                {"objects", d.objects},
+                {"witness_clearance_m", d.witness_clearance_m},
+                {"blocked_fraction", d.blocked_fraction},
+                {"narrowest_gap_m", d.narrowest_gap_m}}}};
+  if (world.moves != nullptr && !world.moves->empty()) out["moves"] = to_json(*world.moves);
+  return out;
+}
+
+Json to_json(const Moves& moves) {
+  Json out = Json::array();
+  for (const Move& move : moves) out.push_back({move.id, move.scale, move.fraction, move.mask});
+  return out;
 }
 
 World world_from_node(const Node& node, const std::string& key) {
@@ -285,6 +312,7 @@ World world_from_node(const Node& node, const std::string& key) {
   else
     out.witness = out.start;
   if (const Node* found = in.get("difficulty")) out.difficulty = difficulty(*found, in.key_of("difficulty"));
+  if (const Node* found = in.get("moves")) out.moves = moves(*found, in.key_of("moves"));
   in.finish();
   if (out.witness.q.size() != out.start.q.size())
     in.fail_at("witness", "start has " + std::to_string(out.start.q.size()) + " joint values, witness " +

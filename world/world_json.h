@@ -18,5 +18,6 @@ Shape shape_from_node(const config::Node& shape, const config::Node& size, const
 Motion motion_from_node(const config::Node& node, const std::string& key);
 
 nlohmann::ordered_json to_json(const Motion& motion);
+nlohmann::ordered_json to_json(const Moves& moves);
 
 }  // namespace moma

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <boost/math/special_functions/erf.hpp>
 #include <cmath>
 #include <set>
 #include <vector>
@@ -10,9 +12,13 @@
 #include "world/scenario/apportion.h"
 #include "world/scenario/distribution.h"
 #include "world/scenario/worlds.h"
+#include "world/sensing/streams.h"
+#include "world/world_json.h"
 
 namespace moma {
 namespace {
+
+config::Node node(const std::string& text) { return config::parse_yaml(text, "test.yaml"); }
 
 TEST(Draws, ArePhilox4x64) {
   // Known answer of Random123 1.14 (kat_vectors: philox4x64 10, counter and key zero).
@@ -74,7 +80,159 @@ TEST(Draws, MomentsAreRight) {
   EXPECT_NEAR(l1 / n, -1.0, 5 * 0.577 / std::sqrt(n));
 }
 
-config::Node node(const std::string& text) { return config::parse_yaml(text, "test.yaml"); }
+constexpr std::uint32_t mask(Stream stream) { return 1U << static_cast<unsigned>(stream); }
+
+/// Kolmogorov and Smirnov's distance to the uniform law, times sqrt(n): above 1.95 with probability 0.001.
+double distance_to_uniform(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const auto n = static_cast<double>(values.size());
+  double worst = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto k = static_cast<double>(i);
+    worst = std::max({worst, values[i] - k / n, (k + 1) / n - values[i]});
+  }
+  return worst * std::sqrt(n);
+}
+
+TEST(Moves, NoneChangeNothing) {
+  const Moves none, elsewhere = {{1, 1.0, 1.0, mask(Stream::kGoal)}};
+  Draws plain(7, 3, Stream::kObjects, 2, 5), with_none(7, 3, Stream::kObjects, 2, 5, &none),
+      with_others(7, 3, Stream::kObjects, 2, 5, &elsewhere);
+  for (int i = 0; i < 50; ++i) {
+    const std::uint64_t bits = plain.bits();
+    EXPECT_EQ(with_none.bits(), bits);
+    EXPECT_EQ(with_others.bits(), bits);
+  }
+}
+
+TEST(Moves, KeepTheLawOfEveryWord) {
+  std::vector<double> first, pairs;
+  double g1 = 0.0, g2 = 0.0, g4 = 0.0;
+  const int n = 20000;
+  for (int i = 0; i < n; ++i) {
+    const auto index = static_cast<std::uint64_t>(i);
+    const Moves moves = {{index << 2, 0.3, 1.0, mask(Stream::kObjects)},
+                         {index << 2 | 1, 1.0, 0.2, mask(Stream::kObjects)},
+                         {index << 2 | 2, 0.8, 0.5, mask(Stream::kObjects)},
+                         {index << 2 | 3, 0.01, 1.0, mask(Stream::kObjects)}};
+    Draws draws(5, index, Stream::kObjects, 0, 0, &moves);
+    first.push_back(draws.uniform());
+    pairs.push_back(std::fmod(first.back() + draws.uniform(), 1.0));  // uniform where two draws are independent
+    const double g = draws.normal(0.0, 1.0);                          // of both words
+    g1 += g;
+    g2 += g * g;
+    g4 += g * g * g * g;
+  }
+  EXPECT_LT(distance_to_uniform(first), 1.95);
+  EXPECT_LT(distance_to_uniform(pairs), 1.95);
+  EXPECT_NEAR(g1 / n, 0.0, 4 / std::sqrt(n));
+  EXPECT_NEAR(g2 / n, 1.0, 4 * std::sqrt(2.0 / n));
+  EXPECT_NEAR(g4 / n, 3.0, 4 * std::sqrt(96.0 / n));
+}
+
+/// The mean of what a normal and the moved one have in common, and the part that is moved.
+TEST(Moves, StepAsFarAsTheyAre) {
+  const auto normal = [](double u) { return -std::sqrt(2.0) * boost::math::erfc_inv(2.0 * (u + 0x1p-54)); };
+  for (const Move move : {Move{1, 0.6, 1.0, mask(Stream::kGoal)}, Move{2, 1.0, 1.0, mask(Stream::kGoal)},
+                          Move{3, 0.6, 0.25, mask(Stream::kGoal)}}) {
+    const Moves moves = {move};
+    Draws before(9, 1, Stream::kGoal), after(9, 1, Stream::kGoal, 0, 0, &moves);
+    const int n = 20000;
+    double common = 0.0;
+    int moved = 0;
+    for (int i = 0; i < n; ++i) {
+      const double a = before.uniform(), b = after.uniform();
+      moved += a != b ? 1 : 0;
+      common += a != b ? normal(a) * normal(b) : 0.0;
+    }
+    EXPECT_NEAR(moved, move.fraction * n, 4 * std::sqrt(n) * 0.5);
+    EXPECT_NEAR(common / moved, std::sqrt(1.0 - move.scale * move.scale), 5 / std::sqrt(moved));
+  }
+}
+
+TEST(Moves, AreAppliedInTurn) {
+  const Move step{1, 0.5, 1.0, mask(Stream::kGoal)}, anew{2, 1.0, 1.0, mask(Stream::kGoal)};
+  const Moves first = {step, anew}, second = {anew}, third = {anew, step};
+  Draws a(9, 1, Stream::kGoal, 0, 0, &first), b(9, 2, Stream::kGoal, 0, 0, &second),
+      c(9, 1, Stream::kGoal, 0, 0, &third);
+  for (int i = 0; i < 20; ++i) {
+    const std::uint64_t anew_bits = a.bits();
+    EXPECT_EQ(anew_bits, b.bits());  // whatever was there before
+    EXPECT_NE(anew_bits, c.bits());
+  }
+}
+
+TEST(Moves, OfConstantErrorsLeaveTheNoiseOfLaterSteps) {
+  const Moves moves = {{1, 1.0, 1.0, Move::kConstantErrors}};
+  for (const Stream stream : {Stream::kSensing, Stream::kDisturbance}) {
+    EXPECT_NE(Draws(1, 1, stream, 0, 4, &moves).bits(), Draws(1, 1, stream, 0, 4).bits());
+    EXPECT_EQ(Draws(1, 1, stream, 1, 4, &moves).bits(), Draws(1, 1, stream, 1, 4).bits());
+  }
+  EXPECT_EQ(Draws(1, 1, Stream::kObjects, 0, 4, &moves).bits(), Draws(1, 1, Stream::kObjects, 0, 4).bits());
+}
+
+World world_of_three() {
+  World world;
+  world.index = 4;
+  world.seed = 6;
+  world.start.q = world.witness.q = VectorX::Zero(7);
+  for (const char* name : {"a", "b", "c"}) {
+    world.objects.emplace_back();
+    world.objects.back().name = name;
+    world.objects.back().shape.size = {0.1, 0.1, 0.1};
+  }
+  return world;
+}
+
+TEST(Moves, AreInTheWorldsFileAndInItsIdentity) {
+  World world = world_of_three();
+  EXPECT_FALSE(to_json(world).contains("moves"));
+  EXPECT_FALSE(to_json(world)["objects"][0].contains("noise"));
+  world.objects[2].noise = 9;
+  world.moves = std::make_shared<Moves>(Moves{{(1ULL << 53) - 1, 0.1, 1.0 / 3.0, 3}, {2, 1.0, 1.0, 127}});
+  const nlohmann::ordered_json json = to_json(world);
+  const World again = world_from_json(json, "test");
+  EXPECT_EQ(to_json(again), json);
+  EXPECT_EQ(again.objects[2].noise, 9);
+  ASSERT_EQ(again.moves->size(), 2u);
+  EXPECT_EQ((*again.moves)[0].id, (1ULL << 53) - 1);
+  EXPECT_EQ((*again.moves)[0].fraction, 1.0 / 3.0);
+
+  const Worlds worlds = Worlds::read(node("{seed: 3, families: {open: {}}}"), "worlds");
+  EXPECT_FALSE(worlds.identity(5).contains("moves"));
+  EXPECT_EQ(worlds.identity(5, *world.moves)["moves"], json["moves"]);
+  EXPECT_NE(worlds.identity(5, *world.moves), worlds.identity(5));
+}
+
+TEST(Moves, ThatAreWrongAreRefused) {
+  nlohmann::ordered_json json = to_json(world_of_three());
+  for (const char* bad : {"[[1, 0, 1, 1]]", "[[1, 1, 1]]", "[[1.5, 1, 1, 1]]", "[[-1, 1, 1, 1]]", "[[1, 1.1, 1, 1]]",
+                          "[[1, 1, 0, 1]]", "[[1, 1, 1, 128]]", "{}", "[1]"}) {
+    json["moves"] = nlohmann::ordered_json::parse(bad);
+    EXPECT_THROW(world_from_json(json, "test"), config::ConfigError) << bad;
+  }
+}
+
+TEST(Moves, AreInEveryDrawOfADisturbance) {
+  World world = world_of_three();
+  world.moves = std::make_shared<Moves>(Moves{{1, 1.0, 1.0, mask(Stream::kSensing) | mask(Stream::kDisturbance)}});
+  const DisturbanceStreams plain(world_of_three(), 1), moved(world, 1);
+  using enum DisturbanceSource;
+  EXPECT_NE(plain.sensing(kJointNoise, 3).bits(), moved.sensing(kJointNoise, 3).bits());
+  EXPECT_NE(plain.acting(kJointGain).bits(), moved.acting(kJointGain).bits());
+}
+
+TEST(ObjectNoise, GoesWithTheNumberAndNotWithThePlace) {
+  World world = world_of_three();
+  const DisturbanceStreams all(world, 1);
+  world.objects[2].noise = 2;
+  world.objects.erase(world.objects.begin() + 1);
+  const DisturbanceStreams fewer(world, 1);
+  using enum DisturbanceSource;
+  EXPECT_EQ(fewer.sensing(kObjectPosition, 7, 0).bits(), all.sensing(kObjectPosition, 7, 0).bits());
+  EXPECT_EQ(fewer.sensing(kObjectPosition, 7, 1).bits(), all.sensing(kObjectPosition, 7, 2).bits());
+  EXPECT_EQ(fewer.sensing(kPhantom, 7, 3).bits(), all.sensing(kPhantom, 7, 3).bits());
+}
 
 TEST(Distribution, RoundTripsThroughJson) {
   for (const char* text : {"0.1", "{uniform: [0.1, 0.30000000000000004]}", "{log_uniform: [1e-3, 10]}",

@@ -30,10 +30,11 @@ constexpr ProximityRanges only_objects(double range) { return {range, -1.0, -1.0
 }  // namespace
 
 SceneBuilder::SceneBuilder(std::shared_ptr<const RobotModel> model, std::uint64_t seed, std::uint64_t index,
-                           double clearance)
+                           double clearance, std::shared_ptr<const Moves> moves)
     : model_(std::move(model)),
       seed_(seed),
       index_(index),
+      moves_(std::move(moves)),
       clearance_(clearance),
       start_(model_),
       witness_(model_),
@@ -46,6 +47,7 @@ void SceneBuilder::begin(std::uint64_t attempt, World& world) {
   world = World();
   world.index = index_;
   world.seed = seed_;
+  world.moves = moves_;
   world.robot = model_->name;
 }
 

@@ -20,7 +20,8 @@ class SceneBuilder {
  public:
   static constexpr double kTimeStep = 1e-3;  ///< [s]
 
-  SceneBuilder(std::shared_ptr<const RobotModel> model, std::uint64_t seed, std::uint64_t index, double clearance);
+  SceneBuilder(std::shared_ptr<const RobotModel> model, std::uint64_t seed, std::uint64_t index, double clearance,
+               std::shared_ptr<const Moves> moves = nullptr);
 
   const RobotModel& model() const { return *model_; }
   const std::shared_ptr<const RobotModel>& model_pointer() const { return model_; }
@@ -28,7 +29,9 @@ class SceneBuilder {
   bool mobile() const { return model_->mobile(); }
 
   /// The draws of this try for one purpose. `item` numbers what is placed.
-  Draws draws(Stream stream, std::uint64_t item = 0) const { return {seed_, index_, stream, attempt_, item}; }
+  Draws draws(Stream stream, std::uint64_t item = 0) const {
+    return {seed_, index_, stream, attempt_, item, moves_.get()};
+  }
   /// Starts the next try.
   void begin(std::uint64_t attempt, World& world);
   /// Counts a failed check; returns false for `return reject(...)`.
@@ -82,6 +85,7 @@ class SceneBuilder {
 
   std::shared_ptr<const RobotModel> model_;
   std::uint64_t seed_, index_, attempt_ = 0;
+  std::shared_ptr<const Moves> moves_;
   double clearance_;
   Kinematics start_, witness_;
   Proximity proximity_;  ///< one for self pairs and objects: geometry of meshes takes long to build

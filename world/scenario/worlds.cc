@@ -202,7 +202,8 @@ Json Worlds::to_json() const {
   return out;
 }
 
-World Worlds::make(const std::shared_ptr<const RobotModel>& model, std::uint64_t index, MakingLog* log) const {
+World Worlds::make(const std::shared_ptr<const RobotModel>& model, std::uint64_t index, MakingLog* log,
+                   const std::shared_ptr<const Moves>& moves) const {
   if (const auto* frozen = std::get_if<Frozen>(&data_->source)) {
     if (index >= frozen->size())
       throw GenerationError(
@@ -221,7 +222,7 @@ World Worlds::make(const std::shared_ptr<const RobotModel>& model, std::uint64_t
   }
   const Member& member = std::get<Mixture>(data_->source).at(index);
   const Making& making = data_->making;
-  SceneBuilder builder(model, making.seed, index, making.clearance);
+  SceneBuilder builder(model, making.seed, index, making.clearance, moves);
   World world;
   bool found = false;
   int tries = 0;
@@ -248,7 +249,12 @@ std::string Worlds::family_of(std::uint64_t index) const {
   return std::get<Mixture>(data_->source).at(index).name;
 }
 
-Json Worlds::identity(std::uint64_t index) const {
+Json Worlds::identity(std::uint64_t index, const Moves& moves) const {
+  if (!moves.empty()) {
+    Json moved = identity(index);
+    moved["moves"] = moma::to_json(moves);
+    return moved;
+  }
   if (const auto* frozen = std::get_if<Frozen>(&data_->source))
     return {{"frozen", index < frozen->size() ? moma::to_json((*frozen)[index]) : Json()}};
   if (const auto* scenes = std::get_if<Scenes>(&data_->source))
@@ -259,6 +265,17 @@ Json Worlds::identity(std::uint64_t index) const {
           {"clearance", data_->making.clearance},
           {"family", member.name},
           {"parameters", member.family->to_json()}};
+}
+
+std::vector<std::pair<std::string, double>> Worlds::shares() const {
+  std::vector<std::pair<std::string, double>> out;
+  const auto* mixture = std::get_if<Mixture>(&data_->source);
+  if (mixture == nullptr) return out;
+  double sum = 0.0;
+  for (const Member& member : mixture->members) sum += member.weight;
+  for (const Member& member : mixture->members)
+    if (member.weight > 0.0) out.emplace_back(member.name, member.weight / sum);
+  return out;
 }
 
 double Worlds::clearance() const { return data_->making.clearance; }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "controller/config/node.h"
@@ -33,12 +34,16 @@ class Worlds {
   /// World `index`: a pure function of (this section, robot, seed, index). Families share out the indices by
   /// weight: every prefix 0..n-1 holds each family within one of its share, in full cycles exactly.
   /// Throws GenerationError where no valid world is found in the allowed tries. Adds to `log`, also then.
-  World make(const std::shared_ptr<const RobotModel>& model, std::uint64_t index, MakingLog* log = nullptr) const;
+  /// `moves` change what families draw, and what disturbances draw in their worlds; other worlds take none.
+  World make(const std::shared_ptr<const RobotModel>& model, std::uint64_t index, MakingLog* log = nullptr,
+             const std::shared_ptr<const Moves>& moves = nullptr) const;
 
   std::string family_of(std::uint64_t index) const;
   /// What decides world `index` besides the robot: seed, index, its family's own parameters (or the frozen world
   /// itself). Other families of the mixture do not enter. Part of a trial's key.
-  nlohmann::ordered_json identity(std::uint64_t index) const;
+  nlohmann::ordered_json identity(std::uint64_t index, const Moves& moves = {}) const;
+  /// Share of the worlds that are of each family, adding up to 1; empty where worlds are not drawn by families.
+  std::vector<std::pair<std::string, double>> shares() const;
   double clearance() const;
   std::uint64_t seed() const;
   /// Number of worlds of a frozen set; -1 where there is no end.

@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <vector>
 
 #include "world/draws.h"
 #include "world/world.h"
@@ -55,14 +57,18 @@ enum class DisturbanceSource : std::uint64_t {
 };
 
 /// The draws of a trial's disturbances: a pure function of (the world's seed and index, `seed`, source, control step,
-/// object). What is on or off, how many objects there are, and who asks first change none of the others.
+/// object), changed by the world's moves. An object is known by WorldObject::noise. What is on or off, how many objects
+/// there are, and who asks first change none of the others.
 class DisturbanceStreams {
  public:
   DisturbanceStreams(const World& world, std::uint64_t seed)
-      : world_seed_(world.seed), world_index_(world.index), seed_(seed) {}
+      : world_seed_(world.seed), world_index_(world.index), seed_(seed), moves_(world.moves) {
+    for (const WorldObject& object : world.objects)
+      numbers_.push_back(object.noise >= 0 ? static_cast<std::size_t>(object.noise) : numbers_.size());
+  }
 
   Draws sensing(DisturbanceSource source, long step, std::size_t object = 0) const {
-    return draws(Stream::kSensing, source, step, object);
+    return draws(Stream::kSensing, source, step, object < numbers_.size() ? numbers_[object] : object);
   }
   Draws acting(DisturbanceSource source, long step = 0) const { return draws(Stream::kDisturbance, source, step, 0); }
 
@@ -70,10 +76,12 @@ class DisturbanceStreams {
   Draws draws(Stream stream, DisturbanceSource source, long step, std::size_t object) const {
     const std::uint64_t item =
         seed_ << 32 | static_cast<std::uint64_t>(object) << 8 | static_cast<std::uint64_t>(source);
-    return {world_seed_, world_index_, stream, static_cast<std::uint64_t>(step), item};
+    return {world_seed_, world_index_, stream, static_cast<std::uint64_t>(step), item, moves_.get()};
   }
 
   std::uint64_t world_seed_, world_index_, seed_;
+  std::shared_ptr<const Moves> moves_;
+  std::vector<std::size_t> numbers_;  ///< of the world's objects
 };
 
 }  // namespace moma

@@ -1,0 +1,124 @@
+#include <fmt/format.h>
+
+#include <iostream>
+#include <memory>
+
+#include "eval/cli/command.h"
+#include "eval/cli/interrupt.h"
+#include "eval/cli/listener.h"
+#include "eval/cli/suite_options.h"
+#include "eval/cli/table.h"
+#include "eval/run/risk.h"
+
+namespace moma::cli {
+namespace {
+
+using store::Cell;
+
+struct RiskOptions {
+  SuiteOptions suite;
+  run::RiskRequest request;
+  std::string event = "collision";
+  Format format = Format::kTable;
+  bool price = false;
+  bool quiet = false;
+};
+
+store::QueryResult table(const run::Risk& risk) {
+  store::QueryResult out{{"controller", "family", "p", "low", "high", "trials", "crude", "crude low", "crude high",
+                          "crude trials", "spread/ideal", "died out", "ancestors", "ties"},
+                         {}};
+  for (const run::RiskRow& row : risk.rows) {
+    const auto known = [&](double value) { return row.refused() ? Cell{} : Cell{value}; };
+    const risk::Estimate& e = row.estimate;
+    const auto count = [](std::size_t n) { return static_cast<std::int64_t>(n); };
+    out.rows.push_back({row.label.empty() ? row.controller : row.controller + ":" + row.label, row.family, known(e.p),
+                        known(e.interval.low), known(e.interval.high), count(row.trials), row.crude,
+                        row.crude_interval.low, row.crude_interval.high, count(row.crude_trials), e.excess(),
+                        count(row.died), count(row.ancestors), count(row.tied)});
+  }
+  return out;
+}
+
+std::string moves_text(const run::RiskRow& row) {
+  std::string text = fmt::format("{}, {}: moves accepted:", row.controller, row.family);
+  for (const auto& [name, moves] : row.moves) {
+    if (moves.proposed == 0) continue;
+    text += fmt::format(" {} {:.0f} %,", name,
+                        100.0 * static_cast<double>(moves.accepted) / static_cast<double>(moves.proposed));
+  }
+  text.pop_back();
+  return text;
+}
+
+int risk_of_suite(const RiskOptions& options) {
+  const Suite suite = options.suite.load();
+  std::optional<run::RareEvent> event;
+  try {
+    event = run::RareEvent::read(options.event);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(fmt::format("risk: --event: {}", error.what()));
+  }
+  if (!options.quiet) print_warnings(suite.warnings);
+  if (!options.quiet || options.price)
+    (options.price ? std::cout : std::cerr) << run::price_of_risk(options.request, suite) << std::endl;
+  if (options.price) return kOk;
+  const InterruptGuard interrupt;
+  run::RiskRequest request = options.request;
+  request.stop = &InterruptGuard::flag();
+  ProgressPrinter progress(options.quiet, "success");
+  const run::Risk risk = run::estimate_risk(request, suite, *event, listener_on_stderr(options.quiet, &progress));
+  progress.clear();
+  if (risk.end != run::End::kFinished) {
+    std::cerr << terminal_safe_lines(risk.stopped) << std::endl;
+    return kStoppedEarly;
+  }
+  bool refused = false;
+  for (const run::RiskRow& row : risk.rows) {
+    refused = refused || row.refused();
+    if (!options.quiet && row.family != "all") std::cerr << terminal_safe(moves_text(row)) << '\n';
+  }
+  if (options.format == Format::kTable)
+    std::cout << fmt::format("{} by {}, 95 % intervals\n", event->text(), event->level());
+  write(std::cout, table(risk), options.format);
+  std::cout.flush();
+  print_warnings(risk.warnings);
+  return refused ? kCheckFailed : kOk;
+}
+
+}  // namespace
+
+void add_risk(CLI::App& app, Action& action, const Arguments& arguments) {
+  auto options = std::make_shared<RiskOptions>();
+  options->request.arguments = arguments;
+  CLI::App* command = app.add_subcommand(
+      "risk", "Estimate how probable a rare event is over a suite's worlds and disturbances, by splitting");
+  options->suite.add_to(*command);
+  command->add_option("--event", options->event,
+                      "collision, timeout, stuck, joint_limit, infeasible, METRIC<VALUE or METRIC>VALUE (collision)");
+  risk::SplittingOptions& splitting = options->request.splitting;
+  command->add_option("--particles", splitting.particles, "Worlds of a replicate (250)")
+      ->check(CLI::Range(10, 1000000));
+  command->add_option("--replicates", splitting.replicates, "Independent ones, which give the interval (10)")
+      ->check(CLI::Range(2, 10000));
+  command->add_option("--moves", splitting.moves, "Moves of each copy (5)")->check(CLI::Range(1, 1000));
+  command->add_option("--levels", splitting.levels, "Most levels, each of which halves the probability (40)")
+      ->check(CLI::Range(1, 1000));
+  command->add_option("--split-seed", splitting.seed, "Seed of choices and moves (1)");
+  command->add_option("--crude", options->request.crude,
+                      "Crude trials of each family beside it, the first worlds among them (as many as splitting took)");
+  command->add_option("-o,--output", options->request.file,
+                      "Store to keep trials in, made if missing: the same command goes on after a stop");
+  add_threads(*command, options->request.threads);
+  add_format(*command, options->format);
+  command->add_flag("--price", options->price, "Only say how many trials it takes, and how long");
+  command->add_flag("-q,--quiet", options->quiet, "No progress and no remarks");
+  command->footer(
+      "Each family of worlds is split by itself; `all` joins them by their weights. Exit 1 where replicates differ "
+      "too\n"
+      "much for an estimate. What the figures mean, and when they lie: docs/explanation/rare-failures.md.\n"
+      "Example: moma risk configs/suites/demo.yaml --set simulation.mode=kinematic --particles 100 -o results/risk.db");
+  command->callback([&action, options] { action = [options] { return risk_of_suite(*options); }; });
+}
+
+}  // namespace moma::cli

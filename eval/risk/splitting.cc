@@ -1,0 +1,219 @@
+#include "eval/risk/splitting.h"
+
+#include <Random123/philox.h>
+
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+namespace moma::risk {
+namespace {
+
+constexpr double kTargetAcceptance = 0.3;
+constexpr double kAdaptation = 1.0;
+constexpr double kLeastScale = 1e-3;
+
+using Words = r123::Philox4x64::ctr_type;
+
+/// Of a particle in a round; rounds are counted over levels and moves.
+Words words(std::uint64_t seed, std::size_t place, std::uint64_t round) {
+  return r123::Philox4x64()({{place, round, 0, 0}}, {{seed, 0x7269736bULL}});
+}
+
+double unit(std::uint64_t word) { return static_cast<double>(word >> 11) * 0x1p-53; }
+
+std::size_t below(std::uint64_t word, std::size_t count) {
+  return std::min(static_cast<std::size_t>(unit(word) * static_cast<double>(count)), count - 1);
+}
+
+/// A replicate on its way.
+struct Run {
+  std::size_t first = 0;  ///< its first place
+  double level = -kEvent;
+  double product = 1.0;
+  bool done = false;
+  std::vector<double> scales;
+  std::vector<Acceptance> since;    ///< the latest move
+  std::vector<std::size_t> copies;  ///< places
+  std::vector<std::size_t> ancestor;
+};
+
+class Splitter {
+ public:
+  Splitter(const SplittingOptions& options, Particles& particles) : options_(options), particles_(particles) {}
+
+  Splitting run() {
+    const std::size_t n = options_.particles;
+    result_.particles = n;
+    result_.replicates.resize(options_.replicates);
+    result_.kinds.resize(particles_.kinds());
+    runs_.resize(options_.replicates);
+    for (std::size_t r = 0; r < runs_.size(); ++r) {
+      runs_[r].first = r * n;
+      runs_[r].scales.assign(particles_.kinds(), 1.0);
+      for (std::size_t i = 0; i < n; ++i) runs_[r].ancestor.push_back(i);
+    }
+    scores_ = result_.first = particles_.draw(n * runs_.size());
+    result_.evaluations = scores_.size();
+    for (bool active = true; active;) {
+      active = false;
+      ++round_;
+      for (std::size_t r = 0; r < runs_.size(); ++r) {
+        if (!runs_[r].done) select(runs_[r], result_.replicates[r]);
+        active = active || !runs_[r].done;
+      }
+      std::vector<double> levels;
+      for (const Run& run : runs_)
+        if (!run.done) levels.push_back(run.level);
+      if (active) particles_.reached(levels);
+      for (int move = 0; active && move < options_.moves; ++move) move_copies();
+    }
+    result_.last = scores_;
+    return std::move(result_);
+  }
+
+ private:
+  void end(Run& run, Replicate& replicate) {
+    const std::size_t n = options_.particles;
+    run.done = true;
+    run.copies.clear();
+    replicate.hits =
+        static_cast<std::size_t>(std::count(scores_.begin() + static_cast<std::ptrdiff_t>(run.first),
+                                            scores_.begin() + static_cast<std::ptrdiff_t>(run.first + n), kEvent));
+    replicate.ancestors = std::set<std::size_t>(run.ancestor.begin(), run.ancestor.end()).size();
+    const double share = static_cast<double>(replicate.hits) / static_cast<double>(n);
+    if (replicate.cut || replicate.died_out || replicate.hits == 0) return;
+    replicate.estimate = run.product * share;
+    replicate.variance += (1.0 - share) / (share * static_cast<double>(n));
+  }
+
+  /// Ends the replicate where half of it are events; else kills up to the next level and copies others there.
+  void select(Run& run, Replicate& replicate) {
+    const std::size_t n = options_.particles;
+    std::vector<double> sorted(scores_.begin() + static_cast<std::ptrdiff_t>(run.first),
+                               scores_.begin() + static_cast<std::ptrdiff_t>(run.first + n));
+    std::sort(sorted.begin(), sorted.end());
+    const double level = sorted[n / 2 - 1];
+    if (level == kEvent) return end(run, replicate);
+    std::vector<std::size_t> alive;
+    run.copies.clear();
+    for (std::size_t i = 0; i < n; ++i) (scores_[run.first + i] > level ? alive : run.copies).push_back(run.first + i);
+    replicate.tied = std::max(replicate.tied, run.copies.size() - n / 2);
+    replicate.died_out = alive.empty();
+    replicate.cut = !alive.empty() && replicate.levels == options_.levels;
+    if (replicate.died_out || replicate.cut) return end(run, replicate);
+    ++replicate.levels;
+    run.level = level;
+    const auto k = static_cast<double>(alive.size()), all = static_cast<double>(n);
+    run.product *= k / all;
+    replicate.variance += (all - k) / (k * all);
+    for (const std::size_t place : run.copies) {
+      const std::size_t parent = alive[below(words(options_.seed, place, round_)[0], alive.size())];
+      particles_.copy(parent, place);
+      scores_[place] = scores_[parent];
+      run.ancestor[place - run.first] = run.ancestor[parent - run.first];
+    }
+  }
+
+  void move_copies() {
+    ++round_;
+    proposals_.clear();
+    for (Run& run : runs_) {
+      run.since.assign(particles_.kinds(), {});
+      for (const std::size_t place : run.copies) {
+        const Words random = words(options_.seed, place, round_);
+        const std::size_t kind = below(random[0], particles_.kinds());
+        proposals_.push_back({place, kind, run.scales[kind], random[1] >> 11});
+      }
+    }
+    const std::vector<double> scores = particles_.propose(proposals_);
+    result_.evaluations += scores.size();
+    for (std::size_t i = 0; i < proposals_.size(); ++i) {
+      const Proposal& proposal = proposals_[i];
+      Run& run = runs_[proposal.place / options_.particles];
+      const bool accepted = scores[i] > run.level;
+      for (Acceptance* count : {&run.since[proposal.kind], &result_.kinds[proposal.kind]}) {
+        ++count->proposed;
+        count->accepted += accepted ? 1 : 0;
+      }
+      if (!accepted) continue;
+      particles_.accept(i);
+      scores_[proposal.place] = scores[i];
+    }
+    for (Run& run : runs_) adapt(run);
+  }
+
+  static void adapt(Run& run) {
+    for (std::size_t kind = 0; kind < run.since.size(); ++kind) {
+      const Acceptance& since = run.since[kind];
+      if (since.proposed == 0) continue;
+      const double rate = static_cast<double>(since.accepted) / static_cast<double>(since.proposed);
+      run.scales[kind] =
+          std::clamp(run.scales[kind] * std::exp(kAdaptation * (rate - kTargetAcceptance)), kLeastScale, 1.0);
+    }
+  }
+
+  const SplittingOptions& options_;
+  Particles& particles_;
+  std::vector<Run> runs_;
+  std::vector<double> scores_;
+  std::vector<Proposal> proposals_;
+  std::uint64_t round_ = 0;
+  Splitting result_;
+};
+
+}  // namespace
+
+Splitting split(const SplittingOptions& options, Particles& particles) {
+  if (options.particles < 2 || options.replicates < 1 || options.moves < 1 || options.levels < 0)
+    throw std::invalid_argument("split: needs 2 particles, a replicate and a move at least");
+  return Splitter(options, particles).run();
+}
+
+double expected_evaluations(const SplittingOptions& options, double p) {
+  const double levels = std::max(0.0, std::floor(-std::log2(p)));
+  return static_cast<double>(options.particles * options.replicates) * (1.0 + 0.5 * levels * options.moves);
+}
+
+Estimate estimate(std::span<const Stratum> strata) {
+  if (strata.empty()) throw std::invalid_argument("estimate: no strata");
+  const std::size_t count = strata.front().run->replicates.size();
+  const auto m = static_cast<double>(count);
+  std::vector<double> joined(count, 0.0);
+  double ideal = 0.0, heaviest = 0.0;
+  for (const Stratum& stratum : strata) {
+    if (stratum.run->replicates.size() != count) throw std::invalid_argument("estimate: replicates differ");
+    double mean = 0.0, variance = 0.0, found = 0.0;
+    for (std::size_t r = 0; r < count; ++r) {
+      const Replicate& replicate = stratum.run->replicates[r];
+      joined[r] += stratum.weight * replicate.estimate;
+      mean += stratum.weight * replicate.estimate / m;
+      if (replicate.estimate <= 0.0) continue;
+      variance += replicate.variance;
+      found += 1.0;
+    }
+    if (found > 0.0) ideal += mean * mean * variance / found;
+    heaviest = std::max(heaviest, stratum.weight);
+  }
+  Estimate out;
+  for (const double p : joined) out.p += p / m;
+  if (out.p <= 0.0) {
+    const double n = static_cast<double>(strata.front().run->particles) * m;
+    const double most = std::log(2.0 / 0.05) / n;  // -log of what each of n draws may have missed
+    out.interval = {0.0, std::min(1.0, strata.size() == 1 ? -std::expm1(-most) : heaviest * most)};
+    return out;
+  }
+  double squares = 0.0;
+  for (const double p : joined) squares += (p - out.p) * (p - out.p);
+  out.ideal = std::sqrt(ideal) / out.p;
+  if (count < 2) return out;
+  out.spread = std::sqrt(squares / (m - 1.0)) / out.p;
+  const double t = boost::math::quantile(boost::math::students_t(m - 1.0), 0.975);
+  const double factor = std::exp(t * std::sqrt(std::log1p(out.spread * out.spread / m)));
+  out.interval = {out.p / factor, std::min(1.0, out.p * factor)};
+  return out;
+}
+
+}  // namespace moma::risk

@@ -1,0 +1,125 @@
+#include "eval/run/moved_trials.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <unordered_map>
+#include <unordered_set>
+
+#include "eval/batch/batch.h"
+#include "eval/run/store_file.h"
+#include "eval/store/database.h"
+#include "eval/store/records.h"
+#include "eval/store/run_lock.h"
+#include "eval/trial/key.h"
+#include "eval/trial/late.h"
+#include "world/world_json.h"
+
+namespace moma::run {
+namespace {
+
+/// A moved world as the store keeps it: there are too many to be kept in full, and they can be made again.
+store::WorldRecord without_content(const Worlds& worlds, std::uint64_t index, const Moves& moves) {
+  store::WorldRecord record = store::describe_missing(worlds, index);
+  auto json = nlohmann::ordered_json::parse(record.json);
+  json["moves"] = to_json(moves);
+  record.json = json.dump();
+  return record;
+}
+
+}  // namespace
+
+std::vector<TrialRow> MovedTrials::rows(std::size_t point, std::span<const MovedWorld> worlds, bool progress) {
+  const SuitePoint& of = suite_.points[point];
+  const TrialKeys keys(of);
+  const Moves none;
+  const auto moves = [&](std::size_t i) -> const Moves& { return worlds[i].moves ? *worlds[i].moves : none; };
+  std::vector<BatchJob> jobs;
+  std::unordered_map<std::string, TrialRow> known;
+  std::unordered_set<std::string> present;
+  for (std::size_t i = 0; i < worlds.size(); ++i) {
+    jobs.push_back({point, i, keys.key(of.worlds.identity(worlds[i].index, moves(i)))});
+    if (writer_ == nullptr || present.contains(jobs.back().key)) continue;
+    if (std::optional<TrialRow> row = writer_->find(jobs.back().key)) {
+      ++reused_;
+      present.insert(jobs.back().key);
+      known.emplace(jobs.back().key, std::move(*row));
+    }
+  }
+  BatchOptions batch;
+  batch.threads = threads_;
+  batch.stop = stop_;
+  batch.skip = &present;
+  if (progress) batch.progress = listener_.progress;
+  batch.world = [&](const SuitePoint& at, std::uint64_t i) {
+    const MovedWorld& world = worlds[i];
+    return std::make_shared<const World>(at.worlds.make(at.robot->model, world.index, nullptr, world.moves));
+  };
+  batch.finish = [](const SuitePoint&, BatchResult& result) { Trace().swap(result.output.trace); };
+  std::string late;
+  const BatchSummary summary = run_batch(suite_.points, jobs, batch, [&](const BatchJob& job, BatchResult&& result) {
+    const TrialRow& row = result.output.row;
+    if (is_late(row)) {
+      late = row.reason;
+      return false;
+    }
+    ++computed_;
+    if (row.outcome == Outcome::kError) {
+      if (errors_++ == 0) first_error_ = row.reason;
+    } else if (writer_ != nullptr) {
+      const MovedWorld& world = worlds[job.world];
+      const bool moved = !moves(job.world).empty();
+      const store::WorldRecord record =
+          moved ? without_content(of.worlds, world.index, moves(job.world)) : store::describe(*result.world);
+      writer_->add({store::kNoPoint, world.index, job.key}, record, row, nullptr);
+    }
+    known.emplace(job.key, row);
+    return true;
+  });
+  if (progress && listener_.progress_end) listener_.progress_end();
+  if (!late.empty()) throw Stopped("real time ran out in a trial, which is not stored: " + late);
+  if (summary.stopped) throw Stopped("");
+  std::vector<TrialRow> out;
+  out.reserve(jobs.size());
+  for (const BatchJob& job : jobs) out.push_back(known.at(job.key));
+  return out;
+}
+
+End with_moved_trials(const MovedTrialsRequest& request, const Suite& suite, const Listener& listener,
+                      const std::function<void(MovedTrials&)>& work, std::string& stopped) {
+  const int threads = request.threads > 0 ? request.threads : usual_threads();
+  std::optional<store::RunLock> lock;
+  std::optional<store::Writer> writer;
+  if (!request.file.empty()) {
+    const bool lock_left = store::RunLock::there(request.file);
+    lock.emplace(request.file, request.stop, [&](const std::string& text) { listener.tell(listener.notice, text); });
+    if (!lock->held()) {
+      stopped = "stopped while waiting; nothing was done";
+      return End::kNeverBegan;
+    }
+    writer.emplace(request.file);
+    if (lock->exclusive()) tell_killed(writer->close_killed(), lock_left, listener);
+    store::SuiteRecord record = store::describe(suite);
+    record.metrics.clear();  // of its own: they are for trials that belong to a point
+    writer->begin(record, {request.arguments, threads}, {});
+  }
+  try {
+    MovedTrials trials(suite, writer ? &*writer : nullptr, threads, request.stop, listener);
+    work(trials);
+    listener.tell(listener.note,
+                  fmt::format("{} trials computed, {} taken from the store", trials.computed(), trials.reused()));
+    if (writer) writer->finish(store::RunStatus::kFinished);
+    return End::kFinished;
+  } catch (const Stopped& why) {
+    if (*why.what() != '\0') listener.tell(listener.warning, why.what());
+    if (writer) writer->finish(store::RunStatus::kStopped);
+    stopped = writer ? stopped_text("", "everything computed is", request.file, request.arguments)
+                     : "stopped; nothing is saved without --output";
+    return End::kStopped;
+  } catch (...) {
+    if (writer) writer->fail();
+    throw;
+  }
+}
+
+}  // namespace moma::run

@@ -1,0 +1,270 @@
+#include "eval/run/risk.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "eval/run/store_file.h"
+#include "eval/run/survey.h"
+#include "world/draws.h"
+#include "world/sensing/disturbances_file.h"
+
+namespace moma::run {
+namespace {
+
+constexpr std::uint32_t mask(std::initializer_list<Stream> streams) {
+  std::uint32_t all = 0;
+  for (const Stream stream : streams) all |= 1U << static_cast<unsigned>(stream);
+  return all;
+}
+constexpr std::uint32_t kWorldStreams = mask({Stream::kStart, Stream::kGoal, Stream::kObjects, Stream::kMotion});
+constexpr std::uint32_t kNoiseStreams = mask({Stream::kSensing, Stream::kDisturbance});
+
+/// A kind of moves. Noise has so many numbers that a part of them is drawn anew: that needs no quantile.
+struct MoveKind {
+  const char* name;
+  std::uint32_t mask;
+  bool anew;        ///< the scale is the part that is drawn anew
+  double fraction;  ///< of the numbers that are moved, where not
+};
+constexpr MoveKind kMoveKinds[] = {{"world", kWorldStreams, false, 1.0},
+                                   {"part of the world", kWorldStreams, false, 0.3},
+                                   {"constant errors", Move::kConstantErrors, false, 1.0},
+                                   {"noise", kNoiseStreams, true, 1.0}};
+constexpr std::size_t kKindsOfWorld = 2;
+
+}  // namespace
+
+TrialParticles::TrialParticles(const SuitePoint& at, std::size_t point, std::string family, const RareEvent& event,
+                               MovedTrials& trials, const Listener& listener)
+    : at_(at),
+      point_(point),
+      family_(std::move(family)),
+      event_(event),
+      trials_(trials),
+      listener_(listener),
+      kinds_(any(at.disturbances) ? std::size(kMoveKinds) : kKindsOfWorld) {}
+
+const char* TrialParticles::name_of_kind(std::size_t kind) { return kMoveKinds[kind].name; }
+
+std::vector<MovedWorld> TrialParticles::unmoved(std::size_t first, std::size_t count) {
+  for (std::uint64_t index = indices_.empty() ? 0 : indices_.back() + 1; indices_.size() < count; ++index)
+    if (at_.worlds.family_of(index) == family_) indices_.push_back(index);
+  std::vector<MovedWorld> out;
+  for (std::size_t i = first; i < count; ++i) out.push_back({indices_[i], nullptr});
+  return out;
+}
+
+std::vector<double> TrialParticles::scores(const std::vector<TrialRow>& rows) const {
+  std::vector<double> out;
+  for (const TrialRow& row : rows) out.push_back(event_.score(row));
+  return out;
+}
+
+std::vector<double> TrialParticles::draw(std::size_t count) {
+  worlds_ = unmoved(0, count);
+  rows_ = trials_.rows(point_, worlds_, true);
+  return scores(rows_);
+}
+
+std::vector<double> TrialParticles::propose(std::span<const risk::Proposal> proposals) {
+  proposed_.clear();
+  places_.clear();
+  for (const risk::Proposal& proposal : proposals) {
+    const MoveKind& kind = kMoveKinds[proposal.kind];
+    const MovedWorld& from = worlds_[proposal.place];
+    auto moves = from.moves ? std::make_shared<Moves>(*from.moves) : std::make_shared<Moves>();
+    if (kind.anew)
+      moves->push_back({proposal.id, 1.0, proposal.scale, kind.mask});
+    else
+      moves->push_back({proposal.id, proposal.scale, kind.fraction, kind.mask});
+    proposed_.push_back({from.index, std::move(moves)});
+    places_.push_back(proposal.place);
+  }
+  proposed_rows_ = trials_.rows(point_, proposed_);
+  return scores(proposed_rows_);
+}
+
+void TrialParticles::accept(std::size_t i) {
+  worlds_[places_[i]] = proposed_[i];
+  rows_[places_[i]] = proposed_rows_[i];
+}
+
+void TrialParticles::copy(std::size_t from, std::size_t to) {
+  worlds_[to] = worlds_[from];
+  rows_[to] = rows_[from];
+}
+
+void TrialParticles::reached(std::span<const double> levels) {
+  const auto [low, high] = std::minmax_element(levels.begin(), levels.end());
+  listener_.tell(listener_.note, fmt::format("{} replicates on their way, {} {:.4g} to {:.4g}, after {} trials",
+                                             levels.size(), event_.level(), event_.value_of(*low),
+                                             event_.value_of(*high), trials_.computed() + trials_.reused()));
+}
+
+namespace {
+
+/// Contacts that came without a near miss: where the level has no way, splitting is no better than crude trials.
+constexpr double kNear = 0.002;  ///< [m]
+constexpr int kFewContacts = 5;
+
+class RiskRun {
+ public:
+  RiskRun(const RiskRequest& request, const Suite& suite, const RareEvent& event, const Listener& listener,
+          MovedTrials& trials)
+      : request_(request), suite_(suite), event_(event), listener_(listener), trials_(trials) {}
+
+  void point(std::size_t number, Risk& risk) {
+    const SuitePoint& at = suite_.points[number];
+    const auto shares = at.worlds.shares();
+    std::vector<risk::Splitting> runs(shares.size());
+    std::vector<risk::Stratum> strata;
+    RiskRow all;
+    double below = 0.0, above = 0.0;
+    for (std::size_t f = 0; f < shares.size(); ++f) {
+      RiskRow row = family(number, shares[f].first, runs[f], risk.warnings);
+      strata.push_back({shares[f].second, &runs[f]});
+      all.trials += row.trials;
+      all.crude_trials += row.crude_trials;
+      all.crude += shares[f].second * row.crude;
+      below += std::pow(shares[f].second * (row.crude - row.crude_interval.low), 2);
+      above += std::pow(shares[f].second * (row.crude_interval.high - row.crude), 2);
+      risk.rows.push_back(std::move(row));
+    }
+    if (shares.size() < 2) return;
+    all.controller = at.controller;
+    all.label = at.label;
+    all.family = "all";
+    all.estimate = risk::estimate(strata);
+    all.crude_interval = {all.crude - std::sqrt(below), std::min(1.0, all.crude + std::sqrt(above))};
+    diagnose(all, strata, risk.warnings);
+    risk.rows.push_back(std::move(all));
+  }
+
+ private:
+  RiskRow family(std::size_t number, const std::string& family, risk::Splitting& run,
+                 std::vector<std::string>& warnings) {
+    const SuitePoint& at = suite_.points[number];
+    RiskRow row;
+    row.controller = at.controller;
+    row.label = at.label;
+    row.family = family;
+    listener_.tell(listener_.note, fmt::format("{}: splitting", name(row)));
+    TrialParticles particles(at, number, family, event_, trials_, listener_);
+    run = risk::split(request_.splitting, particles);
+    for (std::size_t kind = 0; kind < run.kinds.size(); ++kind)
+      row.moves.emplace_back(particles.name_of_kind(kind), run.kinds[kind]);
+    row.trials = run.evaluations;
+    const risk::Stratum whole{1.0, &run};
+    row.estimate = risk::estimate({&whole, 1});
+    crude(number, particles, run, row);
+    warn_of_jumps(run, row, warnings);
+    diagnose(row, {&whole, 1}, warnings);
+    return row;
+  }
+
+  /// The first draws are crude trials already.
+  void crude(std::size_t number, TrialParticles& particles, const risk::Splitting& run, RiskRow& row) {
+    const std::size_t first = run.first.size();
+    row.crude_trials = std::max<std::size_t>(first, request_.crude.value_or(run.evaluations));
+    listener_.tell(listener_.note, fmt::format("{}: {} crude trials", name(row), row.crude_trials));
+    auto hits = std::count(run.first.begin(), run.first.end(), risk::kEvent);
+    for (const TrialRow& one : trials_.rows(number, particles.unmoved(first, row.crude_trials), true))
+      hits += event_.happened(one) ? 1 : 0;
+    const auto n = static_cast<std::int64_t>(row.crude_trials);
+    row.crude = static_cast<double>(hits) / static_cast<double>(n);
+    row.crude_interval = stats::wilson(hits, n);
+  }
+
+  void warn_of_jumps(const risk::Splitting& run, const RiskRow& row, std::vector<std::string>& warnings) const {
+    if (!event_.collision()) return;
+    const auto contacts = std::count(run.first.begin(), run.first.end(), risk::kEvent);
+    const auto near = std::count_if(run.first.begin(), run.first.end(),
+                                    [](double score) { return score < risk::kEvent && score > -kNear; });
+    if (contacts < kFewContacts || 10 * near >= contacts) return;
+    warnings.push_back(fmt::format(
+        "{}: {} contacts and {} near misses (below {:g} mm) among the first draws: what is hit here is hit without "
+        "having come near, the level has no way to it, and splitting is no better than crude trials",
+        name(row), contacts, near, 1e3 * kNear));
+  }
+
+  void diagnose(RiskRow& row, std::span<const risk::Stratum> strata, std::vector<std::string>& warnings) const {
+    std::size_t cut = 0;
+    row.ancestors = strata.front().run->particles;
+    for (const risk::Stratum& stratum : strata) {
+      for (const risk::Replicate& replicate : stratum.run->replicates) {
+        row.ancestors = std::min(row.ancestors, replicate.ancestors);
+        row.died += replicate.died_out ? 1 : 0;
+        row.tied = std::max(row.tied, replicate.tied);
+        cut += replicate.cut ? 1 : 0;
+      }
+    }
+    const double excess = row.estimate.excess();
+    if (row.refused())
+      warnings.push_back(fmt::format(
+          "{}: no estimate: replicates differ {:.1f} times as much as they should; more --particles, or crude trials",
+          name(row), excess));
+    else if (excess > risk::kDoubtfulExcess)
+      warnings.push_back(fmt::format("{}: in doubt: replicates differ {:.1f} times as much as they should (1 to 1.5)",
+                                     name(row), excess));
+    if (cut > 0 && strata.size() == 1)
+      warnings.push_back(fmt::format("{}: {} replicates were cut after {} levels and count as 0", name(row), cut,
+                                     request_.splitting.levels));
+  }
+
+  static std::string name(const RiskRow& row) {
+    return fmt::format("{}{}{}, {}", row.controller, row.label.empty() ? "" : " ", row.label, row.family);
+  }
+
+  const RiskRequest& request_;
+  const Suite& suite_;
+  const RareEvent& event_;
+  const Listener& listener_;
+  MovedTrials& trials_;
+};
+
+}  // namespace
+
+std::string price_of_risk(const RiskRequest& request, const Suite& suite) {
+  const int threads = request.threads > 0 ? request.threads : usual_threads();
+  WorldSurvey survey;
+  const TrialTime time = trial_time(suite, 1.0, survey);
+  double runs = 0.0;
+  for (const SuitePoint& point : suite.points) runs += static_cast<double>(point.worlds.shares().size());
+  const auto price = [&](double p) {
+    const double trials = risk::expected_evaluations(request.splitting, p);
+    const double crude =
+        request.crude
+            ? std::max(0.0, static_cast<double>(*request.crude) - risk::expected_evaluations(request.splitting, 1.0))
+            : trials;
+    const double all = runs * (trials + crude);
+    return fmt::format("p = {:g}: {:.0f} trials, {:.0f} min", p, all, all * time.each / threads / 60.0);
+  };
+  return fmt::format(
+      "price: a trial takes {:.0f} ms; {} runs of {} x {} particles, {} moves a copy, crude trials included, on {} "
+      "threads: {}; {}; {}",
+      1e3 * time.each, runs, request.splitting.replicates, request.splitting.particles, request.splitting.moves,
+      threads, price(1e-2), price(1e-4), price(1e-6));
+}
+
+Risk estimate_risk(const RiskRequest& request, const Suite& suite, const RareEvent& event, const Listener& listener) {
+  for (const SuitePoint& point : suite.points)
+    if (point.worlds.shares().empty())
+      throw RunError("risk: needs worlds that are drawn by families; of frozen worlds and scenes there are no others");
+  Risk risk;
+  risk.end = with_moved_trials(
+      {request.file, request.arguments, request.threads, request.stop}, suite, listener,
+      [&](MovedTrials& trials) {
+        RiskRun run(request, suite, event, listener, trials);
+        for (std::size_t p = 0; p < suite.points.size(); ++p) run.point(p, risk);
+        if (trials.errors() > 0)
+          risk.warnings.push_back(fmt::format("{} trials ended with an error and count as no event; the first: {}",
+                                              trials.errors(), trials.first_error()));
+      },
+      risk.stopped);
+  return risk;
+}
+
+}  // namespace moma::run

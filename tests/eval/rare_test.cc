@@ -1,0 +1,182 @@
+// Rare events of real trials: moved worlds, their probability by splitting and by crude trials, with a store and
+// without.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <filesystem>
+
+#include "eval/run/risk.h"
+#include "eval/store/reader.h"
+#include "eval/store/writer.h"
+#include "eval/trial/trial.h"
+#include "suite_fixture.h"
+#include "world/draws.h"
+#include "world/world_json.h"
+
+namespace moma::run {
+namespace {
+
+constexpr std::uint32_t mask(Stream stream) { return 1U << static_cast<unsigned>(stream); }
+constexpr std::uint32_t kAll = 127;
+
+/// A suite of cluttered and open worlds with a robot that sees badly.
+class Rare : public ::testing::Test {
+ protected:
+  Suite suite(const std::string& families = "{clutter: {objects: 4}}") const {
+    return load_suite(
+        folder_.write("rare.yaml",
+                      "name: rare\nrobot: robots/tiny.yaml\n"
+                      "controllers: {plain: controllers/plain.yaml}\n"
+                      "worlds: {seed: 3, families: " +
+                          families +
+                          "}\n"
+                          "simulation: {mode: kinematic, time_limit: 3}\n"
+                          "disturbances: {objects: {noise: {position: 0.03}}, joints: {noise: 0.002}}\ntrials: 5\n"));
+  }
+  static RiskRequest request(std::size_t particles, std::size_t replicates) {
+    RiskRequest request;
+    request.threads = 2;
+    request.splitting.particles = particles;
+    request.splitting.replicates = replicates;
+    return request;
+  }
+  std::filesystem::path path(const char* name) const { return folder_.root() / name; }
+
+  test::SuiteFolder folder_;
+};
+
+void expect_same(const Risk& a, const Risk& b) {
+  ASSERT_EQ(a.rows.size(), b.rows.size());
+  for (std::size_t i = 0; i < a.rows.size(); ++i) {
+    EXPECT_EQ(a.rows[i].estimate.p, b.rows[i].estimate.p);
+    EXPECT_EQ(a.rows[i].estimate.interval.high, b.rows[i].estimate.interval.high);
+    EXPECT_EQ(a.rows[i].trials, b.rows[i].trials);
+    EXPECT_EQ(a.rows[i].crude, b.rows[i].crude);
+  }
+}
+
+TEST(RareEvents, AreOutcomesAndMetricsBeyondAValue) {
+  TrialRow row;
+  row.outcome = Outcome::kSuccess;
+  row.clearance_min_m = 0.03;
+  const RareEvent collision = RareEvent::read("collision"), near = RareEvent::read("clearance_min_m<0.04"),
+                  far = RareEvent::read("clearance_min_m>0.04");
+  EXPECT_EQ(collision.score(row), -0.03);
+  EXPECT_EQ(collision.value_of(-0.03), 0.03);
+  EXPECT_EQ(near.score(row), risk::kEvent);
+  EXPECT_EQ(far.score(row), 0.03);
+  row.outcome = Outcome::kCollision;
+  EXPECT_EQ(collision.score(row), risk::kEvent);
+  row.clearance_min_m = kAbsent;
+  EXPECT_FALSE(near.happened(row));
+  EXPECT_EQ(near.score(row), -risk::kEvent);
+  row.clearance_min_m = 0.0;
+  row.outcome = Outcome::kError;
+  EXPECT_FALSE(near.happened(row));
+  EXPECT_EQ(near.score(row), -risk::kEvent);
+  for (const char* bad : {"", "colision", "clearance_min_m<", "clearance_min_m<1x", "clearance<1", "reason<1", "tipped",
+                          "t_step_max_us>100", "time_end_s>inf"})
+    EXPECT_THROW(RareEvent::read(bad), std::invalid_argument) << bad;
+}
+
+TEST_F(Rare, MovedWorldsKeepTheirLawAndFrozenTheyAreTheSame) {
+  const Suite suite = this->suite();
+  const SuitePoint& point = suite.points.front();
+  const int n = 400;
+  std::vector<double> plain, moved;
+  for (int i = 0; i < n; ++i) {
+    const auto index = static_cast<std::uint64_t>(i);
+    const Moves moves = {{3 * index, 0.5, 0.5, kAll}, {3 * index + 1, 1.0, 0.3, kAll}, {3 * index + 2, 0.2, 1.0, kAll}};
+    const World world = point.worlds.make(point.robot->model, index, nullptr, std::make_shared<Moves>(moves));
+    plain.push_back(point.worlds.make(point.robot->model, index + n).difficulty.goal_distance_m);
+    moved.push_back(world.difficulty.goal_distance_m);
+    if (i % 100 != 0) continue;
+    const TrialRow row = run_trial(point, world).row;
+    const World again = world_from_json(to_json(world), "again");
+    EXPECT_EQ(run_trial(point, again).row.path_ee_m, row.path_ee_m);
+    World without = again;
+    without.moves = nullptr;
+    EXPECT_NE(run_trial(point, without).row.path_ee_m, row.path_ee_m);  // the noise is another
+  }
+  std::sort(plain.begin(), plain.end());
+  std::sort(moved.begin(), moved.end());
+  double apart = 0.0;  // Kolmogorov and Smirnov's distance of two samples
+  for (std::size_t i = 0, k = 0; i < plain.size(); ++i) {
+    while (k < moved.size() && moved[k] <= plain[i]) ++k;
+    apart = std::max(apart, std::abs(static_cast<double>(k) - static_cast<double>(i + 1)) / n);
+  }
+  EXPECT_LT(apart * std::sqrt(n / 2.0), 1.95);
+}
+
+TEST_F(Rare, RiskAgreesWithCrudeTrials) {
+  RiskRequest request = this->request(40, 8);
+  request.crude = 2000;
+  const Risk risk = estimate_risk(request, suite(), RareEvent::read("clearance_min_m<0.025"));
+  ASSERT_EQ(risk.rows.size(), 1u);
+  const RiskRow& row = risk.rows.front();
+  EXPECT_GT(row.crude, 0.003);
+  EXPECT_LT(row.crude, 0.15);
+  EXPECT_GT(row.trials, 1000u);
+  EXPECT_FALSE(row.refused());
+  EXPECT_LT(row.estimate.interval.low, row.crude_interval.high);
+  EXPECT_GT(row.estimate.interval.high, row.crude_interval.low);
+  EXPECT_EQ(row.crude_trials, 2000u);
+  ASSERT_EQ(row.moves.size(), 4u);
+  for (const auto& [name, moves] : row.moves) {
+    EXPECT_GT(moves.accepted, 0u) << name;
+    EXPECT_LT(moves.accepted, moves.proposed) << name;
+  }
+}
+
+TEST_F(Rare, RiskIsTheSameForAnyThreadsAndStops) {
+  const Suite suite = this->suite("{clutter: {objects: 4, weight: 3}, open: {weight: 1}}");
+  const RareEvent event = RareEvent::read("clearance_min_m<0.025");
+  RiskRequest request = this->request(10, 3);
+  request.crude = 40;
+  const Risk whole = estimate_risk(request, suite, event);
+  ASSERT_EQ(whole.rows.size(), 3u);
+  EXPECT_EQ(whole.rows[2].family, "all");
+  EXPECT_NEAR(whole.rows[2].estimate.p, 0.75 * whole.rows[0].estimate.p + 0.25 * whole.rows[1].estimate.p, 1e-12);
+  EXPECT_NEAR(whole.rows[2].crude, 0.75 * whole.rows[0].crude + 0.25 * whole.rows[1].crude, 1e-12);
+
+  request.threads = 1;
+  request.file = path("risk.db");
+  request.arguments = {"moma", "risk", "rare.yaml"};
+  std::atomic<bool> stop = false;
+  request.stop = &stop;
+  Listener listener;
+  int levels = 0;
+  listener.note = [&](const std::string& text) {
+    stop = text.find("on their way") != std::string::npos && ++levels == 2;
+  };
+  const Risk stopped = estimate_risk(request, suite, event, listener);
+  EXPECT_EQ(stopped.end, End::kStopped);
+  EXPECT_NE(stopped.stopped.find("moma risk rare.yaml"), std::string::npos) << stopped.stopped;
+
+  stop = false;
+  std::string last;
+  listener.note = [&](const std::string& text) { last = text; };
+  const Risk resumed = estimate_risk(request, suite, event, listener);
+  expect_same(whole, resumed);
+  EXPECT_EQ(last.find(", 0 taken"), std::string::npos) << last;
+  const Risk again = estimate_risk(request, suite, event, listener);
+  expect_same(whole, again);
+  EXPECT_EQ(last.find("0 trials computed"), 0u) << last;
+  EXPECT_TRUE(store::Reader(request.file).integrity_problems().empty());
+}
+
+TEST_F(Rare, RiskNeedsWorldsThatAreDrawn) {
+  const Suite drawn = suite();
+  const SuitePoint& point = drawn.points.front();
+  folder_.write("one.jsonl", to_json(point.worlds.make(point.robot->model, 0)).dump() + "\n");
+  const Suite frozen = load_suite(
+      folder_.write("frozen.yaml",
+                    "name: frozen\nrobot: robots/tiny.yaml\ncontrollers: {plain: controllers/plain.yaml}\n"
+                    "worlds: {frozen: one.jsonl}\nsimulation: {mode: kinematic, time_limit: 3}\ntrials: 1\n"));
+  EXPECT_THROW(estimate_risk(request(10, 2), frozen, RareEvent::read("collision")), RunError);
+}
+
+}  // namespace
+}  // namespace moma::run

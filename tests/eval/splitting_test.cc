@@ -1,0 +1,294 @@
+#include "eval/risk/splitting.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <boost/math/distributions/normal.hpp>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace moma::risk {
+namespace {
+
+using Point = std::vector<double>;
+
+double tail(double x) { return 0.5 * std::erfc(x / std::numbers::sqrt2); }
+double beyond(double p) { return boost::math::quantile(boost::math::complement(boost::math::normal(), p)); }
+
+/// Standard normals of one id: SplitMix64 and Box-Muller.
+class Normals {
+ public:
+  explicit Normals(std::uint64_t id) : state_(id) { state_ = next(); }  // a stream apart from that of id + 1
+  double operator()() {
+    const double radius = std::sqrt(-2.0 * std::log((static_cast<double>(next() >> 11) + 0.5) * 0x1p-53));
+    return radius * std::cos(2.0 * std::numbers::pi * static_cast<double>(next() >> 11) * 0x1p-53);
+  }
+
+ private:
+  std::uint64_t next() {
+    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15ULL);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
+    return z ^ (z >> 31);
+  }
+  std::uint64_t state_;
+};
+
+/// Standard normal points in `dimension` dimensions, moved by preconditioned Crank-Nicolson steps of all coordinates.
+class Gaussian : public Particles {
+ public:
+  Gaussian(std::size_t dimension, std::function<double(const Point&)> score, std::uint64_t seed)
+      : dimension_(dimension), score_(std::move(score)), seed_(seed) {}
+
+  std::size_t kinds() const override { return 1; }
+  std::vector<double> draw(std::size_t count) override {
+    std::vector<double> scores;
+    for (std::size_t i = 0; i < count; ++i) {
+      Normals normal(seed_ << 40 | i);
+      Point point(dimension_);
+      for (double& x : point) x = normal();
+      scores.push_back(score_(point));
+      points_.push_back(std::move(point));
+    }
+    return scores;
+  }
+  std::vector<double> propose(std::span<const Proposal> proposals) override {
+    proposals_.assign(proposals.begin(), proposals.end());
+    proposed_.clear();
+    std::vector<double> scores;
+    for (const Proposal& proposal : proposals) {
+      Normals normal(proposal.id ^ 0x5555ULL << 40);
+      Point point = points_[proposal.place];
+      for (double& x : point) x = std::sqrt(1.0 - proposal.scale * proposal.scale) * x + proposal.scale * normal();
+      scores.push_back(score_(point));
+      proposed_.push_back(std::move(point));
+    }
+    return scores;
+  }
+  void accept(std::size_t i) override { points_[proposals_[i].place] = proposed_[i]; }
+  void copy(std::size_t from, std::size_t to) override { points_[to] = points_[from]; }
+
+ private:
+  std::size_t dimension_;
+  std::function<double(const Point&)> score_;
+  std::uint64_t seed_;
+  std::vector<Point> points_, proposed_;
+  std::vector<Proposal> proposals_;
+};
+
+/// An event of known probability.
+struct Known {
+  std::string name;
+  std::size_t dimension;
+  double p;
+  std::function<double(const Point&)> score;
+};
+
+Known half_space(std::size_t dimension, double p) {
+  const double root = std::sqrt(static_cast<double>(dimension)), limit = beyond(p);
+  return {"half space", dimension, p, [=](const Point& x) {
+            double sum = 0.0;
+            for (const double v : x) sum += v;
+            return sum / root >= limit ? kEvent : sum / root;
+          }};
+}
+
+Known stairs() {
+  return {"stairs", 2, tail(3.5), [](const Point& x) { return x[0] >= 3.5 ? kEvent : std::floor(x[0] / 0.5); }};
+}
+
+Known clipped() {
+  const double low = beyond(0.1), limit = beyond(1e-4);
+  return {"clipped", 2, 1e-4, [=](const Point& x) { return x[0] >= limit ? kEvent : std::max(x[0], low); }};
+}
+
+/// The event is 0.8 % of a plateau, without anything on it that leads there.
+Known jump() {
+  const double edge = beyond(0.0225), inside = beyond(0.008);
+  return {"jump", 2, 0.0225 * 0.008, [=](const Point& x) {
+            return x[0] < edge ? x[0] : x[1] >= inside ? kEvent : edge;
+          }};
+}
+
+Known two_regions() {
+  const double limit = beyond(5e-6);
+  return {"two regions", 2, 1e-5, [=](const Point& x) {
+            const double far = std::max(x[0], -x[1]);
+            return x[0] >= limit || -x[1] >= limit ? kEvent : far;
+          }};
+}
+
+/// Two regions; the likelier one has no way: nothing leads to it until 0.35 % are left.
+Known hidden() {
+  const double far = beyond(2e-4), wall = beyond(0.0035), near = beyond(1e-3);
+  return {"hidden", 2, 2e-4 + 1e-3 - 2e-7, [=](const Point& x) {
+            if (x[0] >= far || x[1] >= near) return kEvent;
+            return x[1] >= wall ? std::max(x[0], x[1]) : x[0];
+          }};
+}
+
+Splitting run(const Known& known, std::size_t replicates, std::size_t particles, std::uint64_t seed = 1) {
+  SplittingOptions options;
+  options.particles = particles;
+  options.replicates = replicates;
+  options.seed = seed;
+  Gaussian points(known.dimension, known.score, seed);
+  return split(options, points);
+}
+
+Estimate of(const Splitting& splitting) {
+  const Stratum all{1.0, &splitting};
+  return estimate({&all, 1});
+}
+
+/// Replicates [first, first + count) alone.
+Estimate part(const Splitting& whole, std::size_t first, std::size_t count) {
+  Splitting some = whole;
+  some.replicates.assign(whole.replicates.begin() + static_cast<std::ptrdiff_t>(first),
+                         whole.replicates.begin() + static_cast<std::ptrdiff_t>(first + count));
+  return of(some);
+}
+
+/// Trials of crude Monte Carlo for the error that the splitting's mean has, over its own.
+double gain(const Splitting& s, double p) {
+  const double variance = std::pow(of(s).spread * of(s).p, 2) / static_cast<double>(s.replicates.size());
+  return p * (1.0 - p) / variance / static_cast<double>(s.evaluations);
+}
+
+struct Sound {
+  Known known;
+  std::size_t particles;
+  double least_coverage;
+  double least_gain;
+};
+
+class SplittingOf : public testing::TestWithParam<int> {
+ protected:
+  static Sound sound(int i) {
+    switch (i) {
+      case 0:
+        return {half_space(2, 1e-4), 250, 0.90, 10.0};
+      case 1:
+        return {half_space(10, 1e-4), 250, 0.90, 10.0};
+      case 2:
+        return {half_space(100, 1e-5), 150, 0.85, 20.0};
+      case 3:
+        return {stairs(), 250, 0.90, 5.0};
+      case 4:
+        return {clipped(), 250, 0.90, 10.0};
+      case 5:
+        return {two_regions(), 250, 0.90, 40.0};
+      default:
+        return {half_space(2, 1e-7), 250, 0.90, 1000.0};
+    }
+  }
+};
+
+TEST_P(SplittingOf, IsUnbiasedAndItsIntervalCovers) {
+  const Sound sound = SplittingOf::sound(GetParam());
+  const Known& known = sound.known;
+  const std::size_t runs = 200;
+  const Splitting s = run(known, runs, sound.particles, 3 + static_cast<std::uint64_t>(GetParam()));
+  const Estimate all = of(s);
+  const double t = (all.p / known.p - 1.0) / (all.spread * all.p / known.p / std::sqrt(static_cast<double>(runs)));
+  EXPECT_LT(std::abs(t), 3.0) << known.name << ": " << all.p / known.p;
+  EXPECT_GT(all.excess(), 0.8);
+  EXPECT_LT(all.excess(), kDoubtfulExcess) << known.name;
+  int covered = 0;
+  for (std::size_t first = 0; first < runs; first += 10) {
+    const Estimate ten = part(s, first, 10);
+    covered += ten.interval.low <= known.p && known.p <= ten.interval.high ? 1 : 0;
+  }
+  EXPECT_GE(covered, sound.least_coverage * 20.0) << known.name;
+  EXPECT_GT(gain(s, known.p), sound.least_gain) << known.name;
+  RecordProperty("report", known.name + ": mean/p " + std::to_string(all.p / known.p) + ", t " + std::to_string(t) +
+                               ", spread " + std::to_string(all.spread) + ", excess " + std::to_string(all.excess()) +
+                               ", covered " + std::to_string(covered) + " of 20, gain " +
+                               std::to_string(gain(s, known.p)));
+}
+INSTANTIATE_TEST_SUITE_P(Splitting, SplittingOf, testing::Range(0, 7));
+
+TEST(SplittingDiagnostics, AJumpIsUnbiasedAndRunsDieOut) {
+  const Known known = jump();
+  const Splitting s = run(known, 200, 250);
+  const Estimate all = of(s);
+  EXPECT_LT(std::abs(all.p / known.p - 1.0), 3.0 * all.spread / std::sqrt(200.0));
+  const auto died =
+      std::count_if(s.replicates.begin(), s.replicates.end(), [](const Replicate& r) { return r.died_out; });
+  EXPECT_GT(died, 10);
+  EXPECT_LT(died, 80);
+  EXPECT_GT(std::max_element(s.replicates.begin(), s.replicates.end(),
+                             [](const Replicate& a, const Replicate& b) { return a.tied < b.tied; })
+                ->tied,
+            20u);
+}
+
+TEST(SplittingDiagnostics, ARegionWithoutAWayShowsInTheSpread) {
+  const Known known = hidden();
+  const Splitting s = run(known, 200, 250);
+  const Estimate all = of(s);
+  EXPECT_LT(std::abs(all.p / known.p - 1.0), 3.0 * all.spread / std::sqrt(200.0));
+  EXPECT_GT(all.excess(), kDoubtfulExcess);
+}
+
+TEST(SplittingRun, IsAPureFunctionOfItsOptions) {
+  const Known known = half_space(2, 1e-3);
+  const Splitting a = run(known, 4, 50, 7), b = run(known, 4, 50, 7), c = run(known, 4, 50, 8);
+  EXPECT_EQ(of(a).p, of(b).p);
+  EXPECT_EQ(a.last, b.last);
+  EXPECT_NE(of(a).p, of(c).p);
+}
+
+TEST(SplittingRun, ACommonEventIsCountedAndAnImpossibleOneIsNot) {
+  const Splitting common = run(half_space(2, 0.6), 10, 100);
+  EXPECT_EQ(common.evaluations, 1000u);
+  const auto hits = std::count(common.first.begin(), common.first.end(), kEvent);
+  EXPECT_DOUBLE_EQ(of(common).p, static_cast<double>(hits) / 1000.0);
+  EXPECT_NEAR(of(common).p, 0.6, 0.06);
+  EXPECT_LE(of(common).interval.high, 1.0);
+
+  const Known never{"never", 2, 0.0, [](const Point& x) { return std::min(x[0], 1.0); }};
+  const Splitting none = run(never, 10, 100);
+  EXPECT_EQ(of(none).p, 0.0);
+  EXPECT_EQ(of(none).interval.low, 0.0);
+  EXPECT_NEAR(of(none).interval.high, 1.0 - std::pow(0.025, 1e-3), 1e-12);  // Clopper & Pearson of 0 of 1,000
+  for (const Replicate& r : none.replicates) EXPECT_TRUE(r.died_out);
+}
+
+TEST(SplittingRun, LevelsHaveALimitThatIsReported) {
+  SplittingOptions options;
+  options.particles = 20;
+  options.replicates = 2;
+  options.levels = 3;
+  const Known known = half_space(2, 1e-7);
+  Gaussian points(known.dimension, known.score, 1);
+  const Splitting s = split(options, points);
+  for (const Replicate& r : s.replicates) {
+    EXPECT_TRUE(r.cut);
+    EXPECT_EQ(r.levels, 3);
+    EXPECT_EQ(r.estimate, 0.0);
+  }
+}
+
+TEST(SplittingRun, StrataAddUp) {
+  const Splitting rare = run(half_space(2, 1e-3), 10, 200, 1), rarer = run(half_space(2, 1e-5), 10, 200, 2);
+  const Stratum both[] = {{0.25, &rare}, {0.75, &rarer}};
+  const Estimate joined = estimate(both);
+  EXPECT_DOUBLE_EQ(joined.p, 0.25 * of(rare).p + 0.75 * of(rarer).p);
+  EXPECT_LT(joined.interval.low, 0.25e-3 + 0.75e-5);
+  EXPECT_GT(joined.interval.high, 0.25e-3 + 0.75e-5);
+  // Of the two the likelier decides; its share of the variance is nearly all of it.
+  EXPECT_NEAR(joined.ideal, of(rare).ideal, 0.05 * of(rare).ideal);
+}
+
+TEST(SplittingRun, ThePriceIsWhatItTakes) {
+  SplittingOptions options;
+  const Splitting s = run(half_space(10, 1e-4), options.replicates, options.particles);
+  EXPECT_NEAR(expected_evaluations(options, 1e-4) / static_cast<double>(s.evaluations), 1.0, 0.1);
+}
+
+}  // namespace
+}  // namespace moma::risk
