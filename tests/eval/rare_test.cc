@@ -7,7 +7,9 @@
 #include <cmath>
 #include <filesystem>
 
+#include "eval/run/evaluate.h"
 #include "eval/run/risk.h"
+#include "eval/run/shrink.h"
 #include "eval/store/reader.h"
 #include "eval/store/writer.h"
 #include "eval/trial/trial.h"
@@ -176,6 +178,98 @@ TEST_F(Rare, RiskNeedsWorldsThatAreDrawn) {
                     "name: frozen\nrobot: robots/tiny.yaml\ncontrollers: {plain: controllers/plain.yaml}\n"
                     "worlds: {frozen: one.jsonl}\nsimulation: {mode: kinematic, time_limit: 3}\ntrials: 1\n"));
   EXPECT_THROW(estimate_risk(request(10, 2), frozen, RareEvent::read("collision")), RunError);
+}
+
+/// Trials of a controller that sees no objects, some of which drive into one.
+class Shrinks : public Rare {
+ protected:
+  Shrinks() {
+    folder_.write("controllers/blind.yaml", "lambda_q: 0.01\nservo: {position: 1.5}\ncollision: {enabled: false}\n");
+    suite_ = load_suite(folder_.write("blind.yaml",
+                                      "name: blind\nrobot: robots/tiny.yaml\n"
+                                      "controllers: {blind: controllers/blind.yaml}\n"
+                                      "worlds: {seed: 3, families: {clutter: {objects: 9}}}\n"
+                                      "simulation: {mode: kinematic, time_limit: 3}\n"
+                                      "success: {position: 0.3, orientation: 3.1}\n"
+                                      "disturbances: {objects: {noise: {position: 0.03}}, "
+                                      "joints: {noise: 0.002}}\ntrials: 60\n"));
+    EvaluateRequest request;
+    request.file = path("blind.db");
+    evaluate(request, suite_);
+  }
+
+  /// The keys of trials that did, or did not, end by a contact with an object.
+  std::vector<std::string> trials(bool contact) const {
+    std::vector<std::string> out;
+    const store::Reader reader(path("blind.db"));
+    for (const std::string& key : reader.keys()) {
+      const TrialRow row = reader.trial(key).row;
+      if ((row.outcome == Outcome::kCollision && row.object.find("self") != 0) == contact) out.push_back(key);
+    }
+    return out;
+  }
+  Shrunk shrunk(const std::string& trial, int threads) const {
+    ShrinkRequest request;
+    request.file = path("blind.db");
+    request.trial = trial;
+    request.noises = 3;
+    request.threads = threads;
+    return shrink(request);
+  }
+
+  Suite suite_;
+};
+
+TEST_F(Shrinks, ToTheObjectThatIsHitAndFailsInTheSameWay) {
+  const std::vector<std::string> hits = trials(true);
+  ASSERT_GE(hits.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const TrialRow before = store::Reader(path("blind.db")).trial(hits[i]).row;
+    const Shrunk small = shrunk(hits[i], 2);
+    // What sees nothing is disturbed by nothing that it could see: the object alone is in its way.
+    ASSERT_EQ(small.world.objects.size(), 1u);
+    EXPECT_EQ(small.objects_before, 9u);
+    EXPECT_EQ(small.world.objects.front().name, before.object);
+    EXPECT_TRUE(small.disturbances.empty()) << small.disturbances;
+    EXPECT_EQ(small.failing, small.noises);
+    EXPECT_EQ(small.row.outcome, Outcome::kCollision);
+    EXPECT_NE(small.sentence.find("1 of 9 objects and no disturbance"), std::string::npos) << small.sentence;
+    EXPECT_FALSE(small.changed.empty());
+
+    // As a frozen world of the suite it fails, and without its object it does not.
+    SuitePoint point = suite_.points.front();
+    point.disturbances = {};
+    World again = world_from_json(nlohmann::ordered_json::parse(to_json(small.world).dump()), "again");
+    EXPECT_EQ(again.objects.front().noise, small.world.objects.front().noise);
+    const TrialRow row = run_trial(point, again).row;
+    EXPECT_EQ(row.object, before.object);
+    EXPECT_EQ(row.time_end_s, small.row.time_end_s);
+    again.objects.clear();
+    EXPECT_NE(run_trial(point, again).row.outcome, Outcome::kCollision);
+  }
+  EXPECT_EQ(to_json(shrunk(hits.front(), 1).world).dump(), to_json(shrunk(hits.front(), 3).world).dump());
+}
+
+TEST_F(Shrinks, OnlyWhatFailed) {
+  for (const std::string& key : trials(false)) {
+    if (store::Reader(path("blind.db")).trial(key).row.outcome != Outcome::kSuccess) continue;
+    EXPECT_THROW(shrunk(key, 1), RunError);
+    return;
+  }
+  FAIL() << "no trial succeeds";
+}
+
+TEST_F(Shrinks, AStopLeavesAWorldThatFails) {
+  const std::atomic<bool> stop = true;
+  ShrinkRequest request;
+  request.file = path("blind.db");
+  request.trial = trials(true).front();
+  request.stop = &stop;
+  const Shrunk small = shrink(request);
+  EXPECT_EQ(small.end, End::kStopped);
+  EXPECT_EQ(small.world.objects.size(), 9u);
+  EXPECT_EQ(small.row.outcome, Outcome::kCollision);
+  EXPECT_GE(small.failing, 1);
 }
 
 }  // namespace

@@ -1,0 +1,347 @@
+#include "eval/run/shrink.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "controller/config/json_node.h"
+#include "controller/model/kinematics.h"
+#include "eval/batch/batch.h"
+#include "eval/risk/shrink_set.h"
+#include "eval/run/moved_trials.h"
+#include "eval/run/store_file.h"
+#include "world/draws.h"
+#include "world/sensing/disturbances_file.h"
+
+namespace moma::run {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Candidate {
+  World world;
+  Disturbances disturbances;
+  double earliest = 0.0;  ///< a failure before this, or after `latest`, is another one [s]
+  double latest = std::numeric_limits<double>::infinity();
+};
+
+/// The moves that draw all noise by number `noise`; 0 is what the world had.
+std::shared_ptr<const Moves> drawn_by(int noise, const std::shared_ptr<const Moves>& own) {
+  if (noise == 0) return own;
+  const std::uint32_t mask =
+      1U << static_cast<unsigned>(Stream::kSensing) | 1U << static_cast<unsigned>(Stream::kDisturbance);
+  return std::make_shared<Moves>(Moves{{static_cast<std::uint64_t>(noise), 1.0, 1.0, mask}});
+}
+
+/// The numbers of disturbances as a suite writes them: "/base/delay".
+std::vector<std::string> numbers_of(const Json& section) {
+  std::vector<std::string> places;
+  const Json flat = section.flatten();
+  for (const auto& [place, value] : flat.items())
+    if (value.is_number() && place != "/seed") places.push_back(place);
+  return places;
+}
+
+/// "/base/delay" as it is called: base.delay.
+std::string name_of(std::string place) {
+  std::replace(place.begin(), place.end(), '/', '.');
+  return place.substr(1);
+}
+
+Json without(Json section, const std::string& place) {
+  const Json::json_pointer at(place);
+  section[at.parent_pointer()].erase(at.back());
+  return section;
+}
+
+/// To multiples of `step`, a part of 1, as they are written: 0.3, not 0.30000000000000004; never -0.
+double rounded(double value, double step) { return std::round(value / step) / std::round(1.0 / step) + 0.0; }
+
+bool at_rest(const World& world) {
+  return std::holds_alternative<StaticMotion>(world.goal.motion) &&
+         std::all_of(world.objects.begin(), world.objects.end(),
+                     [](const WorldObject& object) { return std::holds_alternative<StaticMotion>(object.motion); });
+}
+
+class Shrinker {
+ public:
+  Shrinker(const ShrinkRequest& request, const Listener& listener)
+      : request_(request), listener_(listener), suites_(request.plugins) {}
+
+  Shrunk execute() {
+    const Replay replay = run::replay(request_.file, request_.trial, suites_);
+    point_ = *replay.point;
+    trial_ = replay.trial.row;
+    if (trial_.outcome == Outcome::kSuccess || trial_.outcome == Outcome::kError)
+      throw RunError(fmt::format("trial {} did not fail: it ended by {}", replay.trial.key.substr(0, 16),
+                                 to_string(trial_.outcome)));
+    if (!same(replay.output.row, {}))
+      throw RunError(
+          fmt::format("trial {} does not fail again as it is stored; moma replay --check shows how it differs",
+                      replay.trial.key.substr(0, 16)));
+    now_ = {replay.world, point_.disturbances};
+    own_ = now_.world.moves;
+    for (std::size_t i = 0; i < now_.world.objects.size(); ++i)
+      if (now_.world.objects[i].noise < 0) now_.world.objects[i].noise = static_cast<int>(i);
+    out_.objects_before = now_.world.objects.size();
+    try {
+      shrink_objects();
+      switch_off();
+      bring_to_rest();
+      start_later();
+      bring_goal_near();
+      round_numbers();
+    } catch (const Stopped& why) {
+      if (*why.what() != '\0') listener_.tell(listener_.warning, why.what());
+      out_.end = End::kStopped;  // what was found until now is a world that fails
+    }
+    finish();
+    return std::move(out_);
+  }
+
+ private:
+  bool same(const TrialRow& row, const Candidate& candidate) const {
+    return row.outcome == trial_.outcome && row.object == trial_.object && row.time_end_s >= candidate.earliest &&
+           row.time_end_s <= candidate.latest;
+  }
+
+  int noises(const Candidate& candidate) const { return any(candidate.disturbances) ? request_.noises : 1; }
+
+  /// Noise number k of those that candidates are asked under: the own one first.
+  int noise(int k) const { return k == 0 ? noise_ : k <= noise_ ? k - 1 : k; }
+
+  std::vector<std::vector<TrialRow>> rows(const std::vector<Candidate>& candidates) {
+    std::vector<SuitePoint> points(candidates.size(), point_);
+    std::vector<BatchJob> jobs;
+    std::vector<std::vector<TrialRow>> out(candidates.size());
+    for (std::size_t c = 0; c < candidates.size(); ++c) {
+      points[c].disturbances = candidates[c].disturbances;
+      out[c].resize(static_cast<std::size_t>(noises(candidates[c])));
+      for (std::size_t k = 0; k < out[c].size(); ++k) jobs.push_back({c, k, fmt::format("{} {}", c, k)});
+    }
+    BatchOptions batch;
+    batch.threads = request_.threads > 0 ? request_.threads : usual_threads();
+    batch.stop = request_.stop;
+    batch.world = [&](const SuitePoint& point, std::uint64_t k) {
+      auto world = std::make_shared<World>(candidates[static_cast<std::size_t>(&point - points.data())].world);
+      world->moves = drawn_by(noise(static_cast<int>(k)), own_);
+      return world;
+    };
+    batch.finish = [](const SuitePoint&, BatchResult& result) { Trace().swap(result.output.trace); };
+    const BatchSummary summary = run_batch(points, jobs, batch, [&](const BatchJob& job, BatchResult&& result) {
+      out[job.point][job.world] = std::move(result.output.row);
+      return true;
+    });
+    if (summary.stopped) throw Stopped("");
+    out_.trials += jobs.size();
+    return out;
+  }
+
+  /// Goes on with the first of the candidates that fails in any noise. Its number; none where all pass.
+  std::optional<std::size_t> take(const std::vector<Candidate>& candidates) {
+    const std::vector<std::vector<TrialRow>> rows = this->rows(candidates);
+    for (std::size_t c = 0; c < candidates.size(); ++c) {
+      for (std::size_t k = 0; k < rows[c].size(); ++k) {
+        if (!same(rows[c][k], candidates[c])) continue;
+        noise_ = noise(static_cast<int>(k));
+        now_ = candidates[c];
+        return c;
+      }
+    }
+    return std::nullopt;
+  }
+
+  void shrink_objects() {
+    const World whole = now_.world;
+    const auto touched = std::find_if(whole.objects.begin(), whole.objects.end(),
+                                      [&](const WorldObject& object) { return object.name == trial_.object; });
+    std::optional<std::size_t> needed;
+    if (touched != whole.objects.end()) needed = static_cast<std::size_t>(touched - whole.objects.begin());
+    risk::shrink_set(whole.objects.size(), needed, [&](const std::vector<risk::Things>& sets) {
+      std::vector<Candidate> candidates;
+      for (const risk::Things& set : sets) {
+        Candidate candidate = now_;
+        candidate.world.objects.clear();
+        for (const std::size_t i : set) candidate.world.objects.push_back(whole.objects[i]);
+        candidates.push_back(std::move(candidate));
+      }
+      return take(candidates);
+    });
+    listener_.tell(listener_.note, fmt::format("{} of {} objects, {} trials", now_.world.objects.size(),
+                                               whole.objects.size(), out_.trials));
+  }
+
+  void switch_off() {
+    if (!any(now_.disturbances)) return;
+    Candidate off = now_;
+    off.disturbances = {};
+    if (take({off})) return;
+    std::vector<std::string> names;
+    const Json all = to_json(now_.disturbances);
+    for (const auto& [group, values] : all.items())
+      if (values.is_object()) names.push_back("/" + group);
+    for (const std::string& name : names) switch_off(name);
+    for (const std::string& name : numbers_of(to_json(now_.disturbances))) switch_off(name);
+    listener_.tell(listener_.note, fmt::format("{} disturbances left, {} trials",
+                                               numbers_of(to_json(now_.disturbances)).size(), out_.trials));
+  }
+
+  void switch_off(const std::string& name) {
+    Candidate off = now_;
+    try {
+      off.disturbances = read_disturbances(
+          config::node_from_json(without(to_json(now_.disturbances), name), "disturbances"), "disturbances");
+    } catch (const config::ConfigError&) {
+      return;  // another one needs it
+    }
+    if (any(off.disturbances)) take({off});
+  }
+
+  /// `change` makes a candidate simpler, by the first of `steps` that still fails; false where it does not apply.
+  void simplify(const char* what, const std::vector<double>& steps,
+                const std::function<bool(Candidate&, double)>& change) {
+    std::vector<Candidate> candidates;
+    std::vector<double> used;
+    for (const double step : steps) {
+      Candidate candidate = now_;
+      if (!change(candidate, step)) continue;
+      candidates.push_back(std::move(candidate));
+      used.push_back(step);
+    }
+    if (candidates.empty()) return;
+    if (const auto found = take(candidates)) out_.changed.push_back(fmt::format(fmt::runtime(what), used[*found]));
+  }
+
+  void bring_to_rest() {
+    simplify("everything at rest", {0.0}, [](Candidate& candidate, double) {
+      World& world = candidate.world;
+      if (at_rest(world)) return false;
+      for (WorldObject& object : world.objects) object.motion = StaticMotion{};
+      world.goal.motion = StaticMotion{};
+      return true;
+    });
+  }
+
+  void start_later() {
+    if (!at_rest(now_.world)) return;  // else everything would have to be moved on
+    World own = now_.world;
+    own.moves = drawn_by(noise_, own_);
+    SuitePoint point = point_;
+    point.disturbances = now_.disturbances;
+    const TrialOutput output = run_trial(point, own);
+    ++out_.trials;
+    simplify("starts {:g} s before", {1.0, 2.0, 4.0}, [&](Candidate& candidate, double before) {
+      const double from = output.row.time_end_s - before;
+      const auto sample =
+          std::find_if(output.trace.begin(), output.trace.end(), [&](const Sample& s) { return s.t >= from; });
+      if (from <= 0.0 || sample == output.trace.end()) return false;
+      candidate.world.start = {sample->base, sample->q};
+      // Not one that starts in touch, nor one of a motion that only begins there.
+      candidate.earliest = 0.5 * before;
+      candidate.latest = 2.0 * before;
+      return true;
+    });
+  }
+
+  void bring_goal_near() {
+    Kinematics kinematics(point_.robot->model);
+    kinematics.update(now_.world.start.base, now_.world.start.q);
+    const Vector3 tip = kinematics.X_WE().translation();
+    simplify("goal at {:g} of its distance", {0.25, 0.5, 0.75}, [&](Candidate& candidate, double part) {
+      World& world = candidate.world;
+      if (!std::holds_alternative<StaticMotion>(world.goal.motion)) return false;
+      const Vector3 goal = world.goal.X_WG.translation();
+      set_pose(world.goal, tip + part * (goal - tip), world.goal.file_rotation);
+      return true;
+    });
+  }
+
+  void round_numbers() {
+    simplify("objects upright", {0.0}, [](Candidate& candidate, double) {
+      World& world = candidate.world;
+      bool any = false;
+      for (WorldObject& object : world.objects) {
+        if (!std::holds_alternative<StaticMotion>(object.motion) || object.X_WO.linear().isIdentity(0.0)) continue;
+        set_pose(object, object.X_WO.translation(), Eigen::Quaterniond::Identity());
+        any = true;
+      }
+      return any;
+    });
+    simplify("objects to {:g} m", {0.1, 0.05, 0.01, 0.001}, [](Candidate& candidate, double step) {
+      World& world = candidate.world;
+      for (WorldObject& object : world.objects) {
+        for (double& size : object.shape.size) size = size > 0.0 ? std::max(rounded(size, step), step) : 0.0;
+        if (!std::holds_alternative<StaticMotion>(object.motion)) continue;
+        const Vector3 position = object.X_WO.translation().unaryExpr([&](double x) { return rounded(x, step); });
+        set_pose(object, position, object.file_rotation);
+      }
+      return !world.objects.empty();
+    });
+    simplify("goal to {:g} m", {0.1, 0.05, 0.01, 0.001}, [](Candidate& candidate, double step) {
+      World& world = candidate.world;
+      if (!std::holds_alternative<StaticMotion>(world.goal.motion)) return false;
+      const Vector3 position = world.goal.X_WG.translation().unaryExpr([&](double x) { return rounded(x, step); });
+      set_pose(world.goal, position, world.goal.file_rotation);
+      return true;
+    });
+    simplify("start to {:g}", {0.1, 0.05, 0.01, 0.001}, [](Candidate& candidate, double step) {
+      World& world = candidate.world;
+      for (double& x : world.start.base) x = rounded(x, step);
+      for (double& x : world.start.q) x = rounded(x, step);
+      return true;
+    });
+  }
+
+  /// How often the world fails, and what its own trial is.
+  void finish() {
+    const std::atomic<bool>* const stop = std::exchange(request_.stop, nullptr);
+    const std::vector<TrialRow> rows = this->rows({now_}).front();
+    request_.stop = stop;
+    out_.row = rows.front();
+    out_.noises = static_cast<int>(rows.size());
+    out_.failing =
+        static_cast<int>(std::count_if(rows.begin(), rows.end(), [&](const TrialRow& r) { return same(r, now_); }));
+    out_.world = now_.world;
+    out_.world.moves = any(now_.disturbances) ? drawn_by(noise_, own_) : nullptr;
+    Kinematics kinematics(point_.robot->model);
+    kinematics.update(now_.world.start.base, now_.world.start.q);
+    const double unknown = std::numeric_limits<double>::quiet_NaN();
+    out_.world.difficulty = {(now_.world.goal.X_WG.translation() - kinematics.X_WE().translation()).norm(),
+                             static_cast<int>(now_.world.objects.size()), unknown, 0.0, unknown};
+    if (any(now_.disturbances)) {
+      out_.disturbances = to_json(now_.disturbances);
+      for (const std::string& place : numbers_of(out_.disturbances)) out_.on.push_back(name_of(place));
+    } else {
+      out_.disturbances = Json::object();
+    }
+    std::string with =
+        out_.on.empty() ? "no disturbance" : fmt::format("no disturbance but {}", fmt::join(out_.on, ", "));
+    if (out_.on.size() > 6)
+      with = fmt::format("{} of {} disturbances", out_.on.size(), numbers_of(to_json(point_.disturbances)).size());
+    out_.sentence = fmt::format(
+        "{}{}{} at {:.2f} s: fails in {} of {} noise{} with {} of {} objects and {}{}{}", to_string(trial_.outcome),
+        out_.row.link.empty() ? "" : " of " + out_.row.link, trial_.object.empty() ? "" : " with " + trial_.object,
+        out_.row.time_end_s, out_.failing, out_.noises, out_.noises == 1 ? "" : "s", now_.world.objects.size(),
+        out_.objects_before, with, out_.changed.empty() ? "" : "; ", fmt::join(out_.changed, ", "));
+  }
+
+  ShrinkRequest request_;
+  const Listener& listener_;
+  StoredSuites suites_;
+  SuitePoint point_;
+  TrialRow trial_;  ///< as stored
+  Candidate now_;   ///< the smallest so far
+  std::shared_ptr<const Moves> own_;
+  int noise_ = 0;  ///< in which it fails
+  Shrunk out_;
+};
+
+}  // namespace
+
+Shrunk shrink(const ShrinkRequest& request, const Listener& listener) { return Shrinker(request, listener).execute(); }
+
+}  // namespace moma::run
