@@ -6,6 +6,7 @@
 #include "eval/cli/command.h"
 #include "eval/cli/interrupt.h"
 #include "eval/cli/listener.h"
+#include "eval/cli/rare_options.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 #include "eval/run/risk.h"
@@ -53,12 +54,7 @@ std::string moves_text(const run::RiskRow& row) {
 
 int risk_of_suite(const RiskOptions& options) {
   const Suite suite = options.suite.load();
-  std::optional<run::RareEvent> event;
-  try {
-    event = run::RareEvent::read(options.event);
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(fmt::format("risk: --event: {}", error.what()));
-  }
+  const run::RareEvent event = rare_event(options.event, "risk");
   if (!options.quiet) print_warnings(suite.warnings);
   if (!options.quiet || options.price)
     (options.price ? std::cout : std::cerr) << run::price_of_risk(options.request, suite) << std::endl;
@@ -67,7 +63,7 @@ int risk_of_suite(const RiskOptions& options) {
   run::RiskRequest request = options.request;
   request.stop = &InterruptGuard::flag();
   ProgressPrinter progress(options.quiet, "success");
-  const run::Risk risk = run::estimate_risk(request, suite, *event, listener_on_stderr(options.quiet, &progress));
+  const run::Risk risk = run::estimate_risk(request, suite, event, listener_on_stderr(options.quiet, &progress));
   progress.clear();
   if (risk.end != run::End::kFinished) {
     std::cerr << terminal_safe_lines(risk.stopped) << std::endl;
@@ -79,7 +75,7 @@ int risk_of_suite(const RiskOptions& options) {
     if (!options.quiet && row.family != "all") std::cerr << terminal_safe(moves_text(row)) << '\n';
   }
   if (options.format == Format::kTable)
-    std::cout << fmt::format("{} by {}, 95 % intervals\n", event->text(), event->level());
+    std::cout << fmt::format("{} by {}, 95 % intervals\n", event.text(), event.level());
   write(std::cout, table(risk), options.format);
   std::cout.flush();
   print_warnings(risk.warnings);
@@ -94,21 +90,11 @@ void add_risk(CLI::App& app, Action& action, const Arguments& arguments) {
   CLI::App* command = app.add_subcommand(
       "risk", "Estimate how probable a rare event is over a suite's worlds and disturbances, by splitting");
   options->suite.add_to(*command);
-  command->add_option("--event", options->event,
-                      "collision, timeout, stuck, joint_limit, infeasible, METRIC<VALUE or METRIC>VALUE (collision)");
-  risk::SplittingOptions& splitting = options->request.splitting;
-  command->add_option("--particles", splitting.particles, "Worlds of a replicate (250)")
-      ->check(CLI::Range(10, 1000000));
-  command->add_option("--replicates", splitting.replicates, "Independent ones, which give the interval (10)")
-      ->check(CLI::Range(2, 10000));
-  command->add_option("--moves", splitting.moves, "Moves of each copy (5)")->check(CLI::Range(1, 1000));
-  command->add_option("--levels", splitting.levels, "Most levels, each of which halves the probability (40)")
-      ->check(CLI::Range(1, 1000));
-  command->add_option("--split-seed", splitting.seed, "Seed of choices and moves (1)");
+  add_rare_event(*command, options->event);
+  add_splitting(*command, options->request.splitting);
   command->add_option("--crude", options->request.crude,
                       "Crude trials of each family beside it, the first worlds among them (as many as splitting took)");
-  command->add_option("-o,--output", options->request.file,
-                      "Store to keep trials in, made if missing: the same command goes on after a stop");
+  add_moved_trials_store(*command, options->request.file);
   add_threads(*command, options->request.threads);
   add_format(*command, options->format);
   command->add_flag("--price", options->price, "Only say how many trials it takes, and how long");

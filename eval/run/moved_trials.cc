@@ -13,6 +13,7 @@
 #include "eval/store/run_lock.h"
 #include "eval/trial/key.h"
 #include "eval/trial/late.h"
+#include "world/draws.h"
 #include "world/world_json.h"
 
 namespace moma::run {
@@ -28,6 +29,20 @@ store::WorldRecord without_content(const Worlds& worlds, std::uint64_t index, co
 }
 
 }  // namespace
+
+std::shared_ptr<const Moves> noise_drawn_again(int number) {
+  const std::uint32_t mask =
+      1U << static_cast<unsigned>(Stream::kSensing) | 1U << static_cast<unsigned>(Stream::kDisturbance);
+  return std::make_shared<Moves>(Moves{{static_cast<std::uint64_t>(number), 1.0, 1.0, mask}});
+}
+
+void check_drawn(const Suite& suite, std::string_view command) {
+  for (const SuitePoint& point : suite.points) {
+    if (!point.worlds.shares().empty()) continue;
+    throw RunError(fmt::format(
+        "{}: needs worlds that are drawn by families; of frozen worlds and scenes there are no others", command));
+  }
+}
 
 std::vector<TrialRow> MovedTrials::rows(std::size_t point, std::span<const MovedWorld> worlds, bool progress) {
   const SuitePoint& of = suite_.points[point];

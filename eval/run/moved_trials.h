@@ -8,6 +8,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "eval/run/listener.h"
@@ -22,6 +23,12 @@ struct MovedWorld {
   std::uint64_t index = 0;
   std::shared_ptr<const Moves> moves;  ///< null: none, so that it is the suite's own world
 };
+
+/// The move by which all disturbances are drawn anew, by number `number`.
+std::shared_ptr<const Moves> noise_drawn_again(int number);
+
+/// Throws RunError where a point's worlds are not drawn by families, so that there are no others.
+void check_drawn(const Suite& suite, std::string_view command);
 
 /// The stop flag was set, or, with a text, real time ran out in a trial. What was computed is in the store.
 class Stopped : public std::runtime_error {

@@ -250,9 +250,7 @@ std::string price_of_risk(const RiskRequest& request, const Suite& suite) {
 }
 
 Risk estimate_risk(const RiskRequest& request, const Suite& suite, const RareEvent& event, const Listener& listener) {
-  for (const SuitePoint& point : suite.points)
-    if (point.worlds.shares().empty())
-      throw RunError("risk: needs worlds that are drawn by families; of frozen worlds and scenes there are no others");
+  check_drawn(suite, "risk");
   Risk risk;
   risk.end = with_moved_trials(
       {request.file, request.arguments, request.threads, request.stop}, suite, listener,

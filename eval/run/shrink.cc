@@ -14,7 +14,6 @@
 #include "eval/risk/shrink_set.h"
 #include "eval/run/moved_trials.h"
 #include "eval/run/store_file.h"
-#include "world/draws.h"
 #include "world/sensing/disturbances_file.h"
 
 namespace moma::run {
@@ -29,20 +28,17 @@ struct Candidate {
   double latest = std::numeric_limits<double>::infinity();
 };
 
-/// The moves that draw all noise by number `noise`; 0 is what the world had.
-std::shared_ptr<const Moves> drawn_by(int noise, const std::shared_ptr<const Moves>& own) {
-  if (noise == 0) return own;
-  const std::uint32_t mask =
-      1U << static_cast<unsigned>(Stream::kSensing) | 1U << static_cast<unsigned>(Stream::kDisturbance);
-  return std::make_shared<Moves>(Moves{{static_cast<std::uint64_t>(noise), 1.0, 1.0, mask}});
-}
-
 /// The numbers of disturbances as a suite writes them: "/base/delay".
-std::vector<std::string> numbers_of(const Json& section) {
+std::vector<std::string> numbers_of(const Json& section, const std::string& place = "") {
   std::vector<std::string> places;
-  const Json flat = section.flatten();
-  for (const auto& [place, value] : flat.items())
-    if (value.is_number() && place != "/seed") places.push_back(place);
+  for (const auto& [key, value] : section.items()) {
+    const std::string at = place + "/" + key;
+    if (value.is_object()) {
+      for (std::string& inner : numbers_of(value, at)) places.push_back(std::move(inner));
+    } else if (value.is_number() && at != "/seed") {
+      places.push_back(at);
+    }
+  }
   return places;
 }
 
@@ -84,6 +80,7 @@ class Shrinker {
           fmt::format("trial {} does not fail again as it is stored; moma replay --check shows how it differs",
                       replay.trial.key.substr(0, 16)));
     now_ = {replay.world, point_.disturbances};
+    now_.earliest = std::min(0.5, 0.5 * trial_.time_end_s);  // not by where it starts
     own_ = now_.world.moves;
     for (std::size_t i = 0; i < now_.world.objects.size(); ++i)
       if (now_.world.objects[i].noise < 0) now_.world.objects[i].noise = static_cast<int>(i);
@@ -111,6 +108,9 @@ class Shrinker {
 
   int noises(const Candidate& candidate) const { return any(candidate.disturbances) ? request_.noises : 1; }
 
+  /// The moves of noise `number`; 0 is what the trial had.
+  std::shared_ptr<const Moves> drawn_by(int number) const { return number == 0 ? own_ : noise_drawn_again(number); }
+
   /// Noise number k of those that candidates are asked under: the own one first.
   int noise(int k) const { return k == 0 ? noise_ : k <= noise_ ? k - 1 : k; }
 
@@ -128,7 +128,7 @@ class Shrinker {
     batch.stop = request_.stop;
     batch.world = [&](const SuitePoint& point, std::uint64_t k) {
       auto world = std::make_shared<World>(candidates[static_cast<std::size_t>(&point - points.data())].world);
-      world->moves = drawn_by(noise(static_cast<int>(k)), own_);
+      world->moves = drawn_by(noise(static_cast<int>(k)));
       return world;
     };
     batch.finish = [](const SuitePoint&, BatchResult& result) { Trace().swap(result.output.trace); };
@@ -229,7 +229,7 @@ class Shrinker {
   void start_later() {
     if (!at_rest(now_.world)) return;  // else everything would have to be moved on
     World own = now_.world;
-    own.moves = drawn_by(noise_, own_);
+    own.moves = drawn_by(noise_);
     SuitePoint point = point_;
     point.disturbances = now_.disturbances;
     const TrialOutput output = run_trial(point, own);
@@ -306,7 +306,7 @@ class Shrinker {
     out_.failing =
         static_cast<int>(std::count_if(rows.begin(), rows.end(), [&](const TrialRow& r) { return same(r, now_); }));
     out_.world = now_.world;
-    out_.world.moves = any(now_.disturbances) ? drawn_by(noise_, own_) : nullptr;
+    out_.world.moves = any(now_.disturbances) ? drawn_by(noise_) : nullptr;
     Kinematics kinematics(point_.robot->model);
     kinematics.update(now_.world.start.base, now_.world.start.q);
     const double unknown = std::numeric_limits<double>::quiet_NaN();

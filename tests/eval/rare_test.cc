@@ -6,7 +6,11 @@
 #include <atomic>
 #include <cmath>
 #include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
 
+#include "eval/run/break.h"
 #include "eval/run/evaluate.h"
 #include "eval/run/risk.h"
 #include "eval/run/shrink.h"
@@ -180,6 +184,50 @@ TEST_F(Rare, RiskNeedsWorldsThatAreDrawn) {
   EXPECT_THROW(estimate_risk(request(10, 2), frozen, RareEvent::read("collision")), RunError);
 }
 
+TEST_F(Rare, BreakFindsWorldsThatFailAgain) {
+  const Suite suite = this->suite();
+  const RareEvent event = RareEvent::read("clearance_min_m<0.02");  // about 3 of 1,000
+  BreakRequest request;
+  request.trials.threads = 2;
+  request.crude = 200;
+  request.nearest = 0.02;
+  request.noises = 10;
+  request.splitting.particles = 20;
+  request.splitting.replicates = 2;
+  const Broken broken = break_suite(request, suite, event);
+  EXPECT_EQ(broken.end, End::kFinished);
+  ASSERT_GE(broken.failures.size(), 1u);
+  EXPECT_GE(broken.trials, 200u + 4 * 10);
+  std::string worlds;
+  std::set<std::string> distinct, by;
+  for (const Failure& failure : broken.failures) {
+    worlds += to_json(failure.world).dump() + "\n";
+    by.insert(failure.by);
+    distinct.insert(std::to_string(failure.world.index) + " " + failure.row.link + " " + failure.row.object);
+    EXPECT_TRUE(event.happened(failure.row));
+    EXPECT_GE(failure.times, 1u);
+    EXPECT_EQ(failure.world.moves == nullptr, failure.by == "crude");
+  }
+  EXPECT_EQ(distinct.size(), broken.failures.size());
+  EXPECT_TRUE(by.contains("splitting"));
+
+  // Held to the frozen set, the controller fails in every world.
+  folder_.write("found.jsonl", worlds);
+  Suite held = load_suite(path("rare.yaml"), {{"worlds", "{frozen: " + path("found.jsonl").string() + "}"},
+                                              {"trials", std::to_string(broken.failures.size())}});
+  for (std::size_t i = 0; i < broken.failures.size(); ++i) {
+    const SuitePoint& point = held.points.front();
+    const TrialRow row = run_trial(point, point.worlds.make(point.robot->model, i)).row;
+    EXPECT_TRUE(event.happened(row));
+    EXPECT_EQ(row.clearance_min_m, broken.failures[i].row.clearance_min_m);
+  }
+  request.trials.threads = 1;
+  const Broken again = break_suite(request, suite, event);
+  ASSERT_EQ(again.failures.size(), broken.failures.size());
+  EXPECT_EQ(to_json(again.failures.back().world).dump(), to_json(broken.failures.back().world).dump());
+  EXPECT_THROW(break_suite(request, held, event), RunError);
+}
+
 /// Trials of a controller that sees no objects, some of which drive into one.
 class Shrinks : public Rare {
  protected:
@@ -191,7 +239,7 @@ class Shrinks : public Rare {
                                       "worlds: {seed: 3, families: {clutter: {objects: 9}}}\n"
                                       "simulation: {mode: kinematic, time_limit: 3}\n"
                                       "success: {position: 0.3, orientation: 3.1}\n"
-                                      "disturbances: {objects: {noise: {position: 0.03}}, "
+                                      "disturbances: {objects: {noise: {position: 0.03}, sensor: [0, 0, 1], range: 3}, "
                                       "joints: {noise: 0.002}}\ntrials: 60\n"));
     EvaluateRequest request;
     request.file = path("blind.db");
@@ -248,6 +296,38 @@ TEST_F(Shrinks, ToTheObjectThatIsHitAndFailsInTheSameWay) {
     EXPECT_NE(run_trial(point, again).row.outcome, Outcome::kCollision);
   }
   EXPECT_EQ(to_json(shrunk(hits.front(), 1).world).dump(), to_json(shrunk(hits.front(), 3).world).dump());
+}
+
+/// Objects that are believed to be where they are not.
+TEST_F(Shrinks, ToTheDisturbanceThatMatters) {
+  const Suite biased = load_suite(
+      folder_.write("biased.yaml",
+                    "name: biased\nrobot: robots/tiny.yaml\ncontrollers: {plain: controllers/plain.yaml}\n"
+                    "worlds: {seed: 3, families: {clutter: {objects: 6}}}\n"
+                    "simulation: {mode: kinematic, time_limit: 4}\n"
+                    "disturbances: {objects: {bias: {position: 0.5}, sensor: [0, 0, 1], range: 8}, goal: {delay: 0.1}, "
+                    "joints: {noise: 0.0001}}\ntrials: 10\n"));
+  EvaluateRequest evaluation;
+  evaluation.file = path("biased.db");
+  evaluate(evaluation, biased);
+  const store::Reader reader(evaluation.file);
+  int by_bias = 0, all = 0;
+  for (const std::string& key : reader.keys()) {
+    if (reader.trial(key).row.outcome != Outcome::kCollision) continue;
+    ShrinkRequest request;
+    request.file = evaluation.file;
+    request.trial = key;
+    request.noises = 2;
+    const Shrunk small = shrink(request);
+    ++all;
+    if (small.on != std::vector<std::string>{"objects.bias.position"}) continue;
+    ++by_bias;
+    EXPECT_NE(small.sentence.find("no disturbance but objects.bias.position"), std::string::npos) << small.sentence;
+    EXPECT_EQ(small.disturbances["objects"]["bias"]["position"], 0.5);
+    EXPECT_FALSE(small.disturbances["objects"].contains("range"));
+  }
+  EXPECT_GE(all, 3);
+  EXPECT_GE(by_bias, all - 1);
 }
 
 TEST_F(Shrinks, OnlyWhatFailed) {
