@@ -61,7 +61,7 @@ int risk_of_suite(const RiskOptions& options) {
   if (options.price) return kOk;
   const InterruptGuard interrupt;
   run::RiskRequest request = options.request;
-  request.stop = &InterruptGuard::flag();
+  request.trials.stop = &InterruptGuard::flag();
   ProgressPrinter progress(options.quiet, "success");
   const run::Risk risk = run::estimate_risk(request, suite, event, listener_on_stderr(options.quiet, &progress));
   progress.clear();
@@ -86,7 +86,7 @@ int risk_of_suite(const RiskOptions& options) {
 
 void add_risk(CLI::App& app, Action& action, const Arguments& arguments) {
   auto options = std::make_shared<RiskOptions>();
-  options->request.arguments = arguments;
+  options->request.trials.arguments = arguments;
   CLI::App* command = app.add_subcommand(
       "risk", "Estimate how probable a rare event is over a suite's worlds and disturbances, by splitting");
   options->suite.add_to(*command);
@@ -94,8 +94,8 @@ void add_risk(CLI::App& app, Action& action, const Arguments& arguments) {
   add_splitting(*command, options->request.splitting);
   command->add_option("--crude", options->request.crude,
                       "Crude trials of each family beside it, the first worlds among them (as many as splitting took)");
-  add_moved_trials_store(*command, options->request.file);
-  add_threads(*command, options->request.threads);
+  add_moved_trials_store(*command, options->request.trials.file);
+  add_threads(*command, options->request.trials.threads);
   add_format(*command, options->format);
   command->add_flag("--price", options->price, "Only say how many trials it takes, and how long");
   command->add_flag("-q,--quiet", options->quiet, "No progress and no remarks");

@@ -228,7 +228,7 @@ class RiskRun {
 }  // namespace
 
 std::string price_of_risk(const RiskRequest& request, const Suite& suite) {
-  const int threads = request.threads > 0 ? request.threads : usual_threads();
+  const int threads = request.trials.threads > 0 ? request.trials.threads : usual_threads();
   WorldSurvey survey;
   const TrialTime time = trial_time(suite, 1.0, survey);
   double runs = 0.0;
@@ -253,7 +253,7 @@ Risk estimate_risk(const RiskRequest& request, const Suite& suite, const RareEve
   check_drawn(suite, "risk");
   Risk risk;
   risk.end = with_moved_trials(
-      {request.file, request.arguments, request.threads, request.stop}, suite, listener,
+      request.trials, suite, listener,
       [&](MovedTrials& trials) {
         RiskRun run(request, suite, event, listener, trials);
         for (std::size_t p = 0; p < suite.points.size(); ++p) run.point(p, risk);

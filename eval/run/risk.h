@@ -1,8 +1,6 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -53,12 +51,9 @@ class TrialParticles final : public risk::Particles {
 };
 
 struct RiskRequest {
-  std::filesystem::path file;          ///< store, made where it is missing; empty: no trial is kept
-  std::vector<std::string> arguments;  ///< the command line, for provenance and "to go on"
-  int threads = 0;                     ///< 0: usual_threads()
+  MovedTrialsRequest trials;
   risk::SplittingOptions splitting;
   std::optional<std::uint64_t> crude;  ///< crude trials of a family; none: as many as splitting took
-  const std::atomic<bool>* stop = nullptr;
 };
 
 /// One family of worlds, or all joined as strata, of one point.

@@ -86,6 +86,7 @@ class Shrinker {
       if (now_.world.objects[i].noise < 0) now_.world.objects[i].noise = static_cast<int>(i);
     out_.objects_before = now_.world.objects.size();
     try {
+      least_ = std::clamp(failing(rows({now_}).front(), now_), 1, std::max(1, request_.noises / 2));
       shrink_objects();
       switch_off();
       bring_to_rest();
@@ -145,14 +146,19 @@ class Shrinker {
   std::optional<std::size_t> take(const std::vector<Candidate>& candidates) {
     const std::vector<std::vector<TrialRow>> rows = this->rows(candidates);
     for (std::size_t c = 0; c < candidates.size(); ++c) {
-      for (std::size_t k = 0; k < rows[c].size(); ++k) {
-        if (!same(rows[c][k], candidates[c])) continue;
-        noise_ = noise(static_cast<int>(k));
-        now_ = candidates[c];
-        return c;
-      }
+      if (failing(rows[c], candidates[c]) < std::min(least_, static_cast<int>(rows[c].size()))) continue;
+      std::size_t k = 0;
+      while (!same(rows[c][k], candidates[c])) ++k;
+      noise_ = noise(static_cast<int>(k));
+      now_ = candidates[c];
+      return c;
     }
     return std::nullopt;
+  }
+
+  int failing(const std::vector<TrialRow>& rows, const Candidate& candidate) const {
+    return static_cast<int>(
+        std::count_if(rows.begin(), rows.end(), [&](const TrialRow& row) { return same(row, candidate); }));
   }
 
   void shrink_objects() {
@@ -303,8 +309,7 @@ class Shrinker {
     request_.stop = stop;
     out_.row = rows.front();
     out_.noises = static_cast<int>(rows.size());
-    out_.failing =
-        static_cast<int>(std::count_if(rows.begin(), rows.end(), [&](const TrialRow& r) { return same(r, now_); }));
+    out_.failing = failing(rows, now_);
     out_.world = now_.world;
     out_.world.moves = any(now_.disturbances) ? drawn_by(noise_) : nullptr;
     Kinematics kinematics(point_.robot->model);
@@ -337,6 +342,7 @@ class Shrinker {
   Candidate now_;   ///< the smallest so far
   std::shared_ptr<const Moves> own_;
   int noise_ = 0;  ///< in which it fails
+  int least_ = 1;  ///< noises in which a candidate has to fail
   Shrunk out_;
 };
 

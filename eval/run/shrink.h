@@ -37,7 +37,8 @@ struct Shrunk {
 };
 
 /// Finds the smallest world in which a stored trial's point still fails as it did there: by the same outcome, a
-/// collision with the same object. A candidate counts where it fails in one noise at least, which becomes its own.
+/// collision with the same object. A candidate counts where it fails in as many noises as the trial's world, or in half
+/// of them; the first of these becomes its own.
 /// In turn: fewer objects (eval/risk/shrink_set.h), each of which keeps its own noise; disturbances off; objects at
 /// rest; a later start; a nearer goal; rounded numbers. The same world comes out for any number of threads. Throws
 /// store::StoreError; RunError where the trial did not fail, or does not fail again.
