@@ -64,7 +64,7 @@ void ControllerCore::reset(std::span<const ObjectShape> objects) {
   fallback_.allocate(poser_.problem().n(), poser_.problem().capacity());
   escape_.allocate(static_cast<int>(objects.size()));
   escape_.reset();
-  if (predictor_.on()) predictor_.reset(static_cast<int>(objects.size()));
+  if (predictor_.on()) predictor_.reset(objects);
   for (const std::unique_ptr<Guard>& guard : guards_) guard->set_objects(objects);
   if (lookahead_) lookahead_->reset(objects);
   counters_ = {};

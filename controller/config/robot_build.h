@@ -35,6 +35,9 @@ void read_arm(MapReader& robot, RobotBuild& build);
 /// `base.footprint` and `collision`: shapes and self-collision pairs. Needs read_arm().
 void read_collision(MapReader& robot, RobotBuild& build);
 
+/// `sensors`: where each is mounted. Needs read_arm().
+void read_sensors(MapReader& robot, RobotBuild& build);
+
 /// `position` and `rpy` (fixed axes x, y, z as in URDF) of a map; also `rotation`, nine numbers row by row, which
 /// resolved robots use. `written` gets what reads back to the same bits.
 Isometry read_pose(MapReader& in, nlohmann::ordered_json& written);

@@ -89,7 +89,8 @@ class CollisionReader {
     const Node* node = robot_.get("collision");
     MapReader in(node != nullptr ? *node : kNone, robot_.key_of("collision"));
     written_["shapes"] = nlohmann::ordered_json::array();
-    if (const Node* list = in.get("shapes")) read_shapes(*list, in.key_of("shapes"));
+    for (const char* key : {"shapes", "more"})
+      if (const Node* list = in.get(key)) read_shapes(*list, in.key_of(key));
     std::string from;
     in.read("from", from);
     in.check(from.empty() || from == "urdf", "from", "found '" + from + "', expected urdf");

@@ -44,6 +44,7 @@ LoadedRobot build_robot(const Node& node, const std::string& key) {
   read_base(robot, build);
   read_arm(robot, build);
   read_collision(robot, build);
+  read_sensors(robot, build);
   robot.finish();
   for (std::string& warning : implausible(build.model, build.resolved)) build.warnings.push_back(std::move(warning));
   return {std::make_shared<const RobotModel>(std::move(build.model)), std::move(build.resolved),

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "controller/describe/enumeration.h"
+#include "controller/model/sensor.h"
 #include "controller/model/shape.h"
 #include "controller/types.h"
 
@@ -90,6 +91,13 @@ struct SelfPair {
   bool row = true;  ///< false: can never come within range; no QP row, but still in the contact check
 };
 
+/// A sensor where it is mounted.
+struct MountedSensor {
+  Sensor sensor;
+  int link = 0;
+  Isometry X_LC = Isometry::Identity();
+};
+
 /// Immutable once built: share it as std::shared_ptr<const RobotModel> among threads.
 /// Configuration: base (x, y, phi) in W and q, one value per controlled joint.
 /// Velocity: (v, omega | qdot) differential, (v_x, v_y, omega | qdot) in base axes omnidirectional, qdot fixed.
@@ -103,6 +111,7 @@ struct RobotModel {
   VectorX ready;                         ///< size num_joints()
   std::vector<CollisionShape> shapes;
   std::vector<SelfPair> self_pairs;
+  std::vector<MountedSensor> sensors;
 
   int num_joints() const noexcept { return static_cast<int>(joints.size()); }
   /// As many as the base's kind has (model/base_kind.h); 0 where it is fixed.

@@ -100,6 +100,29 @@ constexpr void describe(V& v, Of<EvasionParams>) {
   v.member("margin", &P::margin, {.unit = "m", .range = Range::positive(), .text = "kept to what moves on a way out"});
 }
 
+/// How long an object that is no longer told of is believed to be there (object_memory.h).
+struct MemoryParams {
+  bool enabled = false;
+  int rays = 8;       ///< of a sensor's frame, that would have ended on it: a look through its place
+  double gone = 0.6;  ///< looks for so long in all remove it, or for as long as it had been told of [s]
+  double keep = 1.0;  ///< what moves goes on for so long; what rests too, where the robot has no sensors [s]
+};
+
+template <class V>
+constexpr void describe(V& v, Of<MemoryParams>) {
+  using P = MemoryParams;
+  v.member("rays", &P::rays,
+           {.range = {1.0, 100'000.0}, .text = "of a frame, that pass where it was: a look through it"});
+  v.member("gone", &P::gone,
+           {.unit = "s",
+            .range = Range::positive(),
+            .text = "looks for so long remove it, or for as long as it had been told of"});
+  v.member("keep", &P::keep,
+           {.unit = "s",
+            .range = Range::non_negative(),
+            .text = "what moves is believed to go on for so long; what rests too, where the robot has no sensors"});
+}
+
 /// Known lateness of drives and sensing, rounded up to control periods, and filters (predictor.h). All in seconds.
 struct PredictionParams {
   bool enabled = false;
@@ -114,6 +137,7 @@ struct PredictionParams {
   double moving_filter = 0.0;   ///< of those in motion,
   double twist_filter = 0.0;    ///< and of their twists
   bool identify = false;  ///< round trips of base and joints are found from their motion; the above are first guesses
+  MemoryParams memory;
 };
 
 template <class V>
@@ -139,6 +163,8 @@ constexpr void describe(V& v, Of<PredictionParams>) {
     g.member("twist", &P::twist_filter, {.unit = "s", .range = Range::non_negative(), .text = "of their twists"});
   });
   v.member("identify", &P::identify, {.text = "find the round trips of base and joints from their motion"});
+  v.optional("memory", &P::memory, &MemoryParams::enabled, Off::kOmitted,
+             "objects that are no longer told of stay until a sensor looks through them");
 }
 
 /// How far what is measured may be off (uncertainty.h): standard deviations per axis, as `disturbances` has them.

@@ -44,7 +44,7 @@ void PoseFilter::begin(const Isometry& X_W, const Vector6& V_W, bool moving, Pos
   track.place(X_W);
   track.V_W = V_W;
   track.pose_spread = 1.0;
-  track.unseen = 0.0;
+  track.unseen = track.passed = 0.0;
 }
 
 void PoseFilter::measure(const Isometry& X_W, const Vector6& V_W, PoseTrack& track,
@@ -63,7 +63,7 @@ void PoseFilter::measure(const Isometry& X_W, const Vector6& V_W, PoseTrack& tra
     return;
   }
   ++track.seen;
-  track.unseen = 0.0;
+  track.unseen = track.passed = 0.0;
   const double first = 1.0 / track.seen;
   if (at_rest) {
     track.V_W.setZero();

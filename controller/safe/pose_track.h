@@ -18,6 +18,7 @@ struct PoseTrack {
   double pose_spread = 1.0;                       ///< variance of X_W's noise, in units of one measurement's [1]
   double twist_spread = 1.0;                      ///< and of V_W's
   double unseen = 0.0;                            ///< time since the last measurement [s]
+  double passed = 0.0;                            ///< time for which sensors looked through it since then [s]
   bool stated = false;                            ///< which came with covariances ...
   Vector9 position_covariance = Vector9::Zero();  ///< ... of its position [m^2], column by column,
   Vector9 velocity_covariance = Vector9::Zero();  ///< and of its linear velocity [(m/s)^2]
@@ -45,6 +46,11 @@ constexpr void describe(V& v, Of<PoseTrack>) {
   v.member("pose_spread", &T::pose_spread, {.unit = "1", .range = Range::non_negative()});
   v.member("twist_spread", &T::twist_spread, {.unit = "1", .range = Range::non_negative()});
   v.member("unseen", &T::unseen, {.unit = "s", .range = Range::non_negative()});
+  v.member("passed", &T::passed,
+           {.unit = "s",
+            .range = Range::non_negative(),
+            .written = Written::kUnlessDefault,
+            .text = "for which sensors looked through it since the last measurement"});
   v.member("stated", &T::stated,
            {.written = Written::kUnlessDefault, .text = "whether the last measurement came with covariances"});
   v.member("position_covariance", &T::position_covariance,

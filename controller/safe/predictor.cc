@@ -64,6 +64,7 @@ Predictor::Predictor(const RobotModel& model, const PredictionParams& params, co
       uncertainty_(uncertainty, base_dof_),
       filter_({params.resting_filter, params.moving_filter, params.twist_filter},
               motion_threshold(uncertainty, uncertainty_.quantile()), control_period),
+      object_memory_(model, params.memory, control_period),
       base_age_(whole_periods(params.base_sensing, dt_)),
       joint_age_(whole_periods(params.joint_sensing, dt_)),
       object_age_(whole_periods(params.object_sensing, dt_)),
@@ -77,10 +78,12 @@ Predictor::Predictor(const RobotModel& model, const PredictionParams& params, co
   if (acceleration_limit.size() == model.num_velocities()) joint_step_ = dt_ * acceleration_limit.tail(num_joints_);
   out_.q = VectorX::Zero(num_joints_);
   out_.qdot = VectorX::Zero(model.num_velocities());
-  reset(0);
+  reset({});
 }
 
-void Predictor::reset(int num_objects) {
+void Predictor::reset(std::span<const ObjectShape> objects) {
+  object_memory_.set_objects(objects);
+  const std::size_t num_objects = objects.size();
   PredictionMemory& m = memory_;
   const int nv = base_dof_ + num_joints_;
   m.computed.assign(at(periods_), VectorX::Zero(nv));
@@ -93,11 +96,11 @@ void Predictor::reset(int num_objects) {
   m.base.setZero();
   m.base_trip = {base_dof_ > 0 ? whole_periods(params_.base_drive, dt_) + base_age_ : 0, VectorX::Zero(tried_)};
   m.joint_trip = {whole_periods(params_.joint_drive, dt_) + joint_age_, VectorX::Zero(tried_)};
-  m.objects.assign(static_cast<std::size_t>(num_objects), PoseTrack{});
+  m.objects.assign(num_objects, PoseTrack{});
   m.goal = {};
-  out_.objects.assign(static_cast<std::size_t>(num_objects), ObjectState{});
+  out_.objects.assign(num_objects, ObjectState{});
   out_.qdot.setZero();
-  spreads_.assign(uncertainty_.on() ? static_cast<std::size_t>(num_objects) : 0, PlaceSpread{});
+  spreads_.assign(uncertainty_.on() ? num_objects : 0, PlaceSpread{});
   synchronise();
 }
 
@@ -168,6 +171,7 @@ const Observation& Predictor::predict(const Observation& o) noexcept {
   }
   predict_velocity();
   for (std::size_t i = 0; i < o.objects.size(); ++i) predict_object(o.objects[i], i);
+  object_memory_.look(o, out_.objects, m.objects);
   filter_.measure(o.goal.X_WG, o.goal.V_WG_W, m.goal);
   out_.goal.X_WG = m.goal.X_W();
   out_.goal.V_WG_W.setZero();
@@ -204,7 +208,8 @@ void Predictor::predict_object(const ObjectState& seen, std::size_t i) noexcept 
   object = seen;
   if (seen.visible) {
     filter_.measure(seen.X_WO, seen.V_WO_W, track, seen.covariance ? &*seen.covariance : nullptr);
-  } else if (uncertainty_.on() && track.seen > 0 && track.unseen + dt_ <= uncertain_.keep) {
+  } else if (object_memory_.believes(track) ||
+             (uncertainty_.on() && track.seen > 0 && track.unseen + dt_ <= uncertain_.keep)) {
     filter_.coast(track);
     object.visible = true;
   } else {
@@ -302,7 +307,7 @@ void Predictor::send(const VectorX& command, VectorX& sent) noexcept {
 std::string prediction_mismatch(const PredictionMemory& memory, const RobotModel& model, const ControllerParams& params,
                                 double control_period, std::size_t objects) {
   Predictor fresh(model, params.prediction, params.uncertainty, params.base_share, control_period);
-  fresh.reset(static_cast<int>(objects));
+  fresh.reset(std::vector<ObjectShape>(objects));
   const PredictionMemory& wanted = fresh.memory();
   const auto count = [](std::string_view key, std::size_t found, std::size_t expected) {
     return found == expected ? std::string()

@@ -7,6 +7,7 @@
 #include "controller/model/robot_model.h"
 #include "controller/params.h"
 #include "controller/safe/base_ramp.h"
+#include "controller/safe/object_memory.h"
 #include "controller/safe/params.h"
 #include "controller/safe/pose_track.h"
 #include "controller/safe/prediction_memory.h"
@@ -44,8 +45,8 @@ class Predictor {
 
   bool on() const noexcept { return params_.enabled; }
   bool identifies() const noexcept { return params_.enabled && params_.identify; }
-  /// Forgets everything, for so many objects.
-  void reset(int num_objects);
+  /// Forgets everything, for these objects.
+  void reset(std::span<const ObjectShape> objects);
 
   /// What will be when the command of this step acts. `o` is finite and of the sizes of the robot and reset().
   const Observation& predict(const Observation& o) noexcept;
@@ -93,6 +94,7 @@ class Predictor {
   UncertaintyParams uncertain_;
   Uncertainty uncertainty_;
   PoseFilter filter_;
+  ObjectMemory object_memory_;
   int base_age_, joint_age_, object_age_, goal_age_;  // S, in periods
   int tried_;                                         // round trips of 0 .. tried_ - 1 periods
   int periods_;                                       // remembered

@@ -17,7 +17,8 @@ std::optional<double> known_before_contact(const CollisionCase& collision) {
   const auto hit = std::find_if(world.objects.begin(), world.objects.end(),
                                 [&](const WorldObject& object) { return object.name == collision.object; });
   const DetectionRule& rule = disturbances.detection;
-  if (rule.occlusion || rule.mount == SensorMount::kHand) return {};  // the arm's way is not in the samples' base
+  if (rule.occlusion || rule.mount == SensorMount::kHand || rule.seen_by == SeenBy::kSensors)
+    return {};  // the arm's way is not in the samples' base
   Detection detection(rule, world, DisturbanceStreams(world, disturbances.seed), collision.control_period);
   if (hit == world.objects.end() || !detection.on()) return {};
   const auto place = static_cast<std::size_t>(hit - world.objects.begin());

@@ -178,6 +178,17 @@ void check_plants(const Suite& suite, const Node& root) {
   }
 }
 
+// A robot that sees nothing by itself would be told of no object.
+void check_sensors(const Suite& suite, const Node& root) {
+  for (const SuitePoint& point : suite.points) {
+    if (point.disturbances.detection.seen_by != SeenBy::kSensors || !point.robot->model->sensors.empty()) continue;
+    const Node* robot = root.find("robot");
+    config::fail(robot != nullptr ? robot->mark : root.mark, "robot",
+                 "has no sensors, and disturbances.objects.seen_by is sensors; give the robot file `sensors`, or take "
+                 "seen_by: rule");
+  }
+}
+
 // The robot is read once for all assignments that say the same about it.
 class Robots {
  public:
@@ -266,6 +277,7 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
     for (SuitePoint& point : points) suite.points.push_back(std::move(point));
   check_suite(suite, in.require("trials", "").mark);
   check_plants(suite, draft.root());
+  check_sensors(suite, draft.root());
   suite.resolved = resolved_json(suite, sweep != nullptr);
   return suite;
 }

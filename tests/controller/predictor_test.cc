@@ -97,7 +97,7 @@ TEST(Predictor, SeesTheStateThatIsReached) {
   for (const auto& model : all_robots()) {
     for (const Lateness& late : kCases) {
       Predictor predictor(*model, known(late), {}, 0.0, kPeriod);
-      predictor.reset(0);
+      predictor.reset({});
       LateRobot robot(*model, late, Vector3(0.3, -0.2, 1.0), random_joints(*model, rng));
       const int acts = std::max(model->base_dof() > 0 ? late.base_drive : 0, late.joint_drive);
       EXPECT_NEAR(predictor.lateness(), acts * kPeriod, 1e-12);
@@ -129,7 +129,7 @@ TEST(Predictor, SeesTheStateThatIsReached) {
 TEST(Predictor, WrongLatenessIsSeenInTheError) {
   const auto model = frankie();
   Predictor predictor(*model, known({}), {}, 0.0, kPeriod);
-  predictor.reset(0);
+  predictor.reset({});
   LateRobot robot(*model, {3, 1, 1, 0}, Vector3::Zero(), model->ready);
   VectorX command = VectorX::Zero(9), sent = command;
   command[0] = 0.5;
@@ -149,7 +149,7 @@ TEST(Predictor, FindsLatenessThatNobodyToldIt) {
       PredictionParams params = known({1, 2, 1, 0});
       params.identify = true;
       Predictor predictor(*model, params, {}, 0.0, kPeriod);
-      predictor.reset(0);
+      predictor.reset({});
       LateRobot robot(*model, late, Vector3::Zero(), model->ready);
       VectorX command = VectorX::Zero(model->num_velocities()), sent = command;
       for (int k = 0; k < 250; ++k) {
@@ -180,7 +180,7 @@ TEST(Predictor, CatchesUpWithinTheLimitsWhereAWaitBecomesShorter) {
   const VectorX limit = VectorX::Constant(model->num_velocities(), 5.0);
   for (const bool limited : {true, false}) {
     Predictor predictor(*model, params, {}, 0.0, kPeriod, limited ? limit : VectorX());
-    predictor.reset(0);
+    predictor.reset({});
     LateRobot robot(*model, {}, Vector3::Zero(), model->ready);
     VectorX command = VectorX::Zero(model->num_velocities()), sent = command, before = command;
     const double step = 5.0 * kPeriod;
@@ -215,7 +215,7 @@ TEST(Predictor, MovesOnWhatMoves) {
   params.goal_sensing = 0.04;
   const auto model = frankie();
   Predictor predictor(*model, params, {}, 0.0, kPeriod);
-  predictor.reset(3);
+  predictor.reset(std::vector<ObjectShape>(3));
   Observation o;
   o.q = model->ready;
   o.qdot = VectorX::Zero(9);
@@ -238,7 +238,7 @@ TEST(Predictor, TakesWrappedHeadingsAndRelocations) {
   params.base_filter = 0.2;
   const auto model = frankie();
   Predictor predictor(*model, params, {}, 0.0, kPeriod);
-  predictor.reset(0);
+  predictor.reset({});
   Observation o;
   o.q = model->ready;
   o.qdot = VectorX::Zero(9);
@@ -294,7 +294,7 @@ TEST(Predictor, KnowsWhereTheBaseIsAfterAStepWithoutMeasurements) {
   PredictionParams params = known(late);
   params.base_filter = 1.0;  // so that the model, not the measurement, decides
   Predictor predictor(*model, params, {}, 0.0, kPeriod);
-  predictor.reset(0);
+  predictor.reset({});
   LateRobot robot(*model, late, Vector3::Zero(), model->ready);
   VectorX command = VectorX::Zero(9), sent = command;
   std::deque<Observation> predicted;
@@ -324,7 +324,7 @@ TEST(Predictor, AllowsForStepsThatWereMissed) {
     params.base_filter = 1.0;
     params.identify = true;
     Predictor predictor(*model, params, {}, 0.0, kPeriod);
-    predictor.reset(0);
+    predictor.reset({});
     LateRobot robot(*model, late, Vector3::Zero(), model->ready);
     VectorX command = VectorX::Zero(9), sent = command;
     double worst = 0.0;
@@ -376,7 +376,7 @@ TEST(Predictor, TakesNoStepForMissedThatWasNot) {
   o.q = model->ready;
   o.qdot = VectorX::Zero(9);
   const auto hold_after = [&](const std::vector<double>& times) {
-    predictor.reset(0);
+    predictor.reset({});
     for (const double t : times) {
       o.time = t;
       predictor.predict(o);

@@ -106,6 +106,29 @@ TEST_F(RobotFileErrors, TheRobotItselfIsFine) {
   EXPECT_DOUBLE_EQ(robot.model->links[static_cast<std::size_t>(robot.model->find_link("finger2"))].held, 0.48);
 }
 
+TEST_F(RobotFileErrors, Sensors) {
+  const std::string robot = std::string(kRobot) + "sensors:\n";
+  const config::LoadedRobot seeing = load(robot +
+                                          "  - {name: mast, position: [0, 0, 1], rpy: [0, 0, 3.141592653589793]}\n"
+                                          "  - {name: eye, link: tip, columns: 3, rows: 1, field_of_view: [1, 0]}\n");
+  ASSERT_EQ(seeing.model->sensors.size(), 2U);
+  EXPECT_EQ(seeing.model->sensors[0].link, 0);
+  EXPECT_TRUE(seeing.model->sensors[0].X_LC.linear().col(0).isApprox(Vector3(-1, 0, 0), 1e-12)) << "it looks back";
+  EXPECT_EQ(seeing.model->sensors[1].link, seeing.model->find_link("tip"));
+  EXPECT_EQ(config::robot_from_resolved(seeing.resolved).resolved.dump(), seeing.resolved.dump());
+  expect(robot + "  - {link: tip}\n", {"robot.yaml:15:5: sensors[0].name: missing"});
+  expect(robot + "  - {name: ''}\n", {"sensors[0].name: found '', expected a name"});
+  expect(robot + "  - {name: a}\n  - {name: a}\n", {"sensors[1].name: another sensor is called 'a'"});
+  expect(robot + "  - {name: a, link: nose}\n", {"sensors[0].link: found 'nose', which is no link of the robot"});
+  expect(robot + "  - {name: a, field_of_view: [0, 1]}\n", {"field_of_view: found an azimuth of 0, expected more"});
+  expect(robot + "  - {name: a, field_of_view: [1, 4]}\n", {"field_of_view: found an elevation above pi"});
+  expect(robot + "  - {name: a, field_of_view: [1, 0]}\n", {"rows: found 60 rows for an elevation of 0, expected 1"});
+  expect(robot + "  - {name: a, columns: 9999, rows: 9999}\n",
+         {"columns: found 99980001 rays", "expected at most 100000"});
+  expect(robot + "  - {name: a, rate: 0}\n", {"sensors[0].rate: found '0'"});
+  expect(robot + "  - {name: a, gaze: 1}\n", {"sensors[0].gaze: unknown key"});
+}
+
 TEST_F(RobotFileErrors, Places) {
   const std::string text = message(replaced(kRobot, "max_angular: 2", "max_angluar: 2"));
   EXPECT_NE(text.find("robot.yaml:3:3: base.max_angular: missing"), std::string::npos) << text;

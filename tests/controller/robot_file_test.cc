@@ -76,6 +76,13 @@ void expect_same_model(const RobotModel& a, const RobotModel& b) {
     EXPECT_EQ(a.shapes[i].shape.hull->vertices, b.shapes[i].shape.hull->vertices);
     EXPECT_EQ(a.shapes[i].shape.hull->triangles, b.shapes[i].shape.hull->triangles);
   }
+  ASSERT_EQ(a.sensors.size(), b.sensors.size());
+  for (std::size_t i = 0; i < a.sensors.size(); ++i) {
+    EXPECT_EQ(a.sensors[i].sensor.name, b.sensors[i].sensor.name);
+    EXPECT_EQ(a.sensors[i].sensor.field_of_view, b.sensors[i].sensor.field_of_view);
+    EXPECT_EQ(a.sensors[i].link, b.sensors[i].link);
+    expect_same_isometry(a.sensors[i].X_LC, b.sensors[i].X_LC, a.sensors[i].sensor.name);
+  }
   ASSERT_EQ(a.self_pairs.size(), b.self_pairs.size());
   for (std::size_t i = 0; i < a.self_pairs.size(); ++i) {
     EXPECT_EQ(a.self_pairs[i].first, b.self_pairs[i].first);

@@ -245,6 +245,33 @@ TEST(Detection, WhatStandsBeforeSomethingHidesIt) {
   EXPECT_TRUE(Eyes(rule, small).look({0, 0, 0})[0]);
 }
 
+TEST(Detection, BySensorsSeesWhatTheirRaysEndOnNow) {
+  auto model = std::make_shared<RobotModel>(*tiny_robot());
+  Sensor ahead;
+  ahead.name = "ahead";
+  ahead.rate = 25.0;  // every second step
+  model->sensors.push_back({ahead, 0, Isometry(Eigen::Translation3d(0, 0, 1.0))});
+  DetectionRule rule;
+  rule.seen_by = SeenBy::kSensors;
+  rule.range = 0.1;  // of the rule, which does not count
+  World world;
+  world.objects = {solid("ball", ShapeKind::kSphere, {0.1, 0, 0}, {2, 0, 1.0}),
+                   solid("behind", ShapeKind::kSphere, {0.1, 0, 0}, {-2, 0, 1.0}),
+                   solid("speck", ShapeKind::kSphere, {0.003, 0, 0}, {2, 0.5, 1.0})};
+  Detection detection(rule, world, DisturbanceStreams(world, 0), kPeriod, model);
+  ASSERT_TRUE(detection.on());
+  const auto seen = [&](long k, const Vector3& base) {
+    std::vector<ObjectState> states(3);
+    object_states(world, 0.0, states);
+    detection.update(k, base, VectorX::Zero(3), states);
+    return std::vector<bool>{states[0].visible, states[1].visible, states[2].visible};
+  };
+  EXPECT_EQ(seen(0, {0, 0, 0}), (std::vector<bool>{true, false, false})) << "a speck is not hit by two rays";
+  EXPECT_EQ(seen(1, {0, 0, 3.14}), (std::vector<bool>{true, false, false})) << "the next frame is not due";
+  EXPECT_EQ(seen(2, {0, 0, 3.14}), (std::vector<bool>{false, true, false})) << "out of view, no longer told of";
+  EXPECT_EQ(detection.sensor_W({0, 0, 0}), Vector3(0, 0, 1.0));
+}
+
 TEST(Detection, KnowsWhatItFoundToTheEndUnlessItIsLost) {
   const std::vector<WorldObject> ball = {solid("ball", ShapeKind::kSphere, {0.1, 0, 0}, {3, 0, 0.5})};
   for (const bool lost : {false, true}) {

@@ -267,6 +267,31 @@ TEST(Worlds, MovingObjectsLeaveStartAndWitnessClear) {
   }
 }
 
+TEST(Worlds, StartRoomIsEmptyWhenTheRobotStarts) {
+  const auto model = robot("frankie");
+  const Worlds with = worlds("seed: 9\nstart_room: 0.4\nfamilies: {clutter: {}, table: {}, doorway: {}, moving: {}}");
+  const Worlds without = worlds("seed: 9\nfamilies: {clutter: {}, table: {}, doorway: {}, moving: {}}");
+  EXPECT_NE(with.identity(0), without.identity(0));
+  EXPECT_EQ(without.identity(0).count("start_room"), 0U) << "keys of worlds without it stay";
+  const auto least = [&](const World& world) {
+    Kinematics kinematics(model);
+    kinematics.update(world.start.base, world.start.q);
+    std::vector<ObjectState> states(world.objects.size());
+    object_states(world, 0.0, states);
+    double d = 1e9;
+    for (const CollisionShape& shape : model->shapes)
+      for (std::size_t k = 0; k < states.size(); ++k)
+        d = std::min(d, shape_distance(shape.shape, kinematics.X_WS(shape), world.objects[k].shape, states[k].X_WO).d);
+    return d;
+  };
+  int nearer = 0;
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    EXPECT_GT(least(with.make(model, i)), 0.399) << "world " << i;
+    nearer += least(without.make(model, i)) < 0.4 ? 1 : 0;
+  }
+  EXPECT_GT(nearer, 5);
+}
+
 TEST(Worlds, MovingObjectsDoCrossTheWay) {
   const auto model = robot("frankie");
   const Worlds source = worlds("seed: 9\nfamilies: {moving: {crossing: 1, objects: 1}}");

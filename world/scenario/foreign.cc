@@ -499,7 +499,7 @@ class Importer {
 
   void make(const Scene& scene, const Request& request) {
     World world;
-    SceneBuilder builder(model_, 0, out_.worlds.size(), 0.0);
+    SceneBuilder builder(model_, 0, out_.worlds.size(), {});
     builder.begin(0, world);
     world.family = scene.name;
     world.start = {Vector3::Zero(), configuration(request.start, request, false)};

@@ -30,12 +30,12 @@ constexpr ProximityRanges only_objects(double range) { return {range, -1.0, -1.0
 }  // namespace
 
 SceneBuilder::SceneBuilder(std::shared_ptr<const RobotModel> model, std::uint64_t seed, std::uint64_t index,
-                           double clearance, std::shared_ptr<const Moves> moves)
+                           const Room& room, std::shared_ptr<const Moves> moves)
     : model_(std::move(model)),
       seed_(seed),
       index_(index),
       moves_(std::move(moves)),
-      clearance_(clearance),
+      room_(room),
       start_(model_),
       witness_(model_),
       proximity_(with_all_self_rows(*model_)),
@@ -186,13 +186,21 @@ double SceneBuilder::distance_at(const WorldObject& object, double t, double ran
   return nearest(proximity_.query(witness_, one_, only_objects(range)), at_start);
 }
 
+bool SceneBuilder::leaves_start_room(const WorldObject& object) {
+  if (room_.start <= 0.0) return true;
+  one_[0].X_WO = evaluate(object.motion, object.X_WO, 0.0).X;
+  const double range = room_.start + 1e-3;
+  return nearest(proximity_.query(start_, one_, only_objects(range)), range) > room_.start;
+}
+
 bool SceneBuilder::stands_clear(const WorldObject& object, double clearance) {
   choose_object(object);
-  return distance_at(object, 0.0, clearance + 1e-3) > clearance;
+  return leaves_start_room(object) && distance_at(object, 0.0, clearance + 1e-3) > clearance;
 }
 
 bool SceneBuilder::clear_for(const WorldObject& object, double top_speed, double horizon, double clearance) {
   choose_object(object);
+  if (!leaves_start_room(object)) return false;
   const double range = clearance + 0.5;
   for (double t = 0.0; t <= horizon;) {
     const double least = distance_at(object, t, range);

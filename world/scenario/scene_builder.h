@@ -14,18 +14,24 @@
 
 namespace moma {
 
+/// How far objects keep from a robot that stands at start or witness.
+struct Room {
+  double clearance = 0.0;  ///< to both [m]
+  double start = 0.0;      ///< to the start, at t = 0 [m]
+};
+
 /// Builds one world in tries: every check that fails is counted by name, so that an error can say which constraint
 /// stood in the way. Owns the workspace; one per world made.
 class SceneBuilder {
  public:
   static constexpr double kTimeStep = 1e-3;  ///< [s]
 
-  SceneBuilder(std::shared_ptr<const RobotModel> model, std::uint64_t seed, std::uint64_t index, double clearance,
+  SceneBuilder(std::shared_ptr<const RobotModel> model, std::uint64_t seed, std::uint64_t index, const Room& room,
                std::shared_ptr<const Moves> moves = nullptr);
 
   const RobotModel& model() const { return *model_; }
   const std::shared_ptr<const RobotModel>& model_pointer() const { return model_; }
-  double clearance() const { return clearance_; }
+  double clearance() const { return room_.clearance; }
   bool mobile() const { return model_->mobile(); }
 
   /// The draws of this try for one purpose. `item` numbers what is placed.
@@ -60,11 +66,13 @@ class SceneBuilder {
 
   /// Tool position at the start, after place_robot().
   const Vector3& start_tip() const { return start_tip_; }
-  /// True where the object is farther than `clearance` from start and witness at t = 0.
+  /// True where the object is farther than `clearance` from start and witness, and than Room::start from the start, at
+  /// t = 0.
   bool stands_clear(const WorldObject& object, double clearance);
   /// True where the object is farther than `clearance` from start and witness at every t in [0, horizon], by
   /// conservative advancement with the object's own top speed (a bound on the speed of its points). Times are at least
-  /// kTimeStep apart: after one of them the object may come nearer by top_speed * kTimeStep.
+  /// kTimeStep apart: after one of them the object may come nearer by top_speed * kTimeStep. At t = 0 also farther than
+  /// Room::start from the start.
   bool clear_for(const WorldObject& object, double top_speed, double horizon, double clearance);
 
   /// Circles on the floor, (x, y, radius), outside of which nothing of start and witness is. After place_robot().
@@ -80,13 +88,15 @@ class SceneBuilder {
   bool check_pose(const Kinematics& kinematics, double floor_clearance, double self_clearance, const std::string& who,
                   bool at_ready = false);
   void choose_object(const WorldObject& object);
+  /// Whether the chosen object is outside Room::start at t = 0.
+  bool leaves_start_room(const WorldObject& object);
   /// Least distance of the chosen object to start and witness where its motion has it at time t, no more than `range`.
   double distance_at(const WorldObject& object, double t, double range);
 
   std::shared_ptr<const RobotModel> model_;
   std::uint64_t seed_, index_, attempt_ = 0;
   std::shared_ptr<const Moves> moves_;
-  double clearance_;
+  Room room_;
   Kinematics start_, witness_;
   Proximity proximity_;  ///< one for self pairs and objects: geometry of meshes takes long to build
   FloorReach reach_;

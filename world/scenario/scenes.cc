@@ -132,7 +132,7 @@ Scenes::Place Scenes::place(std::uint64_t index) const {
 
 World Scenes::make(const std::shared_ptr<const RobotModel>& model, std::uint64_t index) const {
   const Place at = place(index);
-  SceneBuilder builder(model, 0, index, 0.0);
+  SceneBuilder builder(model, 0, index, {});
   World world;
   builder.begin(0, world);
   world.family = at.scene->name;

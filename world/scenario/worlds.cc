@@ -28,6 +28,7 @@ using Json = nlohmann::ordered_json;
 struct Making {
   std::uint64_t seed = 1;
   double clearance = 0.05;  ///< [m]
+  double start_room = 0.0;  ///< [m]
   int tries = 10000;
 };
 
@@ -36,6 +37,11 @@ constexpr void describe(Visitor& v, Of<Making>) {
   v.member("seed", &Making::seed, {.text = "other worlds"});
   v.member("clearance", &Making::clearance,
            {.unit = "m", .range = Range::non_negative(), .text = "objects keep so far from start and witness"});
+  v.member("start_room", &Making::start_room,
+           {.unit = "m",
+            .range = {0.0, 10.0},
+            .written = Written::kUnlessDefault,
+            .text = "and so far from the robot where it starts, when it starts"});
   v.member("tries", &Making::tries, {.range = {1, 1000000}, .text = "at one world, before it is an error"});
 }
 
@@ -222,7 +228,7 @@ World Worlds::make(const std::shared_ptr<const RobotModel>& model, std::uint64_t
   }
   const Member& member = std::get<Mixture>(data_->source).at(index);
   const Making& making = data_->making;
-  SceneBuilder builder(model, making.seed, index, making.clearance, moves);
+  SceneBuilder builder(model, making.seed, index, {making.clearance, making.start_room}, moves);
   World world;
   bool found = false;
   int tries = 0;
@@ -260,11 +266,13 @@ Json Worlds::identity(std::uint64_t index, const Moves& moves) const {
   if (const auto* scenes = std::get_if<Scenes>(&data_->source))
     return {{"scene", index < scenes->size() ? scenes->identity(index) : Json()}};
   const Member& member = std::get<Mixture>(data_->source).at(index);
-  return {{"seed", data_->making.seed},
-          {"index", index},
-          {"clearance", data_->making.clearance},
-          {"family", member.name},
-          {"parameters", member.family->to_json()}};
+  Json out{{"seed", data_->making.seed},
+           {"index", index},
+           {"clearance", data_->making.clearance},
+           {"family", member.name},
+           {"parameters", member.family->to_json()}};
+  if (data_->making.start_room > 0.0) out["start_room"] = data_->making.start_room;
+  return out;
 }
 
 std::vector<std::pair<std::string, double>> Worlds::shares() const {

@@ -10,6 +10,7 @@
 namespace moma {
 namespace {
 
+constexpr int kRays = 2;  // of the robot's sensors that have to end on an object
 constexpr double kWhole = 2.0 * std::numbers::pi;
 constexpr double kRay = 1e-3;    // [m], radius of a line of sight
 constexpr double kShort = 0.01;  // [m], that are left free at its end: the object itself is there
@@ -54,12 +55,23 @@ Detection::Detection(const DetectionRule& rule, const World& world, const Distur
       steps_(delay_steps(rule.detection, control_period)),
       missed_span_(std::max(1L, delay_steps(rule.missed.duration, control_period))),
       on_(std::isfinite(rule.range) || steps_ > 0 || rule.field_of_view < kWhole || rule.occlusion ||
-          rule.missed.probability > 0.0),
+          rule.missed.probability > 0.0 || by_sensors()),
       in_range_(world.objects.size(), 0),
       found_(world.objects.size(), 0) {
   shapes_.reserve(world.objects.size());
   for (const WorldObject& object : world.objects) shapes_.push_back(object.shape);
-  if (model_ != nullptr && (rule_.mount == SensorMount::kHand || rule_.occlusion)) kinematics_.emplace(model_);
+  if (model_ == nullptr) return;
+  if (rule_.mount == SensorMount::kHand || rule_.occlusion || by_sensors()) kinematics_.emplace(model_);
+  if (by_sensors()) frames_.emplace(*model_, control_period).set_objects(shapes_);
+}
+
+const Vector3& Detection::sensor_W(const Vector3& p_W) const noexcept {
+  const Vector3* nearest = &sensor_W_;
+  for (int sensor = 0; frames_ && sensor < frames_->count(); ++sensor) {
+    const Vector3& place = frames_->place_W(sensor);
+    if (sensor == 0 || (place - p_W).squaredNorm() < (*nearest - p_W).squaredNorm()) nearest = &place;
+  }
+  return *nearest;
 }
 
 void Detection::place(const Vector3& base, const VectorX& q) {
@@ -89,6 +101,10 @@ bool Detection::hidden(std::size_t i, const Vector3& point_W, const std::vector<
   return false;
 }
 
+bool Detection::near(std::size_t i, const std::vector<ObjectState>& objects) {
+  return frames_ ? frames_->rays_on(i) >= kRays : in_range(i, objects);
+}
+
 bool Detection::in_range(std::size_t i, const std::vector<ObjectState>& objects) {
   const Isometry& X_WO = objects[i].X_WO;
   const Vector3 sensor_O = X_WO.linear().transpose() * (sensor_W_ - X_WO.translation());
@@ -108,11 +124,12 @@ bool Detection::in_range(std::size_t i, const std::vector<ObjectState>& objects)
 
 void Detection::update(long k, const Vector3& base, const VectorX& q, std::vector<ObjectState>& objects) {
   place(base, q);
+  if (frames_) frames_->look(k, *kinematics_, objects);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     bool seen = found_[i] != 0;
-    if (!seen || rule_.lost) {
+    if (!seen || rule_.lost || frames_) {
       // In range at the first step counts as 1: found when `detection` has passed since.
-      const bool near = in_range(i, objects);
+      const bool near = this->near(i, objects);
       in_range_[i] = !near ? 0 : first_ && rule_.known_at_start ? steps_ + 1 : in_range_[i] + 1;
       seen = seen ? near : in_range_[i] > steps_;
       if (seen) found_[i] = 1;

@@ -238,6 +238,11 @@ constexpr void describe(Visitor& v, Of<FalseDetections>) {
   v.member("height", &T::height, about("m", kPlace, "centres lie between the floor and this"));
 }
 
+/// What decides that an object is seen. kRule: the rule below, of one sensor that stands apart from the robot file.
+/// kSensors: the rays of the robot's own sensors that end on it.
+enum class SeenBy { kRule, kSensors };
+constexpr auto words(Of<SeenBy>) { return std::to_array<std::string_view>({"rule", "sensors"}); }
+
 /// What the sensor of objects is fixed to.
 enum class SensorMount { kBase, kHand };
 constexpr auto words(Of<SensorMount>) { return std::to_array<std::string_view>({"base", "hand"}); }
@@ -256,6 +261,7 @@ struct DetectionRule {
   bool lost = false;
   MissedDetections missed{};
   FalseDetections phantoms{};
+  SeenBy seen_by = SeenBy::kRule;
   bool operator==(const DetectionRule&) const = default;
 };
 
@@ -263,6 +269,8 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<DetectionRule>) {
   using namespace disturbed;
   using T = DetectionRule;
+  v.member("seen_by", &T::seen_by,
+           about("rule: within `range` of `sensor`; sensors: rays of the robot file's sensors end on it, now"));
   v.member("range", &T::range, about("m", Range::non_negative_or_inf(), "from `sensor` to the object's surface"));
   v.member("detection", &T::detection, about("s", {0.0, 3600.0}, "in range for so long without a break: found"));
   v.member("known_at_start", &T::known_at_start, about("what is in range at the first step is found at once"));

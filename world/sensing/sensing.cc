@@ -161,7 +161,7 @@ void Sensing::measure_pose(const PoseSensing& config, const PoseSources& sources
 
 // Of a true place; 1 where noise does not grow.
 double Sensing::noise_factor(const PoseSensing& config, const Vector3& p_W) const {
-  return config.noise_growth > 0.0 ? 1.0 + config.noise_growth * (p_W - detection_.sensor_W()).squaredNorm() : 1.0;
+  return config.noise_growth > 0.0 ? 1.0 + config.noise_growth * (p_W - detection_.sensor_W(p_W)).squaredNorm() : 1.0;
 }
 
 template <class T>
