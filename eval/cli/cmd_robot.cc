@@ -79,6 +79,18 @@ QueryResult link_table(const RobotModel& model) {
   return table;
 }
 
+QueryResult sensor_table(const RobotModel& model) {
+  QueryResult table{{"sensor", "link", "position m", "looks along", "view rad", "rays", "range m", "frames/s"}, {}};
+  for (const MountedSensor& mounted : model.sensors) {
+    const Sensor& s = mounted.sensor;
+    table.rows.push_back({s.name, model.links[static_cast<std::size_t>(mounted.link)].name, vector_text(s.position),
+                          vector_text(mounted.X_LC.linear().col(0)),
+                          fmt::format("{:.4g} x {:.4g}", s.field_of_view[0], s.field_of_view[1]),
+                          fmt::format("{} x {}", s.columns, s.rows), s.range, s.rate});
+  }
+  return table;
+}
+
 double total_mass(const RobotModel& model) {
   double mass = model.base.mass;
   for (const Link& link : model.links) mass += link.inertial ? link.inertial->mass : 0.0;
@@ -204,6 +216,10 @@ void add_robot(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       write(std::cout, joint_table(*robot.model), Format::kTable);
       std::cout << '\n';
       write(std::cout, link_table(*robot.model), Format::kTable);
+      if (!robot.model->sensors.empty()) {
+        std::cout << '\n';
+        write(std::cout, sensor_table(*robot.model), Format::kTable);
+      }
       std::cout << fmt::format("\ntotal mass {:.4g} kg\n", total_mass(*robot.model)) << std::flush;
       for (const std::string& note : robot.notes) std::cout << "note: " << note << '\n';
       print_warnings(warnings);

@@ -265,8 +265,8 @@ TEST(Predictor, GoesOnFromWhatItRemembers) {
   params.identify = true;
   params.base_filter = params.resting_filter = params.moving_filter = params.twist_filter = 0.1;
   Predictor first(*model, params, {}, 0.0, kPeriod), second(*model, params, {}, 0.0, kPeriod);
-  first.reset(4);
-  second.reset(4);
+  first.reset(std::vector<ObjectShape>(4));
+  second.reset(std::vector<ObjectShape>(4));
   VectorX sent = VectorX::Zero(model->num_velocities()), other = sent;
   for (int k = 0; k < 60; ++k) {
     Observation o = random_observation(*model, 4, rng);

@@ -214,7 +214,7 @@ struct Remembering {
 TEST(ObjectMemory, KeepsWhatIsOutOfViewAndDropsWhatIsLookedThrough) {
   Remembering seen{seeing_robot()};
   // In full view and not told of: gone after 0.6 s of frames, 0.1 s each.
-  EXPECT_NEAR(seen.believed(0.5, 5.0) * kPeriod, 0.6, 0.1);
+  EXPECT_NEAR(seen.believed(1.0, 5.0) * kPeriod, 0.6, 0.1);
   // The robot looks away: it stays.
   seen.scene.told.base.z() = 2.0;
   EXPECT_EQ(seen.believed(0.5, 5.0), 250);
