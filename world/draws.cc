@@ -45,22 +45,39 @@ Draws::Block Draws::next() {
   return block;
 }
 
-/// The block after the first `moves` moves. Looked at from the last one: what is drawn anew needs none before it.
+/// The block after the first `moves` moves. The last that draws it anew is looked for first: it needs none before it.
 Draws::Block Draws::after(std::size_t moves) const {
   const bool error = stream_ == static_cast<std::uint64_t>(Stream::kSensing) ||
                      stream_ == static_cast<std::uint64_t>(Stream::kDisturbance);
   const std::uint64_t bits = 1ULL << stream_ | (error && attempt_ == 0 ? Move::kConstantErrors : 0ULL);
-  while (moves > 0) {
-    const Move& move = (*moves_)[--moves];
-    if ((move.mask & bits) == 0) continue;
-    const Generator::ctr_type fresh = Generator()({{draw_, 0, attempt_, item_}}, {{move.id, kOfMoves + stream_}});
-    if (open_unit(fresh[0]) >= move.fraction) continue;
-    if (move.scale >= 1.0) return {{fresh[1], fresh[2], 0, 0}};
-    const Block before = after(moves);
-    return {{step(before.word[0], move.scale, fresh[1]), step(before.word[1], move.scale, fresh[2]), 0, 0}};
+  // What a move has for this draw; its first word says whether it moves it at all.
+  const auto of = [&](const Move& move) {
+    return Generator()({{draw_, 0, attempt_, item_}}, {{move.id, kOfMoves + stream_}});
+  };
+  const auto moved = [&](const Move& move, const Generator::ctr_type& fresh) {
+    return open_unit(fresh[0]) < move.fraction;
+  };
+  Generator::ctr_type out{};
+  std::size_t first = moves;
+  for (; first > 0; --first) {
+    const Move& move = (*moves_)[first - 1];
+    if (move.scale < 1.0 || (move.mask & bits) == 0) continue;
+    out = of(move);
+    if (moved(move, out)) break;
   }
-  const Generator::ctr_type out = Generator()({{draw_, index_, attempt_, item_}}, {{seed_, stream_}});
-  return {{out[0], out[1], out[2], out[3]}};
+  Block block = first > 0 ? Block{{out[1], out[2], 0, 0}} : Block{};
+  if (first == 0) {
+    out = Generator()({{draw_, index_, attempt_, item_}}, {{seed_, stream_}});
+    block = {{out[0], out[1], out[2], out[3]}};
+  }
+  for (std::size_t i = first; i < moves; ++i) {
+    const Move& move = (*moves_)[i];
+    if (move.scale >= 1.0 || (move.mask & bits) == 0) continue;
+    const Generator::ctr_type fresh = of(move);
+    if (!moved(move, fresh)) continue;
+    for (std::size_t w = 0; w < 2; ++w) block.word[w] = step(block.word[w], move.scale, fresh[w + 1]);
+  }
+  return block;
 }
 
 std::uint64_t Draws::bits() { return next().word[0]; }

@@ -162,6 +162,14 @@ TEST(Moves, AreAppliedInTurn) {
   }
 }
 
+TEST(Moves, MayBeManyInAFileOfAnybodys) {
+  const Moves many(300000, Move{1, 0.5, 1.0, mask(Stream::kGoal)});
+  Draws draws(9, 1, Stream::kGoal, 0, 0, &many);
+  const double u = draws.uniform();
+  EXPECT_GT(u, 0.0);
+  EXPECT_LT(u, 1.0);
+}
+
 TEST(Moves, OfConstantErrorsLeaveTheNoiseOfLaterSteps) {
   const Moves moves = {{1, 1.0, 1.0, Move::kConstantErrors}};
   for (const Stream stream : {Stream::kSensing, Stream::kDisturbance}) {
