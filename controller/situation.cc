@@ -17,7 +17,7 @@ Assessment::Assessment(std::shared_ptr<const RobotModel> model, const Controller
     prismatic_[i] = model->joints[static_cast<std::size_t>(i)].type == JointType::kPrismatic ? 1 : 0;
 }
 
-Situation Assessment::assess(const Observation& o, std::span<const PlaceSpread> spreads, double hold,
+Situation Assessment::assess(const Observation& o, std::span<const PlaceSpread> spreads, const Execution& execution,
                              StepClock* clock) noexcept {
   enter(clock, StepPart::kKinematics);
   kinematics_.update(o.base, o.q);
@@ -37,7 +37,7 @@ Situation Assessment::assess(const Observation& o, std::span<const PlaceSpread> 
     value = manipulability(J_arm, params_.manipulability.rows);
     J_m_.setZero();
   }
-  return {o, spreads, kinematics_, servo, value, J_m_, hold, clock};
+  return {o, spreads, kinematics_, servo, value, J_m_, execution, clock};
 }
 
 VectorX Assessment::J_m() const {

@@ -6,11 +6,18 @@
 #include "controller/model/kinematics.h"
 #include "controller/params.h"
 #include "controller/part_clock.h"
+#include "controller/safe/base_ramp.h"
 #include "controller/safe/uncertainty.h"
 #include "controller/step.h"
 #include "controller/task/servo.h"
 
 namespace moma {
+
+/// How a command of this step is carried out, as found in motion (Predictor).
+struct Execution {
+  double hold = 1.0;       ///< control periods that the command may have to act for, at least 1
+  BaseRamp::Shares drive;  ///< of its accelerations, with which the base's drive follows
+};
 
 /// Input of a control step's policy, problem and guards: the state in which the step's command takes effect, and what
 /// follows from that state alone. References are to the buffers of Assessment and of the predictor; they hold until the
@@ -22,8 +29,8 @@ struct Situation {
   Task servo;                            ///< error of E, and the twist that the servo asks for
   double manipulability;
   const VectorX& J_m;  ///< gradient of the manipulability per joint; zero where its weight is zero
-  double hold;         ///< control periods that the command may have to act for, at least 1 (Predictor::hold)
-  StepClock* clock;    ///< null, or the clock that is told which part of the step runs
+  Execution execution;
+  StepClock* clock;  ///< null, or the clock that is told which part of the step runs
 };
 
 /// Computes Situation: forward kinematics, pose error, servo twist and manipulability. One per controller; assess()
@@ -32,7 +39,8 @@ class Assessment {
  public:
   Assessment(std::shared_ptr<const RobotModel> model, const ControllerParams& params);
 
-  Situation assess(const Observation& o, std::span<const PlaceSpread> spreads, double hold, StepClock* clock) noexcept;
+  Situation assess(const Observation& o, std::span<const PlaceSpread> spreads, const Execution& execution,
+                   StepClock* clock) noexcept;
 
   /// Of the last assess().
   const Kinematics& kinematics() const noexcept { return kinematics_; }

@@ -20,6 +20,7 @@ class EvasionGuard final : public Guard {
   void set_objects(std::span<const ObjectShape> objects) override { evasion_.set_objects(objects); }
 
   Verdict judge(const Situation& now, const Posed& posed, const VectorX& command) noexcept override {
+    evasion_.set_shares(now.execution.drive);
     if (evasion_.passes(now.o, command, base_)) return Passes{};
     constexpr double kSlack = 1e-4, kWeight = 1.0;  // E goes with the base; joints are asked for no velocity
     QpTask asked{.task = now.servo,
@@ -62,7 +63,7 @@ class BrakeGuard final : public Guard {
     smallest_command(bounds.lower, bounds.upper, bounds.pair, slowest_);
     command_ = command;
     check_.set_margin(margin_ * (posed.stop < stop_ ? posed.stop / stop_ : 1.0));
-    check_.set_hold(now.hold * dt_);
+    check_.set_execution(now.execution.hold * dt_, now.execution.drive);
     const double kept = check_.apply(now.o, {bounds.hard_lower, bounds.hard_upper, slowest_}, now.spreads, command_,
                                      {posed.near.pairs, posed.near.ranges, &now.kinematics});
     return Slowed{command_, kept};

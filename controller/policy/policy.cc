@@ -89,7 +89,7 @@ class BaseFirstPolicy final : public Policy {
       return asked;
     }
     const VelocityBounds& limits = parts_.poser.limits();
-    limits.bound(now.o.q, now.o.qdot, now.hold, bounds_);
+    limits.bound(now.o.q, now.o.qdot, now.execution.hold, bounds_);
     command_.setZero();
     kind_of(base.type).set_coordinates(drive.velocity_B, command_);
     command_ = command_.cwiseMax(bounds_.lower).cwiseMin(bounds_.upper);

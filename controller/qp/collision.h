@@ -25,6 +25,9 @@ class CollisionRows {
   CollisionRows(const RobotModel& model, const CollisionParams& params, const Deceleration& deceleration,
                 const Uncertainty& uncertainty);
 
+  /// Share of its accelerations with which the base brakes.
+  void set_slowing(double share) noexcept { deceleration_.set_slowing(share); }
+
   /// Sizes the buffers for so many objects. Returns the most rows that add() can append: max_pairs, and up to
   /// kMaxEnds for each of them where end rows are on.
   int allocate(int num_objects);

@@ -86,9 +86,11 @@ double QpPoser::stop_near_goal(const QpTask& asked, const Situation& now) noexce
 Posed QpPoser::pose(const QpTask& asked, const Situation& now) noexcept {
   enter(now.clock, StepPart::kRows);
   asked_ = asked;
+  collision_.set_slowing(now.execution.drive.slowing);
+  separation_.set_slowing(now.execution.drive.slowing);
 
   const VelocityBounds& limits = asked.bounds != nullptr ? *asked.bounds : limits_;
-  limits.bound(now.o.q, now.o.qdot, now.hold, bounds_);
+  limits.bound(now.o.q, now.o.qdot, now.execution.hold, bounds_);
   if (asked.base) bounds_.hold_base(model_->base_dof(), *asked.base);
   if (asked.evades) bounds_.pair = {};
   problem_.lb.head(bounds_.lower.size()) = bounds_.lower;

@@ -33,6 +33,9 @@ class SeparationRows {
   SeparationRows(const RobotModel& model, const CollisionParams& params, const Deceleration& deceleration,
                  const Uncertainty& uncertainty);
 
+  /// Share of its accelerations with which the base brakes.
+  void set_slowing(double share) noexcept { deceleration_.set_slowing(share); }
+
   /// Sizes the buffers for so many objects. Returns the most rows that add() can append: max_pairs, beside those of
   /// CollisionRows.
   int allocate(int num_objects);

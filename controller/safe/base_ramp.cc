@@ -6,11 +6,13 @@
 namespace moma {
 namespace {
 
-// From u towards u + change for dt; returns how far the mean stays behind the end. `change` becomes what is made of it.
+// From `velocity` towards velocity + change for dt; returns how far the mean stays behind the end. `change` becomes
+// what is made of it.
 template <class Vector>
-Vector ramp(double acceleration, double dt, Vector& change) noexcept {
+Vector ramp(const Vector& velocity, double acceleration, const BaseRamp::Shares& shares, double dt,
+            Vector& change) noexcept {
   const double size = change.norm();
-  const double most = acceleration * dt;
+  const double most = (velocity.dot(change) < 0.0 ? shares.slowing : shares.speeding) * acceleration * dt;
   if (!(size > 0.0)) return Vector::Zero(change.size());
   if (size > most) {
     change *= most / size;
@@ -27,15 +29,16 @@ Vector3 BaseRamp::follow(const Vector3& command, double dt, Vector3& velocity) c
   Vector3 behind = Vector3::Zero();
   if (dof_ == 0) return behind;
   using One = Eigen::Matrix<double, 1, 1>;
-  One turn(command[dof_ - 1] - velocity[dof_ - 1]);
-  behind[dof_ - 1] = ramp(acceleration_.y(), dt, turn)[0];
+  const auto one = [](double x) { return One(x); };
+  One turn = one(command[dof_ - 1] - velocity[dof_ - 1]);
+  behind[dof_ - 1] = ramp(one(velocity[dof_ - 1]), acceleration_.y(), shares_, dt, turn)[0];
   if (dof_ == 3) {
     Vector2 linear = command.head<2>() - velocity.head<2>();
-    behind.head<2>() = ramp(acceleration_.x(), dt, linear);
+    behind.head<2>() = ramp<Vector2>(velocity.head<2>(), acceleration_.x(), shares_, dt, linear);
     velocity.head<2>() += linear;
   } else {
-    One linear(command[0] - velocity[0]);
-    behind[0] = ramp(acceleration_.x(), dt, linear)[0];
+    One linear = one(command[0] - velocity[0]);
+    behind[0] = ramp(one(velocity[0]), acceleration_.x(), shares_, dt, linear)[0];
     velocity[0] += linear[0];
   }
   velocity[dof_ - 1] += turn[0];
@@ -62,7 +65,8 @@ Vector3 BaseRamp::limited(const Vector3& command, const Vector3& before, double 
 double BaseRamp::stopping_time(const Vector3& velocity, double share) const noexcept {
   if (dof_ == 0) return 0.0;
   const double linear = dof_ == 3 ? velocity.head<2>().norm() : std::abs(velocity[0]);
-  return std::max(linear / (share * acceleration_.x()), std::abs(velocity[dof_ - 1]) / (share * acceleration_.y()));
+  const double part = share * shares_.slowing;
+  return std::max(linear / (part * acceleration_.x()), std::abs(velocity[dof_ - 1]) / (part * acceleration_.y()));
 }
 
 }  // namespace moma

@@ -22,11 +22,19 @@ class BaseRamp {
   /// Time in which the base comes to rest from `velocity` at `share` of its accelerations [s].
   double stopping_time(const Vector3& velocity, double share) const noexcept;
 
+  /// Shares of its accelerations with which the drive follows, at most 1: where its speed grows, and where it falls.
+  struct Shares {
+    double speeding = 1.0;
+    double slowing = 1.0;
+  };
+  void set_shares(const Shares& shares) noexcept { shares_ = shares; }
+
   int dof() const noexcept { return dof_; }
 
  private:
   int dof_;
   Vector2 acceleration_;  // [m/s^2, rad/s^2]
+  Shares shares_;
 };
 
 }  // namespace moma

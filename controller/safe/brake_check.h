@@ -25,11 +25,11 @@ struct OwnMargins {
 OwnMargins own_margins(const DamperParams& floor, const DamperParams& self) noexcept;
 
 /// The last check of a command: the places of the robot if it follows the command for one period (or for as long as
-/// set_hold() says) and brakes from then on. There are two ways to brake: (a) all velocities in proportion, in the time
-/// that the slowest needs, which keeps the path, and (b) each as fast as it can. The command passes where on one of
-/// them the distance to all objects at rest stays `margin` or more, and those to the floor and of the robot to itself
-/// theirs; it then has a backup trajectory (after Hobbs et al., IEEE CSM 43(2), 2023, "Runtime assurance"; Singletary
-/// et al., IEEE L-CSS 6, 2022), whatever comes after.
+/// set_execution() says) and brakes from then on. There are two ways to brake: (a) all velocities in proportion, in the
+/// time that the slowest needs, which keeps the path, and (b) each as fast as it can. The command passes where on one
+/// of them the distance to all objects at rest stays `margin` or more, and those to the floor and of the robot to
+/// itself theirs; it then has a backup trajectory (after Hobbs et al., IEEE CSM 43(2), 2023, "Runtime assurance";
+/// Singletary et al., IEEE L-CSS 6, 2022), whatever comes after.
 ///
 /// Where both fail, commands between it and two that slow down are tried, slower + f (u - slower), f = 0.75, 0.5, 0.25,
 /// 0; slower is the present velocity less one period's braking in proportion, and the smallest command that is allowed.
@@ -52,8 +52,13 @@ class BrakeCheck {
   bool on() const noexcept { return params_.enabled; }
   /// The margin from here on [m].
   void set_margin(double margin) noexcept { params_.margin = margin; }
-  /// Time that a command acts for before the next one can brake [s]; the control period unless told.
-  void set_hold(double seconds) noexcept { hold_ = seconds; }
+  /// Time that a command acts for before the next one can brake [s], the control period unless told, and shares of
+  /// its accelerations with which the base's drive follows.
+  void set_execution(double hold, const BaseRamp::Shares& shares) noexcept {
+    hold_ = hold;
+    ramp_.set_shares(shares);
+    deceleration_.set_slowing(shares.slowing);
+  }
   void set_objects(std::span<const ObjectShape> objects);
 
   /// Box of the commands that are allowed.

@@ -8,7 +8,13 @@
 namespace moma {
 
 Deceleration::Deceleration(const RobotModel& model, const VectorX& acceleration_limit, bool pair_together)
-    : acceleration_(acceleration_limit), pair_(pair_together && kind_of(model.base.type).lateral()) {}
+    : acceleration_(acceleration_limit),
+      base_dof_(model.base_dof()),
+      pair_(pair_together && kind_of(model.base.type).lateral()) {
+  base_.head(base_dof_) = acceleration_limit.head(base_dof_);
+}
+
+void Deceleration::set_slowing(double share) noexcept { acceleration_.head(base_dof_) = share * base_.head(base_dof_); }
 
 double Deceleration::along(const Eigen::Ref<const VectorX>& c) const noexcept {
   double sum = 0.0;

@@ -12,6 +12,8 @@ class Deceleration {
  public:
   Deceleration(const RobotModel& model, const VectorX& acceleration_limit, bool pair_together);
 
+  /// The base brakes with so much of its accelerations (1: all, as from birth).
+  void set_slowing(double share) noexcept;
   /// Of c qdot, when every velocity brakes: sum |c_i| a_i, of a linear pair a |(c_x, c_y)|. Infinite where a velocity
   /// that counts may change at once.
   double along(const Eigen::Ref<const VectorX>& c) const noexcept;
@@ -20,6 +22,8 @@ class Deceleration {
 
  private:
   VectorX acceleration_;
+  Vector3 base_ = Vector3::Zero();  // its part of these with all of the drive
+  int base_dof_;
   bool pair_;
 };
 

@@ -32,6 +32,8 @@ class Evasion {
           double share, double control_period);
 
   void set_objects(std::span<const ObjectShape> objects);
+  /// Shares of its accelerations with which the base's drive follows.
+  void set_shares(const BaseRamp::Shares& shares) noexcept { ramp_.set_shares(shares); }
 
   /// `o`: where the command begins to act. True where the command passes, or nothing in motion is near enough to count;
   /// false: `base` has the velocity coordinates of the base that lead out, as of the end of this period.

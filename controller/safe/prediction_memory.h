@@ -21,8 +21,10 @@ struct PredictionMemory {
   bool begun = false;                  ///< `base` is known
   Vector3 base = Vector3::Zero();      ///< filtered (x, y, phi) as of the last measurement
   bool catching_up = false;            ///< joints follow commands that waited longer before (Predictor::send)
-  RoundTrip base_trip;                 ///< from a command sent to the base's measured velocity
-  RoundTrip joint_trip;                ///< and to that of the joints
+  RoundTrip drive;              ///< how well each pair of shares (Predictor) explains how the base's drive follows
+  std::vector<Vector3> driven;  ///< the base's velocity by each of them
+  RoundTrip base_trip;          ///< from a command sent to the base's measured velocity
+  RoundTrip joint_trip;         ///< and to that of the joints
   std::vector<PoseTrack> objects;
   PoseTrack goal;
 };
@@ -42,6 +44,10 @@ constexpr void describe(V& v, Of<PredictionMemory>) {
   v.member("base", &M::base, {.unit = "m or rad", .text = "filtered x, y, phi as of the last measurement"});
   v.member("catching_up", &M::catching_up,
            {.written = Written::kUnlessDefault, .text = "joints follow commands that waited longer before"});
+  v.member("drive", &M::drive,
+           {.written = Written::kUnlessDefault, .text = "`periods` counts the pairs of shares of its accelerations"});
+  v.member("driven", &M::driven,
+           {.unit = "m/s or rad/s", .written = Written::kUnlessDefault, .text = "the base's velocity by each pair"});
   v.member("base_trip", &M::base_trip, {.text = "from a command to the base's measured velocity"});
   v.member("joint_trip", &M::joint_trip, {.text = "from a command to the joints' measured velocity"});
   v.member("objects", &M::objects, {.text = "one for each object, in their order"});

@@ -1,6 +1,7 @@
 #include "controller/safe/predictor.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -18,6 +19,10 @@ constexpr int kBeyond = 3;       // and so many more than configured
 constexpr double kFloor = 2e-4;
 constexpr double kHoldTime = 5.0;   // time constant with which missed steps are forgotten [s]
 constexpr double kRelocated = 0.5;  // a base measured so far from where it should be was put there [m, rad]
+
+// Shares of the drive's accelerations that are tried.
+constexpr auto kDrives = std::to_array<BaseRamp::Shares>(
+    {{}, {1.0, 0.75}, {1.0, 0.5}, {1.0, 1.0 / 3.0}, {0.75, 0.75}, {0.5, 0.5}, {1.0 / 3.0, 1.0 / 3.0}});
 
 int whole_periods(double seconds, double dt) noexcept { return static_cast<int>(std::ceil(seconds / dt - 1e-9)); }
 
@@ -96,16 +101,20 @@ void Predictor::reset(std::span<const ObjectShape> objects) {
   m.base.setZero();
   m.base_trip = {base_dof_ > 0 ? whole_periods(params_.base_drive, dt_) + base_age_ : 0, VectorX::Zero(tried_)};
   m.joint_trip = {whole_periods(params_.joint_drive, dt_) + joint_age_, VectorX::Zero(tried_)};
+  m.drive = {0, VectorX::Zero(kDrives.size())};
+  m.driven.assign(kDrives.size(), Vector3::Zero());
   m.objects.assign(num_objects, PoseTrack{});
   m.goal = {};
   out_.objects.assign(num_objects, ObjectState{});
   out_.qdot.setZero();
   spreads_.assign(uncertainty_.on() ? num_objects : 0, PlaceSpread{});
+  ramp_.set_shares({});
   synchronise();
 }
 
 void Predictor::set_memory(const PredictionMemory& memory) noexcept {
   memory_ = memory;
+  ramp_.set_shares(drive());
   synchronise();
 }
 
@@ -117,6 +126,28 @@ void Predictor::synchronise() noexcept {
   hold_base_ = late_ - base;
   hold_joints_ = late_ - joints;
   if (base_dof_ == 0) hold_base_ = 0;
+}
+
+const BaseRamp::Shares& Predictor::drive() const noexcept { return kDrives[at(memory_.drive.periods)]; }
+
+// A period of the base's motion by each pair of shares.
+void Predictor::follow_drives() noexcept {
+  PredictionMemory& m = memory_;
+  Vector3 command = Vector3::Zero();
+  for (int i = 0; i < base_dof_; ++i) command[i] = m.sent[at(m.base_trip.periods)][i];
+  BaseRamp ramp = ramp_;
+  for (int i = 0; i < static_cast<int>(kDrives.size()); ++i) {
+    ramp.set_shares(kDrives[at(i)]);
+    ramp.follow(command, dt_, m.driven[at(i)]);
+  }
+}
+
+void Predictor::identify_drive(const Observation& o) noexcept {
+  PredictionMemory& m = memory_;
+  follow_drives();
+  for (int i = 0; i < static_cast<int>(kDrives.size()); ++i)
+    settle(m.drive, i, (o.qdot.head(base_dof_) - m.driven[at(i)].head(base_dof_)).squaredNorm(), dt_);
+  if (choose(m.drive, kFloor)) ramp_.set_shares(drive());
 }
 
 void Predictor::identify(const Observation& o) noexcept {
@@ -155,6 +186,7 @@ const Observation& Predictor::predict(const Observation& o) noexcept {
   PredictionMemory& m = memory_;
   miss_steps(o.time);
   if (params_.identify) identify(o);
+  if (params_.identify && base_dof_ > 0) identify_drive(o);
   out_.time = o.time + late_ * dt_;
   predict_joints(o.q);
   if (base_dof_ == 0) {
@@ -189,6 +221,7 @@ void Predictor::miss_steps(double time) noexcept {
   const double missed = since < 0.0 ? 0.0 : std::clamp(std::round((time - since) / dt_) - 1.0, 0.0, most);
   for (int k = 0; k < missed; ++k) {
     skip();
+    follow_drives();
     repeat(m.computed);
     repeat(m.sent);
     Vector3 velocity = m.base_velocity.front(), sent = Vector3::Zero();
@@ -318,6 +351,11 @@ std::string prediction_mismatch(const PredictionMemory& memory, const RobotModel
   std::string wrong = count("computed", memory.computed.size(), wanted.computed.size());
   if (wrong.empty()) wrong = count("sent", memory.sent.size(), wanted.sent.size());
   if (wrong.empty()) wrong = count("base_velocity", memory.base_velocity.size(), wanted.base_velocity.size());
+  if (wrong.empty()) wrong = count("driven", memory.driven.size(), wanted.driven.size());
+  if (wrong.empty()) wrong = count("drive.misfit", size(memory.drive.misfit), size(wanted.drive.misfit));
+  if (wrong.empty() && !(memory.drive.periods >= 0 && memory.drive.periods < memory.drive.misfit.size()))
+    wrong = "drive.periods is " + std::to_string(memory.drive.periods) + ", expected 0 to " +
+            std::to_string(memory.drive.misfit.size() - 1);
   if (wrong.empty()) wrong = count("objects", memory.objects.size(), wanted.objects.size());
   for (const auto* commands : {&memory.computed, &memory.sent})
     for (const VectorX& u : *commands)

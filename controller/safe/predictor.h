@@ -37,6 +37,11 @@ namespace moma {
 /// falls back to 1 with a time constant of 5 s: a command may have to act for so long. Stamps that stay or go back say
 /// nothing (n = 1).
 ///
+/// The drive: with `identify` the shares of its accelerations with which the base's drive follows are found as round
+/// trips are. Ramps at 1, 3/4, 1/2 and 1/3 of them follow the same commands, of both or where the speed falls alone;
+/// that which explains the measured velocity of the last half second clearly better than the one in use takes its
+/// place.
+///
 /// One per controller; only reset() takes memory. A step is predict() or skip(), then send().
 class Predictor {
  public:
@@ -65,6 +70,8 @@ class Predictor {
   double lateness() const noexcept { return late_ * dt_; }
   /// Periods that the command of this step may have to act for; at least 1.
   double hold() const noexcept { return memory_.hold; }
+  /// Shares of its accelerations with which the base's drive follows, as far as its motion has shown.
+  const BaseRamp::Shares& drive() const noexcept;
   /// From a command to the velocity measured of it, as configured or found [s].
   double base_round_trip() const noexcept { return base_dof_ > 0 ? memory_.base_trip.periods * dt_ : 0.0; }
   double joint_round_trip() const noexcept { return memory_.joint_trip.periods * dt_; }
@@ -77,6 +84,8 @@ class Predictor {
   void miss_steps(double time) noexcept;
   void synchronise() noexcept;
   void identify(const Observation& o) noexcept;
+  void follow_drives() noexcept;
+  void identify_drive(const Observation& o) noexcept;
   void correct_base(const Vector3& measured) noexcept;
   void predict_object(const ObjectState& seen, std::size_t i) noexcept;
   void predict_joints(const VectorX& q) noexcept;

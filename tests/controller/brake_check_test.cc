@@ -144,7 +144,7 @@ TEST(BrakeCheck, BrakesLaterWhereTheCommandMayActForLonger) {
       VectorX out = u;
       fine.apply(o, {u, u, u}, {}, out);
       const double once = fine.least_distance(o, u, true);
-      fine.set_hold(4 * kPeriod);
+      fine.set_execution(4 * kPeriod, {});
       const double expected = simulated(scene, o, u, true, kObjects, 4 * kPeriod);
       const double found = fine.least_distance(o, u, true);
       if (expected > 0.45) continue;

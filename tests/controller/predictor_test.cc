@@ -23,8 +23,9 @@ struct Lateness {
 
 class LateRobot {
  public:
-  LateRobot(const RobotModel& model, const Lateness& late, const Vector3& base, const VectorX& q)
-      : model_(model), late_(late) {
+  LateRobot(const RobotModel& model, const Lateness& late, const Vector3& base, const VectorX& q,
+            const BaseRamp::Shares& shares = {})
+      : model_(model), late_(late), shares_(shares) {
     state_.base = base;
     state_.q = q;
     state_.qdot = VectorX::Zero(model.num_velocities());
@@ -47,9 +48,12 @@ class LateRobot {
     const int dof = model_.base_dof();
     for (int k = 0; k < kSteps && dof > 0; ++k) {
       VectorX change = base.head(dof) - state_.qdot.head(dof);
-      const double linear = change.head(dof - 1).norm(), most = model_.base.max_acceleration.x() * h;
+      const VectorX now = state_.qdot.head(dof);
+      const auto share = [&](double falls) { return falls < 0.0 ? shares_.slowing : shares_.speeding; };
+      const double most = share(now.head(dof - 1).dot(change.head(dof - 1))) * model_.base.max_acceleration.x() * h;
+      const double linear = change.head(dof - 1).norm();
       if (linear > most) change.head(dof - 1) *= most / linear;
-      const double turn = model_.base.max_acceleration.y() * h;
+      const double turn = share(now[dof - 1] * change[dof - 1]) * model_.base.max_acceleration.y() * h;
       change[dof - 1] = std::min(std::max(change[dof - 1], -turn), turn);
       const VectorX before = state_.qdot.head(dof);
       state_.qdot.head(dof) += change;
@@ -74,6 +78,7 @@ class LateRobot {
   }
 
   const RobotModel& model_;
+  BaseRamp::Shares shares_;
   Lateness late_;
   Observation state_;
   std::deque<Observation> past_;
@@ -121,6 +126,40 @@ TEST(Predictor, SeesTheStateThatIsReached) {
         predictor.send(command, sent);
         robot.drive(sent);
       }
+    }
+  }
+}
+
+// A drive that follows with a part of what its file says, told from one that does by its measured, noisy velocity.
+TEST(Predictor, FindsHowTheBasesDriveFollows) {
+  constexpr BaseRamp::Shares kDrives[] = {{1.0, 1.0}, {1.0, 0.5}, {1.0, 0.75}, {0.5, 0.5}, {1.0, 0.33}};
+  constexpr Lateness kLate{3, 1, 1, 0};
+  for (const auto& model : {frankie(), mecanum()}) {
+    for (const BaseRamp::Shares& drive : kDrives) {
+      Rng rng(4);
+      std::normal_distribution<double> noise(0.0, 0.01);
+      PredictionParams params = known(kLate);
+      params.identify = true;
+      Predictor predictor(*model, params, {}, 0.0, kPeriod);
+      predictor.reset({});
+      LateRobot robot(*model, kLate, Vector3::Zero(), model->ready, drive);
+      VectorX command = VectorX::Zero(model->num_velocities()), sent = command;
+      for (int k = 0; k < 400; ++k) {
+        Observation o = robot.measured();
+        for (int i = 0; i < model->base_dof(); ++i) o.qdot[i] += noise(rng);
+        predictor.predict(o);
+        if (k % 50 == 0) command[0] = k % 100 == 0 ? 0.6 : 0.0;
+        predictor.send(command, sent);
+        robot.drive(sent);
+      }
+      EXPECT_NEAR(predictor.drive().slowing, drive.slowing, 0.01) << model->name;
+      EXPECT_NEAR(predictor.drive().speeding, drive.speeding, 0.01) << model->name;
+      Predictor again(*model, params, {}, 0.0, kPeriod);
+      again.reset({});
+      again.set_memory(predictor.memory());
+      EXPECT_EQ(again.drive().slowing, predictor.drive().slowing);
+      predictor.reset({});
+      EXPECT_EQ(predictor.drive().slowing, 1.0);
     }
   }
 }

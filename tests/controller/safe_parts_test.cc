@@ -60,6 +60,26 @@ TEST(BaseRamp, IsWhatADriveInFineStepsDoes) {
   }
 }
 
+TEST(BaseRamp, FollowsWithItsShares) {
+  BaseRamp ramp(*frankie());  // 2 m/s^2
+  ramp.set_shares({0.5, 0.25});
+  Vector3 velocity(0.5, 0.0, 0.0);
+  ramp.follow({1.0, 0.0, 0.0}, 0.1, velocity);
+  EXPECT_NEAR(velocity[0], 0.6, 1e-12);
+  ramp.follow({0.0, 0.0, 0.0}, 0.1, velocity);
+  EXPECT_NEAR(velocity[0], 0.55, 1e-12);
+  EXPECT_NEAR(ramp.stopping_time({1.0, 0.0, 0.0}, 1.0), 2.0, 1e-12);
+  const auto model = frankie();
+  const VectorX a = VectorX::Constant(model->num_velocities(), 2.0);
+  Deceleration deceleration(*model, a, true);
+  deceleration.set_slowing(0.5);
+  VectorX times(a.size());
+  deceleration.stopping_times(a, times);
+  EXPECT_EQ(times[0], 2.0);
+  EXPECT_EQ(times[1], 2.0);
+  EXPECT_EQ(times[2], 1.0) << "the arm brakes as before";
+}
+
 TEST(BaseRamp, StopsInTheTimeThatADriveNeeds) {
   for (const auto& model : {frankie(), mecanum()}) {
     const Vector3 start = model->base_dof() == 3 ? Vector3(0.6, -0.8, 0.5) : Vector3(0.9, -1.0, 0.0);

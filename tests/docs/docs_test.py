@@ -211,7 +211,7 @@ def complaint_about_yaml(block, here, moma):
     """What the program says against a suite, a robot or a controller in a page; None where it takes it."""
     keys = re.findall(r"^([A-Za-z_]\w*):", block, re.M)
     suite, more = here / "configs/suites/snippet.yaml", ""
-    if "urdf" in keys:
+    if {"urdf", "sensors"} & set(keys):
         (here / "configs/robots/snippet.yaml").write_text(block)
         done = run(moma, ["robot", "configs/robots/snippet.yaml"], here)
         return None if done.returncode == 0 else done.stderr.strip()
