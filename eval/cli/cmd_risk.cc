@@ -42,14 +42,14 @@ store::QueryResult table(const run::Risk& risk) {
 }
 
 std::string moves_text(const run::RiskRow& row) {
-  std::string text = fmt::format("{}, {}: moves accepted:", row.controller, row.family);
+  std::vector<std::string> shares;
   for (const auto& [name, moves] : row.moves) {
     if (moves.proposed == 0) continue;
-    text += fmt::format(" {} {:.0f} %,", name,
-                        100.0 * static_cast<double>(moves.accepted) / static_cast<double>(moves.proposed));
+    shares.push_back(fmt::format("{} {:.0f} %", name,
+                                 100.0 * static_cast<double>(moves.accepted) / static_cast<double>(moves.proposed)));
   }
-  text.pop_back();
-  return text;
+  return fmt::format("{}, {}: {}{}", row.controller, row.family,
+                     shares.empty() ? "no level was needed" : "moves accepted: ", fmt::join(shares, ", "));
 }
 
 int risk_of_suite(const RiskOptions& options) {

@@ -185,6 +185,33 @@ void find_pose_noise(const MotionLog& log, const std::vector<Fitted>& parts, int
   out.heading_noise = robust_deviation(turned) / std::sqrt(2.0);
 }
 
+// What no drive does: to move the other way, or many times as fast or as slowly. Columns whose motion says nothing of
+// it pass.
+void check_gains(const MotionLog& log, const std::vector<Fitted>& parts, int trip, Found& found) {
+  constexpr double kOwn = 0.5;  // of the squares of the motion that the command has to explain
+  constexpr double kRefused = 3.0, kDoubted = 1.3;
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  const std::size_t from = static_cast<std::size_t>(trip) + 1;
+  for (const Fitted& part : parts) {
+    for (const Axis* axis : part.group) {
+      const Response alone = fit_response({axis}, trip, from, part.ramp ? Ramp::kCoarse : Ramp::kNone, found.period);
+      double squares = 0.0;
+      for (std::size_t k = from; k < axis->velocity.size(); ++k) squares += axis->velocity[k] * axis->velocity[k];
+      if (!(change_of(axis->command) > kStill) || !(alone.squared < kOwn * squares)) continue;
+      const double times = std::max(std::abs(alone.gain), 1.0 / std::abs(alone.gain));
+      const std::string what =
+          fmt::format("{}: measured velocities are {:.3g} times the commands", axis->name, alone.gain);
+      const bool in_degrees = !axis->prismatic && times > 0.8 * kDegrees && times < 1.25 * kDegrees;
+      if (alone.gain < 0.0)
+        throw config::ConfigError(fmt::format("{}: {}: one of the two has the wrong sign", log.source, what));
+      if (times > kRefused)
+        throw config::ConfigError(fmt::format(
+            "{}: {}: {}", log.source, what, in_degrees ? "one of the two is in degrees" : "are their units the same?"));
+      if (times > kDoubted) found.notes.push_back(what + ", which is far for a drive: are both in the same unit?");
+    }
+  }
+}
+
 /// The latency that all parts share. None where nothing can be said `of` them, and a note says why.
 std::optional<FoundLatency> find_latency(const MotionLog& log, std::vector<Fitted>& parts,
                                          const std::vector<double>& stamps, std::string_view of, Found& found) {
@@ -193,6 +220,7 @@ std::optional<FoundLatency> find_latency(const MotionLog& log, std::vector<Fitte
     found.notes.push_back(fmt::format("nothing can be said of {}: {}", of, trip.why_not));
     return {};
   }
+  check_gains(log, parts, trip.periods, found);
   FoundLatency out{.latency = {}, .periods = trip.periods};
   out.latency.round_trip = trip.periods * found.period;
   read_stamps(log.time, stamps, out.latency);

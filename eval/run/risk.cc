@@ -243,9 +243,9 @@ std::string price_of_risk(const RiskRequest& request, const Suite& suite) {
     return fmt::format("p = {:g}: {:.0f} trials, {:.0f} min", p, all, all * time.each / threads / 60.0);
   };
   return fmt::format(
-      "price: a trial takes {:.0f} ms; {} runs of {} x {} particles, {} moves a copy, crude trials included, on {} "
-      "threads: {}; {}; {}",
-      1e3 * time.each, runs, request.splitting.replicates, request.splitting.particles, request.splitting.moves,
+      "price: a trial takes {:.0f} ms; {} x {} particles, {} moves a copy, for each controller and family ({}), crude "
+      "trials included, on {} threads: {}; {}; {}",
+      1e3 * time.each, request.splitting.replicates, request.splitting.particles, request.splitting.moves, runs,
       threads, price(1e-2), price(1e-4), price(1e-6));
 }
 

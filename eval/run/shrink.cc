@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Candidate {
+struct SmallerWorld {
   World world;
   Disturbances disturbances;
   double earliest = 0.0;  ///< a failure before this, or after `latest`, is another one [s]
@@ -102,12 +102,12 @@ class Shrinker {
   }
 
  private:
-  bool same(const TrialRow& row, const Candidate& candidate) const {
+  bool same(const TrialRow& row, const SmallerWorld& candidate) const {
     return row.outcome == trial_.outcome && row.object == trial_.object && row.time_end_s >= candidate.earliest &&
            row.time_end_s <= candidate.latest;
   }
 
-  int noises(const Candidate& candidate) const { return any(candidate.disturbances) ? request_.noises : 1; }
+  int noises(const SmallerWorld& candidate) const { return any(candidate.disturbances) ? request_.noises : 1; }
 
   /// The moves of noise `number`; 0 is what the trial had.
   std::shared_ptr<const Moves> drawn_by(int number) const { return number == 0 ? own_ : noise_drawn_again(number); }
@@ -115,7 +115,7 @@ class Shrinker {
   /// Noise number k of those that candidates are asked under: the own one first.
   int noise(int k) const { return k == 0 ? noise_ : k <= noise_ ? k - 1 : k; }
 
-  std::vector<std::vector<TrialRow>> rows(const std::vector<Candidate>& candidates) {
+  std::vector<std::vector<TrialRow>> rows(const std::vector<SmallerWorld>& candidates) {
     std::vector<SuitePoint> points(candidates.size(), point_);
     std::vector<BatchJob> jobs;
     std::vector<std::vector<TrialRow>> out(candidates.size());
@@ -143,7 +143,7 @@ class Shrinker {
   }
 
   /// Goes on with the first of the candidates that fails in any noise. Its number; none where all pass.
-  std::optional<std::size_t> take(const std::vector<Candidate>& candidates) {
+  std::optional<std::size_t> take(const std::vector<SmallerWorld>& candidates) {
     const std::vector<std::vector<TrialRow>> rows = this->rows(candidates);
     for (std::size_t c = 0; c < candidates.size(); ++c) {
       if (failing(rows[c], candidates[c]) < std::min(least_, static_cast<int>(rows[c].size()))) continue;
@@ -156,7 +156,7 @@ class Shrinker {
     return std::nullopt;
   }
 
-  int failing(const std::vector<TrialRow>& rows, const Candidate& candidate) const {
+  int failing(const std::vector<TrialRow>& rows, const SmallerWorld& candidate) const {
     return static_cast<int>(
         std::count_if(rows.begin(), rows.end(), [&](const TrialRow& row) { return same(row, candidate); }));
   }
@@ -168,9 +168,9 @@ class Shrinker {
     std::optional<std::size_t> needed;
     if (touched != whole.objects.end()) needed = static_cast<std::size_t>(touched - whole.objects.begin());
     risk::shrink_set(whole.objects.size(), needed, [&](const std::vector<risk::Things>& sets) {
-      std::vector<Candidate> candidates;
+      std::vector<SmallerWorld> candidates;
       for (const risk::Things& set : sets) {
-        Candidate candidate = now_;
+        SmallerWorld candidate = now_;
         candidate.world.objects.clear();
         for (const std::size_t i : set) candidate.world.objects.push_back(whole.objects[i]);
         candidates.push_back(std::move(candidate));
@@ -183,7 +183,7 @@ class Shrinker {
 
   void switch_off() {
     if (!any(now_.disturbances)) return;
-    Candidate off = now_;
+    SmallerWorld off = now_;
     off.disturbances = {};
     if (take({off})) return;
     std::vector<std::string> names;
@@ -197,7 +197,7 @@ class Shrinker {
   }
 
   void switch_off(const std::string& name) {
-    Candidate off = now_;
+    SmallerWorld off = now_;
     try {
       off.disturbances = read_disturbances(
           config::node_from_json(without(to_json(now_.disturbances), name), "disturbances"), "disturbances");
@@ -209,11 +209,11 @@ class Shrinker {
 
   /// `change` makes a candidate simpler, by the first of `steps` that still fails; false where it does not apply.
   void simplify(const char* what, const std::vector<double>& steps,
-                const std::function<bool(Candidate&, double)>& change) {
-    std::vector<Candidate> candidates;
+                const std::function<bool(SmallerWorld&, double)>& change) {
+    std::vector<SmallerWorld> candidates;
     std::vector<double> used;
     for (const double step : steps) {
-      Candidate candidate = now_;
+      SmallerWorld candidate = now_;
       if (!change(candidate, step)) continue;
       candidates.push_back(std::move(candidate));
       used.push_back(step);
@@ -223,7 +223,7 @@ class Shrinker {
   }
 
   void bring_to_rest() {
-    simplify("everything at rest", {0.0}, [](Candidate& candidate, double) {
+    simplify("everything at rest", {0.0}, [](SmallerWorld& candidate, double) {
       World& world = candidate.world;
       if (at_rest(world)) return false;
       for (WorldObject& object : world.objects) object.motion = StaticMotion{};
@@ -240,7 +240,7 @@ class Shrinker {
     point.disturbances = now_.disturbances;
     const TrialOutput output = run_trial(point, own);
     ++out_.trials;
-    simplify("starts {:g} s before", {1.0, 2.0, 4.0}, [&](Candidate& candidate, double before) {
+    simplify("starts {:g} s before", {1.0, 2.0, 4.0}, [&](SmallerWorld& candidate, double before) {
       const double from = output.row.time_end_s - before;
       const auto sample =
           std::find_if(output.trace.begin(), output.trace.end(), [&](const Sample& s) { return s.t >= from; });
@@ -257,7 +257,7 @@ class Shrinker {
     Kinematics kinematics(point_.robot->model);
     kinematics.update(now_.world.start.base, now_.world.start.q);
     const Vector3 tip = kinematics.X_WE().translation();
-    simplify("goal at {:g} of its distance", {0.25, 0.5, 0.75}, [&](Candidate& candidate, double part) {
+    simplify("goal at {:g} of its distance", {0.25, 0.5, 0.75}, [&](SmallerWorld& candidate, double part) {
       World& world = candidate.world;
       if (!std::holds_alternative<StaticMotion>(world.goal.motion)) return false;
       const Vector3 goal = world.goal.X_WG.translation();
@@ -267,7 +267,7 @@ class Shrinker {
   }
 
   void round_numbers() {
-    simplify("objects upright", {0.0}, [](Candidate& candidate, double) {
+    simplify("objects upright", {0.0}, [](SmallerWorld& candidate, double) {
       World& world = candidate.world;
       bool any = false;
       for (WorldObject& object : world.objects) {
@@ -277,7 +277,7 @@ class Shrinker {
       }
       return any;
     });
-    simplify("objects to {:g} m", {0.1, 0.05, 0.01, 0.001}, [](Candidate& candidate, double step) {
+    simplify("objects to {:g} m", {0.1, 0.05, 0.01, 0.001}, [](SmallerWorld& candidate, double step) {
       World& world = candidate.world;
       for (WorldObject& object : world.objects) {
         for (double& size : object.shape.size) size = size > 0.0 ? std::max(rounded(size, step), step) : 0.0;
@@ -287,14 +287,14 @@ class Shrinker {
       }
       return !world.objects.empty();
     });
-    simplify("goal to {:g} m", {0.1, 0.05, 0.01, 0.001}, [](Candidate& candidate, double step) {
+    simplify("goal to {:g} m", {0.1, 0.05, 0.01, 0.001}, [](SmallerWorld& candidate, double step) {
       World& world = candidate.world;
       if (!std::holds_alternative<StaticMotion>(world.goal.motion)) return false;
       const Vector3 position = world.goal.X_WG.translation().unaryExpr([&](double x) { return rounded(x, step); });
       set_pose(world.goal, position, world.goal.file_rotation);
       return true;
     });
-    simplify("start to {:g}", {0.1, 0.05, 0.01, 0.001}, [](Candidate& candidate, double step) {
+    simplify("start to {:g}", {0.1, 0.05, 0.01, 0.001}, [](SmallerWorld& candidate, double step) {
       World& world = candidate.world;
       for (double& x : world.start.base) x = rounded(x, step);
       for (double& x : world.start.q) x = rounded(x, step);
@@ -338,8 +338,8 @@ class Shrinker {
   const Listener& listener_;
   StoredSuites suites_;
   SuitePoint point_;
-  TrialRow trial_;  ///< as stored
-  Candidate now_;   ///< the smallest so far
+  TrialRow trial_;    ///< as stored
+  SmallerWorld now_;  ///< the smallest so far
   std::shared_ptr<const Moves> own_;
   int noise_ = 0;  ///< in which it fails
   int least_ = 1;  ///< noises in which a candidate has to fail

@@ -115,6 +115,37 @@ TEST(Identify, FindsLatenciesAndTheirParts) {
   }
 }
 
+std::string refusal(const MotionLog& log) {
+  try {
+    (void)identify::identify(log);
+  } catch (const config::ConfigError& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+
+TEST(Identify, RefusesWrongSignsAndUnits) {
+  const auto scaled = [](std::size_t joint, std::size_t base, double factor) {
+    MotionLog log = tiny_log(noisy(late(3, 2, 1, 1)));
+    log.source = "drive.csv";
+    for (double& v : (base < 2 ? log.base[base] : log.joints[joint]).velocity) v *= factor;
+    return log;
+  };
+  EXPECT_NE(refusal(scaled(1, 9, -1.0)).find("times the commands: one of the two has the wrong sign"),
+            std::string::npos)
+      << refusal(scaled(1, 9, -1.0));
+  EXPECT_EQ(refusal(scaled(1, 9, -1.0)).rfind("drive.csv: " + tiny_log({}, 3.0).joints[1].name + ": measured", 0), 0U);
+  EXPECT_NE(refusal(scaled(0, 1, -1.0)).find("drive.csv: base.omega: "), std::string::npos);
+  EXPECT_NE(refusal(scaled(1, 9, 57.29578)).find("one of the two is in degrees"), std::string::npos);
+  EXPECT_NE(refusal(scaled(0, 1, 1.0 / 57.29578)).find("one of the two is in degrees"), std::string::npos);
+  EXPECT_NE(refusal(scaled(0, 0, 1000.0)).find("are their units the same?"), std::string::npos);
+  EXPECT_EQ(refusal(scaled(0, 9, 0.9)), "accepted");
+  const Found doubted = identify::identify(scaled(1, 9, 1.5));
+  EXPECT_TRUE(std::any_of(doubted.notes.begin(), doubted.notes.end(), [](const std::string& note) {
+    return note.find("1.5 times the commands") != std::string::npos;
+  }));
+}
+
 TEST(Identify, WithoutStampsAllIsTheDrives) {
   MotionLog log = tiny_log(late(3, 2, 1, 1));
   log.base_stamp.clear();

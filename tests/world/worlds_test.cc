@@ -376,6 +376,19 @@ TEST(Worlds, ErrorNamesTheConstraintThatFailedMost) {
   }
 }
 
+TEST(Worlds, GivesUpWhereNoFirstObjectHasAPlace) {
+  try {
+    worlds("clearance: 60\nfamilies: {crowd: {}}").make(robot("frankie"), 0);
+    FAIL() << "a person stands 60 m away";
+  } catch (const GenerationError& error) {
+    const std::string text = error.what();  // 100 tries with 400 draws each, and those whose robot has no place
+    const std::size_t at = text.find(" in ");
+    ASSERT_NE(at, std::string::npos) << text;
+    EXPECT_LT(std::stoi(text.substr(at + 4)), 200) << text;
+    EXPECT_NE(text.find("no path clear of start and goal (worlds.clearance) (100 times)"), std::string::npos) << text;
+  }
+}
+
 TEST(Worlds, RefusesBadSections) {
   const auto refused = [](const std::string& yaml, const char* part) {
     try {

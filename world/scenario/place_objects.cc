@@ -16,6 +16,7 @@ bool ObjectPlacing::place(SceneBuilder& builder, World& world,
       placed = draw({k, 1 + static_cast<std::uint64_t>(i * tries + k)}, object);
       if (!placed) builder.drawn_again(drawn_again);
     }
+    if (i == 0) builder.first_object(placed, tries);
     if (!placed) return builder.reject(out_of_tries);
     world.objects.push_back(std::move(object));
   }

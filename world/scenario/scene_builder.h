@@ -25,6 +25,7 @@ struct Room {
 class SceneBuilder {
  public:
   static constexpr double kTimeStep = 1e-3;  ///< [s]
+  static constexpr int kMostNowhere = 40000;  ///< first objects without a place, after which none is looked for
 
   SceneBuilder(std::shared_ptr<const RobotModel> model, std::uint64_t seed, std::uint64_t index, const Room& room,
                std::shared_ptr<const Moves> moves = nullptr);
@@ -44,6 +45,10 @@ class SceneBuilder {
   bool reject(const std::string& constraint);
   /// Counts a single object of a try that is drawn once more.
   void drawn_again(const std::string& why) { ++redraws_[why]; }
+  /// Of the first object of a try: whether one of so many draws has a place.
+  void first_object(bool placed, int draws) { nowhere_ = placed ? 0 : nowhere_ + draws; }
+  /// So many first objects were drawn one after another, over all tries, and none has a place: none will be found.
+  bool hopeless() const { return nowhere_ >= kMostNowhere; }
   const std::map<std::string, std::uint64_t>& rejections() const { return rejections_; }
   const std::map<std::string, std::uint64_t>& redraws() const { return redraws_; }
   /// The constraint that failed most often, and how often; ties by name.
@@ -103,6 +108,7 @@ class SceneBuilder {
   std::vector<ObjectState> one_;
   Vector3 start_tip_ = Vector3::Zero();
   bool start_checked_ = false;
+  int nowhere_ = 0;  // first objects that were drawn since one of them had a place
   std::map<std::string, std::uint64_t> rejections_;
   std::map<std::string, std::uint64_t> redraws_;
 };

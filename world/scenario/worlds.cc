@@ -232,7 +232,7 @@ World Worlds::make(const std::shared_ptr<const RobotModel>& model, std::uint64_t
   World world;
   bool found = false;
   int tries = 0;
-  while (!found && tries < making.tries) {
+  while (!found && tries < making.tries && !builder.hopeless()) {
     builder.begin(static_cast<std::uint64_t>(tries++), world);
     world.family = member.name;
     found = member.family->build(builder, world);
@@ -244,7 +244,7 @@ World Worlds::make(const std::shared_ptr<const RobotModel>& model, std::uint64_t
   }
   throw GenerationError(fmt::format(
       "worlds.families.{}: no world {} (seed {}) for robot {} in {} tries; the constraint that failed most often: {}",
-      member.name, index, making.seed, model->name, making.tries, builder.worst_constraint()));
+      member.name, index, making.seed, model->name, tries, builder.worst_constraint()));
 }
 
 std::string Worlds::family_of(std::uint64_t index) const {
