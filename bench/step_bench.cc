@@ -174,7 +174,7 @@ void PartRows(benchmark::State& state) {
   for (std::size_t i = 0; i < drive.states.size(); i += kEvery) {
     looks.push_back(std::make_unique<Look>(params));
     looks.back()->poser.set_objects(drive.shapes);
-    situations.push_back(looks.back()->assessment.assess(drive.states[i], {}, 1.0, nullptr));
+    situations.push_back(looks.back()->assessment.assess(drive.states[i], {}, {}, nullptr));
     looks.back()->poser.look(situations.back());
   }
   std::size_t i = 0;

@@ -234,7 +234,7 @@ class Env(gymnasium.Env):
 
     def _info(self) -> dict[str, Any]:
         assert self._now is not None
-        info: dict[str, Any] = self._now._asdict()
+        info: dict[str, Any] = {name: None if np.isnan(value) else value for name, value in self._now._asdict().items()}
         del info["outcome"]
         if self._now.outcome != RUNNING:
             row = json.loads(self._trials.core.row(0))

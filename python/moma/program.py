@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import codecs
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
-from typing import Sequence
+import threading
+from typing import IO, Sequence
+
+
+PROGRESS = re.compile(r"\d+ of \d+ trials")  # what a line of it begins with
 
 
 class ProgramError(RuntimeError):
@@ -44,26 +50,35 @@ def refuse_in_worker(what: str) -> None:
 
 
 def run(arguments: Sequence[str], *, show: bool = False) -> str:
-    """What it prints. `show`: its progress and remarks go to this process's standard error. Ctrl-C reaches it as well; it
+    """What it prints. `show`: its progress and remarks go to this process's standard error as well. Ctrl-C reaches it as well; it
     stops as it does in a terminal, with what is done saved. Raises ProgramError."""
     child = subprocess.Popen(
         [program(), *arguments],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
-        stderr=None if show else subprocess.PIPE,
-        text=True,
-        encoding="utf-8",
-        errors="replace",
+        stderr=subprocess.PIPE,
     )
+    said: list[str] = []
+    listener = threading.Thread(target=_listen, args=(child.stderr, said, show))
+    listener.start()
+    assert child.stdout is not None
     try:
-        out, err = child.communicate()
-    except KeyboardInterrupt:
-        child.communicate()
-        raise
+        out = child.stdout.read()
+    finally:  # Ctrl-C reaches the program, which ends by itself
+        child.wait()
+        listener.join()
     if child.returncode != 0:
-        text = (err or "").strip() or f"moma {arguments[0]} ended with exit code {child.returncode}"
-        raise ProgramError(text, child.returncode)
-    return out
+        lines = [line for line in re.split(r"[\r\n]+", "".join(said)) if line and not PROGRESS.match(line)]
+        raise ProgramError("\n".join(lines) or f"moma {arguments[0]} ended with exit code {child.returncode}", child.returncode)
+    return out.decode("utf-8", "replace")
+
+
+def _listen(stream: IO[bytes], said: list[str], show: bool) -> None:
+    decode = codecs.getincrementaldecoder("utf-8")("replace").decode
+    while chunk := stream.read1(4096):  # type: ignore[attr-defined]
+        said.append(decode(chunk))
+        if show:
+            print(said[-1], end="", file=sys.stderr, flush=True)
 
 
 def main() -> None:

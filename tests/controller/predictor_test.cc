@@ -78,8 +78,8 @@ class LateRobot {
   }
 
   const RobotModel& model_;
-  BaseRamp::Shares shares_;
   Lateness late_;
+  BaseRamp::Shares shares_;
   Observation state_;
   std::deque<Observation> past_;
   std::deque<VectorX> sent_;

@@ -102,8 +102,8 @@ class EnvTest(unittest.TestCase):
             warnings.filterwarnings("ignore", message=".*(symmetric and normalized|minimum value is -infinity|maximum value is infinity).*")
             warnings.filterwarnings("ignore", message=".*not an instance of .*gym.*|.*render.*|.*spec.*")
             check_env(moma.Env(SUITE, worlds=[0, 1]))
-            for robot in ("frankie", "panda"):
-                env = gymnasium.make(f"moma/{robot}-clutter-v0")
+            for name in ("frankie-clutter", "panda-clutter", "panda-open"):  # in the last nothing has a clearance
+                env = gymnasium.make(f"moma/{name}-v0")
                 check_env(env.unwrapped, skip_render_check=True)
         vector = gymnasium.make_vec("moma/panda-open-v0", num_envs=3, vectorization_mode="vector_entry_point")
         seen, _ = vector.reset(seed=1)

@@ -2,6 +2,7 @@
 moma.Controller has the trials of the program's own, bit for bit."""
 
 import contextlib
+import io
 import os
 import pathlib
 import signal
@@ -156,6 +157,13 @@ class EvaluateTest(unittest.TestCase):
         with self.assertRaisesRegex(moma.ProgramError, "no answer to a step within"):
             self.evaluate(controllers={"hangs": hangs}, trials=1, keep_going=True)
         self.assertEqual(len(moma.Store(self.folder / "a.db").trials("controller = 'hangs'")), 0)
+
+    def test_the_reason_is_in_the_exception_where_progress_is_shown_too(self):
+        shown = io.StringIO()
+        with contextlib.redirect_stderr(shown), self.assertRaisesRegex(moma.ProgramError, "trails: unknown key") as raised:
+            moma.evaluate({**SUITE, "trails": 3}, store=self.folder / "shown.db", progress=True)
+        self.assertIn("trails: unknown key", shown.getvalue())
+        self.assertNotIn("ended with exit code", str(raised.exception))
 
     def test_mistakes(self):
         with self.assertRaisesRegex(moma.ProgramError, "trails: unknown key"):
