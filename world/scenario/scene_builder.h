@@ -24,7 +24,7 @@ struct Room {
 /// stood in the way. Owns the workspace; one per world made.
 class SceneBuilder {
  public:
-  static constexpr double kTimeStep = 1e-3;  ///< [s]
+  static constexpr double kTimeStep = 1e-3;   ///< [s]
   static constexpr int kMostNowhere = 40000;  ///< first objects without a place, after which none is looked for
 
   SceneBuilder(std::shared_ptr<const RobotModel> model, std::uint64_t seed, std::uint64_t index, const Room& room,
