@@ -20,7 +20,8 @@ UntilRule read_until(const Node& node, const std::string& key) {
     in.fail_at("metric", fmt::format("found '{}', expected an outcome, whose rate is meant: {}", rule.metric,
                                      list_of_words<Outcome>()));
   if (rule.metric == to_string(Outcome::kError))
-    in.fail_at("metric", "found 'error': a trial that ends by an error is part of no rate; name another outcome");
+    in.fail_at("metric",
+               "found 'error', which has no rate of its own: it counts as not succeeded; name another outcome");
   in.finish();
   return rule;
 }

@@ -102,6 +102,6 @@ export function summary(model: Model): HTMLElement {
     download('summary.csv', 'text/csv', csv(columns, all.map((r) => columns.map((c) => cellOf(r, c)))));
   };
   return h('div', { class: 'panel' }, body,
-    h('footer', null, h('p', { class: 'note' }, 'As the store\u2019s view v_summary has it; bold: the greatest success rate of its group. Means are over the trials that have the value. Trials that ended in a program error are part of no rate and no mean.'),
+    h('footer', null, h('p', { class: 'note' }, 'As the store\u2019s view v_summary has it; bold: the greatest success rate of its group. Means are over the trials that have the value. A trial that ended in a program error did not succeed, and is part of no mean; where there are such trials, the rate without them stands below.'),
       h('div', { class: 'actions' }, h('button', { type: 'button', class: 'quiet', click: save }, 'Data CSV'))));
 }
