@@ -252,7 +252,8 @@ class Shrinks : public Rare {
     const store::Reader reader(path("blind.db"));
     for (const std::string& key : reader.keys()) {
       const TrialRow row = reader.trial(key).row;
-      if ((row.outcome == Outcome::kCollision && row.object.find("self") != 0) == contact) out.push_back(key);
+      const bool hit = row.outcome == Outcome::kCollision && row.object != "floor" && !row.object.starts_with("self:");
+      if (hit == contact) out.push_back(key);
     }
     return out;
   }
