@@ -82,7 +82,7 @@ class ArmFinder {
   bool is_right(int end) const {
     for (int i = end; i > 0; i = urdf_.link(i).parent) {
       const std::string& name = urdf_.link(i).name;
-      if (named(name, {"right", "_r_"}) || name.rfind("r_", 0) == 0) return true;
+      if (named(name, {"right", "_r_"}) || name.starts_with("r_") || name.ends_with("_r")) return true;
     }
     return false;
   }

@@ -21,6 +21,7 @@ struct Wheel {
   double radius = 0.0;  // 0: not known
   bool round = true;
   bool steered = false;
+  bool within_limits = false;  // steered as a car's
 };
 
 std::string names(const UrdfFacts& urdf, const std::vector<Wheel>& wheels) {
@@ -150,7 +151,9 @@ class BaseFinder {
       for (int up = urdf_.link(i).parent; up > 0; up = urdf_.link(up).parent) {
         const UrdfJoint& above = urdf_.link(up).joint;
         const bool turns = above.type == UrdfJointType::kContinuous || above.type == UrdfJointType::kRevolute;
-        if (turns && std::abs(urdf_.axis_R(up).z()) > kUpright) wheel.steered = true;
+        if (!turns || std::abs(urdf_.axis_R(up).z()) <= kUpright) continue;
+        wheel.steered = true;
+        wheel.within_limits = above.type == UrdfJointType::kRevolute;
       }
       if (by_name || wheel.radius > 0.0) wheels_.push_back(wheel);
     }
@@ -169,12 +172,14 @@ class BaseFinder {
     }
   }
 
-  bool caster(const Wheel& wheel) const {
+  bool called_caster(const Wheel& wheel) const {
     for (int i = wheel.link; i > 0; i = urdf_.link(i).parent)
       for (const std::string& name : {urdf_.link(i).name, urdf_.link(i).joint.name})
         if (named(name, {"caster", "castor"})) return true;
-    return wheel.steered;
+    return false;
   }
+
+  bool caster(const Wheel& wheel) const { return wheel.steered || called_caster(wheel); }
 
   // Links called wheels whose joints are fixed, as URDFs for arms alone have them.
   std::string stuck() const {
@@ -209,8 +214,14 @@ class BaseFinder {
     guess_.type = omni ? BaseType::kOmnidirectional : BaseType::kDifferential;
     const std::string also = guess_.reason.empty() ? "" : "; " + guess_.reason;
     guess_.reason = (all_steered ? "steered wheels " : "wheels ") + names(urdf_, driven) + also;
-    guess_.doubtful = !omni && driven.size() > 2;
-    if (guess_.doubtful) guess_.reason += ", which skid where it turns; omnidirectional, were they mecanum wheels";
+    const bool skids = !omni && driven.size() > 2;
+    if (skids) guess_.reason += ", which skid where it turns; omnidirectional, were they mecanum wheels";
+    std::vector<Wheel> front;  // what a differential base is not turned by
+    std::copy_if(wheels_.begin(), wheels_.end(), std::back_inserter(front),
+                 [&](const Wheel& wheel) { return !omni && wheel.within_limits && !called_caster(wheel); });
+    if (!front.empty())
+      guess_.reason += "; a car, which cannot turn on the spot, if " + names(urdf_, front) + " steer it";
+    guess_.doubtful = skids || !front.empty();
     place(driven);
   }
 

@@ -48,7 +48,7 @@ UrdfFacts facts_of(const std::string& text, UrdfReading reading, const fs::path&
   UrdfFacts facts;
   facts.tree = read_urdf(text, reading);
   facts.visuals = read_urdf_visuals(text);
-  facts.directory = fs::absolute(directory).lexically_normal();
+  facts.directory = fs::absolute(directory.empty() ? "." : directory).lexically_normal();
   facts.children.resize(facts.tree.links.size());
   facts.X_RL.assign(facts.tree.links.size(), Isometry::Identity());
   for (int i = 1; i < facts.size(); ++i) {

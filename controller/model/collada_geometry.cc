@@ -24,8 +24,8 @@ std::optional<long> whole_number(std::string_view word) {
   return value;
 }
 
-/// The element's text as whole numbers, negative ones as 0 (as exporters write them for "none"); nothing where it is
-/// anything else, or in several pieces, of which readers take the first.
+/// The element's text as whole numbers; nothing where it is anything else, or in several pieces, of which readers take
+/// the first.
 std::optional<std::vector<long>> whole_numbers(const TiXmlElement& element) {
   std::vector<long> numbers;
   int pieces = 0;
@@ -42,7 +42,7 @@ std::optional<std::vector<long>> whole_numbers(const TiXmlElement& element) {
       if (negative) word.remove_prefix(1);
       const std::optional<long> number = whole_number(word);
       if (!number) return {};
-      numbers.push_back(negative ? 0 : *number);
+      numbers.push_back(negative ? -*number : *number);
     }
   }
   return numbers;
@@ -105,7 +105,7 @@ class Geometries {
     bool positions = false;
     for (const TiXmlElement* v = mesh.FirstChildElement("vertices"); v != nullptr;
          v = v->NextSiblingElement("vertices"))
-      positions = positions || has_input(*v, "POSITION");
+      positions = positions || find_input(*v, "POSITION") != nullptr;
     for (const TiXmlElement* part = mesh.FirstChildElement(); part != nullptr && fault_.empty();
          part = part->NextSiblingElement()) {
       const std::string_view name = part->ValueStr();
@@ -118,16 +118,17 @@ class Geometries {
     }
   }
 
-  static bool has_input(const TiXmlElement& element, const char* semantic) {
+  static const TiXmlElement* find_input(const TiXmlElement& element, const char* semantic) {
     for (const TiXmlElement* in = element.FirstChildElement("input"); in != nullptr;
          in = in->NextSiblingElement("input"))
-      if (const char* text = in->Attribute("semantic"); text != nullptr && std::strcmp(text, semantic) == 0)
-        return true;
-    return false;
+      if (const char* text = in->Attribute("semantic"); text != nullptr && std::strcmp(text, semantic) == 0) return in;
+    return nullptr;
   }
 
   void check_primitives(const TiXmlElement& part, bool one_each) {
-    if (!has_input(part, "VERTEX")) return refuse(part, "has no input VERTEX");
+    const TiXmlElement* vertex = find_input(part, "VERTEX");
+    if (vertex == nullptr) return refuse(part, "has no input VERTEX");
+    const long first = number(*vertex, "offset", 0);
     long inputs = 1;
     for (const TiXmlElement* in = part.FirstChildElement("input"); in != nullptr; in = in->NextSiblingElement("input"))
       inputs = std::max(inputs, number(*in, "offset", 0) + 1);
@@ -140,6 +141,10 @@ class Geometries {
       if (indices && n % inputs != 0)
         return refuse(*list, "has " + std::to_string(n) + " indices, no multiple of the " + std::to_string(inputs) +
                                  " of each corner");
+      // Exporters write -1 for a normal or a colour that is none; a corner has a place.
+      for (long i = first; indices && i < n; i += inputs)
+        if (const long v = (*numbers)[static_cast<std::size_t>(i)]; v < 0)
+          return refuse(*list, "has a corner at the vertex " + std::to_string(v) + "; the first one is 0");
       const bool large = indices
                              ? one_each && n / inputs > kMaxPolygon
                              : std::any_of(numbers->begin(), numbers->end(), [](long v) { return v > kMaxPolygon; });

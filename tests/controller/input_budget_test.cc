@@ -206,6 +206,13 @@ TEST_F(MeshInput, ColladaNumbers) {
   EXPECT_SAYS(with("0 1 2", "0 1.5 2"), "<p> is no list of whole numbers");
   EXPECT_SAYS(with("0 1 2", "0 <!-- --> x"), "<p> is no list of whole numbers");
   EXPECT_SAYS(with("0 1 2", "<![CDATA[ x ]]>"), "<p> is no list of whole numbers");
+  EXPECT_SAYS(with("0 1 2", "0 1 -5"), "<p> has a corner at the vertex -5; the first one is 0");
+  const std::string normals = "offset=\"0\"/><input semantic=\"NORMAL\" source=\"#p\" offset=\"1\"/><p>";
+  const auto corners = [&](const std::string& p) {
+    return with("offset=\"0\"/><p>0 1 2 0 1 3 0 2 3 1 2 3", normals + p);
+  };
+  EXPECT_EQ(corners("0 -1 1 -1 2 -1" + times(" 0 0 1 0 3 0", 3)), "4");
+  EXPECT_SAYS(corners("0 -1 1 -1 -2 -1" + times(" 0 0 1 0 3 0", 3)), "at the vertex -2");
   EXPECT_SAYS(with("stride=\"3\"", "stride=\"1\""), "more parameters (3) than its stride of 1");
   EXPECT_SAYS(with("stride=\"3\"", "stride=\"-1\""), "'stride' that is no whole number");
   EXPECT_SAYS(with("count=\"12\"", "count=\"4000000000\""), "'count' of more than the file can hold");
