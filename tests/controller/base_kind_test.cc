@@ -49,7 +49,7 @@ TEST(BaseKind, CoordinatesAndVelocitiesAreEachOthersInverse) {
 
 // What a name says a coordinate does, the robot does: along B's axes, and about z.
 TEST(BaseKind, MovesAsItsNamesSay) {
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     const BaseKind& kind = kind_of(model->base.type);
     for (int i = 0; i < kind.dof(); ++i) {
       Vector3 base(0.3, -0.2, 0.7);

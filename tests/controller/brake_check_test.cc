@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "tests/controller/qp_robots.h"
+#include "tests/support/control_period.h"
 #include "tests/support/no_alloc.h"
 
 namespace moma {
@@ -14,14 +15,12 @@ namespace {
 
 using namespace test;
 
-constexpr double kPeriod = 0.02;
-
-struct Scene {
+struct BrakeScene {
   std::shared_ptr<const RobotModel> model;
   VectorX acceleration;
   std::vector<ObjectShape> shapes;
 
-  explicit Scene(std::shared_ptr<const RobotModel> m, Rng& rng) : model(std::move(m)) {
+  explicit BrakeScene(std::shared_ptr<const RobotModel> m, Rng& rng) : model(std::move(m)) {
     acceleration = VectorX::Constant(model->num_velocities(), 5.0);
     if (model->base_dof() > 0) acceleration.head(model->base_dof() - 1).setConstant(model->base.max_acceleration.x());
     if (model->base_dof() > 0) acceleration[model->base_dof() - 1] = model->base.max_acceleration.y();
@@ -35,7 +34,7 @@ struct Scene {
 };
 
 // Of the base, as a drive does it: the linear velocity is one vector.
-double rate(const Scene& scene, const VectorX& u, Eigen::Index i) {
+double rate(const BrakeScene& scene, const VectorX& u, Eigen::Index i) {
   const bool pair = scene.model->base_dof() == 3 && i < 2;
   const double size = pair ? std::hypot(u[0], u[1]) : std::abs(u[i]);
   return size > 0.0 ? scene.acceleration[i] * std::abs(u[i]) / size : 0.0;
@@ -45,7 +44,7 @@ double rate(const Scene& scene, const VectorX& u, Eigen::Index i) {
 constexpr ProximityRanges kObjects{1.0, -1.0, -1.0}, kFloor{-1.0, 1.0, -1.0}, kSelf{-1.0, -1.0, 1.0};
 
 // Least distance on the way: one period (or `hold`) towards u by the drive, then braking.
-double simulated(const Scene& scene, const Observation& o, const VectorX& u, bool in_proportion,
+double simulated(const BrakeScene& scene, const Observation& o, const VectorX& u, bool in_proportion,
                  const ProximityRanges& ranges = kObjects, double hold = kPeriod) {
   Kinematics kinematics(scene.model);
   Proximity proximity(scene.model);
@@ -92,13 +91,13 @@ double simulated(const Scene& scene, const Observation& o, const VectorX& u, boo
   return least;
 }
 
-Observation still_objects(const Scene& scene, Rng& rng) {
+Observation still_objects(const BrakeScene& scene, Rng& rng) {
   Observation o = random_observation(*scene.model, scene.shapes.size(), rng, 1.2);
   for (ObjectState& object : o.objects) object.V_WO_W.setZero();
   return o;
 }
 
-VectorX near_velocity(const Scene& scene, const VectorX& qdot, Rng& rng) {
+VectorX near_velocity(const BrakeScene& scene, const VectorX& qdot, Rng& rng) {
   VectorX u = qdot;
   for (Eigen::Index i = 0; i < u.size(); ++i) u[i] += uniform(rng, -0.6, 0.6) * scene.acceleration[i] * kPeriod;
   return u;
@@ -107,9 +106,9 @@ VectorX near_velocity(const Scene& scene, const VectorX& qdot, Rng& rng) {
 TEST(BrakeCheck, FindsTheLeastDistanceOnTheWayToAStop) {
   Rng rng(1);
   int within = 0;
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     for (int trial = 0; trial < 40; ++trial) {
-      const Scene scene(model, rng);
+      const BrakeScene scene(model, rng);
       BrakeCheck fine = scene.check(0.5, 1);
       const Observation o = still_objects(scene, rng);
       const VectorX u = near_velocity(scene, o.qdot, rng);
@@ -135,9 +134,9 @@ TEST(BrakeCheck, BrakesLaterWhereTheCommandMayActForLonger) {
   Rng rng(2);
   int within = 0;
   double off = 0.0, off_without = 0.0;
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     for (int trial = 0; trial < 20; ++trial) {
-      const Scene scene(model, rng);
+      const BrakeScene scene(model, rng);
       BrakeCheck fine = scene.check(0.5, 1);
       const Observation o = still_objects(scene, rng);
       const VectorX u = near_velocity(scene, o.qdot, rng);
@@ -161,9 +160,9 @@ TEST(BrakeCheck, BrakesLaterWhereTheCommandMayActForLonger) {
 TEST(BrakeCheck, GivesWayOnlyWhereItMustAndStaysInsideTheBox) {
   Rng rng(2);
   int passed = 0, mended = 0;
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     for (int trial = 0; trial < 800; ++trial) {
-      const Scene scene(model, rng);
+      const BrakeScene scene(model, rng);
       BrakeCheck check = scene.check(0.02, 2);
       const Observation o = still_objects(scene, rng);
       const VectorX step = 10.0 * kPeriod * scene.acceleration;  // a robot that can slow down at once, nearly
@@ -201,9 +200,9 @@ TEST(BrakeCheck, LooksAtTheFloorAndAtTheRobotItself) {
   int by_floor = 0, by_itself = 0;
   constexpr double kMargin = 0.3;
   const OwnMargins own{0.3, 0.2};  // of the floor more, since what no joint lifts is left out
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     for (int trial = 0; trial < 40; ++trial) {
-      const Scene scene(model, rng);
+      const BrakeScene scene(model, rng);
       BrakeCheck check = scene.check(kMargin, 1, own);
       Observation o = still_objects(scene, rng);
       for (ObjectState& object : o.objects) object.visible = false;
@@ -237,10 +236,10 @@ TEST(BrakeCheck, KeepsItsMarginForWhatIsUncertain) {
   const double margin = normal_quantile(params.probability) * 0.02;
   const std::vector<PlaceSpread> spreads(6, PlaceSpread{0.02, 0.0});
   int compared = 0, mended = 0;
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     const Uncertainty uncertainty(params, model->base_dof());
     for (int trial = 0; trial < 60; ++trial) {
-      const Scene scene(model, rng);
+      const BrakeScene scene(model, rng);
       BrakeCheck plain = scene.check(0.4, 2);
       const auto uncertain = [&](double kept) {
         BrakeCheck c(model, {.enabled = true, .margin = kept, .every = 2}, scene.acceleration, true, kPeriod,
@@ -282,7 +281,7 @@ TEST(BrakeCheck, KeepsItsMarginForWhatIsUncertain) {
 }
 
 // The same places with all distances at each of them.
-double measured_everywhere(const Scene& scene, const Observation& o, const VectorX& u, bool in_proportion,
+double measured_everywhere(const BrakeScene& scene, const Observation& o, const VectorX& u, bool in_proportion,
                            const BrakeCheckParams& params, const OwnMargins& own) {
   Kinematics kinematics(scene.model);
   Proximity proximity(scene.model);
@@ -328,10 +327,10 @@ TEST(BrakeCheck, FindsWithFewDistancesWhatItFindsWithAll) {
   Rng rng(6);
   int within = 0, clear = 0, mended = 0;
   const OwnMargins own{0.01, 0.02};
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     Kinematics kinematics(model);
     for (int trial = 0; trial < 300; ++trial) {
-      const Scene scene(model, rng);
+      const BrakeScene scene(model, rng);
       const BrakeCheckParams params{.enabled = true, .margin = trial % 3 == 0 ? 0.2 : 0.02, .every = 1 + trial % 4};
       BrakeCheck check = scene.check(params.margin, params.every, own);
       const Observation o = still_objects(scene, rng);
@@ -370,7 +369,7 @@ TEST(BrakeCheck, FindsWithFewDistancesWhatItFindsWithAll) {
 
 TEST(BrakeCheck, LeavesWhatMovesOut) {
   Rng rng(3);
-  Scene scene(frankie(), rng);
+  BrakeScene scene(frankie(), rng);
   scene.shapes[0] = {"ball", {ShapeKind::kSphere, {0.1, 0, 0}, nullptr}};
   BrakeCheck check = scene.check(0.3, 1);
   Observation o = still_objects(scene, rng);

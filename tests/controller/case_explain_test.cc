@@ -16,11 +16,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kCases = fs::path(MOMA_SOURCE_DIR) / "tests" / "data" / "qp_cases" / "cases";
+const fs::path kStoredCases = fs::path(MOMA_SOURCE_DIR) / "tests" / "data" / "qp_cases" / "cases";
 
 std::vector<fs::path> all_cases() {
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(kCases)) files.push_back(entry.path());
+  for (const auto& entry : fs::directory_iterator(kStoredCases)) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -64,7 +64,7 @@ TEST(CaseExplain, TermsAddUpToTheCost) {
 
 TEST(CaseExplain, InfeasibleSetsAreInfeasibleAndMinimal) {
   for (const char* name : {"panda_015.json", "ur5_235.json"}) {
-    const ControlCase given = read_case(kCases / name);
+    const ControlCase given = read_case(kStoredCases / name);
     const CaseStep step(given);
     const QpProblem& problem = step.controller.problem();
     const auto set = minimal_infeasible_set(problem, step.controller.model().num_velocities());
@@ -79,13 +79,13 @@ TEST(CaseExplain, InfeasibleSetsAreInfeasibleAndMinimal) {
 }
 
 TEST(CaseExplain, FeasibleProblemsHaveNoInfeasibleSet) {
-  const ControlCase given = read_case(kCases / "frankie_119.json");
+  const ControlCase given = read_case(kStoredCases / "frankie_119.json");
   const CaseStep step(given);
   EXPECT_TRUE(minimal_infeasible_set(step.controller.problem(), 9).empty());
 }
 
 TEST(CaseExplain, SaysWhatHoldsTheCommand) {
-  const std::string text = explain(read_case(kCases / "frankie_119.json"));
+  const std::string text = explain(read_case(kStoredCases / "frankie_119.json"));
   EXPECT_TRUE(mentions(text, "Status: solved")) << text;
   EXPECT_TRUE(mentions(text, "object/o1/panda_link5/2: distance 0.07008 m, may approach")) << text;
   EXPECT_TRUE(mentions(text, "panda_joint3 at 0.03343 rad/s: the upper joint limit, 0.006566 away")) << text;
@@ -94,7 +94,7 @@ TEST(CaseExplain, SaysWhatHoldsTheCommand) {
 
 TEST(CaseExplain, NamesWhatExcludesWhat) {
   // The ball comes faster than the first joint can turn away: both are named, nothing else is needed.
-  const std::string text = explain(read_case(kCases / "panda_015.json"));
+  const std::string text = explain(read_case(kStoredCases / "panda_015.json"));
   EXPECT_TRUE(mentions(text, "Status: infeasible, fallback: relaxed")) << text;
   EXPECT_TRUE(mentions(text, "cannot be met together")) << text;
   EXPECT_TRUE(mentions(text, "object/o1/panda_link2: distance 0.08783 m, must retreat at no less than 0.1674 m/s"))
@@ -103,7 +103,7 @@ TEST(CaseExplain, NamesWhatExcludesWhat) {
 }
 
 TEST(CaseExplain, AccelerationAndClosedForms) {
-  ControlCase given = read_case(kCases / "panda_001.json");
+  ControlCase given = read_case(kStoredCases / "panda_001.json");
   given.controller.acceleration_limit = VectorX::Constant(7, 0.5);
   EXPECT_TRUE(mentions(explain(given), "the acceleration limit")) << explain(given);
   given.controller.method = Method::kRrmc;
@@ -115,7 +115,7 @@ TEST(CaseExplain, AccelerationAndClosedForms) {
 }
 
 TEST(CaseExplain, TellsABaseHeldByItsDrivesFromOneAtItsSpeedLimit) {
-  ControlCase given = read_case(kCases / "frankie_119.json");
+  ControlCase given = read_case(kStoredCases / "frankie_119.json");
   given.objects.clear();
   given.observation.objects.clear();
   given.observation.qdot.setZero();
@@ -135,7 +135,7 @@ TEST(CaseExplain, TellsABaseHeldByItsDrivesFromOneAtItsSpeedLimit) {
 }
 
 TEST(CaseExplain, NamesObjectsThatPass) {
-  ControlCase given = read_case(kCases / "frankie_119.json");
+  ControlCase given = read_case(kStoredCases / "frankie_119.json");
   given.controller.collision.passing.enabled = true;
   given.objects = {{"cart", {ShapeKind::kSphere, {0.15, 0, 0}, nullptr}}};
   given.observation.objects.resize(1);
@@ -163,7 +163,7 @@ TEST(CaseExplain, EveryCaseIsExplained) {
 }
 
 TEST(CaseExplain, LayoutIsTheSameJson) {
-  const auto json = solve(read_case(kCases / "frankie_119.json"));
+  const auto json = solve(read_case(kStoredCases / "frankie_119.json"));
   const std::string text = layout(json);
   EXPECT_EQ(nlohmann::ordered_json::parse(text), json);
   EXPECT_LT(std::count(text.begin(), text.end(), '\n'), 150);

@@ -53,7 +53,7 @@ TEST(ClosedForm, RrmcIsTheDampedPseudoinverse) {
   Rng rng(41);
   int damped = 0;
   for (int trial = 0; trial < 300; ++trial) {
-    const auto model = all_robots()[rng() % 3];
+    const auto model = built_robots()[rng() % 3];
     Observation o = random_observation(*model, 0, rng);
     o.goal.V_WG_W.setZero();
     if (model->name == "panda" && trial % 2 == 0) o.q.head(3).setZero(), o.q[4] = 0, o.q[5] = uniform(rng, 0, 0.02);
@@ -67,7 +67,7 @@ TEST(ClosedForm, RrmcIsTheDampedPseudoinverse) {
 TEST(ClosedForm, ParkAndBaurAddProjectedGradients) {
   Rng rng(42);
   for (int trial = 0; trial < 200; ++trial) {
-    const auto model = all_robots()[rng() % 3];
+    const auto model = built_robots()[rng() % 3];
     Observation o = random_observation(*model, 0, rng);
     o.goal.V_WG_W.setZero();
     const int base = model->base_dof();
@@ -124,7 +124,7 @@ TEST(ClosedForm, UndampedItIsThePseudoinverse) {
   Rng rng(43);
   int beyond = 0, other = 0;
   for (int trial = 0; trial < 200; ++trial) {
-    const auto model = all_robots()[rng() % 3];
+    const auto model = built_robots()[rng() % 3];
     Observation o = random_observation(*model, 0, rng);
     o.goal.V_WG_W.setZero();
     if (model->name == "panda" && trial % 2 == 0) o.q.head(3).setZero(), o.q[4] = 0, o.q[5] = uniform(rng, 0, 0.02);

@@ -63,7 +63,7 @@ struct Drive {
 };
 
 TEST(ControllerEscape, ResetGivesTheSameBits) {
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     Drive first(model, everything(), 5);
     const Observation start = first.now;
     std::vector<VectorX> commands;
@@ -83,7 +83,7 @@ TEST(ControllerEscape, ResetGivesTheSameBits) {
 
 // What a result says the controller remembered is enough to repeat its step: what `moma solve` does with a case.
 TEST(ControllerEscape, AStepCanBeRepeatedFromItsState) {
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     Drive drive(model, everything(), 6);
     ControllerCore other(model, everything(), 0.02);
     StepResult result;
@@ -124,7 +124,7 @@ TEST(ControllerEscape, OffIsOff) {
 TEST(ControllerEscape, NoMemoryIsTaken) {
   if (!NoAlloc::works()) GTEST_SKIP() << "a sanitizer owns malloc";
   int detours = 0, around = 0;
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     Drive drive(model, everything(), 8);
     NoAlloc guard;
     for (int i = 0; i < 500; ++i) {
@@ -144,7 +144,7 @@ TEST(ControllerEscape, RandomStepsStayFiniteAndInsideTheirBounds) {
   Rng rng(9);
   long done = 0, detours = 0, around = 0, vortices = 0;
   while (done < total) {
-    const auto model = all_robots()[rng() % 3];
+    const auto model = built_robots()[rng() % 3];
     ControllerParams p = everything();
     p.acceleration_limit = VectorX::Constant(model->num_velocities(), uniform(rng, 2.0, 20.0));
     p.collision.max_pairs = static_cast<int>(rng() % 40);

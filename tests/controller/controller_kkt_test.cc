@@ -64,7 +64,7 @@ TEST(ControllerKkt, OptimalOverRandomStatesAndGains) {
   Rng rng(1);
   int solved = 0, infeasible = 0, relaxed = 0, rows = 0;
   for (int trial = 0; trial < 1500; ++trial) {
-    const auto model = all_robots()[rng() % 3];
+    const auto model = built_robots()[rng() % 3];
     ControllerCore c(model, random_params(*model, rng), 0.02);
     const std::vector<ObjectShape> shapes = random_objects(rng, rng() % 12);
     c.reset(shapes);
@@ -99,7 +99,7 @@ TEST(ControllerKkt, SolversAgree) {
   if (kinds.size() < 2) GTEST_SKIP() << "only DAQP is built";
   int compared = 0;
   for (int trial = 0; trial < 300; ++trial) {
-    const auto model = all_robots()[rng() % 3];
+    const auto model = built_robots()[rng() % 3];
     ControllerParams p = random_params(*model, rng);
     const std::vector<ObjectShape> shapes = random_objects(rng, rng() % 8);
     const Observation o = random_observation(*model, shapes.size(), rng);

@@ -65,7 +65,7 @@ void run(std::shared_ptr<const RobotModel> model, const ControllerParams& params
 TEST(NoAlloc, StepsOfTheQpInEveryStage) {
   if (!NoAlloc::works()) GTEST_SKIP() << "a sanitizer owns malloc";
   StepCounters seen;
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     for (const SolverKind solver : available_solvers()) {
       if (solver == SolverKind::kQpoases) continue;  // the reference, not for a control loop
       ControllerParams p;
@@ -100,7 +100,7 @@ TEST(NoAlloc, StepsWithAFreeSlackAndScaledOutput) {
 TEST(NoAlloc, StepsOfTheClosedForms) {
   if (!NoAlloc::works()) GTEST_SKIP() << "a sanitizer owns malloc";
   StepCounters seen;
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     for (const Method method : {Method::kRrmc, Method::kPark, Method::kBaur}) {
       ControllerParams p;
       p.method = method;

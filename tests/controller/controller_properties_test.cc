@@ -9,6 +9,7 @@
 
 #include "controller/controller_core.h"
 #include "tests/controller/qp_robots.h"
+#include "tests/support/control_period.h"
 
 namespace moma {
 namespace {
@@ -16,8 +17,6 @@ namespace {
 using namespace test;
 
 const bool kSeeded = ::setenv("RC_PARAMS", "seed=20260701 max_success=1000", 0) == 0;
-
-constexpr double kPeriod = 0.02;
 
 double real(double low, double high) {
   constexpr int kParts = 1 << 20;
@@ -36,7 +35,7 @@ std::uint64_t seed() { return *rc::gen::noShrink(rc::gen::arbitrary<std::uint64_
 /// One of three known robots, or any.
 std::shared_ptr<const RobotModel> some_robot() {
   const auto which = static_cast<std::size_t>(*rc::gen::inRange(0, 6));
-  if (which < 3) return all_robots()[which];
+  if (which < 3) return built_robots()[which];
   Rng rng(seed());
   return random_robot(rng);
 }

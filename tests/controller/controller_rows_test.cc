@@ -37,7 +37,7 @@ TEST(ControllerRows, CollisionRowsMatchTheMeasuredRateOfDistance) {
   Rng rng(4);
   int checked[3] = {0, 0, 0}, moving = 0;
   for (int trial = 0; trial < 400; ++trial) {
-    const auto model = all_robots()[rng() % 3];
+    const auto model = built_robots()[rng() % 3];
     ControllerParams p;
     p.collision.self.influence = 0.4;
     p.collision.floor.influence = 0.5;

@@ -8,14 +8,13 @@
 #include <deque>
 
 #include "tests/controller/rig.h"
+#include "tests/support/control_period.h"
 #include "tests/support/no_alloc.h"
 
 namespace moma {
 namespace {
 
 using namespace test;
-
-constexpr double kPeriod = 0.02;
 
 ControllerParams safe_params(const RobotModel& model) {
   ControllerParams p;
@@ -73,7 +72,7 @@ long random_steps() {
 }
 
 TEST(SafeController, NoCommandLeavesItsBoundsWhateverIsSeen) {
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     Rng rng(1);
     const int dof = model->base_dof();
     const VectorX speed = model->velocity_limits();
@@ -102,7 +101,7 @@ TEST(SafeController, NoCommandLeavesItsBoundsWhateverIsSeen) {
 
 TEST(SafeController, TakesNoMemory) {
   if (!NoAlloc::works()) GTEST_SKIP() << "a sanitizer owns malloc";
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     Rng rng(2);
     Rig rig(model, safe_params(*model), random_objects(rng, 12));
     std::vector<Observation> seen;
@@ -120,7 +119,7 @@ TEST(SafeController, TakesNoMemory) {
 }
 
 TEST(SafeController, AStepIsAFunctionOfItsMemoryAndWhatIsSeen) {
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     Rng rng(3);
     const std::vector<ObjectShape> shapes = random_objects(rng, 6);
     ControllerParams params = safe_params(*model);
@@ -149,7 +148,7 @@ TEST(SafeController, AStepIsAFunctionOfItsMemoryAndWhatIsSeen) {
 TEST(SafeController, RelaxesRowsOfWhatRestsAsFarAsBrakingBreaksThem) {
   Rng rng(4);
   int relaxed = 0, kept_rows = 0, broken_rows = 0;
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     ControllerParams params = safe_params(*model);
     params.prediction = {};
     params.collision.check.enabled = params.collision.evasion.enabled = false;

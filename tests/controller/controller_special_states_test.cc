@@ -7,15 +7,15 @@
 #include "controller/config/controller_file.h"
 #include "controller/controller_core.h"
 #include "controller/qp/end_rows.h"
+#include "tests/support/control_period.h"
 #include "tests/support/robots.h"
 
 namespace moma {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kPeriod = 0.02;
+constexpr double kHalfTurn = 3.14159265358979323846;
 
-const std::vector<std::string> kPresets = {"rrmc", "park", "baur", "mmc", "neo", "holistic", "source", "moma"};
+const std::vector<std::string> kStepPresets = {"rrmc", "park", "baur", "mmc", "neo", "holistic", "source", "moma"};
 
 class SpecialStates : public ::testing::TestWithParam<std::string> {
  protected:
@@ -61,7 +61,7 @@ class SpecialStates : public ::testing::TestWithParam<std::string> {
   StepResult result_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Presets, SpecialStates, ::testing::ValuesIn(kPresets),
+INSTANTIATE_TEST_SUITE_P(Presets, SpecialStates, ::testing::ValuesIn(kStepPresets),
                          [](const auto& preset) { return preset.param; });
 
 TEST_P(SpecialStates, SingularStarts) {
@@ -131,13 +131,13 @@ TEST_P(SpecialStates, OrientationErrorsNearHalfATurn) {
   for (const Vector3& axis :
        {Vector3::UnitX().eval(), Vector3::UnitY().eval(), Vector3::UnitZ().eval(), Vector3(1, -2, 0.5).normalized()}) {
     VectorX last;
-    for (const double angle : {kPi - 1e-3, kPi - 1e-6, kPi - 1e-9, kPi - 1e-15, kPi}) {
+    for (const double angle : {kHalfTurn - 1e-3, kHalfTurn - 1e-6, kHalfTurn - 1e-9, kHalfTurn - 1e-15, kHalfTurn}) {
       seen_.goal.X_WG.linear() = Eigen::AngleAxisd(angle, axis).toRotationMatrix() * R;
       step("half a turn");
       EXPECT_NEAR(result_.error.head<3>().norm(), angle, 1e-7);
       EXPECT_NEAR(std::abs(result_.error.head<3>().normalized().dot(axis)), 1.0, 1e-6) << angle;
       // Up to pi the error's direction is clear, and so is the command's; at pi itself both senses are as good.
-      if (last.size() > 0 && angle < kPi - 1e-10) {
+      if (last.size() > 0 && angle < kHalfTurn - 1e-10) {
         EXPECT_LT((result_.command - last).norm(), 0.02) << angle;
       }
       last = result_.command;
@@ -186,7 +186,7 @@ TEST_P(SpecialStates, TwoHundredObjects) {
   for (int i = 0; i < 200; ++i) {
     shapes_.push_back({std::string("o") + std::to_string(i), {ShapeKind::kSphere, Vector3(0.08, 0, 0), nullptr}});
     ObjectState state;
-    const double turn = 0.6180339887498949 * 2.0 * kPi * i;
+    const double turn = 0.6180339887498949 * 2.0 * kHalfTurn * i;
     const double radius = 0.6 + 0.01 * (i % 50);
     state.X_WO.translation() = Vector3(radius * std::cos(turn), radius * std::sin(turn), 0.1 + 0.007 * i);
     state.V_WO_W << 0, 0, 0, -0.1 * std::cos(turn), -0.1 * std::sin(turn), 0;

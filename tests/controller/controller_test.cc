@@ -63,7 +63,7 @@ struct Motion {
 };
 
 TEST(PublicController, DoesWhatItsCoreDoes) {
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     Motion motion(model);
     Controller controller = motion.begin();
     EXPECT_EQ(&controller.model(), model.get());

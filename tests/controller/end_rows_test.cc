@@ -53,7 +53,7 @@ TEST(EndRows, MatchTheMeasuredRateOfTheBallsDistance) {
   Rng rng(31);
   int checked[5] = {};
   for (int trial = 0; trial < 150; ++trial) {
-    const auto model = all_robots()[rng() % 3];
+    const auto model = built_robots()[rng() % 3];
     const ControllerParams p = with_ends();
     const std::vector<ObjectShape> shapes = random_objects(rng, 6);
     Rig rig(model, p, shapes);

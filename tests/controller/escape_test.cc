@@ -6,13 +6,13 @@
 
 #include "controller/task/vortex.h"
 #include "tests/controller/qp_robots.h"
+#include "tests/support/control_period.h"
 
 namespace moma {
 namespace {
 
 using namespace test;
 
-constexpr double kPeriod = 0.02;
 const std::vector<ObjectState> kStill(4);
 
 ProximityPair object_pair(double d, const Vector3& n, int object = 0) {

@@ -9,6 +9,7 @@
 
 #include "controller/safe/base_ramp.h"
 #include "tests/controller/rig.h"
+#include "tests/support/control_period.h"
 #include "tests/support/no_alloc.h"
 
 namespace moma {
@@ -16,16 +17,15 @@ namespace {
 
 using namespace test;
 
-constexpr double kPeriod = 0.02;
 constexpr EvasionParams kParams{.enabled = true, .horizon = 2.0, .margin = 0.08};
 
 struct Distances {
   double moving = kInfinity, resting = kInfinity;
 };
 
-class Scene {
+class EvasionScene {
  public:
-  Scene(std::shared_ptr<const RobotModel> model, std::vector<ObjectShape> shapes)
+  EvasionScene(std::shared_ptr<const RobotModel> model, std::vector<ObjectShape> shapes)
       : model_(std::move(model)), kinematics_(model_), proximity_(model_) {
     proximity_.set_objects(shapes);
   }
@@ -52,7 +52,7 @@ void advance(const RobotModel& model, Observation& o, const VectorX& velocity, d
 
 // One period of the command, then the base walks to the target and the joints to rest, in steps of a millisecond.
 // Whether distances stay above what is needed less `slack` (which may be negative) all along.
-bool clear_in_fine_steps(const RobotModel& model, Scene& scene, Observation o, const VectorX& command,
+bool clear_in_fine_steps(const RobotModel& model, EvasionScene& scene, Observation o, const VectorX& command,
                          const Vector3& target, double arm, double slack) {
   constexpr double kStep = 1e-3;
   const Distances now = scene.of(o);
@@ -121,7 +121,7 @@ TEST(Evasion, WhatPassesHasAWayOutAndWhatDoesNotHasNone) {
       Drawn d = draw(*model, rng);
       Evasion evasion(model, kParams, acceleration, 0.95, kPeriod);
       evasion.set_objects(d.shapes);
-      Scene scene(model, d.shapes);
+      EvasionScene scene(model, d.shapes);
       if (scene.of(d.o).moving < 0.02 || scene.of(d.o).resting < 0.02) continue;
       VectorX base = VectorX::Zero(model->num_velocities());
       const bool passes = evasion.passes(d.o, d.command, base);
@@ -183,7 +183,7 @@ ControllerParams driving(const RobotModel& model) {
 TEST(Evasion, ARobotIsNotRunOver) {
   const auto model = frankie();
   const std::vector<ObjectShape> ball{{"ball", {ShapeKind::kSphere, {0.25, 0, 0}, nullptr}}};
-  Scene scene(model, ball);
+  EvasionScene scene(model, ball);
   std::array<int, 2> hit{};
   int evaded = 0;
   for (const bool evading : {false, true}) {

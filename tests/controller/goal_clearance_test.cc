@@ -54,8 +54,8 @@ TEST(GoalClearance, IsThatOfTheHandWhereverTheRobotIs) {
     Scene scene = make_scene(model, seed, 12);
     std::mt19937_64 engine(seed);
     VectorX q = model->ready;
-    for (Eigen::Index i = 0; i < q.size(); ++i) q[i] += uniform(engine, -0.4, 0.4);
-    at_goal.update({uniform(engine, -1.0, 4.0), uniform(engine, -1.0, 1.0), uniform(engine, -3.0, 3.0)}, q);
+    for (Eigen::Index i = 0; i < q.size(); ++i) q[i] += uniform_in(engine, -0.4, 0.4);
+    at_goal.update({uniform_in(engine, -1.0, 4.0), uniform_in(engine, -1.0, 1.0), uniform_in(engine, -3.0, 3.0)}, q);
     here.update(scene.start.head<3>(), scene.start.tail(model->num_joints()));
     scene.states[0].V_WO_W[4] = 0.3;  // what moves does not count,
     scene.states[1].visible = false;  // nor what is not seen

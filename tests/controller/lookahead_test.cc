@@ -8,12 +8,11 @@
 #include "controller/config/controller_file.h"
 #include "controller/config/node.h"
 #include "tests/controller/plan_scenes.h"
+#include "tests/support/control_period.h"
 #include "tests/support/no_alloc.h"
 
 namespace moma::test {
 namespace {
-
-constexpr double kPeriod = 0.02;
 
 ControllerParams read_params(const RobotModel& model, bool plan) {
   std::vector<std::string> warnings;

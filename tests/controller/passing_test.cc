@@ -117,7 +117,7 @@ TEST(Passing, RowsMatchThePredictedMotion) {
   Rng rng(43);
   int checked = 0;
   for (int trial = 0; trial < 200; ++trial) {
-    const auto model = all_robots()[1 + rng() % 2];
+    const auto model = built_robots()[1 + rng() % 2];
     const ControllerParams p = with_passing();
     const std::vector<ObjectShape> shapes = random_objects(rng, 6);
     Rig rig(model, p, shapes);
@@ -242,7 +242,7 @@ TEST(Passing, FixedBasesStillHiddenHighAndDisabledObjectsHaveNoRows) {
 TEST(Passing, StillObjectsChangeNoBit) {
   Rng rng(45);
   for (int trial = 0; trial < 150; ++trial) {
-    const auto model = all_robots()[rng() % 3];
+    const auto model = built_robots()[rng() % 3];
     ControllerParams p = with_passing(0.1);
     p.collision.end_rows = 0.1;
     p.acceleration_limit = VectorX::Constant(model->num_velocities(), 5.0);
@@ -302,7 +302,7 @@ TEST(Passing, GiveWayToTheUsualRows) {
   Rng rng(47);
   int gave_way = 0;
   for (int trial = 0; trial < 400; ++trial) {
-    const auto model = all_robots()[1 + rng() % 2];
+    const auto model = built_robots()[1 + rng() % 2];
     ControllerParams p = with_passing(0.1);
     p.acceleration_limit = VectorX::Constant(model->num_velocities(), 2.0);
     const std::vector<ObjectShape> shapes = random_objects(rng, 3);

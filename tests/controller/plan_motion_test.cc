@@ -15,9 +15,9 @@ class PlanMotion : public testing::TestWithParam<std::string> {
 
   WholeConfiguration anywhere(std::mt19937_64& engine) const {
     WholeConfiguration c(3 + limits.num_joints());
-    c.head<3>() << uniform(engine, -2, 2), uniform(engine, -2, 2), uniform(engine, -4, 4);
+    c.head<3>() << uniform_in(engine, -2, 2), uniform_in(engine, -2, 2), uniform_in(engine, -4, 4);
     if (!limits.mobile()) c.head<3>().setZero();
-    for (int i = 0; i < limits.num_joints(); ++i) c[3 + i] = uniform(engine, limits.lower[i], limits.upper[i]);
+    for (int i = 0; i < limits.num_joints(); ++i) c[3 + i] = uniform_in(engine, limits.lower[i], limits.upper[i]);
     return c;
   }
 

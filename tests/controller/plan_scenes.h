@@ -31,7 +31,7 @@ struct Scene {
   Isometry X_WG = Isometry::Identity();
 };
 
-inline double uniform(std::mt19937_64& engine, double low, double high) {
+inline double uniform_in(std::mt19937_64& engine, double low, double high) {
   return low + (high - low) * static_cast<double>(engine() >> 11) * 0x1.0p-53;
 }
 
@@ -83,21 +83,21 @@ inline Scene make_scene(const std::shared_ptr<const RobotModel>& model, std::uin
       const ControlledJoint& joint = model->joints[static_cast<std::size_t>(i)];
       const double low = std::isfinite(joint.lower) ? joint.lower : -3.0;
       const double high = std::isfinite(joint.upper) ? joint.upper : 3.0;
-      q[i] = uniform(engine, low + 0.2 * (high - low), high - 0.2 * (high - low));
+      q[i] = uniform_in(engine, low + 0.2 * (high - low), high - 0.2 * (high - low));
     }
-    if (mobile) base = {uniform(engine, 1.5, 3.5), uniform(engine, -1.5, 1.5), uniform(engine, -3.0, 3.0)};
+    if (mobile) base = {uniform_in(engine, 1.5, 3.5), uniform_in(engine, -1.5, 1.5), uniform_in(engine, -3.0, 3.0)};
     goal.update(base, q);
   } while (own_clearance(*model, goal) < 0.005 || goal.X_WE().translation().z() < 0.1);
   scene.X_WG = goal.X_WE();
   while (static_cast<int>(scene.shapes.size()) < count) {
-    Shape shape = make_sphere(uniform(engine, 0.08, 0.25));
+    Shape shape = make_sphere(uniform_in(engine, 0.08, 0.25));
     if (engine() % 3 == 0)
-      shape = make_box(uniform(engine, 0.1, 0.5), uniform(engine, 0.1, 0.5), uniform(engine, 0.2, 1.2));
-    if (engine() % 3 == 0) shape = make_cylinder(uniform(engine, 0.05, 0.2), uniform(engine, 0.3, 1.5));
+      shape = make_box(uniform_in(engine, 0.1, 0.5), uniform_in(engine, 0.1, 0.5), uniform_in(engine, 0.2, 1.2));
+    if (engine() % 3 == 0) shape = make_cylinder(uniform_in(engine, 0.05, 0.2), uniform_in(engine, 0.3, 1.5));
     ObjectState state;
     state.X_WO.translation() =
-        mobile ? Vector3(uniform(engine, -1.0, 4.5), uniform(engine, -2.5, 2.5), uniform(engine, 0.1, 1.0))
-               : Vector3(uniform(engine, -0.9, 0.9), uniform(engine, -0.9, 0.9), uniform(engine, 0.1, 1.2));
+        mobile ? Vector3(uniform_in(engine, -1.0, 4.5), uniform_in(engine, -2.5, 2.5), uniform_in(engine, 0.1, 1.0))
+               : Vector3(uniform_in(engine, -0.9, 0.9), uniform_in(engine, -0.9, 0.9), uniform_in(engine, 0.1, 1.2));
     Scene one = scene;
     one.shapes = {{"one", shape}};
     one.states = {state};

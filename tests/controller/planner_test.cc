@@ -161,7 +161,7 @@ Scene inside_a_shelf(const std::shared_ptr<const RobotModel>& model, std::uint64
   Scene scene = make_scene(model, seed, 0);
   std::mt19937_64 engine(seed);
   scene.start[3] = 1.4;  // the arm, beside it
-  const Vector3 at(0.6, uniform(engine, -0.1, 0.1), uniform(engine, 0.45, 0.6));
+  const Vector3 at(0.6, uniform_in(engine, -0.1, 0.1), uniform_in(engine, 0.45, 0.6));
   scene.X_WG.linear() = Eigen::AngleAxisd(0.5 * std::numbers::pi, Vector3::UnitY()).toRotationMatrix();
   scene.X_WG.translation() = at;
   const auto plate = [&](const Vector3& size, const Vector3& from_goal) {

@@ -8,13 +8,12 @@
 
 #include "controller/safe/predictor.h"
 #include "tests/controller/qp_robots.h"
+#include "tests/support/control_period.h"
 
 namespace moma {
 namespace {
 
 using namespace test;
-
-constexpr double kPeriod = 0.02;
 
 // Drives of a robot that are so many periods late, and measurements of so many periods ago.
 struct Lateness {
@@ -99,7 +98,7 @@ constexpr Lateness kCases[] = {{}, {3, 1, 1, 0}, {0, 4, 0, 2}, {2, 5, 1, 3}, {4,
 
 TEST(Predictor, SeesTheStateThatIsReached) {
   Rng rng(1);
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     for (const Lateness& late : kCases) {
       Predictor predictor(*model, known(late), {}, 0.0, kPeriod);
       predictor.reset({});
@@ -183,7 +182,7 @@ TEST(Predictor, WrongLatenessIsSeenInTheError) {
 
 TEST(Predictor, FindsLatenessThatNobodyToldIt) {
   Rng rng(2);
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     for (const Lateness& late : kCases) {
       PredictionParams params = known({1, 2, 1, 0});
       params.identify = true;

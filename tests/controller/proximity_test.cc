@@ -20,13 +20,13 @@ using test::make_sphere;
 using test::placed;
 
 // One scene around a robot: objects of every kind at random places.
-struct Scene {
+struct RobotAndObjects {
   std::vector<ObjectShape> shapes;
   std::vector<ObjectState> states;
 };
 
-Scene random_scene(std::mt19937& engine, int count, double spread) {
-  Scene scene;
+RobotAndObjects random_scene(std::mt19937& engine, int count, double spread) {
+  RobotAndObjects scene;
   for (int i = 0; i < count; ++i) {
     scene.shapes.push_back({"object" + std::to_string(i), test::random_shape(static_cast<ShapeKind>(i % 5), engine)});
     ObjectState state;
@@ -50,7 +50,7 @@ TEST_P(ProximityOf, FindsWhatMeasuringEveryPairFinds) {
   std::mt19937 engine(31);
   Kinematics kinematics(model_);
   Proximity proximity(model_);
-  const Scene scene = random_scene(engine, 10, 1.2);
+  const RobotAndObjects scene = random_scene(engine, 10, 1.2);
   proximity.set_objects(scene.shapes);
   EXPECT_EQ(proximity.num_objects(), 10);
   int found = 0;
@@ -100,7 +100,7 @@ TEST_P(ProximityOf, FindsWhatMeasuringEveryPairFinds) {
 
 TEST_P(ProximityOf, SameInputSameBitsWhateverCameBefore) {
   std::mt19937 engine(32);
-  const Scene scene = random_scene(engine, 10, 0.8);
+  const RobotAndObjects scene = random_scene(engine, 10, 0.8);
   const test::State a = test::random_state(*model_, engine);
   const test::State b = test::random_state(*model_, engine);
   Kinematics kinematics(model_);
@@ -125,7 +125,7 @@ TEST_P(ProximityOf, SameInputSameBitsWhateverCameBefore) {
 
 TEST_P(ProximityOf, QueryDoesNotAllocate) {
   std::mt19937 engine(33);
-  const Scene scene = random_scene(engine, 10, 0.6);
+  const RobotAndObjects scene = random_scene(engine, 10, 0.6);
   Kinematics kinematics(model_);
   Proximity proximity(model_);
   proximity.set_objects(scene.shapes);
@@ -144,7 +144,7 @@ TEST_P(ProximityOf, QueryDoesNotAllocate) {
 // Each pair's normal and points give the derivative of its distance, as the controller's rows use them.
 TEST_P(ProximityOf, NormalsAndPointsGiveTheDerivative) {
   std::mt19937 engine(34);
-  const Scene scene = random_scene(engine, 10, 0.8);
+  const RobotAndObjects scene = random_scene(engine, 10, 0.8);
   Kinematics kinematics(model_);
   Proximity proximity(model_);
   proximity.set_objects(scene.shapes);
@@ -219,7 +219,7 @@ TEST(Proximity, SurvivesNonsense) {
   Kinematics kinematics(model);
   Proximity proximity(model);
   std::mt19937 engine(35);
-  Scene scene = random_scene(engine, 10, 0.3);
+  RobotAndObjects scene = random_scene(engine, 10, 0.3);
   proximity.set_objects(scene.shapes);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();

@@ -194,7 +194,7 @@ TEST(Limits, ABaseIsNoFasterThanItsRowsForesee) {
   p.collision.braking.reaction = 0.1;
   p.collision.object.influence = 0.3;
   p.collision.object.stop = 0.05;
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     const ControllerParams full = resolved(p, *model);
     const double speed = foreseen_speed(*model, full.collision);
     const VectorX all = VelocityBounds(*model, full, 0.02).speed();

@@ -141,7 +141,7 @@ inline std::shared_ptr<const RobotModel> mecanum() {
   return b.finish(pose(0, 0, 0.12, 0, 0.2, 0), {0.1, 0.2, -0.8, 1.4, 0.3, 0.5});
 }
 
-inline std::vector<std::shared_ptr<const RobotModel>> all_robots() { return {panda(), frankie(), mecanum()}; }
+inline std::vector<std::shared_ptr<const RobotModel>> built_robots() { return {panda(), frankie(), mecanum()}; }
 
 using Rng = std::mt19937_64;
 

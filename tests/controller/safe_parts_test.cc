@@ -11,13 +11,12 @@
 #include "controller/safe/pose_track.h"
 #include "controller/safe/round_trip.h"
 #include "tests/controller/qp_robots.h"
+#include "tests/support/control_period.h"
 
 namespace moma {
 namespace {
 
 using namespace test;
-
-constexpr double kPeriod = 0.02;
 
 // A drive in steps of a microsecond: the velocity vector walks towards the command, no step longer than a h.
 Vector3 simulated_drive(const RobotModel& model, const Vector3& command, Vector3& velocity) {
@@ -120,7 +119,7 @@ TEST(StoppableSpeed, IsThatFromWhichOneStopsThere) {
 
 TEST(Deceleration, IsTheMostThatAllowedChangesTakeOffARow) {
   Rng rng(2);
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     VectorX a = VectorX::NullaryExpr(model->num_velocities(), [&] { return uniform(rng, 0.5, 5.0); });
     const bool pair = model->base_dof() == 3;
     if (pair) a[1] = a[0];

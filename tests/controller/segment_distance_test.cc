@@ -13,7 +13,7 @@ double uniform(std::mt19937_64& rng, double low, double high) {
   return low + (high - low) * static_cast<double>(rng() >> 11) * 0x1p-53;
 }
 
-Isometry random_pose(std::mt19937_64& rng, double reach) {
+Isometry pose_within(std::mt19937_64& rng, double reach) {
   const auto u = [&] { return uniform(rng, -1.0, 1.0); };
   Isometry X = Isometry::Identity();
   const double w = u(), x = u(), y = u(), z = u();
@@ -51,8 +51,8 @@ Pair random_pair(std::mt19937_64& rng, int i) {
   p.capsule = solid(ShapeKind::kCapsule, uniform(rng, 0.01, 0.1), i % 7 == 0 ? 0.0 : size(), 0.0);
   const double x = size(), y = size(), z = size();
   p.other = i % 2 == 0 ? solid(ShapeKind::kBox, x, y, z) : solid(ShapeKind::kCylinder, 0.5 * x, y, 0.0);
-  p.X1 = random_pose(rng, 0.6);
-  p.X2 = random_pose(rng, 0.6);
+  p.X1 = pose_within(rng, 0.6);
+  p.X2 = pose_within(rng, 0.6);
   if (i % 5 == 0) p.X1.linear() = p.X2.linear();  // axes along edges and faces
   return p;
 }

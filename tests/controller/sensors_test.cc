@@ -10,15 +10,13 @@
 #include "controller/model/proximity.h"
 #include "controller/model/ray_view.h"
 #include "controller/safe/object_memory.h"
+#include "tests/support/control_period.h"
 #include "tests/support/no_alloc.h"
 #include "tests/support/shapes.h"
 #include "tests/support/tiny_robot.h"
 
 namespace moma::test {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kPeriod = 0.02;
 
 // On from a point by its distance to the solid, again and again: reaches the surface from outside, and only there.
 double march(const Shape& shape, const Vector3& from, const Vector3& u, double range) {
@@ -133,11 +131,11 @@ std::shared_ptr<const RobotModel> seeing_robot(double rate = 10.0) {
   return model;
 }
 
-struct Scene {
+struct RayScene {
   std::vector<ObjectShape> shapes = {{"wall", make_box(0.1, 0.6, 0.6)}, {"ball", make_sphere(0.1)}};
   Observation told;
 
-  explicit Scene(const RobotModel& model) {
+  explicit RayScene(const RobotModel& model) {
     told.q = model.ready;
     told.qdot = VectorX::Zero(model.num_velocities());
     told.objects.resize(2);
@@ -149,7 +147,7 @@ struct Scene {
 TEST(SensorFrames, FallDueAtTheirRateAndSeeWhatIsNotHidden) {
   const auto model = seeing_robot();
   SensorFrames frames(*model, kPeriod);
-  Scene scene(*model);
+  RayScene scene(*model);
   frames.set_objects(std::vector<Shape>{scene.shapes[0].shape, scene.shapes[1].shape});
   Kinematics robot(model);
   robot.place(Vector3::Zero(), scene.told.q);
@@ -177,7 +175,7 @@ TEST(SensorFrames, FallDueAtTheirRateAndSeeWhatIsNotHidden) {
 struct Remembering {
   std::shared_ptr<const RobotModel> model;
   MemoryParams params{.enabled = true};
-  Scene scene{*model};
+  RayScene scene{*model};
 
   int believed(double shown, double at_most) {
     ObjectMemory memory(*model, params, kPeriod);

@@ -103,7 +103,7 @@ TEST(SeparationRows, AreTheStandardsDistanceSolvedForTheRobotsSpeed) {
   constexpr double h = 1e-6;
   int rows = 0, resting = 0, left_out = 0;
   for (int trial = 0; trial < 60; ++trial) {
-    const auto model = all_robots()[static_cast<std::size_t>(trial) % all_robots().size()];
+    const auto model = built_robots()[static_cast<std::size_t>(trial) % built_robots().size()];
     const ControllerParams p = with_separation(*model);
     const std::vector<ObjectShape> shapes = balls(4, rng);
     Rig rig(model, p, shapes);
@@ -275,7 +275,7 @@ TEST(SeparationRows, GiveWayBeforeRowsOfWhatIsNear) {
 TEST(SeparationRows, TakeNoMemory) {
   if (!NoAlloc::works()) GTEST_SKIP() << "a sanitizer owns malloc";
   Rng rng(53);
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     ControllerParams p = with_separation(*model);
     p.prediction.enabled = p.uncertainty.enabled = true;
     Rig rig(model, p, random_objects(rng, 12));

@@ -49,7 +49,7 @@ TEST(Uncertainty, MarginsAreTheSpreadOfDistancesThatAreOff) {
     return Vector3(sigma * normal(rng), sigma * normal(rng), sigma * normal(rng));
   };
   int checked = 0;
-  for (const auto& model : all_robots()) {
+  for (const auto& model : built_robots()) {
     const UncertaintyParams u = some();
     const Uncertainty uncertainty(u, model->base_dof());
     PoseTrack track;

@@ -15,7 +15,7 @@ namespace {
 
 std::vector<Assignment> sweep(const std::string& text) { return read_sweep(config::parse_yaml(text, "test"), "sweep"); }
 
-std::string refusal(const std::string& text) {
+std::string sweep_refusal(const std::string& text) {
   try {
     sweep(text);
   } catch (const config::ConfigError& e) {
@@ -57,13 +57,14 @@ TEST(Sweep, NoTwoValuesBecomeOne) {
     }
     EXPECT_EQ(values.size(), points.size()) << text;
   }
-  EXPECT_NE(refusal("{axes: {a: {linear: [1, 1.0000000000000002], n: 5}}}").find("no 5 different numbers"),
+  EXPECT_NE(sweep_refusal("{axes: {a: {linear: [1, 1.0000000000000002], n: 5}}}").find("no 5 different numbers"),
             std::string::npos);
-  EXPECT_NE(refusal("{design: sobol, n: 100000, axes: {a: {linear: [0, 1]}, b: {linear: [0, 1]}, c: [1], d: [1], e: "
+  EXPECT_NE(
+      sweep_refusal("{design: sobol, n: 100000, axes: {a: {linear: [0, 1]}, b: {linear: [0, 1]}, c: [1], d: [1], e: "
                     "[1], f: [1], g: [1], h: [1], i: [1], j: [1], k: [1], l: [1], m: [1], o: [1], p: [1], q: [1], r: "
                     "[1], s: [1], t: [1], u: [1], v: [1]}}")
-                .find("more than 2000000 values"),
-            std::string::npos);
+          .find("more than 2000000 values"),
+      std::string::npos);
 }
 
 TEST(Sweep, ListIsTakenAsItIs) { EXPECT_EQ(text_of(sweep("{points: [{a: 1, b: 2}, {a: 3}]}")), "a=1 b=2 | a=3 | "); }
@@ -107,20 +108,21 @@ TEST(Sweep, SampledAxes) {
 }
 
 TEST(Sweep, RefusesWhatItCannotDo) {
-  EXPECT_NE(refusal("{axes: {}}").find("axes: missing"), std::string::npos);
-  EXPECT_NE(refusal("{design: gird, axes: {a: [1]}}").find("did you mean grid?"), std::string::npos);
-  EXPECT_NE(refusal("{axes: {a: []}}").find("axes.a: found an empty list"), std::string::npos);
-  EXPECT_NE(refusal("{axes: {a: 3}}").find("axes.a: expected a list"), std::string::npos);
-  EXPECT_NE(refusal("{axes: {a: {linear: [0, 1]}}}").find("axes.a.n: missing"), std::string::npos);
-  EXPECT_NE(refusal("{axes: {a: {log: [0, 1], n: 3}}}").find("axes.a.log"), std::string::npos);
-  EXPECT_NE(refusal("{axes: {a: {linear: [2, 1], n: 3}}}").find("expected low < high"), std::string::npos);
-  EXPECT_NE(refusal("{axes: {a: {linear: [0, 1], log: [1, 2], n: 3}}}").find("expected one of the keys"),
+  EXPECT_NE(sweep_refusal("{axes: {}}").find("axes: missing"), std::string::npos);
+  EXPECT_NE(sweep_refusal("{design: gird, axes: {a: [1]}}").find("did you mean grid?"), std::string::npos);
+  EXPECT_NE(sweep_refusal("{axes: {a: []}}").find("axes.a: found an empty list"), std::string::npos);
+  EXPECT_NE(sweep_refusal("{axes: {a: 3}}").find("axes.a: expected a list"), std::string::npos);
+  EXPECT_NE(sweep_refusal("{axes: {a: {linear: [0, 1]}}}").find("axes.a.n: missing"), std::string::npos);
+  EXPECT_NE(sweep_refusal("{axes: {a: {log: [0, 1], n: 3}}}").find("axes.a.log"), std::string::npos);
+  EXPECT_NE(sweep_refusal("{axes: {a: {linear: [2, 1], n: 3}}}").find("expected low < high"), std::string::npos);
+  EXPECT_NE(sweep_refusal("{axes: {a: {linear: [0, 1], log: [1, 2], n: 3}}}").find("expected one of the keys"),
             std::string::npos);
-  EXPECT_NE(refusal("{design: sobol, axes: {a: {linear: [0, 1]}}}").find("n: missing"), std::string::npos);
-  EXPECT_NE(refusal("{points: []}").find("expected a list of points"), std::string::npos);
-  EXPECT_NE(refusal("{points: [3]}").find("points[0]: expected a map"), std::string::npos);
-  EXPECT_NE(refusal("{axes: {a: {linear: [0, 1], n: 1000}, b: {linear: [0, 1], n: 1000}}}").find("more than 100000"),
-            std::string::npos);
+  EXPECT_NE(sweep_refusal("{design: sobol, axes: {a: {linear: [0, 1]}}}").find("n: missing"), std::string::npos);
+  EXPECT_NE(sweep_refusal("{points: []}").find("expected a list of points"), std::string::npos);
+  EXPECT_NE(sweep_refusal("{points: [3]}").find("points[0]: expected a map"), std::string::npos);
+  EXPECT_NE(
+      sweep_refusal("{axes: {a: {linear: [0, 1], n: 1000}, b: {linear: [0, 1], n: 1000}}}").find("more than 100000"),
+      std::string::npos);
 }
 
 TEST(Sweep, PointsCarryTheirValuesAndNames) {

@@ -16,16 +16,16 @@
 namespace moma::reports {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
-Json cell(const Json& page, const char* column, std::size_t row) {
-  const Json& all = page.at("trials").at("columns").at(column);
+OrderedJson cell(const OrderedJson& page, const char* column, std::size_t row) {
+  const OrderedJson& all = page.at("trials").at("columns").at(column);
   if (all.is_array()) return all.at(row);
   const int code = all.at("codes").at(row).get<int>();
-  return code < 0 ? Json(nullptr) : all.at("values").at(static_cast<std::size_t>(code));
+  return code < 0 ? OrderedJson(nullptr) : all.at("values").at(static_cast<std::size_t>(code));
 }
 
-void change(const std::filesystem::path& db, const std::string& sql) {
+void edit_store(const std::filesystem::path& db, const std::string& sql) {
   SQLite::Database(db.string(), SQLite::OPEN_READWRITE).exec(sql);
 }
 
@@ -33,8 +33,8 @@ void change(const std::filesystem::path& db, const std::string& sql) {
 Stores two(const Folder& folder, bool other_suite) {
   make_store(folder / "before.db", "demo", 12);
   make_store(folder / "after.db", "demo", 12);
-  change(folder / "after.db", "UPDATE trial SET time_to_goal_s = time_to_goal_s - 1");
-  if (other_suite) change(folder / "after.db", "UPDATE suite SET name = 'later', file_name = 'later'");
+  edit_store(folder / "after.db", "UPDATE trial SET time_to_goal_s = time_to_goal_s - 1");
+  if (other_suite) edit_store(folder / "after.db", "UPDATE suite SET name = 'later', file_name = 'later'");
   return {folder / "before.db", folder / "after.db"};
 }
 
@@ -43,12 +43,12 @@ class Compared : public testing::TestWithParam<bool> {};
 TEST_P(Compared, StandSideBySideWithEveryNumber) {
   const Folder folder;
   const Stores stores = two(folder, GetParam());
-  const Json page = read_stores(stores, {});
+  const OrderedJson page = read_stores(stores, {});
   const std::string suite = GetParam() ? "courier-clutter + later" : "courier-clutter";
   ASSERT_EQ(page.at("stores").size(), 2u);
   EXPECT_EQ(page.at("trials").at("n"), 48);
   std::set<std::string> names;
-  for (const Json& point : page.at("points")) {
+  for (const OrderedJson& point : page.at("points")) {
     EXPECT_EQ(point.at("suite"), suite);
     names.insert(point.at("controller").get<std::string>());
   }
@@ -58,7 +58,7 @@ TEST_P(Compared, StandSideBySideWithEveryNumber) {
   // Each store's numbers, under their new names; the same world has the same name in both.
   std::set<std::string> worlds;
   for (std::size_t s = 0; s < stores.size(); ++s) {
-    const Json alone = read_stores({stores[s]}, {});
+    const OrderedJson alone = read_stores({stores[s]}, {});
     const std::string label = stores[s].stem().string();
     for (std::size_t row = 0; row < 24; ++row) {
       const std::size_t at = 24 * s + row;
@@ -71,7 +71,7 @@ TEST_P(Compared, StandSideBySideWithEveryNumber) {
       worlds.insert(cell(page, "world_key", at).get<std::string>());
     }
     for (std::size_t i = 0; i < 2; ++i) {
-      Json wanted = alone.at("overall").at(i);
+      OrderedJson wanted = alone.at("overall").at(i);
       wanted["controller"] = wanted.at("controller").get<std::string>() + " (" + label + ")";
       wanted["suite"] = suite;
       wanted["store"] = label;
@@ -79,7 +79,7 @@ TEST_P(Compared, StandSideBySideWithEveryNumber) {
     }
   }
   EXPECT_EQ(worlds.size(), 12u);
-  for (const Json& replay : page.at("replays")) {
+  for (const OrderedJson& replay : page.at("replays")) {
     EXPECT_TRUE(page.at("robots").contains(replay.at("robot").get<std::string>()));
   }
   EXPECT_GT(page.at("replays").size(), 8u);
@@ -91,11 +91,11 @@ INSTANTIATE_TEST_SUITE_P(Stores, Compared, testing::Bool(),
 TEST(CompareStores, ControllersOfOneStoreKeepTheirNames) {
   const Folder folder;
   two(folder, false);
-  change(folder / "after.db",
-         "UPDATE point SET controller = controller || '-2', controller_name = controller_name || '-2'");
+  edit_store(folder / "after.db",
+             "UPDATE point SET controller = controller || '-2', controller_name = controller_name || '-2'");
   std::set<std::string> names;
-  const Json page = read_stores({folder / "before.db", folder / "after.db"}, {});
-  for (const Json& point : page.at("points")) {
+  const OrderedJson page = read_stores({folder / "before.db", folder / "after.db"}, {});
+  for (const OrderedJson& point : page.at("points")) {
     names.insert(point.at("controller").get<std::string>());
   }
   EXPECT_EQ(names, (std::set<std::string>{"holistic", "moma", "holistic-2", "moma-2"}));
@@ -105,7 +105,7 @@ TEST(CompareStores, AnEmptyOneAndTheSameOneTwice) {
   const Folder folder;
   make_store(folder / "a.db", "demo", 4);
   make_store(folder / "none.db", "empty", 0);
-  const Json page = read_stores({folder / "a.db", folder / "none.db"}, {});
+  const OrderedJson page = read_stores({folder / "a.db", folder / "none.db"}, {});
   EXPECT_EQ(page.at("trials").at("n"), 8);
   EXPECT_EQ(page.at("points").at(0).at("controller"), "holistic");
   EXPECT_THROW(read_stores({folder / "a.db", folder / "." / "a.db"}, {}), ReportError);
@@ -150,7 +150,8 @@ TEST(Tables, CsvHasEveryDigitOfTheStore) {
 TEST(Tables, TexAndMarkdownEscapeNames) {
   const Folder folder;
   make_store(folder / "a.db", "hostile", 8);
-  change(folder / "a.db", R"(UPDATE point SET controller = 'a_b & 5% \x {y} | z', controller_name = 'c' WHERE id = 1)");
+  edit_store(folder / "a.db",
+             R"(UPDATE point SET controller = 'a_b & 5% \x {y} | z', controller_name = 'c' WHERE id = 1)");
   const std::string tex = table(folder, "a.db", "t.tex");
   EXPECT_NE(tex.find(R"(a\_b \& 5\% \textbackslash{}x \{y\} \textbar{} z)"), std::string::npos) << tex;
   EXPECT_NE(tex.find("\\toprule"), std::string::npos);

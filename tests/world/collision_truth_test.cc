@@ -71,7 +71,7 @@ double small_distance(Draws& draws) {
   return -std::pow(10.0, draws.uniform(-6.0, -2.0));
 }
 
-struct Collector final : TouchSink {
+struct ContactCollector final : TouchSink {
   void touch(const Touch& t) override {
     object |= t.kind == PairKind::kObject;
     floor |= t.kind == PairKind::kFloor;
@@ -80,14 +80,14 @@ struct Collector final : TouchSink {
 };
 
 /// What the plants see: ODE's contacts, and the distance library's where it decides.
-Collector contacts_of(const Shape& A, const Isometry& X_A, const Shape* B, const Isometry& X_B) {
+ContactCollector contacts_of(const Shape& A, const Isometry& X_A, const Shape* B, const Isometry& X_B) {
   const World world = B != nullptr ? one_object(*B, X_B) : World();
   const auto model = one_solid(A, X_A);
   ContactScene scene(model, world, false);
   Kinematics kinematics(model);
   kinematics.update(Vector3::Zero(), model->ready);
   scene.place_robot(kinematics);
-  Collector found;
+  ContactCollector found;
   scene.detect(found);
   std::vector<Contact> exact;
   ContactLog log(exact);
@@ -221,21 +221,24 @@ TEST_P(FloorTruth, NoMissAndNoFalseHit) {
   EXPECT_GT(apart, kPlacements / 3);
 }
 
-constexpr auto kSphere = ShapeKind::kSphere;
-constexpr auto kBox = ShapeKind::kBox;
-constexpr auto kCapsule = ShapeKind::kCapsule;
-constexpr auto kCylinder = ShapeKind::kCylinder;
 INSTANTIATE_TEST_SUITE_P(Pairs, CollisionTruth,
-                         testing::Values(std::make_tuple(kSphere, kSphere), std::make_tuple(kSphere, kCapsule),
-                                         std::make_tuple(kSphere, kBox), std::make_tuple(kSphere, kCylinder),
-                                         std::make_tuple(kCapsule, kCapsule), std::make_tuple(kCapsule, kBox),
-                                         std::make_tuple(kCapsule, kCylinder), std::make_tuple(kBox, kBox),
-                                         std::make_tuple(kBox, kCylinder), std::make_tuple(kCylinder, kCylinder)),
+                         testing::Values(std::make_tuple(ShapeKind::kSphere, ShapeKind::kSphere),
+                                         std::make_tuple(ShapeKind::kSphere, ShapeKind::kCapsule),
+                                         std::make_tuple(ShapeKind::kSphere, ShapeKind::kBox),
+                                         std::make_tuple(ShapeKind::kSphere, ShapeKind::kCylinder),
+                                         std::make_tuple(ShapeKind::kCapsule, ShapeKind::kCapsule),
+                                         std::make_tuple(ShapeKind::kCapsule, ShapeKind::kBox),
+                                         std::make_tuple(ShapeKind::kCapsule, ShapeKind::kCylinder),
+                                         std::make_tuple(ShapeKind::kBox, ShapeKind::kBox),
+                                         std::make_tuple(ShapeKind::kBox, ShapeKind::kCylinder),
+                                         std::make_tuple(ShapeKind::kCylinder, ShapeKind::kCylinder)),
                          [](const auto& pair) {
                            return std::string(to_string(std::get<0>(pair.param))) + "_" +
                                   std::string(to_string(std::get<1>(pair.param)));
                          });
-INSTANTIATE_TEST_SUITE_P(Shapes, FloorTruth, testing::Values(kSphere, kCapsule, kBox, kCylinder),
+INSTANTIATE_TEST_SUITE_P(Shapes, FloorTruth,
+                         testing::Values(ShapeKind::kSphere, ShapeKind::kCapsule, ShapeKind::kBox,
+                                         ShapeKind::kCylinder),
                          [](const auto& floor) { return std::string(to_string(floor.param)); });
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 
+#include "tests/support/control_period.h"
 #include "tests/world/sensing_support.h"
 #include "tests/world/support.h"
 #include "world/sensing/actuation.h"
@@ -16,8 +17,6 @@
 
 namespace moma::test {
 namespace {
-
-constexpr double kPeriod = 0.02;
 
 // What a line hands out, worked out from the whole past at each step.
 TEST(DelayLine, HandsOutTheNewestThatHasArrived) {

@@ -17,7 +17,7 @@ using test::empty_world;
 using test::robot;
 using test::solid;
 
-const SimulationConfig kDynamic;
+const SimulationConfig kDynamicMode;
 
 /// The command as the base's ramp lets it through, integrated exactly: what a base without slip does.
 struct RampedBase {
@@ -48,7 +48,7 @@ struct RampedBase {
 TEST(OdePlant, RestsWithoutSaggingOrDrifting) {
   for (const char* name : {"frankie", "frankie_omni", "panda", "ur5", "lift_ur5"}) {
     const auto model = robot(name);
-    const auto plant = make_plant(model, empty_world(*model), kDynamic);
+    const auto plant = make_plant(model, empty_world(*model), kDynamicMode);
     PlantReport report;
     plant->check_start(report);
     EXPECT_TRUE(report.contacts.empty()) << name;
@@ -68,7 +68,7 @@ TEST(OdePlant, RestsWithoutSaggingOrDrifting) {
 TEST(OdePlant, ArmFollowsTheIntegratedCommand) {
   for (const char* name : {"panda", "frankie", "ur5", "lift_ur5"}) {
     const auto model = robot(name);
-    const auto plant = make_plant(model, empty_world(*model), kDynamic);
+    const auto plant = make_plant(model, empty_world(*model), kDynamicMode);
     VectorX q = model->ready;
     PlantReport report;
     double worst = 0.0, worst_speed = 0.0, energy = 0.0;
@@ -96,7 +96,7 @@ TEST(OdePlant, MotorEnergyIsTheWorkDone) {
   const auto model = robot("panda");
   World world = empty_world(*model);
   world.start.q << 0, 1.0, 0, -0.8, 0, 1.8, 0.7;
-  const auto plant = make_plant(model, world, kDynamic);
+  const auto plant = make_plant(model, world, kDynamicMode);
   const RigidBodies bodies = rigid_bodies(*model, 0.0);
   const auto potential = [&] {
     Kinematics kinematics(model);
@@ -124,7 +124,7 @@ TEST(OdePlant, MotorEnergyIsTheWorkDone) {
 TEST(OdePlant, BaseFollowsItsArcWithoutSlip) {
   for (const char* name : {"frankie", "frankie_omni"}) {
     const auto model = robot(name);
-    const auto plant = make_plant(model, empty_world(*model), kDynamic);
+    const auto plant = make_plant(model, empty_world(*model), kDynamicMode);
     RampedBase expected;
     PlantReport report;
     double slip = 0.0;
@@ -141,7 +141,7 @@ TEST(OdePlant, BaseFollowsItsArcWithoutSlip) {
       ASSERT_LT((plant->state().base - expected.base).head<2>().norm(), 1e-4) << name << " step " << k;
       ASSERT_LT(std::abs(plant->state().base.z() - expected.base.z()), 1e-4) << name << " step " << k;
       // While it ramps, the body has the mean speed of the last step.
-      const double half_step = 0.5 * kDynamic.physics_step * model->base.max_acceleration.norm();
+      const double half_step = 0.5 * kDynamicMode.physics_step * model->base.max_acceleration.norm();
       ASSERT_LT((plant->state().qdot.head(model->base_dof()) - expected.speed).norm(),
                 1e-3 + (expected.ramps ? half_step : 0.0))
           << name << " step " << k;
@@ -153,7 +153,7 @@ TEST(OdePlant, BaseFollowsItsArcWithoutSlip) {
 
 TEST(OdePlant, HeadingIsNotWrapped) {
   const auto model = robot("frankie");
-  const auto plant = make_plant(model, empty_world(*model), kDynamic);
+  const auto plant = make_plant(model, empty_world(*model), kDynamicMode);
   VectorX command = VectorX::Zero(model->num_velocities());
   command[1] = 1.5;
   PlantReport report;
@@ -163,7 +163,7 @@ TEST(OdePlant, HeadingIsNotWrapped) {
 
 TEST(OdePlant, JointsBeyondAHalfTurnAreNotWrapped) {
   const auto model = robot("ur5");
-  const auto plant = make_plant(model, empty_world(*model), kDynamic);
+  const auto plant = make_plant(model, empty_world(*model), kDynamicMode);
   VectorX command = VectorX::Zero(model->num_velocities());
   PlantReport report;
   double q = model->ready[5];
@@ -178,7 +178,7 @@ TEST(OdePlant, JointsBeyondAHalfTurnAreNotWrapped) {
 
 TEST(OdePlant, StopsAtJointLimitsWithoutAKick) {
   const auto model = robot("panda");
-  const auto plant = make_plant(model, empty_world(*model), kDynamic);
+  const auto plant = make_plant(model, empty_world(*model), kDynamicMode);
   const double upper = model->joints[3].upper;
   VectorX command = VectorX::Zero(7);
   PlantReport report;
@@ -200,7 +200,7 @@ TEST(OdePlant, FindsTheBoxItDrivesIntoAndIsStoppedByIt) {
   World world = empty_world(*model);
   world.objects = {solid("box", ShapeKind::kBox, {0.2, 2.0, 0.6}, {1.1, 0.0, 0.3})};
   const double gap = test::base_gap(*model, world.objects[0]);
-  const auto plant = make_plant(model, world, kDynamic);
+  const auto plant = make_plant(model, world, kDynamicMode);
   VectorX command = VectorX::Zero(model->num_velocities());
   command[0] = 0.5;
   PlantReport report;
@@ -226,7 +226,7 @@ TEST(OdePlant, AMovingObjectHitsARobotAtRest) {
   LinearMotion motion;
   motion.V_W[3] = -1.0;
   world.objects[0].motion = motion;
-  const auto plant = make_plant(model, world, kDynamic);
+  const auto plant = make_plant(model, world, kDynamicMode);
   PlantReport report;
   double first = -1.0;
   for (int k = 0; k < 100 && first < 0.0; ++k) {
@@ -238,7 +238,7 @@ TEST(OdePlant, AMovingObjectHitsARobotAtRest) {
 
 std::vector<double> run(const std::shared_ptr<const RobotModel>& model, int trial) {
   static const Worlds source = test::worlds("seed: 6\nfamilies: {clutter: {}, moving: {}}");
-  const auto plant = make_plant(model, source.make(model, static_cast<std::uint64_t>(trial)), kDynamic);
+  const auto plant = make_plant(model, source.make(model, static_cast<std::uint64_t>(trial)), kDynamicMode);
   std::vector<double> out;
   PlantReport report;
   for (int k = 0; k < 60; ++k) {
@@ -277,7 +277,7 @@ TEST(OdePlant, ATopHeavyRobotTips) {
   auto model = std::make_shared<const RobotModel>(light);
   World world = empty_world(*model);
   world.start.q << 1.57, 1.3, 0, -0.3, 0, 2.0, 0.7;  // stretched out to the side
-  const auto plant = make_plant(model, world, kDynamic);
+  const auto plant = make_plant(model, world, kDynamicMode);
   PlantReport report;
   bool tipped = false;
   for (int k = 0; k < 150 && !tipped; ++k) {
@@ -299,7 +299,7 @@ TEST(OdePlant, TooFastIsDivergedAndStaysSo) {
     joint.upper = std::numeric_limits<double>::infinity();
   }
   auto model = std::make_shared<const RobotModel>(wild);
-  const auto plant = make_plant(model, empty_world(*model), kDynamic);
+  const auto plant = make_plant(model, empty_world(*model), kDynamicMode);
   PlantReport report;
   VectorX command = VectorX::Constant(7, 3000.0);
   plant->advance(command, 0.02, report);
@@ -311,7 +311,7 @@ TEST(OdePlant, TooFastIsDivergedAndStaysSo) {
 
 TEST(OdePlant, RefusesACommandThatIsNotFinite) {
   const auto model = robot("frankie");
-  const auto plant = make_plant(model, empty_world(*model), kDynamic);
+  const auto plant = make_plant(model, empty_world(*model), kDynamicMode);
   VectorX command = VectorX::Zero(model->num_velocities());
   command[0] = std::numeric_limits<double>::quiet_NaN();
   PlantReport report;
@@ -329,7 +329,7 @@ TEST(OdePlant, SaysWhatTheRobotLacks) {
     RobotModel bad = good;
     change(bad);
     try {
-      make_plant(std::make_shared<const RobotModel>(bad), empty_world(bad), kDynamic);
+      make_plant(std::make_shared<const RobotModel>(bad), empty_world(bad), kDynamicMode);
       ADD_FAILURE() << "accepted without " << part;
     } catch (const std::runtime_error& error) {
       EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();

@@ -1,5 +1,6 @@
 // Each sensing error alone: what the controller sees against the truth and the parameter, on scripted truths.
 #include "world/sensing/sensing.h"
+#include "tests/support/control_period.h"
 
 #include <gtest/gtest.h>
 
@@ -12,8 +13,6 @@
 
 namespace moma::test {
 namespace {
-
-constexpr double kPeriod = 0.02;
 
 // Mean, standard deviation and lag-1 correlation of what a channel adds, over many steps.
 struct Statistics {
