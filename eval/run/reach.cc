@@ -16,7 +16,7 @@
 namespace moma::run {
 namespace {
 
-constexpr double kPointRadius = 1e-4;  // of the sphere that stands for a point [m]
+constexpr double kPointRadius = 1e-4;  // radius of the sphere that represents a point [m]
 
 std::vector<Vector3> corners_of(const Shape& shape) {
   std::vector<Vector3> corners;
@@ -28,7 +28,7 @@ std::vector<Vector3> corners_of(const Shape& shape) {
   return corners;
 }
 
-/// What is outermost of a visual, in its link.
+/// Returns the outermost points of a visual, in its link.
 std::vector<Vector3> outermost(const config::UrdfCollision& visual) {
   std::vector<Vector3> points = visual.mesh.empty() ? corners_of(visual.shape) : visual.surface.vertices;
   if (points.size() > 100 && !config::in_one_plane(points)) points = config::enclosing_hull(points, 96).inside.vertices;

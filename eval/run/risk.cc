@@ -22,12 +22,12 @@ constexpr std::uint32_t mask(std::initializer_list<Stream> streams) {
 constexpr std::uint32_t kWorldStreams = mask({Stream::kStart, Stream::kGoal, Stream::kObjects, Stream::kMotion});
 constexpr std::uint32_t kNoiseStreams = mask({Stream::kSensing, Stream::kDisturbance});
 
-/// A kind of moves. Noise has so many numbers that a part of them is drawn anew: that needs no quantile.
+/// A kind of moves. Noise has so many numbers that a share of them is drawn anew, which needs no quantile.
 struct MoveKind {
   const char* name;
   std::uint32_t mask;
-  bool anew;        ///< the scale is the part that is drawn anew
-  double fraction;  ///< of the numbers that are moved, where not
+  bool anew;        ///< the scale is the share of numbers drawn anew
+  double fraction;  ///< otherwise the share of numbers that move
 };
 constexpr MoveKind kMoveKinds[] = {{"world", kWorldStreams, false, 1.0},
                                    {"part of the world", kWorldStreams, false, 0.3},
@@ -106,7 +106,7 @@ void TrialParticles::reached(std::span<const double> levels) {
 
 namespace {
 
-/// Contacts that came without a near miss: where the level has no way, splitting is no better than crude trials.
+/// Contacts without a near miss: the levels do not lead to them, and splitting is no better than crude trials.
 constexpr double kNear = 0.002;  ///< [m]
 constexpr int kFewContacts = 5;
 

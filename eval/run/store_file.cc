@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// One shell word.
+/// Quotes one shell word.
 std::string shell_word(const std::string& word) {
   const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 || std::string_view("_-./=,:@%+").find(static_cast<char>(c)) != std::string_view::npos;
@@ -29,7 +29,7 @@ fs::path usual_store(const std::string& suite, const std::string& part) {
   std::string name = suite;
   std::replace(name.begin(), name.end(), '/', '_');
   std::error_code error;
-  fs::create_directory("results", error);  // where it cannot be, opening the store says why
+  fs::create_directory("results", error);  // if that fails, opening the store reports the reason
   return fs::path("results") / (name + part + ".db");
 }
 

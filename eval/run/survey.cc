@@ -10,9 +10,9 @@
 namespace moma::run {
 namespace {
 
-constexpr std::uint64_t kEnoughFailures = 3;  // the next worlds of the family would only take long to fail as well
+constexpr std::uint64_t kEnoughFailures = 3;  // further worlds of the family would take long and fail as well
 
-/// Of this thread.
+/// Processor time of this thread.
 double processor_seconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -106,7 +106,7 @@ TrialTime trial_time(const Suite& suite, double enough, WorldSurvey& survey) {
   double seconds = 0.0;
   std::size_t n = 0;
   while (n < std::min(all, most) && seconds < enough) {
-    // The golden ratio spreads the first few worlds evenly, so that families come up as often as in the whole.
+    // The golden ratio spreads the first few worlds evenly, so that families occur as often as in the whole.
     const auto world = static_cast<std::uint64_t>(std::fmod(static_cast<double>(n) * 0.6180339887498949, 1.0) *
                                                   static_cast<double>(suite.trials));
     BatchJob job;
