@@ -40,9 +40,10 @@ SuiteController read_plugin(const Node& node, const std::string& key, std::share
   std::shared_ptr<const PluginLibrary> library;
   try {
     const fs::path file = config::directory_of(path.mark) / name;
-    if (!digest.empty()) check_digest(plugin_digest(file), digest);  // loading runs code of the library already
+    // before loading, because loading runs the library's code
+    if (!digest.empty()) check_digest(plugin_digest(file), digest);
     library = load_plugin(file);
-    if (!digest.empty()) check_digest(library->digest, digest);  // it may have been replaced meanwhile
+    if (!digest.empty()) check_digest(library->digest, digest);  // the file may have been replaced meanwhile
   } catch (const PluginError& error) {
     config::fail(path.mark, in.key_of("path"), fmt::format("{}: {}", name, error.what()));
   }
@@ -57,7 +58,7 @@ SuiteController read_plugin(const Node& node, const std::string& key, std::share
   return out;
 }
 
-/// A controller that is not moma's own: a plugin, or a process.
+/// True for a foreign controller: a plugin, or a process.
 bool is_foreign(const Node& node) { return is_plugin(node) || is_process(node); }
 
 SuiteController read_foreign(const Node& node, const std::string& key, std::shared_ptr<const config::LoadedRobot> robot,

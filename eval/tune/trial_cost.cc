@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kFailureLimits = 2.0;  // in time limits
 constexpr double kBreakageLimits = 4.0;
-// In proportion to the time limit as failures are, or a short limit would make smoothness dearer than success.
+// In proportion to the time limit, as for failures: with a short limit smoothness would otherwise cost more than
+// success.
 constexpr double kLimitsPerChange = 5.0 / 3.0;
 constexpr double kLimitsForManip = 1.0 / 6.0;  // for the loss of all manipulability
 

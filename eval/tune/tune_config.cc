@@ -20,7 +20,7 @@ using config::Range;
 constexpr long long kMost = 100'000'000;
 constexpr long long kMostBudget = 1'000'000'000;
 
-// Turns a complaint of a part that knows no files into one that names the place.
+// Adds the place to an error of a part that knows no files.
 template <typename Work>
 auto at(const Node& node, const std::string& key, const Work& work) {
   try {
@@ -146,7 +146,7 @@ std::vector<MetricBound> read_bounds(const Node* node) {
   return bounds;
 }
 
-// The default objective weighs success against other things, but is not to give any of it away.
+// The default objective weighs success against other costs; this constraint prevents it from giving up success.
 void keep_success(TuneConfig& tune) {
   const Metric success = Metric::find(to_string(Outcome::kSuccess));
   const bool told = std::any_of(tune.bounds.begin(), tune.bounds.end(),
@@ -237,10 +237,10 @@ std::vector<Overrides> read_mixture(const Node* node) {
   return mixture;
 }
 
-// What is read apart from its key: by what, where, into what.
+// The input and output of a key with its own reader.
 struct Reading {
   const Node& section;
-  const Node* node;  // null where the file has none
+  const Node* node;  // null if the file has none
   const std::vector<std::string>& controllers;
   TuneConfig& tune;
 };
@@ -267,19 +267,19 @@ void read_output(const Reading& r) {
   if (!file.empty()) r.tune.output = config::directory_of(r.node->mark) / file;
 }
 
-// A key of the section that has a reader of its own.
+// A key of the section with a reader of its own.
 struct OwnKey {
   const char* name;
-  const char* part;    // of its map, as the reference has it; "" for the whole value
-  const char* wanted;  // where it is required: what is missing
+  const char* part;    // key within its map, as in the reference; "" for the whole value
+  const char* wanted;  // name of the missing value if the key is required
   std::string accepted;
   const char* otherwise;
   const char* text;
   void (*read)(const Reading&);
-  bool after = false;  // the others and TuneConfig's description, which has the rest
+  bool after = false;  // read after the others and TuneConfig's description, which has the remaining keys
 };
 
-// "linear, log or integer".
+// Returns "linear, log or integer".
 std::string scales() {
   std::string text = list_of_words<Scale>();
   return text.replace(text.rfind(", "), 2, " or ");
