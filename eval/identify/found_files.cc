@@ -16,14 +16,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// To three digits: more is not known.
+// Rounds to three digits, the accuracy of the estimates.
 double rounded(double value) {
   if (!(std::abs(value) > 1e-6)) return 0.0;
   const double unit = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 2.0);
   return std::stod(fmt::format("{:.3g}", std::round(value / unit) * unit));
 }
 
-// A latency to a tenth of a millisecond.
+// Rounds a latency to a tenth of a millisecond.
 double time(double seconds) { return std::round(1e4 * std::max(0.0, seconds)) / 1e4; }
 
 std::string comment(const std::string& text) {
