@@ -3,7 +3,7 @@
 namespace moma {
 namespace {
 
-/// Goals around the robot to be grasped from above: the tool points down, at heights of tables and shelves. No
+/// Goals around the robot for a grasp from above: the tool points down, at the heights of tables and shelves. No
 /// obstacles.
 struct Around {
   Placement placement{.tip_height = 0.3};

@@ -9,8 +9,8 @@
 namespace moma {
 namespace {
 
-/// A bookshelf with its back to the robot's start: the goal lies between two boards, open on the far side, so that the
-/// robot has to drive round before it can reach in. The witness stands before the open side. For mobile bases.
+/// A bookshelf with its back to the robot's start. The goal lies between two boards, open on the far side, so that the
+/// robot has to drive round and reach in. The witness stands before the open side. For mobile bases.
 struct Bookshelf {
   using Uniform = Distribution::Uniform;
   Placement placement{.distance = Distribution(Uniform{2.5, 4.0}), .tip_height = 0.3};

@@ -38,8 +38,8 @@ bool build(const Clutter& p, SceneBuilder& builder, World& world) {
   double along = 0.0;
   return placing.place(builder, world, [&](const ObjectTry& at, WorldObject& object) {
     Draws draws = builder.draws(Stream::kObjects, at.item);
-    // The place along the way is kept over the tries: else all that does not fit beside start and goal would end up in
-    // the middle.
+    // The position along the way is kept over the tries; otherwise objects that do not fit near start and goal would
+    // crowd in the middle.
     const double again = p.along.sample(draws);
     if (at.number == 0) along = again;
     const Vector3 place = way.from + along * way.length * way.forward + p.lateral.sample(draws) * way.left();

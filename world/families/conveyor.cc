@@ -8,10 +8,9 @@
 namespace moma {
 namespace {
 
-/// A goal on a conveyor: it goes to and fro on a line at one speed, and things stand about between it and the start.
-/// For mobile bases. Solvable by construction: the line leads along the direction in which the witness's base drives,
-/// so that a robot that has reached the goal follows it by driving straight, and all that stands about is clear of the
-/// witness at every place on its way.
+/// A goal on a conveyor: it moves to and fro on a line at constant speed, with objects between the line and the start.
+/// For mobile bases. Solvable by construction: the line has the driving direction of the witness's base, so that a
+/// robot at the goal follows it by driving straight, and all objects are clear of the witness along the whole line.
 struct Conveyor {
   using Uniform = Distribution::Uniform;
   Placement placement{.distance = Distribution(Uniform{2.0, 4.0}), .tip_height = 0.3};
@@ -73,7 +72,7 @@ bool build(const Conveyor& p, SceneBuilder& builder, World& world) {
     const double lateral = p.lateral.sample(own);
     const Vector3 place = along * way + lateral * left;
     p.mix.sample(own, place.x(), place.y(), object);
-    // Seen from the witness that drives along, what stands comes towards it.
+    // In the frame of the moving witness, objects at rest move towards it.
     WorldObject passing = object;
     LinearMotion relative;
     relative.V_W.tail<3>() = -speed * forward;

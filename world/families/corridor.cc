@@ -9,7 +9,7 @@
 namespace moma {
 namespace {
 
-/// Two walls along the way, start and goal between them, with things that stand in the corridor. For mobile bases.
+/// Two walls along the way, with start, goal and objects between them. For mobile bases.
 struct Corridor {
   using Uniform = Distribution::Uniform;
   Placement placement{.distance = Distribution(Uniform{2.0, 4.0})};

@@ -5,9 +5,8 @@
 namespace moma {
 namespace {
 
-/// Many people about their own business around the robot's way: more and more of them make it harder. Their whole paths
-/// over `horizon` are clear of start and witness, so that a robot that waits is not run into, and one that has arrived
-/// can stay.
+/// Many people who walk around the robot's way; more of them make the family harder. Their whole paths over `horizon`
+/// are clear of start and witness: nobody walks into a robot that waits, and a robot that has arrived can stay.
 struct Crowd {
   using Uniform = Distribution::Uniform;
   Placement placement{.distance = Distribution(Uniform{2.0, 4.0})};

@@ -10,7 +10,7 @@
 namespace moma {
 namespace {
 
-/// The robot stands on a table: goals above its top, which is an obstacle, and things about it. The floor is far below.
+/// The robot stands on a table, which is an obstacle, with goals and objects above it. The floor is far below.
 struct Desk {
   using Uniform = Distribution::Uniform;
   Placement placement;
@@ -51,7 +51,7 @@ constexpr void describe(Visitor& v, Of<Desk>) {
   v.inlined(&T::items_mix);
 }
 
-/// Of the shapes that no joint can lift: what the robot stands on is below all of them.
+/// Returns the lowest point of the shapes that no joint can lift; the robot's support is below all of them.
 double lowest_standing(const SceneBuilder& builder) {
   const RobotModel& model = builder.model();
   const std::vector<bool> lifted = floor_reach(model).lifted;
@@ -60,7 +60,7 @@ double lowest_standing(const SceneBuilder& builder) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < model.shapes.size(); ++i)
     if (!lifted[i]) least = std::min(least, lowest_point(model.shapes[i].shape, kinematics.X_WS(model.shapes[i])));
-  // An arm without a base of its own begins where it is mounted.
+  // An arm without a base of its own begins at its mount.
   return std::isfinite(least) ? least : model.base.X_BM.translation().z();
 }
 

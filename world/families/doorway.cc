@@ -8,7 +8,7 @@
 namespace moma {
 namespace {
 
-/// A wall across the way with a door in it: the goal is behind. For mobile bases.
+/// A wall across the way with a door in it, and the goal behind. For mobile bases.
 struct Doorway {
   using Uniform = Distribution::Uniform;
   Placement placement{.distance = Distribution(Uniform{2.5, 4.0})};

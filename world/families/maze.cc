@@ -9,10 +9,10 @@
 namespace moma {
 namespace {
 
-/// Rooms one behind the other, parted by walls across the way, each with a doorway of its own: the robot goes through
-/// all of them to its goal in the last room. Two long walls close the rooms at their sides. For mobile bases. A doorway
-/// is as wide as the base driving straight through and a margin on either side; rooms are so deep that the base can
-/// turn between two walls, so that worlds with a positive margin are solvable where the arm can be held above the base.
+/// A row of rooms, separated by walls across the way, each with a doorway of its own: the robot passes all of them to
+/// its goal in the last room. Two long walls close the rooms at their sides. For mobile bases. A doorway is as wide as
+/// the base driving straight, plus a margin on either side. Rooms are deep enough for the base to turn between two
+/// walls, so that worlds with a positive margin are solvable if the arm fits above the base.
 struct Maze {
   using Uniform = Distribution::Uniform;
   Placement placement{.distance = Distribution(Uniform{4.0, 6.0})};
@@ -58,7 +58,7 @@ bool build(const Maze& p, SceneBuilder& builder, World& world) {
 
   const double half_base = base_half_width(builder);
   std::vector<WorldObject> boxes;
-  double last = 0.0;  // the wall farthest along the way
+  double last = 0.0;  // position of the farthest wall along the way
   for (int k = 0; k < count; ++k) {
     const double at = distance * (k + 1) / (count + 1);
     const double half = half_base + p.margin.sample(draws);

@@ -8,9 +8,9 @@
 namespace moma {
 namespace {
 
-/// A passage between two high walls, as wide as what is needed of the robot's footprint and a margin, with the goal
-/// behind it. For mobile bases. Solvable by construction where the margin is positive and the arm can be held above
-/// the footprint: the base drives straight through.
+/// A passage between two high walls with the goal behind it; its width is that of the robot's footprint plus a margin.
+/// For mobile bases. Solvable by construction for a positive margin, if the arm fits above the footprint: the base
+/// drives straight through.
 struct Narrow {
   using Uniform = Distribution::Uniform;
   Placement placement{.distance = Distribution(Uniform{2.5, 4.0})};

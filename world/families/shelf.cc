@@ -7,7 +7,7 @@
 namespace moma {
 namespace {
 
-/// A shelf of boards with the goal in one of its compartments, open towards the side the tool comes from.
+/// A shelf of boards with the goal in one of its compartments, open towards the side from which the tool comes.
 struct Shelf {
   using Uniform = Distribution::Uniform;
   Placement placement{.tip_height = 0.25};
@@ -39,7 +39,7 @@ constexpr void describe(Visitor& v, Of<Shelf>) {
 
 bool build(const Shelf& p, SceneBuilder& builder, World& world) {
   if (!builder.place_robot(p.placement, world)) return false;
-  // The tool must come in roughly level, or no compartment would let it in.
+  // The tool must enter roughly level to fit into a compartment.
   const Vector3 approach = builder.approach();
   const double level = std::hypot(approach.x(), approach.y());
   if (level < p.level) return builder.reject("shelf: the tool does not point into it (level)");

@@ -7,7 +7,7 @@
 namespace moma {
 namespace {
 
-/// A table whose top is a little below the goal, its near edge towards the robot, with things standing on it.
+/// A table whose top is slightly below the goal, with its near edge towards the robot and objects on it.
 struct Table {
   using Uniform = Distribution::Uniform;
   Placement placement{.tip_height = 0.45};

@@ -8,10 +8,10 @@
 namespace moma {
 namespace {
 
-constexpr double kStep = 0.1;  // between the times at which following is tried [s]
+constexpr double kStep = 0.1;  // interval between two checks of following [s]
 
-/// A goal that moves: to and fro on a line, on a circle, or along a spline. Solvable by construction: from the
-/// witness on, the robot is shown to follow it for `follow` seconds within joint and velocity limits.
+/// A moving goal: to and fro on a line, on a circle, or along a spline. Solvable by construction: starting at the
+/// witness, the robot is shown to follow it for `follow` seconds within joint and velocity limits.
 struct Tracking {
   using Uniform = Distribution::Uniform;
   Placement placement{.tip_height = 0.3};
@@ -67,15 +67,15 @@ Motion circle(const Tracking& p, Draws& draws, bool mobile, const Vector3& from,
   const double rate = speed / radius;
   const Vector3 axis = direction(draws);
   const double side = draws.uniform(-std::numbers::pi, std::numbers::pi);
-  if (mobile) {  // it turns with the circle, and the base with it
+  if (mobile) {  // the goal turns with the circle, and the base with it
     const Vector3 center = from + extent * Vector3(std::cos(side), std::sin(side), 0.0);
     return CircleMotion{center, Vector3::UnitZ(), axis.z() < 0.0 ? -0.5 * rate : 0.5 * rate};
   }
-  // An arm on a fixed base cannot turn for ever: the orientation stays.
+  // An arm on a fixed base cannot turn indefinitely: the orientation is constant.
   const Vector3 u = axis.unitOrthogonal();
   const Vector3 v = axis.cross(u);
   const auto at = [&](double angle) -> Vector3 { return radius * (std::cos(angle) * u + std::sin(angle) * v); };
-  constexpr double kKnots = 16.0;  // per turn
+  constexpr double kKnots = 16.0;  // knots per turn
   SplineMotion motion;
   const double leg = 2.0 * std::numbers::pi / (kKnots * rate);
   for (int k = 0; k * leg < p.duration + leg; ++k) {
@@ -97,7 +97,7 @@ Motion spline(const Tracking& p, Draws& draws, const Vector3& from, double speed
   return motion;
 }
 
-/// Damped least squares from the configuration before; `moved` sums up the steps.
+/// Damped least squares from the configuration before; adds the joint motion to `moved`.
 bool reach(Kinematics& kinematics, const Isometry& goal, Configuration& at, VectorX& moved) {
   constexpr double kDamping = 1e-3;
   for (int i = 0; i < 20; ++i) {

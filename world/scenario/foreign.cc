@@ -24,9 +24,10 @@ namespace {
 namespace fs = std::filesystem;
 using config::Node;
 
-constexpr double kSlab = 0.2, kSlabEdge = 20.0;  // what stands for a plane [m]
+constexpr double kSlab = 0.2, kSlabEdge = 20.0;  // size of the slab that replaces a plane [m]
 
-/// `name` of a map, or an error that says what is wanted. Keys of messages that say nothing about shapes are not asked.
+/// Returns `name` of a map, or throws an error with the wanted content. Ignores message keys that do not concern
+/// shapes.
 const Node& need(const Node& map, const std::string& name, const std::string& what) {
   const Node* node = map.find(name);
   if (node == nullptr || node->kind == Node::Kind::kNull) config::fail(map.mark, name, "missing; expected " + what);
@@ -41,7 +42,7 @@ const std::vector<Node>& list_of(const Node& map, const std::string& name) {
   return node->items;
 }
 
-/// `count` numbers as a list, or as a map with these keys in turn.
+/// Reads `count` numbers from a list, or from a map with these keys in turn.
 VectorX numbers(const Node& node, const std::string& key, std::string_view letters) {
   VectorX v(static_cast<Eigen::Index>(letters.size()));
   if (node.kind == Node::Kind::kMap) {

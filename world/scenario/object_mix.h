@@ -21,7 +21,7 @@ nlohmann::ordered_json write_value(const SolidKinds& value, const About& about);
 std::string accepted(Of<SolidKinds>, const About& about);
 std::string text_of(const SolidKinds& value);
 
-/// The random solids of a family: which shapes, how large, standing on the floor or floating.
+/// The random solids of a family: shapes, sizes, standing on the floor or floating.
 struct ObjectMix {
   using Uniform = Distribution::Uniform;
   SolidKinds shapes = {};
@@ -33,8 +33,8 @@ struct ObjectMix {
   Distribution standing_height{Uniform{0.4, 1.2}};   ///< [m]
   Distribution height{Uniform{0.1, 1.2}};            ///< [m]
 
-  /// A solid above the horizontal point (x, y), at rest. Floating ones have any orientation (spheres, boxes,
-  /// capsules alike) and are lifted where they would reach through the floor.
+  /// Draws a solid above the horizontal point (x, y), at rest. Floating solids (spheres, boxes, capsules) have any
+  /// orientation, and are lifted if they would penetrate the floor.
   void sample(Draws& draws, double x, double y, WorldObject& object) const;
 };
 

@@ -6,8 +6,8 @@
 
 namespace moma {
 
-/// Where start and witness are: the keys that all families share. The robot starts at the origin, arm at `ready`.
-/// A fixed base stays there; `distance`, `direction` and the headings are for mobile ones.
+/// Start and witness: the keys that all families share. The robot starts at the origin with the arm at `ready`. A fixed
+/// base stays there; `distance`, `direction` and the headings are for mobile bases.
 struct Placement {
   using Uniform = Distribution::Uniform;
   Distribution start_heading{Uniform{-std::numbers::pi, std::numbers::pi}};  ///< [rad]

@@ -11,14 +11,14 @@
 
 namespace moma {
 
-// Spreads are standard deviations of normal draws, per axis. "Per trial" is drawn once for a world, "per step" at each
+// Spreads are standard deviations of normal draws, per axis. "Per trial" is one draw per world, "per step" one at each
 // control step. Delays are rounded up to whole control periods.
 //
-// Everything is written only where it is not the default's: trial keys must not change by disturbances that are added.
+// Only members that differ from their defaults are written, so that new disturbances do not change trial keys.
 
 namespace disturbed {
 
-// Two seconds are longer than any loop closed over them would bear, and bound the memory of what waits.
+// No loop stays stable over two seconds of delay; the limit bounds the memory of delayed values.
 inline constexpr Range kDelay{0.0, 2.0};
 inline constexpr Range kSpread{0.0, 10.0};
 inline constexpr Range kGain{0.0, 1.0};
@@ -32,7 +32,7 @@ constexpr About about(std::string_view text) { return {.written = Written::kUnle
 
 }  // namespace disturbed
 
-/// Of a translation [m] and of a rotation [rad].
+/// Standard deviations of a translation [m] and of a rotation [rad].
 struct PoseSpread {
   double position = 0.0;
   double rotation = 0.0;
@@ -45,7 +45,7 @@ constexpr void describe(Visitor& v, Of<PoseSpread>) {
   v.member("rotation", &PoseSpread::rotation, disturbed::about("rad", disturbed::kSpread, "about each axis"));
 }
 
-/// Of a linear velocity [m/s] and of an angular one [rad/s].
+/// Standard deviations of a linear velocity [m/s] and of an angular one [rad/s].
 struct TwistSpread {
   double linear = 0.0;
   double angular = 0.0;
@@ -58,9 +58,8 @@ constexpr void describe(Visitor& v, Of<TwistSpread>) {
   v.member("angular", &TwistSpread::angular, disturbed::about("rad/s", disturbed::kSpread, "about each axis"));
 }
 
-/// Lateness that varies, and losses: on its way what is sent takes `delay` and up to `jitter` more, evenly drawn for
-/// each in whole control periods, and is lost with the probability `dropout`. What comes out is the newest that has
-/// arrived.
+/// Varying delay and loss: a value takes `delay` plus up to `jitter`, uniform in whole control periods, and is lost
+/// with the probability `dropout`. The output is the newest value that has arrived.
 struct Irregularity {
   double jitter = 0.0;   ///< [s]
   double dropout = 0.0;  ///< [1]
@@ -99,7 +98,7 @@ constexpr void describe(Visitor& v, Of<JointSensing>) {
   v.member("velocity_resolution", &T::velocity_resolution, about("rad/s or m/s", kSpread, "likewise velocities"));
 }
 
-/// Wheels that slip now and then: along a step's way s with the probability 1 - exp(-rate s).
+/// Occasional wheel slip: within a step's distance s with the probability 1 - exp(-rate s).
 struct WheelSlip {
   double rate = 0.0;      ///< [1/m]
   double distance = 0.0;  ///< [m]
@@ -116,7 +115,7 @@ constexpr void describe(Visitor& v, Of<WheelSlip>) {
   v.member("turn", &T::turn, about("rad", kSpread, "of the turn likewise"));
 }
 
-/// Errors of dead reckoning that grow with the way (odometry.h).
+/// Errors of dead reckoning that grow with the distance (odometry.h).
 struct OdometryErrors {
   double distance = 0.0;  ///< [1]
   double turn = 0.0;      ///< [1]
@@ -137,7 +136,7 @@ constexpr void describe(Visitor& v, Of<OdometryErrors>) {
   v.member("slip", &T::slip, about("wheels that slip now and then"));
 }
 
-/// The base's pose and velocity. Without effect on a fixed base.
+/// Sensing of the base's pose and velocity. No effect on a fixed base.
 struct BaseSensing {
   PoseSpread noise;
   TwistSpread velocity_noise;
@@ -162,18 +161,18 @@ constexpr void describe(Visitor& v, Of<BaseSensing>) {
   v.member("odometry", &T::odometry, about("errors of dead reckoning"));
 }
 
-/// Where poses are measured from. kBase: by sensors on the robot, so that the base's own error at the time of the
-/// measurement is carried into them, and they are right relative to the robot.
+/// Frame of measured poses. kBase: sensors on the robot measure them, so that they contain the base's own error at the
+/// time of measurement, and are exact relative to the robot.
 enum class SensingFrame { kWorld, kBase };
 constexpr auto words(Of<SensingFrame>) { return std::to_array<std::string_view>({"world", "base"}); }
 
-/// Poses and twists that are measured: those of objects and of the goal.
+/// Sensing of poses and twists of objects and goal.
 struct PoseSensing {
   SensingFrame frame = SensingFrame::kWorld;
   PoseSpread noise;
   TwistSpread velocity_noise;
   bool resting_is_known = false;
-  PoseSpread bias;     ///< for each object its own
+  PoseSpread bias;     ///< drawn for each object
   double delay = 0.0;  ///< [s]
   Irregularity irregularity{};
   double noise_growth = 0.0;  ///< [1/m^2]
@@ -197,10 +196,10 @@ constexpr void describe(Visitor& v, Of<PoseSensing>) {
       about("1/m^2", {0.0, 100.0}, "at the distance r from the sensor noise is 1 + noise_growth r^2 times as much"));
 }
 
-/// Objects that are found and yet not seen, for whole spans of time: each by itself with this probability in each.
+/// Missed detections: in each span of time each found object is invisible with this probability, independently.
 struct MissedDetections {
   double probability = 0.0;  ///< [1]
-  double duration = 0.2;     ///< of a span [s]
+  double duration = 0.2;     ///< duration of a span [s]
   bool operator==(const MissedDetections&) const = default;
 };
 
@@ -212,15 +211,15 @@ constexpr void describe(Visitor& v, Of<MissedDetections>) {
   v.member("duration", &T::duration, about("s", {1e-3, 3600.0}, "of a span"));
 }
 
-/// Objects that are seen and not there: balls at rest near the robot, each for whole spans of time.
+/// False detections: balls at rest near the robot that do not exist, each for whole spans of time.
 struct FalseDetections {
-  int count = 0;             ///< at most at a time
-  double probability = 0.1;  ///< of each, in each span [1]
-  double duration = 0.3;     ///< of a span [s]
+  int count = 0;             ///< largest number at a time
+  double probability = 0.1;  ///< of each ball, in each span [1]
+  double duration = 0.3;     ///< duration of a span [s]
   double radius = 0.1;       ///< [m]
-  double nearest = 0.5;      ///< their centres, from the base's middle, in the plane [m]
+  double nearest = 0.5;      ///< distance of the centres from the base's middle, in the plane [m]
   double furthest = 3.0;     ///< [m]
-  double height = 1.2;       ///< centres lie between 0 and this [m]
+  double height = 1.2;       ///< upper bound of the centres' height, from 0 [m]
   bool operator==(const FalseDetections&) const = default;
 };
 
@@ -238,21 +237,21 @@ constexpr void describe(Visitor& v, Of<FalseDetections>) {
   v.member("height", &T::height, about("m", kPlace, "centres lie between the floor and this"));
 }
 
-/// What decides that an object is seen. kRule: the rule below, of one sensor that stands apart from the robot file.
-/// kSensors: the rays of the robot's own sensors that end on it.
+/// Criterion of visibility. kRule: the rule below for one sensor that is not part of the robot file. kSensors: rays of
+/// the robot's own sensors that end on the object.
 enum class SeenBy { kRule, kSensors };
 constexpr auto words(Of<SeenBy>) { return std::to_array<std::string_view>({"rule", "sensors"}); }
 
-/// What the sensor of objects is fixed to.
+/// Mount of the sensor of objects.
 enum class SensorMount { kBase, kHand };
 constexpr auto words(Of<SensorMount>) { return std::to_array<std::string_view>({"base", "hand"}); }
 
-/// When an object is found: once it has been in range for `detection`, and from then on to the trial's end. In range
-/// is what is near enough, in the field of view and not hidden.
+/// Detection: an object is found once it has been in range for the time `detection`, and stays found until the trial's
+/// end. In range means near enough, in the field of view and not occluded.
 struct DetectionRule {
   double range = std::numeric_limits<double>::infinity();  ///< [m]
   double detection = 0.0;                                  ///< [s]
-  std::array<double, 3> sensor = {0.0, 0.0, 0.5};          ///< in the base frame B [m]
+  std::array<double, 3> sensor = {0.0, 0.0, 0.5};          ///< position in the base frame B [m]
   bool known_at_start = false;
   SensorMount mount = SensorMount::kBase;
   std::array<double, 3> axis = {1.0, 0.0, 0.0};   ///< in the same frame
@@ -285,7 +284,7 @@ constexpr void describe(Visitor& v, Of<DetectionRule>) {
   v.member("phantoms", &T::phantoms, about("objects that are seen and not there"));
 }
 
-/// Dry friction of each joint, drawn for each, at most 0.95. Dynamic mode only.
+/// Dry friction of each joint, drawn for each joint, at most 0.95. Dynamic mode only.
 struct JointFriction {
   double effort = 0.0;  ///< [1]
   double spread = 0.0;  ///< [1]
@@ -299,11 +298,11 @@ constexpr void describe(Visitor& v, Of<JointFriction>) {
   v.member("spread", &JointFriction::spread, about("1", kFriction, "standard deviation of it"));
 }
 
-/// Between a command and the motion: applied command of coordinate i at step k is (1 + g_i) command_i(k - delay), then
+/// Between command and motion: the applied command of coordinate i at step k is (1 + g_i) command_i(k - delay),
 /// followed with the time constant `lag`.
 struct JointDrives {
   double delay = 0.0;       ///< [s]
-  double gain_error = 0.0;  ///< of g [1]
+  double gain_error = 0.0;  ///< standard deviation of g [1]
   JointFriction friction;
   Irregularity irregularity{};
   double lag = 0.0;  ///< [s]
@@ -322,7 +321,7 @@ constexpr void describe(Visitor& v, Of<JointDrives>) {
   v.member("friction", &T::friction, about("dry friction of each joint, per trial; dynamic mode"));
 }
 
-/// Of g, of the base's velocities [1].
+/// Standard deviations of g for the base's velocities [1].
 struct GainSpread {
   double linear = 0.0;
   double angular = 0.0;
@@ -336,8 +335,8 @@ constexpr void describe(Visitor& v, Of<GainSpread>) {
   v.member("angular", &GainSpread::angular, about("1", kGain, "likewise of turning"));
 }
 
-/// How fast a base's drive follows, as parts of the robot's base.max_acceleration: where its speed grows, and where it
-/// falls. Of an omnidirectional base's linear velocity as one vector.
+/// Accelerations of a base's drive, as shares of the robot's base.max_acceleration, for increasing and decreasing
+/// speed. An omnidirectional base's linear velocity is one vector.
 struct BaseRamps {
   double speed_up = 1.0;   ///< [1]
   double slow_down = 1.0;  ///< [1]
@@ -385,8 +384,8 @@ constexpr void describe(Visitor& v, Of<Actuators>) {
   v.member("base", &Actuators::base, disturbed::about("the base's drives"));
 }
 
-/// Control periods in which the controller does not run, as on a busy computer: the last command goes on. The first
-/// period is never missed. Sensors go on measuring.
+/// Control periods that the controller misses, as on a busy computer: the last command continues. The first period is
+/// never missed. Sensors continue to measure.
 struct ControlTicks {
   double missed = 0.0;  ///< [1]
   bool operator==(const ControlTicks&) const = default;
@@ -398,8 +397,7 @@ constexpr void describe(Visitor& v, Of<ControlTicks>) {
            disturbed::about("1", disturbed::kFriction, "probability with which the controller misses a period"));
 }
 
-/// A ball held at the end effector, which the robot file does not know of. Its mass is never below 0. Dynamic mode
-/// only.
+/// A ball held at the end effector that the robot file does not contain. Its mass is never below 0. Dynamic mode only.
 struct UnknownPayload {
   double mass = 0.0;                    ///< [kg]
   double spread = 0.0;                  ///< [kg]
@@ -416,7 +414,8 @@ constexpr void describe(Visitor& v, Of<UnknownPayload>) {
   v.member("position", &T::position, about("m", {-10.0, 10.0}, "of its centre in the end effector's frame"));
 }
 
-/// Between floor and driven wheels; under mecanum wheels it bounds their drive. Never below 0. Dynamic mode only.
+/// Friction between floor and driven wheels; for mecanum wheels it bounds their drive. Never below 0. Dynamic mode
+/// only.
 struct FloorFriction {
   double friction = 1.0;  ///< [1]
   double spread = 0.0;    ///< [1]
@@ -430,14 +429,14 @@ constexpr void describe(Visitor& v, Of<FloorFriction>) {
   v.member("spread", &FloorFriction::spread, about("1", kSpread, "standard deviation of it, per trial"));
 }
 
-/// The section `disturbances` of a suite: what stands between the simulated robot and its controller. All off by
-/// default. Each is drawn from a stream of its own (streams.h).
+/// The section `disturbances` of a suite: all errors between the simulated robot and its controller. All are off by
+/// default. Each has its own stream of draws (streams.h).
 struct Disturbances {
   std::uint64_t seed = 0;
   JointSensing joints;
   BaseSensing base;
   PoseSensing objects;
-  DetectionRule detection;  ///< of objects
+  DetectionRule detection;  ///< detection of objects
   PoseSensing goal;
   Actuators actuators;
   UnknownPayload payload;
@@ -464,17 +463,19 @@ constexpr void describe(Visitor& v, Of<Disturbances>) {
   v.member("control", &T::control, about("control periods that are missed; the last command goes on"));
 }
 
-/// Whether the controller sees anything but the truth. Seed, frames and the sensor's place alone switch nothing on.
+/// True if the controller sees anything but the true state. Seed, frames and the sensor's position alone switch nothing
+/// on.
 bool senses_with_errors(const Disturbances& disturbances);
-/// Whether anything but the command is applied.
+/// True if the applied command may differ from the controller's.
 bool acts_with_errors(const Disturbances& disturbances);
-/// Whether the physics are others than the robot file's. The payload's position alone switches nothing on.
+/// True if the physics may differ from the robot file's. The payload's position alone switches nothing on.
 bool moves_with_errors(const Disturbances& disturbances);
 inline bool any(const Disturbances& d) {
   return senses_with_errors(d) || acts_with_errors(d) || moves_with_errors(d) || d.control != ControlTicks{};
 }
 
-/// Least number of control periods that last at least `delay` [s]; a billionth of a period of rounding is forgiven.
+/// Returns the least number of control periods that last at least `delay` [s], with a tolerance of a billionth of a
+/// period for rounding.
 long delay_steps(double delay, double control_period);
 
 }  // namespace moma
