@@ -52,7 +52,7 @@ Volume volume_of(const Shape& shape) {
       break;
   }
   Vector3 edges = shape.size;
-  if (shape.kind == ShapeKind::kConvex) {  // a hull counts as the box around it, about its origin
+  if (shape.kind == ShapeKind::kConvex) {  // a hull is replaced by its bounding box about its origin
     edges.setConstant(1e-3);
     for (const Vector3& v : shape.hull->vertices) edges = edges.cwiseMax(2.0 * v.cwiseAbs());
   }
@@ -66,7 +66,7 @@ void add_base_mass(const RobotModel& model, double mass, RigidBody& body) {
   for (const CollisionShape& shape : model.shapes)
     if (shape.link == 0) volume += volume_of(shape.shape).volume;
   if (!(model.base.mass > 0.0)) {
-    if (!(volume > 0.0)) return;  // the URDF itself has the base among its links
+    if (!(volume > 0.0)) return;  // the URDF's own links contain the base
     throw std::runtime_error(
         fmt::format("robot {}: base.footprint.mass is missing; dynamic simulation of a mobile base needs a mass in kg",
                     model.name));
@@ -128,7 +128,7 @@ RigidBodies rigid_bodies(const RobotModel& model, double base_mass, const Payloa
   out.of_link.assign(links, -1);
   out.X_ML.assign(links, Isometry::Identity());
 
-  // Fixed and held joints keep links together, so any configuration shows how they sit.
+  // Fixed and held joints keep links together, so that any configuration shows their relative poses.
   const Kinematics kinematics(std::make_shared<RobotModel>(model));
   for (std::size_t i = 0; i < links; ++i) {
     const Link& link = model.links[i];
