@@ -36,7 +36,7 @@ struct Difficulty {
   double goal_distance_m = 0.0;  ///< |p_G - p_E(start)|
   int objects = 0;
   double witness_clearance_m = 0.0;  ///< least distance of the witness to any object; NaN without objects
-  /// share of the straight line from start tip to goal within an object (grown by 5 cm)
+  /// Share of the straight line from start tip to goal within an object (grown by 5 cm).
   double blocked_fraction = 0.0;
   double narrowest_gap_m = 0.0;  ///< least gap between two objects; NaN with fewer than two
 };

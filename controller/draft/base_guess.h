@@ -16,7 +16,7 @@ struct BaseGuess {
   std::string reason;  ///< evidence for this base, or against a fixed one; empty for a fixed base without any evidence
   Isometry X_BR = Isometry::Identity();  ///< the URDF's root R in the base frame B, which stands on the floor
   std::optional<Wheels> wheels;          ///< max_speed is 0 if the URDF has none
-  /// joints of the chain from the root that moves the whole robot, to be held
+  /// Joints of the chain from the root that moves the whole robot, to be held.
   std::vector<std::string> virtual_joints;
   std::vector<bool> joints;  ///< per link: its joint belongs to the base
 };

@@ -18,7 +18,7 @@ constexpr double kLongest = 2.0;    // longest round trip considered [s]
 constexpr double kExplained = 0.7;  // largest ratio of the best misfit to the worst
 constexpr int kNear = 3;            // periods around the best of the coarse search that the fine search covers
 constexpr double kStill = 1e-6;     // changes of a command below this count as none [rad/s, m/s]
-// least reduction of the squares by a ramp, in units of the remaining mean square per row
+// Least reduction of the squares by a ramp, in units of the remaining mean square per row.
 constexpr double kRampShown = 10.0;
 constexpr std::size_t kSaturated = 10;  // least number of rows that a detected ramp limits
 

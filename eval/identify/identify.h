@@ -24,7 +24,7 @@ struct Drive {
   double gain = 1.0;                   ///< measured over commanded velocity [1]
   double velocity_noise = 0.0;         ///< standard deviation, per axis [rad/s or m/s]
   std::optional<double> acceleration;  ///< of its ramp [m/s^2, rad/s^2]; empty if the log does not show a ramp
-  /// without a ramp: the highest commanded acceleration that the drive followed [m/s^2, rad/s^2]
+  /// Without a ramp: the highest commanded acceleration that the drive followed [m/s^2, rad/s^2].
   double least_acceleration = 0.0;
 };
 

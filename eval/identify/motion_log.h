@@ -13,7 +13,7 @@ struct Axis {
   bool prismatic = false;        ///< units m and m/s instead of rad and rad/s
   std::vector<double> command;   ///< sent at the row's time [rad/s or m/s]
   std::vector<double> velocity;  ///< measured, as known at the row's time [rad/s or m/s]
-  /// measured position of a joint, as known at the row's time [rad or m]; empty if not in the log
+  /// Measured position of a joint, as known at the row's time [rad or m]; empty if not in the log.
   std::vector<double> position;
 };
 

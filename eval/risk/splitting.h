@@ -95,7 +95,7 @@ struct Estimate {
   stats::Interval interval;  ///< 95 %
   double spread = 0.0;       ///< relative standard deviation over replicates
   double ideal = 0.0;        ///< its value for moves without memory
-  /// spread / ideal: normally 1.1 to 1.5; 1 if p = 0.
+  /// Spread / ideal: normally 1.1 to 1.5; 1 if p = 0.
   double excess() const { return ideal > 0.0 && p > 0.0 ? spread / ideal : 1.0; }
 };
 

@@ -32,7 +32,7 @@ struct ReproducedRow {
   const PublishedRow* published = nullptr;  ///< owned by the experiment
 };
 
-/// a - b on the same worlds, in the figure's unit; means over the worlds in which both have a value.
+/// A - b on the same worlds, in the figure's unit; means over the worlds in which both have a value.
 struct PairedDifference {
   std::string robot;
   std::string a, b;

@@ -40,7 +40,7 @@ SuiteController read_plugin(const Node& node, const std::string& key, std::share
   std::shared_ptr<const PluginLibrary> library;
   try {
     const fs::path file = config::directory_of(path.mark) / name;
-    // before loading, because loading runs the library's code
+    // Before loading, because loading runs the library's code.
     if (!digest.empty()) check_digest(plugin_digest(file), digest);
     library = load_plugin(file);
     if (!digest.empty()) check_digest(library->digest, digest);  // the file may have been replaced meanwhile

@@ -12,7 +12,7 @@
 
 namespace moma::tune {
 
-/// weight x metric; `when_null` replaces a missing metric.
+/// Weight x metric; `when_null` replaces a missing metric.
 struct CostTerm {
   Metric metric;
   double weight = 1.0;

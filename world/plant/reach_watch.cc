@@ -86,7 +86,7 @@ ReachWatch::ReachWatch(const std::shared_ptr<const RobotModel>& shared, const st
         watched.way_first = static_cast<std::size_t>(row);
         for (Eigen::Index j = kOfJoints; j < levers_.cols(); ++j) {
           const double a = levers_(pair.first, j), b = levers_(pair.second, j);
-          // a motion that carries both moves neither against the other
+          // A motion that carries both moves neither against the other.
           levers_(row, j) = a > 0.0 && b > 0.0 ? 0.0 : a + b;
         }
         ++row;

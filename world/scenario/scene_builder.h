@@ -25,7 +25,7 @@ struct Room {
 class SceneBuilder {
  public:
   static constexpr double kTimeStep = 1e-3;  ///< [s]
-  /// number of consecutive first objects without a place after which the search ends
+  /// Number of consecutive first objects without a place after which the search ends.
   static constexpr int kMostNowhere = 40000;
 
   SceneBuilder(std::shared_ptr<const RobotModel> model, std::uint64_t seed, std::uint64_t index, const Room& room,
