@@ -12,7 +12,7 @@ namespace {
 
 double to_unit(std::uint64_t word) { return static_cast<double>(word >> 11) * 0x1p-53; }
 
-/// In (0, 1).
+/// Uniform in (0, 1).
 double open_unit(std::uint64_t word) { return (static_cast<double>(word >> 11) + 0.5) * 0x1p-53; }
 
 double normal_of(std::uint64_t word) { return -std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * open_unit(word)); }
@@ -25,7 +25,7 @@ std::uint64_t step(std::uint64_t word, double scale, std::uint64_t noise) {
 
 using Generator = r123::Philox4x64;
 
-/// Beside any stream: the draws of moves.
+/// Key of the draws of moves, apart from all streams.
 constexpr std::uint64_t kOfMoves = 0x6d6f766500ULL;
 
 }  // namespace
@@ -45,12 +45,13 @@ Draws::Block Draws::next() {
   return block;
 }
 
-/// The block after the first `moves` moves. The last that draws it anew is looked for first: it needs none before it.
+/// Returns the block after the first `moves` moves. Searches backwards for the last move that replaces the draw:
+/// earlier moves do not matter then.
 Draws::Block Draws::after(std::size_t moves) const {
   const bool error = stream_ == static_cast<std::uint64_t>(Stream::kSensing) ||
                      stream_ == static_cast<std::uint64_t>(Stream::kDisturbance);
   const std::uint64_t bits = 1ULL << stream_ | (error && attempt_ == 0 ? Move::kConstantErrors : 0ULL);
-  // What a move has for this draw; its first word says whether it moves it at all.
+  // The move's own block for this draw; its first word decides whether the move applies.
   const auto of = [&](const Move& move) {
     return Generator()({{draw_, 0, attempt_, item_}}, {{move.id, kOfMoves + stream_}});
   };

@@ -7,8 +7,8 @@
 
 namespace moma {
 
-/// What a stream of draws is for. A new draw in one stream never shifts another. Values are part of what a seed
-/// means: never renumber.
+/// Purpose of a stream of draws. A new draw in one stream never shifts another. The values are part of a seed's
+/// meaning: never renumber them.
 enum class Stream : std::uint64_t {
   kStart = 1,
   kGoal = 2,
@@ -21,27 +21,26 @@ enum class Stream : std::uint64_t {
 };
 
 /// Random numbers as a pure function of (seed, index, stream, attempt, item, number of the draw): Philox4x64-10 of
-/// Random123 (Salmon et al., SC 2011) with key (seed, stream) and counter (draw, index, attempt, item).
-/// Every call takes exactly one block, whatever it draws: replacing a fixed number by a distribution of another
-/// kind shifts no later draw that was there before. Uniforms are exact on every machine; log_uniform() and normal()
-/// use libm and are the same for the same libm.
+/// Random123 (Salmon et al., SC 2011) with key (seed, stream) and counter (draw, index, attempt, item). Every call
+/// consumes exactly one block: replacing a fixed number by a distribution shifts no other draw. Uniforms are exact on
+/// every machine; log_uniform() and normal() use libm and are the same for the same libm.
 class Draws {
  public:
-  /// `moves`, where there are any, change the numbers and have to outlive this; null and empty are the same.
+  /// `moves` change the numbers and must outlive this object; null equals empty.
   Draws(std::uint64_t seed, std::uint64_t index, Stream stream, std::uint64_t attempt = 0, std::uint64_t item = 0,
         const Moves* moves = nullptr);
 
-  /// 64 random bits.
+  /// Returns 64 random bits.
   std::uint64_t bits();
-  /// In [0, 1): a multiple of 2^-53.
+  /// Uniform in [0, 1): a multiple of 2^-53.
   double uniform();
-  /// In [low, high]; low <= high.
+  /// Uniform in [low, high]; low <= high.
   double uniform(double low, double high);
-  /// The logarithm uniform in [log low, log high]; 0 < low <= high. Result inside [low, high].
+  /// Log-uniform: the logarithm is uniform in [log low, log high]; 0 < low <= high. Result inside [low, high].
   double log_uniform(double low, double high);
-  /// Box-Muller of the block's first two words; sigma >= 0.
+  /// Normal, by Box-Muller of the block's first two words; sigma >= 0.
   double normal(double mean, double sigma);
-  /// In 0 .. count - 1; count >= 1.
+  /// Uniform in 0 .. count - 1; count >= 1.
   std::size_t choice(std::size_t count);
 
  private:

@@ -7,13 +7,13 @@
 namespace moma {
 namespace {
 
-/// Index i of the interval [times[i], times[i + 1]) that holds t; times.front() <= t < times.back().
+/// Returns the index i of the interval [times[i], times[i + 1]) that contains t; times.front() <= t < times.back().
 std::size_t interval(const std::vector<double>& times, double t) {
   const auto after = std::upper_bound(times.begin(), times.end(), t);
   return static_cast<std::size_t>(after - times.begin()) - 1;
 }
 
-/// True where t is outside the knots, so that the pose is held at an end, whose index is written.
+/// True if t is outside the knots, where the pose stays at an end; writes the index of that end.
 bool held(const std::vector<double>& times, double t, std::size_t& end) {
   if (t < times.front()) {
     end = 0;
@@ -54,7 +54,7 @@ MovingPose move(const PathMotion& motion, const Isometry& X_0, double t) {
   out.X.translation() = motion.positions[i] + s * step;
   out.V_W.tail<3>() = step / span;
   if (turns) {
-    // Slerp written as a constant world-frame rate, so that pose and twist agree by construction.
+    // Slerp as a constant world-frame rate, so that pose and twist agree by construction.
     const Eigen::Quaterniond from = motion.quaternions[i].normalized();
     Eigen::Quaterniond turn = motion.quaternions[i + 1].normalized() * from.conjugate();
     if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
@@ -78,7 +78,8 @@ MovingPose move(const CircleMotion& motion, const Isometry& X_0, double t) {
   return out;
 }
 
-/// Second derivatives at the knots of the natural cubic spline (zero at both ends), by the Thomas algorithm.
+/// Returns the second derivatives at the knots of the natural cubic spline (zero at both ends), by the Thomas
+/// algorithm.
 std::vector<Vector3> second_derivatives(const SplineMotion& motion) {
   const std::size_t n = motion.times.size();
   std::vector<Vector3> m(n, Vector3::Zero());

@@ -7,12 +7,12 @@
 
 namespace moma {
 
-/// How a pose moves over time, starting at its pose X_0 at t = 0. World axes.
+/// Motions of a pose over time, starting at its pose X_0 at t = 0. World axes.
 struct StaticMotion {};
 struct LinearMotion {
   Vector6 V_W = Vector6::Zero();  ///< [angular; linear] of the pose's own origin, constant
 };
-struct PathMotion {  ///< held at its ends, linear and slerp between
+struct PathMotion {  ///< constant at its ends; linear and slerp between knots
   std::vector<double> times;
   std::vector<Vector3> positions;
   std::vector<Eigen::Quaterniond> quaternions;
@@ -22,7 +22,7 @@ struct CircleMotion {  ///< X_0 turns rigidly about the axis through the centre
   Vector3 axis = Vector3::UnitZ();
   double rate = 0.0;  ///< [rad/s]
 };
-struct SplineMotion {  ///< natural cubic through the positions, orientation of X_0 kept; held at its ends
+struct SplineMotion {  ///< natural cubic through the positions, with the orientation of X_0; constant at its ends
   std::vector<double> times;
   std::vector<Vector3> positions;
 };
@@ -33,10 +33,10 @@ struct MovingPose {
   Vector6 V_W = Vector6::Zero();  ///< twist at the pose's origin
 };
 
-/// Pose and twist at time t >= 0. The twist is the derivative of the pose (checked by differences).
+/// Returns pose and twist at time t >= 0. The twist is the derivative of the pose (checked by differences).
 MovingPose evaluate(const Motion& motion, const Isometry& X_0, double t);
 
-/// True when the pose is at rest at time t and stays so.
+/// True if the pose is at rest from time t on.
 bool at_rest(const Motion& motion, double t);
 
 }  // namespace moma

@@ -23,7 +23,7 @@ struct WorldObject {
   Isometry X_WO = Isometry::Identity();  ///< at t = 0
   Motion motion;
   Eigen::Quaterniond file_rotation = Eigen::Quaterniond::Identity();  ///< see set_pose()
-  int noise = -1;  ///< number by which errors of sensing it are drawn; -1: its place among the objects
+  int noise = -1;  ///< number of the draws of its sensing errors; -1: its place among the objects
 };
 
 struct WorldGoal {
@@ -36,11 +36,12 @@ struct Difficulty {
   double goal_distance_m = 0.0;  ///< |p_G - p_E(start)|
   int objects = 0;
   double witness_clearance_m = 0.0;  ///< least distance of the witness to any object; NaN without objects
-  double blocked_fraction = 0.0;     ///< of the straight line from start tip to goal, within an object (grown by 5 cm)
-  double narrowest_gap_m = 0.0;      ///< least gap between two objects; NaN with fewer than two
+  /// Share of the straight line from start tip to goal within an object (grown by 5 cm).
+  double blocked_fraction = 0.0;
+  double narrowest_gap_m = 0.0;  ///< least gap between two objects; NaN with fewer than two
 };
 
-/// A problem as plain numbers: printable, editable by hand, no randomness left.
+/// A planning problem as plain numbers: printable, editable by hand, without randomness.
 struct World {
   std::uint64_t index = 0;
   std::uint64_t seed = 0;
@@ -51,18 +52,18 @@ struct World {
   std::vector<WorldObject> objects;
   Configuration witness;  ///< reaches the goal (at t = 0) clear of all objects
   Difficulty difficulty;
-  std::shared_ptr<const Moves> moves;  ///< of the random numbers that its disturbances are drawn by; null: none
+  std::shared_ptr<const Moves> moves;  ///< moves of the random numbers of its disturbances; null: none
 };
 
-/// Places an object or the goal. The quaternion is kept as it is beside the pose made from it: matrix to quaternion
-/// and back changes last bits, and a world read from its file must be the world that was written.
+/// Sets the pose of an object or the goal. The quaternion is kept beside the pose made from it: a conversion to a
+/// matrix and back changes last bits, and a world read from its file must equal the written one.
 void set_pose(WorldObject& object, const Vector3& position, const Eigen::Quaterniond& rotation);
 void set_pose(WorldGoal& goal, const Vector3& position, const Eigen::Quaterniond& rotation);
 
-/// What the controller's reset() needs.
+/// Returns the argument of the controller's reset().
 std::vector<ObjectShape> object_shapes(const World& world);
 
-/// True poses and twists at time t, into vectors already sized to world.objects.
+/// Computes true poses and twists at time t into vectors already sized to world.objects.
 void object_states(const World& world, double t, std::vector<ObjectState>& states);
 GoalState goal_state(const World& world, double t);
 

@@ -30,7 +30,7 @@ constexpr auto words(Of<MotionKind>) {
 }
 static_assert(std::variant_size_v<Motion> == words(Of<MotionKind>{}).size());
 
-/// The quaternion that gives R bit for bit where it is known, else the nearest.
+/// Returns the quaternion that reproduces R bit for bit if it is known, else the nearest.
 Eigen::Quaterniond rotation_for_file(const Matrix3& R, const Eigen::Quaterniond& kept) {
   return kept.normalized().toRotationMatrix() == R ? kept : Eigen::Quaterniond(R);
 }
@@ -81,7 +81,7 @@ Configuration configuration(const Node& node, const std::string& key) {
   return out;
 }
 
-/// The position in a file is the one at t = 0, so a motion through knots must agree with it.
+/// The position in a file is that at t = 0, so that a motion through knots must agree with it.
 void check_start(const Node& node, const std::string& key, const Motion& motion, const Isometry& X_0) {
   const double gap = (evaluate(motion, X_0, 0.0).X.translation() - X_0.translation()).norm();
   if (!(gap < 1e-6))
@@ -96,7 +96,7 @@ WorldGoal goal(const Node& node, const std::string& key) {
   if (const Node* motion = in.get("motion")) out.motion = motion_from_node(*motion, in.key_of("motion"));
   if (const Node* twist = in.get("twist")) {
     const Vector6 found = vector6(*twist, in.key_of("twist"));
-    // A twist without a motion is a constant one; with a motion it repeats what the motion says.
+    // A twist without a motion is constant; with a motion it repeats the motion's twist.
     if (std::holds_alternative<StaticMotion>(out.motion) && !found.isZero(0.0)) out.motion = LinearMotion{found};
   }
   check_start(node, key, out.motion, out.X_WG);

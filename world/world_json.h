@@ -9,10 +9,10 @@
 namespace moma {
 
 nlohmann::ordered_json to_json(const World& world);
-/// `what` names the place in messages. Throws config::ConfigError.
+/// `what` names the source in messages. Throws config::ConfigError.
 World world_from_json(const nlohmann::ordered_json& json, const std::string& what);
 
-/// Strict readers of the parts of a world file (specification: world and trace files). Throw config::ConfigError.
+/// Strict reader of a world file (specification: world and trace files). Throws config::ConfigError.
 World world_from_node(const config::Node& node, const std::string& key);
 Shape shape_from_node(const config::Node& shape, const config::Node& size, const std::string& key);
 Motion motion_from_node(const config::Node& node, const std::string& key);

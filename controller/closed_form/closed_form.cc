@@ -9,10 +9,10 @@
 namespace moma {
 namespace {
 
-constexpr double kSmallest = 0.02;  // s_min below which damping sets in
-constexpr double kNothing = 1e-14;  // of the largest squared singular value: what is below is rounding
-constexpr double kInfluence = 0.9;  // room below which a joint limit repels [rad, m]
-constexpr double kStop = 0.05;      // room at which the repulsion is 1 [rad, m]
+constexpr double kSmallest = 0.02;  // s_min below which damping acts
+constexpr double kNothing = 1e-14;  // relative to the largest squared singular value: smaller ones are rounding
+constexpr double kInfluence = 0.9;  // distance below which a joint limit repels [rad, m]
+constexpr double kStop = 0.05;      // distance at which the repulsion is 1 [rad, m]
 
 double repulsion(double room) noexcept {
   if (!(room < kInfluence)) return 0.0;
@@ -75,7 +75,7 @@ void scale_into_limits(const RobotModel& model, const VectorX& speed, VectorX& q
     if (size > model.base.wheels->max_speed) factor = std::min(factor, model.base.wheels->max_speed / size);
   }
   qdot *= factor;
-  // Rounding of the product may leave a value a last bit outside.
+  // Rounding of the product may exceed a limit by a last bit.
   qdot = qdot.cwiseMax(-speed).cwiseMin(speed);
 }
 

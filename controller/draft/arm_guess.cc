@@ -6,7 +6,7 @@
 namespace moma::draft {
 namespace {
 
-// A dexterous hand's finger has at most so many joints, and an arm at least so many before its hand.
+// Largest number of joints of a dexterous hand's finger, and least number of an arm's joints before its hand.
 constexpr int kFingerJoints = 4, kArmJoints = 3;
 
 class ArmFinder {
@@ -22,7 +22,7 @@ class ArmFinder {
     }
     for (int i = 1; i < urdf.size(); ++i) {
       const auto parent = static_cast<std::size_t>(urdf.link(i).parent);
-      // Beyond a finger all is hand.
+      // Everything beyond a finger belongs to the hand.
       until_[static_cast<std::size_t>(i)] = until_[parent] < 0 || finger(i) ? -1 : until_[parent] + (counts(i) ? 1 : 0);
     }
   }
@@ -58,7 +58,7 @@ class ArmFinder {
     return group;
   }
 
-  // By its name, or as one of several short chains behind an arm.
+  // Recognises a finger by its name, or as one of several short chains behind an arm.
   bool finger(int i) const {
     const UrdfJoint& joint = urdf_.link(i).joint;
     if (joint.type == UrdfJointType::kFixed) return false;
@@ -87,9 +87,10 @@ class ArmFinder {
     return false;
   }
 
-  // In the frame of the tip, along its axis next to the fingers; zero where there are none, or hardly beyond the tip.
+  // Point between the fingertips, in the tip's frame along its axis nearest to the fingers; zero without fingers, or if
+  // it is hardly beyond the tip.
   Vector3 between_fingers(int end, int tip) const {
-    constexpr double kBeyond = 0.05, kPads = 0.9;  // [m]; the part of their length where they close
+    constexpr double kBeyond = 0.05, kPads = 0.9;  // [m]; share of the fingers' length at which they close
     if (named(urdf_.link(tip).name, {"tcp", "grasp"})) return Vector3::Zero();
     std::vector<int> fingers;
     for (const int link : rigid_with(end))
@@ -107,7 +108,7 @@ class ArmFinder {
         for (const Vector3& p_L : outline(urdf_, shape)) points.push_back(X_TR * (urdf_.X_R(link) * p_L));
     }
     if (points.empty()) return Vector3::Zero();
-    Vector3 away = -(X_TR * urdf_.X_R(end).translation());  // of the wrist
+    Vector3 away = -(X_TR * urdf_.X_R(end).translation());  // from the wrist
     for (const Vector3& p_T : points) away += p_T / static_cast<double>(points.size());
     Eigen::Index axis = 0;
     away.cwiseAbs().maxCoeff(&axis);
@@ -140,8 +141,8 @@ class ArmFinder {
 
   const UrdfFacts& urdf_;
   const std::vector<bool>& not_arm_;
-  std::vector<int> below_;  // most driven joints on a way down from the link
-  std::vector<int> until_;  // driven joints from the root to the link; -1 in a hand
+  std::vector<int> below_;  // largest number of driven joints on a chain below the link
+  std::vector<int> until_;  // number of driven joints from the root to the link; -1 in a hand
 };
 
 }  // namespace

@@ -11,14 +11,14 @@
 namespace moma::draft {
 namespace {
 
-constexpr double kLevel = 0.2, kUpright = 0.9;  // of an axis' z
+constexpr double kLevel = 0.2, kUpright = 0.9;  // z components of level and upright axes
 constexpr double kNearFloor = 0.03;             // of the lowest points of wheels [m]
 
 struct Wheel {
   int link = 0;
   Vector3 p_R = Vector3::Zero();
   Vector3 axis_R = Vector3::UnitY();
-  double radius = 0.0;  // 0: not known
+  double radius = 0.0;  // 0: unknown
   bool round = true;
   bool steered = false;
   bool within_limits = false;  // steered as a car's
@@ -49,7 +49,7 @@ class BaseFinder {
            std::any_of(urdf_.visuals.begin(), urdf_.visuals.end(), [&](const UrdfVisual& v) { return v.link == name; });
   }
 
-  // Joints one after another from the root, before anything that has a shape.
+  // Finds joints one after another from the root, before any link with a shape.
   void find_virtual() {
     std::vector<int> chain;
     int linear = 0, turns = 0;
@@ -78,7 +78,7 @@ class BaseFinder {
     const std::string listed = fmt::format("{}", fmt::join(joints, ", "));
     guess_.doubtful = shapes || mass > 0.0;
     if (shapes) {
-      guess_.reason = "a gantry, or a mobile base that these stand for: " + listed;
+      guess_.reason = "a gantry, or virtual joints of a mobile base: " + listed;
       return;
     }
     guess_.type = linear == 2 ? BaseType::kOmnidirectional : BaseType::kDifferential;
@@ -94,7 +94,7 @@ class BaseFinder {
     return true;
   }
 
-  // Joints between what stands for a base and the link's own.
+  // Number of joints between the apparent base and the link's own.
   int driven_before(int link) const {
     int count = 0;
     for (int i = urdf_.link(link).parent; i > 0; i = urdf_.link(i).parent)
@@ -102,7 +102,7 @@ class BaseFinder {
     return count;
   }
 
-  // Of what is round about the axis, the largest distance from it; of anything else half the least width.
+  // For a shape that is round about the axis the largest distance from it; for others half the least width.
   void measure(Wheel& wheel) const {
     const UrdfLink& link = urdf_.link(wheel.link);
     std::vector<Vector3> solid, seen;
@@ -120,7 +120,7 @@ class BaseFinder {
 
   static bool fit(Wheel& wheel, const std::vector<Vector3>& points, const Vector3& axis) {
     constexpr int kDirections = 36;
-    constexpr double kRound = 1.15;  // an octagon is
+    constexpr double kRound = 1.15;  // an octagon counts as round
     if (points.empty()) return false;
     const Vector3 u = axis.unitOrthogonal(), v = axis.cross(u);
     double least = std::numeric_limits<double>::infinity(), most = 0.0;
@@ -144,7 +144,7 @@ class BaseFinder {
       const bool by_name = named(joint.name, {"wheel"}) || named(urdf_.link(i).name, {"wheel"});
       if (!drivable(joint) || joint.type == UrdfJointType::kPrismatic || !(endless || by_name)) continue;
       if (std::abs(urdf_.axis_R(i).z()) > kLevel || !nothing_driven_behind(i)) continue;
-      // A wrist is behind an arm; a wheel behind a fork at most.
+      // A wheel is behind a fork at most; a wrist is behind an arm.
       if (!by_name && driven_before(i) > 1) continue;
       Wheel wheel{i, urdf_.X_R(i).translation(), urdf_.axis_R(i)};
       measure(wheel);
@@ -160,7 +160,7 @@ class BaseFinder {
     if (wheels_.empty()) return;
     double lowest = std::numeric_limits<double>::infinity();
     for (const Wheel& wheel : wheels_) lowest = std::min(lowest, wheel.p_R.z() - wheel.radius);
-    // A joint without end is a wrist as well, unless it is on the floor or called a wheel.
+    // A joint without limits is a wrist as well, unless it is on the floor or called a wheel.
     std::erase_if(wheels_, [&](const Wheel& wheel) {
       const UrdfLink& link = urdf_.link(wheel.link);
       return !named(link.joint.name, {"wheel"}) && !named(link.name, {"wheel"}) &&
@@ -181,7 +181,7 @@ class BaseFinder {
 
   bool caster(const Wheel& wheel) const { return wheel.steered || called_caster(wheel); }
 
-  // Links called wheels whose joints are fixed, as URDFs for arms alone have them.
+  // Links called wheels with fixed joints, as in URDFs for arms alone.
   std::string stuck() const {
     std::string text;
     for (int i = 1; i < urdf_.size(); ++i)
@@ -225,7 +225,7 @@ class BaseFinder {
     place(driven);
   }
 
-  // B is midway between the wheels, on the floor, x ahead.
+  // B is midway between the wheels, on the floor, with x ahead.
   void place(std::vector<Wheel> driven) {
     Vector3 middle = Vector3::Zero();
     double lowest = std::numeric_limits<double>::infinity(), height = 0.0, radius = 0.0;
@@ -250,7 +250,7 @@ class BaseFinder {
       least = least.cwiseMin(p_B);
       most = most.cwiseMax(p_B);
       const double fastest = urdf_.link(wheel.link).joint.velocity.value_or(0.0);
-      constexpr double kBelievable = 100.0;  // [rad/s]; more stands for no limit
+      constexpr double kBelievable = 100.0;  // [rad/s]; a larger limit means none
       if (fastest > 0.0 && fastest < kBelievable) speed = speed > 0.0 ? std::min(speed, fastest) : fastest;
     }
     wheels.separation = most.y() - least.y();

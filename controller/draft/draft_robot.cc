@@ -28,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Taken where a URDF is silent: slow enough for any robot.
+// Defaults for missing limits of a URDF: slow enough for any robot.
 constexpr double kJointSpeed = 1.0, kSliderSpeed = 0.1;                         // [rad/s], [m/s]
 constexpr double kBaseSpeed = 0.5, kMostBaseSpeed = 2.0, kMostTurnSpeed = 2.0;  // [m/s], [m/s], [rad/s]
 
@@ -41,7 +41,7 @@ std::string number(double value) { return fmt::format("{:.5g}", value); }
 
 std::string list(const Vector3& v) { return fmt::format("[{}, {}, {}]", number(v.x()), number(v.y()), number(v.z())); }
 
-// What was expanded often keeps the commands as comments.
+// Expanded files often contain the commands as comments.
 std::string without_comments(const std::string& xml) {
   std::string text;
   std::size_t from = 0;
@@ -54,7 +54,7 @@ std::string without_comments(const std::string& xml) {
   return text + xml.substr(from);
 }
 
-/// YAML, line by line, the doubtful ones counted.
+/// YAML, line by line, with a count of the doubtful lines.
 class Lines {
  public:
   void add(int level, const std::string& line, const std::string& comment = "") {
@@ -68,7 +68,7 @@ class Lines {
   void remark(int level, const std::string& comment) {
     text_ += std::string(2U * static_cast<std::size_t>(level), ' ') + "# " + comment + "\n";
   }
-  // A line that may have to be added.
+  // Adds a commented line that may have to be enabled.
   void propose(int level, const std::string& line) {
     remark(level, "check: " + line);
     ++checks_;
@@ -209,7 +209,7 @@ class Drafter {
                        (known ? "" : "; rad/s is twice what max_linear needs"));
   }
 
-  // What read_arm() would refuse to be without.
+  // Adds the limits without which read_arm() refuses the file.
   void write_limits(const std::vector<int>& joints) {
     bool begun = false;
     for (const int link : joints) {
@@ -246,7 +246,7 @@ class Drafter {
                                list(arm_.p_TE.unaryExpr([](double value) { return rounded(value, 1e-3); }))),
                    "between the fingertips, where the URDF has no frame");
     if (!held_.empty())
-      lines_.doubt(1, "locked:", "an arm that does not work is held out of the way of the one that does");
+      lines_.doubt(1, "locked:", "the arm that is not used is held out of the way");
     else if (!base_.virtual_joints.empty())
       lines_.add(1, "locked:");
     for (const std::string& joint : base_.virtual_joints)
@@ -261,7 +261,7 @@ class Drafter {
     write_limits(arm_.joints);
   }
 
-  // Of two arms one works, and the other is held where it is out of the way.
+  // One of two arms works; the other is held out of the way.
   void fold_other_arms() {
     held_.clear();
     for (const std::string& tip : arm_.others) {
@@ -295,7 +295,7 @@ class Drafter {
     }
   }
 
-  // Where a joint is held that has no place of its own: at 0, or the limit next to it.
+  // Value of a held joint without a value of its own: 0, or the nearest limit.
   double resting_value(const std::string& name) const {
     for (int i = 1; i < urdf_.size(); ++i) {
       const UrdfJoint& joint = urdf_.link(i).joint;
@@ -306,7 +306,7 @@ class Drafter {
   }
 
   config::LoadedRobot load(const std::string& text) const {
-    // Paths are relative to where a value stands.
+    // Paths are relative to the place of a value.
     const fs::path place = options_.folder / ("a draft over " + options_.urdf.filename().string());
     return config::read_robot(config::parse_yaml(text, place.string(), options_.folder), "");
   }
@@ -315,7 +315,7 @@ class Drafter {
     return options_.collision.empty() ? "collision: {shapes: [], from: urdf, self: []}\n" : options_.collision;
   }
 
-  // Whether anything that the arm's joints move has collision geometry.
+  // True if any link that the arm's joints move has collision geometry.
   bool arm_has_geometry() const {
     for (int i = 1; i < urdf_.size(); ++i) {
       if (urdf_.link(i).collision.empty()) continue;
@@ -325,7 +325,7 @@ class Drafter {
     return false;
   }
 
-  // Writes what comes before `ready`; the robot as it is then, without self-collision.
+  // Writes the part before `ready`; returns the robot at this stage, without self-collision.
   std::shared_ptr<const RobotModel> begin() {
     lines_ = {};
     write_head();
@@ -334,7 +334,7 @@ class Drafter {
     return load(lines_.text() + shapes()).model;
   }
 
-  // Of the shapes that keep their height, or of those that joints lift, at q; `most` where there are none.
+  // Lowest point at q of the shapes that joints lift, or of the others; `most` without such shapes.
   static double lowest(const std::shared_ptr<const RobotModel>& model, const VectorX& q, bool standing, double most) {
     const std::vector<bool> lifted = floor_reach(*model).lifted;
     Kinematics kinematics(model);
@@ -345,17 +345,17 @@ class Drafter {
     return most;
   }
 
-  // A root that is not at the foot of what keeps its height is lifted. True where it was.
+  // Lifts the root if it is not at the foot of the shapes with constant height. True if it did.
   bool stand_on_floor(const std::shared_ptr<const RobotModel>& model) {
     if (base_.type != BaseType::kFixed) return false;
-    constexpr double kSunk = 0.01;  // hulls are a little larger than what they enclose [m]
+    constexpr double kSunk = 0.01;  // hulls are slightly larger than their contents [m]
     const double foot = lowest(model, model->ready, true, 0.0);
     if (foot > -kSunk) return false;
     base_.X_BR.translation().z() = -foot;
     return true;
   }
 
-  // Worlds ask for room below an arm; a fixed one that nowhere has it is put on a plinth.
+  // Worlds need room below an arm; a fixed arm without any gets a plinth.
   bool lift(const std::shared_ptr<const RobotModel>& model, const VectorX& q) {
     if (base_.type != BaseType::kFixed) return false;
     constexpr double kRoom = 0.05;  // [m]
@@ -377,7 +377,7 @@ class Drafter {
                                   : "no posture was found that the joints' efforts can hold");
   }
 
-  // A drive that cannot carry its arm in much of its range seldom has to: springs do, of which URDFs do not tell.
+  // A drive that cannot hold its arm in much of its range usually has springs, which URDFs do not describe.
   void propose_efforts(const std::shared_ptr<const RobotModel>& model) {
     constexpr double kMuch = 0.25, kSpare = 1.2;
     for (const JointLoad& load : joint_loads(model)) {
@@ -419,7 +419,7 @@ bool is_urdf(const fs::path& file) {
     const auto first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
     return first != std::string::npos && text[first] == '<';
   } catch (const std::exception&) {
-    return false;  // whoever reads it says what is wrong
+    return false;  // the file's reader reports the error
   }
 }
 

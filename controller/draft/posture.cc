@@ -15,14 +15,14 @@
 namespace moma::draft {
 namespace {
 
-constexpr double kInner = 0.9;   // of the limits
-constexpr double kMostly = 0.8;  // of configurations: what touches in more of them says nothing of a posture
+constexpr double kInner = 0.9;   // share of the limits
+constexpr double kMostly = 0.8;  // share of configurations; pairs that touch in more of them are ignored
 constexpr double kFloor = 0.05;  // [m]
-constexpr double kApart = 0.03;  // of the arm's shapes: simpler ones, fitted later, are larger [m]
-constexpr double kSpare = 0.9;   // of an effort
-constexpr double kRoom = 0.15;   // of a joint's range to its limit: enough
+constexpr double kApart = 0.03;  // between the arm's shapes: simpler shapes, fitted later, are larger [m]
+constexpr double kSpare = 0.9;   // share of an effort
+constexpr double kRoom = 0.15;   // share of a joint's range to its limit that is enough
 constexpr double kTurn = 0.6 * std::numbers::pi;  // [rad]
-constexpr double kLow = 0.2;                      // of E over the floor [m]
+constexpr double kLow = 0.2;                      // height of E above the floor [m]
 
 class PostureFinder {
  public:
@@ -61,7 +61,7 @@ class PostureFinder {
     for (int i = 0; i < q.size(); ++i) {
       const ControlledJoint& joint = model_->joints[static_cast<std::size_t>(i)];
       auto [lower, upper] = drawn_range(joint);
-      // More than one turn is as well off near zero.
+      // A range of more than one turn is best near zero.
       if (joint.type != JointType::kPrismatic && upper - lower > 1.5 * std::numbers::pi) {
         lower = std::max(lower, -kTurn);
         upper = std::min(upper, kTurn);
@@ -72,7 +72,7 @@ class PostureFinder {
     return q;
   }
 
-  // Neighbours' shapes are near each other whatever the posture.
+  // Ignores pairs of neighbouring shapes, which are near each other in any posture.
   void leave_out_touching() {
     std::vector<int> touches(model_->self_pairs.size(), 0);
     constexpr int kLooks = 200;
@@ -125,8 +125,8 @@ class PostureFinder {
     return std::max(0.0, least) / kRoom;
   }
 
-  // How far the arm's shapes are from the upright line through B at most, those ahead counting twice: there another arm
-  // works [m].
+  // Largest distance of the arm's shapes from the upright line through B, counting distances ahead twice: another arm
+  // works there [m].
   double spread() const {
     double most = 0.0;
     for (const CollisionShape& shape : model_->shapes) {
@@ -143,7 +143,8 @@ class PostureFinder {
     judged_ = {std::move(q), manipulability(arm, ManipulabilityRows::kTranslation), clear(), held()};
     const Vector3 p_E = kinematics_.X_WE().translation();
     const double inviting = (p_E.x() < 0.0 ? 0.5 : 1.0) * (p_E.z() < kLow ? 0.5 : 1.0);
-    // Robots whose E cannot move in all directions have no manipulability, and differ in room alone.
+    // Robots whose E cannot move in all directions have no manipulability, and are ranked by their joints' distances
+    // from limits.
     const double worth = what_ == PostureFor::kReady ? (1e-3 + judged_.manipulability) * room(judged_.q) * inviting
                                                      : 1.0 / (0.1 + spread());
     constexpr double kFar = 1e3;  // above any worth

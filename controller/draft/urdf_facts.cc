@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Names the folder of a mesh's package in `urdf.packages` where a robot file could not find it by itself.
+// Adds the folder of a mesh's package to `urdf.packages` if a robot file could not find it by itself.
 void find_package(UrdfFacts& urdf, const std::string& uri) {
   constexpr std::string_view kPackage = "package://";
   const std::size_t slash = uri.find('/', kPackage.size());

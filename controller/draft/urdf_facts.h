@@ -12,15 +12,15 @@
 
 namespace moma::draft {
 
-/// A URDF's tree with what guesses ask of it again and again. Link i is tree.links[i], 0 the root R.
+/// A URDF's tree with the quantities that the guesses need repeatedly. Link i is tree.links[i], 0 the root R.
 struct UrdfFacts {
   UrdfTree tree;
-  std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_RL;  ///< of the links, all joints at 0
+  std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_RL;  ///< pose of the links, all joints at 0
   std::vector<std::vector<int>> children;
   std::vector<UrdfVisual> visuals;
-  std::filesystem::path directory;                        ///< of the URDF
-  std::map<std::string, std::filesystem::path> packages;  ///< that are to be named in the robot file
-  std::vector<std::string> renamed;                       ///< of `packages` those whose folder is called otherwise
+  std::filesystem::path directory;                        ///< folder of the URDF
+  std::map<std::string, std::filesystem::path> packages;  ///< packages that the robot file has to name
+  std::vector<std::string> renamed;                       ///< packages among them whose folder has another name
 
   const UrdfLink& link(int i) const { return tree.links[static_cast<std::size_t>(i)]; }
   const Isometry& X_R(int i) const { return X_RL[static_cast<std::size_t>(i)]; }
@@ -30,18 +30,18 @@ struct UrdfFacts {
   Vector3 axis_R(int i) const { return X_R(i).linear() * link(i).joint.axis; }
 };
 
-/// `text`: the URDF, in `directory`. Packages of its meshes that stand neither beside nor above it are looked for as
-/// always, then as a folder above it that has the mesh, whatever its name.
+/// `text`: the URDF, in `directory`. Packages of its meshes that are neither beside nor above it are searched as usual,
+/// then as any folder above it that contains the mesh.
 UrdfFacts facts_of(const std::string& text, UrdfReading reading, const std::filesystem::path& directory);
 
-/// Points on the outline of a shape, in the link's frame: vertices of a mesh, corners of a box, rings of what is round.
-/// Empty where a mesh cannot be read; what is wrong with it is said where the robot's shapes are read.
+/// Returns points on the outline of a shape, in the link's frame: vertices of a mesh, corners of a box, rings of round
+/// shapes. Empty if a mesh cannot be read; the reader of the robot's shapes reports the error.
 std::vector<Vector3> outline(const UrdfFacts& urdf, const UrdfGeometry& shape);
 
-/// Revolute, continuous or prismatic, and free to be driven: it mimics no other.
+/// True if a joint is revolute, continuous or prismatic, and mimics no other.
 bool drivable(const UrdfJoint& joint);
 
-/// Whether a name has one of the words in it, whatever the case of its letters.
+/// True if a name contains one of the words, in any case.
 bool named(std::string_view name, std::initializer_list<std::string_view> words);
 
 }  // namespace moma::draft

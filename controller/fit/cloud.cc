@@ -20,7 +20,7 @@ struct Polygon {
   void add(const Vector3& p) { corner[static_cast<std::size_t>(count++)] = p; }
 };
 
-// Keeps sign * (axis . x - at) >= 0.
+// Keeps the half with sign * (axis . x - at) >= 0.
 Polygon cut(const Polygon& polygon, const Vector3& axis, double at, double sign) {
   Polygon kept;
   for (int i = 0; i < polygon.count; ++i) {

@@ -4,26 +4,26 @@
 
 namespace moma::fit {
 
-/// How hard to look: quick is for choosing among cuts (some percent off), thorough for what is written.
+/// Effort of a search: quick for comparing cuts (some percent off), thorough for the result.
 enum class Effort { kQuick, kThorough };
 
-/// Shapes along the link's own axes are taken where they are at most so much larger than the smallest found: their
-/// angles can be read, and symmetric meshes get symmetric shapes.
+/// A shape along the link's own axes is preferred if it is at most this factor larger than the smallest: its angles are
+/// readable, and symmetric meshes get symmetric shapes.
 inline constexpr double kAlignedGain = 1.003;
 
 /// Smallest enclosing sphere of at least one point: exact, see smallest_ball().
 Solid enclosing_sphere(const Points& points);
 
-/// An enclosing capsule of nearly least volume. For a given axis and radius the shortest length follows in closed form;
-/// the search is over directions (spread over the half sphere, the link's and the principal axes, each with the
-/// smallest disc around the projected points), then locally over all five variables: direction, offset, radius. A
-/// radius above the smallest may pay, since it lets the caps do more of the covering.
+/// Returns an enclosing capsule of nearly least volume. The shortest length for a given axis and radius is a closed
+/// form. The search covers directions (spread over the half sphere, the link's and the principal axes, each with the
+/// smallest disc around the projected points), then locally all five variables: direction, offset, radius. A radius
+/// above the smallest may pay, since the caps then cover more.
 Solid enclosing_capsule(const Points& points, Effort effort);
 
-/// An enclosing box of nearly least volume. For a given normal the smallest rectangle around the projected points has
-/// a side along an edge of their hull (Freeman and Shapira 1975), so that it is found exactly; normals are those of the
-/// hull's faces, the link's and the principal axes and some spread over the half sphere. The best are improved by
-/// taking the box's own axes for normals in turn (Chan and Tan 2001), then by small turns.
+/// Returns an enclosing box of nearly least volume. For a given normal the smallest rectangle around the projected
+/// points has a side along an edge of their hull (Freeman and Shapira 1975) and is found exactly. Normals are those of
+/// the hull's faces, the link's and the principal axes, and some spread over the half sphere. The best boxes are
+/// improved by using the box's own axes as normals in turn (Chan and Tan 2001), then by small rotations.
 Solid enclosing_box(const Points& points, Effort effort);
 
 }  // namespace moma::fit

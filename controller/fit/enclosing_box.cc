@@ -13,7 +13,7 @@
 namespace moma::fit {
 namespace {
 
-constexpr int kFewPoints = 256;  // while normals are compared
+constexpr int kFewPoints = 256;  // number of points in the comparison of normals
 constexpr int kDirections = 32;
 constexpr std::size_t kRefined = 6;
 constexpr int kMostTurns = 20;
@@ -57,7 +57,7 @@ std::vector<Vector2> flat_hull(std::vector<Vector2> points) {
   return hull;
 }
 
-// The smallest box with one axis along `normal`.
+// Returns the smallest box with one axis along `normal`.
 Box along(const Points& points, const Vector3& normal) {
   const Vector3 x = normal.unitOrthogonal();
   const Vector3 y = normal.cross(x);
@@ -89,7 +89,7 @@ Box along(const Points& points, const Vector3& normal) {
   return best;
 }
 
-// The box's own axes as normals in turn, while that helps.
+// Uses the box's own axes as normals in turn, while that helps.
 Box turned(const Points& points, Box box) {
   for (int turn = 0; turn < kMostTurns; ++turn) {
     Box best = box;
@@ -117,7 +117,7 @@ Box refined(const Points& points, const Box& start) {
   return found < start.volume ? Box{axes(x), found} : start;
 }
 
-// Axes in the order and with the signs that are nearest to the link's: readable angles.
+// Orders and orients axes as near to the link's as possible, for readable angles.
 Matrix3 tidy(const Matrix3& axes) {
   Matrix3 best = axes;
   double most = -4.0;

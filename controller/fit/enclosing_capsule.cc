@@ -11,9 +11,9 @@
 namespace moma::fit {
 namespace {
 
-constexpr int kFewPoints = 256;  // while directions are compared
+constexpr int kFewPoints = 256;  // number of points in the comparison of directions
 constexpr int kDirections = 64;
-constexpr std::size_t kRefined = 5;  // of them go into the local search
+constexpr std::size_t kRefined = 5;  // number of directions for the local search
 constexpr int kEvaluations = 400;
 constexpr double kMostRadius = 0.7;  // log of the largest factor
 
@@ -25,8 +25,8 @@ struct Capsule {
   double volume = std::numeric_limits<double>::infinity();
 };
 
-// The shortest capsule about the line through `origin` along `axis` whose radius is `factor` times the smallest.
-// A point at axial place t and distance r from the line is inside where t is at most sqrt(R^2 - r^2) beyond an end.
+// The shortest capsule about the line through `origin` along `axis` with a radius of `factor` times the smallest. A
+// point at axial position t and distance r from the line is inside if t is at most sqrt(R^2 - r^2) beyond an end.
 class Line {
  public:
   Line(const Points& points, const Vector3& origin, const Vector3& axis)
@@ -71,7 +71,7 @@ Matrix3 frame_along(const Vector3& axis) {
   return frame;
 }
 
-// Best of the capsules along `axis` about the middle of the smallest disc, with these factors of its radius.
+// Returns the best capsule along `axis` through the middle of the smallest disc, with these factors of its radius.
 Capsule along(const Points& points, const Vector3& axis, const std::vector<double>& factors) {
   const Matrix3 frame = frame_along(axis);
   std::vector<Vector2> flat;
@@ -130,7 +130,7 @@ Solid enclosing_capsule(const Points& points, Effort effort) {
       const Capsule candidate = refined(few, found[i]);
       if (candidate.volume < best.volume) best = candidate;
     }
-    // The few points were most of the hull: now all of it.
+    // The few points were most of the hull: repeats with all of it.
     const double least = smallest_radius(points, best);
     best = refined(points, Line(points, best.middle, best.axis).capsule(std::max(1.0, best.radius / least)));
     std::vector<double> fine;

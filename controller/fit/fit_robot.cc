@@ -28,7 +28,7 @@ constexpr int kPrismSides = 96;
 // The prism around a cylinder, in the cylinder's frame.
 Triangles prism(const Vector3& size) {
   const double radius = size.x() / std::cos(std::numbers::pi / kPrismSides);
-  const auto corner = [&](int i, double sign) {  // sides, not edges, look along x and y
+  const auto corner = [&](int i, double sign) {  // sides, not edges, face x and y
     const double turn = 2.0 * std::numbers::pi * (i % kPrismSides + 0.5) / kPrismSides;
     return Vector3(radius * std::cos(turn), radius * std::sin(turn), 0.5 * sign * size.y());
   };
@@ -87,10 +87,10 @@ bool same_points(const Triangles& a, const Triangles& b) {
                     [](const Triangle& x, const Triangle& y) { return x[0] == y[0] && x[1] == y[1] && x[2] == y[2]; });
 }
 
-/// What has been fitted, so that nothing is twice: links of arms that are built alike have the same geometry.
+/// Cache of fits: links of arms of the same type have the same geometry.
 class Fitted {
  public:
-  /// Writes shapes around the surfaces, how well they fit, and whose they were.
+  /// Fits shapes around the surfaces and stores them with their error and origin.
   void fit(const std::vector<Triangles>& surfaces, const FitOptions& options, LinkFit& link) {
     const auto known = std::find_if(all_.begin(), all_.end(), [&](const One& one) {
       return one.box_weight == options.kinds.box_weight &&
@@ -110,7 +110,7 @@ class Fitted {
  private:
   struct One {
     std::vector<Triangles> surfaces;
-    double box_weight = 0.0;  // the one option that differs from link to link
+    double box_weight = 0.0;  // the one option that differs between links
     std::string link;
     std::vector<Placed> shapes;
     FitError error;
@@ -158,7 +158,7 @@ std::string shape_line(const std::string& link, const Placed& placed) {
   return line + "}\n";
 }
 
-// LINK/2 may be another shape, or none, once LINK is fitted: the pair then means the whole link.
+// After a fit LINK/2 may be another shape or none: the pair then names the whole link.
 std::string self_text(const Node& self, const std::set<std::string>& fitted) {
   Node copy = self;
   for (Node& pair : copy.items) {
@@ -188,7 +188,7 @@ SelfContact self_contact(const RobotModel& model) {
   return contact;
 }
 
-// A robot file, and what of its `collision` stays.
+// A robot file and the part of its `collision` that stays.
 class Source {
  public:
   explicit Source(const fs::path& file) : root_(config::load_yaml(file)) {
@@ -202,7 +202,7 @@ class Source {
     if (const Node* stop = collision->find("self_stop")) stop_ = *stop;
   }
 
-  /// The robot with the shapes that it has, which may be none yet.
+  /// The robot with its shapes before the fit, possibly none.
   config::LoadedRobot before(const fs::path& file, bool any_geometry) const {
     const Node* collision = root_.find("collision");
     const bool from = any_geometry && collision != nullptr && collision->find("from") != nullptr;

@@ -35,7 +35,7 @@ class Hull {
 
   std::optional<double> volume() const { return volume_; }
 
-  /// 0 inside.
+  /// Distance to the hull; 0 inside.
   double distance(const Vector3& p) const {
     if (hull_) return config::distance_outside(*hull_, p);
     double least = std::numeric_limits<double>::infinity();

@@ -7,17 +7,17 @@
 
 namespace moma::fit {
 
-/// How well shapes enclose a surface. Overshoot is the distance from points spread evenly over the shapes' outer
-/// surface to the convex hull of the enclosed surface; 0 for points inside the hull. Where the surface is hollow,
-/// several shapes can be smaller than its hull.
+/// Error of shapes around a surface. Overshoot is the distance from points spread evenly over the shapes' outer surface
+/// to the convex hull of the enclosed surface; 0 for points inside the hull. Several shapes around a hollow surface can
+/// be smaller than its hull.
 struct FitError {
-  std::optional<double> volume_ratio;  ///< of the union to the hull; empty where the hull is flat
+  std::optional<double> volume_ratio;  ///< volume of the union over that of the hull; empty if the hull is flat
   double mean_overshoot = 0.0;         ///< [m]
   double most_overshoot = 0.0;         ///< [m]
-  double uncovered = 0.0;              ///< [m] furthest that a corner lies outside all shapes
+  double uncovered = 0.0;              ///< largest distance of a corner outside all shapes [m]
 };
 
-/// Measured on about 2,000 points.
+/// Measures about 2,000 points.
 FitError measure(const Triangles& surface, const std::vector<Placed>& shapes);
 
 }  // namespace moma::fit

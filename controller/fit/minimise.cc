@@ -43,7 +43,7 @@ std::vector<double> minimise(const std::function<double(const std::vector<double
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception&) {
-    // Rounding that stops the search, say: the best point so far stands.
+    // A rounding error, for example, ended the search: the best point so far is kept.
   }
   return problem.best;
 }

@@ -5,7 +5,7 @@
 
 namespace moma::fit {
 
-/// What minimise() varies: start, first step and box of each variable.
+/// Variables of minimise(): start, first step and bounds of each.
 struct Variables {
   std::vector<double> start;
   std::vector<double> step;
@@ -13,7 +13,7 @@ struct Variables {
   std::vector<double> upper;
 };
 
-/// A point near `start` where f is smallest, for functions with kinks: Subplex (Rowan 1990, NLopt's LN_SBPLX), which
+/// Returns a local minimum of f near `start`, for functions with kinks: Subplex (Rowan 1990, NLopt's LN_SBPLX), which
 /// needs no derivatives and draws no random numbers. Never worse than the start. f must not throw.
 std::vector<double> minimise(const std::function<double(const std::vector<double>&)>& f, const Variables& variables,
                              int evaluations);

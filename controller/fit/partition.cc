@@ -11,12 +11,12 @@
 namespace moma::fit {
 namespace {
 
-constexpr int kSlabs = 12;                 // between the places where a part may be cut
-constexpr int kSlabPoints = 96;            // extreme points that stand for a slab in quick fits
-constexpr std::size_t kManyPoints = 1000;  // a hull is faster than comparing them all
-constexpr int kQuickSamples = 1024;        // of a union's volume while cuts are compared
+constexpr int kSlabs = 12;                 // number of slabs between possible cuts of a part
+constexpr int kSlabPoints = 96;            // number of extreme points per slab in quick fits
+constexpr std::size_t kManyPoints = 1000;  // from here on a hull is faster than comparing all points
+constexpr int kQuickSamples = 1024;        // samples of a union's volume in the comparison of cuts
 constexpr int kSamples = 8192;
-constexpr std::size_t kThorough = 3;  // cuts that are fitted with all their points
+constexpr std::size_t kThorough = 3;  // number of cuts that are fitted with all their points
 
 constexpr double kSameAxis = 0.98;  // cosine
 
@@ -25,7 +25,7 @@ struct Part {
   Triangles surface;
   Points points;  // all corners
   Solid solid;
-  Matrix3 axes = Matrix3::Identity();  // of its box
+  Matrix3 axes = Matrix3::Identity();  // axes of its box
 };
 
 Part make_part(Triangles surface, const Kinds& kinds) {
@@ -40,7 +40,7 @@ Part make_part(Triangles surface, const Kinds& kinds) {
 
 using Parts = std::vector<Part>;
 
-// Volume of the union times the mean weight of its kinds.
+// Cost: volume of the union times the mean weight of its kinds.
 double cost_of(const std::vector<Solid>& solids, const Kinds& kinds, int samples) {
   double sum = 0.0;
   double weighted = 0.0;
@@ -57,7 +57,7 @@ double cost_of(const Parts& parts, const Kinds& kinds) {
   return cost_of(solids, kinds, kSamples);
 }
 
-// Part `which` cut across `axis` at these places, in rising order.
+// A cut of part `which` across `axis` at these positions, in ascending order.
 struct Cut {
   std::size_t which = 0;
   Vector3 axis = Vector3::UnitX();
@@ -65,7 +65,7 @@ struct Cut {
   double cost = 0.0;  // by quick fits
 };
 
-// One part in slabs across one axis, and the quick fits around runs of neighbouring slabs.
+// One part in slabs across one axis, with quick fits around runs of neighbouring slabs.
 class Slabs {
  public:
   Slabs(const Part& part, const Vector3& axis, const Kinds& kinds) : kinds_(kinds) {
@@ -87,7 +87,7 @@ class Slabs {
 
   double place(int i) const { return places_[static_cast<std::size_t>(i - 1)]; }
 
-  /// Around the slabs [from, to); empty where there is nothing of the surface.
+  /// Fit around the slabs [from, to); empty if they contain no surface.
   const std::optional<Solid>& around(int from, int to) {
     std::optional<std::optional<Solid>>& entry = fits_[static_cast<std::size_t>(from)][static_cast<std::size_t>(to)];
     if (entry) return *entry;
@@ -108,7 +108,7 @@ class Slabs {
   std::array<std::array<std::optional<std::optional<Solid>>, kSlabs + 1>, kSlabs> fits_;
 };
 
-// All cuts of one part in `pieces` (2 or 3), with what all parts together then cost.
+// Adds all cuts of one part into `pieces` (2 or 3), with the resulting cost of all parts.
 void add_cuts(const Parts& parts, std::size_t which, int pieces, const Kinds& kinds, std::vector<Cut>& cuts) {
   std::vector<Solid> others;
   for (std::size_t i = 0; i < parts.size(); ++i)
@@ -160,7 +160,7 @@ Parts applied(const Parts& parts, const Cut& cut, const Kinds& kinds) {
   return result;
 }
 
-// The best of the most promising cuts; empty where nothing can be cut.
+// Returns the best of the most promising cuts; empty if nothing can be cut.
 Parts best_cut(const Parts& whole, const Parts& parts, const Kinds& kinds) {
   struct Choice {
     const Parts* of;

@@ -12,15 +12,15 @@ struct FitOptions {
   Kinds kinds;
 };
 
-/// One more shape has to make the union smaller by this factor (weighted by kind, see weight()).
+/// Factor by which a further shape must reduce the union (weighted by kind, see weight()).
 inline constexpr double kGain = 1.1;
 
-/// Shapes that together enclose the surfaces of a link, and the bodies inside them. All of it is cut by planes across
-/// the axes of its box and those of the link, in two or three slabs (all choices of twelve places are compared, with
-/// quick fits), then the parts again where more shapes are allowed; each part is the surface clipped between its
-/// planes, and one shape encloses all of it. Several surfaces are also tried one by one. Of the numbers of shapes
-/// tried, the one with the least volume of the union times kGain per further shape is taken. Deterministic. At least
-/// one surface, each of at least one triangle. About 0.3 s for three shapes.
+/// Returns shapes that together enclose the surfaces of a link and the bodies inside them. The whole is cut by planes
+/// across the axes of its box and of the link, into two or three slabs (comparing all choices among twelve positions
+/// with quick fits), and the parts are cut again while more shapes are allowed. Each part is the surface clipped
+/// between its planes, enclosed by one shape. Several surfaces are also fitted one by one. Among the numbers of shapes,
+/// the least volume of the union times kGain per further shape wins. Deterministic. At least one surface, each of at
+/// least one triangle. About 0.3 s for three shapes.
 std::vector<Placed> fit_surfaces(const std::vector<Triangles>& surfaces, const FitOptions& options);
 
 }  // namespace moma::fit

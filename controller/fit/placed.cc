@@ -8,19 +8,19 @@
 namespace moma::fit {
 namespace {
 
-constexpr double kSlack = 1e-9;  // [m] against rounding in whoever measures
+constexpr double kSlack = 1e-9;  // margin for rounding in later measurements [m]
 
 double nearest(double value) { return std::round(value / kGrid) / std::round(1.0 / kGrid) + 0.0; }
 double upward(double value) { return std::ceil((value + kSlack) / kGrid) / std::round(1.0 / kGrid); }
 
-// Fixed axes x, y, z: R = Rz Ry Rx.
+// Angles about fixed axes x, y, z: R = Rz Ry Rx.
 Vector3 angles_of(const Matrix3& R) {
   const double pitch = std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0)));
   if (std::hypot(R(0, 0), R(1, 0)) < 1e-9) return {std::atan2(-R(1, 2), R(1, 1)), pitch, 0.0};
   return {std::atan2(R(2, 1), R(2, 2)), pitch, std::atan2(R(1, 0), R(0, 0))};
 }
 
-// A capsule may turn about its axis and be reversed: no roll, and a pitch of at most a right angle.
+// A capsule is symmetric about its axis and reversible: no roll, and a pitch of at most a right angle.
 Vector3 angles_of_axis(Vector3 axis) {
   if (axis.z() < 0.0) axis = -axis;
   const double across = std::hypot(axis.x(), axis.y());

@@ -9,14 +9,14 @@
 namespace moma::fit {
 namespace {
 
-constexpr double kRounding = 1e-12;  // of the radius
-constexpr int kMostSteps = 1000;     // rounding could otherwise let subsets return
+constexpr double kRounding = 1e-12;  // relative to the radius
+constexpr int kMostSteps = 1000;     // rounding could otherwise let subsets repeat
 
 template <int D>
 using Point = Eigen::Matrix<double, D, 1>;
 
-// The smallest ball with all the `points` on its boundary; false where they are not in general position.
-// The centre c = p0 + sum l_i v_i, v_i = p_i - p0, has the same distance to all: V^T V l = 1/2 diag(V^T V).
+// The smallest ball with all `points` on its boundary; false unless they are in general position. The centre c = p0 +
+// sum l_i v_i, v_i = p_i - p0, has the same distance to all: V^T V l = 1/2 diag(V^T V).
 template <int D>
 bool ball_through(const std::vector<Point<D>>& points, Ball<D>& ball) {
   const auto spanned = static_cast<Eigen::Index>(points.size()) - 1;
@@ -47,8 +47,8 @@ double reach(const Ball<D>& ball, const std::vector<Point<D>>& points, std::size
   return std::sqrt(most);
 }
 
-// Smallest ball of a few points: the smallest among those through a subset that reach all. `support` becomes the
-// subset.
+// Smallest ball of a few points: the smallest among the balls of their subsets that reach all points. `support` becomes
+// the subset.
 template <int D>
 Ball<D> ball_of_few(std::vector<Point<D>>& support) {
   Ball<D> best;

@@ -23,8 +23,9 @@ double surface_area(const Shape& shape) {
   }
 }
 
-// Point of the surface at u, v in [0, 1), equal areas for equal shares. A sphere's zone has an area in proportion to
-// its height (Archimedes), as a cylinder's has, with the same factor: so u runs along the whole axis of a capsule.
+// Point of the surface at u, v in [0, 1), equal areas for equal shares. The area of a sphere's zone is proportional to
+// its height (Archimedes), as a cylinder's is, with the same factor: u therefore runs along the whole axis of a
+// capsule.
 Vector3 surface_point(const Shape& shape, double u, double v) {
   const double turn = 2.0 * kPi * v;
   if (shape.kind != ShapeKind::kBox) {

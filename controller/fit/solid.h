@@ -7,10 +7,10 @@
 
 namespace moma::fit {
 
-/// Thinnest that a shape gets [m]: half of it as radius, all of it as edge. Flat and thin meshes become so thick.
+/// Least thickness of a shape [m]: twice its radius, or its edge. Flat and thin meshes become this thick.
 inline constexpr double kThinnest = 1e-3;
 
-/// A sphere, capsule or box somewhere in the link's frame L.
+/// A sphere, capsule or box with its pose in the link's frame L.
 struct Solid {
   Shape shape;
   Isometry X_LS = Isometry::Identity();
@@ -19,14 +19,14 @@ struct Solid {
 /// [m^3]
 double volume(const Shape& shape) noexcept;
 
-/// Signed distance of a point from the solid's surface, negative inside [m]; exact outside, and inside too.
+/// Signed distance of a point from the solid's surface, negative inside [m]; exact.
 double distance(const Solid& solid, const Vector3& p_L) noexcept;
 
-/// Volume of the union: exact for one solid; for more counted on `samples` points of a Halton sequence (bases 2, 3, 5)
-/// in the box around them, off by about 1 % for 4,000.
+/// Volume of the union: exact for one solid; for several counted on `samples` points of a Halton sequence (bases 2, 3,
+/// 5) in the box around them, with an error of about 1 % for 4,000.
 double union_volume(std::span<const Solid> solids, int samples);
 
-/// About `samples` points spread evenly over the surfaces of all the solids, without those inside another one.
+/// Returns about `samples` points spread evenly over the surfaces of all solids, without those inside another one.
 Points union_surface(std::span<const Solid> solids, int samples);
 
 }  // namespace moma::fit

@@ -8,8 +8,8 @@
 namespace moma {
 namespace {
 
-// If no admissible way out of the way of what moves is left (safe/evasion.h), the base begins its backup trajectory.
-// The arm goes with the base as far as its rows let it.
+// If no admissible command avoids a moving object (safe/evasion.h), the base starts an evasive motion. The arm follows
+// the base as far as its rows allow.
 class EvasionGuard final : public Guard {
  public:
   EvasionGuard(const std::shared_ptr<const RobotModel>& model, const ControllerParams& p, double control_period)
@@ -22,7 +22,7 @@ class EvasionGuard final : public Guard {
   Verdict judge(const Situation& now, const Posed& posed, const VectorX& command) noexcept override {
     evasion_.set_shares(now.execution.drive);
     if (evasion_.passes(now.o, command, base_)) return Passes{};
-    constexpr double kSlack = 1e-4, kWeight = 1.0;  // E goes with the base; joints are asked for no velocity
+    constexpr double kSlack = 1e-4, kWeight = 1.0;  // E follows the base; joints have no wanted velocity
     QpTask asked{.task = now.servo,
                  .pull = QpTask::Pull{nullptr, 0.0, kWeight},
                  .bounds = posed.asked.bounds,
@@ -41,10 +41,10 @@ class EvasionGuard final : public Guard {
  private:
   int base_dof_;
   Evasion evasion_;
-  VectorX base_;  // velocities of the backup trajectory, as far as the base goes
+  VectorX base_;  // velocities of the evasion, as far as the base reaches them
 };
 
-// A command from which braking would come too near to something at rest gives way (safe/brake_check.h).
+// Scales a command down whose backup trajectory comes too near to an object at rest (safe/brake_check.h).
 class BrakeGuard final : public Guard {
  public:
   BrakeGuard(const std::shared_ptr<const RobotModel>& model, const ControllerParams& p, double control_period)

@@ -19,21 +19,21 @@ struct Slowed {
   const VectorX& command;
   double kept;  ///< share of the QP's command in it; 1: the same
 };
-/// A QpTask replaces the task: the command is what the QP makes of that.
+/// A QpTask replaces the task: the command becomes the QP's solution of it.
 using Verdict = std::variant<Passes, Slowed, QpTask>;
 
 /// Judges the QP's command before it is sent.
 class Guard {
  public:
   virtual ~Guard() = default;
-  /// May take memory, nothing else does.
+  /// May allocate; no other function does.
   virtual void set_objects(std::span<const ObjectShape> objects) = 0;
-  /// References in the verdict hold until the next call.
+  /// References in the verdict are valid until the next call.
   virtual Verdict judge(const Situation& now, const Posed& posed, const VectorX& command) noexcept = 0;
 };
 
-/// The guards that the parameters switch on, in the order in which they judge; the first that does not let a command
-/// pass decides. The list of all guards is in guard.cc.
+/// Returns the guards that the parameters switch on, in the order of judgement; the first that does not pass a command
+/// decides. The list of all guards is in guard.cc.
 std::vector<std::unique_ptr<Guard>> make_guards(const std::shared_ptr<const RobotModel>& model,
                                                 const ControllerParams& params, double control_period);
 

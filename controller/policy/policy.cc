@@ -11,7 +11,7 @@
 namespace moma {
 namespace {
 
-// The servo's task for the QP. Where the robot stagnates, a detour or the vortex bends the task (task/escape.h).
+// The servo's task for the QP. After stagnation a detour or the vortex changes the task (task/escape.h).
 class ServoPolicy final : public Policy {
  public:
   explicit ServoPolicy(const PolicyParts& parts) : parts_(parts) {}
@@ -30,7 +30,7 @@ class ServoPolicy final : public Policy {
   PolicyParts parts_;
 };
 
-// Looking ahead (ahead/lookahead.h): the velocities of a path while one is followed, the servo otherwise.
+// Looking ahead (ahead/lookahead.h): the velocities of a path while the robot follows one, the servo otherwise.
 class PathPolicy final : public Policy {
  public:
   explicit PathPolicy(const PolicyParts& parts) : parts_(parts), servo_(parts) {}
@@ -44,8 +44,8 @@ class PathPolicy final : public Policy {
     begun_with_ = parts_.escape.state();
     if (!ahead.guides()) return servo_.aim(now, near);
 
-    // Tracking gives way to the path's velocities. Rows and bounds hold as ever, but for the joints' limits, which a
-    // path keeps away from by itself.
+    // Tracking gives way to the path's velocities. Rows and bounds hold as ever, except for the dampers of joint
+    // limits: a path keeps its own distance.
     constexpr double kSlack = 1e-4;
     const VectorX& velocities = ahead.velocities();
     const double weight = parts_.params.plan.weight;
@@ -68,11 +68,11 @@ class PathPolicy final : public Policy {
  private:
   PolicyParts parts_;
   ServoPolicy servo_;
-  EscapeState begun_with_;  // the detours as this step found them
+  EscapeState begun_with_;  // state of the detours at the start of the step
 };
 
-// Motion in two parts (task/base_first.h): the base drives while the arm rests, then the arm moves while the base
-// stands or comes to rest as fast as it may. A base that drives looks at no distances.
+// Separate motion (task/base_first.h): the base drives while the arm rests, then the arm moves while the base stands or
+// brakes. A driving base ignores distances.
 class BaseFirstPolicy final : public Policy {
  public:
   explicit BaseFirstPolicy(const PolicyParts& parts)
@@ -104,8 +104,7 @@ class BaseFirstPolicy final : public Policy {
   VectorX command_;
 };
 
-// The methods without a QP: rrmc, park and baur (closed_form/closed_form.h). They know neither obstacles nor joint
-// limits.
+// Methods without a QP: rrmc, park and baur (closed_form/closed_form.h). They ignore obstacles and joint limits.
 class ClosedFormPolicy final : public Policy {
  public:
   explicit ClosedFormPolicy(const PolicyParts& parts)

@@ -13,7 +13,7 @@ namespace moma {
 class Escape;
 class Lookahead;
 
-/// Command of a policy that solves no QP. Guards do not see it.
+/// Command of a policy that solves no QP. Guards do not check it.
 struct DirectCommand {
   const VectorX& velocities;
   StepStatus status = StepStatus::kSolved;  ///< other than kSolved: the velocities are zero
@@ -22,26 +22,26 @@ struct DirectCommand {
 /// Output of a policy: a task for the QP, or a command.
 using Demand = std::variant<QpTask, DirectCommand>;
 
-/// Decides what one step asks of the robot.
+/// Decides the task or command of one step.
 class Policy {
  public:
   virtual ~Policy() = default;
-  /// Takes no memory. References in the demand hold until the next call.
+  /// Does not allocate. References in the demand are valid until the next call.
   virtual Demand decide(const Situation& now) noexcept = 0;
-  /// Runs after the command is sent: work that is spread over steps. Takes no memory.
+  /// Runs after the command is sent, for work that is spread over steps. Does not allocate.
   virtual void finish(const Situation& /*now*/) noexcept {}
 };
 
-/// What policies are made of. All of it outlives them. `escape` and `lookahead` hold what is remembered between steps.
+/// Parts of policies, which must outlive them. `escape` and `lookahead` hold the memory between steps.
 struct PolicyParts {
   std::shared_ptr<const RobotModel> model;
   const ControllerParams& params;
   QpPoser& poser;
   Escape& escape;
-  Lookahead* lookahead;  ///< null where `plan` is off
+  Lookahead* lookahead;  ///< null if `plan` is off
 };
 
-/// The policy that the parameters name; the list of all policies is in policy.cc.
+/// Makes the policy of the parameters; the list of all policies is in policy.cc.
 std::unique_ptr<Policy> make_policy(const PolicyParts& parts);
 
 }  // namespace moma

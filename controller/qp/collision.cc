@@ -154,7 +154,7 @@ bool CollisionRows::fill(const Kinematics& kinematics, const ProximityPair& pair
     limit -= distance.n_W.dot(p_dot);
     moves = in_motion(object);
   }
-  // Written so that a NaN keeps the row: the solver's input check then reports it.
+  // A NaN keeps the row, so that the solver's input check reports it.
   if (row_.cwiseAbs().maxCoeff() < kNoEffect) return false;
   const int row = problem.append(
       {row_kind(pair.kind), pair.first, pair.second, end, moves, distance.d, distance.p_first_W, distance.p_second_W},

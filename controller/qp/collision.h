@@ -14,40 +14,40 @@
 
 namespace moma {
 
-/// Rows n^T (v_robot - v_object) >= -zeta, zeta = xi (d - d_s)/(d_i - d_s), for objects, the floor and the robot
-/// itself. With `braking`, zeta is no more than what the robot can still stop from (stoppable_speed() of d - d_s), at
-/// a share of the deceleration that it has along the row, before the object's own velocity is taken off: dampers that
-/// know the limits of acceleration, as Del Prete's bounds of joints do (IEEE RA-L 3(1), 2018). With `uncertainty` d is
-/// taken to be less by its margin. Signs follow "d grows along n" (checked by differencing d), where the article's
-/// formulas for objects and for two links use opposite directions. One per worker; only allocate() takes memory.
+/// Damper rows n^T (v_robot - v_object) >= -zeta, zeta = xi (d - d_s)/(d_i - d_s), for objects, the floor and the robot
+/// itself. With `braking`, zeta is at most the speed from which the robot can still stop (stoppable_speed() of d - d_s)
+/// at a share of its deceleration along the row, before the object's own velocity is subtracted: dampers with
+/// acceleration limits, as Del Prete's bounds of joints (IEEE RA-L 3(1), 2018). With `uncertainty` d is reduced by its
+/// margin. Signs follow "d grows along n" (checked by differencing d), whereas the article's formulas for objects and
+/// for two links use opposite directions. One per worker; only allocate() allocates.
 class CollisionRows {
  public:
   CollisionRows(const RobotModel& model, const CollisionParams& params, const Deceleration& deceleration,
                 const Uncertainty& uncertainty);
 
-  /// Share of its accelerations with which the base brakes.
+  /// Sets the share of its accelerations with which the base brakes.
   void set_slowing(double share) noexcept { deceleration_.set_slowing(share); }
 
-  /// Sizes the buffers for so many objects. Returns the most rows that add() can append: max_pairs, and up to
-  /// kMaxEnds for each of them where end rows are on.
+  /// Sizes the buffers for so many objects. Returns the largest number of rows that add() can append: max_pairs, and up
+  /// to kMaxEnds for each of them with end rows.
   int allocate(int num_objects);
   /// Ranges within which pairs matter; negative for a kind that is switched off.
   ProximityRanges ranges() const noexcept;
 
-  /// Sorts the pairs that are closer than their d_i nearest first by d - d_s (ties: by index).
+  /// Sorts the pairs that are closer than their d_i, nearest first by d - d_s (ties: by index).
   void select(std::span<const ProximityPair> pairs) noexcept;
 
-  /// Appends the rows of the first max_pairs selected: objects, floor, self, each in that order; after an object's row
-  /// those of its ends (end_rows.h) where it is near enough. Rows that nothing the robot can do would change
-  /// (max |n^T J| < 1e-9) are left out and counted. `spreads`: of the objects' places, empty where they are exact.
+  /// Appends the rows of the first max_pairs selected pairs: objects, floor, self; after an object's row those of its
+  /// ends (end_rows.h) if it is near enough. Rows that no motion of the robot changes (max |n^T J| < 1e-9) are left out
+  /// and counted. `spreads`: of the objects' positions, empty if they are exact.
   void add(const Kinematics& kinematics, Proximity& proximity, std::span<const ObjectState> states,
            std::span<const PlaceSpread> spreads, QpProblem& problem) noexcept;
 
-  /// Stop distance d_s of objects at rest from here on, no more than the configured one [m]. `rate`: that of the
-  /// approach, xi/(d_i - d_s), no less than the configured one [1/s].
+  /// Sets the stop distance d_s of objects at rest, at most the configured one [m], and the `rate` of approach xi/(d_i
+  /// - d_s), at least the configured one [1/s].
   void keep_from_resting(double stop, double rate) noexcept;
 
-  /// The pairs of the last select() within their d_i, sorted nearest first; more than max_pairs if there were.
+  /// The pairs of the last select() within their d_i, sorted nearest first; there may be more than max_pairs.
   std::span<const ProximityPair> sorted() const noexcept { return {sorted_.data(), sorted_.size()}; }
   int left_out() const noexcept { return left_out_; }
 
@@ -64,7 +64,7 @@ class CollisionRows {
 
   const RobotModel* model_;
   CollisionParams params_;
-  DamperParams resting_;  // of objects at rest
+  DamperParams resting_;  // for objects at rest
   std::vector<Key> keys_;
   std::vector<ProximityPair> sorted_;
   Matrix3X J_first_, J_second_;
@@ -75,7 +75,7 @@ class CollisionRows {
   int left_out_ = 0;
 };
 
-/// xi (d - d_s)/(d_i - d_s) [m/s]: the speed at which a distance may shrink.
+/// Returns xi (d - d_s)/(d_i - d_s) [m/s]: the largest speed at which a distance may shrink.
 double approach_speed(const DamperParams& params, double d) noexcept;
 
 }  // namespace moma

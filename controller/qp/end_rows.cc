@@ -5,7 +5,7 @@
 namespace moma {
 namespace {
 
-// Centres of the cap spheres at -z and +z; a capsule without length is one ball, which the pair's own row holds.
+// Centres of the cap spheres at -z and +z; a capsule without length is one ball, which the pair's own row covers.
 int cap_centres(const Shape& shape, const Isometry& X_WS, std::array<Vector3, 2>& centres) noexcept {
   if (shape.kind != ShapeKind::kCapsule || !(shape.size.y() > 0.0)) return 0;
   const Vector3 half = 0.5 * shape.size.y() * X_WS.linear().col(2);

@@ -7,7 +7,7 @@
 
 namespace moma {
 
-/// Most ends a pair can have: two of the robot's capsule, two of the object's.
+/// Largest number of ends of a pair: two of the robot's capsule, two of the object's.
 inline constexpr int kMaxEnds = 4;
 
 /// The cap sphere of a capsule against the other shape of its pair. `first` of `distance` is the robot, as in a pair.
@@ -16,12 +16,12 @@ struct EndDistance {
   Distance distance;
 };
 
-/// Distances of the ends of an object pair's capsules, each to the other shape.
+/// Computes distances of the ends of an object pair's capsules, each to the other shape.
 ///
-/// Two shapes that are nearly parallel have a nearest point that jumps from end to end from step to step. A row at
-/// that point alone lets the other end swing in, and the joints swing with it. A row at each end as well holds both.
-/// The row's velocity is that of the capsule's point at the cap; its rows follow qp/collision.h like any other.
-/// Shapes other than capsules have no ends. `proximity` has just been queried. Returns how many were written.
+/// The nearest point of two nearly parallel shapes jumps from end to end from step to step. A row at that point alone
+/// lets the other end swing in, and the joints oscillate. A row at each end as well holds both. The row's velocity is
+/// that of the capsule's point at the cap; its rows follow qp/collision.h like any other. Other shapes have no ends.
+/// `proximity` has just been queried. Returns the number of distances written.
 int end_distances(Proximity& proximity, const Kinematics& kinematics, const ProximityPair& pair,
                   const ObjectState& object, std::span<EndDistance, kMaxEnds> out) noexcept;
 

@@ -10,7 +10,7 @@
 namespace moma {
 namespace {
 
-// The command acts one period later than its state was measured, and is held for one.
+// The command acts one period after the measurement of its state, for one period.
 constexpr double kReactionPeriods = 2.0;
 
 }  // namespace
@@ -37,7 +37,7 @@ VelocityBounds::VelocityBounds(const RobotModel& model, const ControllerParams& 
   const double foreseen = foreseen_speed(model, params.collision);
   for (int i = 0; i + 1 < base_dof_; ++i) speed_[i] = std::min(speed_[i], foreseen);
   if (params.sight.enabled && base_dof_ > 0) {
-    // Of two linear velocities each has its part.
+    // Each of two linear velocities has its share.
     const double part = std::sqrt(1.0 / kind_of(model.base.type).num_linear());
     const double most = part * sight_speed(params.sight, model, params.acceleration_limit[0]);
     for (int i = 0; i + 1 < base_dof_; ++i) speed_[i] = std::min(speed_[i], most);
@@ -63,7 +63,7 @@ void VelocityBounds::bound(const VectorX& q, const VectorX& qdot, double hold, B
   joint_limits(q, out.hard_lower, out.hard_upper, hold);
   acceleration(qdot, out.hard_lower, out.hard_upper, out.lower, out.upper);
   out.pair = linear_pair(qdot);
-  // What the drives can do holds in every stage of the fallback.
+  // The drives' limits hold in every stage of the fallback.
   const Eigen::Index joints = out.lower.size() - base_dof_;
   if (hard_base_) {
     out.hard_lower.head(base_dof_) = out.lower.head(base_dof_);
@@ -93,7 +93,7 @@ void VelocityBounds::brake(const VectorX& q, const VectorX& qdot, Bounds& work, 
 
 void VelocityBounds::joint_limits(const Eigen::Ref<const VectorX>& q, Eigen::Ref<VectorX> lower,
                                   Eigen::Ref<VectorX> upper, double hold) const noexcept {
-  // The velocity can be changed once in `hold` periods, by what the limit lets it change in one.
+  // The velocity can change once in `hold` periods, by the limit of one period.
   const double reaction = (kReactionPeriods - 1.0 + hold) * period_;
   for (int i = 0; i < base_dof_; ++i) {
     lower[i] = -speed_[i];
@@ -158,7 +158,7 @@ double sight_speed(const SightParams& sight, const RobotModel& model, double dec
 
 LinearPair VelocityBounds::linear_pair(const VectorX& qdot) const noexcept {
   if (!pair_) return {};
-  // What is measured may be faster than is allowed.
+  // The measured velocity may exceed the limit.
   const Vector2 most = speed_.head<2>();
   return {true, qdot.head<2>().cwiseMax(-most).cwiseMin(most), step_[0]};
 }

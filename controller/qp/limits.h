@@ -33,19 +33,19 @@ void smallest_command(const Eigen::Ref<const VectorX>& lower, const Eigen::Ref<c
 /// The same for one velocity.
 double braking(double lower, double upper) noexcept;
 
-/// Makes the bounds of every velocity: speed limits, joint limits by the chosen law, and acceleration bounds clipped
-/// into those. With the law `braking` it is the other way round: no joint changes its velocity by more than its
-/// acceleration limit, whatever its position and whatever the stage of the fallback; only the speed limit is above it.
-/// One per controller; only the constructor takes memory.
+/// Computes the bounds of every velocity: speed limits, joint limits by the chosen law, and acceleration bounds clipped
+/// into those. With the law `braking` acceleration limits win: no joint changes its velocity by more than its limit, at
+/// any position and in any stage of the fallback; only the speed limit has priority. One per controller; only the
+/// constructor allocates.
 class VelocityBounds {
  public:
   VelocityBounds(const RobotModel& model, const ControllerParams& params, double control_period);
 
   /// Writes all bounds for the joint values q and the measured velocity. `hold`: control periods that the command may
-  /// have to act for (Situation::hold); the law `braking` reacts so much later.
+  /// have to act (Situation::hold); it lengthens the reaction of the law `braking`.
   void bound(const VectorX& q, const VectorX& qdot_measured, double hold, Bounds& out) const noexcept;
-  /// Writes the smallest command within the bounds, each velocity by itself: what is finite of q and of the measured
-  /// velocity, and of the right size, still bounds the command. `work` holds those bounds afterwards.
+  /// Writes the smallest command within the bounds, each velocity by itself. If q or the measured velocity has
+  /// the right size, its finite elements still bound the command. `work` holds those bounds afterwards.
   void brake(const VectorX& q, const VectorX& qdot_measured, Bounds& work, VectorX& command) const noexcept;
   /// Writes the bounds without acceleration for the joint values q.
   void joint_limits(const Eigen::Ref<const VectorX>& q, Eigen::Ref<VectorX> lower, Eigen::Ref<VectorX> upper,
@@ -66,7 +66,7 @@ class VelocityBounds {
   JointLimitParams law_;
   VectorX speed_;
   VectorX q_lower_, q_upper_, margin_;
-  VectorX part_;          // of the dampers' lengths
+  VectorX part_;          // factor on the dampers' lengths
   VectorX step_;          // a_max dt
   VectorX deceleration_;  // of the law `braking`, per joint
   double period_;         // [s]
@@ -74,30 +74,30 @@ class VelocityBounds {
   bool has_soft_acceleration_ = false;
 };
 
-/// Returns the largest speed v of a base that still stops in front of an object which approaches at `speed` and is seen
-/// at `range`: v t + v^2/(2a) + speed (t + v/a) = range - reach. At most the robot's own speed; 0 where no v does.
+/// Returns the largest speed v of a base that still stops in front of an object that approaches at `speed` and is seen
+/// at `range`: v t + v^2/(2a) + speed (t + v/a) = range - reach. At most the robot's own speed; 0 without a solution.
 double sight_speed(const SightParams& sight, const RobotModel& model, double deceleration) noexcept;
 
-/// Returns q_s per joint: min(0.3, a quarter of the range) for `auto_margin`, else as given. Infinite joints get 0.3,
-/// which nothing reads.
+/// Returns q_s per joint: min(0.3, a quarter of the range) for `auto_margin`, else the given one. Infinite joints get
+/// an unused 0.3.
 VectorX resolve_margin(const RobotModel& model, const JointLimitParams& params);
 
-/// S+ of the article (mirrored: S-): 0 where room < 0, else speed min(room / margin, 1).
+/// S+ of the article (mirrored: S-): 0 if room < 0, else speed min(room / margin, 1).
 double source_bound(double room, double margin, double speed) noexcept;
 
-/// The speed from which a joint stops at rho_s, braking at `deceleration` after `reaction`; eta (rho - rho_s), the way
-/// back, where there is less room than rho_s. With a reaction of at least one control period T a joint that keeps the
+/// Returns the speed from which a joint stops at rho_s, braking at `deceleration` after `reaction`; eta (rho - rho_s),
+/// the way back, if room is less than rho_s. With a reaction of at least one control period T a joint that keeps the
 /// bound can keep it in the next step: v(rho - v T) >= v(rho) - deceleration T.
 double braking_bound(double room, const JointLimitParams& params, double part, double deceleration,
                      double reaction) noexcept;
 
-/// eta (rho - rho_s)/(rho_i - rho_s) inside rho_i, infinite outside (Haviland & Corke, arXiv 2002.11901, eq. 19). With
-/// a `part` below 1 (limit_part()) rho_i and rho_s are so much shorter, and the slope is the same.
+/// Returns eta (rho - rho_s)/(rho_i - rho_s) inside rho_i, infinity outside (Haviland & Corke, arXiv 2002.11901, eq.
+/// 19). A `part` below 1 (limit_part()) shortens rho_i and rho_s at the same slope.
 double damper_bound(double room, const JointLimitParams& params, double part = 1.0) noexcept;
 
 /// Appends |omega_i| <= max_speed for every wheel, as rows on the base's velocity.
 void add_wheel_rows(const MobileBase& base, QpProblem& problem) noexcept;
-/// Appends |x + y|, |x - y| <= sqrt(2) step about the pair's velocity. With the bounds |x|, |y| <= step they are the
+/// Appends |x + y|, |x - y| <= sqrt(2) step about the pair's velocity. With the bounds |x|, |y| <= step they form the
 /// octagon of that apothem around the circle. Appends nothing for a pair that is off.
 void add_drive_rows(const LinearPair& pair, QpProblem& problem) noexcept;
 

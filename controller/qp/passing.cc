@@ -8,11 +8,11 @@
 namespace moma {
 namespace {
 
-constexpr double kAbove = 0.05;     // solids this far above each other pass [m]
-constexpr double kNear = 1.0;       // what is nearer counts as traffic [m]
-constexpr double kWidest = 0.8;     // sine of the largest angle that the clearance turns a tangent by
+constexpr double kAbove = 0.05;     // least vertical distance of solids without a row [m]
+constexpr double kNear = 1.0;       // nearer objects count as traffic [m]
+constexpr double kWidest = 0.8;     // sine of the largest rotation of a tangent by the clearance
 constexpr double kTiny = 1e-9;      // [m]
-constexpr int kMaxIterations = 30;  // of Newton's method: six or seven are usual
+constexpr int kMaxIterations = 30;  // of Newton's method, which usually takes six or seven
 
 Vector3 horizontal(const Vector3& v) noexcept { return {v.x(), v.y(), 0.0}; }
 Vector3 left_of(const Vector3& v) noexcept { return {-v.y(), v.x(), 0.0}; }
@@ -31,8 +31,8 @@ Tangent passing_tangent(const Shape& robot, const Isometry& X_WR, const Shape& o
   Vector3 n = left_of(centre) / distance;
   const double side = n.dot(v_W) > 0.0 ? -1.0 : 1.0;
   n *= side;
-  // Newton's method in the angle of n for max {n^T m : m in M} = 0. Across the line of centres M sticks out; from
-  // there each n is the one perpendicular to the point that stuck out furthest along the last, and none turns too far.
+  // Newton's method in the angle of n for max {n^T m : m in M} = 0. Across the line of centres the maximum is positive;
+  // each further n is perpendicular to the extreme point of the last one, so that no step overshoots.
   for (int k = 0; k < kMaxIterations; ++k) {
     const Vector3 m = horizontal(support_point(object, X_WO, n) - support_point(robot, X_WR, -n));
     const double length = m.norm();
@@ -81,7 +81,7 @@ void PassingRows::select(const Kinematics& kinematics, const Proximity& proximit
       if (!(distance > kTiny) || chosen_.size() == chosen_.capacity()) continue;
       const Vector3 to = centre / distance;
       const double gap = to.dot(support_point(object, state.X_WO, -to) - support_point(shape.shape, X_WS, to));
-      // The fastest that the shape's centre can go: it is turned about B as well.
+      // Largest speed of the shape's centre, which also turns about B.
       const double offset = horizontal(X_WS.translation() - kinematics.X_WB().translation()).norm();
       const double fastest =
           std::sqrt(static_cast<double>(kind_of(model_->base.type).num_linear())) * model_->base.max_linear +

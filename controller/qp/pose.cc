@@ -8,8 +8,8 @@
 namespace moma {
 namespace {
 
-// Rate at which a path that leads close to the objects of its goal may approach the distance that rows keep, in place
-// of the damper's: it keeps clear by itself, and would else never be followed at its speed [1/s].
+// Rate of approach to the stop distance on a path that leads close to the objects of its goal, instead of the damper's:
+// the path keeps clear by itself, and the damper's rate would slow it down [1/s].
 constexpr double kOnPath = 15.0;
 
 // Six rows nu - Delta <= J qdot + delta <= nu + Delta; without slack x has no delta. Delta = 0: equalities.
@@ -66,7 +66,7 @@ Near QpPoser::look(const Situation& now) noexcept {
   return near();
 }
 
-// What the hand needs at its goal, and what a path was laid with, bound the distance that rows keep.
+// The hand's distance at its goal, and the path's own clearance, bound the stop distance.
 double QpPoser::stop_near_goal(const QpTask& asked, const Situation& now) noexcept {
   const GoalClearanceParams& at_goal = params_.collision.at_goal;
   const double stop = params_.collision.object.stop;

@@ -19,12 +19,12 @@ namespace moma {
 /// Pairs of shapes near the robot, by one distance query.
 struct Near {
   std::span<const ProximityPair> pairs;  ///< within their distance of influence d_i, nearest first by d - d_s
-  ProximityRanges ranges;                ///< d_i of each kind of pair; negative where it has no rows
-  bool traffic;                          ///< an object in motion that has a passing row is within 1 m
+  ProximityRanges ranges;                ///< d_i of each kind of pair; negative without rows
+  bool traffic;                          ///< a moving object with a passing row is within 1 m
   const Proximity& proximity;            ///< has the objects' shapes
 };
 
-/// Problem of one step, with what it was made of. References are to the buffers of QpPoser until its next pose().
+/// Problem of one step, with its inputs. References are to the buffers of QpPoser until its next pose().
 struct Posed {
   const QpTask& asked;
   const Bounds& bounds;
@@ -34,10 +34,10 @@ struct Posed {
 };
 
 /// Poses the QP of one step: bounds, objective, rows. A step is look(), then pose() for each task: a pose() depends on
-/// its arguments and the last look() alone. One per controller; only set_objects() takes memory.
+/// its arguments and the last look() alone. One per controller; only set_objects() allocates.
 class QpPoser {
  public:
-  /// `params` as resolved(); they and the model outlive the poser.
+  /// `params` as resolved(); they and the model must outlive the poser.
   QpPoser(std::shared_ptr<const RobotModel> model, const ControllerParams& params, double control_period);
 
   void set_objects(std::span<const ObjectShape> objects);
@@ -45,15 +45,16 @@ class QpPoser {
   /// Measures the distances that rows and detours depend on.
   Near look(const Situation& now) noexcept;
   Posed pose(const QpTask& asked, const Situation& now) noexcept;
-  /// Writes the smallest command within the bounds, of what is known of q and qdot (VelocityBounds::brake()).
+  /// Writes the smallest command within the bounds that follow from the known elements of q and qdot
+  /// (VelocityBounds::brake()).
   void brake(const VectorX& q, const VectorX& qdot, VectorX& command) noexcept {
     limits_.brake(q, qdot, bounds_, command);
   }
-  /// No rows and no objective, as of a step that solves no QP.
+  /// Removes rows and objective, for a step that solves no QP.
   void clear() noexcept;
 
   const VelocityBounds& limits() const noexcept { return limits_; }
-  /// Of the last pose().
+  /// Task of the last pose().
   const QpTask& asked() const noexcept { return asked_; }
   const Bounds& bounds() const noexcept { return bounds_; }
   const QpProblem& problem() const noexcept { return problem_; }

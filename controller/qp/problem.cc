@@ -70,7 +70,7 @@ namespace {
 // Violation, wrong sign and complementarity of one limited value.
 double limit_residual(double value, double lower, double upper, double multiplier) {
   double worst = std::max({0.0, lower - value, value - upper});
-  // A multiplier at an infinite limit has nothing to push against.
+  // A multiplier at an infinite limit has no constraint to act on.
   const double gap = multiplier > 0 ? upper - value : value - lower;
   if (multiplier != 0.0) worst = std::max(worst, std::isinf(gap) ? std::abs(multiplier) : std::abs(multiplier * gap));
   return worst;

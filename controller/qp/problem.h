@@ -14,24 +14,24 @@ using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::R
 
 enum class RowKind { kTracking, kObject, kFloor, kSelf, kPassing, kSeparation, kWheel, kDrive };
 
-/// Whether the row bounds how fast a distance shrinks.
+/// True if the row bounds the rate of a distance.
 constexpr bool is_collision(RowKind kind) noexcept {
   return kind == RowKind::kObject || kind == RowKind::kFloor || kind == RowKind::kSelf;
 }
 
-/// A row about a distance whose largest coefficient is below this bounds no motion of the robot [m/s per unit
+/// A row about a distance whose largest coefficient is below this depends on no motion of the robot [m/s per unit
 /// velocity].
 inline constexpr double kNoEffect = 1e-9;
 
-/// Subject of a constraint row, with the numbers that it was made of. tracking: (component 0-5, -); object: (robot
-/// shape, object); floor: (robot shape, -); self: (robot shape, robot shape); passing and separation: (robot shape,
-/// object); wheel: (wheel, -); drive: (0 or 1: the diagonal x + y or x - y, -).
+/// Subject of a constraint row, with its input quantities. tracking: (component 0-5, -); object: (robot shape, object);
+/// floor: (robot shape, -); self: (robot shape, robot shape); passing and separation: (robot shape, object); wheel:
+/// (wheel, -); drive: (0 or 1: the diagonal x + y or x - y, -).
 struct RowId {
   RowKind kind = RowKind::kTracking;
   int first = 0;
   int second = 0;
-  int end = 0;  ///< of an object's row: a capsule's end, 1, 2 of the robot's shape, 3, 4 of the object's; 0: none
-  bool moves = false;  ///< the object is in motion
+  int end = 0;         ///< capsule end of an object's row: 1, 2 of the robot's shape, 3, 4 of the object's; 0: none
+  bool moves = false;  ///< the object moves
   /// Distance of the two shapes and their nearest points [m]. A passing row has the gap along the line of centres, the
   /// centre of the robot's shape, and a point 1 m from it on the side that the robot keeps to. Other rows have zeros.
   double d = 0.0;
@@ -39,9 +39,9 @@ struct RowId {
   Vector3 p_second_W = Vector3::Zero();
 };
 
-/// min 1/2 x^T diag(H) x + g^T x  subject to  lbA <= A x <= ubA, lb <= x <= ub (the form of qpOASES).
-/// x = (qdot, delta), delta in R^6, absent where tracking is a hard equality. All memory is taken by allocate();
-/// rows are appended until `capacity()`. H is diagonal by construction: every term of the objective is.
+/// Min 1/2 x^T diag(H) x + g^T x  subject to  lbA <= A x <= ubA, lb <= x <= ub (the form of qpOASES). x = (qdot,
+/// delta), delta in R^6, absent if tracking is a hard equality. Only allocate() allocates; rows are appended until
+/// `capacity()`. H is diagonal by construction: every term of the objective is.
 struct QpProblem {
   VectorX H;    ///< n, the diagonal
   VectorX g;    ///< n
@@ -57,12 +57,12 @@ struct QpProblem {
   int capacity() const noexcept { return static_cast<int>(A.rows()); }
 
   void allocate(int num_variables, int max_rows);
-  /// No rows, no objective; bounds are left as they are.
+  /// Removes rows and objective, and keeps the bounds.
   void clear() noexcept;
-  /// Appends a zero row and returns its index, or -1 where the problem is full.
+  /// Appends a zero row and returns its index, or -1 if the problem is full.
   int append(const RowId& id, double lower, double upper) noexcept;
 
-  /// 1/2 x^T H x + g^T x; `x` may be longer than n (the relaxed problem's slack is left out).
+  /// Returns 1/2 x^T H x + g^T x; `x` may be longer than n (the relaxed problem's slack is ignored).
   double cost(const Eigen::Ref<const VectorX>& x) const noexcept;
 };
 
@@ -70,8 +70,8 @@ struct QpProblem {
 /// "passing/NAME/SHAPE", "separation/NAME/SHAPE", "wheel/left", "drive/+".
 std::string row_name(const RowId& id, const RobotModel& model, std::span<const std::string> object_names);
 
-/// Largest of: violation of bounds and rows; |H x + g + A^T lambda + mu|; a multiplier's wrong sign; |multiplier|
-/// times distance to its bound. Multipliers are positive at upper, negative at lower limits. Allocates.
+/// Returns the largest of: violation of bounds and rows; |H x + g + A^T lambda + mu|; a multiplier's wrong sign;
+/// |multiplier| times distance to its bound. Multipliers are positive at upper, negative at lower limits. Allocates.
 double kkt_residual(const QpProblem& problem, const VectorX& x, const VectorX& bound_multipliers,
                     const VectorX& row_multipliers);
 

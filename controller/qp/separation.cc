@@ -9,7 +9,7 @@ double separation_speed(double room, double v_H, double deceleration, double rea
   const double left = room - v_H * reaction;
   if (!(left > 0.0) || !(deceleration > 0.0)) return 0.0;
   if (std::isinf(deceleration)) return reaction > 0.0 ? left / reaction : kInfinity;
-  // v^2/2 + v (a T_R + v_H) = a left, its root without a difference of what may be nearly equal.
+  // V^2/2 + v (a T_R + v_H) = a left; this form of the root avoids the difference of nearly equal numbers.
   const double b = deceleration * reaction + v_H;
   return 2.0 * deceleration * left / (b + std::sqrt(b * b + 2.0 * deceleration * left));
 }
@@ -35,7 +35,7 @@ int SeparationRows::allocate(int num_objects) {
   return static_cast<int>(std::min(pairs, max_rows_));
 }
 
-// Writes row_, and returns the speed that is left.
+// Writes row_, and returns the remaining speed.
 double SeparationRows::fill(const Kinematics& kinematics, const ProximityPair& pair,
                             std::span<const PlaceSpread> spreads) noexcept {
   const Distance& distance = pair.distance;

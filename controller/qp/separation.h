@@ -12,37 +12,36 @@
 
 namespace moma {
 
-/// Rows that slow the robot down towards what moves, by the speed and separation monitoring of ISO/TS 15066:2016,
-/// 5.5.4, whose protective separation distance is that of ISO 13855, S = K T + C, with the robot's own motion. Between
-/// a shape of the robot and an object in motion there is to be no less than
+/// Separation rows: slow the robot down towards moving objects, by the speed and separation monitoring of ISO/TS
+/// 15066:2016, 5.5.4, whose protective separation distance is that of ISO 13855, S = K T + C, with the robot's own
+/// motion. The required distance between a shape of the robot and a moving object is
 ///
 ///   S_p = S_H + S_R + S_S + C + Z,   S_H = v_H (T_R + T_S),  S_R = v_R T_R,  S_S = v_R^2/(2 a),  T_S = v_R/a
 ///
-/// v_H: at which the object's nearest point comes along the line between the two, at least `speed` (1.6 m/s where a
-/// person's is not known, ISO 13855). v_R = c qdot: the robot's, c the row. a: `share` of the deceleration that the
-/// robot has along the row (braking.h). T_R, C: `reaction`, `intrusion`. Z: the margin of the distance (uncertainty.h),
-/// 0 where `uncertainty` is off; it stands for Z_d and Z_r. Solved for the robot's speed the row is
+/// v_H: speed of the object's nearest point along the line between the two, at least `speed` (1.6 m/s if a person's is
+/// unknown, ISO 13855). v_R = c qdot: the robot's, with c the row. a: `share` of the robot's deceleration along the row
+/// (braking.h). T_R, C: `reaction`, `intrusion`. Z: margin of the distance (uncertainty.h), 0 without `uncertainty`; it
+/// replaces Z_d and Z_r. Solved for the robot's speed the row is
 ///
 ///   c qdot <= separation_speed(d - C - Z, v_H, a, T_R) >= 0
 ///
-/// It asks the robot to stop, never to yield: that is what collision and passing rows do, which stay as they are.
-/// Objects at rest have none. An option of a controller and no safety function: safe-controller.md. One per
-/// worker; only allocate() takes memory.
+/// It asks the robot to stop, never to yield: collision and passing rows do that, unchanged. Objects at rest have none.
+/// An option of a controller and no safety function: safe-controller.md. One per worker; only allocate() allocates.
 class SeparationRows {
  public:
   SeparationRows(const RobotModel& model, const CollisionParams& params, const Deceleration& deceleration,
                  const Uncertainty& uncertainty);
 
-  /// Share of its accelerations with which the base brakes.
+  /// Sets the share of its accelerations with which the base brakes.
   void set_slowing(double share) noexcept { deceleration_.set_slowing(share); }
 
-  /// Sizes the buffers for so many objects. Returns the most rows that add() can append: max_pairs, beside those of
-  /// CollisionRows.
+  /// Sizes the buffers for so many objects. Returns the largest number of rows that add() can append: max_pairs,
+  /// besides those of CollisionRows.
   int allocate(int num_objects);
 
-  /// Appends rows of pairs within `range` whose objects are in motion, those with the least speed left first (ties: by
-  /// shape, then object), leaving out what no velocity within the robot's limits breaks. Where something moves it makes
-  /// a query of its own: spans of earlier ones are void. `spreads` as of CollisionRows.
+  /// Appends rows of pairs within `range` whose objects move, the least remaining speed first (ties: by shape, then
+  /// object), without rows that no velocity within the robot's limits violates. With moving objects it makes a query of
+  /// its own: spans of earlier ones are void. `spreads` as in CollisionRows.
   void add(const Kinematics& kinematics, Proximity& proximity, std::span<const ObjectState> states,
            std::span<const PlaceSpread> spreads, QpProblem& problem) noexcept;
 
@@ -59,15 +58,15 @@ class SeparationRows {
   std::size_t max_rows_;
   Deceleration deceleration_;
   Uncertainty uncertainty_;
-  VectorX most_;  // speeds of all velocities
+  VectorX most_;  // largest values of all velocities
   std::vector<ObjectState> moving_;
   std::vector<SlowingPair> chosen_;
   Matrix3X J_;
   VectorX row_;
 };
 
-/// Largest v_R >= 0 [m/s] with v_H (T_R + v_R/a) + v_R T_R + v_R^2/(2 a) <= room [m]; 0 where there is none, or where
-/// one of them is not a number. An infinite deceleration stops at once; with T_R = 0 as well there is no bound.
+/// Returns the largest v_R >= 0 [m/s] with v_H (T_R + v_R/a) + v_R T_R + v_R^2/(2 a) <= room [m]; 0 without a solution,
+/// or if an argument is not a number. An infinite deceleration stops at once; with T_R = 0 as well there is no bound.
 double separation_speed(double room, double v_H, double deceleration, double reaction) noexcept;
 
 }  // namespace moma

@@ -3,8 +3,7 @@
 namespace moma {
 namespace {
 
-// What terms are made of, and the part of H and g that one term adds to. A new term is a function and its line in
-// kList.
+// Inputs of terms, and the part of H and g that one term adds to. A new term is a function and its line in kList.
 struct Input {
   const ControllerParams& params;
   const RobotModel& model;
@@ -25,7 +24,7 @@ double value_of(const Weight& weight, const Input& in) noexcept {
   return weight.inverse_error ? 1.0 / in.asked.task.error_norm : weight.value;
 }
 
-// Every function returns whether its term is switched on.
+// Every function returns whether its term is on.
 
 // w_b I of the article's Q1.
 bool move_base(const Input& in, Part out) noexcept {

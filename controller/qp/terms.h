@@ -25,8 +25,8 @@ struct QpTask {
   std::optional<Pull> pull = {};           ///< empty: base, joints and manipulability have their own terms
   const VelocityBounds* bounds = nullptr;  ///< null: the builder's own
   std::optional<Vector3> base = {};        ///< velocity to which the base is held, clipped into its bounds
-  KeptDistance keeps = {};  ///< distance to objects at rest that rows let a path have; infinite: theirs [m]
-  bool evades = false;      ///< `base` begins a backup trajectory: rows about the base's way are left out
+  KeptDistance keeps = {};  ///< distance to objects at rest that rows allow a path; infinite: the rows' own [m]
+  bool evades = false;      ///< `base` starts an evasion: rows about the base's motion are left out
 };
 
 /// Value of one term of the objective at a solution: its part of 1/2 x^T H x + g^T x.
@@ -36,19 +36,19 @@ struct TermCost {
 };
 
 /// Objective of the QP: a sum of terms, listed with their words in terms.cc. Each term writes its own part of the
-/// diagonal of H and of g. The parts are kept, so that an explanation reads what the step used. Velocities come first
-/// in x: base, then joints, then delta. Only allocate() and costs() take memory.
+/// diagonal of H and of g. The parts are kept, so that an explanation reads the numbers of the step. Velocities come
+/// first in x: base, then joints, then delta. Only allocate() and costs() allocate.
 class Objective {
  public:
   static constexpr int kTerms = 9;
 
   void allocate(int num_variables);
-  /// No terms: costs() is empty.
+  /// Removes all terms: costs() is empty.
   void clear() noexcept { on_ = {}; }
   /// Writes problem.H and problem.g.
   void pose(const ControllerParams& params, const RobotModel& model, const Situation& now, const QpTask& asked,
             QpProblem& problem) noexcept;
-  /// Costs of the terms of the last pose() that are switched on, in the order of controller.md, at x. Their sum is
+  /// Returns the costs at x of the active terms of the last pose(), in the order of controller.md. Their sum is
   /// QpProblem::cost(x).
   std::vector<TermCost> costs(const VectorX& x) const;
 

@@ -6,8 +6,8 @@
 namespace moma {
 namespace {
 
-// From `velocity` towards velocity + change for dt; returns how far the mean stays behind the end. `change` becomes
-// what is made of it.
+// Ramps `velocity` towards velocity + change for dt, and returns the difference between end and mean. `change` becomes
+// the achieved change.
 template <class Vector>
 Vector ramp(const Vector& velocity, double acceleration, const BaseRamp::Shares& shares, double dt,
             Vector& change) noexcept {
@@ -48,7 +48,7 @@ Vector3 BaseRamp::follow(const Vector3& command, double dt, Vector3& velocity) c
 Vector3 BaseRamp::limited(const Vector3& command, const Vector3& before, double share, double dt) const noexcept {
   if (dof_ == 0) return command;
   Vector3 out = command;
-  // What differs by rounding alone is left as it is.
+  // Differences by rounding alone are ignored.
   const auto part = [&](double change, double acceleration) {
     const double most = share * acceleration * dt;
     return change > most * (1.0 + 1e-9) ? most / change : 1.0;

@@ -7,13 +7,14 @@
 namespace moma {
 namespace {
 
-constexpr int kMostPlaces = 200;  // on one way to a stop
-constexpr double kNear = 1.0;     // what is further takes no part in how wide margins may be [m]
-constexpr double kWider = 1.5;    // and they may become so much wider on the way
-constexpr double kSure = 1e-3;    // more than what rounding does to distances and ways [m]
-constexpr double kAhead = 0.1;    // what is measured is measured so far beyond what counts: the next place is near [m]
+constexpr int kMostPlaces = 200;  // on one braking trajectory
+constexpr double kNear = 1.0;     // pairs that are further do not affect the widening of margins [m]
+constexpr double kWider = 1.5;    // largest factor on margins along the trajectory
+constexpr double kSure = 1e-3;    // exceeds all rounding of distances and travels [m]
+// The broad phase keeps pairs up to this far beyond the range, because the next query is close [m].
+constexpr double kAhead = 0.1;
 
-// Of a velocity that falls evenly from 1 to 0 in `time`: the mean over [from, to].
+// Mean over [from, to] of a velocity that falls evenly from 1 to 0 in `time`.
 double mean_left(double time, double from, double to) noexcept {
   const double a = std::min(from, time), b = std::min(to, time);
   return b > a ? ((b - a) - (b * b - a * a) / (2.0 * time)) / (to - from) : 0.0;
@@ -74,7 +75,7 @@ void BrakeCheck::set_objects(std::span<const ObjectShape> objects) {
   groups_.reserve(model_->shapes.size());
 }
 
-// Distances of this kind count below it; less than nothing: none does.
+// Range in which distances of this kind count; negative if none does.
 double BrakeCheck::range_of(PairKind kind) const noexcept {
   switch (kind) {
     case PairKind::kObject:
@@ -87,7 +88,7 @@ double BrakeCheck::range_of(PairKind kind) const noexcept {
   return params_.margin + widest_;
 }
 
-// Takes what is known for bounds. What is left out is infinitely far.
+// Stores bounds from the known pairs. Pairs that are not among them are infinitely far.
 void BrakeCheck::begin(const Observation& o, const Known& known) noexcept {
   start_ = known.kinematics;
   if (start_ == nullptr) {
@@ -125,7 +126,7 @@ void BrakeCheck::begin(const Observation& o, const Known& known) noexcept {
   }
 }
 
-// The best bound that is quickly had of a shape's distance to an object as the step begins.
+// Returns the best cheap lower bound of a shape's distance to an object at the start of the step.
 double BrakeCheck::object_bound(int shape, int object) noexcept {
   const auto k = static_cast<std::size_t>(object);
   const std::size_t at = static_cast<std::size_t>(shape) * states_.size() + k;
@@ -138,7 +139,7 @@ double BrakeCheck::object_bound(int shape, int object) noexcept {
   return bound = std::max(bound, proximity_.least_gap(shape, object, X_WO));
 }
 
-// The pairs that the way to a stop may bring too near; ways_ is limited to it.
+// Selects the pairs that the braking trajectory may bring too near, and limits ways_ to them.
 void BrakeCheck::choose_candidates() noexcept {
   candidates_.clear();
   groups_.clear();
@@ -185,16 +186,16 @@ void BrakeCheck::choose_candidates() noexcept {
   }
 }
 
-// The robot at base_ and q_; false where that is no pose.
+// Places the robot at base_ and q_; false if that is no valid pose.
 bool BrakeCheck::place() noexcept {
   kinematics_.place(base_, q_);
   return proximity_.place(kinematics_);
 }
 
-// What a pair counts with where it is too near, else infinite. It has gone `way` since the step began.
+// Returns the contribution of a pair that is too near, else infinity. `way`: its travel since the start of the step.
 double BrakeCheck::measure(Candidate& candidate, double way, double to_come) noexcept {
   const double range = range_of(candidate.kind);
-  // As leave_out_by_end() has it, from here on.
+  // As in leave_out_by_end(), for the rest of the trajectory.
   const double clear = 2.0 * (range + kSure) + to_come - candidate.end;
   const double far = std::max(range + kAhead, clear < kInfinity ? clear : 0.0);
   const auto found = proximity_.within(candidate.kind, candidate.first, candidate.second, states_, far);
@@ -204,9 +205,9 @@ double BrakeCheck::measure(Candidate& candidate, double way, double to_come) noe
   return d - margin_of({candidate.kind, candidate.first, candidate.second, *found});
 }
 
-// Of the pairs that are left, with the robot at the end of the way: a pair is no nearer on the way than it is at the
-// start less the way so far, nor than it is at the end less the way to come; the greater of the two is no less than
-// half of both together.
+// Drops pairs, with the robot at the end of the trajectory. On the way a pair's distance is at least its distance at
+// the start minus the travel so far, and at least its distance at the end minus the travel to come; the greater of the
+// two is at least half of their sum.
 void BrakeCheck::leave_out_by_end() noexcept {
   placed_ = Placed::kHere;
   if (!place()) return;
@@ -236,12 +237,13 @@ void BrakeCheck::leave_out_by_end() noexcept {
   candidates_.erase(candidates_.begin() + static_cast<std::ptrdiff_t>(kept), candidates_.end());
 }
 
-// Of a pair of a shape with the floor or of two shapes.
+// Travel of a pair of a shape with the floor, or of two shapes.
 double BrakeCheck::way_of_own(const Candidate& own, const VectorX& gone) const noexcept {
   return own.kind == PairKind::kFloor ? ways_.in_height(own.first, gone) : ways_.between(own.first, own.second, gone);
 }
 
-// The least at base_ and q_, which is gone_ from where the step begins. open_: whether a pair may be too near later.
+// Returns the least distance at base_ and q_, at the travel gone_ from the start of the step. Sets open_ if a pair may
+// be too near later.
 double BrakeCheck::distance() noexcept {
   double least = kInfinity;
   bool here = false;
@@ -281,7 +283,8 @@ double BrakeCheck::distance() noexcept {
   return least < params_.margin ? least : kInfinity;
 }
 
-// What is kept beyond the margin; less than nothing of floor and self, which have their own. As kinematics_ stands.
+// Returns the distance required in addition to the margin; negative for floor and self, which have their own margins.
+// At the present kinematics_.
 double BrakeCheck::margin_of(const ProximityPair& pair) noexcept {
   if (pair.kind == PairKind::kFloor) return own_.floor - params_.margin;
   if (pair.kind == PairKind::kSelf) return own_.self - params_.margin;
@@ -307,7 +310,7 @@ double BrakeCheck::least_distance(const Observation& o, const VectorX& command, 
   return way_to_stop(o, command, in_proportion, -kInfinity);
 }
 
-// Whoever asks for no more than whether it is above `floor` is told as soon as it is not.
+// A caller that only compares with `floor` gets an answer as soon as the value is below it.
 double BrakeCheck::way_to_stop(const Observation& o, const VectorX& command, bool in_proportion,
                                double floor) noexcept {
   base_ = o.base;
@@ -315,7 +318,7 @@ double BrakeCheck::way_to_stop(const Observation& o, const VectorX& command, boo
   deceleration_.stopping_times(command, times_);
   const double last = times_.maxCoeff();
   if (in_proportion) times_.setConstant(last);
-  // While the command acts: the base still has to come to the command.
+  // While the command acts, the base ramps to the command.
   mean_ = command;
   Vector3 velocity = Vector3::Zero(), wanted = Vector3::Zero();
   for (int i = 0; i < ramp_.dof(); ++i) {
@@ -328,7 +331,7 @@ double BrakeCheck::way_to_stop(const Observation& o, const VectorX& command, boo
   ways_.limit(whole_);
   choose_candidates();
   if (in_proportion && !candidates_.empty()) {
-    // On this way the base brakes along one arc, so that its end is soon found.
+    // On this trajectory the base brakes along one arc, whose end is cheap to compute.
     integrate(*model_, base_, q_, mean_, hold_);
     row_ = 0.5 * command;
     integrate(*model_, base_, q_, row_, last);
@@ -357,7 +360,7 @@ double BrakeCheck::way_to_stop(const Observation& o, const VectorX& command, boo
   return d;
 }
 
-// The better of the two ways, or no more than `floor` where neither is above it.
+// Returns the better of the two trajectories, or a value of at most `floor` if neither exceeds it.
 double BrakeCheck::clearance(const Observation& o, const VectorX& command, double floor) noexcept {
   const double d = way_to_stop(o, command, true, floor);
   return d >= params_.margin ? d : std::max(d, way_to_stop(o, command, false, floor));

@@ -16,44 +16,43 @@
 
 namespace moma {
 
-/// What is kept on the way to a stop from the floor and from the robot itself [m]; 0: not looked at.
+/// Margins to the floor and to the robot itself on a braking trajectory [m]; 0: not checked.
 struct OwnMargins {
   double floor = 0.0;
   double self = 0.0;
 };
-/// Half of what the rows for the floor and for the robot itself keep.
+/// Returns half of the stop distances of floor rows and self rows.
 OwnMargins own_margins(const DamperParams& floor, const DamperParams& self) noexcept;
 
-/// The last check of a command: the places of the robot if it follows the command for one period (or for as long as
-/// set_execution() says) and brakes from then on. There are two ways to brake: (a) all velocities in proportion, in the
-/// time that the slowest needs, which keeps the path, and (b) each as fast as it can. The command passes where on one
-/// of them the distance to all objects at rest stays `margin` or more, and those to the floor and of the robot to
-/// itself theirs; it then has a backup trajectory (after Hobbs et al., IEEE CSM 43(2), 2023, "Runtime assurance";
-/// Singletary et al., IEEE L-CSS 6, 2022), whatever comes after.
+/// The check ahead of a command: simulates the robot that follows the command for one period (or the time of
+/// set_execution()) and then brakes. There are two ways of braking: (a) all velocities in proportion, in the time that
+/// the slowest needs, which keeps the path, and (b) each as fast as it can. The command passes if on one of them the
+/// distances to all objects at rest stay at least `margin`, and those to the floor and of the robot to itself at least
+/// their own margins. It then has a backup trajectory (after Hobbs et al., IEEE CSM 43(2), 2023, "Runtime assurance";
+/// Singletary et al., IEEE L-CSS 6, 2022).
 ///
-/// Where both fail, commands between it and two that slow down are tried, slower + f (u - slower), f = 0.75, 0.5, 0.25,
-/// 0; slower is the present velocity less one period's braking in proportion, and the smallest command that is allowed.
-/// The first that passes is taken, else the one that stays furthest away. Objects in motion are left out: to stand
-/// still is no way out of somebody's way. With `uncertainty` each distance to an object is taken to be less by its
-/// margin there, of pairs that are no further than 1.5 times the largest margin of those within 1 m as the step begins.
-/// One per controller; only set_objects() takes memory. Distances are looked at every `every` periods on the way, and
-/// as it ends.
+/// If both fail, the check tries commands between this one and two slower ones, slower + f (u - slower), f = 0.75, 0.5,
+/// 0.25, 0. `slower` is the present velocity minus one period of braking in proportion, and the smallest allowed
+/// command. The first that passes is taken, else the one that stays furthest away. Moving objects are left out:
+/// standing still does not avoid them. With `uncertainty` each distance to an object is reduced by its margin there,
+/// for pairs up to 1.5 times the largest margin of those within 1 m at the start of the step. Distances are checked
+/// every `every` periods on the trajectory, and at its end. One per controller; only set_objects() allocates.
 ///
-/// A pair of solids is measured only where it may be too near: its distance as the step begins, or where it was
-/// measured last, or at the end of the way less the most that the robot's shape can move between (ShapeWays). That
-/// leaves out what counts for nothing, so that results are to the bit those of measuring all pairs everywhere.
+/// The broad phase measures a pair only if it may be too near: its distance at the start of the step, at its last
+/// measurement, or at the end of the trajectory minus the largest travel of the robot's shape in between (ShapeWays).
+/// Results have the bits of measuring all pairs everywhere.
 class BrakeCheck {
  public:
-  /// `acceleration` per velocity, resolved; `pair_together` as of Deceleration.
+  /// `acceleration` per velocity, resolved; `pair_together` as for Deceleration.
   BrakeCheck(std::shared_ptr<const RobotModel> model, const BrakeCheckParams& params, const VectorX& acceleration,
              bool pair_together, double control_period, const Uncertainty& uncertainty = {{}, 0},
              const OwnMargins& own = {});
 
   bool on() const noexcept { return params_.enabled; }
-  /// The margin from here on [m].
+  /// Sets the margin [m].
   void set_margin(double margin) noexcept { params_.margin = margin; }
-  /// Time that a command acts for before the next one can brake [s], the control period unless told, and shares of
-  /// its accelerations with which the base's drive follows.
+  /// Sets the time that a command acts before the next one can brake [s], the control period by default, and the shares
+  /// of the base drive's accelerations.
   void set_execution(double hold, const BaseRamp::Shares& shares) noexcept {
     hold_ = hold;
     ramp_.set_shares(shares);
@@ -61,21 +60,21 @@ class BrakeCheck {
   }
   void set_objects(std::span<const ObjectShape> objects);
 
-  /// Box of the commands that are allowed.
+  /// Box of the allowed commands.
   struct Allowed {
     const VectorX& lower;
     const VectorX& upper;
-    const VectorX& slowest;  ///< the smallest command in it
+    const VectorX& slowest;  ///< the smallest command in the box
   };
-  /// What is known of where the command begins to act: pairs that are near, how near they would have to be to be among
-  /// them (a kind with a negative range is not known), and the robot there, null where it is not at hand.
+  /// Known pairs of the state in which the command begins to act: near pairs, the ranges within which all pairs are
+  /// included (negative for an unknown kind), and the robot's kinematics there, or null.
   struct Known {
     std::span<const ProximityPair> pairs;
     ProximityRanges ranges{-1.0, -1.0, -1.0};
     const Kinematics* kinematics = nullptr;
   };
-  /// `o`: where the command begins to act. Returns the share of `command` that was kept, 1 where it passes.
-  /// `spreads`: of the objects' places, empty where they are exact.
+  /// `o`: state in which the command begins to act. Returns the kept share of `command`, 1 if it passes. `spreads`: of
+  /// the objects' positions, empty if they are exact.
   double apply(const Observation& o, const Allowed& allowed, std::span<const PlaceSpread> spreads, VectorX& command,
                const Known& known) noexcept;
   double apply(const Observation& o, const Allowed& allowed, std::span<const PlaceSpread> spreads,
@@ -83,20 +82,19 @@ class BrakeCheck {
     return apply(o, allowed, spreads, command, Known{});
   }
 
-  /// Least distance to objects at rest on the way to a stop, as far as it is below the margin, else infinite. That to
-  /// the floor and to itself counts with what the margin is above theirs added. Objects are where the last apply()
-  /// found them.
+  /// Least distance to objects at rest on the braking trajectory if it is below the margin, else infinity. Distances to
+  /// the floor and to itself count with the difference of the margins added. Objects are those of the last apply().
   double least_distance(const Observation& o, const VectorX& command, bool in_proportion) noexcept;
 
  private:
-  // A pair that may come too near on the way to a stop that is looked at.
+  // A pair that may come too near on the examined trajectory.
   struct Candidate {
     PairKind kind;
     int first, second;
-    double room;              // the way at which it may be at 0 [m]; infinite where it is clear to the end of the way
-    double end = -kInfinity;  // no distance is less there [m]
+    double room;              // travel at which the distance may be 0 [m]; infinite if the pair stays clear
+    double end = -kInfinity;  // lower bound of the distance at the end [m]
   };
-  // Those of one shape and objects.
+  // The pairs of one shape with objects.
   struct Group {
     int shape;
     std::size_t begin, end;
@@ -127,7 +125,7 @@ class BrakeCheck {
   Deceleration deceleration_;
   Uncertainty uncertainty_;
   std::span<const PlaceSpread> spreads_;  // of the present step
-  double widest_ = 0.0;                   // margin that is thought of
+  double widest_ = 0.0;                   // largest margin considered
   Matrix3X J_;
   VectorX row_;
   VectorX q_, mean_, times_;
@@ -136,16 +134,17 @@ class BrakeCheck {
   std::vector<ObjectState> states_;
 
   ShapeWays ways_;
-  VectorX gone_, whole_;  // of each velocity so far, and by all of the way
-  // No distance is less than these as the step begins: of shapes and objects, of shapes, of the model's self pairs.
+  VectorX gone_, whole_;  // travel of each velocity so far, and over the whole trajectory
+  // Lower bounds of distances at the start of the step: of shapes and objects, of shapes to the floor, of the model's
+  // self pairs.
   std::vector<double> object_bounds_, floor_bounds_, self_bounds_;
-  std::vector<double> radii_;                                          // of the objects
-  std::vector<char> sharp_;                                            // whether an object's is as good as is cheap
-  std::vector<int> self_at_;                                           // place of a pair of shapes in the model's list
-  enum class Placed { kNot, kAtStart, kHere } placed_ = Placed::kNot;  // what proximity_ has of the robot
-  const Kinematics* start_ = nullptr;                                  // the robot as the step begins
+  std::vector<double> radii_;  // of the objects
+  std::vector<char> sharp_;    // the object's bounds are as good as cheaply possible
+  std::vector<int> self_at_;   // index of a pair of shapes in the model's list
+  enum class Placed { kNot, kAtStart, kHere } placed_ = Placed::kNot;  // state of the robot in proximity_
+  const Kinematics* start_ = nullptr;                                  // the robot at the start of the step
   Kinematics own_start_;
-  std::vector<Candidate> candidates_;  // those of groups first
+  std::vector<Candidate> candidates_;  // pairs of groups first
   std::vector<Group> groups_;
   std::size_t grouped_ = 0;
   bool open_ = false;

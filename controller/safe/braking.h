@@ -6,33 +6,33 @@
 
 namespace moma {
 
-/// How fast a robot can lose its velocity: the accelerations that it is allowed (limits.acceleration, resolved), of an
-/// omnidirectional base's linear pair together.
+/// Deceleration of a robot: its allowed accelerations (limits.acceleration, resolved), with an omnidirectional base's
+/// linear pair taken together.
 class Deceleration {
  public:
   Deceleration(const RobotModel& model, const VectorX& acceleration_limit, bool pair_together);
 
-  /// The base brakes with so much of its accelerations (1: all, as from birth).
+  /// Sets the share of its accelerations with which the base brakes (1 at construction).
   void set_slowing(double share) noexcept;
-  /// Of c qdot, when every velocity brakes: sum |c_i| a_i, of a linear pair a |(c_x, c_y)|. Infinite where a velocity
-  /// that counts may change at once.
+  /// Deceleration of c qdot if every velocity brakes: sum |c_i| a_i, for a linear pair a |(c_x, c_y)|. Infinite if a
+  /// velocity with c_i != 0 has no limit.
   double along(const Eigen::Ref<const VectorX>& c) const noexcept;
-  /// Times in which each velocity of u can come to rest, 0 where at once [s].
+  /// Times in which each velocity of u comes to rest, 0 without a limit [s].
   void stopping_times(const VectorX& u, VectorX& times) const noexcept;
 
  private:
   VectorX acceleration_;
-  Vector3 base_ = Vector3::Zero();  // its part of these with all of the drive
+  Vector3 base_ = Vector3::Zero();  // the base's part with the whole drive
   int base_dof_;
   bool pair_;
 };
 
-/// Largest speed from which one stops within `room`, braking at `deceleration` after `reaction`: the root of
-/// v t + v^2/(2 a) = room. 0 without room; infinite where the deceleration is.
+/// Largest speed from which one stops within `room`, braking at `deceleration` after `reaction`: the root of v t +
+/// v^2/(2 a) = room. 0 without room; infinite for infinite deceleration.
 double stoppable_speed(double room, double deceleration, double reaction) noexcept;
 
-/// Speed from which a base, braking after `reaction` as its drive can, stops between the distance at which its rows
-/// begin, `influence`, and `stop`; not above its own [m/s]. Its own without rows that know how it brakes.
+/// Speed from which a base stops between the distances `influence` and `stop` of its rows, braking with its drive after
+/// `reaction`; at most its own maximum [m/s]. Its own maximum without rows that know braking.
 double foreseen_speed(const RobotModel& model, const CollisionParams& params) noexcept;
 
 }  // namespace moma

@@ -12,16 +12,16 @@ namespace moma {
 namespace {
 
 constexpr double kMarginAtRest = 0.02;  // [m]
-constexpr double kMoment = 0.1;         // between the moments that are looked at [s]
-constexpr double kHalf = 0.5;           // of the margin, at least, is to be regained,
-constexpr double kRegained = 0.1;       // of a margin that is used up [m/s]
+constexpr double kMoment = 0.1;         // interval between checks [s]
+constexpr double kHalf = 0.5;           // least share of the margin at the start,
+constexpr double kRegained = 0.1;       // rate at which a reduced margin is restored [m/s]
 constexpr double kTouched = 0.005;      // [m]
-constexpr double kToldApart = 3.0;      // times the margin, as far as ways out are told from each other by distance
+constexpr double kToldApart = 3.0;      // in margins: range in which distance ranks ways out
 
-// No faster than the wheels allow.
+// Limits the velocity by the wheels' speeds.
 Vector3 driven(const RobotModel& model, Vector3 velocity) noexcept {
   if (!model.base.wheels) return velocity;
-  Eigen::Vector4d speeds = Eigen::Vector4d::Zero();  // two of them stay 0 where there are two wheels
+  Eigen::Vector4d speeds = Eigen::Vector4d::Zero();  // two of them stay 0 with two wheels
   wheel_speeds(model.base, velocity.head(model.base_dof()), speeds);
   const double fastest = speeds.cwiseAbs().maxCoeff();
   return fastest > model.base.wheels->max_speed ? velocity * (model.base.wheels->max_speed / fastest) : velocity;
@@ -79,7 +79,7 @@ Vector3 Evasion::leading(const VectorX& velocities) const noexcept {
   return out;
 }
 
-// How far the robot's solids are from the base's origin at most, until the arm has braked.
+// Largest distance of the robot's solids from the base's origin until the arm has stopped.
 double Evasion::reach(const Observation& o, const VectorX& command) noexcept {
   kinematics_.place(o.base, o.q);
   const Vector3 origin = kinematics_.X_WB().translation();
@@ -95,7 +95,7 @@ double Evasion::reach(const Observation& o, const VectorX& command) noexcept {
   return reach + moved + 2.0 * reach * turned;
 }
 
-// As base_, q_ and states_ are; infinite beyond `range`, of objects of which one at least is inside as spheres are.
+// Measures distances at base_, q_ and states_; infinite beyond `range`. Skips objects whose spheres are all outside.
 void Evasion::look(double range, double& moving, double& resting) noexcept {
   moving = resting = kInfinity;
   bool near = false;
@@ -112,7 +112,7 @@ void Evasion::look(double range, double& moving, double& resting) noexcept {
   }
 }
 
-// The base towards its target, the arm as in qdot_, objects as they move.
+// Moves the base towards its target, the arm by qdot_, and objects by their twists.
 void Evasion::drive(const Vector3& target, double dt) noexcept {
   const Vector3 ramped = ramp_.follow(target, dt, velocity_);
   const int dof = ramp_.dof();
@@ -130,7 +130,7 @@ void Evasion::begin(const Observation& o) noexcept {
   std::copy(o.objects.begin(), o.objects.end(), states_.begin());
 }
 
-// One moment of a way out: the base towards its target, the arm braking.
+// Advances a way out by one moment: the base towards its target, the arm braking.
 void Evasion::go_on(const Vector3& target) noexcept {
   const int dof = ramp_.dof();
   for (Eigen::Index i = 0; i < q_.size(); ++i) {
@@ -143,7 +143,7 @@ void Evasion::go_on(const Vector3& target) noexcept {
   drive(target, kMoment);
 }
 
-// Whether the way out towards `target` is clear after one period of `command`.
+// True if the way out towards `target` is clear after one period of `command`.
 bool Evasion::is_clear(const Observation& o, const VectorX& command, const Vector3& target, double range) noexcept {
   ++tried_;
   begin(o);
@@ -158,14 +158,14 @@ bool Evasion::is_clear(const Observation& o, const VectorX& command, const Vecto
     look(range, moving, resting);
     const double need = std::max(need_moving_, std::min(kHalf * params_.margin, need_moving_ + kRegained * t));
     if (moving < need || resting < need_resting_) return false;
-    if (std::min(moving, resting) < kTouched) return true;  // no nearer than it is now
+    if (std::min(moving, resting) < kTouched) return true;  // at least the present distance
   }
   return true;
 }
 
-// How good the way out towards `target` is that begins now: the time at which something is touched [s]; where nothing
-// is, the horizon and the least distance [m], and as much again as `range` for the part of another horizon in which the
-// robot may stand where it has come to. A way out that leads on before what moves is none in the end.
+// Value of the way out towards `target` that begins now: the time of the first contact [s]; without contact the
+// horizon, plus the least distance [m], plus up to `range` for the part of another horizon in which the robot may stand
+// at its end. A way out that drives on in front of a moving object ranks low.
 double Evasion::worth(const Observation& o, const Vector3& target, double range) noexcept {
   ++tried_;
   begin(o);

@@ -6,7 +6,7 @@
 namespace moma {
 namespace {
 
-// The link nearest to the root that no controlled joint separates from `link`.
+// Returns the link nearest to the root that no controlled joint separates from `link`.
 int rigid_root(const RobotModel& model, int link) noexcept {
   while (model.links[static_cast<std::size_t>(link)].controlled < 0 &&
          model.links[static_cast<std::size_t>(link)].parent >= 0)

@@ -10,18 +10,18 @@
 
 namespace moma {
 
-/// The distance to objects at rest that is kept near the goal. A grasp has the hand nearer to the object than any stop
-/// distance; the rest of the way has not. With the distance r of E from the goal,
+/// Required distance to objects at rest near the goal. A grasp has the hand nearer to the object than any stop
+/// distance. With the distance r of E from the goal,
 ///
 ///   kept = min(far, at_goal + slope r)
 ///
-/// so that what is kept shrinks over the last `far`/`slope` metres alone.
+/// so that the required distance shrinks over the last `far`/`slope` metres alone.
 struct KeptDistance {
   double at_goal = kInfinity;  ///< [m]; infinite: `far` everywhere
   double slope = 0.0;          ///< [1]
   Vector3 p_WG = Vector3::Zero();
 
-  double most = kInfinity;  ///< kept far from the goal, where that is less than `far` [m]
+  double most = kInfinity;  ///< required far from the goal if that is less than `far` [m]
 
   double of(double far, const Vector3& p_WE) const noexcept {
     far = std::min(far, most);
@@ -30,20 +30,21 @@ struct KeptDistance {
   }
 };
 
-/// Indices of the shapes that no controlled joint separates from E.
+/// Returns the indices of the shapes that no controlled joint separates from E.
 std::vector<int> hand_shapes(const RobotModel& model);
 
-/// How near the solids that are rigid with E are to objects where E is at its goal: no configuration changes that. One
-/// per worker; only allocate() takes memory.
+/// Distance between the solids that are rigid with E and objects, with E at its goal: no configuration changes it. One
+/// per worker; only allocate() allocates.
 class GoalClearance {
  public:
   explicit GoalClearance(const RobotModel& model);
 
   void allocate(std::size_t num_objects) { states_.assign(num_objects, ObjectState{}); }
 
-  /// The least distance with E at X_WG to visible objects at rest, `range` where none is nearer [m]. `kinematics` is
-  /// the robot anywhere, `proximity` has its objects; robot and goal are moved together there, so that E is at the
-  /// goal. Costs one distance for each solid and object whose balls are nearer than `range`.
+  /// Returns the least distance, with E at X_WG, to visible objects at rest; `range` if none is nearer [m].
+  /// `kinematics` is the robot in any configuration, `proximity` has its objects; robot and goal are moved together
+  /// there, so that E is at the goal. Costs one distance for each pair of solid and object whose balls are nearer than
+  /// `range`.
   double least(const Kinematics& kinematics, const Isometry& X_WG, std::span<const ObjectState> objects, double range,
                Proximity& proximity) noexcept;
 

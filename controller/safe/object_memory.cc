@@ -7,7 +7,7 @@
 namespace moma {
 namespace {
 
-// Lives as long as the model does.
+// Does not own the model, which must live as long.
 std::shared_ptr<const RobotModel> borrowed(const RobotModel& model) { return {std::shared_ptr<void>(), &model}; }
 
 }  // namespace

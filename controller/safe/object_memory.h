@@ -11,28 +11,27 @@
 
 namespace moma {
 
-/// Memory with evidence: an object at rest that is no longer told of stays where it was until the robot's own sensors
-/// look through the place. A frame is evidence where MemoryParams::rays of its rays or more would have ended on the
-/// object if it were there, behind what is believed to stand before it. Evidence of MemoryParams::gone removes the
-/// object, or of the time for which it had been told of, if that is less: what was seen for a moment goes in a moment.
-/// What moves, and what rests where the robot has no sensors, is believed in for MemoryParams::keep. Where every object
-/// is told of, nothing is done.
+/// Memory of objects with evidence. An object at rest that is no longer reported stays where it was until the robot's
+/// own sensors see through its place. A frame is evidence if at least MemoryParams::rays of its rays would end on the
+/// object, behind the objects believed to stand before it. Evidence of duration MemoryParams::gone removes the object,
+/// or of the time for which it had been reported if that is shorter: brief detections disappear quickly. Moving
+/// objects, and all objects of a robot without sensors, are kept for MemoryParams::keep. Nothing happens if every
+/// object is reported.
 ///
-/// The idea is that of occupancy with free space from rays (Moravec & Elfes, 1985), of whole objects instead of cells.
-/// Evidence is kept in PoseTrack; frames fall due by the observation's time, so that the memory has no state of its
-/// own.
+/// The idea is occupancy with free space from rays (Moravec & Elfes, 1985), for whole objects instead of cells.
+/// PoseTrack holds the evidence; frames are due by the observation's time, so that the memory has no state of its own.
 class ObjectMemory {
  public:
   ObjectMemory(const RobotModel& model, const MemoryParams& params, double control_period);
 
   bool on() const noexcept { return params_.enabled; }
-  /// Takes memory.
+  /// Allocates.
   void set_objects(std::span<const ObjectShape> objects);
 
-  /// Whether an object that is not told of is believed to be there still.
+  /// True if an unreported object is believed to be still there.
   bool believes(const PoseTrack& track) const noexcept;
-  /// Looks where objects are remembered: `told` is the measured state, `believed` all that is believed to be there, of
-  /// which some are told of. Adds to the evidence against the others.
+  /// Adds evidence against remembered objects: `told` is the measured state, `believed` has all objects believed to be
+  /// there, reported or not.
   void look(const Observation& told, std::span<const ObjectState> believed, std::span<PoseTrack> tracks) noexcept;
 
  private:

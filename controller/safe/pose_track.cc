@@ -8,14 +8,14 @@
 namespace moma {
 namespace {
 
-constexpr double kAnother = 0.1;  // an innovation of so much is that of another pose [m, rad]
+constexpr double kAnother = 0.1;  // a larger innovation means another pose [m, rad]
 
 void turn(const Vector3& rotation_W, Isometry& X_W) noexcept {
   const double angle = rotation_W.norm();
   if (angle > 0.0) X_W.linear() = Eigen::AngleAxisd(angle, rotation_W / angle).toRotationMatrix() * X_W.linear();
 }
 
-// Variance of a filtered value, in units of one measurement's, after a measurement at this gain.
+// Variance of a filtered value, in units of one measurement's, after a measurement with this gain.
 double averaged(double spread, double gain) noexcept { return (1.0 - gain) * (1.0 - gain) * spread + gain * gain; }
 
 }  // namespace
@@ -29,7 +29,7 @@ double PoseFilter::gain(double first, double time_constant) const noexcept {
   return time_constant > dt_ ? std::max(first, dt_ / time_constant) : 1.0;
 }
 
-// What a tracker states is what is left after its own filter: this one's averaging takes nothing off it.
+// A tracker's covariance is that after its own filter: averaging here does not reduce it.
 bool PoseFilter::significant(const Vector6& V_W, double spread, const PoseTrack& track) const noexcept {
   const double root = std::sqrt(spread);
   const Vector9& P = track.velocity_covariance;
@@ -54,7 +54,7 @@ void PoseFilter::measure(const Isometry& X_W, const Vector6& V_W, PoseTrack& tra
   track.stated = stated != nullptr;
   track.position_covariance = covariance.position_W.reshaped();
   track.velocity_covariance = covariance.velocity_W.reshaped();
-  // A twist of exactly 0 is a sensor's word that the thing is at rest.
+  // A twist of exactly 0 states that the object is at rest.
   const bool at_rest = V_W.isZero(0.0);
   const bool noisy = threshold_.linear > 0.0 || threshold_.angular > 0.0 || (track.stated && threshold_.quantile > 0.0);
   if (track.seen == 0) {

@@ -8,18 +8,18 @@ namespace moma {
 
 using Vector9 = Eigen::Matrix<double, 9, 1>;
 
-/// What is remembered of an object, or of the goal, from its measurements so far.
+/// Memory of an object or of the goal, from its measurements so far.
 struct PoseTrack {
-  int seen = 0;         ///< measurements since it was begun afresh; 0: nothing is known
-  bool moving = false;  ///< in motion, as far as can be told
+  int seen = 0;         ///< number of measurements since its start; 0: unknown
+  bool moving = false;  ///< classified as moving
   Vector3 p_W = Vector3::Zero();
   Vector9 R_W = Matrix3::Identity().reshaped();   ///< rotation matrix, column by column
   Vector6 V_W = Vector6::Zero();                  ///< [angular; linear] in world axes, 0 at rest
   double pose_spread = 1.0;                       ///< variance of X_W's noise, in units of one measurement's [1]
-  double twist_spread = 1.0;                      ///< and of V_W's
+  double twist_spread = 1.0;                      ///< variance of V_W's, likewise
   double unseen = 0.0;                            ///< time since the last measurement [s]
-  double passed = 0.0;                            ///< time for which sensors looked through it since then [s]
-  bool stated = false;                            ///< which came with covariances ...
+  double passed = 0.0;                            ///< time for which sensors have seen through it since [s]
+  bool stated = false;                            ///< the last measurement had covariances ...
   Vector9 position_covariance = Vector9::Zero();  ///< ... of its position [m^2], column by column,
   Vector9 velocity_covariance = Vector9::Zero();  ///< and of its linear velocity [(m/s)^2]
 
@@ -59,33 +59,33 @@ constexpr void describe(V& v, Of<PoseTrack>) {
            {.unit = "(m/s)^2", .written = Written::kUnlessDefault, .text = "as measured last, column by column"});
 }
 
-/// Time constants of exponential filters [s]; 0: none.
+/// Time constants of exponential filters [s]; 0: no filter.
 struct PoseFilterParams {
-  double resting = 0.0;   ///< of the pose of what is at rest,
-  double moving = 0.0;    ///< of what moves,
-  double velocity = 0.0;  ///< and of its twist
+  double resting = 0.0;   ///< of the pose of resting objects,
+  double moving = 0.0;    ///< of moving ones,
+  double velocity = 0.0;  ///< and of their twists
 };
 
-/// When a measured twist is motion and not noise: beyond `linear` or `angular`, which are so many standard deviations
-/// of one measurement [m/s, rad/s]; 0: any twist that is not exactly 0.
+/// Thresholds above which a measured twist counts as motion: `linear` or `angular`, multiples of one measurement's
+/// standard deviation [m/s, rad/s]; 0: any twist other than exactly 0.
 struct MotionThreshold {
   double linear = 0.0;
   double angular = 0.0;
-  double quantile = 0.0;  ///< of a linear velocity whose covariance is stated: times the root of its trace
+  double quantile = 0.0;  ///< for a linear velocity with a stated covariance: factor on the root of its trace
 };
 
-/// Filters measured poses and twists. A pose is moved on by its twist, then by max(1/n, T/tau) of the innovation, n
-/// measurements so far: the mean at first, and exponential later; the twist likewise. A track is begun afresh at an
-/// innovation of 0.1 m or rad, and as rest turns to motion or motion to rest. A stateless function of its arguments.
+/// Filters measured poses and twists. The filter moves a pose by its twist, then by max(1/n, T/tau) of the innovation,
+/// with n measurements so far: first the mean, later exponential. It treats the twist likewise. A track restarts at an
+/// innovation of 0.1 m or rad, and at transitions between rest and motion. A stateless function of its arguments.
 class PoseFilter {
  public:
   PoseFilter(const PoseFilterParams& params, const MotionThreshold& threshold, double control_period) noexcept
       : params_(params), threshold_(threshold), dt_(control_period) {}
 
-  /// `stated`: covariances that came with the measurement; null: none.
+  /// `stated`: covariances of the measurement; null: none.
   void measure(const Isometry& X_W, const Vector6& V_W, PoseTrack& track,
                const ObjectCovariance* stated = nullptr) const noexcept;
-  /// A step without a measurement: what moves goes on as it did.
+  /// A step without a measurement: a moving object continues.
   void coast(PoseTrack& track) const noexcept;
 
  private:

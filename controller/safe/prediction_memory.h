@@ -9,22 +9,22 @@
 
 namespace moma {
 
-/// What the predictor remembers from step to step. Sizes are fixed by Predictor::reset(): copies among equal sizes take
-/// no memory.
+/// The predictor's memory between steps. Predictor::reset() fixes all sizes: copies among equal sizes do not allocate.
 struct PredictionMemory {
-  double time = -1.0;  ///< of the last observation [s]; negative: there is none
-  double hold = 1.0;   ///< periods that a command may have to act for: 1, more where steps were missed of late
+  double time = -1.0;  ///< of the last observation [s]; negative: none
+  double hold = 1.0;   ///< periods that a command may have to act: 1, more after recent missed steps
   // One for each control period, the latest first.
-  std::vector<VectorX> computed;       ///< commands as the steps computed them
-  std::vector<VectorX> sent;           ///< as they were sent, those of base or joints later than computed
-  std::vector<Vector3> base_velocity;  ///< by the base's ramp, when the period of `sent` has passed in its drive
-  bool begun = false;                  ///< `base` is known
-  Vector3 base = Vector3::Zero();      ///< filtered (x, y, phi) as of the last measurement
-  bool catching_up = false;            ///< joints follow commands that waited longer before (Predictor::send)
-  RoundTrip drive;              ///< how well each pair of shares (Predictor) explains how the base's drive follows
-  std::vector<Vector3> driven;  ///< the base's velocity by each of them
-  RoundTrip base_trip;          ///< from a command sent to the base's measured velocity
-  RoundTrip joint_trip;         ///< and to that of the joints
+  std::vector<VectorX> computed;  ///< commands as the steps computed them
+  std::vector<VectorX> sent;      ///< commands as sent, to base or joints later than computed
+  /// By the base's ramp, at the end of the period in which the command of `sent` acts.
+  std::vector<Vector3> base_velocity;
+  bool begun = false;              ///< `base` is known
+  Vector3 base = Vector3::Zero();  ///< filtered (x, y, phi) as of the last measurement
+  bool catching_up = false;        ///< joints still follow commands that had waited longer (Predictor::send)
+  RoundTrip drive;                 ///< misfit of each pair of shares (Predictor) to the drive's motion
+  std::vector<Vector3> driven;     ///< the base's velocity according to each pair
+  RoundTrip base_trip;             ///< from a sent command to the base's measured velocity
+  RoundTrip joint_trip;            ///< from a sent command to the joints' measured velocities
   std::vector<PoseTrack> objects;
   PoseTrack goal;
 };

@@ -13,26 +13,26 @@
 namespace moma {
 namespace {
 
-constexpr int kLeastTried = 12;  // periods of round trips that are tried at least
-constexpr int kBeyond = 3;       // and so many more than configured
-// What noise leaves of every misfit: (0.01 m/s)^2 + (0.01 rad/s)^2, and of the joints as much.
+constexpr int kLeastTried = 12;  // least number of round trips compared, in periods
+constexpr int kBeyond = 3;       // number of round trips beyond the configured one
+// Contribution of noise to every misfit: (0.01 m/s)^2 + (0.01 rad/s)^2, and the same for joints.
 constexpr double kFloor = 2e-4;
-constexpr double kHoldTime = 5.0;   // time constant with which missed steps are forgotten [s]
-constexpr double kRelocated = 0.5;  // a base measured so far from where it should be was put there [m, rad]
+constexpr double kHoldTime = 5.0;   // time constant for forgetting missed steps [s]
+constexpr double kRelocated = 0.5;  // a base measured this far from its prediction was relocated [m, rad]
 
-// Shares of the drive's accelerations that are tried.
+// Shares of the drive's accelerations that are compared.
 constexpr auto kDrives = std::to_array<BaseRamp::Shares>(
     {{}, {1.0, 0.75}, {1.0, 0.5}, {1.0, 1.0 / 3.0}, {0.75, 0.75}, {0.5, 0.5}, {1.0 / 3.0, 1.0 / 3.0}});
 
 int whole_periods(double seconds, double dt) noexcept { return static_cast<int>(std::ceil(seconds / dt - 1e-9)); }
 
-// Of the base alone.
+// Moves the base alone.
 void move(const RobotModel& model, Vector3& base, const Vector3& velocity, double dt) noexcept {
   VectorX no_joints;
   integrate(model, base, no_joints, velocity.head(model.base_dof()), dt);
 }
 
-// Of a vector's length: its three axes together.
+// Threshold for a vector's length: its three axes together.
 MotionThreshold motion_threshold(const UncertaintyParams& u, double quantile) noexcept {
   if (!u.enabled) return {};
   const double size = quantile * std::numbers::sqrt3;
@@ -41,14 +41,14 @@ MotionThreshold motion_threshold(const UncertaintyParams& u, double quantile) no
 
 std::size_t at(int age) noexcept { return static_cast<std::size_t>(age); }
 
-// Makes the oldest the latest, which is to be written.
+// Makes the oldest entry the latest, to be overwritten.
 template <class T>
 T& shifted(std::vector<T>& latest_first) noexcept {
   std::rotate(latest_first.begin(), latest_first.end() - 1, latest_first.end());
   return latest_first.front();
 }
 
-// What was the latest goes on.
+// Repeats the latest entry.
 template <class T>
 void repeat(std::vector<T>& latest_first) noexcept {
   shifted(latest_first) = latest_first[1];
@@ -77,7 +77,7 @@ Predictor::Predictor(const RobotModel& model, const PredictionParams& params, co
   const int base_trip = whole_periods(params.base_drive, dt_) + base_age_;
   const int joint_trip = whole_periods(params.joint_drive, dt_) + joint_age_;
   tried_ = std::max(kLeastTried, kBeyond + std::max(base_trip, joint_trip));
-  // The commands of the longest round trip, one before it, and those that wait, which are no more than the trip.
+  // The commands of the longest round trip, one before it, and the waiting ones, which are at most as many as the trip.
   periods_ = tried_ + 2;
   joint_step_ = VectorX::Constant(num_joints_, std::numeric_limits<double>::infinity());
   if (acceleration_limit.size() == model.num_velocities()) joint_step_ = dt_ * acceleration_limit.tail(num_joints_);
@@ -118,7 +118,7 @@ void Predictor::set_memory(const PredictionMemory& memory) noexcept {
   synchronise();
 }
 
-// What base and joints wait for so that they act together: the later one of their drives.
+// Sets the waiting times of base and joints with which they act together: at the longer latency of their drives.
 void Predictor::synchronise() noexcept {
   const int base = base_dof_ > 0 ? std::max(0, memory_.base_trip.periods - base_age_) : 0;
   const int joints = num_joints_ > 0 ? std::max(0, memory_.joint_trip.periods - joint_age_) : 0;
@@ -130,7 +130,7 @@ void Predictor::synchronise() noexcept {
 
 const BaseRamp::Shares& Predictor::drive() const noexcept { return kDrives[at(memory_.drive.periods)]; }
 
-// A period of the base's motion by each pair of shares.
+// Advances the base's velocity by a period for each pair of shares.
 void Predictor::follow_drives() noexcept {
   PredictionMemory& m = memory_;
   Vector3 command = Vector3::Zero();
@@ -168,14 +168,14 @@ void Predictor::identify(const Observation& o) noexcept {
   }
   const bool base = base_dof_ > 0 && choose(m.base_trip, kFloor);
   const bool joints = choose(m.joint_trip, kFloor);
-  if (base) m.begun = false;  // what was filtered is as of another time
+  if (base) m.begun = false;  // the filtered pose belongs to another time
   if (!base && !joints) return;
   const int waited = hold_joints_;
   synchronise();
   if (hold_joints_ < waited) memory_.catching_up = true;
 }
 
-// Of the period in which the command sent `age` periods before the latest acts.
+// Returns the mean velocity of the base in the period in which the command sent `age` periods before the latest acts.
 Vector3 Predictor::mean_velocity(int age) const noexcept {
   Vector3 command = Vector3::Zero(), velocity = memory_.base_velocity[at(age + 1)];
   for (int i = 0; i < base_dof_; ++i) command[i] = memory_.sent[at(age)][i];
@@ -217,7 +217,7 @@ const Observation& Predictor::predict(const Observation& o) noexcept {
 void Predictor::miss_steps(double time) noexcept {
   PredictionMemory& m = memory_;
   const double since = std::exchange(m.time, time);
-  const double most = static_cast<double>(periods_);  // all that is remembered is the command sent last, from there on
+  const double most = static_cast<double>(periods_);  // after a long gap only the command sent last is remembered
   const double missed = since < 0.0 ? 0.0 : std::clamp(std::round((time - since) / dt_) - 1.0, 0.0, most);
   for (int k = 0; k < missed; ++k) {
     skip();
@@ -229,7 +229,7 @@ void Predictor::miss_steps(double time) noexcept {
     ramp_.follow(sent, dt_, velocity);
     shifted(m.base_velocity) = velocity;
   }
-  if (missed > 0.0) m.time = time;  // skip() moved it on
+  if (missed > 0.0) m.time = time;  // skip() advanced it
   if (missed >= most) m.begun = false;
   m.hold = std::max(1.0 + missed, 1.0 + (m.hold - 1.0) * std::exp(-dt_ / kHoldTime));
 }
@@ -321,8 +321,7 @@ void Predictor::send(const VectorX& command, VectorX& sent) noexcept {
   }
   if (base_share_ > 0.0) base = ramp_.limited(base, before, base_share_, dt_);
   for (int i = 0; i < base_dof_; ++i) sent[i] = base[i];
-  // A wait that has become shorter leaves commands out: what they would have changed one after the other is changed as
-  // fast as the joints may.
+  // After a shorter wait commands are skipped: joints make the skipped changes as fast as their limits allow.
   if (m.catching_up) {
     m.catching_up = false;
     for (int i = 0; i < num_joints_; ++i) {

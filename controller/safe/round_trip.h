@@ -5,11 +5,11 @@
 
 namespace moma {
 
-/// How long it takes from a command until the velocity that it leads to is measured, and how well each time that was
-/// thought of explains what is measured.
+/// Round trip from a command to the measurement of its velocity, with the misfit of each candidate.
 struct RoundTrip {
-  int periods = 0;  ///< taken to be
-  VectorX misfit;   ///< of 0, 1, 2 ... periods: mean squared difference over the last half second [(m/s)^2, (rad/s)^2]
+  int periods = 0;  ///< present estimate
+  /// Misfit of 0, 1, 2 ... periods: mean squared difference over the last half second [(m/s)^2, (rad/s)^2].
+  VectorX misfit;
 };
 
 template <class V>
@@ -18,15 +18,15 @@ constexpr void describe(V& v, Of<RoundTrip>) {
   v.member("misfit", &RoundTrip::misfit, {.text = "of 0, 1, 2 ... periods"});
 }
 
-/// Finds the time from command to measured velocity: the command of which age it is, its changes tell. The misfit of
-/// each age d forgets exponentially, m_d += (T/0.5 s)(|v_measured - u_{k-1-d}|^2 - m_d); another age is taken where
-/// m_best + floor < 0.7 (m_now + floor), `floor` being what noise leaves of each: without motion nothing is taken.
-/// Only the sum of a drive's and a sensor's lateness can be seen so, not its parts.
+/// Identifies the round trip: the age of the command that matches the measured velocity. The misfit of each age d
+/// forgets exponentially, m_d += (T/0.5 s)(|v_measured - u_{k-1-d}|^2 - m_d). Another age replaces the present one if
+/// m_best + floor < 0.7 (m_now + floor), with `floor` the contribution of noise: without motion the estimate stays.
+/// Only the sum of drive and sensor latency is observable, not its parts.
 
-/// One age's misfit, with the squared difference that it has at this step. `dt` [s].
+/// Updates one age's misfit with this step's squared difference. `dt` [s].
 void settle(RoundTrip& trip, int age, double squared, double dt) noexcept;
 
-/// Takes the age that explains the motion best, if it is clearly better. True where it is another one than before.
+/// Takes the age with the least misfit, if it is clearly better. True if the age changed.
 bool choose(RoundTrip& trip, double floor) noexcept;
 
 }  // namespace moma

@@ -12,7 +12,7 @@ double square(double x) noexcept { return x * x; }
 }  // namespace
 
 double normal_quantile(double probability) noexcept {
-  // Newton's method for Phi(z) = p, from 0 and so from below, where Phi is concave: it converges from one side.
+  // Newton's method for Phi(z) = p from 0, where Phi is concave: it converges from below.
   double z = 0.0;
   for (int i = 0; i < 100; ++i) {
     const double upper = 0.5 * std::erfc(z / std::numbers::sqrt2);

@@ -155,7 +155,7 @@ void FallbackSolver::weigh_by_backup(const QpProblem& problem) noexcept {
     relaxed_.A(i, n) = -broken;
     worst = std::max(worst, broken);
   }
-  // In units of the row that breaks most [m/s], or the solver takes small coefficients for none.
+  // In units of the most violated row [m/s], because the solver takes small coefficients for zero.
   if (worst > 0.0) relaxed_.A.col(n).head(problem.rows) /= worst;
 }
 

@@ -10,27 +10,27 @@
 
 namespace moma {
 
-/// Solves the problem, and where that fails its relaxations, in this order:
+/// Solves the problem or, if that fails, its relaxations in this order:
 ///  1. relaxed: one common slack s >= 0 on all passing and separation rows, at cost 1/2 1e6 s^2 (skipped without such
-///     rows): they look ahead, and must not cost the rows that hold now;
-///  2. no_acceleration: the original without acceleration bounds (skipped where there are none);
+///     rows): rows with a longer horizon give way to rows that hold now;
+///  2. no_acceleration: the original without acceleration bounds (skipped if there are none);
 ///  3. relaxed: the slack on all collision rows as well (skipped without such rows);
 ///  4. brake: x = clip(0, lb, ub) in the original bounds, acceleration included; delta = 0.
-/// With Relaxation::kBackup, 3 has two slacks. With u_b the smallest command of the stage's bounds, rows of resting
-/// objects, floor and self give way by s g_r / max g, g_r = max(0, c_r u_b - zeta_r), s >= 0 at cost 1/2 1e6 s^2: full
-/// braking, s = max g, is a solution, and what braking keeps is not loosened. Rows of objects in motion, before which
-/// standing still is no way out, passing rows and separation rows share the other slack.
-/// Every workspace is sized for the largest stage by allocate(); solve() takes no memory with a real-time safe solver.
+/// With Relaxation::kBackup, stage 3 has two slacks. With u_b the smallest command within the stage's bounds, rows of
+/// resting objects, floor and self give way by s g_r / max g, g_r = max(0, c_r u_b - zeta_r), s >= 0 at cost 1/2 1e6
+/// s^2: full braking, s = max g, is a solution, and rows that braking keeps stay as they are. Rows of moving objects,
+/// which standing still does not avoid, passing rows and separation rows share the other slack. allocate() sizes every
+/// workspace for the largest stage; solve() does not allocate with a real-time safe solver.
 class FallbackSolver {
  public:
   struct Outcome {
     StepStatus status = StepStatus::kSolved;  ///< of the original problem
     Fallback fallback = Fallback::kNone;
-    int iterations = 0;            ///< all stages together
-    double collision_slack = 0.0;  ///< what the relaxed stage gives the row that gets most [m/s]
-    bool only_passing = false;     ///< relaxed, only rows that look ahead, within the acceleration bounds
+    int iterations = 0;            ///< sum of all stages
+    double collision_slack = 0.0;  ///< largest relaxation of a row in the relaxed stage [m/s]
+    bool only_passing = false;     ///< relaxed, only passing and separation rows, within the acceleration bounds
 
-    /// Whether the command had room beyond the acceleration bounds.
+    /// True if the command could exceed the acceleration bounds.
     bool beyond_acceleration() const noexcept {
       return fallback == Fallback::kNoAcceleration || (fallback == Fallback::kRelaxed && !only_passing);
     }
@@ -40,16 +40,16 @@ class FallbackSolver {
 
   void allocate(int num_variables, int max_rows);
 
-  /// @param hard_lower, hard_upper num_velocities bounds without acceleration; problem.lb and .ub hold those with.
-  /// `pair`: see smallest_command(). An invalid problem goes to the brake at once.
+  /// @param hard_lower, hard_upper num_velocities bounds without acceleration; problem.lb and .ub include it. `pair`:
+  /// see smallest_command(). An invalid problem goes to the brake at once.
   Outcome solve(const QpProblem& problem, const VectorX& hard_lower, const VectorX& hard_upper, bool has_acceleration,
                 const LinearPair& pair = {}) noexcept;
 
-  /// x of the stage that succeeded (n values, then the slacks of the relaxed stage); zero multipliers for the brake.
+  /// x of the successful stage (n values, then the slacks of the relaxed stage); zero multipliers for the brake.
   const QpSolution& solution() const noexcept { return solution_; }
-  /// What the stage that succeeded gave to this row [m/s]; 0 where it is not relaxed.
+  /// Relaxation of this row in the successful stage [m/s]; 0 if it is not relaxed.
   double given(int row) const noexcept;
-  /// The problem that was solved in the end, with its own bounds; for the brake the original. Allocates.
+  /// Returns the problem of the successful stage with its own bounds; for the brake the original. Allocates.
   QpProblem final_problem(const QpProblem& original) const;
 
  private:
@@ -68,12 +68,12 @@ class FallbackSolver {
   Fallback last_ = Fallback::kNone;
 };
 
-/// Counts of what the steps since reset() came to.
+/// Counts of the results of steps since reset().
 struct StepCounters {
   long long steps = 0;
   long long solved = 0, infeasible = 0, max_iterations = 0, invalid_input = 0;
   long long no_acceleration = 0, relaxed = 0, brake = 0;
-  long long rows_left_out = 0;  ///< collision rows nothing the robot can do would change
+  long long rows_left_out = 0;  ///< collision rows that no motion of the robot changes
 
   void count(StepStatus status, Fallback fallback, int left_out) noexcept;
 };

@@ -16,9 +16,9 @@
 namespace moma {
 namespace {
 
-// A solution may miss a row by this much [m/s, rad/s]: what rounding leaves where the weights span 1e9.
+// Tolerance of a solution's rows [m/s, rad/s]: rounding if the weights span 1e9.
 constexpr double kRowTolerance = 1e-6;
-// Bounds that cross by no more than rounding are taken as equal.
+// Bounds that cross by rounding alone count as equal.
 constexpr double kCrossTolerance = 1e-12;
 
 StepStatus check_input(const QpProblem& p, const Box& box) noexcept {
@@ -39,7 +39,7 @@ StepStatus check_input(const QpProblem& p, const Box& box) noexcept {
   return crossed ? StepStatus::kInfeasible : StepStatus::kSolved;
 }
 
-// Finite, inside the box up to rounding (then clipped exactly) and near enough to every row.
+// Accepts a solution that is finite, inside the box up to rounding (then clipped exactly) and near enough to every row.
 bool accept_output(const QpProblem& p, const Box& box, VectorX& x) noexcept {
   const int n = p.n();
   for (int i = 0; i < n; ++i) {

@@ -11,7 +11,7 @@ namespace moma {
 
 /// Multipliers are positive at upper and negative at lower limits: H x + g + A^T rows + bounds = 0.
 struct QpSolution {
-  VectorX x;                  ///< n (of the largest stage); finite and inside the bounds where solved
+  VectorX x;                  ///< n (of the largest stage); finite and inside the bounds if solved
   VectorX bound_multipliers;  ///< n
   VectorX row_multipliers;    ///< capacity of the problem
   int iterations = 0;
@@ -19,14 +19,14 @@ struct QpSolution {
   void allocate(int num_variables, int max_rows);
 };
 
-/// Box bounds that stand in for the problem's own (a stage of the fallback).
+/// Box bounds that replace the problem's own (a stage of the fallback).
 struct Box {
   const double* lower = nullptr;
   const double* upper = nullptr;
 };
 
-/// One QP solver behind a common face. Cold start every time: a step's bits depend on its inputs alone, so
-/// that `moma solve` and a replay repeat them. Checks inputs and outputs, which most solvers do not.
+/// Common interface of QP solvers. No warm start: a step's bits depend on its inputs alone, so that `moma solve` and a
+/// replay repeat them. Checks inputs and outputs, which most solvers do not.
 class QpSolver {
  public:
   virtual ~QpSolver() = default;
@@ -37,13 +37,13 @@ class QpSolver {
   /// Sizes the workspace for problems of exactly `num_variables` and at most `max_rows` rows.
   virtual void allocate(int num_variables, int max_rows) = 0;
 
-  /// kSolved, with solution.x inside the box and within 1e-6 of every row; kInfeasible; kMaxIterations (also
-  /// where the solver gave up or returned a wrong point); kInvalidInput (a NaN, an infinite coefficient, a wrong
-  /// size). `solution` is written only where solved, its `iterations` always.
+  /// Returns kSolved, with solution.x inside the box and within 1e-6 of every row; kInfeasible; kMaxIterations (also if
+  /// the solver gave up or returned a wrong point); kInvalidInput (a NaN, an infinite coefficient, a wrong size).
+  /// Writes `solution` only if solved, and its `iterations` always.
   StepStatus solve(const QpProblem& problem, QpSolution& solution) noexcept;
   StepStatus solve(const QpProblem& problem, const Box& box, QpSolution& solution) noexcept;
 
-  /// True if solve() takes no memory and no lock (qpOASES takes both; it is here for cross-checks).
+  /// True if solve() neither allocates nor locks (qpOASES does both; it serves cross-checks).
   virtual bool real_time_safe() const noexcept = 0;
 
  protected:
@@ -52,9 +52,9 @@ class QpSolver {
   virtual int max_rows() const noexcept = 0;
 };
 
-/// Those this build has; DAQP always.
+/// Returns the solvers of this build; DAQP always.
 std::vector<SolverKind> available_solvers();
-/// Throws std::invalid_argument naming the available ones where `kind` was not built.
+/// Throws std::invalid_argument with the available solvers if `kind` was not built.
 std::unique_ptr<QpSolver> make_solver(SolverKind kind);
 
 }  // namespace moma

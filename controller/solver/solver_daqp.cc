@@ -14,14 +14,14 @@ namespace moma {
 struct DaqpSolver::Impl {
   int n = 0;
   int max_rows = 0;
-  // The arrays of the workspace are ours, not those of DAQP's allocate_ and setup_ functions, which write through what
-  // malloc() gives them without looking. A block each, so that memory checkers see where one ends.
+  // The workspace's arrays are ours, because DAQP's allocate_ and setup_ functions do not check malloc(). One block
+  // each, so that memory checkers see its end.
   DAQPWorkspace work{};
   DAQPSettings settings{};
   std::vector<std::vector<double>> numbers;
   std::vector<std::vector<int>> words;
   DAQPProblem qp{};
-  // DAQP reads a dense row-major H and bounds of variables and rows in one array.
+  // DAQP reads a dense row-major H, and bounds of variables and rows in one array.
   std::vector<double> H, f, lower, upper, x, multipliers;
 
   double* array(std::size_t count) { return numbers.emplace_back(std::max<std::size_t>(count, 1), 0.0).data(); }
@@ -56,7 +56,7 @@ void DaqpSolver::allocate(int num_variables, int max_rows) {
   work.m = static_cast<int>(m);
   work.ms = num_variables;
   work.outer_iter = 1;
-  // What allocate_daqp_workspace() and allocate_daqp_ldp() would make.
+  // The arrays of allocate_daqp_workspace() and allocate_daqp_ldp().
   for (double** one : {&work.lam, &work.lam_star, &work.D, &work.xldl, &work.zldl}) *one = s.array(n + 1);
   work.L = s.array((n + 1) * (n + 2) / 2);
   work.u = work.x = s.array(n);
@@ -94,12 +94,12 @@ StepStatus DaqpSolver::do_solve(const QpProblem& p, const Box& box, QpSolution& 
   s.qp.m = static_cast<int>(n + rows);
   s.qp.H = s.H.data();
   s.qp.f = s.f.data();
-  s.qp.A = const_cast<double*>(p.A.data());  // DAQP's interface is not const-correct; it only reads A.
+  s.qp.A = const_cast<double*>(p.A.data());  // DAQP's interface is not const-correct; it only reads A
   s.qp.blower = s.lower.data();
   s.qp.bupper = s.upper.data();
   s.qp.sense = nullptr;
 
-  // A cold start: nothing of an earlier solve may reach this one's bits.
+  // Cold start: no earlier solve may influence this one's bits.
   reset_daqp_workspace(&s.work);
   s.work.state = 0;
   std::fill(s.work.x, s.work.x + n, 0.0);
@@ -115,7 +115,7 @@ StepStatus DaqpSolver::do_solve(const QpProblem& p, const Box& box, QpSolution& 
     flag = result.exitflag;
     solution.iterations = result.iter;
   }
-  // Equality rows that contradict each other are found while the first working set is built.
+  // Contradictory equality rows appear while the first working set is built.
   if (flag == DAQP_EXIT_INFEASIBLE || flag == DAQP_EXIT_OVERDETERMINED_INITIAL) return StepStatus::kInfeasible;
   if (flag != DAQP_EXIT_OPTIMAL) return StepStatus::kMaxIterations;
   for (std::size_t i = 0; i < n; ++i) {

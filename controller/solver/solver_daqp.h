@@ -6,8 +6,8 @@
 
 namespace moma {
 
-/// DAQP (Arnstrom, Bemporad, Axehill, IEEE TAC 67(8), 2022), a dual active-set method. Default: the fastest on
-/// this problem, finds every infeasibility and takes no memory once allocated.
+/// DAQP (Arnstrom, Bemporad, Axehill, IEEE TAC 67(8), 2022), a dual active-set method. The default: fastest on this
+/// problem, it detects every infeasibility and does not allocate in solve().
 class DaqpSolver : public QpSolver {
  public:
   DaqpSolver();

@@ -11,7 +11,7 @@ namespace {
 // Rows whose limits are this close are equalities.
 constexpr double kEqual = 1e-12;
 
-// Where a one-sided inequality came from: a variable (index < n) or a row, and which of its limits.
+// Origin of a one-sided inequality: a variable (index < n) or a row, and which of its limits.
 struct Side {
   int index = -1;
   double sign = 0.0;  // +1 at the upper limit, -1 at the lower
@@ -29,7 +29,7 @@ struct EiquadprogSolver::Impl {
   std::vector<Side> sides;
   std::vector<int> equal_rows;
 
-  // The solver's own sizes: spare inequalities are 0 x + 1 >= 0, spare equalities do not exist (a zero row is
+  // Sets the solver's own sizes. Spare inequalities are 0 x + 1 >= 0. Spare equalities do not exist (a zero row is
   // dependent), so that a step with another number of equalities resizes here.
   void size(int equal) {
     if (equal == num_equal) return;
@@ -107,7 +107,7 @@ StepStatus EiquadprogSolver::do_solve(const QpProblem& p, const Box& box, QpSolu
     case EiquadprogFast_status::EIQUADPROG_FAST_INFEASIBLE:
     case EiquadprogFast_status::EIQUADPROG_FAST_UNBOUNDED:
       return StepStatus::kInfeasible;
-    // Dependent equalities may well be consistent: no answer rather than a wrong one.
+    // Dependent equalities may be consistent: better no answer than a wrong one.
     case EiquadprogFast_status::EIQUADPROG_FAST_REDUNDANT_EQUALITIES:
     case EiquadprogFast_status::EIQUADPROG_FAST_MAX_ITER_REACHED:
       return StepStatus::kMaxIterations;
@@ -119,7 +119,7 @@ StepStatus EiquadprogSolver::do_solve(const QpProblem& p, const Box& box, QpSolu
   const Eigen::VectorXi& active = s.solver.getActiveSet();
   for (int k = 0; k < static_cast<int>(s.solver.getActiveSetSize()); ++k) {
     if (active[k] < 0) {
-      // Equalities are counted -1, -2, ...; their multiplier is that of CE x + ce0 = 0 on the other side.
+      // Equalities are numbered -1, -2, ...; their multiplier is that of CE x + ce0 = 0 on the other side.
       solution.row_multipliers[s.equal_rows[static_cast<std::size_t>(-active[k] - 1)]] = -u[k];
       continue;
     }

@@ -6,8 +6,8 @@
 
 namespace moma {
 
-/// eiquadprog-fast, the Goldfarb-Idnani dual method (Math. Prog. 27, 1983). It needs H > 0: weights of zero are
-/// refused as invalid input. It cannot tell an infeasible from an unbounded problem; with H > 0 both mean infeasible.
+/// Eiquadprog-fast, the Goldfarb-Idnani dual method (Math. Prog. 27, 1983). It needs H > 0: zero weights are invalid
+/// input. It does not distinguish infeasible from unbounded problems; with H > 0 both mean infeasible.
 class EiquadprogSolver : public QpSolver {
  public:
   EiquadprogSolver();

@@ -9,11 +9,11 @@
 namespace moma {
 namespace {
 
-constexpr double kShort = 0.02;     // a horizontal vector shorter than this has no direction [m]
-constexpr double kJump = 0.1;       // a goal that is this far from where its twist takes it is a new goal [m],
-constexpr double kJumpAngle = 0.2;  // or turned by this much [rad]
+constexpr double kShort = 0.02;     // a shorter horizontal vector has no direction [m]
+constexpr double kJump = 0.1;       // distance from its predicted pose at which a goal is a new goal [m],
+constexpr double kJumpAngle = 0.2;  // or angle [rad]
 
-// Speed at which a goal of this twist leaves: what it adds to V by itself, at least 0.
+// Speed at which a goal with this twist recedes: its own contribution to V, at least 0.
 double receding(const EscapeParams& params, const Vector6& error, const Vector6& V_WG_W) noexcept {
   const auto along = [](const Vector3& e, const Vector3& v) {
     const double length = e.norm();
@@ -141,7 +141,7 @@ void Escape::stagnate(const EscapeInput& input, const Task& task, double V) noex
   state_.detour = true;
 }
 
-// Aims at the first corner of the way around from there; false where there is none to turn at.
+// Aims at the first corner of the way around from `from`; false without a corner.
 bool Escape::lead(const EscapeInput& input, const Vector2& from) noexcept {
   if (!params_.around.enabled || !mobile_ || input.proximity == nullptr) return false;
   const Vector2 goal = input.goal.X_WG.translation().head<2>();

@@ -13,43 +13,42 @@
 
 namespace moma {
 
-/// What a step's decisions rest on besides the task.
+/// Inputs of a step's decisions besides the task.
 struct EscapeInput {
   const Kinematics& kinematics;
   const GoalState& goal;
-  std::span<const ProximityPair> pairs;  ///< within their influence, floor and self pairs included
+  std::span<const ProximityPair> pairs;  ///< within their influence, including floor and self pairs
   std::span<const ObjectState> objects;
-  bool traffic = false;                  ///< an object in motion is near, beyond the influence of its pairs
-  const Proximity* proximity = nullptr;  ///< has the objects' shapes; without it there is no way around them
+  bool traffic = false;                  ///< a moving object is near, beyond the influence of its pairs
+  const Proximity* proximity = nullptr;  ///< has the objects' shapes; null: no ways around them
 };
 
-/// Leaves a local minimum on one side and goes on from there: after the bug algorithms (Lumelsky & Stepanov,
-/// Algorithmica 2, 1987; Kamon, Rimon & Rivlin, IJRR 17(9), 1998, TangentBug), of which it keeps the measure of
-/// progress and the fixed side, for a robot that knows distances and no map.
+/// Leaves a local minimum on one side: after the bug algorithms (Lumelsky & Stepanov, Algorithmica 2, 1987; Kamon,
+/// Rimon & Rivlin, IJRR 17(9), 1998, TangentBug), with their measure of progress and fixed side, for a robot that knows
+/// distances and no map.
 ///
-/// V = |e_p| + scale |e_R| measures the way left. The robot stagnates when V has not fallen `progress` below its best
-/// for `patience`, and the pose is not at the goal. The best recedes with a goal that moves away, so that only the
-/// robot's own motion counts; near an object that moves the robot is given `traffic_patience`; a goal that jumps
-/// starts everything afresh.
+/// V = |e_p| + scale |e_R| is the distance to the goal. The robot stagnates when V has not fallen by `progress` below
+/// its minimum for `patience`, and the pose is not at the goal. The minimum recedes with a goal that moves away, so
+/// that only the robot's own motion counts. `traffic_patience` applies near a moving object. A goal that jumps resets
+/// everything.
 ///
-/// Then a detour: E is drawn, not to the goal, but to a point beside the base, at `angle` to one side of the goal's
-/// direction, the next time to the other side, then behind, each time further. For a fixed base the arm's root takes
-/// the base's place, and half the length of the arm is the furthest. Orientation is nearly free meanwhile
-/// and the arm is drawn to `ready`. With `around`, where obstacles lie between base and goal as seen from above and
-/// there is a way around them, a mobile robot's detour goes from corner to corner of that way instead, until the rest
-/// is straight (way_around.h). moma-controller.md has the formulas. One per controller; nothing here takes
-/// memory or throws.
+/// A detour then draws E to a point beside the base instead of to the goal: at `angle` to one side of the goal's
+/// direction, the next time to the other side, then behind, each time further. For a fixed base the arm's root replaces
+/// the base, and half the arm's length is the largest distance. During a detour orientation is nearly free and the arm
+/// is drawn to `ready`. With `around`, if obstacles are between base and goal as seen from above and there is a way
+/// around them, a mobile robot's detour leads from corner to corner of that way, until the rest is straight
+/// (way_around.h). moma-controller.md has the formulas. One per controller; nothing here allocates or throws.
 class Escape {
  public:
   Escape(const EscapeParams& params, const ServoParams& servo, const RobotModel& model, double control_period);
 
   void allocate(int num_objects) { way_around_.allocate(num_objects); }
   void reset() noexcept;
-  /// One step: watches progress, begins and ends detours, and bends the task where one is on.
+  /// One step: watches progress, starts and ends detours, and changes the task during a detour.
   void update(const EscapeInput& input, Task& task) noexcept;
 
   const EscapeState& state() const noexcept { return state_; }
-  /// Goes on from a state of an earlier run, whose last goal is not known.
+  /// Continues from a state of an earlier run, whose last goal is unknown.
   void set_state(const EscapeState& state) noexcept { set_memory({state, {}, false}); }
   EscapeMemory memory() const noexcept { return {state_, last_goal_, has_goal_}; }
   void set_memory(const EscapeMemory& memory) noexcept;
@@ -73,14 +72,14 @@ class Escape {
   bool has_goal_ = false;
 };
 
-/// V = |e_p| + scale |e_R| [m].
+/// Returns V = |e_p| + scale |e_R| [m].
 double remaining_way(const EscapeParams& params, const Vector6& error) noexcept;
 
-/// Horizontal unit vector of `v`, or `otherwise` where |v_xy| is below 0.02.
+/// Horizontal unit vector of `v`, or `otherwise` if |v_xy| is below 0.02.
 Vector3 heading(const Vector3& v, const Vector3& otherwise) noexcept;
 
-/// The side on which there is more room: +1 (left of e_h) where (e_h x a)_z >= 0, a = sum_j n_j clip(1 - d_j/reach,
-/// 0, 1) over object pairs; else -1.
+/// Side with more room: +1 (left of e_h) if (e_h x a)_z >= 0, a = sum_j n_j clip(1 - d_j/reach, 0, 1) over object
+/// pairs; else -1.
 int free_side(std::span<const ProximityPair> pairs, const Vector3& e_h, double reach) noexcept;
 
 }  // namespace moma

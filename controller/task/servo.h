@@ -6,34 +6,33 @@
 
 namespace moma {
 
-/// What one step asks of the robot. Everything later parts of the step (a detour, say) may want to change is here,
-/// between the servo that fills it and the terms and rows that read it.
+/// Task of one step. The servo fills it, a detour may change it, terms and rows read it.
 struct Task {
   Vector6 error = Vector6::Zero();        ///< [e_R; e_p]: log(R_d R^T), p_d - p, world axes [rad, m]
-  Vector6 nu = Vector6::Zero();           ///< twist wanted of E, world axes [rad/s, m/s]
+  Vector6 nu = Vector6::Zero();           ///< wanted twist of E, world axes [rad/s, m/s]
   double raw_error_norm = 0.0;            ///< ||e||, not clamped
   double error_norm = 0.0;                ///< ||e|| clamped to [min, max], as used in the weights
   double theta_eps = 0.0;                 ///< bearing of E seen from the base frame [rad]; 0 for a fixed base
-  Vector6 slack_scale = Vector6::Ones();  ///< on the slack's weight, row by row
-  bool detour = false;                    ///< on a detour (escape.h): its posture term holds
+  Vector6 slack_scale = Vector6::Ones();  ///< factors on the slack's weight, row by row
+  bool detour = false;                    ///< on a detour (escape.h): its posture term acts
 };
 
-/// e = [log(R_d R^T); p_d - p] in world axes.
+/// Returns e = [log(R_d R^T); p_d - p] in world axes.
 Vector6 pose_error(const Isometry& X_WE, const Isometry& X_WG) noexcept;
 
-/// The same with another e_R: roll, pitch, yaw of R^T R_d, taken for a rotation vector in the axes of E and turned into
-/// world axes. Small angles agree; large ones turn by another way, and jump where the pitch comes to +-pi/2.
-/// Source: p_servo() of the Robotics Toolbox for Python, by which the papers' examples servo.
+/// The same with another e_R: roll, pitch, yaw of R^T R_d, used as a rotation vector in the axes of E and turned into
+/// world axes. The two agree for small angles; large ones turn another way, and jump if the pitch reaches +-pi/2.
+/// Source: p_servo() of the Robotics Toolbox for Python, which the papers' examples use.
 Vector6 pose_error_rpy(const Isometry& X_WE, const Isometry& X_WG) noexcept;
 
-/// nu = [k_R e_R; k_p e_p], each part clamped in length with its direction kept, + V_d (Lynch & Park 2017, 11.17,
-/// with the feed-forward of the goal, which the article's summary leaves without its subscript).
+/// Returns nu = [k_R e_R; k_p e_p], each part clamped in length with its direction kept, + V_d (Lynch & Park 2017,
+/// 11.17, with the feed-forward of the goal, whose subscript the article's summary drops).
 Vector6 servo_twist(const ServoParams& params, const Vector6& error, const Vector6& V_WG_W) noexcept;
 
 /// ||e|| before clamping: |e_p|_2, |e_p|_1, or sqrt(|e_p|^2 + (scale |e_R|)^2).
 double error_norm(const ErrorNormParams& params, const Vector6& error) noexcept;
 
-/// atan2(y, x) of E in the base frame (Haviland 2022, eq. 14).
+/// Returns atan2(y, x) of E in the base frame (Haviland 2022, eq. 14).
 double bearing(const Isometry& X_WB, const Vector3& p_W) noexcept;
 
 }  // namespace moma

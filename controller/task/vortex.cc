@@ -7,7 +7,7 @@ namespace moma {
 namespace {
 
 constexpr double kFade = 0.1;      // the vortex fades within this distance of the goal [m]
-constexpr double kNoticed = 0.02;  // S at which a side is chosen
+constexpr double kNoticed = 0.02;  // S at which the side is chosen
 constexpr double kTiny = 1e-9;
 
 }  // namespace

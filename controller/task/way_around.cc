@@ -13,10 +13,10 @@
 namespace moma {
 namespace {
 
-constexpr std::size_t kMost = 32;  // obstacles
-constexpr double kEdge = 0.01;     // corners are this far outside their octagon [m]
-constexpr double kCrossed = 1e-9;  // share of a line inside an octagon that counts as crossing it
-constexpr int kAttempts = 3;       // margins
+constexpr std::size_t kMost = 32;  // largest number of obstacles
+constexpr double kEdge = 0.01;     // distance of corners outside their octagon [m]
+constexpr double kCrossed = 1e-9;  // share of a line inside an octagon that counts as a crossing
+constexpr int kAttempts = 3;       // number of margins
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kDiagonal = 0.5 * std::numbers::sqrt2;
 constexpr int kDirections = 8;
@@ -110,7 +110,7 @@ void WayAround::add_node(const Vector2& p) noexcept {
   nodes_.push_back({p, along, kFar, -1, false});
 }
 
-// A line is clipped by the eight half-planes of each octagon in turn (Cyrus & Beck, 1978).
+// Clips a line by the eight half-planes of each octagon in turn (Cyrus & Beck, 1978).
 bool WayAround::free(const Octagon& a, const Octagon& b) const noexcept {
   for (const Octagon& octagon : octagons_) {
     double enter = 0.0, leave = 1.0;

@@ -11,26 +11,25 @@
 
 namespace moma {
 
-/// Where to turn first on the way to a place, seen from above.
+/// First corner of the way to a place, seen from above.
 struct Way {
   bool found = false;
-  bool straight = false;  ///< nothing is in the way
+  bool straight = false;  ///< no obstacle is between
   Vector2 corner = Vector2::Zero();
 };
 
-/// The shortest way around the obstacles, seen from above: a tangent graph as of TangentBug (Kamon, Rimon & Rivlin,
-/// IJRR 17(9), 1998), here over all obstacles that are known.
+/// The shortest way around the obstacles, seen from above: a tangent graph as in TangentBug (Kamon, Rimon & Rivlin,
+/// IJRR 17(9), 1998), here over all known obstacles.
 ///
-/// The shadow of each obstacle, of any convex shape, is enclosed by the octagon of its tangents in eight fixed
-/// directions, grown by a margin. Corners of octagons and the lines between them that cross no octagon are the graph;
-/// A* finds the way. The margin is the radius of the base's footprint plus `clearance`; where there is no way with it,
-/// without `clearance`, then less by as much. An octagon that contains the place from which the way starts is taken as
-/// smaller, so that the place is at its edge. The last `reach` metres to the goal are the arm's and not looked at.
-/// Left out are objects that are not visible, move (faster than 0.01 m/s or rad/s), or hang above the robot at
-/// `ready`; of the others the 32 nearest count.
+/// The octagon of tangents in eight fixed directions, grown by a margin, encloses the projection of each obstacle, of
+/// any convex shape. The corners of octagons are nodes, the lines between them that cross no octagon are edges, and A*
+/// finds the shortest way. The margin is the radius of the base's footprint plus `clearance`; without a way the search
+/// repeats without `clearance`, then with less by as much. An octagon that contains the start shrinks until the start
+/// is on its edge. The arm covers the last `reach` metres to the goal. Objects that are not visible, move (faster than
+/// 0.01 m/s or rad/s), or hang above the robot at `ready` are left out; the 32 nearest of the others count.
 ///
-/// Nothing is remembered; equal inputs give equal bits. One per controller; only allocate() takes memory.
-/// Cost, each time it is asked: 0.07 ms in the median among 15 boxes, 0.3 ms among 30, one in twenty 0.8 ms.
+/// Without memory; equal inputs give equal bits. One per controller; only allocate() allocates. Cost per search: 0.07
+/// ms in the median among 15 boxes, 0.3 ms among 30, one in twenty 0.8 ms.
 class WayAround {
  public:
   WayAround(const RobotModel& model, const AroundParams& params);
@@ -40,7 +39,7 @@ class WayAround {
   Way find(const Proximity& proximity, std::span<const ObjectState> objects, const Vector2& from,
            const Vector2& to) noexcept;
 
-  /// Of the smallest circle about the base's origin that encloses the shapes rigid with it [m].
+  /// Radius of the smallest circle about the base's origin that encloses the shapes rigid with it [m].
   double footprint_radius() const noexcept { return radius_; }
 
  private:
@@ -53,7 +52,7 @@ class WayAround {
     bool done;
   };
   struct Shadow {
-    double distance;  // of its centre from the start
+    double distance;  // distance of its centre from the start
     int object;
     Octagon extent;
   };
@@ -68,7 +67,7 @@ class WayAround {
 
   AroundParams params_;
   double radius_ = 0.0;
-  double top_ = 0.0;  // of the robot at `ready`, above the floor
+  double top_ = 0.0;  // height of the robot at `ready`, above the floor
   std::vector<Shadow> shadows_;
   std::vector<Octagon> octagons_;
   std::vector<Node> nodes_;

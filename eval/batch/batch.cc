@@ -15,22 +15,23 @@
 namespace moma {
 namespace {
 
-// Finished results wait in a window until all earlier ones are there; whoever completes the front delivers for all.
+// Finished results wait in a window until all earlier ones are there. The thread that completes the window's front
+// delivers.
 class OrderedDelivery final : public JobBoard {
  public:
   OrderedDelivery(std::span<const BatchJob> jobs, const std::vector<std::size_t>& todo, std::size_t window,
                   const BatchOptions& options, const BatchSink& sink)
       : jobs_(jobs), todo_(todo), options_(options), sink_(sink), slots_(window) {}
 
-  // The next position of `todo` to compute, or nothing. Waits while the window is full: the job at its front is
-  // always in some computer's hands, so that the wait ends. With computers elsewhere it waits also for what they
-  // may give back, until all is delivered.
+  // Returns the next position of `todo` to compute, or nothing. Blocks while the window is full: the job at its front
+  // is always in progress, so that the wait ends. With remote computers it also waits for jobs that they may give back,
+  // until all are delivered.
   std::optional<std::size_t> take() {
     std::unique_lock lock(mutex_);
     while (!over()) {
       if (const auto place = available()) return place;
       if (taken_ >= todo_.size() && options_.remote == nullptr) return std::nullopt;
-      room_.wait_for(lock, std::chrono::milliseconds(100));  // a signal sets the stop flag and wakes no one
+      room_.wait_for(lock, std::chrono::milliseconds(100));  // a signal sets the stop flag but wakes no thread
     }
     return std::nullopt;
   }
@@ -115,7 +116,7 @@ class OrderedDelivery final : public JobBoard {
     return std::nullopt;
   }
 
-  // Only the delivering thread comes here and changes the counts, so that reading them needs no lock.
+  // Only the delivering thread calls this and changes the counts, so that reading them needs no lock.
   void report(Outcome outcome) const {
     BatchProgress progress;
     progress.done = delivered_ + 1;
@@ -145,7 +146,7 @@ class OrderedDelivery final : public JobBoard {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// Jobs to compute: neither skipped nor a repetition.
+// Selects the jobs to compute: neither skipped nor repeated.
 std::vector<std::size_t> select(std::span<const SuitePoint> points, std::span<const BatchJob> jobs,
                                 const BatchOptions& options, BatchSummary& summary) {
   std::vector<std::size_t> todo;

@@ -1,4 +1,4 @@
-// What needs no MPI.
+// The parts of Cluster that need no MPI.
 #include "eval/batch/cluster.h"
 
 #include <charconv>
@@ -8,7 +8,7 @@
 namespace moma {
 
 int Cluster::launched() noexcept {
-  // Open MPI and its relatives; MPICH and Slurm's PMI-2. SLURM_NTASKS alone says nothing: a batch script has it too.
+  // Open MPI and its relatives; MPICH and Slurm's PMI-2. SLURM_NTASKS is no evidence: a batch script has it, too.
   for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"}) {
     const char* text = std::getenv(name);
     if (text == nullptr) continue;

@@ -22,13 +22,13 @@ using Clock = std::chrono::steady_clock;
 
 enum Tag { kSetup = 1, kHello, kJob, kResult, kAlive, kStop, kBye, kEnd };
 
-// MPI is asked at this rhythm; a trial takes tens of milliseconds.
+// Interval between two MPI polls; a trial takes tens of milliseconds.
 constexpr std::chrono::microseconds kPoll{300};
 constexpr std::chrono::milliseconds kAlivePeriod{1000};
-constexpr std::chrono::minutes kOrphanAfter{10};  // without a word from rank 0
+constexpr std::chrono::minutes kOrphanAfter{10};  // longest silence of rank 0
 constexpr std::chrono::seconds kLastWords{2};
-constexpr double kJoinPatience = 10.0;  // times lost_after: reading a robot takes its time
-constexpr std::size_t kAhead = 1;       // jobs that wait at a rank beside those its threads compute
+constexpr double kJoinPatience = 10.0;  // factor on lost_after while a rank joins: reading a robot takes time
+constexpr std::size_t kAhead = 1;       // jobs queued at a rank beyond those that its threads compute
 
 struct JobMessage {
   std::uint64_t place = 0;
@@ -37,11 +37,11 @@ struct JobMessage {
 };
 
 struct Hello {
-  std::uint64_t threads = 0;  // 0: takes no part, `text` says why
+  std::uint64_t threads = 0;  // 0: takes no part, with the reason in `text`
   std::string text;           // machine class
 };
 
-// Messages on their way. A send to a rank that is gone may never end; nothing waits for it.
+// Outgoing messages. A send to a lost rank may never complete; nothing waits for it.
 class Outbox {
  public:
   void send(int to, Tag tag, const void* data, std::size_t size) {
@@ -63,7 +63,7 @@ class Outbox {
     Bytes bytes;
     MPI_Request request;
   };
-  std::deque<Mail> mails_;  // buffers must stay where they are
+  std::deque<Mail> mails_;  // buffers must keep their addresses
 };
 
 struct Letter {
@@ -72,11 +72,11 @@ struct Letter {
   Bytes bytes;
 };
 
-// Messages on their way here. A sender that dies in the middle of a long one leaves it unfinished for ever, and a
-// blocking receive with it: so none is used.
+// Incoming messages. A sender that dies in the middle of a long message leaves it unfinished, and a blocking receive
+// would wait for ever: all receives are non-blocking.
 class Inbox {
  public:
-  /// The next whole message; those of one sender come in the order in which it sent them.
+  /// Returns the next whole message. Messages of one sender come in the order of sending.
   std::optional<Letter> receive(int from = MPI_ANY_SOURCE) {
     int there = 0;
     MPI_Message message = MPI_MESSAGE_NULL;
@@ -107,21 +107,22 @@ class Inbox {
     Letter letter;
     MPI_Request request = MPI_REQUEST_NULL;
   };
-  std::list<Arrival> arrivals_;  // buffers must stay where they are
+  std::list<Arrival> arrivals_;  // buffers must keep their addresses
 };
 
-/// A rank as rank 0 sees it.
+/// Rank 0's record of another rank.
 struct Worker {
   bool joined = false;
-  bool gone = false;  // gets no work: lost, or of no use
+  bool gone = false;  // gets no work: lost or refused
   bool lost = false;
-  bool left = false;               // said good-bye
-  std::size_t room = 0;            // jobs it takes at once
-  std::vector<std::uint64_t> out;  // tickets of the jobs it has
+  bool left = false;               // sent its farewell
+  std::size_t room = 0;            // jobs that it takes at once
+  std::vector<std::uint64_t> out;  // tickets of its present jobs
   Clock::time_point heard;
 };
 
-/// A job that is out. Tickets are never used twice, so that what comes late from an earlier batch is known as such.
+/// A job in progress elsewhere. Ticket numbers are never reused, so that a late result of an earlier batch is
+/// recognised.
 struct Ticket {
   std::uint64_t number = 0;
   std::size_t place = 0;
@@ -180,7 +181,7 @@ struct Cluster::Impl {
     DecodedResult decoded = decode_result(letter.bytes);
     std::erase(workers[w].out, decoded.place);
     const auto ticket = find(decoded.place);
-    if (ticket == tickets.end()) return;  // of a rank that had been given up
+    if (ticket == tickets.end()) return;  // from a rank that was given up
     const std::size_t place = ticket->place;
     tickets.erase(ticket);
     board.put(place, std::move(decoded.result));
@@ -236,7 +237,7 @@ struct Cluster::Impl {
       return std::any_of(workers.begin() + 1, workers.end(), [](const Worker& w) { return !w.lost && !w.left; });
     };
     while (waiting() && Clock::now() < end) {
-      while (const std::optional<Letter> letter = inbox.receive())  // results that no one waits for any more come too
+      while (const std::optional<Letter> letter = inbox.receive())  // including results that no one waits for any more
         if (letter->tag == kBye) workers[static_cast<std::size_t>(letter->from)].left = true;
       outbox.sweep();
       std::this_thread::sleep_for(kPoll);
@@ -283,8 +284,8 @@ Cluster::Cluster(double lost_after) : impl_(std::make_unique<Impl>()) {
   impl_->workers.resize(static_cast<std::size_t>(impl_->size));
 }
 
-// MPI_Finalize waits for every rank; with one gone it would wait for ever. So all say good-bye first, and rank 0 tells
-// them whether someone was missing: then nobody finalises.
+// MPI_Finalize waits for every rank, and for ever if one is lost. All ranks therefore send a farewell first, and rank 0
+// tells them whether one is missing: then none finalises.
 Cluster::~Cluster() {
   Impl& self = *impl_;
   if (self.rank == 0) {

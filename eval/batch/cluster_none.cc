@@ -1,4 +1,4 @@
-// In place of cluster_mpi.cc where MPI was not there at build time.
+// Replaces cluster_mpi.cc in builds without MPI.
 #include <stdexcept>
 
 #include "eval/batch/cluster.h"

@@ -7,7 +7,7 @@ namespace moma {
 
 std::vector<BatchJob> make_jobs(std::span<const SuitePoint> points, std::uint64_t first, std::uint64_t count) {
   std::vector<TrialKeys> keys;
-  // Points that share a worlds section share its identities, which are computed once for each world.
+  // Points that share a worlds section share the worlds' identities, which are computed once per world.
   std::vector<std::size_t> group;
   std::map<std::string, std::size_t> groups;
   for (const SuitePoint& point : points) {

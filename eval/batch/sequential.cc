@@ -30,7 +30,7 @@ void SequentialRule::end_block(std::uint64_t worlds) {
 
 StoppedCoverage stopped_coverage(const UntilRule& rule, double p) {
   StoppedCoverage result;
-  std::vector<double> open{1.0};  // probability of each count among the samples that go on
+  std::vector<double> open{1.0};  // probability of each count among the samples that continue
   for (std::uint64_t n = 0; n < rule.max;) {
     const std::uint64_t block = std::min(rule.block, rule.max - n);
     for (std::uint64_t i = 0; i < block; ++i) {  // one more world

@@ -10,22 +10,22 @@ namespace moma {
 
 /// The sequential rule of `trials: {until: ...}`.
 ///
-/// Worlds are met in blocks of `block`, all points in every world. At the end of each block, and at no other moment,
-/// each point's rate of the metric over all worlds so far gets a Wilson interval (95 %). The rule ends the run once
-/// the widest of them, over all points, has at most the half-width, or after `max` worlds. So the decision depends on
-/// the rows alone: neither on threads, nor on stops and resumes, nor on what else a store holds.
+/// Worlds come in blocks of `block`, with all points in every world. At the end of each block, and at no other moment,
+/// each point's rate of the metric over all worlds so far gets a Wilson interval (95 %). The rule ends the run once the
+/// widest interval of all points has at most the half-width, or after `max` worlds. The decision therefore depends on
+/// the rows alone: not on threads, stops and resumes, or other contents of the store.
 ///
-/// Looking several times at one growing sample costs some coverage; store.md has the exact numbers, which
-/// stopped_coverage() computes.
+/// Repeated looks at one growing sample cost some coverage; store.md has the exact numbers, which stopped_coverage()
+/// computes.
 class SequentialRule {
  public:
   SequentialRule(const UntilRule& rule, std::size_t points);
 
-  /// Worlds of the next block; 0 at the end.
+  /// Number of worlds of the next block; 0 at the end.
   std::uint64_t next_block() const;
-  /// A row of the block that is being met.
+  /// Adds a row of the present block.
   void add(std::size_t point, Outcome outcome);
-  /// To be called when all rows of a block were added.
+  /// Ends the block; call it after all rows of the block.
   void end_block(std::uint64_t worlds);
 
   std::uint64_t worlds() const { return worlds_; }
@@ -40,11 +40,11 @@ class SequentialRule {
   double half_width_ = 0.5;
 };
 
-/// What the rule does to one point whose metric has the rate `p`: exact, by running the distribution of the count
-/// from look to look. O(max^2).
+/// The rule's exact properties for one point with the rate `p`, from the distribution of the count at each look.
+/// O(max^2).
 struct StoppedCoverage {
-  double coverage = 0.0;     ///< probability that the interval at the end holds p
-  double mean_worlds = 0.0;  ///< expected worlds
+  double coverage = 0.0;     ///< probability that the final interval contains p
+  double mean_worlds = 0.0;  ///< expected number of worlds
 };
 StoppedCoverage stopped_coverage(const UntilRule& rule, double p);
 

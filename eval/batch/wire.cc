@@ -43,7 +43,7 @@ class Writer {
 class Reader {
  public:
   explicit Reader(std::span<const unsigned char> bytes) : left_(bytes) {}
-  /// A truth value or a word has to be one: not every byte is.
+  /// Checks booleans and words, because not every byte is a valid one.
   template <typename Number>
   void number(Number& value) {
     if constexpr (std::is_same_v<Number, bool>) {
@@ -80,7 +80,7 @@ class Reader {
   Number below(std::size_t end) {
     Number value = 0;
     raw(&value, sizeof value);
-    if (static_cast<std::size_t>(value) >= end)  // negative ones become large
+    if (static_cast<std::size_t>(value) >= end)  // negative values become large
       throw std::runtime_error("a result from another process is damaged");
     return value;
   }
@@ -95,7 +95,7 @@ class Reader {
 template <typename Archive, typename Record>
 void transfer(Archive& archive, Record& record);
 
-/// Takes what a description names to or from the archive.
+/// Moves the members of a record's description to or from the archive.
 template <typename Archive, typename Record>
 class Members {
  public:
@@ -126,7 +126,7 @@ class Members {
   Record& record_;
 };
 
-/// Every member that the record's description names, which is every one that it has.
+/// The description names every member of the record.
 template <typename Archive, typename Record>
 void transfer(Archive& archive, Record& record) {
   static_assert(is_complete<Record>());
@@ -144,7 +144,7 @@ void transfer_profile(Archive& archive, Profile& profile) {
   archive.number(profile.steps);
 }
 
-/// What a sample without joints takes: so many samples at most can be in what is left of a message.
+/// Least size of a sample, one without joints: it bounds the number of samples in the rest of a message.
 std::size_t least_bytes_of_a_sample() {
   Writer a;
   Sample sample;

@@ -9,8 +9,8 @@
 
 namespace moma {
 
-// A trial's result as bytes, for another process of the same program on a machine of the same kind: numbers as they
-// lie in memory, so that every bit arrives.
+// A trial's result as bytes, for another process of the same program on a machine of the same kind. Numbers keep their
+// memory representation, so that every bit arrives.
 
 using Bytes = std::vector<unsigned char>;
 
@@ -20,7 +20,7 @@ struct DecodedResult {
   std::uint64_t place = 0;
   BatchResult result;
 };
-/// Throws std::runtime_error where the bytes are not what encode_result() writes.
+/// Throws std::runtime_error if the bytes are no output of encode_result().
 DecodedResult decode_result(std::span<const unsigned char> bytes);
 
 }  // namespace moma

@@ -16,14 +16,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// To three digits: more is not known.
+// Rounds to three digits, the accuracy of the estimates.
 double rounded(double value) {
   if (!(std::abs(value) > 1e-6)) return 0.0;
   const double unit = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 2.0);
   return std::stod(fmt::format("{:.3g}", std::round(value / unit) * unit));
 }
 
-// A latency to a tenth of a millisecond.
+// Rounds a latency to a tenth of a millisecond.
 double time(double seconds) { return std::round(1e4 * std::max(0.0, seconds)) / 1e4; }
 
 std::string comment(const std::string& text) {
@@ -121,7 +121,7 @@ std::string summary(const Found& found) {
   const auto latency = [&out](const char* of, const Latency& l) {
     out += fmt::format("{:<10} from a command to its measured velocity {:.4g} s: ", of, l.round_trip);
     out += l.has_stamps ? fmt::format("drive {:.4g} s, sensing {:.4g} s by its stamps\n", l.drive, l.sensing)
-                        : std::string("all of it taken for the drive's, without stamps\n");
+                        : std::string("ascribed to the drive, without stamps\n");
   };
   if (found.base) {
     const FoundBase& b = *found.base;

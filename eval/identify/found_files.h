@@ -7,16 +7,16 @@
 
 namespace moma::identify {
 
-/// What was found as the section `disturbances` of a suite; what cannot be found stays off. Delays and noise below a
-/// millionth are left out.
+/// Returns the estimates as a suite's section `disturbances`; quantities without an estimate stay off. Delays and noise
+/// below a millionth are left out.
 Disturbances disturbances_of(const Found& found);
 
-/// Files in YAML that say in their head where they come from and what could not be found. `source`: of the log.
+/// YAML files whose heads name their origin and the quantities without an estimate. `source`: name of the log.
 std::string disturbances_file(const Found& found, const std::string& source);
-/// A controller's `prediction` and `uncertainty`, to be put beside its gains, with `include: moma-safe.yaml`.
+/// Returns a controller's `prediction` and `uncertainty`, to combine with its gains, with `include: moma-safe.yaml`.
 std::string controller_file(const Found& found, const std::string& source);
 
-/// For a person: each thing that was found with its unit, and the notes.
+/// Summarises the estimates for a person, with units and notes.
 std::string summary(const Found& found);
 
 }  // namespace moma::identify

@@ -14,20 +14,21 @@
 namespace moma::identify {
 namespace {
 
-constexpr double kLongest = 2.0;        // round trip that is thought of [s]
-constexpr double kExplained = 0.7;      // of the worst misfit, that the best one may have at most
-constexpr int kNear = 3;                // periods about the best that a coarse look finds, which are looked at again
-constexpr double kStill = 1e-6;         // a command that changes by less is constant [rad/s, m/s]
-constexpr double kRampShown = 10.0;     // squares saved by a ramp, in units of what is left per row
-constexpr std::size_t kSaturated = 10;  // rows in which a ramp that is shown has to hold back
+constexpr double kLongest = 2.0;    // longest round trip considered [s]
+constexpr double kExplained = 0.7;  // largest ratio of the best misfit to the worst
+constexpr int kNear = 3;            // periods around the best of the coarse search that the fine search covers
+constexpr double kStill = 1e-6;     // changes of a command below this count as none [rad/s, m/s]
+// Least reduction of the squares by a ramp, in units of the remaining mean square per row.
+constexpr double kRampShown = 10.0;
+constexpr std::size_t kSaturated = 10;  // least number of rows that a detected ramp limits
 
-/// A drive group with what is found of it.
+/// A drive group with its estimates.
 struct Fitted {
   Group group;
   bool ramp = false;
   bool turning = false;
   Response response;
-  double variance = 1.0;  // of what is measured, for sums over axes of different units
+  double variance = 1.0;  // of the measured velocity, for sums over axes of different units
 };
 
 double change_of(const std::vector<double>& values) {
@@ -45,7 +46,7 @@ double variance_of(const Group& group, std::size_t from) {
   return squares / n - sum / n * (sum / n);
 }
 
-/// The round trip of groups whose drives are late together, or why there is none to be seen.
+/// The round trip of groups with a common latency, or the reason why the log does not show it.
 struct Trip {
   int periods = 0;
   std::string why_not;
@@ -87,8 +88,7 @@ Trip find_trip(std::vector<Fitted>& parts, std::size_t rows, double period) {
   return trip;
 }
 
-// What is measured less what the model says, of an axis of a group, row by row; rows before the first command are left
-// out.
+// Returns measured minus modelled values of an axis, row by row, without the rows before the first command.
 std::vector<double> off_model(const Fitted& part, std::size_t axis, int trip, double period) {
   const double a = part.response.acceleration / std::abs(part.response.gain);
   const auto r = ramped(part.group, trip, a, period);
@@ -99,7 +99,7 @@ std::vector<double> off_model(const Fitted& part, std::size_t axis, int trip, do
   return out;
 }
 
-// The fastest that a group's commands change from row to row [1/s^2 of their unit].
+// Returns the fastest change of a group's commands from row to row [1/s^2 of their unit].
 double fastest_change(const Group& group, double period) {
   double fastest = 0.0;
   for (std::size_t k = 1; k < group.front()->command.size(); ++k) {
@@ -140,13 +140,13 @@ struct FoundLatency {
   int periods = 0;  // of the round trip
 };
 
-/// By stamps: when what a row has was measured.
+/// Estimates sensing latency and jitter from the stamps.
 void read_stamps(const std::vector<double>& time, const std::vector<double>& stamp, Latency& latency) {
   latency.drive = latency.round_trip;
   if (stamp.empty()) return;
   std::vector<double> ages;
   for (std::size_t k = 0; k < time.size(); ++k) ages.push_back(time[k] - stamp[k]);
-  // What stands there before the first measurement is due is older than it says.
+  // Rows before the first measurement has arrived are older than their stamps.
   const auto from = static_cast<std::ptrdiff_t>(std::min(ages.size() / 10, std::size_t{200}));
   ages.erase(ages.begin(), ages.begin() + from);
   latency.has_stamps = true;
@@ -155,7 +155,8 @@ void read_stamps(const std::vector<double>& time, const std::vector<double>& sta
   latency.drive = std::max(0.0, latency.round_trip - latency.sensing);
 }
 
-// Noise of the pose: each step's motion less that of the model, whose mean over a period is taken along the way.
+// Estimates the noise of the pose: each step's motion minus the model's, whose mean over a period is taken along the
+// way.
 void find_pose_noise(const MotionLog& log, const std::vector<Fitted>& parts, int trip, FoundBase& out) {
   if (log.base_x.empty()) return;
   const double T = period_of(log);
@@ -185,10 +186,10 @@ void find_pose_noise(const MotionLog& log, const std::vector<Fitted>& parts, int
   out.heading_noise = robust_deviation(turned) / std::sqrt(2.0);
 }
 
-// What no drive does: to move the other way, or many times as fast or as slowly. Columns whose motion says nothing of
-// it pass.
+// Detects motion that no drive produces: opposite to the command, or many times faster or slower. Columns without
+// enough motion pass.
 void check_gains(const MotionLog& log, const std::vector<Fitted>& parts, int trip, Found& found) {
-  constexpr double kOwn = 0.5;  // of the squares of the motion that the command has to explain
+  constexpr double kOwn = 0.5;  // least share of the motion's squares that the command has to explain
   constexpr double kRefused = 3.0, kDoubted = 1.3;
   constexpr double kDegrees = 180.0 / std::numbers::pi;
   const std::size_t from = static_cast<std::size_t>(trip) + 1;
@@ -212,7 +213,7 @@ void check_gains(const MotionLog& log, const std::vector<Fitted>& parts, int tri
   }
 }
 
-/// The latency that all parts share. None where nothing can be said `of` them, and a note says why.
+/// Returns the latency that all parts share. Empty if the log does not show it; a note then names the reason.
 std::optional<FoundLatency> find_latency(const MotionLog& log, std::vector<Fitted>& parts,
                                          const std::vector<double>& stamps, std::string_view of, Found& found) {
   const Trip trip = find_trip(parts, log.rows(), found.period);
@@ -300,7 +301,7 @@ void identify_objects(const MotionLog& log, Found& found) {
   if (!ages.empty())
     out.sensing = std::max(0.0, median(ages));
   else
-    found.notes.push_back("the age of what is seen of objects cannot be found without object.NAME.stamp_s");
+    found.notes.push_back("the age of object measurements cannot be found without object.NAME.stamp_s");
 }
 
 }  // namespace

@@ -8,23 +8,24 @@
 
 namespace moma::identify {
 
-/// A latency in parts. Velocities show the whole way round alone, from a command until what it leads to is measured;
-/// where the log has stamps, they show the sensor's part, and the rest is the drive's. Without stamps all of it counts
-/// as the drive's: for what a controller does, the sum decides (docs/explanation/safe-controller.md).
+/// A latency in parts. Velocities show only the round trip, from a command to the measurement of its effect. Stamps in
+/// the log show the sensor's part; the rest is the drive's. Without stamps the whole round trip counts as the drive's:
+/// the sum alone determines the controller's behaviour (docs/explanation/safe-controller.md).
 struct Latency {
   double round_trip = 0.0;  ///< [s], whole control periods
   double drive = 0.0;       ///< [s]
   double sensing = 0.0;     ///< [s]
   bool has_stamps = false;
-  double jitter = 0.0;  ///< of the stamps' age: greatest less least [s]
+  double jitter = 0.0;  ///< greatest minus least age of the stamps [s]
 };
 
-/// Found of one velocity, or of an omnidirectional base's linear pair.
+/// Estimates for one velocity, or for an omnidirectional base's linear pair.
 struct Drive {
-  double gain = 1.0;                   ///< of what is commanded [1]
+  double gain = 1.0;                   ///< measured over commanded velocity [1]
   double velocity_noise = 0.0;         ///< standard deviation, per axis [rad/s or m/s]
-  std::optional<double> acceleration;  ///< of its ramp [m/s^2, rad/s^2]; none where the log does not show one
-  double least_acceleration = 0.0;     ///< then: what the commands asked for at most, and got [m/s^2, rad/s^2]
+  std::optional<double> acceleration;  ///< of its ramp [m/s^2, rad/s^2]; empty if the log does not show a ramp
+  /// Without a ramp: the highest commanded acceleration that the drive followed [m/s^2, rad/s^2].
+  double least_acceleration = 0.0;
 };
 
 struct FoundBase {
@@ -43,28 +44,28 @@ struct FoundJoints {
 
 struct FoundObjects {
   double position_noise = 0.0;    ///< per axis, of all objects together [m]
-  std::optional<double> sensing;  ///< age of what is measured, by the stamps [s]
+  std::optional<double> sensing;  ///< age of the measurements, by the stamps [s]
 };
 
 struct Found {
   double period = 0.0;  ///< [s]
   std::size_t rows = 0;
-  std::optional<FoundBase> base;  ///< none: there is no base in the log, or nothing can be said of it
+  std::optional<FoundBase> base;  ///< empty without a base in the log, or without any estimate for it
   std::optional<FoundJoints> joints;
   std::optional<FoundObjects> objects;
-  std::vector<std::string> notes;  ///< what could not be found, and why, for a person
+  std::vector<std::string> notes;  ///< quantities without an estimate, with reasons, for a person
 };
 
-/// Finds round trips (the n that explains velocities best, 0 to 2 s), gains, ramps (response.h) and noise (noise.h).
-/// The rows on which all n are compared are those after the longest of them. A latency is only said where commands
-/// change and the best n explains the motion clearly better than the worst: its squared misfit is below 0.7 of that.
+/// Estimates round trips (the n that explains velocities best, 0 to 2 s), gains, ramps (response.h) and noise
+/// (noise.h). All n are compared on the same rows, those after the longest round trip. A latency is reported only if
+/// commands change and the best n explains the motion clearly better than the worst: its squared misfit is below 0.7 of
+/// the worst.
 ///
-/// Not to be found in such a log, and left as they are: biases, odometry's drift, detection, and the age of what is
-/// seen of objects and goal without stamps.
+/// A log does not show biases, drift of the odometry, detection, or the age of objects and goal without stamps.
 ///
-/// Throws config::ConfigError where nothing at all can be found, and where a column moves against its commands or
-/// more than three times as fast or slowly: a wrong sign or unit (degrees). From 1.3 times on it is a note.
-/// Deterministic. Costs some 0.2 s a thousand rows.
+/// Throws config::ConfigError if the log shows nothing at all, or if a column moves against its commands or at more
+/// than three times or less than a third of them: a wrong sign or unit (degrees). From a factor of 1.3 on there is a
+/// note. Deterministic. Costs some 0.2 s per thousand rows.
 Found identify(const MotionLog& log);
 
 }  // namespace moma::identify

@@ -7,42 +7,43 @@
 
 namespace moma::identify {
 
-/// One velocity of a robot over a log: what was commanded and what was measured, one value a row.
+/// One velocity of a robot over a log: commands and measurements, one value per row.
 struct Axis {
   std::string name;              ///< "base.vx", "base.vy", "base.omega", or a joint's
-  bool prismatic = false;        ///< of a joint: m and m/s in place of rad and rad/s
+  bool prismatic = false;        ///< units m and m/s instead of rad and rad/s
   std::vector<double> command;   ///< sent at the row's time [rad/s or m/s]
   std::vector<double> velocity;  ///< measured, as known at the row's time [rad/s or m/s]
-  std::vector<double> position;  ///< of a joint, likewise [rad or m]; empty where the log has none
+  /// Measured position of a joint, as known at the row's time [rad or m]; empty if not in the log.
+  std::vector<double> position;
 };
 
-/// Something that was seen at rest.
+/// An object at rest.
 struct LoggedObject {
   std::string name;
-  std::vector<double> x, y, z;  ///< in the world, as measured [m]
-  std::vector<double> stamp;    ///< when it was measured [s]; empty where the log does not say
+  std::vector<double> x, y, z;  ///< measured position in the world [m]
+  std::vector<double> stamp;    ///< time of measurement [s]; empty without stamps
 };
 
-/// A log of commands and measured states, one row a control period. In files it is CSV with a head (identify.md).
+/// A log of commands and measured states, one row per control period. Its file form is CSV with a header (identify.md).
 struct MotionLog {
   std::string source;                                ///< for messages
   std::vector<double> time;                          ///< [s]
   std::vector<Axis> base;                            ///< none, (vx, omega) or (vx, vy, omega), in base axes
   std::vector<double> base_x, base_y, base_heading;  ///< measured pose in the world; all empty or none [m, m, rad]
-  std::vector<double> base_stamp;                    ///< when base.* was measured [s]; may be empty
+  std::vector<double> base_stamp;                    ///< time of measurement of base.* [s]; may be empty
   std::vector<Axis> joints;
-  std::vector<double> joint_stamp;  ///< when joints were measured [s]; may be empty
+  std::vector<double> joint_stamp;  ///< time of measurement of joints [s]; may be empty
   std::vector<LoggedObject> objects;
-  int first_line = 2;  ///< of the first row in the file
+  int first_line = 2;  ///< line of the first row in the file
 
   std::size_t rows() const noexcept { return time.size(); }
 };
 
-/// Median of the times between rows [s].
+/// Returns the median of the times between rows [s].
 double period_of(const MotionLog& log);
 
-/// Throws config::ConfigError naming the line where the times cannot be those of control periods: not growing, or a
-/// step off the median by more than half of it; and where there are fewer than 100 rows.
+/// Throws config::ConfigError with the line if times do not increase, or if a step differs from the median by more than
+/// half of it; also for fewer than 100 rows.
 void check_times(const MotionLog& log);
 
 }  // namespace moma::identify

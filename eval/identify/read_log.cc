@@ -32,7 +32,7 @@ std::string_view trimmed(std::string_view text) {
 
 struct Field {
   std::string_view text;
-  int column;  // in the line, from 1
+  int column;  // column in the line, from 1
 };
 
 std::vector<Field> fields_of(std::string_view line) {
@@ -46,14 +46,14 @@ std::vector<Field> fields_of(std::string_view line) {
   }
 }
 
-// Finds the place that a column's values go to, making joints and objects as they are named.
+// Finds the destination of a column's values, and creates joints and objects by their names.
 class Columns {
  public:
   explicit Columns(MotionLog& log) : log_(log) {
     for (const char* name : {"vx", "vy", "omega"}) base_[name].name = std::string("base.") + name;
   }
 
-  /// nullptr for a name that is none.
+  /// Nullptr for an unknown name.
   std::vector<double>* place(std::string_view name) {
     const std::map<std::string_view, std::vector<double>*> plain = {
         {"time_s", &log_.time},
@@ -69,7 +69,7 @@ class Columns {
         {"base.command_vy_m_s", &base_["vy"].command},
         {"base.command_omega_rad_s", &base_["omega"].command}};
     if (const auto found = plain.find(name); found != plain.end()) return found->second;
-    // A name may have dots of its own.
+    // A name may contain dots.
     const std::size_t dot = name.rfind('.');
     if (name.starts_with("joint.") && dot > 6 && dot != std::string_view::npos)
       return joint(std::string(name.substr(6, dot - 6)), name.substr(dot + 1));
@@ -78,7 +78,7 @@ class Columns {
     return nullptr;
   }
 
-  /// Moves what was read into the log, and says what is missing; "" where nothing is.
+  /// Moves the values into the log, and returns a message about missing columns; "" if complete.
   std::string finish() {
     const std::size_t rows = log_.time.size();
     if (rows == 0) return "there are no rows, or no column time_s";
@@ -107,8 +107,8 @@ class Columns {
   }
 
  private:
-  /// The one of that name, which begins as `first` where there is none; null where there are too many. Names come in
-  /// any order; places must not move while rows are read, so that deques would do as well.
+  /// Finds the entry of that name, or creates it as a copy of `first`; null if there are too many. Names come in any
+  /// order, and destinations must not move while rows are read.
   template <class T>
   static T* named(std::vector<T>& all, const std::string& name, T first) {
     for (T& known : all)
@@ -125,7 +125,7 @@ class Columns {
                                         : part == "command_rad_s" || part == "command_m_s"   ? &Axis::command
                                                                                              : nullptr;
     if (member == nullptr) return nullptr;
-    Axis first;  // its first column says whether it turns or slides
+    Axis first;  // its first column tells revolute from prismatic
     first.prismatic = part == "position_m" || part == "velocity_m_s" || part == "command_m_s";
     Axis* axis = named(joints_, name, std::move(first));
     return axis == nullptr ? nullptr : &(axis->*member);
@@ -141,7 +141,7 @@ class Columns {
     return seen == nullptr ? nullptr : &(seen->*member);
   }
 
-  static constexpr std::size_t kMost = 1000;  // reserved, so that places stay where they are
+  static constexpr std::size_t kMost = 1000;  // reserved, so that destinations do not move
   MotionLog& log_;
   std::map<std::string, Axis> base_;
   std::vector<Axis> joints_;
@@ -196,7 +196,7 @@ MotionLog parse_log(const std::string& text, const std::string& name) {
       config::fail(mark, "", fmt::format("found {} values, expected {} as in the head", fields.size(), places.size()));
     for (std::size_t i = 0; i < fields.size(); ++i) places[i]->push_back(number(fields[i], mark, names[i]));
   }
-  if (in.bad()) throw std::bad_alloc();  // what getline() takes for an end
+  if (in.bad()) throw std::bad_alloc();  // getline() takes a failed allocation for the end
   if (const std::string wrong = columns.finish(); !wrong.empty()) config::fail({name, 0, 0}, "", wrong);
   check_times(log);
   return log;

@@ -11,7 +11,7 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kSlowest = 0.02, kFastest = 200.0;  // [m/s^2, rad/s^2]
 constexpr int kCoarse = 20, kFine = 60;
 
-// Least squares of the gain alone.
+// Fits the gain alone by least squares.
 Response fit_gain(const Group& group, int n, std::size_t from, double acceleration, double period) {
   const auto r = ramped(group, n, acceleration, period);
   double rr = 0.0, rv = 0.0, vv = 0.0;
@@ -83,7 +83,7 @@ Response fit_response(const Group& group, int n, std::size_t from, Ramp ramp, do
     best_log = low + i * step;
   }
   if (std::isinf(best_log) || ramp == Ramp::kCoarse) return best;
-  // Golden section: the misfit has one minimum between the neighbours as far as the grid can tell.
+  // Golden section: within the grid's resolution the misfit has one minimum between the neighbours.
   const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
   double a = best_log - step, b = best_log + step;
   double c = b - golden * (b - a), d = a + golden * (b - a);

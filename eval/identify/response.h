@@ -9,32 +9,32 @@
 
 namespace moma::identify {
 
-/// Axes that one drive follows together: of an omnidirectional base vx and vy, whose ramp bounds their vector's length;
-/// else one alone.
+/// Axes of one drive: vx and vy of an omnidirectional base, whose ramp bounds the length of their vector; otherwise a
+/// single axis.
 using Group = std::vector<const Axis*>;
 
-/// What a drive makes of its commands, as a log shows it. With the command u_k of row k, T the control period,
+/// A drive's response to its commands, as the log shows it. With the command u_k of row k and the control period T,
 ///
 ///   r_k = r_{k-1} + clip(u_k - r_{k-1}, a' T),   v_k = g r_{k-1-n} + noise,
 ///
-/// the vector's length being clipped; a = g a' is the acceleration at which the velocity grows. n is the round trip in
-/// periods, from a command until the velocity that it leads to is measured.
+/// where the clip acts on the vector's length; a = g a' is the acceleration of the velocity. n is the round trip in
+/// periods, from a command to the measurement of its effect.
 struct Response {
   double gain = 1.0;          ///< g [1]
   double acceleration = 0.0;  ///< a [m/s^2, rad/s^2]; infinite without a ramp
-  double squared = 0.0;       ///< sum of the squared differences of what is measured from that
-  std::size_t saturated = 0;  ///< rows in which the ramp holds back
+  double squared = 0.0;       ///< sum of the squared residuals
+  std::size_t saturated = 0;  ///< number of rows that the ramp limits
 };
 
-/// r of each axis and row, for a' = acceleration. It begins at what is measured of r_0, in row n + 1.
+/// Returns r of each axis and row, for a' = acceleration. The first value is the measured r_0, in row n + 1.
 std::vector<std::vector<double>> ramped(const Group& group, int n, double acceleration, double period);
 
-/// What is looked for besides g: nothing, a' among 20 values, or a' to the last digit that matters.
+/// Search for the ramp besides g: none, a' among 20 values, or a' to all significant digits.
 enum class Ramp { kNone, kCoarse, kFine };
 
-/// Least squares of g, and of a' as `ramp` says: over 20 or 60 values from 0.02 to 200, evenly in their logarithm, the
-/// latter with a golden section between the best one's neighbours; at the round trip of n periods. Rows from `from` on
-/// count, so that every n is judged by the same ones; from >= n + 1.
+/// Fits g, and a' according to `ramp`, by least squares at a round trip of n periods. a' takes 20 or 60 values from
+/// 0.02 to 200, evenly in the logarithm; the latter search refines it by a golden section between the best value's
+/// neighbours. Only rows from `from` >= n + 1 count, so that all n are judged by the same rows.
 Response fit_response(const Group& group, int n, std::size_t from, Ramp ramp, double period);
 
 }  // namespace moma::identify

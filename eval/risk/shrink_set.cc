@@ -13,7 +13,7 @@ Things with(Things base, const Things& more) {
   return base;
 }
 
-/// `count` parts of nearly equal size, and, where `rest`, what each leaves.
+/// Returns `count` parts of nearly equal size and, if `rest`, the complement of each.
 std::vector<Things> parts(const Things& all, std::size_t count, bool rest) {
   std::vector<Things> out;
   for (std::size_t k = 0; k < count; ++k) {
@@ -40,7 +40,7 @@ Things shrink_set(std::size_t count, std::optional<std::size_t> needed, const Fi
   if (needed) base.push_back(*needed);
   for (std::size_t i = 0; i < count; ++i)
     if (i != needed) others.push_back(i);
-  // Takes the first of some choices of the others that fails.
+  // Takes the first failing set of some choices among the others.
   const auto take = [&](const std::vector<Things>& choices) {
     if (choices.empty()) return false;
     std::vector<Things> sets;

@@ -17,7 +17,7 @@ constexpr double kLeastScale = 1e-3;
 
 using Words = r123::Philox4x64::ctr_type;
 
-/// Of a particle in a round; rounds are counted over levels and moves.
+/// Random words of a particle in a round; rounds are counted over levels and moves.
 Words words(std::uint64_t seed, std::size_t place, std::uint64_t round) {
   return r123::Philox4x64()({{place, round, 0, 0}}, {{seed, 0x7269736bULL}});
 }
@@ -28,15 +28,15 @@ std::size_t below(std::uint64_t word, std::size_t count) {
   return std::min(static_cast<std::size_t>(unit(word) * static_cast<double>(count)), count - 1);
 }
 
-/// A replicate on its way.
+/// A replicate in progress.
 struct Run {
   std::size_t first = 0;  ///< its first place
   double level = -kEvent;
   double product = 1.0;
   bool done = false;
   std::vector<double> scales;
-  std::vector<Acceptance> since;    ///< the latest move
-  std::vector<std::size_t> copies;  ///< places
+  std::vector<Acceptance> since;    ///< acceptance of the latest move
+  std::vector<std::size_t> copies;  ///< places of the copies
   std::vector<std::size_t> ancestor;
 };
 
@@ -89,7 +89,8 @@ class Splitter {
     replicate.variance += (1.0 - share) / (share * static_cast<double>(n));
   }
 
-  /// Ends the replicate where half of it are events; else kills up to the next level and copies others there.
+  /// Ends the replicate if half of its particles are events; otherwise kills up to the next level and replaces the
+  /// killed by copies.
   void select(Run& run, Replicate& replicate) {
     const std::size_t n = options_.particles;
     std::vector<double> sorted(scores_.begin() + static_cast<std::ptrdiff_t>(run.first),
@@ -201,7 +202,7 @@ Estimate estimate(std::span<const Stratum> strata) {
   for (const double p : joined) out.p += p / m;
   if (out.p <= 0.0) {
     const double n = static_cast<double>(strata.front().run->particles) * m;
-    const double most = std::log(2.0 / 0.05) / n;  // -log of what each of n draws may have missed
+    const double most = std::log(2.0 / 0.05) / n;  // -log of the probability that n draws may have missed
     out.interval = {0.0, std::min(1.0, strata.size() == 1 ? -std::expm1(-most) : heaviest * most)};
     return out;
   }

@@ -33,7 +33,7 @@ class Breaker {
   }
 
  private:
-  /// Crude trials, and other noise in the worlds of those that came nearest.
+  /// Runs crude trials, then repeats the nearest ones with other noise.
   void look_nearby(const std::vector<MovedWorld>& worlds) {
     const std::vector<TrialRow> rows = trials_.rows(point_, worlds, true);
     std::vector<std::size_t> near;
@@ -53,7 +53,7 @@ class Breaker {
     tell("other noise");
   }
 
-  /// Whether the trial is a failure.
+  /// Records the trial if it is a failure, and returns whether it is.
   bool look(const MovedWorld& world, const TrialRow& row, const char* by) {
     if (!event_.happened(row)) return false;
     const auto [place, fresh] = known_.try_emplace({world.index, row.link, row.object}, out_.failures.size());
@@ -84,7 +84,8 @@ class Breaker {
   Broken& out_;
   std::size_t point_ = 0;
   std::string family_;
-  std::map<std::tuple<std::uint64_t, std::string, std::string>, std::size_t> known_;  ///< of this point and family
+  /// Failures of this point and family.
+  std::map<std::tuple<std::uint64_t, std::string, std::string>, std::size_t> known_;
 };
 
 }  // namespace

@@ -17,20 +17,20 @@ namespace moma::run {
 
 struct BreakRequest {
   MovedTrialsRequest trials;
-  std::uint64_t crude = 1000;  ///< trials of each family that are looked at first
-  double nearest = 0.01;       ///< part of them, those that came nearest, whose noise is drawn again
-  int noises = 40;             ///< times
+  std::uint64_t crude = 1000;  ///< crude trials of each family
+  double nearest = 0.01;       ///< share of the nearest trials, which are repeated with other noise
+  int noises = 40;             ///< number of other noises
   risk::SplittingOptions splitting{.particles = 50, .replicates = 4, .levels = 16};
 };
 
-/// One way to fail: the same robot shape against the same object in the same world, however often it was found.
+/// One kind of failure: a robot shape that touches an object of a world, however often it occurred.
 struct Failure {
   std::size_t point = 0;
   std::string family;
-  World world;  ///< fails again as a frozen world
+  World world;  ///< the failing world as a frozen world
   TrialRow row;
-  std::string by;         ///< crude, noise, splitting: the first that found it, and so how likely it is
-  std::size_t times = 1;  ///< trials in which it was found
+  std::string by;         ///< method that found it first, an indication of its probability: crude, noise, splitting
+  std::size_t times = 1;  ///< number of trials with this failure
 };
 
 struct Broken {
@@ -40,10 +40,9 @@ struct Broken {
   std::size_t trials = 0;
 };
 
-/// Looks for failures of each point of the suite: among crude trials, by other noise where those came nearest, and by
-/// splitting (eval/risk/splitting.h), whose last generation are draws of what is left when the event happens. The same
-/// failures come out for any number of threads and stops. Throws RunError where worlds are not drawn by families,
-/// store::StoreError.
+/// Searches for failures of each point of the suite: in crude trials, with other noise in the nearest worlds, and by
+/// splitting (eval/risk/splitting.h), whose last generation samples the worlds given the event. The same failures come
+/// out for any number of threads and stops. Throws RunError if worlds are not drawn by families, store::StoreError.
 Broken break_suite(const BreakRequest& request, const Suite& suite, const RareEvent& event,
                    const Listener& listener = {});
 

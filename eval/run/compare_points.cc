@@ -17,10 +17,10 @@ using store::StoreError;
 
 [[noreturn]] void refuse(const std::string& message) { throw StoreError(StoreError::Kind::kNotFound, message); }
 
-/// What a name stands for in one suite, by conditions.
+/// The points of a name in one suite, by conditions.
 struct Side {
   std::string name;
-  bool controller = false;  ///< all points of a controller
+  bool controller = false;  ///< the name stands for all points of a controller
   std::map<std::string, NamedPoint> points;
 };
 

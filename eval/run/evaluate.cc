@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Adds the time from here to the end of the block to the store's.
+/// Adds the time until the end of the block to the store's part.
 class StoreTime {
  public:
   StoreTime(bool on, Profile& profile) : profile_(profile) {
@@ -48,7 +48,7 @@ class Run {
       : request_(request), suite_(suite), listener_(listener), finish_(finishing(suite)) {
     if (suite.until && request.shard.count > 1) {
       throw RunError(
-          "run: --shard needs a fixed number of trials: when 'trials: {until: ...}' ends depends on all worlds");
+          "run: --shard needs a fixed number of trials: the end of 'trials: {until: ...}' depends on all worlds");
     }
     const Shard& shard = request.shard;
     result_.file = request.file;
@@ -240,7 +240,7 @@ class Run {
     result_.stopped = stopped_text("", fmt::format("{} of {} trials are", saved, of), result_.file, request_.arguments);
   }
 
-  /// Some trials have no result: real time ran out.
+  /// Some trials have no result, because real time ran out.
   void incomplete() {
     result_.end = End::kStopped;
     result_.stopped = fmt::format(

@@ -18,7 +18,7 @@ struct Heard {
   std::vector<VectorX> commands;
 };
 
-/// A controller that is listened to.
+/// Records the observations and commands of a controller.
 class Listened final : public StepController {
  public:
   Listened(std::unique_ptr<StepController> controller, Heard& heard)
@@ -46,10 +46,10 @@ std::unique_ptr<StepController> usual(const TrialSpec& spec) {
   return std::make_unique<Controller>(spec.robot->model, told_params(spec), spec.simulation.control_period);
 }
 
-/// When what is there at each row was measured: `delay` before, the first one until that is due.
+/// The measurement time of each row: `delay` before the row, but not before the first row.
 std::vector<double> stamps(const std::vector<double>& time, double delay, const Irregularity& irregularity,
                            double period) {
-  if (irregularity != Irregularity{}) return {};  // nobody can say which one has arrived
+  if (irregularity != Irregularity{}) return {};  // the arrival of single measurements is unknown
   const long late = delay_steps(delay, period);
   std::vector<double> out;
   for (const double t : time) out.push_back(static_cast<double>(std::max(0L, std::lround(t / period) - late)) * period);

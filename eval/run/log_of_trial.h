@@ -5,10 +5,10 @@
 
 namespace moma::run {
 
-/// What a trial's controller commanded and measured, step by step, as a robot would log it: the trial is simulated
-/// again. Stamps say when each row's measurements were made, as the trial's delays have it; there are none of what is
-/// late by another time each step. Objects: those at rest that are seen at every step. `parts`: as of run_trial(); its
-/// controller is listened to. Throws std::runtime_error where the trial ends in an error.
+/// Simulates the trial again and returns the commands and measurements of its controller as a robot would log them.
+/// Stamps have the measurement times according to the trial's delays; quantities with varying delays have no stamps.
+/// Objects: those at rest that are seen at every step. `parts`: as for run_trial(). Throws std::runtime_error if the
+/// trial ends by an error.
 identify::MotionLog log_of_trial(const TrialSpec& spec, const World& world, const TrialParts& parts = {});
 
 }  // namespace moma::run

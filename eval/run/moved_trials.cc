@@ -19,7 +19,7 @@
 namespace moma::run {
 namespace {
 
-/// A moved world as the store keeps it: there are too many to be kept in full, and they can be made again.
+/// The record of a moved world without content: moved worlds are too many to store, and can be drawn again.
 store::WorldRecord without_content(const Worlds& worlds, std::uint64_t index, const Moves& moves) {
   store::WorldRecord record = store::describe_missing(worlds, index);
   auto json = nlohmann::ordered_json::parse(record.json);
@@ -39,8 +39,8 @@ std::shared_ptr<const Moves> noise_drawn_again(int number) {
 void check_drawn(const Suite& suite, std::string_view command) {
   for (const SuitePoint& point : suite.points) {
     if (!point.worlds.shares().empty()) continue;
-    throw RunError(fmt::format(
-        "{}: needs worlds that are drawn by families; of frozen worlds and scenes there are no others", command));
+    throw RunError(
+        fmt::format("{}: needs worlds that are drawn by families; frozen worlds and scenes cannot be moved", command));
   }
 }
 
@@ -115,7 +115,7 @@ End with_moved_trials(const MovedTrialsRequest& request, const Suite& suite, con
     writer.emplace(request.file);
     if (lock->exclusive()) tell_killed(writer->close_killed(), lock_left, listener);
     store::SuiteRecord record = store::describe(suite);
-    record.metrics.clear();  // of its own: they are for trials that belong to a point
+    record.metrics.clear();  // metrics of single trials are for trials that belong to a point
     writer->begin(record, {request.arguments, threads}, {});
   }
   try {

@@ -18,35 +18,35 @@
 
 namespace moma::run {
 
-/// A world of a suite's families whose random numbers were moved (world/moves.h).
+/// A world of a suite's families with moved random numbers (world/moves.h).
 struct MovedWorld {
   std::uint64_t index = 0;
-  std::shared_ptr<const Moves> moves;  ///< null: none, so that it is the suite's own world
+  std::shared_ptr<const Moves> moves;  ///< null: no moves, the suite's own world
 };
 
-/// The move by which all disturbances are drawn anew, by number `number`.
+/// Returns the move that draws all disturbances anew, by number `number`.
 std::shared_ptr<const Moves> noise_drawn_again(int number);
 
-/// Throws RunError where a point's worlds are not drawn by families, so that there are no others.
+/// Throws RunError if a point's worlds are not drawn by families: such worlds cannot be moved.
 void check_drawn(const Suite& suite, std::string_view command);
 
-/// The stop flag was set, or, with a text, real time ran out in a trial. What was computed is in the store.
+/// The stop flag was set or, with a text, real time ran out in a trial. The store holds the computed trials.
 class Stopped : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Trials of a suite's points in moved worlds, on all cores. Those that the store has under their keys are not
-/// computed; new ones go there, but for errors, without samples.
+/// Trials of a suite's points in moved worlds, on all cores. Trials that the store has under their keys are not
+/// computed. New ones are stored without samples, except errors.
 class MovedTrials {
  public:
-  /// `writer`, whose begin() was called, may be null; all arguments have to outlive this.
+  /// `writer`, after its begin(), may be null. All arguments must outlive this object.
   MovedTrials(const Suite& suite, store::Writer* writer, int threads, const std::atomic<bool>* stop,
               const Listener& listener)
       : suite_(suite), writer_(writer), threads_(threads), stop_(stop), listener_(listener) {}
 
-  /// In the order of `worlds`; the same for any number of threads. Throws Stopped, store::StoreError.
-  /// `progress`: tells the listener after each trial.
+  /// Returns rows in the order of `worlds`, the same for any number of threads. `progress`: notifies the listener after
+  /// each trial. Throws Stopped, store::StoreError.
   std::vector<TrialRow> rows(std::size_t point, std::span<const MovedWorld> worlds, bool progress = false);
 
   std::size_t computed() const { return computed_; }
@@ -64,16 +64,16 @@ class MovedTrials {
   std::string first_error_;
 };
 
-/// Who asks for moved trials, and where they are kept.
+/// Options of moved trials and their store.
 struct MovedTrialsRequest {
-  std::filesystem::path file;          ///< store, made where it is missing; empty: no trial is kept
+  std::filesystem::path file;          ///< store, created if missing; empty: no trial is stored
   std::vector<std::string> arguments;  ///< the command line, for provenance and "to go on"
   int threads = 0;                     ///< 0: usual_threads()
   const std::atomic<bool>* stop = nullptr;
 };
 
-/// Does `work` with trials of a suite under the store's lock. `stopped`: where it did not finish, what is saved and how
-/// to go on. Throws store::StoreError and what `work` throws.
+/// Calls `work` with the trials of a suite under the store's lock. `stopped`: if not finished, the saved work and the
+/// command to go on. Throws store::StoreError and the exceptions of `work`.
 End with_moved_trials(const MovedTrialsRequest& request, const Suite& suite, const Listener& listener,
                       const std::function<void(MovedTrials&)>& work, std::string& stopped);
 

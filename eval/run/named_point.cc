@@ -31,14 +31,14 @@ double number_of(const store::Cell& cell) {
   return real == nullptr ? std::numeric_limits<double>::infinity() : *real;
 }
 
-/// A point with what @best goes by.
+/// A point with the quantities of kBestCriterion.
 struct Candidate {
   NamedPoint point;
   std::int64_t n = 0, successes = 0, collisions = 0;
-  double time = 0.0, change = 0.0;  // infinite where no trial has it
+  double time = 0.0, change = 0.0;  // infinite if no trial has one
 
   bool better_than(const Candidate& other) const {
-    // Shares of different numbers of trials, without rounding.
+    // Compares shares of different numbers of trials, without rounding.
     const std::int64_t success = successes * other.n - other.successes * n;
     if (success != 0) return success > 0;
     const std::int64_t collision = collisions * other.n - other.collisions * n;
@@ -47,7 +47,7 @@ struct Candidate {
   }
 };
 
-/// Of a point's params, those that are no gains.
+/// Returns the params of a point that are no gains.
 std::string conditions_of(const std::string& params) {
   nlohmann::json json = nlohmann::json::parse(params, nullptr, false);
   if (!json.is_object()) return params;
@@ -115,7 +115,7 @@ std::vector<NamedPoint> best_points(const std::filesystem::path& file, const std
   std::string controller = name.substr(0, name.size() - kBest.size());
   if (controller.ends_with(':')) controller.pop_back();
   const std::vector<Candidate> all = read_points(file, suite, true);
-  std::map<std::int64_t, const Candidate*> best;  // by suite; of equal ones the first
+  std::map<std::int64_t, const Candidate*> best;  // by suite; the first of equal ones
   for (const Candidate& c : all) {
     if (c.n == 0 || (!controller.empty() && c.point.controller != controller)) continue;
     const Candidate*& of_suite = best[c.point.suite_id];
@@ -130,7 +130,7 @@ std::vector<NamedPoint> best_points(const std::filesystem::path& file, const std
   return points;
 }
 
-// The digits of a world's index behind the last slash of `name`; "" where there are none.
+// Returns the digits of a world's index after the last slash of `name`; "" if there are none.
 std::string_view world_in(std::string_view name) {
   const std::size_t slash = name.rfind('/');
   const std::string_view digits = slash == std::string_view::npos ? std::string_view() : name.substr(slash + 1);

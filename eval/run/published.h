@@ -14,32 +14,32 @@
 
 namespace moma::run {
 
-/// A figure of the published tables, and how a store has it.
+/// A figure of the published tables, and its SQL over a store.
 struct Figure {
   enum class Kind {
-    kRate,  ///< part of the trials for which `sql` is 1 and not 0 [%]
-    kMean,  ///< of `sql` over trials as Averaging says
-    kClock  ///< as kMean, but of the wall clock: not the same at every run, and never compared
+    kRate,  ///< share of trials with `sql` = 1 instead of 0 [%]
+    kMean,  ///< mean of `sql` over trials, according to Averaging
+    kClock  ///< as kMean, of the wall clock: it varies between runs and is never compared
   };
-  std::string_view name;   ///< as in files: failure_rate
-  std::string_view label;  ///< for tables: "failures %"
+  std::string_view name;   ///< key in files: failure_rate
+  std::string_view label;  ///< label in tables: "failures %"
   Kind kind;
-  std::string_view sql;  ///< over a row `t` of trial and `e` of execution
-  double scale = 1.0;    ///< on what `sql` gives
+  std::string_view sql;  ///< expression over a row `t` of trial and `e` of execution
+  double scale = 1.0;    ///< factor on the result of `sql`
   int decimals = 1;
 };
-/// All of them.
+/// Returns all figures.
 std::span<const Figure> figures();
 
-/// Which trials a mean is over; the papers do not say.
+/// The trials of a mean; the papers do not specify them.
 enum class Averaging {
-  kArrived,  ///< each trial's own mean, over those that arrived
-  kAll,      ///< over all of them
-  kSteps     ///< over all steps of those that arrived: long trials count more
+  kArrived,  ///< mean of each trial, over the trials that arrived
+  kAll,      ///< over all trials
+  kSteps     ///< over all steps of the trials that arrived: long trials count more
 };
 constexpr auto words(Of<Averaging>) { return std::to_array<std::string_view>({"arrived", "all", "steps"}); }
 
-/// A line of a published table.
+/// A row of a published table.
 struct PublishedRow {
   std::string robot;
   std::string method;
@@ -47,7 +47,7 @@ struct PublishedRow {
   std::map<const Figure*, double> values;
 };
 
-/// An experiment: the suite that repeats it, and what was published of it. One entry of configs/published.yaml:
+/// An experiment: the suite that repeats it, and its published results. One entry of configs/published.yaml:
 ///
 ///   NAME:
 ///     suite: suites/reproduce-NAME.yaml       # relative to the file
@@ -68,11 +68,11 @@ struct Experiment {
   const PublishedRow* find(const std::string& robot, const std::string& method) const;
 };
 
-/// The experiment of that name. Throws config::ConfigError: the file, or a name that it does not have.
+/// Reads the experiment of that name. Throws config::ConfigError for the file, or if it has no such name.
 Experiment read_experiment(const std::filesystem::path& file, const std::string& name);
 
-/// configs/published.yaml in the working folder or above it, beside or above the program, or where it is installed.
-/// Throws RunError that says where it was looked for.
+/// Finds configs/published.yaml in the working folder or above it, beside or above the program, or in the installation.
+/// Throws RunError with the searched folders.
 std::filesystem::path find_published();
 
 }  // namespace moma::run

@@ -12,7 +12,7 @@
 namespace moma::run {
 namespace {
 
-/// How near a trial came to ending so.
+/// The score of an outcome: how near a trial came to it.
 struct Nearness {
   Outcome outcome;
   const char* metric;

@@ -9,21 +9,22 @@
 
 namespace moma::run {
 
-/// An event that a trial may be, and how near it came to it.
+/// An event that a trial can be, with a score of nearness.
 class RareEvent {
  public:
-  /// An outcome (collision, timeout, stuck, joint_limit, infeasible), whose nearness is a metric of its own, or
-  /// METRIC<VALUE or METRIC>VALUE. Throws std::invalid_argument, naming what there is.
+  /// Reads an outcome (collision, timeout, stuck, joint_limit, infeasible), whose score is a metric of its own, or
+  /// METRIC<VALUE or METRIC>VALUE. Throws std::invalid_argument with the accepted names.
   static RareEvent read(std::string_view text);
 
   const std::string& text() const { return text_; }
-  /// The metric by which trials are sorted.
+  /// Name of the metric that sorts the trials.
   const std::string& level() const { return level_.name(); }
   bool collision() const { return outcome_.value_or(Outcome::kSuccess) == Outcome::kCollision; }
   bool happened(const TrialRow& row) const;
-  /// risk::kEvent where it happened; else the greater the nearer, -infinity without a value or by an error.
+  /// Returns risk::kEvent if the event happened; otherwise a score that increases with nearness, -infinity without a
+  /// value or after an error.
   double score(const TrialRow& row) const;
-  /// The metric's value of a finite score.
+  /// Returns the metric's value for a finite score.
   double value_of(double score) const { return sign_ * score; }
 
  private:
@@ -32,9 +33,9 @@ class RareEvent {
 
   std::string text_;
   tune::Metric level_;
-  double sign_;                     ///< -1: less is nearer
-  double value_ = 0.0;              ///< of METRIC<VALUE
-  std::optional<Outcome> outcome_;  ///< none: METRIC<VALUE
+  double sign_;                     ///< -1: smaller values are nearer
+  double value_ = 0.0;              ///< VALUE of METRIC<VALUE
+  std::optional<Outcome> outcome_;  ///< empty: METRIC<VALUE
 };
 
 }  // namespace moma::run

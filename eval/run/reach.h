@@ -8,15 +8,15 @@
 
 namespace moma::run {
 
-/// Wheels that reach out of what can collide of the base, as seen from above, by more than 5 mm: objects beside it
-/// would be run over and no collision counted. Wheels count as thin as their middle planes. Empty for a base without
-/// wheels.
+/// Returns a sentence for each wheel that extends beyond the base's collision shapes, as seen from above, by more than
+/// 5 mm: the wheel would run over objects beside the base without a counted collision. Wheels are reduced to their
+/// middle planes. Empty for a base without wheels.
 std::vector<std::string> wheel_warnings(const RobotModel& model);
 
-/// Links that look larger than what can collide of them and of what is rigid with them, by more than 2 cm at `ready`:
-/// one sentence that names the worst. By what is outermost of each visual of the robot file's URDF. Empty where the arm
-/// has no shapes at all, and where a visual mesh cannot be read. Costs the reading of all of them, some tenths of a
-/// second.
+/// Finds links whose visuals extend beyond the collision shapes of the link and of all links rigid with it, by more
+/// than 2 cm at `ready`. Returns one sentence about the worst, from the outermost points of each visual in the robot
+/// file's URDF. Empty if the arm has no shapes at all, or if a visual mesh cannot be read. Reads all meshes, which
+/// takes some tenths of a second.
 std::vector<std::string> visual_warnings(const std::filesystem::path& robot_file, const RobotModel& model);
 
 }  // namespace moma::run

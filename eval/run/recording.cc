@@ -15,7 +15,7 @@ void drop_samples(SamplesKept kept, TrialOutput& output) {
 }
 
 std::function<void(const SuitePoint&, BatchResult&)> finishing(const Suite& suite) {
-  std::map<const void*, std::shared_ptr<const store::UserMetrics>> metrics;  // by robot: columns differ
+  std::map<const void*, std::shared_ptr<const store::UserMetrics>> metrics;  // by robot, because columns differ
   if (!suite.metrics.empty()) {
     for (const SuitePoint& point : suite.points) {
       auto& one = metrics[point.robot.get()];

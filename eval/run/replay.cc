@@ -53,7 +53,7 @@ Suite stored_suite(const std::filesystem::path& store, const std::string& name, 
   auto resolved = config::parse_json(store::Reader(store).latest_invocation(name).resolved_suite,
                                      fmt::format("{}: the resolved suite {}", store.string(), name));
   if (!trials.empty()) {
-    // Read as in a suite: a number, or a map; anything else is refused by the reader of `trials`.
+    // Read as in a suite: a number, or a map; the reader of `trials` rejects anything else.
     resolved["trials"] = config::node_to_json(config::parse_yaml(trials, "--trials " + config::shortened(trials)));
   }
   return suite_from_resolved(resolved, plugins);

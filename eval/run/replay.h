@@ -10,11 +10,11 @@
 
 namespace moma::run {
 
-/// Suites built again from a store, each once: reading a robot takes much longer than looking up a trial.
+/// Suites rebuilt from a store, each once: reading a robot takes much longer than finding a trial.
 class StoredSuites {
  public:
   explicit StoredSuites(Plugins plugins = Plugins::kRefused) : plugins_(plugins) {}
-  /// The point that `trial` belongs to. Throws StoreError where this program simulates differently by now.
+  /// Returns the point of `trial`. Throws StoreError if this program simulates differently.
   const SuitePoint& point_of(const store::StoredTrial& trial);
   const Suite& suite_of(const store::StoredTrial& trial);
 
@@ -23,30 +23,30 @@ class StoredSuites {
   std::map<std::string, Suite> suites_;  ///< by resolved text
 };
 
-/// Throws StoreError{kNotFound} where the trial's world could not be made, so that there is nothing to simulate.
+/// Throws StoreError{kNotFound} if the trial's world could not be made, so that there is nothing to simulate.
 World world_of(const store::StoredTrial& trial);
 
-/// The suite of this name as the store has it, with another number of worlds where `trials` is not empty (checked like
-/// a file's). Throws StoreError, config::ConfigError.
+/// Returns the stored suite of this name, with another number of worlds unless `trials` is empty (checked like a
+/// file's). Throws StoreError, config::ConfigError.
 Suite stored_suite(const std::filesystem::path& store, const std::string& name, const std::string& trials = "",
                    Plugins plugins = Plugins::kRefused);
 
-/// A stored trial simulated again, from the store alone.
+/// A stored trial, simulated again from the store alone.
 struct Replay {
   store::StoredTrial trial;
   World world;
-  const SuitePoint* point = nullptr;  ///< in the StoredSuites that were given
+  const SuitePoint* point = nullptr;  ///< owned by the given StoredSuites
   TrialOutput output;
 };
 
-/// `name`: of the trial, or any unique beginning of it. Throws StoreError where there is no such trial or it cannot be
+/// `name`: the trial's name or any unique prefix of it. Throws StoreError if there is no such trial or it cannot be
 /// simulated again.
 Replay replay(const std::filesystem::path& store, const std::string& name, StoredSuites& suites);
 
-/// What a replay has to say to a row that was computed before.
+/// Differences between a replay and the stored row.
 struct ReplayDifferences {
-  std::vector<std::string> lines;  ///< one for each metric, "stored != replayed"; none: the same, bit for bit
-  std::string stored_machine;      ///< machine class, where it is another than this machine's; else ""
+  std::vector<std::string> lines;  ///< one per differing metric, "stored != replayed"; empty: equal bit for bit
+  std::string stored_machine;      ///< stored machine class if it differs from this machine's; else ""
   std::string this_machine;
 };
 ReplayDifferences differences(const TrialRow& stored, const std::string& machine_class, const TrialRow& replayed);

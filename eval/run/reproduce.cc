@@ -18,11 +18,11 @@ namespace {
 
 constexpr double kNormal95 = 1.959963984540054;
 
-/// What a store has of one trial.
+/// The stored values of one trial.
 struct StoredTrial {
   bool arrived = false;
   double steps = 0.0;
-  std::vector<std::optional<double>> figures;  ///< in the order of the experiment's
+  std::vector<std::optional<double>> figures;  ///< in the order of the experiment's figures
 };
 
 /// A point of the suite with its trials by world.
@@ -93,7 +93,7 @@ Measured measure_mean(const PointTrials& point, std::size_t at, const PublishedR
   Measured out{static_cast<std::int64_t>(values.size()), mean.mean, {}, {}};
   out.interval = {mean.mean - kNormal95 * mean.error, mean.mean + kNormal95 * mean.error};
   if (figure.kind == Figure::Kind::kClock || published == nullptr || published->values.count(&figure) == 0) return out;
-  // Of the published trials the spread is not known: as ours, with as many as they were.
+  // The spread of the published trials is unknown: it is assumed to equal ours, with their number of trials.
   const double error = mean.error * std::sqrt(1.0 + static_cast<double>(out.n) / published->problems);
   if (std::isfinite(error)) out.agrees = std::abs(mean.mean - published->values.at(&figure)) <= kNormal95 * error;
   return out;
@@ -101,7 +101,7 @@ Measured measure_mean(const PointTrials& point, std::size_t at, const PublishedR
 
 std::optional<PairedDifference> difference_of(const PointTrials& a, const PointTrials& b, std::size_t at,
                                               const Figure& figure, Averaging averaging) {
-  stats::PairedValues values;  // a - b: b is the side that is taken away
+  stats::PairedValues values;  // a - b
   std::vector<std::pair<bool, bool>> hits;
   for (const auto& [world, trial] : a.trials) {
     const auto other = b.trials.find(world);
@@ -148,7 +148,7 @@ Reproduction compare_with_published(const std::filesystem::path& store, const st
   for (const store::PointRecord& point : record.points) {
     points.push_back(trials_of(store, suite_name, point, suite.trials, experiment));
     const auto& params = suite.points[points.size() - 1].params;
-    if (params.size() == 1 && params.contains("robot")) points.back().label.clear();  // the row says which robot
+    if (params.size() == 1 && params.contains("robot")) points.back().label.clear();  // the row names the robot
     if (std::find(robots.begin(), robots.end(), point.robot_name) == robots.end()) robots.push_back(point.robot_name);
   }
   Reproduction out;

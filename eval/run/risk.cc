@@ -22,12 +22,12 @@ constexpr std::uint32_t mask(std::initializer_list<Stream> streams) {
 constexpr std::uint32_t kWorldStreams = mask({Stream::kStart, Stream::kGoal, Stream::kObjects, Stream::kMotion});
 constexpr std::uint32_t kNoiseStreams = mask({Stream::kSensing, Stream::kDisturbance});
 
-/// A kind of moves. Noise has so many numbers that a part of them is drawn anew: that needs no quantile.
+/// A kind of moves. Noise has so many numbers that a share of them is drawn anew, which needs no quantile.
 struct MoveKind {
   const char* name;
   std::uint32_t mask;
-  bool anew;        ///< the scale is the part that is drawn anew
-  double fraction;  ///< of the numbers that are moved, where not
+  bool anew;        ///< the scale is the share of numbers drawn anew
+  double fraction;  ///< otherwise the share of numbers that move
 };
 constexpr MoveKind kMoveKinds[] = {{"world", kWorldStreams, false, 1.0},
                                    {"part of the world", kWorldStreams, false, 0.3},
@@ -99,14 +99,14 @@ void TrialParticles::copy(std::size_t from, std::size_t to) {
 
 void TrialParticles::reached(std::span<const double> levels) {
   const auto [low, high] = std::minmax_element(levels.begin(), levels.end());
-  listener_.tell(listener_.note, fmt::format("{} replicates on their way, {} {:.4g} to {:.4g}, after {} trials",
+  listener_.tell(listener_.note, fmt::format("{} replicates in progress, {} {:.4g} to {:.4g}, after {} trials",
                                              levels.size(), event_.level(), event_.value_of(*low),
                                              event_.value_of(*high), trials_.computed() + trials_.reused()));
 }
 
 namespace {
 
-/// Contacts that came without a near miss: where the level has no way, splitting is no better than crude trials.
+/// Contacts without a near miss: the levels do not lead to them, and splitting is no better than crude trials.
 constexpr double kNear = 0.002;  ///< [m]
 constexpr int kFewContacts = 5;
 
@@ -184,10 +184,10 @@ class RiskRun {
     const auto near = std::count_if(run.first.begin(), run.first.end(),
                                     [](double score) { return score < risk::kEvent && score > -kNear; });
     if (contacts < kFewContacts || 10 * near >= contacts) return;
-    warnings.push_back(fmt::format(
-        "{}: {} contacts and {} near misses (below {:g} mm) among the first draws: what is hit here is hit without "
-        "having come near, the level has no way to it, and splitting is no better than crude trials",
-        name(row), contacts, near, 1e3 * kNear));
+    warnings.push_back(
+        fmt::format("{}: {} contacts and {} near misses (below {:g} mm) among the first draws: no level leads to "
+                    "contacts without near misses, and splitting is no better than crude trials",
+                    name(row), contacts, near, 1e3 * kNear));
   }
 
   void diagnose(RiskRow& row, std::span<const risk::Stratum> strata, std::vector<std::string>& warnings) const {

@@ -13,10 +13,10 @@
 
 namespace moma::run {
 
-/// Particles of a splitting that are worlds of one family, moved, with one point's trials in them.
+/// Particles of a splitting: moved worlds of one family, with trials of one point.
 class TrialParticles final : public risk::Particles {
  public:
-  /// All have to outlive this. Particle `i` begins as the family's i-th world.
+  /// All arguments must outlive this object. Particle `i` starts as the family's i-th world.
   TrialParticles(const SuitePoint& at, std::size_t point, std::string family, const RareEvent& event,
                  MovedTrials& trials, const Listener& listener);
 
@@ -27,11 +27,11 @@ class TrialParticles final : public risk::Particles {
   void copy(std::size_t from, std::size_t to) override;
   void reached(std::span<const double> levels) override;
 
-  /// What a kind of moves moves, in words.
+  /// Describes a kind of moves in words.
   static const char* name_of_kind(std::size_t kind);
   const std::vector<MovedWorld>& worlds() const { return worlds_; }
   const std::vector<TrialRow>& rows() const { return rows_; }
-  /// The family's worlds `first` .. `count` - 1, unmoved.
+  /// Returns the family's worlds `first` .. `count` - 1 without moves.
   std::vector<MovedWorld> unmoved(std::size_t first, std::size_t count);
 
  private:
@@ -44,47 +44,47 @@ class TrialParticles final : public risk::Particles {
   MovedTrials& trials_;
   const Listener& listener_;
   std::size_t kinds_;
-  std::vector<std::uint64_t> indices_;  ///< of the family
+  std::vector<std::uint64_t> indices_;  ///< world indices in the family
   std::vector<MovedWorld> worlds_, proposed_;
   std::vector<TrialRow> rows_, proposed_rows_;
-  std::vector<std::size_t> places_;  ///< of the proposals
+  std::vector<std::size_t> places_;  ///< particles of the proposals
 };
 
 struct RiskRequest {
   MovedTrialsRequest trials;
   risk::SplittingOptions splitting;
-  std::optional<std::uint64_t> crude;  ///< crude trials of a family; none: as many as splitting took
+  std::optional<std::uint64_t> crude;  ///< crude trials of a family; empty: as many as splitting took
 };
 
-/// One family of worlds, or all joined as strata, of one point.
+/// The estimate for one point and one family, or all families joined as strata.
 struct RiskRow {
   std::string controller, label;
   std::string family;  ///< "all": joined by the families' weights
   risk::Estimate estimate;
-  std::size_t trials = 0;  ///< that the splitting asked for
-  double crude = 0.0;      ///< rate; of all families by their weights
+  std::size_t trials = 0;  ///< trials of the splitting
+  double crude = 0.0;      ///< rate; for "all" weighted over the families
   stats::Interval crude_interval;
   std::size_t crude_trials = 0;
-  std::size_t ancestors = 0;  ///< fewest of a replicate
-  std::size_t died = 0;       ///< replicates that died out
-  std::size_t tied = 0;       ///< most particles that died as ties of a level's middle
+  std::size_t ancestors = 0;  ///< least over the replicates
+  std::size_t died = 0;       ///< number of replicates that died out
+  std::size_t tied = 0;       ///< most particles that died as ties of a level
   std::vector<std::pair<std::string, risk::Acceptance>> moves;
-  /// The spread over replicates shows that the interval cannot be believed.
+  /// True if the spread over replicates rules out the interval.
   bool refused() const { return estimate.excess() > risk::kRefusedExcess; }
 };
 
 struct Risk {
   End end = End::kFinished;
-  std::string stopped;  ///< where it did not finish: what is saved and how to go on
+  std::string stopped;  ///< if not finished: the saved work and the command to go on
   std::vector<RiskRow> rows;
   std::vector<std::string> warnings;
 };
 
-/// The price in words, before it is paid: trials of the first draws, of a level, of some probabilities, and their time.
+/// Returns the cost in words: trials of the first draws, of a level, of some probabilities, and their time.
 std::string price_of_risk(const RiskRequest& request, const Suite& suite);
 
-/// Estimates how probable `event` is over the worlds and disturbances of the suite, for each of its points. The same
-/// rows come out whatever the number of threads and stops. Throws RunError where worlds are not drawn by families,
+/// Estimates the probability of `event` over the worlds and disturbances of the suite, for each of its points. The same
+/// rows result for any number of threads and stops. Throws RunError if worlds are not drawn by families,
 /// store::StoreError.
 Risk estimate_risk(const RiskRequest& request, const Suite& suite, const RareEvent& event,
                    const Listener& listener = {});

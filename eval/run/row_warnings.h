@@ -7,17 +7,17 @@
 
 namespace moma::run {
 
-/// What a run's rows say against its physics, and against what controllers were told of the robot: a person should hear
-/// of it without asking.
+/// Finds contradictions between a run's rows and its physics, and between rows and the robot description of the
+/// controllers, for warnings without a request.
 class RowWarnings {
  public:
-  /// `identifies`: the controller goes by the latencies that it finds, so that other ones are no news.
+  /// `identifies`: the controller uses identified latencies, so that deviating latencies need no warning.
   void look(const TrialRow& row, bool identifies = false);
-  /// A sentence for each kind met, with the SQL that lists its trials.
+  /// Returns a sentence for each kind of contradiction, with the SQL that lists its trials.
   std::vector<std::string> sentences() const;
 
  private:
-  int contradicted_ = 0, messages_ = 0, errors_ = 0, diverged_ = 0;  // trials
+  int contradicted_ = 0, messages_ = 0, errors_ = 0, diverged_ = 0;  // numbers of trials
   int latencies_ = 0;
   double deepest_ = 0.0;      // [m]
   double latency_off_ = 0.0;  // the largest, with its sign [s]

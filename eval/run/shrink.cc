@@ -24,11 +24,11 @@ using Json = nlohmann::ordered_json;
 struct SmallerWorld {
   World world;
   Disturbances disturbances;
-  double earliest = 0.0;  ///< a failure before this, or after `latest`, is another one [s]
+  double earliest = 0.0;  ///< earlier failures, and those after `latest`, count as different [s]
   double latest = std::numeric_limits<double>::infinity();
 };
 
-/// The numbers of disturbances as a suite writes them: "/base/delay".
+/// Returns the paths of a disturbance section's numbers: "/base/delay".
 std::vector<std::string> numbers_of(const Json& section, const std::string& place = "") {
   std::vector<std::string> places;
   for (const auto& [key, value] : section.items()) {
@@ -42,7 +42,7 @@ std::vector<std::string> numbers_of(const Json& section, const std::string& plac
   return places;
 }
 
-/// "/base/delay" as it is called: base.delay.
+/// Converts "/base/delay" to base.delay.
 std::string name_of(std::string place) {
   std::replace(place.begin(), place.end(), '/', '.');
   return place.substr(1);
@@ -54,7 +54,7 @@ Json without(Json section, const std::string& place) {
   return section;
 }
 
-/// To multiples of `step`, a part of 1, as they are written: 0.3, not 0.30000000000000004; never -0.
+/// Rounds to multiples of `step`, a part of 1, in their shortest form: 0.3, not 0.30000000000000004; never -0.
 double rounded(double value, double step) { return std::round(value / step) / std::round(1.0 / step) + 0.0; }
 
 bool at_rest(const World& world) {
@@ -80,7 +80,7 @@ class Shrinker {
           fmt::format("trial {} does not fail again as it is stored; moma replay --check shows how it differs",
                       replay.trial.key.substr(0, 16)));
     now_ = {replay.world, point_.disturbances};
-    now_.earliest = std::min(0.5, 0.5 * trial_.time_end_s);  // not by where it starts
+    now_.earliest = std::min(0.5, 0.5 * trial_.time_end_s);  // excludes failures by the start state
     own_ = now_.world.moves;
     for (std::size_t i = 0; i < now_.world.objects.size(); ++i)
       if (now_.world.objects[i].noise < 0) now_.world.objects[i].noise = static_cast<int>(i);
@@ -95,7 +95,7 @@ class Shrinker {
       round_numbers();
     } catch (const Stopped& why) {
       if (*why.what() != '\0') listener_.tell(listener_.warning, why.what());
-      out_.end = End::kStopped;  // what was found until now is a world that fails
+      out_.end = End::kStopped;  // the smallest world so far fails
     }
     finish();
     return std::move(out_);
@@ -109,10 +109,10 @@ class Shrinker {
 
   int noises(const SmallerWorld& candidate) const { return any(candidate.disturbances) ? request_.noises : 1; }
 
-  /// The moves of noise `number`; 0 is what the trial had.
+  /// Returns the moves of noise `number`; 0 is the trial's own.
   std::shared_ptr<const Moves> drawn_by(int number) const { return number == 0 ? own_ : noise_drawn_again(number); }
 
-  /// Noise number k of those that candidates are asked under: the own one first.
+  /// Returns the k-th noise for candidates: the own one first.
   int noise(int k) const { return k == 0 ? noise_ : k <= noise_ ? k - 1 : k; }
 
   std::vector<std::vector<TrialRow>> rows(const std::vector<SmallerWorld>& candidates) {
@@ -142,7 +142,7 @@ class Shrinker {
     return out;
   }
 
-  /// Goes on with the first of the candidates that fails in any noise. Its number; none where all pass.
+  /// Continues with the first candidate that fails with any noise. Returns its number; nothing if all pass.
   std::optional<std::size_t> take(const std::vector<SmallerWorld>& candidates) {
     const std::vector<std::vector<TrialRow>> rows = this->rows(candidates);
     for (std::size_t c = 0; c < candidates.size(); ++c) {
@@ -202,12 +202,12 @@ class Shrinker {
       off.disturbances = read_disturbances(
           config::node_from_json(without(to_json(now_.disturbances), name), "disturbances"), "disturbances");
     } catch (const config::ConfigError&) {
-      return;  // another one needs it
+      return;  // another disturbance needs it
     }
     if (any(off.disturbances)) take({off});
   }
 
-  /// `change` makes a candidate simpler, by the first of `steps` that still fails; false where it does not apply.
+  /// Simplifies a candidate by `change` with the first of `steps` that still fails; false if it does not apply.
   void simplify(const char* what, const std::vector<double>& steps,
                 const std::function<bool(SmallerWorld&, double)>& change) {
     std::vector<SmallerWorld> candidates;
@@ -233,7 +233,7 @@ class Shrinker {
   }
 
   void start_later() {
-    if (!at_rest(now_.world)) return;  // else everything would have to be moved on
+    if (!at_rest(now_.world)) return;  // otherwise all motions would have to be advanced
     World own = now_.world;
     own.moves = drawn_by(noise_);
     SuitePoint point = point_;
@@ -246,7 +246,7 @@ class Shrinker {
           std::find_if(output.trace.begin(), output.trace.end(), [&](const Sample& s) { return s.t >= from; });
       if (from <= 0.0 || sample == output.trace.end()) return false;
       candidate.world.start = {sample->base, sample->q};
-      // Not one that starts in touch, nor one of a motion that only begins there.
+      // Excludes worlds that start in contact, or with a failure of a motion that starts there.
       candidate.earliest = 0.5 * before;
       candidate.latest = 2.0 * before;
       return true;
@@ -302,7 +302,7 @@ class Shrinker {
     });
   }
 
-  /// How often the world fails, and what its own trial is.
+  /// Counts the noises with a failure, and repeats the world's own trial.
   void finish() {
     const std::atomic<bool>* const stop = std::exchange(request_.stop, nullptr);
     const std::vector<TrialRow> rows = this->rows({now_}).front();
@@ -339,10 +339,10 @@ class Shrinker {
   StoredSuites suites_;
   SuitePoint point_;
   TrialRow trial_;    ///< as stored
-  SmallerWorld now_;  ///< the smallest so far
+  SmallerWorld now_;  ///< the smallest failing world so far
   std::shared_ptr<const Moves> own_;
-  int noise_ = 0;  ///< in which it fails
-  int least_ = 1;  ///< noises in which a candidate has to fail
+  int noise_ = 0;  ///< noise with which it fails
+  int least_ = 1;  ///< number of noises with which a candidate has to fail
   Shrunk out_;
 };
 

@@ -15,33 +15,33 @@ namespace moma::run {
 
 struct ShrinkRequest {
   std::filesystem::path file;  ///< store
-  std::string trial;           ///< its name, or any unique beginning of it
-  int noises = 8;              ///< draws of the disturbances under which a world is asked whether it fails
+  std::string trial;           ///< the trial's name or any unique prefix of it
+  int noises = 8;              ///< number of draws of the disturbances for each candidate
   int threads = 0;             ///< 0: usual_threads()
   Plugins plugins = Plugins::kRefused;
   const std::atomic<bool>* stop = nullptr;
 };
 
-/// A world that fails as the trial did.
+/// The smallest world with the trial's failure.
 struct Shrunk {
   End end = End::kFinished;
-  World world;                          ///< fails by its own noise; objects keep the numbers of theirs
-  nlohmann::ordered_json disturbances;  ///< those that were left, as in a suite; {}: none
-  TrialRow row;                         ///< of its trial
+  World world;                          ///< fails with its own noise; objects keep the numbers of their noise
+  nlohmann::ordered_json disturbances;  ///< remaining disturbances, as in a suite; {}: none
+  TrialRow row;                         ///< of the world's trial
   std::size_t objects_before = 0;
-  int failing = 0, noises = 0;       ///< fails in so many of so many noises, its own among them
-  std::vector<std::string> on;       ///< disturbances that were left, "base.delay"
-  std::vector<std::string> changed;  ///< what else could be made simpler, in words
-  std::size_t trials = 0;            ///< simulated
+  int failing = 0, noises = 0;       ///< number of noises with a failure, and of all noises, including the world's own
+  std::vector<std::string> on;       ///< remaining disturbances, "base.delay"
+  std::vector<std::string> changed;  ///< other simplifications, in words
+  std::size_t trials = 0;            ///< number of simulated trials
   std::string sentence;
 };
 
-/// Finds the smallest world in which a stored trial's point still fails as it did there: by the same outcome, a
-/// collision with the same object. A candidate counts where it fails in as many noises as the trial's world, or in half
-/// of them; the first of these becomes its own.
-/// In turn: fewer objects (eval/risk/shrink_set.h), each of which keeps its own noise; disturbances off; objects at
-/// rest; a later start; a nearer goal; rounded numbers. The same world comes out for any number of threads. Throws
-/// store::StoreError; RunError where the trial did not fail, or does not fail again.
+/// Finds the smallest world in which a stored trial's point still fails by the same outcome, a collision with the same
+/// object. A candidate is accepted if it fails in as many noises as the trial's world, or in half of them; the first
+/// failing noise becomes its own. The search tries in turn: fewer objects (eval/risk/shrink_set.h), each of which keeps
+/// its own noise; disturbances off; objects at rest; a later start; a nearer goal; rounded numbers. The same world
+/// results for any number of threads. Throws store::StoreError; RunError if the trial did not fail, or does not fail
+/// again.
 Shrunk shrink(const ShrinkRequest& request, const Listener& listener = {});
 
 }  // namespace moma::run

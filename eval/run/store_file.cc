@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// One shell word.
+/// Quotes one shell word.
 std::string shell_word(const std::string& word) {
   const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 || std::string_view("_-./=,:@%+").find(static_cast<char>(c)) != std::string_view::npos;
@@ -29,7 +29,7 @@ fs::path usual_store(const std::string& suite, const std::string& part) {
   std::string name = suite;
   std::replace(name.begin(), name.end(), '/', '_');
   std::error_code error;
-  fs::create_directory("results", error);  // where it cannot be, opening the store says why
+  fs::create_directory("results", error);  // if that fails, opening the store reports the reason
   return fs::path("results") / (name + part + ".db");
 }
 
@@ -49,7 +49,7 @@ std::string stopped_text(const std::string& what, const std::string& saved, cons
 }
 
 std::string no_end_text(const std::string& started, bool lock_left) {
-  return lock_left ? fmt::format("the run of {} was killed; what it saved is there", started)
+  return lock_left ? fmt::format("the run of {} was killed; its saved trials are there", started)
                    : fmt::format(
                          "the run of {} has no end, and no lock of it is beside this store: a copy that was "
                          "taken meanwhile lacks the trials of its -wal file; moma merge makes whole copies",

@@ -8,25 +8,25 @@
 
 namespace moma::run {
 
-/// Where results go unless told otherwise: results/NAME.db under the working directory; the folder is made. `part`
-/// stands behind the name, e.g. ".shard-1-of-8".
+/// Returns the default store, results/NAME.db in the working directory, and creates the folder. `part` follows the
+/// name, e.g. ".shard-1-of-8".
 std::filesystem::path usual_store(const std::string& suite, const std::string& part = "");
 
-/// Arguments as a shell would take them again.
+/// Returns arguments quoted for a shell.
 std::string command_line(const std::vector<std::string>& arguments);
 
-/// "stopped WHAT: SAVED saved in FILE; to go on: COMMAND".
+/// Returns "stopped WHAT: SAVED saved in FILE; to go on: COMMAND".
 std::string stopped_text(const std::string& what, const std::string& saved, const std::filesystem::path& file,
                          const std::vector<std::string>& arguments);
 
-/// What is said of a run that has no end, though nobody is at work: it was killed, or, where no lock was left beside
-/// the store, this is a copy that was taken while it went on.
+/// Describes a run without an end that no process works on: it was killed or, if no lock is beside the store, the file
+/// is a copy that was taken during the run.
 std::string no_end_text(const std::string& started, bool lock_left);
 
-/// Tells of runs that have no end, by when they began. `lock_left`: RunLock::there() before this program took it.
+/// Reports runs without an end by their start times. `lock_left`: RunLock::there() before this program took the lock.
 void tell_killed(const std::vector<std::string>& started, bool lock_left, const Listener& listener);
 
-/// All cores, but one thread for each rank of an mpirun: ranks are usually as many as cores.
+/// Returns the number of cores, or one thread per rank of an mpirun: ranks are usually as many as cores.
 int usual_threads(bool cluster = false);
 
 }  // namespace moma::run

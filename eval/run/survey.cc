@@ -10,9 +10,9 @@
 namespace moma::run {
 namespace {
 
-constexpr std::uint64_t kEnoughFailures = 3;  // the next worlds of the family would only take long to fail as well
+constexpr std::uint64_t kEnoughFailures = 3;  // further worlds of the family would take long and fail as well
 
-/// Of this thread.
+/// Processor time of this thread.
 double processor_seconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -75,7 +75,7 @@ std::vector<std::string> WorldSurvey::doubts() const {
     const WorldLook& look = group.look;
     const std::string robot = groups_.size() > 1 ? "robot " + group.points.front()->robot->model->name + ": " : "";
     if (look.in_touch > 0)
-      out.push_back(fmt::format("{}{} of {} worlds start in touch, which counts as a collision (first: {})", robot,
+      out.push_back(fmt::format("{}{} of {} worlds start in contact, which counts as a collision (first: {})", robot,
                                 look.in_touch, look.goals.size(), look.first_touch));
     for (const std::string& text : touching_goals(look)) out.push_back(robot + text);
     for (const std::string& text : goal_warnings(group.points, look)) out.push_back(robot + text);
@@ -106,7 +106,7 @@ TrialTime trial_time(const Suite& suite, double enough, WorldSurvey& survey) {
   double seconds = 0.0;
   std::size_t n = 0;
   while (n < std::min(all, most) && seconds < enough) {
-    // The golden ratio spreads the first few worlds evenly, so that families come up as often as in the whole.
+    // The golden ratio spreads the first few worlds evenly, so that families occur as often as in the whole.
     const auto world = static_cast<std::uint64_t>(std::fmod(static_cast<double>(n) * 0.6180339887498949, 1.0) *
                                                   static_cast<double>(suite.trials));
     BatchJob job;

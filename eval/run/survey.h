@@ -11,35 +11,35 @@
 
 namespace moma::run {
 
-/// How a suite's worlds are made: by robot and family how many tries a world takes, why tries are rejected, how long it
-/// takes and how long beside a trial (processor time, so that other programs do not count).
+/// Statistics of drawing a suite's worlds by robot and family: tries per world, reasons of rejection, and processor
+/// time per world and per trial.
 class WorldSurvey {
  public:
   struct Tally {
     MakingLog log;
-    double seconds = 0.0;  ///< spent on making
+    double seconds = 0.0;  ///< processor time of drawing worlds
     std::uint64_t failed = 0;
     std::uint64_t trials = 0;
-    double trial_seconds = 0.0;  ///< without the making of the world
+    double trial_seconds = 0.0;  ///< processor time of trials without drawing
   };
   using Place = std::pair<std::string, std::string>;  ///< robot, family
 
-  /// Makes about `count` worlds in all, the first ones of each robot and `worlds` section among the points, of which
-  /// there are `trials`, and looks at them; of each frozen set `count`. The points have to last as long as the survey.
+  /// Makes and examines about `count` worlds in all, the first of each robot and `worlds` section among the points of
+  /// `trials` trials; `count` worlds of each frozen set. The points must outlive the survey.
   void make_worlds(const std::vector<SuitePoint>& points, std::uint64_t count, std::uint64_t trials);
-  /// Computes a job on this thread and counts the trial's time.
+  /// Computes a job on this thread and adds the trial's time.
   void run(const SuitePoint& point, const BatchJob& job);
 
-  /// Empty where no world had to be made (frozen sets).
+  /// Empty if no world is drawn (frozen sets).
   const std::map<Place, Tally>& tallies() const { return tallies_; }
   /// Worlds that cannot be made, one sentence per robot and family.
   const std::vector<std::string>& failures() const { return failures_; }
-  /// What is doubtful of the worlds that were made: robots that start in touch, goals nearer to objects than
-  /// controllers keep. One sentence each, with counts.
+  /// Returns doubts about the drawn worlds: robots that start in contact, goals nearer to objects than controllers
+  /// keep. One sentence each, with counts.
   std::vector<std::string> doubts() const;
 
  private:
-  /// Points that share robot and worlds.
+  /// Points with the same robot and worlds.
   struct Group {
     std::vector<const SuitePoint*> points;
     WorldLook look;
@@ -53,17 +53,17 @@ class WorldSurvey {
   std::vector<Group> groups_;
 };
 
-/// How long trials of a suite take.
+/// Measured duration of a suite's trials.
 struct TrialTime {
-  double each = 0.0;         ///< [s], by the wall clock
-  std::size_t measured = 0;  ///< trials
+  double each = 0.0;         ///< wall time of a trial [s]
+  std::size_t measured = 0;  ///< number of measured trials
 };
 
-/// From trials of about `enough` seconds in all: points in turn, worlds spread over the suite's. They count in
+/// Measures trials for about `enough` seconds in all: points in turn, worlds spread over the suite's. They count in
 /// `survey`.
 TrialTime trial_time(const Suite& suite, double enough, WorldSurvey& survey);
 
-/// Worlds 0 .. n-1 of a suite (100,000 at most) by family.
+/// Counts worlds 0 .. n-1 of a suite (100,000 at most) by family.
 std::map<std::string, std::uint64_t> family_counts(const Suite& suite);
 
 }  // namespace moma::run

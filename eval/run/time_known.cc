@@ -18,7 +18,7 @@ std::optional<double> known_before_contact(const CollisionCase& collision) {
                                 [&](const WorldObject& object) { return object.name == collision.object; });
   const DetectionRule& rule = disturbances.detection;
   if (rule.occlusion || rule.mount == SensorMount::kHand || rule.seen_by == SeenBy::kSensors)
-    return {};  // the arm's way is not in the samples' base
+    return {};  // samples without a base do not contain the arm's motion
   Detection detection(rule, world, DisturbanceStreams(world, disturbances.seed), collision.control_period);
   if (hit == world.objects.end() || !detection.on()) return {};
   const auto place = static_cast<std::size_t>(hit - world.objects.begin());
@@ -29,7 +29,7 @@ std::optional<double> known_before_contact(const CollisionCase& collision) {
     for (ObjectState& state : states) state.visible = true;
     detection.update(static_cast<long>(k), {base[0], base[1], base[2]}, {}, states);
     if (!states[place].visible) continue;
-    // What is known from the start was never new.
+    // An object known from the start has no detection time.
     const double since = k == 0 ? 0.0 : collision.t[k] + disturbances.objects.delay;
     return std::max(0.0, collision.contact_time - since);
   }

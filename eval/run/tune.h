@@ -16,16 +16,16 @@
 namespace moma::run {
 
 struct TuneRequest {
-  std::filesystem::path file;                     ///< store, made where it is missing; usual_store() where empty
-  std::filesystem::path gains;                    ///< for the found gains; usual_gains() where empty
+  std::filesystem::path file;                     ///< store, created if missing; usual_store() if empty
+  std::filesystem::path gains;                    ///< file for the gains found; usual_gains() if empty
   std::vector<std::string> arguments;             ///< the command line, for provenance and "to go on"
   int threads = 0;                                ///< 0: usual_threads()
-  bool verdict = true;                            ///< judge what was found on the held-out worlds
-  files::Replace replace = files::Replace::kOwn;  ///< what may stand where the gains go
+  bool verdict = true;                            ///< judge the gains found on the held-out worlds
+  files::Replace replace = files::Replace::kOwn;  ///< files that the gains may replace
   const std::atomic<bool>* stop = nullptr;
 };
 
-/// What a search tells besides what every run does.
+/// Additional callbacks of a search.
 struct TuneListener : Listener {
   std::function<void()> trial;                              ///< the search computed a trial
   std::function<void(const tune::Progress&)> evaluation;    ///< an evaluation ended
@@ -35,20 +35,20 @@ struct TuneListener : Listener {
 
 struct Tuned {
   End end = End::kFinished;
-  std::string stopped;                          ///< where it did not finish: what is saved and how to go on
-  std::optional<tune::SearchResult> search;     ///< none where it was stopped before its end
-  std::optional<tune::HeldOutVerdict> verdict;  ///< none where it was not asked for, or stopped before its end
-  std::filesystem::path gains;                  ///< written; empty where stopped, or no better than the start was found
+  std::string stopped;                          ///< if not finished: the saved work and the command to go on
+  std::optional<tune::SearchResult> search;     ///< empty if stopped before its end
+  std::optional<tune::HeldOutVerdict> verdict;  ///< empty if not requested, or stopped before its end
+  std::filesystem::path gains;  ///< file written; empty if stopped, or without improvement over the start
 };
 
-/// The file that the suite names, else configs/controllers/CONTROLLER-tuned.yaml, or without that folder in the working
-/// directory.
+/// Returns the file that the suite names, else configs/controllers/CONTROLLER-tuned.yaml, or CONTROLLER-tuned.yaml if
+/// the working directory has no such folder.
 std::filesystem::path usual_gains(const tune::Tuning& tuning);
 
-/// Searches the gains of a suite's controller into a store, going on from what is there, judges them on worlds that
-/// took no part in the search, and writes them as a controller file. The same gains come out whatever the number of
-/// threads and stops. Throws store::StoreError, RunError, config::ConfigError, tune::ReplayError,
-/// files::OutputError where the gains cannot be written, before anything is computed.
+/// Searches the gains of a suite's controller into a store, continues from its contents, judges the gains on worlds
+/// that took no part in the search, and writes them as a controller file. The same gains result for any number of
+/// threads and stops. Throws store::StoreError, RunError, config::ConfigError, tune::ReplayError, and
+/// files::OutputError if the gains file is not writable, before any computation.
 Tuned tune(const TuneRequest& request, const tune::Tuning& tuning, const TuneListener& listener = {});
 
 }  // namespace moma::run

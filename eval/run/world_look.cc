@@ -13,7 +13,7 @@
 namespace moma::run {
 namespace {
 
-constexpr double kFar = 0.5;  // gaps beyond are of no interest [m]
+constexpr double kFar = 0.5;  // larger gaps do not matter [m]
 
 std::string pair_text(const World& world, const RobotModel& model, const ProximityPair& pair) {
   const std::string second = pair.kind == PairKind::kObject  ? world.objects[static_cast<std::size_t>(pair.second)].name
@@ -36,7 +36,7 @@ struct Within {
   const WorldLook::Gap* nearest = nullptr;
 };
 
-/// Whether rows of a controller of moma's keep it from objects.
+/// True if rows of one of moma's controllers keep a distance from objects.
 bool keeps(const SuitePoint& point) {
   return point.plugin == nullptr && point.controller_params.method == Method::kQp &&
          point.controller_params.collision.object.enabled;
@@ -55,7 +55,7 @@ void look_at(const World& world, const std::shared_ptr<const RobotModel>& model,
   const auto touching = proximity.query(kinematics, states, {0.0, 0.0, 0.0});
   if (!touching.empty() && look.in_touch++ == 0) look.first_touch = pair_text(world, *model, touching.front());
 
-  // Objects are moved instead of the robot, so that E is at the goal: its arm does not matter.
+  // Moves the objects instead of the robot to put E at the goal, whatever the arm's configuration.
   const Isometry move = kinematics.X_WE() * goal_state(world, 0.0).X_WG.inverse();
   for (ObjectState& state : states) state.X_WO = move * state.X_WO;
   ProximityPair nearest;
@@ -76,8 +76,8 @@ std::vector<std::string> touching_goals(const WorldLook& look) {
   const Within within(look, -kInfinity, 0.0);
   if (within.count == 0) return {};
   return {
-      fmt::format("at the goal of {} of {} worlds the tool is in touch with an object: no configuration reaches it "
-                  "(deepest: {:.1f} mm in {})",
+      fmt::format("at the goal of {} of {} worlds the tool touches an object: no configuration reaches it (deepest: "
+                  "{:.1f} mm in {})",
                   within.count, look.goals.size(), -1e3 * within.nearest->d, within.nearest->where)};
 }
 

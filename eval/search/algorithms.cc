@@ -47,7 +47,7 @@ std::string upper(std::string_view text) {
   return result;
 }
 
-// NLopt's prefixes say global or local, gradient or none; people leave them out.
+// NLopt's prefixes state global or local, gradient or none; people leave them out.
 std::string_view bare(std::string_view name) {
   for (const std::string_view prefix : {"GN_", "LN_", "G_"}) {
     if (name.substr(0, prefix.size()) == prefix) return name.substr(prefix.size());
@@ -62,7 +62,7 @@ std::span<const AlgorithmInfo> algorithms() { return kAlgorithms; }
 const AlgorithmInfo& find_algorithm(std::string_view name) {
   std::string wanted = upper(name);
   if (wanted.substr(0, 6) == "NLOPT_") wanted.erase(0, 6);
-  // GN_MLSL is G_MLSL with a local algorithm fixed by NLopt; here the local algorithm is always named.
+  // GN_MLSL is G_MLSL with a local algorithm fixed by NLopt; the search always names the local algorithm.
   if (wanted == "GN_MLSL" || wanted == "GN_MLSL_LDS") wanted.erase(1, 1);
   for (const AlgorithmInfo& info : kAlgorithms) {
     if (info.name == wanted || bare(info.name) == wanted) return info;

@@ -7,9 +7,10 @@
 namespace moma::tune {
 namespace {
 
-constexpr double kApart = 0.02;  // finalists closer than this are one and the same
+constexpr double kApart = 0.02;  // nearer finalists count as one
 
-// Away from the wall where the move would leave the cube: a gain at its bound has neighbours on one side only.
+// Moves `u` by `by`, or the other way if that would leave the unit interval: a gain at its bound has neighbours on one
+// side only.
 double moved(double u, double by) {
   const double there = u + by;
   return there < 0.0 || there > 1.0 ? u - by : there;

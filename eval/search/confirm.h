@@ -6,14 +6,14 @@
 
 namespace moma::tune {
 
-/// What the confirmation costs at most, in measurements, when it may use a quarter of the budget: neighbours, then
-/// candidates are given up until it fits. `fitted` gets what is left (0 candidates: none at all).
+/// Returns the largest cost of the confirmation in measurements within a quarter of the budget. Drops neighbours, then
+/// candidates, until it fits, and stores the rest in `fitted` (0 candidates: no confirmation).
 std::uint64_t fit_confirmation(const SearchSettings& settings, Confirmation& fitted);
 
-/// Measures the best few of the history further, and their neighbours. Best first, never empty.
+/// Measures the best few candidates of the history on further worlds, and their neighbours. Best first, never empty.
 std::vector<Finalist> confirm(const SearchSettings& settings, const Confirmation& fitted, Evaluator& evaluator);
 
-/// The best fully measured candidates of the search, at least `apart` from each other in some variable.
+/// Returns the best fully measured candidates of the search that are at least `apart` from each other in some variable.
 std::vector<Evaluation> best_of(const std::vector<Variable>& variables, const std::deque<Evaluation>& history,
                                 std::size_t count, double apart);
 

@@ -18,7 +18,7 @@ bool same_bits(std::span<const double> a, std::span<const double> b) {
   });
 }
 
-// What an excess over a bound is measured by.
+// Returns the scale of an excess over a bound.
 double scale_of(double bound) { return std::max(std::abs(bound), 0.01); }
 
 }  // namespace
@@ -44,7 +44,7 @@ double Evaluator::violation(std::span<const double> means) const {
 }
 
 double Evaluator::above_start(std::size_t k, const std::vector<double>& values) const {
-  if (history_.empty()) return 0.0;  // this is the start
+  if (history_.empty()) return 0.0;  // the start itself
   const std::vector<double>& start = known_.at(history_.front().candidate).values;
   const std::size_t width = objective_.width();
   const std::size_t worlds = std::min(values.size() / width, settings_.search_worlds);
@@ -80,7 +80,7 @@ void Evaluator::summarise(Evaluation& evaluation, const std::vector<double>& val
 bool Evaluator::race_lost(const Known& known, std::size_t worlds) const {
   if (best_ < 0) return false;
   const Evaluation& incumbent = history_[static_cast<std::size_t>(best_)];
-  // Against an incumbent that breaks a constraint a lower cost proves nothing.
+  // A lower cost proves nothing if the incumbent violates a constraint.
   if (violation(incumbent.constraints) > 0.0) return false;
   const std::vector<double>& other = known_.at(incumbent.candidate).values;
   const std::size_t width = objective_.width();
@@ -97,10 +97,10 @@ std::optional<Evaluation> Evaluator::logged(const Evaluation& begun) {
   std::optional<Evaluation> stored = log_.find(begun.index);
   if (stored && (!same_bits(stored->candidate, begun.candidate) || stored->first != begun.first ||
                  stored->phase != begun.phase)) {
-    throw ReplayError(fmt::format(
-        "stored evaluation {} is of another candidate than the search now comes to: it was made by another version "
-        "of moma or of NLopt; give the search another seed, or use a new store",
-        begun.index));
+    throw ReplayError(
+        fmt::format("stored evaluation {} has another candidate than the search: another version of moma or of NLopt "
+                    "made it; give the search another seed, or use a new store",
+                    begun.index));
   }
   return stored;
 }
@@ -114,10 +114,9 @@ void Evaluator::take(Evaluation& evaluation, Known& known, std::size_t count, co
     const std::size_t from = (have - evaluation.first) * width;
     const std::size_t to = (count - evaluation.first) * width;
     if (to > stored->measured.size()) {
-      throw ReplayError(
-          fmt::format("stored evaluation {} ends after {} worlds, but the search goes on: it was made "
-                      "by another version of moma",
-                      evaluation.index, stored->worlds));
+      throw ReplayError(fmt::format(
+          "stored evaluation {} ends after {} worlds, but the search continues: another version of moma made it",
+          evaluation.index, stored->worlds));
     }
     values.assign(stored->measured.begin() + static_cast<std::ptrdiff_t>(from),
                   stored->measured.begin() + static_cast<std::ptrdiff_t>(to));
@@ -132,7 +131,7 @@ void Evaluator::take(Evaluation& evaluation, Known& known, std::size_t count, co
   evaluation.measured.insert(evaluation.measured.end(), values.begin(), values.end());
 }
 
-// Cost and merit of an evaluation whose candidate does not have all worlds behind it.
+// Estimates cost and merit of a candidate that has not met all worlds.
 void Evaluator::estimate(Evaluation& evaluation) const {
   if (!evaluation.valid) {
     for (const Evaluation& e : history_) evaluation.merit = std::max(evaluation.merit, e.merit);
@@ -149,8 +148,7 @@ void Evaluator::estimate(Evaluation& evaluation) const {
 const Evaluation& Evaluator::conclude(Evaluation evaluation, Known& known, const Evaluation* stored) {
   if (stored != nullptr && !same_bits(stored->measured, evaluation.measured)) {
     throw ReplayError(
-        fmt::format("stored evaluation {} has more worlds than the search now asks for: it was made by "
-                    "another version of moma",
+        fmt::format("stored evaluation {} has more worlds than the search needs: another version of moma made it",
                     evaluation.index));
   }
   if (evaluation.valid) {

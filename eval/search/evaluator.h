@@ -17,10 +17,10 @@
 
 namespace moma::tune {
 
-/// A candidate is cut short when, after a block of worlds, its mean cost on the worlds met so far is above the
-/// incumbent's on the same worlds and the paired one-sided Wilcoxon signed-rank test says so with p < `significance`.
-/// Both are asked for: the rank test alone would cut a candidate that is a little slower in most worlds but
-/// succeeds in a few more. The incumbent is the best fully measured candidate, by merit.
+/// Racing cuts a candidate after a block of worlds if its mean cost on the worlds so far exceeds the incumbent's on the
+/// same worlds, and the paired one-sided Wilcoxon signed-rank test confirms that with p < `significance`. The rank test
+/// alone would cut a candidate that is slightly slower in most worlds but succeeds in a few more. The incumbent is the
+/// best fully measured candidate, by merit.
 struct Racing {
   bool enabled = true;
   std::size_t first = 10;
@@ -31,10 +31,10 @@ struct Racing {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<Racing>) {
   using T = Racing;
-  v.member("first", &T::first, {.range = {2, 1'000'000}, .text = "worlds before the first look"});
-  v.member("block", &T::block, {.range = {1, 1'000'000}, .text = "worlds between looks"});
+  v.member("first", &T::first, {.range = {2, 1'000'000}, .text = "number of worlds before the first test"});
+  v.member("block", &T::block, {.range = {1, 1'000'000}, .text = "number of worlds between two tests"});
   v.member("significance", &T::significance,
-           {.unit = "1", .range = {0.0, 0.5, true, false}, .text = "of the rank test, per look"});
+           {.unit = "1", .range = {0.0, 0.5, true, false}, .text = "significance of the rank test, per test"});
 }
 inline bool from_word(std::string_view word, Racing& racing) { return word == "none" && !(racing.enabled = false); }
 
@@ -43,38 +43,38 @@ struct EvaluatorSettings {
   std::vector<Constraint> constraints;
   std::vector<std::uint64_t> worlds;  ///< shuffled; the first `search_worlds` make a full score
   std::size_t search_worlds = 0;
-  std::uint64_t budget = 0;  ///< world measurements of the whole search
+  std::uint64_t budget = 0;  ///< largest number of world measurements of the whole search
   Racing racing;
   double penalty = 0.0;  ///< merit per violation; 0: the size of the start's cost, at least 1
 };
 
-/// Where the search stands, for a person.
+/// The state of the search, for display.
 struct Progress {
   Phase phase = Phase::kStart;
   std::uint64_t evaluations = 0;
   std::uint64_t cut = 0;
   std::uint64_t trials = 0;  ///< of `budget`
   std::uint64_t budget = 0;
-  bool replayed = false;  ///< the last one came from the log
+  bool replayed = false;  ///< the last evaluation came from the log
   const Evaluation* last = nullptr;
-  const Evaluation* best = nullptr;  ///< fully measured, null before the first
+  const Evaluation* best = nullptr;  ///< best fully measured candidate, null before the first
 };
 
-/// Measures candidates: memory, racing, budget, log. Everything it does is a function of its settings and the
-/// sequence of calls, never of time, threads or what the log already held.
+/// Measures candidates, with memory, racing, budget and log. All results are functions of the settings and the sequence
+/// of calls, never of time, threads or the log's contents.
 class Evaluator {
  public:
   Evaluator(EvaluatorSettings settings, Objective& objective, EvaluationLog& log,
             std::function<void(const Progress&)> progress = {});
 
-  /// A full or cut score on the search's worlds. A candidate met before is answered from memory and logs nothing.
+  /// Returns a full or cut score on the search's worlds. A known candidate is answered from memory and logs nothing.
   const Evaluation& score(const Candidate& candidate, Phase phase, int run);
-  /// Measures without racing on the first `count` worlds of the order.
+  /// Measures the first `count` worlds of the order, without racing.
   const Evaluation& extend(const Candidate& candidate, std::size_t count, Phase phase);
 
   bool knows(const Candidate& candidate) const { return known_.contains(candidate); }
   std::uint64_t trials() const { return trials_; }
-  /// Measurements that cutting short left out so far.
+  /// Measurements saved by cutting so far.
   std::uint64_t trials_saved() const { return saved_; }
   const Evaluation* best() const { return best_ < 0 ? nullptr : &history_[static_cast<std::size_t>(best_)]; }
   const std::deque<Evaluation>& history() const { return history_; }
@@ -82,8 +82,8 @@ class Evaluator {
   /// Cost per world of a candidate, in the order of the worlds.
   std::vector<double> costs(const Candidate& candidate) const;
   double penalty() const { return penalty_; }
-  /// Sum of the constraints' relative excesses: max(0, mean - bound) / max(|bound|, 0.01), where the bound of those by
-  /// the start is its own mean on the search's worlds.
+  /// Sum of the constraints' relative excesses: max(0, mean - bound) / max(|bound|, 0.01). A bound by the start is the
+  /// start's own mean on the search's worlds.
   double violation(std::span<const double> constraint_means) const;
 
  private:
@@ -93,13 +93,13 @@ class Evaluator {
   };
   struct Begun {
     Evaluation evaluation;
-    std::optional<Evaluation> stored;  ///< what the log has of it
+    std::optional<Evaluation> stored;  ///< its entry in the log
   };
-  /// The next of the history, nothing measured yet; `first` worlds are known before. Cut where it is not valid.
+  /// Appends an evaluation to the history without measurements; `first` worlds are known before. Cut if invalid.
   Begun begin(const Candidate& candidate, Phase phase, int run, std::size_t first);
   bool race_lost(const Known& known, std::size_t worlds) const;
   void summarise(Evaluation& evaluation, const std::vector<double>& values);
-  /// What value k + 1 is more than the start's, in the search's worlds that both have met.
+  /// Mean difference of value k + 1 to the start's, over the search's worlds that both have met.
   double above_start(std::size_t k, const std::vector<double>& values) const;
   double penalised(const Evaluation& evaluation) const;
   void estimate(Evaluation& evaluation) const;
@@ -118,7 +118,7 @@ class Evaluator {
   std::uint64_t saved_ = 0;
   std::uint64_t cuts_ = 0;
   double penalty_ = 1.0;
-  std::vector<double> scales_;  // of the constraints' excesses
+  std::vector<double> scales_;  // scales of the constraints' excesses
 };
 
 }  // namespace moma::tune

@@ -11,10 +11,10 @@
 namespace moma::tune {
 namespace {
 
-// Per inner search of MLSL and AUGLAG, in evaluations per variable: they start many of them.
+// Evaluations per variable of each inner search of MLSL and AUGLAG, which start many of them.
 constexpr int kInnerEvaluations = 12;
 
-// NLopt calls back through C: exceptions must not cross it, so they wait here.
+// NLopt calls back through C, which exceptions must not cross: they are stored here.
 struct Callback {
   const UnitFunction* function = nullptr;
   std::exception_ptr error;
@@ -22,11 +22,11 @@ struct Callback {
   std::vector<double> last_x;
   Told last;
 
-  /// A constraint at the point just evaluated is known.
+  /// Returns the constraints at the point just evaluated.
   const Told* constraints_at(const std::vector<double>& x) { return !stopped && x == last_x ? &last : at(x); }
 
-  /// Every cost is asked for, known or not: the function ends searches that only meet what they know, CRS2 with its
-  /// whole population at a bound for one, which then asks for that point for ever.
+  /// Asks for every cost, known or not. The function ends searches that meet only known points: CRS2 with its whole
+  /// population at a bound asks for the same point for ever.
   const Told* at(const std::vector<double>& x) {
     if (stopped) return nullptr;
     try {
@@ -133,7 +133,7 @@ std::string run_nlopt(const NloptRun& run, const UnitFunction& function) {
     if (!callback.error)
       throw std::invalid_argument(fmt::format("NLopt refused {}: {}", run.algorithm->name, e.what()));
   } catch (const std::runtime_error& e) {
-    // A generic failure is how some algorithms end when the simplex or trust region degenerates.
+    // Some algorithms end by a generic failure when the simplex or trust region degenerates.
     why = fmt::format("gave up ({})", e.what());
   }
   if (callback.error) std::rethrow_exception(callback.error);

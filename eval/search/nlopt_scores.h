@@ -5,10 +5,10 @@
 
 namespace moma::tune {
 
-/// What one NLopt run is told about candidates. One that was cut short is told by its estimate (Evaluation::merit),
-/// but never better than any full score of this run: at least the worst full score told before, and a full score
-/// that comes later is told as no worse than any cut one before it. So in either order no cut candidate looks better
-/// than a fully measured one; what is lost is the ranking among candidates that are worse than a cut one anyway.
+/// The scores that one NLopt run gets. A cut candidate gets its estimate (Evaluation::merit), but never a better score
+/// than a fully measured one of this run: at least the worst full score before it, and a later full score is reported
+/// as no worse than any cut one before it. In either order no cut candidate looks better than a fully measured one.
+/// Only the ranking among candidates worse than a cut one is lost.
 class NloptScores {
  public:
   double operator()(double value, bool cut) {

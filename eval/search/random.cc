@@ -8,7 +8,7 @@ namespace moma::tune {
 
 std::uint64_t bits(std::uint64_t seed, SearchStream stream, std::uint64_t position) noexcept {
   r123::Philox4x64 generator;
-  // The second key word keeps these draws apart from those of the worlds, which use the same generator.
+  // The second key word separates these draws from those of the worlds, which use the same generator.
   const r123::Philox4x64::key_type key{{seed, 0x74756e65ULL}};
   const r123::Philox4x64::ctr_type counter{{position, static_cast<std::uint64_t>(stream), 0, 0}};
   return generator(counter, key)[0];

@@ -10,9 +10,9 @@ namespace moma::tune {
 enum class SearchStream : std::uint64_t { kShuffle = 1, kNlopt = 2, kStarts = 3, kNeighbours = 4 };
 
 std::uint64_t bits(std::uint64_t seed, SearchStream stream, std::uint64_t position) noexcept;
-/// In [0, 1), 53 bits.
+/// Uniform in [0, 1), 53 bits.
 double uniform(std::uint64_t seed, SearchStream stream, std::uint64_t position) noexcept;
-/// Fisher-Yates over `values`; `part` keeps several shuffles of one search apart.
+/// Shuffles `values` (Fisher-Yates); `part` distinguishes several shuffles of one search.
 void shuffle(std::vector<std::uint64_t>& values, std::uint64_t seed, std::uint64_t part);
 
 }  // namespace moma::tune

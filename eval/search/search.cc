@@ -14,10 +14,10 @@
 namespace moma::tune {
 namespace {
 
-constexpr double kLocalApart = 0.1;  // local searches start at least this far from each other
-constexpr double kAtBound = 0.01;    // of a gain's range
-// Cutting short makes an evaluation cheaper than all its worlds; measured on the test problems, and only used to
-// choose a population that leaves a global algorithm time to do more than draw its first points.
+constexpr double kLocalApart = 0.1;  // least distance between the starts of local searches
+constexpr double kAtBound = 0.01;    // share of a gain's range
+// Ratio of the worlds of a full evaluation to those of a cut one, measured on the test problems. It only chooses a
+// population that leaves a global algorithm time beyond its first points.
 constexpr double kCheaper = 2.5;
 
 class Searcher {
@@ -76,7 +76,7 @@ class Searcher {
     }
   }
 
-  // From the best candidate of this start, then from the next best that is elsewhere, then from anywhere.
+  // Runs local searches: from the best candidate of this start, then from the next best elsewhere, then from anywhere.
   void run_local(const PlanStep& step, const AlgorithmInfo* inner, int start, const std::vector<double>& origin,
                  std::size_t first, std::uint64_t limit) {
     std::vector<Candidate> begun;
@@ -132,7 +132,7 @@ class Searcher {
       const std::size_t before = evaluator_.history().size();
       if (!evaluator_.knows(candidate) && !affords(limit)) return std::nullopt;
       const Evaluation& e = evaluator_.score(candidate, phase, number);
-      // A search that only meets what it knows (few whole numbers, a degenerate simplex) would never end.
+      // A search that meets only known points (few whole numbers, a degenerate simplex) would never end.
       repeats = evaluator_.history().size() > before ? 0 : repeats + 1;
       if (repeats > most_repeats) return std::nullopt;
       const double value =
@@ -159,7 +159,7 @@ class Searcher {
   Evaluator& evaluator_;
   SearchResult& result_;
   std::vector<PlanStep> plan_;
-  int idle_ = 0;  // runs in a row that measured nothing
+  int idle_ = 0;  // consecutive runs without a measurement
 };
 
 void check(const SearchSettings& s) {

@@ -15,31 +15,34 @@
 
 namespace moma::tune {
 
-/// One algorithm of a plan. A global one gets `share` of the budget; local ones get what is left.
+/// One algorithm of a plan. A global algorithm gets `share` of the budget, local ones get the rest.
 struct PlanStep {
   const AlgorithmInfo* algorithm = nullptr;
-  double share = 0.0;          ///< of a start's budget; 0: default (half for a global one with a local after it)
+  double share = 0.0;          ///< share of a start's budget; 0: default (half for a global one with a local after it)
   std::size_t population = 0;  ///< 0: chosen from the budget
 };
 
-/// After the search: the best few candidates are measured on worlds that took no part in it (a score that won a
-/// contest is too good on the contest's own worlds), and so are neighbours of each on the search's worlds: of two
-/// candidates with equal scores the one whose neighbours do well too is the safer one.
+/// The confirmation after the search. The best few candidates are measured on worlds that took no part in the search,
+/// because the best score is too good on the search's own worlds. The neighbours of each are measured on the search's
+/// worlds: of two candidates with equal scores the one with better neighbours is safer.
 struct Confirmation {
   std::size_t candidates = 5;
   std::size_t worlds = 100;
-  std::size_t neighbours = 8;  ///< all variables moved by +-radius, signs at random, in pairs
+  std::size_t neighbours = 8;  ///< all variables move by +-radius, with random signs, in pairs
   double radius = 0.04;
 };
 
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<Confirmation>) {
   using T = Confirmation;
-  v.member("candidates", &T::candidates, {.range = {1, 1000}, .text = "so many of the best are measured again"});
-  v.member("worlds", &T::worlds, {.range = {0, 1'000'000}, .text = "further ones; as many as the search's by default"});
-  v.member("neighbours", &T::neighbours, {.range = {0, 1000}, .text = "of each candidate, on the search's worlds"});
+  v.member("candidates", &T::candidates,
+           {.range = {1, 1000}, .text = "number of best candidates that are measured again"});
+  v.member("worlds", &T::worlds,
+           {.range = {0, 1'000'000}, .text = "number of further worlds; by default that of the search"});
+  v.member("neighbours", &T::neighbours,
+           {.range = {0, 1000}, .text = "number of neighbours of each candidate, on the search's worlds"});
   v.member("radius", &T::radius,
-           {.unit = "1", .range = {0.0, 0.5, true, false}, .text = "to the neighbours, in the unit cube"});
+           {.unit = "1", .range = {0.0, 0.5, true, false}, .text = "distance to the neighbours, in the unit cube"});
 }
 inline bool from_word(std::string_view word, Confirmation& confirmation) {
   if (word != "none") return false;
@@ -50,11 +53,11 @@ inline bool from_word(std::string_view word, Confirmation& confirmation) {
 struct SearchSettings {
   std::vector<Variable> variables;
   std::vector<Constraint> constraints;
-  std::vector<std::uint64_t> worlds;          ///< of the search
-  std::vector<std::uint64_t> confirm_worlds;  ///< others, for the best few
+  std::vector<std::uint64_t> worlds;          ///< worlds of the search
+  std::vector<std::uint64_t> confirm_worlds;  ///< other worlds, for the best few
   std::uint64_t budget = 0;                   ///< measurements (trials) of search and confirmation together
   std::vector<PlanStep> plan;                 ///< empty: default_plan()
-  int starts = 1;                             ///< independent searches that share the budget; the first from `start`
+  int starts = 1;  ///< independent searches that share the budget; the first begins at `start`
   std::uint64_t seed = 1;
   Racing racing;
   Confirmation confirmation;
@@ -64,8 +67,8 @@ struct SearchSettings {
   double tolerance = 0.004;
 };
 
-/// GN_CRS2_LM for half of the budget, then LN_BOBYQA from the best: the best of the plans tried on noisy test
-/// problems of 6 and 12 variables (docs/reference/tuning.md has the table).
+/// Returns GN_CRS2_LM for half of the budget, then LN_BOBYQA from the best candidate: the best of the plans tried on
+/// noisy test problems of 6 and 12 variables (docs/reference/tuning.md has the table).
 std::vector<PlanStep> default_plan();
 
 struct Finalist {
@@ -83,7 +86,7 @@ struct RunNote {
   int start = 0;
   std::uint64_t trials = 0;
   std::size_t evaluations = 0;
-  std::string end;  ///< why it ended
+  std::string end;  ///< reason of the end
   bool operator==(const RunNote&) const = default;
 };
 
@@ -95,18 +98,18 @@ struct SearchResult {
   std::deque<Evaluation> history;
   Sensitivity sensitivity;         ///< around `found`
   std::vector<double> importance;  ///< per variable, over the search
-  std::uint64_t trials = 0;        ///< of the budget: measured by search and confirmation
-  std::uint64_t trials_saved = 0;  ///< by cutting short
+  std::uint64_t trials = 0;        ///< trials of the budget used by search and confirmation
+  std::uint64_t trials_saved = 0;  ///< trials saved by racing
   std::uint64_t evaluations_cut = 0;
   double penalty = 0.0;
   std::vector<std::string> notes;  ///< constraints by penalty, gains at a bound, confirmation left out, ...
-  /// All but `importance`, which may hold NaN and follows from the rest.
+  /// Compares all members but `importance`, which may hold NaN and follows from the others.
   bool operator==(const SearchResult& other) const;
 };
 
-/// The whole search: start, plan, confirmation. Deterministic: the same settings and objective give the same bits
-/// whatever the log already holds (a log of the same search saves its measurements). Throws std::invalid_argument
-/// for settings that make no sense, Interrupted when the objective was asked to stop, ReplayError.
+/// Runs the whole search: start, plan, confirmation. Deterministic: the same settings and objective give the same bits
+/// whatever the log holds (a log of the same search saves its measurements). Throws std::invalid_argument for
+/// contradictory settings, Interrupted if the objective was stopped, ReplayError.
 SearchResult search(const SearchSettings& settings, Objective& objective, EvaluationLog& log,
                     const std::function<void(const Progress&)>& progress = {});
 

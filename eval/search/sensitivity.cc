@@ -13,7 +13,7 @@ Candidate moved(const std::vector<Variable>& variables, const Candidate& from,
                 std::initializer_list<std::pair<std::size_t, double>> by) {
   std::vector<double> unit = to_unit(variables, from);
   for (const auto& [variable, step] : by) unit[variable] = std::clamp(unit[variable] + step, 0.0, 1.0);
-  Candidate candidate = from;  // untouched gains keep their bits
+  Candidate candidate = from;  // unchanged gains keep their bits
   for (const auto& [variable, step] : by) candidate[variable] = from_unit(variables[variable], unit[variable]);
   return candidate;
 }
@@ -31,7 +31,7 @@ MeanError mean_error(const std::vector<double>& values) {
   return {mean, values.size() > 1 ? std::sqrt(squares / (n - 1) / n) : 0.0};
 }
 
-// Mean ranks: equal merits share theirs.
+// Mean ranks: equal merits share a rank.
 std::vector<double> ranks(const std::vector<double>& values) {
   std::vector<std::size_t> order(values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -46,7 +46,7 @@ std::vector<double> ranks(const std::vector<double>& values) {
   return result;
 }
 
-// Columns: 1, then u - 1/2 and its square for each gain that varies.
+// Columns: 1, then u - 1/2 and its square for each varying gain.
 Eigen::MatrixXd quadratic_terms(const std::vector<Variable>& variables, const std::vector<const Evaluation*>& used) {
   const auto n = static_cast<Eigen::Index>(used.size());
   Eigen::MatrixXd terms(n, 1 + 2 * static_cast<Eigen::Index>(variables.size()));
@@ -145,7 +145,7 @@ std::vector<double> importance(const std::vector<Variable>& variables, const std
   for (std::size_t i = 0; i < variables.size(); ++i) {
     const Eigen::Index c = 1 + 2 * static_cast<Eigen::Index>(i);
     const Eigen::VectorXd part = terms.middleCols(c, 2) * fit.segment(c, 2);
-    // y has mean zero, so that part's own mean does not matter.
+    // y has mean zero, so that the mean of `part` does not matter.
     const double chance = 2.0 * residual / (n - static_cast<double>(coefficients));
     result[i] = std::max(0.0, (part.dot(y) - chance) / total);
   }

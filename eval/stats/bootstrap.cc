@@ -14,7 +14,7 @@
 namespace moma::stats {
 namespace {
 
-/// A number in 0 .. n-1 from 32 random bits; the bias of at most n / 2^32 does not matter here.
+/// Returns an index in 0 .. n-1 from 32 random bits; the bias of at most n / 2^32 does not matter here.
 std::size_t index_below(std::uint32_t bits, std::size_t n) {
   return static_cast<std::size_t>((static_cast<std::uint64_t>(bits) * n) >> 32);
 }
@@ -32,7 +32,7 @@ double resampled_mean(const std::vector<double>& differences, std::uint64_t seed
   return sum / static_cast<double>(n);
 }
 
-/// Linear interpolation between order statistics.
+/// Interpolates linearly between order statistics.
 double quantile(const std::vector<double>& sorted, double p) {
   const double place = p * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<std::size_t>(place);

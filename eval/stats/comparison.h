@@ -10,8 +10,8 @@
 
 #include "eval/stats/intervals.h"
 
-// The one comparison of B with A on the same worlds: `moma compare`, the verdict of a search, `moma reproduce` and
-// Python read their figures from here; the report page computes the same (reports/web/src/stats.ts).
+// The comparison of B with A on the same worlds. `moma compare`, the verdict of a search, `moma reproduce` and Python
+// use it; the report page computes the same (reports/web/src/stats.ts).
 namespace moma::stats {
 
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -19,7 +19,7 @@ inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 /// A rate of one side.
 struct Share {
   std::int64_t count = 0;
-  double rate = kUnknown;  ///< of n trials; NaN where n = 0
+  double rate = kUnknown;  ///< of n trials; NaN if n = 0
   Interval interval;       ///< Wilson, 95 %
 };
 
@@ -28,22 +28,22 @@ struct PairedRate {
   std::string name;
   std::int64_t n = 0;
   Share a, b;
-  std::int64_t only_a = 0, only_b = 0;  ///< worlds that count for one side alone
+  std::int64_t only_a = 0, only_b = 0;  ///< hits of one side alone
   double difference = kUnknown;         ///< B - A
-  Interval interval{-1.0, 1.0};         ///< of the difference: Bonett and Price, 95 %
+  Interval interval{-1.0, 1.0};         ///< Bonett and Price's interval of the difference, 95 %
   double p = 1.0;                       ///< exact McNemar test
-  double p_holm = kUnknown;             ///< corrected by correct_by_holm(); NaN: not part of a correction
+  double p_holm = kUnknown;             ///< set by correct_by_holm(); NaN: no part of a correction
 
-  /// +1: B's rate is higher by more than chance (p_holm < 0.05), -1: lower, 0: no difference shown.
+  /// +1: B's rate is significantly higher (p_holm < 0.05), -1: lower, 0: no difference shown.
   int shown() const;
 };
 
-/// A metric of both sides in the n worlds where both have it.
+/// A metric of both sides in the n worlds in which both have it.
 struct PairedMean {
   std::string name;
   std::int64_t n = 0;
   double a = kUnknown, b = kUnknown;  ///< means
-  Interval of_a{kUnknown, kUnknown};  ///< of the means, 95 %; NaN of too few worlds
+  Interval of_a{kUnknown, kUnknown};  ///< of the means, 95 %; NaN for too few worlds
   Interval of_b{kUnknown, kUnknown};
   double difference = kUnknown;  ///< mean of B - A
   Interval interval{kUnknown, kUnknown};
@@ -52,7 +52,7 @@ struct PairedMean {
   int shown() const;
 };
 
-/// How one trial ended, as far as rates go. An error is neither.
+/// The end of one trial, for rates. An error is neither success nor collision.
 struct Ending {
   bool success = false;
   bool collision = false;
@@ -61,33 +61,33 @@ struct Ending {
 
 struct Comparison {
   std::int64_t n = 0;                     ///< worlds that both met
-  std::int64_t errors_a = 0;              ///< trials that ended by an error: not succeeded
+  std::int64_t errors_a = 0;              ///< trials that ended by an error; they did not succeed
   std::int64_t errors_b = 0;              //
-  std::int64_t worlds_with_errors = 0;    ///< of one side at least
+  std::int64_t worlds_with_errors = 0;    ///< errors of one side at least
   std::vector<PairedRate> rates;          ///< success, collision
-  std::optional<PairedRate> sans_errors;  ///< success in the worlds without an error; where there are errors
+  std::optional<PairedRate> sans_errors;  ///< success in the worlds without an error; set if there are errors
   std::vector<PairedMean> means;
 
-  /// Of `rates` or `means`; throws std::out_of_range.
+  /// Finds an entry of `rates` or `means`; throws std::out_of_range.
   const PairedRate& rate(const std::string& name) const;
   const PairedMean& mean(const std::string& name) const;
 };
 
-/// Values of one metric, world by world; NaN where a trial has none.
+/// Values of one metric, world by world; NaN if a trial has none.
 struct PairedValues {
   std::string name;
   std::vector<double> a, b;
 };
 
-/// Hits of A and of B, world by world.
+/// Compares hits of A and B, world by world.
 PairedRate paired_rate(std::string name, std::span<const std::pair<bool, bool>> hits);
 /// Throws std::invalid_argument for sizes that differ.
 PairedMean paired_mean(const PairedValues& values);
 
-/// Endings of A and B, world by world. Holm's correction is over the two rates. O(metrics * n * replicates).
+/// Compares endings of A and B, world by world, with Holm's correction over the two rates. O(metrics * n * replicates).
 Comparison compare(std::span<const std::pair<Ending, Ending>> endings, std::span<const PairedValues> metrics);
 
-/// Corrects rates that stand in one table together.
+/// Applies Holm's correction to the rates of one table.
 void correct_by_holm(std::span<PairedRate* const> rates);
 
 }  // namespace moma::stats

@@ -11,7 +11,7 @@
 namespace moma::stats {
 namespace {
 
-/// So many standard deviations hold this part of a normal distribution.
+/// Returns the number of standard deviations that hold this share of a normal distribution.
 double deviations(double confidence) { return boost::math::quantile(boost::math::normal(), 0.5 + confidence / 2); }
 
 }  // namespace

@@ -32,7 +32,7 @@ SuiteController read_plugin(const Node& node, const std::string& key, std::share
   in.read("digest", digest);
   const Node* given = in.get("parameters");
   if (given != nullptr && given->kind != Node::Kind::kMap)
-    in.fail_at("parameters", "expected a map; it is handed to the plugin as it is");
+    in.fail_at("parameters", "expected a map; it is passed to the plugin unchanged");
   in.finish();
   check_stored({path.mark, in.key_of("path"), name, digest, fs::path(name).is_absolute()}, plugins);
 
@@ -40,9 +40,10 @@ SuiteController read_plugin(const Node& node, const std::string& key, std::share
   std::shared_ptr<const PluginLibrary> library;
   try {
     const fs::path file = config::directory_of(path.mark) / name;
-    if (!digest.empty()) check_digest(plugin_digest(file), digest);  // loading runs code of the library already
+    // Before loading, because loading runs the library's code.
+    if (!digest.empty()) check_digest(plugin_digest(file), digest);
     library = load_plugin(file);
-    if (!digest.empty()) check_digest(library->digest, digest);  // it may have been replaced meanwhile
+    if (!digest.empty()) check_digest(library->digest, digest);  // the file may have been replaced meanwhile
   } catch (const PluginError& error) {
     config::fail(path.mark, in.key_of("path"), fmt::format("{}: {}", name, error.what()));
   }
@@ -57,7 +58,7 @@ SuiteController read_plugin(const Node& node, const std::string& key, std::share
   return out;
 }
 
-/// A controller that is not moma's own: a plugin, or a process.
+/// True for a foreign controller: a plugin, or a process.
 bool is_foreign(const Node& node) { return is_plugin(node) || is_process(node); }
 
 SuiteController read_foreign(const Node& node, const std::string& key, std::shared_ptr<const config::LoadedRobot> robot,
@@ -71,8 +72,8 @@ SuiteController read_foreign(const Node& node, const std::string& key, std::shar
 void check_digest(const std::string& found, const std::string& wanted) {
   if (found == wanted) return;
   throw PluginError(
-      fmt::format("is not that of these trials: its digest is {}, theirs {}. Built from the same "
-                  "sources by the same compiler it would be; run the suite again to compute anew",
+      fmt::format("is not that of these trials: its digest is {}, theirs {}. The same sources and compiler give the "
+                  "same digest; run the suite again to compute new trials",
                   found, wanted));
 }
 
@@ -83,8 +84,8 @@ void check_stored(const StoredCode& code, Plugins plugins) {
   }
   if (plugins == Plugins::kRefused)
     throw PluginRefused(
-        fmt::format("{}: {}: these trials were computed by the plugin {} (digest {}). It is code that "
-                    "would run here, named by the store; where you trust both: --allow-plugins",
+        fmt::format("{}: {}: these trials were computed by the plugin {} (digest {}). Replaying them runs its code "
+                    "here; if you trust the store and the plugin: --allow-plugins",
                     code.mark.file, code.key, code.name, code.digest));
 }
 

@@ -13,14 +13,14 @@
 
 namespace moma {
 
-/// Whether a text may have code of others loaded.
+/// Permission to load foreign code that a text names.
 enum class Plugins {
-  kOfSuite,  ///< a suite file of the user's: by any path
-  kOfStore,  ///< what was stored, and the user said yes: by absolute path and digest alone
-  kRefused,  ///< what was stored, by whomever
+  kOfSuite,  ///< a suite file of the user's: any path
+  kOfStore,  ///< stored text with the user's permission: absolute path and digest only
+  kRefused,  ///< stored text of unknown origin
 };
 
-/// A plugin that was not loaded because nobody allowed it.
+/// A plugin that was not loaded, because loading was not allowed.
 class PluginRefused : public config::ConfigError {
  public:
   using config::ConfigError::ConfigError;
@@ -33,18 +33,19 @@ struct SuiteController {
   nlohmann::ordered_json resolved;  ///< see TrialSpec::controller_resolved
 };
 
-/// Reads an entry: a map, or the path of a controller file. Besides what config::read_controller() takes:
+/// Reads an entry: a map, or the path of a controller file. In addition to the forms of config::read_controller():
 ///   {method: plugin, path: LIBRARY.so, parameters: {...}}
-/// `path` is relative to the file that names it; `digest`, which only resolved suites have, must be the library's, and
-/// is compared before anything of it is loaded. Loads the library and lets it check its parameters. Throws
-/// config::ConfigError, PluginRefused.
+/// `path` is relative to the file that names it. `digest`, which only resolved suites have, must equal the library's;
+/// the comparison precedes loading. Loads the library and lets it check its parameters. Throws config::ConfigError,
+/// PluginRefused.
 SuiteController read_suite_controller(const config::Node& node, const std::string& key,
                                       std::shared_ptr<const config::LoadedRobot> robot, double control_period,
                                       std::vector<std::string>& warnings, Plugins plugins = Plugins::kOfSuite);
 
 void set_controller(TrialSpec& spec, const SuiteController& controller);
 
-/// What read_suite_controller() needs to read the spec's controller again: controller_resolved, and a plugin's path.
+/// Returns the input from which read_suite_controller() reads the spec's controller again: controller_resolved, and a
+/// plugin's path.
 nlohmann::ordered_json stored_controller(const TrialSpec& spec);
 
 }  // namespace moma

@@ -7,11 +7,11 @@
 
 namespace moma {
 
-/// The keys that say where the code of a controller lies and decide nothing else, in absolute paths: beside what the
-/// controller resolves to, read_suite_controller() needs them to read it again.
+/// Returns the keys that locate a controller's code, in absolute paths. They determine nothing else;
+/// read_suite_controller() needs them besides the resolved controller.
 nlohmann::ordered_json paths_of(const Plugin& plugin, const nlohmann::ordered_json& controller_resolved);
 
-/// Puts them in the place of those in an entry, which can then be written into any folder.
+/// Replaces the paths of an entry by these, so that the entry can be written into any folder.
 void anchor_paths(config::Node& entry, const Plugin& plugin, const nlohmann::ordered_json& controller_resolved);
 
 }  // namespace moma

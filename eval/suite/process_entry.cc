@@ -24,19 +24,19 @@ using config::MapReader;
 using config::Node;
 using nlohmann::ordered_json;
 
-/// An entry on its way to a Plugin.
+/// An entry during its conversion to a Plugin.
 struct Entry {
   bool python = false;
   ProcessCommand command;
   std::string class_name;
-  const Node* named = nullptr;  ///< what says which program: `path` or `command`
-  std::string key;              ///< its key
-  std::string name;             ///< and how it says it
+  const Node* named = nullptr;  ///< the node that names the program: `path` or `command`
+  std::string key;              ///< key of that node
+  std::string name;             ///< its text
 };
 
 fs::path whole_path(const fs::path& path) {
   std::error_code error;
-  const fs::path whole = fs::absolute(path.empty() ? "." : path, error);  // of an option: the working folder
+  const fs::path whole = fs::absolute(path.empty() ? "." : path, error);  // for an option: the working folder
   return (error ? path : whole).lexically_normal();
 }
 
@@ -65,7 +65,7 @@ void read_python_keys(MapReader& in, Entry& entry) {
   std::string interpreter = "python3";
   if (const Node* python = in.get("python")) {
     interpreter = config::read_string(*python, in.key_of("python"));
-    // Not through links: that of a virtual environment is known by where its link lies.
+    // Does not follow links: the place of its link identifies a virtual environment.
     if (interpreter.find('/') != std::string::npos) interpreter = (folder_of(*python) / interpreter).lexically_normal();
   }
   entry.command = python_command(interpreter, (folder_of(path) / entry.name).lexically_normal(), entry.class_name);
@@ -87,7 +87,7 @@ void read_process_keys(MapReader& in, Entry& entry) {
   }
 }
 
-/// The file that an argument names; empty where it names none. A program without '/' is one of PATH.
+/// Returns the file that an argument names; empty if it names none. A program without '/' comes from PATH.
 fs::path file_of(const ProcessCommand& command, std::size_t argument) {
   const std::string& word = command.arguments[argument];
   if (word.empty() || (argument == 0 && word.find('/') == std::string::npos)) return {};
@@ -96,7 +96,7 @@ fs::path file_of(const ProcessCommand& command, std::size_t argument) {
   return argument == 0 || fs::is_regular_file(file, error) ? file : fs::path();
 }
 
-/// What the program is, wherever it lies: the contents of its files, and its arguments that name none.
+/// Digest of the program independent of its place: the contents of its files, and the arguments that name no file.
 std::string digest_of(const Entry& entry, std::map<fs::path, std::string> files) {
   ordered_json parts = ordered_json::array();
   const auto take = [&](const fs::path& file) {
@@ -164,7 +164,7 @@ SuiteController read_process(const Node& node, const std::string& key, std::shar
   }
   const Node* given = in.get("parameters");
   if (given != nullptr && given->kind != Node::Kind::kMap)
-    in.fail_at("parameters", "expected a map; it is handed to the controller as it is");
+    in.fail_at("parameters", "expected a map; it is passed to the controller unchanged");
   in.finish();
   check_stored({entry.named->mark, entry.key, entry.name, digest, absolute}, plugins);
 

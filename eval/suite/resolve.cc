@@ -21,7 +21,7 @@ using config::MapReader;
 using config::Node;
 using nlohmann::ordered_json;
 
-/// Where a section is not there: nothing, placed where it would stand, so that messages have the file.
+/// A missing section is an empty node at its would-be place, so that messages name the file.
 Node section(MapReader& in, const char* name) {
   if (const Node* node = in.get(name)) return *node;
   Node nothing;
@@ -40,14 +40,14 @@ void check_name(const std::string& name, const Node& node, const std::string& ke
   }
 }
 
-// Sections of a point by name, as they stand in the resolved suite.
+// Returns the sections of a point by name, as in the resolved suite.
 std::map<std::string, ordered_json> sections_of(const SuitePoint& point) {
   return {{"worlds", point.worlds.to_json()},        {"simulation", to_json(point.simulation)},
           {"success", to_json(point.success)},       {"stuck", to_json(point.stuck)},
           {"infeasible", to_json(point.infeasible)}, {"disturbances", to_json(point.disturbances)}};
 }
 
-// On a velocity damper's way from `influence` to `stop` the base has to come to rest from its largest speed.
+// Warns if the base cannot stop from its largest speed between `influence` and `stop` of a velocity damper.
 void warn_about_braking(const SuitePoint& point, std::vector<std::string>& warnings) {
   const MobileBase& base = point.robot->model->base;
   const CollisionParams& collision = point.controller_params.collision;
@@ -64,7 +64,7 @@ void warn_about_braking(const SuitePoint& point, std::vector<std::string>& warni
                   point.controller, way, needed, speed, base.max_acceleration.x(), collision.object.stop + needed));
 }
 
-/// What is allowed and looks like another unit.
+/// Warns about valid values that look like another unit.
 void warn_of_units(const Sections& s, std::vector<std::string>& warnings) {
   const Disturbances& d = s.disturbances;
   const char* degrees = ": degrees?";
@@ -191,7 +191,7 @@ ordered_json resolved_json(const Suite& suite, bool swept) {
   if (!suite.notes.empty()) json["notes"] = suite.notes;
   if (!swept) return json;
 
-  // Robots are large: each is kept once.
+  // Robots are large: each is stored once.
   std::vector<std::string> robots{first.robot_digest};
   ordered_json more_robots = ordered_json::array();
   ordered_json points = ordered_json::array();

@@ -11,7 +11,7 @@
 
 namespace moma {
 
-// Inner parts of load_suite() and suite_from_resolved(); not for users.
+// Internal parts of load_suite() and suite_from_resolved().
 
 /// A robot with the digest of its resolved form.
 struct SuiteRobot {
@@ -31,23 +31,22 @@ struct Sections {
   Disturbances disturbances;
 };
 
-/// Reads the sections out of the suite's root map; keys that are not theirs are ignored here.
-/// `robot` replaces reading the key `robot`.
+/// Reads the sections from the suite's root map; ignores keys of other readers. `robot` replaces the key `robot`.
 Sections read_sections(const config::Node& root, const SuiteRobot& robot, std::vector<std::string>& warnings,
                        Plugins plugins = Plugins::kOfSuite);
 
-/// The point of one controller of `sections`.
+/// Returns the point of one controller of `sections`.
 SuitePoint make_point(const Sections& sections, std::size_t controller);
 
-/// What every point must satisfy together, and what is allowed but doubtful: fills suite.warnings; throws.
+/// Checks conditions across all points, and adds doubts to suite.warnings; throws.
 void check_suite(Suite& suite, const config::Mark& mark);
 
-/// The whole of a suite as JSON, from its points. Sections of the first point stand at the top, as in a suite file;
-/// with a sweep, `points` lists each point with the sections in which it differs.
+/// Returns the whole suite as JSON, from its points. Sections of the first point are at the top, as in a suite file;
+/// with a sweep, `points` lists each point with its differing sections.
 nlohmann::ordered_json resolved_json(const Suite& suite, bool swept);
 
-/// Keys of a suite file, and of its resolved form, where `disturbances` stands only if there are any: what a suite
-/// without them resolves to does not depend on what could be disturbed.
+/// Keys of a suite file and of its resolved form. `disturbances` appears only if there are any: the resolved form of a
+/// suite without them is independent of later disturbances.
 inline constexpr const char* kSectionKeys[] = {"worlds", "simulation", "success",
                                                "stuck",  "infeasible", "disturbances"};
 

@@ -26,7 +26,7 @@ SuiteRobot robot_of(const ordered_json& resolved) {
 Suite suite_from_resolved(const ordered_json& resolved) { return suite_from_resolved(resolved, Plugins::kRefused); }
 
 Suite suite_from_resolved(const ordered_json& resolved, Plugins plugins) {
-  // The robots, by far the largest part, have a reader of their own.
+  // Robots, by far the largest part, have a reader of their own.
   ordered_json small = resolved;
   if (!small.is_object()) config::fail({kSource, 0, 0}, "", "expected a map");
   if (small.contains("robot")) small["robot"] = true;
@@ -61,7 +61,7 @@ Suite suite_from_resolved(const ordered_json& resolved, Plugins plugins) {
       const std::string controller = config::read_string(point_in.require("controller", "a name"), key + ".controller");
       int robot = 0;
       point_in.read("robot", robot, 0, static_cast<int>(robots.size()) - 1);
-      // The suite at this point alone: the sections in which it differs, over those at the top.
+      // The suite at this point alone: its differing sections over those at the top.
       Node at = root;
       for (const char* name : kSectionKeys)
         if (const Node* section = point_in.get(name)) {

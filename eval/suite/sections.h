@@ -7,15 +7,15 @@
 
 namespace moma {
 
-// Strict readers of the sections of a suite that decide no trial. All throw config::ConfigError naming place and key.
+// Strict readers of the suite's sections that determine no trial. All throw config::ConfigError with place and key.
 
 SamplesKept read_samples(const config::Node& node, const std::string& key);
 
-/// {NAME: SQL, ...} into Suite::metrics, with where they stand: names are words of letters, digits and _. The SQL
-/// itself is checked by eval/store.
+/// Reads {NAME: SQL, ...} and its places into Suite::metrics. A name consists of letters, digits and _. eval/store
+/// checks the SQL.
 void read_metrics(const config::Node& node, const std::string& key, Suite& suite);
 
-/// Text of one line or more.
+/// Reads a text of one line or more.
 std::string read_notes(const config::Node& node, const std::string& key);
 
 }  // namespace moma

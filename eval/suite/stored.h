@@ -5,7 +5,7 @@
 
 namespace moma {
 
-/// suite_from_resolved() with a say in plugins that the suite names; the one without refuses them. Throws
+/// suite_from_resolved() with permission for the suite's plugins; the overload without permission refuses them. Throws
 /// config::ConfigError, PluginRefused.
 Suite suite_from_resolved(const nlohmann::ordered_json& resolved, Plugins plugins);
 

@@ -7,21 +7,19 @@
 
 namespace moma {
 
-/// Code that a controller's entry names, where the entry comes from a store: what was stored is a stranger's until the
-/// user says otherwise.
+/// Code that a stored controller entry names. Stored code is untrusted until the user allows it.
 struct StoredCode {
-  config::Mark mark;   ///< where it is named, for messages
+  config::Mark mark;   ///< place of the name, for messages
   std::string key;     ///< "controllers.mine.path"
-  std::string name;    ///< as it is named
-  std::string digest;  ///< that it has to have; "" where none is stated
+  std::string name;    ///< the name itself
+  std::string digest;  ///< required digest; "" if none is stated
   bool absolute = false;
 };
 
-/// Throws PluginRefused where nobody allowed it, config::ConfigError where it is not named by absolute paths and
-/// digest.
+/// Throws PluginRefused without permission, config::ConfigError without absolute paths and digest.
 void check_stored(const StoredCode& code, Plugins plugins);
 
-/// Throws PluginError unless `found` is what was wanted.
+/// Throws PluginError unless `found` equals `wanted`.
 void check_digest(const std::string& found, const std::string& wanted);
 
 }  // namespace moma

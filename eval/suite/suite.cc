@@ -26,12 +26,12 @@ namespace fs = std::filesystem;
 using config::MapReader;
 using config::Node;
 
-// controllers.NAME.path
+// True for controllers.NAME.path.
 bool is_library_key(const std::string& key) {
   return key.starts_with("controllers.") && key.ends_with(".path") && key.find('.', 12) == key.size() - 5;
 }
 
-// The suite as written, with files of robots and controllers opened where keys inside them are set.
+// The suite as written, with the files of robots and controllers opened if keys inside them are set.
 class Draft {
  public:
   Draft(Node root, const fs::path& file) : root_(std::move(root)), directory_(file.parent_path()) {}
@@ -86,8 +86,8 @@ class Draft {
     return node != nullptr ? node->find(name) : nullptr;
   }
 
-  // Where a value that names a file points: relative to the file it was written in; an option's value is relative
-  // to the working folder, or else to the suite.
+  // Resolves a value that names a file: relative to the file with the value; for an option relative to the working
+  // folder, or else to the suite.
   fs::path path_of(const Node& node) const {
     const fs::path path(node.scalar);
     if (!node.mark.file.starts_with("--set ")) return config::directory_of(node.mark) / path;
@@ -95,7 +95,7 @@ class Draft {
     return fs::exists(path, error) ? path : directory_ / path;
   }
 
-  // A file's path becomes the map it holds, so that single keys can be set.
+  // Replaces a file's path by its map, so that single keys can be set.
   void open(Node* node) const {
     if (node == nullptr || node->kind != Node::Kind::kScalar) return;
     if (node == root_.find("disturbances") && node->scalar == "none") {
@@ -109,7 +109,7 @@ class Draft {
   fs::path directory_;
 };
 
-// "controller.lambda_q" is shown as "lambda_q", other keys in full.
+// Shows "controller.lambda_q" as "lambda_q", other keys in full.
 std::string short_key(const std::string& key) {
   if (key.starts_with("controller.")) return key.substr(11);
   if (key.starts_with("controllers.")) {
@@ -125,7 +125,7 @@ std::string short_value(const Node& node) {
   return file ? fs::path(node.scalar).stem().string() : node.scalar;
 }
 
-// What of an assignment concerns a controller: everything but other controllers' keys.
+// Returns the part of an assignment that concerns a controller: all but other controllers' keys.
 Assignment part_for(const Assignment& assignment, const std::string& controller) {
   Assignment part;
   for (const auto& [key, value] : assignment) {
@@ -163,7 +163,7 @@ MapReader known_keys(const Node& root) {
   return in;
 }
 
-// A robot that its mode of simulation cannot make would make an error of every trial.
+// A robot that lacks data for its simulation mode would fail in every trial.
 void check_plants(const Suite& suite, const Node& root) {
   std::set<std::string> seen;
   for (const SuitePoint& point : suite.points) {
@@ -178,7 +178,7 @@ void check_plants(const Suite& suite, const Node& root) {
   }
 }
 
-// A robot that sees nothing by itself would be told of no object.
+// A robot without sensors would see no object.
 void check_sensors(const Suite& suite, const Node& root) {
   for (const SuitePoint& point : suite.points) {
     if (point.disturbances.detection.seen_by != SeenBy::kSensors || !point.robot->model->sensors.empty()) continue;
@@ -189,7 +189,7 @@ void check_sensors(const Suite& suite, const Node& root) {
   }
 }
 
-// The robot is read once for all assignments that say the same about it.
+// Reads the robot once for all assignments with the same robot.
 class Robots {
  public:
   SuiteRobot get(const Node& root, std::vector<std::string>& warnings) {
@@ -218,7 +218,7 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
     config::fail({file.string(), 0, 0}, "",
                  "the suite is empty; expected a map with robot, controllers, worlds and trials");
   }
-  std::optional<Node> lenient;  // an option about files, so it holds for the robots of a sweep too
+  std::optional<Node> lenient;  // an option about files also holds for the robots of a sweep
   for (const auto& [key, text] : overrides) {
     Node value = config::parse_yaml(text, "--set " + key + "=" + text);
     value.mark = {"--set " + key + "=" + text, 0, 0};
@@ -257,7 +257,8 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
     Draft assigned = draft;
     for (const auto& [key, value] : assignment) {
       if (of_the_whole(key))
-        config::fail(value.mark, "sweep", fmt::format("'{}' cannot be swept: it is one for the whole suite", key));
+        config::fail(value.mark, "sweep",
+                     fmt::format("'{}' cannot be swept: it has one value for the whole suite", key));
       assigned.set(key, value);
       if (key == "robot" && lenient) assigned.set("robot.lenient", *lenient);
     }
@@ -268,7 +269,7 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
     for (std::size_t c = 0; c < sections.controllers.size(); ++c) {
       SuitePoint point = make_point(sections, c);
       describe(point, part_for(assignment, point.controller));
-      // An axis of another controller's key gives this one the same point again.
+      // An axis of another controller's key repeats the same point of this one.
       if (seen.insert(point.controller + "\n" + point.params.dump()).second)
         by_controller[c].push_back(std::move(point));
     }

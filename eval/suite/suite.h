@@ -22,8 +22,8 @@ enum class SamplesKept { kAll, kFailures, kNone };
 constexpr auto words(Of<SamplesKept>) { return std::to_array<std::string_view>({"all", "failures", "none"}); }
 static_assert(all_worded<SamplesKept>());
 
-/// `trials: {until: ...}`: worlds are met in blocks until, at the end of one, every point's Wilson interval (95 %) of
-/// the metric's rate is narrow enough, or `max` is reached. See eval/batch/sequential.h.
+/// `trials: {until: ...}`: worlds come in blocks until every point's Wilson interval (95 %) of the metric's rate is
+/// narrow enough at the end of a block, or until `max`. See eval/batch/sequential.h.
 struct UntilRule {
   std::string metric = "success";
   double half_width = 0.02;
@@ -31,55 +31,56 @@ struct UntilRule {
   std::uint64_t block = 100;
 };
 
-/// Most worlds of a suite.
+/// Largest number of worlds of a suite.
 inline constexpr std::uint64_t kMaxTrials = 100'000'000;
 
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<UntilRule>) {
   using T = UntilRule;
-  v.member("metric", &T::metric, {.text = "the outcome whose rate is meant"});
+  v.member("metric", &T::metric, {.text = "outcome whose rate is estimated"});
   v.member(
       "half_width", &T::half_width,
       {.range = {1e-4, 0.5, false, true}, .required = true, .text = "half the width of the 95 % interval to reach"});
-  v.member("max", &T::max, {.range = {1, kMaxTrials}, .required = true, .text = "the most worlds"});
-  v.member("block", &T::block, {.range = {1, kMaxTrials}, .text = "worlds between two looks at the interval"});
+  v.member("max", &T::max, {.range = {1, kMaxTrials}, .required = true, .text = "largest number of worlds"});
+  v.member("block", &T::block,
+           {.range = {1, kMaxTrials}, .text = "number of worlds between two evaluations of the interval"});
 }
 
-/// One column of the evaluation: a controller (at a sweep point) with everything but the world's index resolved.
+/// One column of the evaluation: a controller at a sweep point, with everything resolved except the world's index.
 struct SuitePoint : TrialSpec {
   std::string controller;         ///< its name in the suite
   std::string label;              ///< "" without a sweep, else e.g. "lambda_q=0.01 k_epsilon=0.5"
-  nlohmann::ordered_json params;  ///< the swept keys and their values; {} without a sweep
+  nlohmann::ordered_json params;  ///< swept keys and values; {} without a sweep
   Worlds worlds;
 };
 
-/// The key of the point's trial in world `world_index` (eval/trial/key.h).
+/// Returns the key of the point's trial in world `world_index` (eval/trial/key.h).
 std::string trial_key(const SuitePoint& point, std::uint64_t world_index);
 
 struct Suite {
   std::string name;
   std::vector<SuitePoint> points;
-  std::uint64_t trials = 0;  ///< worlds per point; the most there can be where `until` is set
+  std::uint64_t trials = 0;  ///< worlds per point; the maximum if `until` is set
   std::optional<UntilRule> until;
   SamplesKept samples = SamplesKept::kFailures;
   /// The suite's own metrics, `metrics: {NAME: EXPRESSION}`: aggregate SQL expressions over a trial's samples
   /// (eval/store/user_metrics.h).
   std::vector<std::pair<std::string, std::string>> metrics;
-  std::vector<config::Mark> metric_marks;  ///< where each of them stands
-  std::string notes;                       ///< Markdown for the head of the report page; decides no trial
-  nlohmann::ordered_json resolved;         ///< the whole suite: suite_from_resolved() gives it back
+  std::vector<config::Mark> metric_marks;  ///< place of each metric
+  std::string notes;                       ///< Markdown for the head of the report page; part of no key
+  nlohmann::ordered_json resolved;         ///< the whole suite; suite_from_resolved() restores it
   std::vector<std::string> warnings;
 };
 
-/// Keys of a suite that stand for the whole of it and decide no trial: they cannot be swept, and are no part of what
-/// its points share.
+/// Keys that concern the suite as a whole and determine no trial. They cannot be swept, and are no part of the sections
+/// that points share.
 inline constexpr std::array kKeysOfTheWhole =
     std::to_array<std::string_view>({"name", "trials", "samples", "metrics", "notes", "sweep", "tune"});
 
 /// Key and text of each --set option.
 using Overrides = std::vector<std::pair<std::string, std::string>>;
 
-/// Reads and resolves a suite. Throws config::ConfigError naming file, line, column, key.
+/// Reads and resolves a suite. Throws config::ConfigError with file, line, column, key.
 Suite load_suite(const std::filesystem::path& file, const Overrides& overrides = {});
 Suite suite_from_resolved(const nlohmann::ordered_json& resolved);
 

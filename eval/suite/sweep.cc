@@ -24,8 +24,8 @@ constexpr std::size_t kMaxSweepValues = 2'000'000;  // points times axes
 
 struct Axis {
   std::string key;
-  std::vector<Node> values;  // where listed, or spread over a grid
-  double low = 0.0;          // else a range
+  std::vector<Node> values;  // values listed, or spread over a grid
+  double low = 0.0;          // otherwise a range
   double high = 0.0;
   bool log = false;
   config::Mark mark;
@@ -34,7 +34,7 @@ struct Axis {
 double between(const Axis& axis, double u) {
   if (u <= 0.0) return axis.low;
   if (u >= 1.0) return axis.high;
-  // What overflows between ends that do not is formed from parts that cannot.
+  // The direct formula may overflow between finite ends; these parts cannot.
   if (axis.log) {
     const double ratio = axis.high / axis.low;
     const double value = std::isfinite(ratio) ? axis.low * std::pow(ratio, u)
@@ -47,9 +47,9 @@ double between(const Axis& axis, double u) {
 
 double rounded(double value, int digits) { return std::strtod(fmt::format("{:.{}g}", value, digits).c_str(), nullptr); }
 
-// Numbers as they are run and shown: with six significant digits, or with as many as it takes for each to stay within a
-// thousandth of its way to the next and for no two to become one; an axis's ends as they were written. The numbers come
-// as evenly spread as `count` of them can be, in any order.
+// Returns numbers as they run and appear: with six significant digits, or with as many as keep each within a thousandth
+// of its distance to the next and all distinct; the ends of an axis as written. The numbers are as evenly spread as
+// `count` of them can be, in any order.
 std::vector<Node> number_nodes(const Axis& axis, const std::vector<double>& values, std::size_t count) {
   const double steps = std::max<double>(1.0, static_cast<double>(count) - 1.0);
   const auto spacing = [&](double value) {
@@ -81,7 +81,7 @@ std::vector<Node> number_nodes(const Axis& axis, const std::vector<double>& valu
   return nodes;
 }
 
-// The axis's values at each u in [0, 1).
+// Returns the axis's values at each u in [0, 1).
 std::vector<Node> values_at(const Axis& axis, const std::vector<double>& us) {
   if (axis.values.empty()) {
     std::vector<double> values;
@@ -173,7 +173,7 @@ constexpr auto words(Of<Design>) {
   return std::to_array<std::string_view>({"grid", "latin_hypercube", "sobol", "list"});
 }
 
-/// What is not a key to be swept.
+/// Members of a sweep that are no swept keys.
 struct Spread {
   Design design = Design::kGrid;
   std::optional<int> n;
@@ -182,11 +182,11 @@ struct Spread {
 
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<Spread>) {
-  v.member("design", &Spread::design, {.text = "how points lie; list where `points` are given"});
+  v.member("design", &Spread::design, {.text = "arrangement of points; list with `points`"});
   v.member("n", &Spread::n,
            {.range = {1, kMaxSweepPoints},
             .text = "number of points, of latin_hypercube and sobol; a grid has one on each axis"});
-  v.member("seed", &Spread::seed, {.text = "of latin_hypercube"});
+  v.member("seed", &Spread::seed, {.text = "seed of latin_hypercube"});
 }
 
 }  // namespace

@@ -11,10 +11,10 @@ namespace moma {
 // The key `trials` of a suite: a number of worlds, or
 //   {until: {metric: success, half_width: 0.02, max: 5000, block: 100}}
 
-/// Sets suite.trials and suite.until; `trials` is then the most that there can be. Throws config::ConfigError.
+/// Sets suite.trials and suite.until; with `until`, `trials` is the maximum. Throws config::ConfigError.
 void read_trials(const config::Node& node, const std::string& key, Suite& suite);
 
-/// What read_trials() reads again.
+/// Returns the input of read_trials().
 nlohmann::ordered_json trials_json(const Suite& suite);
 
 }  // namespace moma

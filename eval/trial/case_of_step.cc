@@ -11,7 +11,7 @@
 namespace moma {
 namespace {
 
-/// moma's controller, and before one of its steps what it sees and remembers.
+/// One of moma's controllers, recorded before a step: its observation and memory.
 class Witness final : public StepController {
  public:
   Witness(const TrialSpec& spec, long k, ControlCase& out, bool& found)

@@ -121,7 +121,7 @@ class TickClock::Impl {
     return streams.sensing(DisturbanceSource::kMissedTick, k).uniform() < missed;
   }
 
-  // The plant follows the last answer for a period, which a sample keeps.
+  // Lets the plant follow the last answer for a period, and records a sample.
   void apply_answer() {
     enter(clock_, TrialPart::kMetrics);
     if (result_.command.size() != model_.num_velocities() || !result_.command.allFinite()) {
@@ -187,7 +187,8 @@ class TickClock::Impl {
     r_.divided_steps += report_.divided_steps;
   }
 
-  // At steps drawn from the world's own stream, and in every state that ends a trial by a contact.
+  // Compares the detectors at steps drawn from the world's own stream, and in every state that ends a trial by a
+  // contact.
   void compare_detectors(long k) {
     const double rate = spec_.simulation.cross_check;
     if (!(rate > 0.0)) return;
@@ -199,7 +200,7 @@ class TickClock::Impl {
     r_.detectors.deepest = std::max(r_.detectors.deepest, found.deepest);
   }
 
-  // Errors, distances and everything else that is measured of the state. False where the state is not finite.
+  // Measures errors, distances and all other quantities of the state. False if the state is not finite.
   bool measure_state(long k) {
     const PlantState& state = plant_.state();
     if (!state.base.allFinite() || !state.q.allFinite() || !state.qdot.allFinite()) return false;
@@ -266,7 +267,7 @@ class TickClock::Impl {
     return {};
   }
 
-  // Where the robot stands, for a person who wonders what holds it.
+  // Describes the robot's situation: what may hold it.
   std::string situation() {
     const StateRecord& now = r_.states.back();
     std::string text = fmt::format("{:.3g} m and {:.3g} rad from the goal", now.position_error, now.orientation_error);
@@ -282,7 +283,7 @@ class TickClock::Impl {
       text += fmt::format("; {} is {:.3g} m from {}", model_.shapes[static_cast<std::size_t>(shape)].name, nearest,
                           world_.objects[static_cast<std::size_t>(object)].name);
     }
-    double margin = 0.1;  // rad or m: joints further inside are not worth a word
+    double margin = 0.1;  // rad or m; joints further inside are not mentioned
     std::string joint_text;
     const VectorX& q = plant_.state().q;
     for (int i = 0; i < model_.num_joints(); ++i) {
@@ -295,7 +296,7 @@ class TickClock::Impl {
     return text + joint_text;
   }
 
-  // What the controller found out, and how far that is from what it was told.
+  // Records the latencies that the controller identified, and their differences from the configured ones.
   void note_latencies() {
     const PredictionParams& told = spec_.controller_params.prediction;
     if (!r_.has_prediction || r_.trace.empty()) return;
@@ -350,8 +351,8 @@ class TickClock::Impl {
   InfeasibleTracker infeasible_;
   SeparationWatch separation_;
   bool ends_at_limits_;
-  std::optional<Sensing> sensing_;      // only where the controller does not see the truth
-  std::optional<Actuation> actuation_;  // only where its command is not what is applied
+  std::optional<Sensing> sensing_;      // only if the controller does not see the true state
+  std::optional<Actuation> actuation_;  // only if the plant gets another command than the controller's
   PlantReport report_;
   Observation observation_;
   StepResult result_;
@@ -361,8 +362,8 @@ class TickClock::Impl {
   bool objects_move_ = false;
   bool goal_moves_ = false;
   bool finite_ = true;
-  std::vector<ObjectShape> told_;  // of what the controller is told
-  long k_ = 0;                     // number of the sample
+  std::vector<ObjectShape> told_;  // the objects that the controller knows
+  long k_ = 0;                     // index of the sample
   long last_step_ = 0;
   Ending ending_;
 };

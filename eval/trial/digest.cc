@@ -11,7 +11,7 @@ std::string digest_hex(std::string_view text) {
 }
 
 std::string canonical_digest(const nlohmann::ordered_json& json) {
-  // nlohmann::json, unlike ordered_json, keeps an object's keys sorted.
+  // nlohmann::json, unlike ordered_json, sorts an object's keys.
   return digest_hex(nlohmann::json(json).dump());
 }
 

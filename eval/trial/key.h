@@ -7,8 +7,8 @@
 
 namespace moma {
 
-/// Keys of the trials of one spec: 32 hex digits, XXH3-128 of everything resolved that decides the row (see
-/// kSimulationVersion). Everything but the world is digested once.
+/// Keys of the trials of one spec: 32 hex digits, XXH3-128 of all resolved inputs that determine the row (see
+/// kSimulationVersion). Everything except the world is digested once.
 class TrialKeys {
  public:
   explicit TrialKeys(const TrialSpec& spec);

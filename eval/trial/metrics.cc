@@ -8,7 +8,7 @@
 namespace moma {
 namespace {
 
-// Value below which a share `fraction` of the sorted values lie (nearest rank). Sorts in place.
+// Returns the quantile at `fraction` (nearest rank). Sorts in place.
 double quantile(std::vector<double>& values, double fraction) {
   const auto rank = static_cast<std::size_t>(std::ceil(fraction * static_cast<double>(values.size())));
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(rank, 1) - 1);

@@ -8,34 +8,34 @@
 
 namespace moma {
 
-/// What is measured of the true state at each control sample, the last one (after which no command came) included.
+/// Measurements of the true state at each control sample, including the last one, which has no command.
 struct StateRecord {
   Vector3 p_WE = Vector3::Zero();   ///< end effector [m]
   double position_error = 0.0;      ///< |e_p| [m]
   double orientation_error = 0.0;   ///< |e_R| [rad]
-  double l1_error = 0.0;            ///< where the rule of success asks for it [m + rad]
+  double l1_error = 0.0;            ///< only if the success rule has this error [m + rad]
   double manipulability = 0.0;      ///< translation rows
   double manipulability_all = 0.0;  ///< all six rows
 };
 
-/// A trial as recorded by the clock: the trace, and what the trace does not hold.
+/// The recording of a trial: the trace, and measurements outside the trace.
 struct Recording {
   double control_period = 0.02;     ///< [s]
   Trace trace;                      ///< one sample per control step
-  std::vector<StateRecord> states;  ///< trace.size() + 1; trace.size() where the last state was not finite
+  std::vector<StateRecord> states;  ///< trace.size() + 1; trace.size() if the last state was not finite
   PlantState last;                  ///< the last finite state
   double clearance = kAbsent;       ///< least signed distance to an object at any sample [m]
   double clearance_self = kAbsent;  ///< least signed distance between links at any sample [m]
-  std::vector<Contact> contacts;    ///< those that ended the trial
+  std::vector<Contact> contacts;    ///< contacts that ended the trial
   bool moving_goal = false;
   bool has_slack = false;  ///< the controller has slack variables
   bool has_qp = false;
-  bool has_prediction = false;        ///< of moma's own controllers: it knows of latencies
-  double latency_base = kAbsent;      ///< as the controller found it from the motion [s]
-  double latency_base_off = kAbsent;  ///< that, less what it was told
+  bool has_prediction = false;        ///< one of moma's own controllers, which knows latencies
+  double latency_base = kAbsent;      ///< as the controller identified it [s]
+  double latency_base_off = kAbsent;  ///< identified minus configured
   double latency_joints = kAbsent;
   double latency_joints_off = kAbsent;
-  double separation = kAbsent;  ///< least margin to what moves (separation.h) [m]
+  double separation = kAbsent;  ///< least margin to moving objects (separation.h) [m]
   bool has_wheels = false;      ///< dynamic mode on a mobile base
   bool dynamic = false;
   double slip_max = 0.0;  ///< [m/s]
@@ -44,9 +44,9 @@ struct Recording {
   int redone_steps = 0;
   int divided_steps = 0;
   int detector_checks = 0;
-  DetectorCheck detectors;            ///< all disagreements together
+  DetectorCheck detectors;            ///< sum of all comparisons
   std::vector<double> step_seconds;   ///< time of each controller step
-  std::vector<double> solve_seconds;  ///< time of each solve, where the controller tells; else empty
+  std::vector<double> solve_seconds;  ///< time of each solve, if the controller measures it; else empty
 };
 
 /// All metrics of a row but outcome, reason, link, object, time_end_s, time_to_goal_s. A pure function.

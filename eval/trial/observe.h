@@ -7,9 +7,9 @@
 
 namespace moma {
 
-/// The one way by which a controller learns of the world: fills `observation` from the truth at time t, which
-/// world/sensing/sensing.h then makes what is sensed. Sizes of `observation` are kept where they fit, so that a step
-/// allocates nothing after the first.
+/// Fills `observation` with the true state at time t, the only way of information to a controller;
+/// world/sensing/sensing.h then disturbs it. Keeps sizes of `observation` that fit, so that only the first step
+/// allocates.
 void observe(const PlantState& truth, const std::vector<ObjectState>& objects, const GoalState& goal, double t,
              Observation& observation);
 

@@ -11,8 +11,7 @@
 
 namespace moma {
 
-/// Parts that the time of a trial is told apart by, in the order of tables. A controller that is not moma's own is
-/// kController as a whole.
+/// Parts of a trial's time, in the order of tables. A foreign controller is kController as a whole.
 enum class TrialPart {
   kWorld,
   kSetUp,
@@ -37,25 +36,25 @@ constexpr auto words(Of<TrialPart>) {
 }
 static_assert(all_worded<TrialPart>());
 
-/// Where the wall time of trials went. Never part of a row, a key or a comparison.
+/// Wall time of trials by parts. Never a part of a row, a key or a comparison.
 struct Profile {
   static constexpr std::size_t kParts = words(Of<TrialPart>{}).size();
   struct Share {
     std::int64_t nanoseconds = 0;
-    std::int64_t entries = 0;  ///< how often the part began: the same in every run
+    std::int64_t entries = 0;  ///< number of times that the part began: the same in every run
   };
   std::array<Share, kParts> parts{};
   std::int64_t trials = 0;
-  std::int64_t steps = 0;  ///< of control
+  std::int64_t steps = 0;  ///< control steps
 
   Share& operator[](TrialPart part) { return parts[static_cast<std::size_t>(part)]; }
   const Share& operator[](TrialPart part) const { return parts[static_cast<std::size_t>(part)]; }
   Profile& operator+=(const Profile& more);
-  std::int64_t nanoseconds() const;  ///< of all parts
+  std::int64_t nanoseconds() const;  ///< sum of all parts
 };
 
-/// Tells the time of one thread's work apart by its parts: every moment from construction to stop() belongs to exactly
-/// one. One look at the steady clock (some 40 ns) for each border.
+/// Measures the parts of one thread's work: every moment from construction to stop() belongs to exactly one part. Reads
+/// the steady clock once (some 40 ns) per change of parts.
 class ProfileClock final : public StepClock, public PlantClock {
  public:
   explicit ProfileClock(TrialPart first);
@@ -64,7 +63,7 @@ class ProfileClock final : public StepClock, public PlantClock {
   void enter(StepPart part) noexcept override;
   void enter(PlantPart part) noexcept override;
 
-  /// The last part ends; the times so far. Trials and steps are for whoever knows them to fill in.
+  /// Ends the last part and returns the times so far. The caller fills in trials and steps.
   const Profile& stop() noexcept;
 
  private:

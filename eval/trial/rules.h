@@ -5,16 +5,16 @@
 
 namespace moma {
 
-/// Least number of control periods that last at least `seconds`; a billionth of a period of rounding is forgiven.
-/// 0 for 0; a number no trial reaches for infinity.
+/// Returns the least number of control periods that last at least `seconds`, with a tolerance of a billionth of a
+/// period for rounding. 0 for 0; for infinity a number that no trial reaches.
 long periods_in(double seconds, double control_period) noexcept;
 
-/// Both errors within tolerance at every sample over at least the dwell time.
+/// Rule of success: both errors within tolerance at every sample for the dwell time.
 class DwellRule {
  public:
   DwellRule(const SuccessRule& rule, double control_period) noexcept;
-  /// Called at every sample k = 0, 1, ...; true once the dwell is complete.
-  /// `l1` is asked for where the rule has a finite one.
+  /// Call it at every sample k = 0, 1, ...; returns true once the dwell is complete. `l1` matters only if the rule's
+  /// tolerance for it is finite.
   bool update(long k, double position_error, double orientation_error, double l1 = 0.0) noexcept;
   bool inside() const noexcept { return first_ >= 0; }
   /// Sample at which the present stay within tolerance began; -1 outside.
@@ -26,15 +26,15 @@ class DwellRule {
   long first_ = -1;
 };
 
-/// Time is cut into halves of stuck.time from t = 0 on (whole control periods, rounded to the nearest). A half is
-/// still when no coordinate differs by stuck.motion or more between its two ends and goal and objects were at rest
-/// throughout. Stuck: two consecutive halves are still.
+/// Rule of being stuck. It divides time into halves of stuck.time from t = 0 on (whole control periods, rounded to the
+/// nearest). A half is still if no coordinate changes by stuck.motion or more from its start to its end, and goal and
+/// objects are at rest throughout. Two consecutive still halves mean stuck.
 class StuckTracker {
  public:
   StuckTracker(const StuckRule& rule, double control_period) noexcept;
-  /// True where sample k ends a half, so that update() needs to be called (also at k = 0).
+  /// True if sample k ends a half, so that update() is due (also at k = 0).
   bool due(long k) const noexcept { return half_ > 0 && k % half_ == 0; }
-  /// `at_rest`: goal and objects are at rest now and stay so. Returns true when stuck.
+  /// `at_rest`: goal and objects rest from now on. Returns true if stuck.
   bool update(const Vector3& base, const VectorX& q, bool at_rest);
 
  private:
@@ -47,7 +47,7 @@ class StuckTracker {
   VectorX q_;
 };
 
-/// Consecutive `brake` steps for infeasible.time.
+/// Rule of infeasibility: consecutive `brake` steps for infeasible.time.
 class InfeasibleTracker {
  public:
   InfeasibleTracker(const InfeasibleRule& rule, double control_period) noexcept

@@ -40,7 +40,7 @@ void SeparationWatch::look(const Kinematics& kinematics, Proximity& proximity, s
     kinematics.point_jacobian(model_.shapes[static_cast<std::size_t>(pair.first)].link, distance.p_first_W, J_);
     const Vector3 arm = distance.p_second_W - object.X_WO.translation();
     const Vector3 v_object = object.V_WO_W.tail<3>() + object.V_WO_W.head<3>().cross(arm);
-    // d grows along n as the robot's point moves, and shrinks as the object's does.
+    // d increases along n with the motion of the robot's point, and decreases with the object's.
     const double v_H = std::max(0.0, distance.n_W.dot(v_object));
     const double v_R = std::max(0.0, -distance.n_W.dot(J_ * qdot));
     const double margin = distance.d - (v_H * (reaction_ + stopping) + v_R * (reaction_ + 0.5 * stopping));

@@ -8,13 +8,13 @@
 
 namespace moma {
 
-// Strict readers and writers of what a trial needs besides robot and controller; read_x(node of to_json(x)) == x bit
-// for bit. All readers throw config::ConfigError naming place and key.
+// Strict readers and writers of a trial's sections besides robot and controller; read_x(node of to_json(x)) == x bit
+// for bit. All readers throw config::ConfigError with place and key.
 
 SimulationConfig read_simulation(const config::Node& node, const std::string& key);
-/// `simulation` bounds what can be dwelt: a dwell that does not fit into the time limit is an error.
+/// A dwell longer than the time limit of `simulation` is an error.
 SuccessRule read_success(const config::Node& node, const std::string& key, const SimulationConfig& simulation);
-/// Halves of `time` shorter than the control period are an error.
+/// A half of `time` shorter than the control period is an error.
 StuckRule read_stuck(const config::Node& node, const std::string& key, const SimulationConfig& simulation);
 InfeasibleRule read_infeasible(const config::Node& node, const std::string& key);
 

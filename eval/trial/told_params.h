@@ -4,8 +4,8 @@
 
 namespace moma {
 
-/// The controller's parameters as a trial makes it: told how near to the goal counts as success, it takes itself for
-/// arrived no further away than that.
+/// Returns the controller's parameters for a trial: the controller counts a goal as reached no further away than the
+/// success rule does.
 ControllerParams told_params(const TrialSpec& spec);
 
 }  // namespace moma

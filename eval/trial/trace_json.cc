@@ -29,7 +29,7 @@ ordered_json numbers(const Vector& vector) {
   return list;
 }
 
-/// A sample's members under their names.
+/// Writes a sample's members under their names.
 class SampleJson {
  public:
   explicit SampleJson(const Sample& sample) : sample_(sample) {}

@@ -10,7 +10,7 @@
 namespace moma::tune {
 namespace {
 
-// Trials of one world by both sides.
+// Trials of both sides in one world.
 struct Pair {
   std::string family;
   const TrialRow* found = nullptr;
@@ -18,7 +18,7 @@ struct Pair {
   TrialCost::Scale scale;
 };
 
-/// Theirs is side A, the found gains are side B, so that differences are found - theirs.
+/// Side A is the other controller, side B the found gains, so that differences are found minus other.
 struct Compared {
   std::string family, other;
   stats::Comparison comparison;
@@ -36,7 +36,7 @@ stats::Ending ending_of(const TrialRow& row) {
 Compared compare(const Tuning& tuning, const std::vector<Pair>& pairs, const std::string& family,
                  const std::string& other) {
   std::vector<std::pair<stats::Ending, stats::Ending>> endings;
-  // The time to the goal is NULL unless the trial succeeds, so that only worlds where both do are compared.
+  // The time to the goal is NULL unless the trial succeeds, so that only worlds with two successes are compared.
   std::vector<stats::PairedValues> values{{"objective", {}, {}}};
   std::vector<Metric> metrics;
   for (const char* name : {"time_to_goal_s", "manip_mean", "command_change_mean"}) {
@@ -98,13 +98,13 @@ std::vector<std::string> judge_constraints(const Tuning& tuning, const std::vect
   std::vector<std::string> lines;
   for (const MetricBound& bound : tuning.config.bounds) {
     const Constraint constraint = constraint_of(bound);
-    if (constraint.of_start) continue;  // the comparisons tell
+    if (constraint.of_start) continue;  // the comparisons cover it
     double sum = 0.0;
     std::int64_t ones = 0;
     bool rate = true;
     std::int64_t n = 0;
     for (const TrialRow* row : rows) {
-      // An error may leave a metric without a value.
+      // A trial with an error may lack a metric.
       if (row->outcome == Outcome::kError && !bound.when_null && std::isnan(bound.metric.value(*row))) continue;
       const double value = bound_value(bound, *row);
       ++n;
@@ -129,7 +129,7 @@ std::string number(double value) { return std::isnan(value) ? "-" : fmt::format(
 std::string interval(double value, double low, double high, bool percent) {
   if (std::isnan(value)) return "-";
   if (percent) return fmt::format("{:.1f} % [{:.1f}, {:.1f}]", 100 * value, 100 * low, 100 * high);
-  if (std::isnan(low)) return number(value);  // too few for one
+  if (std::isnan(low)) return number(value);  // too few values for an interval
   return fmt::format("{} [{}, {}]", number(value), number(low), number(high));
 }
 

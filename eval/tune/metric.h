@@ -9,17 +9,17 @@
 
 namespace moma::tune {
 
-/// A number that a trial gives: any deterministic numeric column of v_trials by its name, or the name of an outcome
-/// (success, collision, timeout, ...; 1 where the trial ended so, else 0).
+/// A number of a trial: any deterministic numeric column of v_trials by its name, or the name of an outcome (success,
+/// collision, timeout, ...; 1 if the trial ended so, else 0).
 class Metric {
  public:
-  /// Throws std::invalid_argument: unknown (with the nearest name), a text column, or a timing.
+  /// Throws std::invalid_argument for an unknown name (with the nearest one), a text column, or a timing.
   static Metric find(std::string_view name);
 
   const std::string& name() const { return name_; }
-  /// NaN where the trial has no such value (NULL in the store). The same bits from a fresh and from a stored row.
+  /// NaN if the trial has no such value (NULL in the store). A stored row gives the same bits as a fresh one.
   double value(const TrialRow& row) const;
-  /// "" or when the metric is NULL by its nature: "unless the trial succeeds".
+  /// "" or the condition under which the metric is NULL: "unless the trial succeeds".
   std::string_view null_when() const { return null_when_; }
 
  private:

@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kFailureLimits = 2.0;  // in time limits
 constexpr double kBreakageLimits = 4.0;
-// In proportion to the time limit as failures are, or a short limit would make smoothness dearer than success.
+// In proportion to the time limit, as for failures: with a short limit smoothness would otherwise cost more than
+// success.
 constexpr double kLimitsPerChange = 5.0 / 3.0;
 constexpr double kLimitsForManip = 1.0 / 6.0;  // for the loss of all manipulability
 
@@ -22,8 +23,8 @@ double value_or(const Metric& metric, const std::optional<double>& when_null, co
   const double value = metric.value(row);
   if (!std::isnan(value)) return value;
   if (when_null) return *when_null;
-  throw NullMetric(fmt::format("{} is NULL for a trial with outcome {}: say what to take for it with when_null",
-                               metric.name(), to_string(row.outcome)));
+  throw NullMetric(fmt::format("{} is NULL for a trial with outcome {}: give a replacement as when_null", metric.name(),
+                               to_string(row.outcome)));
 }
 
 double default_cost(const TrialRow& row, const TrialCost::Scale& scale) {

@@ -17,32 +17,32 @@
 
 namespace moma::tune {
 
-/// Where trials that are known already come from, and where new ones go: the store, or nothing.
+/// A source of known trials and sink of new ones: the store, or none.
 class TrialSource {
  public:
   virtual ~TrialSource() = default;
   virtual std::optional<TrialRow> find(const std::string& key) = 0;
-  /// `world` null: it could not be made.
+  /// `world` is null if it could not be made.
   virtual void add(const SuitePoint& point, std::uint64_t world_index, const std::string& key, const World* world,
                    const TrialRow& row) = 0;
 };
 
 struct TrialCounts {
   std::uint64_t computed = 0;
-  std::uint64_t reused = 0;  ///< found in the source
-  std::uint64_t errors = 0;  ///< outcome `error`
+  std::uint64_t reused = 0;  ///< trials found in the source
+  std::uint64_t errors = 0;  ///< trials with outcome `error`
   std::string first_error;
 };
 
-/// A candidate's cost in the worlds of a tuning, by simulated trials: the worlds of one measurement run in parallel,
-/// trials that the source has are not run. Worlds are made once, where candidates share them.
+/// A candidate's cost in the worlds of a tuning, by simulated trials. The worlds of one measurement run in parallel;
+/// trials in the source are not run. Candidates share worlds that do not depend on them.
 class TrialObjective : public Objective {
  public:
   TrialObjective(const Tuning& tuning, TrialSource& source, int threads, const std::atomic<bool>* stop);
 
   std::size_t width() const override { return 1 + tuning_.config.bounds.size(); }
   bool valid(const Candidate& candidate) override;
-  /// Throws Interrupted, NullMetric (naming trial, world and outcome).
+  /// Throws Interrupted, NullMetric (with trial, world and outcome).
   std::vector<double> measure(const Candidate& candidate, std::span<const std::uint64_t> worlds) override;
 
   const TrialCounts& counts() const { return counts_; }
@@ -59,7 +59,7 @@ class TrialObjective : public Objective {
   TrialSource& source_;
   Points points_;
   BatchOptions batch_;
-  Candidate at_;  ///< whose points these are
+  Candidate at_;  ///< candidate of the present points
   std::vector<SuitePoint> made_;
   bool made_valid_ = false;
   std::vector<TrialCost::Scale> scales_;

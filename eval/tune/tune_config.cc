@@ -20,7 +20,7 @@ using config::Range;
 constexpr long long kMost = 100'000'000;
 constexpr long long kMostBudget = 1'000'000'000;
 
-// Turns a complaint of a part that knows no files into one that names the place.
+// Adds the place to an error of a part that knows no files.
 template <typename Work>
 auto at(const Node& node, const std::string& key, const Work& work) {
   try {
@@ -84,7 +84,7 @@ CostTerm read_term(const std::string& metric, const Node& node, const std::strin
   if (!when.empty() && !term.when_null) {
     config::fail(
         node.mark, key,
-        fmt::format("{0} is NULL {1}; say what to take then: {{{0}: {{weight: 1, when_null: 60}}}}", metric, when));
+        fmt::format("{0} is NULL {1}; give a replacement: {{{0}: {{weight: 1, when_null: 60}}}}", metric, when));
   }
   return term;
 }
@@ -139,14 +139,14 @@ std::vector<MetricBound> read_bounds(const Node* node) {
     in.finish();
     const std::string_view when = bound.metric.null_when();
     if (!when.empty() && !bound.when_null) {
-      config::fail(entry.mark, where, fmt::format("{} is NULL {}; say what to take then with when_null", metric, when));
+      config::fail(entry.mark, where, fmt::format("{} is NULL {}; give a replacement as when_null", metric, when));
     }
     bounds.push_back(std::move(bound));
   }
   return bounds;
 }
 
-// The default objective weighs success against other things, but is not to give any of it away.
+// The default objective weighs success against other costs; this constraint prevents it from giving up success.
 void keep_success(TuneConfig& tune) {
   const Metric success = Metric::find(to_string(Outcome::kSuccess));
   const bool told = std::any_of(tune.bounds.begin(), tune.bounds.end(),
@@ -237,10 +237,10 @@ std::vector<Overrides> read_mixture(const Node* node) {
   return mixture;
 }
 
-// What is read apart from its key: by what, where, into what.
+// The input and output of a key with its own reader.
 struct Reading {
   const Node& section;
-  const Node* node;  // null where the file has none
+  const Node* node;  // null if the file has none
   const std::vector<std::string>& controllers;
   TuneConfig& tune;
 };
@@ -267,19 +267,19 @@ void read_output(const Reading& r) {
   if (!file.empty()) r.tune.output = config::directory_of(r.node->mark) / file;
 }
 
-// A key of the section that has a reader of its own.
+// A key of the section with a reader of its own.
 struct OwnKey {
   const char* name;
-  const char* part;    // of its map, as the reference has it; "" for the whole value
-  const char* wanted;  // where it is required: what is missing
+  const char* part;    // key within its map, as in the reference; "" for the whole value
+  const char* wanted;  // name of the missing value if the key is required
   std::string accepted;
   const char* otherwise;
   const char* text;
   void (*read)(const Reading&);
-  bool after = false;  // the others and TuneConfig's description, which has the rest
+  bool after = false;  // read after the others and TuneConfig's description, which has the remaining keys
 };
 
-// "linear, log or integer".
+// Returns "linear, log or integer".
 std::string scales() {
   std::string text = list_of_words<Scale>();
   return text.replace(text.rfind(", "), 2, " or ");
@@ -289,32 +289,32 @@ std::string scales() {
 const std::vector<OwnKey>& own_keys() {
   static const std::vector<OwnKey> kKeys{
       {"variables", "", "a map {KEY: {range: [low, high], scale: log, start: x}, ...}",
-       "a map {KEY: {range: [low, high], scale: " + scales() + ", start: x}}", "", "what is searched",
+       "a map {KEY: {range: [low, high], scale: " + scales() + ", start: x}}", "", "gains to search",
        [](const Reading& r) { read_variables(*r.node, r.tune); }},
-      {"controller", "", "", "text", "the first", "the suite's controller that is tuned", read_controller_name},
+      {"controller", "", "", "text", "the first", "controller of the suite to tune", read_controller_name},
       {"objective", "", "", "default, {minimize: METRIC} or {maximize: METRIC}, or weighted sums", "default",
-       "what is best",
+       "objective to minimise or maximise",
        [](const Reading& r) {
          if (r.node != nullptr) r.tune.cost = read_objective(*r.node);
        }},
       {"constraints", "", "", "a map {METRIC: {at_most or at_least: x}}, where x is a number or start",
-       "success as often as at the start", "what has to hold",
+       "success as often as at the start", "conditions of the result",
        [](const Reading& r) { r.tune.bounds = read_bounds(r.node); }},
       {"algorithm", "", "", "default, a name, or a list of names or maps {name, share, population}", "default",
-       "of NLopt", [](const Reading& r) { r.tune.plan = read_plan(r.node); }},
-      {"budget", "trials", "{trials: 20000}", accepted_whole_number(1, kMostBudget), "", "that the search may use",
-       read_budget},
-      {"worlds", "", "", "a number, or {first, count}", "100", "of the search",
+       "algorithms of NLopt", [](const Reading& r) { r.tune.plan = read_plan(r.node); }},
+      {"budget", "trials", "{trials: 20000}", accepted_whole_number(1, kMostBudget), "",
+       "largest number of trials of the search", read_budget},
+      {"worlds", "", "", "a number, or {first, count}", "100", "worlds of the search",
        [](const Reading& r) { r.tune.worlds = read_worlds(r.node, "tune.worlds", 0, 100); }},
-      {"held_out", "", "", "a number, or {first, count, seed}", "500", "for the verdict, apart from the others",
+      {"held_out", "", "", "a number, or {first, count, seed}", "500", "worlds of the verdict, apart from the others",
        [](const Reading& r) {
          r.tune.held_out = read_worlds(r.node, "tune.held_out", r.tune.confirm.end(), 500, &r.tune.held_out_seed);
          r.tune.held_out_mark = (r.node != nullptr ? *r.node : r.section).mark;
        },
        true},
-      {"mixture", "", "", "a list of maps {KEY: VALUE}", "", "parts of the suite that count alike",
+      {"mixture", "", "", "a list of maps {KEY: VALUE}", "", "parts of the suite with equal weights",
        [](const Reading& r) { r.tune.mixture = read_mixture(r.node); }},
-      {"output", "", "", "a file", "", "where the tuned controller is written", read_output},
+      {"output", "", "", "a file", "", "file of the tuned controller", read_output},
   };
   return kKeys;
 }

@@ -25,17 +25,17 @@ struct WorldRange {
 
 /// The `tune` section of a suite, read and checked by itself.
 struct TuneConfig {
-  std::string controller;           ///< which of the suite's controllers is tuned
-  std::vector<Variable> variables;  ///< `start` NaN where the file gives none: the controller's own value
-  std::vector<config::Mark> marks;  ///< where each variable was written
+  std::string controller;           ///< name of the tuned controller
+  std::vector<Variable> variables;  ///< `start` is NaN if the file has none: the controller's own value
+  std::vector<config::Mark> marks;  ///< place of each variable
   TrialCost cost;
   std::vector<MetricBound> bounds;
   std::vector<PlanStep> plan;                  ///< empty: the default plan
   std::vector<Overrides> mixture;              ///< one assignment of suite keys per part; one empty one by default
-  WorldRange worlds;                           ///< of the search
-  WorldRange confirm;                          ///< for the best few
-  WorldRange held_out;                         ///< for the verdict
-  std::optional<std::uint64_t> held_out_seed;  ///< another worlds.seed for them
+  WorldRange worlds;                           ///< worlds of the search
+  WorldRange confirm;                          ///< worlds for the best few
+  WorldRange held_out;                         ///< worlds for the verdict
+  std::optional<std::uint64_t> held_out_seed;  ///< their own worlds.seed
   std::uint64_t budget = 0;
   std::uint64_t seed = 1;
   int starts = 1;
@@ -45,31 +45,31 @@ struct TuneConfig {
   double penalty = 0.0;
   double initial_step = 0.2;
   double tolerance = 0.004;
-  std::filesystem::path output;  ///< empty: chosen by the command
+  std::filesystem::path output;  ///< empty: the command chooses
   config::Mark mark;
   config::Mark held_out_mark;
-  nlohmann::ordered_json written;  ///< the section as it stands in the file
+  nlohmann::ordered_json written;  ///< the section as written in the file
 };
 
-/// What is a plain number, a word or a map of such; the other keys have readers of their own.
+/// Numbers, words and maps of them; the other keys have readers of their own.
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<TuneConfig>) {
   using T = TuneConfig;
-  v.member("seed", &T::seed, {.text = "of the search's random draws"});
+  v.member("seed", &T::seed, {.text = "seed of the search's random draws"});
   v.member("starts", &T::starts, {.range = {1, 1000}, .text = "independent searches that share the budget"});
   v.member("penalty", &T::penalty,
            {.range = Range::positive(),
             .text = "merit per violation of a constraint; the size of the start's cost by default"});
   v.member("initial_step", &T::initial_step,
-           {.unit = "1", .range = {0.0, 1.0, true, false}, .text = "of local algorithms, in the unit cube"});
+           {.unit = "1", .range = {0.0, 1.0, true, false}, .text = "first step of local algorithms, in the unit cube"});
   v.member("tolerance", &T::tolerance,
-           {.unit = "1", .range = {0.0, 1.0, true, false}, .text = "steps of local algorithms below this end them"});
-  v.member("racing", &T::racing, {.text = "none, or when a candidate is cut short"});
-  v.member("sensitivity", &T::sensitivity, {.text = "none, or how far the found gains are moved one by one"});
-  v.member("confirm", &T::confirmation, {.text = "none, or how the best few are measured again"});
+           {.unit = "1", .range = {0.0, 1.0, true, false}, .text = "step size below which local algorithms end"});
+  v.member("racing", &T::racing, {.text = "none, or when a candidate is cut"});
+  v.member("sensitivity", &T::sensitivity, {.text = "none, or the steps by which the found gains move one by one"});
+  v.member("confirm", &T::confirmation, {.text = "none, or the further measurements of the best few"});
 }
 
-/// Every key of the section.
+/// Returns every key of the section.
 std::vector<Key> tune_keys(const std::string& prefix = "tune");
 
 /// Reads `tune`:
@@ -85,8 +85,8 @@ std::vector<Key> tune_keys(const std::string& prefix = "tune");
 /// `controllers`: names of the suite's controllers, in order. Throws config::ConfigError naming place and key.
 TuneConfig read_tune(const config::Node& node, const std::vector<std::string>& controllers);
 
-/// Throws config::ConfigError where the held-out worlds are not apart from the search's, given that both have the
-/// same seed. read_tune() does this itself unless held_out has a seed of its own.
+/// Throws config::ConfigError if the held-out worlds overlap the search's, for equal seeds. read_tune() calls this
+/// unless held_out has a seed of its own.
 void check_held_out(const TuneConfig& tune);
 
 }  // namespace moma::tune

@@ -26,7 +26,7 @@ std::string comment(const std::string& text) {
   return result;
 }
 
-// Largest rise of the objective over the steps of one gain.
+// Returns the step of one gain with the largest increase of the objective.
 const SensitivityStep* steepest(const SearchResult& result, std::size_t variable) {
   const SensitivityStep* best = nullptr;
   for (const SensitivityStep& step : result.sensitivity.steps) {

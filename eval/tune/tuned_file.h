@@ -9,16 +9,16 @@
 
 namespace moma::tune {
 
-/// A controller file with the found gains: the tuned controller as it was written, the found values in place, and
-/// in comments where they come from (suite, search, worlds, verdict, sensitivity, importance, version, date).
-/// Without a verdict the file says that none was made.
+/// Returns a controller file with the found gains: the tuned controller as written with the found values in place, and
+/// their origin in comments (suite, search, worlds, verdict, sensitivity, importance, version, date). The file also
+/// states if there is no verdict.
 std::string tuned_file(const Tuning& tuning, const SearchResult& result, const HeldOutVerdict* verdict,
                        const std::string& provenance);
 
-/// What a search is going to do, in a sentence.
+/// Describes the plan of a search in a sentence.
 std::string plan_text(const Tuning& tuning);
 
-/// Found against start, with importance and sensitivity: the table that `moma tune` prints.
+/// Returns the table of `moma tune`: found against start, with importance and sensitivity.
 std::string gains_table(const Tuning& tuning, const SearchResult& result);
 
 }  // namespace moma::tune

@@ -21,8 +21,9 @@ constexpr void describe(Visitor& v, Of<Clutter>) {
   using T = Clutter;
   v.inlined(&T::placement);
   v.member("objects", &T::objects, {.range = {0, 1000}, .text = "number of solids"});
-  v.member("along", &T::along, {.unit = "1", .text = "where a solid is: part of the way from start to goal"});
-  v.member("lateral", &T::lateral, {.unit = "m", .text = "and so far to the left of the way"});
+  v.member("along", &T::along,
+           {.unit = "1", .text = "position of a solid along the way, as a share of the way from start to goal"});
+  v.member("lateral", &T::lateral, {.unit = "m", .text = "position of a solid to the left of the way"});
   v.inlined(&T::mix);
 }
 
@@ -38,8 +39,8 @@ bool build(const Clutter& p, SceneBuilder& builder, World& world) {
   double along = 0.0;
   return placing.place(builder, world, [&](const ObjectTry& at, WorldObject& object) {
     Draws draws = builder.draws(Stream::kObjects, at.item);
-    // The place along the way is kept over the tries: else all that does not fit beside start and goal would end up in
-    // the middle.
+    // The position along the way is kept over the tries; otherwise objects that do not fit near start and goal would
+    // crowd in the middle.
     const double again = p.along.sample(draws);
     if (at.number == 0) along = again;
     const Vector3 place = way.from + along * way.length * way.forward + p.lateral.sample(draws) * way.left();

@@ -8,10 +8,9 @@
 namespace moma {
 namespace {
 
-/// A goal on a conveyor: it goes to and fro on a line at one speed, and things stand about between it and the start.
-/// For mobile bases. Solvable by construction: the line leads along the direction in which the witness's base drives,
-/// so that a robot that has reached the goal follows it by driving straight, and all that stands about is clear of the
-/// witness at every place on its way.
+/// A goal on a conveyor: it moves to and fro on a line at constant speed, with objects between the line and the start.
+/// For mobile bases. Solvable by construction: the line has the driving direction of the witness's base, so that a
+/// robot at the goal follows it by driving straight, and all objects are clear of the witness along the whole line.
 struct Conveyor {
   using Uniform = Distribution::Uniform;
   Placement placement{.distance = Distribution(Uniform{2.0, 4.0}), .tip_height = 0.3};
@@ -28,12 +27,14 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<Conveyor>) {
   using T = Conveyor;
   v.inlined(&T::placement);
-  v.member("speed", &T::speed, {.unit = "m/s", .range = Range::positive(), .text = "of the goal"});
-  v.member("length", &T::length, {.unit = "m", .range = Range::positive(), .text = "of the line on which it moves"});
-  v.member("duration", &T::duration, {.unit = "s", .range = {0.0, 3600.0, true, false}, .text = "then it rests"});
-  v.member("objects", &T::objects, {.range = {0, 1000}, .text = "number of solids about the way"});
-  v.member("along", &T::along, {.unit = "1", .text = "where they are: part of the way from start to goal"});
-  v.member("lateral", &T::lateral, {.unit = "m", .text = "beside the way"});
+  v.member("speed", &T::speed, {.unit = "m/s", .range = Range::positive(), .text = "speed of the goal"});
+  v.member("length", &T::length, {.unit = "m", .range = Range::positive(), .text = "length of the goal's line"});
+  v.member("duration", &T::duration,
+           {.unit = "s", .range = {0.0, 3600.0, true, false}, .text = "time of motion, after which the goal rests"});
+  v.member("objects", &T::objects, {.range = {0, 1000}, .text = "number of solids beside the way"});
+  v.member("along", &T::along,
+           {.unit = "1", .text = "position of a solid along the way, as a share of the way from start to goal"});
+  v.member("lateral", &T::lateral, {.unit = "m", .text = "position of a solid to the left of the way"});
   v.inlined(&T::mix);
 }
 
@@ -73,7 +74,7 @@ bool build(const Conveyor& p, SceneBuilder& builder, World& world) {
     const double lateral = p.lateral.sample(own);
     const Vector3 place = along * way + lateral * left;
     p.mix.sample(own, place.x(), place.y(), object);
-    // Seen from the witness that drives along, what stands comes towards it.
+    // In the frame of the moving witness, objects at rest move towards it.
     WorldObject passing = object;
     LinearMotion relative;
     relative.V_W.tail<3>() = -speed * forward;
@@ -86,7 +87,7 @@ bool build(const Conveyor& p, SceneBuilder& builder, World& world) {
 }  // namespace
 
 FamilyType conveyor_family() {
-  return family_type<Conveyor>("a goal that goes to and fro on a line behind things that stand about; mobile bases");
+  return family_type<Conveyor>("a goal that moves to and fro on a line behind obstacles; mobile bases");
 }
 
 }  // namespace moma

@@ -9,10 +9,10 @@
 namespace moma {
 namespace {
 
-/// Rooms one behind the other, parted by walls across the way, each with a doorway of its own: the robot goes through
-/// all of them to its goal in the last room. Two long walls close the rooms at their sides. For mobile bases. A doorway
-/// is as wide as the base driving straight through and a margin on either side; rooms are so deep that the base can
-/// turn between two walls, so that worlds with a positive margin are solvable where the arm can be held above the base.
+/// A row of rooms, separated by walls across the way, each with a doorway of its own: the robot passes all of them to
+/// its goal in the last room. Two long walls close the rooms at their sides. For mobile bases. A doorway is as wide as
+/// the base driving straight, plus a margin on either side. Rooms are deep enough for the base to turn between two
+/// walls, so that worlds with a positive margin are solvable if the arm fits above the base.
 struct Maze {
   using Uniform = Distribution::Uniform;
   Placement placement{.distance = Distribution(Uniform{4.0, 6.0})};
@@ -30,16 +30,16 @@ constexpr void describe(Visitor& v, Of<Maze>) {
   using T = Maze;
   constexpr Range kPositive = Range::positive();
   v.inlined(&T::placement);
-  v.member("walls", &T::walls, {.range = {0, 10}, .text = "number of walls across the way, a doorway in each"});
+  v.member("walls", &T::walls, {.range = {0, 10}, .text = "number of walls across the way, each with a doorway"});
   v.member("margin", &T::margin,
-           {.unit = "m", .text = "of a doorway on either side of the base driving straight through it"});
-  v.member("offset", &T::offset, {.unit = "m", .text = "of a doorway's middle beside the way"});
+           {.unit = "m", .text = "margin of a doorway on either side of a base that drives straight through"});
+  v.member("offset", &T::offset, {.unit = "m", .text = "distance of a doorway's middle from the way"});
   v.member("half_width", &T::half_width,
-           {.unit = "m", .range = kPositive, .text = "of the rooms: from the way to the walls at their sides"});
+           {.unit = "m", .range = kPositive, .text = "half the width of the rooms, from the way to the side walls"});
   v.member("beyond", &T::beyond,
-           {.unit = "m", .range = kPositive, .text = "of the rooms before the start and behind the goal"});
-  v.member("thickness", &T::thickness, {.unit = "m", .range = kPositive, .text = "of the walls"});
-  v.member("height", &T::height, {.unit = "m", .range = kPositive, .text = "of the walls"});
+           {.unit = "m", .range = kPositive, .text = "length of the rooms before the start and behind the goal"});
+  v.member("thickness", &T::thickness, {.unit = "m", .range = kPositive, .text = "thickness of the walls"});
+  v.member("height", &T::height, {.unit = "m", .range = kPositive, .text = "height of the walls"});
 }
 
 bool build(const Maze& p, SceneBuilder& builder, World& world) {
@@ -58,7 +58,7 @@ bool build(const Maze& p, SceneBuilder& builder, World& world) {
 
   const double half_base = base_half_width(builder);
   std::vector<WorldObject> boxes;
-  double last = 0.0;  // the wall farthest along the way
+  double last = 0.0;  // position of the farthest wall along the way
   for (int k = 0; k < count; ++k) {
     const double at = distance * (k + 1) / (count + 1);
     const double half = half_base + p.margin.sample(draws);

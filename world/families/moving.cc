@@ -13,10 +13,10 @@ namespace {
 
 constexpr Range kPart{0.0, 1.0};
 
-/// Solids that move through the robot's way: some cross it in a straight line at about the time when the robot is
-/// there, some come along it from the far side, some go round in circles beside it or around the goal, and people walk
-/// about. Their whole path over `horizon` is clear of start and witness, so a robot that waits is not run over, and one
-/// that has arrived can stay.
+/// Solids that move through the robot's way. Some cross it in a straight line at about the time of the robot's passage,
+/// some come along it from the far side, some circle beside it or around the goal, and people walk about. Their whole
+/// paths over `horizon` are clear of start and witness: nothing hits a robot that waits, and a robot that has arrived
+/// can stay.
 struct Moving {
   using Uniform = Distribution::Uniform;
   Placement placement{.distance = Distribution(Uniform{2.0, 4.0})};
@@ -40,36 +40,39 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<Moving>) {
   using T = Moving;
   v.inlined(&T::placement);
-  v.member("objects", &T::objects, {.range = {0, 1000}, .text = "number of solids and people that move"});
-  v.member(
-      "crossing", &T::crossing,
-      {.unit = "1", .range = kPart, .text = "part of those on straight lines that cross the way; the others approach"});
-  v.member("speed", &T::speed, {.unit = "m/s", .range = Range::non_negative(), .text = "of what does not walk"});
+  v.member("objects", &T::objects, {.range = {0, 1000}, .text = "number of moving solids and people"});
+  v.member("crossing", &T::crossing,
+           {.unit = "1",
+            .range = kPart,
+            .text = "share of crossing objects among those on straight lines; the others approach"});
+  v.member("speed", &T::speed,
+           {.unit = "m/s", .range = Range::non_negative(), .text = "speed of objects that do not walk"});
   v.member("robot_speed", &T::robot_speed,
-           {.unit = "m/s", .range = Range::positive(), .text = "nominal, decides when robot and object meet"});
-  v.member("along", &T::along, {.unit = "1", .text = "where they meet: part of the way"});
-  v.member("angle", &T::angle, {.unit = "rad", .text = "off the square crossing, or off the way"});
-  v.member("offset", &T::offset, {.unit = "m", .text = "beside the way, of what approaches and of circles"});
+           {.unit = "m/s",
+            .range = Range::positive(),
+            .text = "nominal speed of the robot, which determines the time of a meeting"});
+  v.member("along", &T::along, {.unit = "1", .text = "meeting point, as a share of the way"});
+  v.member("angle", &T::angle,
+           {.unit = "rad", .text = "deviation from a right angle to the way (crossing) or from the way (approaching)"});
+  v.member("offset", &T::offset, {.unit = "m", .text = "distance from the way, of approaching objects and of circles"});
   v.member("horizon", &T::horizon,
-           {.unit = "s", .range = {0.0, 3600.0, true, false}, .text = "start and witness are clear for so long"});
+           {.unit = "s", .range = {0.0, 3600.0, true, false}, .text = "time for which start and witness are clear"});
   v.inlined(&T::mix);
-  // Without them nothing is said of them: what was stored before there were any keeps its keys.
-  v.written_where([](const T& moving) { return moving.orbit > 0.0; },
-                  [](auto& orbits) {
-                    orbits.member(
-                        "orbit", &T::orbit,
-                        {.unit = "1", .range = kPart, .text = "part of the objects that go round in circles"});
-                    orbits.member("orbit_radius", &T::orbit_radius,
-                                  {.unit = "m", .range = {0.05, 1000.0}, .text = "of their circles"});
-                    orbits.member("orbit_goal", &T::orbit_goal,
-                                  {.unit = "1",
-                                   .range = kPart,
-                                   .text = "part of the circles around the goal; the others are beside the way"});
-                  });
+  // Written only if present: worlds stored before these options existed keep their keys.
+  v.written_where(
+      [](const T& moving) { return moving.orbit > 0.0; },
+      [](auto& orbits) {
+        orbits.member("orbit", &T::orbit,
+                      {.unit = "1", .range = kPart, .text = "share of objects that move in circles"});
+        orbits.member("orbit_radius", &T::orbit_radius,
+                      {.unit = "m", .range = {0.05, 1000.0}, .text = "radius of the circles"});
+        orbits.member(
+            "orbit_goal", &T::orbit_goal,
+            {.unit = "1", .range = kPart, .text = "share of circles around the goal; the others are beside the way"});
+      });
   v.written_where([](const T& moving) { return moving.walk > 0.0; },
                   [](auto& walks) {
-                    walks.member("walk", &T::walk,
-                                 {.unit = "1", .range = kPart, .text = "part of the objects that walk"});
+                    walks.member("walk", &T::walk, {.unit = "1", .range = kPart, .text = "share of objects that walk"});
                     walks.inlined(&T::walker);
                   });
 }
@@ -78,7 +81,7 @@ void check(const Moving& p, const config::MapReader& in) {
   in.check(p.orbit + p.walk <= 1.0 + 1e-12, "orbit", "orbit and walk are parts of the objects: at most 1 together");
 }
 
-/// One object that crosses or approaches. False where its path is not clear.
+/// Draws an object that crosses or approaches. False if its path is not clear.
 bool straight(const Moving& p, SceneBuilder& builder, const Way& way, std::uint64_t item, WorldObject& object) {
   Draws draws = builder.draws(Stream::kMotion, item);
   const bool crosses = draws.uniform() < p.crossing;
@@ -89,7 +92,7 @@ bool straight(const Moving& p, SceneBuilder& builder, const Way& way, std::uint6
   const double offset = p.offset.sample(draws);
   const double side = draws.uniform() < 0.5 ? -1.0 : 1.0;
 
-  // Where object and robot would meet, the robot going straight at its nominal speed.
+  // Meeting point of object and robot, if the robot goes straight at its nominal speed.
   const double meeting_time = along * way.length / robot_speed;
   Vector3 meeting = way.from + along * way.length * way.forward;
   Vector3 heading = side * way.left();
@@ -108,7 +111,7 @@ bool straight(const Moving& p, SceneBuilder& builder, const Way& way, std::uint6
   return builder.clear_for(object, speed, p.horizon, builder.clearance());
 }
 
-/// One object that goes round in a circle, turning with it. False where its path is not clear.
+/// Draws an object that moves in a circle and turns with it. False if its path is not clear.
 bool circle(const Moving& p, SceneBuilder& builder, const World& world, const Way& way, bool around_goal,
             std::uint64_t item, WorldObject& object) {
   Draws draws = builder.draws(Stream::kMotion, item);
@@ -127,7 +130,7 @@ bool circle(const Moving& p, SceneBuilder& builder, const World& world, const Wa
   center.z() = object.X_WO.translation().z();
   const double rate = speed / radius;
   object.motion = CircleMotion{center, Vector3::UnitZ(), sense * rate};
-  // Its outermost point is the fastest; once round is all there is.
+  // Its outermost point is the fastest; one revolution covers all poses.
   const double fastest = rate * (radius + bounding_radius(object.shape));
   const double once = rate > 0.0 ? std::min(p.horizon, 2.0 * std::numbers::pi / rate) : 0.0;
   const double between = fastest * SceneBuilder::kTimeStep;
@@ -139,7 +142,7 @@ bool build(const Moving& p, SceneBuilder& builder, World& world) {
   Draws number = builder.draws(Stream::kObjects);
   const int count = p.objects.sample(number);
   const Way way = straight_way(builder, world);
-  // What an object does is kept over its tries: else what fits in badly would come less often than it was asked for.
+  // The kind of motion is kept over an object's tries; otherwise kinds that rarely fit would be rarer than requested.
   Draws kinds = builder.draws(Stream::kMotion, 0);
   double kind = 0.0;
   bool around_goal = false, walks = false;

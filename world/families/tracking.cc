@@ -8,10 +8,10 @@
 namespace moma {
 namespace {
 
-constexpr double kStep = 0.1;  // between the times at which following is tried [s]
+constexpr double kStep = 0.1;  // interval between two checks of following [s]
 
-/// A goal that moves: to and fro on a line, on a circle, or along a spline. Solvable by construction: from the
-/// witness on, the robot is shown to follow it for `follow` seconds within joint and velocity limits.
+/// A moving goal: to and fro on a line, on a circle, or along a spline. Solvable by construction: starting at the
+/// witness, the robot is shown to follow it for `follow` seconds within joint and velocity limits.
 struct Tracking {
   using Uniform = Distribution::Uniform;
   Placement placement{.tip_height = 0.3};
@@ -32,12 +32,15 @@ constexpr void describe(Visitor& v, Of<Tracking>) {
   v.member("line", &T::line, {.range = kWeight, .text = "weight of goals that move to and fro on a line"});
   v.member("circle", &T::circle, {.range = kWeight, .text = "weight of goals on a circle"});
   v.member("spline", &T::spline, {.range = kWeight, .text = "weight of goals along a spline"});
-  v.member("speed", &T::speed, {.unit = "m/s", .range = Range::positive(), .text = "of the goal"});
+  v.member("speed", &T::speed, {.unit = "m/s", .range = Range::positive(), .text = "speed of the goal"});
   v.member("extent", &T::extent,
-           {.unit = "m", .range = Range::positive(), .text = "length of the line, diameter, reach of the spline"});
-  v.member("duration", &T::duration, {.unit = "s", .range = Range::positive(), .text = "then line and spline rest"});
+           {.unit = "m",
+            .range = Range::positive(),
+            .text = "length of the line, diameter of the circle, extent of the spline"});
+  v.member("duration", &T::duration,
+           {.unit = "s", .range = Range::positive(), .text = "time after which line and spline rest"});
   v.member("follow", &T::follow,
-           {.unit = "s", .range = Range::non_negative(), .text = "shown to be followed for so long"});
+           {.unit = "s", .range = Range::non_negative(), .text = "time for which the goal is shown to be followed"});
 }
 
 void check(const Tracking& p, const config::MapReader& in) {
@@ -67,15 +70,15 @@ Motion circle(const Tracking& p, Draws& draws, bool mobile, const Vector3& from,
   const double rate = speed / radius;
   const Vector3 axis = direction(draws);
   const double side = draws.uniform(-std::numbers::pi, std::numbers::pi);
-  if (mobile) {  // it turns with the circle, and the base with it
+  if (mobile) {  // the goal turns with the circle, and the base with it
     const Vector3 center = from + extent * Vector3(std::cos(side), std::sin(side), 0.0);
     return CircleMotion{center, Vector3::UnitZ(), axis.z() < 0.0 ? -0.5 * rate : 0.5 * rate};
   }
-  // An arm on a fixed base cannot turn for ever: the orientation stays.
+  // An arm on a fixed base cannot turn indefinitely: the orientation is constant.
   const Vector3 u = axis.unitOrthogonal();
   const Vector3 v = axis.cross(u);
   const auto at = [&](double angle) -> Vector3 { return radius * (std::cos(angle) * u + std::sin(angle) * v); };
-  constexpr double kKnots = 16.0;  // per turn
+  constexpr double kKnots = 16.0;  // knots per turn
   SplineMotion motion;
   const double leg = 2.0 * std::numbers::pi / (kKnots * rate);
   for (int k = 0; k * leg < p.duration + leg; ++k) {
@@ -97,7 +100,7 @@ Motion spline(const Tracking& p, Draws& draws, const Vector3& from, double speed
   return motion;
 }
 
-/// Damped least squares from the configuration before; `moved` sums up the steps.
+/// Damped least squares from the configuration before; adds the joint motion to `moved`.
 bool reach(Kinematics& kinematics, const Isometry& goal, Configuration& at, VectorX& moved) {
   constexpr double kDamping = 1e-3;
   for (int i = 0; i < 20; ++i) {

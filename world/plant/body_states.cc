@@ -10,8 +10,8 @@ void take_from(const dReal* from, dReal (&to)[N]) {
   std::copy_n(from, N, to);
 }
 
-// ODE's setters make a rotation of what they are given and round in doing so; its bodies' own numbers are put back
-// past them. They are no constants: ODE hands out views of them.
+// ODE's setters normalise rotations and round in doing so, so the bodies' own numbers are restored directly. ODE hands
+// out views of these numbers, which are no constants.
 template <std::size_t N>
 void write_past(const dReal (&from)[N], const dReal* to) {
   std::copy_n(from, N, const_cast<dReal*>(to));
@@ -39,7 +39,7 @@ void BodyStates::restore() const {
   for (const State& s : states_) {
     write_past(s.quaternion, dBodyGetQuaternion(s.body));
     write_past(s.rotation, dBodyGetRotation(s.body));
-    dBodySetPosition(s.body, s.position[0], s.position[1], s.position[2]);  // tells the geoms, too
+    dBodySetPosition(s.body, s.position[0], s.position[1], s.position[2]);  // updates the geoms, too
     dBodySetLinearVel(s.body, s.linear[0], s.linear[1], s.linear[2]);
     dBodySetAngularVel(s.body, s.angular[0], s.angular[1], s.angular[2]);
   }

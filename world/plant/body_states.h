@@ -6,14 +6,14 @@
 
 namespace moma::ode {
 
-/// Where bodies are and how they move, kept so that a step of their world can be taken back and made again: from the
-/// same joints it then gives the same bits. What else ODE keeps from step to step is derived from these, or set anew
-/// before each step; dWorldStep draws no random numbers and starts from no earlier solution.
+/// Saves poses and velocities of bodies, so that a step of their world can be undone and repeated: from the same joints
+/// it then gives the same bits. Everything else that ODE keeps between steps follows from these or is set before each
+/// step; dWorldStep draws no random numbers and has no warm start.
 class BodyStates {
  public:
   void add(dBodyID body);
   void save();
-  /// The bodies as save() found them, and their geoms with them.
+  /// Restores the saved states of the bodies and their geoms.
   void restore() const;
 
  private:

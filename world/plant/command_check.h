@@ -4,8 +4,8 @@
 
 namespace moma {
 
-/// Throws std::invalid_argument naming the coordinate where the command has a wrong size or is not finite: such a
-/// number must never reach the physics.
+/// Throws std::invalid_argument naming the coordinate if the command has a wrong size or is not finite, before it
+/// reaches the physics.
 void check_command(const RobotModel& model, const VectorX& command, double duration);
 
 }  // namespace moma

@@ -4,13 +4,14 @@
 
 namespace moma {
 
-/// A ball of the density of water, held at the end effector.
+/// A ball with the density of water, held at the end effector.
 struct Payload {
-  double mass = 0.0;                 ///< [kg]; 0: nothing is held
-  Vector3 p_EP_E = Vector3::Zero();  ///< its centre in the end effector's frame [m]
+  double mass = 0.0;                 ///< [kg]; 0: no payload
+  Vector3 p_EP_E = Vector3::Zero();  ///< centre in the end effector's frame [m]
 };
 
-/// In what a trial's physics differ from what robot file and docs/explanation/physics.md say. Dynamic mode only.
+/// Differences between a trial's physics and those of the robot file and docs/explanation/physics.md. Dynamic mode
+/// only.
 struct PlantConditions {
   Payload payload;
   double floor_friction = 1.0;  ///< between floor and driven wheels [1]

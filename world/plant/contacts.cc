@@ -9,10 +9,10 @@
 namespace moma {
 namespace {
 
-// Who is asked about whom: floor against shapes that may reach it, objects against every robot shape.
+// Collision categories: floor against shapes that may reach it, objects against every robot shape.
 constexpr unsigned long kArm = 1, kBase = 2, kObject = 4, kFloor = 8;
 
-/// Enough to leave the degenerate case, far below every tolerance. Different for each solid, so that two boxes of
+/// Large enough to leave the degenerate case, far below every tolerance. Different for each solid, so that two boxes of
 /// one body differ, too.
 Isometry small_turn(ShapeKind kind, std::size_t number) {
   Isometry X = Isometry::Identity();

@@ -13,7 +13,7 @@
 
 namespace moma {
 
-/// Two solids that touch, with ODE's points of contact; normals point into the robot shape `first`.
+/// Two solids in contact, with ODE's contact points; normals point into the robot shape `first`.
 struct Touch {
   PairKind kind;
   int first;
@@ -28,7 +28,7 @@ class TouchSink {
   virtual void touch(const Touch& touch) = 0;
 };
 
-/// Collects the contacts of one advance(): each pair once, with its first time and its greatest depth.
+/// Collects the contacts of one advance(): each pair once, with its first time and greatest depth.
 class ContactLog {
  public:
   explicit ContactLog(std::vector<Contact>& contacts) : contacts_(contacts) {}
@@ -40,21 +40,21 @@ class ContactLog {
   std::vector<Contact>& contacts_;
 };
 
-/// The solids of robot, objects and floor as ODE geoms in two simple spaces, for both plants.
-/// Boxes are turned by about 1e-9 rad, each differently: ODE misses box pairs at exactly 90 degrees.
+/// The solids of robot, objects and floor as ODE geoms in two simple spaces, for both plants. Each box is turned by a
+/// different angle of about 1e-9 rad, because ODE misses box pairs at exactly 90 degrees.
 class ContactScene {
  public:
   static constexpr int kPointsPerPair = 4;
 
-  /// @param base_meets_floor whether shapes rigid with the base are checked against the floor, where they are clear
-  /// of it when the base stands upright. In kinematic mode they cannot come nearer.
+  /// @param base_meets_floor whether shapes rigid with the base are checked against the floor if they are clear of it
+  /// with the base upright. In kinematic mode they cannot come nearer.
   ContactScene(std::shared_ptr<const RobotModel> model, const World& world, bool base_meets_floor);
   ~ContactScene();
 
-  /// Null where the distance library decides about this shape.
+  /// Null if the distance library decides contacts of this shape.
   dGeomID robot_geom(int shape) const { return robot_geoms_[static_cast<std::size_t>(shape)]; }
   dGeomID object_geom(int object) const { return object_geoms_[static_cast<std::size_t>(object)]; }
-  /// The small turn of a shape's geom.
+  /// The small rotation of a shape's geom.
   Isometry robot_tilt(int shape) const;
   const std::vector<ObjectState>& object_states() const { return states_; }
   bool objects_move() const { return !moving_.empty(); }
@@ -62,23 +62,23 @@ class ContactScene {
   /// Places the robot's geoms that are not attached to bodies.
   void place_robot(const Kinematics& kinematics);
   void place_shape(int shape, const Kinematics& kinematics);
-  /// Moves the objects to where their motion has them at time t.
+  /// Moves the objects to their poses at time t.
   void place_objects(double t);
 
-  /// Hands every touching pair that ODE decides to `sink`, in a fixed order.
+  /// Reports every touching pair that ODE decides to `sink`, in a fixed order.
   void detect(TouchSink& sink);
-  /// Of one pair that ODE decides.
+  /// Does the same for one pair that ODE decides.
   void detect(const SolidPair& pair, TouchSink& sink);
   bool decides(const SolidPair& pair) const;
   /// The self-collision pairs that ODE decides.
   const std::vector<SelfPair>& self_pairs() const { return self_pairs_; }
   bool meets_floor(int shape) const;
-  /// Of each shape, those that ODE does not decide included.
+  /// Whether each shape may touch the floor, including shapes that ODE does not decide.
   const std::vector<bool>& meets_floor() const { return meets_floor_; }
   /// See Plant::cross_check().
   DetectorCheck cross_check();
 
-  /// The pairs that ODE does not decide.
+  /// True if the distance library decides some pairs.
   bool has_exact() const { return exact_ != nullptr; }
   void detect_exact(const Kinematics& kinematics, double time, ContactLog& log);
 
@@ -105,7 +105,7 @@ class ContactScene {
   std::vector<ObjectState> states_;
   std::unique_ptr<ExactContacts> exact_;
   std::vector<Contact> exact_found_;
-  std::unique_ptr<CrossCheck> cross_check_;  // made when first asked for
+  std::unique_ptr<CrossCheck> cross_check_;  // created at first use
 };
 
 }  // namespace moma

@@ -7,7 +7,7 @@
 namespace moma {
 namespace {
 
-/// Which pairs touch by ODE, in the order of their finding.
+/// Records which pairs touch according to ODE, in the order of detection.
 class TouchedPairs final : public TouchSink {
  public:
   void touch(const Touch& touch) override { pairs_.push_back({touch.kind, touch.first, touch.second}); }
@@ -27,7 +27,7 @@ class TouchedPairs final : public TouchSink {
 
 }  // namespace
 
-// No hull is asked about: ODE decides spheres, boxes and capsules.
+// Needs no hulls: ODE decides spheres, boxes and capsules.
 CrossCheck::CrossCheck(const RobotModel& model, const World& world)
     : shapes_(solids_of(model)), objects_(solids_of(world)), coal_(0) {}
 
@@ -42,7 +42,7 @@ void CrossCheck::compare_pair(const Solid& a, dGeomID geom_a, const Solid& b, dG
                               DetectorCheck& check) {
   const Isometry X_WA = ode::pose(geom_a);
   const Isometry X_WB = ode::pose(geom_b);
-  // Beyond their bounding spheres two solids are apart, for certain.
+  // Solids with disjoint bounding spheres are apart.
   const bool far = (X_WA.translation() - X_WB.translation()).norm() > a.radius + b.radius;
   if (far && !touches) return;
   judge(touches, coal_.distance(a.geometry, X_WA, b.geometry, X_WB).d, check);

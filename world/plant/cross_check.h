@@ -12,16 +12,16 @@ namespace moma {
 
 class ContactScene;
 
-/// Asks the distance library (coal) about every pair that ODE decides, in the poses of ODE's own geoms, and counts
-/// where the two contradict each other. The floor is asked for by the lowest point of a shape.
+/// Compares ODE with the distance library (coal) on every pair that ODE decides, in the poses of ODE's own geoms, and
+/// counts contradictions. The lowest point of a shape decides about the floor.
 class CrossCheck {
  public:
-  /// Distances of coal are good to 2e-6 m; a contradiction is one of more than this [m].
+  /// Smallest contradiction that counts [m]; coal's distances have errors up to 2e-6 m.
   static constexpr double kTolerance = 1e-5;
 
   CrossCheck(const RobotModel& model, const World& world);
 
-  /// Of the state in which the scene is; changes nothing in it.
+  /// Compares the detectors in the scene's present state, without changing it.
   DetectorCheck compare(ContactScene& scene);
 
  private:

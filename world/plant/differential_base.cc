@@ -15,7 +15,8 @@ namespace {
 
 constexpr double kCasterStiffness = 1e8;  // [N/m]
 
-// Both wheels: 2 % of the base's mass each, at most 1 kg: light beside the base, not so light as to be stiff.
+// Both wheels: 2 % of the base's mass each, at most 1 kg. Light compared with the base, but not light enough to be
+// numerically stiff.
 double mass_of_wheels(const RobotModel& model) {
   double base_mass = model.base.mass;
   if (!(base_mass > 0.0)) {  // then the links that are rigid with the base carry it
@@ -40,7 +41,7 @@ class DifferentialBase final : public OdeBase {
         support_(arm, OdeSupport::corners(model, 0.5 * wheels_.radius, true), 0.5 * wheels_.radius, kCasterStiffness) {
     floor_ = dCreatePlane(space_.get(), 0.0, 0.0, 1.0, 0.0);
     const double mass = 0.5 * mass_of_wheels(model);
-    // Enough to make the wheels slip under the whole weight, so that friction is what limits the drive.
+    // Enough to make the wheels slip under the whole weight, so that friction limits the drive.
     torque_ = friction_ * arm.mass() * 9.81 * wheels_.radius;
     const Isometry X_WB = base_pose(base);
     for (std::size_t i = 0; i < 2; ++i) {
@@ -71,7 +72,7 @@ class DifferentialBase final : public OdeBase {
       dVector3 axle;
       dJointGetHingeAxis(wheel.hinge, axle);
       wheel.axle = ode::from_vector(axle);
-      // v = R/2 (w_L + w_R), omega = R/W (w_R - w_L), inverted.
+      // Inverse of v = R/2 (w_L + w_R), omega = R/W (w_R - w_L).
       const double rolling = speeds[0] - speeds[1] * wheel.side;
       const double spin = std::clamp(rolling / wheels_.radius, -wheels_.max_speed, wheels_.max_speed);
       dJointSetHingeParam(wheel.hinge, dParamVel, spin);
@@ -87,7 +88,7 @@ class DifferentialBase final : public OdeBase {
       contact.surface.mode = dContactApprox1;
       contact.surface.mu = friction_;
       const double level = std::hypot(forward.x(), forward.y());
-      if (level > 0.1) {  // not while the base stands on end
+      if (level > 0.1) {  // not if the base has tipped onto its side
         contact.surface.mode |= dContactFDir1;
         contact.fdir1[0] = forward.x() / level;
         contact.fdir1[1] = forward.y() / level;
@@ -143,7 +144,7 @@ class DifferentialBase final : public OdeBase {
     dJointID hinge = nullptr;
     dJointFeedback feedback{};
     double side = 0.0;                // y in B
-    Vector3 axle = Vector3::UnitY();  // in the world, as the step began
+    Vector3 axle = Vector3::UnitY();  // in the world, at the start of the step
     bool touches = false;
 
     // The anchor is the wheel's centre: no lever arm.
@@ -151,7 +152,7 @@ class DifferentialBase final : public OdeBase {
   };
 
   double friction_;
-  double torque_ = 0.0;  // that a motor has at most [Nm]
+  double torque_ = 0.0;  // largest torque of a motor [Nm]
   Wheels wheels_;
   dBodyID base_;
   ode::Space space_;

@@ -8,13 +8,13 @@
 namespace moma {
 namespace {
 
-constexpr double kRange = 0.1;      // gaps beyond it count as this [m]
-constexpr double kRounding = 1e-5;  // of distances between hulls [m]
+constexpr double kRange = 0.1;      // larger gaps count as this [m]
+constexpr double kRounding = 1e-5;  // error of distances between hulls [m]
 
-// The distance library calls some overlaps of up to 1e-5 m a gap of less than this [m].
+// The distance library reports some overlaps of up to 1e-5 m as a gap below this [m].
 constexpr double kUnsure = 2e-5;
 
-/// Nearest point of a solid, in closed form; hulls are not asked for.
+/// Nearest point of a solid, in closed form; not for hulls.
 Vector3 nearest_in(const Shape& shape, const Isometry& X_WS, const Vector3& p_W) {
   Vector3 p = X_WS.linear().transpose() * (p_W - X_WS.translation());
   const double r = shape.size.x();
@@ -44,7 +44,7 @@ Vector3 nearest_in(const Shape& shape, const Isometry& X_WS, const Vector3& p_W)
   return X_WS.linear() * p + X_WS.translation();
 }
 
-/// Whether alternating projections from p_W find a point of both solids: never where they are apart.
+/// True if alternating projections from p_W find a common point of both solids, which never happens if they are apart.
 bool share_a_point(const Shape& A, const Isometry& X_WA, const Shape& B, const Isometry& X_WB, Vector3 p_W) {
   constexpr int kIterations = 500;
   constexpr double kSame = 1e-12;  // [m]

@@ -8,12 +8,12 @@
 namespace moma {
 namespace {
 
-// Gaps of less than this are not told from contacts: the detectors' differences, and how far a way bends off the
-// straight line between its ends [m].
+// Smaller gaps count as possible contacts: the detectors differ by that much, and a path between two states deviates
+// that far from a straight line [m].
 constexpr double kUncertain = 1e-4;
-// The way itself may be longer than between its ends: an arc of half a radian by 1 %.
+// A path may be longer than the distance of its ends: an arc of half a radian by 1 %.
 constexpr double kBend = 1.01;
-// Balls this far apart need no distance of what is in them [m].
+// Bounding spheres this far apart need no distance of their contents [m].
 constexpr double kFar = 0.1;
 
 double way(const Isometry& from, const Isometry& to, double radius) { return kBend * moved(from, to, radius); }
@@ -107,8 +107,8 @@ bool GapWatch::moves_clear(const SolidPoses& poses, const std::vector<ObjectStat
     const double before = way_[pair.way_first] + way_[pair.way_second];
     const double step = step_[pair.way_first] + step_[pair.way_second];
     if (before + step < pair.room) continue;
-    // At each moment of the step the gap is at least the first one less the way since, and the second less the way to
-    // come: it stays open where the two gaps together are more than the whole way.
+    // At each moment of the step the gap is at least the first gap minus the travel so far, and at least the second gap
+    // minus the travel to come. It stays open if the two gaps together exceed the whole travel.
     const double now = gap(pair, poses, objects) - kUncertain;
     if (!(now > 0.0) || !(pair.room - before + now > step)) return false;
     found_.push_back({p, now + before + step});

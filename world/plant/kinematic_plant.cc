@@ -50,7 +50,7 @@ class KinematicPlant final : public Plant, private TouchSink {
     Vector3 base = state_.base;
     move(command, duration, base);
     enter(clock_, PlantPart::kCollide);
-    const std::vector<SolidPair>* pairs = nullptr;  // all
+    const std::vector<SolidPair>* pairs = nullptr;  // all pairs
     if (watch_ && base.allFinite() && q_.allFinite()) pairs = &near(command, duration, base);
     if (pairs == nullptr || !pairs->empty()) {
       look(command, duration, pairs, report);
@@ -65,7 +65,7 @@ class KinematicPlant final : public Plant, private TouchSink {
   }
 
  private:
-  /// Keeps the vector's memory.
+  /// Keeps the vector's capacity.
   static void clear(PlantReport& report) {
     std::vector<Contact> contacts = std::move(report.contacts);
     contacts.clear();
@@ -77,10 +77,10 @@ class KinematicPlant final : public Plant, private TouchSink {
     return std::max(1, static_cast<int>(std::ceil(duration / kContactInterval - 1e-9)));
   }
 
-  /// When check i of n looks, after the command's begin. The last one ends it.
+  /// Time of check i of n after the command's start. The last check is at the end.
   static double time_of(int i, int n, double duration) { return i == n ? duration : duration * i / n; }
 
-  /// From the beginning each time, so that the end does not depend on how often contact is checked.
+  /// Integrates from the start of the command each time, so that the end does not depend on the number of checks.
   void move(const VectorX& command, double dt, Vector3& base) {
     base = state_.base;
     q_ = state_.q;
@@ -92,10 +92,10 @@ class KinematicPlant final : public Plant, private TouchSink {
     }
   }
 
-  /// Pairs that may touch on the way to (base, q_).
+  /// Returns the pairs that may touch on the way to (base, q_).
   const std::vector<SolidPair>& near(const VectorX& command, double duration, const Vector3& base) {
     watch_->between(state_.base, state_.q, base, q_, travel_);
-    // What stops at a limit may have gone all the way to it in a moment; what does not goes as far as it is told.
+    // A joint that stops at a limit may go all the way to it; any other joint goes as far as commanded.
     if (model_->mobile()) travel_.base = command.head(model_->base_dof() - 1).norm() * duration;
     travel_.joints = travel_.joints.cwiseMax(duration * command.tail(model_->num_joints()).cwiseAbs());
     if (scene_.objects_move()) measure_objects(duration);
@@ -108,7 +108,7 @@ class KinematicPlant final : public Plant, private TouchSink {
     });
   }
 
-  /// How far objects come from check to check, and where they are now.
+  /// Measures how far objects move between checks, and their present poses.
   void measure_objects(double duration) {
     scene_.place_objects(time_);
     objects_ = scene_.object_states();
@@ -124,7 +124,7 @@ class KinematicPlant final : public Plant, private TouchSink {
     }
   }
 
-  /// Goes the way and looks for contact on it, of these pairs or of all.
+  /// Moves along the command and checks these pairs, or all, for contact.
   void look(const VectorX& command, double duration, const std::vector<SolidPair>* pairs, PlantReport& report) {
     const int checks = checks_in(duration);
     Vector3 base;
@@ -179,10 +179,10 @@ class KinematicPlant final : public Plant, private TouchSink {
   Kinematics kinematics_;
   ContactScene scene_;
   bool stops_;
-  std::optional<PairGaps> gaps_;  // these two only where not everything is looked at
+  std::optional<PairGaps> gaps_;  // both only with ContactChecks::kWhereSomethingMayTouch
   std::optional<ReachWatch> watch_;
   ReachWatch::Travel travel_;
-  std::vector<ObjectState> objects_, before_;  // where a command begins; at the check before
+  std::vector<ObjectState> objects_, before_;  // at the start of a command; at the previous check
   PlantState state_;
   VectorX q_;
   double time_ = 0.0;

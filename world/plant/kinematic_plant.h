@@ -6,12 +6,12 @@
 
 namespace moma {
 
-/// Which pairs are looked at for contact: those that may have come to touch (reach_watch.h), or every one each time.
-/// Both find the same contacts.
+/// Pairs that are checked for contact: those that the broad phase keeps (reach_watch.h), or all. Both find the same
+/// contacts.
 enum class ContactChecks { kWhereSomethingMayTouch, kAll };
 
-/// The command is the velocity: joints move by q + command t, the base along its exact arc; contacts are looked
-/// for at least every 5 ms of motion. With `stops` a joint stops at its limit.
+/// The command is the velocity: joints move by q + command t, the base along its exact arc. Contacts are checked at
+/// least every 5 ms of motion. With `stops` a joint stops at its limit.
 std::unique_ptr<Plant> make_kinematic_plant(std::shared_ptr<const RobotModel> model, const World& world,
                                             bool stops = false,
                                             ContactChecks checks = ContactChecks::kWhereSomethingMayTouch);

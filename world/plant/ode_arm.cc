@@ -7,7 +7,7 @@
 namespace moma {
 namespace {
 
-// A joint driver's own braking near its limits [rad/s^2 or m/s^2].
+// Deceleration of a joint near its limits [rad/s^2 or m/s^2].
 constexpr double kLimitBraking = 20.0;
 // ODE's stop is this far beyond the limit [rad or m].
 constexpr double kStopBeyond = 0.01;
@@ -18,7 +18,7 @@ Isometry shift(const Vector3& p) {
   return X;
 }
 
-/// Largest speed towards a limit `room` away that ends at it.
+/// Largest speed towards a limit at distance `room` that ends at the limit.
 double speed_into(double room, double h) {
   if (room <= 0.0) return room / h;
   return std::min(room / h, std::sqrt(2.0 * kLimitBraking * room));
@@ -37,12 +37,12 @@ OdeArm::OdeArm(dWorldID world, std::shared_ptr<const RobotModel> model, const Ve
     dMassSetParameters(&mass, body.mass, 0.0, 0.0, 0.0, body.I_C(0, 0), body.I_C(1, 1), body.I_C(2, 2), body.I_C(0, 1),
                        body.I_C(0, 2), body.I_C(1, 2));
     dBodySetMass(id, &mass);
-    // Exact rotation by the angular velocity of a step: the other mode is off by (omega h)^2 / 12.
+    // Exact rotation by the angular velocity of a step: ODE's default is off by (omega h)^2 / 12.
     dBodySetFiniteRotationMode(id, 1);
     bodies_.push_back(id);
     mass_ += body.mass;
   }
-  // Joints are made at the middle of their ranges, where ODE's angle, which wraps at pi, is zero.
+  // Joints are created at the middle of their ranges, where ODE's angle, which wraps at pi, is zero.
   joints_.resize(model_->joints.size());
   VectorX middle = q;
   for (std::size_t i = 0; i < joints_.size(); ++i) {
@@ -61,8 +61,8 @@ OdeArm::OdeArm(dWorldID world, std::shared_ptr<const RobotModel> model, const Ve
   place(kinematics, drop);
 }
 
-/// Dry friction: a second motor that wants rest, with at most this torque or force. ODE's solver then finds sticking
-/// and sliding alike.
+/// Dry friction: a second motor with target velocity zero and at most this torque or force. ODE's solver then decides
+/// between sticking and sliding.
 void OdeArm::add_friction(dWorldID world, const Joint& joint, double most) {
   if (!(most > 0.0)) return;
   dVector3 axis;
@@ -119,7 +119,7 @@ void OdeArm::make_joint(dWorldID world, const RigidBody& body, const Kinematics&
       dJointSetSliderParam(joint.id, dParamHiStop, half + kStopBeyond);
     }
   } else {
-    // The drop moves every body alike: an anchor on the child's axis line, wherever the bodies are now.
+    // The drop moves every body alike, so the anchor is on the child's axis line wherever the bodies are.
     const Vector3 drop = X_WL * body.com_L - ode::from_vector(dBodyGetPosition(child));
     const Vector3 anchor = X_WL.translation() - drop;
     joint.id = dJointCreateHinge(world, nullptr);
@@ -127,7 +127,7 @@ void OdeArm::make_joint(dWorldID world, const RigidBody& body, const Kinematics&
     dJointSetHingeAnchor(joint.id, anchor.x(), anchor.y(), anchor.z());
     dJointSetHingeAxis(joint.id, axis.x(), axis.y(), axis.z());
     dJointSetHingeParam(joint.id, dParamFMax, limits.effort);
-    // Where the range does not fit into ODE's (-pi, pi) a stop would act on the wrong turn; the clamp remains.
+    // A range that does not fit into ODE's (-pi, pi) would put the stop on the wrong turn; the clamp remains.
     if (bounded(limits) && half + kStopBeyond < std::numbers::pi - 0.05) {
       dJointSetHingeParam(joint.id, dParamLoStop, -half - kStopBeyond);
       dJointSetHingeParam(joint.id, dParamHiStop, half + kStopBeyond);
@@ -153,7 +153,7 @@ void OdeArm::command(const Eigen::Ref<const VectorX>& speeds, double h) {
     double speed = std::clamp(speeds[k], -limits.velocity, limits.velocity);
     if (std::isfinite(limits.upper)) speed = std::min(speed, speed_into(limits.upper - q_[k], h));
     if (std::isfinite(limits.lower)) speed = std::max(speed, -speed_into(q_[k] - limits.lower, h));
-    // Back from beyond a limit no faster than the joint can move.
+    // From beyond a limit the joint returns at most at its velocity limit.
     speed = std::clamp(speed, -limits.velocity, limits.velocity);
     if (joints_[i].slides)
       dJointSetSliderParam(joints_[i].id, dParamVel, speed);
@@ -219,7 +219,7 @@ void OdeArm::before_step() {
 void OdeArm::after_step() {
   for (Joint& joint : joints_) {
     const Vector3 force = ode::from_vector(joint.feedback.f1);
-    // The feedback's torque is about the body's centre; what the joint itself passes on is taken at its anchor.
+    // The feedback's torque is about the body's centre; the joint's own torque is about its anchor.
     const Vector3 wrench = joint.slides ? force : ode::from_vector(joint.feedback.t1) - joint.lever.cross(force);
     joint.torque = wrench.dot(joint.axis);
   }

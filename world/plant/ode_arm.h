@@ -13,7 +13,7 @@
 
 namespace moma {
 
-/// The larger of `most` and |effort| / limit, the load of a motor with that limit; infinite where it is not finite.
+/// Returns the larger of `most` and |effort| / limit, the load of a motor; infinite if it is not finite.
 inline double larger_load(double most, double effort, double limit) {
   const double load = std::abs(effort) / limit;
   return std::isfinite(load) ? std::max(most, load) : std::numeric_limits<double>::infinity();
@@ -30,32 +30,32 @@ class OdeArm {
 
   int num_bodies() const { return static_cast<int>(bodies_.size()); }
   dBodyID body(int i) const { return bodies_[static_cast<std::size_t>(i)]; }
-  /// Null: the link is fixed to the world.
+  /// Null if the link is fixed to the world.
   dBodyID body_of_link(int link) const;
-  /// Pose in the body's frame (at its centre of mass) of something placed in a link's frame.
+  /// Converts a pose in a link's frame to its body's frame (at the centre of mass).
   Isometry in_body(int link, const Isometry& X_L) const;
   double mass() const { return mass_; }
   const RigidBodies& rigid() const { return rigid_; }
 
-  /// Sets the motors for one step of h seconds: within velocity limits, and slowing down ahead of the joint limits,
-  /// so that the limit stops of ODE are a last resort.
+  /// Sets the motors for one step of h seconds: within velocity limits, and decelerating ahead of the joint limits, so
+  /// that ODE's stops are a last resort.
   void command(const Eigen::Ref<const VectorX>& speeds, double h);
-  /// Whether the motors' efforts bound the coming step's solution. Without bounds a step is cheaper, and the same
-  /// where load() ends up below 1. No stop of ODE's may act then: clear_of_stops().
+  /// Selects whether the motors' efforts bound the next step's solution. An unbounded step is cheaper, and has the same
+  /// result if load() is below 1 afterwards. It requires that none of ODE's stops acts: clear_of_stops().
   void set_bounded(bool bounded);
   bool clear_of_stops() const;
-  /// Notes where the axes are, which the coming step's torques are about.
+  /// Stores the axes to which the next step's torques refer.
   void before_step();
-  /// Takes the motors' torques and forces from ODE's feedback.
+  /// Reads the motors' torques and forces from ODE's feedback.
   void after_step();
-  /// Of the last step: greatest |torque| / effort of a motor. Infinite where one is not finite.
+  /// Greatest |torque| / effort of a motor in the last step; infinite if one is not finite.
   double load() const;
   /// Sum of |torque x speed| of the motors over the last step [W].
   double power() const;
 
-  /// Joint positions (not wrapped) and rates as they are now.
+  /// Reads present joint positions (not wrapped) and rates.
   void read(VectorX& q, Eigen::Ref<VectorX> qdot);
-  /// What read() goes on from, to take a step back: angles are counted beyond a turn.
+  /// State of read(), for undoing a step: angles count full turns.
   const VectorX& q() const { return q_; }
   void set_q(const VectorX& q) { q_ = q; }
 
@@ -66,9 +66,9 @@ class OdeArm {
     double zero = 0.0;  // joint value at which ODE's own coordinate is zero
     double effort = 0.0;
     dJointFeedback feedback{};
-    Vector3 axis = Vector3::UnitZ();  // in the world, as the step began
-    Vector3 lever = Vector3::Zero();  // from the child's centre to the anchor, likewise
-    double torque = 0.0;              // or force, about or along the axis
+    Vector3 axis = Vector3::UnitZ();  // in the world, at the start of the step
+    Vector3 lever = Vector3::Zero();  // from the child's centre to the anchor, at the start of the step
+    double torque = 0.0;              // torque or force, about or along the axis
   };
   void make_joint(dWorldID world, const RigidBody& body, const Kinematics& kinematics);
   static void add_friction(dWorldID world, const Joint& joint, double most);

@@ -8,7 +8,7 @@
 namespace moma {
 namespace {
 
-// In the order of BaseType; null for one that does not move.
+// In the order of BaseType; null for a fixed base.
 constexpr const OdeBaseKind* kKinds[] = {nullptr, &kDifferentialBase, &kOmnidirectionalBase};
 static_assert(std::size(kKinds) == words(Of<BaseType>{}).size());
 

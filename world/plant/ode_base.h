@@ -10,36 +10,36 @@
 
 namespace moma {
 
-/// Height of the base frame under the floor at the start, and at rest [m]: half of the contact layer, so that wheels
-/// and casters begin and stay in contact without being pushed out.
+/// Depth of the base frame below the floor at the start and at rest [m]: half of the contact layer, so that wheels and
+/// casters are in contact from the start without being pushed out.
 inline constexpr double kContactLayer = 1e-4;
 inline constexpr double kStartDrop = 0.5 * kContactLayer;
 
-/// What drives and carries a mobile base. Each kind is a file, NAME_base.cc, and its entry in ode_base.cc.
+/// Drive and support of a mobile base. Each kind is a file, NAME_base.cc, and its entry in ode_base.cc.
 class OdeBase {
  public:
   virtual ~OdeBase() = default;
-  /// Mass of the drive's own bodies; comes off the footprint's, where that has one [kg].
+  /// Mass of the drive's own bodies [kg]; it is subtracted from the footprint's, if that has one.
   static double own_mass(const RobotModel& model);
-  /// The base begins at (x, y, phi); `friction`: between floor and driven wheels. Null for a base that does not move.
-  /// Throws std::runtime_error naming the key where something is missing.
+  /// Creates the drive with the base at (x, y, phi); `friction` acts between floor and driven wheels. Null for a fixed
+  /// base. Throws std::runtime_error naming the key if data is missing.
   static std::unique_ptr<OdeBase> make(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3& base,
                                        double friction);
 
-  /// Sets the drive for one step of h seconds; `speeds` are the base's velocity coordinates, ramped already.
+  /// Sets the drive for one step of h seconds; `speeds` are the base's velocity coordinates after the ramp.
   virtual void command(const Eigen::Ref<const VectorX>& speeds, double h) = 0;
   /// Adds the contacts with the floor of a step of h seconds.
   virtual void add_floor_contacts(dWorldID world, dJointGroupID group, double h) = 0;
-  /// As OdeArm's, of the drive's motors.
+  /// As OdeArm::set_bounded(), for the drive's motors.
   virtual void set_bounded(bool bounded) = 0;
   virtual double load() const = 0;
   /// Largest slip since the last add_floor_contacts() [m/s], after the step.
   virtual double slip() const = 0;
-  /// Of the drive's motors, over the last step [W].
+  /// Sum of |torque x speed| of the drive's motors over the last step [W].
   virtual double power() const = 0;
-  /// The drive's own bodies join what a step that is taken back restores.
+  /// Adds the drive's own bodies to those that an undone step restores.
   virtual void list_bodies(ode::BodyStates& bodies) const = 0;
-  /// False where a wheel's speed or position is not finite, or beyond `limit` [m/s].
+  /// False if a wheel's speed or position is not finite, or beyond `limit` [m/s].
   virtual bool healthy(double limit) const = 0;
 };
 

@@ -6,7 +6,7 @@
 
 namespace moma {
 
-/// The drive of one kind of base: its two functions are those of OdeBase.
+/// The drive of one kind of base: the implementations of OdeBase's two static functions.
 struct OdeBaseKind {
   std::unique_ptr<OdeBase> (*make)(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3& base,
                                    double friction);

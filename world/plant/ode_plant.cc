@@ -20,12 +20,12 @@ namespace moma {
 namespace {
 
 constexpr double kGravity = 9.81;   // [m/s^2]
-constexpr double kTopSpeed = 20.0;  // of any body; beyond it the physics has lost its footing [m/s]
+constexpr double kTopSpeed = 20.0;  // of any body; a higher one means that the physics diverged [m/s]
 constexpr double kTipAngle = 30.0;  // [degrees]
 constexpr double kFallen = -0.1;    // height of the base frame [m]
 constexpr double kObjectFriction = 0.5;
-constexpr double kContactStep = 0.001;  // at most, where something may touch [s]
-constexpr double kNearlyBound = 0.99;   // of a motor's limit: the next step is made with bounds at once
+constexpr double kContactStep = 0.001;  // longest step if a pair may touch [s]
+constexpr double kNearlyBound = 0.99;   // share of a motor's limit from which the next step is bounded at once
 
 class OdePlant final : public Plant, private TouchSink {
  public:
@@ -58,7 +58,7 @@ class OdePlant final : public Plant, private TouchSink {
 
   ~OdePlant() override {
     if (!world_.abandoned()) return;
-    // The world's memory is left alone, so what points into it must not be freed either.
+    // The world's memory is leaked, so members that point into it must not be freed, either.
     (void)contacts_.release();
   }
 
@@ -108,7 +108,7 @@ class OdePlant final : public Plant, private TouchSink {
 
   void attach_shapes(const World& world) {
     kinematics_.update(world.start.base, world.start.q);
-    scene_.place_robot(kinematics_);  // for those of a fixed base, which have no body
+    scene_.place_robot(kinematics_);  // for shapes of a fixed base, which have no body
     for (int i = 0; i < static_cast<int>(model_->shapes.size()); ++i) {
       const CollisionShape& shape = model_->shapes[static_cast<std::size_t>(i)];
       const dGeomID geom = scene_.robot_geom(i);
@@ -117,7 +117,7 @@ class OdePlant final : public Plant, private TouchSink {
       dGeomSetBody(geom, body);
       ode::set_offset(geom, arm_.in_body(shape.link, shape.X_LS * scene_.robot_tilt(i)));
     }
-    // Moving objects are kinematic bodies, so that a contact knows their velocity.
+    // Moving objects are kinematic bodies, so that contacts use their velocity.
     object_bodies_.assign(world.objects.size(), nullptr);
     for (std::size_t i = 0; i < world.objects.size(); ++i) {
       const dGeomID geom = scene_.object_geom(static_cast<int>(i));
@@ -131,7 +131,7 @@ class OdePlant final : public Plant, private TouchSink {
     }
   }
 
-  /// Objects as their motion has them at a time, with its velocities.
+  /// Sets poses and velocities of objects at a time of their motion.
   void place_objects(double time) {
     scene_.place_objects(time);
     for (std::size_t i = 0; i < object_bodies_.size(); ++i) {
@@ -142,14 +142,14 @@ class OdePlant final : public Plant, private TouchSink {
     }
   }
 
-  /// The base's command follows the wanted one no faster than its acceleration limits. What a step of h seconds is
-  /// told is the mean of that, so that a base that does as it is told comes as far whatever the step.
+  /// Ramps the base's command at its acceleration limits. A step of h seconds gets the ramp's mean, so that a base that
+  /// follows it travels the same distance for any step.
   void ramp(const VectorX& command, double h) {
     const int dof = model_->base_dof();
     if (dof == 0) return;
     const auto follow = [h](auto now, const auto& wanted, double most, auto mean) {
       const VectorX change = wanted - now;
-      const double time = std::min(change.norm() / most, h);  // for which it still changes
+      const double time = std::min(change.norm() / most, h);  // remaining time of the ramp
       const VectorX before = now;
       now += time < h ? change : VectorX(change * (h * most / change.norm()));
       mean = now - (now - before) * (0.5 * time / h);
@@ -159,7 +159,7 @@ class OdePlant final : public Plant, private TouchSink {
     follow(ramped_.tail(1), command.segment(dof - 1, 1), limit.y(), mean_.tail(1));
   }
 
-  /// What a step changes and neither BodyStates nor the arm knows of.
+  /// The quantities that a step changes besides BodyStates and the arm.
   auto changing(PlantReport& report) {
     return std::tie(state_, ramped_, height_, up_, bound_, report.slip_max, report.energy, report.lcp_messages);
   }
@@ -175,8 +175,8 @@ class OdePlant final : public Plant, private TouchSink {
     arm_.set_q(before_q_);
   }
 
-  /// From `begin` to `end`, h seconds, in one step where nothing can touch on the way, else in small ones that look for
-  /// contact after each. False where physics has failed.
+  /// Advances from `begin` to `end`, h seconds: in one step if nothing can touch on the way, otherwise in small steps
+  /// with a contact check after each. False if the physics failed.
   bool whole_step(const VectorX& command, double begin, double end, double h, PlantReport& report) {
     const int parts = std::max(1, static_cast<int>(std::ceil(h / kContactStep - 1e-9)));
     if (!touching_) {
@@ -208,7 +208,7 @@ class OdePlant final : public Plant, private TouchSink {
     return true;
   }
 
-  /// One physics step. False where physics has failed; the report says why.
+  /// One physics step. False if the physics failed; the report has the reason.
   bool step(const VectorX& command, double h, PlantReport& report) {
     enter(clock_, PlantPart::kRest);
     ramp(command, h);
@@ -226,7 +226,7 @@ class OdePlant final : public Plant, private TouchSink {
     if (!solve(h, report)) return false;
     if (free && !(load() < 1.0)) {
       bodies_.restore();
-      ode::take_lcp_messages();  // of the solution that nobody will see
+      ode::take_lcp_messages();  // messages of the discarded solution
       set_bounded(true);
       ++report.redone_steps;
       if (!solve(h, report)) return false;
@@ -270,7 +270,7 @@ class OdePlant final : public Plant, private TouchSink {
     return false;
   }
 
-  /// After a step of h seconds.
+  /// Reads the state after a step of h seconds.
   bool read_state(double h) {
     for (int i = 0; i < arm_.num_bodies(); ++i) {
       const Vector3 v = ode::from_vector(dBodyGetLinearVel(arm_.body(i)));
@@ -297,7 +297,7 @@ class OdePlant final : public Plant, private TouchSink {
     height_ = X_WB.translation().z();
     up_ = X_WB.linear()(2, 2);
 
-    // A body's velocity is its mean over the step: along the chord, which lies as the base did half-way.
+    // A body's velocity is its mean over the step: along the chord, at the base's heading half-way.
     const Vector3 w = ode::from_vector(dBodyGetAngularVel(body));
     const Vector3 lever = X_WB.linear().transpose() * (X_WB.translation() - ode::from_vector(dBodyGetPosition(body)));
     const Vector3 v_centre = ode::from_vector(dBodyGetLinearVel(body));
@@ -329,7 +329,7 @@ class OdePlant final : public Plant, private TouchSink {
 
   void find_solids() {
     if (solids_.X_WS.empty()) {
-      kinematics_.update(state_.base, state_.q);  // for those of a fixed base, which have no body
+      kinematics_.update(state_.base, state_.q);  // for shapes of a fixed base, which have no body
       for (const CollisionShape& shape : model_->shapes) {
         const bool moves = arm_.body_of_link(shape.link) != nullptr;
         solids_.X_WS.push_back(kinematics_.X_WS(shape));
@@ -342,7 +342,7 @@ class OdePlant final : public Plant, private TouchSink {
     if (base_) solids_.X_WB = ode::pose(arm_.body(0));
   }
 
-  /// Contacts of the state as it is: reported, and made into contact joints for the next step.
+  /// Reports the contacts of the present state, and creates contact joints for the next step.
   void detect(double time, PlantReport& report) {
     enter(clock_, PlantPart::kCollide);
     ContactLog log(report.contacts);
@@ -391,20 +391,20 @@ class OdePlant final : public Plant, private TouchSink {
   ode::BodyStates bodies_;
   GapWatch watch_;
   SolidPoses solids_;
-  std::vector<Isometry> in_body_;  // of each shape, in its body's frame
+  std::vector<Isometry> in_body_;  // pose of each shape in its body's frame
 
   PlantState state_;
-  std::tuple<PlantState, VectorX, double, double, bool, double, double, int> before_;  // of changing()
+  std::tuple<PlantState, VectorX, double, double, bool, double, double, int> before_;  // saved changing()
   VectorX before_q_;                                                                   // of the arm
-  VectorX ramped_;  // the base's command, as its acceleration limits let it through
-  VectorX mean_;    // of that, over a step
+  VectorX ramped_;  // the base's command after its acceleration limits
+  VectorX mean_;    // mean of `ramped_` over a step
   double time_ = 0.0;
   double height_ = 0.0;
   double up_ = 1.0;
   bool detected_ = false;
   bool watching_ = false;
-  bool touching_ = false;  // there are joints of contacts with objects or of links
-  bool bound_ = false;     // a motor had all it has, or nearly, in the last step
+  bool touching_ = false;  // contact joints with objects or between links exist
+  bool bound_ = false;     // a motor was at or near its limit in the last step
   std::string failure_;
   ContactLog* log_ = nullptr;
   double now_ = 0.0;

@@ -6,8 +6,8 @@
 
 namespace moma {
 
-/// When ODE's solver is told of the motors' limits. Unbounded motors make a step a quarter cheaper; where one would
-/// need more than it has, the step is taken back and made again with all bounds.
+/// Use of the motors' limits in ODE's solver. A step without them is a quarter cheaper; if a motor exceeds its limit,
+/// the step is undone and repeated with all limits.
 enum class MotorBounds { kWhereTheyBind, kAlways };
 
 /// Rigid bodies, joint motors with effort limits, wheels on the floor (docs/explanation/physics.md).

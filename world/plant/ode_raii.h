@@ -17,7 +17,7 @@ struct SpaceDeleter {
 struct JointGroupDeleter {
   void operator()(dJointGroupID group) const { dJointGroupDestroy(group); }
 };
-/// Destroys the geoms that it holds, too.
+/// Also destroys the geoms that it owns.
 using Space = std::unique_ptr<std::remove_pointer_t<dSpaceID>, SpaceDeleter>;
 using JointGroup = std::unique_ptr<std::remove_pointer_t<dJointGroupID>, JointGroupDeleter>;
 
@@ -27,7 +27,7 @@ inline Space make_simple_space() {
   return space;
 }
 
-/// A world with a threading object of its own: worlds stepped in concurrent threads abort on the shared default one.
+/// A world with its own threading object: worlds stepped in concurrent threads abort on the shared default one.
 class World {
  public:
   World() {
@@ -46,7 +46,7 @@ class World {
   World& operator=(const World&) = delete;
 
   dWorldID id() const { return id_; }
-  /// After a Fault: leaks the world, whose state is unknown, rather than touch it again.
+  /// After a Fault: leaks the world, whose state is unknown.
   void abandon() { abandoned_ = true; }
   bool abandoned() const { return abandoned_; }
 

@@ -12,7 +12,7 @@
 namespace moma::ode {
 namespace {
 
-// ODE's handlers are process-wide; the thread that a message concerns is the one that calls them.
+// ODE's handlers are process-wide; they run in the thread that causes a message.
 thread_local int lcp_messages = 0;
 
 std::string text_of(int number, const char* format, va_list arguments) {
@@ -29,9 +29,8 @@ void count_message(int number, const char*, va_list) {
   throw Fault(text_of(number, format, arguments));
 }
 
-// ODE writes through what it is given without looking, and leaves things half made where an exception passes through
-// it: without memory the program ends by std::terminate, as what follows may not throw. The handler of `new` hears of
-// it.
+// ODE does not check allocations, and an exception through ODE leaves it inconsistent. Without memory the program
+// therefore ends by std::terminate; the handler of `new` runs first.
 [[noreturn]] void no_memory() {
   if (const std::new_handler handler = std::get_new_handler()) handler();
   throw std::bad_alloc();

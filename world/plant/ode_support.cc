@@ -12,7 +12,7 @@
 namespace moma {
 namespace {
 
-/// A solid of the base as it stands in B, with the box around it.
+/// A solid of the base with its pose in B and its bounding box.
 struct Part {
   Shape shape;
   Isometry X_BS;
@@ -35,7 +35,7 @@ Eigen::AlignedBox3d box_around(const Shape& shape, const Isometry& X) {
   return {p - half, p + half};
 }
 
-/// What is rigid with the base and near the floor: not the column or mount above it.
+/// Returns shapes that are rigid with the base and near the floor, without columns or mounts above.
 std::vector<Part> base_parts(const RobotModel& model) {
   constexpr double kLow = 0.25;  // [m]
   const Kinematics kinematics(std::make_shared<RobotModel>(model));

@@ -11,10 +11,9 @@ namespace {
 
 constexpr double kFootStiffness = 1e11;  // [N/m]
 
-/// Four mecanum wheels as one planar velocity drive. Their rollers are not simulated: the wheels are frictionless
-/// supports where they stand, and motors between base and floor give the base its commanded velocity with what
-/// friction under the whole weight could pass on: force mu m g in each direction, moment mu m g times the lever of
-/// the wheels.
+/// Four mecanum wheels as one planar velocity drive, without rollers. The wheels are frictionless supports. Motors
+/// between base and floor give the base its commanded velocity, up to the friction under the whole weight: force mu m g
+/// in each direction, moment mu m g times the lever of the wheels.
 class OmnidirectionalBase final : public OdeBase {
  public:
   OmnidirectionalBase(dWorldID world, const RobotModel& model, OdeArm& arm, double friction)
@@ -42,7 +41,7 @@ class OmnidirectionalBase final : public OdeBase {
   }
 
   void command(const Eigen::Ref<const VectorX>& speeds, double h) override {
-    // The body is placed by its centre of mass: where would that be after exactly this motion of B?
+    // The body's position is that of its centre of mass: the target for it after exactly this motion of B.
     const Isometry X_BC = arm_.in_body(0, Isometry::Identity()).inverse();
     const Isometry X_WB = ode::pose(base_) * X_BC.inverse();
     const double heading = std::atan2(X_WB.linear()(1, 0), X_WB.linear()(0, 0));
@@ -87,7 +86,7 @@ class OmnidirectionalBase final : public OdeBase {
     return larger_load(linear, angular_feedback_.t1[2], moment_);
   }
 
-  void list_bodies(ode::BodyStates&) const override {}  // has none of its own
+  void list_bodies(ode::BodyStates&) const override {}  // no own bodies
   bool healthy(double) const override { return true; }
 
  private:
@@ -103,7 +102,7 @@ class OmnidirectionalBase final : public OdeBase {
     return points;
   }
 
-  /// Mean distance of the wheels' forces from the centre.
+  /// Mean lever of the wheels' forces about the centre.
   static double lever(const RobotModel& model) {
     double sum = 0.0;
     const std::vector<Vector2> points = feet(model);
@@ -120,7 +119,7 @@ class OmnidirectionalBase final : public OdeBase {
   OdeArm& arm_;
   dBodyID base_;
   OdeSupport support_;
-  double force_ = 0.0, moment_ = 0.0;  // that the drive has at most [N, Nm]
+  double force_ = 0.0, moment_ = 0.0;  // limits of the drive [N, Nm]
   dJointID linear_ = nullptr, angular_ = nullptr;
   dJointFeedback linear_feedback_{}, angular_feedback_{};
   Vector3 wanted_ = Vector3::Zero();

@@ -19,8 +19,7 @@ enum class SimulationMode { kKinematic, kDynamic };
 constexpr auto words(Of<SimulationMode>) { return std::to_array<std::string_view>({"kinematic", "dynamic"}); }
 static_assert(all_worded<SimulationMode>());
 
-/// What becomes of a joint that is driven beyond its limit in kinematic mode: the trial ends, the joint stops there, or
-/// it goes on.
+/// Effect of a joint beyond its limit in kinematic mode: the trial ends, the joint stops there, or it moves on.
 enum class AtJointLimit { kEnd, kClamp, kIgnore };
 constexpr auto words(Of<AtJointLimit>) { return std::to_array<std::string_view>({"end", "clamp", "ignore"}); }
 static_assert(all_worded<AtJointLimit>());
@@ -40,19 +39,22 @@ constexpr void describe(Visitor& v, Of<SimulationConfig>) {
   using T = SimulationConfig;
   v.member("mode", &T::mode, {.text = "kinematic: the command is the velocity; dynamic: ODE"});
   v.member("control_period", &T::control_period,
-           {.unit = "s", .range = {1e-4, 1.0}, .text = "between two steps of the controller"});
+           {.unit = "s", .range = {1e-4, 1.0}, .text = "time between two steps of the controller"});
   v.member("physics_step", &T::physics_step,
            {.unit = "s",
             .range = {1e-5, 0.02},
-            .text = "of ODE, at most; in equal steps, divided further where something may touch"});
-  v.member("time_limit", &T::time_limit, {.unit = "s", .range = {0.0, 3600.0, true, false}, .text = "of a trial"});
+            .text = "longest step of ODE; steps are equal, and divided further if a pair may touch"});
+  v.member("time_limit", &T::time_limit,
+           {.unit = "s", .range = {0.0, 3600.0, true, false}, .text = "longest time of a trial"});
   v.member("cross_check", &T::cross_check,
            {.unit = "1",
             .range = {0.0, 1.0},
-            .text = "part of the control steps at which the two detectors of contact are compared"});
-  v.member("joint_limits", &T::joint_limits,
-           {.written = Written::kUnlessDefault,
-            .text = "of a joint beyond its limit in kinematic mode: the trial ends, the joint stops there or goes on"});
+            .text = "share of the control steps in which the two contact detectors are compared"});
+  v.member(
+      "joint_limits", &T::joint_limits,
+      {.written = Written::kUnlessDefault,
+       .text =
+           "effect of a joint beyond its limit in kinematic mode: the trial ends, the joint stops there or moves on"});
 }
 
 /// True state of the robot.
@@ -62,38 +64,38 @@ struct PlantState {
   VectorX qdot;  ///< num_velocities(); kinematic mode: the previous command
 };
 
-/// A contact that ends a trial: robot shape against an object (second = its index), the floor (-1), or another
-/// robot shape (second = its index).
+/// A contact that ends a trial: a robot shape against an object (second = its index), the floor (-1), or another robot
+/// shape (second = its index).
 struct Contact {
   PairKind kind = PairKind::kObject;
   int first = 0;
   int second = 0;
   double depth = 0.0;  ///< >= 0 [m]
   double time = 0.0;   ///< [s] since the start
-  bool by_ode = true;  ///< false: decided by the distance library (cylinders, hulls)
+  bool by_ode = true;  ///< false: the distance library decided (cylinders, hulls)
 };
 
-/// What happened during one advance().
+/// Results of one advance().
 struct PlantReport {
   std::vector<Contact>
       contacts;  ///< colliding pairs, each once with its first time and greatest depth, in order of time, then indices
-  bool diverged = false;  ///< state not finite, too fast, or physics gave up
-  std::string reason;     ///< for a person, where diverged or tipped
-  bool tipped = false;    ///< base up-axis more than 30 degrees off vertical, or fell off the floor
+  bool diverged = false;  ///< state not finite, too fast, or physics failed
+  std::string reason;     ///< description if diverged or tipped
+  bool tipped = false;    ///< base axis more than 30 degrees off vertical, or base below the floor
   double slip_max = 0.0;  ///< wheel contact slip speed [m/s]; dynamic mode
   double energy = 0.0;    ///< integral of |torque x speed| [J]; dynamic mode
   int lcp_messages = 0;
-  int redone_steps = 0;   ///< of physics: made again with the motors' limits; dynamic mode
-  int divided_steps = 0;  ///< of physics: divided because something might touch on the way; dynamic mode
+  int redone_steps = 0;   ///< physics steps repeated with the motors' limits; dynamic mode
+  int divided_steps = 0;  ///< physics steps divided because of possible contacts; dynamic mode
 };
 
-/// How ODE's contacts and the distance library agree about one state (cross_check.h).
+/// Agreement of ODE's contacts with the distance library in one state (cross_check.h).
 struct DetectorCheck {
-  int disagreements = 0;  ///< pairs that touch by one of them alone
-  double deepest = 0.0;   ///< by how much the distance library contradicts ODE at most: depth or gap [m]
+  int disagreements = 0;  ///< pairs that touch according to only one of them
+  double deepest = 0.0;   ///< largest contradiction: depth or gap [m]
 };
 
-/// The one interface between a trial and the simulated robot in its world.
+/// Interface between a trial and the simulated robot in its world.
 class Plant {
  public:
   virtual ~Plant() = default;
@@ -103,18 +105,18 @@ class Plant {
   virtual void check_start(PlantReport& report) = 0;
   /// Holds `command` (num_velocities(), finite) for `duration` seconds. Overwrites `report`.
   virtual void advance(const VectorX& command, double duration, PlantReport& report) = 0;
-  /// Compares the two detectors of contact in the present state; changes nothing.
+  /// Compares the two contact detectors in the present state, without changing it.
   virtual DetectorCheck cross_check() { return {}; }
-  /// Tells `clock`, which outlives the plant, where advance() goes from one part to the next; null by default.
+  /// Notifies `clock`, which must outlive the plant, at the parts of advance(); null by default.
   void set_clock(PlantClock* clock) noexcept { clock_ = clock; }
 
  protected:
   PlantClock* clock_ = nullptr;
 };
 
-/// Kinematic: exact integration, contacts at least every 5 ms of motion time by ODE's collision detection.
-/// Dynamic: rigid bodies, motors, wheels on the floor in ODE. Throws std::runtime_error (naming link and key)
-/// where the robot lacks what dynamics needs (inertia, effort, wheels). `conditions` say nothing to the kinematic one.
+/// Kinematic: exact integration, contacts at least every 5 ms of motion by ODE's collision detection. Dynamic: rigid
+/// bodies, motors, wheels on the floor in ODE. Throws std::runtime_error (with link and key) if the robot lacks data
+/// for dynamics (inertia, effort, wheels). The kinematic plant ignores `conditions`.
 std::unique_ptr<Plant> make_plant(std::shared_ptr<const RobotModel> model, const World& world,
                                   const SimulationConfig& simulation, const PlantConditions& conditions = {});
 

@@ -4,10 +4,10 @@
 
 namespace moma {
 
-/// Parts of what a plant does.
+/// Parts of a plant's time.
 enum class PlantPart {
-  kRest,     ///< motors set, states read, motion integrated
-  kCollide,  ///< who touches whom, and whether anything could have on the way
+  kRest,     ///< setting motors, reading states, integrating motion
+  kCollide,  ///< contacts, and the continuous check between steps
   kStep,     ///< the physics engine's step
 };
 

@@ -10,11 +10,11 @@ namespace moma {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kBeyond = 0.01;  // limits of linear joints may be passed by this [m]
+constexpr double kBeyond = 0.01;  // tolerance of linear joints' limits [m]
 constexpr Eigen::Index kOfBase = 0, kOfTurn = 1, kOfJoints = 2;
 
-/// How far motions carry the points of one shape: by the base's, by each joint's; 0 where they carry it nowhere.
-/// From the shape to the base: a ball that holds it, seen from each link, wherever the joints passed by are.
+/// Levers of the base's turn and of each joint for the points of one shape; 0 without effect. Walks from the shape to
+/// the base with a ball that contains the shape, seen from each link, for any position of the joints passed.
 VectorX levers_of(const CollisionShape& shape, const Kinematics& kinematics) {
   const RobotModel& model = kinematics.model();
   VectorX levers = VectorX::Zero(kOfJoints + model.num_joints());
@@ -86,7 +86,8 @@ ReachWatch::ReachWatch(const std::shared_ptr<const RobotModel>& shared, const st
         watched.way_first = static_cast<std::size_t>(row);
         for (Eigen::Index j = kOfJoints; j < levers_.cols(); ++j) {
           const double a = levers_(pair.first, j), b = levers_(pair.second, j);
-          levers_(row, j) = a > 0.0 && b > 0.0 ? 0.0 : a + b;  // what carries both moves neither against the other
+          // A motion that carries both moves neither against the other.
+          levers_(row, j) = a > 0.0 && b > 0.0 ? 0.0 : a + b;
         }
         ++row;
         break;

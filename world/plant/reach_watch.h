@@ -7,42 +7,40 @@
 
 namespace moma {
 
-/// Which pairs of solids may be nearer to each other than some range, told for certain from how far base and joints
-/// have moved: a pair whose gap was measured once cannot have closed it before its two solids have travelled that far
-/// together. A joint carries no point of a solid farther than the angle that it turns by times the greatest distance
-/// that the solid can have from its axis, its lever, wherever the joints in between are; two solids of the robot are
-/// moved against each other by the joints between them alone.
+/// Broad phase: finds pairs of solids that may be nearer than some range, from the motion of base and joints alone. A
+/// measured gap stays open until its two solids have travelled that far together. A joint moves no point of a solid
+/// farther than its angle times the solid's lever, the greatest distance of the solid from the joint's axis for any
+/// position of the joints in between. Only the joints between two solids of the robot move them against each other.
 ///
-/// Unlike GapWatch it asks for no poses. Both ends of a motion are enough where no coordinate goes farther in between.
-/// Gaps are good to 0.1 mm: that much is added to each range. Does not allocate after construction.
+/// Unlike GapWatch it needs no poses. Both ends of a motion suffice if no coordinate goes farther in between. Gaps have
+/// errors up to 0.1 mm, which is added to each range. Does not allocate after construction.
 class ReachWatch {
  public:
-  /// How far things go at most, seen from where a motion begins.
+  /// Upper bounds of motion, from the start of a motion.
   struct Travel {
-    double base = 0.0;  ///< the base's frame [m]
-    double turn = 0.0;  ///< the base about its axis [rad]
+    double base = 0.0;  ///< translation of the base's frame [m]
+    double turn = 0.0;  ///< rotation of the base about its axis [rad]
     VectorX joints;     ///< each joint [rad or m]
-    VectorX objects;    ///< the farthest point of each object [m]
+    VectorX objects;    ///< largest displacement of a point of each object [m]
   };
 
-  /// Pairs as solid_pairs() has them, or some of them.
+  /// All pairs of solid_pairs(), or some of them.
   ReachWatch(const std::shared_ptr<const RobotModel>& model, const std::vector<SolidPair>& pairs, std::size_t objects);
 
-  /// Where nothing moves; of the right sizes.
+  /// Returns zero motion of the right sizes.
   Travel rest() const;
-  /// Sets what the robot moves by between two configurations. Infinite for a linear joint that lies beyond its limits
-  /// by more than 1 cm, where there are no levers.
+  /// Sets the robot's motion between two configurations. Infinite for a linear joint that is beyond its limits by more
+  /// than 1 cm, where levers are undefined.
   void between(const Vector3& base_0, const VectorX& q_0, const Vector3& base_1, const VectorX& q_1,
                Travel& travel) const;
 
-  /// What comes now begins where the last motion ended and goes no farther than this.
+  /// Starts a motion at the end of the last one, with these bounds.
   void begin(const Travel& travel);
-  /// The motion has been made.
+  /// Completes the motion.
   void end();
 
-  /// The pairs that may be nearer than their range at some time of the motion. Where that is not known
-  /// gap(pair) -> double is asked how far two solids are apart where the motion begins, or at least are.
-  /// Valid until the next call.
+  /// Returns the pairs that may be nearer than their range at some time of the motion. If necessary, calls gap(pair) ->
+  /// double for a pair's distance, or a lower bound of it, at the start of the motion. Valid until the next call.
   template <class Gap>
   const std::vector<SolidPair>& within(const ProximityRanges& ranges, Gap&& gap) {
     near_.clear();
@@ -58,14 +56,14 @@ class ReachWatch {
   }
 
  private:
-  // Distances are good to some 1e-5 m, and so are ODE's contacts [m].
+  // Errors of distances and of ODE's contacts are about 1e-5 m [m].
   static constexpr double kUncertain = 1e-4;
 
-  // Ways are counted in one list: shapes in the world and in height, self-collision pairs, objects, and one that is 0.
+  // Travel is counted in one list: shapes in the world and in height, self-collision pairs, objects, and a constant 0.
   struct Watched {
     SolidPair pair;
     std::size_t way_first, way_second;
-    double until;  // gap, as if it had been measured before any way was made
+    double until;  // gap plus the travel at the time of its measurement
   };
 
   static double range_of(PairKind kind, const ProximityRanges& ranges) {
@@ -75,10 +73,10 @@ class ReachWatch {
 
   std::vector<Watched> pairs_;
   std::vector<SolidPair> near_;
-  std::vector<int> linear_;     // joints with a range that levers depend on
+  std::vector<int> linear_;     // joints with a range on which levers depend
   VectorX lower_, upper_;       // of all joints
-  MatrixX levers_;              // of the ways but for objects; columns: base, turn, joints
-  VectorX moves_, way_, step_;  // as columns of the levers; of each way: made, of the motion that comes
+  MatrixX levers_;              // of all travels except objects; columns: base, turn, joints
+  VectorX moves_, way_, step_;  // motion as columns of the levers; travel so far, and of the coming motion
 };
 
 }  // namespace moma

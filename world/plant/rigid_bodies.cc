@@ -52,7 +52,7 @@ Volume volume_of(const Shape& shape) {
       break;
   }
   Vector3 edges = shape.size;
-  if (shape.kind == ShapeKind::kConvex) {  // a hull counts as the box around it, about its origin
+  if (shape.kind == ShapeKind::kConvex) {  // a hull is replaced by its bounding box about its origin
     edges.setConstant(1e-3);
     for (const Vector3& v : shape.hull->vertices) edges = edges.cwiseMax(2.0 * v.cwiseAbs());
   }
@@ -66,7 +66,7 @@ void add_base_mass(const RobotModel& model, double mass, RigidBody& body) {
   for (const CollisionShape& shape : model.shapes)
     if (shape.link == 0) volume += volume_of(shape.shape).volume;
   if (!(model.base.mass > 0.0)) {
-    if (!(volume > 0.0)) return;  // the URDF itself has the base among its links
+    if (!(volume > 0.0)) return;  // the URDF's own links contain the base
     throw std::runtime_error(
         fmt::format("robot {}: base.footprint.mass is missing; dynamic simulation of a mobile base needs a mass in kg",
                     model.name));
@@ -97,15 +97,14 @@ void check(const RobotModel& model, const RigidBody& body) {
         fmt::format("robot {}: base.footprint.mass is missing; dynamic simulation of a mobile base needs a mass in kg",
                     model.name));
   if (!(body.mass > 0.0) || !std::isfinite(body.mass))
-    throw std::runtime_error(
-        fmt::format("robot {}: link '{}' and what is fixed to it have no mass; dynamic simulation needs <inertial> in "
-                    "the URDF",
-                    model.name, name));
+    throw std::runtime_error(fmt::format(
+        "robot {}: link '{}' and the links fixed to it have no mass; dynamic simulation needs <inertial> in the URDF",
+        model.name, name));
   const Eigen::SelfAdjointEigenSolver<Matrix3> moments(body.I_C);
   const Vector3& m = moments.eigenvalues();
   if (!m.allFinite() || !(m.minCoeff() > 0.0))
     throw std::runtime_error(
-        fmt::format("robot {}: the inertia of link '{}' and what is fixed to it is not positive definite (principal "
+        fmt::format("robot {}: the inertia of link '{}' and the links fixed to it is not positive definite (principal "
                     "moments {}, {}, {} kg m^2); dynamic simulation needs <inertia> in the URDF",
                     model.name, name, m.x(), m.y(), m.z()));
 }
@@ -128,7 +127,7 @@ RigidBodies rigid_bodies(const RobotModel& model, double base_mass, const Payloa
   out.of_link.assign(links, -1);
   out.X_ML.assign(links, Isometry::Identity());
 
-  // Fixed and held joints keep links together, so any configuration shows how they sit.
+  // Fixed and held joints keep links together, so that any configuration shows their relative poses.
   const Kinematics kinematics(std::make_shared<RobotModel>(model));
   for (std::size_t i = 0; i < links; ++i) {
     const Link& link = model.links[i];

@@ -7,7 +7,7 @@
 
 namespace moma {
 
-/// Links that move together, as one rigid body: a controlled joint's link, or "@base", with all that is fixed to it.
+/// Links that move together, as one rigid body: a controlled joint's link, or "@base", with everything fixed to it.
 struct RigidBody {
   int link = 0;                     ///< its main link; axes of the body's frame are the link's
   int parent = -1;                  ///< index of the body before its joint; -1: the world
@@ -18,14 +18,14 @@ struct RigidBody {
 };
 
 struct RigidBodies {
-  std::vector<RigidBody> bodies;  ///< the base first where it is mobile, then in joint order
+  std::vector<RigidBody> bodies;  ///< the base first if it is mobile, then in joint order
   std::vector<int> of_link;       ///< body of every link; -1: fixed to the world
-  std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_ML;  ///< every link in its body's main link
+  std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_ML;  ///< pose of every link in its body's main link
 };
 
-/// Merges links and their inertias. A mobile base's own mass is spread evenly over the volume of the shapes of
-/// "@base"; `payload` is one with the link of the end effector. Throws std::runtime_error naming link and key where
-/// mass, inertia or effort are missing.
+/// Merges links and their inertias. A mobile base's own mass is spread evenly over the volume of the shapes of "@base";
+/// `payload` is merged with the end effector's link. Throws std::runtime_error with link and key for missing mass,
+/// inertia or effort.
 RigidBodies rigid_bodies(const RobotModel& model, double base_mass, const Payload& payload = {});
 
 }  // namespace moma

@@ -8,21 +8,21 @@
 
 namespace moma {
 
-/// Of the robot's shapes, in their order.
+/// The robot's shapes, in their order.
 inline std::vector<Solid> solids_of(const RobotModel& model) {
   std::vector<Solid> out;
   for (const CollisionShape& shape : model.shapes) out.emplace_back(shape.shape);
   return out;
 }
 
-/// Of the world's objects, in their order.
+/// The world's objects, in their order.
 inline std::vector<Solid> solids_of(const World& world) {
   std::vector<Solid> out;
   for (const WorldObject& object : world.objects) out.emplace_back(object.shape);
   return out;
 }
 
-/// Of the largest hull among them.
+/// Number of vertices of the largest hull.
 inline int most_vertices(const std::vector<Solid>& solids) {
   std::size_t most = 0;
   for (const Solid& solid : solids)

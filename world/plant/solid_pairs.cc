@@ -5,7 +5,7 @@
 namespace moma {
 namespace {
 
-// Where a bound tells less than this beyond the range, the distance itself is worth its time [m].
+// If a bound exceeds the range by less than this, computing the exact distance pays [m].
 constexpr double kWorthIt = 0.05;
 
 }  // namespace
@@ -39,7 +39,7 @@ PairGaps::Gap PairGaps::gap(const SolidPair& pair, const Kinematics& kinematics,
   const bool far = apart(a, X_WA, b, X_WB, range);
   if (far) {
     const double least = least_gap(a, X_WA, b, X_WB);
-    if (!(least <= range + kWorthIt)) return {least, false};  // nor is any where a pose is not finite
+    if (!(least <= range + kWorthIt)) return {least, false};  // also false if a pose is not finite
   }
   return {signed_distance(a, X_WA, b, X_WB, convex_).d, !far};
 }

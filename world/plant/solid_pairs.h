@@ -7,30 +7,31 @@
 
 namespace moma {
 
-/// Two solids that may meet: a robot shape `first` and an object, the floor (-1) or another robot shape, as in Contact.
+/// Two solids that may touch: a robot shape `first` and an object, the floor (-1) or another robot shape, as in
+/// Contact.
 struct SolidPair {
   PairKind kind;
   int first, second;
 };
 
-/// Every shape with every object, those of `meets_floor` (of each shape; empty: none) with the floor, shape by shape;
-/// then the model's self-collision pairs.
+/// Returns every shape with every object, and those of `meets_floor` (one entry per shape; empty: none) with the floor,
+/// shape by shape; then the model's self-collision pairs.
 std::vector<SolidPair> solid_pairs(const RobotModel& model, std::size_t objects, const std::vector<bool>& meets_floor);
 
-/// No point of a solid with a ball of this radius about its origin has moved farther from one pose to another than
-/// its centre and, at that radius, its rotation together.
+/// Upper bound of the displacement of a solid's points between two poses: that of the centre plus, at the radius of a
+/// ball about the origin that contains the solid, that of the rotation.
 inline double moved(const Isometry& from, const Isometry& to, double radius) {
   return (to.translation() - from.translation()).norm() + radius * (to.linear() - from.linear()).norm();
 }
 
-/// Distances of single pairs, asked for one by one. Owns the geometry: one per worker.
+/// Distances of single pairs. Owns the geometry: one per worker.
 class PairGaps {
  public:
   PairGaps(const RobotModel& model, const World& world);
 
   struct Gap {
-    double least;   ///< the signed distance is no less than this [m]; most often it is this
-    bool in_range;  ///< `least` is the distance, and Proximity::query() looks at the pair with this range
+    double least;   ///< lower bound of the signed distance, usually exact [m]
+    bool in_range;  ///< `least` is exact, and Proximity::query() includes the pair at this range
   };
   /// Does not allocate. The distance has the bits of Proximity::query().
   Gap gap(const SolidPair& pair, const Kinematics& kinematics, std::span<const ObjectState> objects, double range);

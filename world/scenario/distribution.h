@@ -13,9 +13,9 @@
 
 namespace moma {
 
-/// A number of a family's parameters: fixed, or drawn anew for each world. In files a plain number, or one of
-/// {uniform: [low, high]}, {log_uniform: [low, high]}, {normal: [mean, sigma]}, {choice: [a, b, ...]}.
-/// Draws of a normal are clipped to the key's range. A value of described structs.
+/// A number of a family's parameters: fixed, or drawn for each world. In files a plain number, or one of {uniform:
+/// [low, high]}, {log_uniform: [low, high]}, {normal: [mean, sigma]}, {choice: [a, b, ...]}. Draws of a normal are
+/// clipped to the key's range. A value of described structs.
 class Distribution {
  public:
   struct Fixed {
@@ -43,15 +43,15 @@ class Distribution {
   explicit Distribution(Kind kind) : kind_(std::move(kind)) {}
 
   const Kind& kind() const { return kind_; }
-  /// Takes exactly one draw.
+  /// Consumes exactly one draw.
   double sample(Draws& draws) const;
-  /// A whole number: every one from low to high of a uniform is equally likely, anything else is rounded.
+  /// Draws a whole number: all from low to high of a uniform are equally likely; other distributions are rounded.
   int sample_count(Draws& draws) const;
-  /// Exactly what read() takes.
+  /// Returns the input of read().
   nlohmann::ordered_json to_json() const;
 
-  /// Every value, or end of an interval, must lie in `range`, and be whole where `whole` is set.
-  /// Throws config::ConfigError.
+  /// Reads a distribution. Every value, or end of an interval, must be in `range`, and whole if `whole` is set. Throws
+  /// config::ConfigError.
   static Distribution read(const config::Node& node, const std::string& key, const config::Range& range,
                            bool whole = false);
 
@@ -63,18 +63,18 @@ class Distribution {
 
 bool operator==(const Distribution& a, const Distribution& b);
 
-/// A number of things: whole, from a distribution that has whole numbers only.
+/// A whole number of objects, from a distribution of whole numbers.
 struct Count {
   explicit Count(Distribution::Kind kind) : distribution(std::move(kind)) {}
 
   Distribution distribution;
 
-  /// Takes exactly one draw.
+  /// Consumes exactly one draw.
   int sample(Draws& draws) const { return distribution.sample_count(draws); }
   bool operator==(const Count&) const = default;
 };
 
-// What readers, writers and tables of described structs ask of values of their own.
+// The functions that readers, writers and tables of described structs need for this value.
 void read_value(const config::Node& node, const std::string& key, Distribution& value, const About& about);
 void read_value(const config::Node& node, const std::string& key, Count& value, const About& about);
 nlohmann::ordered_json write_value(const Distribution& value, const About& about);

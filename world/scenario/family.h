@@ -21,36 +21,36 @@ namespace moma {
 class Family {
  public:
   virtual ~Family() = default;
-  /// All parameters, defaults included; its reader takes the same keys.
+  /// Returns all parameters, defaults included; the family's reader accepts the same keys.
   virtual nlohmann::ordered_json to_json() const = 0;
-  /// One try at a world. False after builder.reject().
+  /// Tries to make a world once. False after builder.reject().
   virtual bool build(SceneBuilder& builder, World& world) const = 0;
 };
 
 struct FamilyType {
-  std::string_view text;  ///< what its worlds are, one line for the reference
+  std::string_view text;  ///< description of its worlds, one line for the reference
   /// Reads all its keys; the caller reads `weight` and calls finish().
   std::unique_ptr<const Family> (*read)(config::MapReader& in);
   std::vector<Key> (*keys)(const std::string& prefix);
   std::string_view name = "";
 };
 
-/// Every family, in the order that messages list them. families/NAME.cc defines
-///   FamilyType NAME_family() { return family_type<T>("what its worlds are"); }
-/// and the list of names in world/CMakeLists.txt makes the table.
+/// Returns every family, in the order of messages. families/NAME.cc defines
+///   FamilyType NAME_family() { return family_type<T>("description of its worlds"); }
+/// and the list of names in world/CMakeLists.txt generates the table.
 std::span<const FamilyType> family_types();
 
 namespace families {
-/// Family::build() hides the function beside T from itself.
+/// Family::build() hides the function of T in its own scope; this function reaches it.
 template <class T>
 bool build_world(const T& parameters, SceneBuilder& builder, World& world) {
   return build(parameters, builder, world);
 }
 }  // namespace families
 
-/// T is a described struct of parameters; beside it stand
-///   bool build(const T&, SceneBuilder&, World&)           as Family's build()
-///   void check(const T&, const config::MapReader&)        where a rule concerns several parameters: throws
+/// T is a described struct of parameters, with these functions beside it:
+///   bool build(const T&, SceneBuilder&, World&)           implements Family::build()
+///   void check(const T&, const config::MapReader&)        optional rule about several parameters: throws
 template <Described T>
 FamilyType family_type(std::string_view text) {
   static_assert(is_complete<T>(), "a parameter that is not described is in no file");

@@ -24,9 +24,10 @@ namespace {
 namespace fs = std::filesystem;
 using config::Node;
 
-constexpr double kSlab = 0.2, kSlabEdge = 20.0;  // what stands for a plane [m]
+constexpr double kSlab = 0.2, kSlabEdge = 20.0;  // size of the slab that replaces a plane [m]
 
-/// `name` of a map, or an error that says what is wanted. Keys of messages that say nothing about shapes are not asked.
+/// Returns `name` of a map, or throws an error with the wanted content. Ignores message keys that do not concern
+/// shapes.
 const Node& need(const Node& map, const std::string& name, const std::string& what) {
   const Node* node = map.find(name);
   if (node == nullptr || node->kind == Node::Kind::kNull) config::fail(map.mark, name, "missing; expected " + what);
@@ -41,7 +42,7 @@ const std::vector<Node>& list_of(const Node& map, const std::string& name) {
   return node->items;
 }
 
-/// `count` numbers as a list, or as a map with these keys in turn.
+/// Reads `count` numbers from a list, or from a map with these keys in turn.
 VectorX numbers(const Node& node, const std::string& key, std::string_view letters) {
   VectorX v(static_cast<Eigen::Index>(letters.size()));
   if (node.kind == Node::Kind::kMap) {
@@ -170,7 +171,7 @@ class Importer {
     if (!name.empty() && name.front() == '/') name.erase(0, 1);
     const int link = name.empty() || name == "@base" ? -1 : model_->find_link(name);
     if (link >= 0) return at_ready_.X_WL(link);
-    if (!name.empty()) note("frames that are no link of the robot are taken for its root", name);
+    if (!name.empty()) note("frames that are no link of the robot are replaced by its root", name);
     return at_ready_.X_WL(1);
   }
 
@@ -279,7 +280,7 @@ class Importer {
   void note_attached(const Node& held) {
     const Node* object = held.find("object");
     const Node* id = object != nullptr ? object->find("id") : nullptr;
-    note("attached objects are not carried, and left out", id != nullptr ? id->scalar : "without a name");
+    note("attached objects are left out", id != nullptr ? id->scalar : "without a name");
   }
 
   static void take_state(const Node& state, std::map<std::string, double>& q) {

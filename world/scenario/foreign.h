@@ -10,7 +10,7 @@
 
 namespace moma {
 
-/// Problems of other programs as worlds, and what of them is not as it was there.
+/// Foreign problems as worlds, with notes about their changes.
 struct ForeignWorlds {
   std::vector<World> worlds;
   std::vector<std::string> notes;
@@ -22,12 +22,12 @@ struct ForeignWorlds {
 ///   - a folder of those: MotionBenchMaker's sceneNNNN.yaml and requestNNNN.yaml, in order of their names.
 ///   - VAMP's problems.json.
 ///   - moma's own scenes of boxes and configurations (world/scenario/scenes.h).
-/// Poses are in the frame that an object's header names, where it is a link of the robot, else in the URDF's root; the
-/// base stands at the origin. The goal is the tool's pose at the goal's joint values, which are the witness. A joint
-/// that a start does not name is at the robot's `ready`. Planes become slabs 0.2 m thick, cones cylinders, meshes the
-/// boxes around their vertices; attached objects are not carried. Each of these is noted, as are worlds that start or
-/// end in touch. Throws config::ConfigError naming file and line: content that is none of these, shapes and goals that
-/// are not understood, joints that the robot does not control.
+/// Poses are in the frame of an object's header if that is a link of the robot, else in the URDF's root; the base
+/// stands at the origin. The goal is the tool's pose at the goal's joint values, which are the witness. A joint that a
+/// start does not name is at the robot's `ready`. Planes become slabs 0.2 m thick, cones become cylinders, meshes
+/// become the boxes around their vertices; attached objects are left out. Each of these changes is noted, as are worlds
+/// that start or end in contact. Throws config::ConfigError with file and line for other content, for unknown shapes
+/// and goals, and for joints that the robot does not control.
 ForeignWorlds read_foreign(const std::shared_ptr<const RobotModel>& model,
                            const std::vector<std::filesystem::path>& files);
 

@@ -45,7 +45,7 @@ std::string text_of(const SolidKinds& value) {
 }
 
 void ObjectMix::sample(Draws& draws, double x, double y, WorldObject& object) const {
-  // Everything is drawn whatever the shape, so that each quantity has its own place in the stream.
+  // All quantities are drawn for every shape, so that each has its own place in the stream.
   const ShapeKind kind = shapes.kinds[draws.choice(shapes.kinds.size())];
   const bool stands = draws.uniform() < standing && kind != ShapeKind::kSphere;
   const double total_height = standing_height.sample(draws);

@@ -21,7 +21,7 @@ nlohmann::ordered_json write_value(const SolidKinds& value, const About& about);
 std::string accepted(Of<SolidKinds>, const About& about);
 std::string text_of(const SolidKinds& value);
 
-/// The random solids of a family: which shapes, how large, standing on the floor or floating.
+/// The random solids of a family: shapes, sizes, standing on the floor or floating.
 struct ObjectMix {
   using Uniform = Distribution::Uniform;
   SolidKinds shapes = {};
@@ -33,8 +33,8 @@ struct ObjectMix {
   Distribution standing_height{Uniform{0.4, 1.2}};   ///< [m]
   Distribution height{Uniform{0.1, 1.2}};            ///< [m]
 
-  /// A solid above the horizontal point (x, y), at rest. Floating ones have any orientation (spheres, boxes,
-  /// capsules alike) and are lifted where they would reach through the floor.
+  /// Draws a solid above the horizontal point (x, y), at rest. Floating solids (spheres, boxes, capsules) have any
+  /// orientation, and are lifted if they would penetrate the floor.
   void sample(Draws& draws, double x, double y, WorldObject& object) const;
 };
 
@@ -42,17 +42,18 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<ObjectMix>) {
   using T = ObjectMix;
   constexpr Range kSize = Range::positive();
-  v.member("shapes", &T::shapes, {.text = "of the solids, each kind that is named equally likely"});
+  v.member("shapes", &T::shapes, {.text = "kinds of solids, each entry equally likely"});
   v.member("standing", &T::standing,
-           {.unit = "1", .range = {0.0, 1.0}, .text = "part of boxes and capsules that stand on the floor"});
-  v.member("sphere_radius", &T::sphere_radius, {.unit = "m", .range = kSize, .text = "of spheres"});
+           {.unit = "1", .range = {0.0, 1.0}, .text = "share of boxes and capsules that stand on the floor"});
+  v.member("sphere_radius", &T::sphere_radius, {.unit = "m", .range = kSize, .text = "radius of spheres"});
   v.member("box_edge", &T::box_edge,
            {.unit = "m", .range = kSize, .text = "each edge of a floating box, x and y of a standing one"});
-  v.member("capsule_radius", &T::capsule_radius, {.unit = "m", .range = kSize, .text = "of capsules"});
+  v.member("capsule_radius", &T::capsule_radius, {.unit = "m", .range = kSize, .text = "radius of capsules"});
   v.member("capsule_length", &T::capsule_length,
-           {.unit = "m", .range = kSize, .text = "of a floating capsule, without its caps"});
-  v.member("standing_height", &T::standing_height, {.unit = "m", .range = kSize, .text = "total, of what stands"});
-  v.member("height", &T::height, {.unit = "m", .text = "of the centre of what floats"});
+           {.unit = "m", .range = kSize, .text = "length of a floating capsule without its caps"});
+  v.member("standing_height", &T::standing_height,
+           {.unit = "m", .range = kSize, .text = "total height of a standing solid"});
+  v.member("height", &T::height, {.unit = "m", .text = "height of a floating solid's centre"});
 }
 
 }  // namespace moma

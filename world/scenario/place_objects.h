@@ -10,25 +10,25 @@ namespace moma {
 
 /// One draw of one object.
 struct ObjectTry {
-  int number = 0;          ///< of the tries before it at this object
-  std::uint64_t item = 1;  ///< its own item for SceneBuilder::draws(); 0 is left for what all objects share
+  int number = 0;          ///< number of tries for this object before
+  std::uint64_t item = 1;  ///< the object's item for SceneBuilder::draws(); 0 is for draws that all objects share
 };
 
 struct ObjectPlacing {
-  int count = 0;             ///< of objects
-  int tries = 1;             ///< for each of them
-  std::string name;          ///< they are called NAME1, NAME2 ... where nothing else names them
-  std::string drawn_again;   ///< what it counts as where an object is drawn once more,
-  std::string out_of_tries;  ///< and where there is no place for it
+  int count = 0;             ///< number of objects
+  int tries = 1;             ///< number of tries for each
+  std::string name;          ///< objects are called NAME1, NAME2 ... by default
+  std::string drawn_again;   ///< reason counted if an object is drawn again
+  std::string out_of_tries;  ///< reason counted if an object finds no place
 
-  /// Adds the objects to the world one after another. `draw` draws one, and says whether it may stay; what it leaves in
-  /// the object is there at the next try. False where the try at the world is rejected.
+  /// Adds the objects to the world one after another. `draw` draws one and returns whether it may stay; the next try
+  /// starts with the object as `draw` left it. False if the try at the world is rejected.
   bool place(SceneBuilder& builder, World& world,
              const std::function<bool(const ObjectTry& at, WorldObject& object)>& draw) const {
     return place(
         builder, world, [](int, WorldObject&) {}, draw);
   }
-  /// `begin` settles what is kept over the tries of object i, from 0.
+  /// `begin` sets the properties that object i, from 0, keeps over its tries.
   bool place(SceneBuilder& builder, World& world, const std::function<void(int i, WorldObject& object)>& begin,
              const std::function<bool(const ObjectTry& at, WorldObject& object)>& draw) const;
 };

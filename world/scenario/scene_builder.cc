@@ -12,7 +12,7 @@
 namespace moma {
 namespace {
 
-/// All self pairs are to be looked at, also those that need no row in the controller.
+/// Enables all self pairs, including those that need no row in the controller.
 std::shared_ptr<const RobotModel> with_all_self_rows(const RobotModel& model) {
   auto copy = std::make_shared<RobotModel>(model);
   for (SelfPair& pair : copy->self_pairs) pair.row = true;
@@ -65,12 +65,12 @@ std::string SceneBuilder::worst_constraint() const {
 
 bool SceneBuilder::check_pose(const Kinematics& kinematics, double floor_clearance, double self_clearance,
                               const std::string& who, bool at_ready) {
-  // What `ready` does is the same in every world, so that what is wrong can be named.
+  // `ready` is the same in every world, so that the message can name the links in contact.
   for (std::size_t i = 0; i < model_->shapes.size(); ++i) {
     const CollisionShape& shape = model_->shapes[i];
     if (shape.rigid_with_base) continue;
     const double height = lowest_point(shape.shape, kinematics.X_WS(shape));
-    // Of what no joint can lift no more is asked than that it is not sunk into the floor.
+    // Shapes that no joint can lift only need to stay above the floor.
     if (height >= (reach_.lifted[i] ? floor_clearance : -kStanding)) continue;
     if (!at_ready) return reject(who + ": an arm shape too near the floor");
     return reject(fmt::format("{}: at arm.ready shape {} reaches {:.3g} m below the floor", who, shape.name, -height));
@@ -84,7 +84,7 @@ bool SceneBuilder::check_pose(const Kinematics& kinematics, double floor_clearan
                             model_->shapes[static_cast<std::size_t>(pairs.front().second)].name));
 }
 
-// With the arm at `ready`; what is left of the goal's draws.
+// Places the bases with the arm at `ready`; returns the rest of the goal's draws.
 Draws SceneBuilder::place_bases(const Placement& placement, World& world) const {
   Draws at_start = draws(Stream::kStart);
   const double start_heading = placement.start_heading.sample(at_start);
@@ -126,7 +126,7 @@ bool SceneBuilder::place_robot(const Placement& placement, World& world) {
   }
 
   place_start(world);
-  // The base's pose changes nothing here: once is enough, but every failed try counts.
+  // The result does not depend on the base's pose: one check is enough, but every failed try counts.
   if (!start_checked_ && !check_pose(start_, 0.0, 0.0, "start", true)) return false;
   start_checked_ = true;
   return place_goal(placement, world);
@@ -206,7 +206,7 @@ bool SceneBuilder::clear_for(const WorldObject& object, double top_speed, double
     const double least = distance_at(object, t, range);
     if (least <= clearance) return false;
     if (top_speed <= 0.0) return true;
-    // Nothing can come within `clearance` sooner, but for the least step.
+    // No point can come within `clearance` sooner, except for the least step.
     t += std::max((least - clearance) / top_speed, kTimeStep);
   }
   return true;

@@ -14,18 +14,19 @@
 
 namespace moma {
 
-/// How far objects keep from a robot that stands at start or witness.
+/// Distance of objects to a robot at start or witness.
 struct Room {
-  double clearance = 0.0;  ///< to both [m]
+  double clearance = 0.0;  ///< to start and witness [m]
   double start = 0.0;      ///< to the start, at t = 0 [m]
 };
 
-/// Builds one world in tries: every check that fails is counted by name, so that an error can say which constraint
-/// stood in the way. Owns the workspace; one per world made.
+/// Makes one world in tries. Every failed check is counted by name, so that an error can name the limiting constraint.
+/// Owns the workspace; one per world.
 class SceneBuilder {
  public:
-  static constexpr double kTimeStep = 1e-3;   ///< [s]
-  static constexpr int kMostNowhere = 40000;  ///< first objects without a place, after which none is looked for
+  static constexpr double kTimeStep = 1e-3;  ///< [s]
+  /// Number of consecutive first objects without a place after which the search ends.
+  static constexpr int kMostNowhere = 40000;
 
   SceneBuilder(std::shared_ptr<const RobotModel> model, std::uint64_t seed, std::uint64_t index, const Room& room,
                std::shared_ptr<const Moves> moves = nullptr);
@@ -35,7 +36,7 @@ class SceneBuilder {
   double clearance() const { return room_.clearance; }
   bool mobile() const { return model_->mobile(); }
 
-  /// The draws of this try for one purpose. `item` numbers what is placed.
+  /// Returns the draws of this try for one purpose. `item` numbers the placed objects.
   Draws draws(Stream stream, std::uint64_t item = 0) const {
     return {seed_, index_, stream, attempt_, item, moves_.get()};
   }
@@ -43,47 +44,47 @@ class SceneBuilder {
   void begin(std::uint64_t attempt, World& world);
   /// Counts a failed check; returns false for `return reject(...)`.
   bool reject(const std::string& constraint);
-  /// Counts a single object of a try that is drawn once more.
+  /// Counts an object that is drawn again within a try.
   void drawn_again(const std::string& why) { ++redraws_[why]; }
-  /// Of the first object of a try: whether one of so many draws has a place.
+  /// Records whether one of `draws` draws of a try's first object found a place.
   void first_object(bool placed, int draws) { nowhere_ = placed ? 0 : nowhere_ + draws; }
-  /// So many first objects were drawn one after another, over all tries, and none has a place: none will be found.
+  /// True if so many consecutive first objects over all tries found no place that none will.
   bool hopeless() const { return nowhere_ >= kMostNowhere; }
   const std::map<std::string, std::uint64_t>& rejections() const { return rejections_; }
   const std::map<std::string, std::uint64_t>& redraws() const { return redraws_; }
-  /// The constraint that failed most often, and how often; ties by name.
+  /// Returns the constraint that failed most often with its count; ties by name.
   std::string worst_constraint() const;
 
-  /// Samples start, witness and goal, and checks them against floor and self-collision.
+  /// Draws start, witness and goal, and checks them against floor and self-collision.
   bool place_robot(const Placement& placement, World& world);
-  /// The same with the arm drawn at the start, too: each joint of start and witness evenly from the middle `range` [0,
-  /// 1] of its way between its limits. `placement.limit_margin` says nothing here; both keep off floor and self.
+  /// Does the same with a drawn arm at the start as well: each joint of start and witness is uniform in the middle
+  /// `range` [0, 1] of its limits. Ignores `placement.limit_margin`; both configurations keep off floor and self.
   bool place_pair(const Placement& placement, double range, World& world);
-  /// Takes start and witness as they are in the world, unchecked, and sets the goal to the witness's tool pose.
+  /// Keeps start and witness of the world, unchecked, and sets the goal to the witness's tool pose.
   void take_robot(World& world);
   /// Sets the goal to the witness's tool pose.
   void set_goal(World& world);
 
-  /// Whether a configuration keeps off the floor and itself as the witness must; rejects the try otherwise.
+  /// Checks that a configuration keeps off the floor and itself as the witness must; rejects the try otherwise.
   bool check_configuration(const Configuration& configuration, const Placement& placement);
-  /// Unit vector along which the witness's tool reaches: from the last joint at least 0.1 m away to the tool point.
+  /// Unit vector of the witness's reach: from the last joint at least 0.1 m away to the tool point.
   Vector3 approach() const;
 
   /// Tool position at the start, after place_robot().
   const Vector3& start_tip() const { return start_tip_; }
-  /// True where the object is farther than `clearance` from start and witness, and than Room::start from the start, at
-  /// t = 0.
+  /// True if the object is farther than `clearance` from start and witness, and farther than Room::start from the
+  /// start, at t = 0.
   bool stands_clear(const WorldObject& object, double clearance);
-  /// True where the object is farther than `clearance` from start and witness at every t in [0, horizon], by
-  /// conservative advancement with the object's own top speed (a bound on the speed of its points). Times are at least
-  /// kTimeStep apart: after one of them the object may come nearer by top_speed * kTimeStep. At t = 0 also farther than
+  /// True if the object is farther than `clearance` from start and witness at every t in [0, horizon], by conservative
+  /// advancement with the object's own top speed (a bound on the speed of its points). Times are at least kTimeStep
+  /// apart, so that the object may come nearer by top_speed * kTimeStep. At t = 0 it must also be farther than
   /// Room::start from the start.
   bool clear_for(const WorldObject& object, double top_speed, double horizon, double clearance);
 
-  /// Circles on the floor, (x, y, radius), outside of which nothing of start and witness is. After place_robot().
+  /// Circles on the floor, (x, y, radius), that contain the projections of start and witness. After place_robot().
   std::vector<Vector3> footprints() const;
 
-  /// Fills in world.difficulty.
+  /// Computes world.difficulty.
   void measure(World& world);
 
  private:
@@ -93,9 +94,9 @@ class SceneBuilder {
   bool check_pose(const Kinematics& kinematics, double floor_clearance, double self_clearance, const std::string& who,
                   bool at_ready = false);
   void choose_object(const WorldObject& object);
-  /// Whether the chosen object is outside Room::start at t = 0.
+  /// True if the chosen object is outside Room::start at t = 0.
   bool leaves_start_room(const WorldObject& object);
-  /// Least distance of the chosen object to start and witness where its motion has it at time t, no more than `range`.
+  /// Least distance of the chosen object to start and witness at time t of its motion, at most `range`.
   double distance_at(const WorldObject& object, double t, double range);
 
   std::shared_ptr<const RobotModel> model_;
@@ -108,7 +109,7 @@ class SceneBuilder {
   std::vector<ObjectState> one_;
   Vector3 start_tip_ = Vector3::Zero();
   bool start_checked_ = false;
-  int nowhere_ = 0;  // first objects that were drawn since one of them had a place
+  int nowhere_ = 0;  // draws of first objects since one of them found a place
   std::map<std::string, std::uint64_t> rejections_;
   std::map<std::string, std::uint64_t> redraws_;
 };

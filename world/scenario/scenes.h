@@ -12,17 +12,17 @@
 
 namespace moma {
 
-/// Problems of a benchmark for arms: scenes of boxes with a list of configurations each, and for every unordered pair
-/// i < j of a scene's configurations the problem to come from i to the tool's pose at j. Immutable.
+/// Benchmark problems for arms: scenes of boxes with a list of configurations each. Every unordered pair i < j of a
+/// scene's configurations is the problem of moving from i to the tool's pose at j. Immutable.
 ///
 ///   joints: [shoulder, elbow]             # of the configurations, in their order; all that the robot controls
 ///   scenes:
 ///     NAME:
-///       base: [x, y, phi]                 # where the robot's base stands
+///       base: [x, y, phi]                 # pose of the robot's base
 ///       boxes: {NAME: {size: [x, y, z], center: [x, y, z]}}      # edges along the world's axes
 ///       configurations: [[0.1, -0.4], [0.7, 0.2]]
 ///
-/// The scene's name is the worlds' family. What collides at a configuration is left as it is: that is the benchmark's.
+/// The scene's name is the worlds' family. Configurations in collision stay, as the benchmark has them.
 class Scenes {
  public:
   struct Scene {
@@ -32,17 +32,18 @@ class Scenes {
     std::vector<VectorX> configurations;
   };
 
-  /// `node` is a file's path, relative to the file that names it, or a map as in one. Throws config::ConfigError.
+  /// `node` is a file's path, relative to the file that names it, or the map of such a file. Throws
+  /// config::ConfigError.
   static Scenes read(const config::Node& node, const std::string& key);
-  /// As read() takes it back.
+  /// Returns the input of read().
   nlohmann::ordered_json to_json() const;
 
   std::uint64_t size() const { return size_; }
-  /// Scene by scene in the file's order, pairs (0, 1), (0, 2), ... Index below size(). Throws GenerationError where the
-  /// robot does not have these joints.
+  /// Returns a problem: scene by scene in the file's order, pairs (0, 1), (0, 2), ... Index below size(). Throws
+  /// GenerationError if the robot lacks these joints.
   World make(const std::shared_ptr<const RobotModel>& model, std::uint64_t index) const;
   const std::string& family_of(std::uint64_t index) const { return place(index).scene->name; }
-  /// What decides the world besides the robot.
+  /// Returns all inputs that determine the world besides the robot.
   nlohmann::ordered_json identity(std::uint64_t index) const;
 
  private:

@@ -10,9 +10,9 @@ namespace moma {
 namespace {
 
 constexpr int kLegTries = 20;
-constexpr double kLeastStay = 1e-3;  // shorter stops are none [s]
+constexpr double kLeastStay = 1e-3;  // shorter stops are left out [s]
 
-/// The defaults' tails too.
+/// Draws within the range, including the tails of the defaults.
 double sample_within(const Range& range, const Distribution& value, Draws& draws) {
   return std::clamp(value.sample(draws), range.low, range.high);
 }
@@ -22,10 +22,10 @@ Vector3 way_point(Draws& draws, const Way& way, double margin) {
   return way.from + along * way.forward + draws.uniform(-margin, margin) * way.left();
 }
 
-/// Where the leg's line comes nearest to the circles, level.
+/// The point of a leg's line nearest to the circles, in the plane.
 struct Passing {
-  double gap = std::numeric_limits<double>::infinity();  ///< below 0 inside of one
-  double part = 0.0;                                     ///< of the leg
+  double gap = std::numeric_limits<double>::infinity();  ///< negative inside a circle
+  double part = 0.0;                                     ///< share of the leg
 };
 
 Passing nearest_passing(const std::vector<Vector3>& circles, const Vector3& from, const Vector3& to) {
@@ -41,13 +41,13 @@ Passing nearest_passing(const std::vector<Vector3>& circles, const Vector3& from
   return out;
 }
 
-/// How far an object reaches from its centre, level.
+/// Returns an object's reach from its centre, in the plane.
 double level_reach(const WorldObject& object, bool upright) {
   return upright ? object.shape.size.x() : bounding_radius(object.shape);
 }
 
-/// Time that the leg takes where it is clear of start and witness all the way, else a negative number. What passes
-/// wide of `circles` needs no closer look, and most of what does not get by is found where it passes nearest.
+/// Returns the duration of the leg if it is clear of start and witness all the way, else a negative number. A leg that
+/// passes `circles` at a distance needs no further check; most others fail at their nearest point.
 double clear_leg(SceneBuilder& builder, const std::vector<Vector3>& circles, double reach, WorldObject object,
                  const Vector3& from, const Vector3& to, double speed) {
   const double time = (to - from).norm() / speed;
@@ -98,7 +98,7 @@ bool Walk::sample(SceneBuilder& builder, const Way& way, const ObjectMix& mix, d
   PathMotion path;
   path.times = {0.0};
   path.positions = {object.X_WO.translation()};
-  Vector3 before = path.positions.front();  // the way-point it came from
+  Vector3 before = path.positions.front();  // the waypoint before
   while (path.times.back() < horizon) {
     const Vector3 at = path.positions.back();
     Vector3 to = before;
@@ -108,7 +108,7 @@ bool Walk::sample(SceneBuilder& builder, const Way& way, const ObjectMix& mix, d
       to.z() = at.z();
       if ((to - at).norm() >= kLeastLeg) time = clear_leg(builder, circles, reach, object, at, to, pace);
     }
-    if (time < 0.0) {  // hemmed in: back the way it came
+    if (time < 0.0) {  // blocked: back to the waypoint before
       if (path.times.size() == 1) return false;
       to = before;
       time = (to - at).norm() / pace;

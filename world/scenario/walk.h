@@ -13,25 +13,25 @@ namespace moma {
 /// The straight way from start to goal.
 struct Way {
   Vector3 from = Vector3::Zero();      ///< where it begins
-  Vector3 forward = Vector3::UnitX();  ///< unit vector along it, level
+  Vector3 forward = Vector3::UnitX();  ///< unit vector along the way, horizontal
   double length = 0.0;                 ///< [m]
   Vector3 left() const { return {-forward.y(), forward.x(), 0.0}; }
 };
 
-/// From the base of a robot that drives, or the tool of one that does not, to the goal. After place_robot().
+/// Returns the way from the base of a mobile robot, or from the tool of a fixed one, to the goal. After place_robot().
 Way straight_way(const SceneBuilder& builder, const World& world);
 
 enum class Walker { kPerson, kSolid };
 constexpr auto words(Of<Walker>) { return std::to_array<std::string_view>({"person", "solid"}); }
 
-/// People about their own business: each walks at a pace of its own from one random way-point straight to the next,
-/// and stands still at some of them for a while. No one looks out for the robot.
+/// Pedestrians: each walks at a constant speed of its own from one random waypoint straight to the next, and stops at
+/// some of them. Nobody reacts to the robot.
 struct Walk {
   using Normal = Distribution::Normal;
   using Uniform = Distribution::Uniform;
   static constexpr Range kPace{0.05, 10.0};
   static constexpr Range kSize{0.01, 10.0};
-  static constexpr double kLeastLeg = 0.5;  ///< nearer way-points are drawn again [m]
+  static constexpr double kLeastLeg = 0.5;  ///< nearer waypoints are drawn again [m]
 
   /// [m/s]. Free walking speeds of pedestrians, mean and deviation: Weidmann, Transporttechnik der Fussgaenger,
   /// ETH Zurich, 1993.
@@ -43,9 +43,9 @@ struct Walk {
   double margin = 2.0;                       ///< [m]
   Walker walker = Walker::kPerson;
 
-  /// One walker with its path (a PathMotion, knots from t = 0 to `horizon` or a little beyond), clear of start and
-  /// witness at every time: each leg is shown to be by SceneBuilder::clear_for() as it is drawn. False where no first
-  /// leg is found; later ones can always be walked back. `item` numbers the draws.
+  /// Draws one walker with its path (a PathMotion, knots from t = 0 to `horizon` or slightly beyond), clear of start
+  /// and witness at all times: SceneBuilder::clear_for() checks each leg. False if no first leg is found; later legs
+  /// can always lead back. `item` numbers the draws.
   bool sample(SceneBuilder& builder, const Way& way, const ObjectMix& mix, double horizon, std::uint64_t item,
               WorldObject& object) const;
 };
@@ -54,16 +54,16 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<Walk>) {
   using T = Walk;
   v.member("walk_speed", &T::speed,
-           {.unit = "m/s", .range = T::kPace, .text = "pace of each walker; free walking by default"});
+           {.unit = "m/s", .range = T::kPace, .text = "speed of each walker; free walking by default"});
   v.member("walk_radius", &T::radius,
-           {.unit = "m", .range = T::kSize, .text = "of the standing capsule that is a person"});
-  v.member("walk_height", &T::height, {.unit = "m", .range = T::kSize, .text = "of a person, total"});
+           {.unit = "m", .range = T::kSize, .text = "radius of the standing capsule that represents a person"});
+  v.member("walk_height", &T::height, {.unit = "m", .range = T::kSize, .text = "total height of a person"});
   v.member("walk_pause", &T::pause,
-           {.unit = "1", .range = {0.0, 1.0}, .text = "part of the way-points where a walker stops"});
+           {.unit = "1", .range = {0.0, 1.0}, .text = "share of the waypoints at which a walker stops"});
   v.member("walk_pause_time", &T::pause_time,
-           {.unit = "s", .range = Range::non_negative(), .text = "and stands for so long"});
+           {.unit = "s", .range = Range::non_negative(), .text = "duration of a stop"});
   v.member("walk_margin", &T::margin,
-           {.unit = "m", .range = {T::kLeastLeg, 1000.0}, .text = "way-points lie within this of the way"});
+           {.unit = "m", .range = {T::kLeastLeg, 1000.0}, .text = "largest distance of waypoints from the way"});
   v.member("walker", &T::walker, {.text = "solid: the family's own solids walk instead of people"});
 }
 

@@ -24,7 +24,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What stands beside `families`.
+/// Keys beside `families`.
 struct Making {
   std::uint64_t seed = 1;
   double clearance = 0.05;  ///< [m]
@@ -34,15 +34,16 @@ struct Making {
 
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<Making>) {
-  v.member("seed", &Making::seed, {.text = "other worlds"});
+  v.member("seed", &Making::seed, {.text = "seed of the worlds"});
   v.member("clearance", &Making::clearance,
-           {.unit = "m", .range = Range::non_negative(), .text = "objects keep so far from start and witness"});
+           {.unit = "m", .range = Range::non_negative(), .text = "distance of objects from start and witness"});
   v.member("start_room", &Making::start_room,
            {.unit = "m",
             .range = {0.0, 10.0},
             .written = Written::kUnlessDefault,
-            .text = "and so far from the robot where it starts, when it starts"});
-  v.member("tries", &Making::tries, {.range = {1, 1000000}, .text = "at one world, before it is an error"});
+            .text = "distance of objects from the robot at the start, at t = 0"});
+  v.member("tries", &Making::tries,
+           {.range = {1, 1000000}, .text = "largest number of tries at one world, before an error"});
 }
 
 struct Member {
@@ -51,7 +52,7 @@ struct Member {
   std::unique_ptr<const Family> family;
 };
 
-/// The key of every family besides its own.
+/// The key that every family has besides its own.
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<Member>) {
   v.member("weight", &Member::weight, {.range = Range::non_negative(), .text = "share of the worlds"});
@@ -104,12 +105,12 @@ Mixture read_mixture(config::MapReader& in) {
   return mixture;
 }
 
-/// Of a file of worlds. They become part of the resolved suite, which is read again as one text.
+/// Limit of a file of worlds. They become part of the resolved suite, which is read as one text.
 constexpr std::uintmax_t kMaxFrozenBytes = config::kMaxTextBytes;
 
 Frozen read_frozen(const config::Node& node, const std::string& key) {
   Frozen worlds;
-  if (node.kind == config::Node::Kind::kSequence) {  // a resolved suite holds the worlds themselves
+  if (node.kind == config::Node::Kind::kSequence) {  // a resolved suite contains the worlds themselves
     for (std::size_t i = 0; i < node.items.size(); ++i)
       worlds.push_back(world_from_node(node.items[i], fmt::format("{}[{}]", key, i)));
   } else {
@@ -130,7 +131,7 @@ Frozen read_frozen(const config::Node& node, const std::string& key) {
       const std::string where = fmt::format("{}:{}", path.string(), number);
       worlds.push_back(world_from_json(config::parse_json(line, where), where));
     }
-    // Lines also end where the disk fails or memory is short.
+    // A stream also ends after a failure of disk or memory.
     if (file.bad()) config::fail(node.mark, key, "'" + path.string() + "' cannot be read to its end");
   }
   if (worlds.empty()) config::fail(node.mark, key, "expected at least one world");

@@ -7,7 +7,8 @@
 namespace moma {
 namespace {
 
-// From `from` towards `to`, of n coordinates as one vector: while it slows down by `down` at most, then up by `up`.
+// Steps from `from` towards `to`, n coordinates as one vector: while slowing down by at most `down`, then by at most
+// `up`.
 template <int n>
 Eigen::Matrix<double, n, 1> ramped(const Eigen::Matrix<double, n, 1>& from, const Eigen::Matrix<double, n, 1>& to,
                                    double up, double down) {
@@ -87,7 +88,7 @@ void Actuation::lag_behind() {
   }
 }
 
-// (v_x, v_y, omega), v_y unused by a differential base.
+// (v_x, v_y, omega); v_y is unused for a differential base.
 void Actuation::follow(const Vector3& wanted) {
   const BaseRamps& part = errors_.base.ramps;
   const Vector2 most = dt_ * acceleration_;

@@ -9,15 +9,15 @@
 
 namespace moma {
 
-/// How much later than usual something arrives, in control periods evenly from 0 to `jitter`, or DelayLine::kLost.
+/// Draws an additional delay in control periods, uniform from 0 to `jitter`, or DelayLine::kLost.
 inline long arrival(const Irregularity& irregularity, long jitter, Draws draws) {
   const bool lost = draws.uniform() < irregularity.dropout;
   const auto more = static_cast<long>(std::floor(draws.uniform() * static_cast<double>(jitter + 1)));
   return lost ? -1 : more < jitter ? more : jitter;
 }
 
-/// What comes out of a line at step k for `value`; `draws()` has the step's own draws, and is called only where they
-/// decide something. `jitter` in control periods.
+/// Replaces `value` by the line's output at step k. `draws()` makes the step's own draws; it is called only if they
+/// matter. `jitter` in control periods.
 template <class T, class MakeDraws>
 void pass(DelayLine<T>& line, long k, T& value, const Irregularity& irregularity, long jitter, MakeDraws draws) {
   if (irregularity == Irregularity{})

@@ -6,17 +6,17 @@
 
 namespace moma {
 
-/// What is there before anything that went in comes out.
+/// Output of a line before its first input arrives.
 enum class BeforeFirst { kHoldFirst, kPrototype };
 
-/// Values of consecutive steps, late by a whole number of steps that may vary. Allocates when it is made only, as long
-/// as assigning a T of the prototype's size does not.
+/// Delays values of consecutive steps by a number of steps, which may vary. Allocates only in the constructor, provided
+/// that assigning a T of the prototype's size does not allocate.
 template <typename T>
 class DelayLine {
  public:
   static constexpr long kLost = -1;
 
-  /// `steps`: that every value is late; `more`: that one may be late beyond them.
+  /// `steps`: delay of every value; `more`: largest additional delay.
   DelayLine(long steps, const T& prototype, BeforeFirst before, long more = 0)
       : steps_(steps),
         before_(before),
@@ -28,16 +28,16 @@ class DelayLine {
   void pass(long k, T& value) {
     if (steps_ == 0) return;
     ring_[slot(k)] = value;
-    // What came `steps` before stands in the next slot, which still has the prototype at first; slot 0 has the first
-    // value until it is due.
+    // The next slot has the value of `steps` before, or still the prototype; slot 0 keeps the first value until it is
+    // due.
     value = ring_[before_ == BeforeFirst::kHoldFirst && k < steps_ ? 0 : slot(k + 1)];
   }
 
-  /// The same for a value that is late by `more` beyond those steps, or kLost: replaces it by the newest one that has
-  /// arrived. Either this or the other one is used throughout.
+  /// Does the same for a value with the additional delay `more` or kLost: replaces it by the newest value that has
+  /// arrived. Use one of the two overloads throughout.
   void pass(long k, T& value, long more) {
     if (k == 0 && before_ == BeforeFirst::kHoldFirst) held_ = value;
-    if (ring_.empty()) {  // nothing is late, but it may be lost
+    if (ring_.empty()) {  // without delay, but possibly lost
       if (more != kLost) held_ = value;
       value = held_;
       return;

@@ -10,10 +10,10 @@
 namespace moma {
 namespace {
 
-constexpr int kRays = 2;  // of the robot's sensors that have to end on an object
+constexpr int kRays = 2;  // least number of rays of the robot's sensors that end on a visible object
 constexpr double kWhole = 2.0 * std::numbers::pi;
 constexpr double kRay = 1e-3;    // [m], radius of a line of sight
-constexpr double kShort = 0.01;  // [m], that are left free at its end: the object itself is there
+constexpr double kShort = 0.01;  // length left free at its end, where the object itself is [m]
 
 // A thin capsule from one point to another.
 std::pair<Shape, Isometry> ray(const Vector3& from, const Vector3& to) {
@@ -33,14 +33,14 @@ bool contains(const Shape& shape, const Isometry& X_W, const Vector3& p_W) {
 }
 
 bool blocks(const Shape& shape, const Isometry& X_W, const Vector3& from, const Vector3& to) {
-  // A sphere about it first: most things stand elsewhere.
+  // Tests a bounding sphere first: most objects are elsewhere.
   const Vector3 way = to - from;
   const double square = way.squaredNorm();
   const double at = square > 0.0 ? std::clamp((X_W.translation() - from).dot(way) / square, 0.0, 1.0) : 0.0;
   if ((from + at * way - X_W.translation()).norm() > bounding_radius(shape) + kRay) return false;
   if (contains(shape, X_W, from)) return false;
   const auto [line, X_WL] = ray(from, to);
-  // Empty where the line runs inside a box or a cylinder, and of hulls, of which the sphere counts.
+  // Empty if the line runs inside a box or a cylinder, and for hulls, where the sphere decides.
   const auto distance = analytic_distance(line, X_WL, shape, X_W);
   return !distance || distance->d <= 0.0;
 }
@@ -111,7 +111,7 @@ bool Detection::in_range(std::size_t i, const std::vector<ObjectState>& objects)
   const PointDistance nearest = point_distance(shapes_[i], sensor_O);
   if (!(nearest.d <= rule_.range)) return false;
   if (rule_.field_of_view >= kWhole && !rule_.occlusion) return true;
-  if (nearest.d <= 0.0) return true;  // the sensor is in it
+  if (nearest.d <= 0.0) return true;  // the sensor is inside it
   const double least = std::cos(0.5 * rule_.field_of_view);
   for (const Vector3& point :
        {Vector3(sensor_W_ - nearest.d * (X_WO.linear() * nearest.n_S)), Vector3(X_WO.translation())}) {
@@ -128,7 +128,7 @@ void Detection::update(long k, const Vector3& base, const VectorX& q, std::vecto
   for (std::size_t i = 0; i < objects.size(); ++i) {
     bool seen = found_[i] != 0;
     if (!seen || rule_.lost || frames_) {
-      // In range at the first step counts as 1: found when `detection` has passed since.
+      // In range at the first step counts as 1, so that the object is found after the time `detection`.
       const bool near = this->near(i, objects);
       in_range_[i] = !near ? 0 : first_ && rule_.known_at_start ? steps_ + 1 : in_range_[i] + 1;
       seen = seen ? near : in_range_[i] > steps_;

@@ -11,14 +11,14 @@
 
 namespace moma {
 
-// Spreads are standard deviations of normal draws, per axis. "Per trial" is drawn once for a world, "per step" at each
+// Spreads are standard deviations of normal draws, per axis. "Per trial" is one draw per world, "per step" one at each
 // control step. Delays are rounded up to whole control periods.
 //
-// Everything is written only where it is not the default's: trial keys must not change by disturbances that are added.
+// Only members that differ from their defaults are written, so that new disturbances do not change trial keys.
 
 namespace disturbed {
 
-// Two seconds are longer than any loop closed over them would bear, and bound the memory of what waits.
+// No loop stays stable over two seconds of delay; the limit bounds the memory of delayed values.
 inline constexpr Range kDelay{0.0, 2.0};
 inline constexpr Range kSpread{0.0, 10.0};
 inline constexpr Range kGain{0.0, 1.0};
@@ -32,7 +32,7 @@ constexpr About about(std::string_view text) { return {.written = Written::kUnle
 
 }  // namespace disturbed
 
-/// Of a translation [m] and of a rotation [rad].
+/// Standard deviations of a translation [m] and of a rotation [rad].
 struct PoseSpread {
   double position = 0.0;
   double rotation = 0.0;
@@ -41,11 +41,11 @@ struct PoseSpread {
 
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<PoseSpread>) {
-  v.member("position", &PoseSpread::position, disturbed::about("m", disturbed::kSpread, "of each coordinate"));
-  v.member("rotation", &PoseSpread::rotation, disturbed::about("rad", disturbed::kSpread, "about each axis"));
+  v.member("position", &PoseSpread::position, disturbed::about("m", disturbed::kSpread, "value for each coordinate"));
+  v.member("rotation", &PoseSpread::rotation, disturbed::about("rad", disturbed::kSpread, "value about each axis"));
 }
 
-/// Of a linear velocity [m/s] and of an angular one [rad/s].
+/// Standard deviations of a linear velocity [m/s] and of an angular one [rad/s].
 struct TwistSpread {
   double linear = 0.0;
   double angular = 0.0;
@@ -54,13 +54,12 @@ struct TwistSpread {
 
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<TwistSpread>) {
-  v.member("linear", &TwistSpread::linear, disturbed::about("m/s", disturbed::kSpread, "of each coordinate"));
-  v.member("angular", &TwistSpread::angular, disturbed::about("rad/s", disturbed::kSpread, "about each axis"));
+  v.member("linear", &TwistSpread::linear, disturbed::about("m/s", disturbed::kSpread, "value for each coordinate"));
+  v.member("angular", &TwistSpread::angular, disturbed::about("rad/s", disturbed::kSpread, "value about each axis"));
 }
 
-/// Lateness that varies, and losses: on its way what is sent takes `delay` and up to `jitter` more, evenly drawn for
-/// each in whole control periods, and is lost with the probability `dropout`. What comes out is the newest that has
-/// arrived.
+/// Varying delay and loss: a value takes `delay` plus up to `jitter`, uniform in whole control periods, and is lost
+/// with the probability `dropout`. The output is the newest value that has arrived.
 struct Irregularity {
   double jitter = 0.0;   ///< [s]
   double dropout = 0.0;  ///< [1]
@@ -70,8 +69,9 @@ struct Irregularity {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<Irregularity>) {
   using namespace disturbed;
-  v.member("jitter", &Irregularity::jitter, about("s", kDelay, "up to so much more, evenly drawn at each step"));
-  v.member("dropout", &Irregularity::dropout, about("1", kGain, "probability with which each one is lost"));
+  v.member("jitter", &Irregularity::jitter,
+           about("s", kDelay, "largest additional delay, uniformly drawn at each step"));
+  v.member("dropout", &Irregularity::dropout, about("1", kGain, "probability of loss"));
 }
 
 /// The arm's encoders.
@@ -90,16 +90,17 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<JointSensing>) {
   using namespace disturbed;
   using T = JointSensing;
-  v.member("noise", &T::noise, about("rad or m", kSpread, "of each joint's position, per step"));
-  v.member("velocity_noise", &T::velocity_noise, about("rad/s or m/s", kSpread, "of each joint's velocity, per step"));
-  v.member("bias", &T::bias, about("rad or m", kSpread, "of each joint's offset, per trial"));
-  v.member("delay", &T::delay, about("s", kDelay, "of positions and velocities"));
+  v.member("noise", &T::noise, about("rad or m", kSpread, "noise of each joint's position, per step"));
+  v.member("velocity_noise", &T::velocity_noise,
+           about("rad/s or m/s", kSpread, "noise of each joint's velocity, per step"));
+  v.member("bias", &T::bias, about("rad or m", kSpread, "constant error of each joint's position, per trial"));
+  v.member("delay", &T::delay, about("s", kDelay, "delay of positions and velocities"));
   v.inlined(&T::irregularity);
-  v.member("resolution", &T::resolution, about("rad or m", kSpread, "positions are rounded to multiples of it"));
-  v.member("velocity_resolution", &T::velocity_resolution, about("rad/s or m/s", kSpread, "likewise velocities"));
+  v.member("resolution", &T::resolution, about("rad or m", kSpread, "resolution of positions"));
+  v.member("velocity_resolution", &T::velocity_resolution, about("rad/s or m/s", kSpread, "resolution of velocities"));
 }
 
-/// Wheels that slip now and then: along a step's way s with the probability 1 - exp(-rate s).
+/// Occasional wheel slip: within a step's distance s with the probability 1 - exp(-rate s).
 struct WheelSlip {
   double rate = 0.0;      ///< [1/m]
   double distance = 0.0;  ///< [m]
@@ -111,12 +112,12 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<WheelSlip>) {
   using namespace disturbed;
   using T = WheelSlip;
-  v.member("rate", &T::rate, about("1/m", {0.0, 100.0}, "slips per metre driven, on average"));
-  v.member("distance", &T::distance, about("m", kSpread, "of the way that a slip adds to or takes from the measured"));
-  v.member("turn", &T::turn, about("rad", kSpread, "of the turn likewise"));
+  v.member("rate", &T::rate, about("1/m", {0.0, 100.0}, "mean number of slips per metre driven"));
+  v.member("distance", &T::distance, about("m", kSpread, "error of the measured distance by a slip"));
+  v.member("turn", &T::turn, about("rad", kSpread, "error of the measured turn by a slip"));
 }
 
-/// Errors of dead reckoning that grow with the way (odometry.h).
+/// Errors of dead reckoning that grow with the distance (odometry.h).
 struct OdometryErrors {
   double distance = 0.0;  ///< [1]
   double turn = 0.0;      ///< [1]
@@ -130,14 +131,14 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<OdometryErrors>) {
   using namespace disturbed;
   using T = OdometryErrors;
-  v.member("distance", &T::distance, about("1", kGain, "of the relative error of distances, per trial"));
-  v.member("turn", &T::turn, about("1", kGain, "of the relative error of turns, per trial"));
-  v.member("heading", &T::heading, about("rad/m", kSpread, "of the turn that is seen per metre driven, per trial"));
-  v.member("walk", &T::walk, about("random walk along the way, per sqrt(m): its variance grows with the way"));
-  v.member("slip", &T::slip, about("wheels that slip now and then"));
+  v.member("distance", &T::distance, about("1", kGain, "relative error of distances, per trial"));
+  v.member("turn", &T::turn, about("1", kGain, "relative error of turns, per trial"));
+  v.member("heading", &T::heading, about("rad/m", kSpread, "apparent turn per metre driven, per trial"));
+  v.member("walk", &T::walk, about("random walk, per sqrt(m): its variance grows with the distance driven"));
+  v.member("slip", &T::slip, about("occasional wheel slip"));
 }
 
-/// The base's pose and velocity. Without effect on a fixed base.
+/// Sensing of the base's pose and velocity. No effect on a fixed base.
 struct BaseSensing {
   PoseSpread noise;
   TwistSpread velocity_noise;
@@ -153,27 +154,27 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<BaseSensing>) {
   using namespace disturbed;
   using T = BaseSensing;
-  v.member("noise", &T::noise, about("of x, y and of the heading, per step"));
-  v.member("velocity_noise", &T::velocity_noise, about("of the measured velocity, per step"));
-  v.member("bias", &T::bias, about("of x, y and of the heading, per trial"));
-  v.member("delay", &T::delay, about("s", kDelay, "of pose and velocity"));
+  v.member("noise", &T::noise, about("noise of x, y and heading, per step"));
+  v.member("velocity_noise", &T::velocity_noise, about("noise of the measured velocity, per step"));
+  v.member("bias", &T::bias, about("constant error of x, y and heading, per trial"));
+  v.member("delay", &T::delay, about("s", kDelay, "delay of pose and velocity"));
   v.inlined(&T::irregularity);
-  v.member("velocity_resolution", &T::velocity_resolution, about("velocities are rounded to multiples of it"));
+  v.member("velocity_resolution", &T::velocity_resolution, about("resolution of velocities"));
   v.member("odometry", &T::odometry, about("errors of dead reckoning"));
 }
 
-/// Where poses are measured from. kBase: by sensors on the robot, so that the base's own error at the time of the
-/// measurement is carried into them, and they are right relative to the robot.
+/// Frame of measured poses. kBase: sensors on the robot measure them, so that they contain the base's own error at the
+/// time of measurement, and are exact relative to the robot.
 enum class SensingFrame { kWorld, kBase };
 constexpr auto words(Of<SensingFrame>) { return std::to_array<std::string_view>({"world", "base"}); }
 
-/// Poses and twists that are measured: those of objects and of the goal.
+/// Sensing of poses and twists of objects and goal.
 struct PoseSensing {
   SensingFrame frame = SensingFrame::kWorld;
   PoseSpread noise;
   TwistSpread velocity_noise;
   bool resting_is_known = false;
-  PoseSpread bias;     ///< for each object its own
+  PoseSpread bias;     ///< drawn for each object
   double delay = 0.0;  ///< [s]
   Irregularity irregularity{};
   double noise_growth = 0.0;  ///< [1/m^2]
@@ -185,22 +186,22 @@ constexpr void describe(Visitor& v, Of<PoseSensing>) {
   using namespace disturbed;
   using T = PoseSensing;
   v.member("frame", &T::frame,
-           about("base: seen by the robot, with the base's error of that time; right relative to the robot"));
-  v.member("noise", &T::noise, about("of the pose, per step"));
-  v.member("velocity_noise", &T::velocity_noise, about("of the twist, per step"));
-  v.member("resting_is_known", &T::resting_is_known, about("what is at rest is measured to be: a twist of 0 is exact"));
-  v.member("bias", &T::bias, about("of the pose, per trial; for each object its own"));
-  v.member("delay", &T::delay, about("s", kDelay, "of pose, twist and of being seen at all"));
+           about("base: measured from the robot, with the base's own error at that time; exact relative to the robot"));
+  v.member("noise", &T::noise, about("noise of the pose, per step"));
+  v.member("velocity_noise", &T::velocity_noise, about("noise of the twist, per step"));
+  v.member("resting_is_known", &T::resting_is_known, about("a twist of 0 is measured without noise"));
+  v.member("bias", &T::bias, about("constant error of the pose, per trial and object"));
+  v.member("delay", &T::delay, about("s", kDelay, "delay of pose, twist and visibility"));
   v.inlined(&T::irregularity);
-  v.member(
-      "noise_growth", &T::noise_growth,
-      about("1/m^2", {0.0, 100.0}, "at the distance r from the sensor noise is 1 + noise_growth r^2 times as much"));
+  v.member("noise_growth", &T::noise_growth,
+           about("1/m^2", {0.0, 100.0},
+                 "growth of noise: the factor at a distance r from the sensor is 1 + noise_growth r^2"));
 }
 
-/// Objects that are found and yet not seen, for whole spans of time: each by itself with this probability in each.
+/// Missed detections: in each span of time each found object is invisible with this probability, independently.
 struct MissedDetections {
   double probability = 0.0;  ///< [1]
-  double duration = 0.2;     ///< of a span [s]
+  double duration = 0.2;     ///< duration of a span [s]
   bool operator==(const MissedDetections&) const = default;
 };
 
@@ -208,19 +209,19 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<MissedDetections>) {
   using namespace disturbed;
   using T = MissedDetections;
-  v.member("probability", &T::probability, about("1", kGain, "with which an object is not seen in a span of time"));
-  v.member("duration", &T::duration, about("s", {1e-3, 3600.0}, "of a span"));
+  v.member("probability", &T::probability, about("1", kGain, "probability that an object is missed in a span of time"));
+  v.member("duration", &T::duration, about("s", {1e-3, 3600.0}, "duration of a span"));
 }
 
-/// Objects that are seen and not there: balls at rest near the robot, each for whole spans of time.
+/// False detections: balls at rest near the robot that do not exist, each for whole spans of time.
 struct FalseDetections {
-  int count = 0;             ///< at most at a time
-  double probability = 0.1;  ///< of each, in each span [1]
-  double duration = 0.3;     ///< of a span [s]
+  int count = 0;             ///< largest number at a time
+  double probability = 0.1;  ///< of each ball, in each span [1]
+  double duration = 0.3;     ///< duration of a span [s]
   double radius = 0.1;       ///< [m]
-  double nearest = 0.5;      ///< their centres, from the base's middle, in the plane [m]
+  double nearest = 0.5;      ///< distance of the centres from the base's middle, in the plane [m]
   double furthest = 3.0;     ///< [m]
-  double height = 1.2;       ///< centres lie between 0 and this [m]
+  double height = 1.2;       ///< upper bound of the centres' height, from 0 [m]
   bool operator==(const FalseDetections&) const = default;
 };
 
@@ -229,30 +230,31 @@ constexpr void describe(Visitor& v, Of<FalseDetections>) {
   using namespace disturbed;
   using T = FalseDetections;
   constexpr Range kPlace{0.0, 100.0};
-  v.member("count", &T::count, about("", {0.0, 50.0}, "at most at a time"));
-  v.member("probability", &T::probability, about("1", kGain, "of each, in each span of time"));
-  v.member("duration", &T::duration, about("s", {1e-3, 3600.0}, "of a span"));
-  v.member("radius", &T::radius, about("m", {1e-3, 10.0}, "of the ball that is seen"));
-  v.member("nearest", &T::nearest, about("m", kPlace, "centres are no nearer to the base's middle, in the plane"));
-  v.member("furthest", &T::furthest, about("m", kPlace, "and no further"));
-  v.member("height", &T::height, about("m", kPlace, "centres lie between the floor and this"));
+  v.member("count", &T::count, about("", {0.0, 50.0}, "largest number at a time"));
+  v.member("probability", &T::probability, about("1", kGain, "probability of each ball in each span of time"));
+  v.member("duration", &T::duration, about("s", {1e-3, 3600.0}, "duration of a span"));
+  v.member("radius", &T::radius, about("m", {1e-3, 10.0}, "radius of the balls"));
+  v.member("nearest", &T::nearest,
+           about("m", kPlace, "least distance of centres from the base's middle, in the plane"));
+  v.member("furthest", &T::furthest, about("m", kPlace, "largest distance of centres from the base's middle"));
+  v.member("height", &T::height, about("m", kPlace, "largest height of centres"));
 }
 
-/// What decides that an object is seen. kRule: the rule below, of one sensor that stands apart from the robot file.
-/// kSensors: the rays of the robot's own sensors that end on it.
+/// Criterion of visibility. kRule: the rule below for one sensor that is not part of the robot file. kSensors: rays of
+/// the robot's own sensors that end on the object.
 enum class SeenBy { kRule, kSensors };
 constexpr auto words(Of<SeenBy>) { return std::to_array<std::string_view>({"rule", "sensors"}); }
 
-/// What the sensor of objects is fixed to.
+/// Mount of the sensor of objects.
 enum class SensorMount { kBase, kHand };
 constexpr auto words(Of<SensorMount>) { return std::to_array<std::string_view>({"base", "hand"}); }
 
-/// When an object is found: once it has been in range for `detection`, and from then on to the trial's end. In range
-/// is what is near enough, in the field of view and not hidden.
+/// Detection: an object is found once it has been in range for the time `detection`, and stays found until the trial's
+/// end. In range means near enough, in the field of view and not occluded.
 struct DetectionRule {
   double range = std::numeric_limits<double>::infinity();  ///< [m]
   double detection = 0.0;                                  ///< [s]
-  std::array<double, 3> sensor = {0.0, 0.0, 0.5};          ///< in the base frame B [m]
+  std::array<double, 3> sensor = {0.0, 0.0, 0.5};          ///< position in the base frame B [m]
   bool known_at_start = false;
   SensorMount mount = SensorMount::kBase;
   std::array<double, 3> axis = {1.0, 0.0, 0.0};   ///< in the same frame
@@ -270,22 +272,23 @@ constexpr void describe(Visitor& v, Of<DetectionRule>) {
   using namespace disturbed;
   using T = DetectionRule;
   v.member("seen_by", &T::seen_by,
-           about("rule: within `range` of `sensor`; sensors: rays of the robot file's sensors end on it, now"));
-  v.member("range", &T::range, about("m", Range::non_negative_or_inf(), "from `sensor` to the object's surface"));
-  v.member("detection", &T::detection, about("s", {0.0, 3600.0}, "in range for so long without a break: found"));
-  v.member("known_at_start", &T::known_at_start, about("what is in range at the first step is found at once"));
-  v.member("sensor", &T::sensor, about("m", {-100.0, 100.0}, "the sensor's place in the frame of `mount`"));
+           about("rule: within `range` of `sensor`; sensors: rays of the robot file's sensors end on the object"));
+  v.member("range", &T::range, about("m", Range::non_negative_or_inf(), "range from `sensor` to the object's surface"));
+  v.member("detection", &T::detection,
+           about("s", {0.0, 3600.0}, "time in range, without a break, after which an object is found"));
+  v.member("known_at_start", &T::known_at_start, about("objects in range at the first step are found at once"));
+  v.member("sensor", &T::sensor, about("m", {-100.0, 100.0}, "position of the sensor in the frame of `mount`"));
   v.member("mount", &T::mount, about("the sensor moves with the base, or with the end effector"));
-  v.member("axis", &T::axis, about("1", {-1.0, 1.0}, "where the sensor looks, in the same frame"));
+  v.member("axis", &T::axis, about("1", {-1.0, 1.0}, "viewing direction of the sensor, in the same frame"));
   v.member("field_of_view", &T::field_of_view,
-           about("rad", {0.0, 2.0 * std::numbers::pi, true}, "full angle of the cone that it sees"));
-  v.member("occlusion", &T::occlusion, about("objects hide behind others and behind the robot"));
-  v.member("lost", &T::lost, about("what is found is seen only while it is in range; false: to the end"));
-  v.member("missed", &T::missed, about("objects that are not seen now and then"));
-  v.member("phantoms", &T::phantoms, about("objects that are seen and not there"));
+           about("rad", {0.0, 2.0 * std::numbers::pi, true}, "full angle of the viewing cone"));
+  v.member("occlusion", &T::occlusion, about("other objects and the robot occlude an object"));
+  v.member("lost", &T::lost, about("a found object is visible only in range; false: until the end"));
+  v.member("missed", &T::missed, about("missed detections"));
+  v.member("phantoms", &T::phantoms, about("false detections"));
 }
 
-/// Dry friction of each joint, drawn for each, at most 0.95. Dynamic mode only.
+/// Dry friction of each joint, drawn for each joint, at most 0.95. Dynamic mode only.
 struct JointFriction {
   double effort = 0.0;  ///< [1]
   double spread = 0.0;  ///< [1]
@@ -295,15 +298,15 @@ struct JointFriction {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<JointFriction>) {
   using namespace disturbed;
-  v.member("effort", &JointFriction::effort, about("1", kFriction, "mean, as a part of the joint's effort limit"));
-  v.member("spread", &JointFriction::spread, about("1", kFriction, "standard deviation of it"));
+  v.member("effort", &JointFriction::effort, about("1", kFriction, "mean, as a share of the joint's effort limit"));
+  v.member("spread", &JointFriction::spread, about("1", kFriction, "standard deviation"));
 }
 
-/// Between a command and the motion: applied command of coordinate i at step k is (1 + g_i) command_i(k - delay), then
+/// Between command and motion: the applied command of coordinate i at step k is (1 + g_i) command_i(k - delay),
 /// followed with the time constant `lag`.
 struct JointDrives {
   double delay = 0.0;       ///< [s]
-  double gain_error = 0.0;  ///< of g [1]
+  double gain_error = 0.0;  ///< standard deviation of g [1]
   JointFriction friction;
   Irregularity irregularity{};
   double lag = 0.0;  ///< [s]
@@ -315,14 +318,15 @@ constexpr void describe(Visitor& v, Of<JointDrives>) {
   using namespace disturbed;
   using T = JointDrives;
   v.member("delay", &T::delay,
-           about("s", kDelay, "from a command to its effect; until the first is due nothing moves"));
+           about("s", kDelay, "time from a command to its effect; nothing moves before the first command acts"));
   v.inlined(&T::irregularity);
   v.member("lag", &T::lag, about("s", kDelay, "time constant of the first-order lag with which a velocity follows"));
-  v.member("gain_error", &T::gain_error, about("1", kGain, "of g in v = (1 + g) command, of each joint, per trial"));
+  v.member("gain_error", &T::gain_error,
+           about("1", kGain, "standard deviation of g in v = (1 + g) command, per joint and trial"));
   v.member("friction", &T::friction, about("dry friction of each joint, per trial; dynamic mode"));
 }
 
-/// Of g, of the base's velocities [1].
+/// Standard deviations of g for the base's velocities [1].
 struct GainSpread {
   double linear = 0.0;
   double angular = 0.0;
@@ -332,12 +336,12 @@ struct GainSpread {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<GainSpread>) {
   using namespace disturbed;
-  v.member("linear", &GainSpread::linear, about("1", kGain, "of g in v = (1 + g) command"));
-  v.member("angular", &GainSpread::angular, about("1", kGain, "likewise of turning"));
+  v.member("linear", &GainSpread::linear, about("1", kGain, "standard deviation of g in v = (1 + g) command"));
+  v.member("angular", &GainSpread::angular, about("1", kGain, "standard deviation of g for turning"));
 }
 
-/// How fast a base's drive follows, as parts of the robot's base.max_acceleration: where its speed grows, and where it
-/// falls. Of an omnidirectional base's linear velocity as one vector.
+/// Accelerations of a base's drive, as shares of the robot's base.max_acceleration, for increasing and decreasing
+/// speed. An omnidirectional base's linear velocity is one vector.
 struct BaseRamps {
   double speed_up = 1.0;   ///< [1]
   double slow_down = 1.0;  ///< [1]
@@ -348,8 +352,10 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<BaseRamps>) {
   using namespace disturbed;
   using T = BaseRamps;
-  v.member("speed_up", &T::speed_up, about("1", {0.0, 1.0, true}, "of base.max_acceleration, where the speed grows"));
-  v.member("slow_down", &T::slow_down, about("1", {0.0, 1.0, true}, "where it falls"));
+  v.member("speed_up", &T::speed_up,
+           about("1", {0.0, 1.0, true}, "share of base.max_acceleration for increasing speed"));
+  v.member("slow_down", &T::slow_down,
+           about("1", {0.0, 1.0, true}, "share of base.max_acceleration for decreasing speed"));
 }
 
 struct BaseDrive {
@@ -365,12 +371,12 @@ struct BaseDrive {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<BaseDrive>) {
   using namespace disturbed;
-  v.member("delay", &BaseDrive::delay, about("s", kDelay, "as of joints"));
+  v.member("delay", &BaseDrive::delay, about("s", kDelay, "as for joints"));
   v.inlined(&BaseDrive::irregularity);
-  v.member("lag", &BaseDrive::lag, about("s", kDelay, "as of joints"));
-  v.member("deadband", &BaseDrive::deadband, about("commands no larger than this do not move the base"));
-  v.member("ramps", &BaseDrive::ramps, about("slower than the robot file believes"));
-  v.member("gain_error", &BaseDrive::gain_error, about("of the base's velocities, per trial"));
+  v.member("lag", &BaseDrive::lag, about("s", kDelay, "as for joints"));
+  v.member("deadband", &BaseDrive::deadband, about("commands up to this size do not move the base"));
+  v.member("ramps", &BaseDrive::ramps, about("accelerations below those of the robot file"));
+  v.member("gain_error", &BaseDrive::gain_error, about("gain errors of the base's velocities, per trial"));
 }
 
 struct Actuators {
@@ -385,8 +391,8 @@ constexpr void describe(Visitor& v, Of<Actuators>) {
   v.member("base", &Actuators::base, disturbed::about("the base's drives"));
 }
 
-/// Control periods in which the controller does not run, as on a busy computer: the last command goes on. The first
-/// period is never missed. Sensors go on measuring.
+/// Control periods that the controller misses, as on a busy computer: the last command continues. The first period is
+/// never missed. Sensors continue to measure.
 struct ControlTicks {
   double missed = 0.0;  ///< [1]
   bool operator==(const ControlTicks&) const = default;
@@ -395,11 +401,10 @@ struct ControlTicks {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<ControlTicks>) {
   v.member("missed", &ControlTicks::missed,
-           disturbed::about("1", disturbed::kFriction, "probability with which the controller misses a period"));
+           disturbed::about("1", disturbed::kFriction, "probability that the controller misses a period"));
 }
 
-/// A ball held at the end effector, which the robot file does not know of. Its mass is never below 0. Dynamic mode
-/// only.
+/// A ball held at the end effector that the robot file does not contain. Its mass is never below 0. Dynamic mode only.
 struct UnknownPayload {
   double mass = 0.0;                    ///< [kg]
   double spread = 0.0;                  ///< [kg]
@@ -411,12 +416,13 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<UnknownPayload>) {
   using namespace disturbed;
   using T = UnknownPayload;
-  v.member("mass", &T::mass, about("kg", kMass, "mean; a ball of the density of water"));
-  v.member("spread", &T::spread, about("kg", kMass, "standard deviation of it, per trial"));
-  v.member("position", &T::position, about("m", {-10.0, 10.0}, "of its centre in the end effector's frame"));
+  v.member("mass", &T::mass, about("kg", kMass, "mean mass of a ball with the density of water"));
+  v.member("spread", &T::spread, about("kg", kMass, "standard deviation, per trial"));
+  v.member("position", &T::position, about("m", {-10.0, 10.0}, "centre of the ball in the end effector's frame"));
 }
 
-/// Between floor and driven wheels; under mecanum wheels it bounds their drive. Never below 0. Dynamic mode only.
+/// Friction between floor and driven wheels; for mecanum wheels it bounds their drive. Never below 0. Dynamic mode
+/// only.
 struct FloorFriction {
   double friction = 1.0;  ///< [1]
   double spread = 0.0;    ///< [1]
@@ -426,18 +432,18 @@ struct FloorFriction {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<FloorFriction>) {
   using namespace disturbed;
-  v.member("friction", &FloorFriction::friction, about("1", kSpread, "mean, between floor and driven wheels"));
-  v.member("spread", &FloorFriction::spread, about("1", kSpread, "standard deviation of it, per trial"));
+  v.member("friction", &FloorFriction::friction, about("1", kSpread, "mean friction between floor and driven wheels"));
+  v.member("spread", &FloorFriction::spread, about("1", kSpread, "standard deviation, per trial"));
 }
 
-/// The section `disturbances` of a suite: what stands between the simulated robot and its controller. All off by
-/// default. Each is drawn from a stream of its own (streams.h).
+/// The section `disturbances` of a suite: all errors between the simulated robot and its controller. All are off by
+/// default. Each has its own stream of draws (streams.h).
 struct Disturbances {
   std::uint64_t seed = 0;
   JointSensing joints;
   BaseSensing base;
   PoseSensing objects;
-  DetectionRule detection;  ///< of objects
+  DetectionRule detection;  ///< detection of objects
   PoseSensing goal;
   Actuators actuators;
   UnknownPayload payload;
@@ -450,31 +456,34 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<Disturbances>) {
   using disturbed::about;
   using T = Disturbances;
-  v.member("seed", &T::seed, about("", {0.0, 0xffffffff}, "other draws for the same worlds"));
+  v.member("seed", &T::seed,
+           about("", {0.0, 0xffffffff}, "seed of the disturbances, for other draws in the same worlds"));
   v.member("joints", &T::joints, about("the arm's encoders"));
-  v.member("base", &T::base, about("the base's pose and velocity; without effect on a fixed base"));
-  v.group("objects", "what is measured of objects, and when they are found", [](auto& group) {
+  v.member("base", &T::base, about("sensing of the base's pose and velocity; no effect on a fixed base"));
+  v.group("objects", "measurement and detection of objects", [](auto& group) {
     group.inlined(&T::objects);
     group.inlined(&T::detection);
   });
-  v.member("goal", &T::goal, about("what is measured of the goal"));
-  v.member("actuators", &T::actuators, about("between a command and the motion"));
-  v.member("payload", &T::payload, about("held at the end effector, unknown to the controller; dynamic mode"));
+  v.member("goal", &T::goal, about("measurement of the goal"));
+  v.member("actuators", &T::actuators, about("drives between command and motion"));
+  v.member("payload", &T::payload, about("payload at the end effector, unknown to the controller; dynamic mode"));
   v.member("floor", &T::floor, about("dynamic mode"));
-  v.member("control", &T::control, about("control periods that are missed; the last command goes on"));
+  v.member("control", &T::control, about("missed control periods, in which the last command continues"));
 }
 
-/// Whether the controller sees anything but the truth. Seed, frames and the sensor's place alone switch nothing on.
+/// True if the controller sees anything but the true state. Seed, frames and the sensor's position alone switch nothing
+/// on.
 bool senses_with_errors(const Disturbances& disturbances);
-/// Whether anything but the command is applied.
+/// True if the applied command may differ from the controller's.
 bool acts_with_errors(const Disturbances& disturbances);
-/// Whether the physics are others than the robot file's. The payload's position alone switches nothing on.
+/// True if the physics may differ from the robot file's. The payload's position alone switches nothing on.
 bool moves_with_errors(const Disturbances& disturbances);
 inline bool any(const Disturbances& d) {
   return senses_with_errors(d) || acts_with_errors(d) || moves_with_errors(d) || d.control != ControlTicks{};
 }
 
-/// Least number of control periods that last at least `delay` [s]; a billionth of a period of rounding is forgiven.
+/// Returns the least number of control periods that last at least `delay` [s], with a tolerance of a billionth of a
+/// period for rounding.
 long delay_steps(double delay, double control_period);
 
 }  // namespace moma

@@ -36,7 +36,7 @@ Disturbances read_disturbances(const config::Node& node, const std::string& key)
 nlohmann::ordered_json to_json(const Disturbances& disturbances) {
   if (!any(disturbances)) return nlohmann::ordered_json::object();
   Disturbances said = disturbances;
-  // Nothing is held: where it would be is not said, and does not enter a trial's key.
+  // Without a payload its position is not written, and does not enter a trial's key.
   if (said.payload.mass == 0.0 && said.payload.spread == 0.0) said.payload = {};
   return config::write_described(said);
 }

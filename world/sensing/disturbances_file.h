@@ -8,12 +8,12 @@
 
 namespace moma {
 
-/// Reads the section `disturbances` of a suite: a map, a file that holds one (relative to where it is named), or
-/// `none`. Throws config::ConfigError.
+/// Reads the section `disturbances` of a suite: a map, a file with one (relative to the file that names it), or `none`.
+/// Throws config::ConfigError.
 Disturbances read_disturbances(const config::Node& node, const std::string& key);
 
-/// What differs from the defaults, and nothing else: {} where nothing is on, so that disturbances that do not exist
-/// yet cannot change the keys of trials. read_disturbances() gives back the same, bit for bit, where anything is on.
+/// Returns only the members that differ from the defaults; {} if nothing is on. Future disturbances therefore do not
+/// change the keys of trials. read_disturbances() restores the same, bit for bit, if anything is on.
 nlohmann::ordered_json to_json(const Disturbances& disturbances);
 
 }  // namespace moma

@@ -27,7 +27,7 @@ Vector3 Odometry::update(long k, const Vector3& pose) {
     return reckoned_;
   }
   const double turn = pose.z() - last_.z();
-  // The chord, in the frame that has turned half the way: on an arc it points straight ahead.
+  // The chord in the frame turned by half the angle: for an arc it points straight ahead.
   Vector2 chord = turned(-(last_.z() + 0.5 * turn), pose.head<2>() - last_.head<2>());
   const double way = chord.norm();
   double measured_turn = (1.0 + turn_) * turn + heading_ * way;
@@ -43,7 +43,7 @@ Vector3 Odometry::update(long k, const Vector3& pose) {
   if (errors_.slip.rate > 0.0) {
     Draws draws = streams_.sensing(kOdometrySlip, k);
     if (draws.uniform() < -std::expm1(-errors_.slip.rate * way)) {
-      // Along the way, where there is one; wheels that spin on the spot measure it ahead.
+      // Along the motion if there is one; wheels that spin on the spot measure it ahead.
       const Vector2 ahead = way > 0.0 ? Vector2(chord.normalized()) : Vector2::UnitX();
       chord += draws.normal(0.0, errors_.slip.distance) * ahead;
       measured_turn += draws.normal(0.0, errors_.slip.turn);

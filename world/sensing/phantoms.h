@@ -9,17 +9,17 @@
 
 namespace moma {
 
-/// False detections: balls that a trial's sensors see now and then where nothing is. Time is cut into spans; in each, a
-/// ball is there with its probability, at rest, at a place that is drawn in a ring about where the base is as the span
-/// begins. The controller is told of their shapes after those of the world's objects.
+/// False detections: balls that a trial's sensors report where nothing is. Time is divided into spans. In each span a
+/// ball exists with its probability, at rest, at a position drawn in a ring around the base at the span's start. The
+/// controller gets their shapes after those of the world's objects.
 class Phantoms {
  public:
   Phantoms(const FalseDetections& rule, const DisturbanceStreams& streams, double control_period);
 
   std::size_t count() const noexcept { return static_cast<std::size_t>(rule_.count); }
-  /// "phantom0", "phantom1", ..., longer where an object of the world has that name.
+  /// Named "phantom0", "phantom1", ..., with a longer name if an object of the world has the same.
   std::vector<ObjectShape> shapes(const World& world) const;
-  /// Their states at step k = 0, 1, 2, ... (each once, in order), appended to `objects`; `base` is the true one.
+  /// Appends their states at step k = 0, 1, 2, ... (each once, in order) to `objects`; `base` is the true pose.
   void append(long k, const Vector3& base, std::vector<ObjectState>& objects);
 
  private:

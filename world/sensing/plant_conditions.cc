@@ -24,7 +24,7 @@ PlantConditions plant_conditions(const Disturbances& disturbances, const RobotMo
   Draws friction = streams.acting(kJointFriction);
   out.joint_friction.resize(model.num_joints());
   for (int i = 0; i < model.num_joints(); ++i) {
-    // A joint that its own motor cannot move at all is broken, not disturbed.
+    // A joint that its own motor cannot move is broken, not disturbed.
     constexpr double kMost = 0.95;
     const double fraction = std::min(kMost, draw(friction, of_joints.effort, of_joints.spread));
     out.joint_friction[i] = fraction * model.joints[static_cast<std::size_t>(i)].effort;

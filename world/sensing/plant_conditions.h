@@ -6,7 +6,7 @@
 
 namespace moma {
 
-/// The physics of one trial: what `disturbances` say, drawn from the world's own streams.
+/// Returns the physics of one trial: `disturbances` with draws from the world's own streams.
 PlantConditions plant_conditions(const Disturbances& disturbances, const RobotModel& model, const World& world);
 
 }  // namespace moma

@@ -19,7 +19,7 @@ void turn(Isometry& X_W, const Vector3& rotation_W) {
   if (angle > 0.0) X_W.linear() = Eigen::AngleAxisd(angle, rotation_W / angle) * X_W.linear();
 }
 
-/// What is fixed to a base at `from`, when the base is taken to be at `to`; (x, y, phi) each.
+/// Moves a pose that is fixed to a base at `from` along to a base at `to`; (x, y, phi) each.
 void carry(const Vector3& from, const Vector3& to, Isometry& X_W, Vector6& V_W) {
   const Matrix3 R = Eigen::AngleAxisd(to.z() - from.z(), Vector3::UnitZ()).toRotationMatrix();
   const Vector3 p_from(from.x(), from.y(), 0.0), p_to(to.x(), to.y(), 0.0);
@@ -29,10 +29,10 @@ void carry(const Vector3& from, const Vector3& to, Isometry& X_W, Vector6& V_W) 
   V_W.tail<3>() = R * V_W.tail<3>();
 }
 
-// To multiples of `step`; as it is where that is 0.
+// Rounds to multiples of `step`; no effect if that is 0.
 double rounded(double value, double step) { return step > 0.0 ? std::round(value / step) * step : value; }
 
-// Lives as long as the model does.
+// Does not own the model, which must live as long.
 std::shared_ptr<const RobotModel> borrowed(const RobotModel& model) { return {std::shared_ptr<void>(), &model}; }
 
 }  // namespace
@@ -159,7 +159,7 @@ void Sensing::measure_pose(const PoseSensing& config, const PoseSources& sources
     V_W.tail<3>() += normal3(streams_.sensing(sources.linear, k, object), config.velocity_noise.linear);
 }
 
-// Of a true place; 1 where noise does not grow.
+// Factor on the noise for a true position; 1 if noise does not grow.
 double Sensing::noise_factor(const PoseSensing& config, const Vector3& p_W) const {
   return config.noise_growth > 0.0 ? 1.0 + config.noise_growth * (p_W - detection_.sensor_W(p_W)).squaredNorm() : 1.0;
 }

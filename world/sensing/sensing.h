@@ -13,19 +13,19 @@
 
 namespace moma {
 
-/// The sensors between the simulated robot and its controller: turns the truth into what is sensed. Each measurement
-/// is made at a control step and takes its errors then: odometry, bias, noise, in this order; a delay hands on the
-/// measurement of an earlier step as it was made, and before the first is due, the first. `model` outlives it. One per
-/// trial.
+/// The sensors between the simulated robot and its controller: turn the true state into an observation. Each
+/// measurement takes its errors at its control step, in this order: odometry, bias, noise. A delay then passes on the
+/// measurement of an earlier step; before the first one arrives, the first. `model` must outlive this object. One
+/// object per trial.
 class Sensing {
  public:
   Sensing(const Disturbances& disturbances, const RobotModel& model, const World& world, double control_period);
 
-  /// Of what is seen and not there: a controller is told of these after the world's objects.
+  /// Shapes of the false detections, which a controller gets after the world's objects.
   std::vector<ObjectShape> phantoms(const World& world) const { return phantoms_.shapes(world); }
-  /// `seen` is the truth at step k = 0, 1, 2, ... (each once, in order; finite), and what is sensed afterwards; of
-  /// objects that are not seen, nothing but that. Phantoms are appended to its objects. Allocates nothing but where
-  /// `seen` has no room for these.
+  /// `seen` is the finite true state at step k = 0, 1, 2, ... (each once, in order), and the observation afterwards. Of
+  /// an invisible object only `visible` changes. Appends phantoms to its objects. Allocates only if `seen` has no
+  /// capacity for these.
   void sense(long k, Observation& seen);
 
  private:
@@ -36,7 +36,7 @@ class Sensing {
     Vector3 pose = Vector3::Zero();
     Vector3 velocity = Vector3::Zero();  // its first base_dof coordinates
   };
-  /// Sources of a measured pose, and its constant offset.
+  /// Sources of a measured pose's errors, and its constant offset.
   struct PoseSources {
     DisturbanceSource position, rotation, linear, angular, bias_position, bias_rotation;
   };
@@ -45,7 +45,7 @@ class Sensing {
     Vector3 rotation = Vector3::Zero();
   };
 
-  /// A line of measurements, and what decides when each arrives.
+  /// A delay line of measurements, and the draws of their arrival.
   struct Arrival {
     const Irregularity& irregularity;
     DisturbanceSource source;
@@ -75,8 +75,8 @@ class Sensing {
   Vector3 base_bias_ = Vector3::Zero();
   std::vector<PoseBias> object_bias_;
   PoseBias goal_bias_;
-  Vector3 true_base_ = Vector3::Zero();  // of the present step
-  Vector3 seen_base_ = Vector3::Zero();  // as measured at the present step, before its delay
+  Vector3 true_base_ = Vector3::Zero();  // at the present step
+  Vector3 seen_base_ = Vector3::Zero();  // as measured at the present step, before the delay
 
   JointReading joints_;
   BaseReading base_;

@@ -10,7 +10,7 @@
 
 namespace moma {
 
-/// What is disturbed. Values are part of what a seed means: never renumber.
+/// Disturbed quantities. The values are part of a seed's meaning: never renumber them.
 enum class DisturbanceSource : std::uint64_t {
   kJointNoise = 1,
   kJointVelocity = 2,
@@ -57,8 +57,8 @@ enum class DisturbanceSource : std::uint64_t {
 };
 
 /// The draws of a trial's disturbances: a pure function of (the world's seed and index, `seed`, source, control step,
-/// object), changed by the world's moves. An object is known by WorldObject::noise. What is on or off, how many objects
-/// there are, and who asks first change none of the others.
+/// object), changed by the world's moves. WorldObject::noise identifies an object. Other disturbances, the number of
+/// objects and the order of calls do not change a draw.
 class DisturbanceStreams {
  public:
   DisturbanceStreams(const World& world, std::uint64_t seed)
