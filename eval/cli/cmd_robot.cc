@@ -7,7 +7,6 @@
 #include "controller/config/robot_file.h"
 #include "controller/draft/draft_robot.h"
 #include "eval/cli/command.h"
-#include "eval/cli/lenient.h"
 #include "eval/cli/robot_draft.h"
 #include "eval/cli/robot_fit.h"
 #include "eval/cli/suite_options.h"
@@ -205,8 +204,9 @@ void add_robot(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       }
       if (!options->fit_options.output.empty())
         throw UsageError(options->file + ": is a robot file already; -o writes one of a URDF, or with --fit-shapes");
-      const config::LoadedRobot robot =
-          options->lenient ? config::read_robot(lenient_robot(options->file), "") : config::load_robot(options->file);
+      config::Node file = config::load_yaml(options->file);
+      if (options->lenient) config::set_value(file, "lenient", "true");
+      const config::LoadedRobot robot = config::read_robot(file, "");
       const std::vector<std::string> warnings = all_warnings(options->file, robot);
       if (options->json) {
         std::cout << to_json(robot, warnings).dump(2) << '\n';

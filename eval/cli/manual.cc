@@ -2,20 +2,24 @@
 
 #include <fmt/format.h>
 
-#include <sstream>
 #include <vector>
 
-#include "eval/cli/option_parts.h"
 #include "eval/store/build_info.h"
 
 namespace moma::cli {
 namespace {
 
-std::vector<std::string> text_lines(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
+bool is_positional(const CLI::Option& option) { return !option.nonpositional(); }
+
+/// The words between bars in the option's text, or between braces in the name of its type.
+std::vector<std::string> words_accepted_by(const CLI::Option& option) {
+  const std::string& text = option.get_option_text();
+  if (text.find('|') != std::string::npos) return CLI::detail::split(text, '|');
+  const std::string type = option.get_type_name();
+  const std::size_t open = type.find('{');
+  const std::size_t close = type.find('}');
+  if (open == std::string::npos || close == std::string::npos || close < open) return {};
+  return CLI::detail::split(type.substr(open + 1, close - open - 1), ',');
 }
 
 /// "DB", "-o, --output".
@@ -29,7 +33,7 @@ std::string option_names(const CLI::Option& option) {
 
 /// "TEXT", "INT in [1 - 4096]", "sphere|capsule|box"; "" of a flag.
 std::string option_value(const CLI::Option& option) {
-  if (!wants_value(option)) return "";
+  if (option.get_items_expected_max() == 0) return "";
   if (!option.get_option_text().empty()) return option.get_option_text();
   if (const auto words = words_accepted_by(option); !words.empty()) return fmt::format("{}", fmt::join(words, "|"));
   const std::string type = option.get_type_name();
@@ -70,37 +74,16 @@ std::string usage_of(const CLI::App& command) {
   return usage;
 }
 
-/// For troff: backslashes, hyphens that are to be typed, and lines that would be requests.
+/// Text as it is, in the language of man(7): backslashes, hyphens that are to be typed, and lines that would be requests.
 std::string roff(const std::string& text) {
   std::string out;
-  if (!text.empty() && (text[0] == '.' || text[0] == '\'')) out = "\\&";
+  bool begins = true;
   for (const char c : text) {
-    if (c == '\\') {
-      out += "\\e";
-    } else if (c == '-') {
-      out += "\\-";
-    } else if (c == '\'') {
-      out += "\\(aq";
-    } else {
-      out += c;
-    }
+    if (begins && (c == '.' || c == '\'')) out += "\\&";
+    begins = c == '\n';
+    out += c == '\\' ? "\\e" : c == '-' ? "\\-" : c == '\'' ? "\\(aq" : std::string(1, c);
   }
   return out;
-}
-
-/// Lines kept as they are.
-std::string roff_lines(const std::string& text) {
-  if (text.empty()) return "";
-  std::string out = ".PP\n.nf\n";
-  for (const std::string& line : text_lines(text)) out += roff(line) + "\n";
-  return out + ".fi\n";
-}
-
-std::string roff_option(const CLI::Option& option) {
-  const std::string value = option_value(option);
-  return fmt::format(".TP\n\\fB{}\\fR{}\n{}\n", roff(option_names(option)),
-                     value.empty() || is_positional(option) ? "" : fmt::format(" \\fI{}\\fR", roff(value)),
-                     roff(option_text(option)));
 }
 
 std::string markdown_cell(const std::string& text) {
@@ -113,25 +96,11 @@ std::string markdown_cell(const std::string& text) {
 
 std::string manual_page(const CLI::App& app) {
   std::string page = fmt::format(".TH MOMA 1 \"\" \"moma {}\" \"User Commands\"\n", store::kVersion);
-  page += fmt::format(".SH NAME\nmoma \\- {}\n", roff(app.get_description()));
-  page +=
-      ".SH SYNOPSIS\n\\fBmoma\\fR \\fICOMMAND\\fR [\\fIOPTIONS\\fR] ...\n.br\n\\fBmoma help\\fR [\\fICOMMAND\\fR]\n";
-  page += ".SH OPTIONS\n";
-  for (const CLI::Option* option : app.get_options()) page += roff_option(*option);
-  page += ".SH COMMANDS\n";
-  for (const CLI::App* command : app.get_subcommands(nullptr)) {
-    page += fmt::format(".SS {}\n{}.\n", roff(usage_of(*command)), roff(command->get_description()));
-    for (const CLI::Option* option : command->get_options()) {
-      if (option->get_lnames() != std::vector<std::string>{"help"}) page += roff_option(*option);
-    }
-    page += roff_lines(command->get_footer());
-  }
-  page += ".SH EXIT STATUS\n";
-  page += roff_lines(app.get_footer());
-  page +=
-      ".SH ENVIRONMENT\n.TP\n\\fBMOMA_PACKAGE_PATH\\fR\nFolders, separated by colons, in which the packages of "
-      "package:// in URDFs are looked for.\n";
-  return page;
+  page += fmt::format(".SH NAME\nmoma \\- {}\n.SH COMMANDS\n.nf\n", roff(app.get_description()));
+  page += roff(app.get_formatter()->make_help(&app, "moma", CLI::AppFormatMode::Normal));
+  for (const CLI::App* command : app.get_subcommands(nullptr))
+    page += fmt::format(".SH moma {}\n{}", command->get_name(), roff(command->help("moma")));
+  return page + ".fi\n";
 }
 
 std::string commands_page(const CLI::App& app) {

@@ -5,7 +5,7 @@
 
 namespace moma::cli {
 
-/// The manual page moma(1) in the macros of man(7), from the descriptions of the commands.
+/// The manual page moma(1) in the macros of man(7): the help of every command.
 std::string manual_page(const CLI::App& app);
 
 /// docs/reference/commands.md: the same in Markdown.
