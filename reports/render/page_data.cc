@@ -228,25 +228,4 @@ nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& o
   return page;
 }
 
-std::optional<nlohmann::ordered_json> film_data(SQLite::Database& store, const std::string& trial, double hz,
-                                                const ReportOptions& options) {
-  SQLite::Transaction snapshot(store);
-  const std::optional<Json> replay = replay_of(
-      store, trial, hz, [&] { return options.simulate ? options.simulate(store.getFilename(), trial) : std::nullopt; });
-  if (!replay) return {};
-  Json page = begin(store);
-  SQLite::Statement query = prepare(store, film_sql());
-  query.bind(1, trial);
-  long long n = 0;
-  Json columns = columns_of(query, n);
-  page["trials"] = {{"n", n}, {"stored", n}, {"worlds", n}, {"columns", std::move(columns)}};
-  for (const char* part : {"invocations", "summary", "overall", "tuning"}) page[part] = Json::array();
-  page["samples_stored"] = n;
-  page["robots"][replay->at("robot").get<std::string>()] = replay->at("resolved");
-  page["replays"] = Json::array({*replay});
-  page["replays"][0].erase("resolved");
-  add_looks(store, options, page);
-  return page;
-}
-
 }  // namespace moma::reports

@@ -48,7 +48,6 @@ TEST_F(CliReplace, AStoreIsReplacedByNothing) {
                                              {"report", "a.db", "--table", "csv.csv"},
                                              {"replay", "a.db", name, "--log", "a.db"},
                                              {"replay", "a.db", name, "--case", "other.db"},
-                                             {"replay", "a.db", name, "--video", "other.db"},
                                              {"export", "a.db", "--planner-arena", "other.db"},
                                              {"robot", "robots/tiny.yaml", "--fit-shapes", "-o", "other.db"}}) {
     kept(arguments.back(), arguments, {"is a store of moma's"});
@@ -72,7 +71,6 @@ TEST_F(CliReplace, WhatMomaDidNotWriteIsReplacedWithForceAlone) {
            {"notes.csv", {"report", "a.db", "--table", "notes.csv"}},
            {"notes.csv", {"replay", "a.db", name, "--log", "notes.csv"}},
            {"notes.json", {"replay", "a.db", name, "--case", "notes.json"}},
-           {"notes.json", {"replay", "a.db", name, "--video", "notes.json"}},
            {"csv/worlds.csv", {"export", "a.db", "--csv", "csv"}},
            {"notes.json", {"export", "a.db", "--planner-arena", "notes.json"}}}) {
     kept(file, arguments, {"--force"});

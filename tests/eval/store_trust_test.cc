@@ -152,17 +152,6 @@ TEST_F(CliTrust, AStoresPluginIsLoadedOnlyWhereTheUserSaysSo) {
     good(arguments);
     EXPECT_TRUE(fs::exists(path("witness"))) << arguments[0];
   }
-  // As a video, too; whether there is a Chromium that draws it is no matter here.
-  const std::vector<std::string> video = {"replay", "a.db", trial,    "--video", "film.webm",
-                                          "--fps",  "1",    "--size", "64",      "64"};
-  fs::remove(path("witness"));
-  bad(video, {"--allow-plugins"});
-  EXPECT_FALSE(fs::exists(path("witness"))) << "replay --video loaded it";
-  std::vector<std::string> allowed = video;
-  allowed.emplace_back("--allow-plugins");
-  const ProcessResult film = moma(allowed);
-  EXPECT_TRUE(fs::exists(path("witness"))) << film.err;
-  EXPECT_EQ(film.err.find("--allow-plugins"), std::string::npos) << film.err;
   // Another library under its name is not even loaded, and neither is one by a path of the working folder.
   std::ofstream(path("witness.so"), std::ios::app | std::ios::binary) << "another build";
   fs::remove(path("witness"));

@@ -112,11 +112,7 @@ export interface PageData {
   replays: (ReplayData | { trial: string })[];
   samples_stored: number;
   tuning: TuneSearch[];
-  /** The page is one frame of a film after another: of so many pixels, frames a second, seconds of motion per second. */
-  film?: FilmSize;
 }
-
-export interface FilmSize { width: number; height: number; fps: number; speed: number }
 
 interface TextColumn {
   values: string[];
