@@ -48,7 +48,6 @@ TEST_F(CliReplace, AStoreIsReplacedByNothing) {
                                              {"report", "a.db", "--table", "csv.csv"},
                                              {"replay", "a.db", name, "--log", "a.db"},
                                              {"replay", "a.db", name, "--case", "other.db"},
-                                             {"export", "a.db", "--planner-arena", "other.db"},
                                              {"robot", "robots/tiny.yaml", "--fit-shapes", "-o", "other.db"}}) {
     kept(arguments.back(), arguments, {"is a store of moma's"});
     kept(arguments.back(), forced(arguments), {"is a store of moma's"});
@@ -71,8 +70,7 @@ TEST_F(CliReplace, WhatMomaDidNotWriteIsReplacedWithForceAlone) {
            {"notes.csv", {"report", "a.db", "--table", "notes.csv"}},
            {"notes.csv", {"replay", "a.db", name, "--log", "notes.csv"}},
            {"notes.json", {"replay", "a.db", name, "--case", "notes.json"}},
-           {"csv/worlds.csv", {"export", "a.db", "--csv", "csv"}},
-           {"notes.json", {"export", "a.db", "--planner-arena", "notes.json"}}}) {
+           {"csv/worlds.csv", {"export", "a.db", "--csv", "csv"}}}) {
     kept(file, arguments, {"--force"});
   }
   EXPECT_FALSE(fs::exists(path("csv/trials.csv"))) << "nothing is written where one of the files may not be";
