@@ -58,7 +58,6 @@ COMMANDS = {
     "query": (["query", "a.db", "@summary", "-f", "csv"], "words", ""),
     "query samples": (["query", "a.db", SERIES, "-f", "json"], "words", ""),
     "compare": (["compare", "a.db", "moma:disturbances=none", "neo:disturbances=none", "--json"], "words", ""),
-    "diff": (["diff", "a.db", "moma:disturbances=none", "neo:disturbances=none"], "words", ""),
     "replay": (["replay", "a.db", "TRIAL"], "words", ""),
     "report": (["report", "a.db", "b.db", "-o", "out.html"], "", "out.html"),
     "export": (["export", "a.db", "--csv", "out"], "folder", "out"),

@@ -66,7 +66,9 @@ void write_fish(const CLI::App& app) {
 void add_completion(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   auto shell = std::make_shared<std::string>();
   CLI::App* command = app.add_subcommand("completion", "Write the completion of command lines for a shell");
-  command->add_option("SHELL", *shell, "The shell; zsh reads bash's")->required()->check(CLI::IsMember({"bash", "fish"}));
+  command->add_option("SHELL", *shell, "The shell; zsh reads bash's")
+      ->required()
+      ->check(CLI::IsMember({"bash", "fish"}));
   command->footer(
       "bash: source <(moma completion bash), in ~/.bashrc for every shell to come\n"
       "zsh:  the same, in ~/.zshrc behind compinit\n"

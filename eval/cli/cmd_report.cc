@@ -38,8 +38,6 @@ void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       ->capture_default_str();
   command->add_option("--replays", options->report.replays, "At most so many trials with their motion")
       ->check(CLI::Range(0, 100000));
-  command->add_flag("--history", options->report.history,
-                    "The stores are runs of one suite over time: show how each controller did and what changed");
   command
       ->add_option("--twins", options->report.twins,
                    "Of so many failures a success in the same world too, to play beside them")

@@ -74,7 +74,8 @@ std::string usage_of(const CLI::App& command) {
   return usage;
 }
 
-/// Text as it is, in the language of man(7): backslashes, hyphens that are to be typed, and lines that would be requests.
+/// Text as it is, in the language of man(7): backslashes, hyphens that are to be typed, and lines that would be
+/// requests.
 std::string roff(const std::string& text) {
   std::string out;
   bool begins = true;

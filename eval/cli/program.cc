@@ -43,7 +43,7 @@ std::string version_text() {
 /// Heads under which the help lists the commands; a command of none stands under the last.
 constexpr std::pair<std::string_view, const char*> kGroups[] = {
     {" init run reproduce tune risk break ", "Evaluate"},
-    {" query report open view replay shrink compare diff ", "Look at results"},
+    {" query report open view replay shrink compare ", "Look at results"},
     {" verify merge export ", "Keep results"},
     {" check robot world import identify solve keys ", "Make suites, robots and controllers"},
     {"", "Help"}};

@@ -156,7 +156,7 @@ Json begin(SQLite::Database& store) {
                    {"schema", store.execAndGet("PRAGMA user_version").getInt()}};
   page["metrics"] = Json::parse(metrics_json());
   page["outcomes"] = Json::parse(outcomes_json());
-  page["points"] = stored_points(store);
+  page["points"] = rows(store, points_sql());
   return page;
 }
 
@@ -203,8 +203,6 @@ Json tuning(SQLite::Database& store) {
 }
 
 }  // namespace
-
-nlohmann::ordered_json stored_points(SQLite::Database& store) { return rows(store, points_sql()); }
 
 nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& options) {
   // One transaction: all parts show the store at one moment, whatever a run adds meanwhile.

@@ -15,9 +15,6 @@ namespace moma::reports {
 /// reports/sql give them; trials by column, texts as codes into a list; infinities as "inf" and "-inf".
 nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& options);
 
-/// Rows of points.sql: what was evaluated, with everything that the trials of a point share.
-nlohmann::ordered_json stored_points(SQLite::Database& store);
-
 /// The same of several stores, so that their controllers stand side by side. Where each store holds one suite, all
 /// trials are shown as one; else equal names of suites are the same suite. A controller that several stores hold
 /// under one name is called "NAME (STORE)". Rows of invocations, points, summaries, trials and replays tell their

@@ -28,7 +28,6 @@ struct ReportOptions {
   double replay_hz = 10.0;  ///< samples per second of those, > 0
   std::chrono::milliseconds patience{600000};  ///< for reading one store, whose views could be without end
   bool served = false;   ///< for a page that asks `moma view` for motions: trials are named, their motion left out
-  bool history = false;  ///< the stores are runs of one suite over time: they are shown in the order of their runs
   TimeKnown time_known;  ///< for causes of collisions; without it they are not looked for
   int twins = 12;  ///< of so many failures with motion the page has a success in the same world too, to play beside it
   Look look;       ///< what robots look like; without it they are shown as the shapes that count in collisions

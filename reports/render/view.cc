@@ -28,10 +28,10 @@ constexpr const char* kJson = "application/json; charset=utf-8";
 constexpr const char* kHtml = "text/html; charset=utf-8";
 /// Threads that answer. None waits for a client: each serves its connections as they become ready.
 constexpr unsigned kThreads = 8;
-constexpr unsigned kConnections = 500;           ///< at once; more wait to be accepted
-constexpr std::size_t kRequestBytes = 64 * 1024; ///< of one request's head
-constexpr unsigned kIdleSeconds = 5;             ///< for which a client may send nothing
-constexpr unsigned kSendSeconds = 60;            ///< for which it may take nothing of its answer
+constexpr unsigned kConnections = 500;            ///< at once; more wait to be accepted
+constexpr std::size_t kRequestBytes = 64 * 1024;  ///< of one request's head
+constexpr unsigned kIdleSeconds = 5;              ///< for which a client may send nothing
+constexpr unsigned kSendSeconds = 60;             ///< for which it may take nothing of its answer
 constexpr std::pair<const char*, const char*> kHeaders[] = {
     {"Cache-Control", "no-store"},
     {"X-Content-Type-Options", "nosniff"},
