@@ -6,7 +6,6 @@
 
 #include "controller/case/case_file.h"
 #include "eval/cli/command.h"
-#include "eval/cli/stored_case.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 #include "eval/identify/log_file.h"
@@ -104,7 +103,7 @@ void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       run::StoredSuites suites(options->plugins);
       if (!options->case_file.empty()) {
         const nlohmann::ordered_json json =
-            case_to_json(stored_case(suites, options->file, options->trial, options->step));
+            case_to_json(run::stored_case(suites, options->file, options->trial, options->step));
         files::write_file(options->case_file, kind, options->replace,
                           [&](std::ostream& out) { out << json.dump() << '\n'; });
         return static_cast<int>(kOk);

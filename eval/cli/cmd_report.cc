@@ -5,10 +5,8 @@
 #include <memory>
 
 #include "eval/cli/command.h"
-#include "eval/cli/play_again.h"
-#include "eval/cli/robot_look.h"
+#include "eval/cli/page_parts.h"
 #include "eval/cli/suite_options.h"
-#include "eval/cli/time_known.h"
 #include "eval/store/migrations.h"
 #include "reports/render/report.h"
 #include "reports/render/store.h"
@@ -73,9 +71,7 @@ void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
         report.time_known = time_known;
         if (!options->shapes) report.look = robot_look(options->robots);
         run::StoredSuites suites(options->plugins);
-        report.simulate = [&suites](const std::filesystem::path& db, const std::string& trial) {
-          return play_again(suites, db, trial);
-        };
+        report.simulate = simulated_again(suites);
         write_report(stores, html, report);
         written.push_back(html);
       }

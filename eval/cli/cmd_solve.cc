@@ -7,9 +7,9 @@
 #include "controller/case/foresee.h"
 #include "controller/case/solve.h"
 #include "eval/cli/command.h"
-#include "eval/cli/stored_case.h"
 #include "eval/cli/suite_options.h"
 #include "eval/run/named_point.h"
+#include "eval/run/replay.h"
 
 namespace moma::cli {
 
@@ -54,7 +54,7 @@ void add_solve(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       const auto asked = [&] {
         if (options->trial.empty()) return read_case(options->file);
         run::StoredSuites suites;
-        return stored_case(suites, options->file, run::named_trial(options->file, options->trial), options->step);
+        return run::stored_case(suites, options->file, run::named_trial(options->file, options->trial), options->step);
       };
       const ControlCase control_case = asked();
       if (options->ahead > 0.0) {
