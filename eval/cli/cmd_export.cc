@@ -14,7 +14,7 @@
 #include "eval/cli/table.h"
 #include "eval/store/query.h"
 #include "files/output_file.h"
-#include "reports/render/own_metric.h"
+#include "reports/render/own_metrics.h"
 
 namespace moma::cli {
 namespace {

@@ -43,7 +43,7 @@ void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       ->capture_default_str();
   add_look_options(*command, options->robots, options->shapes);
   command->add_option("--figures", options->figures, "Write every figure as SVG and PDF into this folder (needs node)");
-  command->add_option("--table", options->table, "Write the table of results as .tex, .md or .csv");
+  command->add_option("--table", options->table, "Write the table of results for LaTeX (.tex)");
   add_force(*command, options->report.replace);
   add_allow_plugins(*command, options->plugins);
   command->footer(

@@ -63,8 +63,8 @@ void write_report(const std::filesystem::path& store, const std::filesystem::pat
 std::vector<std::filesystem::path> write_figures(const Stores& stores, const std::filesystem::path& folder,
                                                  files::Replace replace = files::Replace::kOwn);
 
-/// Writes the table of results (v_summary, and all families together) for a paper; the file's ending chooses
-/// .tex (booktabs), .md or .csv (every digit). Throws ReportError naming what is wrong.
+/// Writes the table of results (v_summary, and all families together) for a paper, in LaTeX (booktabs); the file's name
+/// ends in .tex. Throws ReportError naming what is wrong.
 void write_table(const Stores& stores, const std::filesystem::path& file,
                  files::Replace replace = files::Replace::kOwn);
 

@@ -196,7 +196,8 @@ struct Server {
 MHD_Result send(MHD_Connection* connection, const Answer& answer) {
   auto kept = std::make_unique<Text>(answer.text);
   MHD_Response* response = MHD_create_response_from_buffer_with_free_callback_cls(
-      (*kept)->size(), const_cast<char*>((*kept)->data()), [](void* text) { delete static_cast<Text*>(text); }, kept.get());
+      (*kept)->size(), const_cast<char*>((*kept)->data()), [](void* text) { delete static_cast<Text*>(text); },
+      kept.get());
   if (response == nullptr) return MHD_NO;
   (void)kept.release();  // the response's own
   MHD_add_response_header(response, MHD_HTTP_HEADER_CONTENT_TYPE, answer.type);

@@ -208,8 +208,10 @@ TEST_F(CliLook, MetricsOfASuiteAreWhereMomasAre) {
   };
   EXPECT_TRUE(head("csv/trials.csv").ends_with(",latest"));
   EXPECT_TRUE(head("csv/summary.csv").ends_with(",latest"));
-  good({"report", "a.db", "-o", "a.html", "--table", "a.csv"});
-  EXPECT_TRUE(head("a.csv").ends_with(",latest"));
+  good({"report", "a.db", "-o", "a.html", "--table", "a.tex"});
+  std::ifstream table(path("a.tex"));
+  const std::string tex{std::istreambuf_iterator<char>(table), {}};
+  EXPECT_NE(tex.find("& mean command change & latest "), std::string::npos) << tex;
   std::ifstream page(path("a.html"));
   const std::string text{std::istreambuf_iterator<char>(page), {}};
   EXPECT_NE(text.find("\"key\":\"latest\""), std::string::npos);
