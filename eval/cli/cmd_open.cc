@@ -1,10 +1,5 @@
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -16,26 +11,6 @@
 #include "reports/render/report.h"
 
 namespace moma::cli {
-namespace {
-
-/// Shows a page in the reader's own browser, as $BROWSER or else xdg-open names it, and waits until that has started
-/// it. False where there is none, or it fails.
-bool open_in_browser(const std::filesystem::path& html) {
-  const char* chosen = std::getenv("BROWSER");
-  std::string program = chosen != nullptr && *chosen != '\0' ? chosen : "xdg-open";
-  std::string file = std::filesystem::absolute(html).string();
-  char* arguments[] = {program.data(), file.data(), nullptr};
-  pid_t child = 0;
-  if (posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments, environ) != 0) return false;
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) return false;
-  }
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
-}
-
-}  // namespace
-
 void add_open(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   struct Options {
     reports::Stores stores;
@@ -60,7 +35,7 @@ void add_open(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       report.simulate = simulated_again(suites);
       write_report(options->stores, html, report);
       std::cerr << fmt::format("wrote {}\n", html.string());
-      if (!open_in_browser(html))
+      if (!reports::open_in_browser(html))
         std::cerr << "no browser could be started (BROWSER names one): open the file yourself\n";
       return static_cast<int>(kOk);
     };

@@ -63,6 +63,10 @@ void write_report(const std::filesystem::path& store, const std::filesystem::pat
 std::vector<std::filesystem::path> write_figures(const Stores& stores, const std::filesystem::path& folder,
                                                  files::Replace replace = files::Replace::kOwn);
 
+/// Shows a page in the reader's own browser, as $BROWSER or else xdg-open names it, and waits until that has started
+/// it. False where there is none, or it fails.
+bool open_in_browser(const std::filesystem::path& html);
+
 /// Writes the table of results (v_summary, and all families together) for a paper, in LaTeX (booktabs); the file's name
 /// ends in .tex. Throws ReportError naming what is wrong.
 void write_table(const Stores& stores, const std::filesystem::path& file,
