@@ -4,6 +4,7 @@
 #include <sqlite3.h>
 #include <sys/file.h>
 
+#include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <new>
@@ -293,7 +294,7 @@ std::set<std::string> definitions(SQLite::Database& db) {
 /// A store as an older version would have written `fresh`: what that version had no columns for is not there.
 void write_as_version(int version, const fs::path& fresh, const fs::path& old) {
   SQLite::Database db(old.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
-  db.exec(text_of(fmt::format("{}/tests/data/store/schema-{}.sql", MOMA_SOURCE_DIR, version)));
+  db.exec(schema_of_version(version));
   db.exec(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", store::kApplicationId, version));
   SQLite::Statement attach(db, "ATTACH ? AS fresh");
   attach.bind(1, fresh.string());
@@ -400,4 +401,18 @@ TEST(RunLock, WaitingCanBeBrokenOff) {
 }
 
 }  // namespace
+
+/// It is schema-4.sql, and in schema-N.diff what version N had otherwise.
+std::string schema_of_version(int version) {
+  const std::string folder = MOMA_SOURCE_DIR "/tests/data/store/";
+  const std::string command =
+      version == 4 ? fmt::format("cat '{}schema-4.sql'", folder)
+                   : fmt::format("patch -s -o - '{0}schema-4.sql' '{0}schema-{1}.diff'", folder, version);
+  FILE* words = popen(command.c_str(), "r");
+  std::string text;
+  for (int c = 0; words != nullptr && (c = std::getc(words)) != EOF;) text += static_cast<char>(c);
+  if (words == nullptr || pclose(words) != 0) throw std::runtime_error("cannot be run: " + command);
+  return text;
+}
+
 }  // namespace moma::test
