@@ -11,6 +11,7 @@
 #include "reports/render/report.h"
 
 namespace moma::cli {
+
 void add_open(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   struct Options {
     reports::Stores stores;
