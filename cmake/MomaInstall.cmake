@@ -57,7 +57,6 @@ if(TARGET moma)
   install(FILES "${shell}/moma.1" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" COMPONENT program)
   install(FILES "${shell}/moma.bash" DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" RENAME moma
           COMPONENT program)
-  install(FILES "${shell}/moma.zsh" DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/site-functions" RENAME _moma COMPONENT program)
   install(FILES "${shell}/moma.fish" DESTINATION "${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d" COMPONENT program)
   install(DIRECTORY docs examples DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT program)
   install(FILES README.md CHANGELOG.md DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT program)

@@ -16,7 +16,7 @@ packages=(
   build-essential ca-certificates ccache cmake ninja-build pkg-config python3-venv python3-dev
   libode-dev libeigen3-dev liburdfdom-dev libnlopt-cxx-dev libsqlite3-dev libsqlitecpp-dev libyaml-cpp-dev
   nlohmann-json3-dev libcli11-dev libfmt-dev librandom123-dev libzstd-dev libxxhash-dev zlib1g-dev
-  libcpp-httplib-dev libboost-dev
+  libmicrohttpd-dev libboost-dev
   libopenmpi-dev openmpi-bin
   libgtest-dev librapidcheck-dev libbenchmark-dev clang-format sqlite3
   librsvg2-bin poppler-utils   # draw and read the page's figures and prints in the tests

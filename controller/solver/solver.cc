@@ -5,15 +5,13 @@
 #include <stdexcept>
 #include <string>
 
-#include "controller/solver/solver_daqp.h"
-#ifdef MOMA_HAVE_QPOASES
-#include "controller/solver/solver_qpoases.h"
-#endif
-#ifdef MOMA_HAVE_EIQUADPROG
-#include "controller/solver/solver_eiquadprog.h"
-#endif
-
 namespace moma {
+
+// Each in its own file, solver_NAME.cc; the last two where this build has them.
+std::unique_ptr<QpSolver> make_daqp();
+std::unique_ptr<QpSolver> make_qpoases();
+std::unique_ptr<QpSolver> make_eiquadprog();
+
 namespace {
 
 // Tolerance of a solution's rows [m/s, rad/s]: rounding if the weights span 1e9.
@@ -72,6 +70,13 @@ void QpSolution::allocate(int num_variables, int max_rows) {
   iterations = 0;
 }
 
+void QpSolver::allocate(int num_variables, int max_rows) {
+  num_variables_ = max_rows_ = 0;
+  do_allocate(num_variables, max_rows);
+  num_variables_ = num_variables;
+  max_rows_ = max_rows;
+}
+
 StepStatus QpSolver::solve(const QpProblem& problem, QpSolution& solution) noexcept {
   return solve(problem, Box{problem.lb.data(), problem.ub.data()}, solution);
 }
@@ -103,14 +108,14 @@ std::vector<SolverKind> available_solvers() {
 std::unique_ptr<QpSolver> make_solver(SolverKind kind) {
   switch (kind) {
     case SolverKind::kDaqp:
-      return std::make_unique<DaqpSolver>();
+      return make_daqp();
 #ifdef MOMA_HAVE_QPOASES
     case SolverKind::kQpoases:
-      return std::make_unique<QpoasesSolver>();
+      return make_qpoases();
 #endif
 #ifdef MOMA_HAVE_EIQUADPROG
     case SolverKind::kEiquadprog:
-      return std::make_unique<EiquadprogSolver>();
+      return make_eiquadprog();
 #endif
     default:
       break;

@@ -35,7 +35,7 @@ class QpSolver {
   QpSolver& operator=(const QpSolver&) = delete;
 
   /// Sizes the workspace for problems of exactly `num_variables` and at most `max_rows` rows.
-  virtual void allocate(int num_variables, int max_rows) = 0;
+  void allocate(int num_variables, int max_rows);
 
   /// Returns kSolved, with solution.x inside the box and within 1e-6 of every row; kInfeasible; kMaxIterations (also if
   /// the solver gave up or returned a wrong point); kInvalidInput (a NaN, an infinite coefficient, a wrong size).
@@ -47,9 +47,14 @@ class QpSolver {
   virtual bool real_time_safe() const noexcept = 0;
 
  protected:
+  virtual void do_allocate(int num_variables, int max_rows) = 0;
   virtual StepStatus do_solve(const QpProblem& problem, const Box& box, QpSolution& solution) noexcept = 0;
-  virtual int num_variables() const noexcept = 0;
-  virtual int max_rows() const noexcept = 0;
+  int num_variables() const noexcept { return num_variables_; }
+  int max_rows() const noexcept { return max_rows_; }
+
+ private:
+  int num_variables_ = 0;
+  int max_rows_ = 0;
 };
 
 /// Returns the solvers of this build; DAQP always.

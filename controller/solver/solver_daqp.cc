@@ -1,41 +1,49 @@
-#include "controller/solver/solver_daqp.h"
-
 extern "C" {
 #include <api.h>
 #include <utils.h>
 }
 
 #include <algorithm>
-#include <cstring>
+#include <memory>
 #include <vector>
+
+#include "controller/solver/solver.h"
 
 namespace moma {
 
-struct DaqpSolver::Impl {
-  int n = 0;
-  int max_rows = 0;
-  // The workspace's arrays are ours, because DAQP's allocate_ and setup_ functions do not check malloc(). One block
-  // each, so that memory checkers see its end.
-  DAQPWorkspace work{};
-  DAQPSettings settings{};
-  std::vector<std::vector<double>> numbers;
-  std::vector<std::vector<int>> words;
-  DAQPProblem qp{};
-  // DAQP reads a dense row-major H, and bounds of variables and rows in one array.
-  std::vector<double> H, f, lower, upper, x, multipliers;
+namespace {
 
-  double* array(std::size_t count) { return numbers.emplace_back(std::max<std::size_t>(count, 1), 0.0).data(); }
-  int* int_array(std::size_t count) { return words.emplace_back(std::max<std::size_t>(count, 1), 0).data(); }
+/// DAQP (Arnstrom, Bemporad, Axehill, IEEE TAC 67(8), 2022), a dual active-set method. Default: the fastest on this
+/// problem, finds every infeasibility and takes no memory once allocated.
+class DaqpSolver : public QpSolver {
+ public:
+  bool real_time_safe() const noexcept override { return true; }
+
+ protected:
+  void do_allocate(int num_variables, int max_rows) override;
+  StepStatus do_solve(const QpProblem& problem, const Box& box, QpSolution& solution) noexcept override;
+
+ private:
+  struct State {
+    // The arrays of the workspace are ours, not those of DAQP's allocate_ and setup_ functions, which write through
+    // what malloc() gives them without looking. A block each, so that memory checkers see where one ends.
+    DAQPWorkspace work{};
+    DAQPSettings settings{};
+    std::vector<std::vector<double>> numbers;
+    std::vector<std::vector<int>> words;
+    DAQPProblem qp{};
+    // DAQP reads a dense row-major H and bounds of variables and rows in one array.
+    std::vector<double> H, f, lower, upper, x, multipliers;
+
+    double* array(std::size_t count) { return numbers.emplace_back(std::max<std::size_t>(count, 1), 0.0).data(); }
+    int* int_array(std::size_t count) { return words.emplace_back(std::max<std::size_t>(count, 1), 0).data(); }
+  };
+  std::unique_ptr<State> state_;
 };
 
-DaqpSolver::DaqpSolver() : impl_(std::make_unique<Impl>()) {}
-DaqpSolver::~DaqpSolver() = default;
-int DaqpSolver::num_variables() const noexcept { return impl_->n; }
-int DaqpSolver::max_rows() const noexcept { return impl_->max_rows; }
-
-void DaqpSolver::allocate(int num_variables, int max_rows) {
-  impl_ = std::make_unique<Impl>();
-  Impl& s = *impl_;
+void DaqpSolver::do_allocate(int num_variables, int max_rows) {
+  state_ = std::make_unique<State>();
+  State& s = *state_;
   const auto n = static_cast<std::size_t>(num_variables);
   const auto rows = static_cast<std::size_t>(max_rows);
   const std::size_t m = n + rows;
@@ -72,13 +80,11 @@ void DaqpSolver::allocate(int num_variables, int max_rows) {
   work.v = s.array(n);
   s.qp.n = num_variables;
   s.qp.ms = num_variables;
-  s.n = num_variables;
-  s.max_rows = max_rows;
 }
 
 StepStatus DaqpSolver::do_solve(const QpProblem& p, const Box& box, QpSolution& solution) noexcept {
-  Impl& s = *impl_;
-  const auto n = static_cast<std::size_t>(s.n);
+  State& s = *state_;
+  const auto n = static_cast<std::size_t>(num_variables());
   const auto rows = static_cast<std::size_t>(p.rows);
   const auto bounded = [](double v) { return std::min(std::max(v, -DAQP_INF), DAQP_INF); };
   for (std::size_t i = 0; i < n; ++i) {
@@ -125,5 +131,9 @@ StepStatus DaqpSolver::do_solve(const QpProblem& p, const Box& box, QpSolution& 
   for (std::size_t i = 0; i < rows; ++i) solution.row_multipliers[static_cast<Eigen::Index>(i)] = s.multipliers[n + i];
   return StepStatus::kSolved;
 }
+
+}  // namespace
+
+std::unique_ptr<QpSolver> make_daqp() { return std::make_unique<DaqpSolver>(); }
 
 }  // namespace moma

@@ -1,9 +1,10 @@
-#include "controller/solver/solver_eiquadprog.h"
-
 #include <algorithm>
 #include <cmath>
 #include <eiquadprog/eiquadprog-fast.hpp>
+#include <memory>
 #include <vector>
+
+#include "controller/solver/solver.h"
 
 namespace moma {
 namespace {
@@ -17,44 +18,48 @@ struct Side {
   double sign = 0.0;  // +1 at the upper limit, -1 at the lower
 };
 
-}  // namespace
+/// eiquadprog-fast, the Goldfarb-Idnani dual method (Math. Prog. 27, 1983). It needs H > 0: weights of zero are refused
+/// as invalid input. It cannot tell an infeasible from an unbounded problem; with H > 0 both mean infeasible.
+class EiquadprogSolver : public QpSolver {
+ public:
+  bool real_time_safe() const noexcept override { return true; }
 
-struct EiquadprogSolver::Impl {
-  int n = 0;
-  int max_rows = 0;
-  int num_equal = -1;
-  eiquadprog::solvers::EiquadprogFast solver;
-  MatrixX H, CE, CI;
-  VectorX ce0, ci0, x;
-  std::vector<Side> sides;
-  std::vector<int> equal_rows;
+ protected:
+  void do_allocate(int num_variables, int max_rows) override;
+  StepStatus do_solve(const QpProblem& problem, const Box& box, QpSolution& solution) noexcept override;
 
-  // Sets the solver's own sizes. Spare inequalities are 0 x + 1 >= 0. Spare equalities do not exist (a zero row is
-  // dependent), so that a step with another number of equalities resizes here.
-  void size(int equal) {
-    if (equal == num_equal) return;
-    num_equal = equal;
-    CE = MatrixX::Zero(equal, n);
-    ce0 = VectorX::Zero(equal);
-    solver.reset(static_cast<std::size_t>(n), static_cast<std::size_t>(equal), static_cast<std::size_t>(CI.rows()));
-  }
+ private:
+  struct State {
+    int num_equal = -1;
+    eiquadprog::solvers::EiquadprogFast solver;
+    MatrixX H, CE, CI;
+    VectorX ce0, ci0, x;
+    std::vector<Side> sides;
+    std::vector<int> equal_rows;
+
+    // The solver's own sizes: spare inequalities are 0 x + 1 >= 0, spare equalities do not exist (a zero row is
+    // dependent), so that a step with another number of equalities resizes here.
+    void size(int equal) {
+      if (equal == num_equal) return;
+      num_equal = equal;
+      CE = MatrixX::Zero(equal, CI.cols());
+      ce0 = VectorX::Zero(equal);
+      solver.reset(static_cast<std::size_t>(CI.cols()), static_cast<std::size_t>(equal),
+                   static_cast<std::size_t>(CI.rows()));
+    }
+  };
+  std::unique_ptr<State> state_;
 };
 
-EiquadprogSolver::EiquadprogSolver() : impl_(std::make_unique<Impl>()) {}
-EiquadprogSolver::~EiquadprogSolver() = default;
-int EiquadprogSolver::num_variables() const noexcept { return impl_->n; }
-int EiquadprogSolver::max_rows() const noexcept { return impl_->max_rows; }
-
-void EiquadprogSolver::allocate(int num_variables, int max_rows) {
-  impl_ = std::make_unique<Impl>();  // as QpProblem::allocate()
-  Impl& s = *impl_;
-  s.n = num_variables;
-  s.max_rows = max_rows;
-  const int sides = 2 * (num_variables + max_rows);
-  s.H = MatrixX::Zero(num_variables, num_variables);
-  s.CI = MatrixX::Zero(sides, num_variables);
+void EiquadprogSolver::do_allocate(int num_variables, int max_rows) {
+  state_ = std::make_unique<State>();  // as QpProblem::allocate()
+  State& s = *state_;
+  const int n = num_variables;
+  const int sides = 2 * (n + max_rows);
+  s.H = MatrixX::Zero(n, n);
+  s.CI = MatrixX::Zero(sides, n);
   s.ci0 = VectorX::Zero(sides);
-  s.x = VectorX::Zero(num_variables);
+  s.x = VectorX::Zero(n);
   s.sides.assign(static_cast<std::size_t>(sides), Side{});
   s.equal_rows.assign(static_cast<std::size_t>(max_rows), 0);
   s.num_equal = -1;
@@ -63,8 +68,9 @@ void EiquadprogSolver::allocate(int num_variables, int max_rows) {
 }
 
 StepStatus EiquadprogSolver::do_solve(const QpProblem& p, const Box& box, QpSolution& solution) noexcept {
-  Impl& s = *impl_;
-  for (int i = 0; i < s.n; ++i) {
+  State& s = *state_;
+  const int n = num_variables();
+  for (int i = 0; i < n; ++i) {
     if (p.H[i] <= 0.0) return StepStatus::kInvalidInput;
     s.H(i, i) = p.H[i];
   }
@@ -82,21 +88,21 @@ StepStatus EiquadprogSolver::do_solve(const QpProblem& p, const Box& box, QpSolu
   int used = 0;
   const auto side = [&](int index, double sign, double limit) {
     if (std::isinf(limit)) return;
-    if (index < s.n)
+    if (index < n)
       s.CI(used, index) = -sign;
     else
-      s.CI.row(used) = -sign * p.A.row(index - s.n);
+      s.CI.row(used) = -sign * p.A.row(index - n);
     s.ci0[used] = sign * limit;
     s.sides[static_cast<std::size_t>(used++)] = {index, sign};
   };
-  for (int i = 0; i < s.n; ++i) {
+  for (int i = 0; i < n; ++i) {
     side(i, 1.0, box.upper[i]);
     side(i, -1.0, box.lower[i]);
   }
   for (int r = 0; r < p.rows; ++r) {
     if (p.ubA[r] - p.lbA[r] < kEqual) continue;
-    side(s.n + r, 1.0, p.ubA[r]);
-    side(s.n + r, -1.0, p.lbA[r]);
+    side(n + r, 1.0, p.ubA[r]);
+    side(n + r, -1.0, p.lbA[r]);
   }
   using eiquadprog::solvers::EiquadprogFast_status;
   const auto status = s.solver.solve_quadprog(s.H, p.g, s.CE, s.ce0, s.CI, s.ci0, s.x);
@@ -112,7 +118,7 @@ StepStatus EiquadprogSolver::do_solve(const QpProblem& p, const Box& box, QpSolu
     case EiquadprogFast_status::EIQUADPROG_FAST_MAX_ITER_REACHED:
       return StepStatus::kMaxIterations;
   }
-  solution.x.head(s.n) = s.x;
+  solution.x.head(n) = s.x;
   solution.bound_multipliers.setZero();
   solution.row_multipliers.setZero();
   const VectorX& u = s.solver.getLagrangeMultipliers();
@@ -124,12 +130,16 @@ StepStatus EiquadprogSolver::do_solve(const QpProblem& p, const Box& box, QpSolu
       continue;
     }
     const Side& from = s.sides[static_cast<std::size_t>(active[k])];
-    if (from.index < s.n)
+    if (from.index < n)
       solution.bound_multipliers[from.index] += from.sign * u[k];
     else
-      solution.row_multipliers[from.index - s.n] += from.sign * u[k];
+      solution.row_multipliers[from.index - n] += from.sign * u[k];
   }
   return StepStatus::kSolved;
 }
+
+}  // namespace
+
+std::unique_ptr<QpSolver> make_eiquadprog() { return std::make_unique<EiquadprogSolver>(); }
 
 }  // namespace moma

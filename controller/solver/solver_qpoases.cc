@@ -1,48 +1,49 @@
-#include "controller/solver/solver_qpoases.h"
-
 #include <algorithm>
 #include <mutex>
 #include <qpOASES.hpp>
 #include <vector>
 
+#include "controller/solver/solver.h"
+
 namespace moma {
 
-struct QpoasesSolver::Impl {
-  int n = 0;
-  int max_rows = 0;
-  std::vector<double> H, lower, upper, dual;
+namespace {
+
+/// qpOASES (Ferreau et al., Math. Prog. Comp. 6(4), 2014) with its "Reliable" options, started cold: the reference for
+/// cross-checks. It takes memory and a process-wide lock in every solve: not meant for a control loop.
+class QpoasesSolver : public QpSolver {
+ public:
+  bool real_time_safe() const noexcept override { return false; }
+
+ protected:
+  void do_allocate(int num_variables, int max_rows) override;
+  StepStatus do_solve(const QpProblem& problem, const Box& box, QpSolution& solution) noexcept override;
+
+ private:
+  std::vector<double> H_, lower_, upper_, dual_;
 };
 
-QpoasesSolver::QpoasesSolver() : impl_(std::make_unique<Impl>()) {}
-QpoasesSolver::~QpoasesSolver() = default;
-int QpoasesSolver::num_variables() const noexcept { return impl_->n; }
-int QpoasesSolver::max_rows() const noexcept { return impl_->max_rows; }
-
-void QpoasesSolver::allocate(int num_variables, int max_rows) {
-  Impl& s = *impl_;
-  s.n = num_variables;
-  s.max_rows = max_rows;
+void QpoasesSolver::do_allocate(int num_variables, int max_rows) {
   const auto n = static_cast<std::size_t>(num_variables);
   const std::size_t m = n + static_cast<std::size_t>(max_rows);
-  s.H.assign(n * n, 0.0);
-  s.lower.assign(m, 0.0);
-  s.upper.assign(m, 0.0);
-  s.dual.assign(m, 0.0);
+  H_.assign(n * n, 0.0);
+  lower_.assign(m, 0.0);
+  upper_.assign(m, 0.0);
+  dual_.assign(m, 0.0);
 }
 
 StepStatus QpoasesSolver::do_solve(const QpProblem& p, const Box& box, QpSolution& solution) noexcept {
-  Impl& s = *impl_;
-  const auto n = static_cast<std::size_t>(s.n);
+  const auto n = static_cast<std::size_t>(num_variables());
   const auto rows = static_cast<std::size_t>(p.rows);
   const auto bounded = [](double v) { return std::min(std::max(v, -qpOASES::INFTY), qpOASES::INFTY); };
   for (std::size_t i = 0; i < n; ++i) {
-    s.H[i * n + i] = p.H[static_cast<Eigen::Index>(i)];
-    s.lower[i] = bounded(box.lower[i]);
-    s.upper[i] = bounded(box.upper[i]);
+    H_[i * n + i] = p.H[static_cast<Eigen::Index>(i)];
+    lower_[i] = bounded(box.lower[i]);
+    upper_[i] = bounded(box.upper[i]);
   }
   for (std::size_t i = 0; i < rows; ++i) {
-    s.lower[n + i] = bounded(p.lbA[static_cast<Eigen::Index>(i)]);
-    s.upper[n + i] = bounded(p.ubA[static_cast<Eigen::Index>(i)]);
+    lower_[n + i] = bounded(p.lbA[static_cast<Eigen::Index>(i)]);
+    upper_[n + i] = bounded(p.ubA[static_cast<Eigen::Index>(i)]);
   }
   // QpOASES has one message handler per process and writes to it in every solve.
   static std::mutex handler_in_use;
@@ -51,20 +52,24 @@ StepStatus QpoasesSolver::do_solve(const QpProblem& p, const Box& box, QpSolutio
   options.setToReliable();
   options.enableDriftCorrection = 1;
   options.printLevel = qpOASES::PL_NONE;
-  qpOASES::QProblem problem(s.n, p.rows, qpOASES::HST_UNKNOWN);
+  qpOASES::QProblem problem(num_variables(), p.rows, qpOASES::HST_UNKNOWN);
   problem.setOptions(options);
   qpOASES::int_t iterations = 1000;
-  const qpOASES::returnValue flag = problem.init(s.H.data(), p.g.data(), p.A.data(), s.lower.data(), s.upper.data(),
-                                                 s.lower.data() + n, s.upper.data() + n, iterations);
+  const qpOASES::returnValue flag = problem.init(H_.data(), p.g.data(), p.A.data(), lower_.data(), upper_.data(),
+                                                 lower_.data() + n, upper_.data() + n, iterations);
   solution.iterations = static_cast<int>(iterations);
   if (problem.isInfeasible() == qpOASES::BT_TRUE) return StepStatus::kInfeasible;
   if (flag != qpOASES::SUCCESSFUL_RETURN) return StepStatus::kMaxIterations;
   problem.getPrimalSolution(solution.x.data());
-  problem.getDualSolution(s.dual.data());
-  // QpOASES's multipliers are positive at lower limits.
-  for (std::size_t i = 0; i < n; ++i) solution.bound_multipliers[static_cast<Eigen::Index>(i)] = -s.dual[i];
-  for (std::size_t i = 0; i < rows; ++i) solution.row_multipliers[static_cast<Eigen::Index>(i)] = -s.dual[n + i];
+  problem.getDualSolution(dual_.data());
+  // qpOASES counts multipliers positive at lower limits.
+  for (std::size_t i = 0; i < n; ++i) solution.bound_multipliers[static_cast<Eigen::Index>(i)] = -dual_[i];
+  for (std::size_t i = 0; i < rows; ++i) solution.row_multipliers[static_cast<Eigen::Index>(i)] = -dual_[n + i];
   return StepStatus::kSolved;
 }
+
+}  // namespace
+
+std::unique_ptr<QpSolver> make_qpoases() { return std::make_unique<QpoasesSolver>(); }
 
 }  // namespace moma

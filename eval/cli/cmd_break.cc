@@ -5,7 +5,7 @@
 
 #include "eval/cli/command.h"
 #include "eval/cli/interrupt.h"
-#include "eval/cli/listener.h"
+#include "eval/cli/progress.h"
 #include "eval/cli/rare_options.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
@@ -47,8 +47,8 @@ int break_suite(const BreakOptions& options) {
   const InterruptGuard interrupt;
   run::BreakRequest request = options.request;
   request.trials.stop = &InterruptGuard::flag();
-  ProgressPrinter progress(options.quiet, "success");
-  const run::Broken broken = run::break_suite(request, suite, event, listener_on_stderr(options.quiet, &progress));
+  StatusLine progress(options.quiet);
+  const run::Broken broken = run::break_suite(request, suite, event, listener_on_stderr(options.quiet, progress));
   progress.clear();
   write(std::cout, table(suite, broken), options.format);
   std::cout.flush();

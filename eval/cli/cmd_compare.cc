@@ -13,7 +13,7 @@
 #include "eval/run/compare_points.h"
 #include "eval/stats/comparison.h"
 #include "eval/store/query.h"
-#include "reports/render/own_metric.h"
+#include "reports/render/own_metrics.h"
 
 namespace moma::cli {
 namespace {

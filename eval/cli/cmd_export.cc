@@ -12,10 +12,9 @@
 #include "eval/cli/suite_options.h"
 #include "eval/cli/summary_table.h"
 #include "eval/cli/table.h"
-#include "eval/store/planner_arena.h"
 #include "eval/store/query.h"
 #include "files/output_file.h"
-#include "reports/render/own_metric.h"
+#include "reports/render/own_metrics.h"
 
 namespace moma::cli {
 namespace {
@@ -85,45 +84,25 @@ void export_csv(const fs::path& db, const fs::path& folder, files::Replace repla
   }
 }
 
-void export_arena(const fs::path& db, const fs::path& file, files::Replace replace) {
-  const store::PlannerArenaSummary summary = store::export_planner_arena(db, file, replace);
-  std::cerr << fmt::format("wrote {}: {} experiments, {} planner configurations, {} runs, {} progress rows\n",
-                           file.string(), summary.experiments, summary.planners, summary.runs, summary.progress);
-}
-
 }  // namespace
 
 void add_export(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   struct Options {
     fs::path file;
     fs::path csv;
-    fs::path arena;
     files::Replace replace = files::Replace::kOwn;
-    std::string parquet;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("export", "Write a store as flat CSV files, or for Planner Arena");
+  CLI::App* command = app.add_subcommand("export", "Write a store as flat CSV files");
   command->add_option("DB", options->file, "Store")->required();
-  command->add_option("--csv", options->csv, "Folder for the files, made if missing");
-  command->add_option("--planner-arena", options->arena, "File to write: OMPL's benchmark database");
+  command->add_option("--csv", options->csv, "Folder for the files, made if missing")->required();
   add_force(*command, options->replace);
-  command->add_option("--parquet", options->parquet,
-                      "Folder for Parquet files; by the Python package: python3 -m moma export DB --parquet FOLDER");
   command->footer(
-      "Examples: moma export results/demo.db --csv results/demo-csv\n"
-      "          moma export results/demo.db --planner-arena results/demo-arena.db   (see plannerarena.org)");
+      "Example: moma export results/demo.db --csv results/demo-csv\n"
+      "Parquet files are written by the Python package: python3 -m moma export DB --parquet FOLDER");
   command->callback([&action, options] {
     action = [options] {
-      if (!options->parquet.empty()) {
-        throw UsageError(
-            fmt::format("export: Parquet files are written by the Python package (pip install \"moma[parquet]\"): "
-                        "python3 -m moma export {} --parquet {}",
-                        options->file.string(), options->parquet));
-      }
-      if (options->csv.empty() && options->arena.empty())
-        throw UsageError("export: says nothing to write; give --csv FOLDER or --planner-arena FILE");
-      if (!options->csv.empty()) export_csv(options->file, options->csv, options->replace);
-      if (!options->arena.empty()) export_arena(options->file, options->arena, options->replace);
+      export_csv(options->file, options->csv, options->replace);
       return static_cast<int>(kOk);
     };
   });

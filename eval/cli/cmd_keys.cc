@@ -5,9 +5,10 @@
 #include <memory>
 
 #include "controller/config/node.h"
-#include "eval/cli/all_keys.h"
 #include "eval/cli/command.h"
 #include "eval/cli/table.h"
+#include "eval/suite/keys.h"
+#include "eval/tune/tune_config.h"
 #include "world/scenario/family.h"
 
 namespace moma::cli {
@@ -15,7 +16,8 @@ namespace {
 
 /// "worlds" has "worlds.seed", and so has "worlds.se".
 std::vector<Key> beginning_with(const std::string& prefix) {
-  std::vector<Key> keys = all_keys();
+  std::vector<Key> keys = suite_keys();
+  for (Key& key : tune::tune_keys()) keys.push_back(std::move(key));
   std::erase_if(keys, [&](const Key& key) { return !key.name.starts_with(prefix); });
   return keys;
 }
@@ -71,14 +73,12 @@ void print_reference() {
 void add_keys(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   struct Options {
     std::string prefix;
-    bool names = false;
     bool reference = false;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command =
       app.add_subcommand("keys", "List every key of suites, controllers, worlds, disturbances and tuning");
   command->add_option("PREFIX", options->prefix, "Only keys that begin so, e.g. disturbances.objects");
-  command->add_flag("--names", options->names, "Names alone, one a line, for completion in a shell");
   command->add_flag("--reference", options->reference, "The page docs/reference/keys.md");
   command->footer("Example: moma keys worlds.families.moving");
   command->callback([&action, options] {
@@ -93,11 +93,7 @@ void add_keys(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
         throw UsageError(fmt::format("no key begins with '{}'{}", terminal_safe(options->prefix),
                                      near.empty() ? "" : fmt::format(" (did you mean {}?)", near)));
       }
-      if (options->names) {
-        for (const Key& key : keys) std::cout << key.name << '\n';
-      } else {
-        write(std::cout, table_of(keys), Format::kTable);
-      }
+      write(std::cout, table_of(keys), Format::kTable);
       return static_cast<int>(kOk);
     };
   });

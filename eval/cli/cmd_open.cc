@@ -6,11 +6,8 @@
 #include <string>
 
 #include "eval/cli/command.h"
-#include "eval/cli/play_again.h"
-#include "eval/cli/robot_look.h"
+#include "eval/cli/page_parts.h"
 #include "eval/cli/suite_options.h"
-#include "eval/cli/time_known.h"
-#include "reports/render/browser.h"
 #include "reports/render/report.h"
 
 namespace moma::cli {
@@ -36,9 +33,7 @@ void add_open(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       report.time_known = time_known;
       report.look = robot_look({});
       run::StoredSuites suites(options->plugins);
-      report.simulate = [&suites](const std::filesystem::path& db, const std::string& trial) {
-        return play_again(suites, db, trial);
-      };
+      report.simulate = simulated_again(suites);
       write_report(options->stores, html, report);
       std::cerr << fmt::format("wrote {}\n", html.string());
       if (!reports::open_in_browser(html))

@@ -6,9 +6,6 @@
 
 #include "controller/case/case_file.h"
 #include "eval/cli/command.h"
-#include "eval/cli/play_again.h"
-#include "eval/cli/robot_look.h"
-#include "eval/cli/stored_case.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 #include "eval/identify/log_file.h"
@@ -20,7 +17,6 @@
 #include "eval/trial/trace_json.h"
 #include "eval/trial/trial.h"
 #include "files/output_file.h"
-#include "reports/render/video.h"
 
 namespace moma::cli {
 namespace {
@@ -65,27 +61,6 @@ int compare(const run::Replay& replay) {
   return kCheckFailed;
 }
 
-struct Film {
-  std::filesystem::path file;
-  std::vector<int> size{1280, 720};
-  std::vector<std::filesystem::path> robots;
-  bool shapes = false;
-  VideoOptions video;
-};
-
-int write_film(const std::string& db, const std::string& trial, const Film& film, run::StoredSuites& suites) {
-  VideoOptions video = film.video;
-  video.width = film.size[0];
-  video.height = film.size[1];
-  video.simulate = [&suites](const std::filesystem::path& store, const std::string& name) {
-    return play_again(suites, store, name);
-  };
-  if (!film.shapes) video.look = robot_look(film.robots);
-  const int frames = write_video(db, store::Reader(db).trial(trial).key.substr(0, 16), film.file, video);
-  std::cerr << fmt::format("wrote {}: {} frames, {} a second\n", film.file.string(), frames, video.fps);
-  return kOk;
-}
-
 }  // namespace
 
 void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
@@ -97,7 +72,6 @@ void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
     long step = 0;
     std::string case_file;
     std::string log_file;
-    Film film;
     files::Replace replace = files::Replace::kOwn;
     Plugins plugins = Plugins::kRefused;
   };
@@ -114,41 +88,22 @@ void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       "--case", options->case_file, "Write one control step as a case for moma solve, what is remembered included");
   command->add_option("--step", options->step, "Which one, from 0")->needs(step)->check(CLI::NonNegativeNumber);
   command->add_option("--log", options->log_file, "Write what was commanded and measured as a log for moma identify");
-  CLI::Option* video = command->add_option("--video", options->film.file,
-                                           "Write the motion as a WebM video (needs Chromium, opens no window)");
-  command->add_option("--fps", options->film.video.fps, "Frames a second of the video")
-      ->needs(video)
-      ->check(CLI::Range(1.0, 120.0))
-      ->capture_default_str();
-  command->add_option("--speed", options->film.video.speed, "Seconds of the motion per second of the video")
-      ->needs(video)
-      ->check(CLI::Range(1e-3, 1e3))
-      ->capture_default_str();
-  command->add_option("--size", options->film.size, "Width and height of the video in pixels, even numbers")
-      ->needs(video)
-      ->expected(2)
-      ->check(CLI::Range(64, 4096))
-      ->capture_default_str();
-  add_look_options(*command, options->film.robots, options->film.shapes);
   add_force(*command, options->replace);
   add_allow_plugins(*command, options->plugins);
   command->footer(
       "Examples: moma replay results/demo.db 3f9a12 --check\n"
-      "          moma replay results/gains.db @best/12      (a point as in `moma compare`, and the index of a world)\n"
-      "          moma replay results/demo.db 3f9a12 --video failure.webm --size 1920 1080");
+      "          moma replay results/gains.db @best/12      (a point as in `moma compare`, and the index of a world)");
   command->callback([&action, options] {
     action = [options] {
       // Such files are edited, or come from a robot or a camera too: none is known for moma's own.
-      const files::Kind kind{"case, log or video", ""};
-      for (const std::filesystem::path& file :
-           {std::filesystem::path(options->case_file), std::filesystem::path(options->log_file), options->film.file})
+      const files::Kind kind{"case or log", ""};
+      for (const std::string& file : {options->case_file, options->log_file})
         if (!file.empty()) files::check_replace(file, kind, options->replace);
-      options->film.video.replace = options->replace;
       options->trial = run::named_trial(options->file, options->trial);
       run::StoredSuites suites(options->plugins);
       if (!options->case_file.empty()) {
         const nlohmann::ordered_json json =
-            case_to_json(stored_case(suites, options->file, options->trial, options->step));
+            case_to_json(run::stored_case(suites, options->file, options->trial, options->step));
         files::write_file(options->case_file, kind, options->replace,
                           [&](std::ostream& out) { out << json.dump() << '\n'; });
         return static_cast<int>(kOk);
@@ -160,7 +115,6 @@ void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
                           [&](std::ostream& out) { identify::write_log(out, log); });
         return static_cast<int>(kOk);
       }
-      if (!options->film.file.empty()) return write_film(options->file, options->trial, options->film, suites);
       const run::Replay replay = run::replay(options->file, options->trial, suites);
       if (options->json) {
         const nlohmann::ordered_json json =

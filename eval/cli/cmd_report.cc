@@ -5,10 +5,8 @@
 #include <memory>
 
 #include "eval/cli/command.h"
-#include "eval/cli/play_again.h"
-#include "eval/cli/robot_look.h"
+#include "eval/cli/page_parts.h"
 #include "eval/cli/suite_options.h"
-#include "eval/cli/time_known.h"
 #include "eval/store/migrations.h"
 #include "reports/render/report.h"
 #include "reports/render/store.h"
@@ -38,8 +36,6 @@ void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       ->capture_default_str();
   command->add_option("--replays", options->report.replays, "At most so many trials with their motion")
       ->check(CLI::Range(0, 100000));
-  command->add_flag("--history", options->report.history,
-                    "The stores are runs of one suite over time: show how each controller did and what changed");
   command
       ->add_option("--twins", options->report.twins,
                    "Of so many failures a success in the same world too, to play beside them")
@@ -47,7 +43,7 @@ void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       ->capture_default_str();
   add_look_options(*command, options->robots, options->shapes);
   command->add_option("--figures", options->figures, "Write every figure as SVG and PDF into this folder (needs node)");
-  command->add_option("--table", options->table, "Write the table of results as .tex, .md or .csv");
+  command->add_option("--table", options->table, "Write the table of results for LaTeX (.tex)");
   add_force(*command, options->report.replace);
   add_allow_plugins(*command, options->plugins);
   command->footer(
@@ -75,9 +71,7 @@ void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
         report.time_known = time_known;
         if (!options->shapes) report.look = robot_look(options->robots);
         run::StoredSuites suites(options->plugins);
-        report.simulate = [&suites](const std::filesystem::path& db, const std::string& trial) {
-          return play_again(suites, db, trial);
-        };
+        report.simulate = simulated_again(suites);
         write_report(stores, html, report);
         written.push_back(html);
       }

@@ -6,7 +6,6 @@
 
 #include "eval/cli/command.h"
 #include "eval/cli/interrupt.h"
-#include "eval/cli/listener.h"
 #include "eval/cli/progress.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
@@ -103,10 +102,10 @@ int reproduce(const ReproduceOptions& options) {
   const Suite suite = load_suite(experiment.suite, options.suite.overrides());
   if (!options.quiet) print_warnings(suite.warnings);
   const InterruptGuard interrupt;
-  ProgressPrinter progress(options.quiet, "success");
+  StatusLine progress(options.quiet);
   run::EvaluateRequest request = options.request;
   request.stop = &InterruptGuard::flag();
-  const run::Evaluation done = run::evaluate(request, suite, listener_on_stderr(options.quiet, &progress));
+  const run::Evaluation done = run::evaluate(request, suite, listener_on_stderr(options.quiet, progress));
   print_warnings(done.warnings);
   if (done.end != run::End::kFinished) {
     std::cerr << terminal_safe(done.stopped) << std::endl;

@@ -5,7 +5,7 @@
 
 #include "eval/cli/command.h"
 #include "eval/cli/interrupt.h"
-#include "eval/cli/listener.h"
+#include "eval/cli/progress.h"
 #include "eval/cli/rare_options.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
@@ -62,8 +62,8 @@ int risk_of_suite(const RiskOptions& options) {
   const InterruptGuard interrupt;
   run::RiskRequest request = options.request;
   request.trials.stop = &InterruptGuard::flag();
-  ProgressPrinter progress(options.quiet, "success");
-  const run::Risk risk = run::estimate_risk(request, suite, event, listener_on_stderr(options.quiet, &progress));
+  StatusLine progress(options.quiet);
+  const run::Risk risk = run::estimate_risk(request, suite, event, listener_on_stderr(options.quiet, progress));
   progress.clear();
   if (risk.end != run::End::kFinished) {
     std::cerr << terminal_safe_lines(risk.stopped) << std::endl;

@@ -1,13 +1,12 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cmath>
 #include <iostream>
 #include <memory>
 
 #include "eval/cli/command.h"
 #include "eval/cli/interrupt.h"
-#include "eval/cli/listener.h"
-#include "eval/cli/profile_table.h"
 #include "eval/cli/progress.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/summary_table.h"
@@ -49,6 +48,36 @@ run::Shard read_shard(const std::string& text) {
   throw UsageError(fmt::format("run: --shard {}: expected I/N with 1 <= I <= N, for instance 2/8", text));
 }
 
+/// Where the time of trials went, a row for each part that took any. Milliseconds and microseconds are wall time of
+/// threads, so that other work on the machine lengthens all parts.
+void print_profile(const Profile& profile) {
+  if (profile.trials == 0) {
+    std::cout << "\nprofile: no trial was computed\n";
+    return;
+  }
+  const auto whole = static_cast<double>(profile.nanoseconds());
+  const auto trials = static_cast<double>(profile.trials);
+  store::QueryResult table{{"part", "share %", "us a control step", "ms a trial", "times a trial"}, {}};
+  const auto decimals = [](double value, double unit) { return std::round(value / unit) * unit; };
+  const auto add = [&](std::string name, double nanoseconds, const store::Cell& times) {
+    store::Cell step;
+    if (profile.steps > 0) step = decimals(1e-3 * nanoseconds / static_cast<double>(profile.steps), 0.01);
+    table.rows.push_back({std::move(name), decimals(100.0 * nanoseconds / whole, 0.01), step,
+                          decimals(1e-6 * nanoseconds / trials, 0.001), times});
+  };
+  for (std::size_t i = 0; i < Profile::kParts; ++i) {
+    const Profile::Share& share = profile.parts[i];
+    if (share.entries == 0) continue;
+    add(std::string(to_string(static_cast<TrialPart>(i))), static_cast<double>(share.nanoseconds),
+        decimals(static_cast<double>(share.entries) / trials, 0.1));
+  }
+  add("whole", whole, store::Cell{});
+  std::cout << '\n';
+  write(std::cout, table, Format::kTable);
+  std::cout << fmt::format("{} trials, {} control steps, {:.2f} s of threads\n", profile.trials, profile.steps,
+                           1e-9 * whole);
+}
+
 int lead(const RunOptions& options, Cluster* cluster) {
   const Suite suite = load(options);
   if (!options.quiet) print_warnings(suite.warnings);
@@ -58,13 +87,13 @@ int lead(const RunOptions& options, Cluster* cluster) {
   request.cluster = cluster;
   const InterruptGuard interrupt;
   request.stop = &InterruptGuard::flag();
-  ProgressPrinter progress(options.quiet, "success");
-  const run::Evaluation done = run::evaluate(request, suite, listener_on_stderr(options.quiet, &progress));
+  StatusLine progress(options.quiet);
+  const run::Evaluation done = run::evaluate(request, suite, listener_on_stderr(options.quiet, progress));
   if (!done.stopped.empty()) std::cerr << terminal_safe_lines(done.stopped) << std::endl;
   if (done.end == run::End::kNeverBegan) return kStoppedEarly;
   write(std::cout, summary_table(done.file, {done.suite, options.sort, true}), Format::kTable);
   std::cout.flush();
-  if (request.profile) print_profile(std::cout, done.profile);
+  if (request.profile) print_profile(done.profile);
   print_warnings(done.warnings);
   if (done.end == run::End::kSameError) return kCheckFailed;
   return done.end == run::End::kFinished ? kOk : kStoppedEarly;

@@ -5,7 +5,7 @@
 
 #include "eval/cli/command.h"
 #include "eval/cli/interrupt.h"
-#include "eval/cli/listener.h"
+#include "eval/cli/progress.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 #include "eval/run/named_point.h"
@@ -31,7 +31,8 @@ int shrink(const ShrinkOptions& options) {
   run::ShrinkRequest request = options.request;
   request.trial = run::named_trial(request.file, request.trial);
   request.stop = &InterruptGuard::flag();
-  const run::Shrunk shrunk = run::shrink(request, listener_on_stderr(options.quiet, nullptr));
+  StatusLine progress(options.quiet);
+  const run::Shrunk shrunk = run::shrink(request, listener_on_stderr(options.quiet, progress));
   const std::string world = to_json(shrunk.world).dump() + "\n";
   if (options.out.empty()) {
     std::cout << world << std::flush;

@@ -7,10 +7,9 @@
 #include "controller/case/foresee.h"
 #include "controller/case/solve.h"
 #include "eval/cli/command.h"
-#include "eval/cli/lenient.h"
-#include "eval/cli/stored_case.h"
 #include "eval/cli/suite_options.h"
 #include "eval/run/named_point.h"
+#include "eval/run/replay.h"
 
 namespace moma::cli {
 
@@ -21,7 +20,6 @@ void add_solve(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
     long step = 0;
     bool explain = false;
     bool solvers = false;
-    bool lenient = false;
     double ahead = 0.0;
   };
   auto options = std::make_shared<Options>();
@@ -39,8 +37,6 @@ void add_solve(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       ->add_option("--ahead", options->ahead,
                    "In words: what the robot will do in so many seconds, and why it will stop")
       ->check(CLI::Range(1e-3, 3600.0));
-  command->add_flag("--lenient", options->lenient,
-                    "What is not understood in the robot's URDF is left out with a warning");
   command->add_flag("--solvers", options->solvers, "Lists the QP solvers by name, and which of them are built in");
   command->footer(
       "An infeasible problem is an answer, not an error.\n"
@@ -48,8 +44,6 @@ void add_solve(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       "          moma solve results/demo.db 3f9a12 --step 120 --explain");
   command->callback([&action, options] {
     if (options->file.empty() && !options->solvers) throw CLI::RequiredError("CASE");
-    if (options->lenient && !options->trial.empty())
-      throw UsageError("--lenient is of a case file; a store says itself how its robot was read");
     action = [options] {
       if (options->solvers) {
         for (const SolverInfo& solver : list_solvers())
@@ -58,10 +52,9 @@ void add_solve(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
         return static_cast<int>(kOk);
       }
       const auto asked = [&] {
-        if (options->lenient) return read_case(case_with_lenient_robot(options->file));
         if (options->trial.empty()) return read_case(options->file);
         run::StoredSuites suites;
-        return stored_case(suites, options->file, run::named_trial(options->file, options->trial), options->step);
+        return run::stored_case(suites, options->file, run::named_trial(options->file, options->trial), options->step);
       };
       const ControlCase control_case = asked();
       if (options->ahead > 0.0) {

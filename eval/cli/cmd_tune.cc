@@ -1,15 +1,14 @@
 #include <fmt/format.h>
 
+#include <chrono>
 #include <iostream>
 #include <memory>
 
 #include "eval/cli/command.h"
 #include "eval/cli/interrupt.h"
-#include "eval/cli/listener.h"
 #include "eval/cli/progress.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
-#include "eval/cli/tune_progress.h"
 #include "eval/run/tune.h"
 #include "eval/tune/tuned_file.h"
 
@@ -41,6 +40,55 @@ void print(const tune::HeldOutVerdict& verdict) {
                            verdict.why.empty() ? "" : fmt::format(" (by {})", verdict.why));
 }
 
+/// How far a search is.
+class TuneProgress {
+ public:
+  TuneProgress(StatusLine& line, std::string unit)
+      : line_(line), unit_(std::move(unit)), begin_(std::chrono::steady_clock::now()) {}
+
+  void trial_computed() {
+    ++computed_;
+    ++since_update_;
+    line_.show([this] { return text(); });
+  }
+
+  void evaluation_ended(const tune::Progress& p) {
+    if (at_.evaluations == 0 && p.last != nullptr) start_ = p.last->merit;
+    if (p.phase == tune::Phase::kSensitivity && at_.phase != p.phase) searched_ = at_.trials;
+    if (p.best != nullptr) best_ = p.best->merit;
+    at_ = p;
+    since_update_ = 0;
+    line_.show([this] { return text(); });
+  }
+
+ private:
+  std::string text() const {
+    const bool after = at_.phase == tune::Phase::kSensitivity;
+    const std::uint64_t done = at_.trials + since_update_;
+    std::string text = after ? fmt::format("sensitivity: {} trials after the search", done - searched_)
+                             : fmt::format("{}: {} of {} trials", to_string(at_.phase), done, at_.budget);
+    if (at_.evaluations > 0) {
+      text += fmt::format(", {} candidates ({} cut short), best {:.4g}{} (start {:.4g})", at_.evaluations, at_.cut,
+                          best_, unit_.empty() ? "" : " " + unit_, start_);
+    }
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+    if (computed_ > 0 && seconds > 0.0) {
+      const double rate = static_cast<double>(computed_) / seconds;
+      text += fmt::format(", {:.1f}/s", rate);
+      if (!after && at_.budget > done)
+        text += fmt::format(", {} left", duration_text(static_cast<double>(at_.budget - done) / rate));
+    }
+    return text;
+  }
+
+  StatusLine& line_;
+  std::string unit_;
+  std::chrono::steady_clock::time_point begin_;
+  tune::Progress at_;
+  std::uint64_t computed_ = 0, since_update_ = 0, searched_ = 0;
+  double start_ = 0.0, best_ = 0.0;
+};
+
 int tune_suite(const TuneOptions& options) {
   if (is_database(options.suite.file)) {
     throw UsageError(fmt::format("{}: is a store, not a suite file", options.suite.file));
@@ -48,15 +96,11 @@ int tune_suite(const TuneOptions& options) {
   const tune::Tuning tuning = tune::load_tuning(options.suite.file, options.suite.overrides());
   if (!options.quiet) print_warnings(tuning.warnings);
   const InterruptGuard interrupt;
-  ProgressPrinter trials(options.quiet, "success");
-  TuneProgress search(options.quiet, tuning.config.cost.unit());
-  run::TuneListener listener{listener_on_stderr(options.quiet, &trials), {}, {}, {}, {}};
-  listener.progress_end = [&] {
-    search.clear();
-    trials.clear();
-  };
-  listener.trial = [&] { search.trial(); };
-  listener.evaluation = [&](const tune::Progress& progress) { search.update(progress); };
+  StatusLine line(options.quiet);
+  TuneProgress search(line, tuning.config.cost.unit());
+  run::TuneListener listener{listener_on_stderr(options.quiet, line), {}, {}, {}, {}};
+  listener.trial = [&] { search.trial_computed(); };
+  listener.evaluation = [&](const tune::Progress& progress) { search.evaluation_ended(progress); };
   listener.judged = [](const tune::HeldOutVerdict& verdict) { print(verdict); };
   listener.searched = [&](const tune::SearchResult& result) { print(tuning, result); };
   run::TuneRequest request = options.request;

@@ -5,7 +5,6 @@
 
 #include "eval/cli/command.h"
 #include "eval/cli/interrupt.h"
-#include "eval/cli/listener.h"
 #include "eval/cli/progress.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
@@ -36,8 +35,8 @@ std::string verdict(const run::Verification& found) {
 
 int verify(const VerifyOptions& options) {
   const InterruptGuard interrupt;
-  ProgressPrinter progress(options.quiet, "success");
-  run::Listener listener = listener_on_stderr(options.quiet, &progress);
+  StatusLine progress(options.quiet);
+  run::Listener listener = listener_on_stderr(options.quiet, progress);
   listener.warning = [](const std::string& finding) { std::cerr << terminal_safe(finding) << '\n'; };
   run::VerifyRequest request = options.request;
   request.stop = &InterruptGuard::flag();

@@ -5,10 +5,8 @@
 
 #include "eval/cli/command.h"
 #include "eval/cli/interrupt.h"
-#include "eval/cli/play_again.h"
-#include "eval/cli/robot_look.h"
+#include "eval/cli/page_parts.h"
 #include "eval/cli/suite_options.h"
-#include "eval/cli/time_known.h"
 #include "reports/render/view.h"
 
 namespace moma::cli {
@@ -35,9 +33,7 @@ void add_view(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       run::StoredSuites suites(options->plugins);
       reports::ViewOptions view;
       view.port = options->port;
-      view.simulate = [&suites](const std::filesystem::path& db, const std::string& trial) {
-        return play_again(suites, db, trial);
-      };
+      view.simulate = simulated_again(suites);
       view.time_known = time_known;
       if (!options->shapes) view.look = robot_look(options->robots);
       const InterruptGuard guard;

@@ -8,7 +8,6 @@
 #include "eval/cli/command.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
-#include "eval/cli/text.h"
 #include "world/scenario/family.h"
 #include "world/scenario/worlds.h"
 #include "world/world_json.h"

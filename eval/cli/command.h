@@ -30,6 +30,9 @@ using AddCommand = void (*)(CLI::App& app, Action& action, const Arguments& argu
 /// All commands, in the order of the help.
 std::span<const AddCommand> commands();
 
+/// The command of this name. Throws UsageError, which names the nearest one and all.
+CLI::App& find_command(const CLI::App& app, const std::string& name);
+
 /// Parses and executes: the whole program but for main(). Errors go to stderr, one line or a few, no traces.
 int run_program(const Arguments& arguments);
 

@@ -12,7 +12,6 @@
 #include "controller/config/node.h"
 #include "controller/config/suggestion.h"
 #include "eval/cli/command.h"
-#include "eval/cli/find_command.h"
 #include "eval/cli/table.h"
 #include "eval/run/listener.h"
 #include "eval/store/build_info.h"
@@ -44,7 +43,7 @@ std::string version_text() {
 /// Heads under which the help lists the commands; a command of none stands under the last.
 constexpr std::pair<std::string_view, const char*> kGroups[] = {
     {" init run reproduce tune risk break ", "Evaluate"},
-    {" query report open view replay shrink compare diff ", "Look at results"},
+    {" query report open view replay shrink compare ", "Look at results"},
     {" verify merge export ", "Keep results"},
     {" check robot world import identify solve keys ", "Make suites, robots and controllers"},
     {"", "Help"}};
@@ -56,12 +55,6 @@ void add_commands(CLI::App& app, Action& action, const Arguments& arguments) {
                      return group.first.find(" " + command->get_name() + " ") != std::string_view::npos;
                    })->second);
   for (CLI::App* command : app.get_subcommands(nullptr)) command->allow_extras();  // reported by us, with a suggestion
-}
-
-/// CLI11 would only say that a command is missing.
-void check_command(const CLI::App& app, const Arguments& arguments) {
-  if (arguments.size() < 2 || arguments[1].empty() || arguments[1][0] == '-') return;
-  (void)find_command(app, arguments[1]);
 }
 
 void check_extras(const CLI::App& app) {
@@ -113,7 +106,8 @@ int parse_and_run(const Arguments& arguments) {
   app.failure_message(CLI::FailureMessage::simple);
   Action action;
   add_commands(app, action, arguments);
-  check_command(app, arguments);
+  // CLI11 would only say that a command is missing.
+  if (arguments.size() > 1 && !arguments[1].empty() && arguments[1][0] != '-') (void)find_command(app, arguments[1]);
   try {
     std::vector<std::string> reversed(arguments.rbegin(), arguments.rend() - 1);
     app.parse(std::move(reversed));
@@ -137,6 +131,16 @@ int parse_and_run(const Arguments& arguments) {
 }
 
 }  // namespace
+
+CLI::App& find_command(const CLI::App& app, const std::string& name) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
+  if (std::find(names.begin(), names.end(), name) == names.end()) {
+    throw UsageError(fmt::format("unknown command '{}'{}; the commands are {}", terminal_safe(name),
+                                 config::suggestion(name, names), fmt::join(names, ", ")));
+  }
+  return *app.get_subcommand(name);
+}
 
 int run_program(const Arguments& arguments) {
   open_standard_streams();

@@ -1,25 +1,50 @@
 #include "eval/cli/progress.h"
 
 #include <fmt/format.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <utility>
+#include <iostream>
+
+#include "eval/cli/suite_options.h"
+#include "eval/cli/table.h"
 
 namespace moma::cli {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-int terminal_width() {
-  winsize size{};
-  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+std::string describe_progress(const BatchProgress& p) {
+  std::string text = fmt::format("{} of {} trials", p.done, p.total);
+  if (p.rate > 0.0) text += fmt::format(", {:.1f}/s", p.rate);
+  if (p.done > 0)
+    text += fmt::format(", success {:.1f} %", 100.0 * static_cast<double>(p.successes) / static_cast<double>(p.done));
+  if (p.errors > 0) text += fmt::format(", {} {}", p.errors, p.errors == 1 ? "error" : "errors");
+  if (p.rate > 0.0 && p.done < p.total)
+    text += fmt::format(", {} left", duration_text(static_cast<double>(p.total - p.done) / p.rate));
+  return text;
 }
 
 }  // namespace
+
+StatusLine::StatusLine(bool quiet)
+    : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0), last_(std::chrono::steady_clock::now()) {}
+
+void StatusLine::show(const std::function<std::string()>& text, bool now) {
+  if (quiet_) return;
+  const auto time = std::chrono::steady_clock::now();
+  if (!now && time - last_ < std::chrono::milliseconds(terminal_ ? 200 : 5000)) return;
+  last_ = time;
+  // Fails without a word where nobody listens.
+  std::fputs((terminal_ ? "\r" + text() + "\033[K" : text() + "\n").c_str(), stderr);
+  std::fflush(stderr);
+  drawn_ = terminal_;
+}
+
+void StatusLine::clear() {
+  if (drawn_) std::fputs("\r\033[K", stderr);
+  drawn_ = false;
+}
 
 std::string duration_text(double seconds) {
   const auto s = static_cast<long long>(std::ceil(std::clamp(seconds, 0.0, 1e9)));
@@ -27,47 +52,17 @@ std::string duration_text(double seconds) {
   return fmt::format("{}:{:02}", s / 60, s % 60);
 }
 
-std::string describe_progress(const BatchProgress& p, const std::string& what) {
-  std::string text = fmt::format("{} of {} trials", p.done, p.total);
-  if (p.rate > 0.0) text += fmt::format(", {:.1f}/s", p.rate);
-  if (p.done > 0) {
-    text += fmt::format(", {} {:.1f} %", what, 100.0 * static_cast<double>(p.successes) / static_cast<double>(p.done));
-  }
-  if (p.errors > 0) text += fmt::format(", {} {}", p.errors, p.errors == 1 ? "error" : "errors");
-  if (p.rate > 0.0 && p.done < p.total) {
-    text += fmt::format(", {} left", duration_text(static_cast<double>(p.total - p.done) / p.rate));
-  }
-  return text;
-}
-
-ProgressPrinter::ProgressPrinter(bool quiet, std::string what)
-    : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0), what_(std::move(what)), last_(Clock::now()) {}
-
-ProgressPrinter::~ProgressPrinter() { clear(); }
-
-void ProgressPrinter::clear() {
-  if (drawn_) std::fputs("\r\033[K", stderr);
-  drawn_ = false;
-}
-
-void ProgressPrinter::update(const BatchProgress& p) {
-  if (quiet_) return;
-  const auto now = Clock::now();
-  const auto pause = terminal_ ? std::chrono::milliseconds(100) : std::chrono::milliseconds(5000);
-  if (now - last_ < pause && p.done < p.total) return;
-  last_ = now;
-  const std::string text = describe_progress(p, what_);
-  if (!terminal_) {
-    std::fputs((text + "\n").c_str(), stderr);  // fails without a word where nobody listens
-    return;
-  }
-  const int room = std::clamp(terminal_width() - static_cast<int>(text.size()) - 5, 0, 40);
-  const double share = p.total > 0 ? static_cast<double>(p.done) / static_cast<double>(p.total) : 1.0;
-  const int filled = static_cast<int>(share * room);
-  const std::string bar = room < 5 ? "" : fmt::format("[{:#<{}}{:.<{}}] ", "", filled, "", room - filled);
-  std::fputs(fmt::format("\r{}{}\033[K", bar, text).c_str(), stderr);
-  std::fflush(stderr);
-  drawn_ = true;
+run::Listener listener_on_stderr(bool quiet, StatusLine& line) {
+  const auto say = [](const std::string& text) { std::cerr << terminal_safe_lines(text) << std::endl; };
+  run::Listener listener;
+  if (!quiet) listener.note = say;
+  listener.notice = say;
+  listener.warning = [](const std::string& text) { print_warnings({text}); };
+  listener.progress = [&line](const BatchProgress& p) {
+    line.show([&] { return describe_progress(p); }, p.done >= p.total);
+  };
+  listener.progress_end = [&line] { line.clear(); };
+  return listener;
 }
 
 }  // namespace moma::cli

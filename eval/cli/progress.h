@@ -1,38 +1,39 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <string>
 
 #include "eval/batch/batch.h"
+#include "eval/run/listener.h"
 
 namespace moma::cli {
 
-/// How far a batch is, on stderr: a bar that is drawn again on a terminal, a line every few seconds elsewhere.
-class ProgressPrinter {
+/// How far something is, on stderr: a line that is drawn again on a terminal, a line every few seconds elsewhere.
+class StatusLine {
  public:
-  /// `what`: the word for the running rate, e.g. "success".
-  ProgressPrinter(bool quiet, std::string what);
-  /// Clears a bar that is still there.
-  ~ProgressPrinter();
-  ProgressPrinter(const ProgressPrinter&) = delete;
-  ProgressPrinter& operator=(const ProgressPrinter&) = delete;
+  explicit StatusLine(bool quiet);
+  ~StatusLine() { clear(); }
+  StatusLine(const StatusLine&) = delete;
+  StatusLine& operator=(const StatusLine&) = delete;
 
-  void update(const BatchProgress& progress);
-  /// Removes the bar so that other lines can be printed.
+  /// Asks for the text and shows it, unless the last one was shown a moment ago; `now`: in any case.
+  void show(const std::function<std::string()>& text, bool now = false);
+  /// Removes the line so that others can be printed.
   void clear();
 
  private:
   bool quiet_;
   bool terminal_;
   bool drawn_ = false;
-  std::string what_;
   std::chrono::steady_clock::time_point last_;
 };
 
 /// "1:02:03" or "2:03".
 std::string duration_text(double seconds);
 
-/// "123 of 400 trials, 45.2/s, success 87.0 %, 0:06 left".
-std::string describe_progress(const BatchProgress& progress, const std::string& what);
+/// Texts to stderr, notes only where not `quiet`, warnings as print_warnings() does; progress to `line`, which must
+/// live as long: "123 of 400 trials, 45.2/s, success 87.0 %, 0:06 left".
+run::Listener listener_on_stderr(bool quiet, StatusLine& line);
 
 }  // namespace moma::cli

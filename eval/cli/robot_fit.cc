@@ -1,11 +1,8 @@
 #include "eval/cli/robot_fit.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
-#include <cstdio>
 #include <iostream>
 #include <map>
 #include <sstream>
@@ -13,6 +10,7 @@
 #include "controller/config/yaml_text.h"
 #include "controller/fit/fit_robot.h"
 #include "eval/cli/command.h"
+#include "eval/cli/progress.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 
@@ -87,33 +85,6 @@ std::string report(const fit::RobotFit& fit) {
   return text.str();
 }
 
-/// Which link is being fitted: one line that is drawn anew on a terminal, else a line every few seconds.
-class FitProgressPrinter {
- public:
-  void update(const std::string& link, std::size_t number, std::size_t links) {
-    const auto now = std::chrono::steady_clock::now();
-    if (!terminal_ && now - last_ < std::chrono::seconds(5)) return;
-    last_ = now;
-    const std::string text = fmt::format("fitting shapes to link {} of {}: {}", number, links, terminal_safe(link));
-    std::fputs((terminal_ ? "\r" + text + "\033[K" : text + "\n").c_str(), stderr);
-    std::fflush(stderr);
-    drawn_ = terminal_;
-  }
-  void clear() {
-    if (drawn_) std::fputs("\r\033[K", stderr);
-    drawn_ = false;
-  }
-  FitProgressPrinter() = default;
-  ~FitProgressPrinter() { clear(); }
-  FitProgressPrinter(const FitProgressPrinter&) = delete;
-  FitProgressPrinter& operator=(const FitProgressPrinter&) = delete;
-
- private:
-  bool terminal_ = isatty(STDERR_FILENO) != 0;
-  bool drawn_ = false;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
-
 std::string with_prefix(const std::string& text, const std::string& prefix) {
   std::string result;
   std::istringstream lines(text);
@@ -157,11 +128,13 @@ FittedShapes fitted_shapes(const RobotFitOptions& options) {
     };
     fit_options.kinds = {.sphere = named("sphere"), .capsule = named("capsule"), .box = named("box")};
   }
-  FitProgressPrinter printer;
-  const fit::RobotFit fit = fit::fit_robot(
-      options.robot, fit_options,
-      [&](const std::string& link, std::size_t number, std::size_t links) { printer.update(link, number, links); });
-  printer.clear();
+  StatusLine line(false);
+  const fit::RobotFit fit =
+      fit::fit_robot(options.robot, fit_options, [&](const std::string& link, std::size_t number, std::size_t links) {
+        line.show(
+            [&] { return fmt::format("fitting shapes to link {} of {}: {}", number, links, terminal_safe(link)); });
+      });
+  line.clear();
   return {block(fit, options.robot.filename().string()), report(fit), collision(fit), fit.warnings};
 }
 

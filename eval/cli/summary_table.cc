@@ -14,7 +14,7 @@
 #include "controller/config/suggestion.h"
 #include "eval/cli/command.h"
 #include "eval/store/columns.h"
-#include "reports/render/own_metric.h"
+#include "reports/render/own_metrics.h"
 
 namespace moma::cli {
 namespace {

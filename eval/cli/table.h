@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "controller/model/shape.h"
+#include "controller/types.h"
 #include "eval/store/query.h"
 
 namespace moma::cli {
@@ -19,6 +21,11 @@ void write(std::ostream& out, const store::QueryResult& result, Format format);
 std::string terminal_safe(std::string_view text);
 /// The same of a text of several lines, whose ends stay.
 std::string terminal_safe_lines(std::string_view text);
+
+/// "sphere, radius 0.1", "box 0.1 x 0.2 x 0.3", ..., in metres.
+std::string shape_text(const Shape& shape);
+/// "(0.1, 0.2, 0.3)", four digits behind the point.
+std::string vector_text(const Eigen::Ref<const VectorX>& v);
 
 /// Columns that `text` (valid UTF-8) takes on a terminal, one per code point.
 std::size_t display_width(std::string_view text);

@@ -10,7 +10,6 @@
 #include "eval/batch/sequential.h"
 #include "eval/run/recording.h"
 #include "eval/run/row_warnings.h"
-#include "eval/run/same_error.h"
 #include "eval/run/store_file.h"
 #include "eval/store/database.h"
 #include "eval/store/machine.h"

@@ -2,11 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <stdexcept>
+
 #include "controller/config/json_node.h"
 #include "controller/config/json_text.h"
 #include "controller/config/text_file.h"
+#include "eval/run/listener.h"
 #include "eval/store/columns.h"
 #include "eval/store/machine.h"
+#include "eval/trial/case_of_step.h"
 #include "world/world_json.h"
 
 namespace moma::run {
@@ -72,6 +76,15 @@ ReplayDifferences differences(const TrialRow& stored, const std::string& machine
   ReplayDifferences found{store::differences(stored, replayed), "", store::this_machine().machine_class};
   if (!machine_class.empty() && machine_class != found.this_machine) found.stored_machine = machine_class;
   return found;
+}
+
+ControlCase stored_case(StoredSuites& suites, const std::filesystem::path& file, const std::string& trial, long step) {
+  const store::StoredTrial stored = store::Reader(file).trial(trial);
+  try {
+    return case_of_step(suites.point_of(stored), world_of(stored), step);
+  } catch (const std::invalid_argument& e) {
+    throw RunError(e.what());
+  }
 }
 
 }  // namespace moma::run

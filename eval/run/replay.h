@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "controller/case/case_file.h"
 #include "eval/store/reader.h"
 #include "eval/suite/stored.h"
 #include "eval/trial/trial.h"
@@ -50,5 +51,9 @@ struct ReplayDifferences {
   std::string this_machine;
 };
 ReplayDifferences differences(const TrialRow& stored, const std::string& machine_class, const TrialRow& replayed);
+
+/// Control step `step` of a stored trial as a case, from the store alone. `trial`: its name or a unique beginning.
+/// Throws RunError where the trial ends before or its controller is a plugin, and what StoredSuites does.
+ControlCase stored_case(StoredSuites& suites, const std::filesystem::path& store, const std::string& trial, long step);
 
 }  // namespace moma::run

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -21,6 +24,29 @@ class RowWarnings {
   int latencies_ = 0;
   double deepest_ = 0.0;      // [m]
   double latency_off_ = 0.0;  // the largest, with its sign [s]
+};
+
+/// Finds points of a suite that cannot work: all of their trials end by one and the same error.
+class SameError {
+ public:
+  /// So many of a point's first trials are enough to say so.
+  static constexpr int kEnough = 20;
+
+  /// Rows in the order of the jobs, so that the answer is the same for any number of threads.
+  void look(std::size_t point, const TrialRow& row);
+  struct Found {
+    std::size_t point = 0;
+    int trials = 0;
+    std::string reason;
+  };
+  /// The point with most such trials; nothing where there is none.
+  const Found* found() const;
+  /// A point has had enough.
+  bool enough() const { return found() != nullptr && found()->trials >= kEnough; }
+
+ private:
+  std::map<std::size_t, Found> failing_;  // without another outcome or reason so far
+  std::set<std::size_t> working_;
 };
 
 }  // namespace moma::run

@@ -1,29 +1,23 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <string_view>
-#include <vector>
 
 namespace moma::tune {
 
-/// Properties of one of NLopt's algorithms. `name` is NLopt's own, with its prefix.
+/// One of NLopt's algorithms, by NLopt's name.
 struct AlgorithmInfo {
   std::string_view name;
   bool global = false;
-  bool seeded = false;             ///< draws random numbers, seeded by nlopt::srand
-  bool takes_constraints = false;  ///< supports inequality constraints; otherwise a penalty replaces them
-  bool needs_local = false;        ///< wraps a local algorithm (MLSL, AUGLAG)
   bool has_population = false;
-  int most_variables = 0;  ///< 0: no limit
-  std::string_view what;   ///< one line of description
 };
 
-/// All derivative-free algorithms of NLopt 2.7 that respect bounds (LN_NEWUOA does not; LN_NEWUOA_BOUND does).
+/// Two global ones and two local ones, derivative-free and within bounds. None takes constraints: a candidate that
+/// breaks one gets a penalty.
 std::span<const AlgorithmInfo> algorithms();
 
-/// Finds an algorithm by NLopt's name, with or without prefix, in any case: GN_CRS2_LM, CRS2_LM, SBPLX, BOBYQA, AGS.
-/// Throws std::invalid_argument with the nearest and all known names.
+/// By NLopt's name with or without its prefix, in any case: GN_CRS2_LM, crs2_lm. Throws std::invalid_argument naming
+/// the nearest and all.
 const AlgorithmInfo& find_algorithm(std::string_view name);
 
 }  // namespace moma::tune

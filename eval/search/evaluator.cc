@@ -153,9 +153,7 @@ const Evaluation& Evaluator::conclude(Evaluation evaluation, Known& known, const
   }
   if (evaluation.valid) {
     summarise(evaluation, known.values);
-    if (history_.empty()) {
-      penalty_ = settings_.penalty > 0.0 ? settings_.penalty : std::max(1.0, std::abs(evaluation.cost));
-    }
+    if (history_.empty()) penalty_ = std::max(1.0, std::abs(evaluation.cost));
     evaluation.merit = penalised(evaluation);
   } else {
     evaluation.constraints.assign(settings_.constraints.size(), 0.0);

@@ -45,7 +45,6 @@ struct EvaluatorSettings {
   std::size_t search_worlds = 0;
   std::uint64_t budget = 0;  ///< largest number of world measurements of the whole search
   Racing racing;
-  double penalty = 0.0;  ///< merit per violation; 0: the size of the start's cost, at least 1
 };
 
 /// The state of the search, for display.
@@ -81,6 +80,7 @@ class Evaluator {
   const EvaluatorSettings& settings() const { return settings_; }
   /// Cost per world of a candidate, in the order of the worlds.
   std::vector<double> costs(const Candidate& candidate) const;
+  /// Merit per violation: the size of the start's cost, at least 1.
   double penalty() const { return penalty_; }
   /// Sum of the constraints' relative excesses: max(0, mean - bound) / max(|bound|, 0.01). A bound by the start is the
   /// start's own mean on the search's worlds.

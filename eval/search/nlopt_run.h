@@ -11,23 +11,14 @@
 
 namespace moma::tune {
 
-struct Told {
-  double value = 0.0;
-  std::vector<double> constraints;  ///< mean - bound; only for algorithms with constraints
-};
-
-/// The function to minimise, on the unit cube. Returns nothing when the budget is spent, which stops the run.
-using UnitFunction = std::function<std::optional<Told>(std::span<const double> unit)>;
+/// The function to minimise, on the unit cube. None: stop now (the budget is spent).
+using UnitFunction = std::function<std::optional<double>(std::span<const double> unit)>;
 
 struct NloptRun {
   const AlgorithmInfo* algorithm = nullptr;
-  const AlgorithmInfo* inner = nullptr;  ///< local algorithm of MLSL and AUGLAG
-  std::vector<double> start;             ///< in the unit cube
-  std::size_t constraints = 0;           ///< 0 unless the algorithm supports them
-  std::uint64_t seed = 0;                ///< for nlopt::srand
-  std::size_t population = 0;            ///< 0: NLopt's default
-  double initial_step = 0.2;             ///< of local algorithms
-  double tolerance = 0.004;              ///< local algorithms end when all coordinates move by less
+  std::vector<double> start;   ///< in the unit cube
+  std::uint64_t seed = 0;      ///< for nlopt::srand
+  std::size_t population = 0;  ///< 0: NLopt's own
 };
 
 /// Runs NLopt until it converges or the function stops it; returns the reason of the end. An exception of the function

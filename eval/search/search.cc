@@ -55,30 +55,20 @@ class Searcher {
                                             : random_unit(static_cast<std::uint64_t>(start));
     const std::uint64_t begin = evaluator_.trials();
     for (std::size_t i = 0; i < plan_.size(); ++i) {
-      const PlanStep& step = plan_[i];
+      const AlgorithmInfo& algorithm = *plan_[i];
       const bool last = i + 1 == plan_.size();
-      double share = step.share;
-      if (share <= 0.0) share = last ? 1.0 : 0.5;
-      const auto slice = static_cast<std::uint64_t>(share * static_cast<double>(limit - begin));
-      const std::uint64_t to = last ? limit : std::min(limit, evaluator_.trials() + slice);
-      const AlgorithmInfo* inner = nullptr;
-      if (step.algorithm->needs_local) {
-        inner = &find_algorithm("LN_BOBYQA");
-        if (!last && !plan_[i + 1].algorithm->global && !plan_[i + 1].algorithm->needs_local) {
-          inner = plan_[i + 1].algorithm;
-        }
-      }
-      if (step.algorithm->global) {
-        run_once(step, inner, start, origin, Phase::kGlobal, to);
+      const std::uint64_t to = last ? limit : std::min(limit, evaluator_.trials() + (limit - begin) / 2);
+      if (algorithm.global) {
+        run_once(algorithm, start, origin, Phase::kGlobal, to);
       } else {
-        run_local(step, inner, start, origin, first, to);
+        run_local(algorithm, start, origin, first, to);
       }
     }
   }
 
-  // Runs local searches: from the best candidate of this start, then from the next best elsewhere, then from anywhere.
-  void run_local(const PlanStep& step, const AlgorithmInfo* inner, int start, const std::vector<double>& origin,
-                 std::size_t first, std::uint64_t limit) {
+  // From the best candidate of this start, then from the next best that is elsewhere, then from anywhere.
+  void run_local(const AlgorithmInfo& algorithm, int start, const std::vector<double>& origin, std::size_t first,
+                 std::uint64_t limit) {
     std::vector<Candidate> begun;
     for (std::uint64_t again = 0; affords(limit) && idle_ < 3; ++again) {
       std::vector<double> from = origin;
@@ -96,38 +86,34 @@ class Searcher {
         from = random_unit((static_cast<std::uint64_t>(start + 1) << 16) | again);
       }
       begun.push_back(from_unit(settings_.variables, from));
-      run_once(step, inner, start, from, Phase::kLocal, limit);
+      run_once(algorithm, start, from, Phase::kLocal, limit);
     }
     idle_ = 0;
   }
 
-  std::size_t population(const PlanStep& step, std::uint64_t trials) const {
-    if (step.population > 0 || !step.algorithm->has_population || step.algorithm->needs_local) return step.population;
+  std::size_t population(const AlgorithmInfo& algorithm, std::uint64_t trials) const {
+    if (!algorithm.has_population) return 0;
     const std::size_t n = settings_.variables.size();
     const double evaluations = kCheaper * static_cast<double>(trials) / static_cast<double>(settings_.worlds.size());
     return std::clamp(static_cast<std::size_t>(evaluations / 4), n + 2, 10 * (n + 1));
   }
 
-  void run_once(const PlanStep& step, const AlgorithmInfo* inner, int start, const std::vector<double>& from,
-                Phase phase, std::uint64_t limit) {
+  void run_once(const AlgorithmInfo& algorithm, int start, const std::vector<double>& from, Phase phase,
+                std::uint64_t limit) {
     const std::uint64_t trials = evaluator_.trials();
     const std::size_t evaluations = evaluator_.history().size();
     const int number = static_cast<int>(result_.runs.size());
     NloptRun run;
-    run.algorithm = step.algorithm;
-    run.inner = inner;
+    run.algorithm = &algorithm;
     run.start = from;
-    run.constraints = step.algorithm->takes_constraints ? settings_.constraints.size() : 0;
     run.seed = bits(settings_.seed, SearchStream::kNlopt, static_cast<std::uint64_t>(number)) >> 33;
-    run.population = population(step, limit > trials ? limit - trials : 0);
-    run.initial_step = settings_.initial_step;
-    run.tolerance = settings_.tolerance;
+    run.population = population(algorithm, limit > trials ? limit - trials : 0);
 
     NloptScores told;
     std::map<Candidate, double> heard;  // the same point again gets the same answer
     std::size_t repeats = 0;
     const std::size_t most_repeats = 1000 + 100 * from.size();
-    const std::string end = run_nlopt(run, [&](std::span<const double> unit) -> std::optional<Told> {
+    const std::string end = run_nlopt(run, [&](std::span<const double> unit) -> std::optional<double> {
       const Candidate candidate = from_unit(settings_.variables, unit);
       const std::size_t before = evaluator_.history().size();
       if (!evaluator_.knows(candidate) && !affords(limit)) return std::nullopt;
@@ -135,18 +121,11 @@ class Searcher {
       // A search that meets only known points (few whole numbers, a degenerate simplex) would never end.
       repeats = evaluator_.history().size() > before ? 0 : repeats + 1;
       if (repeats > most_repeats) return std::nullopt;
-      const double value =
-          run.constraints == 0 ? e.merit : e.merit - evaluator_.penalty() * evaluator_.violation(e.constraints);
-      Told answer;
       const auto known = heard.find(candidate);
-      answer.value = known != heard.end() ? known->second : heard.emplace(candidate, told(value, e.cut)).first->second;
-      for (std::size_t k = 0; k < run.constraints; ++k) {
-        answer.constraints.push_back(e.constraints[k] - settings_.constraints[k].at_most);
-      }
-      return answer;
+      return known != heard.end() ? known->second : heard.emplace(candidate, told(e.merit, e.cut)).first->second;
     });
     RunNote note;
-    note.algorithm = std::string(step.algorithm->name);
+    note.algorithm = std::string(algorithm.name);
     note.start = start;
     note.trials = evaluator_.trials() - trials;
     note.evaluations = evaluator_.history().size() - evaluations;
@@ -158,8 +137,8 @@ class Searcher {
   const SearchSettings& settings_;
   Evaluator& evaluator_;
   SearchResult& result_;
-  std::vector<PlanStep> plan_;
-  int idle_ = 0;  // consecutive runs without a measurement
+  std::vector<const AlgorithmInfo*> plan_;
+  int idle_ = 0;  // runs in a row that measured nothing
 };
 
 void check(const SearchSettings& s) {
@@ -175,27 +154,16 @@ void check(const SearchSettings& s) {
                     s.budget, s.worlds.size(), 20 * s.worlds.size()));
   }
   if (s.starts < 1) fail("starts must be at least 1");
-  for (const PlanStep& step : s.plan) {
-    const int most = step.algorithm->most_variables;
-    if (most > 0 && s.variables.size() > static_cast<std::size_t>(most)) {
-      fail(fmt::format("algorithm {} takes at most {} variables, not {}", step.algorithm->name, most,
-                       s.variables.size()));
-    }
-  }
 }
 
 void add_notes(const SearchSettings& settings, const Confirmation& fitted, SearchResult& result) {
   const bool bounded = std::any_of(settings.constraints.begin(), settings.constraints.end(),
                                    [](const Constraint& constraint) { return !constraint.of_start; });
-  if (bounded) {
-    for (const PlanStep& step : settings.plan.empty() ? default_plan() : settings.plan) {
-      result.notes.push_back(step.algorithm->takes_constraints
-                                 ? fmt::format("{} takes the constraints as they are", step.algorithm->name)
-                                 : fmt::format("{} takes no constraints: the cost grows by {:.4g} for an excess as "
-                                               "large as the bound itself",
-                                               step.algorithm->name, result.penalty));
-    }
-  }
+  if (bounded)
+    result.notes.push_back(
+        fmt::format("constraints by penalty: the cost grows by {:.4g} for an excess as large as the "
+                    "bound itself",
+                    result.penalty));
   if (fitted.candidates == 0) {
     result.notes.emplace_back(
         "the budget leaves no room to confirm the best candidates on other worlds: the best "
@@ -216,8 +184,8 @@ void add_notes(const SearchSettings& settings, const Confirmation& fitted, Searc
 
 }  // namespace
 
-std::vector<PlanStep> default_plan() {
-  return {{&find_algorithm("GN_CRS2_LM"), 0.5, 0}, {&find_algorithm("LN_BOBYQA"), 0.0, 0}};
+std::vector<const AlgorithmInfo*> default_plan() {
+  return {&find_algorithm("GN_CRS2_LM"), &find_algorithm("LN_BOBYQA")};
 }
 
 bool SearchResult::operator==(const SearchResult& o) const {
@@ -235,7 +203,6 @@ SearchResult search(const SearchSettings& settings, Objective& objective, Evalua
   evaluation.search_worlds = settings.worlds.size();
   evaluation.budget = settings.budget;
   evaluation.racing = settings.racing;
-  evaluation.penalty = settings.penalty;
   evaluation.worlds = settings.worlds;
   shuffle(evaluation.worlds, settings.seed, 0);
   std::vector<std::uint64_t> further = settings.confirm_worlds;

@@ -15,16 +15,9 @@
 
 namespace moma::tune {
 
-/// One algorithm of a plan. A global algorithm gets `share` of the budget, local ones get the rest.
-struct PlanStep {
-  const AlgorithmInfo* algorithm = nullptr;
-  double share = 0.0;          ///< share of a start's budget; 0: default (half for a global one with a local after it)
-  std::size_t population = 0;  ///< 0: chosen from the budget
-};
-
-/// The confirmation after the search. The best few candidates are measured on worlds that took no part in the search,
-/// because the best score is too good on the search's own worlds. The neighbours of each are measured on the search's
-/// worlds: of two candidates with equal scores the one with better neighbours is safer.
+/// After the search: the best few candidates are measured on worlds that took no part in it (a score that won a
+/// contest is too good on the contest's own worlds), and so are neighbours of each on the search's worlds: of two
+/// candidates with equal scores the one whose neighbours do well too is the safer one.
 struct Confirmation {
   std::size_t candidates = 5;
   std::size_t worlds = 100;
@@ -56,20 +49,18 @@ struct SearchSettings {
   std::vector<std::uint64_t> worlds;          ///< worlds of the search
   std::vector<std::uint64_t> confirm_worlds;  ///< other worlds, for the best few
   std::uint64_t budget = 0;                   ///< measurements (trials) of search and confirmation together
-  std::vector<PlanStep> plan;                 ///< empty: default_plan()
-  int starts = 1;  ///< independent searches that share the budget; the first begins at `start`
+  std::vector<const AlgorithmInfo*> plan;     ///< one after the other; a global one that is not the last gets half
+                                              ///< of what is left of the budget; empty: default_plan()
+  int starts = 1;                             ///< independent searches that share the budget; the first from `start`
   std::uint64_t seed = 1;
   Racing racing;
   Confirmation confirmation;
   SensitivitySettings sensitivity;
-  double penalty = 0.0;       ///< see EvaluatorSettings
-  double initial_step = 0.2;  ///< of local algorithms, in the unit cube
-  double tolerance = 0.004;
 };
 
-/// Returns GN_CRS2_LM for half of the budget, then LN_BOBYQA from the best candidate: the best of the plans tried on
-/// noisy test problems of 6 and 12 variables (docs/reference/tuning.md has the table).
-std::vector<PlanStep> default_plan();
+/// GN_CRS2_LM for half of the budget, then LN_BOBYQA from the best: the best of the plans tried on noisy test
+/// problems of 6 and 12 variables (docs/reference/tuning.md has the table).
+std::vector<const AlgorithmInfo*> default_plan();
 
 struct Finalist {
   Candidate candidate;

@@ -21,12 +21,12 @@
 namespace moma::store {
 namespace {
 
-struct Table : sqlite3_vtab {
+struct SamplesTable : sqlite3_vtab {
   sqlite3* connection = nullptr;
   std::vector<std::string> columns;  // after `step`; the hidden `trial` comes last
 };
 
-struct Cursor : sqlite3_vtab_cursor {
+struct SamplesCursor : sqlite3_vtab_cursor {
   std::string trial;  // as it was asked for
   SampleTable samples;
   std::vector<int> place;  // of each declared column among those of the samples; -1: has none
@@ -35,7 +35,7 @@ struct Cursor : sqlite3_vtab_cursor {
 
   std::int64_t size() const { return n; }
 };
-using Samples = VirtualTable<Table, Cursor>;
+using Samples = VirtualTable<SamplesTable, SamplesCursor>;
 
 /// The columns of all robots' samples, in the order in which they appear. All trials of a robot have the same, but for
 /// what the controller remembered, of which earlier versions wrote less: what this one writes is among them.
@@ -98,7 +98,7 @@ std::string find_key(sqlite3* connection, std::string prefix) {
   return key;
 }
 
-void load(Cursor& cursor, const Table& table) {
+void load(SamplesCursor& cursor, const SamplesTable& table) {
   const std::string key = find_key(table.connection, cursor.trial);
   const StatementPtr query =
       prepare_statement(table.connection, "SELECT layout, n, columns, data FROM main.samples WHERE key = ?");
@@ -124,7 +124,7 @@ void load(Cursor& cursor, const Table& table) {
 int connect(sqlite3* connection, void* /*data*/, int /*argc*/, const char* const* /*argv*/, sqlite3_vtab** out,
             char** error) {
   return guarded(*error, [&] {
-    auto table = std::make_unique<Table>();
+    auto table = std::make_unique<SamplesTable>();
     table->connection = connection;
     table->columns = known_columns(connection);
     const int code = sqlite3_declare_vtab(connection, declaration(table->columns).c_str());
@@ -150,7 +150,7 @@ int best_index(sqlite3_vtab* base, sqlite3_index_info* info) {
 }
 
 int filter(sqlite3_vtab_cursor* base, int /*number*/, const char* /*text*/, int argc, sqlite3_value** argv) {
-  Cursor& cursor = Samples::cursor(base);
+  SamplesCursor& cursor = Samples::cursor(base);
   cursor.row = cursor.n = 0;
   return guarded(base->pVtab->zErrMsg, [&] {
     if (argc < 1 || sqlite3_value_type(argv[0]) == SQLITE_NULL) return SQLITE_OK;
@@ -162,7 +162,7 @@ int filter(sqlite3_vtab_cursor* base, int /*number*/, const char* /*text*/, int 
 }
 
 int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int index) {
-  const Cursor& cursor = Samples::cursor(base);
+  const SamplesCursor& cursor = Samples::cursor(base);
   if (index == 0) {
     sqlite3_result_int64(context, cursor.row);
   } else if (static_cast<std::size_t>(index) > cursor.place.size()) {

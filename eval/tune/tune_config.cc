@@ -154,33 +154,15 @@ void keep_success(TuneConfig& tune) {
   if (tune.cost.standard() && !told) tune.bounds.push_back({success, true, {}, {}});
 }
 
-std::vector<PlanStep> read_plan(const Node* node) {
-  std::vector<PlanStep> plan;
+std::vector<const AlgorithmInfo*> read_plan(const Node* node) {
+  std::vector<const AlgorithmInfo*> plan;
   if (node == nullptr || is_word(node, "default")) return plan;
   const std::string key = "tune.algorithm";
   const std::vector<Node> single{*node};
   const std::vector<Node>& items = node->kind == Node::Kind::kSequence ? node->items : single;
   if (items.empty()) config::fail(node->mark, key, "expected at least one algorithm, or leave the key out");
-  for (const Node& item : items) {
-    PlanStep step;
-    if (item.kind == Node::Kind::kScalar) {
-      step.algorithm = at(item, key, [&] { return &find_algorithm(item.scalar); });
-    } else {
-      MapReader in(item, key);
-      std::string name;
-      in.require("name", "an algorithm of NLopt");
-      in.read("name", name);
-      step.algorithm = at(item, key, [&] { return &find_algorithm(name); });
-      in.read("share", step.share, {0.0, 1.0, true, false});
-      int population = 0;
-      in.read("population", population, 1, 1'000'000);
-      step.population = static_cast<std::size_t>(population);
-      in.check(population == 0 || step.algorithm->has_population, "population",
-               fmt::format("{} has none", step.algorithm->name));
-      in.finish();
-    }
-    plan.push_back(step);
-  }
+  for (const Node& item : items)
+    plan.push_back(at(item, key, [&] { return &find_algorithm(config::read_string(item, key)); }));
   return plan;
 }
 
@@ -285,6 +267,12 @@ std::string scales() {
   return text.replace(text.rfind(", "), 2, " or ");
 }
 
+std::string names_of_algorithms() {
+  std::string text;
+  for (const AlgorithmInfo& info : algorithms()) text += (text.empty() ? "" : ", ") + std::string(info.name);
+  return text;
+}
+
 // In the order of the reference.
 const std::vector<OwnKey>& own_keys() {
   static const std::vector<OwnKey> kKeys{
@@ -300,11 +288,11 @@ const std::vector<OwnKey>& own_keys() {
       {"constraints", "", "", "a map {METRIC: {at_most or at_least: x}}, where x is a number or start",
        "success as often as at the start", "conditions of the result",
        [](const Reading& r) { r.tune.bounds = read_bounds(r.node); }},
-      {"algorithm", "", "", "default, a name, or a list of names or maps {name, share, population}", "default",
-       "algorithms of NLopt", [](const Reading& r) { r.tune.plan = read_plan(r.node); }},
-      {"budget", "trials", "{trials: 20000}", accepted_whole_number(1, kMostBudget), "",
-       "largest number of trials of the search", read_budget},
-      {"worlds", "", "", "a number, or {first, count}", "100", "worlds of the search",
+      {"algorithm", "", "", "default, or names of: " + names_of_algorithms(), "default", "of NLopt",
+       [](const Reading& r) { r.tune.plan = read_plan(r.node); }},
+      {"budget", "trials", "{trials: 20000}", accepted_whole_number(1, kMostBudget), "", "that the search may use",
+       read_budget},
+      {"worlds", "", "", "a number, or {first, count}", "100", "of the search",
        [](const Reading& r) { r.tune.worlds = read_worlds(r.node, "tune.worlds", 0, 100); }},
       {"held_out", "", "", "a number, or {first, count, seed}", "500", "worlds of the verdict, apart from the others",
        [](const Reading& r) {
@@ -347,14 +335,6 @@ TuneConfig read_tune(const Node& node, const std::vector<std::string>& controlle
     config::fail(node.find("budget")->mark, "tune.budget.trials",
                  fmt::format("{} does not reach for two candidates ({} trials each); give at least {}, better {}",
                              tune.budget, least / 2, least, 10 * least));
-  }
-  for (const PlanStep& step : tune.plan) {
-    const int most = step.algorithm->most_variables;
-    if (most > 0 && tune.variables.size() > static_cast<std::size_t>(most)) {
-      config::fail(
-          node.find("algorithm")->mark, "tune.algorithm",
-          fmt::format("{} takes at most {} variables, not {}", step.algorithm->name, most, tune.variables.size()));
-    }
   }
   return tune;
 }

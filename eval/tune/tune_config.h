@@ -30,7 +30,7 @@ struct TuneConfig {
   std::vector<config::Mark> marks;  ///< place of each variable
   TrialCost cost;
   std::vector<MetricBound> bounds;
-  std::vector<PlanStep> plan;                  ///< empty: the default plan
+  std::vector<const AlgorithmInfo*> plan;      ///< empty: the default plan
   std::vector<Overrides> mixture;              ///< one assignment of suite keys per part; one empty one by default
   WorldRange worlds;                           ///< worlds of the search
   WorldRange confirm;                          ///< worlds for the best few
@@ -42,10 +42,7 @@ struct TuneConfig {
   Racing racing;
   Confirmation confirmation;
   SensitivitySettings sensitivity;
-  double penalty = 0.0;
-  double initial_step = 0.2;
-  double tolerance = 0.004;
-  std::filesystem::path output;  ///< empty: the command chooses
+  std::filesystem::path output;  ///< empty: chosen by the command
   config::Mark mark;
   config::Mark held_out_mark;
   nlohmann::ordered_json written;  ///< the section as written in the file
@@ -57,16 +54,9 @@ constexpr void describe(Visitor& v, Of<TuneConfig>) {
   using T = TuneConfig;
   v.member("seed", &T::seed, {.text = "seed of the search's random draws"});
   v.member("starts", &T::starts, {.range = {1, 1000}, .text = "independent searches that share the budget"});
-  v.member("penalty", &T::penalty,
-           {.range = Range::positive(),
-            .text = "merit per violation of a constraint; the size of the start's cost by default"});
-  v.member("initial_step", &T::initial_step,
-           {.unit = "1", .range = {0.0, 1.0, true, false}, .text = "first step of local algorithms, in the unit cube"});
-  v.member("tolerance", &T::tolerance,
-           {.unit = "1", .range = {0.0, 1.0, true, false}, .text = "step size below which local algorithms end"});
-  v.member("racing", &T::racing, {.text = "none, or when a candidate is cut"});
-  v.member("sensitivity", &T::sensitivity, {.text = "none, or the steps by which the found gains move one by one"});
-  v.member("confirm", &T::confirmation, {.text = "none, or the further measurements of the best few"});
+  v.member("racing", &T::racing, {.text = "none, or when a candidate is cut short"});
+  v.member("sensitivity", &T::sensitivity, {.text = "none, or how far the found gains are moved one by one"});
+  v.member("confirm", &T::confirmation, {.text = "none, or how the best few are measured again"});
 }
 
 /// Returns every key of the section.
@@ -77,11 +67,11 @@ std::vector<Key> tune_keys(const std::string& prefix = "tune");
 ///   objective: default | {minimize: METRIC | {METRIC: weight | {weight: w, when_null: v}, ...}} | {maximize: ...}
 ///   constraints: {METRIC: {at_most: x | at_least: x, when_null: v}, ...}, x a number or `start`. With the default
 ///     objective and no bound on success, {success: {at_least: start}} is added.
-///   algorithm: NAME | [NAME | {name: NAME, share: s, population: p}, ...]
+///   algorithm: NAME | [NAME, ...]
 ///   budget: {trials: n}       worlds: n | {first: i, count: n}       held_out: n | {first: i, count: n, seed: s}
 ///   confirm: none | {candidates, worlds, neighbours, radius}         racing: none | {first, block, significance}
 ///   sensitivity: none | {near, far, pairs_of}
-///   controller: NAME   mixture: [{KEY: VALUE, ...}, ...]   seed, starts, penalty, initial_step, tolerance, output
+///   controller: NAME   mixture: [{KEY: VALUE, ...}, ...]   seed, starts, output
 /// `controllers`: names of the suite's controllers, in order. Throws config::ConfigError naming place and key.
 TuneConfig read_tune(const config::Node& node, const std::vector<std::string>& controllers);
 

@@ -66,9 +66,8 @@ std::string gains_table(const Tuning& tuning, const SearchResult& result) {
 std::string plan_text(const Tuning& tuning) {
   const TuneConfig& c = tuning.config;
   std::string algorithms;
-  for (const PlanStep& step : c.plan.empty() ? default_plan() : c.plan) {
-    algorithms += (algorithms.empty() ? "" : ", then ") + std::string(step.algorithm->name);
-  }
+  for (const AlgorithmInfo* algorithm : c.plan.empty() ? default_plan() : c.plan)
+    algorithms += (algorithms.empty() ? "" : ", then ") + std::string(algorithm->name);
   return fmt::format(
       "tuning {} over {} gains by {}: {} trials at most, {} worlds{} per candidate; then {} held-out worlds",
       c.controller, c.variables.size(), algorithms, c.budget, c.worlds.count,

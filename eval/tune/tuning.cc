@@ -258,9 +258,6 @@ SearchSettings search_settings(const Tuning& tuning) {
   s.confirmation = c.confirmation;
   s.confirmation.worlds *= parts;
   s.sensitivity = c.sensitivity;
-  s.penalty = c.penalty;
-  s.initial_step = c.initial_step;
-  s.tolerance = c.tolerance;
   return s;
 }
 

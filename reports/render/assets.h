@@ -22,7 +22,6 @@ std::string_view figures_js() noexcept;
 std::string_view metrics_json() noexcept;
 /// The words for how a trial ends, a JSON list.
 std::string_view outcomes_json() noexcept;
-std::string_view film_sql() noexcept;
 std::string_view tuning_sql() noexcept;
 std::string_view tuning_variables_sql() noexcept;
 std::string_view tuning_evaluations_sql() noexcept;

@@ -8,10 +8,6 @@
 #include <map>
 #include <utility>
 
-#include "reports/render/page_data.h"
-#include "reports/render/report.h"
-#include "reports/render/store.h"
-
 namespace moma::reports {
 namespace {
 
@@ -62,10 +58,6 @@ const std::string* find(const Settings& settings, const std::string& key) {
   return found == settings.end() ? nullptr : &found->second;
 }
 
-std::optional<std::string> copy_of(const std::string* text) {
-  return text == nullptr ? std::nullopt : std::optional<std::string>(*text);
-}
-
 /// "mine@2 (after)" and "mine (before)" are versions of one controller.
 std::string lineage(const Json& point) {
   std::string name = point.at("controller");
@@ -79,59 +71,37 @@ std::string lineage(const Json& point) {
   return name;
 }
 
-Json read_point(const PointName& name) {
-  try {
-    SQLite::Database store = open_store(name.store);
-    for (Json& point : stored_points(store))
-      if (point.at("suite") == name.suite && point.at("controller") == name.controller &&
-          point.at("point") == name.point)
-        return std::move(point);
-  } catch (const SQLite::Exception& error) {
-    throw ReportError(fmt::format("{}: cannot be read: {}", name.store.string(), error.what()));
-  }
-  throw ReportError(fmt::format("{}: suite {} has no point {}{}{}", name.store.string(), name.suite, name.controller,
-                                name.point.empty() ? "" : ":", name.point));
-}
-
-Json or_null(const std::optional<std::string>& text) { return text ? Json(*text) : Json(nullptr); }
-
-}  // namespace
-
-std::vector<SettingChange> setting_changes(const Json& from, const Json& to) {
+/// `[{"key", "from", "to"}]`; null: not set.
+Json setting_changes(const Json& from, const Json& to) {
+  const auto or_null = [](const std::string* text) { return text == nullptr ? Json(nullptr) : Json(*text); };
   const Settings a = settings_of(from);
   const Settings b = settings_of(to);
-  std::vector<SettingChange> changes;
+  Json changes = Json::array();
   for (const auto& [key, value] : a) {
     const std::string* other = find(b, key);
-    if (other == nullptr || *other != value) changes.push_back({key, value, copy_of(other)});
+    if (other == nullptr || *other != value) changes.push_back({{"key", key}, {"from", value}, {"to", or_null(other)}});
   }
   for (const auto& [key, value] : b)
-    if (find(a, key) == nullptr) changes.push_back({key, std::nullopt, value});
+    if (find(a, key) == nullptr) changes.push_back({{"key", key}, {"from", nullptr}, {"to", value}});
   return changes;
 }
 
-std::vector<SettingChange> setting_changes(const PointName& from, const PointName& to) {
-  return setting_changes(read_point(from), read_point(to));
-}
+}  // namespace
 
 void add_changes(Json& page) {
   page["changes"] = Json::array();
   std::map<std::array<std::string, 5>, const Json*> before;
-  for (Json& point : page.at("points")) {
-    point["lineage"] = lineage(point);
+  for (const Json& point : page.at("points")) {
     const auto text = [&](const char* key) { return point.at(key).get<std::string>(); };
-    const Json*& last = before[{text("suite"), text("robot"), text("mode"), text("lineage"), text("point")}];
+    const Json*& last = before[{text("suite"), text("robot"), text("mode"), lineage(point), text("point")}];
     const Json* const earlier = std::exchange(last, &point);
     if (earlier == nullptr) continue;
-    Json differs = Json::array();
-    for (const SettingChange& c : setting_changes(*earlier, point))
-      differs.push_back({{"key", c.key}, {"from", or_null(c.from)}, {"to", or_null(c.to)}});
     page["changes"].push_back({{"suite", point.at("suite")},
                                {"robot", point.at("robot")},
                                {"mode", point.at("mode")},
                                {"controller", point.at("controller")},
                                {"before", earlier->at("controller")},
-                               {"differs", std::move(differs)}});
+                               {"differs", setting_changes(*earlier, point)}});
   }
 }
 

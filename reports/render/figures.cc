@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <sstream>
@@ -31,22 +32,20 @@ std::string text_of(const fs::path& file) {
   return text.str();
 }
 
-/// Runs `node ARGUMENTS`, its messages to ours.
-void run_node(const std::vector<std::string>& arguments) {
-  std::vector<char*> argv{const_cast<char*>("node")};
-  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+/// Runs a program, its messages to ours, and waits for it. Its exit code; 127 where there is no such program.
+int run(std::vector<std::string> words) {
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   pid_t child = 0;
-  const int error = posix_spawnp(&child, "node", nullptr, nullptr, argv.data(), environ);
-  if (error == ENOENT) throw ReportError(kNode);
-  if (error != 0) throw ReportError(fmt::format("node cannot be run: {}", std::strerror(error)));
+  if (const int error = posix_spawnp(&child, argv[0], nullptr, nullptr, argv.data(), environ); error != 0) {
+    if (error == ENOENT) return 127;
+    throw ReportError(fmt::format("{} cannot be run: {}", words[0], std::strerror(error)));
+  }
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 127) throw ReportError(kNode);
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    throw ReportError("node could not draw the figures (its message is above)");
-  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
 }
 
 }  // namespace
@@ -60,7 +59,10 @@ std::vector<fs::path> write_figures(const Stores& stores, const fs::path& folder
   write_text(work.path / "page.json", none, files::Replace::kOwn,
              page.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   fs::create_directory(drawn);
-  run_node({(work.path / "figures.mjs").string(), (work.path / "page.json").string(), drawn.string()});
+  const int code =
+      run({"node", (work.path / "figures.mjs").string(), (work.path / "page.json").string(), drawn.string()});
+  if (code == 127) throw ReportError(kNode);
+  if (code != 0) throw ReportError("node could not draw the figures (its message is above)");
   std::error_code error;
   fs::create_directories(folder, error);
   if (!fs::is_directory(folder, error)) {
@@ -88,6 +90,11 @@ std::vector<fs::path> write_figures(const Stores& stores, const fs::path& folder
   }
   std::sort(written.begin(), written.end());
   return written;
+}
+
+bool open_in_browser(const fs::path& html) {
+  const char* chosen = std::getenv("BROWSER");
+  return run({chosen != nullptr && *chosen != '\0' ? chosen : "xdg-open", fs::absolute(html).string()}) == 0;
 }
 
 }  // namespace moma::reports

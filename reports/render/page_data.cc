@@ -156,7 +156,7 @@ Json begin(SQLite::Database& store) {
                    {"schema", store.execAndGet("PRAGMA user_version").getInt()}};
   page["metrics"] = Json::parse(metrics_json());
   page["outcomes"] = Json::parse(outcomes_json());
-  page["points"] = stored_points(store);
+  page["points"] = rows(store, points_sql());
   return page;
 }
 
@@ -204,8 +204,6 @@ Json tuning(SQLite::Database& store) {
 
 }  // namespace
 
-nlohmann::ordered_json stored_points(SQLite::Database& store) { return rows(store, points_sql()); }
-
 nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& options) {
   // One transaction: all parts show the store at one moment, whatever a run adds meanwhile.
   SQLite::Transaction snapshot(store);
@@ -224,27 +222,6 @@ nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& o
   page["tuning"] = tuning(store);
   page["samples_stored"] = store.execAndGet("SELECT count(*) FROM samples").getInt64();
   add_replays(store, options, shown.worlds, page);
-  add_looks(store, options, page);
-  return page;
-}
-
-std::optional<nlohmann::ordered_json> film_data(SQLite::Database& store, const std::string& trial, double hz,
-                                                const ReportOptions& options) {
-  SQLite::Transaction snapshot(store);
-  const std::optional<Json> replay = replay_of(
-      store, trial, hz, [&] { return options.simulate ? options.simulate(store.getFilename(), trial) : std::nullopt; });
-  if (!replay) return {};
-  Json page = begin(store);
-  SQLite::Statement query = prepare(store, film_sql());
-  query.bind(1, trial);
-  long long n = 0;
-  Json columns = columns_of(query, n);
-  page["trials"] = {{"n", n}, {"stored", n}, {"worlds", n}, {"columns", std::move(columns)}};
-  for (const char* part : {"invocations", "summary", "overall", "tuning"}) page[part] = Json::array();
-  page["samples_stored"] = n;
-  page["robots"][replay->at("robot").get<std::string>()] = replay->at("resolved");
-  page["replays"] = Json::array({*replay});
-  page["replays"][0].erase("resolved");
   add_looks(store, options, page);
   return page;
 }

@@ -15,14 +15,6 @@ namespace moma::reports {
 /// reports/sql give them; trials by column, texts as codes into a list; infinities as "inf" and "-inf".
 nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& options);
 
-/// Rows of points.sql: what was evaluated, with everything that the trials of a point share.
-nlohmann::ordered_json stored_points(SQLite::Database& store);
-
-/// What it takes to play one trial, by its whole name, at `hz` samples a second. Nothing where the store has no such
-/// trial; its "n" is 0 where neither the store nor `options.simulate` has its motion.
-std::optional<nlohmann::ordered_json> film_data(SQLite::Database& store, const std::string& trial, double hz,
-                                                const ReportOptions& options);
-
 /// The same of several stores, so that their controllers stand side by side. Where each store holds one suite, all
 /// trials are shown as one; else equal names of suites are the same suite. A controller that several stores hold
 /// under one name is called "NAME (STORE)". Rows of invocations, points, summaries, trials and replays tell their

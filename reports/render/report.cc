@@ -49,9 +49,7 @@ nlohmann::ordered_json read_stores(const Stores& stores, const ReportOptions& op
     }
   }
   if (pages.size() == 1) return std::move(pages.front());
-  nlohmann::ordered_json all = combined(std::move(pages), labels_of(stores));
-  if (options.history) all["history"] = true;
-  return all;
+  return combined(std::move(pages), labels_of(stores));
 }
 
 const files::Kind& page_kind() {

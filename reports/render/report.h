@@ -28,7 +28,6 @@ struct ReportOptions {
   double replay_hz = 10.0;  ///< samples per second of those, > 0
   std::chrono::milliseconds patience{600000};  ///< for reading one store, whose views could be without end
   bool served = false;   ///< for a page that asks `moma view` for motions: trials are named, their motion left out
-  bool history = false;  ///< the stores are runs of one suite over time: they are shown in the order of their runs
   TimeKnown time_known;  ///< for causes of collisions; without it they are not looked for
   int twins = 12;  ///< of so many failures with motion the page has a success in the same world too, to play beside it
   Look look;       ///< what robots look like; without it they are shown as the shapes that count in collisions
@@ -64,8 +63,12 @@ void write_report(const std::filesystem::path& store, const std::filesystem::pat
 std::vector<std::filesystem::path> write_figures(const Stores& stores, const std::filesystem::path& folder,
                                                  files::Replace replace = files::Replace::kOwn);
 
-/// Writes the table of results (v_summary, and all families together) for a paper; the file's ending chooses
-/// .tex (booktabs), .md or .csv (every digit). Throws ReportError naming what is wrong.
+/// Shows a page in the reader's own browser, as $BROWSER or else xdg-open names it, and waits until that has started
+/// it. False where there is none, or it fails.
+bool open_in_browser(const std::filesystem::path& html);
+
+/// Writes the table of results (v_summary, and all families together) for a paper, in LaTeX (booktabs); the file's name
+/// ends in .tex. Throws ReportError naming what is wrong.
 void write_table(const Stores& stores, const std::filesystem::path& file,
                  files::Replace replace = files::Replace::kOwn);
 

@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
-#include <functional>
 #include <map>
 
 #include "reports/render/files.h"
@@ -13,37 +11,6 @@ namespace moma::reports {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Escape = std::function<std::string(const std::string&)>;
-
-constexpr std::array<const char*, 19> kColumns = {"suite",
-                                                  "robot",
-                                                  "mode",
-                                                  "family",
-                                                  "controller",
-                                                  "point",
-                                                  "n",
-                                                  "errors",
-                                                  "success_rate",
-                                                  "success_low",
-                                                  "success_high",
-                                                  "success_without_errors",
-                                                  "collision_rate",
-                                                  "collision_low",
-                                                  "collision_high",
-                                                  "time_to_goal_median_s",
-                                                  "manip_mean",
-                                                  "clearance_min_m",
-                                                  "command_change_mean"};
-
-std::string csv_cell(const Json& cell) {
-  if (cell.is_null()) return "";
-  if (!cell.is_string()) return cell.dump();
-  std::string text = cell;
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2) text.insert(at, 1, '"');
-  return '"' + text + '"';
-}
-
 /// What is written: rows of the summary, and the suites' own metrics by key and name.
 struct Table {
   std::vector<Json> rows;
@@ -55,19 +22,6 @@ struct Table {
 const Json& own_mean(const Json& row, const std::string& key) {
   static const Json kNone = nullptr;
   return row.contains("own") && row.at("own").contains(key) ? row.at("own").at(key) : kNone;
-}
-
-std::string csv(const Table& table) {
-  std::string out = fmt::format("{}", fmt::join(kColumns, ","));
-  for (const auto& [key, name] : table.own) out += "," + csv_cell(key);
-  out += '\n';
-  for (const Json& row : table.rows) {
-    std::string line;
-    for (const char* column : kColumns) line += (line.empty() ? "" : ",") + csv_cell(row.at(column));
-    for (const auto& [key, name] : table.own) line += "," + csv_cell(own_mean(row, key));
-    out += line + '\n';
-  }
-  return out;
 }
 
 std::string tex_text(const std::string& text) {
@@ -98,137 +52,100 @@ std::string tex_text(const std::string& text) {
   return out;
 }
 
-std::string md_text(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '\n' || c == '\r') {
-      out += ' ';
-      continue;
-    }
-    if (std::string_view("|\\`*_[]<>").find(c) != std::string_view::npos) out += '\\';
-    out += c;
-  }
-  return out;
-}
+constexpr const char* kNone = "--";
 
-/// "57.3 (52.9-61.6)" with `dash` between the bounds.
-std::string rate(const Json& row, const std::string& stem, const std::string& dash) {
-  if (row.at(stem + "_rate").is_null()) return dash;  // all trials ended by an error
+/// "57.3 (52.9--61.6)".
+std::string rate(const Json& row, const std::string& stem) {
+  if (row.at(stem + "_rate").is_null()) return kNone;  // all trials ended by an error
   // Half a unit of the last decimal is rounded up, as in the page and in SQL's printf().
   const auto at = [&](const char* end) { return std::round(1000.0 * row.at(stem + end).get<double>()) / 10.0; };
-  return fmt::format("{:.1f} ({:.1f}{}{:.1f})", at("_rate"), at("_low"), dash, at("_high"));
+  return fmt::format("{:.1f} ({:.1f}--{:.1f})", at("_rate"), at("_low"), at("_high"));
 }
 
-std::string fixed(const Json& cell, int decimals, const std::string& none) {
-  return cell.is_number() ? fmt::format("{:.{}f}", cell.get<double>(), decimals) : none;
+std::string fixed(const Json& cell, int decimals, double scale = 1.0) {
+  return cell.is_number() ? fmt::format("{:.{}f}", scale * cell.get<double>(), decimals) : kNone;
 }
 
 /// Cells of one row as a person reads them.
-std::vector<std::string> cells(const Table& table, const Json& row, const Escape& escape, const std::string& dash) {
+std::vector<std::string> cells(const Table& table, const Json& row) {
   const std::string point = row.at("point");
   const std::string who = row.at("controller").get<std::string>() + (point.empty() ? "" : ", " + point);
-  std::vector<std::string> all = {escape(row.at("family").is_null() ? "all" : row.at("family").get<std::string>()),
-                                  escape(who), row.at("n").dump()};
+  std::vector<std::string> all = {tex_text(row.at("family").is_null() ? "all" : row.at("family").get<std::string>()),
+                                  tex_text(who), row.at("n").dump()};
   if (table.errors) all.push_back(row.at("errors").dump());
-  all.push_back(rate(row, "success", dash));
-  if (table.errors)
-    all.push_back(row.at("success_without_errors").is_null()
-                      ? dash
-                      : fmt::format("{:.1f}", 100 * row.at("success_without_errors").get<double>()));
-  all.push_back(rate(row, "collision", dash));
+  all.push_back(rate(row, "success"));
+  if (table.errors) all.push_back(fixed(row.at("success_without_errors"), 1, 100.0));
+  all.push_back(rate(row, "collision"));
   for (const auto& [key, decimals] : {std::pair{"time_to_goal_median_s", 2}, std::pair{"manip_mean", 4},
                                       std::pair{"clearance_min_m", 3}, std::pair{"command_change_mean", 4}})
-    all.push_back(fixed(row.at(key), decimals, dash));
+    all.push_back(fixed(row.at(key), decimals));
   for (const auto& [key, name] : table.own) {
     const Json& mean = own_mean(row, key);
-    all.push_back(mean.is_number() ? fmt::format("{:.4g}", mean.get<double>()) : dash);
+    all.push_back(mean.is_number() ? fmt::format("{:.4g}", mean.get<double>()) : kNone);
   }
   return all;
 }
 
 /// Heads of the cells, the suites' own metrics last.
-std::vector<std::string> heads(const Table& table, const Escape& escape, std::vector<std::string> moma) {
+std::vector<std::string> heads(const Table& table) {
+  std::vector<std::string> all = {"worlds",
+                                  "controller",
+                                  "$n$",
+                                  "success [\\%]",
+                                  "collision [\\%]",
+                                  "median time to goal [s]",
+                                  "mean manip.",
+                                  "mean least clearance [m]",
+                                  "mean command change"};
   if (table.errors) {
-    moma.insert(moma.begin() + 3, "errors");
-    moma.insert(moma.begin() + 5, escape("without errors %"));
+    all.insert(all.begin() + 3, "errors");
+    all.insert(all.begin() + 5, "without errors [\\%]");
   }
-  for (const auto& [key, name] : table.own) moma.push_back(escape(name));
-  return moma;
+  for (const auto& [key, name] : table.own) all.push_back(tex_text(name));
+  return all;
 }
 
+constexpr const char* kMeans = "means are over all trials that have the value";  // known by it in earlier versions too
+
 /// One table per suite, robot and mode, all under one another.
-std::string layout(const std::vector<Json>& rows, const std::function<std::string(const Json&)>& begin,
-                   const std::function<std::string(const Json&)>& line, const std::string& end,
-                   const std::string& between) {
+std::string tex(const Table& table) {
+  const std::vector<std::string> head = heads(table);
   const auto group = [](const Json& row) {
     return row.at("suite").dump() + row.at("robot").dump() + row.at("mode").dump();
   };
   std::map<std::string, std::vector<const Json*>> groups;
   std::vector<std::string> order;
-  for (const Json& row : rows) {
+  for (const Json& row : table.rows) {
     if (groups.count(group(row)) == 0) order.push_back(group(row));
     groups[group(row)].push_back(&row);
   }
   std::string out;
   for (const std::string& name : order) {
-    if (!out.empty()) out += "\n";
-    out += begin(*groups[name].front());
-    std::string family = groups[name].front()->at("family").dump();
+    const Json& first = *groups[name].front();
+    out += fmt::format(
+        "{}% {}, {}, {}. Rates in per cent with 95 % Wilson intervals; the median time is over successes, {}.\n"
+        "% Needs \\usepackage{{booktabs}}.\n\\begin{{tabular}}{{ll{}}}\n\\toprule\n{} \\\\\n\\midrule\n",
+        out.empty() ? "" : "\n", tex_text(first.at("suite")), tex_text(first.at("robot")), tex_text(first.at("mode")),
+        kMeans, std::string(head.size() - 2, 'r'), fmt::join(head, " & "));
+    std::string family = first.at("family").dump();
     for (const Json* row : groups[name]) {
-      if (row->at("family").dump() != family) out += between;
+      if (row->at("family").dump() != family) out += "\\midrule\n";
       family = row->at("family").dump();
-      out += line(*row);
+      out += fmt::format("{} \\\\\n", fmt::join(cells(table, *row), " & "));
     }
-    out += end;
+    out += "\\bottomrule\n\\end{tabular}\n";
   }
   return out;
-}
-
-constexpr const char* kCaption = "Rates in per cent with 95 % Wilson intervals; the median time is over successes";
-constexpr const char* kMeans = "means are over all trials that have the value";  // known by it in earlier versions too
-
-std::string tex(const Table& table) {
-  const auto begin = [&](const Json& row) {
-    const std::vector<std::string> head =
-        heads(table, tex_text,
-              {"worlds", "controller", "$n$", "success [\\%]", "collision [\\%]", "median time to goal [s]",
-               "mean manip.", "mean least clearance [m]", "mean command change"});
-    return fmt::format(
-        "% {}, {}, {}. {}, {}.\n% Needs \\usepackage{{booktabs}}.\n"
-        "\\begin{{tabular}}{{ll{}}}\n\\toprule\n{} \\\\\n\\midrule\n",
-        tex_text(row.at("suite")), tex_text(row.at("robot")), tex_text(row.at("mode")), kCaption, kMeans,
-        std::string(head.size() - 2, 'r'), fmt::join(head, " & "));
-  };
-  const auto line = [&](const Json& row) {
-    return fmt::format("{} \\\\\n", fmt::join(cells(table, row, tex_text, "--"), " & "));
-  };
-  return layout(table.rows, begin, line, "\\bottomrule\n\\end{tabular}\n", "\\midrule\n");
-}
-
-std::string markdown(const Table& table) {
-  const auto begin = [&](const Json& row) {
-    const std::vector<std::string> head =
-        heads(table, md_text,
-              {"worlds", "controller", "n", "success [%]", "collision [%]", "median time to goal [s]", "mean manip.",
-               "mean least clearance [m]", "mean command change"});
-    std::string rule = "| --- | --- |";
-    for (std::size_t i = 2; i < head.size(); ++i) rule += " ---: |";
-    return fmt::format("{}, {}, {}. {}, {}.\n\n| {} |\n{}\n", md_text(row.at("suite")), md_text(row.at("robot")),
-                       md_text(row.at("mode")), kCaption, kMeans, fmt::join(head, " | "), rule);
-  };
-  const auto line = [&](const Json& row) {
-    return fmt::format("| {} |\n", fmt::join(cells(table, row, md_text, "\xe2\x80\x93"), " | "));
-  };
-  return layout(table.rows, begin, line, "", "");
 }
 
 }  // namespace
 
 void write_table(const Stores& stores, const std::filesystem::path& file, files::Replace replace) {
-  const std::string kind = file.extension().string();
-  if (kind != ".tex" && kind != ".md" && kind != ".csv") {
-    throw ReportError(fmt::format("{}: unknown kind of table '{}'; wanted: a name that ends in .tex, .md or .csv",
-                                  file.string(), kind));
+  if (file.extension() != ".tex") {
+    throw ReportError(
+        fmt::format("{}: is a LaTeX table; wanted: a name that ends in .tex (moma query DB @summary "
+                    "prints CSV, JSON and Markdown)",
+                    file.string()));
   }
   ReportOptions options;
   options.replays = 0;
@@ -250,9 +167,7 @@ void write_table(const Stores& stores, const std::filesystem::path& file, files:
   }
   for (const Json& metric : page.at("metrics"))
     if (metric.contains("own")) table.own.emplace_back(metric.at("key"), metric.at("name"));
-  const files::Kind own{"table of results by moma report",
-                        kind == ".csv" ? "suite,robot,mode,family,controller,point,n," : kMeans};
-  write_text(file, own, replace, kind == ".csv" ? csv(table) : kind == ".tex" ? tex(table) : markdown(table));
+  write_text(file, {"table of results by moma report", kMeans}, replace, tex(table));
 }
 
 }  // namespace moma::reports

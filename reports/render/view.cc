@@ -1,8 +1,9 @@
 #include "reports/render/view.h"
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
+#include <microhttpd.h>
 
-#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <mutex>
@@ -13,17 +14,31 @@
 #include "reports/render/replays.h"
 #include "reports/render/run_state.h"
 #include "reports/render/store.h"
-#include "reports/render/view_server.h"
 
 namespace moma::reports {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using Text = std::shared_ptr<const std::string>;
 
 constexpr std::int64_t kTrials = 100000;
 constexpr double kReplayHz = 50.0;
 constexpr const char* kHost = "127.0.0.1";
 constexpr const char* kJson = "application/json; charset=utf-8";
+constexpr const char* kHtml = "text/html; charset=utf-8";
+/// Threads that answer. None waits for a client: each serves its connections as they become ready.
+constexpr unsigned kThreads = 8;
+constexpr unsigned kConnections = 500;            ///< at once; more wait to be accepted
+constexpr std::size_t kRequestBytes = 64 * 1024;  ///< of one request's head
+constexpr unsigned kIdleSeconds = 5;              ///< for which a client may send nothing
+constexpr unsigned kSendSeconds = 60;             ///< for which it may take nothing of its answer
+constexpr std::pair<const char*, const char*> kHeaders[] = {
+    {"Cache-Control", "no-store"},
+    {"X-Content-Type-Options", "nosniff"},
+    {"X-Frame-Options", "DENY"},
+    {"Referrer-Policy", "no-referrer"},
+    {"Cross-Origin-Resource-Policy", "same-origin"},
+    {"Connection", "close"}};  // so that the next request goes to a thread that has time
 
 std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
@@ -96,7 +111,7 @@ class Answers {
   }
 
   /// The page's data; read anew only where the store has changed.
-  std::shared_ptr<const std::string> data() {
+  Text data() {
     const std::lock_guard lock(data_mutex_);
     const std::string token = state_of(stores_, options_.patience).token;
     if (data_ == nullptr || token != data_token_) {
@@ -138,138 +153,107 @@ class Answers {
   const ViewOptions& options_;
   std::mutex data_mutex_;
   std::string data_token_;
-  std::shared_ptr<const std::string> data_;
+  Text data_;
   std::mutex simulation_mutex_;
 };
 
-void refuse(httplib::Response& response, int status, const std::string& why) {
-  response.status = status;
-  response.set_content(dumped({{"error", why}}), kJson);
-}
-
-/// In pieces, as it is: the library would compress whole texts for seconds, so that they cross this machine sooner.
-void send(httplib::Response& response, std::shared_ptr<const std::string> text, const char* type) {
-  response.set_content_provider(
-      text->size(), type, [text](std::size_t from, std::size_t size, httplib::DataSink& sink) {
-        return sink.write(text->data() + from, std::min<std::size_t>(size, std::size_t{1} << 20));
-      });
-}
-
-/// Does what `answer` does; what goes wrong becomes an answer too.
-template <typename Answer>
-auto guarded(Answer answer) {
-  return [answer](const httplib::Request& request, httplib::Response& response) {
-    try {
-      answer(request, response);
-    } catch (const std::exception& error) {
-      refuse(response, 500, error.what());
-    }
-  };
-}
-
-void add_answers(httplib::Server& server, Answers& answers, const std::shared_ptr<const std::string>& page) {
-  server.Get("/", guarded([page](const httplib::Request&, httplib::Response& response) {
-               send(response, page, "text/html; charset=utf-8");
-             }));
-  server.Get("/state.json", guarded([&answers](const httplib::Request&, httplib::Response& response) {
-               response.set_content(answers.state(), kJson);
-             }));
-  server.Get("/data.json", guarded([&answers](const httplib::Request&, httplib::Response& response) {
-               send(response, answers.data(), kJson);
-             }));
-  server.Get(R"(/replay/([^/]*))", guarded([&answers](const httplib::Request& request, httplib::Response& response) {
-               const std::string trial = request.matches[1];
-               if (!is_trial(trial)) return refuse(response, 400, "not a trial's name; wanted: 16 hex digits");
-               const std::optional<std::string> replay = answers.replay(trial);
-               if (!replay) return refuse(response, 404, "the store has no such trial");
-               send(response, std::make_shared<const std::string>(*replay), kJson);
-             }));
-}
-
-void add_rules(httplib::Server& server, int port) {
-  server.set_pre_routing_handler([port](const httplib::Request& request, httplib::Response& response) {
-    // A browser names the site that it believes to talk to: another site's name may resolve to this machine, and its
-    // scripts would then read the store.
-    const std::string host = request.get_header_value("Host");
-    if (host != fmt::format("{}:{}", kHost, port) && host != fmt::format("localhost:{}", port)) {
-      refuse(response, 403, fmt::format("wanted: http://{}:{}/", kHost, port));
-      return httplib::Server::HandlerResponse::Handled;
-    }
-    if (request.method != "GET" && request.method != "HEAD") {
-      response.set_header("Allow", "GET, HEAD");
-      refuse(response, 405, "the stores are only read");
-      return httplib::Server::HandlerResponse::Handled;
-    }
-    return httplib::Server::HandlerResponse::Unhandled;
-  });
-  server.set_error_handler([](const httplib::Request&, httplib::Response& response) {
-    if (response.body.empty()) refuse(response, response.status, "there is nothing here");
-  });
-}
-
-/// Before the port is bound.
-void set_up(httplib::Server& server) {
-  server.set_default_headers({{"Cache-Control", "no-store"},
-                              {"X-Content-Type-Options", "nosniff"},
-                              {"X-Frame-Options", "DENY"},
-                              {"Referrer-Policy", "no-referrer"},
-                              {"Cross-Origin-Resource-Policy", "same-origin"}});
-  server.set_payload_max_length(1024);
-  // Not the library's SO_REUSEPORT, by which a second server would silently share the port.
-  server.set_socket_options([](socket_t socket) {
-    const int yes = 1;
-    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-  });
-}
-
-}  // namespace
-
-struct ViewServer::Impl {
-  Answers answers;
-  std::shared_ptr<const std::string> page;
+struct Answer {
+  unsigned status = MHD_HTTP_OK;
+  Text text;
+  const char* type = kJson;
 };
 
-ViewServer::ViewServer(const Stores& stores, const ViewOptions& options) {
-  state_of(stores, options.patience);  // says what is wrong with a store before anybody asks for it
-  std::string title;
-  for (const std::filesystem::path& store : stores) title += (title.empty() ? "" : " + ") + store.filename().string();
-  impl_.reset(new Impl{{stores, options}, std::make_shared<const std::string>(served_html(title))});
-  set_up(http_);
+Answer text_of(std::string text) { return {MHD_HTTP_OK, std::make_shared<const std::string>(std::move(text))}; }
+
+Answer refusal(unsigned status, const std::string& why) {
+  return {status, std::make_shared<const std::string>(dumped({{"error", why}}))};
 }
 
-ViewServer::~ViewServer() = default;
+struct Server {
+  Answers answers;
+  Text page;
+  std::atomic<int> port{0};
 
-void ViewServer::answer_at(int port) {
-  add_rules(http_, port);
-  add_answers(http_, impl_->answers, impl_->page);
+  Answer answer(const std::string& path, const std::string& method, const std::string& host) {
+    // A browser names the site that it believes to talk to: another site's name may resolve to this machine, and its
+    // scripts would then read the store.
+    if (host != fmt::format("{}:{}", kHost, port.load()) && host != fmt::format("localhost:{}", port.load()))
+      return refusal(MHD_HTTP_FORBIDDEN, fmt::format("wanted: http://{}:{}/", kHost, port.load()));
+    if (method != MHD_HTTP_METHOD_GET && method != MHD_HTTP_METHOD_HEAD)
+      return refusal(MHD_HTTP_METHOD_NOT_ALLOWED, "the stores are only read");
+    if (path == "/") return {MHD_HTTP_OK, page, kHtml};
+    if (path == "/state.json") return text_of(answers.state());
+    if (path == "/data.json") return {MHD_HTTP_OK, answers.data()};
+    constexpr std::string_view kReplay = "/replay/";
+    if (!path.starts_with(kReplay)) return refusal(MHD_HTTP_NOT_FOUND, "there is nothing here");
+    const std::string trial = path.substr(kReplay.size());
+    if (!is_trial(trial)) return refusal(MHD_HTTP_BAD_REQUEST, "not a trial's name; wanted: 16 hex digits");
+    std::optional<std::string> replay = answers.replay(trial);
+    return replay ? text_of(std::move(*replay)) : refusal(MHD_HTTP_NOT_FOUND, "the store has no such trial");
+  }
+};
+
+MHD_Result send(MHD_Connection* connection, const Answer& answer) {
+  auto kept = std::make_unique<Text>(answer.text);
+  MHD_Response* response = MHD_create_response_from_buffer_with_free_callback_cls(
+      (*kept)->size(), const_cast<char*>((*kept)->data()), [](void* text) { delete static_cast<Text*>(text); },
+      kept.get());
+  if (response == nullptr) return MHD_NO;
+  (void)kept.release();  // the response's own
+  MHD_add_response_header(response, MHD_HTTP_HEADER_CONTENT_TYPE, answer.type);
+  if (answer.status == MHD_HTTP_METHOD_NOT_ALLOWED) MHD_add_response_header(response, "Allow", "GET, HEAD");
+  for (const auto& [name, value] : kHeaders) MHD_add_response_header(response, name, value);
+  const MHD_Result queued = MHD_queue_response(connection, answer.status, response);
+  MHD_destroy_response(response);
+  return queued;
 }
+
+MHD_Result on_request(void* server, MHD_Connection* connection, const char* path, const char* method,
+                      const char* /*version*/, const char* /*body*/, std::size_t* /*body_size*/, void** /*request*/) {
+  const char* host = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, MHD_HTTP_HEADER_HOST);
+  Answer answer;
+  try {
+    answer = static_cast<Server*>(server)->answer(path, method, host == nullptr ? "" : host);
+  } catch (const std::exception& error) {
+    answer = refusal(MHD_HTTP_INTERNAL_SERVER_ERROR, error.what());
+  }
+  // The time that the answer took is not the client's: its clock starts anew where it did not run.
+  MHD_set_connection_option(connection, MHD_CONNECTION_OPTION_TIMEOUT, 0U);
+  MHD_set_connection_option(connection, MHD_CONNECTION_OPTION_TIMEOUT, kSendSeconds);
+  return send(connection, answer);
+}
+
+struct Stop {
+  void operator()(MHD_Daemon* daemon) const { MHD_stop_daemon(daemon); }
+};
+
+}  // namespace
 
 void serve(const Stores& stores, const ViewOptions& options, const std::atomic<bool>& stop,
            const std::function<void(const std::string& address)>& ready) {
   if (options.port < 0 || options.port > 65535) throw ReportError("port: wanted: 0 to 65535");
-  ViewServer view(stores, options);
-  HttpServer& server = view.http();
-  int port = options.port;
-  const bool bound = port == 0 ? (port = server.bind_to_any_port(kHost)) > 0 : server.bind_to_port(kHost, port);
-  if (!bound) {
+  state_of(stores, options.patience);  // says what is wrong with a store before anybody asks for it
+  std::string title;
+  for (const std::filesystem::path& store : stores) title += (title.empty() ? "" : " + ") + store.filename().string();
+  Server server{{stores, options}, std::make_shared<const std::string>(served_html(title))};
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(options.port));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  // Without the date: ranges and repeated requests get the same bytes.
+  const std::unique_ptr<MHD_Daemon, Stop> daemon(MHD_start_daemon(
+      MHD_USE_AUTO_INTERNAL_THREAD | MHD_USE_SUPPRESS_DATE_NO_CLOCK, 0, nullptr, nullptr, &on_request, &server,
+      MHD_OPTION_SOCK_ADDR, &address, MHD_OPTION_THREAD_POOL_SIZE, kThreads, MHD_OPTION_CONNECTION_LIMIT, kConnections,
+      MHD_OPTION_CONNECTION_MEMORY_LIMIT, kRequestBytes, MHD_OPTION_CONNECTION_TIMEOUT, kIdleSeconds, MHD_OPTION_END));
+  if (daemon == nullptr) {
     throw ReportError(
         fmt::format("port {} of {} cannot be used: another program may have it; wanted: a free one, or 0 "
                     "for any",
                     options.port, kHost));
   }
-  server.widen();
-  view.answer_at(port);
-  std::atomic<bool> ended{false};
-  std::thread watch([&] {
-    ready(fmt::format("http://{}:{}/", kHost, port));
-    while (!stop.load() && !ended.load()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    while (!server.is_running() && !ended.load()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    server.stop();
-  });
-  const bool clean = server.listen_after_bind();
-  ended = true;
-  watch.join();
-  if (!clean && !stop.load()) throw ReportError(fmt::format("the server at port {} stopped by itself", port));
+  server.port = MHD_get_daemon_info(daemon.get(), MHD_DAEMON_INFO_BIND_PORT)->port;
+  ready(fmt::format("http://{}:{}/", kHost, server.port.load()));
+  while (!stop.load()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 }
 
 }  // namespace moma::reports

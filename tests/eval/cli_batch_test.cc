@@ -246,14 +246,5 @@ TEST_F(CliBatch, ASuitesOwnMetrics) {
   bad({"run", "metrics.yaml", "-o", "x.db", "--set", "metrics.fastest=t"}, {"metrics.fastest", "aggregate"});
 }
 
-TEST_F(CliBatch, PlannerArenaFile) {
-  good({"run", "suite.yaml", "-o", "a.db", "-q", "--set", "samples=all"});
-  const ProcessResult written = good({"export", "a.db", "--planner-arena", "arena.db"});
-  EXPECT_NE(written.err.find("2 planner configurations, 12 runs"), std::string::npos) << written.err;
-  bad({"export", "a.db"}, {"--csv", "--planner-arena"});
-  bad({"export", "a.db", "--planner-arena", "a.db"}, {"input and output"});
-  bad({"query", "arena.db", "@summary"}, {"another program"});
-}
-
 }  // namespace
 }  // namespace moma::test

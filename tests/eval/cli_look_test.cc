@@ -199,7 +199,7 @@ TEST_F(CliLook, MetricsOfASuiteAreWhereMomasAre) {
                                      "mine:" + points[1]["point"].get<std::string>()})
                                    .out;
   EXPECT_NE(compared.find("\nlatest "), std::string::npos) << compared;
-  good({"export", "a.db", "--csv", "csv", "--planner-arena", "arena.db"});
+  good({"export", "a.db", "--csv", "csv"});
   const auto head = [&](const std::string& file) {
     std::ifstream in(path(file));
     std::string line;
@@ -208,47 +208,13 @@ TEST_F(CliLook, MetricsOfASuiteAreWhereMomasAre) {
   };
   EXPECT_TRUE(head("csv/trials.csv").ends_with(",latest"));
   EXPECT_TRUE(head("csv/summary.csv").ends_with(",latest"));
-  SQLite::Database arena(path("arena.db").string());
-  EXPECT_EQ(arena.execAndGet("SELECT count(metric_latest) FROM runs").getInt(), 18);
-  EXPECT_EQ(arena.execAndGet("SELECT count(*) FROM runs WHERE solved IS NULL").getInt(), 0) << "errors solve nothing";
-  good({"report", "a.db", "-o", "a.html", "--table", "a.csv"});
-  EXPECT_TRUE(head("a.csv").ends_with(",latest"));
+  good({"report", "a.db", "-o", "a.html", "--table", "a.tex"});
+  std::ifstream table(path("a.tex"));
+  const std::string tex{std::istreambuf_iterator<char>(table), {}};
+  EXPECT_NE(tex.find("& mean command change & latest "), std::string::npos) << tex;
   std::ifstream page(path("a.html"));
   const std::string text{std::istreambuf_iterator<char>(page), {}};
   EXPECT_NE(text.find("\"key\":\"latest\""), std::string::npos);
-}
-
-TEST_F(CliLook, DiffNamesEverySettingThatDiffers) {
-  good({"run", "suite.yaml", "-o", "a.db", "-q"});
-  write("suite.yaml", std::string(kSuite) + "disturbances: {joints: {noise: 0.001}}\n");
-  good({"run", "suite.yaml", "-o", "b.db", "-q", "--set", "controllers.plain.lambda_q=0.25", "--set",
-        "simulation.time_limit=5"});
-  // In one store: one key.
-  const json one = rows({"diff", "a.db", "plain", "slow"});
-  ASSERT_EQ(one.size(), 1u) << one;
-  EXPECT_EQ(one[0]["setting"], "k_epsilon");
-  EXPECT_EQ(one[0]["B"], "0.1");
-  const std::string same = good({"diff", "a.db", "plain", "plain"}).out;
-  EXPECT_NE(same.find("they have the same settings"), std::string::npos) << same;
-  // Of two stores: gains, disturbances, simulation.
-  std::map<std::string, json> found;
-  for (const json& row : rows({"diff", "a.db", "plain", "--with", "b.db"})) found[row["setting"]] = row;
-  EXPECT_EQ(
-      std::count_if(found.begin(), found.end(), [](const auto& f) { return !f.first.starts_with("disturbances."); }), 2)
-      << "gains and simulation; nothing else differs";
-  EXPECT_EQ(found["lambda_q"]["B"], "0.25");
-  EXPECT_EQ(found["time_limit_s"]["A"], "4");
-  EXPECT_EQ(found["time_limit_s"]["B"], "5");
-  EXPECT_TRUE(found["disturbances.joints.noise"]["A"].is_null()) << "not set";
-  EXPECT_EQ(found["disturbances.joints.noise"]["B"], "0.001");
-  // A version of a controller in one store.
-  fs::copy_file(path("a.db"), path("c.db"));
-  write("suite.yaml", kSuite);
-  good({"run", "suite.yaml", "-o", "c.db", "-q", "--set", "controllers.plain.lambda_q=0.25"});
-  const std::string versions = good({"diff", "c.db", "plain", "plain@2"}).out;
-  EXPECT_NE(versions.find("lambda_q  "), std::string::npos) << versions;
-  bad({"diff", "a.db", "plain"}, {"second controller", "--with"});
-  bad({"diff", "a.db", "plain", "fast"}, {"no point 'fast'", "plain, slow"});
 }
 
 }  // namespace

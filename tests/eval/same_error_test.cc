@@ -1,4 +1,4 @@
-#include "eval/run/same_error.h"
+#include "eval/run/row_warnings.h"
 
 #include <gtest/gtest.h>
 

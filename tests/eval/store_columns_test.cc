@@ -140,8 +140,7 @@ TEST(StoreColumns, RowsFromBeforeAMetricAgreeWithAnyOfIt) {
 // A column that was not in the store's version 3 must say that rows from before do not have it.
 TEST(StoreColumns, WhatIsNewerThanTheStoreSaysSo) {
   SQLite::Database db(":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
-  std::ifstream stream(MOMA_SOURCE_DIR "/tests/data/store/schema-3.sql");
-  db.exec(std::string{std::istreambuf_iterator<char>(stream), {}});
+  db.exec(test::schema_of_version(3));
   const auto check = [&](const std::string& table, const auto& columns) {
     const std::set<std::string> there = store::stored_columns(db, table);
     for (const auto& column : columns)

@@ -86,15 +86,6 @@ tune:
   }
   std::string result(const std::string& db) const { return store::Reader(path(db)).result_hash(); }
 
-  /// What an export for Planner Arena holds.
-  std::string exported(const std::string& db) const {
-    SQLite::Database arena(path(db).string(), SQLite::OPEN_READONLY);
-    std::string text = arena.execAndGet("PRAGMA integrity_check").getString();
-    for (const char* table : {"experiments", "plannerConfigs", "enums", "runs", "progress"})
-      text += fmt::format(" {} {}", arena.execAndGet(fmt::format("SELECT count(*) FROM {}", table)).getInt(), table);
-    return text;
-  }
-
   void remove_store(const std::string& db) const {
     for (const char* suffix : {"", "-wal", "-shm", "-journal", "-lock", ".part", ".part-wal", ".part-shm", ".part-in"})
       fs::remove(path(db + suffix));
@@ -285,7 +276,6 @@ struct Work {
   std::vector<std::string> command;
   std::string db;                        ///< what it writes
   std::function<void()> before = [] {};  ///< makes the place as it was
-  bool store = true;                     ///< false: another program's database (export)
   bool ranks = false;                    ///< of mpirun: any of its processes may be the one that is killed
   std::string whole = {};                ///< what is there when nothing went wrong
   std::chrono::milliseconds took = {};
@@ -316,12 +306,11 @@ TEST_F(CliFaults, KilledAtAnyMomentNothingIsLost) {
                        old.exec(fmt::format("DROP VIEW {}", view));
                      old.exec("ALTER TABLE trial DROP COLUMN detector_deepest_m");
                    }});
-  works.push_back({"export", command({"export", "one.db", "--planner-arena", "e.db"}), "e.db", [] {}, false});
   if (Cluster::built() && find_mpirun() != nullptr) {
     prepare_mpirun();
     std::vector<std::string> ranks = command({"run", "tiny.yaml", "-o", "p.db", "-q", "--trials", "200"});
     ranks.insert(ranks.begin(), {find_mpirun(), "-n", "3"});
-    works.push_back({"run of three ranks", ranks, "p.db", [] {}, true, true});
+    works.push_back({"run of three ranks", ranks, "p.db", [] {}, true});
   }
   for (Work& work : works) {
     remove_store(work.db);
@@ -330,7 +319,7 @@ TEST_F(CliFaults, KilledAtAnyMomentNothingIsLost) {
     const ProcessResult done = Process(work.command, folder_.root()).wait();
     ASSERT_EQ(done.code, 0) << work.name << done.err;
     work.took = std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - begin);
-    work.whole = work.store ? result(work.db) : exported(work.db);
+    work.whole = result(work.db);
   }
   std::mt19937 random(20240607);
   std::map<std::string, int> hit;
@@ -353,20 +342,15 @@ TEST_F(CliFaults, KilledAtAnyMomentNothingIsLost) {
       process.kill(SIGKILL);
     }
     process.wait();
-    if (!work.store) {
-      if (fs::exists(path(work.db))) {
-        ASSERT_EQ(exported(work.db), work.whole) << what << ": it was there, but not whole";
-        fs::remove(path(work.db));  // without --force it would not be replaced
-      }
-    } else if (work.name != "migration" && !work.ranks && store_there(work.db)) {
+    if (work.name != "migration" && !work.ranks && store_there(work.db)) {
       expect_sound(work.db, what);
     }
     const ProcessResult again = Process(work.command, folder_.root()).wait();
     ASSERT_EQ(again.code, 0) << what << again.err;
-    if (work.store) expect_sound(work.db, what);
-    ASSERT_EQ(work.store ? result(work.db) : exported(work.db), work.whole) << what;
+    expect_sound(work.db, what);
+    ASSERT_EQ(result(work.db), work.whole) << what;
     const std::string running = "SELECT count(*) FROM invocation WHERE status = 'running'";
-    if (work.store && work.name != "merge") {
+    if (work.name != "merge") {
       EXPECT_EQ(store::ReadConnection(path(work.db)).db().execAndGet(running).getInt(), 0) << what;
     }
   }

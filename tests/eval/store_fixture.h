@@ -115,4 +115,7 @@ inline std::size_t write_synthetic(const fs::path& file, const std::vector<std::
   return present.size();
 }
 
+/// What defined the stores of an older version (store_tools_test.cc).
+std::string schema_of_version(int version);
+
 }  // namespace moma::test

@@ -1,9 +1,10 @@
-// What works on whole stores: samples(), pair_counts, metrics of suites, Planner Arena, migration, the lock of runs.
+// What works on whole stores: samples(), pair_counts, metrics of suites, migration, the lock of runs.
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 #include <sys/file.h>
 
+#include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <new>
@@ -16,7 +17,6 @@
 #include "eval/store/definition.h"
 #include "eval/store/merge.h"
 #include "eval/store/migrations.h"
-#include "eval/store/planner_arena.h"
 #include "eval/store/query.h"
 #include "eval/store/reader.h"
 #include "eval/store/run_lock.h"
@@ -269,69 +269,6 @@ TEST(UserMetrics, ATrialWithoutItsValueIsComputedAgain) {
   EXPECT_EQ(store::Reader(folder / "b.db").result_hash(), store::Reader(file).result_hash());
 }
 
-// The tables and columns that ompl.kavrakilab.org/benchmark.html describes, and how Planner Arena asks them.
-TEST(PlannerArena, LoadsByThePublishedSchema) {
-  const TemporaryFolder folder;
-  write_synthetic(folder / "a.db", {"one", "two"}, 30);
-  write_synthetic(folder / "a.db", {"one", "two"}, 10, "b");
-  {
-    Writer writer(folder / "a.db");
-    writer.begin(synthetic_suite({"one", "two"}), {}, synthetic_jobs(2, 31));
-    const Trace trace = made_up_trace(250, 3);
-    writer.add(synthetic_wanted(0, 30), synthetic_world(30), synthetic_row(0, 30), &trace);
-    writer.add(synthetic_wanted(1, 30), synthetic_world(30), synthetic_row(1, 30), nullptr);
-    writer.finish(store::RunStatus::kFinished);
-  }
-  const store::PlannerArenaSummary summary = store::export_planner_arena(folder / "a.db", folder / "arena.db");
-  EXPECT_EQ(summary.experiments, 4u) << "two families of two settings";
-  EXPECT_EQ(summary.planners, 2u) << "the same parameters in both";
-  EXPECT_EQ(summary.runs, 2u * 31 + 2 * 10);
-  EXPECT_EQ(summary.progress, 100u);
-  const SQLite::Database db((folder / "arena.db").string());
-  const auto columns = [&](const std::string& table) {
-    std::set<std::string> names;
-    SQLite::Statement s(db, "SELECT name FROM pragma_table_info('" + table + "')");
-    while (s.executeStep()) names.insert(s.getColumn(0).getString());
-    return names;
-  };
-  const std::pair<const char*, std::set<std::string>> published[] = {
-      {"experiments",
-       {"id", "name", "totaltime", "timelimit", "memorylimit", "runcount", "version", "hostname", "cpuinfo", "date",
-        "seed", "setup"}},
-      {"plannerConfigs", {"id", "name", "settings"}},
-      {"enums", {"name", "value", "description"}},
-      {"runs", {"id", "experimentid", "plannerid", "time", "solved", "status", "solution_length"}},
-      {"progress", {"runid", "time"}}};
-  for (const auto& [table, wanted] : published) {
-    const std::set<std::string> there = columns(table);
-    for (const std::string& column : wanted) EXPECT_EQ(there.count(column), 1u) << table << "." << column;
-  }
-  const auto one = [&](const std::string& sql) {
-    SQLite::Statement s(db, sql);
-    return s.executeStep() ? s.getColumn(0).getInt64() : -1;
-  };
-  const std::string joined =
-      "FROM plannerConfigs INNER JOIN runs ON plannerConfigs.id = runs.plannerid "
-      "INNER JOIN experiments ON experiments.id = runs.experimentid";
-  EXPECT_EQ(one("SELECT count(*) " + joined), 82);
-  EXPECT_EQ(one("SELECT count(*) " + joined + " INNER JOIN progress ON runs.id = progress.runid"), 100);
-  EXPECT_EQ(one("SELECT count(*) FROM runs JOIN enums ON enums.name = 'status' AND enums.value = runs.status "
-                "WHERE (enums.description = 'success') = runs.solved"),
-            82);
-  EXPECT_EQ(one("SELECT max(runcount) FROM experiments"), 16);
-  EXPECT_EQ(one("SELECT count(*) FROM pragma_foreign_key_check"), 0);
-  // Types by which attributes are drawn.
-  for (const auto& [name, type] : {std::pair{"solved", "BOOLEAN"}, {"status", "ENUM"}, {"time", "REAL"}}) {
-    SQLite::Statement s(db, "SELECT type FROM pragma_table_info('runs') WHERE name = '" + std::string(name) + "'");
-    ASSERT_TRUE(s.executeStep());
-    EXPECT_EQ(s.getColumn(0).getString(), type);
-  }
-  EXPECT_THROW(store::export_planner_arena(folder / "a.db", folder / "a.db"), StoreError);
-  EXPECT_THROW(store::export_planner_arena(folder / "missing.db", folder / "b.db"), StoreError);
-  EXPECT_THROW(store::export_planner_arena(folder / "a.db", folder / "missing/b.db"), StoreError);
-  EXPECT_FALSE(fs::exists(folder / "b.db"));
-}
-
 std::string text_of(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   EXPECT_TRUE(stream) << file;
@@ -357,7 +294,7 @@ std::set<std::string> definitions(SQLite::Database& db) {
 /// A store as an older version would have written `fresh`: what that version had no columns for is not there.
 void write_as_version(int version, const fs::path& fresh, const fs::path& old) {
   SQLite::Database db(old.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
-  db.exec(text_of(fmt::format("{}/tests/data/store/schema-{}.sql", MOMA_SOURCE_DIR, version)));
+  db.exec(schema_of_version(version));
   db.exec(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", store::kApplicationId, version));
   SQLite::Statement attach(db, "ATTACH ? AS fresh");
   attach.bind(1, fresh.string());
@@ -464,4 +401,18 @@ TEST(RunLock, WaitingCanBeBrokenOff) {
 }
 
 }  // namespace
+
+/// It is schema-4.sql, and in schema-N.diff what version N had otherwise.
+std::string schema_of_version(int version) {
+  const std::string folder = MOMA_SOURCE_DIR "/tests/data/store/";
+  const std::string command =
+      version == 4 ? fmt::format("cat '{}schema-4.sql'", folder)
+                   : fmt::format("patch -s -o - '{0}schema-4.sql' '{0}schema-{1}.diff'", folder, version);
+  FILE* words = popen(command.c_str(), "r");
+  std::string text;
+  for (int c = 0; words != nullptr && (c = std::getc(words)) != EOF;) text += static_cast<char>(c);
+  if (words == nullptr || pclose(words) != 0) throw std::runtime_error("cannot be run: " + command);
+  return text;
+}
+
 }  // namespace moma::test

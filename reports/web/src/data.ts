@@ -32,8 +32,6 @@ export interface SummaryRow {
 export interface PointInfo {
   store?: string;
   suite: string; robot: string; controller: string; point: string; mode: string;
-  /** The controller without what tells its versions apart. */
-  lineage: string;
   params: Record<string, unknown>; parameters: unknown; worlds: { seed?: number | string; [key: string]: unknown };
   control_period_s: number; physics_step_s: number; time_limit_s: number;
   success_position_m: number; success_orientation_rad: number; success_dwell_s: number;
@@ -92,8 +90,6 @@ export interface PageData {
   store: { file: string; schema: number };
   /** Where several stores are compared; rows then name their store. */
   stores?: { label: string; file: string }[];
-  /** The stores are runs of one suite over time. */
-  history?: boolean;
   /** Where `moma view` serves the page: motions are asked for. */
   live?: { token: string; simulates: boolean };
   metrics: MetricData[];
@@ -112,11 +108,7 @@ export interface PageData {
   replays: (ReplayData | { trial: string })[];
   samples_stored: number;
   tuning: TuneSearch[];
-  /** The page is one frame of a film after another: of so many pixels, frames a second, seconds of motion per second. */
-  film?: FilmSize;
 }
-
-export interface FilmSize { width: number; height: number; fps: number; speed: number }
 
 interface TextColumn {
   values: string[];

@@ -23,11 +23,6 @@ function section(id: string, title: string, ...content: Node[]): HTMLElement {
 function start(app: HTMLElement, page: PageData): void {
   const model = new Model(page);
   startView(model);
-  if (page.film !== undefined) {
-    const { film } = page;
-    void import('./replay/film_page').then(({ startFilm }) => startFilm(app, model, film));
-    return;
-  }
   const live = liveLine(model);
   if (model.trials.n === 0) {
     replace(app, masthead(model, live), h('main', null, section('provenance', 'Provenance', provenance(model))));

@@ -7,7 +7,6 @@ import { course } from './course';
 import { difficulty } from './difficulty';
 import { distribution } from './distribution';
 import { forest } from './forest';
-import { history, isHistory } from './history';
 import { outcomes } from './outcomes';
 import { paired } from './paired';
 import { pareto } from './pareto';
@@ -18,7 +17,7 @@ import { timing } from './timing';
 import { tuningFigures } from './tuning';
 
 export const kFigures = {
-  results: (model: Model) => [...(isHistory(model) ? [history(model)] : []), forest(), outcomes()],
+  results: () => [forest(), outcomes()],
   time: () => [arrival()],
   difficulty: () => [difficulty()],
   sweep: (model: Model) => (isSwept(model) ? [...sweep(model), pareto()] : []),

@@ -22,7 +22,7 @@ import { Playback } from './playback';
 import { Robot } from './robot';
 import { RowWords } from './row_words';
 import { collisionParameters } from './rows';
-import { filmButton, pictureButton, reelOf, type Reel, type Shown } from './saving';
+import { filmButton, pictureButton, type Shown } from './saving';
 import { ReplayScene, type WorldJson } from './scene';
 import { listed, Shelf, shelfNote } from './shelf';
 import { statusAt, Timeline } from './timeline';
@@ -32,12 +32,6 @@ const kSpeeds = [0.25, 0.5, 1, 2, 4] as const;
 /** An arrow key moves the time by this much [s]. */
 const kStep = 0.1;
 
-export interface Player {
-  element: HTMLElement;
-  /** Of the first motion of the page; null where it has none. */
-  reel: ((fps: number, speed: number) => Reel) | null;
-}
-
 /** Where nothing can be played: why, and the command that plays a trial. */
 function nothingToPlay(model: Model): HTMLElement {
   const trial = model.trials.n > 0 ? model.trials.text('trial', 0) : 'TRIAL';
@@ -46,8 +40,8 @@ function nothingToPlay(model: Model): HTMLElement {
     model.trials.n === 0 ? null : h('p', { class: 'command' }, h('code', null, command(model, trial))));
 }
 
-export function player(model: Model): Player {
-  if (listed(model).length === 0) return { element: nothingToPlay(model), reel: null };
+export function player(model: Model): HTMLElement {
+  if (listed(model).length === 0) return nothingToPlay(model);
   let scene: ReplayScene | null = null;
   let trace: Trace | null = null;
   let robot: Robot | null = null;
@@ -313,9 +307,5 @@ export function player(model: Model): Player {
     if (current === '' && wanted === '') safely(model.playable(ofAddress) ? ofAddress : listed(model)[0] ?? '', false);
     new ResizeObserver(() => draw()).observe(stage);
   });
-  const first = async (): Promise<void> => {
-    const trial = listed(model)[0] ?? '';
-    present(trial, await model.motion(trial));
-  };
-  return { element, reel: (fps, rate) => reelOf(shown, first, fps, rate) };
+  return element;
 }

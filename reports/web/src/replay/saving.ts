@@ -35,39 +35,10 @@ export interface Shown {
   picture(): HTMLCanvasElement;
 }
 
-/** A motion from its begin to its end, frame by frame. */
-export interface Reel {
-  /** Resolves with the motion's length [s]. */
-  begin(): Promise<number>;
-  /** Frame k, which shows the time k * speed / fps, or the end. */
-  add(k: number): Promise<void>;
-  end(): Promise<Uint8Array>;
-}
-
 async function addFrame(of: Shown, film: Film, t: number): Promise<void> {
   of.seek(t);
   of.picture();
   await film.add();
-}
-
-/** `ready` brings the motion to be filmed. */
-export function reelOf(of: Shown, ready: () => Promise<void>, fps: number, speed: number): Reel {
-  let film: Film | null = null;
-  const begun = (): Film => {
-    if (film === null) throw new Error('no film has begun');
-    return film;
-  };
-  return {
-    begin: async () => {
-      if (!canFilm()) throw new Error('this browser encodes no video');
-      await ready();
-      film = await newFilm(of.picture(), fps);
-      await film.begin();
-      return of.end();
-    },
-    add: (k) => addFrame(of, begun(), (k * speed) / fps),
-    end: () => begun().end(),
-  };
 }
 
 export function pictureButton(of: Shown): HTMLButtonElement {

@@ -2,9 +2,11 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
-#include "reports/render/mesh_data.h"
+#include "eval/run/replay.h"
+#include "reports/render/report.h"
 
 namespace moma::cli {
 
@@ -13,6 +15,13 @@ namespace moma::cli {
 /// robot with a mesh that cannot be found or read has no look, and a line on standard error says why. Throws
 /// config::ConfigError: a robot file that cannot be read.
 reports::Look robot_look(const std::vector<std::filesystem::path>& robots);
+
+/// Simulates a stored trial's motion again, from the store alone. `suites` has to outlive it. It throws
+/// store::StoreError and config::ConfigError where the store or what it names cannot be read.
+reports::Simulate simulated_again(run::StoredSuites& suites);
+
+/// What reports ask about collisions, answered by the simulation's own rules: see run::known_before_contact().
+std::optional<double> time_known(const reports::HitObject& question);
 
 /// --look and --shapes.
 void add_look_options(CLI::App& command, std::vector<std::filesystem::path>& robots, bool& shapes);

@@ -1,4 +1,4 @@
-#include "eval/run/reach.h"
+#include "eval/run/robot_warnings.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -18,5 +19,9 @@ std::vector<std::string> wheel_warnings(const RobotModel& model);
 /// file's URDF. Empty if the arm has no shapes at all, or if a visual mesh cannot be read. Reads all meshes, which
 /// takes some tenths of a second.
 std::vector<std::string> visual_warnings(const std::filesystem::path& robot_file, const RobotModel& model);
+
+/// Joints whose drive is too weak for the arm's own weight, at `ready` or somewhere in their range: a sentence for
+/// each. With physics such an arm sags or falls, whatever its controller.
+std::vector<std::string> holding_warnings(const std::shared_ptr<const RobotModel>& model);
 
 }  // namespace moma::run

@@ -1,4 +1,4 @@
-#include "eval/cli/robot_look.h"
+#include "eval/cli/page_parts.h"
 
 #include <fmt/format.h>
 
@@ -12,6 +12,8 @@
 #include "controller/config/robot_build.h"
 #include "controller/model/urdf_visual.h"
 #include "eval/cli/table.h"
+#include "eval/run/time_known.h"
+#include "eval/store/samples.h"
 
 namespace moma::cli {
 namespace {
@@ -77,6 +79,21 @@ reports::Look robot_look(const std::vector<std::filesystem::path>& robots) {
     }
     return parts;
   };
+}
+
+reports::Simulate simulated_again(run::StoredSuites& suites) {
+  return [&suites](const std::filesystem::path& db, const std::string& trial) -> std::optional<reports::OwnedSamples> {
+    const run::Replay replay = run::replay(db, trial, suites);
+    if (replay.output.trace.empty()) return {};
+    store::EncodedSamples encoded = store::encode_samples(replay.output.trace);
+    return reports::OwnedSamples{encoded.layout, encoded.n, store::column_names_of(encoded.columns),
+                                 std::move(encoded.data)};
+  };
+}
+
+std::optional<double> time_known(const reports::HitObject& question) {
+  return run::known_before_contact({question.world, question.disturbances, question.object, question.control_period,
+                                    question.contact_time, question.t, question.base});
 }
 
 void add_look_options(CLI::App& command, std::vector<std::filesystem::path>& robots, bool& shapes) {
