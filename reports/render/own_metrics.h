@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace SQLite {
+class Database;
+}
+
+namespace moma::reports {
+
+/// A metric that a suite of the store defines itself.
+struct OwnMetric {
+  std::int64_t id = 0;
+  std::string name;        ///< as shown
+  std::string column;      ///< the name, "metric_NAME" where `taken` has that already
+  std::string expression;  ///< of which it is computed
+};
+
+/// Those of a store, in the order in which they came.
+std::vector<OwnMetric> own_metrics(SQLite::Database& store, const std::set<std::string>& taken);
+
+/// The same of a file. Throws ReportError where it is no store of moma's or cannot be read.
+std::vector<OwnMetric> own_metrics(const std::filesystem::path& store, const std::set<std::string>& taken);
+
+/// Its value of the trial whose key is `key` (SQL), as an expression.
+std::string value_sql(const OwnMetric& metric, const std::string& key);
+
+/// A name in SQL.
+std::string sql_name(const std::string& name);
+
+/// The suites' own metrics as the page has them beside moma's.
+struct OwnMetrics {
+  nlohmann::ordered_json described =
+      nlohmann::ordered_json::array();  ///< for `metrics` of the page; key, name, text ...
+  std::string columns;                  ///< ", (SELECT ...) AS KEY" for each, over `t`, the table of trials
+};
+
+/// A key is the metric's name as shown, "metric_NAME" where moma has a column of that name.
+OwnMetrics page_metrics(SQLite::Database& store);
+
+/// Adds `own`, means by key, to the rows of the summary and of all families together, where the store has any.
+void add_own_means(SQLite::Database& store, const OwnMetrics& metrics, nlohmann::ordered_json& page);
+
+}  // namespace moma::reports

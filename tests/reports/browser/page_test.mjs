@@ -250,12 +250,23 @@ const clickMark = async (page, id) => {
   check((await page.evaluate(() => [...document.querySelectorAll('b')].some((b) => b.textContent === 'bold'))) === false, 'no markup in tooltips');
   await context.close();
 }
-for (const [kind, worlds] of [['empty', 0], ['one', 1], ['failures', 16]]) {
-  const { context, page } = await open(makePage(kind, worlds));
+for (const [kind, worlds] of [['empty', 0], ['one', 1], ['failures', 16], ['errors', 16]]) {
+  const made = () => {
+    const db = makeStore('errors', 'demo', worlds, 2);
+    for (const table of ['trial', 'point_trial']) sql(db, `UPDATE ${table} SET outcome = 'error', time_to_goal_s = NULL WHERE key IN (SELECT key FROM point_trial WHERE world_index % 3 = 0)`);
+    return pageOf(db);
+  };
+  const { context, page } = await open(kind === 'errors' ? made() : makePage(kind, worlds));
   await scrollThrough(page);
-  await noOverflow(page, kind);
+  for (const [width, colorScheme] of [[1280, 'light'], [1920, 'dark'], [390, 'light'], [390, 'dark']]) {
+    await page.emulateMedia({ colorScheme });
+    await page.setViewportSize({ width, height: 900 });
+    await page.waitForFunction((wanted) => innerWidth === wanted, width);
+    await noOverflow(page, `${kind}, ${width}, ${colorScheme}`);
+  }
   const text = await page.locator('#app').innerText();
   check(!/NaN|undefined|\[object/.test(text), `${kind}: ${/.{0,40}(NaN|undefined|\[object).{0,40}/.exec(text)?.[0]}`);
+  if (kind === 'errors') check(/ended by an error; they count as failed/.test(text) && /without errors/.test(text), 'errors are told, and the rate without them');
   if (kind === 'empty') check(text.includes('holds no trials yet'), 'an empty store says so');
   if (kind === 'failures') check(/neither \w+ nor \w+ reached a goal: nothing tells them apart/.test(text) && !/p\s=\s1\.000/.test(await page.locator('#top').innerText()), 'nobody reached anything, in plain words');
   if (kind === 'failures') check(text.includes('No trial reached its goal'), 'only failures: the arrival figure says so');

@@ -2,12 +2,11 @@
 
 import { axis, kNarrow, nice, plots, shareAxis, tip, tipOf, whiskers, type FigureSpec } from '../chart';
 import { integer, percent, percentRange, sizes } from '../format';
-import { axisName, kMetrics, metric } from '../metrics';
-import * as state from '../state';
+import { axisName, kMetrics } from '../metrics';
 import { wilson } from '../stats';
 import { dashOf, seriesColour, symbolOf } from '../theme';
 import { view } from '../view';
-import { presentMetrics } from './distribution';
+import { metricChoice } from './distribution';
 
 const kBins = 6;
 /** Intervals of more lines than this hide each other: each is then drawn in a plot of its own. */
@@ -23,15 +22,15 @@ function edges(values: number[]): number[] {
 interface Bin { name: string; colour: string; x: number; hits: number; n: number; low: number; high: number; from: number; to: number }
 
 export function difficulty(): FigureSpec {
-  state.setDefault('f.difficulty', 'goal_distance_m');
+  const chosen = metricChoice('f.difficulty', 'Against', 'goal_distance_m', () => kMetrics.filter((m) => m.of === 'world'));
   return {
     id: 'difficulty',
-    title: () => `Success against ${metric(state.get('f.difficulty')).name}`,
+    title: () => `Success against ${chosen.of().name}`,
     caption: 'Worlds in bins of about equal number; each point is the success rate in its bin, at the mean difficulty, with its 95 % interval.',
     empty: 'Nothing varies here among the worlds shown.',
-    choices: [{ key: 'f.difficulty', label: 'Against', options: () => presentMetrics(kMetrics.filter((m) => m.of === 'world')) }],
+    choices: [chosen.choice],
     draw: (p, width) => {
-      const of = metric(state.get('f.difficulty'));
+      const of = chosen.of();
       const { model, series } = view();
       const t = model.trials;
       const all = series.flatMap((s) => s.rows.map((row) => t.number(of.key, row)).filter(Number.isFinite));

@@ -1,6 +1,6 @@
 // Distribution of any metric, one row per controller and family: density above, box below; of few trials, each as a dot.
 
-import { axis, gridBox, marksIn, nice, rowAxis, rowHeight, tip, type FigureSpec, type Option } from '../chart';
+import { axis, gridBox, marksIn, nice, rowAxis, rowHeight, tip, type Choice, type FigureSpec, type Option } from '../chart';
 import type { Series } from '../data';
 import { integer, sizes, upper } from '../format';
 import { axisName, kMetrics, metric, withUnit, type Metric } from '../metrics';
@@ -37,22 +37,31 @@ function pile(xs: readonly number[], size: number): number[] {
 }
 
 /** Of `among`, the metrics that some shown trial has, to choose from. */
-export function presentMetrics(among: readonly Metric[] = kMetrics): [string, string][] {
+function presentMetrics(among: readonly Metric[]): [string, string][] {
   const { model, series } = view();
   return among.filter((m) => series.some((s) => model.trials.any(m.key, s.rows))).map((m) => [m.key, axisName(m)]);
 }
 
-export function distribution(id: string, first: string): FigureSpec {
-  const key = `f.${id}`;
+/** The metric that is chosen under a key, by default `first`; where no shown trial has it, the first that one has. */
+export function metricChoice(key: string, label: string, first: string, among: () => readonly Metric[] = () => kMetrics): { of: () => Metric; choice: Choice } {
   state.setDefault(key, first);
+  const of = (): Metric => {
+    const present = presentMetrics(among()).map(([name]) => name);
+    return metric(present.includes(state.get(key)) ? state.get(key) : present[0] ?? state.get(key));
+  };
+  return { of, choice: { key, label, options: () => presentMetrics(among()), value: () => of().key } };
+}
+
+export function distribution(id: string, first: string): FigureSpec {
+  const chosen = metricChoice(`f.${id}`, 'Metric', first);
   return {
     id,
-    title: () => upper(metric(state.get(key)).name),
+    title: () => upper(chosen.of().name),
     caption: 'How the trials of each controller are spread, failures included. Choose any metric.',
     empty: 'No trial here has this metric.',
-    choices: [{ key, label: 'Metric', options: presentMetrics }],
+    choices: [chosen.choice],
     draw: (p, width) => {
-      const of = metric(state.get(key));
+      const of = chosen.of();
       const all = collect(of.key);
       if (all.length === 0) return null;
       // The axis leaves out the last hundredth where a few values would squeeze all others.

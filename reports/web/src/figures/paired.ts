@@ -4,13 +4,13 @@ import { axis, kFont, legend, legendHeight, nice, plain, ruler, tip, tipOf, type
 import { pairs, pairsText, type PairedWorld } from '../compare';
 import { outcomeName, type Series } from '../data';
 import { integer, upper } from '../format';
-import { axisName, kMetrics, metric, withUnit } from '../metrics';
+import { axisName, kMetrics, withUnit } from '../metrics';
 import { chosenRow, select } from '../select';
 import * as state from '../state';
 import { extent } from '../stats';
 import { outcomeColour, seriesColour } from '../theme';
 import { baseline, bestRival, view } from '../view';
-import { presentMetrics } from './distribution';
+import { metricChoice } from './distribution';
 
 /** The two series that are compared: as chosen, else the baseline with the best of the others that are shown. */
 function chosen(): [Series | undefined, Series | undefined] {
@@ -27,15 +27,15 @@ function series(): [string, string][] {
 }
 
 export function paired(): FigureSpec {
-  state.setDefault('f.paired', 'time_to_goal_s');
+  const chosenMetric = metricChoice('f.paired', 'Metric', 'time_to_goal_s', () => kMetrics.filter((m) => m.of !== 'world'));
   return {
     id: 'paired',
-    title: () => `${upper(metric(state.get('f.paired')).name)} on the same worlds`,
+    title: () => `${upper(chosenMetric.of().name)} on the same worlds`,
     caption: () => `Each dot is one world that both controllers met. Where only one has a value, its dot lies in the strip named none. ${view().model.clickPlays()}`,
     empty: 'Two controllers that met the same worlds are needed.',
     linked: true,
     choices: [
-      { key: 'f.paired', label: 'Metric', options: () => presentMetrics(kMetrics.filter((m) => m.of !== 'world')) },
+      chosenMetric.choice,
       { key: 'f.a', label: 'Along x', options: series, value: () => String(chosen()[0]?.index) },
       { key: 'f.b', label: 'Along y', options: series, value: () => String(chosen()[1]?.index) },
     ],
@@ -43,7 +43,7 @@ export function paired(): FigureSpec {
       const { model } = view();
       const [a, b] = chosen();
       if (a === undefined || b === undefined || a === b) return null;
-      const of = metric(state.get('f.paired'));
+      const of = chosenMetric.of();
       const result = pairs(model, a, b, of.key);
       const ends = extent(result.worlds.flatMap((w) => [w.x, w.y]));
       if (ends === null) return null;

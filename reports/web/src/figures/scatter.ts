@@ -3,13 +3,12 @@
 import { axis, nice, plots, tip, tipOf, type FigureSpec } from '../chart';
 import { outcomeName } from '../data';
 import { fixed, integer, upper } from '../format';
-import { axisName, metric, withUnit } from '../metrics';
+import { axisName, withUnit } from '../metrics';
 import { chosenRow, select } from '../select';
-import * as state from '../state';
 import { extent, spearman, thinned } from '../stats';
 import { seriesColour, symbolOf } from '../theme';
 import { view } from '../view';
-import { presentMetrics } from './distribution';
+import { metricChoice } from './distribution';
 
 /** More dots than this hide each other. */
 const kMostDots = 20000;
@@ -22,19 +21,19 @@ function correlation(rho: ReturnType<typeof spearman>): string {
 }
 
 export function scatter(): FigureSpec {
-  state.setDefault('f.sx', 'goal_distance_m');
-  state.setDefault('f.sy', 'manip_mean');
+  const x = metricChoice('f.sx', 'Along x', 'goal_distance_m');
+  const y = metricChoice('f.sy', 'Along y', 'manip_mean');
   return {
     id: 'scatter',
-    title: () => `${upper(metric(state.get('f.sy')).name)} against ${metric(state.get('f.sx')).name}`,
+    title: () => `${upper(y.of().name)} against ${x.of().name}`,
     caption: () => `Each dot is one trial that has both; hollow where it failed. ${view().model.clickPlays()}`,
     empty: 'No trial here has both metrics.',
     linked: true,
-    choices: [{ key: 'f.sx', label: 'Along x', options: presentMetrics }, { key: 'f.sy', label: 'Along y', options: presentMetrics }],
+    choices: [x.choice, y.choice],
     draw: (p, width) => {
       const { model, series } = view();
       const t = model.trials;
-      const [mx, my] = [metric(state.get('f.sx')), metric(state.get('f.sy'))];
+      const [mx, my] = [x.of(), y.of()];
       const groups = series.map((s) => ({
         s, dots: s.rows.map((row) => ({ row, x: t.number(mx.key, row), y: t.number(my.key, row) })).filter((d) => Number.isFinite(d.x) && Number.isFinite(d.y)),
       })).filter((g) => g.dots.length > 0);
@@ -56,10 +55,10 @@ export function scatter(): FigureSpec {
             return [{
               name: s.short, type: 'scatter', symbol: alone ? 'circle' : symbolOf(s.mark), symbolSize: alone ? 5 : 7, itemStyle: { color: colour }, cursor: 'pointer',
               data: thinned(dots.length, Math.ceil((kMostDots * dots.length) / Math.max(total, kMostDots))).map((i) => {
-                const { row, x, y } = dots[i]!;
+                const { row, x: across, y: up } = dots[i]!;
                 const filled = t.success(row);
-                if (row === chosen) return { value: [x, y], of: row, symbolSize: 14, itemStyle: { color: colour, borderColor: p.ink, borderWidth: 2.5 } };
-                return { value: [x, y], of: row, itemStyle: { color: filled ? colour : 'transparent', borderColor: colour, borderWidth: filled ? 0 : 1.2, opacity: filled ? 0.55 : 0.8 } };
+                if (row === chosen) return { value: [across, up], of: row, symbolSize: 14, itemStyle: { color: colour, borderColor: p.ink, borderWidth: 2.5 } };
+                return { value: [across, up], of: row, itemStyle: { color: filled ? colour : 'transparent', borderColor: colour, borderWidth: filled ? 0 : 1.2, opacity: filled ? 0.55 : 0.8 } };
               }),
             }];
           },
