@@ -39,6 +39,11 @@ std::int16_t rounded(double value, double step) {
   return static_cast<std::int16_t>(std::lround(std::clamp(value / step, -32768.0, 32767.0)));
 }
 
+/// To sixteen binary digits, as floats: their last bytes are zeros, which take no room.
+double coarse(double value) {
+  return std::bit_cast<float>((std::bit_cast<std::uint32_t>(static_cast<float>(value)) + 0x80u) & ~0xffu);
+}
+
 /// Columns that say what a controller was about that looks ahead.
 bool of_a_plan(std::string_view name) {
   return name.starts_with("plan_") || name == "detour" || name == "detour_x" || name == "detour_y";
@@ -109,9 +114,10 @@ nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz, cons
     names.push_back(name);
     for (const std::size_t row : rows) kept.push_back(static_cast<float>(value(row)));
   };
-  const auto keep_column = [&](const std::string& name) {
+  const auto keep_column = [&](
+                               const std::string& name, double (*as)(double) = [](double value) { return value; }) {
     const double* from = required(name);
-    keep(name, [&](std::size_t row) { return from[row]; });
+    keep(name, [&](std::size_t row) { return as(from[row]); });
   };
   const auto keep_norm = [&](const std::string& name, const std::string& stem, int first, int count) {
     std::vector<const double*> parts;
@@ -132,7 +138,7 @@ nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz, cons
   for (const char* name : {"manipulability", "least_distance", "status", "fallback", "active_rows"}) keep_column(name);
   // What is left, for whoever looks at one of them.
   for (const std::string& name : samples.columns)
-    if (std::find(names.begin(), names.end(), name) == names.end() && !of_a_plan(name)) keep_column(name);
+    if (std::find(names.begin(), names.end(), name) == names.end() && !of_a_plan(name)) keep_column(name, &coarse);
   // Of a controller that looks ahead: what it was about and why, its path, its choice, its detour.
   const auto ever = [&](std::string_view name) {
     const double* from = column(name);

@@ -49,11 +49,11 @@ std::vector<double> unpack(const StoredSamples& samples);
 /// `{"hz", "n", "columns", "data"}`: the motion at about `hz` samples a second (first and last always kept), as
 /// float32 columns one after the other, their bytes regrouped by significance, deflated (zlib), in base64.
 /// Columns: t, base_x, base_y, base_phi, q0..., command0..., error_rotation, error_position, slack (norms),
-/// manipulability, least_distance, status, fallback, active_rows, then all others that the samples have (store.md), of
-/// a controller that looks ahead also plan_..., detour, detour_x and detour_y. Throws std::runtime_error on data that
-/// does not fit its layout. With `rows` also "rows": {"names", "n", "data"}: how many rows each sample kept has, and of
-/// all of them, column by column, kind + 8 if active, first, second, d [0.1 mm], the six coordinates [mm], each of 16
-/// bits, packed() as planes.
+/// manipulability, least_distance, status, fallback, active_rows, then all others that the samples have (store.md), to
+/// 16 binary digits, of a controller that looks ahead also plan_..., detour, detour_x and detour_y. Throws
+/// std::runtime_error on data that does not fit its layout. With `rows` also "rows": {"names", "n", "data"}: how many
+/// rows each sample kept has, and of all of them, column by column, kind + 8 if active, first, second, d [0.1 mm], the
+/// six coordinates [mm], each of 16 bits, packed() as planes.
 nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz, const DistanceRows* rows = nullptr);
 
 }  // namespace moma::reports
