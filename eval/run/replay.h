@@ -7,7 +7,7 @@
 #include "controller/case/case_file.h"
 #include "eval/store/reader.h"
 #include "eval/suite/stored.h"
-#include "eval/trial/trial.h"
+#include "eval/trial/rows_of_trial.h"
 
 namespace moma::run {
 
@@ -40,9 +40,10 @@ struct Replay {
   TrialOutput output;
 };
 
-/// `name`: the trial's name or any unique prefix of it. Throws StoreError if there is no such trial or it cannot be
-/// simulated again.
-Replay replay(const std::filesystem::path& store, const std::string& name, StoredSuites& suites);
+/// `name`: the trial's name or any unique prefix of it. `rows`, if given, receives the QP's rows of the steps
+/// (rows_of_trial.h). Throws StoreError if there is no such trial or it cannot be simulated again.
+Replay replay(const std::filesystem::path& store, const std::string& name, StoredSuites& suites,
+              TrialRows* rows = nullptr);
 
 /// Differences between a replay and the stored row.
 struct ReplayDifferences {
