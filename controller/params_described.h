@@ -8,10 +8,10 @@
 
 namespace moma {
 
-// The description of all parameters (describe/describe.h): keys, units, ranges and what the files leave out. A new gain
-// is its member in params.h, its line here, and where it acts; a member without a line does not compile. What came
-// later than the first stores is written only where it is used (Off::kOmitted, Written::kUnlessDefault), so that the
-// keys of trials without it stay what they were.
+// Description of all parameters (describe/describe.h): keys, units, ranges and omissions in files. A new gain is its
+// member in params.h, its line here, and its use; a member without a line does not compile. Members added after the
+// first stores are written only if used (Off::kOmitted, Written::kUnlessDefault), so that the keys of trials without
+// them do not change.
 
 constexpr auto alternative(Of<Weight>) { return WordOr{"inverse_error", &Weight::inverse_error, &Weight::value}; }
 

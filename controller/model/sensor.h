@@ -10,7 +10,7 @@
 namespace moma {
 
 /// A depth camera or a scanner of the robot: a grid of rays from the origin of its frame C, evenly spaced in azimuth
-/// about z_C and in elevation above the plane of x_C and y_C. The middle of the grid looks along x_C. A planar scanner
+/// about z_C and in elevation above the plane of x_C and y_C. The middle of the grid points along x_C. A planar scanner
 /// has one row. `position` and `rpy` place C in the link's frame, as URDF does.
 struct Sensor {
   std::string name;
@@ -24,7 +24,7 @@ struct Sensor {
   double rate = 10.0;  ///< frames in a second [1/s]
 };
 
-/// Bounds the time and the memory of a frame.
+/// Bounds time and memory of a frame.
 inline constexpr int kMaxRays = 100'000;
 
 template <class V>

@@ -12,12 +12,12 @@ namespace moma {
 
 constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();  // NULL in the store
 
-/// Metrics of one trial; units in the names, as in v_trials. NaN is NULL. All but `timing` are deterministic. A new one
-/// is a member here, its line in the description below, and where metrics.cc measures it; with Earlier::kUnknown,
-/// stored trials keep their keys and are not computed again.
+/// Metrics of one trial; units in the names, as in v_trials. NaN is NULL. All but `timing` are deterministic. A new
+/// metric is a member here, its line in the description below, and its measurement in metrics.cc; with
+/// Earlier::kUnknown stored trials keep their keys and are not computed again.
 struct TrialRow {
   Outcome outcome = Outcome::kError;
-  std::string reason;  ///< for a person; the exception's text for kError
+  std::string reason;  ///< for a person; for kError the exception's text
   std::string link;    ///< robot shape's link in contact, collision only
   std::string object;  ///< object's name, "floor", or "self:LINK"
   double time_end_s = 0.0;
@@ -47,19 +47,19 @@ struct TrialRow {
   int fallback_relaxed = 0;
   int fallback_brake = 0;
   double slip_max_m_s = kAbsent;
-  double latency_base_s = kAbsent;      ///< as found from the motion, from a command to its measured velocity
-  double latency_base_off_s = kAbsent;  ///< that, less what the controller was told
+  double latency_base_s = kAbsent;      ///< as identified, from a command to the measurement of its velocity
+  double latency_base_off_s = kAbsent;  ///< identified minus configured
   double latency_joints_s = kAbsent;
   double latency_joints_off_s = kAbsent;
   double separation_margin_min_m = kAbsent;
   double tracking_error_rms = kAbsent;
   int lcp_messages = 0;
-  double redone_steps = kAbsent;   ///< of physics: made again with the motors' limits
-  double divided_steps = kAbsent;  ///< of physics: divided because something might touch on the way
+  double redone_steps = kAbsent;   ///< physics steps repeated with the motors' limits
+  double divided_steps = kAbsent;  ///< physics steps divided because of possible contacts
   int steps = 0;
-  int detector_checks = 0;              ///< states in which the two detectors of contact were compared
-  int detector_disagreements = 0;       ///< pairs in them that touch by one of the two alone
-  double detector_deepest_m = kAbsent;  ///< the worst of these
+  int detector_checks = 0;              ///< states in which the two contact detectors were compared
+  int detector_disagreements = 0;       ///< pairs in them that touch for one detector alone
+  double detector_deepest_m = kAbsent;  ///< the largest of these
 
   struct Timing {
     double t_solve_median_us = kAbsent, t_solve_p99_us = kAbsent, t_solve_max_us = kAbsent;

@@ -9,7 +9,7 @@
 
 namespace moma {
 
-/// One control step's record, the state *before* the step's command acts.
+/// Record of one control step: the state *before* the step's command acts.
 struct Sample {
   double t = 0.0;
   Vector3 base = Vector3::Zero();
@@ -23,17 +23,17 @@ struct Sample {
   StepStatus status = StepStatus::kSolved;
   Fallback fallback = Fallback::kNone;
   int active_rows = 0;
-  EscapeState escape;  ///< what the controller remembered when the step began
-  PlanBrief plan;      ///< what it was about and why when the step began; by default where it does not look ahead
+  EscapeState escape;  ///< the controller's memory of detours at the start of the step
+  PlanBrief plan;      ///< mode and reason of the look-ahead at the start of the step; default without one
 };
 
-/// What is said of a member of a sample.
+/// Description of a sample's member.
 struct SampleColumn {
   std::string_view parts = "";  ///< of a vector: "x y phi" for base_x, base_y, base_phi; "" numbers them from 0
   std::string_view unit = "";
   std::string_view text = "";
 
-  /// For visitors that want no more.
+  /// For visitors that need only unit and text.
   constexpr operator About() const { return {.unit = unit, .text = text}; }  // NOLINT(google-explicit-constructor)
 };
 
