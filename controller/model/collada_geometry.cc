@@ -24,8 +24,8 @@ std::optional<long> whole_number(std::string_view word) {
   return value;
 }
 
-/// Reads the element's text as whole numbers. Empty for anything else, or for a text in several pieces, of which readers
-/// take the first.
+/// Reads the element's text as whole numbers. Empty for anything else, or for a text in several pieces, of which
+/// readers take the first.
 std::optional<std::vector<long>> whole_numbers(const TiXmlElement& element) {
   std::vector<long> numbers;
   int pieces = 0;
