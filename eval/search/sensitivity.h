@@ -18,10 +18,10 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<SensitivitySettings>) {
   using T = SensitivitySettings;
   constexpr Range kStep{0.0, 1.0, true, false};
-  v.member("near", &T::near, {.unit = "1", .range = kStep, .text = "small step to both sides, in the unit cube"});
-  v.member("far", &T::far, {.unit = "1", .range = kStep, .text = "large step, likewise"});
+  v.member("near", &T::near, {.unit = "1", .range = kStep, .text = "small step in both directions, in the unit cube"});
+  v.member("far", &T::far, {.unit = "1", .range = kStep, .text = "large step in both directions"});
   v.member("pairs_of", &T::pairs_of,
-           {.range = {0, 1000}, .text = "so many of the gains that matter most are also moved two at a time"});
+           {.range = {0, 1000}, .text = "number of most influential gains that also move in pairs"});
 }
 inline bool from_word(std::string_view word, SensitivitySettings& settings) {
   return word == "none" && !(settings.enabled = false);

@@ -24,10 +24,10 @@ void add(std::vector<Key>& to, std::vector<Key> keys) {
 
 std::vector<Key> suite_keys() {
   std::vector<Key> keys{
-      {"name", "", "text", "the file's", "of the suite, in stores and reports"},
+      {"name", "", "text", "the file's", "name of the suite in stores and reports"},
       {"robot", "", "a robot file, or a map as in one", "", "the robot"},
       {"controllers", "", "a map {NAME: FILE or a map as in one}", "",
-       "what is compared; `controller.KEY` is that key of all of them"},
+       "controllers to compare; `controller.KEY` is that key of all of them"},
       {"trials", "", "a whole number from 1 to " + std::to_string(kMaxTrials) + ", or {until: ...}", "",
        "number of worlds"},
   };

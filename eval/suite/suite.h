@@ -37,12 +37,13 @@ inline constexpr std::uint64_t kMaxTrials = 100'000'000;
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<UntilRule>) {
   using T = UntilRule;
-  v.member("metric", &T::metric, {.text = "the outcome whose rate is meant"});
+  v.member("metric", &T::metric, {.text = "outcome whose rate is estimated"});
   v.member(
       "half_width", &T::half_width,
       {.range = {1e-4, 0.5, false, true}, .required = true, .text = "half the width of the 95 % interval to reach"});
-  v.member("max", &T::max, {.range = {1, kMaxTrials}, .required = true, .text = "the most worlds"});
-  v.member("block", &T::block, {.range = {1, kMaxTrials}, .text = "worlds between two looks at the interval"});
+  v.member("max", &T::max, {.range = {1, kMaxTrials}, .required = true, .text = "largest number of worlds"});
+  v.member("block", &T::block,
+           {.range = {1, kMaxTrials}, .text = "number of worlds between two evaluations of the interval"});
 }
 
 /// One column of the evaluation: a controller at a sweep point, with everything resolved except the world's index.

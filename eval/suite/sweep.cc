@@ -182,11 +182,11 @@ struct Spread {
 
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<Spread>) {
-  v.member("design", &Spread::design, {.text = "how points lie; list where `points` are given"});
+  v.member("design", &Spread::design, {.text = "arrangement of points; list with `points`"});
   v.member("n", &Spread::n,
            {.range = {1, kMaxSweepPoints},
             .text = "number of points, of latin_hypercube and sobol; a grid has one on each axis"});
-  v.member("seed", &Spread::seed, {.text = "of latin_hypercube"});
+  v.member("seed", &Spread::seed, {.text = "seed of latin_hypercube"});
 }
 
 }  // namespace

@@ -24,14 +24,15 @@ struct SuccessRule {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<SuccessRule>) {
   using T = SuccessRule;
-  v.member("position", &T::position, {.unit = "m", .range = {0.0, 10.0, true, false}, .text = "tolerance"});
-  v.member("orientation", &T::orientation, {.unit = "rad", .range = {0.0, 3.15, true, false}, .text = "tolerance"});
-  v.member("dwell", &T::dwell, {.unit = "s", .range = {0.0, 3600.0}, .text = "within both for so long"});
+  v.member("position", &T::position, {.unit = "m", .range = {0.0, 10.0, true, false}, .text = "tolerance of success"});
+  v.member("orientation", &T::orientation,
+           {.unit = "rad", .range = {0.0, 3.15, true, false}, .text = "tolerance of success"});
+  v.member("dwell", &T::dwell, {.unit = "s", .range = {0.0, 3600.0}, .text = "time within both tolerances"});
   v.member("l1", &T::l1,
            {.unit = "m + rad",
             .range = Range::positive_or_inf(),
             .written = Written::kUnlessDefault,
-            .text = "also at most this: sum of |x|, |y|, |z|, |roll|, |pitch|, |yaw| of the goal seen from E"});
+            .text = "additional tolerance of |x| + |y| + |z| + |roll| + |pitch| + |yaw| of the goal as seen from E"});
 }
 
 struct StuckRule {
@@ -43,9 +44,13 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<StuckRule>) {
   using T = StuckRule;
   v.member("time", &T::time,
-           {.unit = "s", .range = Range::positive_or_inf(), .text = "still over both halves of it; .inf: never stuck"});
+           {.unit = "s",
+            .range = Range::positive_or_inf(),
+            .text = "a trial is stuck if both halves of this time are still; .inf: never"});
   v.member("motion", &T::motion,
-           {.unit = "m or rad", .range = {0.0, 1.0, true, false}, .text = "of each coordinate; less counts as still"});
+           {.unit = "m or rad",
+            .range = {0.0, 1.0, true, false},
+            .text = "motion of each coordinate below which a half is still"});
 }
 
 struct InfeasibleRule {
@@ -55,7 +60,9 @@ struct InfeasibleRule {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<InfeasibleRule>) {
   v.member("time", &InfeasibleRule::time,
-           {.unit = "s", .range = Range::positive_or_inf(), .text = "the controller brakes for so long on end"});
+           {.unit = "s",
+            .range = Range::positive_or_inf(),
+            .text = "time of uninterrupted braking after which a trial is infeasible"});
 }
 
 /// Everything that determines a trial besides its world: robot, controller, simulation, rules, disturbances. A suite

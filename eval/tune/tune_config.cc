@@ -289,32 +289,32 @@ std::string scales() {
 const std::vector<OwnKey>& own_keys() {
   static const std::vector<OwnKey> kKeys{
       {"variables", "", "a map {KEY: {range: [low, high], scale: log, start: x}, ...}",
-       "a map {KEY: {range: [low, high], scale: " + scales() + ", start: x}}", "", "what is searched",
+       "a map {KEY: {range: [low, high], scale: " + scales() + ", start: x}}", "", "gains to search",
        [](const Reading& r) { read_variables(*r.node, r.tune); }},
-      {"controller", "", "", "text", "the first", "the suite's controller that is tuned", read_controller_name},
+      {"controller", "", "", "text", "the first", "controller of the suite to tune", read_controller_name},
       {"objective", "", "", "default, {minimize: METRIC} or {maximize: METRIC}, or weighted sums", "default",
-       "what is best",
+       "objective to minimise or maximise",
        [](const Reading& r) {
          if (r.node != nullptr) r.tune.cost = read_objective(*r.node);
        }},
       {"constraints", "", "", "a map {METRIC: {at_most or at_least: x}}, where x is a number or start",
-       "success as often as at the start", "what has to hold",
+       "success as often as at the start", "conditions of the result",
        [](const Reading& r) { r.tune.bounds = read_bounds(r.node); }},
       {"algorithm", "", "", "default, a name, or a list of names or maps {name, share, population}", "default",
-       "of NLopt", [](const Reading& r) { r.tune.plan = read_plan(r.node); }},
-      {"budget", "trials", "{trials: 20000}", accepted_whole_number(1, kMostBudget), "", "that the search may use",
-       read_budget},
-      {"worlds", "", "", "a number, or {first, count}", "100", "of the search",
+       "algorithms of NLopt", [](const Reading& r) { r.tune.plan = read_plan(r.node); }},
+      {"budget", "trials", "{trials: 20000}", accepted_whole_number(1, kMostBudget), "",
+       "largest number of trials of the search", read_budget},
+      {"worlds", "", "", "a number, or {first, count}", "100", "worlds of the search",
        [](const Reading& r) { r.tune.worlds = read_worlds(r.node, "tune.worlds", 0, 100); }},
-      {"held_out", "", "", "a number, or {first, count, seed}", "500", "for the verdict, apart from the others",
+      {"held_out", "", "", "a number, or {first, count, seed}", "500", "worlds of the verdict, apart from the others",
        [](const Reading& r) {
          r.tune.held_out = read_worlds(r.node, "tune.held_out", r.tune.confirm.end(), 500, &r.tune.held_out_seed);
          r.tune.held_out_mark = (r.node != nullptr ? *r.node : r.section).mark;
        },
        true},
-      {"mixture", "", "", "a list of maps {KEY: VALUE}", "", "parts of the suite that count alike",
+      {"mixture", "", "", "a list of maps {KEY: VALUE}", "", "parts of the suite with equal weights",
        [](const Reading& r) { r.tune.mixture = read_mixture(r.node); }},
-      {"output", "", "", "a file", "", "where the tuned controller is written", read_output},
+      {"output", "", "", "a file", "", "file of the tuned controller", read_output},
   };
   return kKeys;
 }

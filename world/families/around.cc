@@ -16,7 +16,7 @@ constexpr void describe(Visitor& v, Of<Around>) {
   using T = Around;
   v.inlined(&T::placement);
   v.member("downward", &T::downward,
-           {.unit = "1", .range = {-1.0, 1.0}, .text = "least downward part of the tool's direction"});
+           {.unit = "1", .range = {-1.0, 1.0}, .text = "least downward component of the tool's direction"});
   v.member("highest", &T::highest, {.unit = "m", .text = "greatest height of the goal"});
 }
 

@@ -29,18 +29,19 @@ constexpr void describe(Visitor& v, Of<Bookshelf>) {
   using T = Bookshelf;
   constexpr Range kPositive = Range::positive();
   v.inlined(&T::placement);
-  v.member("opening", &T::opening, {.unit = "m", .range = kPositive, .text = "between two boards"});
-  v.member("inset", &T::inset, {.unit = "m", .text = "of the goal behind the front"});
-  v.member("width", &T::width, {.unit = "m", .range = kPositive, .text = "between its sides"});
-  v.member("depth", &T::depth, {.unit = "m", .range = kPositive, .text = "of its boards"});
-  v.member("height", &T::height, {.unit = "m", .range = kPositive, .text = "of the whole, at least"});
-  v.member("thickness", &T::thickness, {.unit = "m", .range = kPositive, .text = "of boards, sides and back"});
+  v.member("opening", &T::opening, {.unit = "m", .range = kPositive, .text = "distance between two boards"});
+  v.member("inset", &T::inset, {.unit = "m", .text = "depth of the goal behind the front"});
+  v.member("width", &T::width, {.unit = "m", .range = kPositive, .text = "distance between the sides"});
+  v.member("depth", &T::depth, {.unit = "m", .range = kPositive, .text = "depth of the boards"});
+  v.member("height", &T::height, {.unit = "m", .range = kPositive, .text = "least total height"});
+  v.member("thickness", &T::thickness,
+           {.unit = "m", .range = kPositive, .text = "thickness of boards, sides and back"});
   v.member("level", &T::level,
-           {.unit = "1", .range = {0.0, 1.0}, .text = "least horizontal part of the tool's direction"});
+           {.unit = "1", .range = {0.0, 1.0}, .text = "least horizontal component of the tool's direction"});
   v.member("turned_away", &T::turned_away,
            {.unit = "1",
             .range = {-1.0, 1.0},
-            .text = "least cosine of the angle between the way out of the shelf and the way from the start to it"});
+            .text = "least cosine of the angle between the shelf's open side and the direction from the start to it"});
 }
 
 bool build(const Bookshelf& p, SceneBuilder& builder, World& world) {

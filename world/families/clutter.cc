@@ -21,8 +21,9 @@ constexpr void describe(Visitor& v, Of<Clutter>) {
   using T = Clutter;
   v.inlined(&T::placement);
   v.member("objects", &T::objects, {.range = {0, 1000}, .text = "number of solids"});
-  v.member("along", &T::along, {.unit = "1", .text = "where a solid is: part of the way from start to goal"});
-  v.member("lateral", &T::lateral, {.unit = "m", .text = "and so far to the left of the way"});
+  v.member("along", &T::along,
+           {.unit = "1", .text = "position of a solid along the way, as a share of the way from start to goal"});
+  v.member("lateral", &T::lateral, {.unit = "m", .text = "position of a solid to the left of the way"});
   v.inlined(&T::mix);
 }
 

@@ -27,12 +27,14 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<Conveyor>) {
   using T = Conveyor;
   v.inlined(&T::placement);
-  v.member("speed", &T::speed, {.unit = "m/s", .range = Range::positive(), .text = "of the goal"});
-  v.member("length", &T::length, {.unit = "m", .range = Range::positive(), .text = "of the line on which it moves"});
-  v.member("duration", &T::duration, {.unit = "s", .range = {0.0, 3600.0, true, false}, .text = "then it rests"});
-  v.member("objects", &T::objects, {.range = {0, 1000}, .text = "number of solids about the way"});
-  v.member("along", &T::along, {.unit = "1", .text = "where they are: part of the way from start to goal"});
-  v.member("lateral", &T::lateral, {.unit = "m", .text = "beside the way"});
+  v.member("speed", &T::speed, {.unit = "m/s", .range = Range::positive(), .text = "speed of the goal"});
+  v.member("length", &T::length, {.unit = "m", .range = Range::positive(), .text = "length of the goal's line"});
+  v.member("duration", &T::duration,
+           {.unit = "s", .range = {0.0, 3600.0, true, false}, .text = "time of motion, after which the goal rests"});
+  v.member("objects", &T::objects, {.range = {0, 1000}, .text = "number of solids beside the way"});
+  v.member("along", &T::along,
+           {.unit = "1", .text = "position of a solid along the way, as a share of the way from start to goal"});
+  v.member("lateral", &T::lateral, {.unit = "m", .text = "position of a solid to the left of the way"});
   v.inlined(&T::mix);
 }
 
@@ -85,7 +87,7 @@ bool build(const Conveyor& p, SceneBuilder& builder, World& world) {
 }  // namespace
 
 FamilyType conveyor_family() {
-  return family_type<Conveyor>("a goal that goes to and fro on a line behind things that stand about; mobile bases");
+  return family_type<Conveyor>("a goal that moves to and fro on a line behind obstacles; mobile bases");
 }
 
 }  // namespace moma

@@ -26,13 +26,15 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<Corridor>) {
   using T = Corridor;
   v.inlined(&T::placement);
-  v.member("width", &T::width, {.unit = "m", .range = Range::positive(), .text = "between the walls"});
-  v.member("offset", &T::offset, {.unit = "m", .text = "of the corridor's middle beside the way"});
-  v.member("wall_height", &T::wall_height, {.unit = "m", .range = Range::positive(), .text = "of the walls"});
+  v.member("width", &T::width, {.unit = "m", .range = Range::positive(), .text = "distance between the walls"});
+  v.member("offset", &T::offset, {.unit = "m", .text = "distance of the corridor's middle from the way"});
+  v.member("wall_height", &T::wall_height, {.unit = "m", .range = Range::positive(), .text = "height of the walls"});
   v.member("beyond", &T::beyond,
-           {.unit = "m", .range = Range::non_negative(), .text = "of the walls before the start and behind the goal"});
-  v.member("thickness", &T::thickness, {.unit = "m", .range = Range::positive(), .text = "of the walls"});
-  v.member("objects", &T::objects, {.range = {0, 100}, .text = "number of solids in it"});
+           {.unit = "m",
+            .range = Range::non_negative(),
+            .text = "length of the walls before the start and behind the goal"});
+  v.member("thickness", &T::thickness, {.unit = "m", .range = Range::positive(), .text = "thickness of the walls"});
+  v.member("objects", &T::objects, {.range = {0, 100}, .text = "number of solids in the corridor"});
   v.inlined(&T::mix);
 }
 

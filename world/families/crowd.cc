@@ -21,7 +21,7 @@ constexpr void describe(Visitor& v, Of<Crowd>) {
   v.inlined(&T::placement);
   v.member("people", &T::people, {.range = {0, 200}, .text = "number of people who walk"});
   v.member("horizon", &T::horizon,
-           {.unit = "s", .range = {0.0, 3600.0, true, false}, .text = "start and witness are clear for so long"});
+           {.unit = "s", .range = {0.0, 3600.0, true, false}, .text = "time for which start and witness are clear"});
   v.inlined(&T::walker);
 }
 
@@ -44,7 +44,7 @@ bool build(const Crowd& p, SceneBuilder& builder, World& world) {
 }  // namespace
 
 FamilyType crowd_family() {
-  return family_type<Crowd>("people who walk about around the way, never through start or witness");
+  return family_type<Crowd>("people who walk around the way, never through start or witness");
 }
 
 }  // namespace moma

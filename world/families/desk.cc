@@ -35,19 +35,20 @@ constexpr void describe(Visitor& v, Of<Desk>) {
   constexpr Range kPositive = Range::positive();
   v.inlined(&T::placement);
   v.member("above", &T::above,
-           {.unit = "m", .range = Range::non_negative(), .text = "least height of the goal over the top"});
+           {.unit = "m", .range = Range::non_negative(), .text = "least height of the goal above the tabletop"});
   v.member("room", &T::room,
            {.unit = "m",
             .range = kPositive,
-            .text = "between the top and the robot's lowest shape: the plate it stands on"});
+            .text = "distance between the tabletop and the robot's lowest shape: the robot's base plate"});
   v.member("width", &T::width,
-           {.unit = "m", .range = kPositive, .text = "of the table, to the robot's left and right"});
+           {.unit = "m", .range = kPositive, .text = "width of the table, to the robot's left and right"});
   v.member("depth", &T::depth,
-           {.unit = "m", .range = kPositive, .text = "of the table, ahead of the robot and behind it"});
-  v.member("behind", &T::behind, {.unit = "m", .range = kPositive, .text = "of the table, behind the robot"});
-  v.member("sideways", &T::sideways, {.unit = "m", .text = "of the table's middle, to the robot's left"});
-  v.member("thickness", &T::thickness, {.unit = "m", .range = kPositive, .text = "of the top"});
-  v.member("items", &T::items, {.range = {0, 100}, .text = "number of things on it"});
+           {.unit = "m", .range = kPositive, .text = "depth of the table, ahead of the robot and behind it"});
+  v.member("behind", &T::behind,
+           {.unit = "m", .range = kPositive, .text = "part of the table's depth behind the robot"});
+  v.member("sideways", &T::sideways, {.unit = "m", .text = "position of the table's middle to the robot's left"});
+  v.member("thickness", &T::thickness, {.unit = "m", .range = kPositive, .text = "thickness of the tabletop"});
+  v.member("items", &T::items, {.range = {0, 100}, .text = "number of objects on the table"});
   v.inlined(&T::items_mix);
 }
 

@@ -13,11 +13,10 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<Pairs>) {
   using T = Pairs;
   v.inlined(&T::placement);
-  v.member(
-      "range", &T::range,
-      {.unit = "1",
-       .range = {0.0, 1.0, true, false},
-       .text = "middle part of each joint's range that start and witness are drawn from; limit_margin says nothing"});
+  v.member("range", &T::range,
+           {.unit = "1",
+            .range = {0.0, 1.0, true, false},
+            .text = "share of each joint's range, around its middle, for start and witness; replaces limit_margin"});
 }
 
 bool build(const Pairs& p, SceneBuilder& builder, World& world) {

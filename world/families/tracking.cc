@@ -32,12 +32,15 @@ constexpr void describe(Visitor& v, Of<Tracking>) {
   v.member("line", &T::line, {.range = kWeight, .text = "weight of goals that move to and fro on a line"});
   v.member("circle", &T::circle, {.range = kWeight, .text = "weight of goals on a circle"});
   v.member("spline", &T::spline, {.range = kWeight, .text = "weight of goals along a spline"});
-  v.member("speed", &T::speed, {.unit = "m/s", .range = Range::positive(), .text = "of the goal"});
+  v.member("speed", &T::speed, {.unit = "m/s", .range = Range::positive(), .text = "speed of the goal"});
   v.member("extent", &T::extent,
-           {.unit = "m", .range = Range::positive(), .text = "length of the line, diameter, reach of the spline"});
-  v.member("duration", &T::duration, {.unit = "s", .range = Range::positive(), .text = "then line and spline rest"});
+           {.unit = "m",
+            .range = Range::positive(),
+            .text = "length of the line, diameter of the circle, extent of the spline"});
+  v.member("duration", &T::duration,
+           {.unit = "s", .range = Range::positive(), .text = "time after which line and spline rest"});
   v.member("follow", &T::follow,
-           {.unit = "s", .range = Range::non_negative(), .text = "shown to be followed for so long"});
+           {.unit = "s", .range = Range::non_negative(), .text = "time for which the goal is shown to be followed"});
 }
 
 void check(const Tracking& p, const config::MapReader& in) {

@@ -39,19 +39,22 @@ constexpr void describe(Visitor& v, Of<SimulationConfig>) {
   using T = SimulationConfig;
   v.member("mode", &T::mode, {.text = "kinematic: the command is the velocity; dynamic: ODE"});
   v.member("control_period", &T::control_period,
-           {.unit = "s", .range = {1e-4, 1.0}, .text = "between two steps of the controller"});
+           {.unit = "s", .range = {1e-4, 1.0}, .text = "time between two steps of the controller"});
   v.member("physics_step", &T::physics_step,
            {.unit = "s",
             .range = {1e-5, 0.02},
-            .text = "of ODE, at most; in equal steps, divided further where something may touch"});
-  v.member("time_limit", &T::time_limit, {.unit = "s", .range = {0.0, 3600.0, true, false}, .text = "of a trial"});
+            .text = "longest step of ODE; steps are equal, and divided further if a pair may touch"});
+  v.member("time_limit", &T::time_limit,
+           {.unit = "s", .range = {0.0, 3600.0, true, false}, .text = "longest time of a trial"});
   v.member("cross_check", &T::cross_check,
            {.unit = "1",
             .range = {0.0, 1.0},
-            .text = "part of the control steps at which the two detectors of contact are compared"});
-  v.member("joint_limits", &T::joint_limits,
-           {.written = Written::kUnlessDefault,
-            .text = "of a joint beyond its limit in kinematic mode: the trial ends, the joint stops there or goes on"});
+            .text = "share of the control steps in which the two contact detectors are compared"});
+  v.member(
+      "joint_limits", &T::joint_limits,
+      {.written = Written::kUnlessDefault,
+       .text =
+           "effect of a joint beyond its limit in kinematic mode: the trial ends, the joint stops there or moves on"});
 }
 
 /// True state of the robot.

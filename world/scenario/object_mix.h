@@ -42,17 +42,18 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<ObjectMix>) {
   using T = ObjectMix;
   constexpr Range kSize = Range::positive();
-  v.member("shapes", &T::shapes, {.text = "of the solids, each kind that is named equally likely"});
+  v.member("shapes", &T::shapes, {.text = "kinds of solids, each entry equally likely"});
   v.member("standing", &T::standing,
-           {.unit = "1", .range = {0.0, 1.0}, .text = "part of boxes and capsules that stand on the floor"});
-  v.member("sphere_radius", &T::sphere_radius, {.unit = "m", .range = kSize, .text = "of spheres"});
+           {.unit = "1", .range = {0.0, 1.0}, .text = "share of boxes and capsules that stand on the floor"});
+  v.member("sphere_radius", &T::sphere_radius, {.unit = "m", .range = kSize, .text = "radius of spheres"});
   v.member("box_edge", &T::box_edge,
            {.unit = "m", .range = kSize, .text = "each edge of a floating box, x and y of a standing one"});
-  v.member("capsule_radius", &T::capsule_radius, {.unit = "m", .range = kSize, .text = "of capsules"});
+  v.member("capsule_radius", &T::capsule_radius, {.unit = "m", .range = kSize, .text = "radius of capsules"});
   v.member("capsule_length", &T::capsule_length,
-           {.unit = "m", .range = kSize, .text = "of a floating capsule, without its caps"});
-  v.member("standing_height", &T::standing_height, {.unit = "m", .range = kSize, .text = "total, of what stands"});
-  v.member("height", &T::height, {.unit = "m", .text = "of the centre of what floats"});
+           {.unit = "m", .range = kSize, .text = "length of a floating capsule without its caps"});
+  v.member("standing_height", &T::standing_height,
+           {.unit = "m", .range = kSize, .text = "total height of a standing solid"});
+  v.member("height", &T::height, {.unit = "m", .text = "height of a floating solid's centre"});
 }
 
 }  // namespace moma

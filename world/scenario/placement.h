@@ -23,20 +23,21 @@ struct Placement {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<Placement>) {
   using T = Placement;
-  v.member("start_heading", &T::start_heading, {.unit = "rad", .text = "of the base at the start"});
+  v.member("start_heading", &T::start_heading, {.unit = "rad", .text = "heading of the base at the start"});
   v.member("distance", &T::distance,
-           {.unit = "m", .range = Range::non_negative(), .text = "from the start to the witness's base"});
-  v.member("direction", &T::direction, {.unit = "rad", .text = "of that line in the world"});
-  v.member("heading", &T::heading, {.unit = "rad", .text = "of the witness's base"});
+           {.unit = "m", .range = Range::non_negative(), .text = "distance from the start to the witness's base"});
+  v.member("direction", &T::direction, {.unit = "rad", .text = "direction of that line in the world"});
+  v.member("heading", &T::heading, {.unit = "rad", .text = "heading of the witness's base"});
   v.member("limit_margin", &T::limit_margin,
            {.unit = "rad or m",
             .range = Range::non_negative(),
-            .text = "the witness's joints keep so far from their limits, a quarter of their range at most"});
+            .text = "distance of the witness's joints from their limits, at most a quarter of their range"});
   v.member("tip_height", &T::tip_height, {.unit = "m", .text = "least height of the goal"});
-  v.member("floor_clearance", &T::floor_clearance,
-           {.unit = "m", .range = Range::non_negative(), .text = "of the witness's moving shapes over the floor"});
+  v.member(
+      "floor_clearance", &T::floor_clearance,
+      {.unit = "m", .range = Range::non_negative(), .text = "distance of the witness's moving shapes from the floor"});
   v.member("self_clearance", &T::self_clearance,
-           {.unit = "m", .range = Range::non_negative(), .text = "between the witness's own shapes"});
+           {.unit = "m", .range = Range::non_negative(), .text = "distance between the witness's own shapes"});
 }
 
 }  // namespace moma

@@ -54,16 +54,16 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<Walk>) {
   using T = Walk;
   v.member("walk_speed", &T::speed,
-           {.unit = "m/s", .range = T::kPace, .text = "pace of each walker; free walking by default"});
+           {.unit = "m/s", .range = T::kPace, .text = "speed of each walker; free walking by default"});
   v.member("walk_radius", &T::radius,
-           {.unit = "m", .range = T::kSize, .text = "of the standing capsule that is a person"});
-  v.member("walk_height", &T::height, {.unit = "m", .range = T::kSize, .text = "of a person, total"});
+           {.unit = "m", .range = T::kSize, .text = "radius of the standing capsule that represents a person"});
+  v.member("walk_height", &T::height, {.unit = "m", .range = T::kSize, .text = "total height of a person"});
   v.member("walk_pause", &T::pause,
-           {.unit = "1", .range = {0.0, 1.0}, .text = "part of the way-points where a walker stops"});
+           {.unit = "1", .range = {0.0, 1.0}, .text = "share of the waypoints at which a walker stops"});
   v.member("walk_pause_time", &T::pause_time,
-           {.unit = "s", .range = Range::non_negative(), .text = "and stands for so long"});
+           {.unit = "s", .range = Range::non_negative(), .text = "duration of a stop"});
   v.member("walk_margin", &T::margin,
-           {.unit = "m", .range = {T::kLeastLeg, 1000.0}, .text = "way-points lie within this of the way"});
+           {.unit = "m", .range = {T::kLeastLeg, 1000.0}, .text = "largest distance of waypoints from the way"});
   v.member("walker", &T::walker, {.text = "solid: the family's own solids walk instead of people"});
 }
 

@@ -34,15 +34,16 @@ struct Making {
 
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<Making>) {
-  v.member("seed", &Making::seed, {.text = "other worlds"});
+  v.member("seed", &Making::seed, {.text = "seed of the worlds"});
   v.member("clearance", &Making::clearance,
-           {.unit = "m", .range = Range::non_negative(), .text = "objects keep so far from start and witness"});
+           {.unit = "m", .range = Range::non_negative(), .text = "distance of objects from start and witness"});
   v.member("start_room", &Making::start_room,
            {.unit = "m",
             .range = {0.0, 10.0},
             .written = Written::kUnlessDefault,
-            .text = "and so far from the robot where it starts, when it starts"});
-  v.member("tries", &Making::tries, {.range = {1, 1000000}, .text = "at one world, before it is an error"});
+            .text = "distance of objects from the robot at the start, at t = 0"});
+  v.member("tries", &Making::tries,
+           {.range = {1, 1000000}, .text = "largest number of tries at one world, before an error"});
 }
 
 struct Member {

@@ -41,8 +41,8 @@ struct PoseSpread {
 
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<PoseSpread>) {
-  v.member("position", &PoseSpread::position, disturbed::about("m", disturbed::kSpread, "of each coordinate"));
-  v.member("rotation", &PoseSpread::rotation, disturbed::about("rad", disturbed::kSpread, "about each axis"));
+  v.member("position", &PoseSpread::position, disturbed::about("m", disturbed::kSpread, "value for each coordinate"));
+  v.member("rotation", &PoseSpread::rotation, disturbed::about("rad", disturbed::kSpread, "value about each axis"));
 }
 
 /// Standard deviations of a linear velocity [m/s] and of an angular one [rad/s].
@@ -54,8 +54,8 @@ struct TwistSpread {
 
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<TwistSpread>) {
-  v.member("linear", &TwistSpread::linear, disturbed::about("m/s", disturbed::kSpread, "of each coordinate"));
-  v.member("angular", &TwistSpread::angular, disturbed::about("rad/s", disturbed::kSpread, "about each axis"));
+  v.member("linear", &TwistSpread::linear, disturbed::about("m/s", disturbed::kSpread, "value for each coordinate"));
+  v.member("angular", &TwistSpread::angular, disturbed::about("rad/s", disturbed::kSpread, "value about each axis"));
 }
 
 /// Varying delay and loss: a value takes `delay` plus up to `jitter`, uniform in whole control periods, and is lost
@@ -69,8 +69,9 @@ struct Irregularity {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<Irregularity>) {
   using namespace disturbed;
-  v.member("jitter", &Irregularity::jitter, about("s", kDelay, "up to so much more, evenly drawn at each step"));
-  v.member("dropout", &Irregularity::dropout, about("1", kGain, "probability with which each one is lost"));
+  v.member("jitter", &Irregularity::jitter,
+           about("s", kDelay, "largest additional delay, uniformly drawn at each step"));
+  v.member("dropout", &Irregularity::dropout, about("1", kGain, "probability of loss"));
 }
 
 /// The arm's encoders.
@@ -89,13 +90,14 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<JointSensing>) {
   using namespace disturbed;
   using T = JointSensing;
-  v.member("noise", &T::noise, about("rad or m", kSpread, "of each joint's position, per step"));
-  v.member("velocity_noise", &T::velocity_noise, about("rad/s or m/s", kSpread, "of each joint's velocity, per step"));
-  v.member("bias", &T::bias, about("rad or m", kSpread, "of each joint's offset, per trial"));
-  v.member("delay", &T::delay, about("s", kDelay, "of positions and velocities"));
+  v.member("noise", &T::noise, about("rad or m", kSpread, "noise of each joint's position, per step"));
+  v.member("velocity_noise", &T::velocity_noise,
+           about("rad/s or m/s", kSpread, "noise of each joint's velocity, per step"));
+  v.member("bias", &T::bias, about("rad or m", kSpread, "constant error of each joint's position, per trial"));
+  v.member("delay", &T::delay, about("s", kDelay, "delay of positions and velocities"));
   v.inlined(&T::irregularity);
-  v.member("resolution", &T::resolution, about("rad or m", kSpread, "positions are rounded to multiples of it"));
-  v.member("velocity_resolution", &T::velocity_resolution, about("rad/s or m/s", kSpread, "likewise velocities"));
+  v.member("resolution", &T::resolution, about("rad or m", kSpread, "resolution of positions"));
+  v.member("velocity_resolution", &T::velocity_resolution, about("rad/s or m/s", kSpread, "resolution of velocities"));
 }
 
 /// Occasional wheel slip: within a step's distance s with the probability 1 - exp(-rate s).
@@ -110,9 +112,9 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<WheelSlip>) {
   using namespace disturbed;
   using T = WheelSlip;
-  v.member("rate", &T::rate, about("1/m", {0.0, 100.0}, "slips per metre driven, on average"));
-  v.member("distance", &T::distance, about("m", kSpread, "of the way that a slip adds to or takes from the measured"));
-  v.member("turn", &T::turn, about("rad", kSpread, "of the turn likewise"));
+  v.member("rate", &T::rate, about("1/m", {0.0, 100.0}, "mean number of slips per metre driven"));
+  v.member("distance", &T::distance, about("m", kSpread, "error of the measured distance by a slip"));
+  v.member("turn", &T::turn, about("rad", kSpread, "error of the measured turn by a slip"));
 }
 
 /// Errors of dead reckoning that grow with the distance (odometry.h).
@@ -129,11 +131,11 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<OdometryErrors>) {
   using namespace disturbed;
   using T = OdometryErrors;
-  v.member("distance", &T::distance, about("1", kGain, "of the relative error of distances, per trial"));
-  v.member("turn", &T::turn, about("1", kGain, "of the relative error of turns, per trial"));
-  v.member("heading", &T::heading, about("rad/m", kSpread, "of the turn that is seen per metre driven, per trial"));
-  v.member("walk", &T::walk, about("random walk along the way, per sqrt(m): its variance grows with the way"));
-  v.member("slip", &T::slip, about("wheels that slip now and then"));
+  v.member("distance", &T::distance, about("1", kGain, "relative error of distances, per trial"));
+  v.member("turn", &T::turn, about("1", kGain, "relative error of turns, per trial"));
+  v.member("heading", &T::heading, about("rad/m", kSpread, "apparent turn per metre driven, per trial"));
+  v.member("walk", &T::walk, about("random walk, per sqrt(m): its variance grows with the distance driven"));
+  v.member("slip", &T::slip, about("occasional wheel slip"));
 }
 
 /// Sensing of the base's pose and velocity. No effect on a fixed base.
@@ -152,12 +154,12 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<BaseSensing>) {
   using namespace disturbed;
   using T = BaseSensing;
-  v.member("noise", &T::noise, about("of x, y and of the heading, per step"));
-  v.member("velocity_noise", &T::velocity_noise, about("of the measured velocity, per step"));
-  v.member("bias", &T::bias, about("of x, y and of the heading, per trial"));
-  v.member("delay", &T::delay, about("s", kDelay, "of pose and velocity"));
+  v.member("noise", &T::noise, about("noise of x, y and heading, per step"));
+  v.member("velocity_noise", &T::velocity_noise, about("noise of the measured velocity, per step"));
+  v.member("bias", &T::bias, about("constant error of x, y and heading, per trial"));
+  v.member("delay", &T::delay, about("s", kDelay, "delay of pose and velocity"));
   v.inlined(&T::irregularity);
-  v.member("velocity_resolution", &T::velocity_resolution, about("velocities are rounded to multiples of it"));
+  v.member("velocity_resolution", &T::velocity_resolution, about("resolution of velocities"));
   v.member("odometry", &T::odometry, about("errors of dead reckoning"));
 }
 
@@ -184,16 +186,16 @@ constexpr void describe(Visitor& v, Of<PoseSensing>) {
   using namespace disturbed;
   using T = PoseSensing;
   v.member("frame", &T::frame,
-           about("base: seen by the robot, with the base's error of that time; right relative to the robot"));
-  v.member("noise", &T::noise, about("of the pose, per step"));
-  v.member("velocity_noise", &T::velocity_noise, about("of the twist, per step"));
-  v.member("resting_is_known", &T::resting_is_known, about("what is at rest is measured to be: a twist of 0 is exact"));
-  v.member("bias", &T::bias, about("of the pose, per trial; for each object its own"));
-  v.member("delay", &T::delay, about("s", kDelay, "of pose, twist and of being seen at all"));
+           about("base: measured from the robot, with the base's own error at that time; exact relative to the robot"));
+  v.member("noise", &T::noise, about("noise of the pose, per step"));
+  v.member("velocity_noise", &T::velocity_noise, about("noise of the twist, per step"));
+  v.member("resting_is_known", &T::resting_is_known, about("a twist of 0 is measured without noise"));
+  v.member("bias", &T::bias, about("constant error of the pose, per trial and object"));
+  v.member("delay", &T::delay, about("s", kDelay, "delay of pose, twist and visibility"));
   v.inlined(&T::irregularity);
-  v.member(
-      "noise_growth", &T::noise_growth,
-      about("1/m^2", {0.0, 100.0}, "at the distance r from the sensor noise is 1 + noise_growth r^2 times as much"));
+  v.member("noise_growth", &T::noise_growth,
+           about("1/m^2", {0.0, 100.0},
+                 "growth of noise: the factor at a distance r from the sensor is 1 + noise_growth r^2"));
 }
 
 /// Missed detections: in each span of time each found object is invisible with this probability, independently.
@@ -207,8 +209,8 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<MissedDetections>) {
   using namespace disturbed;
   using T = MissedDetections;
-  v.member("probability", &T::probability, about("1", kGain, "with which an object is not seen in a span of time"));
-  v.member("duration", &T::duration, about("s", {1e-3, 3600.0}, "of a span"));
+  v.member("probability", &T::probability, about("1", kGain, "probability that an object is missed in a span of time"));
+  v.member("duration", &T::duration, about("s", {1e-3, 3600.0}, "duration of a span"));
 }
 
 /// False detections: balls at rest near the robot that do not exist, each for whole spans of time.
@@ -228,13 +230,14 @@ constexpr void describe(Visitor& v, Of<FalseDetections>) {
   using namespace disturbed;
   using T = FalseDetections;
   constexpr Range kPlace{0.0, 100.0};
-  v.member("count", &T::count, about("", {0.0, 50.0}, "at most at a time"));
-  v.member("probability", &T::probability, about("1", kGain, "of each, in each span of time"));
-  v.member("duration", &T::duration, about("s", {1e-3, 3600.0}, "of a span"));
-  v.member("radius", &T::radius, about("m", {1e-3, 10.0}, "of the ball that is seen"));
-  v.member("nearest", &T::nearest, about("m", kPlace, "centres are no nearer to the base's middle, in the plane"));
-  v.member("furthest", &T::furthest, about("m", kPlace, "and no further"));
-  v.member("height", &T::height, about("m", kPlace, "centres lie between the floor and this"));
+  v.member("count", &T::count, about("", {0.0, 50.0}, "largest number at a time"));
+  v.member("probability", &T::probability, about("1", kGain, "probability of each ball in each span of time"));
+  v.member("duration", &T::duration, about("s", {1e-3, 3600.0}, "duration of a span"));
+  v.member("radius", &T::radius, about("m", {1e-3, 10.0}, "radius of the balls"));
+  v.member("nearest", &T::nearest,
+           about("m", kPlace, "least distance of centres from the base's middle, in the plane"));
+  v.member("furthest", &T::furthest, about("m", kPlace, "largest distance of centres from the base's middle"));
+  v.member("height", &T::height, about("m", kPlace, "largest height of centres"));
 }
 
 /// Criterion of visibility. kRule: the rule below for one sensor that is not part of the robot file. kSensors: rays of
@@ -269,19 +272,20 @@ constexpr void describe(Visitor& v, Of<DetectionRule>) {
   using namespace disturbed;
   using T = DetectionRule;
   v.member("seen_by", &T::seen_by,
-           about("rule: within `range` of `sensor`; sensors: rays of the robot file's sensors end on it, now"));
-  v.member("range", &T::range, about("m", Range::non_negative_or_inf(), "from `sensor` to the object's surface"));
-  v.member("detection", &T::detection, about("s", {0.0, 3600.0}, "in range for so long without a break: found"));
-  v.member("known_at_start", &T::known_at_start, about("what is in range at the first step is found at once"));
-  v.member("sensor", &T::sensor, about("m", {-100.0, 100.0}, "the sensor's place in the frame of `mount`"));
+           about("rule: within `range` of `sensor`; sensors: rays of the robot file's sensors end on the object"));
+  v.member("range", &T::range, about("m", Range::non_negative_or_inf(), "range from `sensor` to the object's surface"));
+  v.member("detection", &T::detection,
+           about("s", {0.0, 3600.0}, "time in range, without a break, after which an object is found"));
+  v.member("known_at_start", &T::known_at_start, about("objects in range at the first step are found at once"));
+  v.member("sensor", &T::sensor, about("m", {-100.0, 100.0}, "position of the sensor in the frame of `mount`"));
   v.member("mount", &T::mount, about("the sensor moves with the base, or with the end effector"));
-  v.member("axis", &T::axis, about("1", {-1.0, 1.0}, "where the sensor looks, in the same frame"));
+  v.member("axis", &T::axis, about("1", {-1.0, 1.0}, "viewing direction of the sensor, in the same frame"));
   v.member("field_of_view", &T::field_of_view,
-           about("rad", {0.0, 2.0 * std::numbers::pi, true}, "full angle of the cone that it sees"));
-  v.member("occlusion", &T::occlusion, about("objects hide behind others and behind the robot"));
-  v.member("lost", &T::lost, about("what is found is seen only while it is in range; false: to the end"));
-  v.member("missed", &T::missed, about("objects that are not seen now and then"));
-  v.member("phantoms", &T::phantoms, about("objects that are seen and not there"));
+           about("rad", {0.0, 2.0 * std::numbers::pi, true}, "full angle of the viewing cone"));
+  v.member("occlusion", &T::occlusion, about("other objects and the robot occlude an object"));
+  v.member("lost", &T::lost, about("a found object is visible only in range; false: until the end"));
+  v.member("missed", &T::missed, about("missed detections"));
+  v.member("phantoms", &T::phantoms, about("false detections"));
 }
 
 /// Dry friction of each joint, drawn for each joint, at most 0.95. Dynamic mode only.
@@ -294,8 +298,8 @@ struct JointFriction {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<JointFriction>) {
   using namespace disturbed;
-  v.member("effort", &JointFriction::effort, about("1", kFriction, "mean, as a part of the joint's effort limit"));
-  v.member("spread", &JointFriction::spread, about("1", kFriction, "standard deviation of it"));
+  v.member("effort", &JointFriction::effort, about("1", kFriction, "mean, as a share of the joint's effort limit"));
+  v.member("spread", &JointFriction::spread, about("1", kFriction, "standard deviation"));
 }
 
 /// Between command and motion: the applied command of coordinate i at step k is (1 + g_i) command_i(k - delay),
@@ -314,10 +318,11 @@ constexpr void describe(Visitor& v, Of<JointDrives>) {
   using namespace disturbed;
   using T = JointDrives;
   v.member("delay", &T::delay,
-           about("s", kDelay, "from a command to its effect; until the first is due nothing moves"));
+           about("s", kDelay, "time from a command to its effect; nothing moves before the first command acts"));
   v.inlined(&T::irregularity);
   v.member("lag", &T::lag, about("s", kDelay, "time constant of the first-order lag with which a velocity follows"));
-  v.member("gain_error", &T::gain_error, about("1", kGain, "of g in v = (1 + g) command, of each joint, per trial"));
+  v.member("gain_error", &T::gain_error,
+           about("1", kGain, "standard deviation of g in v = (1 + g) command, per joint and trial"));
   v.member("friction", &T::friction, about("dry friction of each joint, per trial; dynamic mode"));
 }
 
@@ -331,8 +336,8 @@ struct GainSpread {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<GainSpread>) {
   using namespace disturbed;
-  v.member("linear", &GainSpread::linear, about("1", kGain, "of g in v = (1 + g) command"));
-  v.member("angular", &GainSpread::angular, about("1", kGain, "likewise of turning"));
+  v.member("linear", &GainSpread::linear, about("1", kGain, "standard deviation of g in v = (1 + g) command"));
+  v.member("angular", &GainSpread::angular, about("1", kGain, "standard deviation of g for turning"));
 }
 
 /// Accelerations of a base's drive, as shares of the robot's base.max_acceleration, for increasing and decreasing
@@ -347,8 +352,10 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<BaseRamps>) {
   using namespace disturbed;
   using T = BaseRamps;
-  v.member("speed_up", &T::speed_up, about("1", {0.0, 1.0, true}, "of base.max_acceleration, where the speed grows"));
-  v.member("slow_down", &T::slow_down, about("1", {0.0, 1.0, true}, "where it falls"));
+  v.member("speed_up", &T::speed_up,
+           about("1", {0.0, 1.0, true}, "share of base.max_acceleration for increasing speed"));
+  v.member("slow_down", &T::slow_down,
+           about("1", {0.0, 1.0, true}, "share of base.max_acceleration for decreasing speed"));
 }
 
 struct BaseDrive {
@@ -364,12 +371,12 @@ struct BaseDrive {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<BaseDrive>) {
   using namespace disturbed;
-  v.member("delay", &BaseDrive::delay, about("s", kDelay, "as of joints"));
+  v.member("delay", &BaseDrive::delay, about("s", kDelay, "as for joints"));
   v.inlined(&BaseDrive::irregularity);
-  v.member("lag", &BaseDrive::lag, about("s", kDelay, "as of joints"));
-  v.member("deadband", &BaseDrive::deadband, about("commands no larger than this do not move the base"));
-  v.member("ramps", &BaseDrive::ramps, about("slower than the robot file believes"));
-  v.member("gain_error", &BaseDrive::gain_error, about("of the base's velocities, per trial"));
+  v.member("lag", &BaseDrive::lag, about("s", kDelay, "as for joints"));
+  v.member("deadband", &BaseDrive::deadband, about("commands up to this size do not move the base"));
+  v.member("ramps", &BaseDrive::ramps, about("accelerations below those of the robot file"));
+  v.member("gain_error", &BaseDrive::gain_error, about("gain errors of the base's velocities, per trial"));
 }
 
 struct Actuators {
@@ -394,7 +401,7 @@ struct ControlTicks {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<ControlTicks>) {
   v.member("missed", &ControlTicks::missed,
-           disturbed::about("1", disturbed::kFriction, "probability with which the controller misses a period"));
+           disturbed::about("1", disturbed::kFriction, "probability that the controller misses a period"));
 }
 
 /// A ball held at the end effector that the robot file does not contain. Its mass is never below 0. Dynamic mode only.
@@ -409,9 +416,9 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<UnknownPayload>) {
   using namespace disturbed;
   using T = UnknownPayload;
-  v.member("mass", &T::mass, about("kg", kMass, "mean; a ball of the density of water"));
-  v.member("spread", &T::spread, about("kg", kMass, "standard deviation of it, per trial"));
-  v.member("position", &T::position, about("m", {-10.0, 10.0}, "of its centre in the end effector's frame"));
+  v.member("mass", &T::mass, about("kg", kMass, "mean mass of a ball with the density of water"));
+  v.member("spread", &T::spread, about("kg", kMass, "standard deviation, per trial"));
+  v.member("position", &T::position, about("m", {-10.0, 10.0}, "centre of the ball in the end effector's frame"));
 }
 
 /// Friction between floor and driven wheels; for mecanum wheels it bounds their drive. Never below 0. Dynamic mode
@@ -425,8 +432,8 @@ struct FloorFriction {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<FloorFriction>) {
   using namespace disturbed;
-  v.member("friction", &FloorFriction::friction, about("1", kSpread, "mean, between floor and driven wheels"));
-  v.member("spread", &FloorFriction::spread, about("1", kSpread, "standard deviation of it, per trial"));
+  v.member("friction", &FloorFriction::friction, about("1", kSpread, "mean friction between floor and driven wheels"));
+  v.member("spread", &FloorFriction::spread, about("1", kSpread, "standard deviation, per trial"));
 }
 
 /// The section `disturbances` of a suite: all errors between the simulated robot and its controller. All are off by
@@ -449,18 +456,19 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<Disturbances>) {
   using disturbed::about;
   using T = Disturbances;
-  v.member("seed", &T::seed, about("", {0.0, 0xffffffff}, "other draws for the same worlds"));
+  v.member("seed", &T::seed,
+           about("", {0.0, 0xffffffff}, "seed of the disturbances, for other draws in the same worlds"));
   v.member("joints", &T::joints, about("the arm's encoders"));
-  v.member("base", &T::base, about("the base's pose and velocity; without effect on a fixed base"));
-  v.group("objects", "what is measured of objects, and when they are found", [](auto& group) {
+  v.member("base", &T::base, about("sensing of the base's pose and velocity; no effect on a fixed base"));
+  v.group("objects", "measurement and detection of objects", [](auto& group) {
     group.inlined(&T::objects);
     group.inlined(&T::detection);
   });
-  v.member("goal", &T::goal, about("what is measured of the goal"));
-  v.member("actuators", &T::actuators, about("between a command and the motion"));
-  v.member("payload", &T::payload, about("held at the end effector, unknown to the controller; dynamic mode"));
+  v.member("goal", &T::goal, about("measurement of the goal"));
+  v.member("actuators", &T::actuators, about("drives between command and motion"));
+  v.member("payload", &T::payload, about("payload at the end effector, unknown to the controller; dynamic mode"));
   v.member("floor", &T::floor, about("dynamic mode"));
-  v.member("control", &T::control, about("control periods that are missed; the last command goes on"));
+  v.member("control", &T::control, about("missed control periods, in which the last command continues"));
 }
 
 /// True if the controller sees anything but the true state. Seed, frames and the sensor's position alone switch nothing
