@@ -129,12 +129,12 @@ class Checker {
     if (base && p_.output_scaling.enabled)
       error("output_scaling", "cannot keep limits.base: it changes the command after the bounds");
     if (p_.uncertainty.enabled && !p_.prediction.enabled)
-      error("uncertainty", "needs `prediction`: without its tracks nothing is known of how far noise is averaged");
+      error("uncertainty", "needs `prediction`: only its tracks know the noise that averaging leaves");
     const CollisionParams& c = p_.collision;
     if (c.check.enabled && c.object.enabled && c.check.margin > c.object.stop)
       warning("collision.check.margin", "of " + text(c.check.margin) +
                                             " is above collision.stop = " + text(c.object.stop) +
-                                            ": the rows let the robot come to where the check lets it go no further");
+                                            ": the rows allow a distance at which the check stops the robot");
     if (p_.sight.enabled && model_.base_dof() > 0 && !(sight_speed(p_.sight, model_, p_.acceleration_limit[0]) > 0.0))
       error("limits.sight", "leaves no speed: range must be above reach + speed x reaction");
     if (base && !p_.prediction.enabled) {
@@ -147,7 +147,7 @@ class Checker {
   void separate() {
     if (!p_.separate.enabled) return;
     if (p_.method != Method::kQp) error("separate", "is of method qp: the arm's part is its QP");
-    if (p_.plan.enabled) error("separate", "does not go with plan, whose paths are of base and arm as one");
+    if (p_.plan.enabled) error("separate", "contradicts plan, whose paths move base and arm together");
     if (model_.base_dof() == 0) warning("separate", "has no effect: the base does not move");
   }
 

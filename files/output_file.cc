@@ -58,9 +58,9 @@ std::string ends_of(const fs::path& named, const fs::path& file) {
     in.read(text.data() + kEnd, kEnd);
   }
   if (!in.is_open() || in.bad())
-    throw OutputError(fmt::format(
-        "{}: is there and cannot be read, so that nothing says what it is: {}; remove it, or name another file",
-        named.string(), reason()));
+    throw OutputError(
+        fmt::format("{}: exists but cannot be read, so that its kind is unknown: {}; remove it, or name another file",
+                    named.string(), reason()));
   return text;
 }
 

@@ -78,7 +78,7 @@ class BaseFinder {
     const std::string listed = fmt::format("{}", fmt::join(joints, ", "));
     guess_.doubtful = shapes || mass > 0.0;
     if (shapes) {
-      guess_.reason = "a gantry, or a mobile base that these stand for: " + listed;
+      guess_.reason = "a gantry, or virtual joints of a mobile base: " + listed;
       return;
     }
     guess_.type = linear == 2 ? BaseType::kOmnidirectional : BaseType::kDifferential;

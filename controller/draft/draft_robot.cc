@@ -246,7 +246,7 @@ class Drafter {
                                list(arm_.p_TE.unaryExpr([](double value) { return rounded(value, 1e-3); }))),
                    "between the fingertips, where the URDF has no frame");
     if (!held_.empty())
-      lines_.doubt(1, "locked:", "an arm that does not work is held out of the way of the one that does");
+      lines_.doubt(1, "locked:", "the arm that is not used is held out of the way");
     else if (!base_.virtual_joints.empty())
       lines_.add(1, "locked:");
     for (const std::string& joint : base_.virtual_joints)

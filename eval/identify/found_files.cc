@@ -121,7 +121,7 @@ std::string summary(const Found& found) {
   const auto latency = [&out](const char* of, const Latency& l) {
     out += fmt::format("{:<10} from a command to its measured velocity {:.4g} s: ", of, l.round_trip);
     out += l.has_stamps ? fmt::format("drive {:.4g} s, sensing {:.4g} s by its stamps\n", l.drive, l.sensing)
-                        : std::string("all of it taken for the drive's, without stamps\n");
+                        : std::string("ascribed to the drive, without stamps\n");
   };
   if (found.base) {
     const FoundBase& b = *found.base;

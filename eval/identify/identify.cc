@@ -301,7 +301,7 @@ void identify_objects(const MotionLog& log, Found& found) {
   if (!ages.empty())
     out.sensing = std::max(0.0, median(ages));
   else
-    found.notes.push_back("the age of what is seen of objects cannot be found without object.NAME.stamp_s");
+    found.notes.push_back("the age of object measurements cannot be found without object.NAME.stamp_s");
 }
 
 }  // namespace

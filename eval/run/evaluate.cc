@@ -48,7 +48,7 @@ class Run {
       : request_(request), suite_(suite), listener_(listener), finish_(finishing(suite)) {
     if (suite.until && request.shard.count > 1) {
       throw RunError(
-          "run: --shard needs a fixed number of trials: when 'trials: {until: ...}' ends depends on all worlds");
+          "run: --shard needs a fixed number of trials: the end of 'trials: {until: ...}' depends on all worlds");
     }
     const Shard& shard = request.shard;
     result_.file = request.file;

@@ -39,8 +39,8 @@ std::shared_ptr<const Moves> noise_drawn_again(int number) {
 void check_drawn(const Suite& suite, std::string_view command) {
   for (const SuitePoint& point : suite.points) {
     if (!point.worlds.shares().empty()) continue;
-    throw RunError(fmt::format(
-        "{}: needs worlds that are drawn by families; of frozen worlds and scenes there are no others", command));
+    throw RunError(
+        fmt::format("{}: needs worlds that are drawn by families; frozen worlds and scenes cannot be moved", command));
   }
 }
 

@@ -61,12 +61,11 @@ std::vector<std::string> wheel_warnings(const RobotModel& model) {
       }
     }
   }
-  if (!any)
-    return {"the base has wheels, and nothing of it can collide: give it a `footprint`, and its wheels a `width`"};
+  if (!any) return {"the base has wheels but no collision shape: give it a `footprint`, and its wheels a `width`"};
   if (!(most > kReach)) return {};
   return {
-      fmt::format("the wheels reach {:.0f} mm out of what can collide of the base, so that what they run into is no "
-                  "collision: give `wheels` a `width`",
+      fmt::format("the wheels extend {:.0f} mm beyond the base's collision shapes, so that their contacts do not "
+                  "count: give `wheels` a `width`",
                   1e3 * most)};
 }
 
@@ -115,8 +114,7 @@ std::vector<std::string> visual_warnings(const std::filesystem::path& robot_file
             (std::isinf(most) ? std::string(" (no shape)") : fmt::format(" by {:.0f} mm", -1e3 * most));
   }
   if (worst.size() > 4) text += fmt::format(" and {} more", worst.size() - 4);
-  return {
-      fmt::format("{} of {} links look larger than what can collide of them: {}", worst.size(), reach.size(), text)};
+  return {fmt::format("{} of {} links look larger than their collision shapes: {}", worst.size(), reach.size(), text)};
 }
 
 }  // namespace moma::run

@@ -99,7 +99,7 @@ void TrialParticles::copy(std::size_t from, std::size_t to) {
 
 void TrialParticles::reached(std::span<const double> levels) {
   const auto [low, high] = std::minmax_element(levels.begin(), levels.end());
-  listener_.tell(listener_.note, fmt::format("{} replicates on their way, {} {:.4g} to {:.4g}, after {} trials",
+  listener_.tell(listener_.note, fmt::format("{} replicates in progress, {} {:.4g} to {:.4g}, after {} trials",
                                              levels.size(), event_.level(), event_.value_of(*low),
                                              event_.value_of(*high), trials_.computed() + trials_.reused()));
 }
@@ -184,10 +184,10 @@ class RiskRun {
     const auto near = std::count_if(run.first.begin(), run.first.end(),
                                     [](double score) { return score < risk::kEvent && score > -kNear; });
     if (contacts < kFewContacts || 10 * near >= contacts) return;
-    warnings.push_back(fmt::format(
-        "{}: {} contacts and {} near misses (below {:g} mm) among the first draws: what is hit here is hit without "
-        "having come near, the level has no way to it, and splitting is no better than crude trials",
-        name(row), contacts, near, 1e3 * kNear));
+    warnings.push_back(
+        fmt::format("{}: {} contacts and {} near misses (below {:g} mm) among the first draws: no level leads to "
+                    "contacts without near misses, and splitting is no better than crude trials",
+                    name(row), contacts, near, 1e3 * kNear));
   }
 
   void diagnose(RiskRow& row, std::span<const risk::Stratum> strata, std::vector<std::string>& warnings) const {

@@ -34,8 +34,8 @@ std::vector<std::string> RowWarnings::sentences() const {
       "detector_disagreements > 0");
   add(messages_, "with messages of the physics solver", "lcp_messages > 0");
   add(latencies_,
-      fmt::format("whose motion contradicts the latencies that the controller was told, by {:+.3g} s at most; with "
-                  "`prediction.identify` it would go by what it finds",
+      fmt::format("whose motion contradicts the latencies that the controller was told, by {:+.3g} s at most; "
+                  "`prediction.identify` would identify them",
                   latency_off_),
       "latency_base_off_s <> 0 OR latency_joints_off_s <> 0");
   add(diverged_, "that diverged", "outcome = 'diverged'");

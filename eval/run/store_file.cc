@@ -49,7 +49,7 @@ std::string stopped_text(const std::string& what, const std::string& saved, cons
 }
 
 std::string no_end_text(const std::string& started, bool lock_left) {
-  return lock_left ? fmt::format("the run of {} was killed; what it saved is there", started)
+  return lock_left ? fmt::format("the run of {} was killed; its saved trials are there", started)
                    : fmt::format(
                          "the run of {} has no end, and no lock of it is beside this store: a copy that was "
                          "taken meanwhile lacks the trials of its -wal file; moma merge makes whole copies",

@@ -75,7 +75,7 @@ std::vector<std::string> WorldSurvey::doubts() const {
     const WorldLook& look = group.look;
     const std::string robot = groups_.size() > 1 ? "robot " + group.points.front()->robot->model->name + ": " : "";
     if (look.in_touch > 0)
-      out.push_back(fmt::format("{}{} of {} worlds start in touch, which counts as a collision (first: {})", robot,
+      out.push_back(fmt::format("{}{} of {} worlds start in contact, which counts as a collision (first: {})", robot,
                                 look.in_touch, look.goals.size(), look.first_touch));
     for (const std::string& text : touching_goals(look)) out.push_back(robot + text);
     for (const std::string& text : goal_warnings(group.points, look)) out.push_back(robot + text);

@@ -76,8 +76,8 @@ std::vector<std::string> touching_goals(const WorldLook& look) {
   const Within within(look, -kInfinity, 0.0);
   if (within.count == 0) return {};
   return {
-      fmt::format("at the goal of {} of {} worlds the tool is in touch with an object: no configuration reaches it "
-                  "(deepest: {:.1f} mm in {})",
+      fmt::format("at the goal of {} of {} worlds the tool touches an object: no configuration reaches it (deepest: "
+                  "{:.1f} mm in {})",
                   within.count, look.goals.size(), -1e3 * within.nearest->d, within.nearest->where)};
 }
 

@@ -97,10 +97,10 @@ std::optional<Evaluation> Evaluator::logged(const Evaluation& begun) {
   std::optional<Evaluation> stored = log_.find(begun.index);
   if (stored && (!same_bits(stored->candidate, begun.candidate) || stored->first != begun.first ||
                  stored->phase != begun.phase)) {
-    throw ReplayError(fmt::format(
-        "stored evaluation {} is of another candidate than the search now comes to: it was made by another version "
-        "of moma or of NLopt; give the search another seed, or use a new store",
-        begun.index));
+    throw ReplayError(
+        fmt::format("stored evaluation {} has another candidate than the search: another version of moma or of NLopt "
+                    "made it; give the search another seed, or use a new store",
+                    begun.index));
   }
   return stored;
 }
@@ -114,10 +114,9 @@ void Evaluator::take(Evaluation& evaluation, Known& known, std::size_t count, co
     const std::size_t from = (have - evaluation.first) * width;
     const std::size_t to = (count - evaluation.first) * width;
     if (to > stored->measured.size()) {
-      throw ReplayError(
-          fmt::format("stored evaluation {} ends after {} worlds, but the search goes on: it was made "
-                      "by another version of moma",
-                      evaluation.index, stored->worlds));
+      throw ReplayError(fmt::format(
+          "stored evaluation {} ends after {} worlds, but the search continues: another version of moma made it",
+          evaluation.index, stored->worlds));
     }
     values.assign(stored->measured.begin() + static_cast<std::ptrdiff_t>(from),
                   stored->measured.begin() + static_cast<std::ptrdiff_t>(to));
@@ -149,8 +148,7 @@ void Evaluator::estimate(Evaluation& evaluation) const {
 const Evaluation& Evaluator::conclude(Evaluation evaluation, Known& known, const Evaluation* stored) {
   if (stored != nullptr && !same_bits(stored->measured, evaluation.measured)) {
     throw ReplayError(
-        fmt::format("stored evaluation {} has more worlds than the search now asks for: it was made by "
-                    "another version of moma",
+        fmt::format("stored evaluation {} has more worlds than the search needs: another version of moma made it",
                     evaluation.index));
   }
   if (evaluation.valid) {

@@ -24,7 +24,7 @@ void check(const Variable& v) {
   const auto fail = [&](const std::string& message) { throw std::invalid_argument(v.key + ": " + message); };
   if (!std::isfinite(v.lower) || !std::isfinite(v.upper)) fail("range must be two finite numbers");
   if (v.lower >= v.upper) {
-    fail(fmt::format("range [{}, {}] has its lower end not below its upper end; write [lower, upper]", v.lower,
+    fail(fmt::format("range [{}, {}] must have its lower end below its upper end; write [lower, upper]", v.lower,
                      v.upper));
   }
   if (v.scale == Scale::kLog && v.lower <= 0.0) {

@@ -32,7 +32,7 @@ SuiteController read_plugin(const Node& node, const std::string& key, std::share
   in.read("digest", digest);
   const Node* given = in.get("parameters");
   if (given != nullptr && given->kind != Node::Kind::kMap)
-    in.fail_at("parameters", "expected a map; it is handed to the plugin as it is");
+    in.fail_at("parameters", "expected a map; it is passed to the plugin unchanged");
   in.finish();
   check_stored({path.mark, in.key_of("path"), name, digest, fs::path(name).is_absolute()}, plugins);
 
@@ -72,8 +72,8 @@ SuiteController read_foreign(const Node& node, const std::string& key, std::shar
 void check_digest(const std::string& found, const std::string& wanted) {
   if (found == wanted) return;
   throw PluginError(
-      fmt::format("is not that of these trials: its digest is {}, theirs {}. Built from the same "
-                  "sources by the same compiler it would be; run the suite again to compute anew",
+      fmt::format("is not that of these trials: its digest is {}, theirs {}. The same sources and compiler give the "
+                  "same digest; run the suite again to compute new trials",
                   found, wanted));
 }
 
@@ -84,8 +84,8 @@ void check_stored(const StoredCode& code, Plugins plugins) {
   }
   if (plugins == Plugins::kRefused)
     throw PluginRefused(
-        fmt::format("{}: {}: these trials were computed by the plugin {} (digest {}). It is code that "
-                    "would run here, named by the store; where you trust both: --allow-plugins",
+        fmt::format("{}: {}: these trials were computed by the plugin {} (digest {}). Replaying them runs its code "
+                    "here; if you trust the store and the plugin: --allow-plugins",
                     code.mark.file, code.key, code.name, code.digest));
 }
 

@@ -164,7 +164,7 @@ SuiteController read_process(const Node& node, const std::string& key, std::shar
   }
   const Node* given = in.get("parameters");
   if (given != nullptr && given->kind != Node::Kind::kMap)
-    in.fail_at("parameters", "expected a map; it is handed to the controller as it is");
+    in.fail_at("parameters", "expected a map; it is passed to the controller unchanged");
   in.finish();
   check_stored({entry.named->mark, entry.key, entry.name, digest, absolute}, plugins);
 

@@ -257,7 +257,8 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
     Draft assigned = draft;
     for (const auto& [key, value] : assignment) {
       if (of_the_whole(key))
-        config::fail(value.mark, "sweep", fmt::format("'{}' cannot be swept: it is one for the whole suite", key));
+        config::fail(value.mark, "sweep",
+                     fmt::format("'{}' cannot be swept: it has one value for the whole suite", key));
       assigned.set(key, value);
       if (key == "robot" && lenient) assigned.set("robot.lenient", *lenient);
     }

@@ -17,8 +17,7 @@ UntilRule read_until(const Node& node, const std::string& key) {
   MapReader in(node, key);
   config::read_members(in, rule);
   if (!from_string<Outcome>(rule.metric))
-    in.fail_at("metric", fmt::format("found '{}', expected an outcome, whose rate is meant: {}", rule.metric,
-                                     list_of_words<Outcome>()));
+    in.fail_at("metric", fmt::format("found '{}', expected an outcome: {}", rule.metric, list_of_words<Outcome>()));
   if (rule.metric == to_string(Outcome::kError))
     in.fail_at("metric",
                "found 'error', which has no rate of its own: it counts as not succeeded; name another outcome");

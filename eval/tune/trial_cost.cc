@@ -23,8 +23,8 @@ double value_or(const Metric& metric, const std::optional<double>& when_null, co
   const double value = metric.value(row);
   if (!std::isnan(value)) return value;
   if (when_null) return *when_null;
-  throw NullMetric(fmt::format("{} is NULL for a trial with outcome {}: say what to take for it with when_null",
-                               metric.name(), to_string(row.outcome)));
+  throw NullMetric(fmt::format("{} is NULL for a trial with outcome {}: give a replacement as when_null", metric.name(),
+                               to_string(row.outcome)));
 }
 
 double default_cost(const TrialRow& row, const TrialCost::Scale& scale) {

@@ -84,7 +84,7 @@ CostTerm read_term(const std::string& metric, const Node& node, const std::strin
   if (!when.empty() && !term.when_null) {
     config::fail(
         node.mark, key,
-        fmt::format("{0} is NULL {1}; say what to take then: {{{0}: {{weight: 1, when_null: 60}}}}", metric, when));
+        fmt::format("{0} is NULL {1}; give a replacement: {{{0}: {{weight: 1, when_null: 60}}}}", metric, when));
   }
   return term;
 }
@@ -139,7 +139,7 @@ std::vector<MetricBound> read_bounds(const Node* node) {
     in.finish();
     const std::string_view when = bound.metric.null_when();
     if (!when.empty() && !bound.when_null) {
-      config::fail(entry.mark, where, fmt::format("{} is NULL {}; say what to take then with when_null", metric, when));
+      config::fail(entry.mark, where, fmt::format("{} is NULL {}; give a replacement as when_null", metric, when));
     }
     bounds.push_back(std::move(bound));
   }

@@ -213,7 +213,8 @@ TEST_F(Drafts, DummyLinksOfABaseMayWeigh) {
       << made.text;
   // What has a shape may be a gantry.
   const Draft gantry = draft(dummy_base("<box size='0.1 2 0.1'/>"));
-  EXPECT_NE(gantry.text.find("type: fixed  # check: a gantry, or a mobile base"), std::string::npos) << gantry.text;
+  EXPECT_NE(gantry.text.find("type: fixed  # check: a gantry, or virtual joints of a mobile base"), std::string::npos)
+      << gantry.text;
   EXPECT_EQ(load(gantry).model->num_joints(), 9) << gantry.text;
 }
 
@@ -366,7 +367,7 @@ TEST_F(Drafts, TheOtherArmIsHeldOutOfTheWay) {
     EXPECT_EQ(link.controlled, -1);
     EXPECT_NE(made.text.find("left_j" + std::to_string(i) + ": "), std::string::npos) << made.text;
   }
-  EXPECT_NE(made.text.find("locked:  # check: an arm that does not work is held out of the way"), std::string::npos)
+  EXPECT_NE(made.text.find("locked:  # check: the arm that is not used is held out of the way"), std::string::npos)
       << made.text;
   RobotModel at_zero = *robot.model;
   for (Link& link : at_zero.links)

@@ -155,7 +155,7 @@ TEST_F(Rare, RiskIsTheSameForAnyThreadsAndStops) {
   Listener listener;
   int levels = 0;
   listener.note = [&](const std::string& text) {
-    stop = text.find("on their way") != std::string::npos && ++levels == 2;
+    stop = text.find("in progress") != std::string::npos && ++levels == 2;
   };
   const Risk stopped = estimate_risk(request, suite, event, listener);
   EXPECT_EQ(stopped.end, End::kStopped);

@@ -357,7 +357,7 @@ TEST(TuneSearch, ALogOfAnotherSearchIsRefused) {
 TEST(TuneSearch, BadSettingsAreNamed) {
   SearchSettings s = quick(1);
   s.variables[1].lower = 2.0;
-  EXPECT_NE(message(s).find("b: range [2, 1] has its lower end not below its upper end"), std::string::npos)
+  EXPECT_NE(message(s).find("b: range [2, 1] must have its lower end below its upper end"), std::string::npos)
       << message(s);
   s = quick(1);
   s.variables[0].lower = 0.0;

@@ -267,7 +267,7 @@ TEST_F(CliTrust, ARunThatWasKilledIsToldFromOneAtWork) {
   EXPECT_NE(copied.find("a copy that was taken meanwhile lacks the trials of its -wal file"), std::string::npos)
       << copied;
   const ProcessResult next = good({"run", "gated.yaml", "-o", "a.db", "--trials", "5"});
-  EXPECT_NE(next.err.find("was killed; what it saved is there"), std::string::npos) << next.err;
+  EXPECT_NE(next.err.find("was killed; its saved trials are there"), std::string::npos) << next.err;
   EXPECT_EQ(good({"query", "a.db", "SELECT status FROM invocation ORDER BY id", "-f", "csv"}).out,
             "status\nfailed\nfinished\n");
 }

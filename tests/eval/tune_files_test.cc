@@ -67,7 +67,7 @@ TEST(TuneFiles, EveryKeyThatIsListedIsRead) {
 
 TEST(TuneFiles, BadVariablesAreNamedWithTheirPlace) {
   EXPECT_SAYS(with_variable("controller.k_epsilon: {range: [5, 0.1]}"), "suite.yaml:8:");
-  EXPECT_SAYS(with_variable("controller.k_epsilon: {range: [5, 0.1]}"), "lower end not below its upper end");
+  EXPECT_SAYS(with_variable("controller.k_epsilon: {range: [5, 0.1]}"), "lower end below its upper end");
   EXPECT_SAYS(with_variable("controller.k_epsilon: {range: [0, 5], scale: log}"), "scale log must be above zero");
   EXPECT_SAYS(with_variable("controller.k_epsilon: {range: [-1, 5], scale: log}"), "scale log must be above zero");
   EXPECT_SAYS(with_variable("controller.k_epsilon: {range: [1, 5]}"), "start 0.5 is outside its range [1, 5]");

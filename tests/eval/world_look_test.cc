@@ -131,7 +131,7 @@ TEST_F(WorldLooks, GoalsNearerThanWhatIsKeptAreCounted) {
 TEST_F(WorldLooks, GoalsInTouchAreCountedForThemselves) {
   const std::vector<std::string> texts =
       doubts(suite({world(0, 0.2), world(1, 0.01), world(2, -0.004)}, "{position: 0.02, orientation: 0.05}"));
-  EXPECT_EQ(mention(texts, "at the goal of 1 of 3 worlds the tool is in touch with an object"), 1)
+  EXPECT_EQ(mention(texts, "at the goal of 1 of 3 worlds the tool touches an object"), 1)
       << ::testing::PrintToString(texts);
   EXPECT_EQ(mention(texts, "deepest: 4.0 mm in world 2, "), 1) << ::testing::PrintToString(texts);
   EXPECT_EQ(mention(texts, "controller neo: at the goal of 1 of 3 worlds"), 1) << ::testing::PrintToString(texts);
@@ -141,7 +141,7 @@ TEST_F(WorldLooks, StartsInTouchAreCounted) {
   const std::vector<std::string> texts =
       doubts(suite({world(0, 0.2), touching(1), touching(2)}, "{position: 0.02, orientation: 0.05}"));
   ASSERT_EQ(texts.size(), 1U);
-  EXPECT_NE(texts[0].find("2 of 3 worlds start in touch"), std::string::npos) << texts[0];
+  EXPECT_NE(texts[0].find("2 of 3 worlds start in contact"), std::string::npos) << texts[0];
   EXPECT_NE(texts[0].find("first: world 1, "), std::string::npos) << texts[0];
 }
 

@@ -97,15 +97,14 @@ void check(const RobotModel& model, const RigidBody& body) {
         fmt::format("robot {}: base.footprint.mass is missing; dynamic simulation of a mobile base needs a mass in kg",
                     model.name));
   if (!(body.mass > 0.0) || !std::isfinite(body.mass))
-    throw std::runtime_error(
-        fmt::format("robot {}: link '{}' and what is fixed to it have no mass; dynamic simulation needs <inertial> in "
-                    "the URDF",
-                    model.name, name));
+    throw std::runtime_error(fmt::format(
+        "robot {}: link '{}' and the links fixed to it have no mass; dynamic simulation needs <inertial> in the URDF",
+        model.name, name));
   const Eigen::SelfAdjointEigenSolver<Matrix3> moments(body.I_C);
   const Vector3& m = moments.eigenvalues();
   if (!m.allFinite() || !(m.minCoeff() > 0.0))
     throw std::runtime_error(
-        fmt::format("robot {}: the inertia of link '{}' and what is fixed to it is not positive definite (principal "
+        fmt::format("robot {}: the inertia of link '{}' and the links fixed to it is not positive definite (principal "
                     "moments {}, {}, {} kg m^2); dynamic simulation needs <inertia> in the URDF",
                     model.name, name, m.x(), m.y(), m.z()));
 }

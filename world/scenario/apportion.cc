@@ -30,8 +30,8 @@ int Apportionment::family_of(std::uint64_t index) const {
   if (only_ >= 0) return only_;
   if (period_ > 0) index %= period_;
   if (index >= kMost)
-    throw GenerationError(fmt::format(
-        "there is no world {}: weights of families that are not whole numbers share out {} worlds", index, kMost));
+    throw GenerationError(
+        fmt::format("there is no world {}: families whose weights are not whole numbers have {} worlds", index, kMost));
   const std::lock_guard lock(mutex_);
   while (given_.size() <= index) given_.push_back(static_cast<std::uint8_t>(next()));
   return given_[index];

@@ -171,7 +171,7 @@ class Importer {
     if (!name.empty() && name.front() == '/') name.erase(0, 1);
     const int link = name.empty() || name == "@base" ? -1 : model_->find_link(name);
     if (link >= 0) return at_ready_.X_WL(link);
-    if (!name.empty()) note("frames that are no link of the robot are taken for its root", name);
+    if (!name.empty()) note("frames that are no link of the robot are replaced by its root", name);
     return at_ready_.X_WL(1);
   }
 
@@ -280,7 +280,7 @@ class Importer {
   void note_attached(const Node& held) {
     const Node* object = held.find("object");
     const Node* id = object != nullptr ? object->find("id") : nullptr;
-    note("attached objects are not carried, and left out", id != nullptr ? id->scalar : "without a name");
+    note("attached objects are left out", id != nullptr ? id->scalar : "without a name");
   }
 
   static void take_state(const Node& state, std::map<std::string, double>& q) {
