@@ -20,8 +20,9 @@ template <class V>
 constexpr void describe(V& v, Of<BrakingParams>) {
   using P = BrakingParams;
   v.member("share", &P::share,
-           {.unit = "1", .range = {0.0, 1.0, true}, .text = "of the deceleration that all velocities have together"});
-  v.member("reaction", &P::reaction, {.unit = "s", .range = Range::non_negative(), .text = "until braking begins"});
+           {.unit = "1", .range = {0.0, 1.0, true}, .text = "share of the deceleration with all velocities braking"});
+  v.member("reaction", &P::reaction,
+           {.unit = "s", .range = Range::non_negative(), .text = "time until braking begins"});
 }
 
 /// Relaxation of infeasible collision rows (solver/fallback.h): by one common slack, or only as far as braking would
@@ -40,8 +41,9 @@ struct BrakeCheckParams {
 template <class V>
 constexpr void describe(V& v, Of<BrakeCheckParams>) {
   using P = BrakeCheckParams;
-  v.member("margin", &P::margin, {.unit = "m", .range = Range::positive(), .text = "kept on the way to a stop"});
-  v.member("every", &P::every, {.range = {1.0, 1000.0}, .text = "control periods between the places looked at"});
+  v.member("margin", &P::margin,
+           {.unit = "m", .range = Range::positive(), .text = "distance kept on the braking trajectory"});
+  v.member("every", &P::every, {.range = {1.0, 1000.0}, .text = "control periods between checked moments"});
 }
 
 /// Distances to objects at rest shrink towards those of the goal's own pose (goal_clearance.h).
@@ -55,11 +57,15 @@ struct GoalClearanceParams {
 template <class V>
 constexpr void describe(V& v, Of<GoalClearanceParams>) {
   using P = GoalClearanceParams;
-  v.member("least", &P::least, {.unit = "m", .range = Range::positive(), .text = "kept however near the goal is"});
+  v.member("least", &P::least, {.unit = "m", .range = Range::positive(), .text = "least distance, at the goal itself"});
   v.member("part", &P::part,
-           {.unit = "1", .range = {0.0, 1.0, true}, .text = "of the hand's distance at the goal, kept there"});
+           {.unit = "1",
+            .range = {0.0, 1.0, true},
+            .text = "share of the hand's distance at the goal that rows keep there"});
   v.member("slope", &P::slope,
-           {.unit = "1", .range = Range::positive(), .text = "growth of what is kept with the distance from the goal"});
+           {.unit = "1",
+            .range = Range::positive(),
+            .text = "increase of the kept distance with the distance from the goal"});
 }
 
 /// Separation rows: the robot slows down towards moving objects (qp/separation.h).
@@ -75,15 +81,16 @@ struct SeparationParams {
 template <class V>
 constexpr void describe(V& v, Of<SeparationParams>) {
   using P = SeparationParams;
-  v.member("reaction", &P::reaction,
-           {.unit = "s", .range = Range::non_negative(), .text = "T_R, from what happens to the beginning of braking"});
-  v.member("speed", &P::speed,
-           {.unit = "m/s", .range = Range::non_negative(), .text = "v_H at least, whatever is measured"});
-  v.member("intrusion", &P::intrusion,
-           {.unit = "m", .range = Range::non_negative(), .text = "C: distance that is left beside those of speeds"});
+  v.member(
+      "reaction", &P::reaction,
+      {.unit = "s", .range = Range::non_negative(), .text = "T_R: time from an event to the beginning of braking"});
+  v.member("speed", &P::speed, {.unit = "m/s", .range = Range::non_negative(), .text = "lower bound of v_H"});
+  v.member(
+      "intrusion", &P::intrusion,
+      {.unit = "m", .range = Range::non_negative(), .text = "C: required distance in addition to those of speeds"});
   v.member("share", &P::share,
-           {.unit = "1", .range = {0.0, 1.0, true}, .text = "of the deceleration that all velocities have together"});
-  v.member("range", &P::range, {.unit = "m", .range = Range::positive(), .text = "what is nearer has rows"});
+           {.unit = "1", .range = {0.0, 1.0, true}, .text = "share of the deceleration with all velocities braking"});
+  v.member("range", &P::range, {.unit = "m", .range = Range::positive(), .text = "range of objects with rows"});
 }
 
 /// Evasion: if no admissible command avoids a moving object, the base drives away (evasion.h).
@@ -96,8 +103,9 @@ struct EvasionParams {
 template <class V>
 constexpr void describe(V& v, Of<EvasionParams>) {
   using P = EvasionParams;
-  v.member("horizon", &P::horizon, {.unit = "s", .range = {0.0, 10.0, true}, .text = "how far ahead is looked"});
-  v.member("margin", &P::margin, {.unit = "m", .range = Range::positive(), .text = "kept to what moves on a way out"});
+  v.member("horizon", &P::horizon, {.unit = "s", .range = {0.0, 10.0, true}, .text = "horizon of the prediction"});
+  v.member("margin", &P::margin,
+           {.unit = "m", .range = Range::positive(), .text = "distance from moving objects on a way out"});
 }
 
 /// Memory of objects that are no longer reported (object_memory.h).
@@ -112,15 +120,16 @@ template <class V>
 constexpr void describe(V& v, Of<MemoryParams>) {
   using P = MemoryParams;
   v.member("rays", &P::rays,
-           {.range = {1.0, 100'000.0}, .text = "of a frame, that pass where it was: a look through it"});
+           {.range = {1.0, 100'000.0},
+            .text = "number of a frame's rays through its place that count as evidence against it"});
   v.member("gone", &P::gone,
            {.unit = "s",
             .range = Range::positive(),
-            .text = "looks for so long remove it, or for as long as it had been told of"});
+            .text = "duration of evidence that removes an object, or the time for which it had been reported"});
   v.member("keep", &P::keep,
            {.unit = "s",
             .range = Range::non_negative(),
-            .text = "what moves is believed to go on for so long; what rests too, where the robot has no sensors"});
+            .text = "time for which moving objects are kept, and all objects of a robot without sensors"});
 }
 
 /// Known latencies of drives and sensing, rounded up to control periods, and filters (predictor.h). All in seconds.
@@ -145,27 +154,30 @@ template <class V>
 constexpr void describe(V& v, Of<PredictionParams>) {
   using P = PredictionParams;
   constexpr Range kLateness{0.0, 2.0};
-  v.group("drives", "from a command to its effect", [=](auto& g) {
-    g.member("base", &P::base_drive, {.unit = "s", .range = kLateness});
-    g.member("joints", &P::joint_drive, {.unit = "s", .range = kLateness});
+  v.group("drives", "latency from a command to its effect", [=](auto& g) {
+    g.member("base", &P::base_drive, {.unit = "s", .range = kLateness, .text = "latency of the base's drive"});
+    g.member("joints", &P::joint_drive, {.unit = "s", .range = kLateness, .text = "latency of the joints' drives"});
   });
-  v.group("sensing", "age of what is measured", [=](auto& g) {
-    g.member("base", &P::base_sensing, {.unit = "s", .range = kLateness, .text = "of pose and velocity"});
-    g.member("joints", &P::joint_sensing, {.unit = "s", .range = kLateness, .text = "of positions and velocities"});
-    g.member("objects", &P::object_sensing, {.unit = "s", .range = kLateness, .text = "of poses and twists"});
-    g.member("goal", &P::goal_sensing, {.unit = "s", .range = kLateness, .text = "of pose and twist"});
+  v.group("sensing", "age of measurements", [=](auto& g) {
+    g.member("base", &P::base_sensing, {.unit = "s", .range = kLateness, .text = "age of pose and velocity"});
+    g.member("joints", &P::joint_sensing, {.unit = "s", .range = kLateness, .text = "age of positions and velocities"});
+    g.member("objects", &P::object_sensing, {.unit = "s", .range = kLateness, .text = "age of poses and twists"});
+    g.member("goal", &P::goal_sensing, {.unit = "s", .range = kLateness, .text = "age of pose and twist"});
   });
   v.group("filters", "time constants, 0: none", [](auto& g) {
-    g.member("base", &P::base_filter, {.unit = "s", .range = Range::non_negative(), .text = "of the base's pose"});
-    g.member("resting", &P::resting_filter,
-             {.unit = "s", .range = Range::non_negative(), .text = "of poses of objects and goal at rest"});
+    g.member("base", &P::base_filter,
+             {.unit = "s", .range = Range::non_negative(), .text = "time constant for the base's pose"});
+    g.member(
+        "resting", &P::resting_filter,
+        {.unit = "s", .range = Range::non_negative(), .text = "time constant for poses of objects and goal at rest"});
     g.member("moving", &P::moving_filter,
-             {.unit = "s", .range = Range::non_negative(), .text = "of poses of those in motion"});
-    g.member("twist", &P::twist_filter, {.unit = "s", .range = Range::non_negative(), .text = "of their twists"});
+             {.unit = "s", .range = Range::non_negative(), .text = "time constant for poses of moving ones"});
+    g.member("twist", &P::twist_filter,
+             {.unit = "s", .range = Range::non_negative(), .text = "time constant for their twists"});
   });
-  v.member("identify", &P::identify, {.text = "find the round trips of base and joints from their motion"});
+  v.member("identify", &P::identify, {.text = "identify the round trips of base and joints from their motion"});
   v.optional("memory", &P::memory, &MemoryParams::enabled, Off::kOmitted,
-             "objects that are no longer told of stay until a sensor looks through them");
+             "objects that are no longer reported stay until a sensor sees through their place");
 }
 
 /// Errors of measurements (uncertainty.h): standard deviations per axis, as in `disturbances`.
@@ -190,29 +202,33 @@ constexpr void describe(V& v, Of<UncertaintyParams>) {
   using P = UncertaintyParams;
   constexpr Range kSpread = Range::non_negative();
   v.member("probability", &P::probability,
-           {.unit = "1", .range = {0.5, 1.0, false, true}, .text = "with which a row's distance is kept"});
-  v.group("objects", "of the poses and twists of objects", [=](auto& objects) {
-    objects.group("noise", "new at each step", [=](auto& g) {
-      g.member("position", &P::object_noise, {.unit = "m", .range = kSpread});
-      g.member("rotation", &P::object_rotation_noise, {.unit = "rad", .range = kSpread});
+           {.unit = "1", .range = {0.5, 1.0, false, true}, .text = "probability with which a row's distance is kept"});
+  v.group("objects", "errors of the poses and twists of objects", [=](auto& objects) {
+    objects.group("noise", "drawn at each step", [=](auto& g) {
+      g.member("position", &P::object_noise, {.unit = "m", .range = kSpread, .text = "noise of positions"});
+      g.member("rotation", &P::object_rotation_noise,
+               {.unit = "rad", .range = kSpread, .text = "noise of orientations"});
     });
-    objects.group("bias", "the same all the time", [=](auto& g) {
-      g.member("position", &P::object_bias, {.unit = "m", .range = kSpread});
-      g.member("rotation", &P::object_rotation_bias, {.unit = "rad", .range = kSpread});
+    objects.group("bias", "constant", [=](auto& g) {
+      g.member("position", &P::object_bias, {.unit = "m", .range = kSpread, .text = "constant error of positions"});
+      g.member("rotation", &P::object_rotation_bias,
+               {.unit = "rad", .range = kSpread, .text = "constant error of orientations"});
     });
-    objects.group("velocity_noise", "new at each step", [=](auto& g) {
-      g.member("linear", &P::object_velocity, {.unit = "m/s", .range = kSpread});
-      g.member("angular", &P::object_angular_velocity, {.unit = "rad/s", .range = kSpread});
+    objects.group("velocity_noise", "drawn at each step", [=](auto& g) {
+      g.member("linear", &P::object_velocity, {.unit = "m/s", .range = kSpread, .text = "noise of linear velocities"});
+      g.member("angular", &P::object_angular_velocity,
+               {.unit = "rad/s", .range = kSpread, .text = "noise of angular velocities"});
     });
-    objects.member("growth", &P::growth, {.unit = "m/s", .range = kSpread, .text = "of the place while not seen"});
+    objects.member("growth", &P::growth,
+                   {.unit = "m/s", .range = kSpread, .text = "growth of the position error while out of sight"});
     objects.member("keep", &P::keep,
-                   {.unit = "s", .range = kSpread, .text = "how long an object is believed in while not seen"});
+                   {.unit = "s", .range = kSpread, .text = "time for which an object out of sight is kept"});
   });
-  v.group("base", "of the base to what is seen", [=](auto& g) {
-    g.member("position", &P::base_position, {.unit = "m", .range = kSpread});
-    g.member("rotation", &P::base_rotation, {.unit = "rad", .range = kSpread});
+  v.group("base", "errors of the base relative to what is seen", [=](auto& g) {
+    g.member("position", &P::base_position, {.unit = "m", .range = kSpread, .text = "error of the position"});
+    g.member("rotation", &P::base_rotation, {.unit = "rad", .range = kSpread, .text = "error of the heading"});
   });
-  v.member("joints", &P::joints, {.unit = "rad or m", .range = kSpread, .text = "of each joint"});
+  v.member("joints", &P::joints, {.unit = "rad or m", .range = kSpread, .text = "error of each joint"});
 }
 
 /// Limit of a base's speed: it can stop in front of objects that come into sight (qp/limits.h).
@@ -227,11 +243,14 @@ struct SightParams {
 template <class V>
 constexpr void describe(V& v, Of<SightParams>) {
   using P = SightParams;
-  v.member("range", &P::range, {.unit = "m", .range = Range::positive(), .text = "where something is seen for sure"});
-  v.member("reach", &P::reach, {.unit = "m", .range = Range::non_negative(), .text = "of the robot, and what is left"});
+  v.member("range", &P::range,
+           {.unit = "m", .range = Range::positive(), .text = "distance at which every object is seen"});
+  v.member("reach", &P::reach,
+           {.unit = "m", .range = Range::non_negative(), .text = "extent of the robot, plus the distance to keep"});
   v.member("reaction", &P::reaction,
-           {.unit = "s", .range = Range::non_negative(), .text = "from coming into range to braking"});
-  v.member("speed", &P::speed, {.unit = "m/s", .range = Range::non_negative(), .text = "at which it may come"});
+           {.unit = "s", .range = Range::non_negative(), .text = "time from coming into range to braking"});
+  v.member("speed", &P::speed,
+           {.unit = "m/s", .range = Range::non_negative(), .text = "speed at which an object may approach"});
 }
 
 }  // namespace moma
