@@ -51,15 +51,13 @@ constexpr void describe(Visitor& v, Of<Sample>) {
            SampleColumn{.unit = "rad, then m", .text = "true error of the end effector: rotation, then position"});
   v.member("slack", &S::slack, SampleColumn{.unit = "rad/s, then m/s", .text = "slack of the QP's tracking rows"});
   v.member("manipulability", &S::manipulability, SampleColumn{.text = "translational manipulability"});
-  v.member(
-      "least_distance", &S::least_distance,
-      SampleColumn{.unit = "m",
-                   .text = "least distance to an object that the controller saw; infinite where none was in range"});
-  v.member("status", &S::status, SampleColumn{.text = "of the step"});
-  v.member("fallback", &S::fallback, SampleColumn{.text = "that the step took"});
-  v.member("active_rows", &S::active_rows, SampleColumn{.text = "rows of the QP that hold back"});
-  v.member("escape", &S::escape, SampleColumn{.text = "what the controller remembered when the step began"});
-  v.member("plan", &S::plan, SampleColumn{.text = "what it was about and why, where it looks ahead"});
+  v.member("least_distance", &S::least_distance,
+           SampleColumn{.unit = "m", .text = "least sensed distance to an object; infinite if none was in range"});
+  v.member("status", &S::status, SampleColumn{.text = "status of the QP in the step"});
+  v.member("fallback", &S::fallback, SampleColumn{.text = "stage of the fallback that gave the command"});
+  v.member("active_rows", &S::active_rows, SampleColumn{.text = "active rows of the QP"});
+  v.member("escape", &S::escape, SampleColumn{.text = "memory of detours and vortex at the start of the step"});
+  v.member("plan", &S::plan, SampleColumn{.text = "mode and reason of the look-ahead at the start of the step"});
 }
 
 using Trace = std::vector<Sample>;
