@@ -13,7 +13,7 @@
 namespace moma {
 namespace {
 
-// A value this near to its limit is counted as active [m/s, rad/s].
+// A value this close to its limit counts as active [m/s, rad/s].
 constexpr double kActive = 1e-8;
 
 ControllerParams checked(ControllerParams params, const RobotModel& model, double control_period) {
@@ -73,8 +73,8 @@ void ControllerCore::reset(std::span<const ObjectShape> objects) {
 
 void ControllerCore::prepare(StepResult& result) const { result.command = VectorX::Zero(model_->num_velocities()); }
 
-// One step: sense, predict, assess, decide, pose, solve, guard, scale, send. Each stage reads what the stages before it
-// returned, and writes nothing of theirs.
+// One step: sense, predict, assess, decide, pose, solve, guard, scale, send. Each stage reads the results of earlier
+// stages, and does not change them.
 void ControllerCore::step(const Observation& observation, StepResult& result) noexcept {
   begin(result);
   if (!usable(observation) || result.command.size() != answer_.command.size()) return brake(observation, result);
@@ -97,7 +97,7 @@ void ControllerCore::step(const Observation& observation, StepResult& result) no
   policy_->finish(now);
 }
 
-// What the controller remembers as the step begins, and an answer that is empty.
+// Records the memory at the start of the step, and clears the answer.
 void ControllerCore::begin(StepResult& result) noexcept {
   result.solve_seconds = 0.0;
   result.least_distance = kInfinity;
@@ -125,7 +125,7 @@ bool ControllerCore::usable(const Observation& o) const noexcept {
   return true;
 }
 
-// The answer to an observation that is not usable. A result of a wrong size gets what fits into it.
+// Answers an unusable observation. A result of a wrong size is filled as far as possible.
 void ControllerCore::brake(const Observation& o, StepResult& result) noexcept {
   if (predictor_.on()) predictor_.skip();
   poser_.brake(o.q, predictor_.on() ? predictor_.velocity() : o.qdot, answer_.command);
@@ -161,7 +161,7 @@ void ControllerCore::solve(const Posed& posed, StepResult& result) noexcept {
   }
 }
 
-// Returns the problem whose solution the command is: a guard may have another one solved.
+// Returns the problem whose solution is the command: a guard may pose another one.
 Posed ControllerCore::guard(const Posed& posed, const Situation& now, StepResult& result) noexcept {
   for (const std::unique_ptr<Guard>& guard : guards_) {
     enter(clock_, StepPart::kSafety);
@@ -181,7 +181,7 @@ Posed ControllerCore::guard(const Posed& posed, const Situation& now, StepResult
   return posed;
 }
 
-// qdot *= far/e or near (OutputScalingParams), clipped into the bounds that the solution had.
+// qdot *= far/e or near (OutputScalingParams), clipped into the solution's bounds.
 void ControllerCore::scale_output(const Posed& posed) noexcept {
   const OutputScalingParams& s = params_.output_scaling;
   if (!s.enabled || answer_.outcome.fallback == Fallback::kBrake) return;
@@ -194,7 +194,7 @@ void ControllerCore::scale_output(const Posed& posed) noexcept {
     answer_.command[i] = std::min(std::max(answer_.command[i], lower[i]), upper[i]);
 }
 
-// Writes what is to be sent now. With prediction, the part of the base or of the joints may wait.
+// Writes the command to send now. With prediction the part of the base or of the joints may wait.
 void ControllerCore::send(VectorX& command) noexcept {
   if (predictor_.on()) {
     predictor_.send(answer_.command, command);
@@ -203,7 +203,7 @@ void ControllerCore::send(VectorX& command) noexcept {
   }
 }
 
-// Writes the answer; `now` is null where the observation was not usable.
+// Writes the answer; `now` is null if the observation was unusable.
 void ControllerCore::report(const Situation* now, StepResult& result) noexcept {
   const bool finite = now != nullptr && std::isfinite(now->servo.error_norm) && now->servo.error.allFinite() &&
                       std::isfinite(now->manipulability);

@@ -24,7 +24,7 @@ namespace moma {
 
 class Lookahead;
 
-/// Controller (controller.h) with its stages open, for inspection, for tests, and for going on from a memory. Not
+/// Controller (controller.h) with accessible stages, for inspection, tests, and continuing from a memory. Not
 /// installed. Accessors describe the last step; those marked "allocates" are for inspection.
 class ControllerCore final : public StepController {
  public:
@@ -43,7 +43,7 @@ class ControllerCore final : public StepController {
   const RobotModel& model() const noexcept { return *model_; }
   const ControllerParams& params() const noexcept { return params_; }
   double control_period() const noexcept { return control_period_; }
-  /// Of the state that the step acted on: the predicted one where prediction is on.
+  /// Kinematics of the state in which the command acts: the predicted one with prediction.
   const Kinematics& kinematics() const noexcept { return assessment_.kinematics(); }
   /// Task that was solved last: the policy's, or a guard's.
   const Task& task() const noexcept { return answer_.task; }
@@ -51,13 +51,13 @@ class ControllerCore final : public StepController {
   double theta_eps() const noexcept { return task().theta_eps; }
   const Matrix6X& J() const noexcept { return kinematics().J_WE_W(); }
   double manipulability() const noexcept { return answer_.manipulability; }
-  /// Gradient of the manipulability, one value per joint, whatever its weight is. Allocates.
+  /// Gradient of the manipulability, one value per joint, for any weight. Allocates.
   VectorX J_m() const { return assessment_.J_m(); }
-  /// What was asked of the QP.
+  /// Task of the QP.
   const QpTask& asked() const noexcept { return poser_.asked(); }
   /// Bounds of the problem, with and without acceleration.
   const Bounds& bounds() const noexcept { return poser_.bounds(); }
-  /// Bounds of which the task's are made: speed limits, joint limits, accelerations.
+  /// Components of the task's bounds: speed limits, joint limits, accelerations.
   const VelocityBounds& limits() const noexcept { return asked().bounds ? *asked().bounds : poser_.limits(); }
   /// The problem as posed (acceleration bounds included); no rows and zero H for the closed-form methods.
   const QpProblem& problem() const noexcept { return poser_.problem(); }
@@ -65,27 +65,26 @@ class ControllerCore final : public StepController {
   const FallbackSolver::Outcome& outcome() const noexcept { return answer_.outcome; }
   /// The solver's x (qdot before output scaling, delta), and s after the relaxed stage. Empty for closed forms.
   const QpSolution& solution() const noexcept { return fallback_.solution(); }
-  /// 1/2 x^T H x + g^T x of the problem as posed, at the solution; constants and s left out.
+  /// 1/2 x^T H x + g^T x of the problem as posed, at the solution, without constants and s.
   double cost() const noexcept { return problem().cost(solution().x); }
-  /// The cost by terms, those that are switched on. Allocates.
+  /// Costs of the active terms. Allocates.
   std::vector<TermCost> term_costs() const { return poser_.objective().costs(solution().x); }
-  /// Residual of the optimality conditions of the stage that was solved; infinite for the brake. Allocates.
+  /// Residual of the optimality conditions of the solved stage; infinite for the brake. Allocates.
   double kkt_residual() const;
-  /// The problem of the stage that gave the command, with its own bounds; the original for the brake. Allocates.
+  /// Problem of the stage that gave the command, with its own bounds; the original for the brake. Allocates.
   QpProblem final_problem() const { return fallback_.final_problem(problem()); }
   /// Pairs within their influence, nearest first by d - d_s.
   std::span<const ProximityPair> distances() const noexcept { return poser_.collision().sorted(); }
-  /// The memory of detours; all zero where nothing of escape.h is on.
+  /// Memory of detours and vortex; all zero without both.
   const EscapeState& escape_state() const noexcept { return escape_.state(); }
-  /// Goes on from such a state; after reset(), which clears it.
+  /// Continues from such a state; call it after reset(), which clears it.
   void set_escape_state(const EscapeState& state) noexcept { escape_.set_state(state); }
-  /// All that the controller remembers between steps. `memory` is written without taking memory if it was before, with
-  /// as many objects.
+  /// Writes the whole memory between steps. Does not allocate if `memory` was written before with as many objects.
   void get_memory(ControllerMemory& memory) const;
-  /// Goes on from what a controller of the same parameters remembered among as many objects; after reset(), which
-  /// clears it. Takes no memory. What the next step does is a function of this and its observation.
+  /// Continues from the memory of a controller with the same parameters and number of objects; call it after reset(),
+  /// which clears it. Does not allocate. Memory and observation determine the next step.
   void set_memory(const ControllerMemory& memory) noexcept;
-  /// Looking ahead: its state, its last choice, its plans; null where `plan` is off.
+  /// Look-ahead with its state, last choice and plans; null if `plan` is off.
   const Lookahead* lookahead() const noexcept { return lookahead_.get(); }
   Lookahead* lookahead() noexcept { return lookahead_.get(); }
   const std::vector<std::string>& object_names() const noexcept { return object_names_; }
@@ -94,7 +93,7 @@ class ControllerCore final : public StepController {
   const StepCounters& counters() const noexcept { return counters_; }
   /// Stop distance of the rows of objects at rest in the last step [m].
   double kept_stop() const noexcept { return poser_.stop(); }
-  /// Whether the base executes a backup trajectory (safe/evasion.h) instead of the policy's task.
+  /// True if the base executes an evasion (safe/evasion.h) instead of the policy's task.
   bool evades() const noexcept { return asked().evades; }
 
  private:
@@ -109,7 +108,7 @@ class ControllerCore final : public StepController {
     double manipulability = 0.0;
   };
 
-  // The stages of a step, in their order.
+  // Stages of a step, in order.
   bool usable(const Observation& observation) const noexcept;
   void brake(const Observation& observation, StepResult& result) noexcept;
   void solve(const Posed& posed, StepResult& result) noexcept;
@@ -121,17 +120,17 @@ class ControllerCore final : public StepController {
   void begin(StepResult& result) noexcept;
   void report(const Situation* now, StepResult& result) noexcept;
 
-  // Fixed.
+  // Constant.
   std::shared_ptr<const RobotModel> model_;
   ControllerParams params_;
   double control_period_;
   bool timing_ = false;
   StepClock* clock_ = nullptr;
 
-  // Remembered from step to step.
+  // Memory between steps.
   Predictor predictor_;
   Escape escape_;
-  std::unique_ptr<Lookahead> lookahead_;  // null where `plan` is off
+  std::unique_ptr<Lookahead> lookahead_;  // null if `plan` is off
 
   // Stages: each reads const inputs and writes its own buffers.
   Assessment assessment_;

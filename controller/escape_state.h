@@ -6,21 +6,20 @@
 
 namespace moma {
 
-/// What of its detours a controller remembers from step to step (task/escape.h). Times count control periods, never a
-/// clock.
+/// Memory of detours and vortex between steps (task/escape.h). Times count control periods, never a clock.
 struct EscapeState {
-  double best = -1.0;  ///< V at its last progress [m]; negative: no step taken yet
-  double idle = 0.0;   ///< time without progress since [s]
+  double best = -1.0;  ///< V at the last progress [m]; negative: no step yet
+  double idle = 0.0;   ///< time since the last progress [s]
   int stagnations = 0;
-  int side = 0;            ///< +1 or -1 once the first stagnation has chosen it: where detours turn first
+  int side = 0;            ///< first side of detours, +1 or -1; 0 before the first stagnation
   bool detour = false;     ///< on a detour,
-  bool around = false;     ///< and that one around the obstacles: the target is its next corner
-  double remaining = 0.0;  ///< of the detour [s]
+  bool around = false;     ///< around the obstacles: the target is the next corner
+  double remaining = 0.0;  ///< remaining time of the detour [s]
   Vector3 target_W = Vector3::Zero();
-  int circulation = 0;  ///< sigma of the vortex: +1, -1, or 0 as long as none was needed
+  int circulation = 0;  ///< sigma of the vortex: +1, -1, or 0 until the first use
 };
 
-/// As a trace and `moma solve` write it and a case file takes it (`state.escape`).
+/// Form in traces, `moma solve` and case files (`state.escape`).
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<EscapeState>) {
   v.member("best", &EscapeState::best, {.unit = "m", .text = "V at its last progress; negative: no step taken yet"});

@@ -7,19 +7,19 @@
 
 namespace moma {
 
-/// What is remembered of detours: where they are, and the last step's goal, by which one that jumps is told.
+/// Memory of detours: their state, and the last step's goal, by which jumps of the goal are detected.
 struct EscapeMemory {
   EscapeState state;
   GoalState last_goal;
   bool has_goal = false;  ///< there was a last step
 };
 
-/// All that a controller remembers from step to step: with an observation, all that decides a command. Sizes are fixed
-/// by reset(): copies among equal sizes take no memory.
+/// Memory of a controller between steps: with an observation it determines the command. reset() fixes all sizes: copies
+/// among equal sizes do not allocate.
 struct ControllerMemory {
   EscapeMemory escape;
-  PredictionMemory prediction;  ///< empty where prediction is off
-  PlanState plan;               ///< of looking ahead; as at the start where it is off
+  PredictionMemory prediction;  ///< empty without prediction
+  PlanState plan;               ///< of the look-ahead; initial without it
 };
 
 }  // namespace moma

@@ -152,7 +152,7 @@ class Checker {
   }
 
   const ControllerParams& p_;
-  // A look ahead rolls the same laws out in steps of its own.
+  // The look-ahead simulates the same laws with its own step.
   const char* longest_name() const { return longest_ > dt_ ? "plan.step" : "control period"; }
 
   const RobotModel& model_;

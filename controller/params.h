@@ -38,8 +38,8 @@ constexpr auto words(Of<ServoError>) { return std::to_array<std::string_view>({"
 /// A sideways part of nu along obstacles (task/vortex.h).
 struct VortexParams {
   bool enabled = false;
-  double gain = 2.5;      ///< sideways part where an obstacle is touched head-on, in units of |nu_lin|
-  double distance = 0.2;  ///< of the obstacles that count [m]
+  double gain = 2.5;      ///< sideways part if an obstacle touches head-on, in units of |nu_lin|
+  double distance = 0.2;  ///< range of the obstacles that count [m]
   VortexWhen when = VortexWhen::kStagnated;
 };
 
@@ -64,7 +64,7 @@ struct ErrorNormParams {
 /// A weight that is 1/||e|| or a constant >= 0.
 struct Weight {
   bool inverse_error = true;
-  double value = 0.0;  ///< used where not inverse_error
+  double value = 0.0;  ///< value unless inverse_error
 };
 
 struct SlackParams {
@@ -87,8 +87,8 @@ struct JointLimitParams {
   VectorX margin;           ///< q_s per joint, resolved [rad, m]; `source` only
   double influence = 0.9;   ///< rho_i
   double stop = 0.1;        ///< rho_s
-  double gain = 1.0;        ///< eta; `braking`: of the way back from beyond rho_s [1/s]
-  double share = 0.8;       ///< of the acceleration limit; `braking` only
+  double gain = 1.0;        ///< eta; with `braking` the rate of the way back from beyond rho_s [1/s]
+  double share = 0.8;       ///< share of the acceleration limit; `braking` only
 };
 
 struct DamperParams {
@@ -98,11 +98,11 @@ struct DamperParams {
   double gain = 1.0;       ///< xi [m/s]
 };
 
-/// Rows that let objects in motion pass on one side of the base (qp/passing.h).
+/// Passing rows: let moving objects pass on one side of the base (qp/passing.h).
 struct PassingParams {
   bool enabled = false;
-  double horizon = 5.0;    ///< a gap may be used up in no less than this, on a wrong course [s]
-  double clearance = 0.1;  ///< room that is left as they pass [m]
+  double horizon = 5.0;    ///< least time in which a gap on a collision course may close [s]
+  double clearance = 0.1;  ///< distance kept while passing [m]
 };
 
 struct CollisionParams {
@@ -127,49 +127,49 @@ struct PostureParams {
   VectorX target;       ///< resolved joint values
 };
 
-/// Detours that follow the shortest way around the obstacles, seen from above (task/way_around.h).
+/// Detours along the shortest way around the obstacles, seen from above (task/way_around.h).
 struct AroundParams {
   bool enabled = false;
   double clearance = 0.08;  ///< beyond the base's footprint [m]
-  double reach = 0.7;       ///< the last metres to the goal that are the arm's [m]
+  double reach = 0.7;       ///< last part of the way, which the arm covers [m]
   double passed = 0.4;      ///< horizontal distance of E at which a corner is passed [m]
-  double duration = 6.0;    ///< of a detour around [s]
+  double duration = 6.0;    ///< longest time of a detour around [s]
 };
 
-/// When the robot stagnates, and the detours that lead it out (task/escape.h).
+/// Stagnation and detours (task/escape.h).
 struct EscapeParams {
-  bool enabled = false;           ///< detours; stagnation is watched for the vortex, too
-  double scale = 0.3;             ///< of the orientation's error in V = |e_p| + scale |e_R| [m/rad]
-  double progress = 0.01;         ///< V has to fall this far below its best ... [m]
+  bool enabled = false;           ///< detours; the vortex also uses stagnation
+  double scale = 0.3;             ///< factor on the orientation error in V = |e_p| + scale |e_R| [m/rad]
+  double progress = 0.01;         ///< V has to fall this far below its minimum ... [m]
   double patience = 1.0;          ///< ... within this time [s],
-  double traffic_patience = 5.0;  ///< or within this one while an object that moves is near [s]
+  double traffic_patience = 5.0;  ///< or within this time while a moving object is near [s]
   double position = 0.02;         ///< a pose this near to the goal does not stagnate [m]
   double orientation = 0.05;      ///< [rad]
-  double side_distance = 0.15;    ///< of the obstacles that decide the side [m]
-  double angle = 2.0;             ///< from the goal's direction to a detour's [rad]
-  double length = 0.75;           ///< from the base to a detour's target [m]
-  double growth = 0.2;            ///< of length and duration from each detour to the next
+  double side_distance = 0.15;    ///< range of the obstacles that decide the side [m]
+  double angle = 2.0;             ///< angle between the goal's direction and a detour's [rad]
+  double length = 0.75;           ///< distance from the base to a detour's target [m]
+  double growth = 0.2;            ///< relative growth of length and duration from each detour to the next
   double max_length = 2.5;        ///< [m]
-  double duration = 1.7;          ///< of a detour [s]
+  double duration = 1.7;          ///< longest time of a detour [s]
   double reached = 0.05;          ///< horizontal distance to its target at which a detour ends [m]
-  double slack_factor = 0.005;    ///< on the slack weight of the angular rows during a detour
-  double posture_weight = 0.05;   ///< pull of the arm to `ready` during a detour
+  double slack_factor = 0.005;    ///< factor on the slack weight of the angular rows during a detour
+  double posture_weight = 0.05;   ///< weight of `ready` as the arm's posture during a detour
   double posture_gain = 1.2;      ///< [1/s]
   AroundParams around;
 };
 
-/// How rrmc, park and baur answer singularities and speed limits (closed_form/closed_form.h).
+/// Singularities and speed limits in rrmc, park and baur (closed_form/closed_form.h).
 struct ClosedFormParams {
-  double damping = 0.05;  ///< at a singularity; 0: the plain pseudo-inverse
-  bool scaled = true;     ///< into the velocity limits; without, a command may be beyond them
+  double damping = 0.05;  ///< damping at a singularity; 0: the pseudo-inverse
+  bool scaled = true;     ///< scale into the velocity limits; otherwise a command may exceed them
 };
 
-/// The base first, then the arm (task/separate.h).
+/// Separate motion of base and arm (task/base_first.h).
 struct SeparateParams {
   bool enabled = false;
-  double reach = 0.65;      ///< horizontal distance of the goal from the base's origin where the base stands [m]
-  double tolerance = 0.03;  ///< of that [m]
-  double bearing = 0.1;     ///< of the goal, within which it is ahead of the base [rad]
+  double reach = 0.65;      ///< horizontal distance from the base's origin to the goal at which the base stands [m]
+  double tolerance = 0.03;  ///< tolerance of `reach` [m]
+  double bearing = 0.1;     ///< largest bearing of a goal ahead of the base [rad]
   double gain = 1.5;        ///< [1/s]
 };
 
@@ -181,8 +181,8 @@ struct OutputScalingParams {
   double switch_distance = 0.5;
 };
 
-/// Everything that decides a controller's command besides robot and period. Names, units and defaults are those of
-/// configs/controllers/*.yaml. Vectors "per joint" or "per velocity" are resolved to full size when read.
+/// All parameters that determine a controller's command besides robot and period. Names, units and defaults are those
+/// of configs/controllers/*.yaml. Vectors "per joint" or "per velocity" get their full size when read.
 struct ControllerParams {
   Method method = Method::kQp;
   ServoParams servo;
@@ -198,7 +198,7 @@ struct ControllerParams {
   VectorX acceleration_weight;  ///< lambda_qdd per velocity; default 0
   PostureParams posture;
   VectorX acceleration_limit;  ///< per velocity, default infinite [rad/s^2, m/s^2]
-  double base_share = 0.0;  ///< of the robot's own base.max_acceleration, held in every stage; 0: `acceleration_limit`
+  double base_share = 0.0;  ///< share of the robot's own base.max_acceleration, in every stage; 0: `acceleration_limit`
   SightParams sight;
   PredictionParams prediction;
   UncertaintyParams uncertainty;
@@ -210,19 +210,19 @@ struct ControllerParams {
   SolverKind solver = SolverKind::kDaqp;
 };
 
-/// The same parameters with every vector at its full size for this robot: empty ones get their defaults, the
-/// posture's target is filled from `ready`, an automatic margin is worked out.
+/// Returns the parameters with every vector at its full size for this robot: empty ones get their defaults, the
+/// posture's target comes from `ready`, an automatic margin is computed.
 ControllerParams resolved(ControllerParams params, const RobotModel& model);
 
-/// Something about parameters that is wrong, or (warning) allowed but doubtful; `key` is dotted as in the files.
+/// An error in parameters or, as a warning, a doubtful value; `key` is dotted as in the files.
 struct ParamsIssue {
   std::string key;
   std::string message;
   bool warning = false;
 };
 
-/// What is wrong with resolved parameters for this robot and control period [s]: sizes, ranges, margins that would
-/// be stepped over, weights that leave nothing to solve. Empty where all is well.
+/// Checks resolved parameters for this robot and control period [s]: sizes, ranges, margins shorter than a step,
+/// weights that leave nothing to solve. Empty if all is well.
 std::vector<ParamsIssue> check_params(const ControllerParams& params, const RobotModel& model, double control_period);
 
 }  // namespace moma

@@ -2,24 +2,24 @@
 
 namespace moma {
 
-/// Is told where the work goes from one part to the next, and may look at a clock then. Whoever works holds a pointer
-/// to one, null by default: a border of parts costs a branch then. Nothing that is computed depends on it.
+/// Interface of a profile: it is called at the changes between parts of work, and may read a clock then. The worker
+/// holds a pointer, null by default, which costs a branch per change. No result depends on it.
 template <class Part>
 class PartClock {
  public:
   virtual ~PartClock() = default;
-  /// What follows is of this part, until the next call. Takes no memory, locks nothing.
+  /// Starts a part, which lasts until the next call. Must neither allocate nor lock.
   virtual void enter(Part part) noexcept = 0;
 };
 
 /// Parts of moma's own control step.
 enum class StepPart {
-  kRest,        ///< observations checked, predicted, results written
+  kRest,        ///< checking and predicting observations, writing results
   kKinematics,  ///< poses, Jacobian, error, manipulability
-  kDistances,   ///< to objects, the floor and the robot itself
-  kRows,        ///< the QP posed, with detours; bounds
+  kDistances,   ///< distances to objects, the floor and the robot itself
+  kRows,        ///< posing the QP, with detours; bounds
   kSolve,       ///< the QP with its fallbacks, or the closed form
-  kSafety,      ///< whether the robot can still brake or get out of the way
+  kSafety,      ///< check ahead and evasion
   kAhead,       ///< predictions and plans
 };
 

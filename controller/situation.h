@@ -13,28 +13,28 @@
 
 namespace moma {
 
-/// How a command of this step is carried out, as found in motion (Predictor).
+/// Execution of this step's command, as identified from motion (Predictor).
 struct Execution {
-  double hold = 1.0;       ///< control periods that the command may have to act for, at least 1
-  BaseRamp::Shares drive;  ///< of its accelerations, with which the base's drive follows
+  double hold = 1.0;       ///< number of control periods that the command may have to act, at least 1
+  BaseRamp::Shares drive;  ///< shares of its accelerations with which the base's drive follows
 };
 
-/// Input of a control step's policy, problem and guards: the state in which the step's command takes effect, and what
-/// follows from that state alone. References are to the buffers of Assessment and of the predictor; they hold until the
-/// next step.
+/// Input of a control step's policy, problem and guards: the state in which the step's command takes effect, and
+/// quantities that follow from that state alone. References are to the buffers of Assessment and of the predictor; they
+/// are valid until the next step.
 struct Situation {
-  const Observation& o;                  ///< predicted, or as measured where prediction is off
-  std::span<const PlaceSpread> spreads;  ///< uncertainty of each object's place; empty where places are exact
+  const Observation& o;                  ///< predicted, or measured without prediction
+  std::span<const PlaceSpread> spreads;  ///< uncertainty of each object's position; empty if exact
   const Kinematics& kinematics;          ///< of o
-  Task servo;                            ///< error of E, and the twist that the servo asks for
+  Task servo;                            ///< error of E, and the servo's twist
   double manipulability;
   const VectorX& J_m;  ///< gradient of the manipulability per joint; zero where its weight is zero
   Execution execution;
-  StepClock* clock;  ///< null, or the clock that is told which part of the step runs
+  StepClock* clock;  ///< clock of the step's parts, or null
 };
 
 /// Computes Situation: forward kinematics, pose error, servo twist and manipulability. One per controller; assess()
-/// takes no memory.
+/// does not allocate.
 class Assessment {
  public:
   Assessment(std::shared_ptr<const RobotModel> model, const ControllerParams& params);
@@ -42,9 +42,9 @@ class Assessment {
   Situation assess(const Observation& o, std::span<const PlaceSpread> spreads, const Execution& execution,
                    StepClock* clock) noexcept;
 
-  /// Of the last assess().
+  /// Kinematics of the last assess().
   const Kinematics& kinematics() const noexcept { return kinematics_; }
-  /// Gradient of the manipulability at the last assess(), whatever its weight is. Allocates.
+  /// Gradient of the manipulability at the last assess(), for any weight. Allocates.
   VectorX J_m() const;
 
  private:

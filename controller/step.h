@@ -19,14 +19,14 @@ struct GoalState {
   Vector6 V_WG_W = Vector6::Zero();
 };
 
-/// What a controller may know at one step: sensed, never the simulator's truth.
+/// Sensed quantities at one step, never the simulator's true state.
 struct Observation {
   double time = 0.0;               ///< since the start of the motion [s]
   Vector3 base = Vector3::Zero();  ///< (x, y, phi)
   VectorX q;                       ///< num_joints()
   VectorX qdot;                    ///< measured velocity, num_velocities()
   GoalState goal;
-  std::vector<ObjectState> objects;  ///< same number and order as given to reset()
+  std::vector<ObjectState> objects;  ///< in the number and order of reset()
 };
 
 enum class StepStatus { kSolved, kInfeasible, kMaxIterations, kInvalidInput };
@@ -39,11 +39,12 @@ constexpr auto words(Of<Fallback>) {
   return std::to_array<std::string_view>({"none", "no_acceleration", "relaxed", "brake"});
 }
 
-/// Command and how it came about. `status` is the original problem's; `fallback` says what replaced it.
+/// Command of a step and its origin. `status` is that of the original problem; `fallback` names the stage that replaced
+/// it.
 struct StepResult {
-  VectorX command;                  ///< num_velocities(); always finite and inside its bounds
+  VectorX command;                  ///< num_velocities(); always finite and within its bounds
   Vector6 slack = Vector6::Zero();  ///< delta
-  Vector6 error = Vector6::Zero();  ///< [e_R; e_p] as the controller sees it
+  Vector6 error = Vector6::Zero();  ///< [e_R; e_p] as sensed
   double error_norm = 0.0;          ///< clamped, as used in the weights
   double manipulability = 0.0;
   double least_distance = std::numeric_limits<double>::infinity();  ///< to any object, within query range
@@ -52,16 +53,17 @@ struct StepResult {
   int rows = 0;         ///< constraint rows of the problem
   int active_rows = 0;  ///< rows and bounds at their limit in the solution
   int iterations = 0;
-  EscapeState escape;  ///< what moma's controller remembered when the step began: with the observation, all it knew
-  double kept = 1.0;   ///< share of the QP's command that the check of braking kept
-  double latency_base = -1.0;  ///< from a command to the velocity measured of it, as found [s]; -1: not looked for
+  EscapeState escape;  ///< moma's memory of detours at the start of the step
+  double kept = 1.0;   ///< share of the QP's command that the check ahead kept
+  /// Identified time from a command to the measurement of its velocity [s]; -1: not identified.
+  double latency_base = -1.0;
   double latency_joints = -1.0;
-  PlanBrief plan;              ///< of looking ahead, when the step began; as by default where it is off
-  double solve_seconds = 0.0;  ///< 0 unless timing was asked for; never part of a comparison
+  PlanBrief plan;              ///< state of the look-ahead at the start of the step; default without one
+  double solve_seconds = 0.0;  ///< 0 without timing; never part of a comparison
 };
 
-/// The one interface between a controller and the world. reset() may allocate and throw, and can be called again after
-/// that; step() does neither, locks nothing, logs nothing. The same sequence of calls gives the same bits.
+/// Interface between a controller and the world. reset() may allocate and throw, and may be called again after that;
+/// step() does neither, locks nothing, logs nothing. The same sequence of calls gives the same bits.
 class StepController {
  public:
   virtual ~StepController() = default;
@@ -71,7 +73,7 @@ class StepController {
   virtual void step(const Observation& observation, StepResult& result) noexcept = 0;
   /// Sizes the vectors of `result` so that step() never allocates.
   virtual void prepare(StepResult& result) const = 0;
-  /// Why the controller cannot go on: a trial ends with this as its reason. Empty while all is well.
+  /// Reason why the controller cannot continue, which ends a trial. Empty otherwise.
   virtual std::string_view failure() const noexcept { return {}; }
 };
 

@@ -2,8 +2,8 @@
 
 #include <Eigen/Dense>
 
-// Built for AVX, or with a sanitizer, Eigen would align its types and its memory otherwise than in the library: structs
-// would have another layout, and what one side allocates the other could not free. The CMake targets define both.
+// With AVX or a sanitizer Eigen would align its types and memory differently from the library: structs would have
+// another layout, and one side could not free the other's memory. The CMake targets define both.
 static_assert(
     EIGEN_MAX_STATIC_ALIGN_BYTES <= 16 && EIGEN_MALLOC_ALREADY_ALIGNED == 1,
     "define EIGEN_MAX_ALIGN_BYTES=16 and EIGEN_MALLOC_ALREADY_ALIGNED=1 wherever moma's headers are included, "

@@ -22,7 +22,7 @@ OutputError cannot(const fs::path& file, const std::string& why) {
 
 std::string reason() { return errno != 0 ? std::strerror(errno) : "the disk may be full"; }
 
-/// False, with errno, where it cannot be done; file systems that know no such thing count as done.
+/// False, with errno, on failure; file systems without synchronisation count as done.
 bool synchronise(const fs::path& path, int flags) {
   const int descriptor = open(path.c_str(), flags | O_CLOEXEC);
   if (descriptor < 0) return false;
@@ -44,7 +44,7 @@ void fill(const fs::path& named, const fs::path& file, std::ios::openmode mode,
   if (!out) throw cannot(named, reason());
 }
 
-constexpr std::streamsize kEnd = 64 * 1024;  // [byte] of either end of a file, where its mark is looked for
+constexpr std::streamsize kEnd = 64 * 1024;  // [byte] of either end of a file that are searched for its mark
 
 /// The first and the last kEnd bytes of a file, or all of a shorter one.
 std::string ends_of(const fs::path& named, const fs::path& file) {
@@ -70,7 +70,7 @@ bool begins_like_store(std::string_view text) {
   return begins_like_database(text) && text.size() >= 72 && text.substr(68, 4) == "moma";
 }
 
-/// "an empty file", for a person.
+/// Description for messages: "an empty file".
 std::string_view what_it_is(std::string_view text) {
   if (begins_like_database(text)) return "a database of another program";
   const auto printable = [](unsigned char c) { return c >= ' ' || c == '\n' || c == '\t' || c == '\r'; };
@@ -98,7 +98,7 @@ void check_replace(const fs::path& file, const Kind& kind, Replace replace) {
   if (!fs::is_regular_file(status)) return;
   const std::string text = ends_of(file, place);
   if (text.empty()) return;
-  // Of a store that is being written, all but the magic may still be in the log beside it.
+  // While a store is written, the log beside it may contain everything except the magic.
   if (begins_like_store(text) || (begins_like_database(text) && fs::exists(place.string() + "-wal", error)))
     throw OutputError(
         fmt::format("{}: is a store of moma's, which nothing else replaces; name another file", file.string()));
@@ -115,9 +115,9 @@ fs::path behind_links(const fs::path& file) {
   fs::path place = file;
   std::error_code error;
   for (int links = 0; links < 40 && fs::is_symlink(fs::symlink_status(place, error)); ++links) {
-    const fs::path target = fs::read_symlink(place);  // throws: what it leads to is not to be guessed
+    const fs::path target = fs::read_symlink(place);  // throws for an unreadable link
     const fs::path next = target.is_absolute() ? target : place.parent_path() / target;
-    // What /dev/stdout leads to, a pipe, has no path: the link itself opens it.
+    // The target of /dev/stdout, a pipe, has no path: the link itself opens it.
     if (!fs::exists(fs::symlink_status(next, error)) && fs::exists(place, error)) return place;
     place = next;
   }

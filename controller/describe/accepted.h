@@ -8,12 +8,12 @@
 
 namespace moma {
 
-/// A number as the shortest text that reads back the same; ".inf" and "-.inf".
+/// Returns a number as the shortest text that reads back the same; ".inf" and "-.inf".
 std::string number_text(double value);
 
-/// What a value may be, for messages and tables: "a number above 0", "a whole number from 0 to 10".
+/// Describes accepted values, for messages and tables: "a number above 0", "a whole number from 0 to 10".
 std::string accepted_number(const Range& range);
-/// Limits of the type are left out where `range` does not reach them.
+/// Omits the type's limits if `range` does not reach them.
 std::string accepted_whole_number(long long low, long long high);
 /// "a list of 7 numbers"; with `one_for_all`, "a number of at least 0 or a list of 7 numbers".
 std::string accepted_numbers(int count, const About& about);
@@ -32,7 +32,7 @@ constexpr std::pair<long long, long long> whole_range(const Range& range) {
   return {low, high};
 }
 
-/// What a member of type T may be. Beside a type of its own there may stand
+/// Describes the accepted values of a member of type T. A type of its own may define
 ///   std::string accepted(Of<T>, const About&)
 template <class T>
 std::string accepted_as(const About& about, const Lengths& lengths = {}) {

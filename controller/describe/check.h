@@ -14,24 +14,24 @@
 
 namespace moma {
 
-/// A value that is not what its description says: "must be a finite number above 0, is -1".
+/// A value that violates its description: "must be a finite number above 0, is -1".
 struct Violation {
   std::string key;  ///< dotted, as in the files
   std::string message;
 };
 
-/// What is wrong with a struct that code has filled: numbers outside their range, lists of a wrong length, values that
-/// are no enumerator. Parts that are switched off are checked as well, and so is what a word stands for (word_or): it
-/// has been filled in. Empty where all is well.
+/// Checks a struct that code has filled: numbers outside their range, lists of a wrong length, values without an
+/// enumerator. Covers parts that are switched off, and values behind a word (word_or), which have been filled in. Empty
+/// if all is well.
 template <Described T>
 std::vector<Violation> violations(const T& value, const Lengths& lengths = {}, const std::string& prefix = "");
 
 namespace description {
 
-/// "" where the number is inside.
+/// "" if the number is in the range.
 std::string number_violation(double value, const Range& range);
 std::string whole_number_violation(long long value, long long low, long long high);
-/// The first that is wrong.
+/// Returns the first violation.
 std::string numbers_violation(std::span<const double> values, int count, const About& about);
 
 template <class T>

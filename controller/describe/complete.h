@@ -24,7 +24,7 @@ struct MembersFit<T, std::index_sequence<I...>> {
   static constexpr bool value = requires { T{(static_cast<void>(I), AnyMember<T>{})...}; };
 };
 
-/// Members of an aggregate without arrays: the most values that its braces take.
+/// Counts the members of an aggregate without arrays: the largest number of values that its braces accept.
 template <class T, std::size_t most = 64>
 constexpr std::size_t count_members() {
   static_assert(std::is_aggregate_v<T>);
@@ -34,7 +34,7 @@ constexpr std::size_t count_members() {
     return count_members<T, most - 1>();
 }
 
-/// Counts what a description names, and whether that is all there is, of T and of the described structs in it.
+/// Counts the members that a description names, and compares with all members, of T and of the described structs in it.
 template <class T>
 class Completeness {
  public:
@@ -82,8 +82,9 @@ class Completeness {
 
 }  // namespace description
 
-/// Whether the description of T, and of each described struct in it, names every member: to be asserted below it, so
-/// that a member that is forgotten does not compile. For aggregates of at most 64 members, none of them an array.
+/// True if the description of T, and of each described struct in it, names every member. Assert it below the
+/// description, so that a forgotten member does not compile. For aggregates of at most 64 members, none of them an
+/// array.
 template <Described T>
 constexpr bool is_complete() {
   description::Completeness<T> count;

@@ -8,8 +8,8 @@
 
 namespace moma {
 
-/// One description for each struct: a function beside it that names its members, in the order in which they are
-/// written, with unit, range and one line for the reference.
+/// One description for each struct: a function beside it that names its members, in the order of writing, with unit,
+/// range and one line for the reference.
 ///
 ///   template <class Visitor>
 ///   constexpr void describe(Visitor& v, Of<ServoParams>) {
@@ -19,48 +19,48 @@ namespace moma {
 ///
 /// Members are pointers to members, so that a visitor may hold one object (to read, write or check it), two (to compare
 /// them, or a value with its default), or none (to list columns and keys). Readers, writers, range checks, columns,
-/// wires and tables of keys follow from it: a new member is its line here, and where it acts. The default is that of
-/// the default-constructed struct.
+/// wires and tables of keys follow from it: a new member needs its line here, and its use. The default is that of the
+/// default-constructed struct.
 ///
-/// There are: config/read_described.h (strict YAML), config/write_described.h (JSON), describe/check.h (ranges, for
+/// Visitors: config/read_described.h (strict YAML), config/write_described.h (JSON), describe/check.h (ranges, for
 /// structs that code has filled), describe/keys.h (tables of keys), describe/equal.h.
 ///
-/// What a visitor has to offer (one that a description does not use may be missing):
-///   member(name, pointer, About)                          a value: number, whole number, truth, text, enumeration,
+/// Functions of a visitor (functions that a description does not use may be missing):
+///   member(name, pointer, About)                          a value: number, whole number, boolean, text, enumeration,
 ///                                                         vector, list, std::optional, or described
-///   optional(name, pointer, &T::enabled, Off, text)       a described struct that is there only where it is enabled
-///   word_or(name, word, flag pointer, pointer, About)     a value in whose place a word may stand, which sets the flag
-///   inlined(pointer)                                      a described struct whose members stand among these
+///   optional(name, pointer, &T::enabled, Off, text)       a described struct that may be switched off
+///   word_or(name, word, flag pointer, pointer, About)     a value or, if the flag is set, a word in its place
+///   inlined(pointer)                                      a described struct whose members are listed among these
 ///   group(name, text, [](auto& g) { g.member(...); })     members of this struct under a key of their own
-///   written_where([](const T&) -> bool, [](auto& v) {})   members that are read always, and written only where the
-///                                                         first says so of the object
+///   written_where([](const T&) -> bool, [](auto& v) {})   members that are always read, and written only if the first
+///                                                         function returns true for the object
 ///
-/// Beside a type there may also stand (found by argument-dependent lookup):
+/// Optional functions beside a type (found by argument-dependent lookup):
 ///   constexpr auto alternative(Of<T>) { return WordOr{"word", &T::flag, &T::value}; }
-///     where T is as a whole a value in whose place a word may stand;
+///     if T as a whole is a value that a word may replace;
 ///   bool from_word(std::string_view word, T& value)
-///     where a word may be written for all of a described struct; false where it is no such word.
+///     if a word may replace all of a described struct; false for an unknown word.
 template <class T>
 struct Of {
   using type = T;
 };
 
-/// When a writer leaves a member out. Trial keys are hashes of what is written: what came later is written only where
-/// it differs from its default, so that the keys of trials without it stay what they were.
+/// When a writer omits a member. Trial keys are digests of the written text: later members are written only if they
+/// differ from their defaults, so that the keys of trials without them do not change.
 enum class Written { kAlways, kUnlessDefault };
 
-/// How an `optional` that is switched off is written. All of them are read: none, or a map, which switches it on
-/// unless it says `enabled: false`. Only kKept brings the values of a part that is off through a file.
+/// Form of an `optional` that is switched off. All forms are readable: none, or a map, which switches it on unless it
+/// has `enabled: false`. Only kKept preserves the values of a part that is off.
 enum class Off {
   kNone,     ///< as the word none
-  kOmitted,  ///< not at all
-  kKept,     ///< in full, with `enabled: false`; where it is on, with `enabled: true`
+  kOmitted,  ///< omitted
+  kKept,     ///< in full, with `enabled: false`; if on, with `enabled: true`
 };
 
-/// What each value of a list belongs to, where its length is the robot's.
+/// Owners of a list's values, if the robot determines its length.
 enum class Per { kNothing, kJoint, kVelocity };
 
-/// The robot's numbers; negative where there is no robot, and lists may have any length.
+/// The robot's numbers; negative without a robot, and lists may then have any length.
 struct Lengths {
   int joints = -1;
   int velocities = -1;
@@ -68,18 +68,18 @@ struct Lengths {
   constexpr int of(Per per) const { return per == Per::kJoint ? joints : per == Per::kVelocity ? velocities : -1; }
 };
 
-/// What is said of a member.
+/// Description of a member.
 struct About {
-  std::string_view unit = "";  ///< of SI and `1`: "m", "rad/s"; of joints "rad or m"; "" where it has none
+  std::string_view unit = "";  ///< SI or `1`: "m", "rad/s"; for joints "rad or m"; "" without a unit
   Range range = {};            ///< of a number, or of each number of a list
   Per per = Per::kNothing;     ///< of a list
-  bool one_for_all = false;    ///< of a list: one number stands for as many, and equal ones are written so
+  bool one_for_all = false;    ///< of a list: one number may replace equal ones, and is written so
   bool required = false;       ///< for readers: no default
   Written written = Written::kAlways;
   std::string_view text = "";  ///< one line for the reference, without a full stop
 };
 
-/// What alternative() says: where `flag` holds, `word` is written in place of `value`.
+/// Result of alternative(): if `flag` is set, `word` is written instead of `value`.
 template <class T, class V>
 struct WordOr {
   std::string_view word;

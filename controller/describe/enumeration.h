@@ -10,11 +10,11 @@
 
 namespace moma {
 
-/// The words for an enumeration, said once beside it, in the order of its values, which count from 0:
+/// The words of an enumeration, defined beside it, in the order of its values, which count from 0:
 ///
 ///   constexpr auto words(Of<Outcome>) { return std::to_array<std::string_view>({"success", "collision", ...}); }
 ///
-/// Files, messages, columns and checks of the store take them from there.
+/// Files, messages, columns and checks of the store use them.
 template <class E>
 concept Worded = std::is_enum_v<E> && requires {
   words(Of<E>{});
@@ -33,7 +33,7 @@ constexpr bool is_named() {
 
 }  // namespace enumeration
 
-/// True where `words` has one word for each enumerator: to be asserted beside it.
+/// True if `words` has one word for each enumerator; assert it beside the words.
 template <Worded E>
 constexpr bool all_worded() {
   constexpr std::size_t n = words(Of<E>{}).size();

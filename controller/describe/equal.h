@@ -8,8 +8,7 @@
 
 namespace moma {
 
-/// Whether two values are the same in every described member, switched-off parts included. Numbers that are not a
-/// number are the same as each other.
+/// True if two values are equal in every described member, including switched-off parts. NaN equals NaN.
 template <class T>
 bool same(const T& a, const T& b);
 

@@ -15,17 +15,17 @@
 
 namespace moma {
 
-/// A key of a file: for tables in the reference, completion, and what is near to a key that is unknown.
+/// A key of a file, for tables in the reference, completion, and suggestions for unknown keys.
 struct Key {
   std::string name;       ///< dotted: "servo.vortex.gain"
-  std::string unit;       ///< "" where it has none
+  std::string unit;       ///< "" without a unit
   std::string accepted;   ///< "a number above 0", "one of: qp, rrmc", "none or a map"
-  std::string otherwise;  ///< the default, as it would be written; "" where there is none, or a map
+  std::string otherwise;  ///< the default as written; "" without one, or for a map
   std::string text;       ///< one line for the reference
 };
 
-/// All keys of T in the order of the file, those of parts that are off by default included. Defaults are those of
-/// `defaults`: give one that is resolved for a robot where lists get their length from it.
+/// Returns all keys of T in the order of the file, including those of parts that are off by default. Defaults are those
+/// of `defaults`: pass one resolved for a robot if the robot determines lengths of lists.
 template <Described T>
 std::vector<Key> keys_of(const T& defaults = {}, const std::string& prefix = "");
 
@@ -33,7 +33,7 @@ namespace description {
 
 std::string list_text(std::span<const double> values, bool one_for_all);
 
-/// The value as it would be written. Beside a type of its own there may stand std::string text_of(const T&).
+/// Returns the value as written. A type of its own may define std::string text_of(const T&).
 template <class T>
 std::string default_text(const T& value, const About& about) {
   if constexpr (requires { text_of(value); }) {

@@ -11,13 +11,13 @@
 
 namespace moma {
 
-/// What visitors tell apart among the types of members.
+/// Kinds of member types that visitors distinguish.
 
-/// A whole number; truths are none.
+/// Whole numbers, without booleans.
 template <class T>
 concept WholeNumber = std::integral<T> && !std::same_as<T, bool>;
 
-/// Numbers in a row whose count is in the type: Eigen's fixed vectors, std::array<double, N>.
+/// Sequences of numbers with a constant length: Eigen's fixed vectors, std::array<double, N>.
 template <class T>
 inline constexpr int fixed_length = 0;
 template <int N>
@@ -25,7 +25,7 @@ inline constexpr int fixed_length<Eigen::Matrix<double, N, 1>> = N == Eigen::Dyn
 template <std::size_t N>
 inline constexpr int fixed_length<std::array<double, N>> = static_cast<int>(N);
 
-/// Numbers in a row of any count: Eigen::VectorXd, std::vector<double>.
+/// Sequences of numbers with any length: Eigen::VectorXd, std::vector<double>.
 template <class T>
 concept NumberList = std::same_as<T, Eigen::VectorXd> || std::same_as<T, std::vector<double>>;
 
@@ -43,7 +43,7 @@ inline constexpr bool is_std_optional = false;
 template <class T>
 inline constexpr bool is_std_optional<std::optional<T>> = true;
 
-/// A list of anything but numbers.
+/// Lists of anything but numbers.
 template <class T>
 inline constexpr bool is_std_vector = false;
 template <class T>

@@ -8,9 +8,9 @@
 
 namespace moma::description {
 
-/// What visitors that only look at a struct have in common: dotted keys, and going into parts without a key of their
-/// own, groups, and members that are not always written. `Self` has below(key), itself at another key of the same
-/// struct, and descend(key, part), itself on a part.
+/// Common part of visitors that only inspect a struct: dotted keys, recursion into inlined parts, groups, and members
+/// that are not always written. `Self` has below(key), itself at another key of the same struct, and descend(key,
+/// part), itself on a part.
 template <class Self, class T>
 class Look {
  public:

@@ -4,7 +4,7 @@
 
 namespace moma {
 
-/// Numbers that a value may have. Closed by default; infinities are inside only where a bound is infinite.
+/// Range of accepted numbers. Closed by default; infinities are inside only if a bound is infinite.
 struct Range {
   double low = -std::numeric_limits<double>::max();
   double high = std::numeric_limits<double>::max();

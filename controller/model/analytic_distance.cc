@@ -10,13 +10,13 @@
 namespace moma {
 namespace {
 
-// v / |v|, or `otherwise` where v has no direction.
+// v / |v|, or `otherwise` if v has no direction.
 Vector3 direction(const Vector3& v, const Vector3& otherwise) noexcept {
   const double length = v.norm();
   return length > 1e-14 ? Vector3(v / length) : otherwise;
 }
 
-// Whoever asks for a distance alone pays for no normal.
+// A caller that needs the distance alone does not pay for the normal.
 template <class Answer, class Normal>
 Answer answer(double d, Normal normal) noexcept {
   if constexpr (std::is_same_v<Answer, double>) {
@@ -34,7 +34,7 @@ Answer to_box(const Vector3& half, const Vector3& p) noexcept {
   const auto sign = [](double x) { return std::copysign(1.0, x); };
   if (d > 1e-14)
     return answer<Answer>(d, [&]() -> Vector3 { return (outside.array() * p.array().unaryExpr(sign)) / d; });
-  Eigen::Index i = 0;  // inside: out through the nearest face
+  Eigen::Index i = 0;  // inside: the way out leads through the nearest face
   const double depth = beyond.maxCoeff(&i);
   return answer<Answer>(depth, [&]() -> Vector3 { return sign(p[i]) * Vector3::Unit(i); });
 }
@@ -95,12 +95,12 @@ Vector2 closest_parameters(const Vector3& c1, const Vector3& a1, const Vector3& 
   const double c = a1.dot(r);
   const double f = a2.dot(r);
   const auto clamp = [](double x) { return std::clamp(x, -1.0, 1.0); };
-  const double denominator = a * e - b * b;  // 0 where the segments are parallel or a point
+  const double denominator = a * e - b * b;  // 0 if the segments are parallel or a point
   double s = 0.0;
   if (denominator > 1e-12 * a * e) {
     s = clamp((b * f - c * e) / denominator);
   } else if (a > 0.0) {
-    // Parallel: the middle of the stretch where they face each other, so that the points do not jump about.
+    // Parallel: the middle of the overlap, so that the points do not jump.
     const double span = std::sqrt(e / a);
     const double middle = -c / a;
     const double low = std::max(-1.0, middle - span);
@@ -128,7 +128,7 @@ Distance capsule_capsule(const Shape& first, const Isometry& X_W1, const Shape& 
   if (length > 1e-12) {
     result.n_W = between / length;
   } else {
-    // Axes that cross: out along their common normal, either way; in line: along any normal of the axis.
+    // Crossing axes: out along their common normal, in either direction; axes in line: along any normal of the axis.
     const Vector3 axis = X_W2.linear().col(2);
     const Vector3 side = direction(axis.unitOrthogonal(), Vector3::UnitX());
     result.n_W = direction(X_W1.linear().col(2).cross(axis), side);

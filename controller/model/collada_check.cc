@@ -18,8 +18,8 @@ namespace {
 constexpr std::size_t kMaxNodes = 100'000;
 
 struct SceneNode {
-  std::vector<int> children;           // nodes inside of it
-  std::vector<std::string> instances;  // ids of nodes that it stands for
+  std::vector<int> children;           // nested nodes
+  std::vector<std::string> instances;  // ids of nodes that it instantiates
   int state = 0;                       // 0 unseen, 1 open, 2 known
   int height = 0;
   std::size_t count = 0;
@@ -96,10 +96,10 @@ const char* unit_text(const TiXmlElement& root) {
   return unit == nullptr ? nullptr : unit->Attribute("meter");
 }
 
-// Outside of this nothing that a robot is made of is measured.
+// No robot's units are outside this range.
 constexpr double kLeastUnit = 1e-9, kMostUnit = 1e9;
 
-// 0 where the text is no length.
+// 0 if the text is no length.
 double unit_of(const char* text) {
   if (text == nullptr) return 1.0;
   char* end = nullptr;

@@ -24,8 +24,8 @@ std::optional<long> whole_number(std::string_view word) {
   return value;
 }
 
-/// The element's text as whole numbers; nothing where it is anything else, or in several pieces, of which readers take
-/// the first.
+/// Reads the element's text as whole numbers. Empty for anything else, or for a text in several pieces, of which
+/// readers take the first.
 std::optional<std::vector<long>> whole_numbers(const TiXmlElement& element) {
   std::vector<long> numbers;
   int pieces = 0;
@@ -109,7 +109,7 @@ class Geometries {
     for (const TiXmlElement* part = mesh.FirstChildElement(); part != nullptr && fault_.empty();
          part = part->NextSiblingElement()) {
       const std::string_view name = part->ValueStr();
-      const bool one_each = name == "polygons" || name == "trifans";  // a <p> is one polygon
+      const bool one_each = name == "polygons" || name == "trifans";  // each <p> is one polygon
       if (!one_each && name != "triangles" && name != "lines" && name != "linestrips" && name != "polylist" &&
           name != "tristrips")
         continue;

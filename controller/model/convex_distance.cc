@@ -1,7 +1,7 @@
-// GJK and EPA are driven here, and not through coal's ComputeDistance, for two reasons seen in coal 3.0.3: its wheel
-// builds an exception object (which allocates) for every assertion that it passes, and it keeps hints for the support
-// functions of large hulls from one call to the next, which shows in the last bits. This definition makes the
-// assertions of the inline functions below cost nothing unless they fail.
+// This file drives GJK and EPA itself instead of coal's ComputeDistance, for two reasons in coal 3.0.3: its wheel
+// builds an exception object (which allocates) for every assertion that passes, and it keeps hints for the support
+// functions of large hulls between calls, which change the last bits. This definition makes the assertions of the
+// inline functions below free unless they fail.
 #define COAL_TURN_ASSERT_INTO_EXCEPTION
 
 #include "controller/model/convex_distance.h"
@@ -46,10 +46,10 @@ std::unique_ptr<coal::ShapeBase> make_coal_shape(const Shape& shape) {
 
 coal::Transform3s to_coal(const Isometry& X) { return coal::Transform3s(X.linear(), X.translation()); }
 
-// Support point of one solid, in its own frame. coal's support function of boxes is not a function of its arguments:
-// coal 3.0.3 grows all boxes of a process by 1e-10 of their size if the first direction that anyone asked it for had a
-// zero in it (a local static in getShapeSupport(const Box*)), so that what was measured first shows in every result
-// after it. Boxes are therefore done here, exactly.
+// Support point of one solid, in its own frame. coal's support function of boxes depends on more than its arguments:
+// coal 3.0.3 grows all boxes of a process by 1e-10 of their size if the first direction of any call contained a zero (a
+// local static in getShapeSupport(const Box*)), so that the first query changes every later result. Boxes are therefore
+// computed here, exactly.
 void support_of(const coal::ShapeBase& shape, const Vector3& direction, Vector3& support, int& hint,
                 coal::details::ShapeSupportData& data) {
   using coal::details::getShapeSupport;
@@ -66,8 +66,8 @@ void support_of(const coal::ShapeBase& shape, const Vector3& direction, Vector3&
       return getShapeSupport<kOptions>(static_cast<const coal::Cylinder*>(&shape), direction, support, hint, data);
     case coal::GEOM_CAPSULE:
       return getShapeSupport<kOptions>(static_cast<const coal::Capsule*>(&shape), direction, support, hint, data);
-    default: {  // a hull, as make_coal_shape() makes nothing else; its two searches are told apart as coal does
-      // LargeConvex and SmallConvex only choose the function, which casts back: no object is ever one of them.
+    default: {  // a hull, since make_coal_shape() makes nothing else; its two searches are selected as in coal
+      // LargeConvex and SmallConvex only select the function, which casts back: no object has these types.
       const auto* const hull = static_cast<const coal::ConvexBase*>(&shape);
       if (hull->num_points > coal::ConvexBase::num_vertices_large_convex_threshold) {
         using coal::details::LargeConvex;
@@ -79,7 +79,7 @@ void support_of(const coal::ShapeBase& shape, const Vector3& direction, Vector3&
   }
 }
 
-// In place of coal's, for pairs with a box.
+// Replaces coal's function for pairs with a box.
 void support_of_pair(const coal::details::MinkowskiDiff& difference, const Vector3& direction, Vector3& support0,
                      Vector3& support1, coal::support_func_guess_t& hint, coal::details::ShapeSupportData data[2]) {
   support_of(*difference.shapes[0], direction, support0, hint[0], data[0]);
@@ -91,7 +91,7 @@ void support_of_pair(const coal::details::MinkowskiDiff& difference, const Vecto
 
 bool is_box(const coal::ShapeBase& shape) { return shape.getNodeType() == coal::GEOM_BOX; }
 
-// A hundred times below coal's default: as quick within 20 %, and rims no longer end up to 0.3 mm off.
+// A hundred times below coal's default: within 20 % as quick, and rims are no longer off by up to 0.3 mm.
 constexpr double kGjkTolerance = 1e-8;
 
 bool is_good(const Distance& distance) {
@@ -109,10 +109,10 @@ ConvexGeometry& ConvexGeometry::operator=(ConvexGeometry&&) noexcept = default;
 struct ConvexDistance::Impl {
   coal::details::MinkowskiDiff difference;
   const coal::details::GJK unused{coal::GJK_DEFAULT_MAX_ITERATIONS, kGjkTolerance};
-  coal::details::GJK gjk = unused;  // copied anew for each pair: reset() would allocate
+  coal::details::GJK gjk = unused;  // copied for each pair: reset() would allocate
   coal::details::EPA epa{coal::EPA_DEFAULT_MAX_ITERATIONS, coal::EPA_DEFAULT_TOLERANCE};
 
-  // Points and normal (from the first to the second solid) in the first solid's frame; false where none was found.
+  // Computes points and normal (from the first to the second solid) in the first solid's frame; false without a result.
   bool run(double& d, Vector3& p1, Vector3& p2, Vector3& normal) {
     gjk = unused;
     gjk.setDistanceEarlyBreak(std::numeric_limits<double>::max());
@@ -122,7 +122,7 @@ struct ConvexDistance::Impl {
     const Vector3 guess(1.0, 0.0, 0.0);
     gjk.evaluate(difference, guess, coal::support_func_guess_t::Zero());
     switch (gjk.status) {
-      case coal::details::GJK::Failed:  // out of iterations: still the best that is known
+      case coal::details::GJK::Failed:  // out of iterations: still the best estimate
       case coal::details::GJK::NoCollision:
       case coal::details::GJK::CollisionWithPenetrationInformation:
         d = gjk.distance;
@@ -170,11 +170,11 @@ Distance ConvexDistance::distance(const ConvexGeometry& first, const Isometry& X
       }
       if (good) distance.n_W.normalize();
     } catch (...) {
-      good = false;  // a control step has to go on
+      good = false;  // a control step has to continue
     }
   }
   if (!good) {
-    // No direction was found, which is left to deep contact and to nonsense: apart along the line of centres.
+    // No direction was found, in deep contact or for invalid input: apart along the line of centres.
     distance.d = 0.0;
     const Vector3 between = X_W1.translation() - X_W2.translation();
     const double length = between.norm();

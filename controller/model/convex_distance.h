@@ -10,7 +10,7 @@ class ShapeBase;
 
 namespace moma {
 
-/// A shape in the form that coal works on; a convex hull is copied.
+/// A shape in coal's form; a convex hull is copied.
 class ConvexGeometry {
  public:
   explicit ConvexGeometry(const Shape& shape);
@@ -24,17 +24,17 @@ class ConvexGeometry {
   std::unique_ptr<coal::ShapeBase> shape_;
 };
 
-/// Signed distance of any two convex solids by coal's GJK and EPA. Owns their buffers: one per worker.
-/// Errors seen on random pairs: below 1e-6 m apart, 2e-6 m in contact (2e-5 m for two cylinders).
+/// Signed distance of any two convex solids by coal's GJK and EPA. Owns their buffers: one per worker. Errors on random
+/// pairs: below 1e-6 m apart, 2e-6 m in contact (2e-5 m for two cylinders).
 class ConvexDistance {
  public:
-  /// `max_vertices`: of the largest hull to come, so that no buffer has to grow.
+  /// `max_vertices`: of the largest hull in use, so that no buffer grows.
   explicit ConvexDistance(int max_vertices);
   ~ConvexDistance();
   ConvexDistance(ConvexDistance&&) noexcept;
   ConvexDistance& operator=(ConvexDistance&&) noexcept;
 
-  /// Does not allocate. Every call starts from the same guess, so that earlier calls leave no trace in the result.
+  /// Does not allocate. Every call starts from the same guess, so that results do not depend on earlier calls.
   Distance distance(const ConvexGeometry& first, const Isometry& X_W1, const ConvexGeometry& second,
                     const Isometry& X_W2) noexcept;
 

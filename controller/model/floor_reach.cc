@@ -9,7 +9,7 @@
 namespace moma {
 namespace {
 
-// Of an axis' part along the vertical, from where a rounded rpy in a URDF is taken for exact.
+// Vertical components of axes beyond which a rounded rpy of a URDF counts as exact.
 constexpr double kUpright = 1.0 - 1e-6, kLevel = 1e-3;
 
 bool lifts(const Link& link, const Isometry& X_WL) {
@@ -25,7 +25,7 @@ FloorReach floor_reach(const RobotModel& model) {
   std::vector<bool> lifted(model.links.size(), false);
   for (std::size_t i = 1; i < model.links.size(); ++i) {  // parents first
     const Link& link = model.links[i];
-    // As long as nothing lifts a link, its axes keep their part along the vertical.
+    // As long as nothing lifts a link, the vertical components of its axes are constant.
     lifted[i] = lifted[static_cast<std::size_t>(link.parent)] || lifts(link, at_ready.X_WL(static_cast<int>(i)));
   }
   FloorReach reach;

@@ -8,7 +8,7 @@
 namespace moma {
 namespace {
 
-// X * the joint's motion, of what that is not 0.
+// X * the joint's motion, without factors that are identities.
 void move(const Link& link, double value, Isometry& X) noexcept {
   if (link.joint_type == JointType::kPrismatic) {
     X.translation() += X.linear() * (value * link.axis);
@@ -106,7 +106,7 @@ void integrate(const RobotModel& model, Vector3& base, Eigen::Ref<VectorX> q, co
 }
 
 Vector3 log_so3(const Matrix3& R) noexcept {
-  // Through the quaternion: its conversion picks the largest component, so it is accurate at 0 and at pi alike.
+  // Through the quaternion: its conversion picks the largest component, and is accurate at 0 and at pi.
   const Eigen::Quaterniond quaternion(R);
   Vector3 v = quaternion.vec();
   double w = quaternion.w();
@@ -114,7 +114,7 @@ Vector3 log_so3(const Matrix3& R) noexcept {
     v = -v;
     w = -w;
   }
-  if (w < 1e-14) {  // angle pi up to rounding: both directions are right, so one is chosen
+  if (w < 1e-14) {  // angle pi up to rounding: both directions are valid
     for (int i = 0; i < 3; ++i) {
       if (std::abs(v[i]) < 1e-12) continue;
       if (v[i] < 0.0) v = -v;

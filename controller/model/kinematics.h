@@ -7,8 +7,8 @@
 
 namespace moma {
 
-/// Forward kinematics and Jacobians of one configuration. Owns every buffer and is valid from birth
-/// (base at the origin, arm at `ready`). One per worker; update() and all getters are real-time safe.
+/// Forward kinematics and Jacobians of one configuration. Owns every buffer and is valid after construction (base at
+/// the origin, arm at `ready`). One per worker; update() and all getters are real-time safe.
 class Kinematics {
  public:
   explicit Kinematics(std::shared_ptr<const RobotModel> model);
@@ -17,7 +17,7 @@ class Kinematics {
 
   /// base = (x, y, phi) of B in W; q has num_joints() values. O(links).
   void update(const Vector3& base, const Eigen::Ref<const VectorX>& q) noexcept;
-  /// The same for who asks of the links only: X_WE() and J_WE_W() stay those of the last update(). Half the cost.
+  /// Updates the links only: X_WE() and J_WE_W() stay those of the last update(). Half the cost.
   void place(const Vector3& base, const Eigen::Ref<const VectorX>& q) noexcept;
 
   const Vector3& base() const noexcept { return base_; }
@@ -31,15 +31,15 @@ class Kinematics {
   /// column is [z; z x (p_E - p_B)] (Lynch & Park 2017, 11.38, taken at E instead of at B).
   const Matrix6X& J_WE_W() const noexcept { return J_WE_W_; }
 
-  /// Velocity [m/s] per velocity coordinate of the point fixed to `link` that is now at p_W;
-  /// out is 3 x num_velocities(). Columns of joints that do not move the link are zero.
+  /// Velocity [m/s] per velocity coordinate of the point fixed to `link` that is now at p_W; out is 3 x
+  /// num_velocities(). Columns of joints that do not move the link are zero.
   void point_jacobian(int link, const Vector3& p_W, Eigen::Ref<Matrix3X> out) const noexcept;
 
  private:
   std::shared_ptr<const RobotModel> model_;
   Vector3 base_ = Vector3::Zero();
   VectorX q_;
-  std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_PL_;  // joint at zero, or held where it is held
+  std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_PL_;  // joint at zero, or at its held value
   std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_WL_;
   Isometry X_WE_ = Isometry::Identity();
   Matrix6X J_WE_W_;
@@ -51,12 +51,11 @@ class Kinematics {
 void integrate(const RobotModel& model, Vector3& base, Eigen::Ref<VectorX> q, const Eigen::Ref<const VectorX>& v,
                double dt) noexcept;
 
-/// Rotation vector of R, |result| <= pi; well defined at 0 and at pi (there the axis' first non-zero
-/// component is positive).
+/// Rotation vector of R, |result| <= pi; defined at 0 and at pi (there the axis' first non-zero component is positive).
 Vector3 log_so3(const Matrix3& R) noexcept;
 
-/// Roll, pitch, yaw of R = Rz(yaw) Ry(pitch) Rx(roll), each in [-pi, pi], pitch in [-pi/2, pi/2]. Where the pitch is
-/// +-pi/2, roll and yaw are not determined and one of the many is given.
+/// Roll, pitch, yaw of R = Rz(yaw) Ry(pitch) Rx(roll), each in [-pi, pi], pitch in [-pi/2, pi/2]. At a pitch of +-pi/2
+/// roll and yaw are not unique; one solution is returned.
 Vector3 rpy_of(const Matrix3& R) noexcept;
 
 /// Pose of the planar base: rotation by phi about z, translation (x, y, 0).

@@ -41,7 +41,7 @@ double value_of(const Eigen::Ref<const Matrix6X>& J, int first_row) noexcept {
   return J.cols() < R || J.cols() > kMaxJoints ? 0.0 : ThinQr<R>(J, first_row).volume;
 }
 
-// In the innermost loop of the gradient: to be inlined there.
+// Inlined into the innermost loop of the gradient.
 inline Vector6 derivative_of(const Eigen::Ref<const Matrix6X>& J, const Eigen::Ref<const Eigen::VectorXi>& prismatic,
                              Eigen::Index i, Eigen::Index j) noexcept {
   const Vector3 angular = J.col(i).head<3>();

@@ -10,7 +10,7 @@
 namespace moma {
 namespace {
 
-// Radius of the ball that stands for a point [m].
+// Radius of the ball that represents a point [m].
 constexpr double kPoint = 1e-3;
 
 int hull_vertices(const Shape& shape) { return shape.hull ? static_cast<int>(shape.hull->vertices.size()) : 0; }
@@ -28,7 +28,7 @@ struct Proximity::Impl {
   std::vector<ProximityPair> pairs;
   ConvexGeometry point{Shape{ShapeKind::kSphere, {kPoint, 0.0, 0.0}, nullptr}};
 
-  // A ball against any solid: a closed form, or what an iterative method finds for its centre.
+  // A ball against any solid: by a closed form, or an iterative method for its centre.
   Distance ball(const Vector3& centre_W, double radius, const Solid& solid, const Isometry& X_WS) noexcept {
     const Shape sphere{ShapeKind::kSphere, {radius, 0.0, 0.0}, nullptr};
     Isometry X_WC = Isometry::Identity();
@@ -40,7 +40,7 @@ struct Proximity::Impl {
     return distance;
   }
 
-  // The distance where it is less than `range`: cheap lower bounds first.
+  // Returns the distance if it is less than `range`, after cheap lower bounds.
   std::optional<Distance> within(const Solid& a, const Isometry& X_Wa, const Solid& b, const Isometry& X_Wb,
                                  double range) noexcept {
     if (apart(a, X_Wa, b, X_Wb, range)) return {};
@@ -68,7 +68,7 @@ struct Proximity::Impl {
     return distance;
   }
 
-  // Calls found(pair) for every pair inside its range, in the fixed order, until it says false.
+  // Calls found(pair) for every pair inside its range, in the fixed order, until it returns false.
   template <class Found>
   void each(const Kinematics& kinematics, std::span<const ObjectState> states, const ProximityRanges& ranges,
             Found&& found) noexcept {

@@ -10,38 +10,38 @@
 
 namespace moma {
 
-/// What does not change about an object while a scene lasts.
+/// Constant properties of an object in a scene.
 struct ObjectShape {
   std::string name;
   Shape shape;
 };
 
-/// Covariances of what is wrong with a tracked object's position [m^2] and linear velocity [(m/s)^2], both of its
-/// origin: 3 x 3, symmetric, positive semidefinite, in world axes.
+/// Covariances of a tracked object's position [m^2] and linear velocity [(m/s)^2], both of its origin: 3 x 3,
+/// symmetric, positive semidefinite, in world axes.
 struct ObjectCovariance {
   Matrix3 position_W = Matrix3::Zero();
   Matrix3 velocity_W = Matrix3::Zero();
 };
 
-/// Where an object is now. V_WO_W = [angular; linear] in world axes, linear velocity taken at the object's origin.
+/// Present state of an object. V_WO_W = [angular; linear] in world axes, linear velocity at the object's origin.
 struct ObjectState {
   Isometry X_WO = Isometry::Identity();
   Vector6 V_WO_W = Vector6::Zero();
   bool visible = true;  ///< false: not sensed now; no distances, no rows
-  /// As a tracker states it of this measurement. Without one the standard deviations of the controller's `uncertainty`
-  /// count; where that is off, neither does.
+  /// Covariances that a tracker states for this measurement. Without them the standard deviations of the controller's
+  /// `uncertainty` apply; without `uncertainty` neither does.
   std::optional<ObjectCovariance> covariance = std::nullopt;
 };
 
-/// What moves no faster counts as at rest [m/s, rad/s].
+/// Objects at most this fast count as at rest [m/s, rad/s].
 inline constexpr double kAtRest = 0.01;
 
-/// Whether an object is in motion. Those pass by themselves: the vortex leaves them to their rows, and a robot that
+/// True if an object moves. Moving objects pass by themselves: the vortex leaves them to their rows, and a robot that
 /// waits for them has patience.
 inline bool in_motion(const ObjectState& object) noexcept { return object.V_WO_W.norm() > kAtRest; }
 
-/// Signed distance between two solids. n_W is a unit vector along which d grows when `first` moves along it:
-/// it points from the second's nearest point to the first's, sign kept in penetration (d < 0).
+/// Signed distance between two solids. n_W is a unit vector along which a motion of `first` increases d: from the
+/// second's nearest point to the first's, sign kept in penetration (d < 0).
 struct Distance {
   double d = 0.0;
   Vector3 n_W = Vector3::UnitZ();
@@ -49,16 +49,16 @@ struct Distance {
   Vector3 p_second_W = Vector3::Zero();
 };
 
-/// One-off signed distance between two placed shapes (coal). Allocates: not for the control step.
+/// Signed distance between two placed shapes (coal). Allocates: not for the control step.
 Distance shape_distance(const Shape& first, const Isometry& X_W1, const Shape& second, const Isometry& X_W2);
 
-/// False for a pose that is not one: sensed data can be anything.
+/// False for an invalid pose, which sensed data may contain.
 bool is_pose(const Isometry& X) noexcept;
 
 enum class PairKind { kObject, kFloor, kSelf };
 
-/// One close pair. first is a robot shape always; second is an object index (kObject), -1 (kFloor) or a robot
-/// shape index (kSelf; then `first` < `second` as in SelfPair).
+/// One close pair. `first` is a robot shape; `second` is an object index (kObject), -1 (kFloor) or a robot shape index
+/// (kSelf; then `first` < `second` as in SelfPair).
 struct ProximityPair {
   PairKind kind = PairKind::kObject;
   int first = 0;
@@ -73,8 +73,8 @@ struct ProximityRanges {
   double self = -1.0;
 };
 
-/// Distances between a robot's shapes, a set of objects, the floor (z = 0) and the robot itself, by coal behind
-/// a bounding-sphere prefilter. One per worker. set_objects() may allocate; query() does not, nor throws.
+/// Distances between a robot's shapes, a set of objects, the floor (z = 0) and the robot itself, by coal after a broad
+/// phase of bounding spheres. One per worker. set_objects() may allocate; query() neither allocates nor throws.
 class Proximity {
  public:
   explicit Proximity(std::shared_ptr<const RobotModel> model);
@@ -86,28 +86,27 @@ class Proximity {
   void set_objects(std::span<const ObjectShape> objects);
   int num_objects() const noexcept;
 
-  /// All pairs closer than their range, in a fixed order (objects by (shape, object), floor, self); unsorted by
-  /// distance. Floor pairs: shapes not rigid with the base. Self pairs: those with `row`. The span is valid
-  /// until the next call. states.size() must equal num_objects(). Poses that are not finite rotations and places are
-  /// left out: an object's own pairs, or everything where the robot's are. Guess warm-starts are not kept between
-  /// calls: the same inputs give the same bits.
+  /// Returns all pairs closer than their range, in a fixed order (objects by (shape, object), floor, self); unsorted by
+  /// distance. Floor pairs: shapes not rigid with the base. Self pairs: those with `row`. The span is valid until the
+  /// next call. states.size() must equal num_objects(). Invalid poses are left out: an object's own pairs, or
+  /// everything for the robot's. No warm start between calls: the same inputs give the same bits.
   std::span<const ProximityPair> query(const Kinematics& kinematics, std::span<const ObjectState> states,
                                        const ProximityRanges& ranges) noexcept;
 
-  /// Whether query() would find nothing: false at the first pair inside its range.
+  /// True if query() would find nothing; stops at the first pair inside its range.
   bool clear(const Kinematics& kinematics, std::span<const ObjectState> states, const ProximityRanges& ranges) noexcept;
 
-  /// The same for single pairs, with the robot where place() or the last query() found it: false where that is no pose,
-  /// and then no pair has a distance. `second` is as in ProximityPair; objects are to be visible and their poses poses.
+  /// Does the same for single pairs, with the robot at its last place() or query(). Returns false for an invalid pose;
+  /// then no pair has a distance. `second` is as in ProximityPair; objects must be visible and have valid poses.
   bool place(const Kinematics& kinematics) noexcept;
-  /// The distance where it is less than `range`, bit for bit that of query().
+  /// The distance if it is less than `range`, with the bits of query().
   std::optional<Distance> within(PairKind kind, int first, int second, std::span<const ObjectState> states,
                                  double range) noexcept;
-  /// Of a pair with an object: no distance, but cheap, and never more than it by more than rounding.
+  /// Cheap lower bound, up to rounding, of the distance of a pair with an object.
   double least_gap(int shape, int object, const Isometry& X_WO) const noexcept;
 
-  /// Signed distance from a robot shape, or from an object at X_WO, to a ball: `first` is the ball in both. The
-  /// robot's shapes are where the last query() found them.
+  /// Signed distance from a robot shape, or from an object at X_WO, to a ball: `first` is the ball in both. The robot's
+  /// shapes are those of the last query().
   Distance ball_to_robot(const Vector3& centre_W, double radius, int shape) noexcept;
   Distance ball_to_object(const Vector3& centre_W, double radius, int object, const Isometry& X_WO) noexcept;
   const Shape& object_shape(int object) const noexcept;

@@ -11,11 +11,11 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The part of a ray that lies in all half-spaces so far.
+/// The part of a ray inside all half-spaces so far.
 struct Span {
   double in = -kInfinity, out = kInfinity;
 
-  // Of n.(p + t u) <= offset, `height` is n.p - offset and `slope` n.u.
+  // Cuts by n.(p + t u) <= offset, with `height` = n.p - offset and `slope` = n.u.
   void cut(double height, double slope) noexcept {
     if (slope == 0.0) {
       if (height > 0.0) out = -kInfinity;
@@ -25,7 +25,7 @@ struct Span {
       out = std::min(out, t);
     }
   }
-  // Where the ray enters from outside.
+  // Distance at which the ray enters from outside.
   double entry() const noexcept { return in <= out && in > 0.0 ? in : kInfinity; }
 };
 
@@ -44,7 +44,7 @@ double ray_to_box(const Vector3& p, const Vector3& u, const Vector3& size) noexc
   return span.entry();
 }
 
-// Of a tube about z without ends: the span between its two crossings; empty where it is missed.
+// Span inside an infinite tube about z; empty if the ray misses it.
 Span ray_through_tube(const Vector3& p, const Vector3& u, double radius) noexcept {
   const double a = u.head<2>().squaredNorm(), outside = p.head<2>().squaredNorm() - radius * radius;
   if (a == 0.0) return outside > 0.0 ? Span{kInfinity, -kInfinity} : Span{};
@@ -79,10 +79,10 @@ double ray_to_hull(const Vector3& p, const Vector3& u, const ConvexHull& hull) n
   return span.entry();
 }
 
-// Angles of the i-th of `count` rays evenly spaced over twice `half`.
+// Angle of the i-th of `count` rays evenly spaced over twice `half`.
 double angle_of(int i, int count, double half) noexcept { return half * ((2.0 * i + 1.0) / count - 1.0); }
 
-// Rays from the first whose angle is no less than `from`.
+// Index of the first ray with an angle of at least `from`.
 int first_ray(double from, int count, double half) noexcept {
   if (half <= 0.0) return from <= 0.0 ? 0 : count;
   const double place = 0.5 * (count * (from / half + 1.0) - 1.0);
@@ -133,7 +133,8 @@ void RayView::draw(const Shape& shape, const Isometry& X_WS, int id) noexcept {
   const Vector3 centre = X_WC_.linear().transpose() * (X_WS.translation() - X_WC_.translation());
   const double away = centre.norm();
   if (!(away - radius <= range_)) return;
-  // The ball about it: a cap of the sphere of directions, and its greatest azimuth (that of a tangent meridian).
+  // Window of the solid's bounding ball: a cap of the sphere of directions, with its greatest azimuth (that of a
+  // tangent meridian).
   Window rows{-kPi, kPi}, columns{-kPi, kPi};
   if (away > radius) {
     const double cap = std::asin(std::min(1.0, radius / away));
@@ -148,7 +149,7 @@ void RayView::draw(const Shape& shape, const Isometry& X_WS, int id) noexcept {
   const Isometry X_SC = X_WS.inverse(Eigen::Isometry) * X_WC_;
   const int last = std::min(rows_, first_ray(rows.to, rows_, elevation_) + 1);
   for (int row = first_ray(rows.from, rows_, elevation_); row < last; ++row)
-    for (const double turn : {0.0, 2.0 * kPi, -2.0 * kPi})  // the window may reach over the seam behind the sensor
+    for (const double turn : {0.0, 2.0 * kPi, -2.0 * kPi})  // the window may extend over the seam behind the sensor
       if (columns.to + turn >= -azimuth_ && columns.from + turn <= azimuth_)
         draw_columns(shape, X_SC, row, {columns.from + turn, columns.to + turn}, id);
 }

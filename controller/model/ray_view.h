@@ -8,27 +8,27 @@
 namespace moma {
 
 /// Distance from `from_S` along the unit vector `u_S` to the solid's surface, both in the solid's frame [m]; infinite
-/// where the ray misses, or begins inside the solid. Exact for every kind; a hull is the intersection of the
-/// half-spaces of its triangles.
+/// if the ray misses, or begins inside the solid. Exact for every kind; a hull is the intersection of the half-spaces
+/// of its triangles.
 double ray_distance(const Shape& shape, const Vector3& from_S, const Vector3& u_S) noexcept;
 
-/// A frame of a sensor: for each of its rays the nearest solid. Solids are drawn one after the other, each only in the
-/// window of azimuth and elevation of the ball about it: the cost is that of the rays that come near it.
-/// Only the constructor takes memory.
+/// A sensor's frame: the nearest solid for each of its rays. Solids are drawn one after the other, each only in the
+/// window of azimuth and elevation of its bounding ball: the cost is that of the rays near it. Only the constructor
+/// allocates.
 class RayView {
  public:
-  static constexpr int kNothing = -1;  ///< what a ray meets that meets nothing
+  static constexpr int kNothing = -1;  ///< id of a ray without a hit
 
   explicit RayView(const Sensor& sensor);
 
-  /// Begins a frame from here. Nothing is in view yet.
+  /// Begins an empty frame from this pose.
   void begin(const Isometry& X_WC) noexcept;
-  /// Draws a solid; `id` is what its rays are told apart by.
+  /// Draws a solid; its rays get `id`.
   void draw(const Shape& shape, const Isometry& X_WS, int id) noexcept;
 
   int columns() const noexcept { return columns_; }
   int rows() const noexcept { return rows_; }
-  /// Rays in rows of the same elevation, the lowest first; in each from the least azimuth.
+  /// Rays in rows of equal elevation, the lowest first; in each row by increasing azimuth.
   const std::vector<Vector3>& directions_C() const noexcept { return directions_; }
   const std::vector<double>& distances() const noexcept { return distances_; }  ///< infinite: nothing in range [m]
   const std::vector<int>& ids() const noexcept { return ids_; }                 ///< or kNothing

@@ -25,7 +25,7 @@ constexpr auto words(Of<JointType>) {
   return std::to_array<std::string_view>({"fixed", "revolute", "continuous", "prismatic"});
 }
 
-/// Most controlled joints of a robot: buffers of the control step are sized for them.
+/// Largest number of controlled joints of a robot, for which the control step's buffers are sized.
 inline constexpr int kMaxJoints = 64;
 
 struct Inertial {
@@ -34,8 +34,8 @@ struct Inertial {
   Matrix3 I_C = Matrix3::Zero();    ///< inertia about the centre of mass, link axes [kg m^2]
 };
 
-/// One rigid link and the joint that hangs it on its parent. Links are in topological order (parents first):
-/// links[0] is "@base", the mobile base frame B; links[1] is the URDF's root, rigid at the mount pose.
+/// One rigid link and the joint to its parent. Links are in topological order (parents first): links[0] is "@base", the
+/// mobile base frame B; links[1] is the URDF's root, rigid at the mount pose.
 struct Link {
   std::string name;
   int parent = -1;    ///< index of the parent link; -1 for "@base" only
@@ -45,7 +45,7 @@ struct Link {
   Vector3 axis = Vector3::UnitZ();       ///< unit joint axis in the joint (= link) frame
   int controlled = -1;                   ///< index into RobotModel::joints, or -1: held at `held`
   double held = 0.0;                     ///< [rad] or [m], for movable joints that are not controlled
-  std::optional<Inertial> inertial;      ///< absent where the URDF gives none
+  std::optional<Inertial> inertial;      ///< absent if the URDF has none
 };
 
 /// A controlled joint: on the chain from the root to the tip, not locked; in chain order. At most kMaxJoints.
@@ -56,7 +56,7 @@ struct ControlledJoint {
   double lower = -std::numeric_limits<double>::infinity();  ///< [rad] or [m]; infinite for continuous
   double upper = std::numeric_limits<double>::infinity();
   double velocity = 0.0;  ///< largest speed, > 0 [rad/s] or [m/s]
-  double effort = 0.0;    ///< [Nm] or [N]; 0 where unknown
+  double effort = 0.0;    ///< [Nm] or [N]; 0 if unknown
 };
 
 struct Wheels {
@@ -73,7 +73,7 @@ struct MobileBase {
   double max_angular = 0.0;              ///< [rad/s]
   Vector2 max_acceleration{2.0, 4.0};    ///< the plant's ramp [m/s^2, rad/s^2]
   std::optional<Wheels> wheels;
-  double mass = 0.0;  ///< of the footprint [kg]; 0 where none is given
+  double mass = 0.0;  ///< of the footprint [kg]; 0 if not given
 };
 
 struct CollisionShape {
@@ -88,19 +88,19 @@ struct CollisionShape {
 struct SelfPair {
   int first = 0;
   int second = 0;
-  bool row = true;  ///< false: can never come within range; no QP row, but still in the contact check
+  bool row = true;  ///< false: never comes within range; no QP row, but checked for contact
 };
 
-/// A sensor where it is mounted.
+/// A mounted sensor.
 struct MountedSensor {
   Sensor sensor;
   int link = 0;
   Isometry X_LC = Isometry::Identity();
 };
 
-/// Immutable once built: share it as std::shared_ptr<const RobotModel> among threads.
-/// Configuration: base (x, y, phi) in W and q, one value per controlled joint.
-/// Velocity: (v, omega | qdot) differential, (v_x, v_y, omega | qdot) in base axes omnidirectional, qdot fixed.
+/// Immutable once built: share it as std::shared_ptr<const RobotModel> among threads. Configuration: base (x, y, phi)
+/// in W and q, one value per controlled joint. Velocity: (v, omega | qdot) differential, (v_x, v_y, omega | qdot) in
+/// base axes omnidirectional, qdot fixed.
 struct RobotModel {
   std::string name;
   MobileBase base;
@@ -114,12 +114,12 @@ struct RobotModel {
   std::vector<MountedSensor> sensors;
 
   int num_joints() const noexcept { return static_cast<int>(joints.size()); }
-  /// As many as the base's kind has (model/base_kind.h); 0 where it is fixed.
+  /// Number of velocity coordinates of the base (model/base_kind.h); 0 for a fixed one.
   int base_dof() const noexcept;
-  /// Whether the base moves.
+  /// True if the base moves.
   bool mobile() const noexcept { return base_dof() > 0; }
   int num_velocities() const noexcept { return base_dof() + num_joints(); }
-  /// -1 where there is none.
+  /// -1 if there is none.
   int find_link(std::string_view link_name) const noexcept;
   /// Largest |velocity| of every velocity coordinate, base first; size num_velocities().
   VectorX velocity_limits() const;

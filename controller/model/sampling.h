@@ -9,13 +9,13 @@
 
 namespace moma {
 
-/// Where a joint's values are drawn from [rad or m].
+/// Range from which a joint's values are drawn [rad or m].
 struct JointRange {
   double lower = 0.0;
   double upper = 0.0;
 };
 
-/// The joint's limits; one turn about zero where it has none.
+/// Returns the joint's limits; one turn about zero without limits.
 inline JointRange drawn_range(const ControlledJoint& joint) noexcept {
   if (std::isfinite(joint.lower) && std::isfinite(joint.upper)) return {joint.lower, joint.upper};
   return {-std::numbers::pi, std::numbers::pi};
@@ -34,7 +34,7 @@ inline double halton(int index, int base) noexcept {
 }
 
 /// Coordinate `i` of the `index`-th of a sequence of points in a box of any dimension: Halton's, to the bases of the
-/// first primes. Coordinates beyond these share bases, shifted.
+/// first primes. Further coordinates reuse these bases, shifted.
 inline double halton_coordinate(int index, int i) noexcept {
   constexpr int kPrimes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
   return halton(index + i, kPrimes[static_cast<std::size_t>(i) % std::size(kPrimes)]);

@@ -5,14 +5,14 @@
 namespace moma {
 namespace {
 
-constexpr double kOutside = 1e-9;    // nearer than this the axis counts as inside [m]
-constexpr double kFlat = 1e-13;      // slopes this small are zero
+constexpr double kOutside = 1e-9;    // at smaller distances the axis counts as inside [m]
+constexpr double kFlat = 1e-13;      // smaller slopes count as zero
 constexpr int kMaxEvaluations = 80;  // bisection alone would need 55
 
 struct Sample {
   double t = 0.0;
   PointDistance point;
-  double slope = 0.0;  // of the distance along the axis, per unit of its length
+  double slope = 0.0;  // derivative of the distance along the axis, per unit of its length
 };
 
 }  // namespace
@@ -42,12 +42,12 @@ std::optional<Distance> capsule_distance(const Shape& capsule, const Isometry& X
     best = high;
   } else {
     double low_slope = low.slope, high_slope = high.slope;
-    int moved = 0;  // which end moved last: an end that stays twice has its slope halved (Illinois)
+    int moved = 0;  // end that moved last: an end that stays twice has its slope halved (Illinois)
     for (int i = 0; i < kMaxEvaluations; ++i) {
       const double middle = 0.5 * (low.t + high.t);
       double t = (low.t * high_slope - high.t * low_slope) / (high_slope - low_slope);
       if (i % 4 == 3 || !(t > low.t && t < high.t)) t = middle;
-      if (t == low.t || t == high.t) break;  // the bracket is down to two neighbouring numbers
+      if (t == low.t || t == high.t) break;  // the bracket is two neighbouring numbers
       best = sample(t);
       if (best.point.d < kOutside) return std::nullopt;
       if (std::abs(best.slope) <= kFlat) break;

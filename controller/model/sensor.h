@@ -10,7 +10,7 @@
 namespace moma {
 
 /// A depth camera or a scanner of the robot: a grid of rays from the origin of its frame C, evenly spaced in azimuth
-/// about z_C and in elevation above the plane of x_C and y_C. The middle of the grid looks along x_C. A planar scanner
+/// about z_C and in elevation above the plane of x_C and y_C. The middle of the grid points along x_C. A planar scanner
 /// has one row. `position` and `rpy` place C in the link's frame, as URDF does.
 struct Sensor {
   std::string name;
@@ -24,24 +24,26 @@ struct Sensor {
   double rate = 10.0;  ///< frames in a second [1/s]
 };
 
-/// Bounds the time and the memory of a frame.
+/// Bounds time and memory of a frame.
 inline constexpr int kMaxRays = 100'000;
 
 template <class V>
 constexpr void describe(V& v, Of<Sensor>) {
   using S = Sensor;
-  v.member("name", &S::name, {.required = true, .text = "of the sensor, unique"});
-  v.member("link", &S::link, {.text = "that carries it; the base where it is left out"});
-  v.member("position", &S::position, {.unit = "m", .range = {-100.0, 100.0}, .text = "in the link's frame"});
-  v.member("rpy", &S::rpy, {.unit = "rad", .range = {-10.0, 10.0}, .text = "it looks along its x axis, z is up"});
+  v.member("name", &S::name, {.required = true, .text = "unique name of the sensor"});
+  v.member("link", &S::link, {.text = "link that carries the sensor; default the base"});
+  v.member("position", &S::position, {.unit = "m", .range = {-100.0, 100.0}, .text = "position in the link's frame"});
+  v.member("rpy", &S::rpy,
+           {.unit = "rad", .range = {-10.0, 10.0}, .text = "orientation: the sensor looks along its x axis, z is up"});
   v.member("field_of_view", &S::field_of_view,
            {.unit = "rad",
             .range = {0.0, 2.0 * std::numbers::pi},
             .text = "full angles: azimuth, and elevation (at most pi); [4.7, 0] of a planar scanner"});
-  v.member("columns", &S::columns, {.range = {1.0, 10'000.0}, .text = "rays along the azimuth"});
-  v.member("rows", &S::rows, {.range = {1.0, 10'000.0}, .text = "rays along the elevation; 1 for a planar scanner"});
-  v.member("range", &S::range, {.unit = "m", .range = Range::positive(), .text = "of each ray"});
-  v.member("rate", &S::rate, {.unit = "1/s", .range = {0.1, 10'000.0}, .text = "frames in a second"});
+  v.member("columns", &S::columns, {.range = {1.0, 10'000.0}, .text = "number of rays along the azimuth"});
+  v.member("rows", &S::rows,
+           {.range = {1.0, 10'000.0}, .text = "number of rays along the elevation; 1 for a planar scanner"});
+  v.member("range", &S::range, {.unit = "m", .range = Range::positive(), .text = "range of each ray"});
+  v.member("rate", &S::rate, {.unit = "1/s", .range = {0.1, 10'000.0}, .text = "frames per second"});
 }
 
 }  // namespace moma

@@ -9,29 +9,29 @@
 
 namespace moma {
 
-/// What a robot's sensors see of objects: how many rays of each sensor's latest frame end on each of them. The robot's
-/// own shapes hide what is behind them; a shape in which a sensor lies hides nothing. Both sides use it: the simulation
-/// with the truth, a controller with what it believes.
+/// Visibility of objects for a robot's sensors: the number of rays of each sensor's latest frame that end on each
+/// object. The robot's own shapes occlude objects, except shapes that contain the sensor. The simulation uses it with
+/// the true state, a controller with the believed one.
 class SensorFrames {
  public:
-  SensorFrames(const RobotModel& model, double control_period);  ///< `model` outlives it
+  SensorFrames(const RobotModel& model, double control_period);  ///< `model` must outlive it
 
   bool any() const noexcept { return !sensors_.empty(); }
   int count() const noexcept { return static_cast<int>(sensors_.size()); }
-  /// For these objects; forgets the frames. Takes memory.
+  /// Sets the objects and clears the frames. Allocates.
   void set_objects(std::span<const Shape> shapes);
 
-  /// Takes the frames that are due at step k: one in each 1 / rate, at least a control period. Objects that are not
-  /// `visible` are not there. Allocates nothing.
+  /// Takes the frames that are due at step k: one per 1 / rate, at least a control period apart. Objects that are not
+  /// `visible` do not exist here. Allocates nothing.
   void look(long k, const Kinematics& robot, std::span<const ObjectState> objects) noexcept;
 
   /// Whether the last look() took a frame of this sensor, and the time between two of them [s].
   bool due(int sensor) const noexcept { return at(sensor).due; }
   double interval(int sensor) const noexcept { return static_cast<double>(at(sensor).every) * dt_; }
-  /// Rays of the sensor's latest frame that ended on the object, and of all sensors together.
+  /// Number of rays of the sensor's latest frame that ended on the object; and over all sensors.
   int rays_on(int sensor, std::size_t object) const noexcept { return at(sensor).hits[object]; }
   int rays_on(std::size_t object) const noexcept;
-  /// Where the sensor was in its latest frame.
+  /// Position of the sensor in its latest frame.
   const Vector3& place_W(int sensor) const noexcept { return at(sensor).p_W; }
 
  private:

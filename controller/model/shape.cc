@@ -97,7 +97,7 @@ double lowest_point(const Shape& shape, const Isometry& X_WS, Vector3* p_W) noex
       break;
     case ShapeKind::kCylinder: {
       p -= std::copysign(0.5 * shape.size.y(), axis.z()) * axis;
-      // Steepest direction within the end disc; a disc that lies flat is lowest everywhere.
+      // Steepest direction within the end disc; a horizontal disc is lowest everywhere.
       const Vector3 down = -Vector3::UnitZ() + axis.z() * axis;
       const double steep = down.norm();
       if (steep > 1e-12) p += shape.size.x() / steep * down;

@@ -13,7 +13,7 @@ ShapeWays::ShapeWays(const RobotModel& model)
       levers_(levers_at_first_) {
   for (const CollisionShape& shape : model.shapes) {
     radii_.push_back(bounding_radius(shape.shape));
-    // Controlled joints are those of one chain, in its order: the last that carries the shape tells them all.
+    // Controlled joints form one chain, in its order: the last joint that carries the shape identifies all others.
     int joints = 0;
     for (int i = shape.link; i > 0; i = model.links[static_cast<std::size_t>(i)].parent)
       joints = std::max(joints, model.links[static_cast<std::size_t>(i)].controlled + 1);
@@ -67,7 +67,7 @@ void ShapeWays::limit(const VectorX& most) noexcept {
   }
 }
 
-// Of the joints from this one on.
+// Travel by the joints from `first_joint` on.
 double ShapeWays::by_joints(int shape, int first_joint, const VectorX& gone) const noexcept {
   double way = 0.0;
   const int end = base_dof_ + moved_by_[static_cast<std::size_t>(shape)];

@@ -7,11 +7,11 @@
 
 namespace moma {
 
-/// A solid with what distances to it need at hand.
+/// A solid with precomputed quantities for distances.
 struct Solid {
   Shape shape;
-  double radius = 0.0;                     ///< of the ball about the shape's origin that encloses it [m]
-  Shape bound;                             ///< the shape itself, or the box around a convex hull
+  double radius = 0.0;                     ///< of the bounding ball about the shape's origin [m]
+  Shape bound;                             ///< the shape itself, or the bounding box of a convex hull
   Vector3 bound_offset = Vector3::Zero();  ///< centre of that box
   ConvexGeometry geometry;
 
@@ -23,15 +23,15 @@ struct Solid {
     bound_offset = box.center();
   }
 
-  /// No point of the solid is nearer to p_W than this.
+  /// Lower bound of the distance of the solid's points to p_W.
   double gap(const Isometry& X_WS, const Vector3& p_W) const noexcept {
     const Vector3 p_S = X_WS.linear().transpose() * (p_W - X_WS.translation());
     return point_gap(bound, p_S - bound_offset);
   }
 };
 
-/// Whether two placed solids are more than `range` apart by the balls around them, or by one of them and the other's
-/// ball; also where a pose is not finite. False where they may be nearer.
+/// True if two placed solids are more than `range` apart according to their bounding balls, or to one of them and the
+/// other's ball; also if a pose is not finite. False if they may be nearer.
 inline bool apart(const Solid& a, const Isometry& X_Wa, const Solid& b, const Isometry& X_Wb, double range) noexcept {
   const Vector3 ca = X_Wa.translation();
   const Vector3 cb = X_Wb.translation();
@@ -40,14 +40,14 @@ inline bool apart(const Solid& a, const Isometry& X_Wa, const Solid& b, const Is
          !(b.gap(X_Wb, ca) - a.radius <= range);
 }
 
-/// The signed distance is no less than this, the greatest of the bounds that apart() looks at.
+/// Lower bound of the signed distance, the greatest of the bounds of apart().
 inline double least_gap(const Solid& a, const Isometry& X_Wa, const Solid& b, const Isometry& X_Wb) noexcept {
   const Vector3 ca = X_Wa.translation();
   const Vector3 cb = X_Wb.translation();
   return std::max({(ca - cb).norm() - a.radius - b.radius, a.gap(X_Wa, cb) - b.radius, b.gap(X_Wb, ca) - a.radius});
 }
 
-/// By a closed form where there is one, else by `convex`.
+/// By a closed form if there is one, else by `convex`.
 inline Distance signed_distance(const Solid& a, const Isometry& X_Wa, const Solid& b, const Isometry& X_Wb,
                                 ConvexDistance& convex) noexcept {
   const auto exact = analytic_distance(a.shape, X_Wa, b.shape, X_Wb);

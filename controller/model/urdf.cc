@@ -20,7 +20,7 @@
 namespace moma {
 namespace {
 
-// What urdfdom would print, kept for the error's text. Its handler is global, hence the lock.
+// Captures urdfdom's messages for the error's text. Its handler is global, hence the lock.
 class MessageCapture : public console_bridge::OutputHandler {
  public:
   MessageCapture() : lock_(mutex()) { console_bridge::useOutputHandler(this); }
@@ -41,7 +41,7 @@ class MessageCapture : public console_bridge::OutputHandler {
 
 using MissingLimits = std::map<std::string, std::set<std::string>>;  // joint -> lower, upper, velocity, effort
 
-// urdfdom refuses joints without limits, while ours may come from the robot file: zeros are put in, and noted.
+// urdfdom refuses joints without limits, which may come from the robot file: zeros are inserted and noted.
 MissingLimits complete_limits(TiXmlElement& robot) {
   MissingLimits missing;
   for (TiXmlElement* joint = robot.FirstChildElement("joint"); joint != nullptr;
@@ -69,7 +69,7 @@ void remove_all(TiXmlElement& parent, const char* name) {
   while (TiXmlElement* child = parent.FirstChildElement(name)) parent.RemoveChild(child);
 }
 
-// Where it finds no root, urdfdom lets go of links that hold each other, which are then never freed.
+// Without a root urdfdom leaks links that own each other.
 void refuse_loops(const TiXmlElement& robot) {
   std::map<std::string, std::set<std::string>> parents;  // of each link on a joint
   for (const TiXmlElement* joint = robot.FirstChildElement("joint"); joint != nullptr;
@@ -81,7 +81,7 @@ void refuse_loops(const TiXmlElement& robot) {
     if (from != nullptr && to != nullptr) parents[to].insert(from);
   }
   if (parents.size() > kMaxUrdfLinks) throw UrdfError("more than " + std::to_string(kMaxUrdfLinks) + " links");
-  // Links without parents go, then those whose parents have gone: what stays hangs on a loop.
+  // Removes links without parents, then links whose parents were removed: the rest hangs on a loop.
   const auto gone = [&](const auto& entry) {
     return std::none_of(entry.second.begin(), entry.second.end(),
                         [&](const std::string& parent) { return parents.count(parent) != 0; });
@@ -111,7 +111,7 @@ struct Amended {
   throw UrdfError(text + " (--lenient, or `lenient: true` in the robot file, leaves out what is not understood)");
 }
 
-/// Numbers of characters ("&#233;") are bytes of Latin-1 to the parser where the file does not say that it is UTF-8.
+/// To the parser numeric characters ("&#233;") are bytes of Latin-1 unless the file declares UTF-8.
 void check_encoding(const std::string& text, const TiXmlDocument& document) {
   if (text.find("&#") == std::string::npos) return;
   TiXmlPrinter printer;
@@ -146,7 +146,7 @@ Amended amend(const std::string& text, UrdfReading reading) {
   if (reading == UrdfReading::kStrict && !amended.left_out.empty()) refuse(amended.left_out);
   if (robot->Attribute("name") == nullptr) {
     amended.named = false;
-    robot->SetAttribute("name", "robot");  // urdfdom insists on one
+    robot->SetAttribute("name", "robot");  // urdfdom requires one
   }
   refuse_loops(*robot);
   amended.missing = complete_limits(*robot);
@@ -303,7 +303,7 @@ UrdfTree parse(const std::string& text, UrdfReading reading) {
       throw UrdfError(e.what() + (capture.text().empty() ? std::string() : "; " + capture.text()));
     }
     if (!model) throw UrdfError(capture.text().empty() ? "not a valid URDF" : capture.text());
-    // What urdfdom complained of and dropped, although nothing above has found it.
+    // Elements that urdfdom dropped with a message although the checks above passed them.
     if (!capture.text().empty()) amended.left_out.push_back(capture.text());
   }
   const LoopBreaker breaker{*model};
@@ -349,7 +349,7 @@ UrdfTree read_urdf(const std::string& text, UrdfReading reading) {
   try {
     return parse(text, reading);
   } catch (const UrdfError& e) {
-    // Elements that xacro left behind do no harm, so this is only a hint.
+    // Elements left by xacro do no harm, so this is only a hint.
     const bool xacro = text.find("<xacro:") != std::string::npos;
     throw UrdfError(e.what() + std::string(xacro ? " (the file has xacro elements: expand it with xacro first)" : ""));
   }

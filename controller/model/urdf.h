@@ -9,7 +9,7 @@
 
 namespace moma {
 
-/// A URDF that cannot be used: what() names the element and what is wrong with it.
+/// An unusable URDF: what() names the element and the fault.
 class UrdfError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -27,7 +27,7 @@ struct UrdfMimic {
   double offset = 0.0;
 };
 
-/// The joint that hangs a link on its parent. Limits are empty where the file does not give them.
+/// The joint between a link and its parent. Limits are empty if the file has none.
 struct UrdfJoint {
   std::string name;
   UrdfJointType type = UrdfJointType::kFixed;
@@ -40,9 +40,9 @@ struct UrdfJoint {
   std::optional<UrdfMimic> mimic;
 };
 
-/// One collision element of a link: a primitive, or a mesh that is still to be read.
+/// One collision element of a link: a primitive, or a mesh that is not read yet.
 struct UrdfGeometry {
-  Shape shape;       ///< meaningful where `mesh` is empty
+  Shape shape;       ///< valid if `mesh` is empty
   std::string mesh;  ///< as written: package://..., file://... or a path
   Vector3 scale = Vector3::Ones();
   Isometry X_LS = Isometry::Identity();
@@ -51,32 +51,32 @@ struct UrdfGeometry {
 struct UrdfLink {
   std::string name;
   int parent = -1;  ///< -1 for the root only
-  UrdfJoint joint;  ///< meaningless for the root
+  UrdfJoint joint;  ///< unused for the root
   std::optional<Inertial> inertial;
   std::vector<UrdfGeometry> collision;
 };
 
-/// `name` is empty where the file gives none. Links in topological order: links[0] is the root, children follow in
-/// the order of their joints' names.
+/// `name` is empty if the file has none. Links are in topological order: links[0] is the root, children follow in the
+/// order of their joints' names.
 struct UrdfTree {
   std::string name;
   std::vector<UrdfLink> links;
-  std::vector<std::string> left_out;  ///< by UrdfReading::kLenient: a sentence each, with line, link and element
+  std::vector<std::string> left_out;  ///< with UrdfReading::kLenient: a sentence each, with line, link and element
 };
 
-/// What to do with shapes, masses and elements that are not understood (urdf_check.h).
+/// Treatment of invalid shapes, masses and elements (urdf_check.h).
 enum class UrdfReading {
-  kStrict,   ///< they are errors
-  kLenient,  ///< they are left out, and listed
+  kStrict,   ///< as errors
+  kLenient,  ///< left out, and listed
 };
 
 inline constexpr std::size_t kMaxUrdfLinks = 1000;
 inline constexpr std::size_t kMaxUrdfShapes = 256;  ///< collision elements
 
-/// Reads a URDF's text through urdfdom. Looks at links and joints only: visuals, materials, transmissions and
-/// simulator extensions are left aside, so that nothing wrong with them matters. Limits may be missing.
-/// Throws UrdfError: broken XML (with its row and column), no or several roots, loops, a bad number, a zero axis, more
-/// than the limits above, and, read strictly, whatever else is not understood.
+/// Reads a URDF's text through urdfdom. Reads links and joints only: visuals, materials, transmissions and simulator
+/// extensions are ignored, with any faults in them. Limits may be missing. Throws UrdfError for broken XML (with row
+/// and column), no or several roots, loops, a bad number, a zero axis, more than the limits above, and with kStrict any
+/// other invalid element.
 UrdfTree read_urdf(const std::string& text, UrdfReading reading = UrdfReading::kStrict);
 
 }  // namespace moma

@@ -30,12 +30,12 @@ std::string list_of(const Names& names) {
   return text;
 }
 
-// Elements of other programs: <drake:...>, but never what xacro left behind, which may have been a part of the robot.
+// Elements of other programs: <drake:...>, but never elements left by xacro, which may have been a part of the robot.
 bool of_other_programs(std::string_view name) {
   return name.find(':') != std::string_view::npos && !name.starts_with("xacro:");
 }
 
-// What an element may hold: `once` at most once, `often` any number of times, `aside` for other programs.
+// Allowed contents of an element: `once` at most once, `often` any number of times, `aside` for other programs.
 struct Content {
   Names once;
   Names often;
@@ -59,7 +59,7 @@ class Checker {
     faults_.push_back("line " + std::to_string(element.Row()) + ": " + where + ": " + what);
   }
 
-  // Takes out of `parent` what `allowed` does not name.
+  // Removes the contents of `parent` that `allowed` does not name.
   void content(TiXmlElement& parent, const std::string& where, const Content& allowed) {
     Names seen;
     for (TiXmlElement* child = parent.FirstChildElement(); child != nullptr;) {
@@ -221,7 +221,7 @@ class Checker {
       TiXmlElement* const next = collision->NextSiblingElement("collision");
       const std::string at = where + ", collision " + std::to_string(++number);
       const std::size_t before = faults_.size();
-      // <surface>: friction and stiffness of Gazebo's contacts; what collides is the geometry.
+      // <surface>: friction and stiffness of Gazebo's contacts; the geometry alone collides.
       content(*collision, at, {{"origin", "geometry"}, {}, {"material", "verbose", "surface"}});
       check_origin(*collision, at);
       check_geometry(*collision, at);

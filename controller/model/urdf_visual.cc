@@ -55,13 +55,13 @@ std::optional<Vector3> colour_of(const TiXmlElement& visual, const Colours& colo
 }  // namespace
 
 std::vector<UrdfVisual> read_urdf_visuals(const std::string& text) {
-  read_urdf(text, UrdfReading::kLenient);  // refuses what is broken, or too deep for the parser
+  read_urdf(text, UrdfReading::kLenient);  // refuses broken files and files too deep for the parser
   TiXmlDocument document;
   document.Parse(text.c_str());
   TiXmlElement& robot = *document.FirstChildElement("robot");
   const Colours colours = all_colours(robot);
 
-  // Visuals are written like collision elements: renamed to such, they are read, and refused, as those are.
+  // Visuals have the form of collision elements: they are renamed, read and checked as such.
   std::map<std::string, std::vector<std::optional<Vector3>>> painted;
   for (auto* link = robot.FirstChildElement("link"); link != nullptr; link = link->NextSiblingElement("link")) {
     while (TiXmlElement* collision = link->FirstChildElement("collision")) link->RemoveChild(collision);

@@ -5,13 +5,13 @@
 namespace moma {
 namespace {
 
-// Place after `end`, or that of the text's end where there is none.
+// Position after `end`, or the text's end without one.
 std::size_t after(const std::string& text, std::size_t from, const char* end) {
   const std::size_t at = text.find(end, from);
   return at == std::string::npos ? text.size() : at + std::char_traits<char>::length(end);
 }
 
-// Place after the '>' of a tag; what stands in quotes does not end it.
+// Position after the '>' of a tag, ignoring quoted text.
 std::size_t after_tag(const std::string& text, std::size_t at) {
   char quote = '\0';
   for (; at < text.size(); ++at) {

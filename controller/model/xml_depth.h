@@ -4,10 +4,10 @@
 
 namespace moma {
 
-/// Elements that one XML element may lie in: parsers recurse, so more are refused before one sees the text.
+/// Largest nesting depth of XML elements: parsers recurse, so deeper files are refused before parsing.
 inline constexpr int kMaxXmlDepth = 200;
 
-/// Greatest depth of elements; of what is not well-formed, no less than a parser comes to before it notices.
+/// Greatest depth of elements; for malformed text at least the depth that a parser reaches before its error.
 int xml_depth(const std::string& text);
 
 }  // namespace moma

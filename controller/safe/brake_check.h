@@ -30,13 +30,12 @@ OwnMargins own_margins(const DamperParams& floor, const DamperParams& self) noex
 /// distances to all objects at rest stay at least `margin`, and those to the floor and of the robot to itself at least
 /// their own margins. It then has a backup trajectory (after Hobbs et al., IEEE CSM 43(2), 2023, "Runtime assurance";
 /// Singletary et al., IEEE L-CSS 6, 2022).
-///
-/// If both fail, the check tries commands between this one and two slower ones, slower + f (u - slower), f = 0.75, 0.5,
-/// 0.25, 0. `slower` is the present velocity minus one period of braking in proportion, and the smallest allowed
-/// command. The first that passes is taken, else the one that stays furthest away. Moving objects are left out:
-/// standing still does not avoid them. With `uncertainty` each distance to an object is reduced by its margin there,
-/// for pairs up to 1.5 times the largest margin of those within 1 m at the start of the step. Distances are checked
-/// every `every` periods on the trajectory, and at its end. One per controller; only set_objects() allocates.
+/// If both fail, the check tries slower + f (u - slower), f = 0.75, 0.5, 0.25, 0, for two slower commands: the present
+/// velocity minus one period of braking in proportion, and the smallest allowed command. The first that passes is
+/// taken, else the one that stays furthest away. Moving objects are left out: standing still does not avoid them. With
+/// `uncertainty` each distance to an object is reduced by its margin there, for pairs up to 1.5 times the largest
+/// margin of those within 1 m at the start of the step. Distances are checked every `every` periods on the trajectory,
+/// and at its end. One per controller; only set_objects() allocates.
 ///
 /// The broad phase measures a pair only if it may be too near: its distance at the start of the step, at its last
 /// measurement, or at the end of the trajectory minus the largest travel of the robot's shape in between (ShapeWays).

@@ -9,134 +9,144 @@
 
 namespace moma {
 
-/// Speeds from which the robot can still stop in front of what is near (braking.h).
+/// Bounds on speeds from which the robot can still stop in front of near objects (braking.h).
 struct BrakingParams {
   bool enabled = false;
-  double share = 0.5;      ///< of the deceleration that all velocities have along a row together
-  double reaction = 0.02;  ///< until braking begins [s]
+  double share = 0.5;      ///< share of the deceleration along a row with all velocities braking
+  double reaction = 0.02;  ///< time until braking begins [s]
 };
 
 template <class V>
 constexpr void describe(V& v, Of<BrakingParams>) {
   using P = BrakingParams;
   v.member("share", &P::share,
-           {.unit = "1", .range = {0.0, 1.0, true}, .text = "of the deceleration that all velocities have together"});
-  v.member("reaction", &P::reaction, {.unit = "s", .range = Range::non_negative(), .text = "until braking begins"});
+           {.unit = "1", .range = {0.0, 1.0, true}, .text = "share of the deceleration with all velocities braking"});
+  v.member("reaction", &P::reaction,
+           {.unit = "s", .range = Range::non_negative(), .text = "time until braking begins"});
 }
 
-/// How infeasible collision rows give way (solver/fallback.h): by one common slack, or as far as braking would break
-/// them and no further.
+/// Relaxation of infeasible collision rows (solver/fallback.h): by one common slack, or only as far as braking would
+/// violate them.
 enum class Relaxation { kCommon, kBackup };
 constexpr auto words(Of<Relaxation>) { return std::to_array<std::string_view>({"common", "backup"}); }
 static_assert(all_worded<Relaxation>());
 
-/// Commands from which braking would come too near to something at rest give way (brake_check.h).
+/// Check ahead: scales down commands whose backup trajectory comes too near to objects at rest (brake_check.h).
 struct BrakeCheckParams {
   bool enabled = false;
-  double margin = 0.02;  ///< distance that is kept on the way to a stop [m]
-  int every = 4;         ///< control periods between the places that are looked at
+  double margin = 0.02;  ///< distance kept on the braking trajectory [m]
+  int every = 4;         ///< control periods between checked moments
 };
 
 template <class V>
 constexpr void describe(V& v, Of<BrakeCheckParams>) {
   using P = BrakeCheckParams;
-  v.member("margin", &P::margin, {.unit = "m", .range = Range::positive(), .text = "kept on the way to a stop"});
-  v.member("every", &P::every, {.range = {1.0, 1000.0}, .text = "control periods between the places looked at"});
+  v.member("margin", &P::margin,
+           {.unit = "m", .range = Range::positive(), .text = "distance kept on the braking trajectory"});
+  v.member("every", &P::every, {.range = {1.0, 1000.0}, .text = "control periods between checked moments"});
 }
 
-/// Distances to objects at rest shrink towards what the goal's own pose needs (goal_clearance.h).
+/// Distances to objects at rest shrink towards those of the goal's own pose (goal_clearance.h).
 struct GoalClearanceParams {
   bool enabled = false;
   double least = 0.0015;  ///< [m]
-  double part = 0.5;      ///< of the distance that the hand has at its goal, which rows keep there [1]
-  double slope = 0.25;    ///< by which that grows with the distance from the goal [1]
+  double part = 0.5;      ///< share of the hand's distance at its goal that rows keep there [1]
+  double slope = 0.25;    ///< increase of that per distance from the goal [1]
 };
 
 template <class V>
 constexpr void describe(V& v, Of<GoalClearanceParams>) {
   using P = GoalClearanceParams;
-  v.member("least", &P::least, {.unit = "m", .range = Range::positive(), .text = "kept however near the goal is"});
+  v.member("least", &P::least, {.unit = "m", .range = Range::positive(), .text = "least distance, at the goal itself"});
   v.member("part", &P::part,
-           {.unit = "1", .range = {0.0, 1.0, true}, .text = "of the hand's distance at the goal, kept there"});
+           {.unit = "1",
+            .range = {0.0, 1.0, true},
+            .text = "share of the hand's distance at the goal that rows keep there"});
   v.member("slope", &P::slope,
-           {.unit = "1", .range = Range::positive(), .text = "growth of what is kept with the distance from the goal"});
+           {.unit = "1",
+            .range = Range::positive(),
+            .text = "increase of the kept distance with the distance from the goal"});
 }
 
-/// The robot slows down towards what moves (qp/separation.h).
+/// Separation rows: the robot slows down towards moving objects (qp/separation.h).
 struct SeparationParams {
   bool enabled = false;
   double reaction = 0.1;   ///< T_R [s]
-  double speed = 0.0;      ///< v_H is no less than this [m/s]
-  double intrusion = 0.0;  ///< C, and what else is to be left [m]
-  double share = 0.5;      ///< of the deceleration that all velocities have along a row together
-  double range = 3.0;      ///< what is nearer has rows [m]
+  double speed = 0.0;      ///< lower bound of v_H [m/s]
+  double intrusion = 0.0;  ///< C, and further required distance [m]
+  double share = 0.5;      ///< share of the deceleration along a row with all velocities braking
+  double range = 3.0;      ///< nearer objects have rows [m]
 };
 
 template <class V>
 constexpr void describe(V& v, Of<SeparationParams>) {
   using P = SeparationParams;
-  v.member("reaction", &P::reaction,
-           {.unit = "s", .range = Range::non_negative(), .text = "T_R, from what happens to the beginning of braking"});
-  v.member("speed", &P::speed,
-           {.unit = "m/s", .range = Range::non_negative(), .text = "v_H at least, whatever is measured"});
-  v.member("intrusion", &P::intrusion,
-           {.unit = "m", .range = Range::non_negative(), .text = "C: distance that is left beside those of speeds"});
+  v.member(
+      "reaction", &P::reaction,
+      {.unit = "s", .range = Range::non_negative(), .text = "T_R: time from an event to the beginning of braking"});
+  v.member("speed", &P::speed, {.unit = "m/s", .range = Range::non_negative(), .text = "lower bound of v_H"});
+  v.member(
+      "intrusion", &P::intrusion,
+      {.unit = "m", .range = Range::non_negative(), .text = "C: required distance in addition to those of speeds"});
   v.member("share", &P::share,
-           {.unit = "1", .range = {0.0, 1.0, true}, .text = "of the deceleration that all velocities have together"});
-  v.member("range", &P::range, {.unit = "m", .range = Range::positive(), .text = "what is nearer has rows"});
+           {.unit = "1", .range = {0.0, 1.0, true}, .text = "share of the deceleration with all velocities braking"});
+  v.member("range", &P::range, {.unit = "m", .range = Range::positive(), .text = "range of objects with rows"});
 }
 
-/// Commands that leave no way out of the way of what moves give way to driving off (evasion.h).
+/// Evasion: if no admissible command avoids a moving object, the base drives away (evasion.h).
 struct EvasionParams {
   bool enabled = false;
-  double horizon = 2.0;  ///< what moves is taken to go on as it does for this long [s]
-  double margin = 0.08;  ///< distance to it that is kept on a way out [m]
+  double horizon = 2.0;  ///< time for which moving objects are assumed to keep their twists [s]
+  double margin = 0.08;  ///< distance from them on a way out [m]
 };
 
 template <class V>
 constexpr void describe(V& v, Of<EvasionParams>) {
   using P = EvasionParams;
-  v.member("horizon", &P::horizon, {.unit = "s", .range = {0.0, 10.0, true}, .text = "how far ahead is looked"});
-  v.member("margin", &P::margin, {.unit = "m", .range = Range::positive(), .text = "kept to what moves on a way out"});
+  v.member("horizon", &P::horizon, {.unit = "s", .range = {0.0, 10.0, true}, .text = "horizon of the prediction"});
+  v.member("margin", &P::margin,
+           {.unit = "m", .range = Range::positive(), .text = "distance from moving objects on a way out"});
 }
 
-/// How long an object that is no longer told of is believed to be there (object_memory.h).
+/// Memory of objects that are no longer reported (object_memory.h).
 struct MemoryParams {
   bool enabled = false;
-  int rays = 8;       ///< of a sensor's frame, that would have ended on it: a look through its place
-  double gone = 0.6;  ///< looks for so long in all remove it, or for as long as it had been told of [s]
-  double keep = 1.0;  ///< what moves goes on for so long; what rests too, where the robot has no sensors [s]
+  int rays = 8;       ///< least number of a frame's rays that would end on the object, for evidence against it
+  double gone = 0.6;  ///< duration of evidence that removes it, or the time for which it had been reported [s]
+  double keep = 1.0;  ///< time for which moving objects are kept, and all objects of a robot without sensors [s]
 };
 
 template <class V>
 constexpr void describe(V& v, Of<MemoryParams>) {
   using P = MemoryParams;
   v.member("rays", &P::rays,
-           {.range = {1.0, 100'000.0}, .text = "of a frame, that pass where it was: a look through it"});
+           {.range = {1.0, 100'000.0},
+            .text = "number of a frame's rays through its place that count as evidence against it"});
   v.member("gone", &P::gone,
            {.unit = "s",
             .range = Range::positive(),
-            .text = "looks for so long remove it, or for as long as it had been told of"});
+            .text = "duration of evidence that removes an object, or the time for which it had been reported"});
   v.member("keep", &P::keep,
            {.unit = "s",
             .range = Range::non_negative(),
-            .text = "what moves is believed to go on for so long; what rests too, where the robot has no sensors"});
+            .text = "time for which moving objects are kept, and all objects of a robot without sensors"});
 }
 
-/// Known lateness of drives and sensing, rounded up to control periods, and filters (predictor.h). All in seconds.
+/// Known latencies of drives and sensing, rounded up to control periods, and filters (predictor.h). All in seconds.
 struct PredictionParams {
   bool enabled = false;
   double base_drive = 0.0;      ///< from a command to the base's motion
-  double joint_drive = 0.0;     ///< and to the joints'
+  double joint_drive = 0.0;     ///< from a command to the joints' motion
   double base_sensing = 0.0;    ///< age of the base's measured pose and velocity
-  double joint_sensing = 0.0;   ///< of the joints'
-  double object_sensing = 0.0;  ///< of objects' poses and twists
-  double goal_sensing = 0.0;    ///< of the goal's
-  double base_filter = 0.0;     ///< time constants; 0: none
-  double resting_filter = 0.0;  ///< of poses of objects and goal at rest,
-  double moving_filter = 0.0;   ///< of those in motion,
+  double joint_sensing = 0.0;   ///< age of the joints' measurements
+  double object_sensing = 0.0;  ///< age of objects' poses and twists
+  double goal_sensing = 0.0;    ///< age of the goal's
+  double base_filter = 0.0;     ///< time constants; 0: no filter
+  double resting_filter = 0.0;  ///< of poses of resting objects and goal,
+  double moving_filter = 0.0;   ///< of moving ones,
   double twist_filter = 0.0;    ///< and of their twists
-  bool identify = false;  ///< round trips of base and joints are found from their motion; the above are first guesses
+  /// Identify the round trips of base and joints from motion; the times above are first guesses.
+  bool identify = false;
   MemoryParams memory;
 };
 
@@ -144,42 +154,45 @@ template <class V>
 constexpr void describe(V& v, Of<PredictionParams>) {
   using P = PredictionParams;
   constexpr Range kLateness{0.0, 2.0};
-  v.group("drives", "from a command to its effect", [=](auto& g) {
-    g.member("base", &P::base_drive, {.unit = "s", .range = kLateness});
-    g.member("joints", &P::joint_drive, {.unit = "s", .range = kLateness});
+  v.group("drives", "latency from a command to its effect", [=](auto& g) {
+    g.member("base", &P::base_drive, {.unit = "s", .range = kLateness, .text = "latency of the base's drive"});
+    g.member("joints", &P::joint_drive, {.unit = "s", .range = kLateness, .text = "latency of the joints' drives"});
   });
-  v.group("sensing", "age of what is measured", [=](auto& g) {
-    g.member("base", &P::base_sensing, {.unit = "s", .range = kLateness, .text = "of pose and velocity"});
-    g.member("joints", &P::joint_sensing, {.unit = "s", .range = kLateness, .text = "of positions and velocities"});
-    g.member("objects", &P::object_sensing, {.unit = "s", .range = kLateness, .text = "of poses and twists"});
-    g.member("goal", &P::goal_sensing, {.unit = "s", .range = kLateness, .text = "of pose and twist"});
+  v.group("sensing", "age of measurements", [=](auto& g) {
+    g.member("base", &P::base_sensing, {.unit = "s", .range = kLateness, .text = "age of pose and velocity"});
+    g.member("joints", &P::joint_sensing, {.unit = "s", .range = kLateness, .text = "age of positions and velocities"});
+    g.member("objects", &P::object_sensing, {.unit = "s", .range = kLateness, .text = "age of poses and twists"});
+    g.member("goal", &P::goal_sensing, {.unit = "s", .range = kLateness, .text = "age of pose and twist"});
   });
   v.group("filters", "time constants, 0: none", [](auto& g) {
-    g.member("base", &P::base_filter, {.unit = "s", .range = Range::non_negative(), .text = "of the base's pose"});
-    g.member("resting", &P::resting_filter,
-             {.unit = "s", .range = Range::non_negative(), .text = "of poses of objects and goal at rest"});
+    g.member("base", &P::base_filter,
+             {.unit = "s", .range = Range::non_negative(), .text = "time constant for the base's pose"});
+    g.member(
+        "resting", &P::resting_filter,
+        {.unit = "s", .range = Range::non_negative(), .text = "time constant for poses of objects and goal at rest"});
     g.member("moving", &P::moving_filter,
-             {.unit = "s", .range = Range::non_negative(), .text = "of poses of those in motion"});
-    g.member("twist", &P::twist_filter, {.unit = "s", .range = Range::non_negative(), .text = "of their twists"});
+             {.unit = "s", .range = Range::non_negative(), .text = "time constant for poses of moving ones"});
+    g.member("twist", &P::twist_filter,
+             {.unit = "s", .range = Range::non_negative(), .text = "time constant for their twists"});
   });
-  v.member("identify", &P::identify, {.text = "find the round trips of base and joints from their motion"});
+  v.member("identify", &P::identify, {.text = "identify the round trips of base and joints from their motion"});
   v.optional("memory", &P::memory, &MemoryParams::enabled, Off::kOmitted,
-             "objects that are no longer told of stay until a sensor looks through them");
+             "objects that are no longer reported stay until a sensor sees through their place");
 }
 
-/// How far what is measured may be off (uncertainty.h): standard deviations per axis, as `disturbances` has them.
+/// Errors of measurements (uncertainty.h): standard deviations per axis, as in `disturbances`.
 struct UncertaintyParams {
   bool enabled = false;
-  double probability = 0.99;             ///< with which a row's distance is kept, one-sided
-  double object_noise = 0.0;             ///< of an object's position, new at each step [m],
+  double probability = 0.99;             ///< one-sided probability with which a row's distance is kept
+  double object_noise = 0.0;             ///< of an object's position at each step [m],
   double object_rotation_noise = 0.0;    ///< of its orientation [rad],
-  double object_bias = 0.0;              ///< and what stays the same [m],
+  double object_bias = 0.0;              ///< constant error of its position [m],
   double object_rotation_bias = 0.0;     ///< [rad]
   double object_velocity = 0.0;          ///< of its linear velocity, at each step [m/s],
   double object_angular_velocity = 0.0;  ///< and its angular one [rad/s]
-  double growth = 0.0;                   ///< of its place while it is not seen [m/s]
-  double keep = 0.0;                     ///< how long it is believed to be there while it is not seen [s]
-  double base_position = 0.0;            ///< of the base to what is seen [m],
+  double growth = 0.0;                   ///< growth of its position's error while out of sight [m/s]
+  double keep = 0.0;                     ///< time for which an object out of sight is kept [s]
+  double base_position = 0.0;            ///< of the base relative to what is seen [m],
   double base_rotation = 0.0;            ///< [rad]
   double joints = 0.0;                   ///< of each joint [rad or m]
 };
@@ -189,48 +202,55 @@ constexpr void describe(V& v, Of<UncertaintyParams>) {
   using P = UncertaintyParams;
   constexpr Range kSpread = Range::non_negative();
   v.member("probability", &P::probability,
-           {.unit = "1", .range = {0.5, 1.0, false, true}, .text = "with which a row's distance is kept"});
-  v.group("objects", "of the poses and twists of objects", [=](auto& objects) {
-    objects.group("noise", "new at each step", [=](auto& g) {
-      g.member("position", &P::object_noise, {.unit = "m", .range = kSpread});
-      g.member("rotation", &P::object_rotation_noise, {.unit = "rad", .range = kSpread});
+           {.unit = "1", .range = {0.5, 1.0, false, true}, .text = "probability with which a row's distance is kept"});
+  v.group("objects", "errors of the poses and twists of objects", [=](auto& objects) {
+    objects.group("noise", "drawn at each step", [=](auto& g) {
+      g.member("position", &P::object_noise, {.unit = "m", .range = kSpread, .text = "noise of positions"});
+      g.member("rotation", &P::object_rotation_noise,
+               {.unit = "rad", .range = kSpread, .text = "noise of orientations"});
     });
-    objects.group("bias", "the same all the time", [=](auto& g) {
-      g.member("position", &P::object_bias, {.unit = "m", .range = kSpread});
-      g.member("rotation", &P::object_rotation_bias, {.unit = "rad", .range = kSpread});
+    objects.group("bias", "constant", [=](auto& g) {
+      g.member("position", &P::object_bias, {.unit = "m", .range = kSpread, .text = "constant error of positions"});
+      g.member("rotation", &P::object_rotation_bias,
+               {.unit = "rad", .range = kSpread, .text = "constant error of orientations"});
     });
-    objects.group("velocity_noise", "new at each step", [=](auto& g) {
-      g.member("linear", &P::object_velocity, {.unit = "m/s", .range = kSpread});
-      g.member("angular", &P::object_angular_velocity, {.unit = "rad/s", .range = kSpread});
+    objects.group("velocity_noise", "drawn at each step", [=](auto& g) {
+      g.member("linear", &P::object_velocity, {.unit = "m/s", .range = kSpread, .text = "noise of linear velocities"});
+      g.member("angular", &P::object_angular_velocity,
+               {.unit = "rad/s", .range = kSpread, .text = "noise of angular velocities"});
     });
-    objects.member("growth", &P::growth, {.unit = "m/s", .range = kSpread, .text = "of the place while not seen"});
+    objects.member("growth", &P::growth,
+                   {.unit = "m/s", .range = kSpread, .text = "growth of the position error while out of sight"});
     objects.member("keep", &P::keep,
-                   {.unit = "s", .range = kSpread, .text = "how long an object is believed in while not seen"});
+                   {.unit = "s", .range = kSpread, .text = "time for which an object out of sight is kept"});
   });
-  v.group("base", "of the base to what is seen", [=](auto& g) {
-    g.member("position", &P::base_position, {.unit = "m", .range = kSpread});
-    g.member("rotation", &P::base_rotation, {.unit = "rad", .range = kSpread});
+  v.group("base", "errors of the base relative to what is seen", [=](auto& g) {
+    g.member("position", &P::base_position, {.unit = "m", .range = kSpread, .text = "error of the position"});
+    g.member("rotation", &P::base_rotation, {.unit = "rad", .range = kSpread, .text = "error of the heading"});
   });
-  v.member("joints", &P::joints, {.unit = "rad or m", .range = kSpread, .text = "of each joint"});
+  v.member("joints", &P::joints, {.unit = "rad or m", .range = kSpread, .text = "error of each joint"});
 }
 
-/// A base's speed is limited to what can be stopped in front of what comes into sight (qp/limits.h).
+/// Limit of a base's speed: it can stop in front of objects that come into sight (qp/limits.h).
 struct SightParams {
   bool enabled = false;
-  double range = 3.0;     ///< where something is seen for sure, from the base's middle [m]
-  double reach = 1.0;     ///< how far the robot sticks out beyond that, and what is to be left [m]
-  double reaction = 0.3;  ///< from coming into range to braking: detection, lateness [s]
-  double speed = 0.0;     ///< at which it may come [m/s]
+  double range = 3.0;     ///< distance from the base's middle at which every object is seen [m]
+  double reach = 1.0;     ///< extent of the robot beyond the base's middle, plus the distance to keep [m]
+  double reaction = 0.3;  ///< time from coming into range to braking: detection, latency [s]
+  double speed = 0.0;     ///< speed at which an object may approach [m/s]
 };
 
 template <class V>
 constexpr void describe(V& v, Of<SightParams>) {
   using P = SightParams;
-  v.member("range", &P::range, {.unit = "m", .range = Range::positive(), .text = "where something is seen for sure"});
-  v.member("reach", &P::reach, {.unit = "m", .range = Range::non_negative(), .text = "of the robot, and what is left"});
+  v.member("range", &P::range,
+           {.unit = "m", .range = Range::positive(), .text = "distance at which every object is seen"});
+  v.member("reach", &P::reach,
+           {.unit = "m", .range = Range::non_negative(), .text = "extent of the robot, plus the distance to keep"});
   v.member("reaction", &P::reaction,
-           {.unit = "s", .range = Range::non_negative(), .text = "from coming into range to braking"});
-  v.member("speed", &P::speed, {.unit = "m/s", .range = Range::non_negative(), .text = "at which it may come"});
+           {.unit = "s", .range = Range::non_negative(), .text = "time from coming into range to braking"});
+  v.member("speed", &P::speed,
+           {.unit = "m/s", .range = Range::non_negative(), .text = "speed at which an object may approach"});
 }
 
 }  // namespace moma

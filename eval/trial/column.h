@@ -8,35 +8,34 @@
 
 namespace moma {
 
-/// Which end of a metric is better, where one is by itself.
+/// The better end of a metric's range, if it has one by itself.
 enum class Better { kNeither, kHigh, kLow };
 constexpr auto words(Of<Better>) { return std::to_array<std::string_view>({"", "high", "low"}); }
 static_assert(all_worded<Better>());
 
-/// What rows hold that were stored before the column was there.
+/// Value of rows that were stored before the column existed.
 enum class Earlier {
-  kNone,     ///< there are none: the column is as old as the store
+  kNone,     ///< no such rows: the column is as old as the store
   kZero,     ///< 0 for a count, else NULL: the simulation's version was raised with the column
-  kUnknown,  ///< NULL: such a row agrees with a newer one whatever that has, and the store's hash stays what it was
+  kUnknown,  ///< NULL: such a row agrees with any newer one, and the store's hash does not change
 };
 
-/// What is said of a column of a record that the store keeps. Numbers of a row are metrics: all that shows them follows
-/// from here (tables and views of the store, its checks, the wire between processes, the report page, store.md).
+/// Description of a record's column in the store. Numbers of a row are metrics, and everything that shows them uses
+/// this description: tables and views of the store, its checks, the wire between processes, the report page, store.md.
 struct Column {
-  std::string_view label = "";  ///< for axes and heads of tables: "time to goal"; "" is no metric of the report page
-  std::string_view unit = "";   ///< of SI and `1`; "" where it has none
+  std::string_view label = "";  ///< for axes and table heads: "time to goal"; "": no metric of the report page
+  std::string_view unit = "";   ///< SI or `1`; "" without a unit
   Better better = Better::kNeither;
-  int decimals = -1;                ///< that the page writes; -1: `significant` digits
-  int significant = 3;              ///< digits, where it does not say decimals
-  std::string_view null_when = "";  ///< where healthy trials have no value: "unless the trial succeeds"
-  bool always = false;              ///< of a number (not a count): never NULL
-  std::string_view head = "";       ///< over its column in the page's table of trials; "" has none there
-  bool summary = false;             ///< copied into point_trial, so that v_summary stays quick; its mean is shown there
+  int decimals = -1;                ///< decimals on the page; -1: `significant` digits
+  int significant = 3;              ///< significant digits if `decimals` is -1
+  std::string_view null_when = "";  ///< when healthy trials have no value: "unless the trial succeeds"
+  bool always = false;              ///< for a number (not a count): never NULL
+  bool summary = false;             ///< copied into point_trial, so that v_summary is quick; v_summary shows its mean
   bool in_view = true;              ///< a column of v_trials
   Earlier earlier = Earlier::kNone;
   std::string_view text = "";  ///< one line for the reference, without a full stop
 
-  /// For visitors that want no more.
+  /// For visitors that need only unit and text.
   constexpr operator About() const { return {.unit = unit, .text = text}; }  // NOLINT(google-explicit-constructor)
 };
 

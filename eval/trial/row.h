@@ -12,12 +12,12 @@ namespace moma {
 
 constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();  // NULL in the store
 
-/// Metrics of one trial; units in the names, as in v_trials. NaN is NULL. All but `timing` are deterministic. A new one
-/// is a member here, its line in the description below, and where metrics.cc measures it; with Earlier::kUnknown,
-/// stored trials keep their keys and are not computed again.
+/// Metrics of one trial; units in the names, as in v_trials. NaN is NULL. All but `timing` are deterministic. A new
+/// metric is a member here, its line in the description below, and its measurement in metrics.cc; with
+/// Earlier::kUnknown stored trials keep their keys and are not computed again.
 struct TrialRow {
   Outcome outcome = Outcome::kError;
-  std::string reason;  ///< for a person; the exception's text for kError
+  std::string reason;  ///< for a person; for kError the exception's text
   std::string link;    ///< robot shape's link in contact, collision only
   std::string object;  ///< object's name, "floor", or "self:LINK"
   double time_end_s = 0.0;
@@ -47,19 +47,19 @@ struct TrialRow {
   int fallback_relaxed = 0;
   int fallback_brake = 0;
   double slip_max_m_s = kAbsent;
-  double latency_base_s = kAbsent;      ///< as found from the motion, from a command to its measured velocity
-  double latency_base_off_s = kAbsent;  ///< that, less what the controller was told
+  double latency_base_s = kAbsent;      ///< as identified, from a command to the measurement of its velocity
+  double latency_base_off_s = kAbsent;  ///< identified minus configured
   double latency_joints_s = kAbsent;
   double latency_joints_off_s = kAbsent;
   double separation_margin_min_m = kAbsent;
   double tracking_error_rms = kAbsent;
   int lcp_messages = 0;
-  double redone_steps = kAbsent;   ///< of physics: made again with the motors' limits
-  double divided_steps = kAbsent;  ///< of physics: divided because something might touch on the way
+  double redone_steps = kAbsent;   ///< physics steps repeated with the motors' limits
+  double divided_steps = kAbsent;  ///< physics steps divided because of possible contacts
   int steps = 0;
-  int detector_checks = 0;              ///< states in which the two detectors of contact were compared
-  int detector_disagreements = 0;       ///< pairs in them that touch by one of the two alone
-  double detector_deepest_m = kAbsent;  ///< the worst of these
+  int detector_checks = 0;              ///< states in which the two contact detectors were compared
+  int detector_disagreements = 0;       ///< pairs in them that touch for one detector alone
+  double detector_deepest_m = kAbsent;  ///< the largest of these
 
   struct Timing {
     double t_solve_median_us = kAbsent, t_solve_p99_us = kAbsent, t_solve_max_us = kAbsent;
@@ -73,44 +73,42 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<TrialRow>) {
   using R = TrialRow;
   using enum Better;
-  v.member("outcome", &R::outcome, Column{.text = "how the trial ended"});
-  v.member("reason", &R::reason, Column{.text = "for a person; the exception's text for `error`"});
-  v.member("link", &R::link, Column{.text = "what of the robot touched something (`collision` only)"});
-  v.member("object", &R::object, Column{.text = "what it touched: an object's name, `floor` or `self:LINK`"});
+  v.member("outcome", &R::outcome, Column{.text = "end of the trial"});
+  v.member("reason", &R::reason, Column{.text = "description for a person; the exception's text for `error`"});
+  v.member("link", &R::link, Column{.text = "link of the robot in contact (`collision` only)"});
+  v.member("object", &R::object, Column{.text = "touched object's name, `floor` or `self:LINK` (`collision` only)"});
   v.member("time_end_s", &R::time_end_s,
-           Column{.label = "end of the trial", .unit = "s", .decimals = 2, .always = true, .text = "simulated end"});
+           Column{.label = "end of the trial",
+                  .unit = "s",
+                  .decimals = 2,
+                  .always = true,
+                  .text = "simulated time of the end"});
   v.member("time_to_goal_s", &R::time_to_goal_s,
            Column{.label = "time to goal",
                   .unit = "s",
                   .better = kLow,
                   .decimals = 2,
                   .null_when = "unless the trial succeeds",
-                  .head = "To goal",
-                  .text = "start of the dwell at the goal"});
-  v.member("position_error_m", &R::position_error_m,
-           Column{.label = "final position error",
-                  .unit = "m",
-                  .better = kLow,
-                  .head = "Error",
-                  .text = "distance to the goal at the end"});
-  v.member("orientation_error_rad", &R::orientation_error_rad,
-           Column{.label = "final orientation error",
-                  .unit = "rad",
-                  .better = kLow,
-                  .head = "Error",
-                  .text = "angle to the goal at the end"});
+                  .text = "time at which the dwell at the goal begins"});
+  v.member(
+      "position_error_m", &R::position_error_m,
+      Column{.label = "final position error", .unit = "m", .better = kLow, .text = "distance to the goal at the end"});
+  v.member(
+      "orientation_error_rad", &R::orientation_error_rad,
+      Column{
+          .label = "final orientation error", .unit = "rad", .better = kLow, .text = "angle to the goal at the end"});
   v.member("path_ee_m", &R::path_ee_m,
            Column{.label = "path of the end effector",
                   .unit = "m",
                   .better = kLow,
                   .decimals = 2,
-                  .text = "length of the end effector's way"});
+                  .text = "length of the end effector's path"});
   v.member("path_base_m", &R::path_base_m,
            Column{.label = "path of the base",
                   .unit = "m",
                   .better = kLow,
                   .decimals = 2,
-                  .text = "length of the base's way in the plane"});
+                  .text = "length of the base's path in the plane"});
   v.member("manip_mean", &R::manip_mean,
            Column{.label = "manipulability, mean",
                   .better = kHigh,
@@ -119,19 +117,19 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
                   .summary = true,
                   .text = "translational manipulability, mean over the trial"});
   v.member("manip_min", &R::manip_min,
-           Column{.label = "manipulability, least", .better = kHigh, .decimals = 4, .text = "its least value"});
+           Column{.label = "manipulability, least", .better = kHigh, .decimals = 4, .text = "least value"});
   v.member("manip_final", &R::manip_final,
-           Column{.label = "manipulability at the end", .better = kHigh, .decimals = 4, .text = "its last value"});
+           Column{.label = "manipulability at the end", .better = kHigh, .decimals = 4, .text = "value at the end"});
   v.member("manip_all_mean", &R::manip_all_mean,
            Column{.label = "six-row manipulability, mean",
                   .better = kHigh,
                   .decimals = 4,
                   .text = "manipulability with all six rows, mean over the trial"});
   v.member("manip_all_min", &R::manip_all_min,
-           Column{.label = "six-row manipulability, least", .better = kHigh, .decimals = 4, .text = "its least value"});
+           Column{.label = "six-row manipulability, least", .better = kHigh, .decimals = 4, .text = "least value"});
   v.member(
       "manip_all_final", &R::manip_all_final,
-      Column{.label = "six-row manipulability at the end", .better = kHigh, .decimals = 4, .text = "its last value"});
+      Column{.label = "six-row manipulability at the end", .better = kHigh, .decimals = 4, .text = "value at the end"});
   v.member("clearance_min_m", &R::clearance_min_m,
            Column{.label = "least clearance",
                   .unit = "m",
@@ -169,7 +167,7 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
            Column{.label = "jerk of the end effector, RMS",
                   .unit = "m/s³",
                   .better = kLow,
-                  .text = "smoothness of the end effector's way"});
+                  .text = "smoothness of the end effector's motion"});
   v.member("jerk_joint_rms", &R::jerk_joint_rms,
            Column{.label = "jerk of the joints, RMS",
                   .unit = "rad/s³",
@@ -192,15 +190,13 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
                   .unit = "J",
                   .better = kLow,
                   .null_when = "in kinematic mode",
-                  .text = "integral of |torque x speed|"});
+                  .text = "integral of |torque x speed| over all motors"});
   v.member("slack_mean", &R::slack_mean,
            Column{.label = "slack, mean", .better = kLow, .text = "length of the QP's slack, mean over steps"});
-  v.member("slack_max", &R::slack_max,
-           Column{.label = "slack, greatest", .better = kLow, .text = "its greatest value"});
-  v.member("active_rows_mean", &R::active_rows_mean,
-           Column{.label = "active constraints, mean",
-                  .decimals = 2,
-                  .text = "rows of the QP that hold back, mean over steps"});
+  v.member("slack_max", &R::slack_max, Column{.label = "slack, greatest", .better = kLow, .text = "largest value"});
+  v.member(
+      "active_rows_mean", &R::active_rows_mean,
+      Column{.label = "active constraints, mean", .decimals = 2, .text = "active rows of the QP, mean over steps"});
   v.member(
       "qp_infeasible", &R::qp_infeasible,
       Column{.label = "infeasible steps", .better = kLow, .decimals = 0, .text = "steps whose QP had no solution"});
@@ -224,39 +220,39 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
   v.member("latency_base_s", &R::latency_base_s,
            Column{.label = "latency of the base, as found",
                   .unit = "s",
-                  .null_when = "unless the controller looks for it (`prediction.identify`) on a base that drives",
+                  .null_when = "unless the controller identifies it (`prediction.identify`) on a mobile base",
                   .earlier = Earlier::kUnknown,
-                  .text = "from a command of the base to the velocity measured of it, as the motion shows it"});
+                  .text = "identified time from a command of the base to the measurement of its velocity"});
   v.member("latency_base_off_s", &R::latency_base_off_s,
            Column{.label = "latency of the base, found less configured",
                   .unit = "s",
                   .null_when = "as latency_base_s",
                   .earlier = Earlier::kUnknown,
-                  .text = "that, less what the controller's `prediction` says"});
+                  .text = "difference from the controller's `prediction`"});
   v.member("latency_joints_s", &R::latency_joints_s,
            Column{.label = "latency of the joints, as found",
                   .unit = "s",
-                  .null_when = "unless the controller looks for it (`prediction.identify`)",
+                  .null_when = "unless the controller identifies it (`prediction.identify`)",
                   .earlier = Earlier::kUnknown,
-                  .text = "likewise of the joints"});
+                  .text = "the same for the joints"});
   v.member("latency_joints_off_s", &R::latency_joints_off_s,
            Column{.label = "latency of the joints, found less configured",
                   .unit = "s",
                   .null_when = "as latency_joints_s",
                   .earlier = Earlier::kUnknown,
-                  .text = "that, less what the controller's `prediction` says"});
+                  .text = "difference from the controller's `prediction`"});
   v.member("separation_margin_min_m", &R::separation_margin_min_m,
            Column{.label = "least margin of the separation",
                   .unit = "m",
                   .better = kHigh,
                   .null_when = "in a world where nothing moves",
                   .earlier = Earlier::kUnknown,
-                  .text = "least of distance less protective separation distance, over all that moves"});
+                  .text = "least distance minus protective separation distance, over all moving objects"});
   v.member("tracking_error_rms", &R::tracking_error_rms,
            Column{.label = "tracking error, RMS",
                   .unit = "m",
                   .better = kLow,
-                  .text = "root mean square of the distance to a goal that moves"});
+                  .text = "root mean square of the distance to a moving goal"});
   v.member("lcp_messages", &R::lcp_messages,
            Column{.label = "messages of the physics solver",
                   .better = kLow,
@@ -268,13 +264,13 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
                   .decimals = 0,
                   .null_when = "in kinematic mode",
                   .earlier = Earlier::kUnknown,
-                  .text = "steps of physics made again because a motor would have needed more than it has"});
+                  .text = "physics steps repeated because a motor exceeded its limit"});
   v.member("divided_steps", &R::divided_steps,
            Column{.label = "physics steps divided near contact",
                   .decimals = 0,
                   .null_when = "in kinematic mode",
                   .earlier = Earlier::kUnknown,
-                  .text = "steps of physics divided because something might have touched on the way"});
+                  .text = "physics steps divided because of possible contacts"});
   v.member("steps", &R::steps, Column{.label = "control steps", .decimals = 0, .text = "control steps"});
   v.member("detector_checks", &R::detector_checks,
            Column{.label = "states in which contacts were cross-checked",
@@ -286,14 +282,14 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
                   .better = kLow,
                   .decimals = 0,
                   .earlier = Earlier::kZero,
-                  .text = "pairs in them that touch by one of the two alone"});
+                  .text = "pairs in these states that touch for one detector alone"});
   v.member("detector_deepest_m", &R::detector_deepest_m,
            Column{.label = "deepest disagreement of the contact detectors",
                   .unit = "m",
                   .better = kLow,
                   .decimals = 6,
                   .earlier = Earlier::kZero,
-                  .text = "the worst of these"});
+                  .text = "largest depth of such a pair"});
   v.inlined(&R::timing);
 }
 
@@ -312,9 +308,10 @@ constexpr void describe(Visitor& v, Of<TrialRow::Timing>) {
                   .unit = "µs",
                   .better = kLow,
                   .decimals = 1,
-                  .text = "its 99th percentile"});
-  v.member("t_solve_max_us", &T::t_solve_max_us,
-           Column{.label = "QP solution, longest", .unit = "µs", .better = kLow, .decimals = 1, .text = "the longest"});
+                  .text = "99th percentile"});
+  v.member(
+      "t_solve_max_us", &T::t_solve_max_us,
+      Column{.label = "QP solution, longest", .unit = "µs", .better = kLow, .decimals = 1, .text = "longest time"});
   v.member("t_step_median_us", &T::t_step_median_us,
            Column{.label = "control step, median",
                   .unit = "µs",
@@ -326,11 +323,10 @@ constexpr void describe(Visitor& v, Of<TrialRow::Timing>) {
                   .unit = "µs",
                   .better = kLow,
                   .decimals = 1,
-                  .head = "Step p99",
-                  .text = "its 99th percentile"});
+                  .text = "99th percentile"});
   v.member(
       "t_step_max_us", &T::t_step_max_us,
-      Column{.label = "control step, longest", .unit = "µs", .better = kLow, .decimals = 1, .text = "the longest"});
+      Column{.label = "control step, longest", .unit = "µs", .better = kLow, .decimals = 1, .text = "longest time"});
   v.member("t_trial_us", &T::t_trial_us,
            Column{.label = "whole trial, wall time",
                   .unit = "µs",

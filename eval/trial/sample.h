@@ -9,7 +9,7 @@
 
 namespace moma {
 
-/// One control step's record, the state *before* the step's command acts.
+/// Record of one control step: the state *before* the step's command acts.
 struct Sample {
   double t = 0.0;
   Vector3 base = Vector3::Zero();
@@ -23,17 +23,17 @@ struct Sample {
   StepStatus status = StepStatus::kSolved;
   Fallback fallback = Fallback::kNone;
   int active_rows = 0;
-  EscapeState escape;  ///< what the controller remembered when the step began
-  PlanBrief plan;      ///< what it was about and why when the step began; by default where it does not look ahead
+  EscapeState escape;  ///< the controller's memory of detours at the start of the step
+  PlanBrief plan;      ///< mode and reason of the look-ahead at the start of the step; default without one
 };
 
-/// What is said of a member of a sample.
+/// Description of a sample's member.
 struct SampleColumn {
   std::string_view parts = "";  ///< of a vector: "x y phi" for base_x, base_y, base_phi; "" numbers them from 0
   std::string_view unit = "";
   std::string_view text = "";
 
-  /// For visitors that want no more.
+  /// For visitors that need only unit and text.
   constexpr operator About() const { return {.unit = unit, .text = text}; }  // NOLINT(google-explicit-constructor)
 };
 
@@ -51,15 +51,13 @@ constexpr void describe(Visitor& v, Of<Sample>) {
            SampleColumn{.unit = "rad, then m", .text = "true error of the end effector: rotation, then position"});
   v.member("slack", &S::slack, SampleColumn{.unit = "rad/s, then m/s", .text = "slack of the QP's tracking rows"});
   v.member("manipulability", &S::manipulability, SampleColumn{.text = "translational manipulability"});
-  v.member(
-      "least_distance", &S::least_distance,
-      SampleColumn{.unit = "m",
-                   .text = "least distance to an object that the controller saw; infinite where none was in range"});
-  v.member("status", &S::status, SampleColumn{.text = "of the step"});
-  v.member("fallback", &S::fallback, SampleColumn{.text = "that the step took"});
-  v.member("active_rows", &S::active_rows, SampleColumn{.text = "rows of the QP that hold back"});
-  v.member("escape", &S::escape, SampleColumn{.text = "what the controller remembered when the step began"});
-  v.member("plan", &S::plan, SampleColumn{.text = "what it was about and why, where it looks ahead"});
+  v.member("least_distance", &S::least_distance,
+           SampleColumn{.unit = "m", .text = "least sensed distance to an object; infinite if none was in range"});
+  v.member("status", &S::status, SampleColumn{.text = "status of the QP in the step"});
+  v.member("fallback", &S::fallback, SampleColumn{.text = "stage of the fallback that gave the command"});
+  v.member("active_rows", &S::active_rows, SampleColumn{.text = "active rows of the QP"});
+  v.member("escape", &S::escape, SampleColumn{.text = "memory of detours and vortex at the start of the step"});
+  v.member("plan", &S::plan, SampleColumn{.text = "mode and reason of the look-ahead at the start of the step"});
 }
 
 using Trace = std::vector<Sample>;

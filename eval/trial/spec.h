@@ -13,7 +13,7 @@
 
 namespace moma {
 
-/// Within both tolerances at every sample for so long (rules.h).
+/// Both errors stay within tolerance at every sample for the dwell time (rules.h).
 struct SuccessRule {
   double position = 0.02;     ///< [m]
   double orientation = 0.05;  ///< [rad]
@@ -65,16 +65,15 @@ constexpr void describe(Visitor& v, Of<InfeasibleRule>) {
             .text = "time of uninterrupted braking after which a trial is infeasible"});
 }
 
-/// All that decides a trial besides its world: robot, controller, simulation, the rules by which it ends, disturbances.
-/// A suite makes one for each of its points; a program of one's own can fill it by hand. trial_key() digests
-/// what is resolved here.
+/// Everything that determines a trial besides its world: robot, controller, simulation, rules, disturbances. A suite
+/// makes one per point; your own program can fill one by hand. trial_key() digests the resolved members.
 struct TrialSpec {
   std::shared_ptr<const config::LoadedRobot> robot;
   std::string robot_digest;  ///< XXH3-128 of robot->resolved, 32 hex digits; shared by all specs of a robot
   ControllerParams controller_params;
-  std::shared_ptr<const Plugin> plugin;  ///< with `method: plugin`: stands in for controller_params
-  /// All of its parameters. Of a plugin: the digest of its library and the parameters handed over, not the path, so
-  /// that trials are known again wherever the library lies.
+  std::shared_ptr<const Plugin> plugin;  ///< with `method: plugin`: replaces controller_params
+  /// All parameters. For a plugin the digest of its library and the parameters passed to it, not the path: trials are
+  /// recognised wherever the library is.
   nlohmann::ordered_json controller_resolved;
   SimulationConfig simulation;
   SuccessRule success;
@@ -83,7 +82,7 @@ struct TrialSpec {
   Disturbances disturbances;  ///< all off by default
 };
 
-/// Whether the controller is one of moma's QPs.
+/// True if the controller is one of moma's QPs.
 inline bool has_qp(const TrialSpec& spec) noexcept {
   return spec.plugin == nullptr && spec.controller_params.method == Method::kQp;
 }
