@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 
 #include "controller/config/node.h"
 
@@ -21,5 +22,10 @@ nlohmann::ordered_json number_to_json(double value);
 /// `json`, made an empty object if it was null: for values that get keys one by one. The library would make one of a
 /// null by itself, but names it an object before it has the memory, and crashes when that fails (3.11).
 nlohmann::ordered_json& as_object(nlohmann::ordered_json& json);
+
+/// JSON that came from outside: from a store, a file, another process, an option. Copying, walking and writing a JSON
+/// value recurse, so what is nested too deeply is refused before it becomes one. `source` names it in messages.
+/// Throws ConfigError: no JSON, nested more than kMaxNesting levels, more than kMaxTextBytes.
+nlohmann::ordered_json parse_json(std::string_view text, const std::string& source);
 
 }  // namespace moma::config

@@ -15,8 +15,8 @@ namespace moma {
 /// widest interval of all points has at most the half-width, or after `max` worlds. The decision therefore depends on
 /// the rows alone: not on threads, stops and resumes, or other contents of the store.
 ///
-/// Repeated looks at one growing sample cost some coverage; store.md has the exact numbers, which stopped_coverage()
-/// computes.
+/// Looking several times at one growing sample costs some coverage; store.md has the exact numbers, which
+/// tests/eval/cluster_parts_test.cc computes.
 class SequentialRule {
  public:
   SequentialRule(const UntilRule& rule, std::size_t points);
@@ -39,13 +39,5 @@ class SequentialRule {
   std::uint64_t worlds_ = 0;
   double half_width_ = 0.5;
 };
-
-/// The rule's exact properties for one point with the rate `p`, from the distribution of the count at each look.
-/// O(max^2).
-struct StoppedCoverage {
-  double coverage = 0.0;     ///< probability that the final interval contains p
-  double mean_worlds = 0.0;  ///< expected number of worlds
-};
-StoppedCoverage stopped_coverage(const UntilRule& rule, double p);
 
 }  // namespace moma

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <type_traits>
 
-#include "controller/config/json_text.h"
+#include "controller/config/json_node.h"
 #include "controller/describe/complete.h"
 #include "world/scenario/worlds.h"
 #include "world/world_json.h"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <unordered_set>
 
-#include "controller/config/json_text.h"
+#include "controller/config/json_node.h"
 #include "eval/batch/sequential.h"
 #include "eval/run/recording.h"
 #include "eval/run/row_warnings.h"

@@ -5,7 +5,6 @@
 #include <stdexcept>
 
 #include "controller/config/json_node.h"
-#include "controller/config/json_text.h"
 #include "controller/config/text_file.h"
 #include "eval/run/listener.h"
 #include "eval/store/columns.h"

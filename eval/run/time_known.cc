@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "controller/config/json_text.h"
+#include "controller/config/json_node.h"
 #include "controller/config/node.h"
 #include "world/sensing/detection.h"
 #include "world/sensing/disturbances_file.h"

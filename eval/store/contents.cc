@@ -14,7 +14,7 @@
 #include <set>
 #include <utility>
 
-#include "controller/config/json_text.h"
+#include "controller/config/json_node.h"
 #include "eval/store/build_info.h"
 #include "eval/store/database.h"
 #include "eval/store/definition.h"

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "controller/config/json_text.h"
+#include "controller/config/json_node.h"
 #include "eval/store/hash.h"
 #include "eval/store/samples.h"
 #include "eval/store/statement.h"

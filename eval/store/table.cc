@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "controller/config/json_text.h"
+#include "controller/config/json_node.h"
 #include "controller/config/text_file.h"
 #include "eval/store/columns.h"
 

@@ -9,7 +9,6 @@
 #include "controller/config/reader.h"
 #include "eval/suite/controller_paths.h"
 #include "eval/suite/process_entry.h"
-#include "eval/suite/stored_code.h"
 #include "plugin/host/digest.h"
 
 namespace moma {

@@ -6,7 +6,7 @@
 #include "eval/suite/sections.h"
 #include "eval/suite/stored.h"
 #include "eval/suite/trials.h"
-#include "eval/trial/digest.h"
+#include "eval/trial/key.h"
 
 namespace moma {
 namespace {

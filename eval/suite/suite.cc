@@ -15,7 +15,6 @@
 #include "eval/suite/sections.h"
 #include "eval/suite/sweep.h"
 #include "eval/suite/trials.h"
-#include "eval/trial/digest.h"
 #include "eval/trial/key.h"
 #include "eval/trial/trial.h"
 

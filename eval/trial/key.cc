@@ -1,6 +1,8 @@
+#include <fmt/format.h>
+#include <xxhash.h>
+
 #include "eval/trial/key.h"
 
-#include "eval/trial/digest.h"
 #include "eval/trial/spec_file.h"
 #include "eval/trial/trial.h"
 #include "world/sensing/disturbances_file.h"
@@ -30,6 +32,16 @@ TrialKeys::TrialKeys(const TrialSpec& spec) : spec_digest_(digest(spec)) {}
 
 std::string TrialKeys::key(const ordered_json& world_identity) const {
   return canonical_digest(ordered_json{{"point", spec_digest_}, {"world", world_identity}});
+}
+
+std::string digest_hex(std::string_view text) {
+  const XXH128_hash_t hash = XXH3_128bits(text.data(), text.size());
+  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
+
+std::string canonical_digest(const nlohmann::ordered_json& json) {
+  // nlohmann::json, unlike ordered_json, keeps an object's keys sorted.
+  return digest_hex(nlohmann::json(json).dump());
 }
 
 }  // namespace moma

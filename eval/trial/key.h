@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 
 #include "eval/trial/spec.h"
 
@@ -18,5 +19,11 @@ class TrialKeys {
  private:
   std::string spec_digest_;
 };
+
+/// XXH3-128 of `text`, 32 hex digits, most significant first.
+std::string digest_hex(std::string_view text);
+
+/// Digest of the canonical form of `json`: keys sorted, no spaces, numbers in their shortest exact form.
+std::string canonical_digest(const nlohmann::ordered_json& json);
 
 }  // namespace moma

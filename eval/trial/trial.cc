@@ -8,7 +8,7 @@
 #include "controller/controller.h"
 #include "eval/trial/clock.h"
 #include "eval/trial/told_params.h"
-#include "world/sensing/plant_conditions.h"
+#include "world/sensing/sensing.h"
 
 namespace moma {
 namespace {

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "controller/config/json_text.h"
+#include "controller/config/json_node.h"
 #include "plugin/host/late.h"
 #include "plugin/host/library.h"
 

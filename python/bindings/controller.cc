@@ -8,7 +8,7 @@
 
 #include "controller/case/solve.h"
 #include "controller/config/controller_file.h"
-#include "controller/config/json_text.h"
+#include "controller/config/json_node.h"
 #include "controller/controller_core.h"
 #include "python/bindings/robot.h"
 

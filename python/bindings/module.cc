@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "controller/config/json_node.h"
-#include "controller/config/json_text.h"
 #include "python/bindings/bindings.h"
 
 namespace moma::python {

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "controller/config/json_node.h"
-#include "controller/config/json_text.h"
 #include "world/world_json.h"
 
 namespace moma::python {

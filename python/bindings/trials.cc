@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "controller/config/json_text.h"
+#include "controller/config/json_node.h"
 #include "controller/model/kinematics.h"
 #include "eval/trial/stepped_trial.h"
 #include "eval/trial/trace_json.h"

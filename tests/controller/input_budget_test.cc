@@ -4,7 +4,7 @@
 
 #include "controller/config/budget.h"
 #include "controller/config/controller_file.h"
-#include "controller/config/json_text.h"
+#include "controller/config/json_node.h"
 #include "controller/config/mesh_hull.h"
 #include "controller/config/node.h"
 #include "tests/support/robots.h"

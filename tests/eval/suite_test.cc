@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "controller/config/node.h"
-#include "eval/trial/digest.h"
+#include "eval/trial/key.h"
 #include "eval/trial/trial.h"
 #include "tests/eval/suite_fixture.h"
 

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "controller/config/json_node.h"
-#include "controller/config/json_text.h"
 #include "tests/fuzz/draws.h"
 #include "tests/fuzz/target.h"
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "controller/config/json_text.h"
+#include "controller/config/json_node.h"
 #include "controller/config/text_file.h"
 #include "eval/batch/wire.h"
 #include "tests/fuzz/bytes.h"

@@ -1,7 +1,7 @@
 // Worlds, as frozen sets and stores have them: what is read is written to what is read again.
 #include <cstdlib>
 
-#include "controller/config/json_text.h"
+#include "controller/config/json_node.h"
 #include "tests/fuzz/target.h"
 #include "world/world_json.h"
 

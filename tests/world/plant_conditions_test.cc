@@ -1,5 +1,5 @@
 // Payload, floor friction and joint friction: against what mechanics says, and in their draws.
-#include "world/sensing/plant_conditions.h"
+#include "world/sensing/sensing.h"
 
 #include <gtest/gtest.h>
 

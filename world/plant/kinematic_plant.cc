@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
-#include "world/plant/command_check.h"
 #include "world/plant/contacts.h"
+#include "world/plant/plant.h"
 #include "world/plant/reach_watch.h"
 
 namespace moma {

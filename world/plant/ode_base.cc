@@ -3,8 +3,6 @@
 #include <cstddef>
 #include <iterator>
 
-#include "world/plant/ode_base_kinds.h"
-
 namespace moma {
 namespace {
 

@@ -43,4 +43,14 @@ class OdeBase {
   virtual bool healthy(double limit) const = 0;
 };
 
+/// The drive of one kind of base: its two functions are those of OdeBase.
+struct OdeBaseKind {
+  std::unique_ptr<OdeBase> (*make)(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3& base,
+                                   double friction);
+  double (*own_mass)(const RobotModel& model);
+};
+
+extern const OdeBaseKind kDifferentialBase;
+extern const OdeBaseKind kOmnidirectionalBase;
+
 }  // namespace moma

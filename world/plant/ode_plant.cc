@@ -9,12 +9,12 @@
 
 #include "controller/model/base_kind.h"
 #include "world/plant/body_states.h"
-#include "world/plant/command_check.h"
 #include "world/plant/contacts.h"
 #include "world/plant/gap_watch.h"
 #include "world/plant/ode_arm.h"
 #include "world/plant/ode_base.h"
 #include "world/plant/ode_support.h"
+#include "world/plant/plant.h"
 
 namespace moma {
 namespace {

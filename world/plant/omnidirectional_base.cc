@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "world/plant/ode_base_kinds.h"
+#include "world/plant/ode_base.h"
 #include "world/plant/ode_support.h"
 
 namespace moma {

@@ -4,7 +4,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "world/plant/command_check.h"
 #include "world/plant/kinematic_plant.h"
 #include "world/plant/ode_plant.h"
 

@@ -9,6 +9,7 @@
 
 #include "controller/describe/describe.h"
 #include "controller/describe/enumeration.h"
+#include "controller/model/robot_model.h"
 #include "world/plant/conditions.h"
 #include "world/plant/plant_clock.h"
 #include "world/world.h"
@@ -119,5 +120,9 @@ class Plant {
 /// for dynamics (inertia, effort, wheels). The kinematic plant ignores `conditions`.
 std::unique_ptr<Plant> make_plant(std::shared_ptr<const RobotModel> model, const World& world,
                                   const SimulationConfig& simulation, const PlantConditions& conditions = {});
+
+/// Throws std::invalid_argument naming the coordinate where the command has a wrong size or is not finite: such a
+/// number must never reach the physics.
+void check_command(const RobotModel& model, const VectorX& command, double duration);
 
 }  // namespace moma

@@ -3,18 +3,52 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "controller/model/floor_reach.h"
 #include "controller/model/proximity.h"
 #include "world/draws.h"
-#include "world/scenario/placement.h"
+#include "world/scenario/distribution.h"
 #include "world/world.h"
 
 namespace moma {
 
-/// Distance of objects to a robot at start or witness.
+/// Where start and witness are: the keys that all families share. The robot starts at the origin, arm at `ready`.
+/// A fixed base stays there; `distance`, `direction` and the headings are for mobile ones.
+struct Placement {
+  using Uniform = Distribution::Uniform;
+  Distribution start_heading{Uniform{-std::numbers::pi, std::numbers::pi}};  ///< [rad]
+  Distribution distance{Uniform{0.5, 4.0}};                                  ///< [m]
+  Distribution direction{Uniform{-std::numbers::pi, std::numbers::pi}};      ///< [rad]
+  Distribution heading{Uniform{-std::numbers::pi, std::numbers::pi}};        ///< [rad]
+  double limit_margin = 0.1;      ///< [rad or m]; a quarter of the joint's range at most
+  double tip_height = 0.1;        ///< [m]
+  double floor_clearance = 0.02;  ///< [m]
+  double self_clearance = 0.01;   ///< [m]
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Placement>) {
+  using T = Placement;
+  v.member("start_heading", &T::start_heading, {.unit = "rad", .text = "of the base at the start"});
+  v.member("distance", &T::distance,
+           {.unit = "m", .range = Range::non_negative(), .text = "from the start to the witness's base"});
+  v.member("direction", &T::direction, {.unit = "rad", .text = "of that line in the world"});
+  v.member("heading", &T::heading, {.unit = "rad", .text = "of the witness's base"});
+  v.member("limit_margin", &T::limit_margin,
+           {.unit = "rad or m",
+            .range = Range::non_negative(),
+            .text = "the witness's joints keep so far from their limits, a quarter of their range at most"});
+  v.member("tip_height", &T::tip_height, {.unit = "m", .text = "least height of the goal"});
+  v.member("floor_clearance", &T::floor_clearance,
+           {.unit = "m", .range = Range::non_negative(), .text = "of the witness's moving shapes over the floor"});
+  v.member("self_clearance", &T::self_clearance,
+           {.unit = "m", .range = Range::non_negative(), .text = "between the witness's own shapes"});
+}
+
+/// How far objects keep from a robot that stands at start or witness.
 struct Room {
   double clearance = 0.0;  ///< to start and witness [m]
   double start = 0.0;      ///< to the start, at t = 0 [m]

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "controller/config/budget.h"
-#include "controller/config/json_text.h"
+#include "controller/config/json_node.h"
 #include "controller/config/reader.h"
 #include "controller/config/suggestion.h"
 #include "world/scenario/apportion.h"

@@ -1,10 +1,14 @@
 #include "world/sensing/sensing.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "world/sensing/arrival.h"
+#include "world/sensing/streams.h"
 
 namespace moma {
+
 namespace {
 
 Vector3 normal3(Draws draws, double sigma) {
@@ -182,6 +186,69 @@ void Sensing::late(long k, Observation& seen) {
   seen.qdot.head(base_dof_) = base_.velocity.head(base_dof_);
   arrive(late_objects_, k, seen.objects, {config_.objects.irregularity, kObjectArrival, jitter_.objects});
   arrive(late_goal_, k, seen.goal, {config_.goal.irregularity, kGoalArrival, jitter_.goal});
+}
+
+Phantoms::Phantoms(const FalseDetections& rule, const DisturbanceStreams& streams, double control_period)
+    : rule_(rule),
+      streams_(streams),
+      span_(std::max(1L, delay_steps(rule.duration, control_period))),
+      states_(static_cast<std::size_t>(rule.count)) {}
+
+std::vector<ObjectShape> Phantoms::shapes(const World& world) const {
+  std::vector<ObjectShape> out;
+  for (std::size_t i = 0; i < count(); ++i) {
+    ObjectShape& shape = out.emplace_back();
+    shape.name = "phantom" + std::to_string(i);
+    while (std::any_of(world.objects.begin(), world.objects.end(),
+                       [&](const WorldObject& object) { return object.name == shape.name; }))
+      shape.name += "'";
+    shape.shape.kind = ShapeKind::kSphere;
+    shape.shape.size = Vector3(rule_.radius, 0.0, 0.0);
+  }
+  return out;
+}
+
+void Phantoms::append(long k, const Vector3& base, std::vector<ObjectState>& objects) {
+  if (k % span_ == 0) {
+    for (std::size_t i = 0; i < states_.size(); ++i) {
+      Draws draws = streams_.sensing(DisturbanceSource::kPhantom, k / span_, i);
+      ObjectState& state = states_[i];
+      state = {};
+      state.visible = draws.uniform() < rule_.probability;
+      if (!state.visible) continue;
+      const double low = std::min(rule_.nearest, rule_.furthest), high = std::max(rule_.nearest, rule_.furthest);
+      const double distance = draws.uniform(low, high), angle = draws.uniform(-std::numbers::pi, std::numbers::pi);
+      state.X_WO.translation() = Vector3(base.x() + distance * std::cos(angle), base.y() + distance * std::sin(angle),
+                                         draws.uniform(0.0, rule_.height));
+    }
+  }
+  objects.insert(objects.end(), states_.begin(), states_.end());
+}
+
+PlantConditions plant_conditions(const Disturbances& disturbances, const RobotModel& model, const World& world) {
+  PlantConditions out;
+  if (!moves_with_errors(disturbances)) return out;
+  using enum DisturbanceSource;
+  const DisturbanceStreams streams(world, disturbances.seed);
+  const auto draw = [](Draws& draws, double mean, double spread) { return std::max(0.0, draws.normal(mean, spread)); };
+
+  const UnknownPayload& payload = disturbances.payload;
+  Draws mass = streams.acting(kPayloadMass);
+  out.payload.mass = draw(mass, payload.mass, payload.spread);
+  out.payload.p_EP_E = {payload.position[0], payload.position[1], payload.position[2]};
+  Draws floor = streams.acting(kFloorFriction);
+  out.floor_friction = draw(floor, disturbances.floor.friction, disturbances.floor.spread);
+  const JointFriction& of_joints = disturbances.actuators.joints.friction;
+  if (of_joints == JointFriction{}) return out;
+  Draws friction = streams.acting(kJointFriction);
+  out.joint_friction.resize(model.num_joints());
+  for (int i = 0; i < model.num_joints(); ++i) {
+    // A joint that its own motor cannot move at all is broken, not disturbed.
+    constexpr double kMost = 0.95;
+    const double fraction = std::min(kMost, draw(friction, of_joints.effort, of_joints.spread));
+    out.joint_friction[i] = fraction * model.joints[static_cast<std::size_t>(i)].effort;
+  }
+  return out;
 }
 
 }  // namespace moma

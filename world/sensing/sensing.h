@@ -1,22 +1,44 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "controller/model/robot_model.h"
 #include "controller/step.h"
+#include "world/plant/conditions.h"
 #include "world/sensing/delay_line.h"
 #include "world/sensing/detection.h"
 #include "world/sensing/disturbances.h"
 #include "world/sensing/odometry.h"
-#include "world/sensing/phantoms.h"
 #include "world/sensing/streams.h"
+#include "world/world.h"
 
 namespace moma {
 
-/// The sensors between the simulated robot and its controller: turn the true state into an observation. Each
-/// measurement takes its errors at its control step, in this order: odometry, bias, noise. A delay then passes on the
-/// measurement of an earlier step; before the first one arrives, the first. `model` must outlive this object. One
-/// object per trial.
+/// False detections: balls that a trial's sensors see now and then where nothing is. Time is cut into spans; in each, a
+/// ball is there with its probability, at rest, at a place that is drawn in a ring about where the base is as the span
+/// begins. The controller is told of their shapes after those of the world's objects.
+class Phantoms {
+ public:
+  Phantoms(const FalseDetections& rule, const DisturbanceStreams& streams, double control_period);
+
+  std::size_t count() const noexcept { return static_cast<std::size_t>(rule_.count); }
+  /// "phantom0", "phantom1", ..., longer where an object of the world has that name.
+  std::vector<ObjectShape> shapes(const World& world) const;
+  /// Their states at step k = 0, 1, 2, ... (each once, in order), appended to `objects`; `base` is the true one.
+  void append(long k, const Vector3& base, std::vector<ObjectState>& objects);
+
+ private:
+  FalseDetections rule_;
+  DisturbanceStreams streams_;
+  long span_;  // in control periods
+  std::vector<ObjectState> states_;
+};
+
+/// The sensors between the simulated robot and its controller: turns the truth into what is sensed. Each measurement
+/// is made at a control step and takes its errors then: odometry, bias, noise, in this order; a delay hands on the
+/// measurement of an earlier step as it was made, and before the first is due, the first. `model` outlives it. One per
+/// trial.
 class Sensing {
  public:
   Sensing(const Disturbances& disturbances, const RobotModel& model, const World& world, double control_period);
@@ -87,5 +109,8 @@ class Sensing {
 
   static const PoseSources kObject, kGoal;
 };
+
+/// The physics of one trial: what `disturbances` say, drawn from the world's own streams.
+PlantConditions plant_conditions(const Disturbances& disturbances, const RobotModel& model, const World& world);
 
 }  // namespace moma
