@@ -66,7 +66,7 @@ void export_csv(const fs::path& db, const fs::path& folder, files::Replace repla
   // All are read before the first is written.
   std::vector<std::pair<std::string, store::QueryResult>> results;
   results.emplace_back("trials", trials(db));
-  results.emplace_back("summary", summary_table(db, {}));
+  results.emplace_back("summary", summary_table(db));
   for (const Export& file : kFiles) results.emplace_back(file.name, store::query(db, file.sql));
   std::error_code error;
   fs::create_directories(folder, error);

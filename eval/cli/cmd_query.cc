@@ -18,11 +18,8 @@ namespace {
 struct QueryOptions {
   std::string file;
   std::string sql;
-  std::string sort;
   Format format = Format::kTable;
 };
-
-constexpr std::string_view kSummary = "summary";
 
 std::string sql_of(const QueryOptions& options) {
   const std::string name = options.sql.substr(1);
@@ -46,13 +43,8 @@ store::QueryResult best_points(const QueryOptions& options) {
 }
 
 store::QueryResult answer(const QueryOptions& options) {
-  const bool summary = options.sql == fmt::format("@{}", kSummary);
-  if (!options.sort.empty() && !summary)
-    throw UsageError("query: --sort is of @summary; ORDER BY sorts what SQL asks for");
-  if (summary) {
-    const bool for_person = options.format == Format::kTable || options.format == Format::kMarkdown;
-    return summary_table(options.file, {"", options.sort, for_person});
-  }
+  if (options.sql == "@summary")
+    return summary_table(options.file, "", options.format == Format::kTable || options.format == Format::kMarkdown);
   if (asks_for_best(options.sql)) return best_points(options);
   if (options.sql.starts_with('@')) return store::query(options.file, sql_of(options));
   // What a person writes may take as long as it takes; Ctrl-C ends it.
@@ -71,7 +63,6 @@ std::string footer() {
          "Views: v_trials (one flat row per trial), v_summary, v_pairs, v_metric_summary; docs/reference/store.md "
          "describes them.\n"
          "Examples: moma query results/demo.db @summary\n"
-         "          moma query results/gains.db @summary --sort success_rate\n"
          "          moma query results/demo.db \"SELECT outcome, count(*) FROM v_trials GROUP BY 1\" --format csv";
 }
 
@@ -84,7 +75,6 @@ void add_query(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   command->add_option("SQL", options->sql, "One SQL statement, or @summary, @list, @failures, @pairs, @worst, @best")
       ->required();
   add_format(*command, options->format);
-  add_sort(*command, options->sort);
   command->footer(footer());
   command->callback([&action, options] {
     action = [options] {

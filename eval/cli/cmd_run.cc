@@ -22,7 +22,6 @@ struct RunOptions {
   run::EvaluateRequest request;
   std::string rerun;
   std::string shard;
-  std::string sort;
   Plugins plugins = Plugins::kRefused;
   double lost_after = 30.0;
   bool quiet = false;
@@ -91,7 +90,7 @@ int lead(const RunOptions& options, Cluster* cluster) {
   const run::Evaluation done = run::evaluate(request, suite, listener_on_stderr(options.quiet, progress));
   if (!done.stopped.empty()) std::cerr << terminal_safe_lines(done.stopped) << std::endl;
   if (done.end == run::End::kNeverBegan) return kStoppedEarly;
-  write(std::cout, summary_table(done.file, {done.suite, options.sort, true}), Format::kTable);
+  write(std::cout, summary_table(done.file, done.suite, true), Format::kTable);
   std::cout.flush();
   if (request.profile) print_profile(done.profile);
   print_warnings(done.warnings);
@@ -122,7 +121,6 @@ void add_run(CLI::App& app, Action& action, const Arguments& arguments) {
   options->suite.add_to(*command);
   add_output_store(*command, options->request.file);
   add_threads(*command, options->request.threads);
-  add_sort(*command, options->sort);
   command->add_option("--rerun", options->rerun,
                       "SUITE is a store: run its suite of this name again, from the store alone");
   add_allow_plugins(*command, options->plugins);

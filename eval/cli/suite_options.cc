@@ -72,11 +72,6 @@ void add_threads(CLI::App& command, int& threads) {
   command.add_option("--threads", threads, "Threads (all cores)")->check(CLI::Range(1, 4096));
 }
 
-void add_sort(CLI::App& command, std::string& sort) {
-  command.add_option("--sort", sort,
-                     "Sort the rows of each family of worlds by a metric, the best first; METRIC:up, METRIC:down");
-}
-
 void add_format(CLI::App& command, Format& format) {
   const std::map<std::string, Format> formats = {
       {"table", Format::kTable}, {"csv", Format::kCsv}, {"json", Format::kJson}, {"markdown", Format::kMarkdown}};

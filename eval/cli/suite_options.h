@@ -39,9 +39,6 @@ void add_force(CLI::App& command, files::Replace& replace);
 /// Adds --threads.
 void add_threads(CLI::App& command, int& threads);
 
-/// Adds --sort of a summary (eval/cli/summary_table.h).
-void add_sort(CLI::App& command, std::string& sort);
-
 /// Adds --format.
 void add_format(CLI::App& command, Format& format);
 

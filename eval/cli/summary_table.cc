@@ -3,17 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <optional>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
-#include "controller/config/node.h"
-#include "controller/config/suggestion.h"
-#include "eval/cli/command.h"
-#include "eval/store/columns.h"
 #include "reports/render/own_metrics.h"
 
 namespace moma::cli {
@@ -71,56 +66,6 @@ void add_own(const std::filesystem::path& file, QueryResult& table) {
   }
 }
 
-struct Order {
-  std::size_t column = 0;
-  bool down = false;
-};
-
-bool largest_first(const std::string& metric) {
-  if (metric.starts_with("success_")) return true;
-  if (metric.starts_with("collision_") || metric == "errors" || metric == "time_to_goal_median_s") return false;
-  for (const store::TrialColumn& column : store::trial_columns())
-    if (column.name == metric) return column.about.better != Better::kLow;
-  return true;
-}
-
-Order order_of(const std::string& sort, const QueryResult& plain) {
-  const std::size_t colon = sort.rfind(':');
-  const std::string metric = sort.substr(0, colon);
-  const std::string way = colon == std::string::npos ? "" : sort.substr(colon + 1);
-  if (!way.empty() && way != "up" && way != "down")
-    throw UsageError(fmt::format("--sort {}: expected METRIC, METRIC:up or METRIC:down", sort));
-  const auto found = std::find(plain.columns.begin() + kNames, plain.columns.end(), metric);
-  if (found == plain.columns.end()) {
-    const std::vector<std::string> metrics(plain.columns.begin() + kNames, plain.columns.end());
-    throw UsageError(fmt::format("--sort {}: no such metric{}; there are: {}", sort,
-                                 config::suggestion(metric, metrics), fmt::join(metrics, ", ")));
-  }
-  return {static_cast<std::size_t>(found - plain.columns.begin()), way.empty() ? largest_first(metric) : way == "down"};
-}
-
-/// Places of the rows in the order asked for, groups together.
-std::vector<std::size_t> sorted(const QueryResult& plain, const std::string& sort) {
-  std::vector<std::size_t> places(plain.rows.size());
-  for (std::size_t i = 0; i < places.size(); ++i) places[i] = i;
-  if (sort.empty()) return places;
-  const Order order = order_of(sort, plain);
-  const auto group = [&](std::size_t i) {
-    const Row& row = plain.rows[i];
-    return std::array<Cell, 4>{row[0], row[kRobot], row[4], row[5]};
-  };
-  std::stable_sort(places.begin(), places.end(), [&](std::size_t a, std::size_t b) {
-    const auto of_a = group(a);
-    const auto of_b = group(b);
-    if (of_a != of_b) return of_a < of_b;
-    const std::optional<double> x = value_of(plain.rows[a][order.column]);
-    const std::optional<double> y = value_of(plain.rows[b][order.column]);
-    if (!x || !y) return x.has_value() && !y.has_value();
-    return order.down ? *x > *y : *x < *y;
-  });
-  return places;
-}
-
 void keep_columns(QueryResult& table, const std::vector<std::size_t>& kept) {
   const auto chosen = [&](auto& from) {
     std::remove_reference_t<decltype(from)> to;
@@ -132,7 +77,7 @@ void keep_columns(QueryResult& table, const std::vector<std::size_t>& kept) {
 }
 
 /// Of what was asked for a person: `own` columns stand from there on.
-std::vector<std::size_t> for_person(QueryResult& table, std::size_t moma, std::size_t own) {
+std::vector<std::size_t> columns_for_person(QueryResult& table, std::size_t moma, std::size_t own) {
   const auto any = [&](const auto& holds) { return std::any_of(table.rows.begin(), table.rows.end(), holds); };
   const bool errors = any([&](const Row& row) { return value_of(row[kErrors]).value_or(0.0) > 0.0; });
   std::vector<std::size_t> kept;
@@ -154,21 +99,16 @@ std::vector<std::size_t> for_person(QueryResult& table, std::size_t moma, std::s
 
 }  // namespace
 
-QueryResult summary_table(const std::filesystem::path& file, const SummaryOptions& options) {
-  const std::string where =
-      options.suite.empty() ? "" : fmt::format(" WHERE suite = {}", store::sql_literal(options.suite));
+QueryResult summary_table(const std::filesystem::path& file, const std::string& suite, bool for_person) {
+  const std::string where = suite.empty() ? "" : fmt::format(" WHERE suite = {}", store::sql_literal(suite));
   // All at once, since a run may add to the store meanwhile.
   QueryResult table = store::query(
       file, fmt::format("SELECT *{} FROM v_summary{} ORDER BY suite, robot, family, mode, controller, point",
-                        options.for_person ? kForPerson : "", where));
+                        for_person ? kForPerson : "", where));
   const std::size_t own = table.columns.size();
-  const std::size_t moma = own - (options.for_person ? kForPersonColumns : 0);
+  const std::size_t moma = own - (for_person ? kForPersonColumns : 0);
   add_own(file, table);
-  std::vector<Row> rows;
-  rows.reserve(table.rows.size());
-  for (const std::size_t place : sorted(table, options.sort)) rows.push_back(std::move(table.rows[place]));
-  table.rows = std::move(rows);
-  if (options.for_person) keep_columns(table, for_person(table, moma, own));
+  if (for_person) keep_columns(table, columns_for_person(table, moma, own));
   return table;
 }
 

@@ -85,27 +85,6 @@ TEST_F(CliLook, TheBestPointIsFoundByTheStatedCriterion) {
   bad({"verify", "a.db", "--point", "theirs"}, {"no point 'theirs'"});
 }
 
-TEST_F(CliLook, SummariesAreSortedByAnyMetric) {
-  make_sweep();
-  const auto order = [&](const std::string& sort) {
-    std::string text;
-    for (const json& row : rows({"query", "a.db", "@summary", "--sort", sort}))
-      text += row["point"].get<std::string>().back();
-    return text;
-  };
-  EXPECT_EQ(order("success_rate:up"), "312") << "errors are no success; equal ones as they were";
-  EXPECT_EQ(order("success_rate"), "123") << "the best first";
-  EXPECT_EQ(order("collision_rate"), "231");
-  EXPECT_EQ(order("collision_rate:down"), "123");
-  EXPECT_EQ(order("errors:down"), "312");
-  const json by_own = rows({"query", "a.db", "@summary", "--sort", "latest:down"});
-  EXPECT_GE(by_own[0]["latest"].get<double>(), by_own[2]["latest"].get<double>());
-  bad({"query", "a.db", "@summary", "--sort", "sucess_rate"},
-      {"no such metric", "did you mean success_rate?", "latest"});
-  bad({"query", "a.db", "@summary", "--sort", "n:sideways"}, {"METRIC:up"});
-  bad({"query", "a.db", "@list", "--sort", "n"}, {"--sort is of @summary"});
-}
-
 TEST_F(CliLook, ErrorsAreSaidBesideTheRates) {
   make_sweep();
   const std::string table = good({"query", "a.db", "@summary"}).out;
@@ -183,7 +162,7 @@ trials: 2
   const std::string table = good({"run", "robots.yaml", "-o", "a.db", "-q"}).out;
   EXPECT_NE(table.find("robot"), std::string::npos) << table;
   EXPECT_NE(table.find("robots  other  plain"), std::string::npos) << table;
-  const std::string one = good({"run", "suite.yaml", "-o", "b.db", "-q", "--sort", "time_to_goal_median_s"}).out;
+  const std::string one = good({"run", "suite.yaml", "-o", "b.db", "-q"}).out;
   EXPECT_EQ(one.find("robot"), std::string::npos) << one;
 }
 
