@@ -8,7 +8,6 @@
 
 #include "controller/config/convex_hull.h"
 #include "controller/fit/enclosing.h"
-#include "controller/fit/minimise.h"
 
 namespace moma::fit {
 namespace {

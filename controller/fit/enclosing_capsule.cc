@@ -5,8 +5,6 @@
 #include <vector>
 
 #include "controller/fit/enclosing.h"
-#include "controller/fit/minimise.h"
-#include "controller/fit/smallest_ball.h"
 
 namespace moma::fit {
 namespace {

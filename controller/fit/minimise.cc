@@ -1,4 +1,4 @@
-#include "controller/fit/minimise.h"
+#include "controller/fit/enclosing.h"
 
 #include <exception>
 #include <new>

@@ -1,4 +1,4 @@
-#include "controller/fit/smallest_ball.h"
+#include "controller/fit/enclosing.h"
 
 #include <Eigen/LU>
 #include <algorithm>

@@ -5,7 +5,7 @@
 #include "eval/cli/command.h"
 #include "eval/cli/suite_options.h"
 #include "eval/identify/found_files.h"
-#include "eval/identify/log_file.h"
+#include "eval/identify/motion_log.h"
 #include "files/output_file.h"
 
 namespace moma::cli {

@@ -12,7 +12,7 @@
 
 #include "controller/config/node.h"
 #include "controller/config/text_file.h"
-#include "eval/identify/log_file.h"
+#include "eval/identify/motion_log.h"
 
 namespace moma::identify {
 namespace {

@@ -4,7 +4,7 @@
 #include <ostream>
 #include <utility>
 
-#include "eval/identify/log_file.h"
+#include "eval/identify/motion_log.h"
 
 namespace moma::identify {
 

@@ -18,7 +18,6 @@
 #include "reports/render/evidence.h"
 #include "reports/render/own_metrics.h"
 #include "reports/render/replays.h"
-#include "reports/render/run_state.h"
 #include "reports/render/store.h"
 
 namespace moma::reports {

@@ -3,11 +3,16 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+#include <cerrno>
 #include <cstdint>
 
 #include "reports/render/report.h"
 
 namespace moma::reports {
+
 namespace {
 
 constexpr int kApplicationId = 1836019041;  // "moma"
@@ -128,6 +133,20 @@ SQLite::Database open_store(const std::filesystem::path& db, std::chrono::millis
     }
     throw ReportError(fmt::format("{}: cannot be read: {}", name, error.what()));
   }
+}
+
+Writer writer_of(const std::filesystem::path& db) {
+  // A run locks beside the file itself, whatever links lead to it.
+  std::error_code error;
+  const std::filesystem::path place = std::filesystem::canonical(db, error);
+  const int file =
+      open(((error ? db : place).string() + "-lock").c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (file < 0) return Writer::kUnknown;
+  // Shared: two readers do not take each other for a run.
+  const bool free = flock(file, LOCK_SH | LOCK_NB) == 0;
+  const bool held = !free && errno == EWOULDBLOCK;
+  close(file);
+  return free ? Writer::kGone : held ? Writer::kAtWork : Writer::kUnknown;
 }
 
 }  // namespace moma::reports

@@ -3,9 +3,9 @@
 #include <numbers>
 #include <random>
 
+#include "controller/fit/enclosing.h"
 #include "controller/fit/measure.h"
 #include "controller/fit/partition.h"
-#include "controller/fit/smallest_ball.h"
 #include "fit_oracle.h"
 
 namespace moma {

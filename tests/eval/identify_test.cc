@@ -11,7 +11,7 @@
 #include "controller/config/read_described.h"
 #include "controller/config/robot_file.h"
 #include "eval/identify/found_files.h"
-#include "eval/identify/log_file.h"
+#include "eval/identify/motion_log.h"
 #include "eval/identify/noise.h"
 #include "eval/run/log_of_trial.h"
 #include "tests/eval/trial_fixture.h"

@@ -11,7 +11,7 @@
 
 #include "reports/render/changes.h"
 #include "reports/render/report.h"
-#include "reports/render/run_state.h"
+#include "reports/render/store.h"
 #include "tests/reports/store_files.h"
 
 namespace moma::reports {
