@@ -26,12 +26,12 @@ void DampedInverse::update(const Matrix6X& J, double damping) noexcept {
   const Matrix6 JJt = J * J.transpose();
   const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(JJt);
   const Vector6& values = eigen.eigenvalues();
-  s_min_ = std::sqrt(std::max(values[0], 0.0));
-  const double ratio = s_min_ / kSmallest;
-  damping_squared_ = ratio < 1.0 ? damping * damping * (1.0 - ratio * ratio) : 0.0;
+  const double s_min = std::sqrt(std::max(values[0], 0.0));
+  const double ratio = s_min / kSmallest;
+  const double damping_squared = ratio < 1.0 ? damping * damping * (1.0 - ratio * ratio) : 0.0;
   Vector6 inverse;
   for (int i = 0; i < 6; ++i) {
-    const double value = std::max(values[i], 0.0) + damping_squared_;
+    const double value = std::max(values[i], 0.0) + damping_squared;
     inverse[i] = value > kNothing * values[5] ? 1.0 / value : 0.0;
   }
   inverse_.noalias() = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();

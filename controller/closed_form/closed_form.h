@@ -16,13 +16,9 @@ class DampedInverse {
   void update(const Matrix6X& J, double damping) noexcept;
   /// J^+ nu: resolved-rate motion control (Whitney 1969; the baseline of MMC, arXiv 2002.11901).
   void apply(const Matrix6X& J, const Vector6& nu, VectorX& out) const noexcept;
-  double smallest_singular_value() const noexcept { return s_min_; }
-  double damping_squared() const noexcept { return damping_squared_; }
 
  private:
   Matrix6 inverse_ = Matrix6::Zero();  // (J J^T + lambda^2 I)^-1
-  double s_min_ = 0.0;
-  double damping_squared_ = 0.0;
 };
 
 /// qdot += (I - J^+ J) gradient; `gradient` has one value per velocity and is overwritten.

@@ -16,7 +16,7 @@ namespace moma {
 /// the rows alone: neither on threads, nor on stops and resumes, nor on what else a store holds.
 ///
 /// Looking several times at one growing sample costs some coverage; store.md has the exact numbers, which
-/// stopped_coverage() computes.
+/// tests/eval/cluster_parts_test.cc computes.
 class SequentialRule {
  public:
   SequentialRule(const UntilRule& rule, std::size_t points);
@@ -39,13 +39,5 @@ class SequentialRule {
   std::uint64_t worlds_ = 0;
   double half_width_ = 0.5;
 };
-
-/// What the rule does to one point whose metric has the rate `p`: exact, by running the distribution of the count
-/// from look to look. O(max^2).
-struct StoppedCoverage {
-  double coverage = 0.0;     ///< probability that the interval at the end holds p
-  double mean_worlds = 0.0;  ///< expected worlds
-};
-StoppedCoverage stopped_coverage(const UntilRule& rule, double p);
 
 }  // namespace moma
