@@ -24,7 +24,7 @@ set(rules
   "controller/config|controller/(case|fit|draft)/|-|configuration is read without case files and without what describes robots"
   "controller/(model|task|qp|solver|closed_form|case)|controller/(fit|draft)/|-|robots are described before there is a controller"
   "controller/(fit|draft)|controller/(task|qp|solver|closed_form|case|controller(_core)?)[./]|-|describing a robot needs no controller"
-  "(world|eval|plugin|examples)|controller/controller_core|eval/trial/case_of_step\\.cc|a controller is used by its public face, and what looks into one is named here"
+  "(world|eval|plugin|examples)|controller/controller_core|eval/trial/(case_of_step|rows_of_trial)\\.cc|a controller is used by its public face, and what looks into one is named here"
   "controller|(fmt|spdlog|CLI|SQLiteCpp|omp)[/.]|controller/(fit|draft)/.*|the controller depends on Eigen, urdfdom, coal and its QP solver only"
   "controller|nlohmann/|controller/(config|case)/|JSON belongs to the controller's file formats"
   "world|(controller/(task|qp|solver|closed_form|policy|guard|case)/|eval/|reports/)|-|worlds see the robot, never the controller or the evaluation"

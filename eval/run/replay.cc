@@ -63,12 +63,13 @@ Suite stored_suite(const std::filesystem::path& store, const std::string& name, 
   return suite_from_resolved(resolved, plugins);
 }
 
-Replay replay(const std::filesystem::path& store, const std::string& name, StoredSuites& suites) {
+Replay replay(const std::filesystem::path& store, const std::string& name, StoredSuites& suites, TrialRows* rows) {
   Replay replay;
   replay.trial = store::Reader(store).trial(name);
   replay.point = &suites.point_of(replay.trial);
   replay.world = world_of(replay.trial);
-  replay.output = run_trial(*replay.point, replay.world);
+  replay.output =
+      rows == nullptr ? run_trial(*replay.point, replay.world) : run_trial(*replay.point, replay.world, *rows);
   return replay;
 }
 

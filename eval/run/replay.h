@@ -7,7 +7,7 @@
 #include "controller/case/case_file.h"
 #include "eval/store/reader.h"
 #include "eval/suite/stored.h"
-#include "eval/trial/trial.h"
+#include "eval/trial/rows_of_trial.h"
 
 namespace moma::run {
 
@@ -41,8 +41,9 @@ struct Replay {
 };
 
 /// `name`: of the trial, or any unique beginning of it. Throws StoreError where there is no such trial or it cannot be
-/// simulated again.
-Replay replay(const std::filesystem::path& store, const std::string& name, StoredSuites& suites);
+/// simulated again. `rows`, where they are asked for: of the QP (rows_of_trial.h).
+Replay replay(const std::filesystem::path& store, const std::string& name, StoredSuites& suites,
+              TrialRows* rows = nullptr);
 
 /// What a replay has to say to a row that was computed before.
 struct ReplayDifferences {

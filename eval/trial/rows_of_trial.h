@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "controller/qp/problem.h"
+#include "eval/trial/trial.h"
+
+namespace moma {
+
+/// The QP's rows about distances in one trial, as its controller posed them: at the state that it predicted, of the
+/// objects that it sensed.
+struct TrialRows {
+  struct Row {
+    double t = 0.0;  ///< of the control step [s]
+    RowId id;
+    int first = 0;        ///< index into `names`: the robot's link
+    int second = 0;       ///< and of what it is kept from: an object, the floor, another link
+    bool active = false;  ///< at its limit in the solution
+  };
+  std::vector<std::string> names;
+  std::vector<Row> rows;  ///< step by step, each step's in the order of the problem
+};
+
+/// Simulates a trial as run_trial() does, and writes down the rows of its controller. None of a controller that poses
+/// no QP, or is a plugin.
+TrialOutput run_trial(const TrialSpec& spec, const World& world, TrialRows& rows);
+
+}  // namespace moma
