@@ -1,31 +1,35 @@
-// Writes a part of the store's definition to a file: moma_define_store tables.sql|views.sql|metrics.json|outcomes.json
-// FILE
+// Writes a part of the store's definition to a file: moma_define_store PART FILE
 #include <cstdio>
 #include <fstream>
 #include <string>
+#include <string_view>
 
 #include "eval/store/definition.h"
 
+namespace {
+
+struct Part {
+  std::string_view name;
+  std::string (*text)();
+};
+constexpr Part kParts[] = {
+    {"tables.sql", &moma::store::tables_sql},       {"views.sql", &moma::store::views_sql},
+    {"overall.sql", &moma::store::overall_sql},     {"metrics.json", &moma::store::metrics_json},
+    {"outcomes.json", &moma::store::outcomes_json}, {"samples.json", &moma::store::samples_json}};
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  const std::string part = argc == 3 ? argv[1] : "";
-  std::string text;
-  if (part == "tables.sql") {
-    text = moma::store::tables_sql();
-  } else if (part == "views.sql") {
-    text = moma::store::views_sql();
-  } else if (part == "metrics.json") {
-    text = moma::store::metrics_json();
-  } else if (part == "outcomes.json") {
-    text = moma::store::outcomes_json();
-  } else {
-    std::fprintf(stderr, "usage: moma_define_store tables.sql|views.sql|metrics.json|outcomes.json FILE\n");
-    return 2;
-  }
-  std::ofstream file(argv[2], std::ios::binary);
-  file << text << '\n';
-  if (!file.flush()) {
+  for (const Part& part : kParts) {
+    if (argc != 3 || part.name != argv[1]) continue;
+    std::ofstream file(argv[2], std::ios::binary);
+    file << part.text() << '\n';
+    if (file.flush()) return 0;
     std::fprintf(stderr, "%s: cannot be written\n", argv[2]);
     return 2;
   }
-  return 0;
+  std::fprintf(stderr, "usage: moma_define_store PART FILE; parts:");
+  for (const Part& part : kParts) std::fprintf(stderr, " %s", part.name.data());
+  std::fprintf(stderr, "\n");
+  return 2;
 }

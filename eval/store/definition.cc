@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "controller/case/plan_words.h"
 #include "controller/describe/complete.h"
 #include "eval/store/columns.h"
 #include "eval/store/difficulty.h"
@@ -89,6 +90,13 @@ std::string filled(std::string text) {
   return text;
 }
 
+/// "manipulability, mean" -> "mean manipulability".
+std::string mean_of(std::string_view label) {
+  constexpr std::string_view kMean = ", mean";
+  if (label.ends_with(kMean)) label.remove_suffix(kMean.size());
+  return fmt::format("mean {}", label);
+}
+
 class MetricList {
  public:
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
@@ -103,6 +111,11 @@ class MetricList {
     } else {
       metric["significant"] = about.significant;
     }
+    if (!about.head.empty()) metric["head"] = about.head;
+    if (about.summary) metric["summary"] = {{"column", name}, {"name", mean_of(about.label)}};
+    // v_summary has the median of the successes.
+    if (name == "time_to_goal_s")
+      metric["summary"] = {{"column", "time_to_goal_median_s"}, {"name", fmt::format("median {}", about.label)}};
     metric["text"] = about.text;
     list.push_back(std::move(metric));
   }
@@ -159,6 +172,17 @@ std::string temporary_views_sql() {
   return sql;
 }
 
+std::string overall_sql() {
+  const auto& all = views();
+  const auto found = std::find_if(all.begin(), all.end(), [](const auto& view) { return view.first == "v_summary"; });
+  constexpr std::string_view kWith = "WITH ";
+  // The same statement over trials whose families are one.
+  return fmt::format(
+      "WITH point_trial AS (SELECT point_id, '' AS family, outcome, time_to_goal_s, {} FROM main.point_trial),\n{}\n"
+      "ORDER BY s.id, p.id",
+      summary_list(), found->second.substr(found->second.find(kWith) + kWith.size()));
+}
+
 std::string summary_index_sql() {
   return fmt::format(
       "DROP INDEX IF EXISTS point_trial_summary;\n"
@@ -179,6 +203,19 @@ std::string metrics_json() {
   metrics.of = "machine";
   describe(metrics, Of<TrialRow::Timing>{});
   return metrics.list.dump();
+}
+
+std::string samples_json() {
+  const auto meanings = []<class Enum>(Of<Enum>) {
+    nlohmann::json list = nlohmann::json::array();
+    for (std::size_t i = 0; i < words(Of<Enum>{}).size(); ++i) list.push_back(meaning(static_cast<Enum>(i)));
+    return list;
+  };
+  return nlohmann::json{{"status", words(Of<StepStatus>{})},
+                        {"fallback", words(Of<Fallback>{})},
+                        {"plan_mode", meanings(Of<PlanMode>{})},
+                        {"plan_reason", meanings(Of<PlanReason>{})}}
+      .dump();
 }
 
 std::string outcomes_json() { return nlohmann::json(words(Of<Outcome>{})).dump(); }

@@ -19,6 +19,9 @@ const std::vector<std::pair<std::string, std::vector<ColumnDefinition>>>& descri
 std::string tables_sql();
 /// The views, each with the statement that makes it, as SQLite keeps it.
 std::vector<std::pair<std::string, std::string>> views();
+/// A query for v_summary over all families of a point together: `family` is ''; points in the order of their
+/// definition.
+std::string overall_sql();
 /// Drops the views that are there and makes them.
 std::string views_sql();
 /// Makes them in the connection alone, before those of the file: the views of a store that another build wrote may
@@ -31,10 +34,14 @@ std::string summary_index_sql();
 std::string summary_list(const std::string& prefix = {});
 
 /// What the report page says of each metric: a JSON list of {key, of, name, unit, better, decimals or significant,
-/// text}. `of`: "trial", "world" (its difficulty) or "machine" (timings).
+/// head (over its column of the table of trials), summary {column, name} (in v_summary), text}. `of`: "trial", "world"
+/// (its difficulty) or "machine" (timings).
 std::string metrics_json();
 
 /// The words for how a trial ends, a JSON list.
 std::string outcomes_json();
+
+/// The words for the numbers in columns of samples, JSON: a list for each of status, fallback, plan_mode, plan_reason.
+std::string samples_json();
 
 }  // namespace moma::store

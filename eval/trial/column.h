@@ -30,6 +30,7 @@ struct Column {
   int significant = 3;              ///< digits, where it does not say decimals
   std::string_view null_when = "";  ///< where healthy trials have no value: "unless the trial succeeds"
   bool always = false;              ///< of a number (not a count): never NULL
+  std::string_view head = "";       ///< over its column in the page's table of trials; "" has none there
   bool summary = false;             ///< copied into point_trial, so that v_summary stays quick; its mean is shown there
   bool in_view = true;              ///< a column of v_trials
   Earlier earlier = Earlier::kNone;

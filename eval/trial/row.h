@@ -85,14 +85,20 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
                   .better = kLow,
                   .decimals = 2,
                   .null_when = "unless the trial succeeds",
+                  .head = "To goal",
                   .text = "start of the dwell at the goal"});
-  v.member(
-      "position_error_m", &R::position_error_m,
-      Column{.label = "final position error", .unit = "m", .better = kLow, .text = "distance to the goal at the end"});
-  v.member(
-      "orientation_error_rad", &R::orientation_error_rad,
-      Column{
-          .label = "final orientation error", .unit = "rad", .better = kLow, .text = "angle to the goal at the end"});
+  v.member("position_error_m", &R::position_error_m,
+           Column{.label = "final position error",
+                  .unit = "m",
+                  .better = kLow,
+                  .head = "Error",
+                  .text = "distance to the goal at the end"});
+  v.member("orientation_error_rad", &R::orientation_error_rad,
+           Column{.label = "final orientation error",
+                  .unit = "rad",
+                  .better = kLow,
+                  .head = "Error",
+                  .text = "angle to the goal at the end"});
   v.member("path_ee_m", &R::path_ee_m,
            Column{.label = "path of the end effector",
                   .unit = "m",
@@ -109,6 +115,7 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
            Column{.label = "manipulability, mean",
                   .better = kHigh,
                   .decimals = 4,
+                  .head = "Mean manip.",
                   .summary = true,
                   .text = "translational manipulability, mean over the trial"});
   v.member("manip_min", &R::manip_min,
@@ -130,6 +137,7 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
                   .unit = "m",
                   .better = kHigh,
                   .null_when = "in a world without objects",
+                  .head = "Clearance",
                   .summary = true,
                   .text = "least distance to an object"});
   v.member("clearance_self_min_m", &R::clearance_self_min_m,
@@ -170,6 +178,7 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
   v.member("command_change_mean", &R::command_change_mean,
            Column{.label = "command change, mean",
                   .better = kLow,
+                  .head = "Change",
                   .summary = true,
                   .text = "mean over steps of the largest |change| / limit"});
   v.member("acceleration_max", &R::acceleration_max,
@@ -317,6 +326,7 @@ constexpr void describe(Visitor& v, Of<TrialRow::Timing>) {
                   .unit = "µs",
                   .better = kLow,
                   .decimals = 1,
+                  .head = "Step p99",
                   .text = "its 99th percentile"});
   v.member(
       "t_step_max_us", &T::t_step_max_us,
