@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <iostream>
 #include <map>
 #include <string>
@@ -54,6 +55,24 @@ reports::VisualPart part_of(const UrdfVisual& visual, const Place& place) {
   return part;
 }
 
+std::array<double, 3> point(const Vector3& p) { return {p.x(), p.y(), p.z()}; }
+
+reports::DistanceRows::Kind kind_of(const RowId& id) {
+  using Kind = reports::DistanceRows::Kind;
+  if (id.end > 0) return Kind::kEnd;
+  if (id.kind == RowKind::kFloor) return Kind::kFloor;
+  if (id.kind == RowKind::kSelf) return Kind::kSelf;
+  return id.kind == RowKind::kPassing ? Kind::kPassing : Kind::kObject;
+}
+
+reports::DistanceRows rows_of(const TrialRows& of) {
+  reports::DistanceRows out{of.names, {}};
+  for (const TrialRows::Row& row : of.rows)
+    out.rows.push_back({row.t, kind_of(row.id), row.first, row.second, row.active, row.id.d, point(row.id.p_first_W),
+                        point(row.id.p_second_W)});
+  return out;
+}
+
 }  // namespace
 
 reports::Look robot_look(const std::vector<std::filesystem::path>& robots) {
@@ -83,11 +102,12 @@ reports::Look robot_look(const std::vector<std::filesystem::path>& robots) {
 
 reports::Simulate simulated_again(run::StoredSuites& suites) {
   return [&suites](const std::filesystem::path& db, const std::string& trial) -> std::optional<reports::OwnedSamples> {
-    const run::Replay replay = run::replay(db, trial, suites);
+    TrialRows rows;
+    const run::Replay replay = run::replay(db, trial, suites, &rows);
     if (replay.output.trace.empty()) return {};
     store::EncodedSamples encoded = store::encode_samples(replay.output.trace);
     return reports::OwnedSamples{encoded.layout, encoded.n, store::column_names_of(encoded.columns),
-                                 std::move(encoded.data)};
+                                 std::move(encoded.data), rows_of(rows)};
   };
 }
 

@@ -16,8 +16,8 @@ namespace moma::cli {
 /// config::ConfigError: a robot file that cannot be read.
 reports::Look robot_look(const std::vector<std::filesystem::path>& robots);
 
-/// Simulates a stored trial's motion again, from the store alone. `suites` has to outlive it. It throws
-/// store::StoreError and config::ConfigError where the store or what it names cannot be read.
+/// Simulates a stored trial's motion and the rows of its QP again, from the store alone. `suites` has to outlive it. It
+/// throws store::StoreError and config::ConfigError where the store or what it names cannot be read.
 reports::Simulate simulated_again(run::StoredSuites& suites);
 
 /// What reports ask about collisions, answered by the simulation's own rules: see run::known_before_contact().

@@ -22,15 +22,6 @@ std::array<int, 3> turned(const std::array<int, 3>& t) {
           t[static_cast<std::size_t>((first + 2) % 3)]};
 }
 
-std::vector<unsigned char> planes(const std::vector<std::uint16_t>& values) {
-  std::vector<unsigned char> bytes(2 * values.size());
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    bytes[i] = static_cast<unsigned char>(values[i] & 0xff);
-    bytes[values.size() + i] = static_cast<unsigned char>(values[i] >> 8);
-  }
-  return bytes;
-}
-
 void add_surface(const Surface& surface, Json& out) {
   if (surface.vertices.size() > 0x10000) throw std::runtime_error("a mesh has too many vertices for the page");
   Point3 low = surface.vertices.front();

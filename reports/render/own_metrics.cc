@@ -1,5 +1,6 @@
 #include "reports/render/own_metrics.h"
 
+#include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 
 #include <array>

@@ -1,13 +1,15 @@
 #pragma once
 
-#include <SQLiteCpp/SQLiteCpp.h>
-
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 #include <vector>
+
+namespace SQLite {
+class Database;
+}
 
 namespace moma::reports {
 
@@ -31,7 +33,7 @@ std::string value_sql(const OwnMetric& metric, const std::string& key);
 /// A name in SQL.
 std::string sql_name(const std::string& name);
 
-/// Metrics that the suites of a store define themselves, as the page has them beside moma's.
+/// The suites' own metrics as the page has them beside moma's.
 struct OwnMetrics {
   nlohmann::ordered_json described =
       nlohmann::ordered_json::array();  ///< for `metrics` of the page; key, name, text ...

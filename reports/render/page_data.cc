@@ -155,6 +155,7 @@ Json begin(SQLite::Database& store) {
                    {"schema", store.execAndGet("PRAGMA user_version").getInt()}};
   page["metrics"] = Json::parse(metrics_json());
   page["outcomes"] = Json::parse(outcomes_json());
+  page["words"] = Json::parse(samples_json());
   page["points"] = rows(store, points_sql());
   return page;
 }
@@ -211,6 +212,7 @@ nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& o
   add_ends(store.getFilename(), page["invocations"]);
   page["summary"] = rows(store, summary_sql());
   page["overall"] = rows(store, overall_sql());
+  for (Json& row : page["overall"]) row["family"] = nullptr;
   const OwnMetrics own = page_metrics(store);
   for (const Json& metric : own.described) page["metrics"].push_back(metric);
   add_own_means(store, own, page);

@@ -8,7 +8,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <new>
 #include <stdexcept>
 
@@ -19,7 +18,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "samples are little-endian doubles");
 
-using Column = std::vector<double>;
+using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t kLargestTable = std::uint64_t{512} << 20;  // bytes
 
@@ -35,14 +34,45 @@ std::vector<std::size_t> kept_rows(const double* t, std::size_t n, double hz) {
   return rows;
 }
 
-std::string pack(const std::vector<float>& values) {
-  std::vector<unsigned char> bytes(values.size() * sizeof(float));
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    unsigned char word[sizeof(float)];
-    std::memcpy(word, &values[i], sizeof(float));
-    for (std::size_t k = 0; k < sizeof(float); ++k) bytes[k * values.size() + i] = word[k];
+/// In whole steps, within 16 bits.
+std::int16_t rounded(double value, double step) {
+  return static_cast<std::int16_t>(std::lround(std::clamp(value / step, -32768.0, 32767.0)));
+}
+
+/// To sixteen binary digits, as floats: their last bytes are zeros, which take no room.
+double coarse(double value) {
+  return std::bit_cast<float>((std::bit_cast<std::uint32_t>(static_cast<float>(value)) + 0x80u) & ~0xffu);
+}
+
+/// Columns that say what a controller was about that looks ahead.
+bool of_a_plan(std::string_view name) {
+  return name.starts_with("plan_") || name == "detour" || name == "detour_x" || name == "detour_y";
+}
+
+Json packed_rows(const DistanceRows& all, const double* t, const std::vector<std::size_t>& kept) {
+  constexpr double kMillimetre = 1e-3;
+  constexpr int kActive = 8;
+  std::vector<const DistanceRows::Row*> rows;
+  Json counts = Json::array();
+  for (const std::size_t sample : kept) {
+    // Times of steps and of samples are the same products.
+    const auto of_sample =
+        std::equal_range(all.rows.begin(), all.rows.end(), DistanceRows::Row{.t = t[sample]},
+                         [](const DistanceRows::Row& a, const DistanceRows::Row& b) { return a.t < b.t - 1e-6; });
+    counts.push_back(of_sample.second - of_sample.first);
+    for (auto row = of_sample.first; row != of_sample.second; ++row) rows.push_back(&*row);
   }
-  return packed(bytes);
+  std::vector<std::int16_t> values;
+  const auto column = [&](const auto& value) {
+    for (const DistanceRows::Row* row : rows) values.push_back(static_cast<std::int16_t>(value(*row)));
+  };
+  column([](const auto& row) { return static_cast<int>(row.kind) + (row.active ? kActive : 0); });
+  column([](const auto& row) { return row.first; });
+  column([](const auto& row) { return row.second; });
+  column([](const auto& row) { return rounded(row.d, 0.1 * kMillimetre); });
+  for (const auto point : {&DistanceRows::Row::p_first_W, &DistanceRows::Row::p_second_W})
+    for (std::size_t k = 0; k < 3; ++k) column([&](const auto& row) { return rounded((row.*point)[k], kMillimetre); });
+  return {{"names", all.names}, {"n", std::move(counts)}, {"data", packed(planes(values))}};
 }
 
 }  // namespace
@@ -63,7 +93,7 @@ std::vector<double> unpack(const StoredSamples& samples) {
   return values;
 }
 
-nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz) {
+nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz, const DistanceRows* near) {
   const std::vector<double> values = unpack(samples);
   const std::size_t n = static_cast<std::size_t>(samples.n);
   const auto column = [&](std::string_view name) -> const double* {
@@ -84,9 +114,10 @@ nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz) {
     names.push_back(name);
     for (const std::size_t row : rows) kept.push_back(static_cast<float>(value(row)));
   };
-  const auto keep_column = [&](const std::string& name) {
+  const auto keep_column = [&](
+                               const std::string& name, double (*as)(double) = [](double value) { return value; }) {
     const double* from = required(name);
-    keep(name, [&](std::size_t row) { return from[row]; });
+    keep(name, [&](std::size_t row) { return as(from[row]); });
   };
   const auto keep_norm = [&](const std::string& name, const std::string& stem, int first, int count) {
     std::vector<const double*> parts;
@@ -105,6 +136,9 @@ nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz) {
   keep_norm("error_position", "error", 3, 3);
   keep_norm("slack", "slack", 0, 6);
   for (const char* name : {"manipulability", "least_distance", "status", "fallback", "active_rows"}) keep_column(name);
+  // What is left, for whoever looks at one of them.
+  for (const std::string& name : samples.columns)
+    if (std::find(names.begin(), names.end(), name) == names.end() && !of_a_plan(name)) keep_column(name, &coarse);
   // Of a controller that looks ahead: what it was about and why, its path, its choice, its detour.
   const auto ever = [&](std::string_view name) {
     const double* from = column(name);
@@ -112,12 +146,12 @@ nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz) {
   };
   if (ever("plan_mode") || ever("plan_reason") || ever("plan_attempts")) {
     for (const std::string& name : samples.columns)
-      if (name.rfind("plan_", 0) == 0) keep_column(name);
-    for (const char* name : {"detour", "detour_x", "detour_y"})
-      if (column(name) != nullptr) keep_column(name);
+      if (of_a_plan(name)) keep_column(name);
   }
 
-  return {{"hz", hz}, {"n", rows.size()}, {"columns", names}, {"data", pack(kept)}};
+  Json out = {{"hz", hz}, {"n", rows.size()}, {"columns", names}, {"data", packed(planes(kept))}};
+  if (near != nullptr) out["rows"] = packed_rows(*near, required("t"), rows);
+  return out;
 }
 
 }  // namespace moma::reports

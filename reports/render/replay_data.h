@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -15,12 +16,30 @@ struct StoredSamples {
   std::string_view data;  ///< one zstd frame
 };
 
+/// The QP's rows about distances, as the controller posed them.
+struct DistanceRows {
+  enum class Kind { kObject, kFloor, kSelf, kEnd, kPassing };  ///< kEnd: of a capsule's end and an object
+  struct Row {
+    double t = 0.0;  ///< of the control step [s]
+    Kind kind = Kind::kObject;
+    int first = 0;                       ///< index into `names`: the robot's link
+    int second = 0;                      ///< and of what it is kept from
+    bool active = false;                 ///< at its limit
+    double d = 0.0;                      ///< distance, of a passing row the gap [m]
+    std::array<double, 3> p_first_W{};   ///< nearest point of the link, of a passing row its centre [m]
+    std::array<double, 3> p_second_W{};  ///< and of the other; of a passing row a point on the side to keep to [m]
+  };
+  std::vector<std::string> names;
+  std::vector<Row> rows;  ///< by time
+};
+
 /// The same, owned: a trial simulated again.
 struct OwnedSamples {
   int layout = 0;
   long long n = 0;
   std::vector<std::string> columns;
   std::vector<unsigned char> data;
+  DistanceRows rows;
   StoredSamples view() const { return {layout, n, columns, {reinterpret_cast<const char*>(data.data()), data.size()}}; }
 };
 
@@ -30,9 +49,11 @@ std::vector<double> unpack(const StoredSamples& samples);
 /// `{"hz", "n", "columns", "data"}`: the motion at about `hz` samples a second (first and last always kept), as
 /// float32 columns one after the other, their bytes regrouped by significance, deflated (zlib), in base64.
 /// Columns: t, base_x, base_y, base_phi, q0..., command0..., error_rotation, error_position, slack (norms),
-/// manipulability, least_distance, status, fallback, active_rows; of a controller that looks ahead also every plan_...
-/// that the samples have (store.md), detour, detour_x and detour_y. Throws std::runtime_error on data that does
-/// not fit its layout.
-nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz);
+/// manipulability, least_distance, status, fallback, active_rows, then all others that the samples have (store.md), to
+/// 16 binary digits, of a controller that looks ahead also plan_..., detour, detour_x and detour_y. Throws
+/// std::runtime_error on data that does not fit its layout. With `rows` also "rows": {"names", "n", "data"}: how many
+/// rows each sample kept has, and of all of them, column by column, kind + 8 if active, first, second, d [0.1 mm], the
+/// six coordinates [mm], each of 16 bits, packed() as planes.
+nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz, const DistanceRows* rows = nullptr);
 
 }  // namespace moma::reports

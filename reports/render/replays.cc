@@ -36,6 +36,27 @@ Json head(SQLite::Statement& row) {
           {"world", parse_stored(row.getColumn("json_world").getString())}};
 }
 
+/// Simulates a trial again; nothing where that cannot be done here, its robot's file being gone for instance.
+std::optional<OwnedSamples> again(const SQLite::Database& store, const Simulate& simulate, const std::string& trial) {
+  if (!simulate) return {};
+  try {
+    return simulate(store.getFilename(), trial);
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception&) {
+    return {};
+  }
+}
+
+/// Adds the motion of a trial at `hz` samples a second to its head: as stored, else as it was simulated again, with the
+/// rows of its QP where it was. False where there is neither.
+bool add_motion(SQLite::Statement& row, const std::optional<OwnedSamples>& made, double hz, Json& replay) {
+  const bool stored = !row.getColumn("n").isNull() && row.getColumn("n").getInt64() > 0;
+  if (!stored && (!made || made->n == 0)) return false;
+  replay.update(replay_data(stored ? samples_of(row) : made->view(), hz, made ? &made->rows : nullptr));
+  return true;
+}
+
 /// Adds the success in the world of a failed trial, where there is one whose motion can be had.
 void add_twin(SQLite::Database& store, const ReportOptions& options, const std::string& failed, Json& page) {
   SQLite::Statement query(store, std::string(twin_sql()));
@@ -46,15 +67,8 @@ void add_twin(SQLite::Database& store, const ReportOptions& options, const std::
     if (replay.at("trial") == trial) return;
   }
   Json replay = head(query);
-  if (!query.getColumn("n").isNull() && query.getColumn("n").getInt64() > 0) {
-    replay.update(replay_data(samples_of(query), options.replay_hz));
-  } else {
-    if (!options.simulate) return;
-    const std::optional<OwnedSamples> made = options.simulate(store.getFilename(), trial);
-    if (!made || made->n == 0) return;
-    replay.update(replay_data(made->view(), options.replay_hz));
-  }
-  page["replays"].push_back(std::move(replay));
+  if (add_motion(query, again(store, options.simulate, trial), options.replay_hz, replay))
+    page["replays"].push_back(std::move(replay));
 }
 
 }  // namespace
@@ -62,6 +76,15 @@ void add_twin(SQLite::Database& store, const ReportOptions& options, const std::
 void add_replays(SQLite::Database& store, const ReportOptions& options, std::int64_t worlds, Json& page) {
   page["robots"] = Json::object();
   page["replays"] = Json::array();
+  const auto named = [&](const std::string& trial, const auto& part) {
+    try {
+      part();
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& error) {
+      throw ReportError(fmt::format("{}: trial {}: {}", store.getFilename(), trial, error.what()));
+    }
+  };
   SQLite::Statement query(store, std::string(replays_sql()));
   query.bind(1, options.replays);
   query.bind(2, worlds);
@@ -72,47 +95,33 @@ void add_replays(SQLite::Database& store, const ReportOptions& options, std::int
       page["replays"].push_back({{"trial", trial}});
       continue;
     }
-    try {
+    named(trial, [&] {
       Json replay = head(query);
-      replay.update(replay_data(samples_of(query), options.replay_hz));
+      add_motion(query, again(store, options.simulate, trial), options.replay_hz, replay);
       const std::string robot = replay["robot"];
       if (!page["robots"].contains(robot)) page["robots"][robot] = robot_of(store, query.getColumn("robot").getInt64());
       page["replays"].push_back(std::move(replay));
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (const std::exception& error) {
-      throw ReportError(fmt::format("{}: trial {}: {}", store.getFilename(), trial, error.what()));
-    }
+    });
   }
   if (options.served) return;
   const std::size_t failures = std::min<std::size_t>(page["replays"].size(), std::max(options.twins, 0));
   for (std::size_t i = 0; i < failures; ++i) {
     const std::string trial = page["replays"][i].at("trial");
-    try {
-      add_twin(store, options, trial, page);
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (const std::exception&) {
-      // A trial that cannot be simulated here, its robot's file being gone for instance, is played alone.
-    }
+    named(trial, [&] { add_twin(store, options, trial, page); });
   }
 }
 
-std::optional<Json> replay_of(SQLite::Database& store, const std::string& trial, double hz,
-                              const std::function<std::optional<OwnedSamples>()>& simulated) {
+std::optional<Json> replay_of(SQLite::Database& store, const std::string& trial, double hz, const Simulate& simulate) {
   SQLite::Statement query(store, std::string(replay_sql()));
   query.bind(1, trial);
   if (!query.executeStep()) return {};
   Json replay = head(query);
-  if (!query.getColumn("n").isNull()) {
-    replay.update(replay_data(samples_of(query), hz));
-    replay["simulated"] = false;
-  } else if (const std::optional<OwnedSamples> made = simulated ? simulated() : std::nullopt) {
-    replay.update(replay_data(made->view(), hz));
-    replay["simulated"] = true;
-  } else {
-    replay["n"] = 0;
-  }
+  const bool stored = !query.getColumn("n").isNull();
+  const std::optional<OwnedSamples> made = stored     ? again(store, simulate, trial)
+                                           : simulate ? simulate(store.getFilename(), trial)
+                                                      : std::nullopt;
+  if (!add_motion(query, made, hz, replay)) replay["n"] = 0;
+  replay["simulated"] = !stored;
   replay["resolved"] = robot_of(store, query.getColumn("robot").getInt64());
   return replay;
 }

@@ -2,12 +2,10 @@
 
 #include <SQLiteCpp/SQLiteCpp.h>
 
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
-#include "reports/render/replay_data.h"
 #include "reports/render/report.h"
 
 namespace moma::reports {
@@ -19,9 +17,9 @@ void add_replays(SQLite::Database& store, const ReportOptions& options, std::int
                  nlohmann::ordered_json& page);
 
 /// One trial as the page plays it, with its robot: an element of "replays" and "resolved". `trial` is its whole
-/// name; nothing where the store has no such trial. `simulated` stands in for samples that the store does not hold;
-/// without both "n" is 0.
+/// name; nothing where the store has no such trial. `simulate` stands in for samples that the store does not hold, and
+/// gives the rows of the QP; without samples "n" is 0. Throws what `simulate` throws, unless samples are stored.
 std::optional<nlohmann::ordered_json> replay_of(SQLite::Database& store, const std::string& trial, double hz,
-                                                const std::function<std::optional<OwnedSamples>()>& simulated);
+                                                const Simulate& simulate);
 
 }  // namespace moma::reports

@@ -48,8 +48,10 @@ nlohmann::ordered_json read_stores(const Stores& stores, const ReportOptions& op
       throw ReportError(fmt::format("{}: holds JSON that cannot be read: {}", db.string(), error.what()));
     }
   }
-  if (pages.size() == 1) return std::move(pages.front());
-  return combined(std::move(pages), labels_of(stores));
+  nlohmann::ordered_json all =
+      pages.size() == 1 ? std::move(pages.front()) : combined(std::move(pages), labels_of(stores));
+  if (!options.notes.empty()) all["notes"] = options.notes;
+  return all;
 }
 
 const files::Kind& page_kind() {

@@ -30,8 +30,9 @@ struct ReportOptions {
   bool served = false;   ///< for a page that asks `moma view` for motions: trials are named, their motion left out
   TimeKnown time_known;  ///< for causes of collisions; without it they are not looked for
   int twins = 12;  ///< of so many failures with motion the page has a success in the same world too, to play beside it
-  Look look;       ///< what robots look like; without it they are shown as the shapes that count in collisions
-  Simulate simulate;                              ///< for successes without samples; without it they are left out
+  std::string notes;  ///< of the page's author, Markdown, for its head
+  Look look;          ///< what robots look like; without it they are shown as the shapes that count in collisions
+  Simulate simulate;  ///< for successes without samples; without it they are left out
   files::Replace replace = files::Replace::kOwn;  ///< what may stand where the page goes
 };
 

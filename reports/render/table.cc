@@ -11,10 +11,11 @@ namespace moma::reports {
 namespace {
 
 using Json = nlohmann::ordered_json;
-/// What is written: rows of the summary, and the suites' own metrics by key and name.
+
+/// What is written: rows of the summary, and the metrics that the page has of them: moma's, and the suites' own.
 struct Table {
   std::vector<Json> rows;
-  std::vector<std::pair<std::string, std::string>> own;
+  std::vector<Json> metrics;
   bool errors = false;  ///< whether any trial ended by one
 };
 
@@ -25,45 +26,42 @@ const Json& own_mean(const Json& row, const std::string& key) {
 }
 
 std::string tex_text(const std::string& text) {
-  static const std::map<char, std::string> kSpecial = {{'&', "\\&"},
-                                                       {'%', "\\%"},
-                                                       {'$', "\\$"},
-                                                       {'#', "\\#"},
-                                                       {'_', "\\_"},
-                                                       {'{', "\\{"},
-                                                       {'}', "\\}"},
-                                                       {'~', "\\textasciitilde{}"},
-                                                       {'^', "\\textasciicircum{}"},
-                                                       {'\\', "\\textbackslash{}"},
-                                                       {'\n', " "},
-                                                       {'\r', " "},
-                                                       {'<', "\\textless{}"},
-                                                       {'>', "\\textgreater{}"},
-                                                       {'|', "\\textbar{}"}};
+  static const std::map<char, std::string> kNamed = {{'~', "asciitilde"}, {'^', "asciicircum"}, {'\\', "backslash"},
+                                                     {'<', "less"},       {'>', "greater"},     {'|', "bar"}};
   std::string out;
   for (const char c : text) {
-    const auto found = kSpecial.find(c);
-    if (found == kSpecial.end()) {
-      out += c;
-    } else {
-      out += found->second;
+    const auto named = kNamed.find(c);
+    if (named != kNamed.end()) {
+      out += "\\text" + named->second + "{}";
+      continue;
     }
+    if (std::string_view("&%$#_{}").find(c) != std::string_view::npos) out += '\\';
+    out += c == '\n' || c == '\r' ? ' ' : c;
   }
   return out;
 }
 
 constexpr const char* kNone = "--";
 
-/// "57.3 (52.9--61.6)".
-std::string rate(const Json& row, const std::string& stem) {
-  if (row.at(stem + "_rate").is_null()) return kNone;  // all trials ended by an error
-  // Half a unit of the last decimal is rounded up, as in the page and in SQL's printf().
-  const auto at = [&](const char* end) { return std::round(1000.0 * row.at(stem + end).get<double>()) / 10.0; };
-  return fmt::format("{:.1f} ({:.1f}--{:.1f})", at("_rate"), at("_low"), at("_high"));
+/// Half a unit of the last decimal is rounded up, as in the page and in SQL's printf().
+std::string percent(const Json& share) {
+  return share.is_null() ? kNone : fmt::format("{:.1f}", std::round(1000.0 * share.get<double>()) / 10.0);
 }
 
-std::string fixed(const Json& cell, int decimals, double scale = 1.0) {
-  return cell.is_number() ? fmt::format("{:.{}f}", scale * cell.get<double>(), decimals) : kNone;
+/// "57.3 (52.9--61.6)".
+std::string rate(const Json& row, const std::string& stem) {
+  return fmt::format("{} ({}--{})", percent(row.at(stem + "_rate")), percent(row.at(stem + "_low")),
+                     percent(row.at(stem + "_high")));
+}
+
+/// The value of a metric: with its decimals, or so many significant digits.
+std::string value(const Json& row, const Json& metric) {
+  const bool own = metric.contains("own");
+  const Json& cell = own ? own_mean(row, metric.at("key")) : row.at(metric.at("summary").at("column"));
+  if (!cell.is_number()) return kNone;
+  if (own) return fmt::format("{:.4g}", cell.get<double>());
+  if (metric.contains("decimals")) return fmt::format("{:.{}f}", cell.get<double>(), metric.at("decimals").get<int>());
+  return fmt::format("{:#.{}g}", cell.get<double>(), metric.at("significant").get<int>());
 }
 
 /// Cells of one row as a person reads them.
@@ -74,34 +72,24 @@ std::vector<std::string> cells(const Table& table, const Json& row) {
                                   tex_text(who), row.at("n").dump()};
   if (table.errors) all.push_back(row.at("errors").dump());
   all.push_back(rate(row, "success"));
-  if (table.errors) all.push_back(fixed(row.at("success_without_errors"), 1, 100.0));
+  if (table.errors) all.push_back(percent(row.at("success_without_errors")));
   all.push_back(rate(row, "collision"));
-  for (const auto& [key, decimals] : {std::pair{"time_to_goal_median_s", 2}, std::pair{"manip_mean", 4},
-                                      std::pair{"clearance_min_m", 3}, std::pair{"command_change_mean", 4}})
-    all.push_back(fixed(row.at(key), decimals));
-  for (const auto& [key, name] : table.own) {
-    const Json& mean = own_mean(row, key);
-    all.push_back(mean.is_number() ? fmt::format("{:.4g}", mean.get<double>()) : kNone);
-  }
+  for (const Json& metric : table.metrics) all.push_back(value(row, metric));
   return all;
 }
 
-/// Heads of the cells, the suites' own metrics last.
+/// Heads of the cells.
 std::vector<std::string> heads(const Table& table) {
-  std::vector<std::string> all = {"worlds",
-                                  "controller",
-                                  "$n$",
-                                  "success [\\%]",
-                                  "collision [\\%]",
-                                  "median time to goal [s]",
-                                  "mean manip.",
-                                  "mean least clearance [m]",
-                                  "mean command change"};
+  std::vector<std::string> all = {"worlds", "controller", "$n$", "success [\\%]", "collision [\\%]"};
   if (table.errors) {
     all.insert(all.begin() + 3, "errors");
     all.insert(all.begin() + 5, "without errors [\\%]");
   }
-  for (const auto& [key, name] : table.own) all.push_back(tex_text(name));
+  for (const Json& metric : table.metrics) {
+    const Json& name = metric.contains("own") ? metric.at("name") : metric.at("summary").at("name");
+    const std::string unit = tex_text(metric.at("unit"));
+    all.push_back(tex_text(name) + (unit.empty() ? "" : " [" + unit + "]"));
+  }
   return all;
 }
 
@@ -166,7 +154,7 @@ void write_table(const Stores& stores, const std::filesystem::path& file, files:
     if (families[group(row)] > 1) table.rows.push_back(row);
   }
   for (const Json& metric : page.at("metrics"))
-    if (metric.contains("own")) table.own.emplace_back(metric.at("key"), metric.at("name"));
+    if (metric.contains("own") || metric.contains("summary")) table.metrics.push_back(metric);
   write_text(file, {"table of results by moma report", kMeans}, replace, tex(table));
 }
 

@@ -133,12 +133,14 @@ class Answers {
     for (std::size_t i = 0; i < stores_.size(); ++i) {
       const std::filesystem::path& db = stores_[i];
       SQLite::Database store = open_store(db, options_.patience);
-      const auto simulated = [&]() -> std::optional<OwnedSamples> {
-        if (!options_.simulate) return {};
-        const std::lock_guard lock(simulation_mutex_);
-        return options_.simulate(db, trial);
-      };
-      std::optional<Json> found = replay_of(store, trial, kReplayHz, simulated);
+      Simulate simulate;
+      if (options_.simulate) {
+        simulate = [&](const std::filesystem::path& file, const std::string& name) {
+          const std::lock_guard lock(simulation_mutex_);
+          return options_.simulate(file, name);
+        };
+      }
+      std::optional<Json> found = replay_of(store, trial, kReplayHz, simulate);
       if (!found) continue;
       // As combined() calls the robots of several stores.
       if (stores_.size() > 1) (*found)["robot"] = fmt::format("{}:{}", i, found->at("robot").get<std::string>());

@@ -120,6 +120,29 @@ TEST(ReplayData, PlansComeAlongWhereThereAreAny) {
   EXPECT_EQ(table.count("detour_y"), 0u) << "older samples have less";
 }
 
+// In tenths of a millimetre and millimetres, those of the samples that are kept.
+TEST(ReplayData, RowsComeWithTheirSamples) {
+  const Made made(11);  // 0, 0.02 ... 0.2 s
+  using Kind = DistanceRows::Kind;
+  const DistanceRows rows{{"hand", "sphere3"},
+                          {{0.0, Kind::kObject, 0, 1, true, 0.25, {0.5, -1, 2}, {0.75, 0, 40}},
+                           {0.0, Kind::kPassing, 0, 1, false, -0.01, {0.001, 0, 0}, {0, 0, 0}},
+                           {0.02, Kind::kFloor, 0, 1, true, 0.1, {}, {}},
+                           {0.1, Kind::kEnd, 1, 0, false, 0.0, {}, {}}}};
+  const nlohmann::json packed = replay_data(made.samples, 10.0, &rows).at("rows");
+  EXPECT_EQ(packed.at("names"), nlohmann::json({"hand", "sphere3"}));
+  EXPECT_EQ(packed.at("n"), nlohmann::json({2, 1, 0}));
+  const std::vector<unsigned char> bytes = unpacked(packed.at("data"), 100);
+  ASSERT_EQ(bytes.size(), 60u);
+  std::vector<int> values;
+  for (std::size_t i = 0; i < 30; ++i)
+    values.push_back(
+        static_cast<std::int16_t>(static_cast<unsigned>(bytes[i]) | static_cast<unsigned>(bytes[30 + i]) << 8));
+  EXPECT_EQ(values, (std::vector<int>{8,     4, 3, 0,    0, 1, 1,   1, 0, 2500, -100, 0, 500,   1, 0,
+                                      -1000, 0, 0, 2000, 0, 0, 750, 0, 0, 0,    0,    0, 32767, 0, 0}));
+  EXPECT_FALSE(replay_data(made.samples, 10.0).contains("rows"));
+}
+
 TEST(ReplayData, OneSample) { EXPECT_EQ(unpack(replay_data(Made(1).samples, 10.0)).at("t").size(), 1u); }
 
 TEST(ReplayData, RefusesWhatDoesNotFit) {

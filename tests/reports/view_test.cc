@@ -165,7 +165,11 @@ TEST(View, AskedForATrialWithoutSamplesItHasItSimulated) {
     return OwnedSamples{any.getColumn(0).getInt(),
                         any.getColumn(1).getInt64(),
                         Json::parse(any.getColumn(2).getString()).get<std::vector<std::string>>(),
-                        {bytes, bytes + any.getColumn(3).getBytes()}};
+                        {bytes, bytes + any.getColumn(3).getBytes()},
+                        {{"hand", "sphere3"},
+                         {{0.0, DistanceRows::Kind::kObject, 0, 1, true, 0.25, {0.5, -1, 2}, {0.75, 0, 40}},
+                          {0.0, DistanceRows::Kind::kPassing, 0, 1, false, -0.01, {}, {}},
+                          {1e6, DistanceRows::Kind::kObject, 0, 1, true, 0.25, {}, {}}}}};
   };
   const Running server({folder / "a.db"}, options);
   const Client client = server.client();
@@ -175,11 +179,20 @@ TEST(View, AskedForATrialWithoutSamplesItHasItSimulated) {
   EXPECT_TRUE(replay.at("simulated").get<bool>());
   EXPECT_EQ(replay.at("trial"), bare);
   EXPECT_GT(replay.at("n").get<int>(), 1);
+  // The rows of the first sample; of what no sample is at there are none.
+  const Json& rows = replay.at("rows");
+  EXPECT_EQ(rows.at("names"), Json({"hand", "sphere3"}));
+  ASSERT_EQ(rows.at("n").size(), replay.at("n").get<std::size_t>());
+  EXPECT_EQ(rows.at("n").at(0), 2);
+  for (std::size_t i = 1; i < rows.at("n").size(); ++i) EXPECT_EQ(rows.at("n").at(i), 0);
   const auto failed = client.Get("/replay/" + bare);
   EXPECT_EQ(failed->status, 500);
   EXPECT_EQ(Json::parse(failed->body).at("error"), "no such robot any more: " + bare);
-  EXPECT_EQ(client.Get("/replay/" + a_trial(folder / "a.db", "IN"))->status, 200);
-  EXPECT_EQ(calls, 2);  // stored samples are not simulated again
+  // Stored samples are shown without their rows where the trial cannot be simulated again.
+  const auto stored = client.Get("/replay/" + a_trial(folder / "a.db", "IN"));
+  EXPECT_EQ(stored->status, 200);
+  EXPECT_FALSE(Json::parse(stored->body).contains("rows"));
+  EXPECT_EQ(calls, 3);
 }
 
 TEST(View, FollowsARunningStoreAndOnlyReads) {

@@ -28,7 +28,8 @@ export function kind(object: string): string {
 
 /** "@base" is the mobile base; "hand/2" the second shape of hand. */
 export function part(link: string): string {
-  return link === '@base' ? 'base' : link.replace(/\/\d+$/, '');
+  const stem = link.replace(/\/\d+$/, '');
+  return stem === '@base' ? 'base' : stem;
 }
 
 /** Nearer than this, an object is taken for what holds the robot [m]. */

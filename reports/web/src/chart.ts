@@ -1,18 +1,16 @@
-// What all figures share: their description, axes, legends, marks.
+// What all figures share: their description, axes, legends, marks, and how groups share one plot or get one each.
 
-import { BarChart, BoxplotChart, CustomChart, HeatmapChart, LineChart, ScatterChart } from 'echarts/charts';
-import {
-  AriaComponent, GridComponent, LegendComponent, TitleComponent, TooltipComponent, VisualMapComponent,
-} from 'echarts/components';
+import { BarChart, CustomChart, HeatmapChart, LineChart, ScatterChart } from 'echarts/charts';
+import { AriaComponent, GridComponent, LegendComponent, TitleComponent, TooltipComponent, VisualMapComponent } from 'echarts/components';
 import * as echarts from 'echarts/core';
 import { CanvasRenderer, SVGRenderer } from 'echarts/renderers';
 
 import { h } from './dom';
-import type { Palette } from './theme';
+import { seriesInk, type Palette } from './theme';
 
 echarts.use([
-  BarChart, BoxplotChart, CustomChart, HeatmapChart, LineChart, ScatterChart, AriaComponent, GridComponent,
-  LegendComponent, TitleComponent, TooltipComponent, VisualMapComponent, CanvasRenderer, SVGRenderer,
+  BarChart, CustomChart, HeatmapChart, LineChart, ScatterChart, AriaComponent, GridComponent, LegendComponent, TitleComponent, TooltipComponent,
+  VisualMapComponent, CanvasRenderer, SVGRenderer,
 ]);
 
 export type Option = Record<string, unknown>;
@@ -26,24 +24,44 @@ export interface Drawing {
   height?: number;
 }
 
+/** A list above a figure to choose from; the choice is kept in the address under `key`. */
+export interface Choice {
+  key: string;
+  label: string;
+  options: () => readonly (readonly [value: string, text: string])[];
+  /** What is chosen, where it is not the address alone that says it. */
+  value?: () => string;
+}
+
 export interface FigureSpec {
   id: string;
   /** Names the metric; a function where that is chosen. */
   title: string | (() => string);
   /** One sentence on how to read it. */
   caption: string | (() => string);
-  controls?: (redraw: () => void) => Node[];
+  choices?: readonly Choice[];
   /** null: there is nothing to show, and `empty` says why. */
   draw: (palette: Palette, width: number) => Drawing | null;
   empty: string;
+  /** Marks the trial that is chosen. */
+  linked?: boolean;
   /** What must be read before the first drawing. */
   prepare?: () => Promise<void>;
   /** A mark was clicked; `data` is its datum, undefined for a line. */
   click?: (data: unknown, mark: { seriesIndex: number; dataIndex: number }) => void;
 }
 
+export function textOf(words: string | (() => string)): string {
+  return typeof words === 'string' ? words : words();
+}
+
 /** Without double quotes: the SVG renderer writes it into an attribute as it is. */
 export const kFont = "'Inter Variable', Inter, system-ui, 'Segoe UI', sans-serif";
+
+/** Where a plot lies in its figure [px]; the axes' names and numbers lie within. */
+export function gridBox(top = 8, right = 24, left = 4): Option {
+  return { left, right, top, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' };
+}
 
 /** Texts, lines and tooltip that all figures share. */
 export function base(p: Palette): Option {
@@ -52,11 +70,10 @@ export function base(p: Palette): Option {
     textStyle: { fontFamily: kFont, color: p.muted, fontSize: 12 },
     backgroundColor: 'transparent',
     tooltip: {
-      confine: true, backgroundColor: p.surface, borderColor: p.rule, borderWidth: 1, padding: [8, 10],
+      trigger: 'item', confine: true, backgroundColor: p.surface, borderColor: p.rule, borderWidth: 1, padding: [8, 10],
       textStyle: { color: p.ink, fontSize: 12, fontFamily: kFont },
       extraCssText: 'box-shadow: 0 4px 18px rgba(0,0,0,.14); border-radius: 6px; max-width: 320px; white-space: normal',
     },
-    grid: { left: 8, right: 16, top: 34, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
   };
 }
 
@@ -75,44 +92,65 @@ export function legendHeight(names: readonly string[], width: number): number {
   return 12 + 22 * rows;
 }
 
-export function legend(p: Palette, names: string[]): Option {
+export function legend(p: Palette, names: readonly string[]): Option {
   return {
     data: names, top: 0, left: 0, icon: 'roundRect', itemWidth: 14, itemHeight: 8, itemGap: 16, type: 'plain',
     textStyle: { color: p.muted, fontFamily: kFont, fontSize: 12 }, selectedMode: false,
   };
 }
 
-export function axis(p: Palette, name: string, more: Option = {}): Option {
+/** An axis of numbers, written by `write`. */
+export function axis(p: Palette, name: string, more: Option = {}, write: (v: number) => string = plain): Option {
   return {
-    type: 'value', name, nameLocation: 'middle', nameGap: 30, nameTextStyle: { color: p.muted, fontSize: 12 },
-    axisLabel: { color: p.muted, fontSize: 11 }, axisLine: { show: true, lineStyle: { color: p.rule } },
+    type: 'value', name, nameLocation: 'middle', nameGap: 28, nameTextStyle: { color: p.muted, fontSize: 12 }, axisLine: { show: true, lineStyle: { color: p.rule } },
     axisTick: { show: false }, splitLine: { lineStyle: { color: p.rule, width: 1 } }, ...more,
+    axisLabel: { color: p.muted, fontSize: 11, hideOverlap: true, formatter: write, ...more['axisLabel'] as Option | undefined },
   };
 }
 
 /** In a plot narrower than this names and numbers have less room [px]. */
 export const kNarrow = 560;
 
-/** An axis of shares; in a narrow plot with fewer numbers. */
-export function shareAxis(p: Palette, width: number, more: Option = {}): Option {
-  return axis(p, '', { min: 0, max: 1, interval: width < kNarrow ? 0.5 : 0.2, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` }, ...more });
+/** How many marks an axis has in a plot so wide. */
+export function marksIn(width: number): number {
+  return width < 300 ? 3 : width < kNarrow ? 4 : 7;
 }
 
-/** Least height of a row of rowAxis() in a narrow plot, where families stand below names [px]. */
-export const kTwoLines = 34;
+/** An axis of shares from 0 to 100 %. */
+export function shareAxis(p: Palette, interval: number, more: Option = {}): Option {
+  return axis(p, '', { min: 0, max: 1, interval, ...more }, (v) => `${plain(100 * v)} %`);
+}
 
-/** An upright axis of rows, each named by its controller and, where there are several, its family of worlds: beside the name, in a narrow plot below it. */
-export function rowAxis(p: Palette, rows: readonly { name: string; family: string }[], width: number, fontSize = 12.5): Option {
+/** A row of rowAxis(): its series, and its family of worlds where there are several. */
+export interface AxisRow { name: string; family?: string }
+
+/** Height of a line of a row's name in a narrow plot [px]. */
+const kLine = 14;
+
+/** What names a row in a narrow plot, a line each: controller, point, family. */
+function linesOf({ name, family = '' }: AxisRow): string[] {
+  return [...name.split(' \u00b7 '), family].filter((line) => line !== '');
+}
+
+/** Height of a row [px]: `least`, in a narrow plot as much as its lines need. */
+export function rowHeight(rows: readonly AxisRow[], width: number, least: number): number {
+  return width < kNarrow ? Math.max(least, 6 + kLine * Math.max(...rows.map((row) => linesOf(row).length))) : least;
+}
+
+/** An upright axis of rows, with families beside their names; in a narrow plot all that names a row stands in lines. */
+export function rowAxis(p: Palette, rows: readonly AxisRow[], width: number, fontSize = 12.5): Option {
   const narrow = width < kNarrow;
   return {
     type: 'category', inverse: true, data: rows.map((_, i) => String(i)), axisLine: { show: false }, axisTick: { show: false }, splitLine: { show: false },
     axisLabel: {
-      color: p.ink, fontSize: narrow ? Math.min(12, fontSize) : fontSize, fontFamily: kFont, interval: 0, align: 'right', width: narrow ? 0.44 * width : Math.min(320, 0.4 * width), overflow: 'truncate',
+      color: p.ink, fontSize: narrow ? Math.min(12, fontSize) : fontSize, fontFamily: kFont, interval: 0, align: 'right', width: narrow ? 0.44 * width : Math.min(320, 0.4 * width), overflow: 'truncate', lineHeight: kLine,
       formatter: (place: string) => {
-        const { name = '', family = '' } = rows[Number(place)] ?? {};
-        return family === '' ? name : `${name}${narrow ? '\n' : '  '}{f|${family}}`;
+        const row = rows[Number(place)] ?? { name: '' };
+        if (!narrow) return row.family === undefined || row.family === '' ? row.name : `${row.name}  {f|${row.family}}`;
+        const [first = '', ...more] = linesOf(row);
+        return [first, ...more.map((line) => `{f|${line}}`)].join('\n');
       },
-      rich: { f: { color: p.muted, fontSize: narrow ? 11 : 12 } },
+      rich: { f: { color: p.muted, fontSize: narrow ? 11 : 12, lineHeight: kLine } },
     },
   };
 }
@@ -140,19 +178,31 @@ export function tip(head: string, rows: readonly (readonly [string, string])[], 
     ...rows.map(([name, value]) => h('div', null, h('span', null, name), h('b', null, value))));
 }
 
-/** Whiskers for a custom series: data [x, low, high] (vertical) or [low, high, y] (horizontal). */
-export function whisker(colour: string, horizontal: boolean, width = 1.5) {
-  return (_: unknown, api: { value: (i: number) => number; coord: (p: number[]) => number[] }): Option => {
-    const [a, b] = horizontal
-      ? [api.coord([api.value(0), api.value(2)]), api.coord([api.value(1), api.value(2)])]
-      : [api.coord([api.value(0), api.value(1)]), api.coord([api.value(0), api.value(2)])];
-    const [x1 = 0, y1 = 0] = a ?? [];
-    const [x2 = 0, y2 = 0] = b ?? [];
-    return { type: 'line', shape: { x1, y1, x2, y2 }, style: { stroke: colour, lineWidth: width } };
+/** A tooltip of marks whose data carry `of`, the thing that they show. */
+export function tipOf<T>(content: (of: T) => HTMLElement): Option {
+  return { formatter: ({ data }: { data?: { of?: T } }) => (data?.of === undefined ? '' : content(data.of)) };
+}
+
+interface CustomApi { value: (i: number) => number; coord: (point: number[]) => number[] }
+
+const kUnseen = { silent: true, tooltip: { show: false } };
+
+/** Bars of intervals: data [x, low, high], or `level` [low, high, y]. The colour may be each bar's own. */
+export function whiskers(data: readonly (readonly number[])[], colour: string | ((place: number) => string), { level = false, width = 1.5, z = 3 } = {}): Option {
+  return {
+    type: 'custom', ...kUnseen, z, data, encode: level ? { x: [0, 1], y: 2 } : { x: 0, y: [1, 2] },
+    renderItem: (params: { dataIndex: number }, api: CustomApi): Option => {
+      const [a, b, c] = [api.value(0), api.value(1), api.value(2)];
+      const [[x1 = 0, y1 = 0], [x2 = 0, y2 = 0]] = level ? [api.coord([a, c]), api.coord([b, c])] : [api.coord([a, b]), api.coord([a, c])];
+      return { type: 'line', shape: { x1, y1, x2, y2 }, style: { stroke: typeof colour === 'string' ? colour : colour(params.dataIndex), lineWidth: width } };
+    },
   };
 }
 
-interface CustomApi { coord: (point: number[]) => number[] }
+/** A broken straight line to compare marks with. */
+export function ruler(p: Palette, from: readonly (number | string)[], to: readonly (number | string)[], more: Option = {}): Option {
+  return { type: 'line', ...kUnseen, showSymbol: false, data: [from, to], lineStyle: { color: p.faint, width: 1, type: [4, 3] }, z: 1, ...more };
+}
 
 /** From each point level to the next one's x, then straight up or down to it. */
 export function stairs(points: readonly (readonly [number, number])[]): [number, number][] {
@@ -169,9 +219,9 @@ export function stairs(points: readonly (readonly [number, number])[]): [number,
  * A series that draws `points` as one path, every corner of it. ECharts' own line leaves out corners less than 0.7 pixels
  * from the one before, so that the riser of a low step is lost and the level stretch after it drawn aslant.
  */
-export function pathSeries(name: string, points: readonly (readonly [number, number])[], style: { colour: string; width: number; dash?: unknown; opacity?: number }, more: Option = {}): Option {
+export function pathSeries(name: string, points: readonly (readonly [number, number])[], style: { colour: string; width: number; dash?: unknown; opacity?: number }, more: Option = kUnseen, of?: unknown): Option {
   return {
-    name, type: 'custom', clip: true, data: points.length === 0 ? [] : [[...(points[0] ?? [0, 0])]], encode: { x: 0, y: 1 }, itemStyle: { color: style.colour },
+    name, type: 'custom', clip: true, data: points.length === 0 ? [] : [{ value: points[0], of }], encode: { x: 0, y: 1 }, itemStyle: { color: style.colour }, z: 4,
     renderItem: (_: unknown, api: CustomApi) => ({
       type: 'polyline', shape: { points: points.map(([x, y]) => api.coord([x, y])) },
       style: { stroke: style.colour, fill: 'none', lineWidth: style.width, lineDash: style.dash === 'solid' ? undefined : style.dash, opacity: style.opacity ?? 1, lineJoin: 'miter' },
@@ -184,23 +234,8 @@ export function pathSeries(name: string, points: readonly (readonly [number, num
 export function bandSeries(lower: readonly (readonly [number, number])[], upper: readonly (readonly [number, number])[], colour: string, opacity: number): Option {
   const outline = [...upper, ...[...lower].reverse()];
   return {
-    type: 'custom', clip: true, silent: true, tooltip: { show: false }, data: outline.length === 0 ? [] : [[...(outline[0] ?? [0, 0])]], encode: { x: 0, y: 1 },
+    type: 'custom', clip: true, ...kUnseen, data: outline.length === 0 ? [] : [[...(outline[0] ?? [0, 0])]], encode: { x: 0, y: 1 },
     renderItem: (_: unknown, api: CustomApi) => ({ type: 'polygon', shape: { points: outline.map(([x, y]) => api.coord([x, y])) }, style: { fill: colour, opacity } }),
-  };
-}
-
-/**
- * How curves bear their names: beside their right ends, in so much `room` [px]; where that would leave the plot too little, as a
- * legend above it, and `room` is 0.
- */
-export function curveNames(p: Palette, names: readonly string[], width: number): { room: number; grid: Option; option: Option; above: number } {
-  const wanted = 26 + 7.4 * Math.max(...names.map((name) => name.length));
-  const beside = wanted <= 0.36 * width;
-  const above = beside ? 0 : legendHeight(names, width);
-  return {
-    room: beside ? wanted : 0, above,
-    grid: { left: 8, right: beside ? wanted : 26, top: above + 14, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
-    option: beside ? {} : { legend: legend(p, [...names]) },
   };
 }
 
@@ -209,12 +244,12 @@ const kLabel = 15;
 /** Between the last mark and the labels [px]. */
 const kBeside = 9;
 
-/** Names right of the ends of curves, in the room of curveNames(), moved apart where they would overlap; `ends` at [x, y] in data. */
-export function endLabels(ends: readonly { name: string; x: number; y: number; colour: string }[], room: number): Option[] {
-  return room === 0 ? [] : [{
-    type: 'custom', clip: false, silent: true, tooltip: { show: false }, z: 6, data: ends.length === 0 ? [] : [[ends[0]?.x ?? 0, ends[0]?.y ?? 0]], encode: { x: 0, y: 1 },
+/** Names right of the ends of curves, in so much `room` [px], moved apart where they would overlap; `ends` at [x, y] in data. */
+function endLabels(ends: readonly { name: string; at: readonly [number, number]; colour: string }[], room: number): Option {
+  return {
+    type: 'custom', clip: false, ...kUnseen, z: 6, data: ends.slice(0, 1).map((e) => [...e.at]), encode: { x: 0, y: 1 },
     renderItem: (_: unknown, api: CustomApi) => {
-      const placed = ends.map((e) => { const [x = 0, y = 0] = api.coord([e.x, e.y]); return { e, x, y, at: y }; }).sort((a, b) => a.y - b.y);
+      const placed = ends.map((e) => { const [x = 0, y = 0] = api.coord([...e.at]); return { e, x, y, at: y }; }).sort((a, b) => a.y - b.y);
       const right = Math.max(...placed.map(({ x }) => x));   // one edge, clear of the marks of all
       for (let i = 1; i < placed.length; ++i) placed[i]!.at = Math.max(placed[i]!.at, placed[i - 1]!.at + kLabel);
       for (let i = placed.length - 1, below = (placed[placed.length - 1]?.y ?? 0) + kLabel; i >= 0; --i) {   // not pushed below the last curve's end
@@ -226,14 +261,11 @@ export function endLabels(ends: readonly { name: string; x: number; y: number; c
         children: placed.map(({ e, at }) => ({ type: 'text', x: right + kBeside, y: at, style: { text: e.name, fill: e.colour, font: `600 12px ${kFont}`, align: 'left', verticalAlign: 'middle', width: room - 12, overflow: 'truncate' } })),
       };
     },
-  }];
+  };
 }
 
-/** What differs between plots of the same kind side by side. */
-interface Part { title: string; colour: string }
-
 /** The axis of a gain, with the values that were tried as its marks; over a decade and more it is logarithmic. `at` places a value. */
-export function gainAxis(p: Palette, values: readonly number[], width: number): { at: (v: number) => number; log: boolean; option: Option } {
+export function gainAxis(p: Palette, values: readonly number[], width: number): { at: (v: number) => number; option: Option } {
   const levels = [...new Set(values)].sort((a, b) => a - b);
   const [low = 0, high = 0] = [levels[0], levels[levels.length - 1]];
   const log = low > 0 && high / low >= 10;
@@ -244,24 +276,23 @@ export function gainAxis(p: Palette, values: readonly number[], width: number): 
   const edge = high > low ? 0.06 * (at(high) - at(low)) : Math.abs(at(low)) || 1;
   const custom = { customValues: marks.map(at) };
   return {
-    at, log,
+    at,
     option: axis(p, '', {
       min: at(low) - edge, max: at(high) + edge, splitLine: { show: false }, axisTick: { show: true, lineStyle: { color: p.faint }, ...custom },
-      axisLabel: { color: p.muted, formatter: (v: number) => plain(Number((log ? 10 ** v : v).toPrecision(3))), ...custom },
-    }),
+      axisLabel: custom,
+    }, (v) => plain(Number((log ? 10 ** v : v).toPrecision(3)))),
   };
 }
 
-/** Room on the left of plots side by side for the numbers of their common axis [px]. */
+/** Room on the left of plots side by side for the numbers of their common axis, and on the right for half of the last number below it [px]. */
 const kMargin = 58;
-/** And on the right for half of the last number below it. */
 const kRight = 28;
 
 /**
  * A plot for each part under its title, all with the same y axis and, unless `xAxis` gives each its own, the same x axis;
  * `series` gives what each shows.
  */
-export function smallMultiples(width: number, parts: readonly Part[], xAxis: Option | ((place: number) => Option), yAxis: Option, series: (place: number) => Option[], tooltip: Option = { show: false }): { height: number; option: Option } {
+export function smallMultiples(width: number, parts: readonly { title: string; colour: string }[], xAxis: Option | ((place: number) => Option), yAxis: Option, series: (place: number) => Option[], tooltip: Option = { show: false }): { height: number; option: Option } {
   const columns = Math.max(1, Math.min(4, parts.length, Math.floor((width - kMargin) / 200)));
   const rows = Math.ceil(parts.length / columns);
   const [high, above, gap, between] = [118, 30, 28, 22];
@@ -290,10 +321,40 @@ export function smallMultiples(width: number, parts: readonly Part[], xAxis: Opt
   };
 }
 
-export function captionOf(spec: FigureSpec): string {
-  return typeof spec.caption === 'string' ? spec.caption : spec.caption();
+/** Groups of marks that share their axes. */
+export interface Plots {
+  groups: readonly { short: string; mark: number }[];
+  /** Marks of more groups hide each other: each group is then drawn in a plot of its own. */
+  most: number;
+  /** The axis along x of a plot with about so many marks. */
+  x: (marks: number) => Option;
+  y: Option;
+  /** What is drawn of a group; `alone`: in a plot of its own. */
+  series: (place: number, alone: boolean) => Option[];
+  /** Drawn once behind all groups of one plot. */
+  behind?: Option[];
+  tooltip: Option;
+  /** Where a group's curve ends, to bear its name there; without it, or without room, names stand above the plot. */
+  end?: (place: number) => readonly [number, number];
+  height?: number;
 }
 
-export function titleOf(spec: FigureSpec): string {
-  return typeof spec.title === 'string' ? spec.title : spec.title();
+/** All groups in one plot, or each in its own. */
+export function plots(p: Palette, width: number, { groups, most, x, y, series, behind = [], tooltip, end, height = 380 }: Plots): { height: number; option: Option } {
+  if (groups.length > most) {
+    return smallMultiples(width, groups.map((g) => ({ title: g.short, colour: seriesInk(p, g.mark) })), x(3), y, (place) => series(place, true), tooltip);
+  }
+  const names = groups.map((g) => g.short);
+  const wanted = 26 + 7.4 * Math.max(...names.map((name) => name.length));
+  const beside = end !== undefined && wanted <= 0.36 * width;
+  const above = beside ? 0 : legendHeight(names, width);
+  return {
+    height: height + (end === undefined ? 0 : above),
+    option: {
+      ...(beside ? {} : { legend: legend(p, names) }), grid: gridBox(above + (end === undefined ? 4 : 14), beside ? wanted : 26, 8),
+      xAxis: x(marksIn(width)), yAxis: y, tooltip,
+      series: [...behind, ...groups.flatMap((_, i) => series(i, false)),
+        ...(beside ? [endLabels(groups.map((g, i) => ({ name: g.short, at: end(i), colour: seriesInk(p, g.mark) })), wanted)] : [])],
+    },
+  };
 }

@@ -5,8 +5,11 @@ import { integer, probability } from './format';
 import { withUnit, type Metric } from './metrics';
 import { bootstrapMean, mcnemar, type Interval } from './stats';
 
+/** Rows of the two trials, their metric. */
+export interface PairedWorld { world: number; a: number; b: number; x: number; y: number }
+
 export interface Pairs {
-  worlds: { world: number; a: number; b: number; x: number; y: number }[];   // rows of the two trials, their metric
+  worlds: PairedWorld[];
   both: number;
   onlyA: number;
   onlyB: number;
@@ -25,7 +28,7 @@ export function pairs(model: Model, a: Series, b: Series, key: string): Pairs {
   // By what the world is, not by its index: stores that are compared may count other worlds.
   const named = (row: number): string => t.text('world_key', row);
   const place = new Map(a.rows.map((row) => [named(row), row]));
-  const worlds: Pairs['worlds'] = [];
+  const worlds: PairedWorld[] = [];
   const count = { both: 0, onlyA: 0, onlyB: 0, neither: 0 };
   for (const row of b.rows) {
     const world = t.number('world', row);

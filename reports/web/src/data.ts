@@ -9,6 +9,13 @@ export type Outcome = string;
 /** All of them, in the order of their description. */
 export let kOutcomes: readonly Outcome[] = [];
 
+/** What numbers in samples stand for, by their column: status, fallback, plan_mode, plan_reason. */
+export let kWords: Readonly<Record<string, readonly string[]>> = {};
+
+export function describeSamples(words: typeof kWords): void {
+  kWords = words;
+}
+
 /** As a person reads it: "joint limit". */
 export function outcomeName(outcome: Outcome): string {
   return outcome.replaceAll('_', ' ');
@@ -22,11 +29,16 @@ export interface SummaryRow {
   n: number; errors: number;
   success_rate: number; success_low: number; success_high: number; success_without_errors: number | null;
   collision_rate: number; collision_low: number; collision_high: number;
-  time_to_goal_median_s: number | null; manip_mean: number | null; clearance_min_m: number | null;
-  command_change_mean: number | null;
+  time_to_goal_median_s: number | null;
   /** Means of the suites' own metrics, by their keys. */
   own?: Record<string, number | null>;
   store?: string;
+}
+
+/** Of a row, also what metrics say that it has (Metric.summary), and the suites' own metrics. */
+export function cellOf(row: SummaryRow, key: string): string | number | null {
+  const own = row.own?.[key];
+  return own === undefined ? (row as unknown as Record<string, string | number | null>)[key] ?? null : own;
 }
 
 export interface PointInfo {
@@ -47,7 +59,7 @@ export interface Invocation {
   moma_version: string; git_commit: string | null; git_dirty: number | null; build_type: string;
   compiler: string; compiler_flags: string; libraries: Record<string, string>; host: string; os: string;
   cpu: string; cpu_count: number; threads: number; machine_class: string;
-  /** `notes` of the suite, Markdown. */
+  /** `notes` of the suite, Markdown; the author of the page may add others (PageData.notes). */
   notes?: string | null;
   trials_planned: number; trials_present: number; trials_done: number; store?: string;
   /** Of one that is "running": whether its program still holds the store's lock. */
@@ -62,6 +74,8 @@ export interface Change {
 
 export interface ReplayData {
   trial: string; robot: string; world: unknown; hz: number; n: number; columns: string[]; data: string;
+  /** Of the QP, where the trial was simulated again for them (replay/rows.ts). */
+  rows?: { names: string[]; n: number[]; data: string };
 }
 
 /** What `moma view` answers: the robot comes along; samples may have been simulated anew for it. */
@@ -90,10 +104,13 @@ export interface PageData {
   store: { file: string; schema: number };
   /** Where several stores are compared; rows then name their store. */
   stores?: { label: string; file: string }[];
+  /** What the author of the page writes at its head, Markdown. */
+  notes?: string;
   /** Where `moma view` serves the page: motions are asked for. */
   live?: { token: string; simulates: boolean };
   metrics: MetricData[];
   outcomes: Outcome[];
+  words: Record<string, readonly string[]>;
   invocations: Invocation[];
   points: PointInfo[];
   changes?: Change[];
@@ -221,6 +238,7 @@ export class Model {
     this.page = page;
     describeMetrics(page.metrics);
     kOutcomes = page.outcomes;
+    describeSamples(page.words);
     this.trials.load(page.trials);
     this.slices = [];
     this.rowOf = new Map();

@@ -1,6 +1,6 @@
 // Elements by function. Text goes in as text nodes only, so that no name from a store can become markup.
 
-type Child = Node | string | number | null | undefined | false;
+export type Child = Node | string | number | null | undefined | false;
 type Value = string | number | boolean | null | undefined | EventListener;
 
 export function h<K extends keyof HTMLElementTagNameMap>(
@@ -40,6 +40,14 @@ export function choice(
   const select = h('select', { change: (event) => change((event.target as HTMLSelectElement).value) });
   for (const [key, text] of options) select.appendChild(h('option', { value: key, selected: key === value }, text));
   return h('label', { class: 'choice' }, h('span', null, label), select);
+}
+
+/** A table that scrolls by itself where it is wide; a row's first cell is its head, a cell may have several parts. */
+export function table(label: string, heads: readonly (Child | Child[])[], rows: readonly (readonly (Child | Child[])[])[], more = ''): HTMLElement {
+  const cell = (tag: 'th' | 'td', scope: string | null, content: Child | Child[] | undefined): HTMLElement => h(tag, { scope }, ...(Array.isArray(content) ? content : [content]));
+  return h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': label }, h('table', { class: `plain ${more}`.trim() },
+    h('thead', null, h('tr', null, ...heads.map((head) => cell('th', 'col', head)))),
+    h('tbody', null, ...rows.map(([first, ...rest]) => h('tr', null, cell('th', 'row', first), ...rest.map((content) => cell('td', null, content)))))));
 }
 
 /** One stop of the Tab key for all of `selector` in `box`: arrows, Home and End move between them. */

@@ -2,18 +2,19 @@
 
 import * as echarts from 'echarts/core';
 
-import { base, captionOf, titleOf, type FigureSpec, type Option } from './chart';
-import { download, h, replace } from './dom';
+import { base, textOf, type FigureSpec, type Option } from './chart';
+import { choice, download, h, replace } from './dom';
 import { csv } from './format';
 import { drawLater, drawOrWait } from './draw_order';
 import { onPaper, paperFigure, paperPlace, svgOf } from './paper';
+import * as state from './state';
 import { onTheme, palette } from './theme';
 import { naming, onView } from './view';
 
 export function figure(spec: FigureSpec): HTMLElement {
-  const plot = h('div', { class: 'plot', role: 'img', 'aria-label': titleOf(spec) });
-  const title = h('h3', null, titleOf(spec));
-  const caption = h('p', null, captionOf(spec));
+  const plot = h('div', { class: 'plot', role: 'img', 'aria-label': textOf(spec.title) });
+  const title = h('h3', null, textOf(spec.title));
+  const caption = h('p', null, textOf(spec.caption));
   const note = h('p', { class: 'note' });
   const saveSvg = h('button', { type: 'button', class: 'quiet', click: () => save() }, 'Save SVG');
   const saveCsv = h('button', { type: 'button', class: 'quiet', click: () => saveData() }, 'Data CSV');
@@ -28,8 +29,8 @@ export function figure(spec: FigureSpec): HTMLElement {
 
   const draw = (): void => {
     if (!started) return;
-    title.textContent = titleOf(spec);
-    caption.textContent = captionOf(spec);
+    title.textContent = textOf(spec.title);
+    caption.textContent = textOf(spec.caption);
     const drawing = spec.draw(palette(), plot.clientWidth);
     saveSvg.hidden = saveCsv.hidden = drawing === null;
     if (drawing === null) {
@@ -61,7 +62,7 @@ export function figure(spec: FigureSpec): HTMLElement {
     const tooltip = { ...common['tooltip'] as Option, ...drawing.option['tooltip'] as Option | undefined };
     chart.setOption({ ...common, ...drawing.option, tooltip, ...still, series }, { notMerge: true });
     note.textContent = drawing.note + naming();
-    plot.setAttribute('aria-label', `${titleOf(spec)}. ${drawing.note}`);
+    plot.setAttribute('aria-label', `${textOf(spec.title)}. ${drawing.note}`);
   };
 
   const save = (): void => {
@@ -74,7 +75,14 @@ export function figure(spec: FigureSpec): HTMLElement {
     if (drawing !== null) download(`${spec.id}.csv`, 'text/csv', csv(drawing.columns, drawing.rows));
   };
 
-  const fillControls = (): void => replace(controls, ...(spec.controls?.(() => { fillControls(); draw(); }) ?? []));
+  const fillControls = (): void => replace(controls, ...(spec.choices ?? []).map(({ key, label, options, value }) => {
+    const all = options();
+    return all.length < 2 ? null : choice(label, all, value?.() ?? state.get(key), (chosen) => {
+      state.set({ [key]: chosen });
+      fillControls();
+      draw();
+    });
+  }));
   drawLater(element, () => {
     started = true;
     fillControls();
@@ -92,6 +100,7 @@ export function figure(spec: FigureSpec): HTMLElement {
     if (started) drawOrWait(element, () => { fillControls(); draw(); });
   };
   onView(redraw);
+  if (spec.linked === true) state.listen(['trial'], redraw);
   onTheme(redraw);
   onPaper(paper, () => paperFigure(spec));
   return element;

@@ -2,7 +2,7 @@
 // evaluations in the page, with a delete-a-group jackknife for its error.
 
 import type { TuneSearch } from './data';
-import { jackknifeErrors, kJackknifeGroups } from './stats';
+import { jackknifeErrors, kJackknifeGroups, ranks } from './stats';
 
 type Variable = Pick<TuneSearch['variables'][number], 'lower' | 'upper' | 'scale'>;
 type Evaluation = Pick<TuneSearch['evaluations'][number], 'phase' | 'valid' | 'merit' | 'candidate'>;
@@ -11,19 +11,6 @@ function unit(v: Variable, value: number): number {
   const of = (x: number): number => (v.scale === 'log' ? Math.log(x) : x);
   const span = of(v.upper) - of(v.lower);
   return span > 0 ? (of(value) - of(v.lower)) / span : 0.5;
-}
-
-/** Mean ranks from 0: equal values share theirs. */
-function ranks(values: readonly number[]): number[] {
-  const order = values.map((_, i) => i).sort((a, b) => (values[a] ?? 0) - (values[b] ?? 0));
-  const out = new Array<number>(values.length).fill(0);
-  for (let i = 0; i < order.length;) {
-    let j = i;
-    while (j < order.length && values[order[j] ?? 0] === values[order[i] ?? 0]) ++j;
-    for (let k = i; k < j; ++k) out[order[k] ?? 0] = 0.5 * (i + j - 1);
-    i = j;
-  }
-  return out;
 }
 
 /** Solves the symmetric system A x = b by elimination; what A says nothing about is 0. */
@@ -50,7 +37,7 @@ function solve(A: number[][], b: number[]): number[] {
 export function shares(variables: readonly Variable[], used: readonly Evaluation[]): number[] | null {
   const coefficients = 1 + 2 * variables.length;
   if (used.length < 3 * coefficients) return null;
-  const rank = ranks(used.map((e) => e.merit));
+  const rank = [...ranks(used.map((e) => e.merit))];
   const mean = rank.reduce((sum, r) => sum + r, 0) / rank.length;
   const y = rank.map((r) => r - mean);
   const total = y.reduce((sum, v) => sum + v * v, 0);

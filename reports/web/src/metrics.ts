@@ -9,6 +9,10 @@ export interface Metric {
   /** '' where neither end is better by itself. */
   better: 'high' | 'low' | '';
   of: 'trial' | 'world' | 'machine';
+  /** Its name as a head of the table of trials; '' is not listed there. */
+  head: string;
+  /** Its column in the table of results, where it has one. */
+  summary: { column: string; name: string } | undefined;
   /** Of the suite's own. */
   own: boolean;
   write: (value: number) => string;
@@ -21,14 +25,14 @@ export interface MetricData {
   of: Metric['of'];
   /** How it is written: with so many decimals, or else so many significant digits. */
   decimals?: number; significant?: number;
-  own?: boolean;
+  head?: string; summary?: { column: string; name: string }; own?: boolean;
 }
 
-function made({ key, of, name, unit, better, decimals, significant: digits, own }: MetricData): Metric {
+function made({ key, of, name, unit, better, decimals, significant: digits, head = '', summary, own }: MetricData): Metric {
   const write = decimals === undefined
     ? (value: number): string => significant(value, digits ?? 3)
     : (value: number): string => fixed(value, decimals);
-  return { key, of, name, unit, better, own: own === true, write };
+  return { key, of, name, unit, better, head, summary, own: own === true, write };
 }
 
 /** All metrics that a trial may have, in the order of their description. */

@@ -2,7 +2,7 @@
 
 import * as echarts from 'echarts/core';
 
-import { base, kFont, titleOf, type FigureSpec } from './chart';
+import { base, kFont, textOf, type FigureSpec } from './chart';
 import { append, h, replace } from './dom';
 import { drawAll } from './draw_order';
 import { palette, usePaper } from './theme';
@@ -65,7 +65,7 @@ export function svgOf(spec: FigureSpec, bare = false): string | null {
     paper.setOption({ ...base(palette(true)), ...option, animation: false, backgroundColor: '#ffffff' });
     const svg = paper.renderToSVGString();
     paper.dispose();
-    return bare ? svg : titled(svg, titleOf(spec), kWidth, height);
+    return bare ? svg : titled(svg, textOf(spec.title), kWidth, height);
   });
 }
 

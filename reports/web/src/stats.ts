@@ -80,7 +80,7 @@ export function quantile(sorted: ArrayLike<number>, probability: number): number
 }
 
 /** Ranks from 1, ties shared. */
-function ranks(values: readonly number[]): Float64Array {
+export function ranks(values: readonly number[]): Float64Array {
   const order = values.map((_, i) => i).sort((a, b) => (values[a] ?? 0) - (values[b] ?? 0));
   const out = new Float64Array(values.length);
   for (let i = 0; i < order.length;) {

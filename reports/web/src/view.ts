@@ -1,7 +1,7 @@
 // What the figures show now: the slice, the family and the series that the reader has chosen.
 
 import { equalConditions, meets, onlyConditions } from './conditions';
-import { inSlice, namedBy, type Model, type Series, type Slice } from './data';
+import { inSlice, namedBy, type Model, type Series, type Slice, type SummaryRow } from './data';
 import * as state from './state';
 import { kColours } from './theme';
 
@@ -83,14 +83,26 @@ function shown(model: Model, slice: Slice, all: readonly Series[], series: Serie
   return best(model, slice, all).has(series.index);
 }
 
-/** Success rate over all families; below 0 where there are no trials. */
-function rateOf(model: Model, slice: Slice, s: Series): number {
-  return model.page.overall.find((o) => inSlice(o, slice) && o.controller === s.controller && o.point === s.point)?.success_rate ?? -1;
+/** The row of a series in the table of results; `family` '': of all together. */
+function rowOf(model: Model, slice: Slice, family: string, s: Pick<Series, 'controller' | 'point'>): SummaryRow | undefined {
+  return summaryRows(model, slice, family).find((row) => row.controller === s.controller && row.point === s.point);
 }
 
-/** Of many series, the few with the highest success rate. */
+/** Rows of the table of results: of one family, or of all together (''). */
+export function summaryRows(model: Model, slice: Slice, family: string): SummaryRow[] {
+  return (family === '' ? model.page.overall : model.page.summary.filter((row) => row.family === family)).filter((row) => inSlice(row, slice));
+}
+
+/** The row of a series in the table of results, of the chosen family unless another is named; undefined where it has no trials. */
+export function resultOf(s: Pick<Series, 'controller' | 'point'>, family = view().family): SummaryRow | undefined {
+  const { model, slice } = view();
+  return rowOf(model, slice, family, s);
+}
+
+/** Of many series, the few with the highest success rate over all families. */
 function best(model: Model, slice: Slice, all: readonly Series[]): Set<number> {
-  return new Set([...all].sort((a, b) => rateOf(model, slice, b) - rateOf(model, slice, a)).slice(0, kMostSeries - 2).map((s) => s.index));
+  const rate = new Map(all.map((s) => [s, rowOf(model, slice, '', s)?.success_rate ?? -1]));
+  return new Set([...all].sort((a, b) => rate.get(b)! - rate.get(a)!).slice(0, kMostSeries - 2).map((s) => s.index));
 }
 
 /**
@@ -116,8 +128,8 @@ export function rivalsOf(base: Series, among: readonly Series[]): Series[] {
 
 /** Of the shown series that `base` may be compared with, the one with the highest success rate. */
 export function bestRival(base: Series | undefined): Series | undefined {
-  const { model, slice, series } = view();
-  return base === undefined ? undefined : rivalsOf(base, series).sort((a, b) => rateOf(model, slice, b) - rateOf(model, slice, a))[0];
+  const rate = (s: Series): number => resultOf(s, '')?.success_rate ?? -1;
+  return base === undefined ? undefined : rivalsOf(base, view().series).sort((a, b) => rate(b) - rate(a))[0];
 }
 
 /** What the numbers in names are, where names are only numbers. */

@@ -10,7 +10,7 @@ import { accessible, check, dataOf, drawn, end, launch, near, needs, noOverflow,
 
 const [, , source, makeReport, work] = process.argv;
 needs('python3');
-const { makeStore, makePage } = workshop(source, makeReport, work);
+const { makeStore, makePage, sql } = workshop(source, makeReport, work);
 const browser = await launch(source);
 const open = opener(browser);
 
@@ -274,6 +274,19 @@ for (const [what, view] of views) {
       for (let y = name.y - 10; y < name.y + 10; y += 1) for (let x = name.left - 5; x < name.left - 1; x += 1) if (seen.at(x, y)[3] > 120) inked += 1;
       check(inked === 0, `wide: left of ${name.text} in ${id} is a mark of ${inked} pixels`);
     }
+  }
+  await context.close();
+}
+
+// ---- conditions on a phone: names of controller, condition and family stand in lines of their own, whole ------------------
+{
+  const db = makeStore('conditions', 'demo', 20, 0);
+  sql(db, "UPDATE point SET label = 'disturbances=' || iif(controller = 'moma', 'realistic', 'none'), params = json_object('disturbances', iif(controller = 'moma', 'realistic', 'none'))");
+  const { context, page } = await open(makePage(db), { width: 390, height: 844, ratio: 2, touch: true, init: noteLetters });
+  for (const id of ['forest', 'outcomes', 'manipulability']) {
+    const seen = await read(page, id);
+    legible(seen, `conditions on a phone, ${id}`);
+    for (const name of ['moma', 'holistic', 'disturbances: realistic', 'disturbances: none', 'clutter', 'open']) check(seen.letters.some((letter) => letter.text === name), `conditions on a phone: ${id} names ${name}: ${seen.letters.map((letter) => letter.text)}`);
   }
   await context.close();
 }

@@ -29,7 +29,7 @@ const { context: first, page } = await open(demo, { idle: true });
   });
   for (const row of [...data.summary, ...data.overall]) {
     const cells = await page.locator('.summary tbody tr').filter({ has: page.locator('td') }).allInnerTexts();
-    const wanted = [String(row.n), String(Number(row.manip_mean.toPrecision(3))), `${(100 * row.success_low).toFixed(1)}\u2013${(100 * row.success_high).toFixed(1)}`];
+    const wanted = [String(row.n), row.manip_mean.toFixed(4), `${(100 * row.success_low).toFixed(1)}\u2013${(100 * row.success_high).toFixed(1)}`];
     check(cells.some((text) => text.includes(row.controller) && wanted.every((part) => text.includes(part))), `summary row ${JSON.stringify(row)}`);
   }
   await noOverflow(page, '1280');
@@ -199,6 +199,13 @@ const clickMark = async (page, id) => {
     else check((await page.locator('.detail code').innerText()).endsWith(trial), `${id}: the command that plays ${trial}`);
     check(id !== 'figure-paired' || text('world_key')[text('trial').indexOf(new URLSearchParams(new URL(page.url()).hash.slice(1)).get('beside'))] === text('world_key')[text('trial').indexOf(trial)], 'a paired dot opens both trials of its world');
     check(id !== 'figure-course' || inPage.has(trial), 'a line of the motions is a trial that can be played');
+    // The same trial is marked in the others: chosen elsewhere, it stands out here.
+    if (id === 'figure-scatter') {
+      const bold = () => page.locator('#figure-scatter canvas').evaluate((canvas) => canvas.toDataURL());
+      const with_ = await bold();
+      await page.evaluate(() => { location.hash = location.hash.replace(/trial=[^&]*/, ''); });
+      check(await page.waitForFunction((old) => document.querySelector('#figure-scatter canvas').toDataURL() !== old, with_, { timeout: 20000 }).then(() => true, () => false), 'the chosen trial is marked in the scatter plot');
+    }
     await page.evaluate(() => { const button = document.querySelector('.transport .play'); if (button.textContent === 'Pause') button.click(); });
   }
   await page.evaluate(() => { location.hash = ''; });
@@ -243,12 +250,23 @@ const clickMark = async (page, id) => {
   check((await page.evaluate(() => [...document.querySelectorAll('b')].some((b) => b.textContent === 'bold'))) === false, 'no markup in tooltips');
   await context.close();
 }
-for (const [kind, worlds] of [['empty', 0], ['one', 1], ['failures', 16]]) {
-  const { context, page } = await open(makePage(kind, worlds));
+for (const [kind, worlds] of [['empty', 0], ['one', 1], ['failures', 16], ['errors', 16]]) {
+  const made = () => {
+    const db = makeStore('errors', 'demo', worlds, 2);
+    for (const table of ['trial', 'point_trial']) sql(db, `UPDATE ${table} SET outcome = 'error', time_to_goal_s = NULL WHERE key IN (SELECT key FROM point_trial WHERE world_index % 3 = 0)`);
+    return pageOf(db);
+  };
+  const { context, page } = await open(kind === 'errors' ? made() : makePage(kind, worlds));
   await scrollThrough(page);
-  await noOverflow(page, kind);
+  for (const [width, colorScheme] of [[1280, 'light'], [1920, 'dark'], [390, 'light'], [390, 'dark']]) {
+    await page.emulateMedia({ colorScheme });
+    await page.setViewportSize({ width, height: 900 });
+    await page.waitForFunction((wanted) => innerWidth === wanted, width);
+    await noOverflow(page, `${kind}, ${width}, ${colorScheme}`);
+  }
   const text = await page.locator('#app').innerText();
   check(!/NaN|undefined|\[object/.test(text), `${kind}: ${/.{0,40}(NaN|undefined|\[object).{0,40}/.exec(text)?.[0]}`);
+  if (kind === 'errors') check(/ended by an error; they count as failed/.test(text) && /without errors/.test(text), 'errors are told, and the rate without them');
   if (kind === 'empty') check(text.includes('holds no trials yet'), 'an empty store says so');
   if (kind === 'failures') check(/neither \w+ nor \w+ reached a goal: nothing tells them apart/.test(text) && !/p\s=\s1\.000/.test(await page.locator('#top').innerText()), 'nobody reached anything, in plain words');
   if (kind === 'failures') check(text.includes('No trial reached its goal'), 'only failures: the arrival figure says so');
@@ -258,10 +276,12 @@ for (const [kind, worlds] of [['empty', 0], ['one', 1], ['failures', 16]]) {
 // ---- more trials than a page carries, of a robot that was read leniently ---------------------------------------------------
 if (moma !== undefined) {
   const html = join(work, 'part.html');
-  execFileSync(moma, ['report', join(work, 'demo.db'), '-o', html, '--trials', '31'], { stdio: 'ignore' });
+  writeFileSync(join(work, 'notes.md'), 'Seen **twice**.\n\n<b>no markup</b>');
+  execFileSync(moma, ['report', join(work, 'demo.db'), '-o', html, '--trials', '31', '--notes', join(work, 'notes.md')], { stdio: 'ignore' });
   writeFileSync(html, readFileSync(html, 'utf8').replaceAll('"left_out":[]', '"left_out":["link arm, collision 1: sphere radius=0,5"]'));
   const { context, page } = await open(html);
   const notices = (await page.locator('.notices').innerText()).replace(/\s/g, ' ');
+  check((await page.locator('.notes strong').innerText()) === 'twice' && (await page.locator('.notes b').count()) === 0, `what its author writes: ${await page.locator('.notes').innerText()}`);
   check(notices.includes('Of 120 trials the page shows 30 one by one'), 'a part of the trials is called one');
   check(notices.includes('left out (--lenient), so that nothing can collide with what is missing: link arm, collision 1'), 'what was left out of a robot is told');
   check((await page.locator('.summary tbody tr').last().innerText()).includes('60'), 'the summary is over all');

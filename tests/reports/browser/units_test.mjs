@@ -218,7 +218,7 @@ check(namedBy(['lambda_q=0.01', 'lambda_q=0.1']) === '' && namedBy(['a=1 b=2', '
     const trials = points.flatMap((p) => [0, 1].map((world) => ({ ...p, world_key: `w${world}`, trial: `${p.controller}${p.point}${world}`, family: 'f', outcome: world === 0 ? 'success' : 'stuck' })));
     const column = (name) => { const values = [...new Set(trials.map((t) => t[name]))]; return { values, codes: trials.map((t) => values.indexOf(t[name])) }; };
     const overall = points.map((p, i) => ({ ...at, controller: p.controller, point: p.point, family: null, n: 2, errors: 0, success_rate: [0.5, 0.6, 0.7, 0.9][i] }));
-    return new Model({ metrics: [], outcomes: ['success', 'stuck'], points, overall, summary: [], invocations: [], tuning: [], robots: [], store: { file: 'a.db', schema: 1 }, live,
+    return new Model({ metrics: [], outcomes: ['success', 'stuck'], words: {}, points, overall, summary: [], invocations: [], tuning: [], robots: [], store: { file: 'a.db', schema: 1 }, live,
       replays: trials.slice(0, motions).map(({ trial }) => ({ trial, data: '' })),
       trials: { n: trials.length, stored: trials.length, worlds: 2, columns: Object.fromEntries(['suite', 'robot', 'mode', 'controller', 'point', 'world_key', 'trial', 'family', 'outcome'].map((name) => [name, column(name)])) } });
   };
@@ -239,7 +239,8 @@ check(namedBy(['lambda_q=0.01', 'lambda_q=0.1']) === '' && namedBy(['a=1 b=2', '
 
 // ---- what a controller that looks ahead was about -------------------------------------------------------------------
 {
-  const { looksAhead, planSentence, pathAhead, detourTarget, Trace } = await load('replay/plan', 'replay/trace');
+  const { looksAhead, planSentence, pathAhead, detourTarget, Trace, describeSamples } = await load('replay/plan', 'replay/trace', 'data');
+  describeSamples({ plan_mode: ['goes by its own policy', 'follows a path', 'slows down', 'stands'], plan_reason: ['a motion begins', '', 'it arrives soonest', '', '', '', 'the path ends', '', 'something is in the way'] });
   const columns = {
     t: [0, 1, 2, 3, 4], plan_mode: [3, 1, 1, 1, 0], plan_reason: [0, 2, 2, 8, 6], plan_going_on: [0, 0, 0, 1, 0], plan_attempts: [1, 1, 1, 2, 2],
     plan_clock: [0, 0.5, 1.5, 0.25, 0], plan_duration: [0, 6, 6, 4, 0], plan_lag: [0, 0.01, 0.02, 0, 0],
@@ -258,10 +259,10 @@ check(namedBy(['lambda_q=0.01', 'lambda_q=0.1']) === '' && namedBy(['a=1 b=2', '
   check(pathAhead(all, 0).length === 0 && pathAhead(all, 4).length === 0, 'no path where none is followed');
   check(JSON.stringify([0, 1, 4].map((t) => detourTarget(all, t))) === '[null,null,[4,-4]]', 'a detour counts where no path is followed');
   const words = [
-    'Looking ahead: it stands, while a path and detours are worked out, since a motion begins with a choice.',
-    'Looking ahead: it follows a path, which is predicted to arrive soonest; at 0.50 of 6.00 s, 0.010 m behind. Choice 1, of 12 candidates, fell on a path: 6.00 s to the goal, the least. The policy as it was: would not have arrived. The best detour: 7.50 s.',
-    'Looking ahead: it follows a path, since something is in the way of the path; at 0.25 of 4.00 s, 0.000 m behind. Meanwhile a path and detours are worked out. Choice 2, of 3 candidates, fell on a detour: 6.25 s to the goal, the least. The policy as it was: 8.00 s. A path: none that is quicker.',
-    'Looking ahead: it makes a detour, since the path is at its end. Choice 2, of 2 candidates, fell on the policy: 5.00 s to the goal, the least. The best detour: none arrived sooner. A path: none that is quicker.',
+    'Looking ahead: the robot stands: a motion begins.',
+    'Looking ahead: the robot follows a path: it arrives soonest; at 0.50 of 6.00 s, 0.010 m behind. Choice 1, of 12 candidates, fell on a path: 6.00 s to the goal, the least. The policy as it was: would not have arrived. The best detour: 7.50 s.',
+    'Looking ahead: the robot follows a path: something is in the way; at 0.25 of 4.00 s, 0.000 m behind. Meanwhile a path and detours are worked out. Choice 2, of 3 candidates, fell on a detour: 6.25 s to the goal, the least. The policy as it was: 8.00 s. A path: none that is quicker.',
+    'Looking ahead: the robot makes a detour: the path ends. Choice 2, of 2 candidates, fell on the policy: 5.00 s to the goal, the least. The best detour: none arrived sooner. A path: none that is quicker.',
   ];
   [0, 1, 3, 4].forEach((t, i) => check(planSentence(all, t).replaceAll('\u00a0', ' ') === words[i], `at ${t} s: ${planSentence(all, t)}`));
 }

@@ -20,7 +20,7 @@ export const kFigures = {
   results: () => [forest(), outcomes()],
   time: () => [arrival()],
   difficulty: () => [difficulty()],
-  sweep: (model: Model) => (isSwept(model) ? [...sweep(model), pareto()] : []),
+  sweep: (model: Model) => (isSwept(model) ? [...sweep(), pareto()] : []),
   tuning: tuningFigures,
   quality: (model: Model) => [
     distribution('manipulability', 'manip_mean'),

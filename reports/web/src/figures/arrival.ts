@@ -1,9 +1,9 @@
 // Empirical distribution of the time to goal over all trials: a trial that fails never arrives.
 
-import { axis, bandSeries, curveNames, endLabels, nice, pathSeries, smallMultiples, stairs, tip, type FigureSpec, type Option } from '../chart';
+import { axis, bandSeries, nice, pathSeries, plots, shareAxis, stairs, tip, type FigureSpec, type Option } from '../chart';
 import { fixed, integer, percent, percentRange } from '../format';
 import { thinned, wilson } from '../stats';
-import { dashOf, seriesColour, seriesInk, type Palette } from '../theme';
+import { dashOf, seriesColour } from '../theme';
 import { view } from '../view';
 
 /** Curves with their names at their ends; more are drawn each in a plot of its own, the others faint behind it. */
@@ -17,7 +17,7 @@ export function arrival(): FigureSpec {
     title: 'Arrived by a given time',
     caption: 'Share of all trials at the goal by a given time. Failures never arrive, so a curve ends at the success rate.',
     empty: 'No trial reached its goal.',
-    draw: (p: Palette, width: number) => {
+    draw: (p, width) => {
       const { model, series } = view();
       const curves = series.map((s) => ({
         s, n: s.rows.length,
@@ -27,69 +27,43 @@ export function arrival(): FigureSpec {
       if (curves.length === 0 || !(last > 0)) return null;
       const limit = Math.max(...series.map((s) => s.info?.time_limit_s ?? 0));
       const end = nice(0, Math.min(limit > 0 ? limit : last * 1.05, last * 1.15)).max;
-      const drawn = curves.map(({ s, times, n }) => {
-        const at = (value: (hits: number) => number): [number, number][] => [[0, value(0)], ...thinned(times.length).map((i) => [times[i] ?? 0, value(i + 1)] as [number, number]), [end, value(times.length)]];
-        return {
-          s, colour: seriesColour(p, s.mark), share: stairs(at((hits) => hits / n)),
-          low: stairs(at((hits) => wilson(hits, n).low)), high: stairs(at((hits) => wilson(hits, n).high)), last: times.length / n,
-        };
-      });
-      const arrived = (c: (typeof curves)[number], t: number): number => {   // times are sorted
-        let [low, high] = [0, c.times.length];
-        while (low < high) {
-          const middle = (low + high) >> 1;
-          if ((c.times[middle] ?? Infinity) <= t) low = middle + 1;
-          else high = middle;
-        }
-        return low;
-      };
-      const yAxis = axis(p, '', { min: 0, max: 1, interval: 0.25, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` } });
-      const xAxis = axis(p, 'time [s]', { min: 0, max: end, nameGap: 26 });
-      const path = (d: (typeof drawn)[number], style: Option = {}): Option =>
-        pathSeries(d.s.short, d.share, { colour: d.colour, width: 2, dash: dashOf(d.s.mark), ...style }, { silent: true, z: 5 });
-      const bands = drawn.length <= kBands || drawn.length > kTogether;
-      const common = {
+      /** A share of each curve as steps, from the number of arrivals. */
+      const steps = ({ times }: (typeof curves)[number], value: (hits: number) => number): [number, number][] =>
+        stairs([[0, value(0)], ...thinned(times.length).map((i) => [times[i] ?? 0, value(i + 1)] as [number, number]), [end, value(times.length)]]);
+      const drawn = curves.map((c) => ({ colour: seriesColour(p, c.s.mark), share: steps(c, (hits) => hits / c.n), low: steps(c, (hits) => wilson(hits, c.n).low), high: steps(c, (hits) => wilson(hits, c.n).high) }));
+      const bands = curves.length <= kBands || curves.length > kTogether;
+      // Where the pointer is: a line through all times, never seen.
+      const pointer: Option = { type: 'line', data: Array.from({ length: 241 }, (_, i) => [(end * i) / 240, 0]), showSymbol: false, lineStyle: { opacity: 0 }, itemStyle: { opacity: 0 }, silent: true, emphasis: { disabled: true } };
+      return {
         note: curves.map((c) => `${c.s.short}: ${integer(c.times.length)} of n = ${integer(c.n)} arrived`).join('; ') + (bands ? '. Bands: pointwise 95 % Wilson.' : '. The data have the 95 % Wilson intervals.'),
         columns: ['controller', 'point', 'time_to_goal_s', 'share_arrived', 'share_low', 'share_high', 'n'],
         rows: curves.flatMap(({ s, times, n }) => times.map((t, i) => {
           const w = wilson(i + 1, n);
           return [s.controller, s.point, t, (i + 1) / n, w.low, w.high, n];
         })),
-      };
-      if (drawn.length > kTogether) {
-        return {
-          ...common,
-          ...smallMultiples(width, drawn.map((d) => ({ title: d.s.short, colour: seriesInk(p, d.s.mark) })), xAxis, yAxis, (place) => [
-            ...drawn.filter((_, i) => i !== place).map((d) => pathSeries('', d.share, { colour: p.rule, width: 1 }, { silent: true, z: 2 })),
-            ...drawn.filter((_, i) => i === place).flatMap((d) => [bandSeries(d.low, d.high, d.colour, 0.14), pathSeries('', d.share, { colour: d.colour, width: 2 }, { silent: true, z: 5 })]),
-          ]),
-        };
-      }
-      // Where the pointer is: a line through all times, never seen.
-      const ticks = Array.from({ length: 241 }, (_, i) => [(end * i) / 240, 0]);
-      const named = curveNames(p, drawn.map((d) => d.s.short), width);
-      return {
-        height: 360 + named.above, ...common,
-        option: {
-          grid: named.grid, ...named.option,
-          xAxis, yAxis,
+        ...plots(p, width, {
+          groups: curves.map((c) => c.s), most: kTogether, height: 360, behind: [pointer],
+          x: () => axis(p, 'time [s]', { min: 0, max: end }), y: shareAxis(p, 0.25), end: (i) => [end, (curves[i]?.times.length ?? 0) / (curves[i]?.n ?? 1)],
+          series: (i, alone) => {
+            const { colour, share, low, high } = drawn[i]!;
+            return [
+              ...(alone ? drawn.filter((_, k) => k !== i).map((d) => pathSeries('', d.share, { colour: p.rule, width: 1 }, { silent: true, z: 2 })) : []),
+              ...(bands ? [bandSeries(low, high, colour, p.dark ? 0.16 : 0.12)] : []),
+              pathSeries(curves[i]!.s.short, share, { colour, width: 2, dash: alone ? 'solid' : dashOf(curves[i]!.s.mark) }, { silent: true, z: 5 }),
+            ];
+          },
           tooltip: {
             trigger: 'axis', axisPointer: { type: 'line', lineStyle: { color: p.faint } },
             formatter: (items: { axisValue: number }[]) => {
               const t = items[0]?.axisValue ?? 0;
               return tip(`by ${fixed(t, 2)} s`, curves.map((c) => {
-                const hits = arrived(c, t);
+                const hits = c.times.filter((time) => time <= t).length;
                 const w = wilson(hits, c.n);
                 return [c.s.short, `${percent(hits / c.n)}  (${percentRange(w.low, w.high)})`] as const;
               }));
             },
           },
-          series: [
-            { type: 'line', data: ticks, showSymbol: false, lineStyle: { opacity: 0 }, itemStyle: { opacity: 0 }, silent: true, emphasis: { disabled: true } },
-            ...drawn.flatMap((d) => [...(bands ? [bandSeries(d.low, d.high, d.colour, p.dark ? 0.16 : 0.11)] : []), path(d)]),
-            ...endLabels(drawn.map((d) => ({ name: d.s.short, x: end, y: d.last, colour: seriesInk(p, d.s.mark) })), named.room),
-          ],
-        },
+        }),
       };
     },
   };

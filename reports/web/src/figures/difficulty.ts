@@ -1,13 +1,12 @@
 // Success rate against what makes a world hard, in bins of about equal size.
 
-import { axis, curveNames, endLabels, kFont, kNarrow, nice, plain, smallMultiples, tip, whisker, type FigureSpec, type Option } from '../chart';
-import { choice } from '../dom';
+import { axis, kNarrow, nice, plots, shareAxis, tip, tipOf, whiskers, type FigureSpec } from '../chart';
 import { integer, percent, percentRange, sizes } from '../format';
-import { axisName, kMetrics, metric } from '../metrics';
-import * as state from '../state';
+import { axisName, kMetrics } from '../metrics';
 import { wilson } from '../stats';
-import { dashOf, seriesColour, seriesInk, symbolOf, type Palette } from '../theme';
+import { dashOf, seriesColour, symbolOf } from '../theme';
 import { view } from '../view';
+import { metricChoice } from './distribution';
 
 const kBins = 6;
 /** Intervals of more lines than this hide each other: each is then drawn in a plot of its own. */
@@ -16,112 +15,67 @@ const kTogether = 4;
 /** Inner edges of bins that hold about equally many of `values`; distinct. */
 function edges(values: number[]): number[] {
   const sorted = [...values].sort((a, b) => a - b);
-  const first = sorted[0] ?? 0;
-  const out: number[] = [];
-  for (let i = 1; i < kBins; ++i) {
-    const edge = sorted[Math.floor((i * sorted.length) / kBins)] ?? first;
-    if (edge > (out[out.length - 1] ?? first)) out.push(edge);
-  }
-  return out;
+  const inner = Array.from({ length: kBins - 1 }, (_, i) => sorted[Math.floor(((i + 1) * sorted.length) / kBins)] ?? 0);
+  return [...new Set(inner)].filter((edge) => edge > (sorted[0] ?? 0));
 }
 
-interface Cell { x: number; hits: number; n: number; low: number; high: number; from: number; to: number }
+interface Bin { name: string; colour: string; x: number; hits: number; n: number; low: number; high: number; from: number; to: number }
 
 export function difficulty(): FigureSpec {
-  state.setDefault('f.difficulty', 'goal_distance_m');
+  const chosen = metricChoice('f.difficulty', 'Against', 'goal_distance_m', () => kMetrics.filter((m) => m.of === 'world'));
   return {
     id: 'difficulty',
-    title: () => `Success against ${metric(state.get('f.difficulty')).name}`,
+    title: () => `Success against ${chosen.of().name}`,
     caption: 'Worlds in bins of about equal number; each point is the success rate in its bin, at the mean difficulty, with its 95 % interval.',
     empty: 'Nothing varies here among the worlds shown.',
-    controls: (redraw) => {
-      const { model, series } = view();
-      const options = kMetrics.filter((m) => m.of === 'world').map((m) => m.key).filter((key) => series.some((s) => model.trials.any(key, s.rows)));
-      return [choice('Against', options.map((key) => [key, axisName(metric(key))] as const), state.get('f.difficulty'),
-        (value) => { state.set({ 'f.difficulty': value }); redraw(); })];
-    },
-    draw: (p: Palette, width: number) => {
-      const of = metric(state.get('f.difficulty'));
+    choices: [chosen.choice],
+    draw: (p, width) => {
+      const of = chosen.of();
       const { model, series } = view();
       const t = model.trials;
       const all = series.flatMap((s) => s.rows.map((row) => t.number(of.key, row)).filter(Number.isFinite));
       const inner = edges(all);
-      if (all.length === 0 || inner.length === 0) return null;
+      if (inner.length === 0) return null;
       const lines = series.map((s) => {
-        const cells: Cell[] = Array.from({ length: inner.length + 1 }, () => ({ x: 0, hits: 0, n: 0, low: 0, high: 0, from: Infinity, to: -Infinity }));
+        const found: number[][] = Array.from({ length: inner.length + 1 }, () => []);
         for (const row of s.rows) {
           const x = t.number(of.key, row);
-          if (!Number.isFinite(x)) continue;
-          const cell = cells[inner.filter((edge) => x >= edge).length] as Cell;
-          cell.x += x;
-          cell.n += 1;
-          cell.hits += t.success(row) ? 1 : 0;
-          cell.from = Math.min(cell.from, x);
-          cell.to = Math.max(cell.to, x);
+          if (Number.isFinite(x)) found[inner.filter((edge) => x >= edge).length]!.push(row);
         }
-        for (const cell of cells) {
-          const w = wilson(cell.hits, cell.n);
-          cell.x /= cell.n;
-          cell.low = w.low;
-          cell.high = w.high;
-        }
-        return { s, cells: cells.filter((cell) => cell.n > 0) };
-      }).filter((line) => line.cells.length > 0);
-      const perCell = lines.flatMap((line) => line.cells.map((cell) => cell.n));
-      const centres = lines.flatMap((line) => line.cells.map((cell) => cell.x));
+        return { s, bins: found.filter((rows) => rows.length > 0).map((rows): Bin => {
+          const [xs, hits] = [rows.map((row) => t.number(of.key, row)), rows.filter((row) => t.success(row)).length];
+          return { name: s.short, colour: seriesColour(p, s.mark), n: rows.length, hits, ...wilson(hits, rows.length), x: xs.reduce((sum, x) => sum + x, 0) / rows.length, from: Math.min(...xs), to: Math.max(...xs) };
+        }) };
+      }).filter((line) => line.bins.length > 0);
+      const bins = lines.flatMap((line) => line.bins);
+      const centres = bins.map((bin) => bin.x);
       const [least, most] = [Math.min(...centres), Math.max(...centres)];
       // Side by side, since intervals of equal place would hide one another.
-      const together = lines.length <= kTogether;
-      const beside = (i: number): number => (together ? (i - (lines.length - 1) / 2) * (most - least) * (width < kNarrow ? 0.022 : 0.008) : 0);
-      const named = curveNames(p, lines.map((line) => line.s.short), width);
+      const aside = (i: number, alone: boolean): number => (alone ? 0 : (i - (lines.length - 1) / 2) * (most - least) * (width < kNarrow ? 0.022 : 0.008));
       const unused = series.reduce((sum, s) => sum + s.rows.length, 0) - all.length;
-      const xAxis = axis(p, axisName(of), { scale: true, nameGap: 28 });
-      const yAxis = axis(p, '', { min: 0, max: 1, interval: 0.25, axisLabel: { color: p.muted, formatter: (v: number) => `${Math.round(100 * v)} %` } });
-      const tooltip = {
-        trigger: 'item',
-        formatter: ({ seriesName, dataIndex }: { seriesName: string; dataIndex: number }) => {
-          const line = lines.find((l) => l.s.short === seriesName);
-          const c = line?.cells[dataIndex];
-          if (line === undefined || c === undefined) return '';
-          return tip(line.s.short, [
-            [of.name, `${of.write(c.from)} \u2026 ${of.write(c.to)} ${of.unit}`],
-            ['success', `${integer(c.hits)} of ${integer(c.n)}: ${percent(c.hits / c.n)}`],
-            ['95 % interval', percentRange(c.low, c.high)],
-          ], seriesColour(p, line.s.mark));
-        },
-      };
-      const drawn = (i: number): Option[] => {
-        const { s, cells } = lines[i]!;
-        const colour = seriesColour(p, s.mark);
-        return [
-          {
-            type: 'custom', silent: true, data: cells.map((c) => [c.x + beside(i), c.low, c.high]), encode: { x: 0, y: [1, 2] },
-            renderItem: whisker(colour, false, 1.6), tooltip: { show: false },
-          },
-          {
-            name: s.short, type: 'line', data: cells.map((c) => [c.x + beside(i), c.hits / c.n]), symbol: together ? symbolOf(s.mark) : 'circle', symbolSize: together ? 9 : 7, clip: false,
-            lineStyle: { color: colour, width: 1.6, type: together ? dashOf(s.mark) : 'solid' }, itemStyle: { color: colour },
-            emphasis: { disabled: true }, z: 4,
-          },
-        ];
-      };
       return {
-        note: `n = ${sizes(perCell)} trials a point; 95 % Wilson.`
-          + (unused > 0 ? ` ${integer(unused)} trials have no such value.` : ''),
+        note: `n = ${sizes(bins.map((bin) => bin.n))} trials a point; 95 % Wilson.${unused > 0 ? ` ${integer(unused)} trials have no such value.` : ''}`,
         columns: ['controller', 'point', `${of.key}_from`, `${of.key}_to`, `${of.key}_mean`, 'successes', 'n', 'success_rate', 'success_low', 'success_high'],
-        rows: lines.flatMap(({ s, cells }) => cells.map((c) => [s.controller, s.point, c.from, c.to, c.x, c.hits, c.n, c.hits / c.n, c.low, c.high])),
-        ...(together ? {
-          height: 350 + named.above,
-          option: {
-            grid: named.grid, ...named.option, yAxis, tooltip, textStyle: { fontFamily: kFont },
-            xAxis: { ...xAxis, ...nice(least, most, width < kNarrow ? 4 : 7), max: most + 0.02 * (most - least), axisLabel: { color: p.muted, fontSize: 11, showMaxLabel: false, formatter: plain } },
-            series: [...lines.flatMap((_, i) => drawn(i)), ...endLabels(lines.map(({ s, cells }, i) => {
-              const end = cells[cells.length - 1];
-              return { name: s.short, x: (end?.x ?? 0) + beside(i), y: (end?.hits ?? 0) / (end?.n ?? 1), colour: seriesInk(p, s.mark) };
-            }), named.room)],
+        rows: lines.flatMap(({ s, bins: own }) => own.map((b) => [s.controller, s.point, b.from, b.to, b.x, b.hits, b.n, b.hits / b.n, b.low, b.high])),
+        ...plots(p, width, {
+          groups: lines.map((line) => line.s), most: kTogether, height: 350,
+          x: (marks) => axis(p, axisName(of), { ...nice(least, most, marks), ...(lines.length > kTogether ? {} : { max: most + 0.02 * (most - least), axisLabel: { showMaxLabel: false } }) }), y: shareAxis(p, 0.25),
+          end: (i) => { const b = lines[i]!.bins[lines[i]!.bins.length - 1]!; return [b.x + aside(i, false), b.hits / b.n]; },
+          series: (i, alone) => {
+            const { s, bins: own } = lines[i]!;
+            const colour = seriesColour(p, s.mark);
+            return [
+              whiskers(own.map((b) => [b.x + aside(i, alone), b.low, b.high]), colour, { width: 1.6 }),
+              {
+                name: s.short, type: 'line', data: own.map((b) => ({ value: [b.x + aside(i, alone), b.hits / b.n], of: b })), symbol: alone ? 'circle' : symbolOf(s.mark), symbolSize: alone ? 7 : 9, clip: false,
+                lineStyle: { color: colour, width: 1.6, type: alone ? 'solid' : dashOf(s.mark) }, itemStyle: { color: colour }, emphasis: { disabled: true }, z: 4,
+              },
+            ];
           },
-        } : smallMultiples(width, lines.map(({ s }) => ({ title: s.short, colour: seriesInk(p, s.mark) })),
-          { ...xAxis, ...nice(least, most, 3), axisLabel: { color: p.muted, formatter: plain } }, yAxis, drawn, tooltip)),
+          tooltip: tipOf((b: Bin) => tip(b.name, [
+            [of.name, `${of.write(b.from)} \u2026 ${of.write(b.to)} ${of.unit}`], ['success', `${integer(b.hits)} of ${integer(b.n)}: ${percent(b.hits / b.n)}`], ['95 % interval', percentRange(b.low, b.high)],
+          ], b.colour)),
+        }),
       };
     },
   };

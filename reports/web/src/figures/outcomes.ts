@@ -1,39 +1,26 @@
 // How trials ended: one bar per controller, within each family.
 
-import { kNarrow, kTwoLines, legend, legendHeight, rowAxis, shareAxis, tip, type FigureSpec } from '../chart';
+import { gridBox, kNarrow, legend, legendHeight, rowAxis, rowHeight, shareAxis, tip, tipOf, type FigureSpec } from '../chart';
 import { inkOn } from '../colour';
 import { outcomeName, kOutcomes, type Outcome, type Series } from '../data';
 import { integer, percent, plural, sizes } from '../format';
 import { goToSection } from '../go_to';
 import * as state from '../state';
-import { outcomeColour, type Palette } from '../theme';
+import { outcomeColour } from '../theme';
 import { view } from '../view';
 
-interface Bar {
-  family: string;
-  series: Series;
-  counts: Map<Outcome, number>;
-  n: number;
-}
+interface Bar { family: string; series: Series; counts: Map<Outcome, number>; n: number }
+/** The trials of a bar that ended alike. */
+interface Piece { bar: Bar; outcome: Outcome; count: number }
 
 function bars(): Bar[] {
   const { model, families, family, series } = view();
-  const shown = family === '' ? families : [family];
-  const out: Bar[] = [];
-  for (const name of shown) {
-    for (const s of series) {
-      const counts = new Map<Outcome, number>();
-      let n = 0;
-      for (const row of s.rows) {
-        if (model.trials.text('family', row) !== name) continue;
-        const outcome = model.trials.outcome(row);
-        counts.set(outcome, (counts.get(outcome) ?? 0) + 1);
-        ++n;
-      }
-      if (n > 0) out.push({ family: name, series: s, counts, n });
-    }
-  }
-  return out;
+  return (family === '' ? families : [family]).flatMap((name) => series.flatMap((s) => {
+    const rows = s.rows.filter((row) => model.trials.text('family', row) === name);
+    const counts = new Map<Outcome, number>();
+    for (const row of rows) counts.set(model.trials.outcome(row), (counts.get(model.trials.outcome(row)) ?? 0) + 1);
+    return rows.length === 0 ? [] : [{ family: name, series: s, counts, n: rows.length }];
+  }));
 }
 
 export function outcomes(): FigureSpec {
@@ -42,59 +29,38 @@ export function outcomes(): FigureSpec {
     title: 'How trials ended',
     caption: 'Every trial has exactly one outcome; a bar is all trials of a controller in a family of worlds. A click lists the trials.',
     empty: 'No trial here has a result.',
-    draw: (p: Palette, width: number) => {
+    draw: (p, width) => {
       const all = bars();
       if (all.length === 0) return null;
       const present = kOutcomes.filter((o) => all.some((bar) => bar.counts.has(o)));
-      const top = legendHeight(present.map((o) => outcomeName(o)), width);
-      const families = view().families.length > 1;
-      const row = all.length <= 12 ? 38 : families && width < kNarrow ? kTwoLines : 26;
+      const top = legendHeight(present.map(outcomeName), width);
+      const several = view().families.length > 1;
+      const rows = all.map((bar) => ({ name: bar.series.short, family: several ? bar.family : '' }));
+      const pieces = (outcome: Outcome): Piece[] => all.map((bar) => ({ bar, outcome, count: bar.counts.get(outcome) ?? 0 }));
       return {
-        height: 30 + top + all.length * row,
+        height: 34 + top + all.length * rowHeight(rows, width, all.length <= 12 ? 38 : 26),
         note: `n = ${sizes(all.map((bar) => bar.n))} trials a bar; counts of five and more are written in.`,
         columns: ['family', 'controller', 'point', 'outcome', 'trials', 'share', 'n'],
-        rows: all.flatMap((bar) => present.map((o) => [
-          bar.family, bar.series.controller, bar.series.point, o, bar.counts.get(o) ?? 0, (bar.counts.get(o) ?? 0) / bar.n, bar.n,
-        ])),
+        rows: present.flatMap(pieces).map(({ bar, outcome, count }) => [bar.family, bar.series.controller, bar.series.point, outcome, count, count / bar.n, bar.n]),
         option: {
-          legend: legend(p, present.map((o) => outcomeName(o))),
-          grid: { left: 4, right: 20, top, bottom: 4, outerBoundsMode: 'same', outerBoundsContain: 'axisLabel' },
-          xAxis: shareAxis(p, width, { splitLine: { show: false } }),
-          yAxis: rowAxis(p, all.map((bar) => ({ name: bar.series.short, family: families ? bar.family : '' })), width),
+          legend: legend(p, present.map(outcomeName)), grid: gridBox(top, 20), xAxis: shareAxis(p, width < kNarrow ? 0.5 : 0.2, { splitLine: { show: false } }),
+          yAxis: rowAxis(p, rows, width),
           series: present.map((o) => ({
-            name: outcomeName(o), type: 'bar', stack: 'all', barWidth: '68%', barCategoryGap: '20%',
+            name: outcomeName(o), type: 'bar', stack: 'all', barWidth: '68%', barCategoryGap: '20%', emphasis: { disabled: true },
             itemStyle: { color: outcomeColour(p, o), borderColor: p.surface, borderWidth: 1 },
-            emphasis: { disabled: true },
-            label: {
-              show: true, color: inkOn(outcomeColour(p, o)), fontSize: 11.5,
-              formatter: ({ dataIndex }: { dataIndex: number }) => {
-                const count = all[dataIndex]?.counts.get(o) ?? 0;
-                return count >= 5 && count / (all[dataIndex]?.n ?? 1) > 0.04 ? String(count) : '';
-              },
-            },
-            data: all.map((bar) => (bar.counts.get(o) ?? 0) / bar.n),
+            label: { show: true, color: inkOn(outcomeColour(p, o)), fontSize: 11.5, formatter: ({ data: { of } }: { data: { of: Piece } }) => (of.count >= 5 && of.count / of.bar.n > 0.04 ? String(of.count) : '') },
+            data: pieces(o).map((of) => ({ value: of.count / of.bar.n, of })),
           })),
-          tooltip: {
-            trigger: 'item',
-            formatter: ({ dataIndex, seriesIndex }: { dataIndex: number; seriesIndex: number }) => {
-              const bar = all[dataIndex] as Bar;
-              const o = present[seriesIndex] as Outcome;
-              const count = bar.counts.get(o) ?? 0;
-              return tip(outcomeName(o), [
-                ['controller', bar.series.short], ['family', bar.family], ['trials', `${integer(count)} of ${plural(bar.n, 'trial')}`],
-                ['share', percent(count / bar.n)],
-              ], outcomeColour(p, o));
-            },
-          },
+          tooltip: tipOf(({ bar, outcome, count }: Piece) => tip(outcomeName(outcome), [
+            ['controller', bar.series.short], ['family', bar.family], ['trials', `${integer(count)} of ${plural(bar.n, 'trial')}`], ['share', percent(count / bar.n)],
+          ], outcomeColour(p, outcome))),
         },
       };
     },
-    click: (_, { seriesIndex, dataIndex }) => {
-      const all = bars();
-      const bar = all[dataIndex];
-      const outcome = kOutcomes.filter((o) => all.some((b) => b.counts.has(o)))[seriesIndex];
-      if (bar === undefined || outcome === undefined) return;
-      state.set({ outcome, who: bar.series.controller, q: [bar.family, bar.series.point].filter((text) => /^\S+$/.test(text)).join(' '), in: 'trials' }, true);
+    click: (data) => {
+      const of = (data as { of?: Piece } | undefined)?.of;
+      if (of === undefined) return;
+      state.set({ outcome: of.outcome, who: of.bar.series.controller, q: [of.bar.family, of.bar.series.point].filter((text) => /^\S+$/.test(text)).join(' '), in: 'trials' }, true);
       goToSection('trials');
     },
   };

@@ -1,16 +1,14 @@
 // Any metric against any other: one dot per trial.
 
-import { axis, kNarrow, legend, legendHeight, nice, plain, smallMultiples, tip, type FigureSpec, type Option } from '../chart';
+import { axis, nice, plots, tip, tipOf, type FigureSpec } from '../chart';
 import { outcomeName } from '../data';
-import { choice } from '../dom';
 import { fixed, integer, upper } from '../format';
-import { axisName, metric, withUnit } from '../metrics';
-import { select } from '../select';
-import * as state from '../state';
+import { axisName, withUnit } from '../metrics';
+import { chosenRow, select } from '../select';
 import { extent, spearman, thinned } from '../stats';
-import { seriesColour, seriesInk, symbolOf, type Palette } from '../theme';
+import { seriesColour, symbolOf } from '../theme';
 import { view } from '../view';
-import { presentMetrics } from './distribution';
+import { metricChoice } from './distribution';
 
 /** More dots than this hide each other. */
 const kMostDots = 20000;
@@ -23,68 +21,55 @@ function correlation(rho: ReturnType<typeof spearman>): string {
 }
 
 export function scatter(): FigureSpec {
-  state.setDefault('f.sx', 'goal_distance_m');
-  state.setDefault('f.sy', 'manip_mean');
+  const x = metricChoice('f.sx', 'Along x', 'goal_distance_m');
+  const y = metricChoice('f.sy', 'Along y', 'manip_mean');
   return {
     id: 'scatter',
-    title: () => `${upper(metric(state.get('f.sy')).name)} against ${metric(state.get('f.sx')).name}`,
+    title: () => `${upper(y.of().name)} against ${x.of().name}`,
     caption: () => `Each dot is one trial that has both; hollow where it failed. ${view().model.clickPlays()}`,
     empty: 'No trial here has both metrics.',
-    controls: (redraw) => (['sx', 'sy'] as const).map((key) =>
-      choice(key === 'sx' ? 'Along x' : 'Along y', presentMetrics(), state.get(`f.${key}`), (value) => { state.set({ [`f.${key}`]: value }); redraw(); })),
-    draw: (p: Palette, width: number) => {
+    linked: true,
+    choices: [x.choice, y.choice],
+    draw: (p, width) => {
       const { model, series } = view();
       const t = model.trials;
-      const [mx, my] = [metric(state.get('f.sx')), metric(state.get('f.sy'))];
+      const [mx, my] = [x.of(), y.of()];
       const groups = series.map((s) => ({
         s, dots: s.rows.map((row) => ({ row, x: t.number(mx.key, row), y: t.number(my.key, row) })).filter((d) => Number.isFinite(d.x) && Number.isFinite(d.y)),
       })).filter((g) => g.dots.length > 0);
-      const xs = extent(groups.flatMap((g) => g.dots.map((d) => d.x)));
-      const ys = extent(groups.flatMap((g) => g.dots.map((d) => d.y)));
+      const [xs, ys] = [extent(groups.flatMap((g) => g.dots.map((d) => d.x))), extent(groups.flatMap((g) => g.dots.map((d) => d.y)))];
       if (xs === null || ys === null) return null;
+      const chosen = chosenRow(model);
       const total = groups.reduce((sum, g) => sum + g.dots.length, 0);
-      const names = groups.map((g) => g.s.short);
-      const label = { color: p.muted, fontSize: 11, formatter: plain };
-      const tooltip = {
-        trigger: 'item',
-        formatter: ({ data }: { data: { row: number } }) => tip(`${t.text('controller', data.row)}, ${t.text('family', data.row)} world ${integer(t.number('world', data.row))}`, [
-          ['outcome', outcomeName(t.outcome(data.row))], [mx.name, withUnit(mx, t.number(mx.key, data.row))], [my.name, withUnit(my, t.number(my.key, data.row))],
-        ]),
-      };
-      const drawn = (place: number): Option => {
-        const g = groups[place]!;
-        const colour = seriesColour(p, g.s.mark);
-        return {
-          name: g.s.short, type: 'scatter', symbol: groups.length > kTogether ? 'circle' : symbolOf(g.s.mark), symbolSize: groups.length > kTogether ? 5 : 7, itemStyle: { color: colour }, cursor: 'pointer',
-          data: thinned(g.dots.length, Math.ceil((kMostDots * g.dots.length) / Math.max(total, kMostDots))).map((i) => {
-            const d = g.dots[i];
-            if (d === undefined) return null;
-            const filled = t.success(d.row);
-            return { value: [d.x, d.y], row: d.row, itemStyle: { color: filled ? colour : 'transparent', borderColor: colour, borderWidth: filled ? 0 : 1.2, opacity: filled ? 0.55 : 0.8 } };
-          }),
-        };
-      };
       return {
-        note: groups.map((g) => {
-          const rho = spearman(g.dots.map((d) => d.x), g.dots.map((d) => d.y));
-          return `${g.s.short}: n = ${integer(g.dots.length)}, rank correlation ${correlation(rho)}`;
-        }).join('; ') + (total > kMostDots ? `. ${integer(kMostDots)} dots are drawn.` : '.'),
+        note: groups.map((g) => `${g.s.short}: n = ${integer(g.dots.length)}, rank correlation ${correlation(spearman(g.dots.map((d) => d.x), g.dots.map((d) => d.y)))}`).join('; ')
+          + (total > kMostDots ? `. ${integer(kMostDots)} dots are drawn.` : '.'),
         columns: ['controller', 'point', 'trial', 'outcome', mx.key, my.key],
         rows: groups.flatMap((g) => g.dots.map((d) => [g.s.controller, g.s.point, t.text('trial', d.row), t.outcome(d.row), d.x, d.y])),
-        ...(groups.length <= kTogether ? {
-          height: 420,
-          option: {
-            legend: legend(p, names), tooltip, series: groups.map((_, i) => drawn(i)),
-            grid: { left: 8, right: 20, top: legendHeight(names, width), bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
-            xAxis: axis(p, axisName(mx), { ...nice(...xs, width < kNarrow ? 4 : 8), nameGap: 30, axisLabel: label }),
-            yAxis: axis(p, axisName(my), { ...nice(...ys), nameGap: 46, axisLabel: label }),
+        ...plots(p, width, {
+          groups: groups.map((g) => g.s), most: kTogether, height: 420,
+          x: (marks) => axis(p, axisName(mx), nice(...xs, marks)), y: axis(p, axisName(my), { ...nice(...ys, groups.length > kTogether ? 3 : 6), nameGap: 46 }),
+          series: (place, alone) => {
+            const { s, dots } = groups[place]!;
+            const colour = seriesColour(p, s.mark);
+            return [{
+              name: s.short, type: 'scatter', symbol: alone ? 'circle' : symbolOf(s.mark), symbolSize: alone ? 5 : 7, itemStyle: { color: colour }, cursor: 'pointer',
+              data: thinned(dots.length, Math.ceil((kMostDots * dots.length) / Math.max(total, kMostDots))).map((i) => {
+                const { row, x: across, y: up } = dots[i]!;
+                const filled = t.success(row);
+                if (row === chosen) return { value: [across, up], of: row, symbolSize: 14, itemStyle: { color: colour, borderColor: p.ink, borderWidth: 2.5 } };
+                return { value: [across, up], of: row, itemStyle: { color: filled ? colour : 'transparent', borderColor: colour, borderWidth: filled ? 0 : 1.2, opacity: filled ? 0.55 : 0.8 } };
+              }),
+            }];
           },
-        } : smallMultiples(width, groups.map((g) => ({ title: g.s.short, colour: seriesInk(p, g.s.mark) })),
-          axis(p, axisName(mx), { ...nice(...xs, 3), nameGap: 28, axisLabel: label }), axis(p, '', { ...nice(...ys, 3), axisLabel: label }), (place) => [drawn(place)], tooltip)),
+          tooltip: tipOf((row: number) => tip(`${t.text('controller', row)}, ${t.text('family', row)} world ${integer(t.number('world', row))}`, [
+            ['outcome', outcomeName(t.outcome(row))], [mx.name, withUnit(mx, t.number(mx.key, row))], [my.name, withUnit(my, t.number(my.key, row))],
+          ])),
+        }),
       };
     },
     click: (data) => {
-      const row = (data as { row?: number } | undefined)?.row;
+      const row = (data as { of?: number } | undefined)?.of;
       if (row !== undefined) select(view().model.trials.text('trial', row), true);
     },
   };

@@ -1,33 +1,27 @@
 // A search for gains: what was found and whether it holds on other worlds, how the search went, what matters.
 
-import { axis, gainAxis, kFont, kNarrow, nice, pathSeries, plain, smallMultiples, stairs, tip, whisker, type FigureSpec } from '../chart';
+import { axis, gainAxis, gridBox, kFont, kNarrow, nice, pathSeries, ruler, smallMultiples, stairs, tip, tipOf, whiskers, type FigureSpec } from '../chart';
 import { figure } from '../figure';
 import type { Model, TuneSearch } from '../data';
-import { h } from '../dom';
+import { h, table } from '../dom';
 import { integer, percent, percentRange, plural, probability, significant } from '../format';
 import { shareErrors } from '../importance';
 import { metric } from '../metrics';
 import { difference, isRate, named, verdictOf } from '../search_words';
-import { seriesColour, type Palette } from '../theme';
+import { seriesColour } from '../theme';
 import { shareBars } from './share_bars';
-
-function short(key: string): string {
-  return key.replace(/^controllers?\./, '');
-}
+import { short } from './swept';
 
 function gains(search: TuneSearch): HTMLElement {
   const most = Math.max(1e-9, ...search.variables.map((v) => v.importance ?? 0));
-  return h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Gains' }, h('table', { class: 'plain gains' },
-    h('thead', null, h('tr', null, ...['Gain', 'Searched', 'Start', 'Found', 'Share of the variance'].map((name) => h('th', { scope: 'col' }, name)))),
-    h('tbody', null, ...search.variables.map((v) => h('tr', null,
-      h('th', { scope: 'row' }, short(v.key)),
-      h('td', null, `${significant(v.lower)} \u2026 ${significant(v.upper)}${v.scale === 'linear' ? '' : `, ${v.scale}`}`),
-      h('td', null, significant(v.start)),
-      h('td', null, h('b', null, v.found === null ? '\u2013' : significant(v.found))),
-      h('td', null, v.importance === null ? '\u2013' : h('span', { class: 'share', style: `--w:${(100 * v.importance) / most}%` }, `${integer(100 * v.importance)}\u00a0%`)))))));
+  return table('Gains', ['Gain', 'Searched', 'Start', 'Found', 'Share of the variance'], search.variables.map((v) => [
+    short(v.key), `${significant(v.lower)} \u2026 ${significant(v.upper)}${v.scale === 'linear' ? '' : `, ${v.scale}`}`, significant(v.start), h('b', null, significant(v.found)),
+    v.importance === null ? '\u2013' : h('span', { class: 'share', style: `--w:${(100 * v.importance) / most}%` }, `${integer(100 * v.importance)}\u00a0%`),
+  ]), 'gains');
 }
 
 type Comparison = TuneSearch['comparisons'][number];
+type Evaluation = TuneSearch['evaluations'][number];
 
 /** A value of a metric of the comparison; rates in percent, their differences in points. */
 function written(key: string, v: number | null): string {
@@ -39,15 +33,11 @@ function comparisons(search: TuneSearch): HTMLElement | null {
   const range = (name: string, low: number | null, high: number | null): string =>
     (low === null || high === null ? '' : isRate(name) ? percentRange(low, high) : `${metric(name).write(low)} to ${metric(name).write(high)}`);
   return h('details', null, h('summary', null, `All ${plural(search.comparisons.length, 'comparison')} in numbers`),
-    h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Comparison on held-out worlds' }, h('table', { class: 'plain' },
-      h('thead', null, h('tr', null, ...['Metric', 'Worlds', 'Found gains', 'Compared with', 'Difference', 'Verdict'].map((name) => h('th', { scope: 'col' }, name)))),
-      h('tbody', null, ...search.comparisons.map((c) => h('tr', null,
-        h('th', { scope: 'row' }, named(c.metric)),
-        h('td', null, `${c.family}, n = ${integer(c.n)}`),
-        h('td', null, h('b', null, written(c.metric, c.found)), h('small', null, range(c.metric, c.found_low, c.found_high))),
-        h('td', null, written(c.metric, c.theirs), h('small', null, `${c.other} ${range(c.metric, c.theirs_low, c.theirs_high)}`)),
-        h('td', null, written(c.metric, c.difference), h('small', null, range(c.metric, c.difference_low, c.difference_high))),
-        h('td', null, c.verdict, c.p === null ? null : h('small', null, `${probability(c.p)}, Holm`))))))));
+    table('Comparison on held-out worlds', ['Metric', 'Worlds', 'Found gains', 'Compared with', 'Difference', 'Verdict'], search.comparisons.map((c) => [
+      named(c.metric), `${c.family}, n = ${integer(c.n)}`, [h('b', null, written(c.metric, c.found)), h('small', null, range(c.metric, c.found_low, c.found_high))],
+      [written(c.metric, c.theirs), h('small', null, `${c.other} ${range(c.metric, c.theirs_low, c.theirs_high)}`)],
+      [written(c.metric, c.difference), h('small', null, range(c.metric, c.difference_low, c.difference_high))], [c.verdict, c.p === null ? null : h('small', null, `${probability(c.p)}, Holm`)],
+    ])));
 }
 
 /** One forest plot per metric: the found gains less each other controller, in each family. */
@@ -57,7 +47,7 @@ function held(search: TuneSearch, id: string): FigureSpec {
     title: 'Found gains less the others, on held-out worlds',
     caption: 'A plot per metric, a row per family of worlds and controller compared with: the paired difference with its 95 % interval. Filled where it is shown to differ.',
     empty: 'Nothing has been judged yet.',
-    draw: (p: Palette, width: number) => {
+    draw: (p, width) => {
       const all = search.comparisons.filter((c) => c.difference !== null);
       const keys = [...new Set(all.map((c) => c.metric))];
       if (all.length === 0) return null;
@@ -82,22 +72,22 @@ function held(search: TuneSearch, id: string): FigureSpec {
           xAxis: keys.map((key, i) => {
             const of = all.filter((c) => c.metric === key);
             const range = nice(Math.min(0, ...of.map((c) => scale(key) * (c.difference_low ?? c.difference ?? 0))), Math.max(0, ...of.map((c) => scale(key) * (c.difference_high ?? c.difference ?? 0))), 4);
-            return { ...axis(p, '', { ...range, axisLabel: { color: p.muted, fontSize: 11, hideOverlap: true, formatter: plain } }), gridIndex: i };
+            return axis(p, '', { ...range, gridIndex: i });
           }),
           yAxis: keys.map((_, i) => ({
             type: 'category', inverse: true, data: rows, gridIndex: i, axisTick: { show: false }, splitLine: { show: false }, axisLine: { show: false },
             axisLabel: { show: i % columns === 0, color: p.ink, fontSize: 12, width: label - 12, overflow: 'truncate' },
           })),
-          tooltip: { trigger: 'item', formatter: ({ data }: { data: { c?: Comparison } }) => (data.c === undefined ? '' : tip(row(data.c), [['difference', difference(data.c)], ['verdict', data.c.verdict]], colour)) },
+          tooltip: tipOf((c: Comparison) => tip(row(c), [['difference', difference(c)], ['verdict', c.verdict]], colour)),
           series: keys.flatMap((key, i) => {
             const of = all.filter((c) => c.metric === key);
             const at = { xAxisIndex: i, yAxisIndex: i };
             return [
-              { type: 'line', ...at, data: [[0, rows[0]], [0, rows[rows.length - 1]]], showSymbol: false, silent: true, lineStyle: { color: p.faint, width: 1, type: [4, 3] }, z: 1 },
-              { type: 'custom', ...at, silent: true, data: of.filter((c) => c.difference_low !== null).map((c) => [scale(key) * (c.difference_low ?? 0), scale(key) * (c.difference_high ?? 0), rows.indexOf(row(c))]), encode: { x: [0, 1], y: 2 }, renderItem: whisker(colour, true, 2) },
+              ruler(p, [0, rows[0] ?? ''], [0, rows[rows.length - 1] ?? ''], at),
+              { ...whiskers(of.filter((c) => c.difference_low !== null).map((c) => [scale(key) * (c.difference_low ?? 0), scale(key) * (c.difference_high ?? 0), rows.indexOf(row(c))]), colour, { level: true, width: 2 }), ...at },
               {
                 type: 'scatter', ...at, symbolSize: 9, z: 4,
-                data: of.map((c) => ({ value: [scale(key) * (c.difference ?? 0), row(c)], c, itemStyle: { color: c.verdict === 'no difference shown' ? p.surface : colour, borderColor: colour, borderWidth: 2 } })),
+                data: of.map((c) => ({ value: [scale(key) * (c.difference ?? 0), row(c)], of: c, itemStyle: { color: c.verdict === 'no difference shown' ? p.surface : colour, borderColor: colour, borderWidth: 2 } })),
               },
             ];
           }),
@@ -113,7 +103,7 @@ function history(search: TuneSearch, id: string): FigureSpec {
     title: 'How the search went',
     caption: 'Every candidate in the order in which it was measured, and the best so far. Low is good; candidates that were cut short are hollow.',
     empty: 'No candidate has been measured yet.',
-    draw: (p: Palette) => {
+    draw: (p) => {
       const all = search.evaluations.filter((e) => e.phase !== 'sensitivity' && Number.isFinite(e.merit));
       if (all.length === 0) return null;
       let best = Infinity;
@@ -132,24 +122,15 @@ function history(search: TuneSearch, id: string): FigureSpec {
         columns: ['evaluation', 'phase', 'worlds', 'cut', 'valid', 'cost', 'merit', ...search.variables.map((v) => v.key)],
         rows: all.map((e) => [e.evaluation, e.phase, e.worlds, e.cut, e.valid, e.cost, e.merit, ...e.candidate]),
         option: {
-          grid: { left: 8, right: 16, top: 14, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' },
-          xAxis: axis(p, 'candidate', { nameGap: 26, splitLine: { show: false } }),
-          yAxis: axis(p, search.unit === '' ? 'objective' : `objective [${search.unit}]`, { ...range, nameGap: 42, axisLabel: { color: p.muted, formatter: plain } }),
-          tooltip: {
-            trigger: 'item',
-            formatter: ({ dataIndex, seriesIndex }: { dataIndex: number; seriesIndex: number }) => {
-              const e = all[dataIndex];
-              if (e === undefined || seriesIndex !== 0) return '';
-              return tip(`candidate ${integer(e.evaluation)}, ${e.phase}`, [['objective', significant(e.merit)], ['worlds', `${integer(e.worlds)}${e.cut ? ', cut short' : ''}`],
-                ...search.variables.map((v, i) => [short(v.key), significant(e.candidate[i])] as const)]);
-            },
-          },
+          grid: gridBox(14, 16, 8), xAxis: axis(p, 'candidate', { splitLine: { show: false } }), yAxis: axis(p, search.unit === '' ? 'objective' : `objective [${search.unit}]`, { ...range, nameGap: 42 }),
+          tooltip: tipOf((e: Evaluation) => tip(`candidate ${integer(e.evaluation)}, ${e.phase}`, [['objective', significant(e.merit)], ['worlds', `${integer(e.worlds)}${e.cut ? ', cut short' : ''}`],
+            ...search.variables.map((v, i) => [short(v.key), significant(e.candidate[i])] as const)])),
           series: [
             {
               type: 'scatter', clip: true, symbolSize: 6,
-              data: all.map((e) => ({ value: [e.evaluation, e.merit], itemStyle: { color: e.cut ? 'transparent' : colour, borderColor: colour, borderWidth: 1, opacity: e.cut ? 0.45 : 0.6 } })),
+              data: all.map((e) => ({ value: [e.evaluation, e.merit], of: e, itemStyle: { color: e.cut ? 'transparent' : colour, borderColor: colour, borderWidth: 1, opacity: e.cut ? 0.45 : 0.6 } })),
             },
-            pathSeries('best so far', stairs(front), { colour: seriesColour(p, 1), width: 2 }, { silent: true }),
+            pathSeries('best so far', stairs(front), { colour: seriesColour(p, 1), width: 2 }),
           ],
         },
       };
@@ -163,7 +144,7 @@ function sensitivity(search: TuneSearch, id: string): FigureSpec {
     title: 'What a gain matters',
     caption: 'A slice for each gain, the one that explains most first: change of the objective when it alone moves away from what was found (the upright line); bars are one standard error.',
     empty: 'This search measured no sensitivities.',
-    draw: (p: Palette, width: number) => {
+    draw: (p, width) => {
       const lines = search.variables.map((v, i) => ({
         v, found: v.found, steps: search.sensitivity.flatMap((s) => (s.variable === i && s.value !== null && s.valid === 1 ? [{ ...s, value: s.value }] : [])).sort((a, b) => a.value - b.value),
       })).filter((line) => line.steps.length > 1).sort((a, b) => (b.v.importance ?? -1) - (a.v.importance ?? -1));
@@ -177,22 +158,18 @@ function sensitivity(search: TuneSearch, id: string): FigureSpec {
         columns: ['gain', 'found', 'value', 'change', 'error'],
         rows: lines.flatMap((line) => line.steps.map((s) => [line.v.key, line.found, s.value, s.change, s.error])),
         ...smallMultiples(width, lines.map((line) => ({ title: short(line.v.key), colour: p.ink })), (place) => axes[place]?.option ?? {},
-          axis(p, search.unit === '' ? 'change' : `change [${search.unit}]`, { ...range, axisLabel: { color: p.muted, formatter: plain } }), (place) => {
+          axis(p, search.unit === '' ? 'change' : `change [${search.unit}]`, range), (place) => {
             const { steps, found } = lines[place]!;
             const at = axes[place]!.at;
             // Nothing changes where nothing is moved.
             const path = [...steps.map((s): [number, number] => [at(s.value), s.change]), ...(found === null || steps.some((s) => s.value === found) ? [] : [[at(found), 0] as [number, number]])].sort((a, b) => a[0] - b[0]);
             return [
-              ...(found === null ? [] : [{ type: 'line', silent: true, showSymbol: false, tooltip: { show: false }, z: 1, data: [[at(found), range.min], [at(found), range.max]], lineStyle: { color: p.faint, width: 1, type: [4, 3] } }]),
-              pathSeries('', path, { colour, width: 1.6 }, { silent: true, tooltip: { show: false } }),
-              { type: 'custom', silent: true, tooltip: { show: false }, data: steps.map((s) => [at(s.value), s.change - s.error, s.change + s.error]), encode: { x: 0, y: [1, 2] }, renderItem: whisker(colour, false) },
-              { type: 'scatter', symbolSize: 7, z: 4, itemStyle: { color: colour }, data: steps.map((s) => ({ value: [at(s.value), s.change], s, key: lines[place]!.v.key })) },
+              ...(found === null ? [] : [ruler(p, [at(found), range.min], [at(found), range.max])]),
+              pathSeries('', path, { colour, width: 1.6 }),
+              whiskers(steps.map((s) => [at(s.value), s.change - s.error, s.change + s.error]), colour),
+              { type: 'scatter', symbolSize: 7, z: 5, itemStyle: { color: colour }, data: steps.map((s) => ({ value: [at(s.value), s.change], of: s })) },
             ];
-          }, {
-            trigger: 'item',
-            formatter: ({ data }: { data: { s?: (typeof all)[number]; key?: string } }) => (data.s === undefined ? ''
-              : tip(short(data.key ?? ''), [['value', significant(data.s.value)], ['change', `${significant(data.s.change)} \u00b1 ${significant(data.s.error, 2)} ${search.unit}`]], colour)),
-          }),
+          }, tipOf((s: (typeof all)[number]) => tip(short(search.variables[s.variable]?.key ?? ''), [['value', significant(s.value)], ['change', `${significant(s.change)} \u00b1 ${significant(s.error, 2)} ${search.unit}`]], colour))),
       };
     },
   };
@@ -204,7 +181,7 @@ function importance(search: TuneSearch, id: string): FigureSpec {
     title: 'How much of the search each gain explains',
     caption: 'Share of the variance of the candidates\u2019 ranks that a gain accounts for by itself; bars are one standard error.',
     empty: 'This search measured too few candidates to tell.',
-    draw: (p: Palette, width: number) => {
+    draw: (p, width) => {
       const errors = shareErrors(search);
       const bars = search.variables.flatMap((v, i) => (v.importance === null ? [] : [{ name: short(v.key), key: v.key, share: v.importance, error: errors?.[i] ?? null }]));
       return bars.length === 0 ? null : shareBars(p, width, bars,

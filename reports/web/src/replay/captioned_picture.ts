@@ -26,7 +26,7 @@ function wrapped(text: string, width: (line: string) => number, room: (line: num
   return [...lines, line];
 }
 
-export class Plate {
+export class CaptionedPicture {
   readonly canvas = document.createElement('canvas');
 
   /** Draws the scene, which must just have been rendered, and the words. Sides are even, as encoders of video want them. */

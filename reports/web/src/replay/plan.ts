@@ -1,15 +1,11 @@
 // What a controller that looks ahead was about (docs/explanation/look-ahead.md): in words, and its path as places of the base.
 
+import { kWords } from '../data';
 import { fixed, integer, plural } from '../format';
 import type { Trace } from './trace';
 
-// In the order of the store's numbers (docs/reference/store.md).
+/** Mode and kinds of choices, by the store's numbers (docs/reference/store.md). */
 const kFollow = 1;
-const kModes = ['goes by its own policy', 'follows a path', 'slows down, to choose', 'stands, while a path and detours are worked out'];
-const kReasons = [
-  'since a motion begins with a choice', 'which is predicted to arrive', 'which is predicted to arrive soonest', 'since the policy was predicted not to arrive', 'since the policy stagnated',
-  'since nothing was found that arrives', 'since the path is at its end', 'since it did not get on along its path', 'since something is in the way of the path', 'since something moves',
-];
 const kPolicy = 1;
 const kDetour = 2;
 const kPath = 3;
@@ -26,8 +22,8 @@ export function planSentence(trace: Trace, t: number): string {
   const [i] = trace.locate(t);
   const of = (name: string): number => trace.column(`plan_${name}`)[i] ?? 0;
   const mode = of('mode');
-  const does = detourTarget(trace, t) === null ? kModes[mode] ?? 'does what this page has no word for' : 'makes a detour';
-  const said = [`Looking ahead: it ${does}, ${kReasons[of('reason')] ?? 'for a reason that this page has no word for'}`
+  const does = detourTarget(trace, t) === null ? kWords['plan_mode']?.[mode] ?? 'does what this page has no word for' : 'makes a detour';
+  const said = [`Looking ahead: the robot ${does}: ${kWords['plan_reason']?.[of('reason')] ?? 'for a reason that this page has no word for'}`
     + (mode === kFollow ? `; at ${fixed(of('clock'), 2)} of ${fixed(of('duration'), 2)} s, ${fixed(of('lag'), 3)} m behind` : '') + '.'];
   if (of('going_on') !== 0) said.push('Meanwhile a path and detours are worked out.');
   const choice = of('choice');

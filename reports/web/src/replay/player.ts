@@ -12,20 +12,20 @@ import { command } from '../sections/trials';
 import * as state from '../state';
 import { outcomeColour, onTheme, palette } from '../theme';
 import { onView } from '../view';
-import { Beside } from './second_motion';
+import { SecondMotion } from './second_motion';
 import { colours } from './colours';
 import { Joints } from './joints';
 import { readLook, type Part } from './look';
 import { looksAhead, planSentence } from './plan';
-import { Plate, type Words } from './captioned_picture';
+import { CaptionedPicture, type Words } from './captioned_picture';
 import { Playback } from './playback';
 import { Robot } from './robot';
 import { RowWords } from './row_words';
-import { collisionParameters } from './rows';
+import { readRows } from './rows';
 import { filmButton, pictureButton, type Shown } from './saving';
 import { ReplayScene, type WorldJson } from './scene';
-import { listed, Shelf, shelfNote } from './shelf';
-import { statusAt, Timeline } from './timeline';
+import { listed, MotionList, motionsNote } from './motion_list';
+import { signals, statusAt, Timeline } from './timeline';
 import { decode, type Trace } from './trace';
 
 const kSpeeds = [0.25, 0.5, 1, 2, 4] as const;
@@ -47,19 +47,21 @@ export function player(model: Model): HTMLElement {
   let robot: Robot | null = null;
   let current = '';
   let ghost: { trial: string; trace: Trace } | null = null;
+  let hasRows = false;
   let sees = '';   // what of the controller's senses is disturbed
   let wanted = '';
   const robots = new Map<string, Robot>();
   const looks = new Map<string, readonly Part[]>();
   let words: Words = { outcome: '', colour: '', caption: '', clock: '', labels: [] };
-  const plate = new Plate();
-  const shelf = new Shelf(model);
-  const beside = new Beside(model);
+  const picture = new CaptionedPicture();
+  const motions = new MotionList(model);
+  const beside = new SecondMotion(model);
   const rowWords = new RowWords();
   const joints = new Joints();
 
   const canvas = h('canvas', { class: 'stage', tabindex: 0, 'aria-label': 'Replay in 3-D; drag to turn; after a click the wheel comes closer' });
   const lines = h('canvas', { class: 'timeline', 'aria-hidden': 'true' });
+  const signal = h('select', { 'aria-label': 'Signal', change: () => { chooseSignal(); draw(); } });
   const play = h('button', { type: 'button', class: 'play', click: () => toggle() }, 'Play');
   const scrub = h('input', { type: 'range', min: 0, max: 1, step: 'any', value: 0, 'aria-label': 'Time', input: () => moveTo(Number(scrub.value)) });
   const clock = h('output', { class: 'clock' });
@@ -96,7 +98,7 @@ export function player(model: Model): HTMLElement {
       stage.dataset['positionErrorNow'] = String(scene.positionError());
       stage.dataset['planned'] = String(scene.planned.length);
     }
-    rowWords.tell(scene?.rows ?? [], sees, stage);
+    rowWords.tell(scene?.rows ?? [], hasRows, sees, stage);
     draw();
   };
   const playback = new Playback(last, show, (running) => { play.textContent = running ? 'Pause' : 'Play'; });
@@ -107,6 +109,16 @@ export function player(model: Model): HTMLElement {
     playback.seek(t);
   };
   const timeline = new Timeline(lines, moveTo);
+  const chooseSignal = (): void => {
+    const [option] = signal.selectedOptions;
+    timeline.signal = option === undefined || option.value === '' ? null : { column: option.value, name: option.text };
+  };
+  /** Offers the signals of a motion; the chosen one stays where it has that, too. */
+  const offerSignals = (of: Trace, joints: readonly string[]): void => {
+    const now = timeline.signal?.column;
+    replace(signal, h('option', { value: '' }, 'no other'), ...signals(of, joints).map(([column, name]) => h('option', { value: column, selected: column === now }, name)));
+    chooseSignal();
+  };
 
   let asked = 0;
   const drawNow = (): void => {
@@ -146,8 +158,8 @@ export function player(model: Model): HTMLElement {
     seek: (t) => playback.seek(t), pause: () => playback.pause(),
     picture: () => {
       drawNow();   // the canvas holds a picture only until the frame is shown
-      plate.draw(canvas, palette(), colours().hit, words);
-      return plate.canvas;
+      picture.draw(canvas, palette(), colours().hit, words);
+      return picture.canvas;
     },
   };
 
@@ -211,10 +223,12 @@ export function player(model: Model): HTMLElement {
     robot = next;
     const look = lookOf(motion);
     shapesBox.hidden = look.length === 0;
+    const rows = readRows(motion.replay);
+    hasRows = rows !== null;
     scene.follow = follow.checked;
     scene.resize();
     scene.show(next, motion.replay.world as WorldJson, decoded, { link: t.text('link', row), object: t.text('object', row) },
-      collisionParameters(point?.parameters), point?.success_position_m ?? 0, look);
+      rows ?? [], point?.success_position_m ?? 0, look);
     timeline.show(decoded, point === undefined ? null : { position: point.success_position_m, rotation: point.success_orientation_rad });
     ghost = null;
     const twin = beside.wanted(current);
@@ -223,9 +237,10 @@ export function player(model: Model): HTMLElement {
     beside.fill(current);
     tellCaption(row, motion.simulated);
     joints.show(next);
+    offerSignals(decoded, next.driven.map(({ name }) => name));
     playback.time = 0;
     show();
-    shelf.fill(current);
+    motions.fill(current);
     stage.dataset['trial'] = trial;
     tellTriangles();
     stage.dataset['positionError'] = String(scene.positionError());
@@ -280,15 +295,15 @@ export function player(model: Model): HTMLElement {
   state.listen(['beside'], () => {
     if (current !== '') setBeside().catch((error: unknown) => { rowWords.sentence.textContent = `The other motion cannot be shown: ${said(error)}.`; });
   });
-  onTheme(() => { scene?.setColours(colours()); shelf.fill(current); tellLegend(); show(); });
+  onTheme(() => { scene?.setColours(colours()); motions.fill(current); tellLegend(); show(); });
   const element = h('div', { class: 'replay' },
     h('div', { class: 'replay-main' },
       stage, paper,
       h('div', { class: 'transport' }, play, scrub, clock, speed, h('label', null, follow, ' follow'), shapesBox, home),
       h('div', { class: 'transport more' }, beside.element, closest, stopped, pictureButton(shown), filmButton(shown)),
       legend,
-      lines, status, ahead, rowWords.sentence),
-    h('aside', null, h('h3', null, 'To play'), h('p', { class: 'note' }, shelfNote(model)), shelf.element,
+      h('label', { class: 'choice' }, h('span', null, 'signal below'), signal), lines, status, ahead, rowWords.sentence),
+    h('aside', null, h('h3', null, 'To play'), h('p', { class: 'note' }, motionsNote(model)), motions.element,
       h('h3', null, 'Joints within their limits'), joints.element));
   element.addEventListener('keydown', (event) => {
     if (event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement || event.target instanceof HTMLButtonElement) return;
@@ -298,9 +313,9 @@ export function player(model: Model): HTMLElement {
     else return;
     event.preventDefault();
   });
-  shelf.fill(current);
+  motions.fill(current);
   onPaper(paper, still);
-  onView(() => shelf.fill(current));
+  onView(() => motions.fill(current));
   // A motion of the page itself is shown like a figure; one of the server, which may have to simulate it, when it is looked at.
   (model.page.live === undefined ? drawLater : whenSeen)(element, () => {
     const ofAddress = state.get('trial');

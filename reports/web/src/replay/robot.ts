@@ -14,9 +14,9 @@ export interface Wheels { radius?: number; separation?: number; wheelbase?: numb
 interface RobotJson {
   name: string;
   urdf_text: string;
-  base: { mount?: PoseJson; footprint?: ShapeJson; max_linear?: number; max_angular?: number; wheels?: Wheels };
+  base: { mount?: PoseJson; footprint?: ShapeJson; wheels?: Wheels };
   arm: { tip: string; tool?: PoseJson; locked?: Record<string, number>; limits?: Record<string, { lower?: number; upper?: number }>; ready?: number[] };
-  collision?: { shapes?: ShapeJson[]; pairs?: [number, number, boolean][] };
+  collision?: { shapes?: ShapeJson[] };
 }
 
 interface Joint {
@@ -93,10 +93,6 @@ function wheelBoxes(wheels: Wheels | undefined): ShapeJson[] {
 export class Robot {
   readonly name: string;
   readonly driven: Driven[] = [];
-  /** Greatest speeds of the base [m/s, rad/s]. */
-  readonly fastest: { linear: number; angular: number };
-  /** Pairs of shapes, by index, that have rows of their own in the QP. */
-  readonly pairs: [number, number][];
   readonly wheels: Wheels | null;
   readonly shapes: { link: string; shape: ShapeJson; local: Matrix4 }[] = [];
   /** "@base" and every link, parents first. */
@@ -110,7 +106,6 @@ export class Robot {
     const json = source as RobotJson;
     this.name = json.name;
     this.wheels = json.base.wheels ?? null;
-    this.fastest = { linear: json.base.max_linear ?? 0, angular: json.base.max_angular ?? 0 };
     this.mount = poseMatrix(json.base.mount);
     this.tool = poseMatrix(json.arm.tool);
     this.tip = json.arm.tip;
@@ -150,7 +145,6 @@ export class Robot {
     if (json.base.footprint !== undefined) add(json.base.footprint, '@base');
     for (const shape of wheelBoxes(json.base.wheels)) add(shape, '@base');
     for (const shape of json.collision?.shapes ?? []) add(shape, shape.link ?? '@base');
-    this.pairs = (json.collision?.pairs ?? []).flatMap(([a, b, row]) => (row ? [[a, b] as [number, number]] : []));
     this.poses.set('@base', new Matrix4());
     for (const { link } of this.order) this.poses.set(link, new Matrix4());
   }

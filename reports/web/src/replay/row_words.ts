@@ -19,6 +19,11 @@ const millimetres = (row: Row): string => `${fixed(1000 * row.d, 0)} mm`;
 
 const named = (row: Row): string => `${row.link} to ${row.other} ${row.kind === 'passing' ? `(passing, ${fixed(row.d, 2)} m)` : millimetres(row)}`;
 
+/** Rows of distances, the nearest first. */
+function nearest(rows: readonly Row[]): Row[] {
+  return rows.filter((row) => row.kind !== 'passing').sort((a, b) => a.d - b.d);
+}
+
 export class RowWords {
   /** Lies over the scene. */
   readonly labels = h('div', { class: 'row-labels', 'aria-hidden': 'true' });
@@ -38,7 +43,7 @@ export class RowWords {
 
   /** Writes distances at the arrows of the rows that hold the command back, and of the nearest one. */
   label(scene: ReplayScene | null): Words['labels'] {
-    const shown = scene?.rows.filter((row, i) => row.kind !== 'passing' && (row.active || i === 0)).slice(0, kLabels) ?? [];
+    const shown = nearest(scene?.rows ?? []).filter((row, i) => row.active || i === 0).slice(0, kLabels);
     const { top, width, height } = this.place;
     const written: { left: number; y: number; text: string; active: boolean }[] = [];
     for (const row of shown) {
@@ -56,25 +61,23 @@ export class RowWords {
     return written.map(({ left, y, text, active }) => ({ x: left + wide(text) / 2, y, text, active }));
   }
 
-  /** `disturbed`: what of the controller's senses is. What `stage` shows is told in its data too. */
-  tell(rows: readonly Row[], disturbed: string, stage: HTMLElement): void {
+  /** `known`: whether the motion has rows at all; `disturbed`: what of the controller's senses is. What `stage` shows is told in its data too. */
+  tell(rows: readonly Row[], known: boolean, disturbed: string, stage: HTMLElement): void {
     const active = rows.filter((row) => row.active);
     const of = (kind: Row['kind']): Row[] => rows.filter((row) => row.kind === kind);
     const [sides, ends] = [of('passing'), of('end')];
-    const [first] = rows;
-    const sentences = first === undefined ? ['No collision rows now: nothing is within the distance of influence.'] : [
+    const first = nearest(rows)[0];
+    const sentences = !known ? ['Its collision rows are not at hand: this moma cannot simulate the trial again, or its controller is another program\u2019s.'] : first === undefined ? ['No collision rows now: nothing is within the distance of influence.'] : [
       `${plural(rows.length, 'collision row')}${ends.length > 0 ? `, ${integer(ends.length)} of them of the ends of capsules` : ''}, ${integer(active.length)} active (the command approaches as fast as allowed)${active.length > 0 ? `: ${active.slice(0, 4).map(named).join(', ')}` : ''}.`,
-      first.kind === 'passing' ? '' : `Nearest: ${named(first)}.`,
+      `Nearest: ${named(first)}.`,
       sides.length > 0 ? `${plural(sides.length, 'row')} for passing objects: the long arrow points to the side that the base keeps to.` : '',
     ];
-    if (disturbed !== '') sentences.push(`The controller saw measured poses, not these true ones (disturbed: ${disturbed}).`);
+    if (known && disturbed !== '') sentences.push(`Rows are those of what the controller measured (disturbed: ${disturbed}); robot and objects stand where they truly were.`);
     this.sentence.textContent = sentences.filter((text) => text !== '').join(' ');
     const distances = of('object').map((row) => row.d);
     Object.assign(stage.dataset, {
       leastDistance: distances.length > 0 ? String(Math.min(...distances)) : '', activeRows: String(active.length), arrows: String(rows.length),
       ends: String(ends.length), passing: String(sides.length),
-      // Of rows whose nearest point is no matter of choice, as it is of parallel shapes.
-      leastRoom: String(Math.min(Infinity, ...[...ends, ...sides].map((row) => row.room))),
     });
   }
 }

@@ -8,7 +8,6 @@ import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import type { Line2 } from 'three/examples/jsm/lines/Line2.js';
 
 import type { Colours } from './colours';
-import { coreOf, type Core } from './distance';
 import { extent, fit } from './fit';
 import { goalMark } from './goal';
 import type { Part } from './look';
@@ -16,11 +15,10 @@ import { floorPath, grid, handPath, rowArrow, triad } from './marks';
 import { placeAt, type MotionJson, type Placed } from './motion';
 import { detourTarget, pathAhead } from './plan';
 import { quaternion, Robot, type ShapeJson } from './robot';
-import { CollisionRows, kMoment, type Body, type CollisionParameters, type Row } from './rows';
-import { poseAt, skins } from './skins';
+import { carried, type Row } from './rows';
+import { poseAt, skins, wheels, type Skin } from './skins';
 import { solid } from './solid';
 import type { Trace } from './trace';
-import { wheels } from './wheels';
 
 interface BodyJson extends ShapeJson { name: string; quaternion?: number[]; motion?: MotionJson }
 
@@ -31,6 +29,9 @@ export interface WorldJson {
 
 /** Another controller in the same world, on the same clock. */
 export interface Ghost { robot: Robot; trace: Trace; look: readonly Part[] }
+
+/** A surface of a robot in the scene. */
+interface Drawn { mesh: Mesh; link: string; local: Matrix4 }
 
 export class ReplayScene {
   private readonly renderer: WebGLRenderer;
@@ -43,21 +44,21 @@ export class ReplayScene {
   private robot: Robot | null = null;
   private world: WorldJson | null = null;
   private trace: Trace | null = null;
-  private links: { mesh: Mesh; link: string; local: Matrix4 }[] = [];
-  private bodies: { mesh: Mesh; name: string; core: Core; start: Placed; motion: MotionJson | undefined }[] = [];
-  private rowsOf: CollisionRows | null = null;
+  private links: Drawn[] = [];
+  private bodies: { mesh: Mesh; name: string; start: Placed; motion: MotionJson | undefined }[] = [];
+  private recorded: readonly (readonly Row[])[] = [];   // rows of each sample
   private arrows = new Group();
   private plan = new Group();
   /** Where the base is to go by its path or detour at the time shown; none where it has neither. */
   planned: [number, number][] = [];
-  /** The collision rows at the time shown, nearest first. */
+  /** The collision rows at the time shown. */
   rows: Row[] = [];
   private goal = new Group();
   private tip = new Group();
   private past: Line2 | null = null;
   private ghost: Ghost | null = null;
   private ghostPast: Line2 | null = null;
-  private ghostLinks: { mesh: Mesh; link: string; local: Matrix4 }[] = [];
+  private ghostLinks: Drawn[] = [];
   private tolerance = 0;
   private lastBase = new Vector3();
   follow = false;
@@ -84,13 +85,13 @@ export class ReplayScene {
     if (this.robot !== null && this.world !== null && this.trace !== null) this.build();
   }
 
-  /** `tolerance`: radius around the goal that counts as reached [m]. */
-  show(robot: Robot, world: WorldJson, trace: Trace, hit: { link: string; object: string }, collision: CollisionParameters | null, tolerance: number, look: readonly Part[]): void {
+  /** `tolerance`: radius around the goal that counts as reached [m]; `rows`: of each sample. */
+  show(robot: Robot, world: WorldJson, trace: Trace, hit: { link: string; object: string }, rows: readonly (readonly Row[])[], tolerance: number, look: readonly Part[]): void {
     this.robot = robot;
     this.look = look;
     this.ghost = null;
     this.tolerance = tolerance;
-    this.rowsOf = collision === null || !trace.has('command0') ? null : new CollisionRows(robot, collision);
+    this.recorded = rows;
     this.world = world;
     this.trace = trace;
     this.hit = hit;
@@ -125,6 +126,15 @@ export class ReplayScene {
     return Object.assign(material, more);
   }
 
+  /** Puts a surface of a robot into the scene; what is seen through casts no shadow. */
+  private draw({ surface, link, local }: Skin, colour: string, more: Partial<MeshStandardMaterial> = {}): Drawn {
+    const mesh = new Mesh(surface, this.material(colour, more));
+    mesh.matrixAutoUpdate = false;
+    mesh.castShadow = more.transparent !== true;
+    this.content.add(mesh);
+    return { mesh, link, local };
+  }
+
   private build(): void {
     const { robot, world, trace, colours } = this;
     if (robot === null || world === null || trace === null) return;
@@ -153,15 +163,10 @@ export class ReplayScene {
     const touched = (link: string): boolean => this.hit.link === link || this.hit.object === `self:${link}`;
     const look = this.shapesOnly ? [] : this.look;
     const hitBody = new Set(robot.shapes.map((s) => s.link).filter(touched).map((link) => robot.rigid(link)));
-    this.links = skins(robot, look).map(({ surface, link, local, colour: own }) => {
-      const hit = look.length > 0 ? hitBody.has(robot.rigid(link)) : touched(link);
-      const colour = hit ? colours.hit : own ?? (link === '@base' ? colours.base : colours.arm);
-      const mesh = new Mesh(surface, this.material(colour));
-      mesh.matrixAutoUpdate = false;
-      mesh.castShadow = true;
-      this.content.add(mesh);
-      return { mesh, link, local };
-    });
+    this.links = skins(robot, look).map((skin) => {
+      const hit = look.length > 0 ? hitBody.has(robot.rigid(skin.link)) : touched(skin.link);
+      return this.draw(skin, hit ? colours.hit : skin.colour ?? (skin.link === '@base' ? colours.base : colours.arm));
+    }).concat(wheels(robot, look).map((wheel) => this.draw(wheel, colours.wheel)));
     this.bodies = world.objects.map((body) => {
       const moving = body.motion !== undefined && body.motion.kind !== 'static';
       const hit = this.hit.object === body.name;
@@ -169,16 +174,9 @@ export class ReplayScene {
       mesh.castShadow = true;
       this.content.add(mesh);
       const [x = 0, y = 0, z = 0] = body.position ?? [];
-      return { mesh, name: body.name, core: coreOf(body), start: { position: new Vector3(x, y, z), turn: quaternion(body.quaternion) }, motion: body.motion };
+      return { mesh, name: body.name, start: { position: new Vector3(x, y, z), turn: quaternion(body.quaternion) }, motion: body.motion };
     });
 
-    for (const { surface, local } of wheels(robot, look)) {
-      const mesh = new Mesh(surface, this.material(colours.wheel));
-      mesh.matrixAutoUpdate = false;
-      mesh.castShadow = true;
-      this.content.add(mesh);
-      this.links.push({ mesh, link: '@base', local });
-    }
     this.addGhost();
     poseAt(robot, trace, 0);
     this.goal = goalMark(robot, skins(robot, look), this.tolerance, colours.goal);
@@ -195,12 +193,7 @@ export class ReplayScene {
     this.ghostPast = null;
     const { ghost, colours } = this;
     if (ghost === null) return;
-    this.ghostLinks = skins(ghost.robot, this.shapesOnly ? [] : ghost.look).map(({ surface, link, local }) => {
-      const mesh = new Mesh(surface, this.material(colours.ghost, { transparent: true, opacity: 0.38, depthWrite: false }));
-      mesh.matrixAutoUpdate = false;
-      this.content.add(mesh);
-      return { mesh, link, local };
-    });
+    this.ghostLinks = skins(ghost.robot, this.shapesOnly ? [] : ghost.look).map((skin) => this.draw(skin, colours.ghost, { transparent: true, opacity: 0.38, depthWrite: false }));
     this.ghostPast = this.addPath(ghost.robot, ghost.trace, colours.ghost, colours.ghost);
   }
 
@@ -249,13 +242,26 @@ export class ReplayScene {
   private setArrows(t: number): void {
     this.dispose(this.arrows);
     this.arrows.clear();
-    this.rows = [];
-    const { trace, rowsOf } = this;
-    if (trace === null || rowsOf === null) return;
-    const place = (p: Placed): Matrix4 => new Matrix4().compose(p.position, p.turn, new Vector3(1, 1, 1));
-    const bodies = this.bodies.map(({ name, core, start, motion }): Body => ({ name, core, now: place(placeAt(motion, start, t)), later: place(placeAt(motion, start, t + kMoment)) }));
-    this.rows = rowsOf.at(trace, t, bodies);
+    const { trace, robot } = this;
+    if (trace === null || robot === null) return;
+    const [sample] = trace.locate(t);
+    const rows = this.recorded[sample] ?? [];
+    const names = [...new Set(rows.flatMap((row) => [row.link, row.other]))];
+    const placesAt = (when: number): Map<string, Matrix4> => {
+      poseAt(robot, trace, when);
+      return new Map(names.map((name) => [name, this.placeOf(robot, name, when)]));
+    };
+    const places = { then: placesAt(trace.t[sample] ?? 0), now: placesAt(t) };
+    this.rows = carried(rows, (name, when) => places[when].get(name) ?? new Matrix4());
     for (const row of this.rows) this.arrows.add(rowArrow(row, this.colours));
+  }
+
+  /** Where a link of the robot, which stands as at time t, or an object is; of the floor the world's axes. */
+  private placeOf(robot: Robot, name: string, t: number): Matrix4 {
+    if (robot.has(name)) return robot.pose(name).clone();
+    const body = this.bodies.find((one) => one.name === name);
+    const { position, turn } = body === undefined ? { position: new Vector3(), turn: quaternion([]) } : placeAt(body.motion, body.start, t);
+    return new Matrix4().compose(position, turn, new Vector3(1, 1, 1));
   }
 
   /** The path that the base follows, from where it should be now; or the straight line to where a detour leads. */

@@ -7,7 +7,7 @@ import * as state from '../state';
 /** So many are offered. */
 const kMost = 40;
 
-export class Beside {
+export class SecondMotion {
   private readonly list = h('select', { 'aria-label': 'Beside it', change: () => state.set({ beside: this.list.value }) });
   readonly element = h('label', { class: 'choice', hidden: true }, h('span', null, 'beside it'), this.list);
 

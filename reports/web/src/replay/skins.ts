@@ -1,6 +1,6 @@
 // What is drawn of a robot, and where.
 
-import { Matrix4, type BufferGeometry } from 'three';
+import { CylinderGeometry, Matrix4, type BufferGeometry } from 'three';
 
 import type { Part } from './look';
 import type { Robot } from './robot';
@@ -10,7 +10,19 @@ import type { Trace } from './trace';
 /** A surface fixed to a link: a visual, or a shape of a link that has none. */
 export interface Skin { surface: BufferGeometry; link: string; local: Matrix4; colour: string | null }
 
-/** Of links that are rigid to each other one visual is enough: their shapes, and the wheels of a base, are then left out. */
+/** Width of the wheels that are drawn [m]. */
+const kWheel = 0.05;
+
+/** Wheels of a base that has no visuals, each on its axle along y and on the floor. */
+export function wheels(robot: Robot, look: readonly Part[]): Skin[] {
+  const { radius, separation, wheelbase = 0 } = robot.wheels ?? {};
+  if (radius === undefined || separation === undefined || look.some((part) => robot.has(part.link) && robot.rigid(part.link) === '@base')) return [];
+  return (wheelbase > 0 ? [-wheelbase / 2, wheelbase / 2] : [0]).flatMap((x) => [-1, 1].map((side) => ({
+    surface: new CylinderGeometry(radius, radius, kWheel, 28), link: '@base', colour: null, local: new Matrix4().makeTranslation(x, (side * separation) / 2, radius),   // three's cylinders lie along y
+  })));
+}
+
+/** Of links that are rigid to each other one visual is enough: their shapes are then left out. */
 export function skins(robot: Robot, look: readonly Part[]): Skin[] {
   const seen = new Set(look.filter((part) => robot.has(part.link)).map((part) => robot.rigid(part.link)));
   const bare = (link: string): boolean => !seen.has(robot.rigid(link));

@@ -1,7 +1,9 @@
-// What the controller knew and did, under one time line: errors, manipulability, distance, slack, solver status.
+// What the controller knew and did, under one time line: errors, manipulability, distance, slack, any other signal of the samples, solver status.
 
-import { significant } from '../format';
 import { kFont } from '../chart';
+import { kWords } from '../data';
+import { significant } from '../format';
+import { extent } from '../stats';
 import { outcomeColour, type Palette } from '../theme';
 import type { Trace } from './trace';
 
@@ -19,25 +21,30 @@ const kRow = 40;
 const kStrip = 22;
 const kLeft = 150;
 
-const kStatus = ['solved', 'infeasible', 'iteration limit', 'invalid input'];
-const kFallback = ['', 'without acceleration bounds', 'relaxed rows', 'braked'];
-
-export function timelineHeight(): number {
-  return kTracks.length * kRow + kStrip + 24;
-}
-
 /** In words: what the solver did at time t. */
 export function statusAt(trace: Trace, t: number): string {
   const [i] = trace.locate(t);
-  const status = kStatus[trace.column('status')[i] ?? 0] ?? 'unknown';
-  const fallback = kFallback[trace.column('fallback')[i] ?? 0] ?? '';
-  return fallback === '' ? status : `${status}, ${fallback}`;
+  const word = (column: string): string => (kWords[column]?.[trace.column(column)[i] ?? 0] ?? 'unknown').replaceAll('_', ' ');
+  return word('fallback') === 'none' ? word('status') : `${word('status')}; fallback: ${word('fallback')}`;
 }
 
 /** What counts as arrived [m, rad]. */
 export interface Tolerances { position: number; rotation: number }
 
+/** Columns of a motion's samples that may be added to the time line, with their names: those of joints have the joint's. */
+export function signals(trace: Trace, joints: readonly string[]): [column: string, name: string][] {
+  const base = trace.count('command') - joints.length;
+  const shown = new Set(['t', ...kTracks.map((track) => track.column)]);
+  return trace.names().filter((name) => !shown.has(name)).map((name) => {
+    const [, stem = '', place = ''] = /^(q|qdot|command)(\d+)$/.exec(name) ?? [];
+    const joint = joints[Number(place) - (stem === 'q' ? 0 : base)];
+    return [name, stem === '' ? name.replaceAll('_', ' ') : `${stem} ${joint ?? `base ${place}`}`];
+  });
+}
+
 export class Timeline {
+  /** A column that the reader has added, with its name; null: none. */
+  signal: { column: string; name: string } | null = null;
   private trace: Trace | null = null;
   private ghost: Trace | null = null;
   private tolerances: Tolerances | null = null;
@@ -76,7 +83,8 @@ export class Timeline {
   draw(p: Palette, t: number): void {
     const { canvas, trace } = this;
     const width = canvas.clientWidth;
-    const height = timelineHeight();
+    const tracks: Track[] = [...kTracks, ...(this.signal === null || !trace?.has(this.signal.column) ? [] : [{ ...this.signal, unit: '', colour: (of: Palette): string => of.series[5] ?? of.ink }])];
+    const height = tracks.length * kRow + kStrip + 24;
     const ratio = Math.min(devicePixelRatio, 2);
     if (width === 0 || trace === null) return;
     canvas.width = Math.round(width * ratio);
@@ -90,53 +98,33 @@ export class Timeline {
     const end = this.end;
     const x = (time: number): number => left + (end > 0 ? time / end : 0) * wide;
     c.textBaseline = 'middle';
-    kTracks.forEach((track, row) => {
+    tracks.forEach((track, row) => {
       const top = row * kRow;
-      let most = 0;
-      for (const of of [trace, this.ghost]) for (const value of of?.column(track.column) ?? []) if (Number.isFinite(value)) most = Math.max(most, value);
+      const both = [trace, this.ghost].filter((of): of is Trace => of?.has(track.column) === true);
+      const [low, most] = extent([0, ...both.flatMap((of) => [...of.column(track.column)])]) ?? [0, 0];
       const limit = track.limit === undefined ? undefined : this.tolerances?.[track.limit];
-      const y = (value: number): number => top + kRow - 5 - (most > 0 ? Math.max(0, value) / most : 0) * (kRow - 10);
-      c.strokeStyle = p.rule;
-      c.lineWidth = 1;
-      c.beginPath();
-      c.moveTo(left, top + kRow - 4.5);
-      c.lineTo(left + wide, top + kRow - 4.5);
-      c.stroke();
-      if (limit !== undefined && most > 0 && limit < most) {   // arrived below this
-        c.strokeStyle = outcomeColour(p, 'success');
-        c.setLineDash([4, 3]);
-        c.beginPath();
-        c.moveTo(left, y(limit));
-        c.lineTo(left + wide, y(limit));
-        c.stroke();
-        c.setLineDash([]);
-      }
-      const curve = (of: Trace): void => {
-        const column = of.column(track.column);
+      const y = (value: number): number => top + kRow - 5 - (most > low ? (value - low) / (most - low) : 0) * (kRow - 10);
+      /** A line through points, broken where one has no height. */
+      const line = (points: Iterable<readonly [number, number]>, colour: string, lineWidth: number, dash: number[] = []): void => {
+        Object.assign(c, { strokeStyle: colour, lineWidth });
+        c.setLineDash(dash);
         c.beginPath();
         let down = false;
-        for (let i = 0; i < of.n; ++i) {
-          const value = column[i] ?? NaN;
-          if (!Number.isFinite(value)) {
-            down = false;
-            continue;
-          }
-          if (down) c.lineTo(x(of.t[i] ?? 0), y(value));
-          else c.moveTo(x(of.t[i] ?? 0), y(value));
-          down = true;
+        for (const [at, height_] of points) {
+          const seen = Number.isFinite(height_);
+          if (seen && down) c.lineTo(at, height_);
+          else if (seen) c.moveTo(at, height_);
+          down = seen;
         }
         c.stroke();
-      };
-      if (this.ghost !== null) {
-        c.strokeStyle = p.muted;
-        c.lineWidth = 1;
-        c.setLineDash([2, 2]);
-        curve(this.ghost);
         c.setLineDash([]);
-      }
-      c.strokeStyle = track.colour(p);
-      c.lineWidth = 1.5;
-      curve(trace);
+      };
+      const level = (at: number, colour: string, dash?: number[]): void => line([[left, at], [left + wide, at]], colour, 1, dash);
+      const curve = (of: Trace): [number, number][] => [...of.column(track.column)].map((value, i) => [x(of.t[i] ?? 0), y(value)]);
+      level(y(0) + 0.5, p.rule);
+      if (limit !== undefined && limit < most) level(y(limit), outcomeColour(p, 'success'), [4, 3]);   // arrived below this
+      if (this.ghost !== null && both.includes(this.ghost)) line(curve(this.ghost), p.muted, 1, [2, 2]);
+      line(curve(trace), track.colour(p), 1.5);
       c.font = `12px ${kFont}`;
       c.fillStyle = p.muted;
       c.fillText(track.name, 0, top + 13);
@@ -145,12 +133,12 @@ export class Timeline {
       c.fillStyle = p.ink;
       c.fillText(Number.isFinite(now) ? `${significant(now)} ${track.unit}` : 'none near', 0, top + 29);
     });
-    const top = kTracks.length * kRow + 6;
+    const top = tracks.length * kRow + 6;
     const status = trace.column('status');
     const fallback = trace.column('fallback');
     for (let i = 0; i < trace.n; ++i) {
       const bad = (status[i] ?? 0) !== 0 || (fallback[i] ?? 0) !== 0;
-      c.fillStyle = !bad ? outcomeColour(p, 'success') : (fallback[i] ?? 0) === 3 ? outcomeColour(p, 'collision') : outcomeColour(p, 'timeout');
+      c.fillStyle = !bad ? outcomeColour(p, 'success') : kWords['fallback']?.[fallback[i] ?? 0] === 'brake' ? outcomeColour(p, 'collision') : outcomeColour(p, 'timeout');
       c.globalAlpha = bad ? 1 : 0.45;
       const from = x(trace.t[i] ?? 0);
       c.fillRect(from, top, Math.max(1.2, x(i + 1 < trace.n ? trace.t[i + 1] ?? 0 : trace.end) - from + 0.3), 9);

@@ -16,6 +16,10 @@ export class Trace {
     this.end = this.t[this.n - 1] ?? 0;
   }
 
+  names(): string[] {
+    return [...this.columns.keys()];
+  }
+
   has(name: string): boolean {
     return this.columns.has(name);
   }

@@ -1,16 +1,16 @@
 // The failure atlas: failures that look alike together, the worst of each ready to play.
 
-import { drawLater, drawOrWait } from '../draw_order';
 import { causeOf, kCauses, kCauseTexts, type Cause } from '../causes';
 import { outcomeName, type Model, type Outcome, type Series } from '../data';
-import { download, h, replace, roving } from '../dom';
-import { csv, integer, percent, plural } from '../format';
+import { h, replace, roving, table } from '../dom';
+import { integer, percent, plural } from '../format';
 import { goToSection } from '../go_to';
 import { metric, withUnit } from '../metrics';
+import { fillLater, saveCsv } from '../panel';
 import { select } from '../select';
 import * as state from '../state';
-import { outcomeColour, onTheme, palette, seriesColour } from '../theme';
-import { naming, onView, view } from '../view';
+import { outcomeColour, palette, seriesColour } from '../theme';
+import { naming, view } from '../view';
 
 interface Cluster {
   outcome: Outcome;
@@ -45,21 +45,20 @@ function worst(model: Model, cluster: Cluster): number[] {
 }
 
 /** Failures of each controller by cause. */
-function table(all: readonly Cluster[]): HTMLElement {
+function byCause(all: readonly Cluster[]): HTMLElement {
   const { series } = view();
+  const p = palette();
   const causes = kCauses.filter((cause) => all.some((c) => c.cause === cause));
-  const count = (cause: Cause | null, s: Series): number => all.filter((c) => (cause === null || c.cause === cause) && c.series === s).reduce((sum, c) => sum + c.rows.length, 0);
-  const rows = causes.map((cause) => [cause, ...series.map((s) => count(cause, s))] as const);
-  const most = Math.max(1, ...rows.flatMap(([, ...counts]) => counts));
-  const save = (): void => download('causes.csv', 'text/csv', csv(['cause', 'controller', 'point', 'failures', 'n'],
-    causes.flatMap((cause) => series.map((s) => [cause, s.controller, s.point, count(cause, s), s.rows.length]))));
+  const count = (s: Series, cause?: Cause): number => all.filter((c) => c.series === s && (cause === undefined || c.cause === cause)).reduce((sum, c) => sum + c.rows.length, 0);
+  const most = Math.max(1, ...causes.flatMap((cause) => series.map((s) => count(s, cause))));
   return h('div', { class: 'panel', id: 'causes' },
-    h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Failures by cause' }, h('table', { class: 'plain causes' },
-      h('thead', null, h('tr', null, h('th', { scope: 'col' }, 'Cause'), ...series.map((s) => h('th', { scope: 'col' }, h('span', { class: 'dotted', title: s.name, style: `--c:${seriesColour(palette(), s.mark)}` }, s.short), h('small', null, `${integer(count(null, s))} failures, n\u00a0=\u00a0${integer(s.rows.length)}`))))),
-      h('tbody', null, ...rows.map(([cause, ...counts]) => h('tr', null, h('th', { scope: 'row' }, cause, h('small', null, kCauseTexts[cause])),
-        ...counts.map((n, i) => h('td', null, n === 0 ? '\u2013' : h('span', { class: 'share', style: `--w:${(100 * n) / most}%;--c:${seriesColour(palette(), series[i]?.mark ?? -1)}` }, integer(n), h('small', null, percent(n / (series[i]?.rows.length ?? 1))))))))))),
+    table('Failures by cause', ['Cause', ...series.map((s) => [h('span', { class: 'dotted', title: s.name, style: `--c:${seriesColour(p, s.mark)}` }, s.short), h('small', null, `${integer(count(s))} failures, n\u00a0=\u00a0${integer(s.rows.length)}`)])],
+      causes.map((cause) => [[cause, h('small', null, kCauseTexts[cause])], ...series.map((s) => {
+        const n = count(s, cause);
+        return n === 0 ? '\u2013' : h('span', { class: 'share', style: `--w:${(100 * n) / most}%;--c:${seriesColour(p, s.mark)}` }, integer(n), h('small', null, percent(n / s.rows.length)));
+      })]), 'causes'),
     h('footer', null, h('p', { class: 'note' }, 'Causes follow from what the store says of a trial, in the order of this table; they are no proof. \u201cBase misaligned\u201d and \u201clate detection\u201d need stored samples.', naming()),
-      h('div', { class: 'actions' }, h('button', { type: 'button', class: 'quiet', click: save }, 'Data CSV'))));
+      h('div', { class: 'actions' }, saveCsv('causes', ['cause', 'controller', 'point', 'failures', 'n'], () => causes.flatMap((cause) => series.map((s) => [cause, s.controller, s.point, count(s, cause), s.rows.length]))))));
 }
 
 export function failures(model: Model): HTMLElement {
@@ -69,7 +68,7 @@ export function failures(model: Model): HTMLElement {
   let open = false;
   const fill = (): void => {
     const all = clusters(model);
-    replace(causes, all.length === 0 ? null : table(all));
+    replace(causes, all.length === 0 ? null : byCause(all));
     const p = palette();
     const few = innerWidth < 640 ? 5 : 12;
     const shown = open ? all : all.slice(0, few);
@@ -101,9 +100,6 @@ export function failures(model: Model): HTMLElement {
       all.length > few ? h('button', { type: 'button', class: 'quiet', click: () => { open = !open; fill(); } }, open ? 'Show fewer' : `Show all ${integer(all.length)}`) : null);
   };
   const element = h('div', null, causes, box, h('footer', null, note));
-  drawLater(element, fill);
-  const refill = (): void => drawOrWait(element, fill);
-  onView(refill);
-  onTheme(refill);
+  fillLater(element, fill);
   return element;
 }

@@ -4,13 +4,13 @@
 import { causeOf } from '../causes';
 import { pairs } from '../compare';
 import { conditions, onlyConditions } from '../conditions';
-import { inSlice, type Model, type Series, type SummaryRow } from '../data';
+import type { Model, Series, SummaryRow } from '../data';
 import { h, replace } from '../dom';
 import { fixed, integer, percent, percentRange, plural, probability, signed, times } from '../format';
 import { afterFrame } from '../draw_order';
 import { holm, pairedRate } from '../stats';
 import { palette, seriesColour } from '../theme';
-import { baseline, kFew, rivalsOf, view } from '../view';
+import { baseline, kFew, resultOf, rivalsOf, view } from '../view';
 
 export interface Judged {
   series: Series;
@@ -23,9 +23,8 @@ function rateOf(judged: Judged): number {
 
 /** The shown series with their rows of the summary; of many, the few with the highest success rate, best first. */
 export function judged(model: Model): Judged[] {
-  const { slice, family, series } = view();
-  const rows = (family === '' ? model.page.overall : model.page.summary.filter((s) => s.family === family)).filter((r) => inSlice(r, slice));
-  const all = series.map((s) => ({ series: s, row: rows.find((r) => r.controller === s.controller && r.point === s.point) }));
+  const { slice, series } = view();
+  const all = series.map((s) => ({ series: s, row: resultOf(s) }));
   if (all.length <= kFew || onlyConditions(model, slice)) return all;
   return all.sort((a, b) => rateOf(b) - rateOf(a)).slice(0, 3);
 }
@@ -78,17 +77,16 @@ function track(rows: readonly { series: Series; row: SummaryRow }[]): HTMLElemen
   }, h('i', { class: 'line', style: `left:${at(row.success_low)};width:${at(row.success_high - row.success_low)}` }), h('i', { class: 'dot', style: `left:${at(row.success_rate)}` }))));
 }
 
-function forest(model: Model, shown: readonly Judged[], pair: readonly [Series, Series] | null, told: readonly Difference[]): HTMLElement {
-  const { slice, family, families } = view();
+function forest(shown: readonly Judged[], pair: readonly [Series, Series] | null, told: readonly Difference[]): HTMLElement {
+  const { family, families } = view();
   const lines = [...(family === '' ? [''] : []), ...(family === '' ? (families.length > 1 ? families : []) : [family])];
   const ticks = h('div', { class: 'ticks', 'aria-hidden': 'true' }, ...[0, 25, 50, 75, 100].map((v) => h('span', { style: `left:${v}%` }, v === 100 ? '100\u00a0%' : `${v}`)));
   return h('div', { class: pair === null ? 'forest' : 'forest paired', style: `--rows:${shown.length}` },
     h('div', { class: 'forest-head' }, h('span', null, 'worlds'), h('span', null, 'success, 95 % Wilson interval'),
       pair === null ? null : h('span', null, `${pair[1].short} less ${pair[0].short}, same worlds`)),
     ...lines.map((name) => {
-      const rows = (name === '' ? model.page.overall : model.page.summary.filter((s) => s.family === name)).filter((r) => inSlice(r, slice));
       const found = shown.flatMap(({ series }) => {
-        const row = rows.find((r) => r.controller === series.controller && r.point === series.point);
+        const row = resultOf(series, name);
         return row === undefined ? [] : [{ series, row }];
       });
       const difference = told.find((d) => d.family === (family === '' ? name : ''));
@@ -159,7 +157,7 @@ export function fillHeadline(model: Model, box: HTMLElement): void {
   // The baseline stands beside the best, though it may not be one of them.
   if (pair !== null && !withRows.some((j) => j.series === pair[0])) withRows = [...withRows, { series: pair[0], row: undefined }];
   const fails = h('p', { class: 'fails' });
-  replace(box, forest(model, withRows, pair, told),
+  replace(box, forest(withRows, pair, told),
     later ? h('div', { class: 'paired-words soon' })
       : pair === null || all === undefined || all.n === 0 ? null : h('div', { class: 'paired-words' }, h('p', null, sentence(...pair, all)), fails));
   if (pair === null || all === undefined) return;

@@ -5,8 +5,9 @@ import { inSlice, type Model, type PointInfo, type SummaryRow } from '../data';
 import { h, replace } from '../dom';
 import { integer, list, percent, percentNumber, percentRange, plural, seconds } from '../format';
 import { verdictOf } from '../search_words';
-import { palette, seriesColour, onTheme } from '../theme';
-import { kFew, onView, view } from '../view';
+import { keepFilled } from '../panel';
+import { palette, seriesColour } from '../theme';
+import { kFew, view } from '../view';
 import { fillHeadline, judged } from './headline';
 import { notices } from './notices';
 
@@ -101,7 +102,7 @@ export function masthead(model: Model, live: HTMLElement | null): HTMLElement {
     const suites = unique(model.page.points.map((p) => p.suite));
     replace(title, slice.suite || model.page.store.file, family !== '' ? h('span', null, ` ${family} only`) : null);
     replace(strip, ...facts(model).map(([name, value]) => h('div', null, h('dt', null, name), h('dd', null, value))));
-    const noted = model.page.invocations.find((i) => i.suite === slice.suite && (i.notes ?? '') !== '')?.notes ?? '';
+    const noted = [model.page.notes ?? '', model.page.invocations.find((i) => i.suite === slice.suite && (i.notes ?? '') !== '')?.notes ?? ''].join('\n\n').trim();
     replace(noteBox);
     // The parser of notes is run only where there are some.
     if (noted !== '') void import('../markdown').then(({ markdown }) => { if (view().slice === slice) replace(noteBox, markdown(noted)); });
@@ -112,9 +113,7 @@ export function masthead(model: Model, live: HTMLElement | null): HTMLElement {
     fillHeadline(model, pairBox);
     replace(found, ...model.page.tuning.map((search) => { const [first, ...rest] = verdictOf(search); return h('div', null, h('p', null, first ?? ''), ...rest.map((text) => h('p', { class: 'aside' }, text))); }));
   };
-  fill();
-  onView(fill);
-  onTheme(fill);
+  keepFilled(fill);
   return h('header', { class: 'masthead', id: 'top' },
     h('p', { class: 'overline' }, 'moma \u00b7 Monte Carlo evaluation of mobile-manipulator controllers'),
     title, noteBox, strip, live, told, found, verdictBox, pairBox);

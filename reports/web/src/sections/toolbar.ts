@@ -4,9 +4,10 @@ import { choose, chosenValue, conditions, shortValue, type Condition } from '../
 import type { Model } from '../data';
 import { choice, h, replace, roving } from '../dom';
 import { goToSection } from '../go_to';
+import { keepFilled } from '../panel';
 import * as state from '../state';
-import { isDark, onTheme, palette, seriesColour, toggleTheme } from '../theme';
-import { onView, toggleSeries, view } from '../view';
+import { isDark, palette, seriesColour, toggleTheme } from '../theme';
+import { toggleSeries, view } from '../view';
 
 export interface Toolbar {
   element: HTMLElement;
@@ -49,9 +50,7 @@ export function toolbar(model: Model, sections: readonly (readonly [id: string, 
         ? [choice(`Points (${series.length} of ${all.length})`, [['', series.length === all.length ? 'all' : 'best few'], ...all.map((s) => [String(s.index), s.name] as const)], '', (value) => (value === '' ? state.set({ show: '' }) : toggleSeries(Number(value))))]
         : all.map((s) => h('button', { type: 'button', class: 'toggle', style: `--c:${seriesColour(p, s.mark)}`, 'aria-pressed': series.includes(s) ? 'true' : 'false', click: () => toggleSeries(s.index) }, s.name)))) : null);
   };
-  fill();
-  onView(fill);
-  onTheme(fill);
+  keepFilled(fill);
   // Marks the section that is being read.
   const spy = new IntersectionObserver((entries) => {
     for (const entry of entries) {

@@ -2,10 +2,11 @@
 
 import { disturbed } from '../conditions';
 import { outcomeName, kOutcomes, type Model } from '../data';
-import { choice, copy, download, h, replace, roving } from '../dom';
+import { choice, copy, h, replace, roving } from '../dom';
 import { filtered } from '../filter';
-import { csv, integer, plural } from '../format';
+import { integer, plural } from '../format';
 import { kMetrics, metric, withUnit } from '../metrics';
+import { saveCsv } from '../panel';
 import { onSelect, select } from '../select';
 import * as state from '../state';
 import { outcomeColour, onTheme, palette } from '../theme';
@@ -14,15 +15,11 @@ import { onView, view } from '../view';
 const kRowHeight = 34;
 const kBeyond = 6;   // rows drawn above and below those in sight
 const kText: Record<string, string> = { trial: 'Trial', controller: 'Controller', point: 'Point', family: 'Family', outcome: 'Outcome', contact: 'Contact or reason' };
-const kNumbers = ['world', 'time_to_goal_s', 'position_error_m', 'orientation_error_rad', 'manip_mean', 'clearance_min_m', 'command_change_mean', 't_step_p99_us'];
 const kWidths: Record<string, number> = { trial: 158, controller: 118, point: 190, family: 88, world: 68, outcome: 112, contact: 230 };
 
 function heading(key: string): string {
-  const short: Record<string, string> = {
-    world: 'World', time_to_goal_s: 'To goal [s]', position_error_m: 'Error [m]', orientation_error_rad: 'Error [rad]', manip_mean: 'Mean manip.',
-    clearance_min_m: 'Clearance [m]', command_change_mean: 'Change', t_step_p99_us: 'Step p99 [\u00b5s]',
-  };
-  return kText[key] ?? short[key] ?? key;
+  const { head, unit } = metric(key);
+  return kText[key] ?? (key === 'world' ? 'World' : unit === '' ? head : `${head} [${unit}]`);
 }
 
 export function command(model: Model, trial: string): string {
@@ -39,7 +36,7 @@ function contact(model: Model, row: number): string {
 function columns(model: Model): string[] {
   const { series } = view();
   return ['trial', 'controller', ...(series.some((s) => s.point !== '') ? ['point'] : []), 'family', 'world', 'outcome',
-    ...kNumbers.slice(1).filter((key) => series.some((s) => model.trials.any(key, s.rows))), 'contact'];
+    ...kMetrics.filter((m) => m.head !== '' && series.some((s) => model.trials.any(m.key, s.rows))).map((m) => m.key), 'contact'];
 }
 
 export function trials(model: Model): HTMLElement {
@@ -138,6 +135,8 @@ export function trials(model: Model): HTMLElement {
     const { series } = view();
     const present = new Set(series.flatMap((s) => s.rows.map((row) => t.outcome(row))));
     const names = [...new Set(series.map((s) => s.controller))];
+    const texts = [...(model.page.stores === undefined ? [] : ['store']), 'trial', 'suite', 'robot', 'controller', 'point', 'family', 'mode', 'outcome', 'reason', 'link', 'object'];
+    const numbers = ['world', ...kMetrics.map((m) => m.key).filter((key) => t.has(key))];
     const search = h('input', {
       type: 'search', placeholder: 'Filter: trial, link, object, reason, world:12', value: state.get('q'), 'aria-label': 'Filter trials',
       input: (event) => state.set({ q: (event.target as HTMLInputElement).value }),
@@ -146,13 +145,7 @@ export function trials(model: Model): HTMLElement {
       choice('Outcome', [['', 'all'], ['failure', 'any failure'], ...kOutcomes.filter((o) => present.has(o)).map((o) => [o, outcomeName(o)] as const)], state.get('outcome'), (value) => state.set({ outcome: value })),
       names.length > 1 ? choice('Controller', [['', 'all'], ...names.map((n) => [n, n] as const)], state.get('who'), (value) => state.set({ who: value })) : null,
       h('button', { type: 'button', class: 'quiet', click: () => { state.set({ q: '', outcome: '', who: '', sort: 'world:up' }); fillControls(); } }, 'Clear'),
-      h('button', { type: 'button', class: 'quiet', click: save }, 'Data CSV'));
-  };
-
-  const save = (): void => {
-    const texts = [...(model.page.stores === undefined ? [] : ['store']), 'trial', 'suite', 'robot', 'controller', 'point', 'family', 'mode', 'outcome', 'reason', 'link', 'object'];
-    const numbers = ['world', ...kMetrics.map((m) => m.key).filter((key) => t.has(key))];
-    download('trials.csv', 'text/csv', csv([...texts, ...numbers], rows.map((row) => [...texts.map((key) => t.text(key, row) || null), ...numbers.map((key) => t.number(key, row))])));
+      saveCsv('trials', [...texts, ...numbers], () => rows.map((row) => [...texts.map((key) => t.text(key, row) || null), ...numbers.map((key) => t.number(key, row))])));
   };
 
   const showDetail = (trial: string): void => {

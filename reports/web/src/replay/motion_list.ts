@@ -17,7 +17,7 @@ export function listed(model: Model): string[] {
 }
 
 /** Where the motions come from, in a sentence. */
-export function shelfNote(model: Model): string {
+export function motionsNote(model: Model): string {
   const [first] = model.page.replays;
   if (model.page.live !== undefined) {
     return model.page.samples_stored === 0 ? 'Any trial can be played, from the table too: it is simulated again.'
@@ -27,7 +27,7 @@ export function shelfNote(model: Model): string {
   return `${plural(model.page.replays.length, 'trial')} at ${first !== undefined && 'hz' in first ? first.hz : 10} Hz: the worst of each kind first, of ${integer(model.page.samples_stored)} with stored samples${won.size === 2 ? ', and successes to play beside failures' : ''}.`;
 }
 
-export class Shelf {
+export class MotionList {
   readonly element = roving(h('div', { class: 'shelf', role: 'listbox', 'aria-label': 'Trials that can be played' }), 'button');
 
   constructor(private readonly model: Model) {}
