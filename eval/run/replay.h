@@ -40,8 +40,8 @@ struct Replay {
   TrialOutput output;
 };
 
-/// `name`: the trial's name or any unique prefix of it. `rows`, if given, receives the QP's rows of the steps
-/// (rows_of_trial.h). Throws StoreError if there is no such trial or it cannot be simulated again.
+/// `name`: of the trial, or any unique beginning of it. Throws StoreError where there is no such trial or it cannot be
+/// simulated again. `rows`, where they are asked for: of the QP (rows_of_trial.h).
 Replay replay(const std::filesystem::path& store, const std::string& name, StoredSuites& suites,
               TrialRows* rows = nullptr);
 

@@ -28,7 +28,20 @@ FROM (SELECT m.point_id, m.family, t.outcome, t.link,
 JOIN point AS p ON p.id = f.point_id JOIN suite AS s ON s.id = p.suite_id
 ORDER BY suite, controller, point, n DESC, family, outcome, link, object)"},
       {"pairs", "each pair of points on the same worlds: both succeed, only one does, neither does",
-       R"(SELECT * FROM pair_counts ORDER BY suite, family, mode, controller_a, point_a, controller_b, point_b)"},
+       R"(SELECT s.name AS suite, f.family AS family, pa.mode AS mode, pa.controller AS controller_a, pa.label AS point_a,
+       pb.controller AS controller_b, pb.label AS point_b, f.n AS n, f.both AS both, f.only_a AS only_a,
+       f.only_b AS only_b, f.n - f.both - f.only_a - f.only_b AS neither
+FROM (SELECT ma.point_id AS a, mb.point_id AS b, ma.family AS family, count(*) AS n,
+             sum(ma.outcome = 'success' AND mb.outcome = 'success') AS both,
+             sum(ma.outcome = 'success' AND mb.outcome <> 'success') AS only_a,
+             sum(ma.outcome <> 'success' AND mb.outcome = 'success') AS only_b
+      FROM point AS pa
+      JOIN point AS pb ON pb.suite_id = pa.suite_id AND pb.robot_id = pa.robot_id AND pb.mode = pa.mode AND pb.id > pa.id
+      JOIN point_trial AS ma ON ma.point_id = pa.id
+      JOIN point_trial AS mb ON mb.point_id = pb.id AND mb.world_index = ma.world_index AND mb.world_id = ma.world_id
+      GROUP BY 1, 2, 3) AS f
+JOIN point AS pa ON pa.id = f.a JOIN point AS pb ON pb.id = f.b JOIN suite AS s ON s.id = pa.suite_id
+ORDER BY suite, family, mode, controller_a, point_a, controller_b, point_b)"},
       {"worst", "the twenty worst trials: unsuccessful ones by their distance to the goal, largest first",
        R"(WITH worst AS MATERIALIZED (
   SELECT key FROM trial AS t WHERE outcome <> 'success' AND EXISTS (SELECT 1 FROM point_trial AS m WHERE m.key = t.key)

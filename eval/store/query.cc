@@ -8,7 +8,6 @@
 #include <cstring>
 
 #include "eval/store/database.h"
-#include "eval/store/pair_counts.h"
 #include "eval/store/samples_function.h"
 #include "eval/store/statement.h"
 
@@ -97,7 +96,6 @@ QueryResult query(const std::filesystem::path& file, const std::string& sql, std
   ReadConnection connection(file);
   sqlite3* const handle = connection.db().getHandle();
   try {
-    add_pair_counts(handle);
     if (calls_samples_function(sql.c_str())) add_samples_function(handle);
   } catch (const SQLite::Exception& error) {
     throw explain(error, file, StoreError::Kind::kUnusable);

@@ -8,6 +8,7 @@
 #include <cctype>
 #include <cmath>
 #include <memory>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -16,26 +17,45 @@
 #include "eval/store/hash.h"
 #include "eval/store/samples.h"
 #include "eval/store/statement.h"
-#include "eval/store/virtual_table.h"
 
 namespace moma::store {
 namespace {
 
-struct SamplesTable : sqlite3_vtab {
+struct Table : sqlite3_vtab {
   sqlite3* connection = nullptr;
   std::vector<std::string> columns;  // after `step`; the hidden `trial` comes last
 };
 
-struct SamplesCursor : sqlite3_vtab_cursor {
+struct Cursor : sqlite3_vtab_cursor {
   std::string trial;  // as it was asked for
   SampleTable samples;
   std::vector<int> place;  // of each declared column among those of the samples; -1: has none
   std::int64_t n = 0;
   std::int64_t row = 0;
-
-  std::int64_t size() const { return n; }
 };
-using Samples = VirtualTable<SamplesTable, SamplesCursor>;
+
+Table& table_of(sqlite3_vtab* base) { return *static_cast<Table*>(base); }
+Cursor& cursor_of(sqlite3_vtab_cursor* base) { return *static_cast<Cursor*>(base); }
+
+/// Sets the words that SQLite shows to the user, and gives the code that says so.
+int fail(char*& words, const char* text) noexcept {
+  sqlite3_free(words);
+  words = sqlite3_mprintf("%s", text);
+  return SQLITE_ERROR;
+}
+
+/// Runs `work`, which gives a code of SQLite; what it throws becomes a code and words, since SQLite calls from C and no
+/// exception may pass through it.
+template <typename Work>
+int guarded(char*& words, Work&& work) noexcept {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    return SQLITE_NOMEM;
+  } catch (const std::exception& failure) {
+    return fail(words, failure.what());
+  }
+}
 
 /// The columns of all robots' samples, in the order in which they appear. All trials of a robot have the same, but for
 /// what the controller remembered, of which earlier versions wrote less: what this one writes is among them.
@@ -98,7 +118,7 @@ std::string find_key(sqlite3* connection, std::string prefix) {
   return key;
 }
 
-void load(SamplesCursor& cursor, const SamplesTable& table) {
+void load(Cursor& cursor, const Table& table) {
   const std::string key = find_key(table.connection, cursor.trial);
   const StatementPtr query =
       prepare_statement(table.connection, "SELECT layout, n, columns, data FROM main.samples WHERE key = ?");
@@ -124,7 +144,7 @@ void load(SamplesCursor& cursor, const SamplesTable& table) {
 int connect(sqlite3* connection, void* /*data*/, int /*argc*/, const char* const* /*argv*/, sqlite3_vtab** out,
             char** error) {
   return guarded(*error, [&] {
-    auto table = std::make_unique<SamplesTable>();
+    auto table = std::make_unique<Table>();
     table->connection = connection;
     table->columns = known_columns(connection);
     const int code = sqlite3_declare_vtab(connection, declaration(table->columns).c_str());
@@ -134,7 +154,7 @@ int connect(sqlite3* connection, void* /*data*/, int /*argc*/, const char* const
 }
 
 int best_index(sqlite3_vtab* base, sqlite3_index_info* info) {
-  const int hidden = static_cast<int>(Samples::table(base).columns.size()) + 1;
+  const int hidden = static_cast<int>(table_of(base).columns.size()) + 1;
   for (int i = 0; i < info->nConstraint; ++i) {
     const auto& constraint = info->aConstraint[i];
     if (constraint.iColumn != hidden || constraint.op != SQLITE_INDEX_CONSTRAINT_EQ) continue;
@@ -150,19 +170,19 @@ int best_index(sqlite3_vtab* base, sqlite3_index_info* info) {
 }
 
 int filter(sqlite3_vtab_cursor* base, int /*number*/, const char* /*text*/, int argc, sqlite3_value** argv) {
-  SamplesCursor& cursor = Samples::cursor(base);
+  Cursor& cursor = cursor_of(base);
   cursor.row = cursor.n = 0;
   return guarded(base->pVtab->zErrMsg, [&] {
     if (argc < 1 || sqlite3_value_type(argv[0]) == SQLITE_NULL) return SQLITE_OK;
     const unsigned char* const trial = sqlite3_value_text(argv[0]);
     cursor.trial = text_of(trial, sqlite3_value_bytes(argv[0]));
-    load(cursor, Samples::table(base->pVtab));
+    load(cursor, table_of(base->pVtab));
     return SQLITE_OK;
   });
 }
 
 int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int index) {
-  const SamplesCursor& cursor = Samples::cursor(base);
+  const Cursor& cursor = cursor_of(base);
   if (index == 0) {
     sqlite3_result_int64(context, cursor.row);
   } else if (static_cast<std::size_t>(index) > cursor.place.size()) {
@@ -174,12 +194,34 @@ int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int index) {
   return SQLITE_OK;
 }
 
+/// https://sqlite.org/vtab.html
 sqlite3_module make_module() {
-  sqlite3_module module = Samples::module();
+  sqlite3_module module{};
   module.xCreate = module.xConnect = &connect;
   module.xBestIndex = &best_index;
   module.xFilter = &filter;
   module.xColumn = &column;
+  module.xDisconnect = module.xDestroy = [](sqlite3_vtab* base) {
+    delete &table_of(base);
+    return SQLITE_OK;
+  };
+  module.xOpen = [](sqlite3_vtab* /*table*/, sqlite3_vtab_cursor** out) {
+    *out = new (std::nothrow) Cursor;
+    return *out == nullptr ? SQLITE_NOMEM : SQLITE_OK;
+  };
+  module.xClose = [](sqlite3_vtab_cursor* base) {
+    delete &cursor_of(base);
+    return SQLITE_OK;
+  };
+  module.xNext = [](sqlite3_vtab_cursor* base) {
+    ++cursor_of(base).row;
+    return SQLITE_OK;
+  };
+  module.xEof = [](sqlite3_vtab_cursor* base) { return cursor_of(base).row >= cursor_of(base).n ? 1 : 0; };
+  module.xRowid = [](sqlite3_vtab_cursor* base, sqlite3_int64* out) {
+    *out = cursor_of(base).row;
+    return SQLITE_OK;
+  };
   return module;
 }
 

@@ -26,11 +26,12 @@ struct Column {
   std::string_view label = "";  ///< for axes and table heads: "time to goal"; "": no metric of the report page
   std::string_view unit = "";   ///< SI or `1`; "" without a unit
   Better better = Better::kNeither;
-  int decimals = -1;                ///< decimals on the page; -1: `significant` digits
-  int significant = 3;              ///< significant digits if `decimals` is -1
-  std::string_view null_when = "";  ///< when healthy trials have no value: "unless the trial succeeds"
-  bool always = false;              ///< for a number (not a count): never NULL
-  bool summary = false;             ///< copied into point_trial, so that v_summary is quick; v_summary shows its mean
+  int decimals = -1;                ///< that the page writes; -1: `significant` digits
+  int significant = 3;              ///< digits, where it does not say decimals
+  std::string_view null_when = "";  ///< where healthy trials have no value: "unless the trial succeeds"
+  bool always = false;              ///< of a number (not a count): never NULL
+  std::string_view head = "";       ///< over its column in the page's table of trials; "" has none there
+  bool summary = false;             ///< copied into point_trial, so that v_summary stays quick; its mean is shown there
   bool in_view = true;              ///< a column of v_trials
   Earlier earlier = Earlier::kNone;
   std::string_view text = "";  ///< one line for the reference, without a full stop

@@ -89,14 +89,20 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
                   .better = kLow,
                   .decimals = 2,
                   .null_when = "unless the trial succeeds",
-                  .text = "time at which the dwell at the goal begins"});
-  v.member(
-      "position_error_m", &R::position_error_m,
-      Column{.label = "final position error", .unit = "m", .better = kLow, .text = "distance to the goal at the end"});
-  v.member(
-      "orientation_error_rad", &R::orientation_error_rad,
-      Column{
-          .label = "final orientation error", .unit = "rad", .better = kLow, .text = "angle to the goal at the end"});
+                  .head = "To goal",
+                  .text = "start of the dwell at the goal"});
+  v.member("position_error_m", &R::position_error_m,
+           Column{.label = "final position error",
+                  .unit = "m",
+                  .better = kLow,
+                  .head = "Error",
+                  .text = "distance to the goal at the end"});
+  v.member("orientation_error_rad", &R::orientation_error_rad,
+           Column{.label = "final orientation error",
+                  .unit = "rad",
+                  .better = kLow,
+                  .head = "Error",
+                  .text = "angle to the goal at the end"});
   v.member("path_ee_m", &R::path_ee_m,
            Column{.label = "path of the end effector",
                   .unit = "m",
@@ -323,7 +329,8 @@ constexpr void describe(Visitor& v, Of<TrialRow::Timing>) {
                   .unit = "µs",
                   .better = kLow,
                   .decimals = 1,
-                  .text = "99th percentile"});
+                  .head = "Step p99",
+                  .text = "its 99th percentile"});
   v.member(
       "t_step_max_us", &T::t_step_max_us,
       Column{.label = "control step, longest", .unit = "µs", .better = kLow, .decimals = 1, .text = "longest time"});

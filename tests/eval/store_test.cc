@@ -289,8 +289,6 @@ TEST(Store, TrialsThatEndByAnErrorDidNotSucceed) {
 
   EXPECT_EQ(integer(store::query(file, "SELECT sum(success_a) FROM v_pairs")), 4);
   EXPECT_EQ(integer(store::query(file, "SELECT sum(success_b) FROM v_pairs")), 0);
-  EXPECT_EQ(integer(store::query(file, "SELECT sum(n) FROM pair_counts")), 10);
-  EXPECT_EQ(integer(store::query(file, "SELECT sum(only_a) FROM pair_counts")), 4);
 }
 
 TEST(Store, PairsAreOnTheSameWorldAndOnce) {

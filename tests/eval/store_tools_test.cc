@@ -1,9 +1,10 @@
-// What works on whole stores: samples(), pair_counts, metrics of suites, migration, the lock of runs.
+// What works on whole stores: samples(), pairs, metrics of suites, migration, the lock of runs.
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 #include <sys/file.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
@@ -128,20 +129,22 @@ TEST(SamplesFunction, SaysWhatIsWrong) {
   EXPECT_NE(complaint(file, "CREATE TEMP TABLE x AS SELECT * FROM samples('0')"), "no error");
 }
 
-TEST(PairCounts, AreThoseOfThePairs) {
+TEST(Store, PairsAreCounted) {
   const TemporaryFolder folder;
   const fs::path file = folder / "a.db";
   write_synthetic(file, {"one", "two", "three"}, 150);
   write_synthetic(file, {"one", "four"}, 131);     // another point with fewer worlds
   write_synthetic(file, {"one", "two"}, 70, "b");  // another setting
-  const QueryResult counted =
-      store::query(file, "SELECT * FROM pair_counts ORDER BY suite, family, controller_a, controller_b");
+  const auto all = store::named_queries();
+  const auto pairs = std::find_if(all.begin(), all.end(), [](const auto& one) { return one.name == "pairs"; });
+  ASSERT_NE(pairs, all.end());
+  const QueryResult counted = store::query(file, std::string(pairs->sql));
   const QueryResult grouped = store::query(
       file,
       "SELECT suite, family, mode, controller_a, point_a, controller_b, point_b, count(*), "
       "sum(success_a AND success_b), sum(success_a AND NOT success_b), sum(success_b AND NOT success_a), "
       "sum(NOT success_a AND NOT success_b) FROM v_pairs GROUP BY suite, robot, family, mode, controller_a, point_a, "
-      "controller_b, point_b ORDER BY suite, family, controller_a, controller_b");
+      "controller_b, point_b ORDER BY suite, family, mode, controller_a, point_a, controller_b, point_b");
   EXPECT_GT(grouped.rows.size(), 8u);
   EXPECT_EQ(counted.rows, grouped.rows);
 }
