@@ -15,6 +15,7 @@ constexpr double kStill = 1e-6;                   // of a goal's twist
 constexpr double kNearMover = 2.5;                // from the base to an object in motion [m]
 constexpr double kSlow = 0.1;                     // velocities at which a robot stands, to choose [rad/s, m/s]
 constexpr double kLongestStop = 1.0;              // [s]
+constexpr double kLongestSetOut = 0.25;           // [s]
 constexpr double kLongestChoice = 1.8;            // of a robot that stands: the best so far counts then [s]
 // Lag at a path's end: of one that leads close to an object, which the policy may not be able to finish, less [m].
 constexpr double kArrived = 0.005, kArrivedClose = 0.0005;
@@ -56,6 +57,7 @@ Lookahead::Lookahead(std::shared_ptr<const RobotModel> model, const ControllerPa
       dt_(control_period),
       mobile_(model->mobile()),
       choice_(model, params),
+      direct_way_(model, params),
       slope_(params.collision.at_goal.slope),
       watch_(model, planner().limits(), slope_),
       bounds_(*model, late_limits(params), control_period),
@@ -68,6 +70,7 @@ Lookahead::Lookahead(std::shared_ptr<const RobotModel> model, const ControllerPa
 
 void Lookahead::reset(std::span<const ObjectShape> objects) {
   choice_.reset(objects);
+  direct_way_.set_objects(objects);
   watch_.set_objects(objects);
   rollout_.reset(objects);
   later_.objects.assign(objects.size(), ObjectState{});
@@ -146,10 +149,10 @@ void Lookahead::go_on(PlanReason reason, double direct_time) noexcept {
 }
 
 // Of state_.path.
-void Lookahead::begin_path() noexcept {
+void Lookahead::begin_path(PlanReason reason) noexcept {
   PlanBrief& brief = state_.brief;
   brief.mode = PlanMode::kFollow;
-  brief.reason = PlanReason::kQuicker;
+  brief.reason = reason;
   brief.clock = brief.lag = 0.0;
   brief.duration = state_.path.duration;
   brief.target = state_.path.origin.head<3>();
@@ -174,7 +177,7 @@ void Lookahead::take_effect() noexcept {
     state_.brief.mode = PlanMode::kStop;
     state_.stop_end = state_.steps + periods(kLongestStop);
   } else if (state_.path.count > 0) {
-    begin_path();
+    begin_path(PlanReason::kQuicker);
   } else {
     const EscapeState start = state_.start;
     go_direct(PlanReason::kQuicker, &start);
@@ -214,9 +217,11 @@ void Lookahead::decide(const Observation& o, const Vector6& error) noexcept {
   if (goal_moves && (brief.mode != PlanMode::kDirect || state_.brief.going_on))
     go_direct(PlanReason::kTraffic, &kNothing);
   if (movers && !goal_moves) decide_among_traffic();
-
+  const bool stands = o.qdot.lpNorm<Eigen::Infinity>() <= kSlow;
+  if (state_.steps == 0 && brief.mode == PlanMode::kDirect && params_.direct > 0 && stands && !traffic_ && !arrived_)
+    brief.mode = PlanMode::kSetOut;
   if (state_.brief.going_on && state_.steps >= state_.commit) take_effect();
-  if (brief.mode == PlanMode::kStop && (o.qdot.lpNorm<Eigen::Infinity>() <= kSlow || state_.steps >= state_.stop_end)) {
+  if (brief.mode == PlanMode::kStop && (stands || state_.steps >= state_.stop_end)) {
     brief.mode = PlanMode::kChoose;
     state_.stop_end = state_.steps;
   }
@@ -234,6 +239,7 @@ void Lookahead::decide(const Observation& o, const Vector6& error) noexcept {
 // Pushed off its path or held up by what moves, the robot is the policy's again.
 void Lookahead::decide_among_traffic() noexcept {
   const EscapeState kNothing;
+  if (state_.brief.mode == PlanMode::kSetOut) go_direct(PlanReason::kTraffic, nullptr);
   if (state_.brief.mode != PlanMode::kFollow) return;
   if (state_.brief.lag > kPushed || state_.steps - state_.mark > periods(2.0 * params_.stuck))
     go_direct(PlanReason::kTraffic, &kNothing);
@@ -281,9 +287,29 @@ void Lookahead::work(const Observation& o, const EscapeState& escape) noexcept {
     case PlanMode::kChoose:
       work_choice(o, budget);
       break;
+    case PlanMode::kSetOut:
+      work_set_out(o, budget);
+      break;
   }
   checks_ = whole - budget;
   debt_ = std::max(0L, -budget);
+}
+
+void Lookahead::work_set_out(const Observation& o, long& budget) noexcept {
+  if (job_ != Job::kSetOut) {
+    WholeConfiguration here(3 + o.q.size());
+    here << o.base, o.q;
+    direct_way_.begin(here, o.goal.X_WG, o.objects);
+    job_ = Job::kSetOut;
+  }
+  if (direct_way_.advance(budget) && state_.steps < periods(kLongestSetOut)) return;
+  job_ = Job::kNone;
+  if (direct_way_.found()) {
+    state_.path = direct_way_.path();
+    begin_path(PlanReason::kDirectWay);
+  } else {
+    go_direct(PlanReason::kStart, nullptr);
+  }
 }
 
 void Lookahead::work_direct(const Observation& o, const EscapeState& escape, long& budget) noexcept {
@@ -334,7 +360,9 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
       return;
     }
   }
-  if (job_ == Job::kNone && state_.steps < state_.next && !news_ && !stuck()) return;
+  // No policy is quicker than a direct way.
+  const bool due = state_.brief.reason != PlanReason::kDirectWay && (state_.steps >= state_.next || news_);
+  if (job_ == Job::kNone && !due && !stuck()) return;
   const double rest = state_.path.duration - state_.brief.clock + params_.settle;
   if (!predict(o, kNothing, std::min(params_.horizon, rest), budget)) return;
   state_.next = state_.steps + periods(params_.period);
@@ -416,7 +444,7 @@ void Lookahead::choose() noexcept {
   } else if (best.kind == PlanKind::kPath) {
     state_.path = planner().path();
     state_.chosen = true;
-    if (!waits) begin_path();
+    if (!waits) begin_path(PlanReason::kQuicker);
   } else {
     state_.start = choice_.start();
     state_.path.count = 0;

@@ -8,6 +8,7 @@
 #include "controller/ahead/path_watch.h"
 #include "controller/ahead/plan_state.h"
 #include "controller/ahead/rollout.h"
+#include "controller/plan/direct_way.h"
 #include "controller/plan/follow.h"
 #include "controller/qp/limits.h"
 
@@ -22,11 +23,12 @@ namespace moma {
 /// prediction (an arm alone: a quarter of a second) where that is safe, and the choice begins where it ends; else, and
 /// where that was too short, the robot slows down and stands.
 ///
-/// The direct policy is predicted every `period` seconds. At the start, after a goal's jump and where it is predicted
-/// to fail or has stagnated, there is a choice. On a path, the direct policy takes over where it is predicted to take
-/// no longer than the path's rest; a robot that does not get on, or whose path is no longer clear, chooses again. Among
-/// objects in motion the policy's own ways count: only where it stagnates and none of them is near is there a choice;
-/// a goal in motion is the policy's.
+/// A robot that stands looks for a direct way (direct_way.h) at the start and after a goal's jump, for a quarter of a
+/// second at most, and follows it where one is free. Where there is none the direct policy is predicted every `period`
+/// seconds. At the start, after a goal's jump and where it is predicted to fail or has stagnated, there is a choice. On
+/// a path, the direct policy takes over where it is predicted to take no longer than the path's rest; a robot that does
+/// not get on, or whose path is no longer clear, chooses again. Among objects in motion the policy's own ways count:
+/// only where it stagnates and none of them is near is there a choice; a goal in motion is the policy's.
 ///
 /// One per controller. Construction and reset() may take memory, nothing else does.
 class Lookahead {
@@ -63,16 +65,17 @@ class Lookahead {
   const Planner& planner() const noexcept { return choice_.planner(); }
 
  private:
-  enum class Job { kNone, kPredict, kChoose };
+  enum class Job { kNone, kSetOut, kPredict, kChoose };
 
   void decide_among_traffic() noexcept;
   void go_direct(PlanReason reason, const EscapeState* start) noexcept;
   void go_on(PlanReason reason, double direct_time) noexcept;
   void stop(PlanReason reason, double direct_time) noexcept;
-  void begin_path() noexcept;
+  void begin_path(PlanReason reason) noexcept;
   void place_end() noexcept;
   void take_effect() noexcept;
   void follow(const Observation& o) noexcept;
+  void work_set_out(const Observation& o, long& budget) noexcept;
   void work_direct(const Observation& o, const EscapeState& escape, long& budget) noexcept;
   void work_going_on(const Observation& o, const EscapeState& escape, long& budget) noexcept;
   void work_path(const Observation& o, const EscapeState& escape, long& budget) noexcept;
@@ -90,6 +93,7 @@ class Lookahead {
   double dt_;
   bool mobile_;
   Choice choice_;
+  DirectWay direct_way_;
   double slope_;  // of what paths keep near their goal
   PathWatch watch_;
   VelocityBounds bounds_;

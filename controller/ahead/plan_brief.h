@@ -7,15 +7,18 @@
 
 namespace moma {
 
-/// What a controller that looks ahead is doing. In `stop` and `choose` it asks for no motion.
+/// What a controller that looks ahead is doing. In `stop`, `choose` and `set_out` it asks for no motion.
 enum class PlanMode {
   kDirect,  ///< the controller's own policy
   kFollow,  ///< a path
   kStop,    ///< slows down, to choose
-  kChoose   ///< works out a path and predicts detours
+  kChoose,  ///< works out a path and predicts detours
+  kSetOut   ///< stands and looks for a direct way, at the start of a motion
 };
 
-constexpr auto words(Of<PlanMode>) { return std::to_array<std::string_view>({"direct", "follow", "stop", "choose"}); }
+constexpr auto words(Of<PlanMode>) {
+  return std::to_array<std::string_view>({"direct", "follow", "stop", "choose", "set_out"});
+}
 
 /// Why the mode is what it is.
 enum class PlanReason {
@@ -29,11 +32,12 @@ enum class PlanReason {
   kNoProgress,  ///< the robot does not get on along the path
   kPathBroken,  ///< what is seen now is in the path's way
   kTraffic,     ///< the goal or something near moves
+  kDirectWay,   ///< a direct way to the goal is free
 };
 
 constexpr auto words(Of<PlanReason>) {
   return std::to_array<std::string_view>({"start", "arrives", "quicker", "fails", "stagnates", "no_path", "path_ends",
-                                          "no_progress", "path_broken", "traffic"});
+                                          "no_progress", "path_broken", "traffic", "direct_way"});
 }
 
 /// What a choice is made among.

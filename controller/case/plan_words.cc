@@ -107,6 +107,8 @@ std::string meaning(PlanMode mode) {
       return "slows down, to choose";
     case PlanMode::kChoose:
       return "stands, while a path and detours are worked out";
+    case PlanMode::kSetOut:
+      return "stands, while it looks for a direct way";
   }
   return "";
 }
@@ -133,6 +135,8 @@ std::string meaning(PlanReason reason) {
       return "something is in the way of the path";
     case PlanReason::kTraffic:
       return "something moves";
+    case PlanReason::kDirectWay:
+      return "a direct way to the goal is free";
   }
   return "";
 }

@@ -68,6 +68,10 @@ MotionLimits::MotionLimits(const RobotModel& model, const ControllerParams& para
   const double fast = plan.speed * wheels_part(model.base);
   linear = fast * foreseen_speed(model, params.collision);
   angular = fast * model.base.max_angular;
+  if (model.base.wheels && base->nonholonomic()) {
+    rim_speed = plan.speed * model.base.wheels->radius * model.base.wheels->max_speed;
+    half_track = 0.5 * model.base.wheels->separation;
+  }
   double a_linear = model.base.max_acceleration[0], a_angular = model.base.max_acceleration[1];
   if (first > 0) {
     a_linear = std::min(a_linear, params.acceleration_limit[0]);

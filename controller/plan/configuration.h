@@ -35,6 +35,9 @@ struct MotionLimits {
   VectorX lever;                ///< way of the robot's farthest point per joint's motion, as a rule [m/rad, 1]
   double base_lever = 0.8;      ///< and per turn of the base [m/rad]
 
+  /// Of a differential base's wheels: |v| + half_track |omega| <= rim_speed [m, m/s].
+  double half_track = 0.0, rim_speed = kInfinity;
+
   int num_joints() const noexcept { return static_cast<int>(lower.size()); }
   bool mobile() const noexcept { return base->dof() > 0; }
 };

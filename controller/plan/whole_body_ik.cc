@@ -61,7 +61,7 @@ void WholeBodyIk::keep_room(double room) noexcept {
   }
 }
 
-bool WholeBodyIk::solve(FreeSpace& space, const Isometry& X_WG, WholeConfiguration& c) const noexcept {
+bool WholeBodyIk::solve(FreeSpace& space, const Isometry& X_WG, WholeConfiguration& c, bool moves_base) const noexcept {
   const int joints = limits_->num_joints();
   const int n = 3 + joints;
   Jacobian J(6, n);
@@ -79,7 +79,7 @@ bool WholeBodyIk::solve(FreeSpace& space, const Isometry& X_WG, WholeConfigurati
       if (error > kFall * before) return false;
       before = error;
     }
-    free_jacobian(kinematics, mobile_, J);
+    free_jacobian(kinematics, mobile_ && moves_base, J);
     Vector6 wanted = e;
     wanted.head<3>() *= shortened(turn, kMostTurn);
     wanted.tail<3>() *= shortened(way, kMostWay);

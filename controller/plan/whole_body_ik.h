@@ -31,8 +31,9 @@ class WholeBodyIk {
   /// Trans. SMC 16(1), 1986). Joints that a step would take beyond a bound stay at it, and the others do what they
   /// would have done. The base counts as free to go sideways: it is a place to stand at, not a motion. Joints are kept
   /// a little further from their limits than a path has to be. Ends after 20 iterations, or where four of them did not
-  /// halve the error; two are charged as one check. True where E came within 1 mm and 2 mrad.
-  bool solve(FreeSpace& space, const Isometry& X_WG, WholeConfiguration& c) const noexcept;
+  /// halve the error; two are charged as one check. True where E came within 1 mm and 2 mrad. Without `moves_base` the
+  /// base stays where it is in `c`.
+  bool solve(FreeSpace& space, const Isometry& X_WG, WholeConfiguration& c, bool moves_base = true) const noexcept;
 
   /// One try of the `index`-th kind: a base around the goal (each fourth as far from it as the start, 0.7 m at most),
   /// turned to it or anyhow; the arm as it is at the start, at `ready`, or anyhow. Or, every third of a robot that is

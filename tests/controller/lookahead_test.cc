@@ -193,6 +193,7 @@ TEST_P(Ahead, GoesOnWhileItChooses) {
     ControllerParams params = read_params(*model, true);
     params.plan.budget = 2000;
     params.plan.detours = false;
+    params.plan.direct = 0;
     Loop ahead(model, params, scene), plain(model, read_params(*model, false), scene);
     const PlanState& state = ahead.controller.lookahead()->state();
     for (int i = 0; i < 60; ++i) {
@@ -278,7 +279,7 @@ TEST_P(Ahead, ARolloutEndsEarlyOnlyWhereItIsTooLate) {
 
 // What is remembered and the observation decide a step, in whatever the robot is about.
 TEST_P(Ahead, AStepFollowsFromMemory) {
-  int modes[4] = {}, going_on = 0;
+  int modes[words(Of<PlanMode>{}).size()] = {}, going_on = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const Scene scene = !model->mobile() ? make_scene(model, seed, 12) : behind_a_wall(model, seed);
     ControllerParams params = read_params(*model, true);
@@ -303,10 +304,62 @@ TEST_P(Ahead, AStepFollowsFromMemory) {
     }
   }
   EXPECT_GT(modes[static_cast<int>(PlanMode::kDirect)], 0);
+  EXPECT_GT(modes[static_cast<int>(PlanMode::kSetOut)], 0);
   if (!model->mobile()) return;  // whose policy gets there
   EXPECT_GT(going_on, 0);
   EXPECT_GT(modes[static_cast<int>(PlanMode::kChoose)], 0);
   EXPECT_GT(modes[static_cast<int>(PlanMode::kFollow)], 0);
+}
+
+// A direct way is looked for from rest, for a quarter of a second at most, and is quicker than the policy.
+TEST_P(Ahead, SetsOutAlongADirectWay) {
+  double with = 0.0, without = 0.0, least = 0.0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const Scene scene = make_scene(model, seed, 0);
+    ControllerParams params = read_params(*model, true);
+    params.plan.budget = 100;
+    Loop loop(model, params, scene);
+    const PlanState& state = loop.controller.lookahead()->state();
+    int standing = 0;
+    loop.step();
+    for (; state.brief.mode == PlanMode::kSetOut && standing < 100; ++standing) {
+      EXPECT_EQ(loop.result.command.norm(), 0.0);
+      loop.step();
+    }
+    EXPECT_GT(standing, 0);
+    EXPECT_LE(standing, 13) << "seed " << seed;
+    ASSERT_EQ(state.brief.mode, PlanMode::kFollow) << "seed " << seed;
+    EXPECT_EQ(state.brief.reason, PlanReason::kDirectWay);
+    with += loop.run(20.0, least);
+    EXPECT_EQ(state.brief.attempts, 0) << "it chose on its way";
+    ASSERT_TRUE(loop.there()) << "seed " << seed;
+    // A goal that jumps as the robot stands is a new start.
+    for (int i = 0; i < 100; ++i) loop.step();
+    loop.o.goal.X_WG.translation().z() -= 0.1;
+    loop.step();
+    EXPECT_EQ(state.brief.mode, PlanMode::kSetOut);
+
+    params.plan.direct = 0;
+    without += Loop(model, params, scene).run(20.0, least);
+  }
+  EXPECT_LT(with, 0.9 * without);
+}
+
+// What moves is the policy's business; a robot in motion has set out already.
+TEST_P(Ahead, DoesNotSetOutInMotionOrAmongWhatMoves) {
+  const Scene scene = make_scene(model, 2, 1);
+  const auto first_mode = [&](double velocity, double mover) {
+    ControllerParams params = read_params(*model, true);
+    params.plan.budget = 100;
+    Loop loop(model, params, scene);
+    loop.o.qdot[model->num_velocities() - 1] = velocity;
+    loop.o.objects[0].V_WO_W[3] = mover;
+    loop.step();
+    return loop.controller.lookahead()->state().brief.mode;
+  };
+  EXPECT_EQ(first_mode(0.0, 0.0), PlanMode::kSetOut);
+  EXPECT_EQ(first_mode(0.3, 0.0), PlanMode::kDirect);
+  EXPECT_EQ(first_mode(0.0, 0.2), PlanMode::kDirect);
 }
 
 // However little it may do in a step.
@@ -331,18 +384,21 @@ TEST_P(Ahead, StepsTakeNoMemoryAndNoMoreThanTheBudget) {
   const Scene scene = !model->mobile() ? make_scene(model, 1, 12) : behind_a_wall(model, 1);
   ControllerParams params = read_params(*model, true);
   params.plan.budget = 300;
-  Loop loop(model, params, scene);
   long most = 0, sum = 0;
   int taken = 0;
-  for (int i = 0; i < 400; ++i) {
-    const NoAlloc guard;
-    loop.controller.step(loop.o, loop.result);
-    taken += guard.count();
-    const long checks = loop.controller.lookahead()->checks();
-    most = std::max(most, checks);
-    sum += checks;
-    loop.step();
-    sum += loop.controller.lookahead()->checks();
+  for (const int direct : {60, 0}) {
+    params.plan.direct = direct;
+    Loop loop(model, params, scene);
+    for (int i = 0; i < 400; ++i) {
+      const NoAlloc guard;
+      loop.controller.step(loop.o, loop.result);
+      taken += guard.count();
+      const long checks = loop.controller.lookahead()->checks();
+      most = std::max(most, checks);
+      sum += checks;
+      loop.step();
+      sum += loop.controller.lookahead()->checks();
+    }
   }
   EXPECT_EQ(taken, 0);
   EXPECT_GT(sum, 1000);

@@ -1,0 +1,91 @@
+#include "controller/plan/steered_drive.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "controller/safe/braking.h"
+
+namespace moma {
+namespace {
+
+constexpr double kStep = 0.02;   // of the simulation [s]
+constexpr double kAhead = 0.05;  // distance below which the base does not steer any more [m]
+constexpr double kCrawl = 0.02;  // least speed up to the point [m/s]
+constexpr int kMostSteps = static_cast<int>(SteeredDrive::kMostTime / kStep);
+
+double ramped(double now, double wanted, double acceleration) noexcept {
+  return now + std::clamp(wanted - now, -acceleration * kStep, acceleration * kStep);
+}
+
+// A speed that is ramped down in steps covers half a step more than one that falls evenly.
+double stopping(double room, double deceleration) noexcept { return stoppable_speed(room, deceleration, 0.5 * kStep); }
+
+}  // namespace
+
+bool SteeredDrive::plan(const MotionLimits& limits, const Vector3& from, const Vector2& point) noexcept {
+  time_ = spacing_ = way_ = turned_ = 0.0;
+  end_ = from;
+  std::array<Vector2, kMostSteps + 1> speeds;  // (v, omega)
+  speeds[0].setZero();
+  Vector3 at = from;
+  double v = 0.0, omega = 0.0;  // v along the driving direction
+  const Vector2 first = point - from.head<2>();
+  bool there = first.norm() < kThere;
+  const double direction = std::cos(from.z()) * first.x() + std::sin(from.z()) * first.y() < 0.0 ? -1.0 : 1.0;
+  int steps = 0;
+  while (!there || v != 0.0 || omega != 0.0) {
+    if (steps == kMostSteps) {
+      time_ = kMostTime;
+      return false;
+    }
+    const Vector2 to = point - at.head<2>();
+    const double distance = to.norm();
+    const Vector2 heading = direction * Vector2(std::cos(at.z()), std::sin(at.z()));
+    const double along = heading.dot(to), across = heading.x() * to.y() - heading.y() * to.x();
+    there = there || distance < kThere || (distance < kAhead && along <= 0.0);
+    double wanted = 0.0, turn = 0.0;
+    if (!there) {
+      const double off = std::atan2(across, along);
+      wanted = std::max(0.0, along / distance) *
+               std::min(limits.linear, std::max(kCrawl, stopping(distance, limits.linear_acceleration)));
+      if (distance > kAhead)
+        turn = std::copysign(std::min(limits.angular, stopping(std::abs(off), limits.angular_acceleration)), off);
+    }
+    omega = ramped(omega, turn, limits.angular_acceleration);
+    v = ramped(v, std::min(wanted, std::max(0.0, limits.rim_speed - limits.half_track * std::abs(omega))),
+               limits.linear_acceleration);
+    const double middle = at.z() + 0.5 * omega * kStep;
+    at += kStep * Vector3(direction * v * std::cos(middle), direction * v * std::sin(middle), omega);
+    speeds[static_cast<std::size_t>(++steps)] = {direction * v, omega};
+  }
+  if (steps == 0) return true;
+  time_ = steps * kStep;
+  spacing_ = time_ / (kNodes + 1);
+  double before = 0.0;
+  for (int i = 0; i < kNodes; ++i) {
+    const double place = (i + 1.0) * steps / (kNodes + 1);
+    const auto k = static_cast<std::size_t>(place);
+    const Vector2 u = speeds[k] + (place - static_cast<double>(k)) * (speeds[k + 1] - speeds[k]);
+    end_.z() += 0.5 * spacing_ * (before + u[1]);  // the heading that the parts have come to by then
+    before = u[1];
+    Vector3& node = speed_[static_cast<std::size_t>(i)];
+    node << u[0] * std::cos(end_.z()), u[0] * std::sin(end_.z()), u[1];
+    end_.head<2>() += spacing_ * node.head<2>();
+    way_ += spacing_ * std::abs(u[0]);
+    turned_ += spacing_ * std::abs(u[1]);
+  }
+  end_.z() += 0.5 * spacing_ * before;
+  return true;
+}
+
+void SteeredDrive::add_to(Path& path) const noexcept {
+  if (time_ <= 0.0) return;
+  for (int i = 0; i < kNodes; ++i) {
+    PathPart& part = path.motions[static_cast<std::size_t>(path.count++)];
+    part = {i * spacing_, 2.0 * spacing_, spacing_, WholeConfiguration::Zero(path.origin.size())};
+    part.change.head<3>() = spacing_ * speed_[static_cast<std::size_t>(i)];
+  }
+  path.duration = std::max(path.duration, time_);
+}
+
+}  // namespace moma

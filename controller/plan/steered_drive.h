@@ -1,0 +1,43 @@
+#pragma once
+
+#include <array>
+
+#include "controller/plan/path.h"
+
+namespace moma {
+
+/// A differential base's drive to a point, from rest to rest. The base turns to the point while it drives, instead of
+/// turning on the spot first, and keeps the heading with which it arrives:
+///
+///   v = cos(off) min(linear, stoppable_speed(d)),   omega = sign(off) min(angular, stoppable_speed(|off|)),
+///
+/// with the distance d and the angle `off` between the driving direction (backwards where the point is behind the
+/// start) and the point. Accelerations ramp both, and the faster wheel bounds v. plan() simulates this law; add_to()
+/// makes overlapping triangles of its velocities, so that they are linear between even times.
+class SteeredDrive {
+ public:
+  /// Parts of a path that a drive takes at most.
+  static constexpr int kNodes = Path::kMostMotions - 2;
+  static constexpr double kMostTime = 10.0;  ///< [s]
+  static constexpr double kThere = 0.003;    ///< distance at which a point is reached [m]
+
+  /// From (x, y, phi) to `point` [m]. False where that takes longer than kMostTime: some points are never reached by an
+  /// arc. Costs time/20 ms steps of the simulation, of about 0.1 us, and takes no memory.
+  bool plan(const MotionLimits& limits, const Vector3& from, const Vector2& point) noexcept;
+
+  double time() const noexcept { return time_; }
+  /// Where the parts of add_to() lead: a few centimetres from the point at most.
+  const Vector3& end() const noexcept { return end_; }
+  /// Length of the way, and sum of all turning [m, rad].
+  double way() const noexcept { return way_; }
+  double turned() const noexcept { return turned_; }
+  /// Adds the drive's parts to a path that has room for them; its duration becomes that of the drive at least.
+  void add_to(Path& path) const noexcept;
+
+ private:
+  std::array<Vector3, kNodes> speed_;  // (vx, vy, omega) in W at times (i + 1) spacing_
+  double spacing_ = 0.0, time_ = 0.0, way_ = 0.0, turned_ = 0.0;
+  Vector3 end_ = Vector3::Zero();
+};
+
+}  // namespace moma

@@ -1,0 +1,256 @@
+// Direct ways against coal's distances, forward kinematics and differences; the steered drive against a unicycle; the
+// same way however its work is spread; no memory taken.
+#include "controller/plan/direct_way.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/controller/plan_scenes.h"
+#include "tests/support/no_alloc.h"
+
+namespace moma::test {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr long kAll = 1L << 40;
+
+/// Largest speeds and accelerations of a path, by differences.
+struct Extremes {
+  WholeConfiguration speed, acceleration;
+};
+
+Extremes extremes(const Path& path) {
+  const double h = 0.001;
+  Extremes most{WholeConfiguration::Zero(path.origin.size()), WholeConfiguration::Zero(path.origin.size())};
+  WholeConfiguration before, now, after;
+  for (double t = 0.0; t < path.duration + h; t += h) {
+    path.at(t - h, before);
+    path.at(t, now);
+    path.at(t + h, after);
+    most.speed = most.speed.cwiseMax((after - before).cwiseAbs() / (2.0 * h));
+    most.acceleration = most.acceleration.cwiseMax((after - 2.0 * now + before).cwiseAbs() / (h * h));
+  }
+  return most;
+}
+
+class Drives : public testing::TestWithParam<double> {};
+
+INSTANTIATE_TEST_SUITE_P(WheelSpeeds, Drives, testing::Values(20.0, 11.0),
+                         [](const auto& param) { return "Of" + std::to_string(static_cast<int>(param.param)); });
+
+// A unicycle that is driven by the speeds of the path comes to its end, within what base and wheels can do.
+TEST_P(Drives, AUnicycleFollowsWithinItsLimits) {
+  RobotModel model = *load_model("configs/robots/frankie.yaml");
+  model.base.wheels->max_speed = GetParam();
+  const MotionLimits limits(model, plan_params(model));
+  std::mt19937_64 engine(1);
+  SteeredDrive drive;
+  int reached = 0;
+  double steered = 0.0, straight = 0.0, fastest_wheel = 0.0;
+  constexpr int kDrives = 300;
+  for (int k = 0; k < kDrives; ++k) {
+    const double bearing = uniform(engine, -kPi, kPi), away = uniform(engine, 0.0, 4.0);
+    const Vector3 from(uniform(engine, -2.0, 2.0), uniform(engine, -2.0, 2.0), uniform(engine, -4.0, 4.0));
+    const Vector2 point = from.head<2>() + away * Vector2(std::cos(bearing), std::sin(bearing));
+    if (!drive.plan(limits, from, point)) continue;
+    ++reached;
+    Path path;
+    path.origin = from;
+    drive.add_to(path);
+    ASSERT_EQ(path.duration, drive.time());
+    WholeConfiguration c;
+    path.at(path.duration, c);
+    EXPECT_LT((c - drive.end()).norm(), 1e-9);
+    EXPECT_LT((drive.end().head<2>() - point).norm(), 0.05) << "drive " << k;
+
+    const double h = 0.001;
+    WholeConfiguration before, after;
+    Vector3 unicycle = from;
+    double v_before = 0.0, omega_before = 0.0, way = 0.0, turned = 0.0;
+    for (double t = 0.5 * h; t < path.duration + h; t += h) {
+      path.at(t - 0.5 * h, before);
+      path.at(t + 0.5 * h, after);
+      const Vector3 u = (after - before) / h;
+      const double heading = 0.5 * (before[2] + after[2]);
+      const double v = std::cos(heading) * u.x() + std::sin(heading) * u.y();
+      constexpr double kMore = 1.0 + 1e-6, kBetweenNodes = 1.1;
+      ASSERT_LE(std::abs(v), kMore * limits.linear) << "drive " << k << " at " << t;
+      ASSERT_LE(std::abs(u.z()), kMore * limits.angular);
+      ASSERT_LE(std::abs(v - v_before) / h, kBetweenNodes * limits.linear_acceleration) << "drive " << k << " at " << t;
+      ASSERT_LE(std::abs(u.z() - omega_before) / h, kMore * limits.angular_acceleration);
+      ASSERT_LE(std::abs(-std::sin(heading) * u.x() + std::cos(heading) * u.y()), 0.06) << "sideways at " << t;
+      fastest_wheel = std::max(fastest_wheel, std::abs(v) + limits.half_track * std::abs(u.z()));
+      unicycle += h * Vector3(v * std::cos(heading), v * std::sin(heading), u.z());
+      way += h * std::abs(v);
+      turned += h * std::abs(u.z());
+      v_before = v;
+      omega_before = u.z();
+    }
+    EXPECT_LT(std::abs(v_before) + std::abs(omega_before), 0.02) << "it ends at rest";
+    EXPECT_LT((unicycle - drive.end()).norm(), 0.02) << "drive " << k;
+    EXPECT_NEAR(drive.way(), way, 0.02 + 0.05 * way);
+    EXPECT_NEAR(drive.turned(), turned, 0.02 + 0.05 * turned);
+
+    WholeConfiguration to = drive.end();
+    to[2] = std::atan2(to[1] - from[1], to[0] - from[0]);
+    head_along(limits, from, 0.0, to);
+    steered += drive.time();
+    Edge edge;
+    make_edge(limits, from, to, edge);
+    straight += edge.time;
+  }
+  EXPECT_GT(reached, 0.8 * kDrives);
+  EXPECT_LT(steered, 0.95 * straight) << "turning on the spot first takes longer";
+  EXPECT_LE(fastest_wheel, 1.01 * limits.rim_speed);
+  EXPECT_GT(fastest_wheel, 0.6 * limits.rim_speed);
+}
+
+TEST(SteeredDrive, APointThatIsReachedNeedsNoDrive) {
+  const auto model = load_model("configs/robots/frankie.yaml");
+  const MotionLimits limits(*model, plan_params(*model));
+  SteeredDrive drive;
+  const Vector3 from(1.0, -1.0, 0.5);
+  ASSERT_TRUE(drive.plan(limits, from, from.head<2>()));
+  EXPECT_EQ(drive.time(), 0.0);
+  EXPECT_EQ(drive.end(), from);
+  Path path;
+  drive.add_to(path);
+  EXPECT_EQ(path.count, 0);
+}
+
+class DirectWayOf : public testing::TestWithParam<std::string> {
+ protected:
+  DirectWayOf() : model(load_model(GetParam())), params(plan_params(*model)), direct(model, params) {}
+
+  bool find(const Scene& scene, long per_step = kAll) {
+    direct.set_objects(scene.shapes);
+    const NoAlloc guard;
+    direct.begin(scene.start, scene.X_WG, scene.states);
+    long budget = per_step;
+    while (direct.advance(budget)) budget = per_step;
+    EXPECT_EQ(guard.count(), 0);
+    return direct.found();
+  }
+
+  std::shared_ptr<const RobotModel> model;
+  ControllerParams params;
+  DirectWay direct;
+};
+
+std::vector<std::string> direct_robots() {
+  std::vector<std::string> robots = plan_robots();
+  robots.push_back("configs/robots/ur5.yaml");
+  return robots;
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, DirectWayOf, testing::ValuesIn(direct_robots()),
+                         [](const auto& param) { return test_name(param.param); });
+
+TEST_P(DirectWayOf, WaysAreFreeAndLeadToTheGoalWithinLimits) {
+  const MotionLimits& limits = direct.limits();
+  const int joints = model->num_joints();
+  Kinematics kinematics(model);
+  int found = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    Scene scene = make_scene(model, seed, 6);
+    for (int i = 0; i < joints; ++i)  // a joint that winds begins in another turn than the goal was drawn in
+      if (limits.winds[i] != 0 && seed % 3 == 0)
+        scene.start[3 + i] += scene.start[3 + i] > 0.0 ? -kFullTurn : kFullTurn;
+    if (!find(scene)) continue;
+    ++found;
+    const Path& path = direct.path();
+    WholeConfiguration c;
+    path.at(0.0, c);
+    EXPECT_EQ((c - scene.start).norm(), 0.0);
+    kinematics.update(c.head<3>(), c.tail(joints));
+    const double own_at_start = own_clearance(*model, kinematics);
+    double least = 1e9, own = 1e9;
+    for (double t = 0.0; t < path.duration + 0.01; t += 0.01) {
+      path.at(t, c);
+      for (int i = 0; i < joints; ++i) {
+        ASSERT_GE(c[3 + i], limits.lower[i]) << "joint " << i << ", seed " << seed;
+        ASSERT_LE(c[3 + i], limits.upper[i]) << "joint " << i << ", seed " << seed;
+        ASSERT_TRUE(limits.winds[i] == 0 || std::abs(c[3 + i] - scene.start[3 + i]) <= kFullTurn);
+      }
+      kinematics.update(c.head<3>(), c.tail(joints));
+      least = std::min(least, object_clearance(*model, kinematics, scene));
+      own = std::min(own, own_clearance(*model, kinematics));
+    }
+    // Less what may happen between two checks.
+    EXPECT_GT(least, path.clearance - 0.01) << "seed " << seed;
+    EXPECT_GT(own, std::min(params.plan.self, own_at_start) - 0.01) << "seed " << seed;
+    EXPECT_LT((kinematics.X_WE().translation() - scene.X_WG.translation()).norm(), 1e-3);
+    EXPECT_LT(log_so3(kinematics.X_WE().linear() * scene.X_WG.linear().transpose()).norm(), 2e-3);
+
+    const Extremes most = extremes(path);
+    constexpr double kMore = 1.0 + 1e-4;
+    for (int i = 0; i < joints; ++i) {
+      EXPECT_LE(most.speed[3 + i], kMore * limits.joint_speed[i]) << "joint " << i << ", seed " << seed;
+      EXPECT_LE(most.acceleration[3 + i], kMore * limits.joint_acceleration[i]) << "joint " << i << ", seed " << seed;
+    }
+    if (model->mobile()) {
+      EXPECT_LE(most.speed[2], kMore * limits.angular);
+      EXPECT_LE(most.acceleration[2], kMore * limits.angular_acceleration);
+      EXPECT_LE(most.speed.head<2>().maxCoeff(), kMore * limits.linear);
+    }
+    if (model->mobile() && !limits.base->nonholonomic()) {  // the others: Drives
+      EXPECT_LE(most.acceleration.head<2>().maxCoeff(), kMore * limits.linear_acceleration);
+    }
+  }
+  EXPECT_GE(found, 4) << "too few to say anything";
+}
+
+TEST_P(DirectWayOf, TheSameWayHoweverItIsSpread) {
+  int found = 0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const Scene scene = make_scene(model, seed, 4);
+    if (!find(scene)) continue;
+    ++found;
+    const Path whole = direct.path();
+    for (const long per_step : {300L, 7L}) {
+      ASSERT_TRUE(find(scene, per_step));
+      const Path& path = direct.path();
+      ASSERT_EQ(path.count, whole.count);
+      ASSERT_EQ(path.duration, whole.duration);
+      for (std::size_t k = 0; k < static_cast<std::size_t>(path.count); ++k)
+        ASSERT_EQ((path.motions[k].change - whole.motions[k].change).norm(), 0.0);
+    }
+  }
+  EXPECT_GT(found, 0);
+}
+
+// Of ways to many ends it is the quickest: those of the planner, which keeps more of the speeds to itself, take longer.
+TEST_P(DirectWayOf, IsQuickerThanAPlannedPath) {
+  Planner planner(model, params);
+  double steered = 0.0, planned = 0.0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const Scene scene = make_scene(model, seed, 0);
+    if (!plan_whole(planner, scene, seed) || !find(scene)) continue;
+    steered += direct.path().duration;
+    planned += planner.path().duration;
+  }
+  EXPECT_GT(steered, 0.0);
+  EXPECT_LT(steered, planned);
+}
+
+TEST_P(DirectWayOf, ThereIsNoneThroughAWallOrToAGoalInAnObject) {
+  Scene scene = make_scene(model, 1, 0);
+  ASSERT_TRUE(find(scene));
+  scene.shapes = {{"ball", make_sphere(0.02)}};
+  scene.states.resize(1);
+  scene.states[0].X_WO.translation() = scene.X_WG.translation();
+  direct.set_objects(scene.shapes);
+  direct.begin(scene.start, scene.X_WG, scene.states);
+  long budget = kAll;
+  EXPECT_FALSE(direct.advance(budget));
+  EXPECT_EQ(budget, kAll) << "it is known at once";
+  EXPECT_FALSE(direct.found());
+  if (model->mobile()) {
+    EXPECT_FALSE(find(behind_a_wall(model, 1)));
+  }
+}
+
+}  // namespace
+}  // namespace moma::test
