@@ -41,6 +41,7 @@ class Checker {
     counts_.hashes = check_hashes(db_, "main", finding_);
     check_worlds();
     check_names();
+    check_suites();
     check_keys();
     check_copies();
     check_missing();
@@ -100,16 +101,33 @@ class Checker {
       if (shown != name && !numbered)
         tell(fmt::format("{} is shown as {:.80}, but its name is {:.80}", s.getColumn(0).getString(), shown, name));
     }
-    Statement suites(
-        db_,
-        "SELECT DISTINCT u.id, u.file_name, iif(json_valid(r.resolved), coalesce(json_extract(r.resolved, "
-        "'$.name'), u.file_name), u.file_name) AS said FROM main.point AS p JOIN main.suite AS u ON u.id = "
-        "p.suite_id JOIN main.resolved_suite AS r ON r.id = p.resolved_suite_id WHERE said IS NOT "
-        "u.file_name");
-    while (suites.executeStep())
-      tell(fmt::format("suite {}: its name is {:.80}, but that of its resolved suite {:.80}",
-                       suites.getColumn(0).getInt64(), suites.getColumn(1).getString(),
-                       suites.getColumn(2).getString()));
+  }
+
+  /// A suite must be the one that its points and invocations were resolved from.
+  void check_suites() {
+    for (const char* table : {"point", "invocation"}) {
+      Statement s(db_, fmt::format("SELECT min(x.id), u.id, u.file_name, u.setting_hash, r.resolved FROM main.{} AS x "
+                                   "JOIN main.suite AS u ON u.id = x.suite_id JOIN main.resolved_suite AS r "
+                                   "ON r.id = x.resolved_suite_id GROUP BY u.id, r.id",
+                                   table));
+      while (s.executeStep()) {
+        const std::string name = fmt::format("{} {}", table, s.getColumn(0).getInt64());
+        try {
+          const auto resolved = config::parse_json(s.getColumn(4).getString(), name);
+          Hash setting{};
+          read_cell(s.getColumn(3), setting);
+          const char* differs = resolved.value("name", "") != s.getColumn(2).getString() ? "file_name"
+                                : !has_setting(resolved, setting)                        ? "setting_hash"
+                                                                                         : nullptr;
+          if (differs != nullptr)
+            tell(fmt::format("{}: suite {}: {} not as its resolved suite says", name, s.getColumn(1).getInt64(), differs));
+        } catch (const std::bad_alloc&) {
+          throw;
+        } catch (const std::exception& error) {
+          tell(fmt::format("{}: its resolved_suite cannot be read: {}", name, error.what()));
+        }
+      }
+    }
   }
 
   void check_worlds() {
@@ -193,7 +211,10 @@ class Checker {
                       "EXISTS (SELECT 1 FROM main.point_trial AS m WHERE m.key = t.key)");
     orphans.executeStep();
     if (const std::int64_t n = orphans.getColumn(0).getInt64(); n > 0)
-      tell(fmt::format("{} trials belong to no point, although a run stored them: tables leave them out", n));
+      tell(
+          fmt::format("{} trials belong to no point, although execution and invocation say that a run stored them: "
+                      "tables leave them out",
+                      n));
     Statement planned(
         db_,
         "SELECT u.name, max(i.trials_planned) AS planned, (SELECT count(*) FROM main.point_trial AS m JOIN "
@@ -201,8 +222,16 @@ class Checker {
         "main.invocation AS i ON i.suite_id = u.id WHERE i.status = 'finished' GROUP BY u.id HAVING there "
         "< planned");
     while (planned.executeStep())
-      tell(fmt::format("suite {}: a run finished with {} trials, and {} are there", planned.getColumn(0).getString(),
-                       planned.getColumn(1).getInt64(), planned.getColumn(2).getInt64()));
+      tell(fmt::format("suite {}: a run finished with {} trials (invocation), and {} are there (point_trial)",
+                       planned.getColumn(0).getString(), planned.getColumn(1).getInt64(),
+                       planned.getColumn(2).getInt64()));
+    for (const char* table : {"invocation", "tune_search"}) {  // a killed one has no end
+      Statement ends(db_, fmt::format("SELECT id FROM main.{} WHERE iif(ended IS NULL, status = 'finished', "
+                                      "status = 'running')",
+                                      table));
+      while (ends.executeStep())
+        tell(fmt::format("{} {}: its status and its end contradict each other", table, ends.getColumn(0).getInt64()));
+    }
     Statement metrics(
         db_,
         "SELECT p.id, j.key, j.value, count(*) FROM main.point AS p JOIN main.resolved_suite AS r ON r.id = "

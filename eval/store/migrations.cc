@@ -95,8 +95,11 @@ bool has_our_views(SQLite::Database& db) {
 }  // namespace
 
 void shadow_views(SQLite::Database& db) {
-  // Without a column that this build describes only the file's own views can be read.
-  if (!has_our_views(db) && all_additions(db).empty()) db.exec(temporary_views_sql());
+  // Without a column that the views show only the file's own can be read; they show none of searches.
+  const std::vector<std::string> lacks = all_additions(db);
+  const bool shown = std::any_of(lacks.begin(), lacks.end(),
+                                 [](const std::string& sql) { return !sql.starts_with("ALTER TABLE tune_"); });
+  if (!shown && !has_our_views(db)) db.exec(temporary_views_sql());
 }
 
 void add_described_columns(SQLite::Database& db) {

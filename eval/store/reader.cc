@@ -17,6 +17,7 @@
 #include "eval/store/hash.h"
 #include "eval/store/migrations.h"
 #include "eval/store/records.h"
+#include "eval/store/search_tables.h"
 #include "eval/store/table.h"
 #include "eval/store/words.h"
 
@@ -53,6 +54,7 @@ struct Reader::Impl {
   std::filesystem::path file;
   ReadConnection connection;
   SQLite::Database& db;
+  std::optional<Statement> lone;  ///< of lone_trial(), which is asked often
   explicit Impl(const std::filesystem::path& path) : file(path), connection(path), db(connection.db()) {}
 
   template <typename Work>
@@ -64,6 +66,14 @@ struct Reader::Impl {
     } catch (const std::invalid_argument& error) {  // a key or a word that no moma writes
       throw StoreError(StoreError::Kind::kUnusable, fmt::format("{}: is damaged: {}", file.string(), error.what()));
     }
+  }
+
+  std::vector<std::string> texts(const char* sql) {
+    return guarded([&] {
+      std::vector<std::string> all;
+      for (Statement s(db, sql); s.executeStep();) all.push_back(s.getColumn(0).getString());
+      return all;
+    });
   }
 
   std::string full_key(const std::string& prefix) {
@@ -143,22 +153,10 @@ StoredTrial Reader::trial(const std::string& prefix) const {
 }
 
 std::vector<std::string> Reader::keys() const {
-  return impl_->guarded([&] {
-    std::vector<std::string> keys;
-    Statement s(impl_->db, "SELECT DISTINCT lower(hex(key)) FROM point_trial ORDER BY 1");
-    while (s.executeStep()) keys.push_back(s.getColumn(0).getString());
-    return keys;
-  });
+  return impl_->texts("SELECT DISTINCT lower(hex(key)) FROM point_trial ORDER BY 1");
 }
 
-std::vector<std::string> Reader::suite_names() const {
-  return impl_->guarded([&] {
-    std::vector<std::string> names;
-    Statement s(impl_->db, "SELECT name FROM suite ORDER BY id");
-    while (s.executeStep()) names.push_back(s.getColumn(0).getString());
-    return names;
-  });
-}
+std::vector<std::string> Reader::suite_names() const { return impl_->texts("SELECT name FROM suite ORDER BY id"); }
 
 StoredInvocation Reader::latest_invocation(const std::string& name) const {
   return impl_->guarded([&] {
@@ -221,12 +219,11 @@ std::vector<PointTrial> Reader::trials_of(std::int64_t point) const {
   });
 }
 
-std::string Reader::point_differences(std::int64_t point, const SuiteRecord& suite, std::size_t position) const {
+std::string Reader::point_differences(std::int64_t point, const PointRecord& said) const {
   return impl_->guarded([&] {
-    const PointRecord& said = suite.points.at(position);
-    Statement s(impl_->db, fmt::format("SELECT r.name, r.resolved, c.resolved, u.setting_hash, {} "
+    Statement s(impl_->db, fmt::format("SELECT r.name, r.resolved, c.resolved, {} "
                                        "FROM point AS p JOIN robot AS r ON r.id = p.robot_id JOIN controller AS c "
-                                       "ON c.id = p.controller_id JOIN suite AS u ON u.id = p.suite_id WHERE p.id = ?",
+                                       "ON c.id = p.controller_id WHERE p.id = ?",
                                        column_names<PointRow>("p.")));
     s.bind(1, point);
     if (!s.executeStep()) return std::string("robot or controller");
@@ -237,16 +234,13 @@ std::string Reader::point_differences(std::int64_t point, const SuiteRecord& sui
     compare("robot",
             s.getColumn(0).getString() == said.robot_name && s.getColumn(1).getString() == said.robot_resolved);
     compare("controller", s.getColumn(2).getString() == said.controller_resolved);
-    Hash setting{};
-    read_cell(s.getColumn(3), setting);
-    compare("setting_hash", setting == suite.setting_hash);
     PointRow row = said;  // names as shown, and where its parts are, are this store's own
-    const PointRow own = read_record<PointRow>(s, 4);
+    const PointRow own = read_record<PointRow>(s, 3);
     row.controller_name = said.controller;
     row.suite_id = own.suite_id, row.controller = own.controller, row.robot_id = own.robot_id;
     row.controller_id = own.controller_id, row.resolved_suite_id = own.resolved_suite_id;
     row.resolved_position = own.resolved_position;
-    const std::string columns = differing_columns(s, 4, row);
+    const std::string columns = differing_columns(own, row);
     if (!columns.empty()) compare(columns.c_str(), false);
     return differ;
   });
@@ -262,14 +256,80 @@ std::vector<std::string> Reader::running() const {
   });
 }
 
-std::size_t Reader::searched_trials() const {
+std::vector<std::string> Reader::searched_keys() const {
+  return impl_->texts(
+      "SELECT lower(hex(t.key)) FROM trial AS t WHERE NOT EXISTS (SELECT 1 FROM point_trial AS m WHERE m.key = t.key) "
+      "ORDER BY t.key");
+}
+
+std::set<std::string> Reader::keys_of_suite(const std::string& name) const {
   return impl_->guarded([&] {
-    return static_cast<std::size_t>(
-        impl_->db
-            .execAndGet(
-                "SELECT count(*) FROM trial AS t WHERE NOT EXISTS (SELECT 1 FROM point_trial AS m WHERE m.key = "
-                "t.key)")
-            .getInt64());
+    std::set<std::string> keys;
+    Statement s(impl_->db,
+                "SELECT lower(hex(m.key)) FROM point_trial AS m JOIN point AS p ON p.id = m.point_id JOIN suite AS u "
+                "ON u.id = p.suite_id WHERE u.name = ?");
+    s.bind(1, name);
+    while (s.executeStep()) keys.insert(s.getColumn(0).getString());
+    return keys;
+  });
+}
+
+std::vector<std::string> Reader::robots() const { return impl_->texts("SELECT resolved FROM robot ORDER BY id"); }
+
+std::vector<std::int64_t> Reader::searches() const {
+  return impl_->guarded([&] {
+    std::vector<std::int64_t> ids;
+    Statement s(impl_->db, "SELECT id FROM tune_search ORDER BY id");
+    while (s.executeStep()) ids.push_back(s.getColumn(0).getInt64());
+    return ids;
+  });
+}
+
+StoredSearch Reader::search(std::int64_t id) const {
+  StoredSearch search;
+  const auto rows = [&]<class R>(const char* table, const char* place, std::vector<R>& to) {
+    const std::set<std::string> stored = stored_columns(impl_->db, table);
+    try {
+      to = place == nullptr ? store::Table<R>(impl_->db, table, {"id"}, &stored).all(id)
+                            : store::Table<R>(impl_->db, table, {"search_id", place}, &stored).all(id);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(fmt::format("{}: {}", table, error.what()));
+    }
+    if (place == nullptr || to.empty()) return;
+    Statement s(impl_->db, fmt::format("SELECT min({0}), max({0}) FROM {1} WHERE search_id = ?", place, table));
+    s.bind(1, id);
+    s.executeStep();
+    if (s.getColumn(0).getInt64() != 0 || s.getColumn(1).getInt64() + 1 != static_cast<std::int64_t>(to.size()))
+      throw std::invalid_argument(fmt::format("{}: its rows are not numbered 0, 1, 2 ...", table));
+  };
+  impl_->guarded([&] {
+    std::vector<TuneSearchRecord> record;
+    rows("tune_search", nullptr, record);
+    search.record = std::move(record.at(0));
+    rows("tune_variable", "variable", search.variables);
+    rows("tune_evaluation", "evaluation", search.evaluations);
+    rows("tune_finalist", "place", search.finalists);
+    rows("tune_sensitivity", "entry", search.sensitivity);
+    rows("tune_comparison", "entry", search.comparisons);
+  });
+  return search;
+}
+
+std::optional<LoneTrial> Reader::lone_trial(const std::string& key) const {
+  return impl_->guarded([&]() -> std::optional<LoneTrial> {
+    std::optional<Statement>& s = impl_->lone;
+    if (!s) {
+      const std::set<std::string> there = stored_columns(impl_->db, "trial");
+      s.emplace(impl_->db, fmt::format("SELECT w.json, i.machine_class, {} FROM trial AS t JOIN world AS w ON w.id = "
+                                       "t.world_id LEFT JOIN execution AS e ON e.key = t.key LEFT JOIN invocation AS i "
+                                       "ON i.id = e.invocation_id WHERE t.key = ?",
+                                       column_names<TrialRow>("t.", &there)));
+    }
+    s->reset();
+    bind_cell(*s, 1, hash_from_hex(key));
+    if (!s->executeStep()) return std::nullopt;
+    return LoneTrial{read_record<TrialRow>(*s, 2), s->getColumn(0).getString(),
+                     s->getColumn(1).isNull() ? "" : s->getColumn(1).getString()};
   });
 }
 

@@ -113,20 +113,23 @@ struct Reader {
   void inlined(M C::*) {}
 };
 
+/// Whether `said` is stored as `kept`.
+template <class About, class M>
+bool same(const M& kept, const M& said) {
+  if constexpr (std::same_as<M, double> && std::same_as<About, Column>) return same_metric(kept, said);
+  if constexpr (std::same_as<M, std::optional<double>>)
+    return said && *said != *said ? !kept : kept == said;  // NaN is NULL
+  return kept == said;
+}
+
 template <class R>
 struct Differ {
-  SQLite::Statement& s;
+  const R& kept;
   const R& said;
-  int index;
   std::string names;
   template <class M, class C, class About>
-  void member(std::string_view name, M C::*member, const About& about) {
-    M kept{};
-    read(s.getColumn(index++), kept, about);
-    bool same = kept == said.*member;
-    if constexpr (std::same_as<M, double>)
-      same = std::same_as<About, Column> ? same_metric(kept, said.*member) : kept == said.*member;
-    if (!same) names.append(names.empty() ? "" : ", ").append(name);
+  void member(std::string_view name, M C::*member, const About&) {
+    if (!same<About>(kept.*member, said.*member)) names.append(names.empty() ? "" : ", ").append(name);
   }
   template <class M, class C>
   void inlined(M C::*) {}
@@ -151,12 +154,17 @@ R read_record(SQLite::Statement& s, int first) {
   return record;
 }
 
-/// Names of the columns from `first` on that do not hold what `said` would be stored as; "" where all do.
+/// Names of the columns that do not hold what `said` would be stored as; "" where all do.
 template <class R>
-std::string differing_columns(SQLite::Statement& s, int first, const R& said) {
-  field::Differ<R> differ{s, said, first, {}};
+std::string differing_columns(const R& kept, const R& said) {
+  field::Differ<R> differ{kept, said, {}};
   describe(differ, Of<R>{});
   return differ.names;
+}
+/// Of those from `first` on.
+template <class R>
+std::string differing_columns(SQLite::Statement& s, int first, const R& said) {
+  return differing_columns(read_record<R>(s, first), said);
 }
 
 /// "outcome, reason, ..."; NULL in place of those that a table without them lacks.
@@ -182,8 +190,10 @@ std::string where_sql(const std::vector<std::string>& keys, std::size_t n);
 template <class R>
 class Table {
  public:
-  Table(SQLite::Database& db, std::string name, std::vector<std::string> keys)
-      : db_(db), name_(std::move(name)), keys_(std::move(keys)), names_(column_names<R>()) {}
+  /// `stored`: the table's columns, where it may lack some, which is then only read.
+  Table(SQLite::Database& db, std::string name, std::vector<std::string> keys,
+        const std::set<std::string>* stored = nullptr)
+      : db_(db), name_(std::move(name)), keys_(std::move(keys)), names_(column_names<R>({}, stored)) {}
 
   template <class... K>
   void insert(const R& record, const K&... key) {
