@@ -19,6 +19,7 @@
 #include "eval/store/planner_arena.h"
 #include "eval/store/query.h"
 #include "eval/store/reader.h"
+#include "eval/store/search_tables.h"
 #include "eval/store/samples.h"
 #include "tests/eval/store_fixture.h"
 #include "tests/fuzz/bytes.h"
