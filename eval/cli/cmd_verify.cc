@@ -74,8 +74,7 @@ void add_verify(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   command->add_flag("--hash", options->hash, "Print one hash over all results: equal hashes mean equal rows");
   command->add_flag("-q,--quiet", options->quiet, "No progress");
   command->footer(
-      "Compares besides what the store says twice, and every hash, runs searches again over their trials, and says "
-      "what\n"
+      "Compares what the store says twice, and every hash; runs searches again over their stored trials; says what\n"
       "it did not look at. Exit 1 where a trial differs, the store is damaged, or what was to be checked cannot be\n"
       "(another simulation's trials, views of another build, metrics that SQLite refuses).\n"
       "Example: moma verify results/demo.db --fraction 0.05 --hash");

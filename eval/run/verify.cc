@@ -280,7 +280,7 @@ class Verifier {
     SearchesFound found = verify_searches(reader_, request);
     found_.searches = found.searches;
     found_.verdicts = found.verdicts;
-    found_.chosen += request.chosen.size();
+    found_.chosen += found.replayed;
     found_.replayed += found.replayed;
     if (found.stopped) found_.end = End::kStopped;
     found_.not_checked = std::move(found.not_checked);

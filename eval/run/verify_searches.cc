@@ -106,16 +106,13 @@ class Search {
         stored_(stored),
         name_(fmt::format("search {} ({} of {})", id, stored.record.controller, stored.record.suite)) {}
 
-  /// Whether it came to its end, so that all trials of it were met.
-  bool execute(const Robots& robots) {
+  void execute(const Robots& robots) {
     std::optional<tune::Tuning> tuning;
-    bool whole = false;
     attempt([&] {
       tuning = make_tuning(robots);
-      if (tuning) whole = run(*tuning);
+      if (tuning) run(*tuning);
     });
     if (tuning && !found_.stopped) attempt([&] { judge(*tuning); });
-    return whole;
   }
 
  private:
@@ -164,7 +161,7 @@ class Search {
     return std::nullopt;
   }
 
-  bool run(const tune::Tuning& tuning) {
+  void run(const tune::Tuning& tuning) {
     const store::TuneSearchRecord& kept = stored_.record;
     const bool ended = kept.status == tune::SearchStatus::kFinished || !stored_.finalists.empty();
     Log log(stored_.evaluations);
@@ -180,7 +177,7 @@ class Search {
       const std::string late = why.what();
       found_.stopped = late.empty();
       if (!late.empty()) doubt("real time ran out in a trial: " + late);
-      return false;
+      return;
     }
     ++found_.searches;
     if (log.appended() < stored_.evaluations.size())
@@ -199,7 +196,6 @@ class Search {
     }
     compare("tune_search", kept, said);
     compare("tune_variable", stored_.variables, variables);
-    return result.has_value();
   }
 
   /// The verdict on the held-out worlds, from the stored trials.
@@ -263,25 +259,22 @@ SearchesFound verify_searches(const store::Reader& reader, const SearchesRequest
   const std::vector<std::int64_t> ids = reader.searches();
   const Robots robots = ids.empty() ? Robots{} : robots_of(reader);
   Trials trials(reader, request, found);
-  bool whole = true;
   for (const std::int64_t id : ids) {
     if (found.stopped) break;
     try {
       const store::StoredSearch stored = reader.search(id);
-      whole = Search(reader, request, trials, found, stored, id).execute(robots) && whole;
+      Search(reader, request, trials, found, stored, id).execute(robots);
     } catch (const store::StoreError& error) {
       if (error.kind() != store::StoreError::Kind::kUnusable) throw;
       request.finding(fmt::format("search {}: {}", id, error.what()));
-      whole = false;
     }
   }
   found.replayed = trials.compared();
   const std::vector<std::string> keys = reader.searched_keys();
   const auto left = std::count_if(keys.begin(), keys.end(), [&](const std::string& key) { return !trials.met(key); });
-  if (left > 0 && whole) request.finding(fmt::format("trial: {} of them belong to no point and no search", left));
-  if (left > 0 && !whole)
+  if (left > 0)
     found.not_checked.push_back(
-        fmt::format("{} trials of searches that are not finished, or were not run again", left));
+        fmt::format("{} trials that belong to no point, nor to a search that was run again", left));
   return found;
 }
 

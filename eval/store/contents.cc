@@ -120,7 +120,8 @@ class Checker {
                                 : !has_setting(resolved, setting)                        ? "setting_hash"
                                                                                          : nullptr;
           if (differs != nullptr)
-            tell(fmt::format("{}: suite {}: {} not as its resolved suite says", name, s.getColumn(1).getInt64(), differs));
+            tell(fmt::format("{}: suite {}: {} not as its resolved suite says", name, s.getColumn(1).getInt64(),
+                             differs));
         } catch (const std::bad_alloc&) {
           throw;
         } catch (const std::exception& error) {

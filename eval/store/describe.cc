@@ -27,8 +27,11 @@ Hash setting_hash(const std::string& setting, int version) {
 }  // namespace
 
 SuiteRecord describe(const Suite& suite) {
-  SuiteRecord record{suite.name, setting_hash(setting_of(suite.resolved), kSimulationVersion), suite.resolved.dump(),
-                     {}, suite.metrics};
+  SuiteRecord record{suite.name,
+                     setting_hash(setting_of(suite.resolved), kSimulationVersion),
+                     suite.resolved.dump(),
+                     {},
+                     suite.metrics};
   std::map<const void*, std::string> robots;  // a resolved robot is long and mostly shared
   for (const SuitePoint& point : suite.points) {
     PointRecord p;

@@ -117,31 +117,19 @@ TEST_F(CliTamper, WhatASearchFoundFollowsFromItsTrials) {
   const ProcessResult sound = verify("t.db");
   EXPECT_EQ(sound.code, 0) << sound.out << sound.err;
   EXPECT_NE(sound.out.find("the store is sound"), std::string::npos) << sound.out;
-  const std::string unlike = "UPDATE tune_search SET verdict = iif(verdict = 'better', 'worse', 'better')";
-  const std::string held_out =
-      "(SELECT m.key FROM point_trial AS m JOIN point AS p ON p.id = m.point_id WHERE "
-      "p.controller = 'plain-tuned')";
-  const std::pair<std::string, const char*> changes[] = {
-      {unlike, "tune_search: verdict"},
-      {"UPDATE tune_comparison SET verdict = 'better'", "tune_comparison, row 0: verdict"},
-      {"UPDATE tune_variable SET found = 1.25", "tune_variable, row 0: found"},
-      {"UPDATE tune_search SET held_out = '{\"first\":3,\"count\":2}'", "tune_comparison"},
-      {"UPDATE trial SET command_change_mean = 0.5 WHERE key NOT IN (SELECT key FROM point_trial)",
-       "of a search: command_change_mean: 0.5"},
-      {"UPDATE trial SET command_change_mean = 0.5 WHERE key IN " + held_out, "tune_comparison, row "},
+  const std::pair<const char*, const char*> changes[] = {
+      {"UPDATE tune_search SET verdict = iif(verdict = 'better', 'worse', 'better')", "tune_search: verdict"},
+      {"UPDATE trial SET command_change_mean = 0.5 WHERE key IN (SELECT m.key FROM point_trial AS m JOIN point AS p ON "
+       "p.id = m.point_id WHERE p.controller = 'plain-tuned')",
+       "tune_comparison, row "},
       {"DELETE FROM tune_evaluation WHERE evaluation = (SELECT max(evaluation) FROM tune_evaluation)",
-       "tune_evaluation: it has an end, and evaluation"},
-      {"DELETE FROM execution WHERE key NOT IN (SELECT key FROM point_trial); DELETE FROM trial WHERE key NOT IN "
-       "(SELECT "
-       "key FROM point_trial)",
+       "tune_evaluation: the search has an end, and evaluation"},
+      {"DELETE FROM execution WHERE key NOT IN (SELECT key FROM point_trial); "
+       "DELETE FROM trial WHERE key NOT IN (SELECT key FROM point_trial)",
        " is missing"},
       {"DELETE FROM tune_comparison; UPDATE tune_search SET verdict = NULL", "a part of a verdict"},
-      {"DELETE FROM tune_search; DELETE FROM tune_variable; DELETE FROM tune_evaluation; DELETE FROM tune_finalist; "
-       "DELETE FROM tune_comparison",
-       "belong to no point and no search"},
       {"UPDATE tune_search SET held_out = NULL",
        "could not be checked: search 1 (plain of tuned): tune_search.held_out"},
-      {"UPDATE tune_search SET identity = json_set(identity, '$.search_version', 1)", "its text has another hash"},
   };
   for (const auto& [sql, says] : changes) {
     fs::copy_file(path("t.db"), path("b.db"), fs::copy_options::overwrite_existing);
@@ -158,15 +146,13 @@ TEST_F(CliTamper, ASearchWithoutAnEndIsJudgedAsFarAsItWent) {
   write("tune.yaml", kTune);
   moma({"tune", "tune.yaml", "-o", "t.db", "--gains", "g.yaml", "-q"});
   change("t.db",
-         "UPDATE tune_search SET status = 'stopped', ended = NULL, verdict = NULL, held_out = NULL, held_out_suite = "
-         "NULL, "
-         "trials = NULL, trials_saved = NULL, evaluations_cut = NULL, runs = NULL, notes = NULL; "
-         "DELETE FROM tune_finalist; DELETE FROM tune_comparison; UPDATE tune_variable SET found = NULL, importance = "
-         "NULL; "
-         "DELETE FROM tune_evaluation WHERE evaluation > 1");
+         "UPDATE tune_search SET (status, ended, verdict, held_out, held_out_suite, trials, trials_saved, "
+         "evaluations_cut, runs, notes) = ('stopped', NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL); "
+         "UPDATE tune_variable SET found = NULL, importance = NULL; DELETE FROM tune_finalist; "
+         "DELETE FROM tune_comparison; DELETE FROM tune_evaluation WHERE evaluation > 1");
   const ProcessResult part = verify("t.db");
   EXPECT_EQ(part.code, 0) << part.out << part.err;
-  EXPECT_NE(part.out.find("trials of searches that are not finished"), std::string::npos) << part.out;
+  EXPECT_NE(part.out.find("trials that belong to no point, nor to a search"), std::string::npos) << part.out;
   EXPECT_EQ(part.out.find("the store is sound"), std::string::npos) << part.out;
   change("t.db", "UPDATE tune_evaluation SET cost = cost + 1 WHERE evaluation = 1");
   EXPECT_EQ(verify("t.db").code, 1);
