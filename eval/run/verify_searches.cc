@@ -213,11 +213,11 @@ class Search {
     if (!kept.verdict || !kept.held_out_suite || gains.size() != tuning.config.variables.size())
       throw std::runtime_error("tune_search: it has a part of a verdict");
     const tune::HeldOut held_out = tune::make_held_out(tuning, gains);
-    const std::set<std::string> in_suite = reader_.keys_of_suite(*kept.held_out_suite);
+    const std::vector<std::string> in_suite = reader_.keys_of_suite(*kept.held_out_suite);
     std::vector<TrialRow> rows;
     for (const BatchJob& job : held_out.jobs) {
       std::optional<store::LoneTrial> trial;
-      if (in_suite.contains(job.key)) trial = reader_.lone_trial(job.key);
+      if (std::binary_search(in_suite.begin(), in_suite.end(), job.key)) trial = reader_.lone_trial(job.key);
       if (!trial)
         throw std::runtime_error(fmt::format("tune_search: suite {} has no trial of {} in world {}",
                                              *kept.held_out_suite, held_out.suite.points[job.point].controller,

@@ -72,14 +72,13 @@ bool has_setting(const Json& resolved, const Hash& hash) {
 }
 
 WorldRecord describe(const World& world) {
-  return {world.index, world.seed, world.family, world.difficulty, to_json(world).dump()};
+  return {world.difficulty, {}, world.index, std::to_string(world.seed), world.family, to_json(world).dump()};
 }
 
 WorldRecord describe_missing(const Worlds& worlds, std::uint64_t index) {
-  WorldRecord record{index, worlds.seed(), worlds.family_of(index), {}, {}};
-  const Json json = {{"index", index}, {"seed", record.seed}, {"family", record.family}, {"missing", true}};
-  record.json = json.dump();
-  return record;
+  const std::string family = worlds.family_of(index);
+  const Json json = {{"index", index}, {"seed", worlds.seed()}, {"family", family}, {"missing", true}};
+  return {{}, {}, index, std::to_string(worlds.seed()), family, json.dump()};
 }
 
 }  // namespace moma::store

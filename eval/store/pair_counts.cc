@@ -36,26 +36,26 @@ struct WorldOrder {
   std::vector<std::size_t> first_word;  // of each family, and the end
 };
 
-struct Row {
+struct PairRow {
   const PointBits* a = nullptr;
   const PointBits* b = nullptr;
   std::size_t family = 0;
   std::int64_t n = 0, both = 0, only_a = 0, only_b = 0;
 };
 
-struct Table : sqlite3_vtab {
+struct PairTable : sqlite3_vtab {
   sqlite3* connection = nullptr;
 };
 
-struct Cursor : sqlite3_vtab_cursor {
+struct PairCursor : sqlite3_vtab_cursor {
   std::vector<PointBits> points;
   WorldOrder worlds;
-  std::vector<Row> rows;
+  std::vector<PairRow> rows;
   std::int64_t row = 0;
 
   std::int64_t size() const { return static_cast<std::int64_t>(rows.size()); }
 };
-using PairCounts = VirtualTable<Table, Cursor>;
+using PairCounts = VirtualTable<PairTable, PairCursor>;
 
 WorldOrder read_worlds(sqlite3* connection) {
   WorldOrder order;
@@ -99,14 +99,14 @@ std::vector<PointBits> read_points(sqlite3* connection, const WorldOrder& worlds
   return points;
 }
 
-void count(Cursor& cursor) {
+void count(PairCursor& cursor) {
   for (std::size_t i = 0; i < cursor.points.size(); ++i) {
     const PointBits& a = cursor.points[i];
     for (std::size_t j = i + 1; j < cursor.points.size(); ++j) {
       const PointBits& b = cursor.points[j];
       if (std::tie(a.suite_id, a.robot_id, a.mode) != std::tie(b.suite_id, b.robot_id, b.mode)) continue;
       for (std::size_t f = 0; f < cursor.worlds.families.size(); ++f) {
-        Row row{&a, &b, f};
+        PairRow row{&a, &b, f};
         for (std::size_t w = cursor.worlds.first_word[f]; w < cursor.worlds.first_word[f + 1]; ++w) {
           const std::uint64_t met = a.met[w] & b.met[w];
           row.n += std::popcount(met);
@@ -123,7 +123,7 @@ void count(Cursor& cursor) {
 int connect(sqlite3* connection, void* /*data*/, int /*argc*/, const char* const* /*argv*/, sqlite3_vtab** out,
             char** error) {
   return guarded(*error, [&] {
-    auto table = std::make_unique<Table>();
+    auto table = std::make_unique<PairTable>();
     table->connection = connection;
     const int code = sqlite3_declare_vtab(connection,
                                           "CREATE TABLE pair_counts (suite TEXT, family TEXT, mode TEXT, "
@@ -140,7 +140,7 @@ int best_index(sqlite3_vtab* /*table*/, sqlite3_index_info* info) {
 }
 
 int filter(sqlite3_vtab_cursor* base, int /*number*/, const char* /*text*/, int /*argc*/, sqlite3_value** /*argv*/) {
-  Cursor& cursor = PairCounts::cursor(base);
+  PairCursor& cursor = PairCounts::cursor(base);
   sqlite3* const connection = PairCounts::table(base->pVtab).connection;
   return guarded(base->pVtab->zErrMsg, [&] {
     cursor.rows.clear();
@@ -153,8 +153,8 @@ int filter(sqlite3_vtab_cursor* base, int /*number*/, const char* /*text*/, int 
 }
 
 int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int index) {
-  const Cursor& cursor = PairCounts::cursor(base);
-  const Row& r = cursor.rows[static_cast<std::size_t>(cursor.row)];
+  const PairCursor& cursor = PairCounts::cursor(base);
+  const PairRow& r = cursor.rows[static_cast<std::size_t>(cursor.row)];
   const std::string* const texts[] = {
       &r.a->suite, &cursor.worlds.families[r.family], &r.a->mode, &r.a->controller, &r.a->label, &r.b->controller,
       &r.b->label};

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -28,7 +27,7 @@ struct StoredTrial {
   std::string machine_class;  ///< of the invocation that computed it
   int simulation_version = 0;
   TrialRow row;  ///< without timings
-  std::optional<EncodedSamples> samples;
+  std::optional<EncodedSamples> samples = {};
 };
 
 struct StoredInvocation {
@@ -99,8 +98,8 @@ class Reader {
   std::vector<std::string> running() const;
   /// Keys of the trials that belong to no point, those of searches, in order.
   std::vector<std::string> searched_keys() const;
-  /// Keys of the trials of the suite shown under `name`.
-  std::set<std::string> keys_of_suite(const std::string& name) const;
+  /// Keys of the trials of the suite shown under `name`, in order.
+  std::vector<std::string> keys_of_suite(const std::string& name) const;
   /// Ids of the searches (moma tune).
   std::vector<std::int64_t> searches() const;
   StoredSearch search(std::int64_t id) const;

@@ -108,23 +108,17 @@ TuneRecords::TuneRecords(Writer& writer, TuneSearchRecord search, const std::vec
     : writer_(writer) {
   write(writer, [&](SQLite::Database& db) {
     search.hash = hash_text(search.identity);
-    SQLite::Statement find(db, "SELECT id FROM tune_search WHERE hash = ?");
-    bind_cell(find, 1, search.hash);
-    if (find.executeStep()) {
-      id_ = find.getColumn(0).getInt64();
+    if (const auto id = row<std::int64_t>(db, "SELECT id FROM tune_search WHERE hash = ?", search.hash)) {
+      id_ = *id;
       change(db, id_, [](TuneSearchRecord& s) { s.status = SearchStatus::kRunning, s.ended.reset(); });
     } else {
       search.started = utc_now();
-      searches(db).insert(search);
-      id_ = db.getLastInsertRowid();
-      std::vector<TuneVariableRecord> rows;
-      for (const tune::Variable& variable : variables) rows.push_back({variable, {}, {}});
-      replace(variables_of(db), id_, rows);
+      id_ = searches(db).insert(search);
+      std::vector<TuneVariableRecord> records;
+      for (const tune::Variable& variable : variables) records.push_back({variable, {}, {}});
+      replace(variables_of(db), id_, records);
     }
-    SQLite::Statement count(db, "SELECT count(*) FROM tune_evaluation WHERE search_id = ?");
-    count.bind(1, id_);
-    count.executeStep();
-    present_ = static_cast<std::uint64_t>(count.getColumn(0).getInt64());
+    present_ = count(db, "SELECT count(*) FROM tune_evaluation WHERE search_id = ?", id_);
   });
 }
 
