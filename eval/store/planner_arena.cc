@@ -66,32 +66,25 @@ class Exporter {
  public:
   Exporter(SQLite::Database& db, int progress_per_run) : db_(db), progress_per_run_(progress_per_run) {}
 
-  PlannerArenaSummary execute() {
+  PlannerArenaSummary fill() {
     SQLite::Transaction transaction(db_);
     db_.exec(kTables);
     make_runs_table();
     constexpr auto outcomes = words(Of<Outcome>{});
-    for (std::size_t i = 0; i < outcomes.size(); ++i) {
-      Statement s(db_, "INSERT INTO enums VALUES ('status', ?, ?)");
-      s.bind(1, static_cast<std::int64_t>(i));
-      s.bind(2, std::string(outcomes[i]));
-      s.exec();
-    }
+    for (std::size_t i = 0; i < outcomes.size(); ++i)
+      execute(db_, "INSERT INTO enums VALUES ('status', ?, ?)", i, outcomes[i]);
     fill_planners();
     fill_experiments();
     fill_runs();
     if (progress_per_run_ > 0) fill_progress();
-    PlannerArenaSummary summary{count("experiments"), count("plannerConfigs"), count("runs"), count("progress")};
+    const auto n = [&](const char* table) { return count(db_, fmt::format("SELECT count(*) FROM main.{}", table)); };
+    PlannerArenaSummary summary{n("experiments"), n("plannerConfigs"), n("runs"), n("progress")};
     db_.exec("DROP TABLE temp.run_of; DROP TABLE temp.experiment_of; DROP TABLE temp.planner_of");
     transaction.commit();
     return summary;
   }
 
  private:
-  std::size_t count(const std::string& table) {
-    return static_cast<std::size_t>(db_.execAndGet("SELECT count(*) FROM main." + table).getInt64());
-  }
-
   void make_runs_table() {
     std::string sql =
         "CREATE TABLE runs (id INTEGER PRIMARY KEY AUTOINCREMENT, experimentid INTEGER, plannerid INTEGER";
@@ -118,14 +111,13 @@ class Exporter {
   template <class Add>
   void add_own_metrics(const Add& add) {
     std::set<std::string> taken;
-    Statement metrics(db_, "SELECT id, name FROM source.metric ORDER BY id");
-    while (metrics.executeStep()) {
-      std::string name = "metric_" + metrics.getColumn(1).getString();
+    for (auto& [id, shown] :
+         rows<std::int64_t, std::string>(db_, "SELECT id, name FROM source.metric ORDER BY id")) {
+      std::string name = "metric_" + shown;
       for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
       while (!taken.insert(name).second) name += '_';
       add(name, "REAL",
-          fmt::format("(SELECT x.value FROM source.metric_value AS x WHERE x.metric_id = {} AND x.key = t.key)",
-                      metrics.getColumn(0).getInt64()));
+          fmt::format("(SELECT x.value FROM source.metric_value AS x WHERE x.metric_id = {} AND x.key = t.key)", id));
     }
   }
 
@@ -160,9 +152,7 @@ FROM experiment_of AS x JOIN source.point AS p ON p.id = x.point JOIN source.sui
 JOIN source.robot AS r ON r.id = x.robot_id
 LEFT JOIN source.invocation AS i ON i.id = (SELECT min(id) FROM source.invocation WHERE suite_id = x.suite_id);
 )");
-    Statement version(db_, "UPDATE experiments SET version = ?");
-    version.bind(1, fmt::format("moma {}", kVersion));
-    version.exec();
+    execute(db_, "UPDATE experiments SET version = ?", fmt::format("moma {}", kVersion));
   }
 
   void fill_runs() {
@@ -200,33 +190,21 @@ UPDATE experiments SET totaltime = (SELECT sum(time) FROM runs WHERE experimenti
   }
 
   void fill_progress() {
-    Statement query(db_,
-                    "SELECT r.id, x.layout, x.n, x.columns, x.data FROM run_of AS r "
-                    "JOIN source.samples AS x ON x.key = r.key ORDER BY r.id");
     Statement insert(db_, "INSERT INTO progress VALUES (?, ?, ?, ?, ?, ?) ON CONFLICT DO NOTHING");
-    while (query.executeStep()) {
-      EncodedSamples encoded;
-      encoded.layout = query.getColumn(1).getInt();
-      encoded.n = query.getColumn(2).getInt64();
-      encoded.columns = query.getColumn(3).getString();
-      const SQLite::Column data = query.getColumn(4);
-      const auto* begin = static_cast<const unsigned char*>(data.getBlob());
-      encoded.data.assign(begin, begin + data.getBytes());
-      const Trace trace = decoded(encoded);
-      const std::size_t rows = std::min(trace.size(), static_cast<std::size_t>(progress_per_run_));
-      for (std::size_t k = 0; k < rows; ++k) {  // spread evenly, first and last included
-        const std::size_t last = trace.size() - 1;
-        const Sample& sample = trace[rows > 1 ? k * last / (rows - 1) : last];
-        insert.reset();
-        insert.bind(1, query.getColumn(0).getInt64());
-        insert.bind(2, sample.t);
-        bind_metric(insert, 3, sample.error.tail<3>().norm());
-        bind_metric(insert, 4, sample.error.head<3>().norm());
-        bind_metric(insert, 5, sample.manipulability);
-        bind_metric(insert, 6, sample.least_distance);
-        insert.exec();
-      }
-    }
+    for_rows<std::int64_t, EncodedSamples>(
+        db_,
+        fmt::format("SELECT r.id, {} FROM run_of AS r JOIN source.samples AS x ON x.key = r.key ORDER BY r.id",
+                    column_names<EncodedSamples>("x.")),
+        [&](std::int64_t run, const EncodedSamples& encoded) {
+          const Trace trace = decoded(encoded);
+          const std::size_t rows = std::min(trace.size(), static_cast<std::size_t>(progress_per_run_));
+          for (std::size_t k = 0; k < rows; ++k) {  // spread evenly, first and last included
+            const std::size_t last = trace.size() - 1;
+            const Sample& sample = trace[rows > 1 ? k * last / (rows - 1) : last];
+            execute(insert, run, sample.t, stored(sample.error.tail<3>().norm()), stored(sample.error.head<3>().norm()),
+                    stored(sample.manipulability), stored(sample.least_distance));
+          }
+        });
   }
 
   SQLite::Database& db_;
@@ -256,11 +234,9 @@ PlannerArenaSummary export_planner_arena(const fs::path& file, const fs::path& n
     {
       SQLite::Database db(part.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
       current = &file;
-      Statement attach(db, "ATTACH ? AS source");
-      attach.bind(1, file.string());
-      attach.exec();
+      execute(db, "ATTACH ? AS source", file.string());
       current = &out;
-      summary = Exporter(db, progress_per_run).execute();
+      summary = Exporter(db, progress_per_run).fill();
       db.exec("DETACH source");
     }
     files::put_in_place(part, out);
