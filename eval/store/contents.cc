@@ -123,9 +123,9 @@ class Checker {
               field::read_row<std::tuple<int, int, std::string, Hash, std::string>, int, int, std::string, Hash,
                               std::string>(s);
           const auto resolved = config::parse_json(text, name);
-          const char* differs = resolved.value("name", "") != file_name  ? "file_name"
-                                : !has_setting(resolved, setting) ? "setting_hash"
-                                                                  : nullptr;
+          const char* differs = resolved.value("name", "") != file_name ? "file_name"
+                                : !has_setting(resolved, setting)       ? "setting_hash"
+                                                                        : nullptr;
           if (differs != nullptr)
             tell(fmt::format("{}: suite {}: {} not as its resolved suite says", name, suite, differs));
         });
@@ -158,8 +158,8 @@ class Checker {
   /// Rows without their trial are SQLite's check of foreign keys; here: keys that are none.
   void check_keys() {
     for (const char* table : {"trial", "point_trial", "execution", "samples", "metric_value"}) {
-      const std::size_t n =
-          count(db_, fmt::format("SELECT count(*) FROM main.{} WHERE typeof(key) <> 'blob' OR length(key) <> 16", table));
+      const std::size_t n = count(
+          db_, fmt::format("SELECT count(*) FROM main.{} WHERE typeof(key) <> 'blob' OR length(key) <> 16", table));
       if (n > 0) tell(fmt::format("{}: {} keys are not of 16 bytes", table, n));
     }
   }
@@ -192,11 +192,11 @@ class Checker {
   /// What somebody could have taken away: trials that a run stored and no point has (a search plans none, and links
   /// none), trials that a finished run had, and values of the metrics that a suite has.
   void check_missing() {
-    if (const std::size_t n = count(
-            db_,
-            "SELECT count(*) FROM main.trial AS t LEFT JOIN main.execution AS e USING (key) LEFT JOIN "
-            "main.invocation AS i ON i.id = e.invocation_id WHERE coalesce(i.trials_planned, 1) > 0 AND NOT "
-            "EXISTS (SELECT 1 FROM main.point_trial AS m WHERE m.key = t.key)");
+    if (const std::size_t n =
+            count(db_,
+                  "SELECT count(*) FROM main.trial AS t LEFT JOIN main.execution AS e USING (key) LEFT JOIN "
+                  "main.invocation AS i ON i.id = e.invocation_id WHERE coalesce(i.trials_planned, 1) > 0 AND NOT "
+                  "EXISTS (SELECT 1 FROM main.point_trial AS m WHERE m.key = t.key)");
         n > 0)
       tell(
           fmt::format("{} trials belong to no point, although execution and invocation say that a run stored them: "
@@ -209,13 +209,14 @@ class Checker {
         "main.invocation AS i ON i.suite_id = u.id WHERE i.status = 'finished' GROUP BY u.id HAVING there "
         "< planned",
         [&](const std::string& suite, std::int64_t planned, std::int64_t there) {
-          tell(fmt::format("suite {}: a run finished with {} trials (invocation), and {} are there (point_trial)", suite,
-                           planned, there));
+          tell(fmt::format("suite {}: a run finished with {} trials (invocation), and {} are there (point_trial)",
+                           suite, planned, there));
         });
     for (const char* table : {"invocation", "tune_search"})  // a killed one has no end
       for_rows<std::int64_t>(
           db_,
-          fmt::format("SELECT id FROM main.{} WHERE iif(ended IS NULL, status = 'finished', status = 'running')", table),
+          fmt::format("SELECT id FROM main.{} WHERE iif(ended IS NULL, status = 'finished', status = 'running')",
+                      table),
           [&](std::int64_t id) {
             tell(fmt::format("{} {}: its status and its end contradict each other", table, id));
           });

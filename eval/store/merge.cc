@@ -99,7 +99,8 @@ class Importer {
   /// A column that moma's tables have there and not here would be lost.
   void check_columns() {
     const std::set<std::string> own = own_names();
-    for (const std::string& table : rows<std::string>(db_, "SELECT name FROM source.sqlite_schema WHERE type = 'table'")) {
+    for (const std::string& table :
+         rows<std::string>(db_, "SELECT name FROM source.sqlite_schema WHERE type = 'table'")) {
       if (own.count(table) == 0) continue;
       const std::set<std::string> ours = stored_columns(db_, table);
       for (const std::string& name : stored_columns(db_, table, "source")) {
@@ -186,15 +187,15 @@ class Importer {
                                 ? fmt::format(" AND t.{0} IS NOT NULL AND o.{0} IS NOT NULL", column.name)
                                 : "");
     }
-    const std::vector<std::string> found = rows<std::string>(
-        db_, fmt::format("SELECT t.trial FROM source.trial AS t JOIN main.trial AS o USING (key) "
-                         "LEFT JOIN source.execution AS te ON te.key = t.key "
-                         "LEFT JOIN source.invocation AS ti ON ti.id = te.invocation_id "
-                         "LEFT JOIN main.execution AS oe ON oe.key = o.key "
-                         "LEFT JOIN main.invocation AS oi ON oi.id = oe.invocation_id "
-                         "WHERE (ti.machine_class IS NULL OR oi.machine_class IS NULL "
-                         "       OR ti.machine_class = oi.machine_class) AND ({}) ORDER BY t.key",
-                         differ));
+    const std::vector<std::string> found =
+        rows<std::string>(db_, fmt::format("SELECT t.trial FROM source.trial AS t JOIN main.trial AS o USING (key) "
+                                           "LEFT JOIN source.execution AS te ON te.key = t.key "
+                                           "LEFT JOIN source.invocation AS ti ON ti.id = te.invocation_id "
+                                           "LEFT JOIN main.execution AS oe ON oe.key = o.key "
+                                           "LEFT JOIN main.invocation AS oi ON oi.id = oe.invocation_id "
+                                           "WHERE (ti.machine_class IS NULL OR oi.machine_class IS NULL "
+                                           "       OR ti.machine_class = oi.machine_class) AND ({}) ORDER BY t.key",
+                                           differ));
     if (found.empty()) return;
     constexpr std::size_t kShown = 5;
     throw StoreError(

@@ -70,7 +70,8 @@ class Searches {
     // 0: under way, 1: searched, 2: judged
     const auto how_far = [&](const char* schema, std::int64_t id) {
       return row<int>(
-          db_, fmt::format("SELECT (status = ?1) * (1 + (verdict IS NOT NULL)) FROM {}.tune_search WHERE id = ?2", schema),
+          db_,
+          fmt::format("SELECT (status = ?1) * (1 + (verdict IS NOT NULL)) FROM {}.tune_search WHERE id = ?2", schema),
           SearchStatus::kFinished, id);
     };
     if (how_far("source", search.source) > how_far("main", search.target)) {

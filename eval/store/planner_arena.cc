@@ -111,8 +111,7 @@ class Exporter {
   template <class Add>
   void add_own_metrics(const Add& add) {
     std::set<std::string> taken;
-    for (auto& [id, shown] :
-         rows<std::int64_t, std::string>(db_, "SELECT id, name FROM source.metric ORDER BY id")) {
+    for (auto& [id, shown] : rows<std::int64_t, std::string>(db_, "SELECT id, name FROM source.metric ORDER BY id")) {
       std::string name = "metric_" + shown;
       for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
       while (!taken.insert(name).second) name += '_';

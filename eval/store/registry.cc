@@ -17,9 +17,8 @@ std::int64_t content_id(SQLite::Database& db, const char* table, R content) {
 }
 
 void add_suite(SQLite::Database& db, const SuiteRecord& suite, Registered& out) {
-  const auto found =
-      row<std::int64_t, std::string>(db, "SELECT id, name FROM suite WHERE file_name = ? AND setting_hash = ?",
-                                     suite.name, suite.setting_hash);
+  const auto found = row<std::int64_t, std::string>(
+      db, "SELECT id, name FROM suite WHERE file_name = ? AND setting_hash = ?", suite.name, suite.setting_hash);
   if (found) {
     std::tie(out.suite_id, out.suite_name) = *found;
     return;
@@ -57,8 +56,8 @@ void add_point(SQLite::Database& db, const PointRecord& point, int position, Reg
 }  // namespace
 
 std::int64_t metric_id(SQLite::Database& db, const std::string& name, const std::string& expression) {
-  if (const auto id = row<std::int64_t>(db, "SELECT id FROM main.metric WHERE file_name = ? AND expression = ?", name,
-                                        expression))
+  if (const auto id =
+          row<std::int64_t>(db, "SELECT id FROM main.metric WHERE file_name = ? AND expression = ?", name, expression))
     return *id;
   const std::string shown = free_name(name, [&](const std::string& candidate) {
     return row<int>(db, "SELECT 1 FROM main.metric WHERE name = ?", candidate).has_value();

@@ -242,9 +242,10 @@ std::unordered_set<std::string> Writer::extend(const std::vector<Wanted>& more) 
     self.flush();
     SQLite::Transaction transaction(self.db, SQLite::TransactionBehavior::IMMEDIATE);
     std::unordered_set<std::string> present = self.link_present(more);
-    execute(self.db,
-            "UPDATE invocation SET trials_planned = trials_planned + ?, trials_present = trials_present + ? WHERE id = ?",
-            more.size(), present.size(), self.invocation);
+    execute(
+        self.db,
+        "UPDATE invocation SET trials_planned = trials_planned + ?, trials_present = trials_present + ? WHERE id = ?",
+        more.size(), present.size(), self.invocation);
     transaction.commit();
     self.wanted.insert(self.wanted.end(), more.begin(), more.end());
     return present;
