@@ -54,10 +54,10 @@ store::SuiteRecord make_suite(std::size_t points) {
 store::WorldRecord make_world(std::uint64_t index, const std::string& filler) {
   store::WorldRecord world;
   world.index = index;
-  world.seed = 1;
+  world.seed = "1";
   world.family = index % 2 == 0 ? "open" : "clutter";
-  world.difficulty.goal_distance_m = 1.0 + 0.001 * static_cast<double>(index % 3000);
-  world.difficulty.objects = static_cast<int>(index % 16);
+  world.goal_distance_m = 1.0 + 0.001 * static_cast<double>(index % 3000);
+  world.objects = static_cast<int>(index % 16);
   world.json = fmt::format(R"({{"index":{},"objects":"{}"}})", index, filler);
   return world;
 }

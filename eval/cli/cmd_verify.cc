@@ -28,8 +28,6 @@ std::string verdict(const run::Verification& found) {
   if (found.replayed == 0) return "nothing is known of the results; all else is sound";
   if (found.replayed < found.trials)
     return "all the same, bit for bit; of the other results nothing is known, all else is sound";
-  if (found.searched > 0)
-    return "all the same, bit for bit; of what searches found nothing is known, all else is sound";
   return "all the same, bit for bit; the store is sound";
 }
 
@@ -47,6 +45,9 @@ int verify(const VerifyOptions& options) {
         "compared: {} hashes, {} worlds, {} points with their suites, {} copies of trials, {} series "
         "of samples unpacked\n",
         found.contents.hashes, found.contents.worlds, found.points, found.contents.copies, found.contents.samples);
+    if (found.searches > 0)
+      std::cout << fmt::format("run again from stored trials: {} searches; judged again: {} verdicts\n", found.searches,
+                               found.verdicts);
     for (const std::string& text : found.in_doubt) std::cout << "could not be checked: " << terminal_safe(text) << '\n';
     for (const std::string& text : found.not_checked) std::cout << "not checked: " << terminal_safe(text) << '\n';
   }
@@ -72,9 +73,9 @@ void add_verify(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   command->add_flag("--hash", options->hash, "Print one hash over all results: equal hashes mean equal rows");
   command->add_flag("-q,--quiet", options->quiet, "No progress");
   command->footer(
-      "Compares besides what the store says twice, and every hash, and says what it did not look at.\n"
-      "Exit 1 where a trial differs, the store is damaged, or what was to be checked cannot be (another simulation's\n"
-      "trials, views of another build, metrics that SQLite refuses).\n"
+      "Compares what the store says twice, and every hash; runs searches again over their stored trials; says what\n"
+      "it did not look at. Exit 1 where a trial differs, the store is damaged, or what was to be checked cannot be\n"
+      "(another simulation's trials, views of another build, metrics that SQLite refuses).\n"
       "Example: moma verify results/demo.db --fraction 0.05 --hash");
   command->callback([&action, options] { action = [options] { return verify(*options); }; });
 }

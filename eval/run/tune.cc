@@ -159,7 +159,7 @@ class Tune {
     tune::HeldOutVerdict verdict = tune::judge(tuning_, held_out, in_order);
     store::TuneRecords records(writer, tune::search_record(tuning_), tuning_.config.variables);
     records.finish(result);
-    records.verdict(writer.suite_name(), verdict.rows, verdict.overall);
+    records.verdict(writer.suite_name(), tune::held_out_json(tuning_), verdict.rows, verdict.overall);
     return verdict;
   }
 

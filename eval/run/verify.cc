@@ -13,6 +13,7 @@
 #include "eval/batch/batch.h"
 #include "eval/run/named_point.h"
 #include "eval/run/store_file.h"
+#include "eval/run/verify_searches.h"
 #include "eval/store/columns.h"
 #include "eval/store/hash.h"
 #include "eval/store/reader.h"
@@ -72,7 +73,7 @@ class Metrics {
       if (evaluator == nullptr) continue;
       const double now = evaluator->evaluate(trace).front();
       if (!same_bits(now, metric.value))
-        lines.push_back(fmt::format("metric {}: {:.17g} != {:.17g}", metric.name, metric.value, now));
+        lines.push_back(fmt::format("metric_value {}: {:.17g} != {:.17g}", metric.name, metric.value, now));
     }
     return lines;
   }
@@ -108,11 +109,13 @@ class Verifier {
     check_points();
     tell_running();
     const std::vector<std::string> keys = reader_.keys();
-    found_.trials = keys.size();
+    const std::vector<std::string> searched = reader_.searched_keys();
+    found_.trials = keys.size() + searched.size();
     const std::vector<std::string> chosen = choose(asked_for(keys), request_.fraction, request_.seed);
     found_.chosen = chosen.size();
     collect(chosen);
     if (replay()) found_.end = End::kStopped;
+    if (found_.end == End::kFinished) check_searches(searched);
     found_.hash = reader_.result_hash();
     tell_unchecked();
     return found_;
@@ -138,10 +141,13 @@ class Verifier {
     try {
       return &suites_.point_of(stored);
     } catch (const store::StoreError& error) {
-      if (error.kind() != store::StoreError::Kind::kNotFound) throw;
-      ++unbuilt_["of another version of the simulation"];
+      ++unbuilt_[error.kind() == store::StoreError::Kind::kNotFound
+                     ? "of another version of the simulation (point.simulation_version)"
+                     : "of points that their suites do not have (point.resolved_position)"];
     } catch (const PluginRefused&) {
       ++unbuilt_["of suites with a plugin (--allow-plugins loads it)"];
+    } catch (const config::ConfigError& error) {
+      ++unbuilt_[fmt::format("of suites that cannot be read (resolved_suite: {})", error.what())];
     }
     return nullptr;
   }
@@ -166,13 +172,13 @@ class Verifier {
       const Suite& suite = suites_.suite_of(as);
       auto record = records.find(&suite);
       if (record == records.end()) record = records.emplace(&suite, store::describe(suite)).first;
-      const std::string differ = reader_.point_differences(stored.id, record->second, stored.position);
+      const std::string differ = reader_.point_differences(stored.id, record->second.points.at(stored.position));
       if (!differ.empty()) complain(fmt::format("{}: {} not as its resolved suite says", name, differ));
       const TrialKeys keys(*point);
       for (const store::PointTrial& trial : trials) {
         if (!has_key(keys, *point, trial))
-          complain(
-              fmt::format("trial {}: its content gives another key; the store was changed", trial.key.substr(0, 16)));
+          complain(fmt::format("trial {}: its content gives another key; it, or point_trial, was changed",
+                               trial.key.substr(0, 16)));
       }
     }
     unbuilt_.clear();  // counted again by trials
@@ -198,6 +204,9 @@ class Verifier {
       } catch (const store::StoreError& error) {
         if (error.kind() != store::StoreError::Kind::kNotFound) throw;
         ++unbuilt_["without a world"];
+        continue;
+      } catch (const config::ConfigError&) {  // told by check_contents()
+        ++unbuilt_["of worlds that cannot be read"];
         continue;
       }
       // One point per trial: the batch hands worlds out by point and index, which need not be unique in a store.
@@ -260,6 +269,25 @@ class Verifier {
                          !found.stored_machine.empty() ? " (computed on a machine of another class)" : ""));
   }
 
+  void check_searches(const std::vector<std::string>& keys) {
+    SearchesRequest request;
+    if (request_.point.empty()) {
+      const std::vector<std::string> chosen = choose(keys, request_.fraction, request_.seed);
+      request.chosen.insert(chosen.begin(), chosen.end());
+    }
+    request.threads = request_.threads, request.plugins = request_.plugins, request.stop = request_.stop;
+    request.finding = [this](const std::string& text) { complain(text); };
+    SearchesFound found = verify_searches(reader_, request);
+    found_.searches = found.searches;
+    found_.verdicts = found.verdicts;
+    found_.chosen += found.replayed;
+    found_.replayed += found.replayed;
+    if (found.stopped) found_.end = End::kStopped;
+    found_.not_checked = std::move(found.not_checked);
+    found_.in_doubt = std::move(found.in_doubt);
+    for (const auto& [column, n] : found.missing) missing_[column] += n;
+  }
+
   void tell_running() const {
     const bool at_work = store::RunLock::taken(request_.file);
     const std::vector<std::string> started = reader_.running();
@@ -277,7 +305,7 @@ class Verifier {
       list.push_back(fmt::format("results of {} trials that were not replayed", found_.trials - found_.replayed));
     for (const auto& [why, n] : unbuilt_) doubt.push_back(fmt::format("{} chosen trials {}", n, why));
     if (keys_unchecked_ > 0)
-      doubt.push_back(fmt::format("keys of {} trials whose suites could not be read", keys_unchecked_));
+      doubt.push_back(fmt::format("keys of {} trials whose points could not be built", keys_unchecked_));
     if (found_.contents.samples > samples_compared_)
       list.push_back(fmt::format("values of {} series of samples", found_.contents.samples - samples_compared_));
     if (const auto& views = found_.contents.foreign_views; !views.empty())
@@ -285,13 +313,10 @@ class Verifier {
           fmt::format("views {}, which queries and reports read: another build of moma wrote to the store, and "
                       "they are not this one's",
                       fmt::join(views, ", ")));
-    found_.searched = reader_.searched_trials();
-    if (found_.searched > 0)
-      list.push_back(fmt::format("{} trials of searches, what searches found, and their verdicts", found_.searched));
     for (const std::string& text : unable_) doubt.push_back(text);
     for (const auto& [column, n] : missing_)
       doubt.push_back(
-          fmt::format("{}: {} trials have no value and come out with one: it was removed, or a moma stored "
+          fmt::format("trial.{}: {} trials have no value and come out with one: it was removed, or a moma stored "
                       "them that did not measure it",
                       column, n));
     list.push_back("how long trials took, and what invocations say of themselves");

@@ -24,7 +24,7 @@ struct VerifyRequest {
 };
 
 struct Verification {
-  std::size_t trials = 0;  ///< in the store, that belong to a point
+  std::size_t trials = 0;  ///< in the store
   std::size_t chosen = 0;  ///< for a replay
   std::size_t replayed = 0;
   std::size_t findings = 0;  ///< told to Listener::warning as they are found
@@ -32,7 +32,8 @@ struct Verification {
   std::size_t points = 0;                ///< built again and compared with their rows
   std::vector<std::string> not_checked;  ///< what nothing is said of, in words
   std::vector<std::string> in_doubt;     ///< what was to be checked and could not be: the store is not called sound
-  std::size_t searched = 0;              ///< trials of searches, which are not replayed
+  std::size_t searches = 0;              ///< run again over their stored trials (eval/run/verify_searches.h)
+  std::size_t verdicts = 0;              ///< of them, judged again
   std::string hash;                      ///< over every result: equal hashes mean equal rows
   End end = End::kFinished;
 
@@ -41,7 +42,8 @@ struct Verification {
 };
 
 /// Looks for damage, compares everything that the store says twice (eval/store/contents.h), builds the points and keys
-/// of all trials again, and replays a fraction of them: rows, metrics and samples must come out bit for bit. Throws
+/// of all trials again, and replays a fraction of them: rows, metrics and samples must come out bit for bit. Searches
+/// are run again over their trials. Throws
 /// store::StoreError.
 Verification verify(const VerifyRequest& request, const Listener& listener = {});
 

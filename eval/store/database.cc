@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "eval/store/migrations.h"
+#include "eval/store/table.h"
 
 namespace moma::store {
 namespace {
@@ -95,9 +96,7 @@ void check_tables(SQLite::Database& db, const fs::path& file) {
   SQLite::Statement wanted(db, "SELECT type FROM main.sqlite_schema WHERE name = ?");
   for (const char* table : {"robot", "controller", "resolved_suite", "suite", "point", "world", "invocation", "trial",
                             "execution", "point_trial", "samples"}) {
-    wanted.reset();
-    wanted.bind(1, table);
-    const std::string type = wanted.executeStep() ? wanted.getColumn(0).getString() : "";
+    const std::string type = row<std::string>(wanted, table).value_or("");
     if (type != "table")
       throw unusable(
           file, fmt::format("is damaged: {} {}", table, type.empty() ? "is missing" : "is no table but a " + type));

@@ -15,6 +15,7 @@
 #include "eval/store/columns.h"
 #include "eval/store/difficulty.h"
 #include "eval/store/rows.h"
+#include "eval/store/samples.h"
 #include "eval/store/search_tables.h"
 
 namespace moma::store {
@@ -127,12 +128,18 @@ class MetricList {
 
 const std::vector<std::pair<std::string, std::vector<ColumnDefinition>>>& described_tables() {
   static const std::vector<std::pair<std::string, std::vector<ColumnDefinition>>> kTables{
+      {"robot", definitions<RobotRow>()},
+      {"controller", definitions<ContentRow>()},
+      {"resolved_suite", definitions<ContentRow>()},
       {"suite", definitions<SuiteRow>()},
       {"point", definitions<PointRow>()},
-      {"world", definitions<Difficulty>()},
+      {"world", definitions<WorldRecord>()},
       {"invocation", definitions<InvocationRow>()},
       {"trial", definitions<TrialRow>()},
       {"execution", definitions<TrialRow::Timing>()},
+      {"samples", definitions<EncodedSamples>()},
+      {"metric", definitions<MetricRow>()},
+      {"metric_value", definitions<MetricValueRow>()},
       {"tune_search", definitions<TuneSearchRecord>()},
       {"tune_variable", definitions<TuneVariableRecord>()},
       {"tune_evaluation", definitions<tune::Evaluation>()},

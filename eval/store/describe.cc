@@ -14,18 +14,24 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// What all points of a suite share: every key but those that name or count points.
-Hash setting_hash(const Json& resolved) {
+std::string setting_of(const Json& resolved) {
   Json setting = resolved;
   for (const std::string_view key : kKeysOfTheWhole) setting.erase(std::string(key));
   for (const char* key : {"controllers", "points", "more_robots"}) setting.erase(key);
-  // Unordered: where a key stands in a file changes nothing.
-  return hash_text(nlohmann::json(setting).dump() + "#" + std::to_string(kSimulationVersion));
+  return nlohmann::json(setting).dump();  // unordered: where a key stands in a file changes nothing
+}
+Hash setting_hash(const std::string& setting, int version) {
+  return hash_text(setting + "#" + std::to_string(version));
 }
 
 }  // namespace
 
 SuiteRecord describe(const Suite& suite) {
-  SuiteRecord record{suite.name, setting_hash(suite.resolved), suite.resolved.dump(), {}, suite.metrics};
+  SuiteRecord record{suite.name,
+                     setting_hash(setting_of(suite.resolved), kSimulationVersion),
+                     suite.resolved.dump(),
+                     {},
+                     suite.metrics};
   std::map<const void*, std::string> robots;  // a resolved robot is long and mostly shared
   for (const SuitePoint& point : suite.points) {
     PointRecord p;
@@ -58,15 +64,21 @@ SuiteRecord describe(const Suite& suite) {
   return record;
 }
 
+bool has_setting(const Json& resolved, const Hash& hash) {
+  const std::string setting = setting_of(resolved);
+  for (int version = 1; version <= kSimulationVersion; ++version)
+    if (setting_hash(setting, version) == hash) return true;
+  return false;
+}
+
 WorldRecord describe(const World& world) {
-  return {world.index, world.seed, world.family, world.difficulty, to_json(world).dump()};
+  return {world.difficulty, {}, world.index, std::to_string(world.seed), world.family, to_json(world).dump()};
 }
 
 WorldRecord describe_missing(const Worlds& worlds, std::uint64_t index) {
-  WorldRecord record{index, worlds.seed(), worlds.family_of(index), {}, {}};
-  const Json json = {{"index", index}, {"seed", record.seed}, {"family", record.family}, {"missing", true}};
-  record.json = json.dump();
-  return record;
+  const std::string family = worlds.family_of(index);
+  const Json json = {{"index", index}, {"seed", worlds.seed()}, {"family", family}, {"missing", true}};
+  return {{}, {}, index, std::to_string(worlds.seed()), family, json.dump()};
 }
 
 }  // namespace moma::store

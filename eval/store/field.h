@@ -18,6 +18,8 @@
 
 namespace moma::store {
 
+using Blob = std::vector<unsigned char>;
+
 /// What is said of a column that is no metric (those have a Column). The type in SQL follows from the member's: what
 /// is optional may be NULL, a Hash has 16 bytes, a truth is 0 or 1, an enumeration one of its words, a list of numbers
 /// JSON.
@@ -54,7 +56,7 @@ template <class M>
 constexpr std::string_view storage(bool bits) {
   if (std::is_floating_point_v<M>) return "REAL";
   if (std::is_integral_v<M>) return "INTEGER";
-  return std::same_as<M, Hash> || bits ? "BLOB" : "TEXT";
+  return std::same_as<M, Hash> || std::same_as<M, Blob> || bits ? "BLOB" : "TEXT";
 }
 
 /// A condition on the column `name`; "" where its values need none.

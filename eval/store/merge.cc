@@ -26,6 +26,7 @@
 #include "eval/store/migrations.h"
 #include "eval/store/registry.h"
 #include "eval/store/run_lock.h"
+#include "eval/store/table.h"
 #include "files/output_file.h"
 
 namespace moma::store {
@@ -34,7 +35,48 @@ namespace {
 using SQLite::Statement;
 namespace fs = std::filesystem;
 
-constexpr const char* kContent[] = {"robot", "controller", "resolved_suite", "world"};
+/// A column that holds the id of a row of `table`.
+struct Reference {
+  std::string column, table;
+};
+
+/// A table whose rows have ids, which each store gives on its own.
+struct IdTable {
+  std::string name;
+  std::vector<Reference> references;
+  std::vector<std::string> same;    ///< columns that are equal in what is one row
+  std::string shown, file_name;     ///< columns: a name, and what it is made of where it is taken: NAME@2 ...
+  std::vector<std::string> within;  ///< columns within whose values shown names are distinct
+};
+
+/// In an order in which what is referred to comes first.
+const std::vector<IdTable>& id_tables() {
+  static const std::vector<IdTable> kTables{
+      {"robot", {}, {"hash"}, "", "", {}},
+      {"controller", {}, {"hash"}, "", "", {}},
+      {"resolved_suite", {}, {"hash"}, "", "", {}},
+      {"world", {}, {"hash"}, "", "", {}},
+      {"suite", {}, {"file_name", "setting_hash"}, "name", "file_name", {}},
+      {"point",
+       {{"suite_id", "suite"},
+        {"robot_id", "robot"},
+        {"controller_id", "controller"},
+        {"resolved_suite_id", "resolved_suite"}},
+       {"suite_id", "controller_name", "label", "content_hash"},
+       "controller",
+       "controller_name",
+       {"suite_id", "label"}},
+      // Merging the same store twice adds its invocations once.
+      {"invocation",
+       {{"suite_id", "suite"}, {"resolved_suite_id", "resolved_suite"}},
+       {"suite_id", "resolved_suite_id", "started", "host", "arguments"},
+       "",
+       "",
+       {}},
+      {"metric", {}, {"file_name", "expression"}, "name", "file_name", {}},
+  };
+  return kTables;
+}
 
 /// Adds what is attached as `source`. Maps from its ids to ours are temporary tables. ON CONFLICT leaves out what is
 /// there already; OR IGNORE would leave out what breaks a rule of its table, too. SQLite wants a WHERE before it.
@@ -44,16 +86,12 @@ class Importer {
 
   MergeSummary import() {
     check_columns();
-    for (const char* table : kContent) import_content(table);
-    import_suites();
-    import_points();
-    import_invocations();
+    for (const IdTable& table : id_tables()) import_ids(table);
     check_contradictions();
     MergeSummary summary = import_trials();
     summary.searches = merge_searches(db_, file_, summary.notes);
     merge_others(db_, file_, summary.notes);
-    for (const char* map : {"robot", "controller", "resolved_suite", "world", "suite", "point", "invocation"})
-      db_.exec(fmt::format("DROP TABLE map_{}", map));
+    for (const IdTable& table : id_tables()) db_.exec(fmt::format("DROP TABLE map_{}", table.name));
     return summary;
   }
 
@@ -61,12 +99,9 @@ class Importer {
   /// A column that moma's tables have there and not here would be lost.
   void check_columns() {
     const std::set<std::string> own = own_names();
-    std::vector<std::string> tables;
-    Statement all(db_, "SELECT name FROM source.sqlite_schema WHERE type = 'table'");
-    while (all.executeStep())
-      if (own.count(all.getColumn(0).getString()) > 0) tables.push_back(all.getColumn(0).getString());
-    all.reset();
-    for (const std::string& table : tables) {
+    for (const std::string& table :
+         rows<std::string>(db_, "SELECT name FROM source.sqlite_schema WHERE type = 'table'")) {
+      if (own.count(table) == 0) continue;
       const std::set<std::string> ours = stored_columns(db_, table);
       for (const std::string& name : stored_columns(db_, table, "source")) {
         if (ours.count(name) > 0) continue;
@@ -78,106 +113,67 @@ class Importer {
     }
   }
 
-  void import_content(const std::string& table) {
-    const std::string columns = columns_of(db_, table);
-    db_.exec(
-        fmt::format("INSERT INTO {0} ({1}) SELECT {1} FROM source.{0} WHERE true ORDER BY id "
-                    "ON CONFLICT DO NOTHING",
-                    table, columns));
-    make_map(table, fmt::format("SELECT s.id, o.id FROM source.{0} AS s JOIN main.{0} AS o USING (hash)", table));
-  }
+  /// The rows of a source's table `s` with ours of what they refer to.
+  struct Mapped {
+    std::string from;                           ///< "FROM source.TABLE AS s JOIN map_..."
+    std::map<std::string, std::string> values;  ///< of its references
 
-  void make_map(const std::string& name, const std::string& select) {
-    db_.exec(fmt::format("CREATE TEMP TABLE map_{} (source INTEGER PRIMARY KEY, target INTEGER NOT NULL)", name));
-    if (!select.empty()) db_.exec(fmt::format("INSERT INTO map_{} {}", name, select));
-  }
-
-  bool exists(const std::string& sql, const std::vector<std::string>& values) {
-    Statement s(db_, sql);
-    for (std::size_t i = 0; i < values.size(); ++i) s.bind(static_cast<int>(i) + 1, values[i]);
-    return s.executeStep();
-  }
-
-  void import_suites() {
-    make_map("suite", "");
-    Statement missing(db_,
-                      "SELECT s.id, s.file_name FROM source.suite AS s LEFT JOIN main.suite AS o "
-                      "USING (file_name, setting_hash) WHERE o.id IS NULL ORDER BY s.id");
-    Statement insert(db_,
-                     "INSERT INTO main.suite (name, file_name, setting_hash) "
-                     "SELECT ?, file_name, setting_hash FROM source.suite WHERE id = ?");
-    while (missing.executeStep()) {
-      const std::string shown = free_name(missing.getColumn(1).getString(), [&](const std::string& name) {
-        return exists("SELECT 1 FROM main.suite WHERE name = ?", {name});
-      });
-      insert.reset();
-      insert.bind(1, shown);
-      insert.bind(2, missing.getColumn(0).getInt64());
-      insert.exec();
+    Mapped(const std::string& table, const std::vector<Reference>& references)
+        : from(fmt::format("FROM source.{} AS s", table)) {
+      for (const auto& [column, to] : references) {
+        from += fmt::format(" JOIN map_{0} AS of_{1} ON of_{1}.source = s.{1}", to, column);
+        values[column] = fmt::format("of_{}.target", column);
+      }
     }
-    db_.exec(
-        "INSERT INTO map_suite SELECT s.id, o.id FROM source.suite AS s "
-        "JOIN main.suite AS o USING (file_name, setting_hash)");
-  }
-
-  void import_points() {
-    make_map("point", "");
-    const std::string same =
-        "o.suite_id = ms.target AND o.controller_name = s.controller_name AND o.label = s.label AND "
-        "o.content_hash = s.content_hash";
-    Statement missing(db_, fmt::format("SELECT s.id, s.controller_name, s.label, ms.target FROM source.point AS s "
-                                       "JOIN map_suite AS ms ON ms.source = s.suite_id "
-                                       "LEFT JOIN main.point AS o ON {} WHERE o.id IS NULL ORDER BY s.id",
-                                       same));
-    const std::string columns = columns_of(db_, "point");
-    const std::string values = columns_of(db_, "point", "s.",
-                                          {{"suite_id", "ms.target"},
-                                           {"controller", "?1"},
-                                           {"robot_id", "mr.target"},
-                                           {"controller_id", "mc.target"},
-                                           {"resolved_suite_id", "mx.target"}});
-    Statement insert(db_,
-                     fmt::format("INSERT INTO main.point ({}) SELECT {} FROM source.point AS s "
-                                 "JOIN map_suite AS ms ON ms.source = s.suite_id "
-                                 "JOIN map_robot AS mr ON mr.source = s.robot_id "
-                                 "JOIN map_controller AS mc ON mc.source = s.controller_id "
-                                 "JOIN map_resolved_suite AS mx ON mx.source = s.resolved_suite_id WHERE s.id = ?2",
-                                 columns, values));
-    while (missing.executeStep()) {
-      const std::string label = missing.getColumn(2).getString();
-      const std::string suite = missing.getColumn(3).getString();
-      const std::string shown = free_name(missing.getColumn(1).getString(), [&](const std::string& name) {
-        return exists("SELECT 1 FROM main.point WHERE controller = ? AND label = ? AND suite_id = CAST(? AS INTEGER)",
-                      {name, label, suite});
-      });
-      insert.reset();
-      insert.bind(1, shown);
-      insert.bind(2, missing.getColumn(0).getInt64());
-      insert.exec();
+    /// "o.COLUMN = its value AND ..."
+    std::string equal(const std::vector<std::string>& columns) const {
+      std::string text;
+      for (const std::string& column : columns) {
+        const auto found = values.find(column);
+        text += fmt::format("{}o.{} = {}", text.empty() ? "" : " AND ", column,
+                            found != values.end() ? found->second : "s." + column);
+      }
+      return text;
     }
-    db_.exec(
-        fmt::format("INSERT INTO map_point SELECT s.id, o.id FROM source.point AS s "
-                    "JOIN map_suite AS ms ON ms.source = s.suite_id JOIN main.point AS o ON {}",
-                    same));
+  };
+
+  std::string insert_sql(const std::string& table, const Mapped& mapped) {
+    return fmt::format("INSERT INTO main.{} ({}) SELECT {} {} ", table, columns_of(db_, table),
+                       columns_of(db_, table, "s.", mapped.values), mapped.from);
   }
 
-  /// Merging the same store twice adds its invocations once.
-  void import_invocations() {
-    make_map("invocation", "");
-    const std::string same =
-        "o.suite_id = ms.target AND o.resolved_suite_id = mx.target AND o.started = s.started AND o.host = s.host AND "
-        "o.arguments = s.arguments";
-    const std::string from = fmt::format(
-        "FROM source.invocation AS s JOIN map_suite AS ms ON ms.source = s.suite_id "
-        "JOIN map_resolved_suite AS mx ON mx.source = s.resolved_suite_id "
-        "LEFT JOIN main.invocation AS o ON {}",
-        same);
-    const std::string columns = columns_of(db_, "invocation");
-    const std::string values =
-        columns_of(db_, "invocation", "s.", {{"suite_id", "ms.target"}, {"resolved_suite_id", "mx.target"}});
-    db_.exec(fmt::format("INSERT INTO main.invocation ({}) SELECT {} {} WHERE o.id IS NULL ORDER BY s.id", columns,
-                         values, from));
-    db_.exec(fmt::format("INSERT INTO map_invocation SELECT s.id, min(o.id) {} GROUP BY s.id", from));
+  /// Adds the rows that are not there, and makes the table map_NAME (source, target).
+  void import_ids(const IdTable& table) {
+    Mapped mapped(table.name, table.references);
+    const std::string there = fmt::format("main.{} AS o ON {}", table.name, mapped.equal(table.same));
+    const std::string missing = fmt::format("LEFT JOIN {} WHERE o.id IS NULL ORDER BY s.id", there);
+    if (table.same.front() == "hash") {
+      db_.exec(insert_sql(table.name, mapped) + "WHERE true ORDER BY s.id ON CONFLICT DO NOTHING");
+    } else if (table.shown.empty()) {
+      db_.exec(insert_sql(table.name, mapped) + missing);
+    } else {
+      mapped.values[table.shown] = "?1";
+      Statement insert(db_, insert_sql(table.name, mapped) + "WHERE s.id = ?2");
+      std::vector<std::string> distinct = table.within;
+      distinct.push_back(table.shown);
+      Statement taken(db_, fmt::format("SELECT 1 {} JOIN main.{} AS o ON {} WHERE s.id = ?2", mapped.from, table.name,
+                                       mapped.equal(distinct)));
+      for (const auto& [id, name] : rows<std::int64_t, std::string>(
+               db_, fmt::format("SELECT s.id, s.{} {} {}", table.file_name, mapped.from, missing))) {
+        const std::string shown =
+            free_name(name, [&](const std::string& candidate) { return row<int>(taken, candidate, id).has_value(); });
+        execute(insert, shown, id);
+      }
+    }
+    db_.exec(fmt::format("CREATE TEMP TABLE map_{} (source INTEGER PRIMARY KEY, target INTEGER NOT NULL)", table.name));
+    db_.exec(fmt::format("INSERT INTO map_{} SELECT s.id, min(o.id) {} JOIN {} GROUP BY s.id", table.name, mapped.from,
+                         there));
+  }
+
+  /// Adds the rows of a table with keys of its own that are not there; returns how many.
+  std::size_t import_rows(const std::string& table, const std::vector<Reference>& references) {
+    return static_cast<std::size_t>(
+        db_.exec(insert_sql(table, {table, references}) + "WHERE true ORDER BY s.key ON CONFLICT DO NOTHING"));
   }
 
   /// Two results for one key must agree in every deterministic column, within a class of machines.
@@ -191,48 +187,33 @@ class Importer {
                                 ? fmt::format(" AND t.{0} IS NOT NULL AND o.{0} IS NOT NULL", column.name)
                                 : "");
     }
-    Statement s(db_, fmt::format("SELECT t.trial FROM source.trial AS t JOIN main.trial AS o USING (key) "
-                                 "LEFT JOIN source.execution AS te ON te.key = t.key "
-                                 "LEFT JOIN source.invocation AS ti ON ti.id = te.invocation_id "
-                                 "LEFT JOIN main.execution AS oe ON oe.key = o.key "
-                                 "LEFT JOIN main.invocation AS oi ON oi.id = oe.invocation_id "
-                                 "WHERE (ti.machine_class IS NULL OR oi.machine_class IS NULL "
-                                 "       OR ti.machine_class = oi.machine_class) AND ({}) ORDER BY t.key",
-                                 differ));
-    std::string found;
-    std::size_t n = 0;
-    while (s.executeStep()) {
-      if (++n <= 5) found += (found.empty() ? "" : ", ") + s.getColumn(0).getString();
-    }
-    if (n == 0) return;
+    const std::vector<std::string> found =
+        rows<std::string>(db_, fmt::format("SELECT t.trial FROM source.trial AS t JOIN main.trial AS o USING (key) "
+                                           "LEFT JOIN source.execution AS te ON te.key = t.key "
+                                           "LEFT JOIN source.invocation AS ti ON ti.id = te.invocation_id "
+                                           "LEFT JOIN main.execution AS oe ON oe.key = o.key "
+                                           "LEFT JOIN main.invocation AS oi ON oi.id = oe.invocation_id "
+                                           "WHERE (ti.machine_class IS NULL OR oi.machine_class IS NULL "
+                                           "       OR ti.machine_class = oi.machine_class) AND ({}) ORDER BY t.key",
+                                           differ));
+    if (found.empty()) return;
+    constexpr std::size_t kShown = 5;
     throw StoreError(
         StoreError::Kind::kContradiction,
         fmt::format("{}: {} trials have other results than the same trials merged before, from machines of "
                     "the same class ({}{}); nothing was merged",
-                    file_.string(), n, found, n > 5 ? ", ..." : ""));
+                    file_.string(), found.size(),
+                    fmt::join(found.begin(), found.begin() + std::min(kShown, found.size()), ", "),
+                    found.size() > kShown ? ", ..." : ""));
   }
 
   MergeSummary import_trials() {
     MergeSummary summary;
-    const auto total = static_cast<std::size_t>(db_.execAndGet("SELECT count(*) FROM source.trial").getInt64());
-    const std::string trial = columns_of(db_, "trial");
-    const std::string values = columns_of(db_, "trial", "t.", {{"world_id", "mw.target"}});
-    summary.added = static_cast<std::size_t>(
-        db_.exec(fmt::format("INSERT INTO main.trial ({}) SELECT {} FROM source.trial AS t "
-                             "JOIN map_world AS mw ON mw.source = t.world_id WHERE true ORDER BY t.key "
-                             "ON CONFLICT DO NOTHING",
-                             trial, values)));
-    summary.present = total - summary.added;
-    const std::string execution = columns_of(db_, "execution", "e.", {{"invocation_id", "mi.target"}});
-    db_.exec(
-        fmt::format("INSERT INTO main.execution ({}) SELECT {} FROM source.execution AS e "
-                    "JOIN map_invocation AS mi ON mi.source = e.invocation_id WHERE true ORDER BY e.key "
-                    "ON CONFLICT DO NOTHING",
-                    columns_of(db_, "execution"), execution));
-    db_.exec(
-        fmt::format("INSERT INTO main.samples ({0}) SELECT {0} FROM source.samples WHERE true ORDER BY key "
-                    "ON CONFLICT DO NOTHING",
-                    columns_of(db_, "samples")));
+    summary.added = import_rows("trial", {{"world_id", "world"}});
+    summary.present = count(db_, "SELECT count(*) FROM source.trial") - summary.added;
+    import_rows("execution", {{"invocation_id", "invocation"}});
+    import_rows("samples", {});
+    import_rows("metric_value", {{"metric_id", "metric"}});
     db_.exec(
         fmt::format("INSERT INTO main.point_trial (point_id, world_index, key, world_id, family, outcome, "
                     "time_to_goal_s, {}) "
@@ -242,21 +223,7 @@ class Importer {
                     "JOIN main.world AS w ON w.id = t.world_id WHERE true ORDER BY 1, 2 "
                     "ON CONFLICT DO NOTHING",
                     summary_list(), summary_list("t.")));
-    import_metrics();
     return summary;
-  }
-
-  /// Values of metrics; names as in the suite files, another expression under one name becomes NAME@2.
-  void import_metrics() {
-    Statement missing(db_,
-                      "SELECT s.file_name, s.expression FROM source.metric AS s LEFT JOIN main.metric AS o "
-                      "USING (file_name, expression) WHERE o.id IS NULL ORDER BY s.id");
-    while (missing.executeStep()) metric_id(db_, missing.getColumn(0).getString(), missing.getColumn(1).getString());
-    db_.exec(
-        "INSERT INTO main.metric_value (metric_id, key, value) SELECT o.id, v.key, v.value "
-        "FROM source.metric_value AS v JOIN source.metric AS s ON s.id = v.metric_id "
-        "JOIN main.metric AS o ON o.file_name = s.file_name AND o.expression = s.expression WHERE true ORDER BY 1, 2 "
-        "ON CONFLICT DO NOTHING");
   }
 
   SQLite::Database& db_;
@@ -265,9 +232,7 @@ class Importer {
 
 /// ATTACH cannot be in a transaction, so that each input has its own; the caller works on a new file.
 void merge_into(SQLite::Database& db, const fs::path& file, MergeSummary& summary) {
-  Statement attach(db, "ATTACH ? AS source");
-  attach.bind(1, file.string());
-  attach.exec();
+  execute(db, "ATTACH ? AS source", file.string());
   check_hashes(db, "source", [&](const std::string& finding) {
     throw StoreError(StoreError::Kind::kContradiction,
                      fmt::format("{}: {}; nothing was merged ('moma verify' says all)", file.string(), finding));

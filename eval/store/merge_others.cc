@@ -1,4 +1,3 @@
-#include <SQLiteCpp/Column.h>
 #include <SQLiteCpp/Exception.h>
 #include <SQLiteCpp/Statement.h>
 #include <fmt/format.h>
@@ -9,11 +8,10 @@
 #include "eval/store/definition.h"
 #include "eval/store/error.h"
 #include "eval/store/merge_searches.h"
+#include "eval/store/table.h"
 
 namespace moma::store {
 namespace {
-
-using SQLite::Statement;
 
 std::string quoted(const std::string& name) {
   std::string text = "\"";
@@ -22,7 +20,7 @@ std::string quoted(const std::string& name) {
 }
 
 struct Object {
-  std::string type, name, table, sql;
+  std::string type, name, sql;
 };
 
 class Others {
@@ -32,25 +30,15 @@ class Others {
 
   void execute() {
     const std::set<std::string> own = own_names();
-    std::vector<Object> objects;
-    Statement all(
+    const auto objects = rows_as<Object, std::string, std::string, std::string>(
         db_,
-        // Asked once: for each row of the join SQLite would compile every view again.
+        // Asked once: for each row of the join SQLite would compile every view again. A shadow goes with its table.
         "WITH l AS MATERIALIZED (SELECT name, type FROM pragma_table_list WHERE schema = 'source') "
-        "SELECT s.type, s.name, s.tbl_name, s.sql, coalesce(l.type, '') FROM source.sqlite_schema AS s "
-        "LEFT JOIN l ON l.name = s.name "
-        "WHERE s.sql IS NOT NULL AND s.name NOT LIKE 'sqlite\\_%' ESCAPE '\\' ORDER BY s.type <> 'table', s.rowid");
-    while (all.executeStep()) {
-      Object o{all.getColumn(0).getString(), all.getColumn(1).getString(), all.getColumn(2).getString(),
-               all.getColumn(3).getString()};
-      if (own.count(o.name) > 0) continue;
-      const std::string kind = all.getColumn(4).getString();
-      if (kind == "shadow") continue;  // goes with its virtual table
-      if (kind == "virtual") o.type = "virtual table";
-      objects.push_back(std::move(o));
-    }
-    all.reset();
-    for (const Object& object : objects) bring(object);
+        "SELECT iif(l.type = 'virtual', 'virtual table', s.type), s.name, s.sql FROM source.sqlite_schema AS s "
+        "LEFT JOIN l ON l.name = s.name WHERE s.sql IS NOT NULL AND s.name NOT LIKE 'sqlite\\_%' ESCAPE '\\' "
+        "AND l.type IS NOT 'shadow' ORDER BY s.type <> 'table', s.rowid");
+    for (const Object& object : objects)
+      if (own.count(object.name) == 0) bring(object);
   }
 
  private:
@@ -64,13 +52,11 @@ class Others {
 
   /// How OUT defines what has this name; "" where nothing has.
   std::string there(const std::string& name) {
-    Statement s(db_, "SELECT sql FROM main.sqlite_schema WHERE name = ?");
-    s.bind(1, name);
-    return s.executeStep() ? s.getColumn(0).getString() : std::string();
+    return row<std::string>(db_, "SELECT sql FROM main.sqlite_schema WHERE name = ?", name).value_or("");
   }
 
   /// One statement of SQL, as SQLite itself reads it out of the schema.
-  void create(const Object& o) { Statement(db_, o.sql).exec(); }
+  void create(const Object& o) { SQLite::Statement(db_, o.sql).exec(); }
 
   void bring_table(const Object& o) {
     const std::string ours = there(o.name);
@@ -82,11 +68,10 @@ class Others {
                       file_.string(), o.name));
     }
     if (ours.empty()) create(o);
-    Statement names(db_, "SELECT name FROM pragma_table_xinfo(?, 'source') WHERE hidden = 0");
-    names.bind(1, o.name);
     std::string columns;
-    while (names.executeStep()) columns += (columns.empty() ? "" : ", ") + quoted(names.getColumn(0).getString());
-    names.reset();
+    for (const std::string& name :
+         rows<std::string>(db_, "SELECT name FROM pragma_table_xinfo(?, 'source') WHERE hidden = 0", o.name))
+      columns += (columns.empty() ? "" : ", ") + quoted(name);
     try {
       db_.exec(fmt::format("INSERT INTO main.{0} ({1}) SELECT {1} FROM source.{0}{2}", quoted(o.name), columns,
                            ours.empty() ? "" : fmt::format(" EXCEPT SELECT {} FROM main.{}", columns, quoted(o.name))));
@@ -111,10 +96,8 @@ std::set<std::string> own_names() {
   SQLite::Database fresh(":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
   fresh.exec(tables_sql());
   fresh.exec(views_sql());
-  std::set<std::string> names;
-  Statement s(fresh, "SELECT name FROM sqlite_schema");
-  while (s.executeStep()) names.insert(s.getColumn(0).getString());
-  return names;
+  const std::vector<std::string> names = rows<std::string>(fresh, "SELECT name FROM sqlite_schema");
+  return {names.begin(), names.end()};
 }
 
 void merge_others(SQLite::Database& db, const std::filesystem::path& file, std::vector<std::string>& notes) {

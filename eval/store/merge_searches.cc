@@ -1,18 +1,16 @@
 #include "eval/store/merge_searches.h"
 
-#include <SQLiteCpp/Column.h>
-#include <SQLiteCpp/Statement.h>
 #include <fmt/format.h>
 
 #include <cstdint>
 
 #include "eval/search/words.h"
 #include "eval/store/error.h"
+#include "eval/store/table.h"
 
 namespace moma::store {
 namespace {
 
-using SQLite::Statement;
 using tune::SearchStatus;
 
 /// What the end of a search leaves, replaced as a whole; evaluations are only ever added.
@@ -30,13 +28,10 @@ class Searches {
       : db_(db), file_(file), notes_(notes) {}
 
   std::size_t execute() {
-    std::vector<Search> searches;
-    Statement all(db_,
-                  "SELECT s.id, coalesce(o.id, 0), s.suite FROM source.tune_search AS s "
-                  "LEFT JOIN main.tune_search AS o USING (hash) ORDER BY s.id");
-    while (all.executeStep())
-      searches.push_back({all.getColumn(0).getInt64(), all.getColumn(1).getInt64(), all.getColumn(2).getString()});
-    all.reset();
+    std::vector<Search> searches = rows_as<Search, std::int64_t, std::int64_t, std::string>(
+        db_,
+        "SELECT s.id, coalesce(o.id, 0), s.suite FROM source.tune_search AS s "
+        "LEFT JOIN main.tune_search AS o USING (hash) ORDER BY s.id");
     std::size_t changed = 0;
     for (Search& search : searches) changed += (search.target == 0 ? add(search) : go_on(search)) ? 1 : 0;
     return changed;
@@ -74,11 +69,10 @@ class Searches {
     copy("tune_evaluation", search);
     // 0: under way, 1: searched, 2: judged
     const auto how_far = [&](const char* schema, std::int64_t id) {
-      return db_
-          .execAndGet(fmt::format("SELECT (status = '{}') + (status = '{}' AND verdict IS NOT NULL) FROM "
-                                  "{}.tune_search WHERE id = {}",
-                                  to_string(SearchStatus::kFinished), to_string(SearchStatus::kFinished), schema, id))
-          .getInt();
+      return row<int>(
+          db_,
+          fmt::format("SELECT (status = ?1) * (1 + (verdict IS NOT NULL)) FROM {}.tune_search WHERE id = ?2", schema),
+          SearchStatus::kFinished, id);
     };
     if (how_far("source", search.source) > how_far("main", search.target)) {
       const std::string columns = columns_of(db_, "tune_search");
@@ -96,21 +90,21 @@ class Searches {
 
   bool contradicts(const Search& search) {
     std::string differ;
-    Statement names(db_,
-                    "SELECT name FROM pragma_table_xinfo('tune_evaluation', 'main') WHERE hidden = 0 AND "
-                    "name NOT IN ('search_id', 'evaluation')");
-    while (names.executeStep())
-      differ += fmt::format("{0}s.{1} IS NOT o.{1}", differ.empty() ? "" : " OR ", names.getColumn(0).getString());
-    const std::int64_t n =
-        db_.execAndGet(fmt::format("SELECT count(*) FROM source.tune_evaluation AS s JOIN main.tune_evaluation AS o "
-                                   "USING (evaluation) WHERE s.search_id = {} AND o.search_id = {} AND ({})",
-                                   search.source, search.target, differ))
-            .getInt64();
+    for (const std::string& name :
+         rows<std::string>(db_,
+                           "SELECT name FROM pragma_table_xinfo('tune_evaluation', 'main') WHERE hidden = 0 AND "
+                           "name NOT IN ('search_id', 'evaluation')"))
+      differ += fmt::format("{0}s.{1} IS NOT o.{1}", differ.empty() ? "" : " OR ", name);
+    const std::size_t n =
+        count(db_,
+              fmt::format("SELECT count(*) FROM source.tune_evaluation AS s JOIN main.tune_evaluation AS o "
+                          "USING (evaluation) WHERE s.search_id = ? AND o.search_id = ? AND ({})",
+                          differ),
+              search.source, search.target);
     if (n == 0) return false;
-    const bool one_class = db_.execAndGet(
-                                  "SELECT count(*) = 1 FROM (SELECT machine_class FROM main.invocation UNION "
-                                  "SELECT machine_class FROM source.invocation)")
-                               .getInt() != 0;
+    const bool one_class = count(db_,
+                                 "SELECT count(*) FROM (SELECT machine_class FROM main.invocation UNION "
+                                 "SELECT machine_class FROM source.invocation)") == 1;
     const std::string what =
         fmt::format("{}: its search in suite {} has {} evaluations that differ from those merged before",
                     file_.string(), search.suite, n);
@@ -130,13 +124,12 @@ class Searches {
 
 std::string columns_of(SQLite::Database& db, const std::string& table, const std::string& prefix,
                        const std::map<std::string, std::string>& instead) {
-  Statement s(db,
-              "SELECT name FROM pragma_table_xinfo(?1, 'main') WHERE hidden = 0 AND name <> 'id' AND name IN "
-              "(SELECT name FROM pragma_table_xinfo(?1, 'source'))");
-  s.bind(1, table);
   std::string names;
-  while (s.executeStep()) {
-    const std::string name = s.getColumn(0).getString();
+  for (const std::string& name :
+       rows<std::string>(db,
+                         "SELECT name FROM pragma_table_xinfo(?1, 'main') WHERE hidden = 0 AND name <> 'id' AND name "
+                         "IN (SELECT name FROM pragma_table_xinfo(?1, 'source'))",
+                         table)) {
     const auto other = instead.find(name);
     names += (names.empty() ? "" : ", ") + (other != instead.end() ? other->second : prefix + name);
   }

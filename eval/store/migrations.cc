@@ -1,6 +1,5 @@
 #include "eval/store/migrations.h"
 
-#include <SQLiteCpp/Statement.h>
 #include <SQLiteCpp/Transaction.h>
 #include <fmt/format.h>
 
@@ -12,6 +11,7 @@
 #include "eval/store/columns.h"
 #include "eval/store/database.h"
 #include "eval/store/definition.h"
+#include "eval/store/table.h"
 
 namespace moma::store {
 
@@ -50,12 +50,9 @@ void migrate(SQLite::Database& db, std::span<const Migration> steps, int target)
 }
 
 std::set<std::string> stored_columns(SQLite::Database& db, const std::string& table, const std::string& schema) {
-  SQLite::Statement s(db, "SELECT name FROM pragma_table_xinfo(?, ?)");
-  s.bind(1, table);
-  s.bind(2, schema);
-  std::set<std::string> names;
-  while (s.executeStep()) names.insert(s.getColumn(0).getString());
-  return names;
+  const std::vector<std::string> names =
+      rows<std::string>(db, "SELECT name FROM pragma_table_xinfo(?, ?)", table, schema);
+  return {names.begin(), names.end()};
 }
 
 namespace {
@@ -84,19 +81,19 @@ std::vector<std::string> all_additions(SQLite::Database& db) {
 
 bool has_our_views(SQLite::Database& db) {
   const auto& ours = views();
-  SQLite::Statement s(db, "SELECT sql FROM main.sqlite_schema WHERE type = 'view' AND name = ?");
-  return std::all_of(ours.begin(), ours.end(), [&](const auto& view) {
-    s.reset();
-    s.bind(1, view.first);
-    return s.executeStep() && s.getColumn(0).getString() == view.second;
-  });
+  SQLite::Statement find(db, "SELECT sql FROM main.sqlite_schema WHERE type = 'view' AND name = ?");
+  return std::all_of(ours.begin(), ours.end(),
+                     [&](const auto& view) { return row<std::string>(find, view.first) == view.second; });
 }
 
 }  // namespace
 
 void shadow_views(SQLite::Database& db) {
-  // Without a column that this build describes only the file's own views can be read.
-  if (!has_our_views(db) && all_additions(db).empty()) db.exec(temporary_views_sql());
+  // Without a column that the views show only the file's own can be read; they show none of searches.
+  const std::vector<std::string> lacks = all_additions(db);
+  const bool shown = std::any_of(lacks.begin(), lacks.end(),
+                                 [](const std::string& sql) { return !sql.starts_with("ALTER TABLE tune_"); });
+  if (!shown && !has_our_views(db)) db.exec(temporary_views_sql());
 }
 
 void add_described_columns(SQLite::Database& db) {

@@ -6,9 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cctype>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -17,6 +15,7 @@
 #include "eval/store/hash.h"
 #include "eval/store/migrations.h"
 #include "eval/store/records.h"
+#include "eval/store/search_tables.h"
 #include "eval/store/table.h"
 #include "eval/store/words.h"
 
@@ -37,22 +36,13 @@ std::pair<Hash, Hash> key_range(std::string prefix) {
   return {hash_from_hex(low), hash_from_hex(prefix)};
 }
 
-std::vector<std::string> findings_of_sqlite(const SQLite::Database& db) {
-  std::vector<std::string> findings;
-  Statement integrity(db, "PRAGMA integrity_check");
-  while (integrity.executeStep()) {
-    std::string line = integrity.getColumn(0).getString();
-    if (line != "ok") findings.push_back(std::move(line));
-  }
-  return findings;
-}
-
 }  // namespace
 
 struct Reader::Impl {
   std::filesystem::path file;
   ReadConnection connection;
   SQLite::Database& db;
+  std::optional<Statement> lone;  ///< of lone_trial(), which is asked often
   explicit Impl(const std::filesystem::path& path) : file(path), connection(path), db(connection.db()) {}
 
   template <typename Work>
@@ -66,6 +56,15 @@ struct Reader::Impl {
     }
   }
 
+  template <class R, class... T, class... A>
+  std::vector<R> all_as(const std::string& sql, const A&... values) {
+    return guarded([&] { return rows_as<R, T...>(db, sql, values...); });
+  }
+  template <class T, class... A>
+  std::vector<T> all(const std::string& sql, const A&... values) {
+    return all_as<T, T>(sql, values...);
+  }
+
   std::string full_key(const std::string& prefix) {
     const bool hex = !prefix.empty() && prefix.size() <= 32 &&
                      std::all_of(prefix.begin(), prefix.end(), [](unsigned char c) { return std::isxdigit(c) != 0; });
@@ -77,11 +76,8 @@ struct Reader::Impl {
     std::string lower = prefix;
     std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
     const auto [low, high] = key_range(lower);
-    Statement s(db, "SELECT lower(hex(key)) FROM trial WHERE key BETWEEN ? AND ? ORDER BY key LIMIT 4");
-    bind_cell(s, 1, low);
-    bind_cell(s, 2, high);
-    std::vector<std::string> found;
-    while (s.executeStep()) found.push_back(s.getColumn(0).getString());
+    std::vector<std::string> found = rows<std::string>(
+        db, "SELECT lower(hex(key)) FROM trial WHERE key BETWEEN ? AND ? ORDER BY key LIMIT 4", low, high);
     if (found.empty()) throw not_found(file, fmt::format("has no trial that begins with {}", prefix));
     if (found.size() > 1) {
       const bool more = found.size() > 3;
@@ -100,194 +96,183 @@ Reader& Reader::operator=(Reader&&) noexcept = default;
 
 StoredTrial Reader::trial(const std::string& prefix) const {
   return impl_->guarded([&] {
+    SQLite::Database& db = impl_->db;
     const std::string key = impl_->full_key(prefix);
     const Hash hash = hash_from_hex(key);
-    const std::set<std::string> there = stored_columns(impl_->db, "trial");
-    Statement s(
-        impl_->db,
-        fmt::format("SELECT s.name, p.controller, p.label, r.resolved, p.resolved_position, w.world_index, "
-                    "w.json, i.machine_class, p.simulation_version, a.layout, a.n, a.columns, a.data, {} "
+    const std::set<std::string> there = stored_columns(db, "trial");
+    auto found = rows_as<StoredTrial, std::string, std::string, std::string, std::string, std::string, std::size_t,
+                         std::uint64_t, std::string, std::string, int, TrialRow>(
+        db,
+        fmt::format("SELECT lower(hex(t.key)), s.name, p.controller, p.label, r.resolved, p.resolved_position, "
+                    "w.world_index, w.json, coalesce(i.machine_class, ''), p.simulation_version, {} "
                     "FROM trial AS t JOIN world AS w ON w.id = t.world_id "
                     "JOIN point_trial AS m ON m.key = t.key JOIN point AS p ON p.id = m.point_id "
                     "JOIN suite AS s ON s.id = p.suite_id JOIN resolved_suite AS r ON r.id = p.resolved_suite_id "
                     "LEFT JOIN execution AS e ON e.key = t.key "
-                    "LEFT JOIN invocation AS i ON i.id = e.invocation_id "
-                    "LEFT JOIN samples AS a ON a.key = t.key WHERE t.key = ? ORDER BY p.id LIMIT 1",
-                    column_names<TrialRow>("t.", &there)));
-    bind_cell(s, 1, hash);
-    if (!s.executeStep()) throw not_found(impl_->file, fmt::format("trial {} belongs to no suite", key));
-    StoredTrial trial;
-    trial.key = key;
-    trial.suite = s.getColumn(0).getString();
-    trial.controller = s.getColumn(1).getString();
-    trial.point = s.getColumn(2).getString();
-    trial.resolved_suite = s.getColumn(3).getString();
-    trial.position = static_cast<std::size_t>(s.getColumn(4).getInt64());
-    trial.world_index = static_cast<std::uint64_t>(s.getColumn(5).getInt64());
-    trial.world = s.getColumn(6).getString();
-    trial.machine_class = s.getColumn(7).isNull() ? "" : s.getColumn(7).getString();
-    trial.simulation_version = s.getColumn(8).getInt();
-    if (!s.getColumn(9).isNull()) {
-      EncodedSamples samples;
-      samples.layout = s.getColumn(9).getInt();
-      samples.n = s.getColumn(10).getInt64();
-      samples.columns = s.getColumn(11).getString();
-      const SQLite::Column data = s.getColumn(12);
-      const auto* begin = static_cast<const unsigned char*>(data.getBlob());
-      if (begin != nullptr) samples.data.assign(begin, begin + data.getBytes());
-      trial.samples = std::move(samples);
-    }
-    trial.row = read_record<TrialRow>(s, 13);
-    return trial;
+                    "LEFT JOIN invocation AS i ON i.id = e.invocation_id WHERE t.key = ? ORDER BY p.id LIMIT 1",
+                    column_names<TrialRow>("t.", &there)),
+        hash);
+    if (found.empty()) throw not_found(impl_->file, fmt::format("trial {} belongs to no suite", key));
+    found[0].samples = store::Table<EncodedSamples>(db, "samples", {"key"}).find(hash);
+    return std::move(found[0]);
   });
 }
 
 std::vector<std::string> Reader::keys() const {
-  return impl_->guarded([&] {
-    std::vector<std::string> keys;
-    Statement s(impl_->db, "SELECT DISTINCT lower(hex(key)) FROM point_trial ORDER BY 1");
-    while (s.executeStep()) keys.push_back(s.getColumn(0).getString());
-    return keys;
-  });
+  return impl_->all<std::string>("SELECT DISTINCT lower(hex(key)) FROM point_trial ORDER BY 1");
 }
 
 std::vector<std::string> Reader::suite_names() const {
-  return impl_->guarded([&] {
-    std::vector<std::string> names;
-    Statement s(impl_->db, "SELECT name FROM suite ORDER BY id");
-    while (s.executeStep()) names.push_back(s.getColumn(0).getString());
-    return names;
-  });
+  return impl_->all<std::string>("SELECT name FROM suite ORDER BY id");
 }
 
 StoredInvocation Reader::latest_invocation(const std::string& name) const {
   return impl_->guarded([&] {
-    Statement s(impl_->db,
-                "SELECT i.id, s.name, r.resolved, i.started, i.status FROM invocation AS i "
-                "JOIN suite AS s ON s.id = i.suite_id JOIN resolved_suite AS r ON r.id = i.resolved_suite_id "
-                "WHERE s.name = ? ORDER BY i.id DESC LIMIT 1");
-    s.bind(1, name);
-    if (!s.executeStep()) {
+    auto found = rows_as<StoredInvocation, std::int64_t, std::string, std::string, std::string, std::string>(
+        impl_->db,
+        "SELECT i.id, s.name, r.resolved, i.started, i.status FROM invocation AS i "
+        "JOIN suite AS s ON s.id = i.suite_id JOIN resolved_suite AS r ON r.id = i.resolved_suite_id "
+        "WHERE s.name = ? ORDER BY i.id DESC LIMIT 1",
+        name);
+    if (found.empty())
       throw not_found(impl_->file, fmt::format("has no suite '{}'; it has: {}", name, fmt::join(suite_names(), ", ")));
-    }
-    return StoredInvocation{s.getColumn(0).getInt64(), s.getColumn(1).getString(), s.getColumn(2).getString(),
-                            s.getColumn(3).getString(), s.getColumn(4).getString()};
+    return std::move(found[0]);
   });
 }
 
 std::vector<StoredMetric> Reader::metrics(const std::string& key) const {
-  return impl_->guarded([&] {
-    const Hash hash = hash_from_hex(key);
-    Statement s(
-        impl_->db,
-        "SELECT d.file_name, d.expression, v.value FROM metric_value AS v JOIN metric AS d ON d.id = v.metric_id "
-        "WHERE v.key = ? ORDER BY d.id");
-    bind_cell(s, 1, hash);
-    std::vector<StoredMetric> metrics;
-    while (s.executeStep()) {
-      const SQLite::Column value = s.getColumn(2);
-      metrics.push_back({s.getColumn(0).getString(), s.getColumn(1).getString(),
-                         value.isNull() ? std::numeric_limits<double>::quiet_NaN() : value.getDouble()});
-    }
-    return metrics;
-  });
+  return impl_->all_as<StoredMetric, std::string, std::string, double>(
+      "SELECT d.file_name, d.expression, v.value FROM metric_value AS v JOIN metric AS d ON d.id = v.metric_id "
+      "WHERE v.key = ? ORDER BY d.id",
+      hash_from_hex(key));
 }
 
 std::vector<StoredPoint> Reader::points() const {
-  return impl_->guarded([&] {
-    Statement s(impl_->db,
-                "SELECT p.id, s.name, p.controller, p.label, r.resolved, p.resolved_position, p.simulation_version "
-                "FROM point AS p JOIN suite AS s ON s.id = p.suite_id JOIN resolved_suite AS r "
-                "ON r.id = p.resolved_suite_id ORDER BY p.id");
-    std::vector<StoredPoint> points;
-    while (s.executeStep()) {
-      points.push_back({s.getColumn(0).getInt64(), s.getColumn(1).getString(), s.getColumn(2).getString(),
-                        s.getColumn(3).getString(), s.getColumn(4).getString(),
-                        static_cast<std::size_t>(s.getColumn(5).getInt64()), s.getColumn(6).getInt()});
-    }
-    return points;
-  });
+  return impl_->all_as<StoredPoint, std::int64_t, std::string, std::string, std::string, std::string, std::size_t, int>(
+      "SELECT p.id, s.name, p.controller, p.label, r.resolved, p.resolved_position, p.simulation_version "
+      "FROM point AS p JOIN suite AS s ON s.id = p.suite_id JOIN resolved_suite AS r "
+      "ON r.id = p.resolved_suite_id ORDER BY p.id");
 }
 
 std::vector<PointTrial> Reader::trials_of(std::int64_t point) const {
-  return impl_->guarded([&] {
-    Statement s(impl_->db,
-                "SELECT world_index, lower(hex(key)) FROM point_trial WHERE point_id = ? ORDER BY world_index");
-    s.bind(1, point);
-    std::vector<PointTrial> trials;
-    while (s.executeStep())
-      trials.push_back({static_cast<std::uint64_t>(s.getColumn(0).getInt64()), s.getColumn(1).getString()});
-    return trials;
-  });
+  return impl_->all_as<PointTrial, std::uint64_t, std::string>(
+      "SELECT world_index, lower(hex(key)) FROM point_trial WHERE point_id = ? ORDER BY world_index", point);
 }
 
-std::string Reader::point_differences(std::int64_t point, const SuiteRecord& suite, std::size_t position) const {
+std::string Reader::point_differences(std::int64_t point, const PointRecord& said) const {
   return impl_->guarded([&] {
-    const PointRecord& said = suite.points.at(position);
-    Statement s(impl_->db, fmt::format("SELECT r.name, r.resolved, c.resolved, u.setting_hash, {} "
-                                       "FROM point AS p JOIN robot AS r ON r.id = p.robot_id JOIN controller AS c "
-                                       "ON c.id = p.controller_id JOIN suite AS u ON u.id = p.suite_id WHERE p.id = ?",
-                                       column_names<PointRow>("p.")));
-    s.bind(1, point);
-    if (!s.executeStep()) return std::string("robot or controller");
-    std::string differ;
-    const auto compare = [&](const char* name, bool same) {
-      if (!same) differ += fmt::format("{}{}", differ.empty() ? "" : ", ", name);
-    };
-    compare("robot",
-            s.getColumn(0).getString() == said.robot_name && s.getColumn(1).getString() == said.robot_resolved);
-    compare("controller", s.getColumn(2).getString() == said.controller_resolved);
-    Hash setting{};
-    read_cell(s.getColumn(3), setting);
-    compare("setting_hash", setting == suite.setting_hash);
-    PointRow row = said;  // names as shown, and where its parts are, are this store's own
-    const PointRow own = read_record<PointRow>(s, 4);
-    row.controller_name = said.controller;
-    row.suite_id = own.suite_id, row.controller = own.controller, row.robot_id = own.robot_id;
-    row.controller_id = own.controller_id, row.resolved_suite_id = own.resolved_suite_id;
-    row.resolved_position = own.resolved_position;
-    const std::string columns = differing_columns(s, 4, row);
-    if (!columns.empty()) compare(columns.c_str(), false);
-    return differ;
+    const auto found = row<std::string, std::string, std::string, PointRow>(
+        impl_->db,
+        fmt::format("SELECT r.name, r.resolved, c.resolved, {} FROM point AS p JOIN robot AS r ON r.id = p.robot_id "
+                    "JOIN controller AS c ON c.id = p.controller_id WHERE p.id = ?",
+                    column_names<PointRow>("p.")),
+        point);
+    if (!found) return std::string("robot or controller");
+    const auto& [robot_name, robot, controller, kept] = *found;
+    std::vector<std::string> differ;
+    if (robot_name != said.robot_name || robot != said.robot_resolved) differ.emplace_back("robot");
+    if (controller != said.controller_resolved) differ.emplace_back("controller");
+    PointRow wanted = said;  // names as shown, and where its parts are, are this store's own
+    wanted.controller_name = said.controller;
+    wanted.suite_id = kept.suite_id, wanted.controller = kept.controller, wanted.robot_id = kept.robot_id;
+    wanted.controller_id = kept.controller_id, wanted.resolved_suite_id = kept.resolved_suite_id;
+    wanted.resolved_position = kept.resolved_position;
+    if (std::string columns = differing_columns(kept, wanted); !columns.empty()) differ.push_back(std::move(columns));
+    return fmt::format("{}", fmt::join(differ, ", "));
   });
 }
 
 std::vector<std::string> Reader::running() const {
-  return impl_->guarded([&] {
-    std::vector<std::string> started;
-    Statement s(impl_->db, "SELECT started FROM invocation WHERE status = ? ORDER BY id");
-    s.bind(1, std::string(to_string(RunStatus::kRunning)));
-    while (s.executeStep()) started.push_back(s.getColumn(0).getString());
-    return started;
-  });
+  return impl_->all<std::string>("SELECT started FROM invocation WHERE status = ? ORDER BY id", RunStatus::kRunning);
 }
 
-std::size_t Reader::searched_trials() const {
-  return impl_->guarded([&] {
-    return static_cast<std::size_t>(
-        impl_->db
-            .execAndGet(
-                "SELECT count(*) FROM trial AS t WHERE NOT EXISTS (SELECT 1 FROM point_trial AS m WHERE m.key = "
-                "t.key)")
-            .getInt64());
+std::vector<std::string> Reader::searched_keys() const {
+  return impl_->all<std::string>(
+      "SELECT lower(hex(t.key)) FROM trial AS t WHERE NOT EXISTS (SELECT 1 FROM point_trial AS m WHERE m.key = t.key) "
+      "ORDER BY t.key");
+}
+
+std::vector<std::string> Reader::keys_of_suite(const std::string& name) const {
+  return impl_->all<std::string>(
+      "SELECT DISTINCT lower(hex(m.key)) FROM point_trial AS m JOIN point AS p ON p.id = m.point_id JOIN suite AS u "
+      "ON u.id = p.suite_id WHERE u.name = ? ORDER BY 1",
+      name);
+}
+
+std::vector<std::string> Reader::robots() const {
+  return impl_->all<std::string>("SELECT resolved FROM robot ORDER BY id");
+}
+
+std::vector<std::int64_t> Reader::searches() const {
+  return impl_->all<std::int64_t>("SELECT id FROM tune_search ORDER BY id");
+}
+
+StoredSearch Reader::search(std::int64_t id) const {
+  StoredSearch search;
+  const auto rows = [&]<class R>(const char* table, const char* place, std::vector<R>& to) {
+    const std::set<std::string> stored = stored_columns(impl_->db, table);
+    try {
+      to = place == nullptr ? store::Table<R>(impl_->db, table, {"id"}, &stored).all(id)
+                            : store::Table<R>(impl_->db, table, {"search_id", place}, &stored).all(id);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(fmt::format("{}: {}", table, error.what()));
+    }
+    if (place == nullptr || to.empty()) return;
+    const auto [first, last] = *row<std::size_t, std::size_t>(
+        impl_->db, fmt::format("SELECT min({0}), max({0}) FROM {1} WHERE search_id = ?", place, table), id);
+    if (first != 0 || last + 1 != to.size())
+      throw std::invalid_argument(fmt::format("{}: its rows are not numbered 0, 1, 2 ...", table));
+  };
+  impl_->guarded([&] {
+    std::vector<TuneSearchRecord> record;
+    rows("tune_search", nullptr, record);
+    search.record = std::move(record.at(0));
+    rows("tune_variable", "variable", search.variables);
+    rows("tune_evaluation", "evaluation", search.evaluations);
+    rows("tune_finalist", "place", search.finalists);
+    rows("tune_sensitivity", "entry", search.sensitivity);
+    rows("tune_comparison", "entry", search.comparisons);
+  });
+  return search;
+}
+
+std::optional<LoneTrial> Reader::lone_trial(const std::string& key) const {
+  return impl_->guarded([&]() -> std::optional<LoneTrial> {
+    std::optional<Statement>& s = impl_->lone;
+    if (!s) {
+      const std::set<std::string> there = stored_columns(impl_->db, "trial");
+      s.emplace(impl_->db, fmt::format("SELECT {}, w.json, coalesce(i.machine_class, '') FROM trial AS t "
+                                       "JOIN world AS w ON w.id = t.world_id LEFT JOIN execution AS e ON e.key = t.key "
+                                       "LEFT JOIN invocation AS i ON i.id = e.invocation_id WHERE t.key = ?",
+                                       column_names<TrialRow>("t.", &there)));
+    }
+    auto found = row<TrialRow, std::string, std::string>(*s, hash_from_hex(key));
+    if (!found) return std::nullopt;
+    auto& [result, world, machine_class] = *found;
+    return LoneTrial{std::move(result), std::move(world), std::move(machine_class)};
   });
 }
 
 std::vector<std::string> Reader::integrity_problems() const {
   return impl_->guarded([&] {
-    std::vector<std::string> problems = findings_of_sqlite(impl_->db);
+    const auto look = [this] {
+      std::vector<std::string> findings = rows<std::string>(impl_->db, "PRAGMA integrity_check");
+      std::erase(findings, "ok");
+      return findings;
+    };
+    std::vector<std::string> problems = look();
     // A page that it could not get, for want of memory or since the disk failed, is a finding like any other.
-    if (!problems.empty() && findings_of_sqlite(impl_->db) != problems) {
+    if (!problems.empty() && look() != problems) {
       throw StoreError(StoreError::Kind::kUnusable,
                        fmt::format("{}: cannot be read: two looks at its pages found different things (do the disk or "
                                    "the memory fail?)",
                                    impl_->file.string()));
     }
-    Statement foreign(impl_->db, "PRAGMA foreign_key_check");
-    while (foreign.executeStep()) {
-      problems.push_back(fmt::format("a row of {} refers to a missing row of {}", foreign.getColumn(0).getString(),
-                                     foreign.getColumn(2).getString()));
-    }
+    for_rows<std::string, std::string>(
+        impl_->db, "SELECT \"table\", parent FROM pragma_foreign_key_check",
+        [&](const std::string& table, const std::string& parent) {
+          problems.push_back(fmt::format("a row of {} refers to a missing row of {}", table, parent));
+        });
     return problems;
   });
 }
@@ -310,27 +295,14 @@ std::string Reader::result_hash() const {
         // A row that does not know the value hashes as it did before the column was there.
         if (later && value.isNull()) continue;
         line += later ? fmt::format("|{}=", column->name) : "|";
-        // The bits of a number, not its decimal form.
-        if (value.isFloat()) {
-          line += fmt::format("{:016x}", std::bit_cast<std::uint64_t>(value.getDouble()));
-        } else if (!value.isNull()) {
-          line += value.getString();
-        }
+        add_bits(line, value);
       }
       chain = hash_text(line);
     }
     // Without metrics the hash is what it was before there were any.
-    Statement m(impl_->db,
-                "SELECT d.file_name, d.expression, lower(hex(v.key)), v.value FROM metric_value AS v "
-                "JOIN metric AS d ON d.id = v.metric_id ORDER BY 1, 2, 3");
-    while (m.executeStep()) {
-      const SQLite::Column value = m.getColumn(3);
-      chain = hash_text(
-          fmt::format("{}|{}|{}|{}|{}", to_hex(chain), m.getColumn(0).getString(), m.getColumn(1).getString(),
-                      m.getColumn(2).getString(),
-                      value.isNull() ? "" : fmt::format("{:016x}", std::bit_cast<std::uint64_t>(value.getDouble()))));
-    }
-    return to_hex(chain);
+    return to_hex(chain_rows(impl_->db, chain,
+                             "SELECT d.file_name, d.expression, lower(hex(v.key)), v.value FROM metric_value AS v "
+                             "JOIN metric AS d ON d.id = v.metric_id ORDER BY 1, 2, 3"));
   });
 }
 

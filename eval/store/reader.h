@@ -27,7 +27,7 @@ struct StoredTrial {
   std::string machine_class;  ///< of the invocation that computed it
   int simulation_version = 0;
   TrialRow row;  ///< without timings
-  std::optional<EncodedSamples> samples;
+  std::optional<EncodedSamples> samples = {};
 };
 
 struct StoredInvocation {
@@ -62,7 +62,15 @@ struct PointTrial {
   std::string key;  ///< 32 hex digits
 };
 
-struct SuiteRecord;
+struct PointRecord;
+struct StoredSearch;  // eval/store/search_tables.h
+
+/// A trial by itself, of a point or of a search alone.
+struct LoneTrial {
+  TrialRow row;               ///< without timings
+  std::string world;          ///< JSON
+  std::string machine_class;  ///< of the invocation that computed it
+};
 
 /// Reads a store; any number of readers beside the writer. Throws StoreError.
 class Reader {
@@ -84,13 +92,21 @@ class Reader {
   std::vector<StoredMetric> metrics(const std::string& key) const;
   std::vector<StoredPoint> points() const;
   std::vector<PointTrial> trials_of(std::int64_t point) const;
-  /// Names of the columns of a point and its suite that are not as `suite` and its point `position` say; "" where all
-  /// are.
-  std::string point_differences(std::int64_t point, const SuiteRecord& suite, std::size_t position) const;
+  /// Names of the columns of a point that are not as `said`; "" where all are.
+  std::string point_differences(std::int64_t point, const PointRecord& said) const;
   /// When the runs began that say that they are running.
   std::vector<std::string> running() const;
-  /// How many trials belong to no point: those of searches.
-  std::size_t searched_trials() const;
+  /// Keys of the trials that belong to no point, those of searches, in order.
+  std::vector<std::string> searched_keys() const;
+  /// Keys of the trials of the suite shown under `name`, in order.
+  std::vector<std::string> keys_of_suite(const std::string& name) const;
+  /// Ids of the searches (moma tune).
+  std::vector<std::int64_t> searches() const;
+  StoredSearch search(std::int64_t id) const;
+  /// The trial with this key (32 hex digits), if it is there.
+  std::optional<LoneTrial> lone_trial(const std::string& key) const;
+  /// Robots as resolved, JSON.
+  std::vector<std::string> robots() const;
   /// Findings of SQLite's integrity and foreign key checks; empty where the file is sound.
   std::vector<std::string> integrity_problems() const;
   /// 32 hex digits over all deterministic columns of all trials in order of the key: equal hashes mean equal rows.

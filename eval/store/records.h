@@ -28,15 +28,9 @@ struct SuiteRecord {
   std::vector<std::pair<std::string, std::string>> metrics;  ///< name, SQL expression
 };
 
-struct WorldRecord {
-  std::uint64_t index = 0;
-  std::uint64_t seed = 0;
-  std::string family;
-  Difficulty difficulty;
-  std::string json;
-};
-
 SuiteRecord describe(const Suite& suite);
+/// Whether `hash` is the setting_hash of a suite with this resolved text, under any version of the simulation.
+bool has_setting(const nlohmann::ordered_json& resolved, const Hash& hash);
 WorldRecord describe(const World& world);
 /// For a world that could not be made: its identity, without content.
 WorldRecord describe_missing(const Worlds& worlds, std::uint64_t index);

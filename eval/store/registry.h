@@ -23,11 +23,6 @@ struct Registered {
 /// Finds or adds the suite and its points. Call within a transaction. Throws SQLite::Exception.
 Registered register_suite(SQLite::Database& db, const SuiteRecord& suite);
 
-/// Id of the row of a content table (robot, controller, resolved_suite) with this text, added where it is new.
-/// `name` is for robots only.
-std::int64_t content_id(SQLite::Database& db, const std::string& table, std::string_view text,
-                        const std::string& name = {});
-
 /// Id of a suite's own metric, added where it is new.
 std::int64_t metric_id(SQLite::Database& db, const std::string& name, const std::string& expression);
 

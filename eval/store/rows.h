@@ -6,13 +6,84 @@
 #include <string_view>
 
 #include "controller/describe/describe.h"
+#include "eval/store/difficulty.h"
 #include "eval/store/field.h"
 #include "eval/store/words.h"
 #include "eval/trial/spec.h"
 
-// Rows of the tables suite, point and invocation.
+// Rows of the tables that are not described beside what they hold (eval/trial/row.h, eval/store/samples.h,
+// eval/store/search_tables.h). What follows from a record's place, keys and ids, is no part of it.
 
 namespace moma::store {
+
+/// Of the tables controller and resolved_suite.
+struct ContentRow {
+  Hash hash{};
+  std::string resolved;
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<ContentRow>) {
+  using T = ContentRow;
+  v.member("hash", &T::hash, Field{.rule = "UNIQUE"});
+  v.member("resolved", &T::resolved, Field{.json = true});
+}
+
+struct RobotRow {
+  Hash hash{};
+  std::string name;
+  std::string resolved;
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<RobotRow>) {
+  using T = RobotRow;
+  v.member("hash", &T::hash, Field{.text = "XXH3-128 of `resolved`", .rule = "UNIQUE"});
+  v.member("name", &T::name, Field{});
+  v.member("resolved", &T::resolved, Field{.json = true});
+}
+
+struct WorldRecord : Difficulty {
+  Hash hash{};  ///< set by the writer
+  std::uint64_t index = 0;
+  std::string seed;
+  std::string family;
+  std::string json;
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<WorldRecord>) {
+  using T = WorldRecord;
+  v.member("hash", &T::hash, Field{.text = "XXH3-128 of `json`", .rule = "UNIQUE"});
+  v.member("world_index", &T::index, Field{});
+  v.member("seed", &T::seed, Field{.text = "unsigned 64 bit: more than INTEGER holds"});
+  v.member("family", &T::family, Field{});
+  describe(v, Of<Difficulty>{});
+  v.member("json", &T::json, Field{.json = true});
+}
+
+struct MetricRow {
+  std::string name;
+  std::string file_name;
+  std::string expression;
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<MetricRow>) {
+  using T = MetricRow;
+  v.member("name", &T::name, Field{.text = "as shown: another expression makes NAME@2 ...", .rule = "UNIQUE"});
+  v.member("file_name", &T::file_name, Field{.text = "as in the suite file"});
+  v.member("expression", &T::expression, Field{});
+}
+
+struct MetricValueRow {
+  double value = 0.0;
+};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<MetricValueRow>) {
+  v.member("value", &MetricValueRow::value, Column{.text = "NULL: the trial has no such value"});
+}
 
 struct SuiteRow {
   std::string name;

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "eval/store/field.h"
 #include "eval/trial/row.h"
 
 namespace moma::store {
@@ -16,9 +17,18 @@ inline constexpr int kSamplesLayout = 1;
 struct EncodedSamples {
   int layout = kSamplesLayout;
   std::int64_t n = 0;
-  std::string columns;  ///< JSON list
-  std::vector<unsigned char> data;
+  std::string columns;
+  Blob data;
 };
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<EncodedSamples>) {
+  using T = EncodedSamples;
+  v.member("layout", &T::layout, Field{});
+  v.member("n", &T::n, Field{.text = "samples"});
+  v.member("columns", &T::columns, Field{.text = "names, in order", .json = true});
+  v.member("data", &T::data, Field{});
+}
 
 /// Names of the columns for `q` joints and `v` velocities, and one sample as numbers in their order.
 std::vector<std::string> sample_columns(Eigen::Index q, Eigen::Index v);

@@ -7,23 +7,19 @@
 -- A robot as read: names, limits, URDF text, hull vertices; enough to build it again without any other file.
 CREATE TABLE robot (
   id INTEGER PRIMARY KEY,
-  hash BLOB NOT NULL UNIQUE CHECK (length(hash) = 16),      -- XXH3-128 of `resolved`
-  name TEXT NOT NULL,
-  resolved TEXT NOT NULL CHECK (json_valid(resolved))
+  {{columns of robot}}
 ) STRICT;
 
 -- A controller's parameters, defaults included.
 CREATE TABLE controller (
   id INTEGER PRIMARY KEY,
-  hash BLOB NOT NULL UNIQUE CHECK (length(hash) = 16),
-  resolved TEXT NOT NULL CHECK (json_valid(resolved))
+  {{columns of controller}}
 ) STRICT;
 
 -- Whole resolved suites as they were run.
 CREATE TABLE resolved_suite (
   id INTEGER PRIMARY KEY,
-  hash BLOB NOT NULL UNIQUE CHECK (length(hash) = 16),
-  resolved TEXT NOT NULL CHECK (json_valid(resolved))
+  {{columns of resolved_suite}}
 ) STRICT;
 
 -- A suite's setting: everything that its controllers share (robot, worlds, simulation, rules). The same name with
@@ -45,12 +41,7 @@ CREATE TABLE point (
 -- Worlds as plain numbers.
 CREATE TABLE world (
   id INTEGER PRIMARY KEY,
-  hash BLOB NOT NULL UNIQUE CHECK (length(hash) = 16),      -- XXH3-128 of `json`
-  world_index INTEGER NOT NULL,
-  seed TEXT NOT NULL,                                       -- unsigned 64 bit: more than INTEGER holds
-  family TEXT NOT NULL,
   {{columns of world}}
-  json TEXT NOT NULL CHECK (json_valid(json))
 ) STRICT;
 
 -- One call of the program that wrote into this store.
@@ -99,25 +90,20 @@ CREATE INDEX point_trial_by_time ON point_trial (point_id, time_to_goal_s);
 -- Time series, one sample per control step, compressed; layout in docs/reference/store.md.
 CREATE TABLE samples (
   key BLOB PRIMARY KEY REFERENCES trial (key),
-  layout INTEGER NOT NULL,
-  n INTEGER NOT NULL,                                       -- samples
-  columns TEXT NOT NULL CHECK (json_valid(columns)),        -- names, in order
-  data BLOB NOT NULL
+  {{columns of samples}}
 ) STRICT;
 
 -- Metrics that suites define themselves: an SQL expression over a trial's samples.
 CREATE TABLE metric (
   id INTEGER PRIMARY KEY,
-  name TEXT NOT NULL UNIQUE,                                -- as shown: another expression makes NAME@2 ...
-  file_name TEXT NOT NULL,                                  -- as in the suite file
-  expression TEXT NOT NULL,
+  {{columns of metric}}
   UNIQUE (file_name, expression)
 ) STRICT;
 
 CREATE TABLE metric_value (
   metric_id INTEGER NOT NULL REFERENCES metric (id),
   key BLOB NOT NULL REFERENCES trial (key),
-  value REAL,                                               -- NULL: the trial has no such value
+  {{columns of metric_value}}
   PRIMARY KEY (metric_id, key)
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX metric_value_by_key ON metric_value (key);

@@ -29,6 +29,7 @@ struct TuneSearchRecord {
   std::optional<std::string> held_out_suite;
   std::optional<tune::Verdict> verdict;
   std::optional<std::string> runs, notes;
+  std::optional<std::string> held_out;
 };
 
 template <class Visitor>
@@ -51,6 +52,8 @@ constexpr void describe(Visitor& v, Of<TuneSearchRecord>) {
   v.member("verdict", &T::verdict, Field{});
   v.member("runs", &T::runs, Field{.text = "NLopt's runs: algorithm, trials, why it ended", .json = true});
   v.member("notes", &T::notes, Field{.json = true});
+  v.member("held_out", &T::held_out,
+           Field{.text = "worlds of the verdict: first, count, seed if another", .json = true});
 }
 
 struct TuneVariableRecord : tune::Variable {
@@ -119,6 +122,16 @@ constexpr void describe(Visitor& v, Of<TuneComparisonRecord>) {
   v.member("p", &T::p, Column{.text = "exact McNemar with Holm's correction; NULL for means"});
   v.member("verdict", &T::verdict, Field{});
 }
+
+/// All rows of a search.
+struct StoredSearch {
+  TuneSearchRecord record;
+  std::vector<TuneVariableRecord> variables;
+  std::vector<tune::Evaluation> evaluations;
+  std::vector<tune::Finalist> finalists;
+  std::vector<TuneSensitivityRecord> sensitivity;
+  std::vector<TuneComparisonRecord> comparisons;
+};
 
 }  // namespace moma::store
 

@@ -43,9 +43,12 @@ std::vector<double> from_bytes(const SQLite::Column& cell) {
 
 void bind_cell(SQLite::Statement& s, int index, std::int64_t value) { s.bind(index, value); }
 void bind_cell(SQLite::Statement& s, int index, double value) { s.bind(index, value); }
-void bind_cell(SQLite::Statement& s, int index, const std::string& value) { s.bind(index, value); }
+void bind_cell(SQLite::Statement& s, int index, std::string_view value) { s.bind(index, std::string(value)); }
 void bind_cell(SQLite::Statement& s, int index, const Hash& value) {
   s.bind(index, value.data(), static_cast<int>(value.size()));
+}
+void bind_cell(SQLite::Statement& s, int index, const Blob& value) {
+  s.bind(index, value.empty() ? static_cast<const void*>("") : value.data(), static_cast<int>(value.size()));
 }
 void bind_cell(SQLite::Statement& s, int index, const std::vector<double>& value, bool bits) {
   if (!bits) return s.bind(index, nlohmann::json(value).dump());
@@ -53,13 +56,17 @@ void bind_cell(SQLite::Statement& s, int index, const std::vector<double>& value
   s.bind(index, static_cast<const void*>(bytes.data()), static_cast<int>(bytes.size()));
 }
 
-void read_cell(const SQLite::Column& cell, double& value) { value = cell.getDouble(); }
+void read_cell(const SQLite::Column& cell, double& value) { value = cell.isNull() ? kAbsent : cell.getDouble(); }
 void read_cell(const SQLite::Column& cell, std::string& value) { value = cell.getString(); }
 void read_cell(const SQLite::Column& cell, Hash& value) {
   if (cell.getBytes() != static_cast<int>(value.size()))
     throw std::invalid_argument(fmt::format("{} has no {} bytes", column_name(cell), value.size()));
   const auto* bytes = static_cast<const unsigned char*>(cell.getBlob());
   std::copy(bytes, bytes + value.size(), value.begin());
+}
+void read_cell(const SQLite::Column& cell, Blob& value) {
+  const auto* bytes = static_cast<const unsigned char*>(cell.getBlob());
+  value.assign(bytes, bytes + (bytes == nullptr ? 0 : cell.getBytes()));
 }
 void read_cell(const SQLite::Column& cell, std::vector<double>& value, bool bits) {
   if (bits) {
@@ -85,21 +92,36 @@ void bind_metric(SQLite::Statement& s, int index, const std::string& value) {
   if (value.empty()) return s.bind(index);
   s.bind(index, value);
 }
-void read_metric(const SQLite::Column& cell, double& value) { value = cell.isNull() ? kAbsent : cell.getDouble(); }
-void read_metric(const SQLite::Column& cell, std::string& value) {
-  value = cell.isNull() ? std::string() : cell.getString();
-}
-
 bool same_metric(double kept, double said) {
   const double wanted = stored(said);
   return kept == wanted || (std::isnan(kept) && std::isnan(wanted));
 }
 
-std::string insert_sql(std::string_view table, const std::string& names) {
+void add_bits(std::string& text, const SQLite::Column& cell) {
+  if (cell.isFloat()) {
+    text += fmt::format("{:016x}", std::bit_cast<std::uint64_t>(cell.getDouble()));
+  } else if (!cell.isNull()) {
+    text += cell.getString();
+  }
+}
+
+Hash chain_rows(SQLite::Database& db, Hash chain, const std::string& sql) {
+  for (SQLite::Statement s(db, sql); s.executeStep();) {
+    std::string line = to_hex(chain);
+    for (int c = 0; c < s.getColumnCount(); ++c) {
+      line += '|';
+      add_bits(line, s.getColumn(c));
+    }
+    chain = hash_text(line);
+  }
+  return chain;
+}
+
+std::string places_sql(const std::string& names) {
   std::string places = "?";
   for (const char c : names)
     if (c == ',') places += ", ?";
-  return fmt::format("INSERT INTO {} ({}) VALUES ({})", table, names, places);
+  return places;
 }
 
 std::string where_sql(const std::vector<std::string>& keys, std::size_t n) {

@@ -9,29 +9,34 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "eval/store/field.h"
 
+// SQL with the types of records (eval/store/field.h): statements take values and give rows as C++ has them, tables hold
+// described records. Everything here throws SQLite::Exception, and std::invalid_argument, naming the column, for what
+// no moma writes.
+
 namespace moma::store {
 
-// One value. Texts that are no value of the member's type throw std::invalid_argument, naming the column.
+// One value. A number that is NULL is NaN, a text that is NULL is empty.
 void bind_cell(SQLite::Statement& s, int index, std::int64_t value);
 void bind_cell(SQLite::Statement& s, int index, double value);
-void bind_cell(SQLite::Statement& s, int index, const std::string& value);
+void bind_cell(SQLite::Statement& s, int index, std::string_view value);
 void bind_cell(SQLite::Statement& s, int index, const Hash& value);
+void bind_cell(SQLite::Statement& s, int index, const Blob& value);
 void bind_cell(SQLite::Statement& s, int index, const std::vector<double>& value, bool bits);
 void read_cell(const SQLite::Column& cell, double& value);
 void read_cell(const SQLite::Column& cell, std::string& value);
 void read_cell(const SQLite::Column& cell, Hash& value);
+void read_cell(const SQLite::Column& cell, Blob& value);
 void read_cell(const SQLite::Column& cell, std::vector<double>& value, bool bits);
 [[noreturn]] void refuse_word(const SQLite::Column& cell);
 
 // Of a metric: infinities and what is absent are NULL, -0 is 0, and so is an empty text.
 void bind_metric(SQLite::Statement& s, int index, double value);
 void bind_metric(SQLite::Statement& s, int index, const std::string& value);
-void read_metric(const SQLite::Column& cell, double& value);
-void read_metric(const SQLite::Column& cell, std::string& value);
 /// Whether `said` is stored as `kept`.
 bool same_metric(double kept, double said);
 
@@ -43,7 +48,7 @@ void bind(SQLite::Statement& s, int index, const M& value, [[maybe_unused]] cons
     if (value) return bind(s, index, *value, about);
     s.bind(index);
   } else if constexpr (Worded<M>) {
-    bind_cell(s, index, std::string(to_string(value)));
+    bind_cell(s, index, to_string(value));
   } else if constexpr (std::is_integral_v<M>) {
     bind_cell(s, index, static_cast<std::int64_t>(value));
   } else if constexpr (is_list<M>) {
@@ -62,10 +67,10 @@ void bind(SQLite::Statement& s, int index, const M& value, const Column& /*about
 }
 
 template <class M>
-void read(const SQLite::Column& cell, M& value, [[maybe_unused]] const Field& about = {}) {
+void read(const SQLite::Column& cell, M& value, [[maybe_unused]] bool bits = false) {
   if constexpr (Optional<M>::value) {
     value.reset();
-    if (!cell.isNull()) read(cell, value.emplace(), about);
+    if (!cell.isNull()) read(cell, value.emplace(), bits);
   } else if constexpr (Worded<M>) {
     const auto known = from_string<M>(cell.getString());
     if (!known) refuse_word(cell);
@@ -73,19 +78,13 @@ void read(const SQLite::Column& cell, M& value, [[maybe_unused]] const Field& ab
   } else if constexpr (std::is_integral_v<M>) {
     value = static_cast<M>(cell.getInt64());
   } else if constexpr (is_list<M>) {
-    read_cell(cell, value, about.bits);
+    read_cell(cell, value, bits);
   } else {
     read_cell(cell, value);
   }
 }
-template <class M>
-void read(const SQLite::Column& cell, M& value, const Column& /*about*/) {
-  if constexpr (std::same_as<M, double> || std::same_as<M, std::string>) {
-    read_metric(cell, value);
-  } else {
-    read(cell, value, Field{});
-  }
-}
+inline bool bits(const Field& about) { return about.bits; }
+inline bool bits(const Column&) { return false; }
 
 template <class R>
 struct Binder {
@@ -97,7 +96,7 @@ struct Binder {
     bind(s, index++, record.*member, about);
   }
   template <class M, class C>
-  void inlined(M C::*) {}
+  void inlined(M C::*) {}  // of another table
 };
 
 template <class R>
@@ -107,54 +106,150 @@ struct Reader {
   int index;
   template <class M, class C, class About>
   void member(std::string_view, M C::*member, const About& about) {
-    read(s.getColumn(index++), record.*member, about);
+    read(s.getColumn(index++), record.*member, bits(about));
   }
   template <class M, class C>
   void inlined(M C::*) {}
 };
 
+/// Whether `said` is stored as `kept`.
+template <class About, class M>
+bool same(const M& kept, const M& said) {
+  if constexpr (std::same_as<M, double> && std::same_as<About, Column>) return same_metric(kept, said);
+  if constexpr (std::same_as<M, std::optional<double>>)
+    return said && *said != *said ? !kept : kept == said;  // NaN is NULL
+  return kept == said;
+}
+
 template <class R>
 struct Differ {
-  SQLite::Statement& s;
+  const R& kept;
   const R& said;
-  int index;
   std::string names;
   template <class M, class C, class About>
-  void member(std::string_view name, M C::*member, const About& about) {
-    M kept{};
-    read(s.getColumn(index++), kept, about);
-    bool same = kept == said.*member;
-    if constexpr (std::same_as<M, double>)
-      same = std::same_as<About, Column> ? same_metric(kept, said.*member) : kept == said.*member;
-    if (!same) names.append(names.empty() ? "" : ", ").append(name);
+  void member(std::string_view name, M C::*member, const About&) {
+    if (!same<About>(kept.*member, said.*member)) names.append(names.empty() ? "" : ", ").append(name);
   }
   template <class M, class C>
   void inlined(M C::*) {}
+};
+
+/// Binds a value, or all columns of a described record, from parameter `index` on, and moves it behind them.
+template <class T>
+void bind_next(SQLite::Statement& s, int& index, const T& value) {
+  if constexpr (Described<T>) {
+    Binder<T> binder{s, value, index};
+    describe(binder, Of<T>{});
+    index = binder.index;
+  } else {
+    bind(s, index++, value);
+  }
+}
+
+/// Reads a value, or what column_names<T>() selects, from column `index` on, and moves it behind them.
+template <class T>
+T read_next(SQLite::Statement& s, int& index) {
+  T value{};
+  if constexpr (Described<T>) {
+    Reader<T> reader{s, value, index};
+    describe(reader, Of<T>{});
+    index = reader.index;
+  } else {
+    read(s.getColumn(index++), value);
+  }
+  return value;
+}
+
+template <class R, class... T>
+R read_row(SQLite::Statement& s) {
+  int index = 0;
+  return R{read_next<T>(s, index)...};  // in their order, as braces promise
+}
+
+template <class... T>
+struct Row {
+  using type = std::tuple<T...>;
+};
+template <class T>
+struct Row<T> {
+  using type = T;
 };
 
 }  // namespace field
 
-/// Binds all columns from parameter `first` on; returns the next free parameter.
-template <class R>
-int bind_record(SQLite::Statement& s, int first, const R& record) {
-  field::Binder<R> binder{s, record, first};
-  describe(binder, Of<R>{});
-  return binder.index;
+/// Binds values and records to the parameters of a statement, which starts anew.
+template <class... A>
+void bind_all(SQLite::Statement& s, const A&... values) {
+  s.reset();
+  [[maybe_unused]] int index = 1;
+  (field::bind_next(s, index, values), ...);
 }
 
-/// Reads what column_names<R>() selects, from column `first` on.
-template <class R>
-R read_record(SQLite::Statement& s, int first) {
-  R record;
-  field::Reader<R> reader{s, record, first};
-  describe(reader, Of<R>{});
-  return record;
+/// Runs a statement that gives no rows; returns how many it changed.
+template <class... A>
+int execute(SQLite::Statement& s, const A&... values) {
+  bind_all(s, values...);
+  return s.exec();
+}
+template <class... A>
+int execute(SQLite::Database& db, const std::string& sql, const A&... values) {
+  SQLite::Statement s(db, sql);
+  return execute(s, values...);
 }
 
-/// Names of the columns from `first` on that do not hold what `said` would be stored as; "" where all do.
+/// Calls `work` with the values of each row, of these types; a described record takes several columns.
+template <class... T, class Work, class... A>
+void for_rows(SQLite::Database& db, const std::string& sql, const Work& work, const A&... values) {
+  SQLite::Statement s(db, sql);
+  bind_all(s, values...);
+  while (s.executeStep()) std::apply(work, field::read_row<std::tuple<T...>, T...>(s));
+}
+
+/// All rows, as R{T...}.
+template <class R, class... T, class... A>
+std::vector<R> rows_as(SQLite::Database& db, const std::string& sql, const A&... values) {
+  SQLite::Statement s(db, sql);
+  bind_all(s, values...);
+  std::vector<R> all;
+  while (s.executeStep()) all.push_back(field::read_row<R, T...>(s));
+  return all;
+}
+/// All rows, as tuples of several T or as one T.
+template <class... T, class... A>
+std::vector<typename field::Row<T...>::type> rows(SQLite::Database& db, const std::string& sql, const A&... values) {
+  return rows_as<typename field::Row<T...>::type, T...>(db, sql, values...);
+}
+
+/// The first row, if there is one. A statement is left reset: one that is open keeps its snapshot past a commit.
+template <class... T, class... A>
+std::optional<typename field::Row<T...>::type> row(SQLite::Statement& s, const A&... values) {
+  bind_all(s, values...);
+  std::optional<typename field::Row<T...>::type> first;
+  if (s.executeStep()) first = field::read_row<typename field::Row<T...>::type, T...>(s);
+  s.reset();
+  return first;
+}
+template <class... T, class... A>
+std::optional<typename field::Row<T...>::type> row(SQLite::Database& db, const std::string& sql, const A&... values) {
+  SQLite::Statement s(db, sql);
+  return row<T...>(s, values...);
+}
+
+/// The one whole number that a query of counts gives.
+template <class... A>
+std::size_t count(SQLite::Database& db, const std::string& sql, const A&... values) {
+  return row<std::size_t>(db, sql, values...).value();
+}
+
+/// Adds a value as text, of a number its bits.
+void add_bits(std::string& text, const SQLite::Column& cell);
+/// The hash over all rows of a query, each after the hash of those before it; `chain`: of what comes first.
+Hash chain_rows(SQLite::Database& db, Hash chain, const std::string& sql);
+
+/// Names of the columns that do not hold what `said` would be stored as; "" where all do.
 template <class R>
-std::string differing_columns(SQLite::Statement& s, int first, const R& said) {
-  field::Differ<R> differ{s, said, first, {}};
+std::string differing_columns(const R& kept, const R& said) {
+  field::Differ<R> differ{kept, said, {}};
   describe(differ, Of<R>{});
   return differ.names;
 }
@@ -171,73 +266,73 @@ std::string column_names(std::string_view prefix = {}, const std::set<std::strin
   return list;
 }
 
-/// "INSERT INTO table (names) VALUES (?, ?, ...)".
-std::string insert_sql(std::string_view table, const std::string& names);
-/// " WHERE a = ? AND b = ?" of the first `n` keys, "a, b" apart by commas.
+/// "?, ?, ..." for a list of names.
+std::string places_sql(const std::string& names);
+/// " WHERE a = ? AND b = ?" of the first `n` keys.
 std::string where_sql(const std::vector<std::string>& keys, std::size_t n);
 
 /// A table of records, with `keys`: columns that come before the record's own and say whose row it is. A method takes
-/// values of as many keys as it is to go by. Throws SQLite::Exception, and std::invalid_argument for what no moma
-/// writes.
+/// values of as many keys as it is to go by.
 template <class R>
 class Table {
  public:
-  Table(SQLite::Database& db, std::string name, std::vector<std::string> keys)
-      : db_(db), name_(std::move(name)), keys_(std::move(keys)), names_(column_names<R>()) {}
+  /// `stored`: the table's columns, where it may lack some, which is then only read.
+  Table(SQLite::Database& db, std::string name, std::vector<std::string> keys,
+        const std::set<std::string>* stored = nullptr)
+      : db_(db), name_(std::move(name)), keys_(std::move(keys)), names_(column_names<R>({}, stored)) {}
 
+  /// Returns the row's integer key, where it has one.
   template <class... K>
-  void insert(const R& record, const K&... key) {
-    std::string names;
-    for (std::size_t i = 0; i < sizeof...(K); ++i) names += keys_[i] + ", ";
-    if (!insert_) insert_.emplace(db_, insert_sql(name_, names + names_));
-    insert_->reset();
-    bind_record(*insert_, bind_keys(*insert_, 1, key...), record);
-    insert_->exec();
+  std::int64_t insert(const R& record, const K&... key) {
+    add(insert_, "", record, key...);
+    return db_.getLastInsertRowid();
+  }
+  /// False where the row is there already. ON CONFLICT leaves it; OR IGNORE would leave out rows that break a rule of
+  /// their table as well, and say nothing: also where memory runs out while a CHECK is computed (json_valid() in SQLite
+  /// 3.40).
+  template <class... K>
+  bool insert_new(const R& record, const K&... key) {
+    return add(insert_new_, " ON CONFLICT DO NOTHING", record, key...) > 0;
   }
   template <class... K>
   void update(const R& record, const K&... key) {
-    std::string places;
-    for (std::size_t i = 0; i < definitions<R>().size(); ++i) places += places.empty() ? "?" : ", ?";
-    SQLite::Statement s(
-        db_, "UPDATE " + name_ + " SET (" + names_ + ") = (" + places + ")" + where_sql(keys_, sizeof...(K)));
-    bind_keys(s, bind_record(s, 1, record), key...);
-    s.exec();
+    execute(db_,
+            "UPDATE " + name_ + " SET (" + names_ + ") = (" + places_sql(names_) + ")" + where_sql(keys_, sizeof...(K)),
+            record, key...);
   }
   /// In the order of the keys.
   template <class... K>
   std::vector<R> all(const K&... key) const {
     std::string order;
     for (const std::string& name : keys_) order += (order.empty() ? " ORDER BY " : ", ") + name;
-    SQLite::Statement s(db_, "SELECT " + names_ + " FROM " + name_ + where_sql(keys_, sizeof...(K)) + order);
-    bind_keys(s, 1, key...);
-    std::vector<R> records;
-    while (s.executeStep()) records.push_back(read_record<R>(s, 0));
-    return records;
+    return rows<R>(db_, "SELECT " + names_ + " FROM " + name_ + where_sql(keys_, sizeof...(K)) + order, key...);
   }
   template <class... K>
   std::optional<R> find(const K&... key) const {
-    std::vector<R> records = all(key...);
-    return records.empty() ? std::nullopt : std::optional<R>(std::move(records.front()));
+    return row<R>(db_, "SELECT " + names_ + " FROM " + name_ + where_sql(keys_, sizeof...(K)), key...);
   }
   template <class... K>
   void erase(const K&... key) {
-    SQLite::Statement s(db_, "DELETE FROM " + name_ + where_sql(keys_, sizeof...(K)));
-    bind_keys(s, 1, key...);
-    s.exec();
+    execute(db_, "DELETE FROM " + name_ + where_sql(keys_, sizeof...(K)), key...);
   }
 
  private:
   template <class... K>
-  static int bind_keys(SQLite::Statement& s, int first, const K&... key) {
-    (field::bind(s, first++, key), ...);
-    return first;
+  int add(std::optional<SQLite::Statement>& statement, const char* conflict, const R& record, const K&... key) {
+    if (!statement) {
+      std::string names;
+      for (std::size_t i = 0; i < sizeof...(K); ++i) names += keys_[i] + ", ";
+      names += names_;
+      statement.emplace(db_, "INSERT INTO " + name_ + " (" + names + ") VALUES (" + places_sql(names) + ")" + conflict);
+    }
+    return execute(*statement, key..., record);
   }
 
   SQLite::Database& db_;
   std::string name_;
   std::vector<std::string> keys_;
   std::string names_;
-  std::optional<SQLite::Statement> insert_;
+  std::optional<SQLite::Statement> insert_, insert_new_;  // kept: SQLite compiles one in tens of microseconds
 };
 
 }  // namespace moma::store

@@ -73,27 +73,52 @@ void change(SQLite::Database& db, std::int64_t id, const Change& how) {
 
 }  // namespace
 
+void add_result(TuneSearchRecord& search, const tune::SearchResult& result) {
+  search.trials = result.trials;
+  search.trials_saved = result.trials_saved;
+  search.evaluations_cut = result.evaluations_cut;
+  nlohmann::ordered_json runs = nlohmann::ordered_json::array();
+  for (const tune::RunNote& run : result.runs)
+    runs.push_back({{"algorithm", run.algorithm},
+                    {"start", run.start},
+                    {"trials", run.trials},
+                    {"evaluations", run.evaluations},
+                    {"end", run.end}});
+  search.runs = runs.dump();
+  search.notes = nlohmann::ordered_json(result.notes).dump();
+}
+
+void add_result(std::vector<TuneVariableRecord>& variables, const tune::SearchResult& result) {
+  for (std::size_t i = 0; i < result.found.size(); ++i) {
+    variables.at(i).found = result.found[i];
+    variables[i].importance = result.importance[i];
+  }
+}
+
+std::vector<TuneSensitivityRecord> sensitivity_records(const tune::Sensitivity& sensitivity) {
+  std::vector<TuneSensitivityRecord> steps;
+  for (const tune::SensitivityStep& s : sensitivity.steps)
+    steps.push_back({s.variable, {}, s.value, s.change, s.error, s.valid});
+  for (const tune::SensitivityPair& s : sensitivity.pairs)
+    steps.push_back({s.first, s.second, {}, s.interaction, s.error, true});
+  return steps;
+}
+
 TuneRecords::TuneRecords(Writer& writer, TuneSearchRecord search, const std::vector<tune::Variable>& variables)
     : writer_(writer) {
   write(writer, [&](SQLite::Database& db) {
     search.hash = hash_text(search.identity);
-    SQLite::Statement find(db, "SELECT id FROM tune_search WHERE hash = ?");
-    bind_cell(find, 1, search.hash);
-    if (find.executeStep()) {
-      id_ = find.getColumn(0).getInt64();
+    if (const auto id = row<std::int64_t>(db, "SELECT id FROM tune_search WHERE hash = ?", search.hash)) {
+      id_ = *id;
       change(db, id_, [](TuneSearchRecord& s) { s.status = SearchStatus::kRunning, s.ended.reset(); });
     } else {
       search.started = utc_now();
-      searches(db).insert(search);
-      id_ = db.getLastInsertRowid();
-      std::vector<TuneVariableRecord> rows;
-      for (const tune::Variable& variable : variables) rows.push_back({variable, {}, {}});
-      replace(variables_of(db), id_, rows);
+      id_ = searches(db).insert(search);
+      std::vector<TuneVariableRecord> records;
+      for (const tune::Variable& variable : variables) records.push_back({variable, {}, {}});
+      replace(variables_of(db), id_, records);
     }
-    SQLite::Statement count(db, "SELECT count(*) FROM tune_evaluation WHERE search_id = ?");
-    count.bind(1, id_);
-    count.executeStep();
-    present_ = static_cast<std::uint64_t>(count.getColumn(0).getInt64());
+    present_ = count(db, "SELECT count(*) FROM tune_evaluation WHERE search_id = ?", id_);
   });
 }
 
@@ -116,40 +141,23 @@ void TuneRecords::finish(const tune::SearchResult& result) {
   write(writer_, [&](SQLite::Database& db) {
     change(db, id_, [&](TuneSearchRecord& search) {
       search.ended = utc_now();
-      search.trials = result.trials;
-      search.trials_saved = result.trials_saved;
-      search.evaluations_cut = result.evaluations_cut;
-      nlohmann::ordered_json runs = nlohmann::ordered_json::array();
-      for (const tune::RunNote& run : result.runs)
-        runs.push_back({{"algorithm", run.algorithm},
-                        {"start", run.start},
-                        {"trials", run.trials},
-                        {"evaluations", run.evaluations},
-                        {"end", run.end}});
-      search.runs = runs.dump();
-      search.notes = nlohmann::ordered_json(result.notes).dump();
+      add_result(search, result);
       search.status = SearchStatus::kFinished;
     });
     std::vector<TuneVariableRecord> variables = variables_of(db).all(id_);
-    for (std::size_t i = 0; i < result.found.size(); ++i) {
-      variables.at(i).found = result.found[i];
-      variables[i].importance = result.importance[i];
-    }
+    add_result(variables, result);
     replace(variables_of(db), id_, variables);
     replace(parts<tune::Finalist>(db, "tune_finalist", "place"), id_, result.finalists);
-    std::vector<TuneSensitivityRecord> steps;
-    for (const tune::SensitivityStep& s : result.sensitivity.steps)
-      steps.push_back({s.variable, {}, s.value, s.change, s.error, s.valid});
-    for (const tune::SensitivityPair& s : result.sensitivity.pairs)
-      steps.push_back({s.first, s.second, {}, s.interaction, s.error, true});
-    replace(parts<TuneSensitivityRecord>(db, "tune_sensitivity", "entry"), id_, steps);
+    replace(parts<TuneSensitivityRecord>(db, "tune_sensitivity", "entry"), id_,
+            sensitivity_records(result.sensitivity));
   });
 }
 
-void TuneRecords::verdict(const std::string& held_out_suite, const std::vector<TuneComparisonRecord>& rows,
-                          tune::Verdict overall) {
+void TuneRecords::verdict(const std::string& held_out_suite, const std::string& held_out,
+                          const std::vector<TuneComparisonRecord>& rows, tune::Verdict overall) {
   write(writer_, [&](SQLite::Database& db) {
-    change(db, id_, [&](TuneSearchRecord& s) { s.held_out_suite = held_out_suite, s.verdict = overall; });
+    change(db, id_,
+           [&](TuneSearchRecord& s) { s.held_out_suite = held_out_suite, s.held_out = held_out, s.verdict = overall; });
     replace(parts<TuneComparisonRecord>(db, "tune_comparison", "entry"), id_, rows);
   });
 }

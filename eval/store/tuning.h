@@ -11,6 +11,11 @@
 
 namespace moma::store {
 
+/// What the end of a search adds to its rows.
+void add_result(TuneSearchRecord& search, const tune::SearchResult& result);
+void add_result(std::vector<TuneVariableRecord>& variables, const tune::SearchResult& result);
+std::vector<TuneSensitivityRecord> sensitivity_records(const tune::Sensitivity& sensitivity);
+
 /// One search in a store, through the writer that owns the store; a search that was killed at any moment goes on from
 /// here. Every call is one transaction; results of trials that an evaluation is made of are committed before it.
 /// Throws StoreError: kInterrupted, or kUnusable for what no moma writes.
@@ -27,7 +32,9 @@ class TuneRecords : public tune::EvaluationLog {
   void stopped();
   /// Replaces what an earlier end of the same search stored.
   void finish(const tune::SearchResult& result);
-  void verdict(const std::string& held_out_suite, const std::vector<TuneComparisonRecord>& rows, tune::Verdict overall);
+  /// `held_out`: the worlds, JSON.
+  void verdict(const std::string& held_out_suite, const std::string& held_out,
+               const std::vector<TuneComparisonRecord>& rows, tune::Verdict overall);
 
  private:
   Writer& writer_;

@@ -18,7 +18,6 @@
 #include "eval/store/columns.h"
 #include "eval/store/database.h"
 #include "eval/store/definition.h"
-#include "eval/store/difficulty.h"
 #include "eval/store/late.h"
 #include "eval/store/machine.h"
 #include "eval/store/registry.h"
@@ -43,17 +42,15 @@ struct Pending {
   std::vector<double> metrics;
 };
 
-/// Prepared once; SQLite compiles a statement in tens of microseconds. What is there already is left by ON CONFLICT,
-/// not by OR IGNORE, which would leave out rows that break a rule of their table as well, and say nothing: also where
-/// memory runs out while a CHECK is computed (json_valid() in SQLite 3.40).
+/// Prepared once.
 struct Statements {
   explicit Statements(SQLite::Database& db)
-      : find_world(db, "SELECT id FROM world WHERE hash = ?"),
-        world(db, insert_sql("world", "hash, world_index, seed, family, json, " + column_names<Difficulty>())),
-        trial(db, insert_sql("trial", "key, world_id, " + column_names<TrialRow>()) + " ON CONFLICT DO NOTHING"),
-        execution(db, insert_sql("execution", "key, invocation_id, " + column_names<TrialRow::Timing>())),
-        samples(db,
-                "INSERT INTO samples (key, layout, n, columns, data) VALUES (?, ?, ?, ?, ?) ON CONFLICT DO NOTHING"),
+      : worlds(db, "world", {"id"}),
+        trials(db, "trial", {"key", "world_id"}),
+        executions(db, "execution", {"key", "invocation_id"}),
+        samples(db, "samples", {"key"}),
+        metric_values(db, "metric_value", {"metric_id", "key"}),
+        find_world(db, "SELECT id FROM world WHERE hash = ?"),
         link(db, fmt::format("INSERT INTO point_trial (point_id, world_index, key, world_id, family, outcome, "
                              "time_to_goal_s, {}) SELECT ?1, ?2, t.key, t.world_id, w.family, t.outcome, "
                              "t.time_to_goal_s, {} FROM trial AS t JOIN world AS w ON w.id = t.world_id "
@@ -62,9 +59,16 @@ struct Statements {
         find_trial(db, fmt::format("SELECT i.machine_class, {} FROM trial AS t LEFT JOIN execution AS e USING (key) "
                                    "LEFT JOIN invocation AS i ON i.id = e.invocation_id WHERE t.key = ?",
                                    column_names<TrialRow>("t."))),
-        metric(db, "INSERT INTO metric_value (metric_id, key, value) VALUES (?, ?, ?) ON CONFLICT DO NOTHING"),
         done(db, "UPDATE invocation SET trials_done = ? WHERE id = ?") {}
-  Statement find_world, world, trial, execution, samples, link, find_trial, metric, done;
+  Table<WorldRecord> worlds;
+  Table<TrialRow> trials;
+  Table<TrialRow::Timing> executions;
+  Table<EncodedSamples> samples;
+  Table<MetricValueRow> metric_values;
+  Statement find_world, link, find_trial, done;
+
+  /// The row with this key, and the class of the machine that computed it.
+  auto find(const Hash& key) { return store::row<std::optional<std::string>, TrialRow>(find_trial, key); }
 };
 
 }  // namespace
@@ -87,87 +91,33 @@ struct Writer::Impl {
   explicit Impl(const std::filesystem::path& path) : file(path), db(open_database(path, Access::kCreate)) {}
 
   std::int64_t world_id(const WorldRecord& world) {
-    const Hash hash = hash_text(world.json);
-    sql->find_world.reset();
-    bind_cell(sql->find_world, 1, hash);
-    if (sql->find_world.executeStep()) {
-      const std::int64_t id = sql->find_world.getColumn(0).getInt64();
-      sql->find_world.reset();  // an open reading statement would keep its snapshot past the commit
-      return id;
-    }
-    Statement& s = sql->world;
-    s.reset();
-    bind_cell(s, 1, hash);
-    s.bind(2, static_cast<std::int64_t>(world.index));
-    s.bind(3, std::to_string(world.seed));
-    s.bind(4, world.family);
-    s.bind(5, world.json);
-    bind_record(s, 6, world.difficulty);
-    s.exec();
-    return db.getLastInsertRowid();
+    const auto id = store::row<std::int64_t>(sql->find_world, world.hash);
+    return id ? *id : sql->worlds.insert(world);
   }
 
   void insert(const Pending& p) {
-    Statement& s = sql->trial;
-    s.reset();
-    bind_cell(s, 1, p.key);
-    s.bind(2, world_id(p.world));
-    bind_record(s, 3, p.row);
-    if (s.exec() == 0) {
-      check_same(p);
+    if (sql->trials.insert_new(p.row, p.key, world_id(p.world))) {
+      sql->executions.insert(p.row.timing, p.key, invocation);
     } else {
-      insert_execution(p);
+      check_same(p);
     }
-    if (p.samples) insert_samples(p);
-    for (std::size_t i = 0; i < std::min(p.metrics.size(), metrics.size()); ++i) {
-      Statement& m = sql->metric;
-      m.reset();
-      m.bind(1, metrics[i]);
-      bind_cell(m, 2, p.key);
-      bind_metric(m, 3, p.metrics[i]);
-      m.exec();
-    }
+    if (p.samples) sql->samples.insert_new(*p.samples, p.key);
+    for (std::size_t i = 0; i < std::min(p.metrics.size(), metrics.size()); ++i)
+      sql->metric_values.insert_new({p.metrics[i]}, metrics[i], p.key);
     if (p.trial.point != kNoPoint) link(p.trial, p.key);
   }
 
-  void insert_execution(const Pending& p) {
-    Statement& s = sql->execution;
-    s.reset();
-    bind_cell(s, 1, p.key);
-    s.bind(2, invocation);
-    bind_record(s, 3, p.row.timing);
-    s.exec();
-  }
-
-  void insert_samples(const Pending& p) {
-    Statement& s = sql->samples;
-    s.reset();
-    bind_cell(s, 1, p.key);
-    s.bind(2, p.samples->layout);
-    s.bind(3, p.samples->n);
-    s.bind(4, p.samples->columns);
-    s.bind(5, p.samples->data.data(), static_cast<int>(p.samples->data.size()));
-    s.exec();
-  }
-
   void link(const Wanted& trial, const Hash& key) {
-    Statement& s = sql->link;
-    s.reset();
-    s.bind(1, registered.point_ids.at(trial.point));
-    s.bind(2, static_cast<std::int64_t>(trial.world));
-    bind_cell(s, 3, key);
-    s.exec();
+    execute(sql->link, registered.point_ids.at(trial.point), trial.world, key);
   }
 
   /// The key is there already: the rows must agree, unless the machines are of different classes.
   void check_same(const Pending& p) {
-    Statement& s = sql->find_trial;
-    s.reset();
-    bind_cell(s, 1, p.key);
-    if (!s.executeStep()) return;
-    const bool same_class = s.getColumn(0).isNull() || s.getColumn(0).getString() == machine.machine_class;
-    const std::vector<std::string> found = differences(read_record<TrialRow>(s, 1), p.row);
-    s.reset();
+    const auto there = sql->find(p.key);
+    if (!there) return;
+    const auto& [machine_class, row] = *there;
+    const bool same_class = !machine_class || *machine_class == machine.machine_class;
+    const std::vector<std::string> found = differences(row, p.row);
     if (same_class && !found.empty()) {
       throw StoreError(
           StoreError::Kind::kContradiction,
@@ -200,25 +150,20 @@ struct Writer::Impl {
     row.threads = info.threads;
     row.machine_class = machine.machine_class;
     row.trials_planned = wanted.size();
-    Table<InvocationRow>(db, "invocation", {"id"}).insert(row);
-    invocation = db.getLastInsertRowid();
+    invocation = Table<InvocationRow>(db, "invocation", {"id"}).insert(row);
   }
 
   /// Links every wanted trial that is stored; returns their keys.
   std::unordered_set<std::string> link_present(std::span<const Wanted> trials) {
     std::unordered_set<std::string> present;
-    std::string ids;
-    for (const std::int64_t id : metrics) ids += fmt::format("{}{}", ids.empty() ? "" : ", ", id);
     Statement find(db, fmt::format("SELECT (SELECT count(*) FROM metric_value AS v WHERE v.key = t.key AND "
                                    "v.metric_id IN ({})) FROM trial AS t WHERE t.key = ?",
-                                   ids));
+                                   fmt::join(metrics, ", ")));
     for (const Wanted& trial : trials) {
       const Hash key = hash_from_hex(trial.key);
-      find.reset();
-      bind_cell(find, 1, key);
-      if (!find.executeStep()) continue;
-      const bool complete = find.getColumn(0).getInt64() == static_cast<std::int64_t>(metrics.size());
-      if (complete) present.insert(trial.key);
+      const auto values = store::row<std::size_t>(find, key);
+      if (!values) continue;
+      if (*values == metrics.size()) present.insert(trial.key);
       link(trial, key);
     }
     return present;
@@ -228,10 +173,7 @@ struct Writer::Impl {
     if (pending.empty()) return;
     SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
     for (const Pending& p : pending) insert(p);
-    sql->done.reset();
-    sql->done.bind(1, static_cast<std::int64_t>(committed + pending.size()));
-    sql->done.bind(2, invocation);
-    sql->done.exec();
+    execute(sql->done, committed + pending.size(), invocation);
     transaction.commit();
     committed += pending.size();
     pending.clear();
@@ -255,7 +197,7 @@ struct Writer::Impl {
 
 Writer::Writer(const std::filesystem::path& file) : impl_(std::make_unique<Impl>(file)) {
   impl_->guarded(StoreError::Kind::kUnusable, [this] {
-    impl_->fresh = impl_->db.execAndGet("SELECT count(*) FROM suite").getInt64() == 0;
+    impl_->fresh = count(impl_->db, "SELECT count(*) FROM suite") == 0;
     impl_->forgotten = forget_late(impl_->db);
   });
 }
@@ -277,10 +219,7 @@ std::unordered_set<std::string> Writer::begin(const SuiteRecord& suite, const In
     self.sql.emplace(self.db);
     self.begin_invocation(suite, info);
     std::unordered_set<std::string> present = self.link_present(self.wanted);
-    Statement update(self.db, "UPDATE invocation SET trials_present = ? WHERE id = ?");
-    update.bind(1, static_cast<std::int64_t>(present.size()));
-    update.bind(2, self.invocation);
-    update.exec();
+    execute(self.db, "UPDATE invocation SET trials_present = ? WHERE id = ?", present.size(), self.invocation);
     transaction.commit();
     return present;
   };
@@ -303,13 +242,10 @@ std::unordered_set<std::string> Writer::extend(const std::vector<Wanted>& more) 
     self.flush();
     SQLite::Transaction transaction(self.db, SQLite::TransactionBehavior::IMMEDIATE);
     std::unordered_set<std::string> present = self.link_present(more);
-    Statement update(self.db,
-                     "UPDATE invocation SET trials_planned = trials_planned + ?, trials_present = trials_present + ? "
-                     "WHERE id = ?");
-    update.bind(1, static_cast<std::int64_t>(more.size()));
-    update.bind(2, static_cast<std::int64_t>(present.size()));
-    update.bind(3, self.invocation);
-    update.exec();
+    execute(
+        self.db,
+        "UPDATE invocation SET trials_planned = trials_planned + ?, trials_present = trials_present + ? WHERE id = ?",
+        more.size(), present.size(), self.invocation);
     transaction.commit();
     self.wanted.insert(self.wanted.end(), more.begin(), more.end());
     return present;
@@ -327,6 +263,7 @@ void Writer::add(const Wanted& trial, const WorldRecord& world, const TrialRow& 
                  std::span<const double> metrics) {
   impl_->guarded(StoreError::Kind::kInterrupted, [&] {
     Pending p{trial, hash_from_hex(trial.key), world, row, std::nullopt, {metrics.begin(), metrics.end()}};
+    p.world.hash = hash_text(world.json);
     if (trace != nullptr) p.samples = encode_samples(*trace);
     impl_->pending.push_back(std::move(p));
     if (impl_->pending.size() >= kBatchRows || Clock::now() - impl_->last_commit >= kBatchTime) impl_->flush();
@@ -336,13 +273,8 @@ void Writer::add(const Wanted& trial, const WorldRecord& world, const TrialRow& 
 std::optional<TrialRow> Writer::find(const std::string& key) {
   return impl_->guarded(StoreError::Kind::kInterrupted, [&]() -> std::optional<TrialRow> {
     impl_->flush();
-    Statement& s = impl_->sql->find_trial;
-    s.reset();
-    bind_cell(s, 1, hash_from_hex(key));
-    if (!s.executeStep()) return std::nullopt;
-    TrialRow row = read_record<TrialRow>(s, 1);
-    s.reset();
-    return row;
+    auto found = impl_->sql->find(hash_from_hex(key));
+    return found ? std::optional(std::get<TrialRow>(std::move(*found))) : std::nullopt;
   });
 }
 
@@ -357,11 +289,8 @@ void Writer::finish(RunStatus status) {
     impl_->flush();
     SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
     impl_->link_present(impl_->wanted);
-    Statement s(impl_->db, "UPDATE invocation SET status = ?, ended = ? WHERE id = ?");
-    s.bind(1, std::string(to_string(status)));
-    s.bind(2, utc_now());
-    s.bind(3, impl_->invocation);
-    s.exec();
+    execute(impl_->db, "UPDATE invocation SET status = ?, ended = ? WHERE id = ?", status, utc_now(),
+            impl_->invocation);
     transaction.commit();
   });
 }
@@ -376,20 +305,12 @@ void Writer::fail() noexcept {
 std::vector<std::string> Writer::close_killed() {
   return impl_->guarded(StoreError::Kind::kInterrupted, [&] {
     SQLite::Database& db = impl_->db;
-    std::vector<std::string> started;
     SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
-    Statement killed(db, "SELECT started FROM invocation WHERE status = ? ORDER BY id");
-    killed.bind(1, std::string(to_string(RunStatus::kRunning)));
-    while (killed.executeStep()) started.push_back(killed.getColumn(0).getString());
-    killed.reset();
-    Statement invocations(db, "UPDATE invocation SET status = ? WHERE status = ?");
-    invocations.bind(1, std::string(to_string(RunStatus::kFailed)));
-    invocations.bind(2, std::string(to_string(RunStatus::kRunning)));
-    invocations.exec();
-    Statement searches(db, "UPDATE tune_search SET status = ? WHERE status = ?");
-    searches.bind(1, std::string(to_string(tune::SearchStatus::kStopped)));
-    searches.bind(2, std::string(to_string(tune::SearchStatus::kRunning)));
-    searches.exec();
+    std::vector<std::string> started =
+        rows<std::string>(db, "SELECT started FROM invocation WHERE status = ? ORDER BY id", RunStatus::kRunning);
+    execute(db, "UPDATE invocation SET status = ? WHERE status = ?", RunStatus::kFailed, RunStatus::kRunning);
+    execute(db, "UPDATE tune_search SET status = ? WHERE status = ?", tune::SearchStatus::kStopped,
+            tune::SearchStatus::kRunning);
     transaction.commit();
     return started;
   });

@@ -29,7 +29,7 @@ HeldOut make_held_out(const Tuning& given, const Candidate& found) {
   Tuning tuning = given;
   if (config.held_out_seed) {
     tuning.overrides.emplace_back("worlds.seed", fmt::format("{}", *config.held_out_seed));
-    tuning.suites = load_parts(tuning.file, tuning.overrides, config.mixture);
+    tuning.suites = tuning.held_out_suites;
   }
   const Points points(tuning);
   const std::vector<SuitePoint> tuned = points.make(found);

@@ -36,6 +36,13 @@ store::TuneSearchRecord search_record(const Tuning& tuning) {
   return record;
 }
 
+std::string held_out_json(const Tuning& tuning) {
+  const TuneConfig& config = tuning.config;
+  nlohmann::ordered_json json = {{"first", config.held_out.first}, {"count", config.held_out.count}};
+  if (config.held_out_seed) json["seed"] = *config.held_out_seed;
+  return json.dump();
+}
+
 Suite searched_suite(const Tuning& tuning) {
   Suite suite = tuning.suites.front();
   suite.points = {suite.points[tuning.tuned_point.front()]};

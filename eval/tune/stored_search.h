@@ -29,6 +29,9 @@ std::string objective_text(const Tuning& tuning);
 /// What table tune_search keeps.
 store::TuneSearchRecord search_record(const Tuning& tuning);
 
+/// Column held_out of the verdict.
+std::string held_out_json(const Tuning& tuning);
+
 /// The suite whose row the search's invocation belongs to: the tuned controller's points only.
 Suite searched_suite(const Tuning& tuning);
 

@@ -11,6 +11,7 @@
 #include "controller/config/reader.h"
 #include "eval/suite/controller_entry.h"
 #include "eval/suite/controller_paths.h"
+#include "eval/suite/stored.h"
 #include "eval/trial/trial.h"
 
 namespace moma::tune {
@@ -68,6 +69,45 @@ Overrides without_sweep(const Overrides& overrides, const Overrides& part) {
   all.insert(all.end(), part.begin(), part.end());
   all.emplace_back("sweep", "null");
   return all;
+}
+
+void find_tuned_points(Tuning& tuning) {
+  for (const Suite& suite : tuning.suites) {
+    const auto found = std::find_if(suite.points.begin(), suite.points.end(),
+                                    [&](const SuitePoint& p) { return p.controller == tuning.config.controller; });
+    if (found == suite.points.end())
+      config::fail(tuning.config.mark, "tune.mixture",
+                   fmt::format("a part has no controller '{}', which is tuned", tuning.config.controller));
+    tuning.tuned_point.push_back(static_cast<std::size_t>(found - suite.points.begin()));
+  }
+}
+
+/// Variables without a start begin where the controller is.
+void take_starts(Tuning& tuning) {
+  TuneConfig& tune = tuning.config;
+  const SuitePoint& first = tuning.suites.front().points[tuning.tuned_point.front()];
+  const Node resolved = config::node_from_json(first.controller_resolved, tuning.file.string());
+  for (std::size_t i = 0; i < tune.variables.size(); ++i) {
+    Variable& v = tune.variables[i];
+    const std::string inner = inner_key(v.key, tune.controller);
+    if (v.key == "tune" || v.key.starts_with("tune.") || v.key == "trials" || v.key.starts_with("sweep")) {
+      config::fail(tune.marks[i], "tune.variables." + v.key, "is one for the whole suite and cannot be searched");
+    }
+    if (inner.empty() && v.key.starts_with("controllers.")) {
+      config::fail(tune.marks[i], "tune.variables." + v.key,
+                   fmt::format("is not a key of the controller that is tuned, '{}'", tune.controller));
+    }
+    if (!std::isnan(v.start)) continue;
+    if (inner.empty())
+      config::fail(tune.marks[i], "tune.variables." + v.key, "give `start`: only a controller's own keys have one");
+    v.start = present_value(resolved, inner, tune.marks[i], v.key);
+    try {
+      check(v);
+    } catch (const std::invalid_argument& error) {
+      config::fail(tune.marks[i], "tune.variables",
+                   fmt::format("{} (the controller's own value); widen the range or give `start`", error.what()));
+    }
+  }
 }
 
 void check_worlds(const Tuning& tuning) {
@@ -146,39 +186,20 @@ Tuning load_tuning(const fs::path& file, const Overrides& overrides) {
   TuneConfig& tune = tuning.config;
 
   tuning.suites = load_parts(file, overrides, tune.mixture);
+  find_tuned_points(tuning);
   for (const Suite& suite : tuning.suites) {
-    const auto found = std::find_if(suite.points.begin(), suite.points.end(),
-                                    [&](const SuitePoint& p) { return p.controller == tune.controller; });
-    tuning.tuned_point.push_back(static_cast<std::size_t>(found - suite.points.begin()));
     for (const std::string& warning : suite.warnings) {
       if (std::find(tuning.warnings.begin(), tuning.warnings.end(), warning) == tuning.warnings.end())
         tuning.warnings.push_back(warning);
     }
     if (tune.held_out_seed && *tune.held_out_seed == suite.points.front().worlds.seed()) check_held_out(tune);
   }
-  const SuitePoint& first = tuning.suites.front().points[tuning.tuned_point.front()];
-  const Node resolved = config::node_from_json(first.controller_resolved, file.string());
-  for (std::size_t i = 0; i < tune.variables.size(); ++i) {
-    Variable& v = tune.variables[i];
-    const std::string inner = inner_key(v.key, tune.controller);
-    if (v.key == "tune" || v.key.starts_with("tune.") || v.key == "trials" || v.key.starts_with("sweep")) {
-      config::fail(tune.marks[i], "tune.variables." + v.key, "is one for the whole suite and cannot be searched");
-    }
-    if (inner.empty() && v.key.starts_with("controllers.")) {
-      config::fail(tune.marks[i], "tune.variables." + v.key,
-                   fmt::format("is not a key of the controller that is tuned, '{}'", tune.controller));
-    }
-    if (!std::isnan(v.start)) continue;
-    if (inner.empty())
-      config::fail(tune.marks[i], "tune.variables." + v.key, "give `start`: only a controller's own keys have one");
-    v.start = present_value(resolved, inner, tune.marks[i], v.key);
-    try {
-      check(v);
-    } catch (const std::invalid_argument& error) {
-      config::fail(tune.marks[i], "tune.variables",
-                   fmt::format("{} (the controller's own value); widen the range or give `start`", error.what()));
-    }
+  if (tune.held_out_seed) {
+    Overrides seeded = overrides;
+    seeded.emplace_back("worlds.seed", fmt::format("{}", *tune.held_out_seed));
+    tuning.held_out_suites = load_parts(file, seeded, tune.mixture);
   }
+  take_starts(tuning);
   // The start must be a good controller; this also finds unknown keys, one at a time so that the message names it.
   for (std::size_t i = 0; i <= tune.variables.size(); ++i) {
     const bool all = i == tune.variables.size();
@@ -209,6 +230,7 @@ Tuning load_tuning(const fs::path& file, const Overrides& overrides) {
     if (!inner.empty()) config::set_value(tuning.controller, inner, text);
   }
   // What is found is written into another folder, from where a relative path would lead elsewhere.
+  const SuitePoint& first = tuning.suites.front().points[tuning.tuned_point.front()];
   if (first.plugin != nullptr) anchor_paths(tuning.controller, *first.plugin, first.controller_resolved);
 
   check_worlds(tuning);
@@ -228,6 +250,39 @@ Tuning load_tuning(const fs::path& file, const Overrides& overrides) {
     part["robot_digest"] = suite.points.front().robot_digest;
     tuning.identity["suites"].push_back(std::move(part));
   }
+  return tuning;
+}
+
+Tuning stored_tuning(const ordered_json& identity, const ordered_json& held_out,
+                     const std::map<std::string, ordered_json>& robots, Plugins plugins) {
+  if (identity.at("search_version") != kSearchVersion || identity.at("simulation_version") != kSimulationVersion)
+    throw NotStored("another version of moma made it");
+  const auto& parts = identity.at("suites");
+  std::vector<std::string> names;
+  for (const auto& [name, controller] : parts.at(0).at("controllers").items()) names.push_back(name);
+  ordered_json section = identity.at("tune");
+  if (!held_out.is_null()) section["held_out"] = held_out;
+  Tuning tuning;
+  tuning.file = "stored search";
+  tuning.identity = identity;
+  tuning.config = read_tune(config::node_from_json(section, tuning.file.string()), names);
+  for (const Variable& v : tuning.config.variables)
+    if (inner_key(v.key, tuning.config.controller).empty())
+      throw NotStored(fmt::format("it varies {}, which only the suite's file can be read with", v.key));
+  for (ordered_json part : parts) {
+    const auto robot = robots.find(part.at("robot_digest").get<std::string>());
+    if (robot == robots.end()) throw NotStored("a robot of it is not in the store");
+    part.erase("robot_digest");
+    part["robot"] = robot->second;
+    part["trials"] = 1;
+    part["samples"] = to_string(SamplesKept::kNone);
+    tuning.suites.push_back(suite_from_resolved(part, plugins));
+    if (!tuning.config.held_out_seed) continue;
+    part["worlds"]["seed"] = *tuning.config.held_out_seed;
+    tuning.held_out_suites.push_back(suite_from_resolved(part, plugins));
+  }
+  find_tuned_points(tuning);
+  take_starts(tuning);
   return tuning;
 }
 

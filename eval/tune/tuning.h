@@ -1,10 +1,13 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "eval/suite/controller_entry.h"
 #include "eval/suite/suite.h"
 #include "eval/tune/tune_config.h"
 
@@ -17,6 +20,7 @@ struct Tuning {
   Overrides overrides;
   TuneConfig config;
   std::vector<Suite> suites;              ///< per part of the mixture, without any sweep
+  std::vector<Suite> held_out_suites;     ///< likewise, where the held-out worlds have a seed of their own
   std::vector<std::size_t> tuned_point;   ///< per part: index of the tuned controller's point
   config::Node controller;                ///< the tuned controller as written, its includes resolved
   std::filesystem::path controller_file;  ///< where it was written; the suite for one written inline
@@ -26,6 +30,17 @@ struct Tuning {
 
 /// Reads SUITE. Throws config::ConfigError.
 Tuning load_tuning(const std::filesystem::path& file, const Overrides& overrides = {});
+
+/// What a store keeps of a search does not suffice to build its tuning again; what() says why.
+class NotStored : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The tuning of a stored search, from columns `identity` and `held_out` (null: without a verdict). `robots`: resolved
+/// ones by their digests. Throws NotStored, PluginRefused, and others for what no moma writes.
+Tuning stored_tuning(const nlohmann::ordered_json& identity, const nlohmann::ordered_json& held_out,
+                     const std::map<std::string, nlohmann::ordered_json>& robots, Plugins plugins);
 
 /// The suite of each part of the mixture, without its sweep.
 std::vector<Suite> load_parts(const std::filesystem::path& file, const Overrides& overrides,

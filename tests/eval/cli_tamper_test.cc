@@ -44,6 +44,21 @@ constexpr Tampering kTamperings[] = {
      "its content gives another key", true},
 };
 
+constexpr const char* kTune = R"(name: tuned
+robot: robots/tiny.yaml
+controllers: {plain: controllers/plain.yaml}
+worlds: {seed: 1, families: {open: {}}}
+simulation: {mode: kinematic, time_limit: 4}
+trials: 2
+tune:
+  variables: {controller.k_epsilon: {range: [0.05, 2]}}
+  worlds: 3
+  budget: {trials: 12}
+  held_out: 4
+  confirm: none
+  sensitivity: none
+)";
+
 class CliTamper : public CliTest {
  protected:
   void SetUp() override {
@@ -96,28 +111,51 @@ TEST_F(CliTamper, WhatWasNotLookedAtIsNotCalledSound) {
   EXPECT_NE(part.find("of the other results nothing is known"), std::string::npos) << part;
 }
 
-TEST_F(CliTamper, AVerdictThatWasNotComparedIsNotCalledSound) {
-  write("tune.yaml", R"(name: tuned
-robot: robots/tiny.yaml
-controllers: {plain: controllers/plain.yaml}
-worlds: {seed: 1, families: {open: {}}}
-simulation: {mode: kinematic, time_limit: 4}
-trials: 2
-tune:
-  variables: {controller.k_epsilon: {range: [0.05, 2]}}
-  worlds: 3
-  budget: {trials: 12}
-  held_out: 4
-  confirm: none
-  sensitivity: none
-)");
+TEST_F(CliTamper, WhatASearchFoundFollowsFromItsTrials) {
+  write("tune.yaml", kTune);
   moma({"tune", "tune.yaml", "-o", "t.db", "--gains", "g.yaml", "-q"});
-  for (const char* verdict : {"", "UPDATE tune_search SET verdict = 'better'"}) {
-    change("t.db", verdict);
-    const ProcessResult found = verify("t.db");
-    EXPECT_NE(found.out.find("of what searches found nothing is known"), std::string::npos) << found.out << found.err;
-    EXPECT_EQ(found.out.find("the store is sound"), std::string::npos) << found.out;
+  const ProcessResult sound = verify("t.db");
+  EXPECT_EQ(sound.code, 0) << sound.out << sound.err;
+  EXPECT_NE(sound.out.find("the store is sound"), std::string::npos) << sound.out;
+  const std::pair<const char*, const char*> changes[] = {
+      {"UPDATE tune_search SET verdict = iif(verdict = 'better', 'worse', 'better')", "tune_search: verdict"},
+      {"UPDATE trial SET command_change_mean = 0.5 WHERE key IN (SELECT m.key FROM point_trial AS m JOIN point AS p ON "
+       "p.id = m.point_id WHERE p.controller = 'plain-tuned')",
+       "tune_comparison, row "},
+      {"DELETE FROM tune_evaluation WHERE evaluation = (SELECT max(evaluation) FROM tune_evaluation)",
+       "tune_evaluation: the search has an end, and evaluation"},
+      {"DELETE FROM execution WHERE key NOT IN (SELECT key FROM point_trial); "
+       "DELETE FROM trial WHERE key NOT IN (SELECT key FROM point_trial)",
+       " is missing"},
+      {"DELETE FROM tune_comparison; UPDATE tune_search SET verdict = NULL", "a part of a verdict"},
+      {"UPDATE tune_search SET held_out = NULL",
+       "could not be checked: search 1 (plain of tuned): tune_search.held_out"},
+  };
+  for (const auto& [sql, says] : changes) {
+    fs::copy_file(path("t.db"), path("b.db"), fs::copy_options::overwrite_existing);
+    change("b.db", sql);
+    const ProcessResult found = verify("b.db");
+    EXPECT_EQ(found.code, 1) << sql << "\n" << found.out << found.err;
+    EXPECT_NE((found.out + found.err).find(says), std::string::npos) << sql << "\n" << found.out << found.err;
+    EXPECT_EQ(found.out.find("the store is sound"), std::string::npos) << sql;
   }
+}
+
+// Of a search that was stopped all is judged that is there; trials that it counted nowhere are named.
+TEST_F(CliTamper, ASearchWithoutAnEndIsJudgedAsFarAsItWent) {
+  write("tune.yaml", kTune);
+  moma({"tune", "tune.yaml", "-o", "t.db", "--gains", "g.yaml", "-q"});
+  change("t.db",
+         "UPDATE tune_search SET (status, ended, verdict, held_out, held_out_suite, trials, trials_saved, "
+         "evaluations_cut, runs, notes) = ('stopped', NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL); "
+         "UPDATE tune_variable SET found = NULL, importance = NULL; DELETE FROM tune_finalist; "
+         "DELETE FROM tune_comparison; DELETE FROM tune_evaluation WHERE evaluation > 1");
+  const ProcessResult part = verify("t.db");
+  EXPECT_EQ(part.code, 0) << part.out << part.err;
+  EXPECT_NE(part.out.find("trials that belong to no point, nor to a search"), std::string::npos) << part.out;
+  EXPECT_EQ(part.out.find("the store is sound"), std::string::npos) << part.out;
+  change("t.db", "UPDATE tune_evaluation SET cost = cost + 1 WHERE evaluation = 1");
+  EXPECT_EQ(verify("t.db").code, 1);
 }
 
 TEST_F(CliTamper, MergeTakesNoChangedTexts) {

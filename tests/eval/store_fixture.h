@@ -61,10 +61,10 @@ inline store::SuiteRecord synthetic_suite(const std::vector<std::string>& contro
 inline store::WorldRecord synthetic_world(std::uint64_t index) {
   store::WorldRecord world;
   world.index = index;
-  world.seed = 18446744073709551615ULL;
+  world.seed = "18446744073709551615";
   world.family = index % 2 == 0 ? "open" : "clutter";
-  world.difficulty.goal_distance_m = 1.0 + static_cast<double>(index);
-  world.difficulty.witness_clearance_m = kAbsent;
+  world.goal_distance_m = 1.0 + static_cast<double>(index);
+  world.witness_clearance_m = kAbsent;
   world.json = fmt::format(R"({{"index":{}}})", index);
   return world;
 }

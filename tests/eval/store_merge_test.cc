@@ -58,7 +58,7 @@ void write_search(const fs::path& file, const std::string& identity, std::uint64
     result.trials = evaluations;
     result.finalists.push_back({{0.25}, 1, 1, 1, 1, 2});
     records.finish(result);
-    if (judged) records.verdict(writer.suite_name(), {}, tune::Verdict::kBetter);
+    if (judged) records.verdict(writer.suite_name(), "{}", {}, tune::Verdict::kBetter);
   } else {
     records.stopped();
   }

@@ -19,6 +19,7 @@
 #include "eval/store/query.h"
 #include "eval/store/reader.h"
 #include "eval/store/samples.h"
+#include "eval/store/search_tables.h"
 #include "tests/eval/store_fixture.h"
 #include "tests/fuzz/bytes.h"
 #include "tests/fuzz/target.h"
@@ -237,7 +238,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
         const store::Reader reader(file);
         look([&] { (void)reader.result_hash(); });
         look([&] { (void)reader.integrity_problems(); });
-        look([&] { (void)reader.searched_trials(); });
+        look([&] { (void)reader.searched_keys(); });
+        for (const std::int64_t id : reader.searches()) look([&] { (void)reader.search(id); });
         for (const store::StoredPoint& point : reader.points()) look([&] { (void)reader.trials_of(point.id); });
         for (const std::string& key : reader.keys()) {
           look([&] { (void)reader.metrics(key); });
