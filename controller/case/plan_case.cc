@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "controller/case/case_file.h"
+#include "controller/case/sensed.h"
 #include "controller/config/read_described.h"
 #include "controller/config/write_described.h"
 
@@ -79,9 +79,10 @@ nlohmann::ordered_json numbers(const Values& values) {
   return list;
 }
 
-// With a matrix: a quaternion does not give back the last bit.
 nlohmann::ordered_json pose(const Isometry& X) {
-  return {{"position", numbers(X.translation())}, {"rotation", numbers(Matrix3(X.linear()).reshaped())}};
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  write_pose(X, json);
+  return json;
 }
 
 void read_path(const Node& node, const std::string& key, const RobotModel& model, Path& path) {

@@ -62,6 +62,8 @@ class Predictor {
   /// their part of `acceleration_limit` (not given: at once).
   void send(const VectorX& command, VectorX& sent) noexcept;
 
+  /// What the last predict() returned.
+  const Observation& predicted() const noexcept { return out_; }
   /// The velocity that the latest command leads to: that of the last predict() or skip().
   const VectorX& velocity() const noexcept { return out_.qdot; }
   /// How well the place of each object is known at the end of the last predict(); empty without `uncertainty`.
