@@ -10,51 +10,58 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const std::vector<Node>& rows(MapReader& in, std::string_view name, std::string_view what, std::size_t least) {
-  const Node& node = in.require(name, what);
-  if (node.kind != Node::Kind::kSequence || node.items.size() < least)
-    fail(node.mark, in.key_of(name), "found " + found_text(node) + ", expected " + std::string(what));
-  return node.items;
+/// The numbers of a list, or of the lists in a list.
+std::vector<double> flat(MapReader& in, std::string_view name, const Range& range = {}) {
+  const std::string key = in.key_of(name);
+  const Node& node = in.require(name, "a list of [x, y, z] or [i, j, k]");
+  if (node.kind != Node::Kind::kSequence || node.items.empty() || node.items[0].kind != Node::Kind::kSequence)
+    return read_numbers(node, key, -1, range);
+  std::vector<double> all;
+  for (const Node& item : node.items)
+    for (const double number : read_numbers(item, key, 3, range)) all.push_back(number);
+  return all;
 }
 
 std::shared_ptr<const ConvexHull> read_hull(MapReader& in) {
   auto hull = std::make_shared<ConvexHull>();
-  for (const Node& item : rows(in, "vertices", "a list of four points [x, y, z] or more", 4)) {
-    const std::vector<double> v = read_numbers(item, in.key_of("vertices"), 3);
-    hull->vertices.emplace_back(v[0], v[1], v[2]);
-  }
-  const Range index{0.0, static_cast<double>(hull->vertices.size() - 1)};
-  for (const Node& item : rows(in, "triangles", "a list of four triangles of three indices or more", 4)) {
-    const std::vector<double> t = read_numbers(item, in.key_of("triangles"), 3, index);
-    hull->triangles.emplace_back(static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2]));
-  }
+  const std::vector<double> v = flat(in, "vertices");
+  in.check(v.size() >= 12 && v.size() % 3 == 0, "vertices", "expected x, y, z of four points or more");
+  const std::vector<double> t = flat(in, "triangles", {0.0, static_cast<double>(v.size() / 3) - 1.0});
+  in.check(t.size() >= 12 && t.size() % 3 == 0, "triangles",
+           "expected three indices for each of four triangles or more");
+  for (std::size_t i = 0; i < v.size(); i += 3) hull->vertices.emplace_back(v[i], v[i + 1], v[i + 2]);
+  for (std::size_t i = 0; i < t.size(); i += 3)
+    hull->triangles.emplace_back(static_cast<int>(t[i]), static_cast<int>(t[i + 1]), static_cast<int>(t[i + 2]));
   return hull;
 }
 
 }  // namespace
 
-Shape read_shape(MapReader& in, const char* word) {
+Shape read_shape(MapReader& in, std::span<const ShapeKind> allowed, const char* word) {
+  static constexpr const char* kSizes[] = {"the radius", "3 numbers, full edge lengths", "2 numbers, radius and length",
+                                           "2 numbers, radius and length without caps"};
   Shape shape;
-  in.require(word, "sphere, box, cylinder, capsule or convex");
-  in.read_enum<ShapeKind>(word, shape.kind);
+  in.require(word, "sphere, box, cylinder or capsule");
+  in.read_enum<ShapeKind>(word, shape.kind, allowed);
   if (shape.kind == ShapeKind::kConvex) {
-    in.get("size");  // nothing
+    const Node* size = in.get("size");
+    in.check(size == nullptr || (size->kind == Node::Kind::kSequence && size->items.empty()), "size",
+             "a convex shape has vertices and triangles in its place");
     shape.hull = read_hull(in);
     return shape;
   }
-  const Node& size = in.require("size", "the shape's size in metres");
-  const int count = num_sizes(shape.kind);
-  if (size.kind != Node::Kind::kSequence || static_cast<int>(size.items.size()) != count) {
-    static constexpr const char* kWanted[] = {"[radius]", "[x, y, z], full edge lengths", "[radius, length]",
-                                              "[radius, length without caps]"};
-    in.fail_at("size", "found " + found_text(size) + "; a " + std::string(to_string(shape.kind)) + " has the size " +
-                           kWanted[static_cast<int>(shape.kind)]);
-  }
-  for (int i = 0; i < count; ++i) {
+  const auto count = static_cast<std::size_t>(num_sizes(shape.kind));
+  const char* wanted = kSizes[static_cast<int>(shape.kind)];
+  const Node& size = in.require("size", wanted);
+  const bool list = size.kind == Node::Kind::kSequence;
+  if (list ? size.items.size() != count : shape.kind != ShapeKind::kSphere)
+    in.fail_at("size", "found " + found_text(size) + "; a " + std::string(to_string(shape.kind)) + " has the size: " +
+                           wanted);
+  for (std::size_t i = 0; i < count; ++i) {
     // A capsule of length 0 is a sphere, which is harmless.
     const bool cap = shape.kind == ShapeKind::kCapsule && i == 1;
-    shape.size[i] =
-        read_number(size.items[static_cast<std::size_t>(i)], in.key_of("size") + "[" + std::to_string(i) + "]",
+    shape.size[static_cast<Eigen::Index>(i)] =
+        read_number(list ? size.items[i] : size, in.key_of("size") + (list ? "[" + std::to_string(i) + "]" : ""),
                     cap ? Range::non_negative() : Range::positive());
   }
   return shape;
@@ -93,7 +100,7 @@ std::vector<ObjectShape> read_objects(const Node& list, const std::string& key) 
     ObjectShape object;
     in.read("name", object.name);
     const bool former = in.get("kind") != nullptr && in.get("shape") == nullptr;
-    object.shape = read_shape(in, former ? "kind" : "shape");
+    object.shape = read_shape(in, {}, former ? "kind" : "shape");
     for (const char* known :
          {"position", "quaternion", "rotation", "velocity", "twist", "motion", "vertices", "triangles"})
       in.get(known);

@@ -120,7 +120,7 @@ class ControllerTest(unittest.TestCase):
             moma.Observation(q=ready, goal=self.goal)
         with self.assertRaisesRegex(moma.ConfigError, r"objects\[0\].shape: found 'egg'"):
             controller.reset([{"name": "ball", "shape": "egg", "size": [1]}])
-        with self.assertRaisesRegex(moma.ConfigError, r"objects\[0\].size: .*a box has the size \[x, y, z\]"):
+        with self.assertRaisesRegex(moma.ConfigError, r"objects\[0\].size: .*a box has the size: 3 numbers"):
             controller.reset([{"name": "crate", "shape": "box", "size": [1]}])
 
     def test_a_rotation_may_be_a_quaternion(self):
