@@ -31,38 +31,6 @@ Matrix3 read_rotation(const Node& node, const std::string& key) {
   return R;
 }
 
-Matrix3 read_covariance(MapReader& in, const std::string& name, const std::string& unit) {
-  const std::string wanted = "nine numbers, a covariance matrix [" + unit + "]";
-  const Node& node = in.require(name, wanted);
-  const std::vector<double> v = config::read_numbers(node, in.key_of(name), 9);
-  const Matrix3 P = Eigen::Map<const Matrix3>(v.data());
-  constexpr double kRounding = 1e-9;
-  const double size = kRounding * P.cwiseAbs().maxCoeff();
-  const bool symmetric = (P - P.transpose()).cwiseAbs().maxCoeff() <= size;
-  if (!symmetric || Eigen::SelfAdjointEigenSolver<Matrix3>(P, Eigen::EigenvaluesOnly).eigenvalues()[0] < -size)
-    config::fail(node.mark, in.key_of(name), "expected a symmetric matrix without negative eigenvalues: " + wanted);
-  return P;
-}
-
-std::vector<double> by_columns(const Matrix3& matrix) { return {matrix.data(), matrix.data() + 9}; }
-
-// The members of a covariance, each by `body(name, matrix, unit)`.
-template <class C, class Body>
-struct Matrices {
-  C& covariance;
-  Body body;
-  template <class P>
-  void member(std::string_view name, P pointer, const About& about) {
-    body(std::string(name), covariance.*pointer, std::string(about.unit));
-  }
-};
-
-template <class C, class Body>
-void each_matrix(C& covariance, Body body) {
-  Matrices<C, Body> matrices{covariance, body};
-  describe(matrices, Of<ObjectCovariance>{});
-}
-
 }  // namespace
 
 VectorX read_named(const Node& node, const std::string& key, const std::vector<std::string>& names) {
@@ -92,23 +60,22 @@ Isometry read_pose(MapReader& in, bool required) {
 
 void write_pose(const Isometry& X, nlohmann::ordered_json& json) {
   json["position"] = std::vector<double>{X.translation().x(), X.translation().y(), X.translation().z()};
-  json["rotation"] = by_columns(X.linear());
+  json["rotation"] = write_value(Matrix3(X.linear()), {});
 }
 
-void read_value(const Node& node, const std::string& key, ObjectCovariance& value, const About& /*about*/) {
-  MapReader in(node, key);
-  each_matrix(value, [&](const std::string& name, Matrix3& matrix, const std::string& unit) {
-    matrix = read_covariance(in, name, unit);
-  });
-  in.finish();
+std::string accepted(Of<Matrix3>, const About& about) {
+  return "nine numbers, a covariance matrix [" + std::string(about.unit) + "]";
 }
 
-nlohmann::ordered_json write_value(const ObjectCovariance& value, const About& /*about*/) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::object();
-  each_matrix(value, [&](const std::string& name, const Matrix3& matrix, const std::string& /*unit*/) {
-    json[name] = by_columns(matrix);
-  });
-  return json;
+void read_value(const Node& node, const std::string& key, Matrix3& value, const About& about) {
+  const std::vector<double> v = config::read_numbers(node, key, 9);
+  value = Eigen::Map<const Matrix3>(v.data());
+  constexpr double kRounding = 1e-9;
+  const double size = kRounding * value.cwiseAbs().maxCoeff();
+  const bool symmetric = (value - value.transpose()).cwiseAbs().maxCoeff() <= size;
+  if (!symmetric || Eigen::SelfAdjointEigenSolver<Matrix3>(value, Eigen::EigenvaluesOnly).eigenvalues()[0] < -size)
+    config::fail(node.mark, key,
+                 "expected a symmetric matrix without negative eigenvalues: " + accepted(Of<Matrix3>{}, about));
 }
 
 }  // namespace moma

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <concepts>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -27,8 +28,13 @@ void write_pose(const Isometry& X, nlohmann::ordered_json& json);
 /// One number per name; the message lists the names, for the order is easy to get wrong.
 VectorX read_named(const config::Node& node, const std::string& key, const std::vector<std::string>& names);
 
-void read_value(const config::Node& node, const std::string& key, ObjectCovariance& value, const About& about);
-nlohmann::ordered_json write_value(const ObjectCovariance& value, const About& about);
+// Described matrices are covariances.
+std::string accepted(Of<Matrix3>, const About& about);
+void read_value(const config::Node& node, const std::string& key, Matrix3& value, const About& about);
+template <std::same_as<Matrix3> M>  // and nothing that converts to one
+nlohmann::ordered_json write_value(const M& value, const About& /*about*/) {
+  return std::vector<double>(value.data(), value.data() + 9);
+}
 
 namespace case_file {
 

@@ -15,20 +15,8 @@
 namespace moma::config {
 
 /// Where each described member stands among the numbers of pack() (describe/numbers.h), for those that read or write
-/// them without C++: a list of members,
-///   {"name", "at", "count",    first number, counted from that of the list's owner, and how many
-///    "shape",                  [] of one number, [3], [3, 3] by rows, [7] of joints
-///    "truth": true,            1 or 0
-///    "whole": true,            a whole number
-///    "words": [...],           a place in this list
-///    "rotation": true,         a rotation matrix
-///    "members": [...],         instead of a shape: a record
-///    "list": true,             as many such records as there are numbers left
-///    "given": 19,              the place of a truth: where it is 0 the member is absent
-///    "otherwise": [...],       the numbers where nobody says anything of it, null for infinity
-///    "unit", "text"}
-/// A pose stands as its "position" and "rotation"; a member of an optional record `covariance` as
-/// "position_covariance". D names the members of T.
+/// them without C++: docs/reference/process-protocol.md, "Layout", has the keys. A pose stands as its "position" and
+/// "rotation", a member of an optional record `covariance` as "position_covariance". D names the members of T.
 template <class T, class D = T>
 nlohmann::ordered_json layout_of(const Lengths& lengths);
 

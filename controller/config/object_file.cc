@@ -55,8 +55,8 @@ Shape read_shape(MapReader& in, std::span<const ShapeKind> allowed, const char* 
   const Node& size = in.require("size", wanted);
   const bool list = size.kind == Node::Kind::kSequence;
   if (list ? size.items.size() != count : shape.kind != ShapeKind::kSphere)
-    in.fail_at("size", "found " + found_text(size) + "; a " + std::string(to_string(shape.kind)) + " has the size: " +
-                           wanted);
+    in.fail_at("size",
+               "found " + found_text(size) + "; a " + std::string(to_string(shape.kind)) + " has the size: " + wanted);
   for (std::size_t i = 0; i < count; ++i) {
     // A capsule of length 0 is a sphere, which is harmless.
     const bool cap = shape.kind == ShapeKind::kCapsule && i == 1;

@@ -196,7 +196,8 @@ TEST(Border, ObjectsGoThereAndBack) {
                        "triangles": [[0,1,2],[0,1,3],[0,2,3],[1,2,4]]}])")
                 .find("objects[0].triangles"),
             std::string::npos);
-  EXPECT_NE(error(R"([{"shape": "convex", "size": [1]}])").find("objects[0].size: a convex shape has"), std::string::npos);
+  EXPECT_NE(error(R"([{"shape": "convex", "size": [1]}])").find("objects[0].size: a convex shape has"),
+            std::string::npos);
   EXPECT_NE(error(R"({"shape": "box"})").find("expected a list of objects"), std::string::npos);
 }
 

@@ -229,9 +229,9 @@ TEST_F(CaseFile, NumbersThatAreNotFinite) {
     text.replace(text.find("\"REPLACE\""), 9, bad);
     expect_words(error_of(text), {"case.json:", "state.q[3]", "a number"});
   }
-  for (const char* pointer : {"/state/time", "/state/base/0", "/state/q/0", "/goal/position/1", "/goal/quaternion/2", "/goal/twist/3",
-                              "/objects/0/position/2", "/objects/0/quaternion/0", "/objects/0/velocity/5",
-                              "/objects/0/size/0", "/control_period"}) {
+  for (const char* pointer : {"/state/time", "/state/base/0", "/state/q/0", "/goal/position/1", "/goal/quaternion/2",
+                              "/goal/twist/3", "/objects/0/position/2", "/objects/0/quaternion/0",
+                              "/objects/0/velocity/5", "/objects/0/size/0", "/control_period"}) {
     expect_words(error_with(pointer, ".nan"), {"case.json:", ".nan"});
     expect_words(error_with(pointer, ".inf"), {"case.json:", ".inf"});
   }
