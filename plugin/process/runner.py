@@ -4,7 +4,6 @@ moma starts `python3 -c THIS FILE.py CLASS` once for each worker and speaks docs
 its standard input and output. The standard library suffices; where NumPy is there, vectors and matrices are its arrays.
 """
 
-import functools
 import json
 import os
 import random
@@ -70,53 +69,61 @@ class Record:
     """Numbers of moma's by the names of their members: what is sensed at one step, or a part of it. It may be kept: no later
     step changes it. Where vectors are arrays, they are parts of the numbers."""
 
+    __slots__ = ("_values", "_at", "_items")
     members = ()
 
     def __init__(self, values, at=0):
         self._values = values
         self._at = at
+        self._items = None
 
     def __repr__(self):
         return "%s(%s)" % (type(self).__name__, ", ".join("%s=%r" % (m, getattr(self, m)) for m in self.members))
 
 
 def reader(member):
-    """Reads a member (docs/reference/process-protocol.md, "Layout") of all numbers and the place where its record begins."""
-    at, count = member["at"], member["count"]
+    """Reads a member (docs/reference/process-protocol.md, "Layout") of a record."""
+    at, count, shape = member["at"], member["count"], member.get("shape")
+    end = at + count
+    if "list" in member:
+        item = record(member["name"].capitalize(), member["members"])
+
+        def items(self):
+            if self._items is None:
+                self._items = [item(self._values, i) for i in range(self._at + at, len(self._values), count)]
+            return self._items
+
+        return items
     if "members" in member:
         part = record(member["name"].capitalize(), member["members"])
-        if "list" in member:
-            return lambda values, start: [part(values, i) for i in range(start + at, len(values), count)]
-        return lambda values, start: part(values, start + at)
+        return lambda self: part(self._values, self._at + at)
     if "words" in member:
-        return lambda values, start: member["words"][int(values[start + at])]
-    if not member["shape"]:
+        return lambda self: member["words"][int(self._values[self._at + at])]
+    if not shape:
         kind = bool if "truth" in member else int if "whole" in member else float
-        return lambda values, start: kind(values[start + at])
-    if len(member["shape"]) == 1:
-        return lambda values, start: values[start + at : start + at + count]
-    rows, columns = member["shape"]
+        return lambda self: kind(self._values[self._at + at])
+    if len(shape) == 1:
+        return lambda self: self._values[self._at + at : self._at + end]
 
-    def matrix(values, start):
-        part = values[start + at : start + at + count]
+    def matrix(self):
+        part = self._values[self._at + at : self._at + end]
         if numpy is not None:
-            return part.reshape(rows, columns)
-        return tuple(part[columns * row : columns * (row + 1)] for row in range(rows))
+            return part.reshape(shape)
+        return tuple(part[i : i + shape[1]] for i in range(0, count, shape[1]))
 
     return matrix
 
 
+def where_given(read, given):
+    return lambda self: read(self) if self._values[self._at + given] != 0.0 else None
+
+
 def record(name, members, base=Record):
     """A class with these members."""
-    body = {"members": tuple(member["name"] for member in members)}
+    body = {"__slots__": (), "members": tuple(member["name"] for member in members)}
     for member in members:
-
-        def read(self, get=reader(member), given=member.get("given")):
-            if given is not None and self._values[self._at + given] == 0.0:
-                return None
-            return get(self._values, self._at)
-
-        body[member["name"]] = functools.cached_property(read)
+        read = reader(member)
+        body[member["name"]] = property(where_given(read, member["given"]) if "given" in member else read)
     return type(name, (base,), body)
 
 
