@@ -54,15 +54,14 @@ class Robot:
 
 class Shape:
     """What does not change of an object: name, shape ("sphere", "box", "cylinder", "capsule", "convex"; `kind` is the same),
-    size (radius; edge lengths; radius and length), and a convex one's vertices and triangles. `given` has all of it."""
+    size (radius; edge lengths; radius and length), and a convex one's vertices and triangles."""
 
-    def __init__(self, given):
-        self.given = given
-        self.name = given["name"]
-        self.shape = self.kind = given["shape"]
-        self.size = vector(given["size"])
-        self.vertices = [vector(v) for v in given.get("vertices", ())]
-        self.triangles = [tuple(t) for t in given.get("triangles", ())]
+    def __init__(self, shape):
+        self.name = shape["name"]
+        self.shape = self.kind = shape["shape"]
+        self.size = vector(shape["size"])
+        self.vertices = [vector(v) for v in shape["vertices"]]
+        self.triangles = [tuple(t) for t in shape["triangles"]]
 
 
 class Record:

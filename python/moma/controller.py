@@ -170,5 +170,7 @@ def _rotation(name: str, quaternion: Floats) -> Floats:
 
 
 def _plain(value: Any) -> Any:
-    """An array as a list; an object that a Python controller is told of as it was told."""
-    return value.tolist() if hasattr(value, "tolist") else value.given if hasattr(value, "given") else dict(value)
+    """Arrays as lists; what a Python controller is told of as a dict."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    return dict(value) if isinstance(value, Mapping) else vars(value)
