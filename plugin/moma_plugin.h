@@ -22,8 +22,9 @@
 extern "C" {
 #endif
 
-/** Raised whenever a function or struct below changes. A library made for another version is refused. */
-#define MOMA_PLUGIN_ABI 2
+/** Raised whenever a function or struct below changes, and with it the protocol of processes (plugin/process/frame.h).
+ * A library made for another version is refused. */
+#define MOMA_PLUGIN_ABI 3
 
 #if defined(_WIN32)
 #define MOMA_PLUGIN_EXPORT __declspec(dllexport)
@@ -67,12 +68,17 @@ typedef struct moma_object_shape {
   const int32_t* triangles; /**< 3 indices for each, counter-clockwise seen from outside */
 } moma_object_shape;
 
+/*
+ * What is sensed, and what is answered, are 64-bit floating-point numbers: truths are 1 or 0, words the values of an
+ * enumeration. They stand in the order in which processes get them (docs/reference/process-protocol.md).
+ */
+
 typedef struct moma_object_state {
   double position[3];
   double rotation[9];
   double twist[6];
-  int32_t visible;               /**< 0: not sensed now, the rest means nothing */
-  int32_t has_covariance;        /**< 0: no tracker states any, the two matrices mean nothing */
+  double visible;                /**< 0: not sensed now, the rest means nothing */
+  double has_covariance;         /**< 0: no tracker states any, the two matrices mean nothing */
   double position_covariance[9]; /**< of the origin's position [m^2] */
   double velocity_covariance[9]; /**< of its linear velocity [(m/s)^2] */
 } moma_object_state;
@@ -81,13 +87,15 @@ typedef struct moma_object_state {
 typedef struct moma_observation {
   double time;    /**< since the start of the motion */
   double base[3]; /**< x, y, phi */
-  const double* q;
-  const double* qdot; /**< measured, num_velocities */
   double goal_position[3];
   double goal_rotation[9];
-  double goal_twist[6];             /**< the goal's own, at its point; 0 for a goal that stands still */
+  double goal_twist[6]; /**< the goal's own, at its point; 0 for a goal that stands still */
+  const double* q;
+  const double* qdot;               /**< measured, num_velocities */
   const moma_object_state* objects; /**< in the order of moma_plugin_start() */
   size_t num_objects;
+  const double* numbers; /**< all of it once more, one number after the other */
+  size_t num_numbers;
 } moma_observation;
 
 enum moma_status { MOMA_SOLVED = 0, MOMA_INFEASIBLE = 1, MOMA_MAX_ITERATIONS = 2, MOMA_INVALID_INPUT = 3 };
@@ -96,13 +104,13 @@ enum moma_fallback { MOMA_NONE = 0, MOMA_NO_ACCELERATION = 1, MOMA_RELAXED = 2, 
 /** The answer. Everything but `command` is filled in with what its comment says, and may be left so. */
 typedef struct moma_step_result {
   double* command;       /**< num_velocities numbers to write, all finite; NaN where left out, which ends the trial */
-  int32_t status;        /**< enum moma_status: MOMA_SOLVED */
-  int32_t fallback;      /**< enum moma_fallback: MOMA_NONE; others for longer than the suite allows end the trial */
+  double status;         /**< enum moma_status: MOMA_SOLVED */
+  double fallback;       /**< enum moma_fallback: MOMA_NONE; others for longer than the suite allows end the trial */
   double slack[6];       /**< 0 */
   double least_distance; /**< as the controller sees it: inf */
-  int32_t rows;          /**< of its optimization, if any: 0 */
-  int32_t active_rows;   /**< 0 */
-  int32_t iterations;    /**< 0 */
+  double rows;           /**< of its optimization, if any: 0 */
+  double active_rows;    /**< 0 */
+  double iterations;     /**< 0 */
   double solve_seconds;  /**< 0; never part of a comparison */
 } moma_step_result;
 

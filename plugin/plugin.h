@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -15,8 +17,7 @@
 #include "controller/config/reader.h"
 #include "controller/config/robot_file.h"
 #include "controller/step.h"
-#include "plugin/guarded.h"
-#include "plugin/moma_plugin.h"
+#include "plugin/border.h"
 
 /// A C++ controller as a plugin of moma's evaluation (CMake target moma::plugin):
 ///
@@ -55,51 +56,6 @@ inline Setup read_setup(const moma_plugin_setup& setup) {
   return out;
 }
 
-inline ObjectShape read_shape(const moma_object_shape& object) {
-  ObjectShape out{object.name, {}};
-  out.shape.kind = static_cast<ShapeKind>(object.kind);
-  out.shape.size = Vector3(object.size[0], object.size[1], object.size[2]);
-  if (object.num_vertices == 0) return out;
-  auto hull = std::make_shared<ConvexHull>();
-  for (std::size_t i = 0; i < object.num_vertices; ++i)
-    hull->vertices.emplace_back(object.vertices[3 * i], object.vertices[3 * i + 1], object.vertices[3 * i + 2]);
-  for (std::size_t i = 0; i < object.num_triangles; ++i)
-    hull->triangles.emplace_back(object.triangles[3 * i], object.triangles[3 * i + 1], object.triangles[3 * i + 2]);
-  out.shape.hull = std::move(hull);
-  return out;
-}
-
-inline Matrix3 read_matrix(const double (&by_rows)[9]) {
-  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(by_rows);
-}
-
-inline Isometry read_pose(const double (&position)[3], const double (&rotation)[9]) {
-  Isometry X = Isometry::Identity();
-  X.translation() = Eigen::Map<const Vector3>(position);
-  X.linear() = read_matrix(rotation);
-  return X;
-}
-
-/// Sizes of `out` are kept where they fit: no allocation after the first step.
-inline void read_observation(const moma_observation& seen, const RobotModel& robot, Observation& out) {
-  out.time = seen.time;
-  out.base = Eigen::Map<const Vector3>(seen.base);
-  out.q = Eigen::Map<const VectorX>(seen.q, robot.num_joints());
-  out.qdot = Eigen::Map<const VectorX>(seen.qdot, robot.num_velocities());
-  out.goal.X_WG = read_pose(seen.goal_position, seen.goal_rotation);
-  out.goal.V_WG_W = Eigen::Map<const Vector6>(seen.goal_twist);
-  out.objects.resize(seen.num_objects);
-  for (std::size_t i = 0; i < seen.num_objects; ++i) {
-    const moma_object_state& object = seen.objects[i];
-    out.objects[i].X_WO = read_pose(object.position, object.rotation);
-    out.objects[i].V_WO_W = Eigen::Map<const Vector6>(object.twist);
-    out.objects[i].visible = object.visible != 0;
-    out.objects[i].covariance.reset();
-    if (object.has_covariance != 0)
-      out.objects[i].covariance = {read_matrix(object.position_covariance), read_matrix(object.velocity_covariance)};
-  }
-}
-
 template <typename Make>
 class Exports {
  public:
@@ -121,6 +77,8 @@ class Exports {
       const Plugin& p = *static_cast<Plugin*>(plugin);
       auto motion = std::make_unique<Motion>();
       motion->robot = p.setup.robot;
+      motion->observation.q.resize(p.setup.robot->num_joints());
+      motion->observation.qdot.resize(p.setup.robot->num_velocities());
       motion->controller = p.make(p.setup);
       if (motion->controller == nullptr) throw std::runtime_error("no controller was made");
       std::vector<ObjectShape> shapes;
@@ -136,7 +94,8 @@ class Exports {
                   std::size_t error_size) noexcept {
     return guarded<int>(1, error, error_size, [&] {
       Motion& m = *static_cast<Motion*>(controller);
-      read_observation(*seen, *m.robot, m.observation);
+      m.observation.objects.resize(seen->num_objects);
+      unpack(seen->numbers, m.observation);
       m.controller->step(m.observation, m.result);
       const StepResult& r = m.result;
       if (r.command.size() != m.robot->num_velocities()) {
@@ -144,13 +103,9 @@ class Exports {
                                  std::to_string(m.robot->num_velocities()) + " velocities");
       }
       std::copy(r.command.begin(), r.command.end(), out->command);
-      out->status = static_cast<std::int32_t>(r.status);
-      out->fallback = static_cast<std::int32_t>(r.fallback);
-      std::copy(r.slack.begin(), r.slack.end(), out->slack);
-      out->least_distance = r.least_distance;
-      out->rows = r.rows;
-      out->active_rows = r.active_rows;
-      out->iterations = r.iterations;
+      double details[fixed_numbers<Details>()];
+      pack_part<Details>(r, details);
+      std::memcpy(details_of(*out), details, sizeof details);
       out->solve_seconds = r.solve_seconds;
       return 0;
     });

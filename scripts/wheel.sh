@@ -12,7 +12,7 @@ if [ ! -x "$tools/bin/auditwheel" ]; then
 fi
 raw=$(mktemp -d)
 trap 'rm -rf "$raw"' EXIT
-"$python" -m pip wheel --disable-pip-version-check --no-deps --wheel-dir "$raw" .
+"$python" -m pip wheel --disable-pip-version-check --no-deps --wheel-dir "$raw" -C cmake.define.MOMA_REUSE_BUILD=OFF .
 # Libraries of wheels that are in the package already are found there, those of Debian in the system.
 mkdir -p dist
 PATH="$PWD/$tools/bin:$PATH" "$tools/bin/auditwheel" repair --wheel-dir dist "$raw"/moma-*.whl

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "controller/config/json_node.h"
+#include "controller/config/object_file.h"
 #include "controller/config/reader.h"
 
 namespace moma {
@@ -108,8 +109,7 @@ WorldObject object(const Node& node, const std::string& key) {
   MapReader in(node, key);
   WorldObject out;
   out.name = config::read_string(in.require("name", "a name"), in.key_of("name"));
-  out.shape = shape_from_node(in.require("shape", "sphere, box, cylinder or capsule"),
-                              in.require("size", "the shape's dimensions"), key);
+  out.shape = config::read_shape(in, kPrimitiveShapes);
   const Vector3 position = vector3(in.require("position", "[x, y, z]"), in.key_of("position"));
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   if (const Node* q = in.get("quaternion")) rotation = quaternion(*q, in.key_of("quaternion"));
@@ -156,14 +156,6 @@ Difficulty difficulty(const Node& node, const std::string& key) {
 }
 
 }  // namespace
-
-Shape shape_from_node(const Node& shape, const Node& size, const std::string& key) {
-  Shape out;
-  out.kind = config::read_word<ShapeKind>(shape, key + ".shape", kPrimitiveShapes);
-  const std::vector<double> v = config::read_numbers(size, key + ".size", num_sizes(out.kind), Range::positive());
-  for (std::size_t i = 0; i < v.size(); ++i) out.size[static_cast<Eigen::Index>(i)] = v[i];
-  return out;
-}
 
 Motion motion_from_node(const Node& node, const std::string& key) {
   MapReader in(node, key);

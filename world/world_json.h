@@ -14,7 +14,6 @@ World world_from_json(const nlohmann::ordered_json& json, const std::string& wha
 
 /// Strict reader of a world file (specification: world and trace files). Throws config::ConfigError.
 World world_from_node(const config::Node& node, const std::string& key);
-Shape shape_from_node(const config::Node& shape, const config::Node& size, const std::string& key);
 Motion motion_from_node(const config::Node& node, const std::string& key);
 
 nlohmann::ordered_json to_json(const Motion& motion);

@@ -22,7 +22,7 @@ struct ControlCase {
   std::vector<ObjectShape> objects;
   ControllerMemory memory;            ///< what the controller remembers of earlier steps; by default nothing
   bool has_plan = false;              ///< memory.plan is part of it
-  Observation observation;            ///< time 0; observation.objects in the order of `objects`
+  Observation observation;            ///< observation.objects in the order of `objects`
   std::vector<std::string> warnings;  ///< of the robot and the controller, for a person
 };
 
@@ -34,16 +34,14 @@ ControlCase read_case(const std::filesystem::path& file);
 /// The same from a value already read.
 ControlCase read_case(const config::Node& root);
 
-/// One entry of `objects`: {name, shape, size, position, quaternion or rotation, velocity, visible, covariance}; any
-/// further key is an error. `name` may be absent: "object" and its index then.
-void read_object(const config::Node& node, const std::string& key, int index, ObjectShape& shape, ObjectState& state);
+/// One entry of `objects`: {name, shape, size, position, quaternion or rotation, twist (or velocity), visible,
+/// covariance}, of a convex shape vertices and triangles in place of a size; any further key is an error. `name` may be
+/// absent: "object" and its index then.
+void read_object(const config::Node& node, const std::string& key, int index, const RobotModel& model,
+                 ObjectShape& shape, ObjectState& state);
 
 /// The file that read_case() takes back to the same bits: robot and controller as they were resolved, rotations as
-/// matrices, what is remembered in `state`. Throws std::invalid_argument for an object whose shape files have no word
-/// for.
+/// matrices, what is remembered in `state`.
 nlohmann::ordered_json case_to_json(const ControlCase& control_case);
-
-/// A pose: `position`, and `quaternion` (w x y z) or `rotation` (a matrix, column by column).
-Isometry read_pose(config::MapReader& in);
 
 }  // namespace moma

@@ -5,46 +5,35 @@
 #include <utility>
 #include <vector>
 
-#include "controller/case/case_file.h"
+#include "controller/case/sensed.h"
 #include "controller/config/read_described.h"
 #include "controller/config/write_described.h"
 
 namespace moma {
+// The members that stand beside start, goal and path.
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<PlanState>) {
+  using T = PlanState;
+  constexpr Range kSteps{0.0, 1e12};
+  v.inlined(&T::brief);
+  v.member("steps", &T::steps, {.range = kSteps, .text = "since the start or the goal's last jump"});
+  v.member("next", &T::next, {.range = kSteps, .text = "step of the next prediction"});
+  v.member("stop_end", &T::stop_end, {.range = kSteps, .text = "step at which a stop has lasted long enough"});
+  v.member("commit", &T::commit, {.range = kSteps, .text = "step at which a choice takes effect"});
+  v.member("chosen", &T::chosen, {.text = "whether it is made, and waits for that step"});
+  v.member("mark", &T::mark, {.range = kSteps, .text = "step of the last progress along the path"});
+  v.member("mark_clock", &T::mark_clock, {.unit = "s", .range = Range::non_negative(), .text = "and where that was"});
+  v.member("stagnations", &T::stagnations, {.range = {0, 1e9}, .text = "up to which nothing is news"});
+  v.member("direct_time", &T::direct_time, {.unit = "s", .text = "predicted of the direct policy; negative: it fails"});
+  v.member("left_path", &T::left_path, {.text = "whether the stop interrupted a path"});
+  v.member("fresh", &T::fresh, {.text = "whether the direct policy begins anew, as `start` says"});
+  v.member("known", &T::known, {.range = {0, 1e9}, .text = "objects that were seen in the step before"});
+}
+
 namespace {
 
 using config::MapReader;
 using config::Node;
-
-// The members that stand beside brief, escape state, poses and path.
-struct Counts {
-  std::int64_t steps = 0, next = 0, stop_end = 0, commit = 0, mark = 0;
-  bool chosen = false;
-  double mark_clock = 0.0;
-  int stagnations = 0;
-  double direct_time = -1.0;
-  bool left_path = false;
-  bool fresh = false;
-  int known = 0;
-};
-
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Counts>) {
-  constexpr Range kSteps{0.0, 1e12};
-  v.member("steps", &Counts::steps, {.range = kSteps, .text = "since the start or the goal's last jump"});
-  v.member("next", &Counts::next, {.range = kSteps, .text = "step of the next prediction"});
-  v.member("stop_end", &Counts::stop_end, {.range = kSteps, .text = "step at which a stop has lasted long enough"});
-  v.member("commit", &Counts::commit, {.range = kSteps, .text = "step at which a choice takes effect"});
-  v.member("chosen", &Counts::chosen, {.text = "whether it is made, and waits for that step"});
-  v.member("mark", &Counts::mark, {.range = kSteps, .text = "step of the last progress along the path"});
-  v.member("mark_clock", &Counts::mark_clock,
-           {.unit = "s", .range = Range::non_negative(), .text = "and where that was"});
-  v.member("stagnations", &Counts::stagnations, {.range = {0, 1e9}, .text = "up to which nothing is news"});
-  v.member("direct_time", &Counts::direct_time,
-           {.unit = "s", .text = "predicted of the direct policy; negative: it fails"});
-  v.member("left_path", &Counts::left_path, {.text = "whether the stop interrupted a path"});
-  v.member("fresh", &Counts::fresh, {.text = "whether the direct policy begins anew, as `start` says"});
-  v.member("known", &Counts::known, {.range = {0, 1e9}, .text = "objects that were seen in the step before"});
-}
 
 struct StoredMotion {
   double start = 0.0, time = 0.0, ramp = 0.0;
@@ -79,9 +68,10 @@ nlohmann::ordered_json numbers(const Values& values) {
   return list;
 }
 
-// With a matrix: a quaternion does not give back the last bit.
 nlohmann::ordered_json pose(const Isometry& X) {
-  return {{"position", numbers(X.translation())}, {"rotation", numbers(Matrix3(X.linear()).reshaped())}};
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  write_pose(X, json);
+  return json;
 }
 
 void read_path(const Node& node, const std::string& key, const RobotModel& model, Path& path) {
@@ -136,9 +126,7 @@ PlanState read_plan_state(const Node& node, const std::string& key, const RobotM
   MapReader in(node, key);
   PlanState state;
   state.path.origin = WholeConfiguration::Zero(3 + model.num_joints());
-  Counts counts;
-  config::read_members(in, state.brief);
-  config::read_members(in, counts);
+  config::read_members(in, state);
   if (const Node* start = in.get("start")) config::read_described(*start, in.key_of("start"), state.start);
   if (const Node* goal = in.get("goal")) {
     state.X_WG = read_goal(*goal, in.key_of("goal"));
@@ -147,37 +135,11 @@ PlanState read_plan_state(const Node& node, const std::string& key, const RobotM
   if (const Node* path = in.get("path")) read_path(*path, in.key_of("path"), model, state.path);
   in.check(state.brief.mode != PlanMode::kFollow || state.path.count > 0, "mode", "follow needs a path");
   in.finish();
-  state.steps = counts.steps;
-  state.next = counts.next;
-  state.stop_end = counts.stop_end;
-  state.commit = counts.commit;
-  state.chosen = counts.chosen;
-  state.mark = counts.mark;
-  state.mark_clock = counts.mark_clock;
-  state.stagnations = counts.stagnations;
-  state.direct_time = counts.direct_time;
-  state.left_path = counts.left_path;
-  state.fresh = counts.fresh;
-  state.known = counts.known;
   return state;
 }
 
 nlohmann::ordered_json to_json(const PlanState& state) {
-  nlohmann::ordered_json json = config::write_described(state.brief);
-  Counts counts;
-  counts.steps = state.steps;
-  counts.next = state.next;
-  counts.stop_end = state.stop_end;
-  counts.commit = state.commit;
-  counts.chosen = state.chosen;
-  counts.mark = state.mark;
-  counts.mark_clock = state.mark_clock;
-  counts.stagnations = state.stagnations;
-  counts.direct_time = state.direct_time;
-  counts.left_path = state.left_path;
-  counts.fresh = state.fresh;
-  counts.known = state.known;
-  config::write_members(counts, json);
+  nlohmann::ordered_json json = config::write_described(state);
   json["start"] = config::write_described(state.start);
   if (state.has_goal) json["goal"] = pose(state.X_WG);
   if (state.path.count > 0) json["path"] = to_json(state.path);

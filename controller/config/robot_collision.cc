@@ -11,6 +11,7 @@
 
 #include "controller/config/json_node.h"
 #include "controller/config/mesh_hull.h"
+#include "controller/config/object_file.h"
 #include "controller/config/robot_build.h"
 #include "controller/config/suggestion.h"
 #include "controller/model/proximity.h"
@@ -37,45 +38,6 @@ nlohmann::ordered_json shape_to_json(const RobotModel& model, const CollisionSha
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) rotation.push_back(shape.X_LS.linear()(r, c));
   return json;
-}
-
-std::shared_ptr<const ConvexHull> read_hull(MapReader& in) {
-  auto hull = std::make_shared<ConvexHull>();
-  const std::string what = "numbers, as in a resolved robot";
-  const auto v = read_numbers(in.require("vertices", what), in.key_of("vertices"), -1);
-  const Node& faces = in.require("triangles", what);
-  const std::size_t points = v.size() / 3;
-  const auto t = read_numbers(faces, in.key_of("triangles"), -1, {0.0, static_cast<double>(points) - 1.0});
-  in.check(v.size() >= 12 && v.size() % 3 == 0, "vertices", "expected x, y, z of four points or more");
-  in.check(t.size() >= 12 && t.size() % 3 == 0, "triangles",
-           "expected three indices for each of four triangles or more");
-  for (std::size_t i = 0; i < v.size(); i += 3) hull->vertices.emplace_back(v[i], v[i + 1], v[i + 2]);
-  for (std::size_t i = 0; i < t.size(); i += 3)
-    hull->triangles.emplace_back(static_cast<int>(t[i]), static_cast<int>(t[i + 1]), static_cast<int>(t[i + 2]));
-  return hull;
-}
-
-Shape read_shape(MapReader& in) {
-  Shape shape;
-  in.require("shape", "sphere, box, cylinder or capsule");
-  in.read_enum("shape", shape.kind);
-  if (shape.kind == ShapeKind::kConvex) {
-    shape.hull = read_hull(in);
-    return shape;
-  }
-  const std::string key = in.key_of("size");
-  if (shape.kind == ShapeKind::kSphere) {
-    const Node& node = in.require("size", "the radius [m]");
-    shape.size.x() = node.kind == Node::Kind::kSequence ? read_numbers(node, key, 1, Range::positive())[0]
-                                                        : read_number(node, key, Range::positive());
-  } else if (shape.kind == ShapeKind::kBox) {
-    const auto size = read_numbers(in.require("size", "three edge lengths [m]"), key, 3, Range::positive());
-    shape.size = Vector3(size[0], size[1], size[2]);
-  } else {
-    const auto size = read_numbers(in.require("size", "radius and length [m]"), key, 2, Range::positive());
-    shape.size = Vector3(size[0], size[1], 0.0);
-  }
-  return shape;
 }
 
 class CollisionReader {

@@ -60,6 +60,8 @@ class Predictor {
   /// (default: at once).
   void send(const VectorX& command, VectorX& sent) noexcept;
 
+  /// State that the last predict() returned.
+  const Observation& predicted() const noexcept { return out_; }
   /// The velocity that the latest command leads to, as of the last predict() or skip().
   const VectorX& velocity() const noexcept { return out_.qdot; }
   /// Uncertainty of each object's position at the end of the last predict(); empty without `uncertainty`.

@@ -47,7 +47,7 @@ def model_of(robot, objects):
     for i, (link, kind, size, X) in enumerate(solids(robot)):
         add_geom(base if link is None else whole.body("arm/" + link), f"robot{i}", kind, size, X)
     for i, item in enumerate(objects):
-        add_geom(whole.worldbody.add_body(name=f"object{i}", mocap=True), f"object{i}", item.kind, item.size, np.eye(4))
+        add_geom(whole.worldbody.add_body(name=f"object{i}", mocap=True), f"object{i}", item.shape, item.size, np.eye(4))
     return whole.compile()
 
 

@@ -43,7 +43,7 @@ def geometry_of(robot, model, objects):
         geometry.addGeometryObject(solid)
     own = geometry.ngeoms
     for i, item in enumerate(objects):
-        id = geometry.addGeometryObject(pin.GeometryObject(f"object{i}", 0, pin.SE3.Identity(), SHAPES[item.kind](item.size)))
+        id = geometry.addGeometryObject(pin.GeometryObject(f"object{i}", 0, pin.SE3.Identity(), SHAPES[item.shape](item.size)))
         for solid in range(own):
             geometry.addCollisionPair(pin.CollisionPair(solid, id))
     for first, second in pairs(robot):

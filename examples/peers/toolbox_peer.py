@@ -16,12 +16,12 @@ REACH = 0.76  # [m] half of the largest solid's diagonal (of Frankie's base, 0.4
 
 
 def solid(item):
-    if item.kind == "sphere":
+    if item.shape == "sphere":
         shape = spatialgeometry.Sphere(item.size[0])
-    elif item.kind == "box":
+    elif item.shape == "box":
         shape = spatialgeometry.Cuboid(item.size)
     else:
-        raise ValueError(f"the toolbox is given no {item.kind}")
+        raise ValueError(f"the toolbox is given no {item.shape}")
     shape.v = np.zeros(6)
     return shape, np.linalg.norm(item.size) / min(len(item.size), 2)  # and the radius of a sphere around it
 

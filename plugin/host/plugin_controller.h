@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <memory>
 #include <span>
 #include <string>
@@ -47,15 +48,17 @@ class PluginController final : public StepController {
  private:
   void stop() noexcept;
   void fail(std::string_view what, std::string_view detail, StepResult& result) noexcept;
-  bool read(StepResult& result) noexcept;
+  void read(StepResult& result) noexcept;
 
   std::shared_ptr<const Plugin> plugin_;
   void* controller_ = nullptr;
   const VectorX limits_;
-  std::vector<moma_object_state> objects_;
+  std::size_t num_objects_ = 0;
+  std::vector<double> numbers_;  // of an observation
   VectorX command_;
   moma_observation seen_{};
   moma_step_result answer_{};
+  StepResult checked_;  // its details
   PluginText text_{};
   std::string failure_;
 };

@@ -5,28 +5,25 @@
 #include <cstdint>
 #include <cstring>
 
+#include "plugin/moma_plugin.h"
+
 namespace moma {
 
 // The protocol of controllers in processes of their own; docs/reference/process-protocol.md is the whole of it, for
-// those who write one. Raised whenever a frame below changes.
-inline constexpr int kProcessProtocol = 1;
+// those who write one. Its frames have the numbers of plugin/moma_plugin.h: one version is raised with both.
+inline constexpr int kProcessProtocol = MOMA_PLUGIN_ABI - 2;
 
 enum class Frame : std::uint32_t {
   kSetup = 1,  ///< from moma: robot and parameters, as JSON
   kReset = 2,  ///< the objects of a motion, as JSON
-  kStep = 3,   ///< an observation: kFixedNumbers numbers, q, qdot, kObjectNumbers for each object
+  kStep = 3,   ///< the numbers of an Observation (describe/numbers.h)
   kReady = 101,
   kStarted = 102,
-  kCommand = 103,  ///< the velocities, and kDetailNumbers more or none
+  kCommand = 103,  ///< the velocities, and the numbers of Details or none
   kError = 104     ///< UTF-8
 };
 
-inline constexpr std::size_t kFrameHeader = 8;    ///< length of what follows, and kind, 32 bits each
-inline constexpr std::size_t kFixedNumbers = 22;  ///< time, base 3, goal: position 3, rotation 9, twist 6
-inline constexpr std::size_t kObjectNumbers =
-    38;  ///< position 3, rotation 9, twist 6, visible, has covariances, 9 and 9
-inline constexpr std::size_t kDetailNumbers =
-    12;  ///< status, fallback, slack 6, least distance, rows, active, iterations
+inline constexpr std::size_t kFrameHeader = 8;                       ///< length of what follows, and kind, 32 bits each
 inline constexpr std::size_t kLargestAnswer = std::size_t{1} << 20;  ///< [bytes] of one frame from the process
 
 static_assert(std::endian::native == std::endian::little, "frames are little-endian");

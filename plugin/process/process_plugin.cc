@@ -2,20 +2,21 @@
 
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "controller/config/json_node.h"
+#include "controller/config/layout.h"
+#include "controller/config/object_file.h"
 #include "controller/config/read_described.h"
 #include "controller/config/write_described.h"
 #include "controller/describe/enumeration.h"
 #include "controller/model/base_kind.h"
-#include "controller/model/shape.h"
-#include "plugin/guarded.h"
+#include "plugin/border.h"
 #include "plugin/host/library.h"
 
 namespace moma {
@@ -54,6 +55,7 @@ std::string setup_text(const moma_plugin_setup& setup, ordered_json robot, order
   for (const std::string_view name : kind_of(base).velocities) velocities.push_back(std::string(name));
   for (std::size_t i = 0; i < setup.num_joints; ++i) joints.push_back(setup.joints[i]);
   for (const ordered_json& name : joints) velocities.push_back(name);
+  const Lengths lengths{static_cast<int>(setup.num_joints), static_cast<int>(setup.num_velocities)};
   const ordered_json json = {{"protocol", kProcessProtocol},
                              {"base", std::string(to_string(base))},
                              {"joints", std::move(joints)},
@@ -64,30 +66,17 @@ std::string setup_text(const moma_plugin_setup& setup, ordered_json robot, order
                              {"velocity_limits", numbers(setup.velocity_limits, setup.num_velocities)},
                              {"control_period", setup.control_period},
                              {"parameters", std::move(parameters)},
+                             {"observation", config::layout_of<Observation>(lengths)},
+                             {"details", config::layout_of<StepResult, Details>(lengths)},
                              {"robot", std::move(robot)}};
   return json.dump();
 }
 
 /// Docs: process-protocol.md, "reset".
-std::string shapes_text(const moma_object_shape* shapes, std::size_t count) {
-  ordered_json list = ordered_json::array();
-  for (const moma_object_shape& shape : std::span(shapes, count)) {
-    const auto kind = static_cast<ShapeKind>(shape.kind);
-    constexpr std::size_t kSizes[] = {1, 3, 2, 2, 0};  // in the order of ShapeKind
-    ordered_json vertices = ordered_json::array();
-    ordered_json triangles = ordered_json::array();
-    for (std::size_t v = 0; v < shape.num_vertices; ++v) vertices.push_back(numbers(shape.vertices + 3 * v, 3));
-    for (std::size_t t = 0; t < shape.num_triangles; ++t) {
-      const std::int32_t* corner = shape.triangles + 3 * t;
-      triangles.push_back({corner[0], corner[1], corner[2]});
-    }
-    list.push_back({{"name", shape.name},
-                    {"kind", std::string(to_string(kind))},
-                    {"size", numbers(shape.size, kSizes[shape.kind])},
-                    {"vertices", std::move(vertices)},
-                    {"triangles", std::move(triangles)}});
-  }
-  return list.dump();
+std::string shapes_text(std::span<const moma_object_shape> shapes) {
+  std::vector<ObjectShape> objects;
+  for (const moma_object_shape& shape : shapes) objects.push_back(plugin::read_shape(shape));
+  return config::objects_to_json(objects).dump();
 }
 
 // A command crosses moma_plugin_open() beside the parameters.
@@ -132,14 +121,16 @@ void* start(void* plugin, const moma_object_shape* shapes, std::size_t count, ch
     auto motion = std::make_unique<Motion>();
     motion->opened = &opened;
     motion->session = opened.pool->take(opened.setup, opened.control_period);
-    motion->session->reset(shapes_text(shapes, count), opened.joints, opened.velocities, count);
+    motion->session->reset(shapes_text({shapes, count}),
+                           plugin::count_numbers(opened.joints, opened.velocities, count));
     return motion.release();
   });
 }
 
 int step(void* controller, const moma_observation* seen, moma_step_result* result, char* error, std::size_t size) {
   return guarded<int>(1, error, size, [&] {
-    static_cast<Motion*>(controller)->session->step(*seen, *result);
+    const Motion& motion = *static_cast<Motion*>(controller);
+    motion.session->step(*seen, motion.opened->velocities, *result);
     return 0;
   });
 }

@@ -20,14 +20,9 @@ try:
 except ImportError:
     numpy = None
 
-PROTOCOL = 1
 SETUP, RESET, STEP = 1, 2, 3
 READY, STARTED, COMMAND, ERROR = 101, 102, 103, 104
 HEADER = struct.Struct("<II")
-OBJECT = 38  # numbers of an object in an observation
-DETAILS = ("command", "status", "fallback", "slack", "least_distance", "rows", "active_rows", "iterations")
-STATUS = ("solved", "infeasible", "max_iterations", "invalid_input")
-FALLBACK = ("none", "no_acceleration", "relaxed", "brake")
 INFINITY = float("inf")
 
 
@@ -58,109 +53,77 @@ class Robot:
 
 
 class Shape:
-    """What does not change of an object: name, kind ("sphere", "box", "cylinder", "capsule", "convex"), size (radius; edge
-    lengths; radius and length), and a convex one's vertices and triangles."""
+    """What does not change of an object: name, shape ("sphere", "box", "cylinder", "capsule", "convex"; `kind` is the same),
+    size (radius; edge lengths; radius and length), and a convex one's vertices and triangles."""
 
     def __init__(self, shape):
         self.name = shape["name"]
-        self.kind = shape["kind"]
+        self.shape = self.kind = shape["shape"]
         self.size = vector(shape["size"])
         self.vertices = [vector(v) for v in shape["vertices"]]
         self.triangles = [tuple(t) for t in shape["triangles"]]
 
 
-def rows(values):
-    return (values[0:3], values[3:6], values[6:9])
+class Record:
+    """Numbers of moma's by the names of their members: what is sensed at one step, or a part of it. It may be kept: no later
+    step changes it. Where vectors are arrays, they are parts of the numbers."""
 
+    __slots__ = ("_values", "_at", "_items")
+    members = ()
 
-class Pose:
-    """A frame that moves: position, rotation (3 x 3) and twist [angular; linear], all in world axes."""
-
-    __slots__ = ("_values", "_at")
-
-    def __init__(self, values, at):
+    def __init__(self, values, at=0):
         self._values = values
         self._at = at
+        self._items = None
 
-    @property
-    def position(self):
-        return self._values[self._at : self._at + 3]
-
-    @property
-    def rotation(self):
-        nine = self._values[self._at + 3 : self._at + 12]
-        return nine.reshape(3, 3) if numpy is not None else rows(nine)
-
-    @property
-    def twist(self):
-        return self._values[self._at + 12 : self._at + 18]
+    def __repr__(self):
+        return "%s(%s)" % (type(self).__name__, ", ".join("%s=%r" % (m, getattr(self, m)) for m in self.members))
 
 
-class SensedObject(Pose):
-    """An object as it is sensed now; where it is not visible, the rest means nothing. The covariances (of position and
-    velocity, 3 x 3) are None where no tracker states any."""
+def reader(member):
+    """Reads a member (docs/reference/process-protocol.md, "Layout") of a record."""
+    at, count, shape = member["at"], member["count"], member.get("shape")
+    end = at + count
+    if "list" in member:
+        item = record(member["name"].capitalize(), member["members"])
 
-    __slots__ = ()
+        def items(self):
+            if self._items is None:
+                self._items = [item(self._values, i) for i in range(self._at + at, len(self._values), count)]
+            return self._items
 
-    @property
-    def visible(self):
-        return self._values[self._at + 18] != 0.0
+        return items
+    if "members" in member:
+        part = record(member["name"].capitalize(), member["members"])
+        return lambda self: part(self._values, self._at + at)
+    if "words" in member:
+        return lambda self: member["words"][int(self._values[self._at + at])]
+    if not shape:
+        kind = bool if "truth" in member else int if "whole" in member else float
+        return lambda self: kind(self._values[self._at + at])
+    if len(shape) == 1:
+        return lambda self: self._values[self._at + at : self._at + end]
 
-    def _covariance(self, offset):
-        if self._values[self._at + 19] == 0.0:
-            return None
-        nine = self._values[self._at + offset : self._at + offset + 9]
-        return nine.reshape(3, 3) if numpy is not None else rows(nine)
+    def matrix(self):
+        part = self._values[self._at + at : self._at + end]
+        if numpy is not None:
+            return part.reshape(shape)
+        return tuple(part[i : i + shape[1]] for i in range(0, count, shape[1]))
 
-    @property
-    def position_covariance(self):
-        return self._covariance(20)
-
-    @property
-    def velocity_covariance(self):
-        return self._covariance(29)
+    return matrix
 
 
-class Observation:
-    """What is sensed at one step: time [s]; base (x, y, phi); q; qdot, named by robot.velocities; goal, a Pose; objects, in
-    the order of reset(). It may be kept: no later step changes it."""
+def where_given(read, given):
+    return lambda self: read(self) if self._values[self._at + given] != 0.0 else None
 
-    __slots__ = ("_values", "_joints", "_velocities", "_count", "_objects")
 
-    def __init__(self, values, joints, velocities, count):
-        self._values = values
-        self._joints = joints
-        self._velocities = velocities
-        self._count = count
-        self._objects = None
-
-    @property
-    def time(self):
-        return float(self._values[0])
-
-    @property
-    def base(self):
-        return self._values[1:4]
-
-    @property
-    def goal(self):
-        return Pose(self._values, 4)
-
-    @property
-    def q(self):
-        return self._values[22 : 22 + self._joints]
-
-    @property
-    def qdot(self):
-        start = 22 + self._joints
-        return self._values[start : start + self._velocities]
-
-    @property
-    def objects(self):
-        if self._objects is None:
-            start = 22 + self._joints + self._velocities
-            self._objects = [SensedObject(self._values, start + OBJECT * i) for i in range(self._count)]
-        return self._objects
+def record(name, members, base=Record):
+    """A class with these members."""
+    body = {"__slots__": (), "members": tuple(member["name"] for member in members)}
+    for member in members:
+        read = reader(member)
+        body[member["name"]] = property(where_given(read, member["given"]) if "given" in member else read)
+    return type(name, (base,), body)
 
 
 def word(words, value, what):
@@ -171,14 +134,15 @@ def word(words, value, what):
 
 
 class Answers:
-    """Bytes of what step() returned: the numbers of a command, or what has them as its "command" and may have more, by keys
-    or as attributes."""
+    """Bytes of what step() returned: the numbers of a command, or what has them as its "command" and may have any of `details`
+    (a layout) beside, by keys or as attributes."""
 
-    def __init__(self, robot):
+    def __init__(self, robot, details):
         self.names = robot.velocities
         self.size = len(self.names)
-        self.plain = struct.Struct("<II%dd" % self.size)
-        self.detailed = struct.Struct("<II%dd" % (self.size + 12))
+        self.details = details
+        self.keys = ("command",) + tuple(member["name"] for member in details)
+        self.otherwise = [INFINITY if v is None else v for member in details for v in member["otherwise"]]
 
     def numbers(self, command):
         if command is None:
@@ -195,27 +159,29 @@ class Answers:
         if numpy is not None and type(answer) is numpy.ndarray and answer.shape == (self.size,):
             return HEADER.pack(8 * self.size, COMMAND) + answer.astype("<f8", copy=False).tobytes()
         if hasattr(answer, "command"):
-            answer = {key: getattr(answer, key) for key in DETAILS if hasattr(answer, key)}
+            answer = {key: getattr(answer, key) for key in self.keys if hasattr(answer, key)}
         if not isinstance(answer, dict):
-            return self.plain.pack(8 * self.size, COMMAND, *self.numbers(answer))
+            return self.frame(self.numbers(answer))
         for key in answer:
-            if key not in DETAILS:
-                raise KeyError("step() returned the key %r, none of %s" % (key, ", ".join(DETAILS)))
-        slack = [float(v) for v in answer.get("slack", (0.0,) * 6)]
-        if len(slack) != 6:
-            raise ValueError("slack has %d numbers instead of 6" % len(slack))
-        return self.detailed.pack(
-            8 * (self.size + 12),
-            COMMAND,
-            *self.numbers(answer.get("command")),
-            word(STATUS, answer.get("status", "solved"), "status"),
-            word(FALLBACK, answer.get("fallback", "none"), "fallback"),
-            *slack,
-            float(answer.get("least_distance", INFINITY)),
-            float(answer.get("rows", 0)),
-            float(answer.get("active_rows", 0)),
-            float(answer.get("iterations", 0)),
-        )
+            if key not in self.keys:
+                raise KeyError("step() returned the key %r, none of %s" % (key, ", ".join(self.keys)))
+        details = list(self.otherwise)
+        for member in self.details:
+            if member["name"] in answer:
+                at, count = member["at"], member["count"]
+                details[at : at + count] = self.detail(member, answer[member["name"]])
+        return self.frame(self.numbers(answer.get("command")) + details)
+
+    def detail(self, member, value):
+        if "words" in member:
+            return [word(member["words"], value, member["name"])]
+        numbers = [float(v) for v in (value if member["shape"] else (value,))]
+        if len(numbers) != member["count"]:
+            raise ValueError("%s has %d numbers instead of %d" % (member["name"], len(numbers), member["count"]))
+        return numbers
+
+    def frame(self, numbers):
+        return struct.pack("<II%dd" % len(numbers), 8 * len(numbers), COMMAND, *numbers)
 
 
 def told(error):
@@ -331,8 +297,7 @@ def seed():
 
 def main(path, name):
     line = Line()
-    robot = answers = parameters = made = controller = None
-    shapes = []
+    robot = answers = layout = parameters = made = controller = observation = None
     expected = 1 << 16
     while True:
         kind, data = line.read(expected)
@@ -344,28 +309,28 @@ def main(path, name):
                     values = numpy.frombuffer(data, "<f8", -1, HEADER.size)
                 else:
                     values = struct.unpack_from("<%dd" % ((len(data) - HEADER.size) // 8), data, HEADER.size)
-                seen = Observation(values, len(robot.joints), answers.size, len(shapes))
-                line.write(answers.encode(controller.step(seen)))
+                line.write(answers.encode(controller.step(observation(values))))
             elif kind == RESET:
                 shapes = [Shape(shape) for shape in json.loads(data[HEADER.size :])]
-                expected = HEADER.size + 8 * (22 + len(robot.joints) + answers.size + OBJECT * len(shapes))
+                objects = layout[-1]
+                expected = HEADER.size + 8 * (objects["at"] + objects["count"] * len(shapes))
                 seed()
                 controller = made(**parameters)
                 controller.reset(robot, shapes)
                 line.say(STARTED)
             elif kind == SETUP:
                 setup = json.loads(data[HEADER.size :])
-                if setup["protocol"] != PROTOCOL:
-                    raise ValueError("this runner speaks protocol %d, moma %s" % (PROTOCOL, setup["protocol"]))
                 robot = Robot(setup)
-                answers = Answers(robot)
+                answers = Answers(robot, setup["details"])
+                layout = setup["observation"]
+                observation = record("Observation", layout)
                 parameters = setup["parameters"]
                 if made is None:
                     seed()
                     made = load(path, name)
                 seed()
                 made(**parameters)  # what is wrong with the parameters shows here, not in the first trial
-                line.say(READY, json.dumps({"protocol": PROTOCOL, "files": own_files(path)}))
+                line.say(READY, json.dumps({"protocol": setup["protocol"], "files": own_files(path)}))
             else:
                 raise ValueError("a frame of unknown kind %d" % kind)
         except BaseException as error:  # SystemExit too: it ends the trial, and says where it was raised

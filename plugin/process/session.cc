@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "controller/config/json_node.h"
+#include "plugin/border.h"
 #include "plugin/host/late.h"
 #include "plugin/host/library.h"
 
@@ -29,30 +29,11 @@ std::string after(const char* link, const std::string& words) { return words.emp
 // How long a process that ended its output, or was let go, has until it is killed.
 constexpr double kGrace = 2.0;
 
-/// Writes numbers one after the other.
-class NumberWriter {
- public:
-  explicit NumberWriter(unsigned char* to) : to_(to) {}
-  void put(const double* values, std::size_t count) noexcept {
-    std::memcpy(to_, values, count * sizeof(double));
-    to_ += count * sizeof(double);
-  }
-  void put(double value) noexcept { put(&value, 1); }
-
- private:
-  unsigned char* to_;
-};
-
 std::string text_of(std::span<const unsigned char> bytes) {
   std::string text(bytes.begin(), bytes.end());
   std::replace_if(
       text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 0x7f; }, ' ');
   return text;
-}
-
-// A number that counts something; -1, which nothing accepts, where it is no such number.
-std::int32_t whole(double value) noexcept {
-  return value >= 0.0 && value <= 1e9 && value == std::floor(value) ? static_cast<std::int32_t>(value) : -1;
 }
 
 }  // namespace
@@ -148,54 +129,27 @@ void Session::set_up(const std::shared_ptr<const std::string>& setup, double con
   setup_ = setup;
 }
 
-void Session::reset(const std::string& shapes, std::size_t joints, std::size_t velocities, std::size_t objects) {
+void Session::reset(const std::string& shapes, std::size_t numbers) {
   exchange(Frame::kReset, shapes, Frame::kStarted, "to a reset");
-  joints_ = joints;
-  velocities_ = velocities;
-  objects_ = objects;
-  const std::size_t numbers = kFixedNumbers + joints + velocities + objects * kObjectNumbers;
-  out_.resize(kFrameHeader + numbers * sizeof(double));
-  put_header(out_.data(), Frame::kStep, static_cast<std::uint32_t>(numbers * sizeof(double)));
+  out_.reserve(kFrameHeader + numbers * sizeof(double));
 }
 
-void Session::step(const moma_observation& seen, moma_step_result& result) {
-  NumberWriter numbers(out_.data() + kFrameHeader);
-  numbers.put(seen.time);
-  numbers.put(seen.base, 3);
-  numbers.put(seen.goal_position, 3);
-  numbers.put(seen.goal_rotation, 9);
-  numbers.put(seen.goal_twist, 6);
-  numbers.put(seen.q, joints_);
-  numbers.put(seen.qdot, velocities_);
-  for (std::size_t i = 0; i < objects_; ++i) {
-    const moma_object_state& object = seen.objects[i];
-    numbers.put(object.position, 3);
-    numbers.put(object.rotation, 9);
-    numbers.put(object.twist, 6);
-    numbers.put(object.visible);
-    numbers.put(object.has_covariance);
-    numbers.put(object.position_covariance, 9);
-    numbers.put(object.velocity_covariance, 9);
-  }
+void Session::step(const moma_observation& seen, std::size_t velocities, moma_step_result& result) {
+  const std::size_t bytes = seen.num_numbers * sizeof(double);
+  out_.resize(kFrameHeader + bytes);
+  put_header(out_.data(), Frame::kStep, static_cast<std::uint32_t>(bytes));
+  std::memcpy(out_.data() + kFrameHeader, seen.numbers, bytes);
   const Due until = due("to a step", limits_.deadline * control_period_);
   if (child_.send(out_, until.until) == Child::Wait::kLate) late(until);
   const std::span<const unsigned char> payload = answer(Frame::kCommand, until);
-  const std::size_t plain = velocities_ * sizeof(double);
-  if (payload.size() != plain && payload.size() != plain + kDetailNumbers * sizeof(double)) {
+  constexpr std::size_t kDetails = fixed_numbers<Details>() * sizeof(double);
+  const std::size_t plain = velocities * sizeof(double);
+  if (payload.size() != plain && payload.size() != plain + kDetails) {
     fail(fmt::format("its process commands {} bytes; {} velocities are {}, or {} with details", payload.size(),
-                     velocities_, plain, plain + kDetailNumbers * sizeof(double)));
+                     velocities, plain, plain + kDetails));
   }
   std::memcpy(result.command, payload.data(), plain);
-  if (payload.size() == plain) return;
-  double details[kDetailNumbers];
-  std::memcpy(details, payload.data() + plain, sizeof details);
-  result.status = whole(details[0]);
-  result.fallback = whole(details[1]);
-  std::copy(details + 2, details + 8, result.slack);
-  result.least_distance = details[8];
-  result.rows = std::max(whole(details[9]), 0);
-  result.active_rows = std::max(whole(details[10]), 0);
-  result.iterations = std::max(whole(details[11]), 0);
+  if (payload.size() > plain) std::memcpy(plugin::details_of(result), payload.data() + plain, kDetails);
 }
 
 }  // namespace moma

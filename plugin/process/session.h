@@ -27,10 +27,10 @@ class Session {
   /// The process's own words about the robot and the parameters it refuses reach the caller. Does nothing where the
   /// process has this setup already.
   void set_up(const std::shared_ptr<const std::string>& setup, double control_period);
-  /// `shapes`: JSON. Steps after this one allocate nothing.
-  void reset(const std::string& shapes, std::size_t joints, std::size_t velocities, std::size_t objects);
-  /// As moma_plugin_step(), of which the sizes are those of reset().
-  void step(const moma_observation& seen, moma_step_result& result);
+  /// `shapes`: JSON. Steps after this one, whose observations have so many numbers, allocate nothing.
+  void reset(const std::string& shapes, std::size_t numbers);
+  /// As moma_plugin_step().
+  void step(const moma_observation& seen, std::size_t velocities, moma_step_result& result);
 
   bool broken() const noexcept { return broken_; }
   /// The files that the process names as part of itself.
@@ -60,9 +60,6 @@ class Session {
   std::vector<std::string> files_;
   std::vector<unsigned char> out_;
   std::vector<unsigned char> in_;
-  std::size_t joints_ = 0;
-  std::size_t velocities_ = 0;
-  std::size_t objects_ = 0;
   bool broken_ = false;
 };
 

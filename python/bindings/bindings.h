@@ -8,6 +8,8 @@
 #include <string>
 
 #include "controller/config/node.h"
+#include "controller/describe/numbers.h"
+#include "controller/step_described.h"
 
 namespace moma::python {
 
@@ -19,13 +21,17 @@ using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cp
 using Values = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Array = nb::ndarray<nb::numpy, double>;
 
-/// The numbers of an observation, as a process gets it (docs/reference/process-protocol.md, "Step"): besides q and
-/// qdot, and of each object.
-inline constexpr std::size_t kFixedNumbers = 22;
-inline constexpr std::size_t kObjectNumbers = 38;
-
 /// A new array of this shape, and where its numbers are.
 Array make_array(std::initializer_list<std::size_t> shape, double*& data);
+
+/// The numbers of a described value (describe/numbers.h).
+template <class T>
+Array packed(const T& value) {
+  double* data = nullptr;
+  Array out = make_array({count_numbers(value)}, data);
+  pack(value, data);
+  return out;
+}
 
 /// Throws std::invalid_argument unless there are `wanted` of them.
 void check_size(std::size_t found, std::size_t wanted, const char* what);

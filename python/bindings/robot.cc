@@ -31,11 +31,12 @@ ManipulabilityRows rows_of(const std::string& word) {
   return *rows;
 }
 
-void read_objects(const std::string& json, std::vector<ObjectShape>& shapes, std::vector<ObjectState>& states) {
+void read_objects(const std::string& json, const RobotModel& model, std::vector<ObjectShape>& shapes,
+                  std::vector<ObjectState>& states) {
   const config::Node node = node_of(json, "objects");
   for (const config::Node& item : node.items) {
     const int i = static_cast<int>(shapes.size());
-    read_object(item, "objects[" + std::to_string(i) + "]", i, shapes.emplace_back(), states.emplace_back());
+    read_object(item, "objects[" + std::to_string(i) + "]", i, model, shapes.emplace_back(), states.emplace_back());
   }
 }
 
@@ -144,7 +145,7 @@ nb::tuple Robot::integrate(const Rows& base, const Rows& q, const Rows& velocity
 Array Robot::clearance(const Rows& base, const Rows& q, const std::string& objects) const {
   std::vector<ObjectShape> shapes;
   std::vector<ObjectState> states;
-  read_objects(objects, shapes, states);
+  read_objects(objects, model(), shapes, states);
   Proximity proximity(loaded_.model);
   proximity.set_objects(shapes);
   double* data = nullptr;
@@ -163,7 +164,7 @@ nb::list Robot::distances(const Values& base, const Values& q, const std::string
   check_size(q.size(), static_cast<std::size_t>(model().num_joints()), "q");
   std::vector<ObjectShape> shapes;
   std::vector<ObjectState> states;
-  read_objects(objects, shapes, states);
+  read_objects(objects, model(), shapes, states);
   Kinematics kinematics(loaded_.model);
   kinematics.update(Eigen::Map<const Vector3>(base.data()),
                     Eigen::Map<const VectorX>(q.data(), static_cast<Eigen::Index>(q.size())));

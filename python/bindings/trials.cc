@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "controller/config/json_node.h"
+#include "controller/config/object_file.h"
 #include "controller/model/kinematics.h"
 #include "eval/trial/stepped_trial.h"
 #include "eval/trial/trace_json.h"
@@ -30,9 +31,10 @@ using nlohmann::ordered_json;
 using Numbers = nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Indices = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
-constexpr std::size_t kDetails = 12;  // of a command, in docs/reference/process-protocol.md
-constexpr std::size_t kSlot = 22;     // of an object: position 3, rotation 9, twist 6, edges 3, visible
-constexpr std::size_t kSignals = 6;   // outcome or -1, time, errors of position and rotation, manipulability, clearance
+constexpr std::size_t kDetails = fixed_numbers<Details>();
+constexpr std::size_t kFrame = fixed_numbers<GoalState>();  // a pose and its twist, with which an ObjectState begins
+constexpr std::size_t kSlot = kFrame + 4;                   // of an object: the same, edges 3, visible
+constexpr std::size_t kSignals = 6;  // outcome or -1, time, errors of position and rotation, manipulability, clearance
 
 /// Writes numbers one after the other.
 class NumberWriter {
@@ -40,15 +42,7 @@ class NumberWriter {
   explicit NumberWriter(double* to) : to_(to) {}
   void number(double value) noexcept { *to_++ = value; }
   void vector(const Eigen::Ref<const VectorX>& values) noexcept { to_ = std::copy(values.begin(), values.end(), to_); }
-  void matrix(const Matrix3& values) noexcept {
-    for (Eigen::Index r = 0; r < 3; ++r)
-      for (Eigen::Index c = 0; c < 3; ++c) number(values(r, c));
-  }
-  void frame(const Isometry& X, const Vector6& twist) noexcept {
-    vector(X.translation());
-    matrix(X.linear());
-    vector(twist);
-  }
+  void numbers(std::span<const double> values) noexcept { to_ = std::copy(values.begin(), values.end(), to_); }
   void zeros(std::size_t count) noexcept { to_ = std::fill_n(to_, count, 0.0); }
 
  private:
@@ -107,7 +101,7 @@ class Trials {
 
   std::size_t joints() const { return static_cast<std::size_t>(spec_->robot->model->num_joints()); }
   std::size_t velocities() const { return static_cast<std::size_t>(spec_->robot->model->num_velocities()); }
-  std::size_t width() const { return 4 + joints() + velocities() + 18 + 6 + slots_ * kSlot; }
+  std::size_t width() const { return fixed_numbers<Observation>() + joints() + velocities() + 6 + slots_ * kSlot; }
   Robot robot() const { return Robot(*spec_->robot); }
   const TrialSpec& spec() const { return *spec_; }
 
@@ -147,45 +141,10 @@ class Trials {
   }
 
   /// What a controller in a process of its own is sent at a step.
-  Array numbers(std::size_t i) {
-    const Observation& now = observation(i);
-    double* data = nullptr;
-    Array out = make_array({kFixedNumbers + joints() + velocities() + kObjectNumbers * now.objects.size()}, data);
-    NumberWriter to(data);
-    to.number(now.time);
-    to.vector(now.base);
-    to.frame(now.goal.X_WG, now.goal.V_WG_W);
-    to.vector(now.q);
-    to.vector(now.qdot);
-    for (const ObjectState& object : now.objects) {
-      to.frame(object.X_WO, object.V_WO_W);
-      to.number(object.visible ? 1.0 : 0.0);
-      to.number(object.covariance ? 1.0 : 0.0);
-      to.matrix(object.covariance ? object.covariance->position_W : Matrix3::Zero());
-      to.matrix(object.covariance ? object.covariance->velocity_W : Matrix3::Zero());
-    }
-    return out;
-  }
+  Array numbers(std::size_t i) { return packed(observation(i)); }
 
   /// And at a reset, as JSON.
-  std::string objects(std::size_t i) {
-    ordered_json list = ordered_json::array();
-    for (const ObjectShape& object : told(i)) {
-      ordered_json vertices = ordered_json::array();
-      ordered_json triangles = ordered_json::array();
-      if (object.shape.hull) {
-        for (const Vector3& v : object.shape.hull->vertices) vertices.push_back({v.x(), v.y(), v.z()});
-        for (const Eigen::Vector3i& t : object.shape.hull->triangles) triangles.push_back({t.x(), t.y(), t.z()});
-      }
-      const auto sizes = static_cast<std::size_t>(num_sizes(object.shape.kind));
-      list.push_back({{"name", object.name},
-                      {"kind", to_string(object.shape.kind)},
-                      {"size", std::vector<double>(object.shape.size.begin(), object.shape.size.begin() + sizes)},
-                      {"vertices", std::move(vertices)},
-                      {"triangles", std::move(triangles)}});
-    }
-    return list.dump();
-  }
+  std::string objects(std::size_t i) { return config::objects_to_json(told(i)).dump(); }
 
   std::string world(std::size_t i) { return to_json(trial(i).world()).dump(); }
   std::string row(std::size_t i) {
@@ -242,16 +201,7 @@ class Trials {
     StepResult& answer = trials_[i].answer;
     const std::size_t n = velocities();
     answer.command = Eigen::Map<const VectorX>(numbers.data(), static_cast<Eigen::Index>(n));
-    if (numbers.size() > n) {
-      const std::span<const double> details = numbers.subspan(n);
-      answer.status = static_cast<StepStatus>(details[0]);
-      answer.fallback = static_cast<Fallback>(details[1]);
-      answer.slack = Eigen::Map<const Vector6>(details.data() + 2);
-      answer.least_distance = details[8];
-      answer.rows = static_cast<int>(details[9]);
-      answer.active_rows = static_cast<int>(details[10]);
-      answer.iterations = static_cast<int>(details[11]);
-    }
+    if (numbers.size() > n) unpack_part<Details>(numbers.data() + n, answer);
     trial(i).step(answer);
   }
 
@@ -263,11 +213,7 @@ class Trials {
     if (static_cast<std::size_t>(now.q.size()) != joints()) {  // of a trial that ended by an exception at its start
       to.zeros(width());
     } else {
-      to.number(now.time);
-      to.vector(now.base);
-      to.vector(now.q);
-      to.vector(now.qdot);
-      to.frame(now.goal.X_WG, now.goal.V_WG_W);
+      to = NumberWriter(pack_without_items(now, seen));
       slot.kinematics->update(now.base, now.q);
       const Isometry& X_WE = slot.kinematics->X_WE();
       to.vector(log_so3(now.goal.X_WG.linear() * X_WE.linear().transpose()));
@@ -278,7 +224,9 @@ class Trials {
           to.zeros(kSlot);
           continue;
         }
-        to.frame(now.objects[o].X_WO, now.objects[o].V_WO_W);
+        double object[fixed_numbers<ObjectState>()];
+        pack(now.objects[o], object);
+        to.numbers(std::span(object).first(kFrame));
         to.vector(slot.edges[o]);
         to.number(1.0);
       }

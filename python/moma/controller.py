@@ -4,71 +4,71 @@ from __future__ import annotations
 
 import json
 import os
-from dataclasses import dataclass, field
+from dataclasses import field, make_dataclass
 from typing import Any, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from . import _core
+from . import _core, _runner
 from .robot import Robot
 
 Floats = NDArray[np.float64]
 
 
-def _zeros(size: int) -> Any:
-    return field(default_factory=lambda: np.zeros(size))
+def _defined(name: str, members: list[dict[str, Any]], doc: str) -> Any:
+    """A class for what is handed over, with these members of moma's own description; what has no default there comes first."""
+    required, others = [], []
+    for member in members:
+        key = member["name"]
+        if "list" in member:
+            others.append((key, Sequence, field(default_factory=list)))
+        elif "given" in member:
+            others.append((key, Any, None))
+        elif "otherwise" not in member:
+            required.append((key, Any))
+        elif member["shape"]:
+            value = np.reshape(member["otherwise"], member["shape"])
+            others.append((key, Any, field(default_factory=value.copy)))
+        else:
+            kind = bool if "truth" in member else float
+            others.append((key, kind, kind(member["otherwise"][0])))
+    made = make_dataclass(name, required + others, eq=False, namespace={"__module__": __name__})
+    lines = [": ".join([m["name"]] + [m[key] for key in ("unit", "text") if key in m]) for m in members]
+    made.__doc__ = "\n".join([doc, "", *lines])
+    return made
 
 
-@dataclass
-class Pose:
-    """A frame that moves, in world axes; twist is [angular; linear]."""
+_LAYOUTS = json.loads(_core.layouts(0, 0))
+_PARTS = {member["name"]: member.get("members") for member in _LAYOUTS["observation"]}
 
-    position: ArrayLike = _zeros(3)
-    rotation: ArrayLike = field(default_factory=lambda: np.eye(3))
-    twist: ArrayLike = _zeros(6)
+Pose: Any = _defined(
+    "Pose",
+    _PARTS["goal"],
+    "A frame that moves, in world axes. rotation is a 3 x 3 matrix, or a unit quaternion [w, x, y, z].",
+)
+"""A frame that moves."""
 
+SensedObject: Any = _defined("SensedObject", _PARTS["objects"], "An object as it is sensed now: as a Pose, and more.")
+"""An object as it is sensed now."""
 
-@dataclass
-class SensedObject(Pose):
-    """An object as it is sensed now; covariances (3 x 3) where a tracker states any."""
-
-    visible: bool = True
-    position_covariance: ArrayLike | None = None
-    velocity_covariance: ArrayLike | None = None
-
-
-@dataclass
-class Observation:
-    """What a controller may know at one step; objects in the order of reset().
+Observation: Any = _defined(
+    "Observation",
+    _LAYOUTS["observation"],
+    """What a controller may know at one step.
 
     qdot is measured, never made up: from it the controller learns how late drives and sensors are. Who measures none gives the
     differences of what is measured, over the control period. time [s] tells missed steps, by any clock that goes on evenly;
-    where it stays the same, steps are taken to be regular.
-    """
-
-    q: ArrayLike
-    qdot: ArrayLike
-    goal: Pose
-    base: ArrayLike = _zeros(3)
-    time: float = 0.0
-    objects: Sequence[SensedObject] = ()
+    where it stays the same, steps are taken to be regular.""",
+)
+"""What a controller may know at one step."""
 
 
-@dataclass(frozen=True)
-class Step:
+class Step(_runner.record("Step", _LAYOUTS["step"])):  # type: ignore[misc]
     """A command and how it came about; a Python controller's step() may return it as it is."""
 
-    command: Floats  #: velocities, in the order of robot.velocities
-    status: str  #: of the problem as it was posed: "solved", "infeasible", "max_iterations", "invalid_input"
-    fallback: str  #: what replaced it: "none", "no_acceleration", "relaxed", "brake"
-    slack: Floats
-    error: Floats  #: [rotation vector; position] from E to the goal
-    manipulability: float
-    least_distance: float
-    rows: int
-    active_rows: int
-    iterations: int
+    #: The Observation that the step acted on: with `prediction`, what there will be when its command takes effect.
+    predicted: Any = None
 
 
 class Controller:
@@ -89,6 +89,9 @@ class Controller:
             self._core = _core.Controller(robot._core, json.dumps(parameters), control_period)
         else:
             self._core = _core.Controller.load(robot._core, os.fspath(parameters), control_period)
+        self._layouts = robot._layouts
+        self._step = _runner.record("Step", self._layouts["step"], Step)
+        self._seen = _runner.record("Observation", self._layouts["observation"])
         self.control_period: float = control_period
         self.warnings: tuple[str, ...] = tuple(self._core.warnings)
 
@@ -98,12 +101,15 @@ class Controller:
         return json.loads(self._core.parameters)
 
     def reset(self, objects: Sequence[Any] = ()) -> None:
-        """A motion begins among objects: dicts with "name", "kind" and "size" (a convex one's "vertices" and "triangles"), or
-        what a Python controller of a suite gets."""
-        self._core.reset(json.dumps([_shape(item) for item in objects]))
+        """A motion begins among objects: dicts with "name", "shape" and "size" (a convex one's "vertices" and "triangles"), as
+        World.objects has them, or what a Python controller of a suite gets."""
+        self._core.reset(json.dumps(list(objects), default=_plain))
 
-    def step(self, seen: Any) -> Step:
-        return Step(*self._core.step(self._numbers(seen)))
+    def step(self, seen: Any) -> Any:
+        """The next command, a Step."""
+        step = self._step(self._core.step(self._numbers(seen)))
+        step.predicted = self._seen(self._core.predicted())
+        return step
 
     def solve(self, seen: Any) -> dict[str, Any]:
         """Everything that `moma solve` prints of the step that would come next; the controller does not go on by it."""
@@ -118,51 +124,53 @@ class Controller:
         whole = getattr(seen, "_values", None)
         if isinstance(whole, np.ndarray):
             return whole
-        parts = [
-            _part("time", seen.time, 1),
-            _part("base", seen.base, 3),
-            *_frame("goal", seen.goal),
-            _part("q", seen.q, len(self.robot.joints)),
-            _part("qdot", seen.qdot, len(self.robot.velocities)),
-        ]
-        for i, item in enumerate(seen.objects):
-            name = f"objects[{i}]"
-            parts.extend(_frame(name, item))
-            position, velocity = item.position_covariance, item.velocity_covariance
-            tracked = position is not None or velocity is not None
-            parts.append(np.array([float(item.visible), float(tracked)]))
-            for key, matrix in (("position_covariance", position), ("velocity_covariance", velocity)):
-                parts.append(np.zeros(9) if matrix is None else _part(f"{name}.{key}", matrix, 9))
-        return np.concatenate(parts)
+        known = self._core.num_objects
+        if len(seen.objects) != known:
+            raise ValueError(f"objects: found {len(seen.objects)}, expected {known}, those of reset()")
+        objects = self._layouts["observation"][-1]
+        numbers = np.zeros(objects["at"] + known * objects["count"])
+        _pack(self._layouts["observation"], seen, "", numbers)
+        return numbers
 
 
-def _part(name: str, value: Any, size: int) -> Floats:
+def _pack(members: list[dict[str, Any]], record: Any, where: str, numbers: Floats) -> None:
+    for member in members:
+        name, value = where + member["name"], getattr(record, member["name"])
+        at, count = member["at"], member["count"]
+        if "list" in member:
+            for i, item in enumerate(value):
+                _pack(member["members"], item, f"{name}[{i}].", numbers[at + i * count :])
+        elif "members" in member:
+            _pack(member["members"], value, name + ".", numbers[at:])
+        elif value is not None or "given" not in member:
+            numbers[at : at + count] = _part(name, value, member)
+            if "given" in member:
+                numbers[member["given"]] = 1.0
+
+
+def _part(name: str, value: Any, member: dict[str, Any]) -> Floats:
     found = None if value is None else np.asarray(value, dtype=np.float64)
-    if found is None or found.size != size:
+    if found is not None and found.size == 4 and "rotation" in member:
+        return _rotation(name, found.reshape(-1))
+    count = member["count"]
+    if found is None or found.size != count:
         what = "None" if found is None else f"{found.size} numbers"
-        raise ValueError(f"{name}: found {what}, expected {size} number{'s' if size > 1 else ''}")
+        also = ", or the 4 of a quaternion [w, x, y, z]" if "rotation" in member else ""
+        raise ValueError(f"{name}: found {what}, expected {count} number{'s' if count > 1 else ''}{also}")
     return found.reshape(-1)
 
 
-def _frame(name: str, pose: Any) -> tuple[Floats, Floats, Floats]:
-    rotation = pose.rotation
-    if np.size(rotation) == 4:
-        raise ValueError(f"{name}.rotation: found 4 numbers, which a quaternion has; expected a 3 x 3 matrix")
-    return (
-        _part(f"{name}.position", pose.position, 3),
-        _part(f"{name}.rotation", rotation, 9),
-        _part(f"{name}.twist", pose.twist, 6),
-    )
+def _rotation(name: str, quaternion: Floats) -> Floats:
+    length = float(np.linalg.norm(quaternion))
+    if not abs(length - 1.0) <= 1e-3:
+        raise ValueError(f"{name}: found 4 numbers of length {length:g}, expected a unit quaternion [w, x, y, z]")
+    w, v = quaternion[0] / length, quaternion[1:] / length
+    cross = np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
+    return (np.eye(3) + 2.0 * (w * cross + cross @ cross)).reshape(-1)
 
 
-def _shape(item: Any) -> dict[str, Any]:
-    def value(key: str) -> Any:
-        return item.get(key, ()) if isinstance(item, Mapping) else getattr(item, key, ())
-
-    return {
-        "name": value("name") or "",
-        "kind": value("kind"),
-        "size": [float(v) for v in value("size")],
-        "vertices": [[float(v) for v in vertex] for vertex in value("vertices")],
-        "triangles": [[int(v) for v in triangle] for triangle in value("triangles")],
-    }
+def _plain(value: Any) -> Any:
+    """Arrays as lists; what a Python controller is told of as a dict."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    return dict(value) if isinstance(value, Mapping) else vars(value)

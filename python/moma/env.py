@@ -75,21 +75,14 @@ class _Trials:
         self.robot = Robot(self.core.robot)
         self.control_period: float = self.core.control_period
         self.robot.control_period = self.control_period
-        n, m = len(self.robot.joints), len(self.robot.velocities)
         self.slots = objects
-        self.parts: dict[str, tuple[int, tuple[int, ...]]] = {}
-        at = 0
-        for name, shape in (
-            ("time", (1,)),
-            ("base", (3,)),
-            ("q", (n,)),
-            ("qdot", (m,)),
-            ("goal", (18,)),
-            ("error", (6,)),
-            ("objects", (objects, SLOT)),
-        ):
-            self.parts[name] = (at, shape)
-            at += int(np.prod(shape))
+        layout = self.robot._layouts["observation"]
+        *parts, last = layout
+        self.parts: dict[str, tuple[int, tuple[int, ...]]] = {m["name"]: (m["at"], (m["count"],)) for m in parts}
+        self.parts["error"] = (last["at"], (6,))
+        self.parts["objects"] = (last["at"] + 6, (objects, SLOT))
+        at = last["at"] + 6 + objects * SLOT
+        self._observation = _runner.record("Observation", layout)
         assert at == self.core.width
         every = {name: spaces.Box(-np.inf, np.inf, shape, np.float64) for name, (_, shape) in self.parts.items()}
         if objects == 0:
@@ -123,10 +116,7 @@ class _Trials:
 
     def seen(self, i: int) -> Any:
         """What a controller of a suite gets in this state."""
-        numbers = self.core.numbers(i)
-        joints, velocities = len(self.robot.joints), len(self.robot.velocities)
-        objects = (len(numbers) - 22 - joints - velocities) // _runner.OBJECT
-        return _runner.Observation(numbers, joints, velocities, objects)
+        return self._observation(self.core.numbers(i))
 
     def shapes(self, i: int) -> list[Any]:
         """And is told of at its reset."""
@@ -170,7 +160,7 @@ class Env(gymnasium.Env):
         self.observation_space = self._trials.observations
         self.action_space = self._trials.actions
         self._reward = reward
-        self._answers = _runner.Answers(self.robot)
+        self._answers = _runner.Answers(self.robot, self.robot._layouts["details"])
         self._idle = np.zeros((1, len(self.robot.velocities)))
         self._now: Signals | None = None
         self._shapes: list[Any] | None = None

@@ -52,6 +52,8 @@ class Robot:
         self.velocity_limits: Floats = self._core.velocity_limits
         self.warnings: tuple[str, ...] = tuple(self._core.warnings)
         self.notes: tuple[str, ...] = tuple(self._core.notes)
+        # Where the numbers of observations, steps and their details stand for this robot.
+        self._layouts: dict[str, Any] = json.loads(_core.layouts(len(self.joints), len(self.velocities)))
 
     def __repr__(self) -> str:
         return f"<moma.Robot {self.name}: {self.base} base, {len(self.joints)} joints>"

@@ -131,6 +131,39 @@ TEST_F(CaseFile, YamlIsACaseToo) {
   EXPECT_LT((R * R.transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff(), 1e-15);
 }
 
+TEST_F(CaseFile, TwistsOfObjectsMayBeCalledVelocities) {
+  Json c = good_case();
+  c["objects"][0]["velocity"] = {0, 0, 0.5, 0.1, -0.2, 0};
+  EXPECT_EQ(error_of(c), "");
+  const ControlCase former = read_case(folder_ / "cases" / "case.json");
+  c["objects"][0]["twist"] = c["objects"][0]["velocity"];
+  c["objects"][0].erase("velocity");
+  EXPECT_EQ(error_of(c), "");
+  const ControlCase read = read_case(folder_ / "cases" / "case.json");
+  EXPECT_EQ(read.observation.objects[0].V_WO_W, former.observation.objects[0].V_WO_W);
+  EXPECT_FALSE(read.observation.objects[0].V_WO_W.isZero());
+  EXPECT_EQ(case_to_json(read), case_to_json(former));
+}
+
+TEST_F(CaseFile, MeshesAreObjectsToo) {
+  Json c = good_case();
+  Json& object = c["objects"][0];
+  object["shape"] = "convex";
+  object.erase("size");
+  object["vertices"] = {{0, 0, 0}, {0.5, 0, 0}, {0, 0.5, 0}, {0, 0, 0.5}};
+  object["triangles"] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  ASSERT_EQ(error_of(c), "");
+  const ControlCase read = read_case(folder_ / "cases" / "case.json");
+  ASSERT_NE(read.objects[0].shape.hull, nullptr);
+  EXPECT_EQ(read.objects[0].shape.hull->vertices[3], Vector3(0, 0, 0.5));
+  EXPECT_EQ(case_to_json(read)["objects"][0]["triangles"], object["triangles"]);
+  EXPECT_EQ(solve(read)["qdot"].size(), 9u);
+  object["triangles"][2][1] = 4;
+  expect_words(error_of(c), {"case.json:", "objects[0].triangles", "from 0 to 3"});
+  object["vertices"].erase(0);
+  expect_words(error_of(c), {"case.json:", "objects[0].vertices", "four points"});
+}
+
 TEST_F(CaseFile, MissingKeys) {
   expect_words(error_without("", "robot"), {"case.json:1:", "robot", "missing", "path of a robot file"});
   expect_words(error_without("", "controller"), {"case.json", "controller", "missing"});
@@ -196,9 +229,9 @@ TEST_F(CaseFile, NumbersThatAreNotFinite) {
     text.replace(text.find("\"REPLACE\""), 9, bad);
     expect_words(error_of(text), {"case.json:", "state.q[3]", "a number"});
   }
-  for (const char* pointer : {"/state/base/0", "/state/q/0", "/goal/position/1", "/goal/quaternion/2", "/goal/twist/3",
-                              "/objects/0/position/2", "/objects/0/quaternion/0", "/objects/0/velocity/5",
-                              "/objects/0/size/0", "/control_period"}) {
+  for (const char* pointer : {"/state/time", "/state/base/0", "/state/q/0", "/goal/position/1", "/goal/quaternion/2",
+                              "/goal/twist/3", "/objects/0/position/2", "/objects/0/quaternion/0",
+                              "/objects/0/velocity/5", "/objects/0/size/0", "/control_period"}) {
     expect_words(error_with(pointer, ".nan"), {"case.json:", ".nan"});
     expect_words(error_with(pointer, ".inf"), {"case.json:", ".inf"});
   }

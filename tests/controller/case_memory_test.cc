@@ -57,6 +57,35 @@ TEST(CaseMemory, AStepIsRepeatedBitForBitFromItsFile) {
   EXPECT_GT(detours, 20);
 }
 
+// The time of a step tells that steps before it were missed, which counts: it is part of the case.
+TEST(CaseMemory, AStepAfterMissedOnesIsRepeatedBitForBit) {
+  Rng rng(3);
+  ControlCase c = case_of("frankie.yaml", "moma-safe.yaml");
+  c.objects = random_objects(rng, 3);
+  ControllerCore controller(c.robot.model, c.controller, c.control_period);
+  controller.reset(c.objects);
+  StepResult result;
+  controller.prepare(result);
+  Observation o = random_observation(*c.robot.model, 3, rng, 1.0);
+  o.objects[2].V_WO_W[3] = 0.3;
+  int told = 0;
+  for (int k = 0; k < 60; ++k) {
+    const bool missed = k % 6 == 5;
+    o.time += c.control_period * (missed ? 4 : 1);
+    controller.get_memory(c.memory);
+    c.observation = o;
+    controller.step(o, result);
+    if (!missed) continue;
+    const ControlCase again = read_text(case_to_json(c));
+    EXPECT_EQ(again.observation.time, o.time);
+    ASSERT_EQ(CaseStep(again).result.command, result.command) << "step " << k;
+    ControlCase timeless = again;
+    timeless.observation.time = 0.0;
+    if (CaseStep(timeless).result.command != result.command) ++told;
+  }
+  EXPECT_GT(told, 5);
+}
+
 TEST(CaseMemory, IsRefusedWhereItIsAnotherControllers) {
   Rng rng(2);
   ControlCase c = case_of("frankie.yaml", "moma-safe.yaml");

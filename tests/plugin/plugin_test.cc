@@ -237,9 +237,9 @@ TEST_F(PluginSuite, FailuresEndTheTrialWithTheirReason) {
   expect("odd.so", "{do: nan}", "commands nan for omega");
   expect("odd.so", "{do: infinite}", "commands inf for v");
   expect("odd.so", "{do: forget}", "commands nan for reach");
-  expect("odd.so", "{do: status}", "status, fallback or slack that does not exist");
-  expect("odd.so", "{do: fallback}", "status, fallback or slack that does not exist");
-  expect("odd.so", "{do: slack}", "status, fallback or slack that does not exist");
+  expect("odd.so", "{do: status}", "the plugin answers, but status must be one of: solved");
+  expect("odd.so", "{do: fallback}", "the plugin answers, but fallback must be one of: none");
+  expect("odd.so", "{do: slack}", "the plugin answers, but slack must be a finite number, is inf");
   expect("class.so", "{is: late}", "not among 0 objects");
   expect("class.so", "{is: throwing}", "the plugin fails: time is up");
   expect("class.so", "{is: short}", "the command has 4 values, the robot has 5 velocities");

@@ -74,7 +74,7 @@ TEST_F(Processes, WhateverTheyDoEndsTheTrialWithAReason) {
   expect("endless", "no frame of the protocol");
   expect("wrong_kind", "answers to a step with a frame of kind 102; 103 is due");
   expect("nan", "commands nan for omega");
-  expect("status", "status, fallback or slack that does not exist");
+  expect("status", "the plugin answers, but status must be one of: solved");
   expect("memory", "no 10 GiB to be had");
 }
 

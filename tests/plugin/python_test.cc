@@ -76,7 +76,7 @@ class Mine:
         assert list(robot.velocity_limits) == [1, 2, 1.5, 1.5, 0.5], robot.velocity_limits
         assert robot.control_period == 0.05 and "<robot" in robot.description["urdf_text"]
         assert [o.name for o in objects] == ["ball", "crate"], [o.name for o in objects]
-        assert [o.kind for o in objects] == ["sphere", "box"] and list(objects[1].size) == [0.5, 0.25, 0.125]
+        assert [o.shape for o in objects] == ["sphere", "box"] == [o.kind for o in objects] and list(objects[1].size) == [0.5, 0.25, 0.125]
         self.first = None
 
     def step(self, seen):

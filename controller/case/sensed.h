@@ -1,0 +1,121 @@
+#pragma once
+
+#include <concepts>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "controller/config/read_described.h"
+#include "controller/config/reader.h"
+#include "controller/config/write_described.h"
+#include "controller/describe/numbers.h"
+#include "controller/model/robot_model.h"
+#include "controller/step_described.h"
+
+namespace moma {
+
+// What is sensed as a case file has it, by its description (controller/step_described.h): a pose as `position` and
+// `quaternion` or `rotation` among the other keys, matrices column by column, lists with a value for each joint or
+// velocity. The goal and the objects of an observation have places of their own in the file.
+
+/// A pose: `position`, and `quaternion` (w x y z) or `rotation` (a matrix, column by column). Unless it is `required`
+/// the orientation may be left out.
+Isometry read_pose(config::MapReader& in, bool required = true);
+void write_pose(const Isometry& X, nlohmann::ordered_json& json);
+
+/// One number per name; the message lists the names, for the order is easy to get wrong.
+VectorX read_named(const config::Node& node, const std::string& key, const std::vector<std::string>& names);
+
+// Described matrices are covariances.
+std::string accepted(Of<Matrix3>, const About& about);
+void read_value(const config::Node& node, const std::string& key, Matrix3& value, const About& about);
+template <std::same_as<Matrix3> M>  // and nothing that converts to one
+nlohmann::ordered_json write_value(const M& value, const About& /*about*/) {
+  return std::vector<double>(value.data(), value.data() + 9);
+}
+
+namespace case_file {
+
+/// What of T's members stands among its keys.
+template <class V>
+inline constexpr bool is_here = !is_std_vector<V> && !std::is_same_v<V, GoalState>;
+
+template <class T>
+class Reading {
+ public:
+  Reading(config::MapReader& in, const RobotModel& model, T& value) : in_(in), model_(model), value_(value) {}
+
+  template <class P>
+  void member(std::string_view name, P pointer, const About& about) {
+    auto& value = value_.*pointer;
+    using V = std::remove_cvref_t<decltype(value)>;
+    if constexpr (numbers::is_pose<V>) {
+      value = read_pose(in_, about.required);
+    } else if constexpr (NumberList<V>) {
+      std::vector<std::string> names = model_.velocity_names();
+      if (about.per == Per::kJoint) names.erase(names.begin(), names.begin() + model_.base_dof());
+      std::string all;
+      for (const std::string& joint : names) all += (all.empty() ? "one value each: " : ", ") + joint;
+      if (about.required) in_.require(name, all);
+      value = VectorX::Zero(static_cast<Eigen::Index>(names.size()));
+      if (const config::Node* node = in_.get(name)) value = read_named(*node, in_.key_of(name), names);
+    } else if constexpr (is_here<V>) {
+      if (const config::Node* node = in_.get(name))
+        config::description::read_any(*node, in_.key_of(name), value, about, {});
+    }
+  }
+
+ private:
+  config::MapReader& in_;
+  const RobotModel& model_;
+  T& value_;
+};
+
+template <class T>
+class Writing {
+ public:
+  Writing(const T& value, nlohmann::ordered_json& json) : value_(value), json_(json) {}
+
+  template <class P>
+  void member(std::string_view name, P pointer, const About& about) {
+    const auto& value = value_.*pointer;
+    using V = std::remove_cvref_t<decltype(value)>;
+    if constexpr (numbers::is_pose<V>) {
+      write_pose(value, json_);
+    } else if constexpr (is_here<V>) {
+      const V otherwise = T{}.*pointer;
+      if constexpr (is_std_optional<V>) {
+        if (!value.has_value()) return;
+      } else {
+        if (about.written == Written::kUnlessDefault && same(value, otherwise)) return;
+      }
+      json_[std::string(name)] = config::description::any_to_json(value, otherwise, about);
+    }
+  }
+
+ private:
+  const T& value_;
+  nlohmann::ordered_json& json_;
+};
+
+}  // namespace case_file
+
+/// Reads the members of an Observation, GoalState or ObjectState among the keys of a map.
+template <class T>
+void read_sensed(config::MapReader& in, const RobotModel& model, T& value) {
+  case_file::Reading<T> reading(in, model, value);
+  describe(reading, Of<T>{});
+}
+
+/// The keys that read_sensed() takes back to the same bits.
+template <class T>
+nlohmann::ordered_json sensed_to_json(const T& value) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  case_file::Writing<T> writing(value, json);
+  describe(writing, Of<T>{});
+  return json;
+}
+
+}  // namespace moma

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <span>
+#include <vector>
+
+#include "controller/config/node.h"
+#include "controller/config/reader.h"
+#include "controller/model/proximity.h"
+
+namespace moma::config {
+
+/// A shape among the keys of a map: its kind under `word`, where any are given one of the `allowed`; `size` [m]
+/// (sphere: radius, without a list too; box: full edge lengths; cylinder: radius, length; capsule: radius, length
+/// without caps), and of a convex one `vertices` ([[x, y, z], ...]) and `triangles` ([[i, j, k], ...],
+/// counter-clockwise seen from outside), or the same numbers in one list. Throws ConfigError: unknown words, other
+/// counts, sizes that are not above 0 (a capsule's length may be 0), fewer than four vertices or triangles, indices of
+/// none.
+Shape read_shape(MapReader& in, std::span<const ShapeKind> allowed = {}, const char* word = "shape");
+/// Adds the same keys.
+void write_shape(const Shape& shape, nlohmann::ordered_json& json);
+
+/// What a controller is told of objects as a motion begins (docs/reference/process-protocol.md, "Reset"): a list of
+/// {name, shape, size, vertices, triangles}; `kind` is the same as `shape`.
+nlohmann::ordered_json objects_to_json(std::span<const ObjectShape> objects);
+/// The same back. Keys that say where an object is, or how it moves, are left alone: they are for the steps.
+std::vector<ObjectShape> read_objects(const Node& list, const std::string& key);
+
+}  // namespace moma::config

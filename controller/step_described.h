@@ -1,0 +1,104 @@
+#pragma once
+
+#include <limits>
+
+#include "controller/describe/complete.h"
+#include "controller/describe/describe.h"
+#include "controller/step.h"
+
+namespace moma {
+
+// The description of what crosses the border of a controller (describe/describe.h). Processes, shared libraries, Python
+// and case files have it from here: a sensed quantity is its member in step.h, its line here, and for plugins in C its
+// member in plugin/moma_plugin.h. A member without a line does not compile.
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<ObjectCovariance>) {
+  using T = ObjectCovariance;
+  v.member("position", &T::position_W,
+           {.unit = "m^2", .required = true, .text = "covariance of the origin's position"});
+  v.member("velocity", &T::velocity_W,
+           {.unit = "(m/s)^2", .required = true, .text = "covariance of the linear velocity"});
+}
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<ObjectState>) {
+  using T = ObjectState;
+  v.member("pose", &T::X_WO, {});
+  v.member("twist", &T::V_WO_W, {.unit = "rad/s, m/s", .text = "[angular; linear], at the object's origin"});
+  v.member("visible", &T::visible,
+           {.written = Written::kUnlessDefault, .text = "where it is not, the rest means nothing"});
+  v.member("covariance", &T::covariance, {.text = "as a tracker states it of this measurement"});
+}
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<GoalState>) {
+  using T = GoalState;
+  v.member("pose", &T::X_WG, {.required = true});
+  v.member("twist", &T::V_WG_W,
+           {.unit = "rad/s, m/s", .text = "[angular; linear], the goal's own; 0 where it stands still"});
+}
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Observation>) {
+  using T = Observation;
+  v.member("time", &T::time,
+           {.unit = "s",
+            .written = Written::kUnlessDefault,
+            .text = "since the start of the motion; where a period was missed, later by two"});
+  v.member("base", &T::base, {.unit = "m, m, rad", .text = "x, y, phi"});
+  v.member("q", &T::q, {.unit = "rad or m", .per = Per::kJoint, .required = true, .text = "joint positions"});
+  v.member("qdot", &T::qdot,
+           {.unit = "rad/s or m/s", .per = Per::kVelocity, .text = "measured velocities, base first"});
+  v.member("goal", &T::goal, {.required = true, .text = "a pose and its twist"});
+  v.member("objects", &T::objects, {.text = "in the order of the reset"});
+}
+
+/// What a controller from elsewhere may say of its command, beside it: members of StepResult.
+struct Details {};
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Details>) {
+  using T = StepResult;
+  constexpr Range kCount{0.0, 1e9};
+  v.member("status", &T::status, {.text = "of the problem as it was posed"});
+  v.member("fallback", &T::fallback, {.text = "what replaced its solution"});
+  v.member("slack", &T::slack, {.text = "of the task"});
+  v.member("least_distance", &T::least_distance,
+           {.unit = "m",
+            .range = {std::numeric_limits<double>::lowest(), std::numeric_limits<double>::infinity()},
+            .text = "to an object, as the controller sees it"});
+  v.member("rows", &T::rows, {.range = kCount, .text = "of the problem"});
+  v.member("active_rows", &T::active_rows, {.range = kCount, .text = "of these and of bounds, at their limit"});
+  v.member("iterations", &T::iterations, {.range = kCount, .text = "of the solver"});
+}
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<StepResult>) {
+  using T = StepResult;
+  v.member(
+      "command", &T::command,
+      {.unit = "rad/s or m/s", .per = Per::kVelocity, .text = "velocities for the next control period, base first"});
+  describe(v, Of<Details>{});
+  v.member("error", &T::error, {.unit = "rad, m", .text = "[rotation vector; position] from E to the goal"});
+  v.member("error_norm", &T::error_norm, {.text = "clamped, as used in the weights"});
+  v.member("manipulability", &T::manipulability, {});
+  v.member("kept", &T::kept, {.text = "share of the QP's command that the check of braking kept"});
+  v.member(
+      "latency_base", &T::latency_base,
+      {.unit = "s", .text = "from a command to the base's velocity measured of it, as identified; -1: not looked for"});
+  v.member("latency_joints", &T::latency_joints, {.unit = "s", .text = "the same of the joints"});
+  v.member("escape", &T::escape, {.text = "what was remembered of detours when the step began"});
+  v.member("plan", &T::plan, {.text = "of looking ahead, when the step began"});
+  v.member("solve_seconds", &T::solve_seconds, {.unit = "s", .text = "0 unless timing was asked for"});
+}
+
+static_assert(is_complete<ObjectCovariance>() && is_complete<GoalState>() && is_complete<Observation>() &&
+              is_complete<StepResult>());
+// std::optional defeats is_complete(): this compiles as long as these are all members.
+inline void all_members_of(const ObjectState& state) {
+  [[maybe_unused]] const auto& [pose, twist, visible, covariance] = state;
+}
+static_assert(all_worded<StepStatus>() && all_worded<Fallback>());
+
+}  // namespace moma

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <exception>
+#include <memory>
+
+#include "controller/describe/numbers.h"
+#include "controller/step_described.h"
+#include "plugin/moma_plugin.h"
+
+// What both sides of the border of C have to do with it.
+namespace moma::plugin {
+
+// The structs of C give names to the numbers that descriptions have (describe/numbers.h).
+static_assert(offsetof(moma_observation, q) == sizeof(double) * fixed_numbers<Observation>());
+static_assert(sizeof(moma_object_state) == sizeof(double) * fixed_numbers<ObjectState>());
+static_assert(offsetof(moma_step_result, solve_seconds) - offsetof(moma_step_result, status) ==
+              sizeof(double) * fixed_numbers<Details>());
+
+/// How many numbers an observation has.
+constexpr std::size_t count_numbers(std::size_t joints, std::size_t velocities, std::size_t objects) noexcept {
+  return fixed_numbers<Observation>() + joints + velocities + objects * fixed_numbers<ObjectState>();
+}
+
+/// Where the numbers of Details begin in an answer, for memcpy().
+inline unsigned char* details_of(moma_step_result& answer) noexcept {
+  return reinterpret_cast<unsigned char*>(&answer) + offsetof(moma_step_result, status);
+}
+
+inline ObjectShape read_shape(const moma_object_shape& object) {
+  ObjectShape out{object.name, {}};
+  out.shape.kind = static_cast<ShapeKind>(object.kind);
+  out.shape.size = Vector3(object.size[0], object.size[1], object.size[2]);
+  if (object.num_vertices == 0) return out;
+  auto hull = std::make_shared<ConvexHull>();
+  for (std::size_t i = 0; i < object.num_vertices; ++i) hull->vertices.emplace_back(object.vertices + 3 * i);
+  for (std::size_t i = 0; i < object.num_triangles; ++i) hull->triangles.emplace_back(object.triangles + 3 * i);
+  out.shape.hull = std::move(hull);
+  return out;
+}
+
+/// Runs `body`; what it throws becomes `failed` and a text, as the functions of a plugin hand it over: no exception
+/// crosses the border of C.
+template <typename Result, typename Body>
+Result guarded(Result failed, char* error, std::size_t error_size, Body body) noexcept {
+  const auto say = [&](const char* text) {
+    if (error == nullptr || error_size == 0) return;
+    const std::size_t length = std::min(std::strlen(text), error_size - 1);
+    std::memcpy(error, text, length);
+    error[length] = '\0';
+  };
+  try {
+    return body();
+  } catch (const std::exception& e) {
+    say(e.what());
+  } catch (...) {
+    say("an exception of unknown type");
+  }
+  return failed;
+}
+
+}  // namespace moma::plugin
