@@ -9,7 +9,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "controller/config/json_text.h"
+#include "controller/config/json_node.h"
 #include "eval/run/replay.h"
 #include "eval/store/columns.h"
 #include "eval/store/search_tables.h"
