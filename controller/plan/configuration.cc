@@ -14,6 +14,8 @@ namespace {
 constexpr double kBent = 0.7;
 constexpr double kLongest = 1.0;
 constexpr double kHand = 0.05;
+// Limits of -pi and pi as they are written in files are no more than a whole turn apart [rad].
+constexpr double kRounded = 1e-3;
 
 double lever_of(const RobotModel& model, const ControlledJoint& joint) {
   if (joint.type == JointType::kPrismatic) return kBent;
@@ -60,7 +62,7 @@ MotionLimits::MotionLimits(const RobotModel& model, const ControllerParams& para
     upper[i] = joint.upper;
     part[i] = limit_part(joint);
     margin[i] = std::min(part[i] * plan.joint_margin, 0.4 * (upper[i] - lower[i]));
-    winds[i] = joint.type != JointType::kPrismatic && upper[i] - lower[i] > kFullTurn ? 1 : 0;
+    winds[i] = joint.type != JointType::kPrismatic && upper[i] - lower[i] > kFullTurn + kRounded ? 1 : 0;
     joint_speed[i] = plan.speed * joint.velocity;
     joint_acceleration[i] = plan.acceleration * params.acceleration_limit[first + i];
     lever[i] = lever_of(model, joint);

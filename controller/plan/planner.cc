@@ -27,7 +27,7 @@ struct Tier {
   double beyond;  // how far beyond start and goal a way may lead [m]
 };
 constexpr std::array<Tier, 3> kTierOf{
-    {{true, 1.0, false, 1.0, 1.5}, {false, 1.0, false, 1.0, 2.5}, {false, 0.3, true, 0.02, 2.5}}};
+    {{true, 1.0, false, 1.0, 1.5}, {false, 1.0, false, 1.0, 2.5}, {false, 0.3, true, 0.0, 2.5}}};
 // Goals that are as close as rows let them be would be reached never: they keep so much more [1].
 constexpr double kCloser = 1.7;
 // Goal configurations are kept for later tiers, too: so many times as many as are enough for one.
@@ -90,8 +90,8 @@ void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::
   const int first = close_goal() && params_.roomy > params_.clearance ? 1 : 0;
   const Keeps before = tiers_[static_cast<std::size_t>(tier_)];
   set_tiers(first);
-  // Joints that wind keep to the start's turn, and a start that is near to something lessens what is kept.
-  goes_on_ = same && limits_->winds.isZero() && tier_ >= first && before == tiers_[static_cast<std::size_t>(tier_)];
+  // Of joints that wind the start decides the turn, and where it is near to something less is kept.
+  goes_on_ = same && tier_ >= first && before == tiers_[static_cast<std::size_t>(tier_)];
   if (!goes_on_) {
     goals_.clear();
     tries_ = 0;

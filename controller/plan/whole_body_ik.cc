@@ -21,6 +21,8 @@ constexpr double kFall = 0.5;  // ... after which no more than this part of the 
 constexpr int kPasses = 4;     // in which joints come to their bounds
 // Further inside the joints' limits than a path has to be, so that the result is free.
 constexpr double kInside = 0.03;  // [rad, m]
+// A joint whose range lacks no more than this of a whole turn goes on from its other limit [rad].
+constexpr double kGap = 0.3;
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 3 + kMaxJoints>;
@@ -47,7 +49,12 @@ WholeBodyIk::WholeBodyIk(std::shared_ptr<const RobotModel> model, const MotionLi
       limits_(&limits),
       mobile_(limits.mobile()),
       lower_(limits.num_joints()),
-      upper_(limits.num_joints()) {
+      upper_(limits.num_joints()),
+      round_(limits.num_joints()) {
+  for (int i = 0; i < limits.num_joints(); ++i) {
+    const bool turns = model_->joints[static_cast<std::size_t>(i)].type != JointType::kPrismatic;
+    round_[i] = turns && limits.upper[i] - limits.lower[i] > kFullTurn - kGap ? 1 : 0;
+  }
   keep_room(1.0);
 }
 
@@ -101,10 +108,12 @@ bool WholeBodyIk::solve(FreeSpace& space, const Isometry& X_WG, WholeConfigurati
       }
       bool beyond = false;
       for (int l = 3; l < n; ++l) {
-        const double to = std::clamp(c[l] + step[l], lower_[l - 3], upper_[l - 3]);
-        if (weight[l] == 0.0 || to == c[l] + step[l]) continue;
+        if (weight[l] == 0.0) continue;
+        const double turned = c[l] + step[l] + turned_back(l - 3, c[l] + step[l]);
+        const double to = std::clamp(turned, lower_[l - 3], upper_[l - 3]);
+        if (to == turned) continue;
         weight[l] = 0.0;
-        wanted -= (to - c[l]) * J.col(l);
+        wanted -= (step[l] + (to - turned)) * J.col(l);
         c[l] = to;
         step[l] = 0.0;
         beyond = true;
@@ -112,8 +121,15 @@ bool WholeBodyIk::solve(FreeSpace& space, const Isometry& X_WG, WholeConfigurati
       if (!beyond) break;
     }
     c += step;
+    for (int l = 3; l < n; ++l) c[l] += turned_back(l - 3, c[l]);
   }
   return false;
+}
+
+double WholeBodyIk::turned_back(int joint, double q) const noexcept {
+  if (round_[joint] == 0 || (q >= lower_[joint] && q <= upper_[joint])) return 0.0;
+  const double off = q - 0.5 * (limits_->lower[joint] + limits_->upper[joint]);
+  return wrapped(off) - off;
 }
 
 void WholeBodyIk::seed(const FreeSpace& space, const Isometry& X_WG, const WholeConfiguration& start, int index,

@@ -95,6 +95,80 @@ TEST(Planner, GoalsAreWhereRowsAndJointsLetTheRobotGo) {
   EXPECT_GT(low, 5) << "the lift's whole range is of use";
 }
 
+// A UR5 whose joints turn once, as most files have it.
+std::shared_ptr<RobotModel> ur5_of_one_turn() {
+  auto model = std::make_shared<RobotModel>(*load_model("configs/robots/ur5.yaml"));
+  for (ControlledJoint& joint : model->joints) {
+    joint.lower = -std::numbers::pi;
+    joint.upper = std::numbers::pi;
+  }
+  return model;
+}
+
+// Iterations that come to a limit of -pi or pi go on from the other one: where joints stay there 54 of 100 are found.
+TEST(WholeBodyIk, JointsOfAWholeTurnGoOnFromTheirOtherLimit) {
+  const auto model = ur5_of_one_turn();
+  const MotionLimits limits(*model, plan_params(*model));
+  FreeSpace space(model, limits);
+  WholeBodyIk ik(model, limits);
+  ik.keep_room(0.0);
+  std::mt19937_64 engine(1);
+  Kinematics kinematics(model);
+  WholeConfiguration start = WholeConfiguration::Zero(9), c;
+  start.tail(6) = model->ready;
+  space.set_clearances({-1.0, -1.0, -1.0}, start, 0.0);
+  constexpr int kGoals = 100, kTries = 4;
+  int found = 0;
+  for (int k = 0; k < kGoals; ++k) {
+    VectorX q(6);
+    for (int i = 0; i < 6; ++i) q[i] = uniform(engine, -3.0, 3.0);
+    q[5] = (k % 2 == 0 ? 1.0 : -1.0) * uniform(engine, std::numbers::pi - 0.05, std::numbers::pi);
+    kinematics.update(Vector3::Zero(), q);
+    const Isometry X_WG = kinematics.X_WE();
+    CountedDraws draws{static_cast<std::uint64_t>(k), 0};
+    bool solved = false;
+    for (int index = 0; index < kTries && !solved; ++index) solved = ik.find(space, X_WG, start, {}, index, draws, c);
+    found += solved ? 1 : 0;
+    if (!solved) continue;
+    EXPECT_TRUE(space.free(c)) << k;
+    kinematics.update(Vector3::Zero(), c.tail(6));
+    EXPECT_LT((kinematics.X_WE().translation() - X_WG.translation()).norm(), 1e-3);
+  }
+  EXPECT_GE(found, 80);
+}
+
+// Its wrist on its limits at the only configuration that reaches the goal.
+TEST(Planner, AGoalOnJointLimitsHasAPath) {
+  const auto model = ur5_of_one_turn();
+  ControllerParams params = plan_params(*model);
+  params.collision.at_goal.enabled = true;
+  std::mt19937_64 engine(2);
+  int found = 0;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    VectorX q(6);
+    q << uniform(engine, -1.0, 1.0), uniform(engine, -1.5, -1.0), uniform(engine, 1.0, 1.5), -1.2, -1.5, 0.5;
+    const auto bounded = std::make_shared<RobotModel>(*model);
+    for (int i = 0; i < 6; ++i) {
+      ControlledJoint& joint = bounded->joints[static_cast<std::size_t>(i)];
+      joint.lower = q[i] - 1.0;
+      joint.upper = i < 3 ? q[i] + 1.0 : q[i];
+      bounded->ready[i] = q[i] - 0.5;
+    }
+    Planner planner(bounded, params);
+    Scene scene = make_scene(bounded, seed, 0);
+    Kinematics kinematics(bounded);
+    kinematics.update(Vector3::Zero(), q);
+    scene.X_WG = kinematics.X_WE();
+    if (!plan_whole(planner, scene, seed)) continue;
+    ++found;
+    WholeConfiguration end;
+    planner.path().at(planner.path().duration, end);
+    kinematics.update(Vector3::Zero(), end.tail(6));
+    EXPECT_LT((kinematics.X_WE().translation() - scene.X_WG.translation()).norm(), 2e-3);
+  }
+  EXPECT_EQ(found, 5);
+}
+
 TEST_P(PlannerOf, PathsLeadToTheGoalAndKeepClear) {
   Kinematics kinematics(model);
   int found = 0;
