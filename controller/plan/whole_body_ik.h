@@ -29,10 +29,10 @@ class WholeBodyIk {
   /// Moves base and arm together from `c` until E is at the goal: damped least squares, c += W J^T (J W J^T + 1e-4
   /// I)^-1 e, with the error's two parts clamped (0.6 rad, 0.3 m) and half weights on the base's place (Wampler, IEEE
   /// Trans. SMC 16(1), 1986). Joints that a step would take beyond a bound stay at it, and the others do what they
-  /// would have done; a joint whose range is a full turn continues from its other limit. The base counts as free to go sideways: it is a place to stand at, not a motion. Joints are kept
-  /// a little further from their limits than a path has to be. Ends after 20 iterations, or where four of them did not
-  /// halve the error; two are charged as one check. True where E came within 1 mm and 2 mrad. Without `moves_base` the
-  /// base stays where it is in `c`.
+  /// would have done; a joint whose range is a full turn continues from its other limit. The base counts as free to go
+  /// sideways: it is a place to stand at, not a motion. Joints are kept a little further from their limits than a path
+  /// has to be. Ends after 20 iterations, or where four of them did not halve the error; two are charged as one check.
+  /// True where E came within 1 mm and 2 mrad. Without `moves_base` the base stays where it is in `c`.
   bool solve(FreeSpace& space, const Isometry& X_WG, WholeConfiguration& c, bool moves_base = true) const noexcept;
 
   /// One try of the `index`-th kind: a base around the goal (each fourth as far from it as the start, 0.7 m at most),
