@@ -15,7 +15,7 @@
 #include "eval/store/search_tables.h"
 #include "eval/store/table.h"
 #include "eval/suite/stored.h"
-#include "eval/trial/digest.h"
+#include "eval/trial/key.h"
 #include "eval/tune/held_out.h"
 #include "eval/tune/stored_search.h"
 #include "eval/tune/trial_objective.h"
