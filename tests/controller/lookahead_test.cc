@@ -363,6 +363,17 @@ TEST_P(Ahead, DoesNotSetOutInMotionOrAmongWhatMoves) {
 }
 
 // However little it may do in a step.
+TEST_P(Ahead, LooksForADirectWayNoLongerThanAQuarterOfASecond) {
+  ControllerParams params = read_params(*model, true);
+  params.plan.budget = 20;
+  Loop loop(model, params, make_scene(model, 1, 0));
+  const PlanState& state = loop.controller.lookahead()->state();
+  int standing = 0;
+  for (loop.step(); state.brief.mode == PlanMode::kSetOut && standing < 100; loop.step()) ++standing;
+  EXPECT_EQ(standing, 12);
+}
+
+// However little it may do in a step.
 TEST_P(Ahead, ARobotThatStandsToChooseGoesOnInTime) {
   if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
   const Scene scene = behind_a_wall(model, 1);
