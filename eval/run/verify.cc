@@ -73,7 +73,7 @@ class Metrics {
       if (evaluator == nullptr) continue;
       const double now = evaluator->evaluate(trace).front();
       if (!same_bits(now, metric.value))
-        lines.push_back(fmt::format("metric_value {}: {:.17g} != {:.17g}", metric.name, metric.value, now));
+        lines.push_back(fmt::format("metric {}: {:.17g} != {:.17g} (metric_value)", metric.name, metric.value, now));
     }
     return lines;
   }

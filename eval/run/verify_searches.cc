@@ -108,11 +108,10 @@ class Search {
 
   void execute(const Robots& robots) {
     std::optional<tune::Tuning> tuning;
-    attempt([&] {
-      tuning = make_tuning(robots);
-      if (tuning) run(*tuning);
-    });
-    if (tuning && !found_.stopped) attempt([&] { judge(*tuning); });
+    attempt("tune_search: ", [&] { tuning = make_tuning(robots); });
+    if (!tuning) return;
+    attempt("", [&] { run(*tuning); });
+    if (!found_.stopped) attempt("", [&] { judge(*tuning); });
   }
 
  private:
@@ -121,7 +120,7 @@ class Search {
 
   /// Tells of whatever stands in the way: nearly anything can be in a store that was changed.
   template <class Work>
-  void attempt(const Work& work) const {
+  void attempt(const char* of, const Work& work) const {
     try {
       work();
     } catch (const store::StoreError&) {
@@ -129,7 +128,7 @@ class Search {
     } catch (const std::bad_alloc&) {
       throw;
     } catch (const std::exception& error) {
-      complain(error.what());
+      complain(of + std::string(error.what()));
     }
   }
 

@@ -123,11 +123,13 @@ class Checker {
               field::read_row<std::tuple<int, int, std::string, Hash, std::string>, int, int, std::string, Hash,
                               std::string>(s);
           const auto resolved = config::parse_json(text, name);
-          const char* differs = resolved.value("name", "") != file_name ? "file_name"
-                                : !has_setting(resolved, setting)       ? "setting_hash"
-                                                                        : nullptr;
-          if (differs != nullptr)
-            tell(fmt::format("{}: suite {}: {} not as its resolved suite says", name, suite, differs));
+          const std::string said = resolved.value("name", "");
+          if (file_name != said) {
+            tell(fmt::format("{}: suite {}: its name is {:.80}, but that of its resolved suite {:.80}", name, suite,
+                             file_name, said));
+          } else if (!has_setting(resolved, setting)) {
+            tell(fmt::format("{}: suite {}: setting_hash not as its resolved suite says", name, suite));
+          }
         });
       }
     }

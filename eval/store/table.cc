@@ -60,7 +60,8 @@ void read_cell(const SQLite::Column& cell, double& value) { value = cell.isNull(
 void read_cell(const SQLite::Column& cell, std::string& value) { value = cell.getString(); }
 void read_cell(const SQLite::Column& cell, Hash& value) {
   if (cell.getBytes() != static_cast<int>(value.size()))
-    throw std::invalid_argument(fmt::format("{} has no {} bytes", column_name(cell), value.size()));
+    throw std::invalid_argument(
+        fmt::format("{} has {} bytes instead of {}", column_name(cell), cell.getBytes(), value.size()));
   const auto* bytes = static_cast<const unsigned char*>(cell.getBlob());
   std::copy(bytes, bytes + value.size(), value.begin());
 }
