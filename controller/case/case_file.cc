@@ -86,8 +86,10 @@ void read_object(const Node& node, const std::string& key, int index, const Robo
   in.check(!shape.name.empty(), "name", "expected a name that is not empty");
   shape.shape = config::read_shape(in);
   read_sensed(in, model, state);
-  if (const Node* twist = in.get("velocity"))  // as worlds and earlier cases call it
+  if (const Node* twist = in.get("velocity")) {  // as worlds and earlier cases call it
+    in.check(in.get("twist") == nullptr, "velocity", "is the same as `twist`: give one of them");
     config::description::read_any(*twist, in.key_of("velocity"), state.V_WO_W, {}, {});
+  }
   in.finish();
 }
 

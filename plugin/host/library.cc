@@ -142,7 +142,9 @@ std::shared_ptr<const PluginLibrary> load_plugin(const fs::path& file) {
                     version, MOMA_PLUGIN_ABI, "its plugin/moma_plugin.h"));
   }
   PluginFunctions& f = library->functions;
-  find(handle, "moma_plugin_open", f.open);
+  decltype(&moma_plugin_open) open = nullptr;
+  find(handle, "moma_plugin_open", open);
+  f.open = open;
   find(handle, "moma_plugin_close", f.close);
   find(handle, "moma_plugin_start", f.start);
   find(handle, "moma_plugin_step", f.step);

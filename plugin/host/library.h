@@ -1,10 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
-#include <span>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 #include "plugin/moma_plugin.h"
 
@@ -18,7 +19,7 @@ class PluginError : public std::runtime_error {
 
 /// The functions of a plugin in this process.
 struct PluginFunctions {
-  decltype(&moma_plugin_open) open = nullptr;
+  std::function<std::remove_pointer_t<decltype(&moma_plugin_open)>> open;
   decltype(&moma_plugin_close) close = nullptr;
   decltype(&moma_plugin_start) start = nullptr;
   decltype(&moma_plugin_step) step = nullptr;

@@ -2,18 +2,14 @@
 
 #include <cmath>
 #include <cstddef>
-#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "controller/config/json_node.h"
 #include "controller/config/layout.h"
 #include "controller/config/object_file.h"
-#include "controller/config/read_described.h"
-#include "controller/config/write_described.h"
 #include "controller/describe/enumeration.h"
 #include "controller/model/base_kind.h"
 #include "plugin/border.h"
@@ -79,34 +75,12 @@ std::string shapes_text(std::span<const moma_object_shape> shapes) {
   return config::objects_to_json(objects).dump();
 }
 
-// A command crosses moma_plugin_open() beside the parameters.
-ordered_json command_json(const ProcessCommand& command) {
-  ordered_json files = ordered_json::array();
-  for (const std::filesystem::path& file : command.files) files.push_back(file.string());
-  return {{"arguments", command.arguments},
-          {"directory", command.directory.string()},
-          {"environment", command.environment},
-          {"files", std::move(files)},
-          {"limits", config::write_described(command.limits)}};
-}
-
-ProcessCommand command_of(const ordered_json& json) {
-  ProcessCommand command;
-  json.at("arguments").get_to(command.arguments);
-  command.directory = json.at("directory").get<std::string>();
-  json.at("environment").get_to(command.environment);
-  for (const ordered_json& file : json.at("files")) command.files.emplace_back(file.get<std::string>());
-  config::read_described(config::node_from_json(json.at("limits"), ""), "limits", command.limits);
-  return command;
-}
-
-void* open(const moma_plugin_setup* setup, char* error, std::size_t size) {
+void* open(const ProcessCommand& command, const moma_plugin_setup* setup, char* error, std::size_t size) {
   return guarded<void*>(nullptr, error, size, [&]() -> void* {
-    ordered_json given = ordered_json::parse(setup->parameters);
     auto opened = std::make_unique<Opened>();
-    opened->pool = ProcessPool::of(command_of(given.at("command")));
+    opened->pool = ProcessPool::of(command);
     opened->setup = std::make_shared<const std::string>(
-        setup_text(*setup, ordered_json::parse(setup->robot), std::move(given.at("parameters"))));
+        setup_text(*setup, ordered_json::parse(setup->robot), ordered_json::parse(setup->parameters)));
     opened->control_period = setup->control_period;
     opened->joints = setup->num_joints;
     opened->velocities = setup->num_velocities;
@@ -149,13 +123,15 @@ std::shared_ptr<const Plugin> open_process(const ProcessCommand& command,
                                            const ordered_json& parameters, double control_period) {
   auto library = std::make_shared<PluginLibrary>();
   library->file = command.directory / command.arguments.front();
-  library->functions = {open, close, start, step, stop};
-  return Plugin::open(std::move(library), std::move(robot),
-                      {{"command", command_json(command)}, {"parameters", parameters}}, control_period);
+  library->functions = {[command](const moma_plugin_setup* setup, char* error, std::size_t size) {
+                          return open(command, setup, error, size);
+                        },
+                        close, start, step, stop};
+  return Plugin::open(std::move(library), std::move(robot), parameters, control_period);
 }
 
 const ProcessPool* processes_of(const Plugin& plugin) {
-  if (plugin.library().functions.open != &open) return nullptr;
+  if (plugin.library().functions.step != &step) return nullptr;
   return static_cast<const Opened*>(plugin.handle())->pool.get();
 }
 

@@ -25,6 +25,16 @@ nb::object array_of(const Eigen::Ref<const VectorX>& values) {
   return nb::cast(std::move(array));
 }
 
+/// What each item of one of the robot's lists says of itself.
+template <class Item, class V>
+auto of_each(std::vector<Item> RobotModel::*list, V Item::*member) {
+  return [list, member](const Robot& robot) {
+    std::vector<V> all;
+    for (const Item& item : robot.model().*list) all.push_back(item.*member);
+    return all;
+  };
+}
+
 ManipulabilityRows rows_of(const std::string& word) {
   const std::optional<ManipulabilityRows> rows = from_string<ManipulabilityRows>(word);
   if (!rows) throw std::invalid_argument("rows: found '" + word + "', expected translation, rotation or all");
@@ -56,24 +66,14 @@ void Robot::each(const Rows& base, const Rows& q, Body body) const {
   }
 }
 
-Array Robot::fk(const Rows& base, const Rows& q) const {
+Array Robot::fk(const Rows& base, const Rows& q, const std::string& link) const {
+  const int index = link.empty() ? -1 : model().find_link(link);
+  if (!link.empty() && index < 0) throw std::invalid_argument("link: " + model().name + " has no link '" + link + "'");
   double* data = nullptr;
   Array out = make_array({q.shape(0), 4, 4}, data);
-  each(base, q, [data](std::size_t i, const Kinematics& kinematics) {
+  each(base, q, [data, index](std::size_t i, const Kinematics& kinematics) {
     Eigen::Map<RowMajor4> pose(data + 16 * i);
-    pose = kinematics.X_WE().matrix();
-  });
-  return out;
-}
-
-Array Robot::link(const std::string& name, const Rows& base, const Rows& q) const {
-  const int link = model().find_link(name);
-  if (link < 0) throw std::invalid_argument("link: " + model().name + " has no link '" + name + "'");
-  double* data = nullptr;
-  Array out = make_array({q.shape(0), 4, 4}, data);
-  each(base, q, [data, link](std::size_t i, const Kinematics& kinematics) {
-    Eigen::Map<RowMajor4> pose(data + 16 * i);
-    pose = kinematics.X_WL(link).matrix();
+    pose = (index < 0 ? kinematics.X_WE() : kinematics.X_WL(index)).matrix();
   });
   return out;
 }
@@ -88,14 +88,20 @@ Array Robot::jacobian(const Rows& base, const Rows& q) const {
   return out;
 }
 
-Array Robot::manipulability(const Rows& q, const std::string& rows) const {
-  const ManipulabilityRows which = rows_of(rows);
+// With the base at the origin, which manipulability does not depend on.
+template <class Body>
+void Robot::each(const Rows& q, Body body) const {
   const std::vector<double> zero(3 * q.shape(0), 0.0);
   const std::size_t shape[] = {q.shape(0), 3};
+  each(Rows(zero.data(), 2, shape, nb::handle()), q, body);
+}
+
+Array Robot::manipulability(const Rows& q, const std::string& rows) const {
+  const ManipulabilityRows which = rows_of(rows);
   double* data = nullptr;
   Array out = make_array({q.shape(0)}, data);
   const int n = model().num_joints();
-  each(Rows(zero.data(), 2, shape, nb::handle()), q, [=](std::size_t i, const Kinematics& kinematics) {
+  each(q, [=](std::size_t i, const Kinematics& kinematics) {
     data[i] = moma::manipulability(kinematics.J_WE_W().rightCols(n), which);
   });
   return out;
@@ -103,15 +109,13 @@ Array Robot::manipulability(const Rows& q, const std::string& rows) const {
 
 Array Robot::manipulability_gradient(const Rows& q, const std::string& rows) const {
   const ManipulabilityRows which = rows_of(rows);
-  const std::vector<double> zero(3 * q.shape(0), 0.0);
-  const std::size_t shape[] = {q.shape(0), 3};
   const int n = model().num_joints();
   double* data = nullptr;
   Array out = make_array({q.shape(0), static_cast<std::size_t>(n)}, data);
   Eigen::VectorXi prismatic(n);
   for (int j = 0; j < n; ++j)
     prismatic[j] = model().joints[static_cast<std::size_t>(j)].type == JointType::kPrismatic ? 1 : 0;
-  each(Rows(zero.data(), 2, shape, nb::handle()), q, [&](std::size_t i, const Kinematics& kinematics) {
+  each(q, [&](std::size_t i, const Kinematics& kinematics) {
     Eigen::Map<VectorX> gradient(data + n * static_cast<Eigen::Index>(i), n);
     moma::manipulability_gradient(kinematics.J_WE_W().rightCols(n), prismatic, which, gradient);
   });
@@ -193,38 +197,17 @@ void bind_robot(nb::module_& module) {
           [](const std::string& json) { return new Robot(config::read_robot(node_of(json, "robot"), "robot")); })
       .def_prop_ro("name", [](const Robot& robot) { return robot.model().name; })
       .def_prop_ro("base", [](const Robot& robot) { return std::string(to_string(robot.model().base.type)); })
-      .def_prop_ro("joints",
-                   [](const Robot& robot) {
-                     std::vector<std::string> names;
-                     for (const ControlledJoint& joint : robot.model().joints) names.push_back(joint.name);
-                     return names;
-                   })
-      .def_prop_ro("links",
-                   [](const Robot& robot) {
-                     std::vector<std::string> names;
-                     for (const Link& link : robot.model().links) names.push_back(link.name);
-                     return names;
-                   })
+      .def_prop_ro("joints", of_each(&RobotModel::joints, &ControlledJoint::name))
+      .def_prop_ro("links", of_each(&RobotModel::links, &Link::name))
       .def_prop_ro("velocities", [](const Robot& robot) { return robot.model().velocity_names(); })
-      .def_prop_ro("lower",
-                   [](const Robot& robot) {
-                     std::vector<double> limits;
-                     for (const ControlledJoint& joint : robot.model().joints) limits.push_back(joint.lower);
-                     return limits;
-                   })
-      .def_prop_ro("upper",
-                   [](const Robot& robot) {
-                     std::vector<double> limits;
-                     for (const ControlledJoint& joint : robot.model().joints) limits.push_back(joint.upper);
-                     return limits;
-                   })
+      .def_prop_ro("lower", of_each(&RobotModel::joints, &ControlledJoint::lower))
+      .def_prop_ro("upper", of_each(&RobotModel::joints, &ControlledJoint::upper))
       .def_prop_ro("ready", [](const Robot& robot) { return array_of(robot.model().ready); })
       .def_prop_ro("velocity_limits", [](const Robot& robot) { return array_of(robot.model().velocity_limits()); })
       .def_prop_ro("resolved", [](const Robot& robot) { return robot.loaded().resolved.dump(); })
       .def_prop_ro("warnings", [](const Robot& robot) { return robot.loaded().warnings; })
       .def_prop_ro("notes", [](const Robot& robot) { return robot.loaded().notes; })
       .def("fk", &Robot::fk)
-      .def("link", &Robot::link)
       .def("jacobian", &Robot::jacobian)
       .def("manipulability", &Robot::manipulability)
       .def("manipulability_gradient", &Robot::manipulability_gradient)

@@ -17,8 +17,7 @@ class Robot {
   const config::LoadedRobot& loaded() const noexcept { return loaded_; }
   const RobotModel& model() const noexcept { return *loaded_.model; }
 
-  Array fk(const Rows& base, const Rows& q) const;                              ///< (N, 4, 4)
-  Array link(const std::string& name, const Rows& base, const Rows& q) const;   ///< (N, 4, 4)
+  Array fk(const Rows& base, const Rows& q, const std::string& link) const;     ///< (N, 4, 4); of E without a name
   Array jacobian(const Rows& base, const Rows& q) const;                        ///< (N, 6, velocities)
   Array manipulability(const Rows& q, const std::string& rows) const;           ///< (N,)
   Array manipulability_gradient(const Rows& q, const std::string& rows) const;  ///< (N, joints)
@@ -33,6 +32,8 @@ class Robot {
  private:
   template <class Body>
   void each(const Rows& base, const Rows& q, Body body) const;
+  template <class Body>
+  void each(const Rows& q, Body body) const;
 
   config::LoadedRobot loaded_;
 };

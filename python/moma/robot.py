@@ -66,7 +66,7 @@ class Robot:
     def fk(self, q: ArrayLike, base: ArrayLike | None = None, link: str | None = None) -> Floats:
         """Pose (4 x 4) of E in W, or of a link."""
         rows, bases, single = self._configurations(q, base)
-        poses = self._core.fk(bases, rows) if link is None else self._core.link(link, bases, rows)
+        poses = self._core.fk(bases, rows, link or "")
         return poses[0] if single else poses
 
     def jacobian(self, q: ArrayLike, base: ArrayLike | None = None) -> Floats:

@@ -137,6 +137,7 @@ TEST_F(CaseFile, TwistsOfObjectsMayBeCalledVelocities) {
   EXPECT_EQ(error_of(c), "");
   const ControlCase former = read_case(folder_ / "cases" / "case.json");
   c["objects"][0]["twist"] = c["objects"][0]["velocity"];
+  expect_words(error_of(c), {"objects[0].velocity", "the same as `twist`"});
   c["objects"][0].erase("velocity");
   EXPECT_EQ(error_of(c), "");
   const ControlCase read = read_case(folder_ / "cases" / "case.json");
