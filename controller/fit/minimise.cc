@@ -1,8 +1,10 @@
 #include "controller/fit/enclosing.h"
 
 #include <exception>
+#include <functional>
 #include <new>
 #include <nlopt.hpp>
+#include <vector>
 
 namespace moma::fit {
 namespace {

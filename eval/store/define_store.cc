@@ -13,9 +13,10 @@ struct Part {
   std::string (*text)();
 };
 constexpr Part kParts[] = {
-    {"tables.sql", &moma::store::tables_sql},       {"views.sql", &moma::store::views_sql},
-    {"overall.sql", &moma::store::overall_sql},     {"metrics.json", &moma::store::metrics_json},
-    {"outcomes.json", &moma::store::outcomes_json}, {"samples.json", &moma::store::samples_json}};
+    {"tables.sql", &moma::store::tables_sql},          {"views.sql", &moma::store::views_sql},
+    {"overall.sql", &moma::store::query_of_overall},   {"metrics.json", &moma::store::json_of_metrics},
+    {"outcomes.json", &moma::store::json_of_outcomes}, {"samples.json", &moma::store::json_of_samples},
+};
 
 }  // namespace
 

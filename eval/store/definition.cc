@@ -179,7 +179,7 @@ std::string temporary_views_sql() {
   return sql;
 }
 
-std::string overall_sql() {
+std::string query_of_overall() {
   const auto& all = views();
   const auto found = std::find_if(all.begin(), all.end(), [](const auto& view) { return view.first == "v_summary"; });
   constexpr std::string_view kWith = "WITH ";
@@ -201,7 +201,7 @@ std::string summary_list(const std::string& prefix) {
   return of_summary([&](std::string_view name) { return fmt::format("{}{}", prefix, name); });
 }
 
-std::string metrics_json() {
+std::string json_of_metrics() {
   MetricList metrics;
   metrics.of = "trial";
   describe(metrics, Of<TrialRow>{});
@@ -212,7 +212,7 @@ std::string metrics_json() {
   return metrics.list.dump();
 }
 
-std::string samples_json() {
+std::string json_of_samples() {
   const auto meanings = []<class Enum>(Of<Enum>) {
     nlohmann::json list = nlohmann::json::array();
     for (std::size_t i = 0; i < words(Of<Enum>{}).size(); ++i) list.push_back(meaning(static_cast<Enum>(i)));
@@ -225,6 +225,6 @@ std::string samples_json() {
       .dump();
 }
 
-std::string outcomes_json() { return nlohmann::json(words(Of<Outcome>{})).dump(); }
+std::string json_of_outcomes() { return nlohmann::json(words(Of<Outcome>{})).dump(); }
 
 }  // namespace moma::store

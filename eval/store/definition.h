@@ -21,7 +21,7 @@ std::string tables_sql();
 std::vector<std::pair<std::string, std::string>> views();
 /// A query for v_summary over all families of a point together: `family` is ''; points in the order of their
 /// definition.
-std::string overall_sql();
+std::string query_of_overall();
 /// Drops the views that are there and makes them.
 std::string views_sql();
 /// Makes them in the connection alone, before those of the file: the views of a store that another build wrote may
@@ -36,12 +36,12 @@ std::string summary_list(const std::string& prefix = {});
 /// What the report page says of each metric: a JSON list of {key, of, name, unit, better, decimals or significant,
 /// head (over its column of the table of trials), summary {column, name} (in v_summary), text}. `of`: "trial", "world"
 /// (its difficulty) or "machine" (timings).
-std::string metrics_json();
+std::string json_of_metrics();
 
 /// The words for how a trial ends, a JSON list.
-std::string outcomes_json();
+std::string json_of_outcomes();
 
 /// The words for the numbers in columns of samples, JSON: a list for each of status, fallback, plan_mode, plan_reason.
-std::string samples_json();
+std::string json_of_samples();
 
 }  // namespace moma::store
