@@ -54,13 +54,6 @@ constexpr void describe(Visitor& v, Of<TuneConfig>) {
   using T = TuneConfig;
   v.member("seed", &T::seed, {.text = "seed of the search's random draws"});
   v.member("starts", &T::starts, {.range = {1, 1000}, .text = "independent searches that share the budget"});
-  v.member("penalty", &T::penalty,
-           {.range = Range::positive(),
-            .text = "merit per violation of a constraint; the size of the start's cost by default"});
-  v.member("initial_step", &T::initial_step,
-           {.unit = "1", .range = {0.0, 1.0, true, false}, .text = "first step of local algorithms, in the unit cube"});
-  v.member("tolerance", &T::tolerance,
-           {.unit = "1", .range = {0.0, 1.0, true, false}, .text = "step size below which local algorithms end"});
   v.member("racing", &T::racing, {.text = "none, or when a candidate is cut"});
   v.member("sensitivity", &T::sensitivity, {.text = "none, or the steps by which the found gains move one by one"});
   v.member("confirm", &T::confirmation, {.text = "none, or the further measurements of the best few"});
