@@ -51,8 +51,8 @@ TEST_P(Drives, AUnicycleFollowsWithinItsLimits) {
   double steered = 0.0, straight = 0.0, fastest_wheel = 0.0;
   constexpr int kDrives = 300;
   for (int k = 0; k < kDrives; ++k) {
-    const double bearing = uniform(engine, -kPi, kPi), away = uniform(engine, 0.0, 4.0);
-    const Vector3 from(uniform(engine, -2.0, 2.0), uniform(engine, -2.0, 2.0), uniform(engine, -4.0, 4.0));
+    const double bearing = uniform_in(engine, -kPi, kPi), away = uniform_in(engine, 0.0, 4.0);
+    const Vector3 from(uniform_in(engine, -2.0, 2.0), uniform_in(engine, -2.0, 2.0), uniform_in(engine, -4.0, 4.0));
     const Vector2 point = from.head<2>() + away * Vector2(std::cos(bearing), std::sin(bearing));
     if (!drive.plan(limits, from, point)) continue;
     ++reached;

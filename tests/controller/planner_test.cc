@@ -121,8 +121,8 @@ TEST(WholeBodyIk, JointsOfAWholeTurnGoOnFromTheirOtherLimit) {
   int found = 0;
   for (int k = 0; k < kGoals; ++k) {
     VectorX q(6);
-    for (int i = 0; i < 6; ++i) q[i] = uniform(engine, -3.0, 3.0);
-    q[5] = (k % 2 == 0 ? 1.0 : -1.0) * uniform(engine, std::numbers::pi - 0.05, std::numbers::pi);
+    for (int i = 0; i < 6; ++i) q[i] = uniform_in(engine, -3.0, 3.0);
+    q[5] = (k % 2 == 0 ? 1.0 : -1.0) * uniform_in(engine, std::numbers::pi - 0.05, std::numbers::pi);
     kinematics.update(Vector3::Zero(), q);
     const Isometry X_WG = kinematics.X_WE();
     CountedDraws draws{static_cast<std::uint64_t>(k), 0};
@@ -146,7 +146,7 @@ TEST(Planner, AGoalOnJointLimitsHasAPath) {
   int found = 0;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     VectorX q(6);
-    q << uniform(engine, -1.0, 1.0), uniform(engine, -1.5, -1.0), uniform(engine, 1.0, 1.5), -1.2, -1.5, 0.5;
+    q << uniform_in(engine, -1.0, 1.0), uniform_in(engine, -1.5, -1.0), uniform_in(engine, 1.0, 1.5), -1.2, -1.5, 0.5;
     const auto bounded = std::make_shared<RobotModel>(*model);
     for (int i = 0; i < 6; ++i) {
       ControlledJoint& joint = bounded->joints[static_cast<std::size_t>(i)];

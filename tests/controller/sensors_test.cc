@@ -9,6 +9,7 @@
 
 #include "controller/model/proximity.h"
 #include "controller/model/ray_view.h"
+#include "controller/params.h"
 #include "controller/safe/object_memory.h"
 #include "tests/support/control_period.h"
 #include "tests/support/no_alloc.h"
