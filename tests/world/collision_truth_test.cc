@@ -99,7 +99,7 @@ ContactCollector contacts_of(const Shape& A, const Isometry& X_A, const Shape* B
   return found;
 }
 
-struct Placement {
+struct PairPlacement {
   Shape A, B;
   Isometry X_A = Isometry::Identity(), X_B = Isometry::Identity();
   test::OverlapResult truth() const { return overlap(A, X_A, B, X_B, kDeepest); }
@@ -113,9 +113,9 @@ class CollisionTruth : public testing::TestWithParam<std::tuple<ShapeKind, Shape
   }
 
   /// As robot and object, and the other way round, with every kind of rotations in turn.
-  static Placement place(int i, Draws& draws) {
+  static PairPlacement place(int i, Draws& draws) {
     const auto [first, second] = GetParam();
-    Placement p;
+    PairPlacement p;
     p.A = random_shape(i % 2 == 0 ? first : second, draws);
     p.B = random_shape(i % 2 == 0 ? second : first, draws);
     const auto [R_A, R_B] = rotations(i / 2 % 4, draws);
@@ -127,7 +127,7 @@ class CollisionTruth : public testing::TestWithParam<std::tuple<ShapeKind, Shape
   }
 
   /// Moves B along the line of nearest points until this is about the signed distance.
-  static void bring_to(double distance, Placement& p, Draws& draws) {
+  static void bring_to(double distance, PairPlacement& p, Draws& draws) {
     const Vector3 away = random_point(draws, 0.1);
     test::OverlapResult truth = p.truth();
     while (truth.verdict != Overlap::kApart) {
@@ -137,7 +137,7 @@ class CollisionTruth : public testing::TestWithParam<std::tuple<ShapeKind, Shape
     p.X_B.translation() += truth.n_W * (truth.gap - distance);
   }
 
-  static bool hit(const Placement& p) { return contacts_of(p.A, p.X_A, &p.B, p.X_B).object; }
+  static bool hit(const PairPlacement& p) { return contacts_of(p.A, p.X_A, &p.B, p.X_B).object; }
 };
 
 TEST_P(CollisionTruth, NoMissAndNoFalseHit) {
@@ -145,7 +145,7 @@ TEST_P(CollisionTruth, NoMissAndNoFalseHit) {
   int deep = 0, apart = 0, boundary = 0, missed = 0, invented = 0, undecided = 0;
   double nearest_gap = 1.0;
   for (int i = 0; i < kPlacements; ++i) {
-    Placement p = place(i, draws);
+    PairPlacement p = place(i, draws);
     if (i / 8 % 2 == 0) bring_to(small_distance(draws), p, draws);
     const test::OverlapResult truth = p.truth();
     switch (truth.verdict) {
@@ -187,7 +187,7 @@ TEST_P(CollisionTruth, OverlapsOfMicrometresAreFound) {
   Draws draws = this->draws(31);
   int deep = 0, missed = 0;
   for (int i = 0; i < 4000; ++i) {
-    Placement p = place(i, draws);
+    PairPlacement p = place(i, draws);
     bring_to(-std::pow(10.0, draws.uniform(-5.9, -5.0)), p, draws);
     if (p.truth().verdict != Overlap::kDeep) continue;
     ++deep;
