@@ -6,12 +6,6 @@ import type { Trace } from './trace';
 
 /** Mode and kinds of choices, by the store's numbers (docs/reference/store.md). */
 const kFollow = 1;
-const kModes = ['goes by its own policy', 'follows a path', 'slows down, to choose', 'stands, while a path and detours are worked out', 'stands, while it looks for a direct way'];
-const kReasons = [
-  'since a motion begins with a choice', 'which is predicted to arrive', 'which is predicted to arrive soonest', 'since the policy was predicted not to arrive', 'since the policy stagnated',
-  'since nothing was found that arrives', 'since the path is at its end', 'since it did not get on along its path', 'since something is in the way of the path', 'since something moves',
-  'since a direct way is free',
-];
 const kPolicy = 1;
 const kDetour = 2;
 const kPath = 3;
