@@ -288,7 +288,9 @@ def page(rows, worlds):
         mark = {True: 'passes', False: 'refused'}
         lines.append(f"| {title} | {package} | {r['base']} | {r['wheels']} | {r['joints']} | {r['shapes']} | {r['doubts']} | {r['draft_s']:.0f} s"
                      f"{', `--lenient`' if r['lenient'] else ''} | {mark[r['check_kinematic']]} | {mark[r['check_dynamic']]} |")
+    pinned = re.findall(r'^example-robot-data==.*', (ROOT / 'requirements.txt').read_text(encoding='utf-8'), re.M)
     lines += ['', '"check": the line of the base or of its wheels is marked as doubtful. Wheels: radius and separation [m].',
+              f"Packages: {', '.join([*WHEELS.values(), *pinned]).replace('==', ' ')}.",
               'Draft: seconds of processor time, fitting included. `--lenient`: the URDF has what moma does not understand;'
               ' the message names line and element, and the option leaves it out.', '']
     notes = [f'- {title}: the URDF has no collision geometry, so that nothing it does can be a collision' for _, (title, _), r

@@ -79,7 +79,7 @@ def kind(outcome):
 
 def table(store, rows):
     """Markdown: what the two engines say of the same worlds."""
-    found = moma.Store(store).sql("SELECT controller, point, world, outcome, reason FROM v_trials")
+    found = moma.Store(store).sql("SELECT controller, point, world, outcome, coalesce(reason, '') AS reason FROM v_trials")
     ode = {(row.controller, row.point, row.world): row for row in found.itertuples()}
     points, differ = {}, []
     for row in rows:
