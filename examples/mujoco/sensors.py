@@ -98,7 +98,7 @@ class Sensors:
             moma.SensedObject(*item.measure(base, seen)) if self.found(name) else moma.SensedObject(visible=False)
             for name, item in self.objects.items()])
         goal = self.late["goal"](moma.Pose(*self.goal.measure(base, seen)))
-        return moma.Observation(q, np.concatenate([base_speed, rates]), goal, base_seen, time, things)
+        return moma.Observation(q, np.concatenate([base_speed, rates]), goal, base=base_seen, time=time, objects=things)
 
     def reckon(self, base):
         """Dead reckoning, wrong by a part of each way and turn and by a random walk."""
