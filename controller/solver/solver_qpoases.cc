@@ -44,7 +44,7 @@ StepStatus QpoasesSolver::do_solve(const QpProblem& p, const Box& box, QpSolutio
     s.lower[n + i] = bounded(p.lbA[static_cast<Eigen::Index>(i)]);
     s.upper[n + i] = bounded(p.ubA[static_cast<Eigen::Index>(i)]);
   }
-  // QpOASES has one message handler per process and writes to it in every solve.
+  // qpOASES has one message handler per process and writes to it in every solve.
   static std::mutex handler_in_use;
   const std::lock_guard<std::mutex> lock(handler_in_use);
   qpOASES::Options options;
@@ -61,7 +61,7 @@ StepStatus QpoasesSolver::do_solve(const QpProblem& p, const Box& box, QpSolutio
   if (flag != qpOASES::SUCCESSFUL_RETURN) return StepStatus::kMaxIterations;
   problem.getPrimalSolution(solution.x.data());
   problem.getDualSolution(s.dual.data());
-  // QpOASES's multipliers are positive at lower limits.
+  // qpOASES's multipliers are positive at lower limits.
   for (std::size_t i = 0; i < n; ++i) solution.bound_multipliers[static_cast<Eigen::Index>(i)] = -s.dual[i];
   for (std::size_t i = 0; i < rows; ++i) solution.row_multipliers[static_cast<Eigen::Index>(i)] = -s.dual[n + i];
   return StepStatus::kSolved;

@@ -6,7 +6,7 @@
 
 namespace moma {
 
-/// QpOASES (Ferreau et al., Math. Prog. Comp. 6(4), 2014) with its "Reliable" options and a cold start: the reference
+/// qpOASES (Ferreau et al., Math. Prog. Comp. 6(4), 2014) with its "Reliable" options and a cold start: the reference
 /// for cross-checks. It allocates and takes a process-wide lock in every solve, and is not meant for a control loop.
 class QpoasesSolver : public QpSolver {
  public:
