@@ -37,7 +37,6 @@ class ControllerCore final : public StepController {
 
   /// Fills StepResult::solve_seconds from the steady clock; off by default.
   void enable_timing(bool on) noexcept { timing_ = on; }
-  /// See Controller.
   void set_clock(StepClock* clock) noexcept { clock_ = clock; }
 
   const RobotModel& model() const noexcept { return *model_; }
@@ -55,7 +54,6 @@ class ControllerCore final : public StepController {
   double manipulability() const noexcept { return answer_.manipulability; }
   /// Gradient of the manipulability, one value per joint, for any weight. Allocates.
   VectorX J_m() const { return assessment_.J_m(); }
-  /// Task of the QP.
   const QpTask& asked() const noexcept { return poser_.asked(); }
   /// Bounds of the problem, with and without acceleration.
   const Bounds& bounds() const noexcept { return poser_.bounds(); }
@@ -122,7 +120,6 @@ class ControllerCore final : public StepController {
   void begin(StepResult& result) noexcept;
   void report(const Situation* now, StepResult& result) noexcept;
 
-  // Constant.
   std::shared_ptr<const RobotModel> model_;
   ControllerParams params_;
   double control_period_;

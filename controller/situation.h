@@ -42,7 +42,6 @@ class Assessment {
   Situation assess(const Observation& o, std::span<const PlaceSpread> spreads, const Execution& execution,
                    StepClock* clock) noexcept;
 
-  /// Kinematics of the last assess().
   const Kinematics& kinematics() const noexcept { return kinematics_; }
   /// Gradient of the manipulability at the last assess(), for any weight. Allocates.
   VectorX J_m() const;

@@ -14,7 +14,6 @@ class OutputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A kind of output file.
 struct Kind {
   std::string name;  ///< "report page of moma's"
   /// Text that occurs in the first or last 64 KiB of every file of this kind and hardly in any other, so that an

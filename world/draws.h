@@ -30,7 +30,6 @@ class Draws {
   Draws(std::uint64_t seed, std::uint64_t index, Stream stream, std::uint64_t attempt = 0, std::uint64_t item = 0,
         const Moves* moves = nullptr);
 
-  /// Returns 64 random bits.
   std::uint64_t bits();
   /// Uniform in [0, 1): a multiple of 2^-53.
   double uniform();

@@ -60,7 +60,6 @@ struct World {
 void set_pose(WorldObject& object, const Vector3& position, const Eigen::Quaterniond& rotation);
 void set_pose(WorldGoal& goal, const Vector3& position, const Eigen::Quaterniond& rotation);
 
-/// Returns the argument of the controller's reset().
 std::vector<ObjectShape> object_shapes(const World& world);
 
 /// Computes true poses and twists at time t into vectors already sized to world.objects.

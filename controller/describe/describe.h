@@ -68,7 +68,6 @@ struct Lengths {
   constexpr int of(Per per) const { return per == Per::kJoint ? joints : per == Per::kVelocity ? velocities : -1; }
 };
 
-/// Description of a member.
 struct About {
   std::string_view unit = "";  ///< SI or `1`: "m", "rad/s"; for joints "rad or m"; "" without a unit
   Range range = {};            ///< of a number, or of each number of a list

@@ -7,7 +7,6 @@
 
 namespace moma::draft {
 
-/// A posture for `ready`, and its properties.
 struct Posture {
   VectorX q;
   double manipulability = 0.0;  ///< of translation

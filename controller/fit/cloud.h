@@ -11,7 +11,6 @@ using Points = std::vector<Vector3>;
 using Triangle = std::array<Vector3, 3>;
 using Triangles = std::vector<Triangle>;
 
-/// Returns the corners of all triangles.
 Points corners(const Triangles& triangles);
 
 /// Returns the part of the surface in low <= axis . x <= high: triangles cut at the two planes (Sutherland-Hodgman). A

@@ -24,7 +24,6 @@ struct LinkFit {
   std::string like;            ///< an earlier link with the same surface, whose fit is reused; "" without one
 };
 
-/// Self-collision of a robot's shapes.
 struct SelfContact {
   std::size_t shapes = 0;
   std::size_t pairs = 0;                                      ///< number of checked pairs

@@ -12,7 +12,6 @@
 
 namespace moma {
 
-/// The guard lets the command pass.
 struct Passes {};
 /// The guard replaces the command by one within the same bounds.
 struct Slowed {

@@ -91,7 +91,6 @@ struct SelfPair {
   bool row = true;  ///< false: never comes within range; no QP row, but checked for contact
 };
 
-/// A mounted sensor.
 struct MountedSensor {
   Sensor sensor;
   int link = 0;
@@ -116,7 +115,6 @@ struct RobotModel {
   int num_joints() const noexcept { return static_cast<int>(joints.size()); }
   /// Number of velocity coordinates of the base (model/base_kind.h); 0 for a fixed one.
   int base_dof() const noexcept;
-  /// True if the base moves.
   bool mobile() const noexcept { return base_dof() > 0; }
   int num_velocities() const noexcept { return base_dof() + num_joints(); }
   /// -1 if there is none.

@@ -16,7 +16,6 @@ class ShapeWays {
  public:
   explicit ShapeWays(const RobotModel& model);
 
-  /// Starts at a configuration.
   void begin(const Kinematics& kinematics) noexcept;
   /// Limits the travel of each velocity from there. O(shapes x joints).
   void limit(const VectorX& most) noexcept;

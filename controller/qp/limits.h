@@ -30,7 +30,6 @@ inline constexpr double kOctagon = 0.9238795325112867;
 /// gets its velocity shortened by its step.
 void smallest_command(const Eigen::Ref<const VectorX>& lower, const Eigen::Ref<const VectorX>& upper,
                       const LinearPair& pair, Eigen::Ref<VectorX> out) noexcept;
-/// The same for one velocity.
 double braking(double lower, double upper) noexcept;
 
 /// Computes the bounds of every velocity: speed limits, joint limits by the chosen law, and acceleration bounds clipped

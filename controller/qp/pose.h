@@ -54,7 +54,6 @@ class QpPoser {
   void clear() noexcept;
 
   const VelocityBounds& limits() const noexcept { return limits_; }
-  /// Task of the last pose().
   const QpTask& asked() const noexcept { return asked_; }
   const Bounds& bounds() const noexcept { return bounds_; }
   const QpProblem& problem() const noexcept { return problem_; }

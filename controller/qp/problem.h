@@ -39,7 +39,7 @@ struct RowId {
   Vector3 p_second_W = Vector3::Zero();
 };
 
-/// Min 1/2 x^T diag(H) x + g^T x  subject to  lbA <= A x <= ubA, lb <= x <= ub (the form of qpOASES). x = (qdot,
+/// min 1/2 x^T diag(H) x + g^T x  subject to  lbA <= A x <= ubA, lb <= x <= ub (the form of qpOASES). x = (qdot,
 /// delta), delta in R^6, absent if tracking is a hard equality. Only allocate() allocates; rows are appended until
 /// `capacity()`. H is diagonal by construction: every term of the objective is.
 struct QpProblem {

@@ -45,7 +45,6 @@ class Objective {
   void allocate(int num_variables);
   /// Removes all terms: costs() is empty.
   void clear() noexcept { on_ = {}; }
-  /// Writes problem.H and problem.g.
   void pose(const ControllerParams& params, const RobotModel& model, const Situation& now, const QpTask& asked,
             QpProblem& problem) noexcept;
   /// Returns the costs at x of the active terms of the last pose(), in the order of controller.md. Their sum is

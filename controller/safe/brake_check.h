@@ -59,7 +59,6 @@ class BrakeCheck {
   }
   void set_objects(std::span<const ObjectShape> objects);
 
-  /// Box of the allowed commands.
   struct Allowed {
     const VectorX& lower;
     const VectorX& upper;
@@ -93,7 +92,6 @@ class BrakeCheck {
     double room;              // travel at which the distance may be 0 [m]; infinite if the pair stays clear
     double end = -kInfinity;  // lower bound of the distance at the end [m]
   };
-  // The pairs of one shape with objects.
   struct Group {
     int shape;
     std::size_t begin, end;

@@ -23,7 +23,6 @@ class SequentialRule {
 
   /// Number of worlds of the next block; 0 at the end.
   std::uint64_t next_block() const;
-  /// Adds a row of the present block.
   void add(std::size_t point, Outcome outcome);
   /// Ends the block; call it after all rows of the block.
   void end_block(std::uint64_t worlds);

@@ -22,7 +22,6 @@ constexpr double kStill = 1e-6;     // changes of a command below this count as 
 constexpr double kRampShown = 10.0;
 constexpr std::size_t kSaturated = 10;  // least number of rows that a detected ramp limits
 
-/// A drive group with its estimates.
 struct Fitted {
   Group group;
   bool ramp = false;

@@ -19,7 +19,6 @@ struct Axis {
   std::vector<double> position;
 };
 
-/// An object at rest.
 struct LoggedObject {
   std::string name;
   std::vector<double> x, y, z;  ///< measured position in the world [m]

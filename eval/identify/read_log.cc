@@ -53,7 +53,7 @@ class Columns {
     for (const char* name : {"vx", "vy", "omega"}) base_[name].name = std::string("base.") + name;
   }
 
-  /// Nullptr for an unknown name.
+  /// nullptr for an unknown name.
   std::vector<double>* place(std::string_view name) {
     const std::map<std::string_view, std::vector<double>*> plain = {
         {"time_s", &log_.time},

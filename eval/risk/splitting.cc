@@ -28,7 +28,6 @@ std::size_t below(std::uint64_t word, std::size_t count) {
   return std::min(static_cast<std::size_t>(unit(word) * static_cast<double>(count)), count - 1);
 }
 
-/// A replicate in progress.
 struct Run {
   std::size_t first = 0;  ///< its first place
   double level = -kEvent;

@@ -33,7 +33,6 @@ struct Proposal {
   std::uint64_t id = 0;  ///< below 2^53; determines the move
 };
 
-/// Stores, moves and scores particles.
 class Particles {
  public:
   virtual ~Particles() = default;
@@ -43,7 +42,6 @@ class Particles {
   virtual std::vector<double> draw(std::size_t count) = 0;
   /// Returns the score of each proposal's moved particle.
   virtual std::vector<double> propose(std::span<const Proposal> proposals) = 0;
-  /// Accepts proposal `i` of the latest propose().
   virtual void accept(std::size_t i) = 0;
   virtual void copy(std::size_t from, std::size_t to) = 0;
   /// Reports the level of each replicate in progress.

@@ -84,7 +84,6 @@ class Breaker {
   Broken& out_;
   std::size_t point_ = 0;
   std::string family_;
-  /// Failures of this point and family.
   std::map<std::tuple<std::uint64_t, std::string, std::string>, std::size_t> known_;
 };
 

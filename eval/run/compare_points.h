@@ -11,7 +11,6 @@
 
 namespace moma::run {
 
-/// A metric to compare.
 struct ComparedMetric {
   std::string name;
   std::string a;  ///< SQL over a row `ta` of trial

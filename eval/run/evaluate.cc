@@ -40,7 +40,6 @@ class StoreTime {
   Profile& profile_;
 };
 
-/// One evaluation into one store.
 class Run {
  public:
   Run(const EvaluateRequest& request, const Suite& suite, const Listener& listener)

@@ -64,7 +64,6 @@ class MovedTrials {
   std::string first_error_;
 };
 
-/// Options of moved trials and their store.
 struct MovedTrialsRequest {
   std::filesystem::path file;          ///< store, created if missing; empty: no trial is stored
   std::vector<std::string> arguments;  ///< the command line, for provenance and "to go on"

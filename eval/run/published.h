@@ -28,7 +28,6 @@ struct Figure {
   double scale = 1.0;    ///< factor on the result of `sql`
   int decimals = 1;
 };
-/// Returns all figures.
 std::span<const Figure> figures();
 
 /// The trials of a mean; the papers do not specify them.
@@ -39,7 +38,6 @@ enum class Averaging {
 };
 constexpr auto words(Of<Averaging>) { return std::to_array<std::string_view>({"arrived", "all", "steps"}); }
 
-/// A row of a published table.
 struct PublishedRow {
   std::string robot;
   std::string method;

@@ -18,7 +18,6 @@ namespace {
 
 constexpr double kNormal95 = 1.959963984540054;
 
-/// The stored values of one trial.
 struct StoredTrial {
   bool arrived = false;
   double steps = 0.0;

@@ -14,7 +14,6 @@
 
 namespace moma::run {
 
-/// One measured figure, in the figure's unit.
 struct Measured {
   std::int64_t n = 0;          ///< number of trials
   double value = 0.0;          ///< NaN where n = 0

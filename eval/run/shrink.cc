@@ -42,7 +42,6 @@ std::vector<std::string> numbers_of(const Json& section, const std::string& plac
   return places;
 }
 
-/// Converts "/base/delay" to base.delay.
 std::string name_of(std::string place) {
   std::replace(place.begin(), place.end(), '/', '.');
   return place.substr(1);

@@ -25,7 +25,6 @@ struct TuneRequest {
   const std::atomic<bool>* stop = nullptr;
 };
 
-/// Additional callbacks of a search.
 struct TuneListener : Listener {
   std::function<void()> trial;                              ///< the search computed a trial
   std::function<void(const tune::Progress&)> evaluation;    ///< an evaluation ended

@@ -9,7 +9,6 @@
 
 namespace moma::tune {
 
-/// State of a search.
 enum class SearchStatus { kRunning, kFinished, kStopped };
 constexpr auto words(Of<SearchStatus>) { return std::to_array<std::string_view>({"running", "finished", "stopped"}); }
 static_assert(all_worded<SearchStatus>());
@@ -19,7 +18,6 @@ enum class Scale { kLinear, kLog, kInteger };
 constexpr auto words(Of<Scale>) { return std::to_array<std::string_view>({"linear", "log", "integer"}); }
 static_assert(all_worded<Scale>());
 
-/// Purpose of an evaluation.
 enum class Phase { kStart, kGlobal, kLocal, kConfirm, kNeighbour, kSensitivity };
 constexpr auto words(Of<Phase>) {
   return std::to_array<std::string_view>({"start", "global", "local", "confirm", "neighbour", "sensitivity"});

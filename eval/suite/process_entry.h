@@ -6,10 +6,8 @@
 
 namespace moma {
 
-/// True if the entry's `method` is `wanted`.
 bool has_method(const config::Node& node, std::string_view wanted);
 
-/// True for `method: process` and `method: python`.
 bool is_process(const config::Node& node);
 
 /// Reads such an entry, starts a process and lets it check its parameters:

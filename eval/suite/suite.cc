@@ -25,7 +25,6 @@ namespace fs = std::filesystem;
 using config::MapReader;
 using config::Node;
 
-// True for controllers.NAME.path.
 bool is_library_key(const std::string& key) {
   return key.starts_with("controllers.") && key.ends_with(".path") && key.find('.', 12) == key.size() - 5;
 }

@@ -31,7 +31,6 @@ struct UntilRule {
   std::uint64_t block = 100;
 };
 
-/// Largest number of worlds of a suite.
 inline constexpr std::uint64_t kMaxTrials = 100'000'000;
 
 template <class Visitor>

@@ -24,10 +24,8 @@ using Assignment = std::vector<std::pair<std::string, config::Node>>;
 /// points (within one for latin_hypercube). Throws config::ConfigError.
 std::vector<Assignment> read_sweep(const config::Node& node, const std::string& key);
 
-/// Returns every key of the section.
 std::vector<Key> sweep_keys(const std::string& prefix = "sweep");
 
-/// Largest number of points of one sweep.
 inline constexpr std::size_t kMaxSweepPoints = 100000;
 
 /// Returns n points in the unit cube of `dimensions`, one in each n-th of every axis (McKay, Beckman & Conover 1979); a

@@ -7,7 +7,6 @@
 
 namespace moma {
 
-/// The end of a trial.
 enum class Outcome { kSuccess, kCollision, kTimeout, kStuck, kJointLimit, kTipped, kInfeasible, kDiverged, kError };
 constexpr auto words(Of<Outcome>) {
   return std::to_array<std::string_view>(

@@ -27,7 +27,6 @@ struct Sample {
   PlanBrief plan;      ///< mode and reason of the look-ahead at the start of the step; default without one
 };
 
-/// Description of a sample's member.
 struct SampleColumn {
   std::string_view parts = "";  ///< of a vector: "x y phi" for base_x, base_y, base_phi; "" numbers them from 0
   std::string_view unit = "";

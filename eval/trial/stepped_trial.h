@@ -24,7 +24,6 @@ class SteppedTrial {
   const World& world() const noexcept { return world_; }
   /// The objects that a controller knows: the world's objects, then false ones. Empty after an error at the start.
   std::span<const ObjectShape> objects() const noexcept;
-  /// True if no further step follows.
   bool ended() const noexcept { return row_.has_value(); }
   /// The present observation, including that of the final state. If the final state is not finite, or after an
   /// exception: the one before.

@@ -29,7 +29,6 @@ ordered_json numbers(const Vector& vector) {
   return list;
 }
 
-/// Writes a sample's members under their names.
 class SampleJson {
  public:
   explicit SampleJson(const Sample& sample) : sample_(sample) {}

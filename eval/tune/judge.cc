@@ -10,7 +10,6 @@
 namespace moma::tune {
 namespace {
 
-// Trials of both sides in one world.
 struct Pair {
   std::string family;
   const TrialRow* found = nullptr;

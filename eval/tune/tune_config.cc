@@ -261,7 +261,6 @@ struct OwnKey {
   bool after = false;  // read after the others and TuneConfig's description, which has the remaining keys
 };
 
-// Returns "linear, log or integer".
 std::string scales() {
   std::string text = list_of_words<Scale>();
   return text.replace(text.rfind(", "), 2, " or ");

@@ -59,7 +59,6 @@ constexpr void describe(Visitor& v, Of<TuneConfig>) {
   v.member("confirm", &T::confirmation, {.text = "none, or the further measurements of the best few"});
 }
 
-/// Returns every key of the section.
 std::vector<Key> tune_keys(const std::string& prefix = "tune");
 
 /// Reads `tune`:

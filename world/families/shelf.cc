@@ -28,10 +28,10 @@ constexpr void describe(Visitor& v, Of<Shelf>) {
   v.inlined(&T::placement);
   v.member("width", &T::width, {.unit = "m", .range = kPositive, .text = "distance between the sides"});
   v.member("opening", &T::opening, {.unit = "m", .range = kPositive, .text = "distance between two boards"});
-  v.member("depth", &T::depth, {.unit = "m", .range = kPositive, .text = "of its boards"});
+  v.member("depth", &T::depth, {.unit = "m", .range = kPositive, .text = "depth of the boards"});
   v.member("inset", &T::inset, {.unit = "m", .text = "depth of the goal behind the front"});
   v.member("height", &T::height, {.unit = "m", .range = kPositive, .text = "least total height"});
-  v.member("thickness", &T::thickness, {.unit = "m", .range = kPositive, .text = "of its boards"});
+  v.member("thickness", &T::thickness, {.unit = "m", .range = kPositive, .text = "thickness of the boards"});
   v.member("level", &T::level,
            {.unit = "1", .range = {0.0, 1.0}, .text = "least horizontal component of the tool's direction"});
   v.member("back", &T::back, {.text = "closed at the back"});

@@ -33,7 +33,6 @@ class ContactLog {
  public:
   explicit ContactLog(std::vector<Contact>& contacts) : contacts_(contacts) {}
   void add(const Contact& contact);
-  /// Orders by time, then indices.
   void sort();
 
  private:
@@ -54,7 +53,6 @@ class ContactScene {
   /// Null if the distance library decides contacts of this shape.
   dGeomID robot_geom(int shape) const { return robot_geoms_[static_cast<std::size_t>(shape)]; }
   dGeomID object_geom(int object) const { return object_geoms_[static_cast<std::size_t>(object)]; }
-  /// The small rotation of a shape's geom.
   Isometry robot_tilt(int shape) const;
   const std::vector<ObjectState>& object_states() const { return states_; }
   bool objects_move() const { return !moving_.empty(); }
@@ -70,12 +68,10 @@ class ContactScene {
   /// Does the same for one pair that ODE decides.
   void detect(const SolidPair& pair, TouchSink& sink);
   bool decides(const SolidPair& pair) const;
-  /// The self-collision pairs that ODE decides.
   const std::vector<SelfPair>& self_pairs() const { return self_pairs_; }
   bool meets_floor(int shape) const;
   /// Whether each shape may touch the floor, including shapes that ODE does not decide.
   const std::vector<bool>& meets_floor() const { return meets_floor_; }
-  /// See Plant::cross_check().
   DetectorCheck cross_check();
 
   /// True if the distance library decides some pairs.

@@ -24,7 +24,6 @@ class GapWatch {
   /// Self-collision pairs are the model's; `meets_floor` has an entry for each shape.
   GapWatch(const RobotModel& model, const World& world, const std::vector<bool>& meets_floor);
 
-  /// Restarts at a state.
   void start(const SolidPoses& poses, const std::vector<ObjectState>& objects);
 
   /// True if no pair can have touched between the last state and this one, which then becomes the last state. False if

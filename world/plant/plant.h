@@ -25,7 +25,6 @@ enum class AtJointLimit { kEnd, kClamp, kIgnore };
 constexpr auto words(Of<AtJointLimit>) { return std::to_array<std::string_view>({"end", "clamp", "ignore"}); }
 static_assert(all_worded<AtJointLimit>());
 
-/// `simulation` of a suite.
 struct SimulationConfig {
   SimulationMode mode = SimulationMode::kDynamic;
   double control_period = 0.02;  ///< [s]
@@ -58,7 +57,6 @@ constexpr void describe(Visitor& v, Of<SimulationConfig>) {
            "effect of a joint beyond its limit in kinematic mode: the trial ends, the joint stops there or moves on"});
 }
 
-/// True state of the robot.
 struct PlantState {
   Vector3 base = Vector3::Zero();  ///< (x, y, phi), phi continuous (not wrapped)
   VectorX q;
@@ -76,7 +74,6 @@ struct Contact {
   bool by_ode = true;  ///< false: the distance library decided (cylinders, hulls)
 };
 
-/// Results of one advance().
 struct PlantReport {
   std::vector<Contact>
       contacts;  ///< colliding pairs, each once with its first time and greatest depth, in order of time, then indices

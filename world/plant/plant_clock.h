@@ -4,7 +4,6 @@
 
 namespace moma {
 
-/// Parts of a plant's time.
 enum class PlantPart {
   kRest,     ///< setting motors, reading states, integrating motion
   kCollide,  ///< contacts, and the continuous check between steps

@@ -36,7 +36,6 @@ class ReachWatch {
 
   /// Starts a motion at the end of the last one, with these bounds.
   void begin(const Travel& travel);
-  /// Completes the motion.
   void end();
 
   /// Returns the pairs that may be nearer than their range at some time of the motion. If necessary, calls gap(pair) ->

@@ -8,14 +8,12 @@
 
 namespace moma {
 
-/// The robot's shapes, in their order.
 inline std::vector<Solid> solids_of(const RobotModel& model) {
   std::vector<Solid> out;
   for (const CollisionShape& shape : model.shapes) out.emplace_back(shape.shape);
   return out;
 }
 
-/// The world's objects, in their order.
 inline std::vector<Solid> solids_of(const World& world) {
   std::vector<Solid> out;
   for (const WorldObject& object : world.objects) out.emplace_back(object.shape);

@@ -8,7 +8,6 @@
 
 namespace moma {
 
-/// One draw of one object.
 struct ObjectTry {
   int number = 0;          ///< number of tries for this object before
   std::uint64_t item = 1;  ///< the object's item for SceneBuilder::draws(); 0 is for draws that all objects share

@@ -74,7 +74,6 @@ class SceneBuilder {
   Draws draws(Stream stream, std::uint64_t item = 0) const {
     return {seed_, index_, stream, attempt_, item, moves_.get()};
   }
-  /// Starts the next try.
   void begin(std::uint64_t attempt, World& world);
   /// Counts a failed check; returns false for `return reject(...)`.
   bool reject(const std::string& constraint);
@@ -118,7 +117,6 @@ class SceneBuilder {
   /// Circles on the floor, (x, y, radius), that contain the projections of start and witness. After place_robot().
   std::vector<Vector3> footprints() const;
 
-  /// Computes world.difficulty.
   void measure(World& world);
 
  private:

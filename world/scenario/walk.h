@@ -10,7 +10,6 @@
 
 namespace moma {
 
-/// The straight way from start to goal.
 struct Way {
   Vector3 from = Vector3::Zero();      ///< where it begins
   Vector3 forward = Vector3::UnitX();  ///< unit vector along the way, horizontal

@@ -15,7 +15,6 @@
 
 namespace moma {
 
-/// Statistics of making worlds.
 struct MakingLog {
   std::uint64_t worlds = 0;                         ///< that were made
   std::uint64_t tries = 0;                          ///< each makes a world or is rejected for one reason
@@ -23,7 +22,6 @@ struct MakingLog {
   std::map<std::string, std::uint64_t> redraws;     ///< objects drawn again within a try, by reason
 };
 
-/// The `worlds` section of a suite, resolved.
 class Worlds {
  public:
   /// Reads `worlds: {seed, clearance, families: {...}}` or `{frozen: PATH}` or `{scenes: PATH}`. Throws

@@ -245,7 +245,6 @@ constexpr void describe(Visitor& v, Of<FalseDetections>) {
 enum class SeenBy { kRule, kSensors };
 constexpr auto words(Of<SeenBy>) { return std::to_array<std::string_view>({"rule", "sensors"}); }
 
-/// Mount of the sensor of objects.
 enum class SensorMount { kBase, kHand };
 constexpr auto words(Of<SensorMount>) { return std::to_array<std::string_view>({"base", "hand"}); }
 
