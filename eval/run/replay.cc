@@ -53,7 +53,7 @@ World world_of(const store::StoredTrial& trial) {
 
 Suite stored_suite(const std::filesystem::path& store, const std::string& name, const std::string& trials,
                    Plugins plugins) {
-  auto resolved = config::parse_json(store::Reader(store).latest_invocation(name).resolved_suite,
+  auto resolved = config::parse_json(store::Reader(store).latest_suite(name),
                                      fmt::format("{}: the resolved suite {}", store.string(), name));
   if (!trials.empty()) {
     // Read as in a suite: a number, or a map; the reader of `trials` rejects anything else.

@@ -2,6 +2,8 @@
 
 #include <xxhash.h>
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cstring>
 #include <stdexcept>
@@ -40,6 +42,16 @@ Hash hash_from_hex(std::string_view hex) {
   }
   if (!ok) throw std::invalid_argument("not a key of 32 hex digits: " + std::string(hex));
   return hash;
+}
+
+std::optional<std::pair<Hash, Hash>> key_range(std::string prefix) {
+  const bool hex = !prefix.empty() && prefix.size() <= 32 &&
+                   std::all_of(prefix.begin(), prefix.end(), [](unsigned char c) { return std::isxdigit(c) != 0; });
+  if (!hex) return std::nullopt;
+  std::string last = prefix;
+  prefix.resize(32, '0');
+  last.resize(32, 'f');
+  return std::pair(hash_from_hex(prefix), hash_from_hex(last));
 }
 
 }  // namespace moma::store

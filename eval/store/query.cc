@@ -96,7 +96,7 @@ QueryResult query(const std::filesystem::path& file, const std::string& sql, std
   ReadConnection connection(file);
   sqlite3* const handle = connection.db().getHandle();
   try {
-    if (calls_samples_function(sql.c_str())) add_samples_function(handle);
+    if (calls_samples_function(sql.c_str())) add_samples_function(connection.db());
   } catch (const SQLite::Exception& error) {
     throw explain(error, file, StoreError::Kind::kUnusable);
   }

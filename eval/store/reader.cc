@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <stdexcept>
 #include <utility>
 
@@ -26,14 +25,6 @@ using SQLite::Statement;
 
 StoreError not_found(const std::filesystem::path& file, const std::string& message) {
   return {StoreError::Kind::kNotFound, fmt::format("{}: {}", file.string(), message)};
-}
-
-/// Least and greatest key with these first hex digits.
-std::pair<Hash, Hash> key_range(std::string prefix) {
-  std::string low = prefix;
-  low.resize(32, '0');
-  prefix.resize(32, 'f');
-  return {hash_from_hex(low), hash_from_hex(prefix)};
 }
 
 }  // namespace
@@ -66,18 +57,15 @@ struct Reader::Impl {
   }
 
   std::string full_key(const std::string& prefix) {
-    const bool hex = !prefix.empty() && prefix.size() <= 32 &&
-                     std::all_of(prefix.begin(), prefix.end(), [](unsigned char c) { return std::isxdigit(c) != 0; });
-    if (!hex) {
+    const auto range = key_range(prefix);
+    if (!range) {
       throw not_found(file, fmt::format("'{}' is no trial; a trial is named by the first hex digits of its key, as the "
                                         "column trial of v_trials shows them",
                                         prefix));
     }
-    std::string lower = prefix;
-    std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
-    const auto [low, high] = key_range(lower);
-    std::vector<std::string> found = rows<std::string>(
-        db, "SELECT lower(hex(key)) FROM trial WHERE key BETWEEN ? AND ? ORDER BY key LIMIT 4", low, high);
+    std::vector<std::string> found =
+        rows<std::string>(db, "SELECT lower(hex(key)) FROM trial WHERE key BETWEEN ? AND ? ORDER BY key LIMIT 4",
+                          range->first, range->second);
     if (found.empty()) throw not_found(file, fmt::format("has no trial that begins with {}", prefix));
     if (found.size() > 1) {
       const bool more = found.size() > 3;
@@ -126,17 +114,16 @@ std::vector<std::string> Reader::suite_names() const {
   return impl_->all<std::string>("SELECT name FROM suite ORDER BY id");
 }
 
-StoredInvocation Reader::latest_invocation(const std::string& name) const {
+std::string Reader::latest_suite(const std::string& name) const {
   return impl_->guarded([&] {
-    auto found = rows_as<StoredInvocation, std::int64_t, std::string, std::string, std::string, std::string>(
-        impl_->db,
-        "SELECT i.id, s.name, r.resolved, i.started, i.status FROM invocation AS i "
-        "JOIN suite AS s ON s.id = i.suite_id JOIN resolved_suite AS r ON r.id = i.resolved_suite_id "
-        "WHERE s.name = ? ORDER BY i.id DESC LIMIT 1",
-        name);
-    if (found.empty())
+    auto found = row<std::string>(impl_->db,
+                                  "SELECT r.resolved FROM invocation AS i JOIN suite AS s ON s.id = i.suite_id "
+                                  "JOIN resolved_suite AS r ON r.id = i.resolved_suite_id "
+                                  "WHERE s.name = ? ORDER BY i.id DESC LIMIT 1",
+                                  name);
+    if (!found)
       throw not_found(impl_->file, fmt::format("has no suite '{}'; it has: {}", name, fmt::join(suite_names(), ", ")));
-    return std::move(found[0]);
+    return std::move(*found);
   });
 }
 

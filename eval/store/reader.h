@@ -30,14 +30,6 @@ struct StoredTrial {
   std::optional<EncodedSamples> samples = {};
 };
 
-struct StoredInvocation {
-  std::int64_t id = 0;
-  std::string suite;           ///< as shown
-  std::string resolved_suite;  ///< JSON
-  std::string started;
-  std::string status;
-};
-
 /// A value of a metric that a suite defined itself.
 struct StoredMetric {
   std::string name;
@@ -84,8 +76,9 @@ class Reader {
   StoredTrial trial(const std::string& prefix) const;
   /// Keys of all trials that belong to a point, in order of the key.
   std::vector<std::string> keys() const;
-  /// The latest invocation of the suite shown under `name`. Throws kNotFound, listing the names.
-  StoredInvocation latest_invocation(const std::string& name) const;
+  /// The suite shown under `name` as it was resolved for its latest invocation, JSON. Throws kNotFound, listing the
+  /// names.
+  std::string latest_suite(const std::string& name) const;
   /// Names of the suites, as shown, in the order in which they came.
   std::vector<std::string> suite_names() const;
   /// Values of the suites' own metrics of the trial with this key (32 hex digits).

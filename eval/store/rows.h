@@ -8,6 +8,7 @@
 #include "controller/describe/describe.h"
 #include "eval/store/difficulty.h"
 #include "eval/store/field.h"
+#include "eval/store/machine.h"
 #include "eval/store/words.h"
 #include "eval/trial/spec.h"
 
@@ -147,7 +148,7 @@ constexpr void describe(Visitor& v, Of<PointRow>) {
   v.member("resolved_position", &T::resolved_position, Field{.text = "its place among that suite's points, from 0"});
 }
 
-struct InvocationRow {
+struct InvocationRow : Machine {
   std::int64_t suite_id = 0;
   std::int64_t resolved_suite_id = 0;
   std::string started;
@@ -158,11 +159,7 @@ struct InvocationRow {
   std::optional<std::string> git_commit;
   std::optional<bool> git_dirty;
   std::string build_type, compiler, compiler_flags;
-  std::string libraries;
-  std::string host, os, cpu;
-  int cpu_count = 0;
   int threads = 1;
-  std::string machine_class;
   std::uint64_t trials_planned = 0, trials_present = 0, trials_done = 0;
 };
 

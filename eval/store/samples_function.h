@@ -1,6 +1,6 @@
 #pragma once
 
-struct sqlite3;
+#include <SQLiteCpp/Database.h>
 
 namespace moma::store {
 
@@ -10,8 +10,9 @@ namespace moma::store {
 /// without stored samples gives no rows, so that the function can be joined with v_trials; an unknown one is an error.
 ///
 /// SQLite finds the function as a virtual table in `temp`, which hides the table of the same name: main.samples is
-/// that. Call it before the connection is made read-only by query_only or an authorizer. Throws SQLite::Exception.
-void add_samples_function(sqlite3* connection);
+/// that. Call it before the connection is made read-only by query_only or an authorizer. The connection stays
+/// where it is. Throws SQLite::Exception.
+void add_samples_function(SQLite::Database& db);
 
 /// Whether `sql` calls it: the word, followed by "(".
 bool calls_samples_function(const char* sql) noexcept;

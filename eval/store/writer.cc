@@ -130,6 +130,7 @@ struct Writer::Impl {
     registered = register_suite(db, suite);
     for (const auto& [name, expression] : suite.metrics) metrics.push_back(metric_id(db, name, expression));
     InvocationRow row;
+    static_cast<Machine&>(row) = machine;
     row.suite_id = registered.suite_id;
     row.resolved_suite_id = registered.resolved_suite_id;
     row.started = utc_now();
@@ -142,13 +143,7 @@ struct Writer::Impl {
     row.build_type = kBuildType;
     row.compiler = kCompiler;
     row.compiler_flags = kCompilerFlags;
-    row.libraries = machine.libraries;
-    row.host = machine.host;
-    row.os = machine.os;
-    row.cpu = machine.cpu;
-    row.cpu_count = machine.cpu_count;
     row.threads = info.threads;
-    row.machine_class = machine.machine_class;
     row.trials_planned = wanted.size();
     invocation = Table<InvocationRow>(db, "invocation", {"id"}).insert(row);
   }
