@@ -6,6 +6,7 @@
 #include <sqlite3.h>
 
 #include <cstring>
+#include <new>
 
 #include "eval/store/database.h"
 #include "eval/store/samples_function.h"
@@ -59,8 +60,12 @@ Cell read_cell(sqlite3_stmt* statement, int i) {
       return sqlite3_column_int64(statement, i);
     case SQLITE_FLOAT:
       return sqlite3_column_double(statement, i);
-    case SQLITE_TEXT:
-      return column_text(statement, i);
+    case SQLITE_TEXT: {
+      const unsigned char* const text = sqlite3_column_text(statement, i);
+      if (text == nullptr) throw std::bad_alloc();  // no memory to end it
+      return std::string(reinterpret_cast<const char*>(text),
+                         static_cast<std::size_t>(sqlite3_column_bytes(statement, i)));
+    }
     case SQLITE_BLOB: {
       const auto* bytes = static_cast<const unsigned char*>(sqlite3_column_blob(statement, i));
       std::string hex;
