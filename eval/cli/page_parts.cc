@@ -102,12 +102,16 @@ reports::Look robot_look(const std::vector<std::filesystem::path>& robots) {
 
 reports::Simulate simulated_again(run::StoredSuites& suites) {
   return [&suites](const std::filesystem::path& db, const std::string& trial) -> std::optional<reports::OwnedSamples> {
-    TrialRows rows;
-    const run::Replay replay = run::replay(db, trial, suites, &rows);
-    if (replay.output.trace.empty()) return {};
-    store::EncodedSamples encoded = store::encode_samples(replay.output.trace);
-    return reports::OwnedSamples{encoded.layout, encoded.n, store::column_names_of(encoded.columns),
-                                 std::move(encoded.data), rows_of(rows)};
+    try {
+      TrialRows rows;
+      const run::Replay replay = run::replay(db, trial, suites, &rows);
+      if (replay.output.trace.empty()) return {};
+      store::EncodedSamples encoded = store::encode_samples(replay.output.trace);
+      return reports::OwnedSamples{encoded.layout, encoded.n, store::column_names_of(encoded.columns),
+                                   std::move(encoded.data), rows_of(rows)};
+    } catch (const config::ConfigError& error) {
+      throw reports::CannotSimulate(error.what());
+    }
   };
 }
 

@@ -137,7 +137,7 @@ class Verifier {
   }
 
   /// The point that `stored` belongs to; null, with the reason counted, where it cannot be built.
-  const SuitePoint* build(const store::StoredTrial& stored) {
+  const SuitePoint* build(const store::StoredTrial& stored, bool again = false) {
     try {
       return &suites_.point_of(stored);
     } catch (const store::StoreError& error) {
@@ -147,6 +147,7 @@ class Verifier {
     } catch (const PluginRefused&) {
       ++unbuilt_["of suites with a plugin (--allow-plugins loads it)"];
     } catch (const config::ConfigError& error) {
+      if (!again) return build(stored, true);  // a fault that passes is none of the store's
       ++unbuilt_[fmt::format("of suites that cannot be read (resolved_suite: {})", error.what())];
     }
     return nullptr;

@@ -36,18 +36,14 @@ Json head(SQLite::Statement& row) {
           {"world", parse_stored(row.getColumn("json_world").getString())}};
 }
 
-/// Simulates a trial again; nothing if that fails twice: it cannot be done here, for instance without its robot's file.
-/// One failure may be a passing fault, which must not leave a page without its rows.
+/// Simulates a trial again; nothing where that cannot be done here. Whatever else fails is no reason for a page without
+/// rows.
 std::optional<OwnedSamples> again(const SQLite::Database& store, const Simulate& simulate, const std::string& trial) {
-  for (int attempt = 0; simulate && attempt < 2; ++attempt) {
-    try {
-      return simulate(store.getFilename(), trial);
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (const std::exception&) {
-    }
+  try {
+    return simulate ? simulate(store.getFilename(), trial) : std::nullopt;
+  } catch (const CannotSimulate&) {
+    return {};
   }
-  return {};
 }
 
 /// Adds the motion of a trial at `hz` samples a second to its head: as stored, else as it was simulated again, with the

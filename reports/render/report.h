@@ -16,7 +16,15 @@
 
 namespace moma::reports {
 
-/// Simulates a trial again whose samples the store does not hold; nothing where it has none.
+/// A trial needs what is not here: a plugin that is refused, a file that its suite names. The page shows what is
+/// stored.
+class CannotSimulate : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Simulates a trial again: its samples and the rows of its QP; nothing where it has no samples. Throws CannotSimulate
+/// where that cannot be done here.
 using Simulate =
     std::function<std::optional<OwnedSamples>(const std::filesystem::path& store, const std::string& trial)>;
 
@@ -32,7 +40,7 @@ struct ReportOptions {
   int twins = 12;  ///< of so many failures with motion the page has a success in the same world too, to play beside it
   std::string notes;  ///< of the page's author, Markdown, for its head
   Look look;          ///< what robots look like; without it they are shown as the shapes that count in collisions
-  Simulate simulate;  ///< for successes without samples; without it they are left out
+  Simulate simulate;  ///< for rows of the QP, and trials without samples; without it both are left out
   files::Replace replace = files::Replace::kOwn;  ///< what may stand where the page goes
 };
 

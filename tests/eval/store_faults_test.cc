@@ -131,7 +131,8 @@ tune:
         fs::remove(path("a.html"));
         const ProcessResult failed = Process(failing(call, n, on, arguments), folder_.root()).wait();
         EXPECT_EQ(failed.signal, 0) << what << ": " << failed.err;
-        EXPECT_TRUE(failed.code == 0 || failed.code == 2) << what << ": " << failed.code << ": " << failed.err;
+        EXPECT_TRUE(failed.code == 0 || failed.code == 2)
+            << what << ": " << failed.code << ": " << failed.err << failed.out;
         for (const char* bug : {"internal error", "terminate"})
           EXPECT_EQ(failed.err.find(bug), std::string::npos) << what << ": " << failed.err;
         if (failed.code != 0) {

@@ -157,7 +157,7 @@ TEST(View, AskedForATrialWithoutSamplesItHasItSimulated) {
   options.simulate = [&](const std::filesystem::path& store, const std::string& trial) -> std::optional<OwnedSamples> {
     ++calls;
     EXPECT_EQ(store, folder / "a.db");
-    if (calls > 1) throw std::runtime_error("no such robot any more: " + trial);
+    if (calls > 1) throw CannotSimulate("no such robot any more: " + trial);
     SQLite::Database db(store.string());
     SQLite::Statement any(db, "SELECT layout, n, columns, data FROM samples LIMIT 1");
     any.executeStep();
