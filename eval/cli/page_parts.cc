@@ -14,6 +14,7 @@
 #include "controller/model/urdf_visual.h"
 #include "eval/cli/table.h"
 #include "eval/run/time_known.h"
+#include "eval/store/error.h"
 #include "eval/store/samples.h"
 
 namespace moma::cli {
@@ -111,6 +112,9 @@ reports::Simulate simulated_again(run::StoredSuites& suites) {
                                    std::move(encoded.data), rows_of(rows)};
     } catch (const config::ConfigError& error) {
       throw reports::CannotSimulate(error.what());
+    } catch (const store::StoreError& error) {
+      if (error.kind() != store::StoreError::Kind::kNotFound) throw;
+      throw reports::CannotSimulate(error.what());  // of another version of the simulation
     }
   };
 }
