@@ -54,7 +54,7 @@ constexpr void describe(Visitor& v, Of<Observation>) {
   v.member("objects", &T::objects, {.text = "in the order of the reset"});
 }
 
-/// What a controller from elsewhere may say of its command, beside it: members of StepResult.
+/// Members of StepResult that a foreign controller may answer beside its command.
 struct Details {};
 
 template <class Visitor>

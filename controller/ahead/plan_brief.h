@@ -7,7 +7,7 @@
 
 namespace moma {
 
-/// What a controller that looks ahead is doing. In `stop`, `choose` and `set_out` it asks for no motion.
+/// Activity of a controller that looks ahead. In `stop`, `choose` and `set_out` it asks for no motion.
 enum class PlanMode {
   kDirect,  ///< the controller's own policy
   kFollow,  ///< a path

@@ -16,7 +16,7 @@
 
 namespace moma {
 
-// What is sensed as a case file has it, by its description (controller/step_described.h): a pose as `position` and
+// A case file holds what is sensed by its description (controller/step_described.h): a pose as `position` and
 // `quaternion` or `rotation` among the other keys, matrices column by column, lists with a value for each joint or
 // velocity. The goal and the objects of an observation have places of their own in the file.
 
@@ -38,7 +38,7 @@ nlohmann::ordered_json write_value(const M& value, const About& /*about*/) {
 
 namespace case_file {
 
-/// What of T's members stands among its keys.
+/// Whether a member stands among the keys of its record: the goal and lists stand elsewhere.
 template <class V>
 inline constexpr bool is_here = !is_std_vector<V> && !std::is_same_v<V, GoalState>;
 

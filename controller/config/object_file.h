@@ -20,7 +20,7 @@ Shape read_shape(MapReader& in, std::span<const ShapeKind> allowed = {}, const c
 /// Adds the same keys.
 void write_shape(const Shape& shape, nlohmann::ordered_json& json);
 
-/// What a controller is told of objects as a motion begins (docs/reference/process-protocol.md, "Reset"): a list of
+/// Returns the objects that reset() tells a controller (docs/reference/process-protocol.md, "Reset"): a list of
 /// {name, shape, size, vertices, triangles}; `kind` is the same as `shape`.
 nlohmann::ordered_json objects_to_json(std::span<const ObjectShape> objects);
 /// The same back. Keys that say where an object is, or how it moves, are left alone: they are for the steps.

@@ -7,7 +7,7 @@
 
 namespace moma::fit {
 
-/// What a kind's volume counts for when kinds are compared: a simpler or rounder shape wins where it is hardly larger.
+/// Weight of a kind's volume when kinds are compared: a simpler or rounder shape wins where it is hardly larger.
 /// A box has flat sides, whose nearest point jumps when something turns before them, and its distances to other boxes
 /// are found by iteration.
 inline constexpr double kCapsuleWeight = 1.02;

@@ -35,7 +35,7 @@ struct MotionLimits {
   VectorX lever;                ///< way of the robot's farthest point per joint's motion, as a rule [m/rad, 1]
   double base_lever = 0.8;      ///< and per turn of the base [m/rad]
 
-  /// Of a differential base's wheels: |v| + half_track |omega| <= rim_speed [m, m/s].
+  /// Wheel limit of a differential base: |v| + half_track |omega| <= rim_speed [m, m/s].
   double half_track = 0.0, rim_speed = kInfinity;
 
   int num_joints() const noexcept { return static_cast<int>(lower.size()); }

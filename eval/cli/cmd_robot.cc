@@ -149,7 +149,7 @@ ordered_json to_json(const config::LoadedRobot& robot, const std::vector<std::st
   return json;
 }
 
-/// What it replaces was asked for, or is what it wrote itself: check_output() has looked.
+/// Replaces any file: check_output() has refused those that are not to be replaced.
 void write_text(const std::filesystem::path& file, const std::string& text) {
   files::write_file(file, robot_file_kind(), files::Replace::kAny, [&](std::ostream& out) { out << text; });
 }
