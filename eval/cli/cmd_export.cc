@@ -90,18 +90,26 @@ void add_export(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
   struct Options {
     fs::path file;
     fs::path csv;
+    std::string parquet;
     files::Replace replace = files::Replace::kOwn;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("export", "Write a store as flat CSV files");
   command->add_option("DB", options->file, "Store")->required();
-  command->add_option("--csv", options->csv, "Folder for the files, made if missing")->required();
+  command->add_option("--csv", options->csv, "Folder for the files, made if missing");
+  command->add_option("--parquet", options->parquet,
+                      "Folder for Parquet files; by the Python package: python3 -m moma export DB --parquet FOLDER");
   add_force(*command, options->replace);
-  command->footer(
-      "Example: moma export results/demo.db --csv results/demo-csv\n"
-      "Parquet files are written by the Python package: python3 -m moma export DB --parquet FOLDER");
+  command->footer("Example: moma export results/demo.db --csv results/demo-csv");
   command->callback([&action, options] {
     action = [options] {
+      if (!options->parquet.empty()) {
+        throw UsageError(
+            fmt::format("export: Parquet files are written by the Python package (pip install \"moma[parquet]\"): "
+                        "python3 -m moma export {} --parquet {}",
+                        options->file.string(), options->parquet));
+      }
+      if (options->csv.empty()) throw UsageError("export: --csv FOLDER is required");
       export_csv(options->file, options->csv, options->replace);
       return static_cast<int>(kOk);
     };
