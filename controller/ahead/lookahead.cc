@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <variant>
 
 #include "controller/model/proximity.h"
 
@@ -31,6 +33,8 @@ constexpr double kGoOnDriving = 0.52, kGoOnStanding = 0.24;
 constexpr double kSafe = 0.5;
 // While a path is followed a moment of it costs more than anything else in a step: few of them.
 constexpr long kWatched = 40;
+
+const EscapeState kNothing;  // no detour is remembered
 
 ControllerParams without_plan(ControllerParams params) {
   params.plan.enabled = false;
@@ -103,16 +107,23 @@ KeptDistance Lookahead::keeps() const noexcept {
 
 std::int64_t Lookahead::periods(double seconds) const noexcept { return std::llround(seconds / dt_); }
 
+template <class Now>
+void Lookahead::begin(const Now& now, PlanReason reason) noexcept {
+  state_.doing = now;
+  PlanBrief& brief = state_.brief;
+  brief.going_on = state_.doing.index() == kGoingOn;
+  brief.mode = brief.going_on ? PlanMode::kDirect : static_cast<PlanMode>(state_.doing.index());
+  brief.reason = reason;
+}
+
 // The policy's turn; `start` is what it begins with, null where it goes on.
 void Lookahead::go_direct(PlanReason reason, const EscapeState* start) noexcept {
+  begin(GoingDirect{}, reason);
   PlanBrief& brief = state_.brief;
-  brief.mode = PlanMode::kDirect;
-  brief.reason = reason;
   brief.clock = brief.duration = brief.lag = 0.0;
   brief.target.setZero();
   brief.end.setZero();
   state_.path.count = 0;
-  state_.brief.going_on = state_.chosen = false;
   job_ = Job::kNone;
   if (start == nullptr) return;
   state_.fresh = true;
@@ -121,12 +132,7 @@ void Lookahead::go_direct(PlanReason reason, const EscapeState* start) noexcept 
 }
 
 void Lookahead::stop(PlanReason reason, double direct_time) noexcept {
-  state_.left_path = state_.brief.mode == PlanMode::kFollow;
-  state_.brief.mode = PlanMode::kStop;
-  state_.brief.reason = reason;
-  state_.direct_time = direct_time;
-  state_.stop_end = state_.steps + periods(kLongestStop);
-  state_.brief.going_on = state_.chosen = false;
+  begin(Stopping{state_.steps + periods(kLongestStop), direct_time}, reason);
   job_ = Job::kNone;
 }
 
@@ -138,29 +144,21 @@ void Lookahead::go_on(PlanReason reason, double direct_time) noexcept {
     stop(reason, direct_time);
     return;
   }
-  state_.left_path = false;
-  state_.brief.going_on = true;
-  state_.brief.reason = reason;
-  state_.direct_time = direct_time < 0.0 ? direct_time : std::max(0.0, direct_time - later_time_);
-  state_.commit = commit;
-  state_.chosen = false;
-  choice_.begin(later_, state_.direct_time, ++state_.brief.attempts);
+  if (direct_time >= 0.0) direct_time = std::max(0.0, direct_time - later_time_);
+  begin(GoingOn{commit, direct_time, false}, reason);
+  choice_.begin(later_, direct_time, ++state_.brief.attempts);
   job_ = Job::kChoose;
 }
 
 // Of state_.path.
 void Lookahead::begin_path(PlanReason reason) noexcept {
+  begin(Following{state_.steps, 0.0}, reason);
   PlanBrief& brief = state_.brief;
-  brief.mode = PlanMode::kFollow;
-  brief.reason = reason;
   brief.clock = brief.lag = 0.0;
   brief.duration = state_.path.duration;
   brief.target = state_.path.origin.head<3>();
   shift_ = PlanarShift{};
   place_end();
-  brief.going_on = state_.chosen = false;
-  state_.mark = state_.steps;
-  state_.mark_clock = 0.0;
   watch_.forget();
 }
 
@@ -170,18 +168,12 @@ void Lookahead::place_end() noexcept {
   state_.brief.end = shift_.of(end).head<3>();
 }
 
-// Where going on ends: what was chosen, or a stop until it is.
-void Lookahead::take_effect() noexcept {
-  if (!state_.chosen) {
-    state_.brief.going_on = false;
-    state_.brief.mode = PlanMode::kStop;
-    state_.stop_end = state_.steps + periods(kLongestStop);
-  } else if (state_.path.count > 0) {
+// `path`, or where that is none the policy from `start` on.
+void Lookahead::begin_chosen() noexcept {
+  if (state_.path.count > 0)
     begin_path(PlanReason::kQuicker);
-  } else {
-    const EscapeState start = state_.start;
-    go_direct(PlanReason::kQuicker, &start);
-  }
+  else
+    go_direct(PlanReason::kQuicker, &state_.start);
 }
 
 bool Lookahead::near_mover(const Observation& o) const noexcept {
@@ -193,7 +185,6 @@ bool Lookahead::near_mover(const Observation& o) const noexcept {
 }
 
 void Lookahead::decide(const Observation& o, const Vector6& error) noexcept {
-  const EscapeState kNothing;
   const RolloutLimits limits = prediction_limits(params_, escape_, params_.horizon);
   arrived_ = error.tail<3>().norm() < limits.position && error.head<3>().norm() < limits.orientation;
   if (state_.has_goal && jumped(state_.X_WG, o.goal.X_WG)) {
@@ -214,20 +205,22 @@ void Lookahead::decide(const Observation& o, const Vector6& error) noexcept {
   const bool goal_moves = o.goal.V_WG_W.norm() >= kStill;
   traffic_ = movers || goal_moves;
   PlanBrief& brief = state_.brief;
-  if (goal_moves && (brief.mode != PlanMode::kDirect || state_.brief.going_on))
-    go_direct(PlanReason::kTraffic, &kNothing);
+  if (goal_moves && !doing<GoingDirect>()) go_direct(PlanReason::kTraffic, &kNothing);
   if (movers && !goal_moves) decide_among_traffic();
   const bool stands = o.qdot.lpNorm<Eigen::Infinity>() <= kSlow;
-  if (state_.steps == 0 && brief.mode == PlanMode::kDirect && params_.direct > 0 && stands && !traffic_ && !arrived_)
-    brief.mode = PlanMode::kSetOut;
-  if (state_.brief.going_on && state_.steps >= state_.commit) take_effect();
-  if (brief.mode == PlanMode::kStop && (stands || state_.steps >= state_.stop_end)) {
-    brief.mode = PlanMode::kChoose;
-    state_.stop_end = state_.steps;
+  if (state_.steps == 0 && doing<GoingDirect>() && params_.direct > 0 && stands && !traffic_ && !arrived_)
+    begin(SettingOut{}, brief.reason);
+  if (const GoingOn* now = doing<GoingOn>(); now && state_.steps >= now->commit) {
+    if (now->chosen)
+      begin_chosen();
+    else
+      begin(Stopping{state_.steps + periods(kLongestStop), now->direct_time}, brief.reason);
   }
+  if (const Stopping* now = doing<Stopping>(); now && (stands || state_.steps >= now->stop_end))
+    begin(Choosing{state_.steps, now->direct_time}, brief.reason);
   guides_ = brief.mode != PlanMode::kDirect;
   wanted_.setZero();
-  if (brief.mode == PlanMode::kFollow) follow(o);
+  if (Following* now = doing<Following>()) follow(o, *now);
   anew_ = state_.fresh;
   if (anew_) {
     anew_start_ = state_.start;
@@ -238,14 +231,13 @@ void Lookahead::decide(const Observation& o, const Vector6& error) noexcept {
 
 // Pushed off its path or held up by what moves, the robot is the policy's again.
 void Lookahead::decide_among_traffic() noexcept {
-  const EscapeState kNothing;
-  if (state_.brief.mode == PlanMode::kSetOut) go_direct(PlanReason::kTraffic, nullptr);
-  if (state_.brief.mode != PlanMode::kFollow) return;
-  if (state_.brief.lag > kPushed || state_.steps - state_.mark > periods(2.0 * params_.stuck))
+  if (doing<SettingOut>()) go_direct(PlanReason::kTraffic, nullptr);
+  const Following* now = doing<Following>();
+  if (now && (state_.brief.lag > kPushed || state_.steps - now->mark > periods(2.0 * params_.stuck)))
     go_direct(PlanReason::kTraffic, &kNothing);
 }
 
-void Lookahead::follow(const Observation& o) noexcept {
+void Lookahead::follow(const Observation& o, Following& following) noexcept {
   PlanBrief& brief = state_.brief;
   shift_ = shift_of_goal(mobile_, state_.path.X_WG, o.goal.X_WG);
   // The clock waits for what will pass.
@@ -262,35 +254,20 @@ void Lookahead::follow(const Observation& o) noexcept {
   state_.path.at(brief.clock, target);
   brief.target = shift_.of(target).head<3>();
   place_end();
-  if (brief.clock > state_.mark_clock + kProgress) {
-    state_.mark_clock = brief.clock;
-    state_.mark = state_.steps;
-  }
+  if (brief.clock > following.mark_clock + kProgress) following = {state_.steps, brief.clock};
 }
 
 void Lookahead::work(const Observation& o, const EscapeState& escape) noexcept {
   long budget = params_.budget - debt_;
   const long whole = budget;
-  switch (state_.brief.mode) {
-    case PlanMode::kDirect:
-      if (state_.brief.going_on)
-        work_going_on(o, escape, budget);
-      else
-        work_direct(o, escape, budget);
-      break;
-    case PlanMode::kFollow:
-      work_path(o, escape, budget);
-      break;
-    case PlanMode::kStop:
-      if (job_ == Job::kChoose) work_choice(o, budget);
-      break;
-    case PlanMode::kChoose:
-      work_choice(o, budget);
-      break;
-    case PlanMode::kSetOut:
-      work_set_out(o, budget);
-      break;
-  }
+  if (doing<GoingDirect>())
+    work_direct(o, escape, budget);
+  else if (doing<Following>())
+    work_path(o, escape, budget);
+  else if (doing<SettingOut>())
+    work_set_out(o, budget);
+  else
+    work_choice(o, escape, budget);
   checks_ = whole - budget;
   debt_ = std::max(0L, -budget);
 }
@@ -315,7 +292,7 @@ void Lookahead::work_set_out(const Observation& o, long& budget) noexcept {
 void Lookahead::work_direct(const Observation& o, const EscapeState& escape, long& budget) noexcept {
   const bool goal_moves = o.goal.V_WG_W.norm() >= kStill;
   const bool stagnated = escape.stagnations > state_.stagnations;
-  state_.stagnations = state_.fresh ? state_.stagnations : escape.stagnations;
+  state_.stagnations = escape.stagnations;
   if (traffic_ && (goal_moves || !stagnated || near_mover(o))) {
     job_ = Job::kNone;
     state_.next = state_.steps;
@@ -328,19 +305,10 @@ void Lookahead::work_direct(const Observation& o, const EscapeState& escape, lon
   if (job_ == Job::kNone && state_.steps < state_.next && !news_) return;
   if (!predict(o, escape, params_.horizon, budget)) return;
   end_direct_prediction();
-  if (state_.brief.going_on) work_choice(o, budget);
-}
-
-void Lookahead::work_going_on(const Observation& o, const EscapeState& escape, long& budget) noexcept {
-  state_.stagnations = escape.stagnations;
-  if (!state_.chosen && job_ != Job::kChoose)  // what was under way is not known any more
-    go_direct(state_.brief.reason, nullptr);
-  else
-    work_choice(o, budget);
+  if (doing<GoingOn>()) work_choice(o, escape, budget);
 }
 
 void Lookahead::work_path(const Observation& o, const EscapeState& escape, long& budget) noexcept {
-  const EscapeState kNothing;
   state_.stagnations = escape.stagnations;
   long looks = std::min(budget, kWatched);
   budget -= looks;
@@ -352,7 +320,7 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
   }
   if (state_.brief.clock >= state_.path.duration) {
     if (arrived_) {  // it holds the path's end
-      state_.mark = state_.steps;
+      doing<Following>()->mark = state_.steps;
       return;
     }
     if (at_end()) {
@@ -372,15 +340,23 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
     stop(PlanReason::kNoProgress, -1.0);
 }
 
-void Lookahead::work_choice(const Observation& o, long& budget) noexcept {
-  if (state_.chosen) return;  // it waits to take effect
+// The robot goes on, slows down, or stands meanwhile.
+void Lookahead::work_choice(const Observation& o, const EscapeState& escape, long& budget) noexcept {
+  std::int64_t end = std::numeric_limits<std::int64_t>::max();
+  if (const GoingOn* now = doing<GoingOn>()) {
+    state_.stagnations = escape.stagnations;
+    if (now->chosen) return;  // it waits to take effect
+    end = now->commit;
+  }
+  const Choosing* stands = doing<Choosing>();
+  if (stands) end = stands->stop_end + periods(kLongestChoice);
   if (job_ != Job::kChoose) {
-    choice_.begin(o, state_.direct_time, ++state_.brief.attempts);
+    if (doing<GoingOn>()) go_direct(state_.brief.reason, nullptr);  // what was under way is not known any more
+    if (!stands) return;
+    choice_.begin(o, stands->direct_time, ++state_.brief.attempts);
     job_ = Job::kChoose;
   }
-  const bool stands = state_.brief.mode == PlanMode::kChoose;
-  const std::int64_t end = stands ? state_.stop_end + periods(kLongestChoice) : state_.commit;
-  if ((stands || state_.brief.going_on) && state_.steps + kHurry >= end) choice_.hurry();
+  if (state_.steps + kHurry >= end) choice_.hurry();
   if (!choice_.advance(rollout_, budget) || (stands && state_.steps >= end)) choose();
 }
 
@@ -421,36 +397,37 @@ void Lookahead::end_direct_prediction() noexcept {
     state_.brief.reason = PlanReason::kArrives;
 }
 
-bool Lookahead::stuck() const noexcept {
-  return state_.steps - state_.mark > periods((traffic_ ? 4.0 : 1.0) * params_.stuck);
+bool Lookahead::stuck() noexcept {
+  return state_.steps - doing<Following>()->mark > periods((traffic_ ? 4.0 : 1.0) * params_.stuck);
 }
 
-bool Lookahead::at_end() const noexcept {
+bool Lookahead::at_end() noexcept {
   const bool close = state_.path.kept_at_goal < state_.path.clearance;
   return state_.brief.lag < (close ? kArrivedClose : kArrived) || stuck();
 }
 
 // The quickest counts; where nothing arrives, the direct policy goes on, anew where it was not the policy's turn.
 void Lookahead::choose() noexcept {
-  const EscapeState kNothing;
   const PlanCandidate& best = choice_.best();
-  const bool waits = state_.brief.going_on;
   job_ = Job::kNone;
   state_.next = state_.steps + periods(params_.period);
   state_.brief.choice = choice_.verdict();
   if (best.time < 0.0 || best.kind == PlanKind::kPolicy) {
     if (best.time < 0.0 && planner().close_goal()) state_.next = state_.steps;  // nothing else leads there
-    go_direct(best.time < 0.0 ? PlanReason::kNoPath : PlanReason::kQuicker, state_.left_path ? &kNothing : nullptr);
-  } else if (best.kind == PlanKind::kPath) {
+    const bool left_path = state_.path.count > 0;
+    go_direct(best.time < 0.0 ? PlanReason::kNoPath : PlanReason::kQuicker, left_path ? &kNothing : nullptr);
+    return;
+  }
+  if (best.kind == PlanKind::kPath) {
     state_.path = planner().path();
-    state_.chosen = true;
-    if (!waits) begin_path(PlanReason::kQuicker);
   } else {
     state_.start = choice_.start();
     state_.path.count = 0;
-    state_.chosen = true;
-    if (!waits) take_effect();
   }
+  if (GoingOn* now = doing<GoingOn>())
+    now->chosen = true;
+  else
+    begin_chosen();
 }
 
 }  // namespace moma

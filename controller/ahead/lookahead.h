@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <variant>
 
 #include "controller/ahead/choice.h"
 #include "controller/ahead/path_watch.h"
@@ -67,24 +68,31 @@ class Lookahead {
  private:
   enum class Job { kNone, kSetOut, kPredict, kChoose };
 
+  /// Changes `doing`, and mode and reason of the brief with it.
+  template <class Now>
+  void begin(const Now& now, PlanReason reason) noexcept;
+  /// Null where the robot is doing something else.
+  template <class Now>
+  Now* doing() noexcept {
+    return std::get_if<Now>(&state_.doing);
+  }
   void decide_among_traffic() noexcept;
   void go_direct(PlanReason reason, const EscapeState* start) noexcept;
   void go_on(PlanReason reason, double direct_time) noexcept;
   void stop(PlanReason reason, double direct_time) noexcept;
   void begin_path(PlanReason reason) noexcept;
   void place_end() noexcept;
-  void take_effect() noexcept;
-  void follow(const Observation& o) noexcept;
+  void begin_chosen() noexcept;
+  void follow(const Observation& o, Following& following) noexcept;
   void work_set_out(const Observation& o, long& budget) noexcept;
   void work_direct(const Observation& o, const EscapeState& escape, long& budget) noexcept;
-  void work_going_on(const Observation& o, const EscapeState& escape, long& budget) noexcept;
   void work_path(const Observation& o, const EscapeState& escape, long& budget) noexcept;
-  void work_choice(const Observation& o, long& budget) noexcept;
+  void work_choice(const Observation& o, const EscapeState& escape, long& budget) noexcept;
   bool predict(const Observation& o, const EscapeState& escape, double time, long& budget) noexcept;
   void end_direct_prediction() noexcept;
   void choose() noexcept;
-  bool stuck() const noexcept;
-  bool at_end() const noexcept;
+  bool stuck() noexcept;
+  bool at_end() noexcept;
   bool near_mover(const Observation& o) const noexcept;
   std::int64_t periods(double seconds) const noexcept;
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <variant>
 
 #include "controller/ahead/plan_brief.h"
 #include "controller/escape_state.h"
@@ -8,26 +10,57 @@
 
 namespace moma {
 
+// Steps count control periods since the start or the goal's last jump.
+
+/// The controller's own policy drives.
+struct GoingDirect {};
+
+/// The policy drives until step `commit`. Meanwhile a choice is worked out for the robot as it is predicted to be then.
+struct GoingOn {
+  std::int64_t commit = 0;
+  double direct_time = -1.0;  ///< predicted time of the policy from then on [s]; negative: it fails
+  bool chosen = false;        ///< the choice is made: the state's `path`, or without one a detour from `start` on
+};
+
+/// The robot follows the state's `path`.
+struct Following {
+  std::int64_t mark = 0;    ///< step of the last progress along the path ...
+  double mark_clock = 0.0;  ///< ... and the path's clock then [s]
+};
+
+/// The robot slows down, to choose at rest.
+struct Stopping {
+  std::int64_t stop_end = 0;  ///< step at which the choice begins even if the robot still moves
+  double direct_time = -1.0;  ///< as in GoingOn
+};
+
+/// The robot stands and chooses.
+struct Choosing {
+  std::int64_t stop_end = 0;  ///< step at which it began
+  double direct_time = -1.0;  ///< as in GoingOn
+};
+
+/// The robot stands and looks for a direct way.
+struct SettingOut {};
+
+/// One alternative for each PlanMode, in its order; GoingOn, which has the mode `direct` too, is the last.
+using Doing = std::variant<GoingDirect, Following, Stopping, Choosing, SettingOut, GoingOn>;
+inline constexpr std::size_t kGoingOn = std::variant_size_v<Doing> - 1;
+
 /// All that looking ahead remembers from step to step: with an observation, all that decides what is asked of the robot
 /// in a step. Work in progress (a prediction or a choice that is spread over steps) is not in it and begins again from
-/// it. Times count control periods.
+/// it.
 struct PlanState {
-  PlanBrief brief;
-  std::int64_t steps = 0;     ///< since the start or the goal's last jump
-  std::int64_t next = 0;      ///< step of the next prediction
-  std::int64_t stop_end = 0;  ///< step at which a stop has lasted long enough; of a choice, at which it ended
-  std::int64_t commit = 0;    ///< step up to which `brief.going_on` goes on: what is chosen takes effect there
-  bool chosen = false;        ///< the choice is made and waits for that: `path`, or else a detour from `start` on
-  std::int64_t mark = 0;      ///< step of the last progress along the path ...
-  double mark_clock = 0.0;    ///< ... and where that was on it [s]
-  int stagnations = 0;        ///< the policy's, up to which nothing is news
-  double direct_time = -1.0;  ///< predicted of the direct policy from the choice on [s]; negative: it fails
-  bool left_path = false;     ///< the stop interrupted a path
-  bool fresh = false;         ///< the direct policy begins anew, as `start` says, in the next step
+  PlanBrief brief;  ///< `mode` and `going_on` follow from `doing`
+  Doing doing;
+  std::int64_t steps = 0;  ///< since the start or the goal's last jump
+  std::int64_t next = 0;   ///< step of the next prediction
+  int stagnations = 0;     ///< the policy's, up to which nothing is news
+  bool fresh = false;      ///< the direct policy begins anew, as `start` says, in the next step
+  int known = 0;           ///< objects that were seen in the step before
   EscapeState start;
   bool has_goal = false;
   Isometry X_WG = Isometry::Identity();  ///< the goal's, in the step before
-  int known = 0;                         ///< objects that were seen in the step before
   Path path;                             ///< of no motions where there is none
 };
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "controller/case/sensed.h"
@@ -10,22 +11,51 @@
 #include "controller/config/write_described.h"
 
 namespace moma {
-// The members that stand beside start, goal and path.
+namespace {
+constexpr Range kSteps{0.0, 1e12};
+constexpr About kDirectTime{.unit = "s", .text = "predicted time of the direct policy; negative: it fails"};
+}  // namespace
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<GoingOn>) {
+  v.member("commit", &GoingOn::commit, {.range = kSteps, .text = "step at which a choice takes effect"});
+  v.member("direct_time", &GoingOn::direct_time, kDirectTime);
+  v.member("chosen", &GoingOn::chosen, {.text = "whether it is made, and waits for that step"});
+}
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Following>) {
+  v.member("mark", &Following::mark, {.range = kSteps, .text = "step of the last progress along the path"});
+  v.member("mark_clock", &Following::mark_clock,
+           {.unit = "s", .range = Range::non_negative(), .text = "the path's clock then"});
+}
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Stopping>) {
+  v.member("stop_end", &Stopping::stop_end, {.range = kSteps, .text = "step at which a stop has lasted long enough"});
+  v.member("direct_time", &Stopping::direct_time, kDirectTime);
+}
+
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Choosing>) {
+  v.member("stop_end", &Choosing::stop_end, {.range = kSteps, .text = "step at which the choice began"});
+  v.member("direct_time", &Choosing::direct_time, kDirectTime);
+}
+
+template <class Visitor>
+constexpr void describe(Visitor&, Of<GoingDirect>) {}
+
+template <class Visitor>
+constexpr void describe(Visitor&, Of<SettingOut>) {}
+
+// The members that stand beside `doing`, start, goal and path.
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<PlanState>) {
   using T = PlanState;
-  constexpr Range kSteps{0.0, 1e12};
   v.inlined(&T::brief);
   v.member("steps", &T::steps, {.range = kSteps, .text = "since the start or the goal's last jump"});
   v.member("next", &T::next, {.range = kSteps, .text = "step of the next prediction"});
-  v.member("stop_end", &T::stop_end, {.range = kSteps, .text = "step at which a stop has lasted long enough"});
-  v.member("commit", &T::commit, {.range = kSteps, .text = "step at which a choice takes effect"});
-  v.member("chosen", &T::chosen, {.text = "whether it is made, and waits for that step"});
-  v.member("mark", &T::mark, {.range = kSteps, .text = "step of the last progress along the path"});
-  v.member("mark_clock", &T::mark_clock, {.unit = "s", .range = Range::non_negative(), .text = "and where that was"});
   v.member("stagnations", &T::stagnations, {.range = {0, 1e9}, .text = "up to which nothing is news"});
-  v.member("direct_time", &T::direct_time, {.unit = "s", .text = "predicted of the direct policy; negative: it fails"});
-  v.member("left_path", &T::left_path, {.text = "whether the stop interrupted a path"});
   v.member("fresh", &T::fresh, {.text = "whether the direct policy begins anew, as `start` says"});
   v.member("known", &T::known, {.range = {0, 1e9}, .text = "objects that were seen in the step before"});
 }
@@ -127,6 +157,18 @@ PlanState read_plan_state(const Node& node, const std::string& key, const RobotM
   PlanState state;
   state.path.origin = WholeConfiguration::Zero(3 + model.num_joints());
   config::read_members(in, state);
+  in.check(!state.brief.going_on || state.brief.mode == PlanMode::kDirect, "going_on", "only the mode direct goes on");
+  // Files of simulation version 10 and before have the members of all that a robot can be doing.
+  const std::size_t doing = state.brief.going_on ? kGoingOn : static_cast<std::size_t>(state.brief.mode);
+  [&]<std::size_t... k>(std::index_sequence<k...>) {
+    const auto read = [&](std::size_t index, auto alternative) {
+      config::read_members(in, alternative);
+      if (index == doing) state.doing = alternative;
+    };
+    (read(k, std::variant_alternative_t<k, Doing>{}), ...);
+  }
+  (std::make_index_sequence<std::variant_size_v<Doing>>{});
+  in.get("left_path");
   if (const Node* start = in.get("start")) config::read_described(*start, in.key_of("start"), state.start);
   if (const Node* goal = in.get("goal")) {
     state.X_WG = read_goal(*goal, in.key_of("goal"));
@@ -140,6 +182,7 @@ PlanState read_plan_state(const Node& node, const std::string& key, const RobotM
 
 nlohmann::ordered_json to_json(const PlanState& state) {
   nlohmann::ordered_json json = config::write_described(state);
+  std::visit([&](const auto& doing) { config::write_members(doing, json); }, state.doing);
   json["start"] = config::write_described(state.start);
   if (state.has_goal) json["goal"] = pose(state.X_WG);
   if (state.path.count > 0) json["path"] = to_json(state.path);

@@ -197,8 +197,9 @@ TEST_P(Ahead, GoesOnWhileItChooses) {
     Loop ahead(model, params, scene), plain(model, read_params(*model, false), scene);
     const PlanState& state = ahead.controller.lookahead()->state();
     for (int i = 0; i < 60; ++i) {
-      const bool goes_on = state.brief.going_on && state.steps < state.commit;
-      const bool direct = state.brief.mode == PlanMode::kDirect && (goes_on || !state.brief.going_on);
+      const GoingOn* now = std::get_if<GoingOn>(&state.doing);
+      const bool goes_on = now != nullptr && state.steps < now->commit;
+      const bool direct = goes_on || std::holds_alternative<GoingDirect>(state.doing);
       ahead.step();
       plain.step();
       if (!direct || state.brief.attempts > 1) break;
