@@ -4,7 +4,6 @@
 #include <iostream>
 #include <memory>
 
-#include "controller/config/text_file.h"
 #include "eval/cli/command.h"
 #include "eval/cli/page_parts.h"
 #include "eval/cli/suite_options.h"
@@ -13,18 +12,6 @@
 #include "reports/render/store.h"
 
 namespace moma::cli {
-namespace {
-
-std::string notes_of(const std::filesystem::path& file) {
-  try {
-    return config::read_text_file(file);
-  } catch (const std::runtime_error& error) {
-    throw UsageError(fmt::format("--notes {}: {}; wanted: a text file in Markdown", file.string(), error.what()));
-  }
-}
-
-}  // namespace
-
 static_assert(store::kSchemaVersion <= reports::kNewestSchema,
               "look whether reports/sql still fits the store, then raise reports/render/store.h");
 
@@ -34,11 +21,8 @@ void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
     std::filesystem::path html;
     std::filesystem::path figures;
     std::filesystem::path table;
-    std::filesystem::path notes;
-    std::vector<std::filesystem::path> robots;
-    bool shapes = false;
     ReportOptions report;
-    Plugins plugins = Plugins::kRefused;
+    PageOptions page;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("report", "Write a store's results as one self-contained HTML page");
@@ -54,13 +38,10 @@ void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
                    "Of so many failures a success in the same world too, to play beside them")
       ->check(CLI::Range(0, 100000))
       ->capture_default_str();
-  command->add_option("--notes", options->notes,
-                      "What you write about the results, Markdown, for the head of the page");
-  add_look_options(*command, options->robots, options->shapes);
+  options->page.add_to(*command);
   command->add_option("--figures", options->figures, "Write every figure as SVG and PDF into this folder (needs node)");
   command->add_option("--table", options->table, "Write the table of results for LaTeX (.tex)");
   add_force(*command, options->report.replace);
-  add_allow_plugins(*command, options->plugins);
   command->footer(
       "With --figures or --table the page is written only where -o asks for it.\n"
       "Examples: moma report results/demo.db -o reports/demo.html\n"
@@ -82,13 +63,8 @@ void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
         for (auto& file : write_figures(stores, options->figures, replace)) written.push_back(std::move(file));
       }
       if (!html.empty()) {
-        ReportOptions report = options->report;
-        report.time_known = time_known;
-        if (!options->shapes) report.look = robot_look(options->robots);
-        if (!options->notes.empty()) report.notes = notes_of(options->notes);
-        run::StoredSuites suites(options->plugins);
-        report.simulate = simulated_again(suites);
-        write_report(stores, html, report);
+        options->page.complete(options->report);
+        write_report(stores, html, options->report);
         written.push_back(html);
       }
       for (const std::filesystem::path& file : written) std::cerr << fmt::format("wrote {}\n", file.string());

@@ -11,7 +11,10 @@
 #include "controller/config/mesh_hull.h"
 #include "controller/config/package_path.h"
 #include "controller/config/robot_build.h"
+#include "controller/config/text_file.h"
 #include "controller/model/urdf_visual.h"
+#include "eval/cli/command.h"
+#include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 #include "eval/run/time_known.h"
 #include "eval/store/error.h"
@@ -74,8 +77,8 @@ reports::DistanceRows rows_of(const TrialRows& of) {
   return out;
 }
 
-}  // namespace
-
+/// What the URDF of a stored robot says that it looks like, with its meshes read from where package:// and file://
+/// lead. `robots`: robot files; where one names the same URDF, its packages and its folder are looked in as well.
 reports::Look robot_look(const std::vector<std::filesystem::path>& robots) {
   std::map<std::string, Place> places;
   for (const std::filesystem::path& robot : robots) {
@@ -101,6 +104,7 @@ reports::Look robot_look(const std::vector<std::filesystem::path>& robots) {
   };
 }
 
+/// Simulates a stored trial's motion and the rows of its QP again, from the store alone. `suites` has to outlive it.
 reports::Simulate simulated_again(run::StoredSuites& suites) {
   return [&suites](const std::filesystem::path& db, const std::string& trial) -> std::optional<reports::OwnedSamples> {
     try {
@@ -119,16 +123,34 @@ reports::Simulate simulated_again(run::StoredSuites& suites) {
   };
 }
 
-std::optional<double> time_known(const reports::HitObject& question) {
-  return run::known_before_contact({question.world, question.disturbances, question.object, question.control_period,
-                                    question.contact_time, question.t, question.base});
+std::string notes_of(const std::filesystem::path& file) {
+  try {
+    return config::read_text_file(file);
+  } catch (const std::runtime_error& error) {
+    throw UsageError(fmt::format("--notes {}: {}; wanted: a text file in Markdown", file.string(), error.what()));
+  }
 }
 
-void add_look_options(CLI::App& command, std::vector<std::filesystem::path>& robots, bool& shapes) {
+}  // namespace
+
+void PageOptions::add_to(CLI::App& command) {
+  command.add_option("--notes", notes_, "What you write about the results, Markdown, for the head of the page");
   CLI::Option* look = command.add_option(
-      "--look", robots, "Robot file by which the visual meshes of its URDF are found; may be given again");
+      "--look", robots_, "Robot file by which the visual meshes of its URDF are found; may be given again");
   look->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command.add_flag("--shapes", shapes, "Show robots as their collision shapes, without visual meshes")->excludes(look);
+  command.add_flag("--shapes", shapes_, "Show robots as their collision shapes, without visual meshes")->excludes(look);
+  add_allow_plugins(command, plugins_);
+}
+
+void PageOptions::complete(ReportOptions& page) {
+  if (!notes_.empty()) page.notes = notes_of(notes_);
+  if (!shapes_) page.look = robot_look(robots_);
+  suites_ = run::StoredSuites(plugins_);
+  page.simulate = simulated_again(suites_);
+  page.time_known = [](const reports::HitObject& hit) {
+    return run::known_before_contact(
+        {hit.world, hit.disturbances, hit.object, hit.control_period, hit.contact_time, hit.t, hit.base});
+  };
 }
 
 }  // namespace moma::cli

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <optional>
 #include <vector>
 
 #include "eval/run/replay.h"
@@ -10,20 +9,22 @@
 
 namespace moma::cli {
 
-/// What the URDF of a stored robot says that it looks like, with its meshes read from where package:// and file://
-/// lead. `robots`: robot files; where one names the same URDF, its packages and its folder are looked in as well. A
-/// robot with a mesh that cannot be found or read has no look, and a line on standard error says why. Throws
-/// config::ConfigError: a robot file that cannot be read.
-reports::Look robot_look(const std::vector<std::filesystem::path>& robots);
+/// Options that every command with a report page has: --notes, --look, --shapes and --allow-plugins.
+class PageOptions {
+ public:
+  void add_to(CLI::App& command);
 
-/// Simulates a stored trial's motion and the rows of its QP again, from the store alone. `suites` has to outlive it. It
-/// throws store::StoreError and config::ConfigError where the store or what it names cannot be read.
-reports::Simulate simulated_again(run::StoredSuites& suites);
+  /// Gives the page the notes, the robots' looks, and the simulation of stored trials. This object has to outlive the
+  /// page. A robot with a mesh that cannot be found or read has no look, and a line on standard error says why. Throws
+  /// UsageError (--notes) and config::ConfigError (--look).
+  void complete(ReportOptions& page);
 
-/// What reports ask about collisions, answered by the simulation's own rules: see run::known_before_contact().
-std::optional<double> time_known(const reports::HitObject& question);
-
-/// --look and --shapes.
-void add_look_options(CLI::App& command, std::vector<std::filesystem::path>& robots, bool& shapes);
+ private:
+  std::filesystem::path notes_;
+  std::vector<std::filesystem::path> robots_;
+  bool shapes_ = false;
+  Plugins plugins_ = Plugins::kRefused;
+  run::StoredSuites suites_;
+};
 
 }  // namespace moma::cli

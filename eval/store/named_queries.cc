@@ -28,18 +28,24 @@ FROM (SELECT m.point_id, m.family, t.outcome, t.link,
 JOIN point AS p ON p.id = f.point_id JOIN suite AS s ON s.id = p.suite_id
 ORDER BY suite, controller, point, n DESC, family, outcome, link, object)"},
       {"pairs", "each pair of points on the same worlds: both succeed, only one does, neither does",
-       R"(SELECT s.name AS suite, f.family AS family, pa.mode AS mode, pa.controller AS controller_a, pa.label AS point_a,
+       // One bit a world, 60 in a number: pairs are points squared, and each pair of trials would be a row.
+       R"(WITH bits AS MATERIALIZED (
+  SELECT point_id, family, world_id / 60 AS word, sum(1 << (world_id % 60)) AS met,
+         sum((outcome = 'success') << (world_id % 60)) AS won
+  FROM point_trial GROUP BY 1, 2, 3
+), counted AS (
+  SELECT pa.id AS a, pb.id AS b, ba.family, sum(bit_count(ba.met & bb.met)) AS n,
+         sum(bit_count(ba.won & bb.won)) AS both, sum(bit_count(ba.won & bb.met & ~bb.won)) AS only_a,
+         sum(bit_count(bb.won & ba.met & ~ba.won)) AS only_b
+  FROM point AS pa
+  JOIN point AS pb ON pb.suite_id = pa.suite_id AND pb.robot_id = pa.robot_id AND pb.mode = pa.mode AND pb.id > pa.id
+  JOIN bits AS ba ON ba.point_id = pa.id
+  JOIN bits AS bb ON bb.point_id = pb.id AND bb.family = ba.family AND bb.word = ba.word
+  GROUP BY 1, 2, 3 HAVING n > 0)
+SELECT s.name AS suite, f.family AS family, pa.mode AS mode, pa.controller AS controller_a, pa.label AS point_a,
        pb.controller AS controller_b, pb.label AS point_b, f.n AS n, f.both AS both, f.only_a AS only_a,
        f.only_b AS only_b, f.n - f.both - f.only_a - f.only_b AS neither
-FROM (SELECT ma.point_id AS a, mb.point_id AS b, ma.family AS family, count(*) AS n,
-             sum(ma.outcome = 'success' AND mb.outcome = 'success') AS both,
-             sum(ma.outcome = 'success' AND mb.outcome <> 'success') AS only_a,
-             sum(ma.outcome <> 'success' AND mb.outcome = 'success') AS only_b
-      FROM point AS pa
-      JOIN point AS pb ON pb.suite_id = pa.suite_id AND pb.robot_id = pa.robot_id AND pb.mode = pa.mode AND pb.id > pa.id
-      JOIN point_trial AS ma ON ma.point_id = pa.id
-      JOIN point_trial AS mb ON mb.point_id = pb.id AND mb.world_index = ma.world_index AND mb.world_id = ma.world_id
-      GROUP BY 1, 2, 3) AS f
+FROM counted AS f
 JOIN point AS pa ON pa.id = f.a JOIN point AS pb ON pb.id = f.b JOIN suite AS s ON s.id = pa.suite_id
 ORDER BY suite, family, mode, controller_a, point_a, controller_b, point_b)"},
       {"worst", "the twenty worst trials: unsuccessful ones by their distance to the goal, largest first",

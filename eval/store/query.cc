@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <bit>
 #include <cstring>
 #include <new>
 
@@ -52,6 +53,10 @@ QueryError sql_error(sqlite3* handle, const std::string& sql) {
   const std::string line = sql.substr(start, sql.find('\n', start) - start);
   const std::size_t column = static_cast<std::size_t>(offset) - start;
   return QueryError(fmt::format("SQL: {}\n  {}\n  {:>{}}", message, line, "^", column + 1));
+}
+
+void bit_count(sqlite3_context* context, int /*count*/, sqlite3_value** values) {
+  sqlite3_result_int(context, std::popcount(static_cast<std::uint64_t>(sqlite3_value_int64(values[0]))));
 }
 
 Cell read_cell(sqlite3_stmt* statement, int i) {
@@ -105,6 +110,7 @@ QueryResult query(const std::filesystem::path& file, const std::string& sql, std
   } catch (const SQLite::Exception& error) {
     throw explain(error, file, StoreError::Kind::kUnusable);
   }
+  connection.db().createFunction("bit_count", 1, true, nullptr, &bit_count);
   sqlite3_set_authorizer(handle, &authorize, nullptr);
   const StatementPtr statement = prepare_query(handle, sql);
   const auto end = std::chrono::steady_clock::now() + patience;
@@ -127,6 +133,7 @@ QueryResult query(const std::filesystem::path& file, const std::string& sql, std
     throw QueryError(fmt::format("SQL: given up after {} s; the store's views may not be moma's ('moma verify' tells)",
                                  static_cast<double>(patience.count()) / 1000.0));
   if (code != SQLITE_DONE) throw sql_error(handle, sql);
+  result.steps = sqlite3_stmt_status(statement.get(), SQLITE_STMTSTATUS_VM_STEP, 0);
   return result;
 }
 

@@ -17,6 +17,7 @@ using Cell = std::variant<std::monostate, std::int64_t, double, std::string>;
 struct QueryResult {
   std::vector<std::string> columns;
   std::vector<std::vector<Cell>> rows;
+  std::int64_t steps = 0;  ///< of SQLite's machine: a cost that does not depend on the computer
 };
 
 /// The one statement of SQL that cannot be run: its fault in SQLite's words, with the place.
@@ -25,9 +26,10 @@ class QueryError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Runs one reading statement, in which samples('TRIAL') is a table (eval/store/samples_function.h). The connection is
-/// read-only, and ATTACH, VACUUM INTO and PRAGMAs that set something are refused. A store's views may be without end:
-/// after `patience` the query is given up; 0: never. Throws StoreError for the file, QueryError for the SQL.
+/// Runs one reading statement, in which samples('TRIAL') is a table (eval/store/samples_function.h) and bit_count(N)
+/// the number of ones in N. The connection is read-only, and ATTACH, VACUUM INTO and PRAGMAs that set something are
+/// refused. A store's views may be without end: after `patience` the query is given up; 0: never. Throws StoreError for
+/// the file, QueryError for the SQL.
 QueryResult query(const std::filesystem::path& file, const std::string& sql,
                   std::chrono::milliseconds patience = std::chrono::minutes(10));
 

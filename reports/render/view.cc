@@ -114,12 +114,9 @@ class Answers {
     const std::lock_guard lock(data_mutex_);
     const std::string token = state_of(stores_, options_.patience).token;
     if (data_ == nullptr || token != data_token_) {
-      ReportOptions options;
+      ReportOptions options = options_;
       options.trials = kTrials;
       options.served = true;
-      options.time_known = options_.time_known;
-      options.look = options_.look;
-      options.patience = options_.patience;
       Json page = read_stores(stores_, options);
       page["live"] = {{"token", token}, {"simulates", static_cast<bool>(options_.simulate)}};
       data_ = std::make_shared<const std::string>(dumped(page));

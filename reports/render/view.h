@@ -2,22 +2,16 @@
 
 #include <atomic>
 #include <functional>
-#include <optional>
 #include <string>
 
-#include "reports/render/replay_data.h"
 #include "reports/render/report.h"
 
 namespace moma::reports {
 
-struct ViewOptions {
+/// The page's options; `served` and the number of trials are the server's. `simulate` is called once at a time, and its
+/// exceptions' texts are shown in the page; `patience` holds for every answer.
+struct ViewOptions : ReportOptions {
   int port = 8080;  ///< 0: any free one
-  /// Simulates a trial whose samples the store does not hold again; empty: such trials are not played. One call at a
-  /// time. Its exceptions' texts are shown in the page.
-  Simulate simulate;
-  std::chrono::milliseconds patience{600000};  ///< as in ReportOptions, for every answer
-  TimeKnown time_known;                        ///< as in ReportOptions
-  Look look;                                   ///< as in ReportOptions; asked once for each look at the store
 };
 
 /// Serves the report page of the stores on 127.0.0.1 until `stop` is set. The stores are only read, anew for every

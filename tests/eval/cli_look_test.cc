@@ -113,6 +113,39 @@ TEST_F(CliLook, ErrorsAreSaidBesideTheRates) {
   EXPECT_EQ(good({"query", "b.db", "@summary"}).out.find("errors"), std::string::npos);
 }
 
+TEST_F(CliLook, NotesStandOnEveryPage) {
+  good({"run", "suite.yaml", "-o", "a.db", "-q"});
+  write("why.md", "Seen *twice*.");
+  const std::string noted = R"("notes":"Seen *twice*.")";
+  const auto text = [&](const char* name) {
+    std::ifstream in(path(name));
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  good({"report", "a.db", "-o", "b.html", "--notes", "why.md"});
+  EXPECT_NE(text("b.html").find(noted), std::string::npos);
+  starter_ = {"/usr/bin/env", "BROWSER=true"};
+  good({"open", "a.db", "--notes", "why.md"});
+  EXPECT_NE(text("a.html").find(noted), std::string::npos);
+  starter_ = {};
+  for (const char* command : {"report", "open", "view"})
+    bad({command, "a.db", "--notes", "missing.md"}, {"--notes missing.md", "Markdown"});
+
+  Process server(command({"view", "a.db", "--port", "0", "--notes", "why.md"}), folder_.root());
+  while (text(".stdout").find('\n') == std::string::npos && server.running())
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  const std::string address = text(".stdout").substr(0, text(".stdout").find('\n'));
+  fs::create_directory(path("client"));
+  const std::string served =
+      Process({"/usr/bin/env", "python3", "-c",
+               "import sys, urllib.request as r; print(r.urlopen(sys.argv[1]).read().decode())", address + "data.json"},
+              path("client"))
+          .wait()
+          .out;
+  EXPECT_NE(served.find(noted), std::string::npos) << served.substr(0, 500);
+  server.kill(SIGINT);
+  EXPECT_EQ(server.wait().code, 0);
+}
+
 TEST_F(CliLook, ControllersAreComparedUnderEqualConditions) {
   write("conditions.yaml", R"(name: conditions
 robot: robots/tiny.yaml

@@ -149,6 +149,23 @@ TEST(Store, PairsAreCounted) {
   EXPECT_EQ(counted.rows, grouped.rows);
 }
 
+// Pairs of points grow with the square of the points. Trials of a pair must not be joined one by one: 20 points in 120
+// worlds are 22,800 pairs of trials, each of which costs some thirty steps.
+TEST(Store, PairsAreCountedWithoutJoiningTrials) {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "a.db";
+  std::vector<std::string> controllers;
+  for (int i = 0; i < 20; ++i) controllers.push_back(fmt::format("c{}", i));
+  write_synthetic(file, controllers, 120);
+  const auto& all = store::named_queries();
+  const auto pairs = std::find_if(all.begin(), all.end(), [](const auto& one) { return one.name == "pairs"; });
+  ASSERT_NE(pairs, all.end());
+  const QueryResult counted = store::query(file, std::string(pairs->sql));
+  EXPECT_EQ(counted.rows.size(), 2u * 20 * 19 / 2);
+  EXPECT_GT(counted.steps, 20 * 120) << "each trial is read";
+  EXPECT_LT(counted.steps, 300'000);
+}
+
 TEST(SamplesFunction, KeysOfATamperedStore) {
   const TemporaryFolder folder;
   const fs::path file = folder / "a.db";
