@@ -2,7 +2,7 @@
 """Writes a store with made-up but plausible rows, for tests of what reads stores. Standard library only.
 
 usage: make_store.py DEFINITION OUT.db [--kind demo|empty|one|failures|hostile|many|sweep|tuned]
-                     [--worlds N] [--samples N] [--whole N] [--search]
+                     [--worlds N] [--controllers N] [--samples N] [--whole N] [--search]
 
 Every number is a pure function of the arguments. The motion of a trial is an interpolation between the start and
 the goal's configuration, and its errors follow from forward kinematics of the robot below.
@@ -293,6 +293,7 @@ def main():
     parser.add_argument('out')
     parser.add_argument('--kind', default='demo', choices=['demo', 'empty', 'one', 'failures', 'hostile', 'many', 'sweep', 'tuned'])
     parser.add_argument('--worlds', type=int, default=200)
+    parser.add_argument('--controllers', type=int, default=40, help='of the kind many')
     parser.add_argument('--samples', type=int, default=12, help='failures of each point whose samples are kept')
     parser.add_argument('--whole', type=int, default=0, help='worlds of which the samples of all trials are kept')
     parser.add_argument('--search', action='store_true', help='with a search for gains, as of the kind tuned')
@@ -315,7 +316,7 @@ def main():
                    1.3 - 0.6 * abs(math.log10(a) + 2) - 0.3 * abs(b - 0.5)) for a in (0.001, 0.01, 0.1)
                   for b in (0.25, 0.5, 1)]
     if args.kind == 'many':
-        points = [(f'controller{i:02d}', '', {}, 0.4 + 0.03 * ((7 * i) % 40)) for i in range(40)]
+        points = [(f'controller{i:02d}', '', {}, 0.4 + 0.03 * ((7 * i) % 40)) for i in range(args.controllers)]
     worlds = 1 if args.kind == 'one' else args.worlds
     families = {'seed': 1, 'families': {'open': {'weight': 1}, 'clutter': {'weight': 1}}}
 

@@ -6,31 +6,13 @@
 import { execFileSync } from 'node:child_process';
 import { join } from 'node:path';
 
-import { accessible, check, dataOf, drawn, end, launch, near, needs, noOverflow, opener, saved, workshop } from './kit.mjs';
+import { accessible, check, dataOf, drawn, end, launch, legible, near, needs, noOverflow, noteLetters, opener, saved, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work] = process.argv;
 needs('python3');
 const { makeStore, makePage, sql } = workshop(source, makeReport, work);
 const browser = await launch(source);
 const open = opener(browser);
-
-/** Notes what is written on each canvas and where, in its own pixels, since it was last wiped. */
-const noteLetters = () => {
-  const { fillText, clearRect } = CanvasRenderingContext2D.prototype;
-  CanvasRenderingContext2D.prototype.fillText = function write(text, x, y, ...rest) {
-    const m = this.getTransform();
-    const scale = Math.hypot(m.a, m.b);
-    const at = m.transformPoint({ x, y });
-    const wide = this.measureText(text).width * scale;
-    const left = at.x - wide * ({ center: 0.5, right: 1, end: 1 }[this.textAlign] ?? 0);
-    (this.canvas.letters ??= []).push({ text: text.replace(/\s/g, ' '), left, right: left + wide, y: at.y, size: parseFloat(/([\d.]+)px/.exec(this.font)[1]) * scale, level: m.b === 0, colour: this.fillStyle });
-    return fillText.call(this, text, x, y, ...rest);
-  };
-  CanvasRenderingContext2D.prototype.clearRect = function wipe(x, y, w, h) {
-    if (w * this.getTransform().a >= this.canvas.width) this.canvas.letters = [];
-    return clearRect.call(this, x, y, w, h);
-  };
-};
 
 /** What is on the canvas of a figure: its letters, and its pixels. */
 const read = async (page, id) => {
@@ -54,18 +36,6 @@ const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
 const like = (a, b, tolerance) => a.slice(0, 3).every((v, i) => near(v, b[i], tolerance));
 const luminance = (of) => of.slice(0, 3).map((v) => (v / 255 <= 0.04045 ? v / 255 / 12.92 : ((v / 255 + 0.055) / 1.055) ** 2.4)).reduce((sum, v, i) => sum + [0.2126, 0.7152, 0.0722][i] * v, 0);
 const contrast = (a, b) => { const [high, low] = [luminance(a), luminance(b)].sort((x, y) => y - x); return (high + 0.05) / (low + 0.05); };
-
-/** No letter is cut off, none lies over another. */
-const legible = ({ width, height, letters }, what) => {
-  check(letters.length > 3, `${what}: ${letters.length} texts`);
-  for (const a of letters.filter((letter) => letter.level)) {
-    check(a.left > -1 && a.right < width + 1 && a.y - a.size / 2 > -1 && a.y + a.size / 2 < height + 1, `${what}: "${a.text}" from ${a.left} to ${a.right} at ${a.y} is cut off in ${width} x ${height}`);
-    for (const b of letters) {
-      if (b === a || !b.level || a.text.trim() === '' || b.text.trim() === '') continue;
-      check(a.right <= b.left + 1 || b.right <= a.left + 1 || Math.abs(a.y - b.y) > 0.4 * (a.size + b.size), `${what}: "${a.text}" lies over "${b.text}"`);
-    }
-  }
-};
 
 const csv = async (page, id) => {
   const [head, ...lines] = (await saved(page, page.locator(`#figure-${id}`).getByText('Data CSV'))).trim().split('\n').map((line) => (line.match(/("([^"]|"")*"|[^,]*)(,|$)/g) ?? []).map((cell) => cell.replace(/,$/, '').replace(/^"|"$/g, '')));

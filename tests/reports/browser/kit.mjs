@@ -63,7 +63,13 @@ export const workshop = (source, makeReport, work) => {
     execFileSync(makeReport, [db, html], { stdio: 'inherit' });
     return html;
   };
-  return { makeStore, makePage, sql };
+  /** A store whose every third world ended in a program error. */
+  const makeErrors = (name, worlds) => {
+    const db = makeStore(name, 'demo', worlds, 2);
+    for (const table of ['trial', 'point_trial']) sql(db, `UPDATE ${table} SET outcome = 'error', time_to_goal_s = NULL WHERE key IN (SELECT key FROM point_trial WHERE world_index % 3 = 0)`);
+    return db;
+  };
+  return { makeErrors, makeStore, makePage, sql };
 };
 
 export const dataOf = (html) => JSON.parse(readFileSync(html, 'utf8').split('id="moma-data">')[1].split('</script')[0]);
@@ -103,6 +109,36 @@ export const accessible = async (page, source, what, parts) => {
 export const noOverflow = async (page, what) => {
   const [wide, inner] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
   check(wide <= inner, `${what}: the page is ${wide} wide in a window of ${inner}`);
+};
+
+/** Notes what is written on each canvas and where, in its own pixels, since it was last wiped; runs in the page before its own script. */
+export const noteLetters = () => {
+  const { fillText, clearRect } = CanvasRenderingContext2D.prototype;
+  CanvasRenderingContext2D.prototype.fillText = function write(text, x, y, ...rest) {
+    const m = this.getTransform();
+    const scale = Math.hypot(m.a, m.b);
+    const at = m.transformPoint({ x, y });
+    const wide = this.measureText(text).width * scale;
+    const left = at.x - wide * ({ center: 0.5, right: 1, end: 1 }[this.textAlign] ?? 0);
+    (this.canvas.letters ??= []).push({ text: text.replace(/\s/g, ' '), left, right: left + wide, y: at.y, size: parseFloat(/([\d.]+)px/.exec(this.font)[1]) * scale, level: m.b === 0, colour: this.fillStyle });
+    return fillText.call(this, text, x, y, ...rest);
+  };
+  CanvasRenderingContext2D.prototype.clearRect = function wipe(x, y, w, h) {
+    if (w * this.getTransform().a >= this.canvas.width) this.canvas.letters = [];
+    return clearRect.call(this, x, y, w, h);
+  };
+};
+
+/** No letter is cut off, none lies over another. */
+export const legible = ({ width, height, letters }, what) => {
+  check(letters.length > 3, `${what}: ${letters.length} texts`);
+  for (const a of letters.filter((letter) => letter.level)) {
+    check(a.left > -1 && a.right < width + 1 && a.y - a.size / 2 > -1 && a.y + a.size / 2 < height + 1, `${what}: "${a.text}" from ${a.left} to ${a.right} at ${a.y} is cut off in ${width} x ${height}`);
+    for (const b of letters) {
+      if (b === a || !b.level || a.text.trim() === '' || b.text.trim() === '') continue;
+      check(a.right <= b.left + 1 || b.right <= a.left + 1 || Math.abs(a.y - b.y) > 0.4 * (a.size + b.size), `${what}: "${a.text}" lies over "${b.text}"`);
+    }
+  }
 };
 
 /** Waits until the page has drawn what it was asked for: until the frame after the next one. */

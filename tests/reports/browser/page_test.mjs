@@ -9,7 +9,7 @@ import { accessible, check, dataOf, end, figuresStand, launch, near, noOverflow,
 
 const [, , source, makeReport, work, moma] = process.argv;
 const screenshots = process.env.MOMA_SCREENSHOTS;
-const { makeStore, makePage: pageOf, sql } = workshop(source, makeReport, work);
+const { makeErrors, makeStore, makePage: pageOf, sql } = workshop(source, makeReport, work);
 const makePage = (kind, worlds) => pageOf(makeStore(kind, kind, worlds, kind === 'demo' ? 8 : 2));
 const browser = await launch(source);
 const open = opener(browser);
@@ -251,12 +251,7 @@ const clickMark = async (page, id) => {
   await context.close();
 }
 for (const [kind, worlds] of [['empty', 0], ['one', 1], ['failures', 16], ['errors', 16]]) {
-  const made = () => {
-    const db = makeStore('errors', 'demo', worlds, 2);
-    for (const table of ['trial', 'point_trial']) sql(db, `UPDATE ${table} SET outcome = 'error', time_to_goal_s = NULL WHERE key IN (SELECT key FROM point_trial WHERE world_index % 3 = 0)`);
-    return pageOf(db);
-  };
-  const { context, page } = await open(kind === 'errors' ? made() : makePage(kind, worlds));
+  const { context, page } = await open(kind === 'errors' ? pageOf(makeErrors(kind, worlds)) : makePage(kind, worlds));
   await scrollThrough(page);
   for (const [width, colorScheme] of [[1280, 'light'], [1920, 'dark'], [390, 'light'], [390, 'dark']]) {
     await page.emulateMedia({ colorScheme });

@@ -10,6 +10,9 @@ import { outcomeColour } from '../theme';
 import { view } from '../view';
 
 interface Bar { family: string; series: Series; counts: Map<Outcome, number>; n: number }
+/** Width of a digit of a count [px]. */
+const kDigit = 7;
+
 /** The trials of a bar that ended alike. */
 interface Piece { bar: Bar; outcome: Outcome; count: number }
 
@@ -37,9 +40,12 @@ export function outcomes(): FigureSpec {
       const several = view().families.length > 1;
       const rows = all.map((bar) => ({ name: bar.series.short, family: several ? bar.family : '' }));
       const pieces = (outcome: Outcome): Piece[] => all.map((bar) => ({ bar, outcome, count: bar.counts.get(outcome) ?? 0 }));
+      // Names take up to half of a narrow plot.
+      const room = (width < kNarrow ? 0.5 : 0.6) * width;
+      const fits = ({ count, bar: { n } }: Piece): boolean => (count / n) * room > kDigit * (integer(count).length + 1);
       return {
         height: 34 + top + all.length * rowHeight(rows, width, all.length <= 12 ? 38 : 26),
-        note: `n = ${sizes(all.map((bar) => bar.n))} trials a bar; counts of five and more are written in.`,
+        note: `n = ${sizes(all.map((bar) => bar.n))} trials a bar; a count is written where its part of the bar is wide enough.`,
         columns: ['family', 'controller', 'point', 'outcome', 'trials', 'share', 'n'],
         rows: present.flatMap(pieces).map(({ bar, outcome, count }) => [bar.family, bar.series.controller, bar.series.point, outcome, count, count / bar.n, bar.n]),
         option: {
@@ -48,7 +54,7 @@ export function outcomes(): FigureSpec {
           series: present.map((o) => ({
             name: outcomeName(o), type: 'bar', stack: 'all', barWidth: '68%', barCategoryGap: '20%', emphasis: { disabled: true },
             itemStyle: { color: outcomeColour(p, o), borderColor: p.surface, borderWidth: 1 },
-            label: { show: true, color: inkOn(outcomeColour(p, o)), fontSize: 11.5, formatter: ({ data: { of } }: { data: { of: Piece } }) => (of.count >= 5 && of.count / of.bar.n > 0.04 ? String(of.count) : '') },
+            label: { show: true, color: inkOn(outcomeColour(p, o)), fontSize: 11.5, formatter: ({ data: { of } }: { data: { of: Piece } }) => (fits(of) ? integer(of.count) : '') },
             data: pieces(o).map((of) => ({ value: of.count / of.bar.n, of })),
           })),
           tooltip: tipOf(({ bar, outcome, count }: Piece) => tip(outcomeName(outcome), [
