@@ -11,7 +11,7 @@
 #include "controller/config/mesh_hull.h"
 #include "controller/config/package_path.h"
 #include "controller/config/robot_build.h"
-#include "controller/model/urdf_visual.h"
+#include "controller/model/urdf.h"
 #include "eval/cli/table.h"
 #include "eval/run/time_known.h"
 #include "eval/store/error.h"

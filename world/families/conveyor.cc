@@ -2,8 +2,7 @@
 #include <utility>
 
 #include "world/scenario/family.h"
-#include "world/scenario/object_mix.h"
-#include "world/scenario/place_objects.h"
+#include "world/scenario/objects.h"
 
 namespace moma {
 namespace {

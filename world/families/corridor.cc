@@ -3,8 +3,7 @@
 
 #include "world/scenario/family.h"
 #include "world/scenario/furniture.h"
-#include "world/scenario/object_mix.h"
-#include "world/scenario/place_objects.h"
+#include "world/scenario/objects.h"
 
 namespace moma {
 namespace {

@@ -5,7 +5,7 @@
 #include "controller/model/floor_reach.h"
 #include "world/scenario/family.h"
 #include "world/scenario/furniture.h"
-#include "world/scenario/object_mix.h"
+#include "world/scenario/objects.h"
 
 namespace moma {
 namespace {

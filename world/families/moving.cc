@@ -4,8 +4,7 @@
 #include <string>
 
 #include "world/scenario/family.h"
-#include "world/scenario/object_mix.h"
-#include "world/scenario/place_objects.h"
+#include "world/scenario/objects.h"
 #include "world/scenario/walk.h"
 
 namespace moma {

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "controller/describe/enumeration.h"
-#include "world/scenario/object_mix.h"
+#include "world/scenario/objects.h"
 #include "world/scenario/scene_builder.h"
 
 namespace moma {

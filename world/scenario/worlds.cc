@@ -10,10 +10,10 @@
 #include <variant>
 #include <vector>
 
-#include "controller/config/budget.h"
 #include "controller/config/json_node.h"
+#include "controller/config/node.h"
 #include "controller/config/reader.h"
-#include "controller/config/suggestion.h"
+#include "controller/config/text_file.h"
 #include "world/scenario/apportion.h"
 #include "world/scenario/family.h"
 #include "world/scenario/scenes.h"
