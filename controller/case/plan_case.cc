@@ -11,8 +11,7 @@
 
 namespace moma {
 // The members that stand beside start, goal and path.
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<PlanState>) {
+constexpr void describe(auto& v, Of<PlanState>) {
   using T = PlanState;
   constexpr Range kSteps{0.0, 1e12};
   v.inlined(&T::brief);
@@ -40,13 +39,13 @@ struct StoredMotion {
   std::vector<double> change;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<StoredMotion>) {
+constexpr void describe(auto& v, Of<StoredMotion>) {
+  using T = StoredMotion;
   constexpr About kTime{.unit = "s", .range = Range::non_negative(), .required = true};
-  v.member("start", &StoredMotion::start, kTime);
-  v.member("time", &StoredMotion::time, kTime);
-  v.member("ramp", &StoredMotion::ramp, kTime);
-  v.member("change", &StoredMotion::change, {.required = true, .text = "x, y, phi of the base, and each joint"});
+  v.member("start", &T::start, kTime);
+  v.member("time", &T::time, kTime);
+  v.member("ramp", &T::ramp, kTime);
+  v.member("change", &T::change, {.required = true, .text = "x, y, phi of the base, and each joint"});
 }
 
 WholeConfiguration read_configuration(const Node& node, const std::string& key, const RobotModel& model) {

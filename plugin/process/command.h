@@ -16,8 +16,7 @@ struct ProcessLimits {
   double memory = 4.0;      ///< of its data [GB]
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<ProcessLimits>) {
+constexpr void describe(auto& v, Of<ProcessLimits>) {
   using T = ProcessLimits;
   v.member("deadline", &T::deadline,
            {.unit = "control periods",

@@ -22,8 +22,7 @@ struct Conveyor {
   ObjectMix mix{.standing = 0.8};
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Conveyor>) {
+constexpr void describe(auto& v, Of<Conveyor>) {
   using T = Conveyor;
   v.inlined(&T::placement);
   v.member("speed", &T::speed, {.unit = "m/s", .range = Range::positive(), .text = "speed of the goal"});

@@ -15,8 +15,7 @@ struct Crowd {
   Walk walker{.speed = Distribution(Distribution::Normal{0.8, 0.2}), .margin = 3.0};
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Crowd>) {
+constexpr void describe(auto& v, Of<Crowd>) {
   using T = Crowd;
   v.inlined(&T::placement);
   v.member("people", &T::people, {.range = {0, 200}, .text = "number of people who walk"});

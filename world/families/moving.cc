@@ -35,8 +35,7 @@ struct Moving {
   Walk walker;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Moving>) {
+constexpr void describe(auto& v, Of<Moving>) {
   using T = Moving;
   v.inlined(&T::placement);
   v.member("objects", &T::objects, {.range = {0, 1000}, .text = "number of moving solids and people"});

@@ -55,8 +55,7 @@ struct SimulationConfig {
   AtJointLimit joint_limits = AtJointLimit::kEnd;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<SimulationConfig>) {
+constexpr void describe(auto& v, Of<SimulationConfig>) {
   using T = SimulationConfig;
   v.member("mode", &T::mode, {.text = "kinematic: the command is the velocity; dynamic: ODE"});
   v.member("control_period", &T::control_period,

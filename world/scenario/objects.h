@@ -41,8 +41,7 @@ struct ObjectMix {
   void sample(Draws& draws, double x, double y, WorldObject& object) const;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<ObjectMix>) {
+constexpr void describe(auto& v, Of<ObjectMix>) {
   using T = ObjectMix;
   constexpr Range kSize = Range::positive();
   v.member("shapes", &T::shapes, {.text = "kinds of solids, each entry equally likely"});
