@@ -20,18 +20,17 @@ struct EscapeState {
 };
 
 /// Form in traces, `moma solve` and case files (`state.escape`).
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<EscapeState>) {
-  v.member("best", &EscapeState::best, {.unit = "m", .text = "V at its last progress; negative: no step taken yet"});
-  v.member("idle", &EscapeState::idle,
-           {.unit = "s", .range = Range::non_negative(), .text = "time without progress since"});
-  v.member("stagnations", &EscapeState::stagnations, {.range = {0, 1e9}, .text = "how many there were"});
-  v.member("side", &EscapeState::side, {.range = {-1, 1}, .text = "where detours turn first; 0: not chosen"});
-  v.member("detour", &EscapeState::detour, {.text = "whether it is on one"});
-  v.member("around", &EscapeState::around, {.text = "and that one around the obstacles"});
-  v.member("remaining", &EscapeState::remaining, {.unit = "s", .text = "of the detour"});
-  v.member("target", &EscapeState::target_W, {.unit = "m", .text = "of the detour"});
-  v.member("circulation", &EscapeState::circulation, {.range = {-1, 1}, .text = "of the vortex; 0: not chosen"});
+constexpr void describe(auto& v, Of<EscapeState>) {
+  using T = EscapeState;
+  v.member("best", &T::best, {.unit = "m", .text = "V at its last progress; negative: no step taken yet"});
+  v.member("idle", &T::idle, {.unit = "s", .range = Range::non_negative(), .text = "time without progress since"});
+  v.member("stagnations", &T::stagnations, {.range = {0, 1e9}, .text = "how many there were"});
+  v.member("side", &T::side, {.range = {-1, 1}, .text = "where detours turn first; 0: not chosen"});
+  v.member("detour", &T::detour, {.text = "whether it is on one"});
+  v.member("around", &T::around, {.text = "and that one around the obstacles"});
+  v.member("remaining", &T::remaining, {.unit = "s", .text = "of the detour"});
+  v.member("target", &T::target_W, {.unit = "m", .text = "of the detour"});
+  v.member("circulation", &T::circulation, {.range = {-1, 1}, .text = "of the vortex; 0: not chosen"});
 }
 
 static_assert(is_complete<EscapeState>());

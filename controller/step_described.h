@@ -12,8 +12,7 @@ namespace moma {
 // and case files have it from here: a sensed quantity is its member in step.h, its line here, and for plugins in C its
 // member in plugin/moma_plugin.h. A member without a line does not compile.
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<ObjectCovariance>) {
+constexpr void describe(auto& v, Of<ObjectCovariance>) {
   using T = ObjectCovariance;
   v.member("position", &T::position_W,
            {.unit = "m^2", .required = true, .text = "covariance of the origin's position"});
@@ -21,8 +20,7 @@ constexpr void describe(Visitor& v, Of<ObjectCovariance>) {
            {.unit = "(m/s)^2", .required = true, .text = "covariance of the linear velocity"});
 }
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<ObjectState>) {
+constexpr void describe(auto& v, Of<ObjectState>) {
   using T = ObjectState;
   v.member("pose", &T::X_WO, {});
   v.member("twist", &T::V_WO_W, {.unit = "rad/s, m/s", .text = "[angular; linear], at the object's origin"});
@@ -31,16 +29,14 @@ constexpr void describe(Visitor& v, Of<ObjectState>) {
   v.member("covariance", &T::covariance, {.text = "as a tracker states it of this measurement"});
 }
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<GoalState>) {
+constexpr void describe(auto& v, Of<GoalState>) {
   using T = GoalState;
   v.member("pose", &T::X_WG, {.required = true});
   v.member("twist", &T::V_WG_W,
            {.unit = "rad/s, m/s", .text = "[angular; linear], the goal's own; 0 where it stands still"});
 }
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Observation>) {
+constexpr void describe(auto& v, Of<Observation>) {
   using T = Observation;
   v.member("time", &T::time,
            {.unit = "s",
@@ -57,8 +53,7 @@ constexpr void describe(Visitor& v, Of<Observation>) {
 /// Members of StepResult that a foreign controller may answer beside its command.
 struct Details {};
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Details>) {
+constexpr void describe(auto& v, Of<Details>) {
   using T = StepResult;
   constexpr Range kCount{0.0, 1e9};
   v.member("status", &T::status, {.text = "of the problem as it was posed"});
@@ -73,8 +68,7 @@ constexpr void describe(Visitor& v, Of<Details>) {
   v.member("iterations", &T::iterations, {.range = kCount, .text = "of the solver"});
 }
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<StepResult>) {
+constexpr void describe(auto& v, Of<StepResult>) {
   using T = StepResult;
   v.member(
       "command", &T::command,

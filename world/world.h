@@ -7,8 +7,8 @@
 
 #include "controller/model/proximity.h"
 #include "controller/step.h"
+#include "world/draws.h"
 #include "world/motion.h"
-#include "world/moves.h"
 
 namespace moma {
 

@@ -16,41 +16,34 @@ constexpr Range kSteps{0.0, 1e12};
 constexpr About kDirectTime{.unit = "s", .text = "predicted time of the direct policy; negative: it fails"};
 }  // namespace
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<GoingOn>) {
+constexpr void describe(auto& v, Of<GoingOn>) {
   v.member("commit", &GoingOn::commit, {.range = kSteps, .text = "step at which a choice takes effect"});
   v.member("direct_time", &GoingOn::direct_time, kDirectTime);
   v.member("chosen", &GoingOn::chosen, {.text = "whether it is made, and waits for that step"});
 }
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Following>) {
+constexpr void describe(auto& v, Of<Following>) {
   v.member("mark", &Following::mark, {.range = kSteps, .text = "step of the last progress along the path"});
   v.member("mark_clock", &Following::mark_clock,
            {.unit = "s", .range = Range::non_negative(), .text = "the path's clock then"});
 }
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Stopping>) {
+constexpr void describe(auto& v, Of<Stopping>) {
   v.member("stop_end", &Stopping::stop_end, {.range = kSteps, .text = "step at which a stop has lasted long enough"});
   v.member("direct_time", &Stopping::direct_time, kDirectTime);
 }
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Choosing>) {
+constexpr void describe(auto& v, Of<Choosing>) {
   v.member("stop_end", &Choosing::stop_end, {.range = kSteps, .text = "step at which the choice began"});
   v.member("direct_time", &Choosing::direct_time, kDirectTime);
 }
 
-template <class Visitor>
-constexpr void describe(Visitor&, Of<GoingDirect>) {}
+constexpr void describe(auto&, Of<GoingDirect>) {}
 
-template <class Visitor>
-constexpr void describe(Visitor&, Of<SettingOut>) {}
+constexpr void describe(auto&, Of<SettingOut>) {}
 
 // The members that stand beside `doing`, start, goal and path.
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<PlanState>) {
+constexpr void describe(auto& v, Of<PlanState>) {
   using T = PlanState;
   v.inlined(&T::brief);
   v.member("steps", &T::steps, {.range = kSteps, .text = "since the start or the goal's last jump"});
@@ -70,13 +63,13 @@ struct StoredMotion {
   std::vector<double> change;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<StoredMotion>) {
+constexpr void describe(auto& v, Of<StoredMotion>) {
+  using T = StoredMotion;
   constexpr About kTime{.unit = "s", .range = Range::non_negative(), .required = true};
-  v.member("start", &StoredMotion::start, kTime);
-  v.member("time", &StoredMotion::time, kTime);
-  v.member("ramp", &StoredMotion::ramp, kTime);
-  v.member("change", &StoredMotion::change, {.required = true, .text = "x, y, phi of the base, and each joint"});
+  v.member("start", &T::start, kTime);
+  v.member("time", &T::time, kTime);
+  v.member("ramp", &T::ramp, kTime);
+  v.member("change", &T::change, {.required = true, .text = "x, y, phi of the base, and each joint"});
 }
 
 WholeConfiguration read_configuration(const Node& node, const std::string& key, const RobotModel& model) {

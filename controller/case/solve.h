@@ -1,6 +1,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+
 #include <string>
 #include <vector>
 
@@ -36,5 +37,9 @@ struct SolverInfo {
 
 /// Every solver known by name, the default first.
 std::vector<SolverInfo> list_solvers();
+
+/// What the robot of a case will do in the next `seconds` [s] > 0, and why it will stop: the controller rolled out in a
+/// model of the world (ahead/rollout.h), a line for each half second and for each thing that happens.
+std::string forecast(const ControlCase& control_case, double seconds);
 
 }  // namespace moma

@@ -1,9 +1,11 @@
 #include "controller/config/json_node.h"
-#include "controller/config/budget.h"
 #include "controller/config/node.h"
+#include "controller/config/text_file.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <span>
 
 namespace moma::config {
 
@@ -103,4 +105,16 @@ Json parse_json(std::string_view text, const std::string& source) {
   }
 }
 
+namespace description {
+
+nlohmann::ordered_json list_to_json(std::span<const double> values, bool one_for_all) {
+  if (one_for_all && !values.empty() &&
+      std::all_of(values.begin(), values.end(), [&](double v) { return v == values[0]; }))
+    return number_to_json(values[0]);
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const double value : values) list.push_back(number_to_json(value));
+  return list;
+}
+
+}  // namespace description
 }  // namespace moma::config

@@ -4,6 +4,8 @@
 #include <coal/mesh_loader/loader.h>
 
 #include <algorithm>
+#include <cctype>
+#include <cstdint>
 #include <memory>
 #include <new>
 #include <optional>
@@ -13,10 +15,64 @@
 #include <utility>
 
 #include "controller/config/convex_hull.h"
-#include "controller/config/mesh_check.h"
+#include "controller/config/text_file.h"
+#include "controller/model/collada_check.h"
 
 namespace moma::config {
 namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uintmax_t kMaxMeshBytes = 64U << 20U;
+constexpr std::size_t kMaxMeshVertices = 2'000'000;
+
+// A face is a line "f 1/1/1 2/2/2 ..."; a backslash at the end of a line continues it.
+bool has_large_face(const std::string& obj) {
+  int corners = -1;  // of the face at hand; -1: no face
+  bool line_start = true;
+  bool in_word = false;
+  for (std::size_t i = 0; i < obj.size(); ++i) {
+    const char c = obj[i];
+    if (c == '\\' && i + 1 < obj.size() && (obj[i + 1] == '\n' || obj[i + 1] == '\r')) {
+      ++i;
+      in_word = false;
+    } else if (c == '\n' || c == '\r') {
+      line_start = true;
+      in_word = false;
+      corners = -1;
+    } else if (c == ' ' || c == '\t') {
+      in_word = false;
+    } else {
+      // Points and lines (p, l) are faces to the reader too.
+      if (line_start) corners = c == 'f' || c == 'p' || c == 'l' ? 0 : -1;
+      if (corners >= 0 && !in_word && ++corners > kMaxPolygon + 1) return true;
+      line_start = false;
+      in_word = true;
+    }
+  }
+  return false;
+}
+
+/// Throws unless the file may be given to the library that reads meshes, which chooses its reader by the name's end
+/// alone for the kinds that pass. Returns the length of the file's unit [m]: what a .dae says, as RViz and Gazebo take
+/// it.
+double check_mesh(const fs::path& file) {
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) throw std::runtime_error("it is not a file");
+  const std::uintmax_t bytes = fs::file_size(file, error);
+  if (error) throw std::runtime_error(error.message());
+  if (bytes > kMaxMeshBytes)
+    throw std::runtime_error("it is larger than " + std::to_string(kMaxMeshBytes >> 20U) + " MiB");
+  std::string kind = file.extension().string();
+  std::transform(kind.begin(), kind.end(), kind.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (kind == ".stl") return 1.0;
+  if (kind != ".dae" && kind != ".obj") throw std::runtime_error("expected a file that ends in .stl, .dae or .obj");
+  const std::string text = read_text_file(file);
+  if (kind == ".dae") return collada_unit(text);
+  if (has_large_face(text))
+    throw std::runtime_error("a face has more than " + std::to_string(kMaxPolygon) + " corners");
+  return 1.0;
+}
 
 /// None where too many faces meet in a vertex for coal to count: a disc's rim, cut into triangles from one point.
 std::optional<ConvexHull> exact_hull(const std::vector<Vector3>& cloud) {
@@ -43,11 +99,10 @@ std::string reason_in(const std::string& words) {
 }  // namespace
 
 Mesh read_mesh(const std::filesystem::path& file, const Vector3& scale) {
-  const MeshCheck check = check_mesh(file);
-  if (!check.fault.empty()) throw std::runtime_error("the mesh " + file.string() + " cannot be read: " + check.fault);
   coal::BVHModelPtr_t loaded;
   try {
-    loaded = coal::MeshLoader(coal::BV_AABB).load(file.string(), check.unit * scale);
+    const double unit = check_mesh(file);
+    loaded = coal::MeshLoader(coal::BV_AABB).load(file.string(), unit * scale);
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& e) {

@@ -29,7 +29,8 @@ struct Mesh {
 
 /// Reads a mesh file (.stl, .dae, .obj; nothing else is tried), scaled; a .dae is in the unit that it names. At least
 /// one vertex, all of them finite; there may be no triangles. Throws std::runtime_error: not a plain file of those
-/// kinds, larger or with more in it than controller/config/mesh_check.h accepts, unreadable, empty, not finite.
+/// kinds, larger than 64 MiB, of content on which the library that reads meshes would run for minutes or out of its
+/// stack, unreadable, empty, not finite.
 Mesh read_mesh(const std::filesystem::path& file, const Vector3& scale);
 
 /// Convex hull of points (one or more, finite), in a frame at the centre of their bounding box. A hull of more than

@@ -29,7 +29,7 @@ struct Mark {
   int column = 0;
 };
 
-/// A YAML (or JSON, its subset) value with the place it came from. The only code that knows yaml-cpp is yaml.cc.
+/// A YAML (or JSON, its subset) value with the place it came from. The only code that knows yaml-cpp is node.cc.
 struct Node {
   // Declared here and defaulted out of line: clang instantiates what a vector of an incomplete type needs otherwise.
   Node();
@@ -79,5 +79,11 @@ std::string placed(const Mark& mark, const std::string& key, const std::string& 
 
 /// The nearest of `known` to `word` by edit distance, or "" where none is near.
 std::string nearest(std::string_view word, const std::vector<std::string>& known);
+
+/// " (did you mean WORD?)", or "" where none of `known` is near to `word`.
+std::string suggestion(std::string_view word, const std::vector<std::string>& known);
+
+/// "a, b, c".
+std::string joined(const std::vector<std::string>& words);
 
 }  // namespace moma::config

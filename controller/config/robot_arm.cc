@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "controller/config/json_node.h"
+#include "controller/config/node.h"
 #include "controller/config/robot_build.h"
-#include "controller/config/suggestion.h"
 
 namespace moma::config {
 namespace {

@@ -11,9 +11,9 @@
 
 #include "controller/config/json_node.h"
 #include "controller/config/mesh_hull.h"
+#include "controller/config/node.h"
 #include "controller/config/object_file.h"
 #include "controller/config/robot_build.h"
-#include "controller/config/suggestion.h"
 #include "controller/model/proximity.h"
 
 namespace moma::config {

@@ -4,8 +4,6 @@
 #include <stdexcept>
 #include <vector>
 
-#include "controller/config/budget.h"
-
 namespace moma::config {
 
 namespace fs = std::filesystem;

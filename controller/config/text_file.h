@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -12,5 +14,16 @@ std::string read_text_file(const std::filesystem::path& file);
 
 /// At most 200 bytes of a text, for messages.
 std::string shortened(const std::string& text);
+
+/// What inputs may ask for at most. Files come from strangers too: each of these is far above what a robot, suite or
+/// case needs, far below what would exhaust a machine, and is named in the message of what exceeds it.
+inline constexpr std::uintmax_t kMaxTextBytes = 64U << 20U;  ///< of one YAML, JSON or URDF text
+inline constexpr std::size_t kMaxValues = 1'000'000;         ///< of a file with all that it includes and repeats
+inline constexpr std::size_t kMaxAliases = 10'000;           ///< `*name`, in a file with all that it includes
+inline constexpr std::size_t kMaxIncludes = 1'000;           ///< files that a file includes, directly or not
+inline constexpr std::size_t kMaxIncludeDepth = 32;          ///< files that include one another in a row
+inline constexpr int kMaxNesting = 64;                       ///< levels of lists and maps, and parts of a dotted key
+inline constexpr std::size_t kMaxKeyBytes = 1'000;           ///< of one key
+inline constexpr std::size_t kMaxListLength = 200'000;       ///< values of one list, entries of one map
 
 }  // namespace moma::config

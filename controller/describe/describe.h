@@ -11,8 +11,7 @@ namespace moma {
 /// One description for each struct: a function beside it that names its members, in the order of writing, with unit,
 /// range and one line for the reference.
 ///
-///   template <class Visitor>
-///   constexpr void describe(Visitor& v, Of<ServoParams>) {
+///   constexpr void describe(auto& v, Of<ServoParams>) {
 ///     v.member("position", &ServoParams::position, {.unit = "1/s", .range = Range::non_negative(), .text = "k_p"});
 ///     v.optional("vortex", &ServoParams::vortex, &VortexParams::enabled, Off::kNone, "a sideways part of nu");
 ///   }

@@ -1,4 +1,4 @@
-#include "controller/draft/arm_guess.h"
+#include "controller/draft/guess.h"
 
 #include <algorithm>
 #include <string_view>

@@ -1,4 +1,4 @@
-#include "controller/draft/base_guess.h"
+#include "controller/draft/guess.h"
 
 #include <fmt/format.h>
 

@@ -8,7 +8,6 @@
 
 #include "controller/config/package_path.h"
 #include "controller/model/urdf.h"
-#include "controller/model/urdf_visual.h"
 
 namespace moma::draft {
 

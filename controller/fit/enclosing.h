@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "controller/fit/solid.h"
+#include "controller/fit/placed.h"
 
 namespace moma::fit {
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "controller/fit/measure.h"
 #include "controller/fit/partition.h"
+#include "controller/fit/placed.h"
 
 namespace moma::fit {
 

@@ -2,10 +2,133 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <new>
+#include <numbers>
+#include <vector>
 
+#include "controller/config/convex_hull.h"
 #include "controller/config/robot_file.h"
+#include "controller/model/sampling.h"
 
 namespace moma::fit {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+double surface_area(const Shape& shape) {
+  const Vector3& s = shape.size;
+  switch (shape.kind) {
+    case ShapeKind::kSphere:
+      return 4.0 * kPi * s.x() * s.x();
+    case ShapeKind::kCapsule:
+      return 2.0 * kPi * s.x() * (s.y() + 2.0 * s.x());
+    default:
+      return 2.0 * (s.x() * s.y() + s.y() * s.z() + s.z() * s.x());
+  }
+}
+
+// Point of the surface at u, v in [0, 1), equal areas for equal shares. The area of a sphere's zone is proportional to
+// its height (Archimedes), as a cylinder's is, with the same factor: u therefore runs along the whole axis of a
+// capsule.
+Vector3 surface_point(const Shape& shape, double u, double v) {
+  const double turn = 2.0 * kPi * v;
+  if (shape.kind != ShapeKind::kBox) {
+    const double radius = shape.size.x();
+    const double half = shape.kind == ShapeKind::kCapsule ? 0.5 * shape.size.y() : 0.0;
+    const double z = (2.0 * u - 1.0) * (half + radius);
+    const double beyond = std::max(0.0, std::abs(z) - half);
+    const double r = std::sqrt(std::max(0.0, radius * radius - beyond * beyond));
+    return {r * std::cos(turn), r * std::sin(turn), z};
+  }
+  const double total = surface_area(shape);
+  double at = u * total;
+  for (int face = 0; face < 6; ++face) {
+    const int i = face / 2;
+    const int j = (i + 1) % 3;
+    const int k = (i + 2) % 3;
+    const double area = shape.size[j] * shape.size[k];
+    if (at < area || face == 5) {
+      Vector3 p;
+      p[i] = (face % 2 == 0 ? 0.5 : -0.5) * shape.size[i];
+      p[j] = (std::min(at / area, 1.0) - 0.5) * shape.size[j];
+      p[k] = (v - 0.5) * shape.size[k];
+      return p;
+    }
+    at -= area;
+  }
+  return Vector3::Zero();
+}
+
+}  // namespace
+
+double volume(const Shape& shape) noexcept {
+  const Vector3& s = shape.size;
+  switch (shape.kind) {
+    case ShapeKind::kSphere:
+      return 4.0 / 3.0 * kPi * s.x() * s.x() * s.x();
+    case ShapeKind::kCapsule:
+      return kPi * s.x() * s.x() * (s.y() + 4.0 / 3.0 * s.x());
+    default:
+      return s.prod();
+  }
+}
+
+double distance(const Solid& solid, const Vector3& p_L) noexcept {
+  const Vector3 p = solid.X_LS.linear().transpose() * (p_L - solid.X_LS.translation());
+  const Vector3& s = solid.shape.size;
+  switch (solid.shape.kind) {
+    case ShapeKind::kSphere:
+      return p.norm() - s.x();
+    case ShapeKind::kCapsule: {
+      const double beyond = std::max(0.0, std::abs(p.z()) - 0.5 * s.y());
+      return std::sqrt(p.x() * p.x() + p.y() * p.y() + beyond * beyond) - s.x();
+    }
+    default: {
+      const Vector3 beyond = p.cwiseAbs() - 0.5 * s;
+      return beyond.cwiseMax(0.0).norm() + std::min(0.0, beyond.maxCoeff());
+    }
+  }
+}
+
+double union_volume(std::span<const Solid> solids, int samples) {
+  if (solids.size() == 1) return volume(solids[0].shape);
+  Eigen::AlignedBox3d box;
+  for (const Solid& solid : solids) {
+    for (int i = 0; i < 3; ++i) {
+      box.extend(support_point(solid.shape, solid.X_LS, Vector3::Unit(i)));
+      box.extend(support_point(solid.shape, solid.X_LS, -Vector3::Unit(i)));
+    }
+  }
+  int inside = 0;
+  for (int i = 1; i <= samples; ++i) {
+    const Vector3 share(halton(i, 2), halton(i, 3), halton(i, 5));
+    const Vector3 p = box.min() + share.cwiseProduct(box.sizes());
+    for (const Solid& solid : solids) {
+      if (distance(solid, p) > 0.0) continue;
+      ++inside;
+      break;
+    }
+  }
+  return box.volume() * inside / samples;
+}
+
+Points union_surface(std::span<const Solid> solids, int samples) {
+  double total = 0.0;
+  for (const Solid& solid : solids) total += surface_area(solid.shape);
+  Points points;
+  for (std::size_t s = 0; s < solids.size(); ++s) {
+    const int count = static_cast<int>(std::ceil(samples * surface_area(solids[s].shape) / total));
+    for (int i = 1; i <= count; ++i) {
+      const Vector3 p = solids[s].X_LS * surface_point(solids[s].shape, halton(i, 2), halton(i, 3));
+      bool covered = false;
+      for (std::size_t t = 0; t < solids.size(); ++t) covered = covered || (t != s && distance(solids[t], p) < 0.0);
+      if (!covered) points.push_back(p);
+    }
+  }
+  return points;
+}
+
 namespace {
 
 constexpr double kSlack = 1e-9;  // margin for rounding in later measurements [m]
@@ -83,6 +206,70 @@ Placed as_it_is(const Shape& shape, const Isometry& X_LS) {
   placed.solid.shape = shape;
   placed.solid.X_LS = pose_of(placed.position, placed.rpy);
   return placed;
+}
+
+namespace {
+
+constexpr int kSurfaceSamples = 2000;
+constexpr int kVolumeSamples = 32768;
+
+// A convex body by its triangles, or a flat one by the triangles of the surface itself.
+class Hull {
+ public:
+  explicit Hull(const Triangles& surface) : surface_(surface) {
+    try {
+      hull_ = config::convex_hull(corners(surface));
+      const Vector3& centre = hull_->vertices.front();
+      double volume = 0.0;
+      for (const Eigen::Vector3i& t : hull_->triangles) {
+        const auto at = [&](int i) { return hull_->vertices[static_cast<std::size_t>(t[i])] - centre; };
+        volume += at(0).dot(at(1).cross(at(2))) / 6.0;
+      }
+      volume_ = volume;
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception&) {
+    }
+  }
+
+  std::optional<double> volume() const { return volume_; }
+
+  /// Distance to the hull; 0 inside.
+  double distance(const Vector3& p) const {
+    if (hull_) return config::distance_outside(*hull_, p);
+    double least = std::numeric_limits<double>::infinity();
+    for (const Triangle& t : surface_) least = std::min(least, config::distance_to_triangle(t, p));
+    return least;
+  }
+
+ private:
+  const Triangles& surface_;
+  std::optional<ConvexHull> hull_;
+  std::optional<double> volume_;
+};
+
+}  // namespace
+
+FitError measure(const Triangles& surface, const std::vector<Placed>& shapes) {
+  FitError error;
+  std::vector<Solid> solids;
+  for (const Placed& placed : shapes) solids.push_back(placed.solid);
+  const Hull hull(surface);
+  if (hull.volume() && *hull.volume() > 0.0) error.volume_ratio = union_volume(solids, kVolumeSamples) / *hull.volume();
+  const Points samples = union_surface(solids, kSurfaceSamples);
+  for (const Vector3& p : samples) {
+    const double d = hull.distance(p);
+    error.mean_overshoot += d / static_cast<double>(samples.size());
+    error.most_overshoot = std::max(error.most_overshoot, d);
+  }
+  for (const Triangle& t : surface) {
+    for (const Vector3& p : t) {
+      double outside = std::numeric_limits<double>::infinity();
+      for (const Solid& solid : solids) outside = std::min(outside, distance(solid, p));
+      error.uncovered = std::max(error.uncovered, outside);
+    }
+  }
+  return error;
 }
 
 }  // namespace moma::fit

@@ -3,17 +3,138 @@
 #include <tinyxml.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstdlib>
 #include <map>
+#include <optional>
+#include <stdexcept>
 #include <string_view>
-#include <utility>
 #include <vector>
 
-#include "controller/model/collada_geometry.h"
-#include "controller/model/xml_depth.h"
+#include "controller/model/text_check.h"
 
 namespace moma {
 namespace {
+
+constexpr std::string_view kSpaces = " \t\r\n";
+
+/// Digits alone, or after one '-' where it may be `negative`; few enough for any reader.
+std::optional<long> whole_number(std::string_view word, bool negative = false) {
+  long value = 0;
+  const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  const bool whole = error == std::errc() && stop == word.data() + word.size() && (negative || word.front() != '-') &&
+                     std::abs(value) < 1'000'000'000'000'000;
+  return whole ? std::optional(value) : std::nullopt;
+}
+
+/// Reads the element's text as whole numbers. Empty for anything else, or for a text in several pieces, of which
+/// readers take the first.
+std::optional<std::vector<long>> whole_numbers(const TiXmlElement& element) {
+  std::vector<long> numbers;
+  int pieces = 0;
+  for (const TiXmlNode* child = element.FirstChild(); child != nullptr; child = child->NextSibling()) {
+    if (child->ToText() == nullptr) continue;
+    if (++pieces > 1) return {};
+    std::string_view left = child->ValueStr();
+    while (true) {
+      left.remove_prefix(std::min(left.find_first_not_of(kSpaces), left.size()));
+      if (left.empty()) break;
+      const std::string_view word = left.substr(0, left.find_first_of(kSpaces));
+      left.remove_prefix(word.size());
+      const std::optional<long> number = whole_number(word, true);
+      if (!number) return {};
+      numbers.push_back(*number);
+    }
+  }
+  return numbers;
+}
+
+[[noreturn]] void refuse(const TiXmlElement& element, const std::string& why) {
+  throw std::runtime_error("line " + std::to_string(element.Row()) + ": <" + element.ValueStr() + "> " + why);
+}
+
+void check_counts(const TiXmlElement& element, std::size_t bytes) {
+  for (const char* name : {"count", "offset", "stride", "set"}) {
+    const char* text = element.Attribute(name);
+    if (text == nullptr) continue;
+    const std::optional<long> number = whole_number(text);
+    if (!number) refuse(element, std::string("has a '") + name + "' that is no whole number from 0");
+    if (static_cast<std::size_t>(*number) > bytes)
+      refuse(element, std::string("has a '") + name + "' of more than the file can hold");
+  }
+}
+
+long number(const TiXmlElement& element, const char* name, long otherwise) {
+  const char* text = element.Attribute(name);
+  return text == nullptr ? otherwise : whole_number(text).value_or(otherwise);
+}
+
+void check_accessor(const TiXmlElement& accessor) {
+  const auto parameters = static_cast<long>(children(accessor, "param").size());
+  const long stride = number(accessor, "stride", 1);
+  if (stride < 1 || parameters > stride)
+    refuse(accessor, "has more parameters (" + std::to_string(parameters) + ") than its stride of " +
+                         std::to_string(stride) + " leaves room for");
+}
+
+const TiXmlElement* find_input(const TiXmlElement& element, std::string_view semantic) {
+  for (const TiXmlElement* in : children(element, "input"))
+    if (const char* text = in->Attribute("semantic"); text != nullptr && semantic == text) return in;
+  return nullptr;
+}
+
+void check_primitives(const TiXmlElement& part, bool one_each) {
+  const TiXmlElement* vertex = find_input(part, "VERTEX");
+  if (vertex == nullptr) refuse(part, "has no input VERTEX");
+  const long first = number(*vertex, "offset", 0);
+  long inputs = 1;
+  for (const TiXmlElement* in : children(part, "input")) inputs = std::max(inputs, number(*in, "offset", 0) + 1);
+  for (const TiXmlElement* list : children(part)) {
+    const bool indices = list->ValueStr() == "p";
+    if (!indices && list->ValueStr() != "vcount") continue;
+    const std::optional<std::vector<long>> numbers = whole_numbers(*list);
+    if (!numbers) refuse(*list, "is no list of whole numbers");
+    const auto n = static_cast<long>(numbers->size());
+    if (indices && n % inputs != 0)
+      refuse(*list,
+             "has " + std::to_string(n) + " indices, no multiple of the " + std::to_string(inputs) + " of each corner");
+    // Exporters write -1 for a normal or a colour that is none; a corner has a place.
+    for (long i = first; indices && i < n; i += inputs)
+      if (const long v = (*numbers)[static_cast<std::size_t>(i)]; v < 0)
+        refuse(*list, "has a corner at the vertex " + std::to_string(v) + "; the first one is 0");
+    const bool large = indices ? one_each && n / inputs > kMaxPolygon
+                               : std::any_of(numbers->begin(), numbers->end(), [](long v) { return v > kMaxPolygon; });
+    if (large) refuse(*list, "is of a polygon with more than " + std::to_string(kMaxPolygon) + " corners");
+  }
+}
+
+void check_mesh(const TiXmlElement& mesh) {
+  const auto all = children(mesh, "vertices");
+  const bool positions =
+      std::any_of(all.begin(), all.end(), [](const auto* v) { return find_input(*v, "POSITION") != nullptr; });
+  for (const TiXmlElement* part : children(mesh)) {
+    const std::string_view name = part->ValueStr();
+    const bool one_each = name == "polygons" || name == "trifans";  // each <p> is one polygon
+    if (!one_each && name != "triangles" && name != "lines" && name != "linestrips" && name != "polylist" &&
+        name != "tristrips")
+      continue;
+    if (!positions) refuse(mesh, "has no <vertices> with an input POSITION");
+    check_primitives(*part, one_each);
+  }
+}
+
+/// `bytes`: length of the document; each counted item needs at least one byte.
+void check_geometries(const TiXmlElement& element, std::size_t bytes) {
+  for (const TiXmlElement* child : children(element)) {
+    check_counts(*child, bytes);
+    const std::string_view name = child->ValueStr();
+    if (name == "skin" || name == "morph" || name == "animation")
+      refuse(*child, "deforms or moves the mesh, which a link does not");
+    if (name == "accessor") check_accessor(*child);
+    if (name == "mesh") check_mesh(*child);
+    check_geometries(*child, bytes);
+  }
+}
 
 constexpr std::size_t kMaxNodes = 100'000;
 
@@ -25,12 +146,11 @@ struct SceneNode {
   std::size_t count = 0;
 };
 
-class Scenes {
+class NodeCheck {
  public:
-  std::string fault_of(const TiXmlElement& root) {
+  explicit NodeCheck(const TiXmlElement& root) {
     walk(root, -1);
-    for (std::size_t i = 0; i < nodes_.size() && fault_.empty(); ++i) measure(static_cast<int>(i), 0);
-    return fault_;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) measure(static_cast<int>(i), 0);
   }
 
  private:
@@ -38,8 +158,7 @@ class Scenes {
 
   // The text is nested no deeper than kMaxXmlDepth.
   void walk(const TiXmlElement& element, int parent) {
-    for (const TiXmlElement* child = element.FirstChildElement(); child != nullptr;
-         child = child->NextSiblingElement()) {
+    for (const TiXmlElement* child : children(element)) {
       const std::string_view name = child->ValueStr();
       int inside = parent;
       if (name == "node") {
@@ -56,12 +175,9 @@ class Scenes {
   }
 
   void measure(int i, int depth) {
-    if (node(i).state == 2 || !fault_.empty()) return;
-    if (node(i).state == 1) {
-      fault_ = "a node contains itself (instance_node)";
-      return;
-    }
-    if (depth > kMaxXmlDepth) return too_deep();
+    if (node(i).state == 2) return;
+    if (node(i).state == 1) throw std::runtime_error("a node contains itself (instance_node)");
+    check_depth(depth);
     node(i).state = 1;
     std::vector<int> inner = node(i).children;
     for (const std::string& id : node(i).instances)
@@ -70,60 +186,53 @@ class Scenes {
     node(i).count = 1;
     for (const int child : inner) {
       measure(child, depth + 1);
-      if (!fault_.empty()) return;
       node(i).height = std::max(node(i).height, node(child).height + 1);
       node(i).count += node(child).count;
-      if (node(i).height > kMaxXmlDepth) return too_deep();
-      if (node(i).count > kMaxNodes) {
-        fault_ = "more than " + std::to_string(kMaxNodes) + " nodes, those of instance_node counted each time";
-        return;
-      }
+      check_depth(node(i).height);
+      if (node(i).count > kMaxNodes)
+        throw std::runtime_error("more than " + std::to_string(kMaxNodes) +
+                                 " nodes, those of instance_node counted each time");
     }
     node(i).state = 2;
   }
 
-  void too_deep() { fault_ = "nodes are nested more than " + std::to_string(kMaxXmlDepth) + " deep"; }
+  static void check_depth(int depth) {
+    if (depth > kMaxXmlDepth)
+      throw std::runtime_error("nodes are nested more than " + std::to_string(kMaxXmlDepth) + " deep");
+  }
 
   std::vector<SceneNode> nodes_;
   std::map<std::string, std::vector<int>> by_id_;
-  std::string fault_;
 };
 
-// `<asset><unit meter="...">`, or null.
-const char* unit_text(const TiXmlElement& root) {
+// Of `<asset><unit meter="...">`. No robot's units are outside of 1e-9 to 1e9 m.
+double unit_of(const TiXmlElement& root) {
   const TiXmlElement* asset = root.FirstChildElement("asset");
   const TiXmlElement* unit = asset == nullptr ? nullptr : asset->FirstChildElement("unit");
-  return unit == nullptr ? nullptr : unit->Attribute("meter");
-}
-
-// No robot's units are outside this range.
-constexpr double kLeastUnit = 1e-9, kMostUnit = 1e9;
-
-// 0 if the text is no length.
-double unit_of(const char* text) {
+  const char* const text = unit == nullptr ? nullptr : unit->Attribute("meter");
   if (text == nullptr) return 1.0;
   char* end = nullptr;
-  const double unit = std::strtod(text, &end);
+  const double length = std::strtod(text, &end);
   while (*end == ' ') ++end;
-  return end != text && *end == '\0' && unit >= kLeastUnit && unit <= kMostUnit ? unit : 0.0;
+  if (end == text || *end != '\0' || !(length >= 1e-9 && length <= 1e9))
+    throw std::runtime_error("<unit meter=\"" + std::string(text).substr(0, 40) + "\"> is no length");
+  return length;
 }
 
 }  // namespace
 
-ColladaCheck check_collada(const std::string& text) {
-  const auto fault = [](std::string what) { return ColladaCheck{std::move(what), 1.0}; };
+double collada_unit(const std::string& text) {
   if (xml_depth(text) > kMaxXmlDepth)
-    return fault("elements are nested more than " + std::to_string(kMaxXmlDepth) + " deep");
+    throw std::runtime_error("elements are nested more than " + std::to_string(kMaxXmlDepth) + " deep");
   TiXmlDocument document;
   document.Parse(text.c_str());
-  if (document.Error()) return fault("not valid XML: " + std::string(document.ErrorDesc()));
+  if (document.Error()) throw std::runtime_error("not valid XML: " + std::string(document.ErrorDesc()));
   const TiXmlElement* root = document.RootElement();
-  if (root == nullptr) return fault("no XML element");
-  const char* const said = unit_text(*root);
-  const double unit = unit_of(said);
-  if (!(unit > 0.0)) return fault("<unit meter=\"" + std::string(said).substr(0, 40) + "\"> is no length");
-  std::string scenes = Scenes().fault_of(*root);
-  return {scenes.empty() ? geometry_fault(*root, text.size()) : std::move(scenes), unit};
+  if (root == nullptr) throw std::runtime_error("no XML element");
+  const double unit = unit_of(*root);
+  const NodeCheck nodes(*root);
+  check_geometries(*root, text.size());
+  return unit;
 }
 
 }  // namespace moma

@@ -4,8 +4,8 @@
 #include <optional>
 #include <utility>
 
+#include "controller/model/convex_distance.h"
 #include "controller/model/floor_reach.h"
-#include "controller/model/solid.h"
 
 namespace moma {
 namespace {

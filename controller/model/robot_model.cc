@@ -1,8 +1,60 @@
 #include "controller/model/robot_model.h"
 
+#include <cstddef>
+#include <iterator>
+
 #include "controller/model/base_kind.h"
 
 namespace moma {
+namespace {
+
+constexpr std::string_view kUnicycle[] = {"v", "omega"};
+constexpr std::string_view kPlanar[] = {"v_x", "v_y", "omega"};
+
+constexpr std::string_view kTwoWheels[] = {"left", "right"};
+constexpr std::string_view kFourWheels[] = {"front_left", "front_right", "rear_left", "rear_right"};
+
+// Lynch & Park 2017, 13.3.
+Vector3 driven_wheel(const Wheels& w, int wheel) noexcept {
+  const double side = wheel == 0 ? -1.0 : 1.0;
+  return {1.0 / w.radius, side * w.separation / (2.0 * w.radius), 0.0};
+}
+
+// The map of docs/reference/conventions.md.
+Vector3 mecanum_wheel(const Wheels& w, int wheel) noexcept {
+  const double k = 0.5 * (w.wheelbase + w.separation);
+  static constexpr double kSideways[] = {-1.0, 1.0, 1.0, -1.0};
+  static constexpr double kTurn[] = {-1.0, 1.0, -1.0, 1.0};
+  return Vector3(1.0, kSideways[wheel], kTurn[wheel] * k) / w.radius;
+}
+
+// In the order of BaseType.
+constexpr BaseKind kKinds[] = {
+    {},
+    {kUnicycle, kTwoWheels, false, driven_wheel},
+    {kPlanar, kFourWheels, true, mecanum_wheel},
+};
+static_assert(std::size(kKinds) == words(Of<BaseType>{}).size());
+
+}  // namespace
+
+const BaseKind& kind_of(BaseType type) noexcept { return kKinds[static_cast<std::size_t>(type)]; }
+
+int num_wheels(const MobileBase& base) noexcept {
+  return base.wheels ? static_cast<int>(kind_of(base.type).wheel_names.size()) : 0;
+}
+
+int wheel_speeds(const MobileBase& base, const Eigen::Ref<const VectorX>& velocity, Eigen::Vector4d& speeds) noexcept {
+  const int wheels = num_wheels(base);
+  const BaseKind& kind = kind_of(base.type);
+  for (int i = 0; i < wheels; ++i) {
+    const Vector3 row = kind.wheel_row(*base.wheels, i);
+    double sum = 0.0;
+    for (int j = 0; j < kind.dof(); ++j) sum += row[j] * velocity[j];
+    speeds[i] = sum;
+  }
+  return wheels;
+}
 
 int RobotModel::base_dof() const noexcept { return kind_of(base.type).dof(); }
 

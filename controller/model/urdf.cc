@@ -10,12 +10,12 @@
 #include <mutex>
 #include <new>
 #include <set>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
+#include "controller/model/text_check.h"
 #include "controller/model/urdf_check.h"
-#include "controller/model/utf8.h"
-#include "controller/model/xml_depth.h"
 
 namespace moma {
 namespace {
@@ -44,8 +44,7 @@ using MissingLimits = std::map<std::string, std::set<std::string>>;  // joint ->
 // urdfdom refuses joints without limits, which may come from the robot file: zeros are inserted and noted.
 MissingLimits complete_limits(TiXmlElement& robot) {
   MissingLimits missing;
-  for (TiXmlElement* joint = robot.FirstChildElement("joint"); joint != nullptr;
-       joint = joint->NextSiblingElement("joint")) {
+  for (TiXmlElement* joint : children(robot, "joint")) {
     const char* name = joint->Attribute("name");
     const char* type = joint->Attribute("type");
     if (name == nullptr || type == nullptr) continue;  // urdfdom reports it
@@ -66,14 +65,13 @@ MissingLimits complete_limits(TiXmlElement& robot) {
 }
 
 void remove_all(TiXmlElement& parent, const char* name) {
-  while (TiXmlElement* child = parent.FirstChildElement(name)) parent.RemoveChild(child);
+  for (TiXmlElement* child : children(parent, name)) parent.RemoveChild(child);
 }
 
 // Without a root urdfdom leaks links that own each other.
 void refuse_loops(const TiXmlElement& robot) {
   std::map<std::string, std::set<std::string>> parents;  // of each link on a joint
-  for (const TiXmlElement* joint = robot.FirstChildElement("joint"); joint != nullptr;
-       joint = joint->NextSiblingElement("joint")) {
+  for (const TiXmlElement* joint : children(robot, "joint")) {
     const TiXmlElement* parent = joint->FirstChildElement("parent");
     const TiXmlElement* child = joint->FirstChildElement("child");
     const char* from = parent != nullptr ? parent->Attribute("link") : nullptr;
@@ -139,8 +137,7 @@ Amended amend(const std::string& text, UrdfReading reading) {
     throw UrdfError("after </robot> stands <" + other->ValueStr() + "> at row " + std::to_string(other->Row()) +
                     ", which nothing reads: a URDF has one element, <robot>");
   for (const char* name : {"material", "transmission", "gazebo", "sensor"}) remove_all(*robot, name);
-  for (TiXmlElement* link = robot->FirstChildElement("link"); link != nullptr; link = link->NextSiblingElement("link"))
-    remove_all(*link, "visual");
+  for (TiXmlElement* link : children(*robot, "link")) remove_all(*link, "visual");
   Amended amended;
   amended.left_out = take_out_misunderstood(*robot);
   if (reading == UrdfReading::kStrict && !amended.left_out.empty()) refuse(amended.left_out);
@@ -353,6 +350,78 @@ UrdfTree read_urdf(const std::string& text, UrdfReading reading) {
     const bool xacro = text.find("<xacro:") != std::string::npos;
     throw UrdfError(e.what() + std::string(xacro ? " (the file has xacro elements: expand it with xacro first)" : ""));
   }
+}
+
+namespace {
+
+using Colours = std::map<std::string, Vector3>;  // by material
+
+std::string name_of(const TiXmlElement& element) {
+  const char* name = element.Attribute("name");
+  return name != nullptr ? name : "";
+}
+
+std::optional<Vector3> own_colour(const TiXmlElement* material) {
+  const TiXmlElement* colour = material != nullptr ? material->FirstChildElement("color") : nullptr;
+  const char* text = colour != nullptr ? colour->Attribute("rgba") : nullptr;
+  if (text == nullptr) return std::nullopt;
+  std::istringstream in(text);
+  in.imbue(std::locale::classic());
+  Vector3 rgb;
+  if (!(in >> rgb.x() >> rgb.y() >> rgb.z()) || !rgb.allFinite()) return std::nullopt;
+  return rgb.cwiseMax(0.0).cwiseMin(1.0);
+}
+
+void note(const TiXmlElement* material, Colours& colours) {
+  if (material == nullptr) return;
+  if (const std::optional<Vector3> colour = own_colour(material)) colours.emplace(name_of(*material), *colour);
+}
+
+Colours all_colours(const TiXmlElement& robot) {
+  Colours colours;
+  for (const TiXmlElement* of : children(robot, "material")) note(of, colours);
+  for (const TiXmlElement* link : children(robot, "link"))
+    for (const TiXmlElement* visual : children(*link, "visual")) note(visual->FirstChildElement("material"), colours);
+  return colours;
+}
+
+std::optional<Vector3> colour_of(const TiXmlElement& visual, const Colours& colours) {
+  const TiXmlElement* material = visual.FirstChildElement("material");
+  if (material == nullptr) return std::nullopt;
+  if (const std::optional<Vector3> own = own_colour(material)) return own;
+  const auto named = colours.find(name_of(*material));
+  if (named == colours.end()) return std::nullopt;
+  return named->second;
+}
+
+}  // namespace
+
+std::vector<UrdfVisual> read_urdf_visuals(const std::string& text) {
+  read_urdf(text, UrdfReading::kLenient);  // refuses broken files and files too deep for the parser
+  TiXmlDocument document;
+  document.Parse(text.c_str());
+  TiXmlElement& robot = *document.FirstChildElement("robot");
+  const Colours colours = all_colours(robot);
+
+  // Visuals have the form of collision elements: they are renamed, read and checked as such.
+  std::map<std::string, std::vector<std::optional<Vector3>>> painted;
+  for (TiXmlElement* link : children(robot, "link")) {
+    remove_all(*link, "collision");
+    for (TiXmlElement* visual : children(*link, "visual")) {
+      painted[name_of(*link)].push_back(colour_of(*visual, colours));
+      visual->SetValue("collision");
+    }
+  }
+  TiXmlPrinter printer;
+  document.Accept(&printer);
+  std::vector<UrdfVisual> visuals;
+  for (const UrdfLink& link : read_urdf(printer.Str(), UrdfReading::kLenient).links) {
+    const auto& paint = painted[link.name];
+    const bool whole = paint.size() == link.collision.size();  // nothing was left out: each has its own
+    for (std::size_t i = 0; i < link.collision.size(); ++i)
+      visuals.push_back({link.name, link.collision[i], whole ? paint[i] : std::nullopt});
+  }
+  return visuals;
 }
 
 }  // namespace moma

@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <string_view>
 #include <utility>
+
+#include "controller/model/text_check.h"
 
 namespace moma {
 namespace {
@@ -46,11 +49,8 @@ class Checker {
  public:
   std::vector<std::string> take_out_of(TiXmlElement& robot) {
     content(robot, "robot", {{}, {"link", "joint"}, {"material", "transmission", "gazebo", "sensor", "ros2_control"}});
-    for (TiXmlElement* link = robot.FirstChildElement("link"); link != nullptr; link = link->NextSiblingElement("link"))
-      check_link(*link);
-    for (TiXmlElement* joint = robot.FirstChildElement("joint"); joint != nullptr;
-         joint = joint->NextSiblingElement("joint"))
-      check_joint(*joint);
+    for (TiXmlElement* link : children(robot, "link")) check_link(*link);
+    for (TiXmlElement* joint : children(robot, "joint")) check_joint(*joint);
     return std::move(faults_);
   }
 
@@ -62,8 +62,7 @@ class Checker {
   // Removes the contents of `parent` that `allowed` does not name.
   void content(TiXmlElement& parent, const std::string& where, const Content& allowed) {
     Names seen;
-    for (TiXmlElement* child = parent.FirstChildElement(); child != nullptr;) {
-      TiXmlElement* const next = child->NextSiblingElement();
+    for (TiXmlElement* child : children(parent)) {
       const std::string_view name = child->ValueStr();
       const bool once = holds(allowed.once, name);
       if (once && holds(seen, name)) {
@@ -77,7 +76,6 @@ class Checker {
       } else {
         seen.push_back(name);
       }
-      child = next;
     }
   }
 
@@ -148,27 +146,17 @@ class Checker {
     if (geometry == nullptr) return fault(collision, where, "there is no <geometry>");
     const Names kinds{"box", "cylinder", "sphere", "mesh"};
     content(*geometry, where + ", geometry", {kinds, {}, {}});
-    const TiXmlElement* shape = nullptr;
-    int shapes = 0;
-    for (const TiXmlElement* child = geometry->FirstChildElement(); child != nullptr;
-         child = child->NextSiblingElement()) {
-      if (!holds(kinds, child->ValueStr())) continue;
-      shape = child;
-      ++shapes;
-    }
-    if (shapes > 1) return fault(*geometry, where, "<geometry> holds more than one shape");
-    if (shapes == 0) return fault(*geometry, where, "<geometry> holds no shape; expected " + list_of(kinds));
-    const std::string& kind = shape->ValueStr();
-    if (kind == "box") {
-      attributes(*shape, where, {"size"});
-      size(*shape, where, "size", 3);
-    } else if (kind == "sphere") {
-      attributes(*shape, where, {"radius"});
-      size(*shape, where, "radius", 1);
-    } else if (kind == "cylinder") {
-      attributes(*shape, where, {"radius", "length"});
-      size(*shape, where, "radius", 1);
-      size(*shape, where, "length", 1);
+    std::vector<const TiXmlElement*> shapes;
+    for (const TiXmlElement* child : children(*geometry))
+      if (holds(kinds, child->ValueStr())) shapes.push_back(child);
+    if (shapes.size() > 1) return fault(*geometry, where, "<geometry> holds more than one shape");
+    if (shapes.empty()) return fault(*geometry, where, "<geometry> holds no shape; expected " + list_of(kinds));
+    const TiXmlElement* shape = shapes.front();
+    static const std::map<std::string_view, Names> kSizes{
+        {"box", {"size"}}, {"sphere", {"radius"}}, {"cylinder", {"radius", "length"}}};
+    if (const auto sizes = kSizes.find(shape->ValueStr()); sizes != kSizes.end()) {
+      attributes(*shape, where, sizes->second);
+      for (const std::string_view name : sizes->second) size(*shape, where, name.data(), name == "size" ? 3 : 1);
     } else {
       attributes(*shape, where, {"filename", "scale"});
       const char* file = shape->Attribute("filename");
@@ -217,8 +205,7 @@ class Checker {
       if (faults_.size() != before) link.RemoveChild(inertial);
     }
     int number = 0;
-    for (TiXmlElement* collision = link.FirstChildElement("collision"); collision != nullptr;) {
-      TiXmlElement* const next = collision->NextSiblingElement("collision");
+    for (TiXmlElement* collision : children(link, "collision")) {
       const std::string at = where + ", collision " + std::to_string(++number);
       const std::size_t before = faults_.size();
       // <surface>: friction and stiffness of Gazebo's contacts; the geometry alone collides.
@@ -226,7 +213,6 @@ class Checker {
       check_origin(*collision, at);
       check_geometry(*collision, at);
       if (faults_.size() != before) link.RemoveChild(collision);
-      collision = next;
     }
   }
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "controller/task/vortex.h"
+#include "controller/task/servo.h"
 
 namespace moma {
 namespace {

@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "controller/config/node.h"
-#include "controller/config/suggestion.h"
 #include "eval/cli/command.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/summary_table.h"

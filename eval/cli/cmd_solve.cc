@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "controller/case/case_file.h"
-#include "controller/case/foresee.h"
 #include "controller/case/solve.h"
 #include "eval/cli/command.h"
 #include "eval/cli/suite_options.h"
@@ -59,7 +58,7 @@ void add_solve(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
       const ControlCase control_case = asked();
       if (options->ahead > 0.0) {
         print_warnings(control_case.warnings);
-        std::cout << foresee(control_case, options->ahead);
+        std::cout << forecast(control_case, options->ahead);
       } else if (options->explain) {
         std::cout << explain(control_case);  // the warnings are part of the explanation
       } else {

@@ -12,7 +12,7 @@
 #include "controller/config/package_path.h"
 #include "controller/config/robot_build.h"
 #include "controller/config/text_file.h"
-#include "controller/model/urdf_visual.h"
+#include "controller/model/urdf.h"
 #include "eval/cli/command.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"

@@ -10,7 +10,6 @@
 #include <system_error>
 
 #include "controller/config/node.h"
-#include "controller/config/suggestion.h"
 #include "eval/cli/command.h"
 #include "eval/cli/table.h"
 #include "eval/run/listener.h"

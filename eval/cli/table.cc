@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "controller/model/utf8.h"
+#include "controller/model/text_check.h"
 
 namespace moma::cli {
 namespace {

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <set>
 
+#include "controller/config/node.h"
 #include "controller/config/reader.h"
-#include "controller/config/suggestion.h"
 #include "eval/run/listener.h"
 
 namespace moma::run {

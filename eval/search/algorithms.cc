@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "controller/config/node.h"
-#include "controller/config/suggestion.h"
 
 namespace moma::tune {
 namespace {

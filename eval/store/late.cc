@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "plugin/host/late.h"
+#include "plugin/host/plugin.h"
 
 namespace moma::store {
 namespace {

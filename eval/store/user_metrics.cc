@@ -12,7 +12,6 @@
 #include <string_view>
 
 #include "controller/config/node.h"
-#include "controller/config/suggestion.h"
 #include "eval/store/samples.h"
 #include "eval/store/statement.h"
 

@@ -9,7 +9,7 @@
 #include "controller/config/reader.h"
 #include "eval/suite/controller_paths.h"
 #include "eval/suite/process_entry.h"
-#include "plugin/host/digest.h"
+#include "plugin/host/library.h"
 
 namespace moma {
 namespace {

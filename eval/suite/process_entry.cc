@@ -12,9 +12,9 @@
 #include "controller/config/write_described.h"
 #include "eval/suite/controller_entry.h"
 #include "eval/trial/key.h"
-#include "plugin/host/digest.h"
+#include "plugin/host/library.h"
+#include "plugin/process/command.h"
 #include "plugin/process/process_plugin.h"
-#include "plugin/process/python.h"
 
 namespace moma {
 namespace {

@@ -8,8 +8,8 @@
 #include <set>
 
 #include "controller/config/json_node.h"
+#include "controller/config/node.h"
 #include "controller/config/reader.h"
-#include "controller/config/suggestion.h"
 #include "eval/suite/keys.h"
 #include "eval/suite/resolve.h"
 #include "eval/suite/sections.h"

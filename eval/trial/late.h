@@ -1,7 +1,7 @@
 #pragma once
 
 #include "eval/trial/row.h"
-#include "plugin/host/late.h"
+#include "plugin/host/plugin.h"
 
 namespace moma {
 

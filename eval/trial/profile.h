@@ -7,7 +7,7 @@
 
 #include "controller/describe/enumeration.h"
 #include "controller/part_clock.h"
-#include "world/plant/plant_clock.h"
+#include "world/plant/plant.h"
 
 namespace moma {
 

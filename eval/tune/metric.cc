@@ -5,7 +5,6 @@
 #include <stdexcept>
 
 #include "controller/config/node.h"
-#include "controller/config/suggestion.h"
 #include "eval/store/columns.h"
 
 namespace moma::tune {

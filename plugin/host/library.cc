@@ -12,8 +12,6 @@
 #include <iterator>
 #include <string_view>
 
-#include "plugin/host/digest.h"
-
 namespace moma {
 namespace {
 

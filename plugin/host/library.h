@@ -39,4 +39,8 @@ struct PluginLibrary {
 /// PluginError. What a library does while it is loaded is out of our hands.
 std::shared_ptr<const PluginLibrary> load_plugin(const std::filesystem::path& file);
 
+/// What identifies a plugin: XXH3-128 of its file, 32 hex digits. Only reads: nothing of the library is loaded. Throws
+/// PluginError where there is no such file.
+std::string plugin_digest(const std::filesystem::path& file);
+
 }  // namespace moma

@@ -14,7 +14,7 @@
 
 #include "controller/closed_form/closed_form.h"
 #include "controller/describe/check.h"
-#include "controller/model/utf8.h"
+#include "controller/model/text_check.h"
 #include "plugin/border.h"
 
 namespace moma {

@@ -16,8 +16,7 @@ struct ProcessLimits {
   double memory = 4.0;      ///< of its data [GB]
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<ProcessLimits>) {
+constexpr void describe(auto& v, Of<ProcessLimits>) {
   using T = ProcessLimits;
   v.member("deadline", &T::deadline,
            {.unit = "control periods",
@@ -37,5 +36,11 @@ struct ProcessCommand {
   std::vector<std::filesystem::path> files;  ///< absolute; the process may name more when it is ready
   ProcessLimits limits;
 };
+
+/// The command that runs a class of a Python file (docs/how-to/python-controller.md): `interpreter` with moma's runner.
+/// What could make two runs differ is set in its environment: the order of sets, the threads of linear algebra.
+/// `files` and `limits` are the caller's to fill in.
+ProcessCommand python_command(const std::string& interpreter, const std::filesystem::path& file,
+                              const std::string& class_name);
 
 }  // namespace moma

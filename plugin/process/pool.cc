@@ -4,7 +4,6 @@
 
 #include <utility>
 
-#include "plugin/host/digest.h"
 #include "plugin/host/library.h"
 
 namespace moma {

@@ -11,8 +11,8 @@
 
 #include "controller/config/json_node.h"
 #include "plugin/border.h"
-#include "plugin/host/late.h"
 #include "plugin/host/library.h"
+#include "plugin/host/plugin.h"
 
 namespace moma {
 namespace {

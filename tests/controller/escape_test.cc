@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "controller/task/vortex.h"
+#include "controller/task/servo.h"
 #include "tests/controller/qp_robots.h"
 #include "tests/support/control_period.h"
 

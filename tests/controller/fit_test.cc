@@ -4,8 +4,8 @@
 #include <random>
 
 #include "controller/fit/enclosing.h"
-#include "controller/fit/measure.h"
 #include "controller/fit/partition.h"
+#include "controller/fit/placed.h"
 #include "fit_oracle.h"
 
 namespace moma {

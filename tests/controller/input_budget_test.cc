@@ -2,11 +2,11 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include "controller/config/budget.h"
 #include "controller/config/controller_file.h"
 #include "controller/config/json_node.h"
 #include "controller/config/mesh_hull.h"
 #include "controller/config/node.h"
+#include "controller/config/text_file.h"
 #include "tests/support/robots.h"
 #include "tests/support/scratch.h"
 

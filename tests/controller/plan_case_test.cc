@@ -7,8 +7,8 @@
 
 #include "controller/ahead/lookahead.h"
 #include "controller/case/case_step.h"
-#include "controller/case/foresee.h"
 #include "controller/case/plan_words.h"
+#include "controller/case/solve.h"
 #include "controller/controller_core.h"
 #include "tests/controller/case_text.h"
 #include "tests/controller/plan_scenes.h"
@@ -151,7 +151,7 @@ TEST(PlanCase, TheNextSecondsAreForeseenInWords) {
   ControlCase c = ahead_case("moma-ahead.yaml");
   Drive drive(c, 1);
   drive.step();
-  const std::string ahead = foresee(c, 20.0);
+  const std::string ahead = forecast(c, 20.0);
   EXPECT_NE(ahead.find("follows a path"), std::string::npos) << ahead;
   EXPECT_NE(ahead.find("E is at the goal after"), std::string::npos) << ahead;
   // Without looking ahead it stops before the wall, and the wall is what holds it.
@@ -159,7 +159,7 @@ TEST(PlanCase, TheNextSecondsAreForeseenInWords) {
   plain.controller.plan.enabled = false;
   plain.controller.escape.enabled = false;
   plain.has_plan = false;
-  const std::string stops = foresee(plain, 20.0);
+  const std::string stops = forecast(plain, 20.0);
   EXPECT_EQ(stops.find("E is at the goal"), std::string::npos) << stops;
   EXPECT_NE(stops.find("wall"), std::string::npos) << stops;
 }

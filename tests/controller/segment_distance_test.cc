@@ -1,4 +1,4 @@
-#include "controller/model/segment_distance.h"
+#include "controller/model/analytic_distance.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "controller/model/proximity.h"
-#include "controller/model/ray_view.h"
+#include "controller/model/sensor_frames.h"
 #include "controller/params.h"
 #include "controller/safe/object_memory.h"
 #include "tests/support/control_period.h"

@@ -1,4 +1,4 @@
-#include "controller/model/urdf_visual.h"
+#include "controller/model/urdf.h"
 
 #include <gtest/gtest.h>
 

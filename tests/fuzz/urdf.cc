@@ -2,8 +2,8 @@
 #include <cstdlib>
 #include <optional>
 
+#include "controller/model/text_check.h"
 #include "controller/model/urdf.h"
-#include "controller/model/utf8.h"
 #include "tests/fuzz/target.h"
 
 namespace {

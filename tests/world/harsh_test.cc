@@ -13,7 +13,7 @@
 #include "tests/world/sensing_support.h"
 #include "tests/world/support.h"
 #include "world/sensing/actuation.h"
-#include "world/sensing/arrival.h"
+#include "world/sensing/delay_line.h"
 
 namespace moma::test {
 namespace {

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "tests/world/support.h"
-#include "world/plant/kinematic_plant.h"
+#include "world/plant/plant.h"
 
 namespace moma {
 namespace {

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "tests/world/support.h"
-#include "world/plant/ode_runtime.h"
+#include "world/plant/ode_library.h"
 #include "world/plant/rigid_bodies.h"
 
 namespace moma {

@@ -9,10 +9,9 @@
 #include <random>
 
 #include "tests/world/support.h"
-#include "world/plant/body_states.h"
 #include "world/plant/gap_watch.h"
-#include "world/plant/ode_plant.h"
-#include "world/plant/ode_raii.h"
+#include "world/plant/ode_library.h"
+#include "world/plant/plant.h"
 
 namespace moma {
 namespace {

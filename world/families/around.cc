@@ -11,8 +11,7 @@ struct Around {
   double highest = 0.9;    ///< [m]
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Around>) {
+constexpr void describe(auto& v, Of<Around>) {
   using T = Around;
   v.inlined(&T::placement);
   v.member("downward", &T::downward,

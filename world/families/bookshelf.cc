@@ -24,8 +24,7 @@ struct Bookshelf {
   double turned_away = 0.3;                         ///< [1]
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Bookshelf>) {
+constexpr void describe(auto& v, Of<Bookshelf>) {
   using T = Bookshelf;
   constexpr Range kPositive = Range::positive();
   v.inlined(&T::placement);

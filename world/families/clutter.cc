@@ -1,6 +1,5 @@
 #include "world/scenario/family.h"
-#include "world/scenario/object_mix.h"
-#include "world/scenario/place_objects.h"
+#include "world/scenario/objects.h"
 #include "world/scenario/walk.h"
 
 namespace moma {
@@ -16,8 +15,7 @@ struct Clutter {
   ObjectMix mix;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Clutter>) {
+constexpr void describe(auto& v, Of<Clutter>) {
   using T = Clutter;
   v.inlined(&T::placement);
   v.member("objects", &T::objects, {.range = {0, 1000}, .text = "number of solids"});

@@ -2,8 +2,7 @@
 #include <utility>
 
 #include "world/scenario/family.h"
-#include "world/scenario/object_mix.h"
-#include "world/scenario/place_objects.h"
+#include "world/scenario/objects.h"
 
 namespace moma {
 namespace {
@@ -23,8 +22,7 @@ struct Conveyor {
   ObjectMix mix{.standing = 0.8};
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Conveyor>) {
+constexpr void describe(auto& v, Of<Conveyor>) {
   using T = Conveyor;
   v.inlined(&T::placement);
   v.member("speed", &T::speed, {.unit = "m/s", .range = Range::positive(), .text = "speed of the goal"});

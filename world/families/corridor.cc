@@ -3,8 +3,7 @@
 
 #include "world/scenario/family.h"
 #include "world/scenario/furniture.h"
-#include "world/scenario/object_mix.h"
-#include "world/scenario/place_objects.h"
+#include "world/scenario/objects.h"
 
 namespace moma {
 namespace {
@@ -22,8 +21,7 @@ struct Corridor {
   ObjectMix mix{.standing = 1.0};
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Corridor>) {
+constexpr void describe(auto& v, Of<Corridor>) {
   using T = Corridor;
   v.inlined(&T::placement);
   v.member("width", &T::width, {.unit = "m", .range = Range::positive(), .text = "distance between the walls"});

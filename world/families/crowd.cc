@@ -1,5 +1,5 @@
 #include "world/scenario/family.h"
-#include "world/scenario/place_objects.h"
+#include "world/scenario/objects.h"
 #include "world/scenario/walk.h"
 
 namespace moma {
@@ -15,8 +15,7 @@ struct Crowd {
   Walk walker{.speed = Distribution(Distribution::Normal{0.8, 0.2}), .margin = 3.0};
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Crowd>) {
+constexpr void describe(auto& v, Of<Crowd>) {
   using T = Crowd;
   v.inlined(&T::placement);
   v.member("people", &T::people, {.range = {0, 200}, .text = "number of people who walk"});

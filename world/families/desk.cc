@@ -5,7 +5,7 @@
 #include "controller/model/floor_reach.h"
 #include "world/scenario/family.h"
 #include "world/scenario/furniture.h"
-#include "world/scenario/object_mix.h"
+#include "world/scenario/objects.h"
 
 namespace moma {
 namespace {
@@ -29,8 +29,7 @@ struct Desk {
                       .standing_height = Distribution(Uniform{0.08, 0.3})};
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Desk>) {
+constexpr void describe(auto& v, Of<Desk>) {
   using T = Desk;
   constexpr Range kPositive = Range::positive();
   v.inlined(&T::placement);

@@ -22,8 +22,7 @@ struct Doorway {
   bool lintel = true;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Doorway>) {
+constexpr void describe(auto& v, Of<Doorway>) {
   using T = Doorway;
   constexpr Range kPositive = Range::positive();
   v.inlined(&T::placement);

@@ -25,8 +25,7 @@ struct Maze {
   double height = 1.6;                             ///< [m]
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Maze>) {
+constexpr void describe(auto& v, Of<Maze>) {
   using T = Maze;
   constexpr Range kPositive = Range::positive();
   v.inlined(&T::placement);

@@ -4,8 +4,7 @@
 #include <string>
 
 #include "world/scenario/family.h"
-#include "world/scenario/object_mix.h"
-#include "world/scenario/place_objects.h"
+#include "world/scenario/objects.h"
 #include "world/scenario/walk.h"
 
 namespace moma {
@@ -36,8 +35,7 @@ struct Moving {
   Walk walker;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Moving>) {
+constexpr void describe(auto& v, Of<Moving>) {
   using T = Moving;
   v.inlined(&T::placement);
   v.member("objects", &T::objects, {.range = {0, 1000}, .text = "number of moving solids and people"});

@@ -23,8 +23,7 @@ struct Narrow {
   double height = 2.0;                             ///< [m]
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Narrow>) {
+constexpr void describe(auto& v, Of<Narrow>) {
   using T = Narrow;
   constexpr Range kPositive = Range::positive();
   v.inlined(&T::placement);

@@ -8,11 +8,7 @@ struct Open {
   Placement placement;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Open>) {
-  using T = Open;
-  v.inlined(&T::placement);
-}
+constexpr void describe(auto& v, Of<Open>) { v.inlined(&Open::placement); }
 
 bool build(const Open& p, SceneBuilder& builder, World& world) { return builder.place_robot(p.placement, world); }
 

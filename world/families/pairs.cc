@@ -9,8 +9,7 @@ struct Pairs {
   double range = 1.0;  ///< [1]
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Pairs>) {
+constexpr void describe(auto& v, Of<Pairs>) {
   using T = Pairs;
   v.inlined(&T::placement);
   v.member("range", &T::range,

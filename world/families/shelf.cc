@@ -21,8 +21,7 @@ struct Shelf {
   bool back = true;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Shelf>) {
+constexpr void describe(auto& v, Of<Shelf>) {
   using T = Shelf;
   constexpr Range kPositive = Range::positive();
   v.inlined(&T::placement);

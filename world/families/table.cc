@@ -2,7 +2,7 @@
 
 #include "world/scenario/family.h"
 #include "world/scenario/furniture.h"
-#include "world/scenario/object_mix.h"
+#include "world/scenario/objects.h"
 
 namespace moma {
 namespace {
@@ -25,8 +25,7 @@ struct Table {
                       .standing_height = Distribution(Uniform{0.08, 0.3})};
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Table>) {
+constexpr void describe(auto& v, Of<Table>) {
   using T = Table;
   constexpr Range kPositive = Range::positive();
   v.inlined(&T::placement);

@@ -24,8 +24,7 @@ struct Tracking {
   double follow = 30.0;                     ///< [s]
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Tracking>) {
+constexpr void describe(auto& v, Of<Tracking>) {
   using T = Tracking;
   constexpr Range kWeight = Range::non_negative();
   v.inlined(&T::placement);

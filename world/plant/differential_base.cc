@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "world/plant/ode_base.h"
-#include "world/plant/ode_support.h"
 
 namespace moma {
 namespace {

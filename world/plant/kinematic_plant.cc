@@ -1,11 +1,10 @@
-#include "world/plant/kinematic_plant.h"
+#include "world/plant/plant.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "world/plant/contacts.h"
-#include "world/plant/plant.h"
 #include "world/plant/reach_watch.h"
 
 namespace moma {

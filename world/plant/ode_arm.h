@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "world/plant/ode_raii.h"
+#include "world/plant/ode_library.h"
 #include "world/plant/rigid_bodies.h"
 
 namespace moma {

@@ -1,4 +1,4 @@
-#include "world/plant/ode_plant.h"
+#include "world/plant/plant.h"
 
 #include <fmt/format.h>
 
@@ -8,13 +8,11 @@
 #include <tuple>
 
 #include "controller/model/base_kind.h"
-#include "world/plant/body_states.h"
 #include "world/plant/contacts.h"
 #include "world/plant/gap_watch.h"
 #include "world/plant/ode_arm.h"
 #include "world/plant/ode_base.h"
-#include "world/plant/ode_support.h"
-#include "world/plant/plant.h"
+#include "world/plant/ode_library.h"
 
 namespace moma {
 namespace {

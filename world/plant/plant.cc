@@ -4,9 +4,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "world/plant/kinematic_plant.h"
-#include "world/plant/ode_plant.h"
-
 namespace moma {
 
 void check_command(const RobotModel& model, const VectorX& command, double duration) {

@@ -10,11 +10,32 @@
 #include "controller/describe/describe.h"
 #include "controller/describe/enumeration.h"
 #include "controller/model/robot_model.h"
-#include "world/plant/conditions.h"
-#include "world/plant/plant_clock.h"
+#include "controller/part_clock.h"
 #include "world/world.h"
 
 namespace moma {
+
+/// A ball with the density of water, held at the end effector.
+struct Payload {
+  double mass = 0.0;                 ///< [kg]; 0: no payload
+  Vector3 p_EP_E = Vector3::Zero();  ///< centre in the end effector's frame [m]
+};
+
+/// Differences between a trial's physics and those of the robot file and docs/explanation/physics.md. Dynamic mode
+/// only.
+struct PlantConditions {
+  Payload payload;
+  double floor_friction = 1.0;  ///< between floor and driven wheels [1]
+  VectorX joint_friction;       ///< dry friction of each controlled joint [Nm or N]; empty: none
+};
+
+enum class PlantPart {
+  kRest,     ///< setting motors, reading states, integrating motion
+  kCollide,  ///< contacts, and the continuous check between steps
+  kStep,     ///< the physics engine's step
+};
+
+using PlantClock = PartClock<PlantPart>;
 
 enum class SimulationMode { kKinematic, kDynamic };
 constexpr auto words(Of<SimulationMode>) { return std::to_array<std::string_view>({"kinematic", "dynamic"}); }
@@ -34,8 +55,7 @@ struct SimulationConfig {
   AtJointLimit joint_limits = AtJointLimit::kEnd;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<SimulationConfig>) {
+constexpr void describe(auto& v, Of<SimulationConfig>) {
   using T = SimulationConfig;
   v.member("mode", &T::mode, {.text = "kinematic: the command is the velocity; dynamic: ODE"});
   v.member("control_period", &T::control_period,
@@ -87,7 +107,7 @@ struct PlantReport {
   int divided_steps = 0;  ///< physics steps divided because of possible contacts; dynamic mode
 };
 
-/// Agreement of ODE's contacts with the distance library in one state (cross_check.h).
+/// Agreement of ODE's contacts with the distance library in one state (contacts.h).
 struct DetectorCheck {
   int disagreements = 0;  ///< pairs that touch according to only one of them
   double deepest = 0.0;   ///< largest contradiction: depth or gap [m]
@@ -121,5 +141,24 @@ std::unique_ptr<Plant> make_plant(std::shared_ptr<const RobotModel> model, const
 /// Throws std::invalid_argument naming the coordinate where the command has a wrong size or is not finite: such a
 /// number must never reach the physics.
 void check_command(const RobotModel& model, const VectorX& command, double duration);
+
+/// Pairs that are checked for contact: those that the broad phase keeps (reach_watch.h), or all. Both find the same
+/// contacts.
+enum class ContactChecks { kWhereSomethingMayTouch, kAll };
+
+/// The command is the velocity: joints move by q + command t, the base along its exact arc. Contacts are checked at
+/// least every 5 ms of motion. With `stops` a joint stops at its limit.
+std::unique_ptr<Plant> make_kinematic_plant(std::shared_ptr<const RobotModel> model, const World& world,
+                                            bool stops = false,
+                                            ContactChecks checks = ContactChecks::kWhereSomethingMayTouch);
+
+/// Use of the motors' limits in ODE's solver. A step without them is a quarter cheaper; if a motor exceeds its limit,
+/// the step is undone and repeated with all limits.
+enum class MotorBounds { kWhereTheyBind, kAlways };
+
+/// Rigid bodies, joint motors with effort limits, wheels on the floor (docs/explanation/physics.md).
+std::unique_ptr<Plant> make_ode_plant(std::shared_ptr<const RobotModel> model, const World& world,
+                                      const SimulationConfig& simulation, const PlantConditions& conditions,
+                                      MotorBounds bounds = MotorBounds::kWhereTheyBind);
 
 }  // namespace moma

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "controller/model/kinematics.h"
-#include "world/plant/conditions.h"
+#include "world/plant/plant.h"
 
 namespace moma {
 

@@ -4,11 +4,11 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "controller/config/reader.h"
 #include "controller/describe/describe.h"
+#include "controller/describe/enumeration.h"
 #include "world/draws.h"
 
 namespace moma {
@@ -18,54 +18,54 @@ namespace moma {
 /// clipped to the key's range. A value of described structs.
 class Distribution {
  public:
-  struct Fixed {
-    double value;
-    bool operator==(const Fixed&) const = default;
-  };
-  struct Uniform {
-    double low, high;
-    bool operator==(const Uniform&) const = default;
-  };
-  struct LogUniform {
-    double low, high;
-    bool operator==(const LogUniform&) const = default;
-  };
-  struct Normal {
-    double mean, sigma;
-    bool operator==(const Normal&) const = default;
-  };
-  struct Choice {
-    std::vector<double> values;
-    bool operator==(const Choice&) const = default;
-  };
-  using Kind = std::variant<Fixed, Uniform, LogUniform, Normal, Choice>;
+  enum class Kind { kFixed, kUniform, kLogUniform, kNormal, kChoice };
 
-  explicit Distribution(Kind kind) : kind_(std::move(kind)) {}
+  /// The numbers of a kind: the value, the ends of the interval, mean and standard deviation, or the values.
+  struct Form {
+    Kind kind;
+    std::vector<double> numbers;
+    bool operator==(const Form&) const = default;
+  };
+  struct Fixed : Form {
+    explicit Fixed(double value) : Form{Kind::kFixed, {value}} {}
+  };
+  struct Uniform : Form {
+    Uniform(double low, double high) : Form{Kind::kUniform, {low, high}} {}
+  };
+  struct Normal : Form {
+    Normal(double mean, double sigma) : Form{Kind::kNormal, {mean, sigma}} {}
+  };
 
-  const Kind& kind() const { return kind_; }
+  explicit Distribution(Form form) : form_(std::move(form)) {}
+
   /// Consumes exactly one draw.
   double sample(Draws& draws) const;
   /// Draws a whole number: all from low to high of a uniform are equally likely; other distributions are rounded.
   int sample_count(Draws& draws) const;
   /// Returns the input of read().
   nlohmann::ordered_json to_json() const;
+  /// Returns the same as YAML.
+  std::string text() const;
 
   /// Reads a distribution. Every value, or end of an interval, must be in `range`, and whole if `whole` is set. Throws
   /// config::ConfigError.
   static Distribution read(const config::Node& node, const std::string& key, const config::Range& range,
                            bool whole = false);
 
+  bool operator==(const Distribution& other) const { return form_ == other.form_; }
+
  private:
-  Kind kind_;
+  Form form_;
   double clip_low_ = -std::numeric_limits<double>::max();
   double clip_high_ = std::numeric_limits<double>::max();
 };
-
-bool operator==(const Distribution& a, const Distribution& b);
+constexpr auto words(Of<Distribution::Kind>) {
+  return std::to_array<std::string_view>({"fixed", "uniform", "log_uniform", "normal", "choice"});
+}
 
 /// A whole number of objects, from a distribution of whole numbers.
 struct Count {
-  explicit Count(Distribution::Kind kind) : distribution(std::move(kind)) {}
+  explicit Count(Distribution::Form form) : distribution(std::move(form)) {}
 
   Distribution distribution;
 
@@ -77,11 +77,11 @@ struct Count {
 // The functions that readers, writers and tables of described structs need for this value.
 void read_value(const config::Node& node, const std::string& key, Distribution& value, const About& about);
 void read_value(const config::Node& node, const std::string& key, Count& value, const About& about);
-nlohmann::ordered_json write_value(const Distribution& value, const About& about);
-nlohmann::ordered_json write_value(const Count& value, const About& about);
+inline nlohmann::ordered_json write_value(const Distribution& value, const About&) { return value.to_json(); }
+inline nlohmann::ordered_json write_value(const Count& value, const About&) { return value.distribution.to_json(); }
 std::string accepted(Of<Distribution>, const About& about);
 std::string accepted(Of<Count>, const About& about);
-std::string text_of(const Distribution& value);
-std::string text_of(const Count& value);
+inline std::string text_of(const Distribution& value) { return value.text(); }
+inline std::string text_of(const Count& value) { return value.distribution.text(); }
 
 }  // namespace moma

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "world/scenario/place_objects.h"
+#include "world/scenario/objects.h"
 
 namespace moma {
 

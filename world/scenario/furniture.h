@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "world/scenario/object_mix.h"
+#include "world/scenario/objects.h"
 #include "world/scenario/scene_builder.h"
 
 namespace moma {

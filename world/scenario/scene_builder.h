@@ -29,8 +29,7 @@ struct Placement {
   double self_clearance = 0.01;   ///< [m]
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Placement>) {
+constexpr void describe(auto& v, Of<Placement>) {
   using T = Placement;
   v.member("start_heading", &T::start_heading, {.unit = "rad", .text = "of the base at the start"});
   v.member("distance", &T::distance,

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "controller/describe/enumeration.h"
-#include "world/scenario/object_mix.h"
+#include "world/scenario/objects.h"
 #include "world/scenario/scene_builder.h"
 
 namespace moma {
@@ -49,8 +49,7 @@ struct Walk {
               WorldObject& object) const;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Walk>) {
+constexpr void describe(auto& v, Of<Walk>) {
   using T = Walk;
   v.member("walk_speed", &T::speed,
            {.unit = "m/s", .range = T::kPace, .text = "speed of each walker; free walking by default"});

@@ -10,10 +10,10 @@
 #include <variant>
 #include <vector>
 
-#include "controller/config/budget.h"
 #include "controller/config/json_node.h"
+#include "controller/config/node.h"
 #include "controller/config/reader.h"
-#include "controller/config/suggestion.h"
+#include "controller/config/text_file.h"
 #include "world/scenario/apportion.h"
 #include "world/scenario/family.h"
 #include "world/scenario/scenes.h"
@@ -32,17 +32,17 @@ struct Making {
   int tries = 10000;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Making>) {
-  v.member("seed", &Making::seed, {.text = "seed of the worlds"});
-  v.member("clearance", &Making::clearance,
+constexpr void describe(auto& v, Of<Making>) {
+  using T = Making;
+  v.member("seed", &T::seed, {.text = "seed of the worlds"});
+  v.member("clearance", &T::clearance,
            {.unit = "m", .range = Range::non_negative(), .text = "distance of objects from start and witness"});
-  v.member("start_room", &Making::start_room,
+  v.member("start_room", &T::start_room,
            {.unit = "m",
             .range = {0.0, 10.0},
             .written = Written::kUnlessDefault,
             .text = "distance of objects from the robot at the start, at t = 0"});
-  v.member("tries", &Making::tries,
+  v.member("tries", &T::tries,
            {.range = {1, 1000000}, .text = "largest number of tries at one world, before an error"});
 }
 
@@ -53,8 +53,7 @@ struct Member {
 };
 
 /// The key that every family has besides its own.
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Member>) {
+constexpr void describe(auto& v, Of<Member>) {
   v.member("weight", &Member::weight, {.range = Range::non_negative(), .text = "share of the worlds"});
 }
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "world/sensing/arrival.h"
+#include "world/sensing/delay_line.h"
 
 namespace moma {
 namespace {

@@ -39,8 +39,7 @@ struct PoseSpread {
   bool operator==(const PoseSpread&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<PoseSpread>) {
+constexpr void describe(auto& v, Of<PoseSpread>) {
   v.member("position", &PoseSpread::position, disturbed::about("m", disturbed::kSpread, "value for each coordinate"));
   v.member("rotation", &PoseSpread::rotation, disturbed::about("rad", disturbed::kSpread, "value about each axis"));
 }
@@ -52,8 +51,7 @@ struct TwistSpread {
   bool operator==(const TwistSpread&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<TwistSpread>) {
+constexpr void describe(auto& v, Of<TwistSpread>) {
   v.member("linear", &TwistSpread::linear, disturbed::about("m/s", disturbed::kSpread, "value for each coordinate"));
   v.member("angular", &TwistSpread::angular, disturbed::about("rad/s", disturbed::kSpread, "value about each axis"));
 }
@@ -66,8 +64,7 @@ struct Irregularity {
   bool operator==(const Irregularity&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Irregularity>) {
+constexpr void describe(auto& v, Of<Irregularity>) {
   using namespace disturbed;
   v.member("jitter", &Irregularity::jitter,
            about("s", kDelay, "largest additional delay, uniformly drawn at each step"));
@@ -86,8 +83,7 @@ struct JointSensing {
   bool operator==(const JointSensing&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<JointSensing>) {
+constexpr void describe(auto& v, Of<JointSensing>) {
   using namespace disturbed;
   using T = JointSensing;
   v.member("noise", &T::noise, about("rad or m", kSpread, "noise of each joint's position, per step"));
@@ -108,8 +104,7 @@ struct WheelSlip {
   bool operator==(const WheelSlip&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<WheelSlip>) {
+constexpr void describe(auto& v, Of<WheelSlip>) {
   using namespace disturbed;
   using T = WheelSlip;
   v.member("rate", &T::rate, about("1/m", {0.0, 100.0}, "mean number of slips per metre driven"));
@@ -127,8 +122,7 @@ struct OdometryErrors {
   bool operator==(const OdometryErrors&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<OdometryErrors>) {
+constexpr void describe(auto& v, Of<OdometryErrors>) {
   using namespace disturbed;
   using T = OdometryErrors;
   v.member("distance", &T::distance, about("1", kGain, "relative error of distances, per trial"));
@@ -150,8 +144,7 @@ struct BaseSensing {
   bool operator==(const BaseSensing&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<BaseSensing>) {
+constexpr void describe(auto& v, Of<BaseSensing>) {
   using namespace disturbed;
   using T = BaseSensing;
   v.member("noise", &T::noise, about("noise of x, y and heading, per step"));
@@ -181,8 +174,7 @@ struct PoseSensing {
   bool operator==(const PoseSensing&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<PoseSensing>) {
+constexpr void describe(auto& v, Of<PoseSensing>) {
   using namespace disturbed;
   using T = PoseSensing;
   v.member("frame", &T::frame,
@@ -205,8 +197,7 @@ struct MissedDetections {
   bool operator==(const MissedDetections&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<MissedDetections>) {
+constexpr void describe(auto& v, Of<MissedDetections>) {
   using namespace disturbed;
   using T = MissedDetections;
   v.member("probability", &T::probability, about("1", kGain, "probability that an object is missed in a span of time"));
@@ -225,8 +216,7 @@ struct FalseDetections {
   bool operator==(const FalseDetections&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<FalseDetections>) {
+constexpr void describe(auto& v, Of<FalseDetections>) {
   using namespace disturbed;
   using T = FalseDetections;
   constexpr Range kPlace{0.0, 100.0};
@@ -266,8 +256,7 @@ struct DetectionRule {
   bool operator==(const DetectionRule&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<DetectionRule>) {
+constexpr void describe(auto& v, Of<DetectionRule>) {
   using namespace disturbed;
   using T = DetectionRule;
   v.member("seen_by", &T::seen_by,
@@ -294,8 +283,7 @@ struct JointFriction {
   bool operator==(const JointFriction&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<JointFriction>) {
+constexpr void describe(auto& v, Of<JointFriction>) {
   using namespace disturbed;
   v.member("effort", &JointFriction::effort, about("1", kFriction, "mean, as a share of the joint's effort limit"));
   v.member("spread", &JointFriction::spread, about("1", kFriction, "standard deviation"));
@@ -312,8 +300,7 @@ struct JointDrives {
   bool operator==(const JointDrives&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<JointDrives>) {
+constexpr void describe(auto& v, Of<JointDrives>) {
   using namespace disturbed;
   using T = JointDrives;
   v.member("delay", &T::delay,
@@ -332,8 +319,7 @@ struct GainSpread {
   bool operator==(const GainSpread&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<GainSpread>) {
+constexpr void describe(auto& v, Of<GainSpread>) {
   using namespace disturbed;
   v.member("linear", &GainSpread::linear, about("1", kGain, "standard deviation of g in v = (1 + g) command"));
   v.member("angular", &GainSpread::angular, about("1", kGain, "standard deviation of g for turning"));
@@ -347,8 +333,7 @@ struct BaseRamps {
   bool operator==(const BaseRamps&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<BaseRamps>) {
+constexpr void describe(auto& v, Of<BaseRamps>) {
   using namespace disturbed;
   using T = BaseRamps;
   v.member("speed_up", &T::speed_up,
@@ -367,15 +352,15 @@ struct BaseDrive {
   bool operator==(const BaseDrive&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<BaseDrive>) {
+constexpr void describe(auto& v, Of<BaseDrive>) {
+  using T = BaseDrive;
   using namespace disturbed;
-  v.member("delay", &BaseDrive::delay, about("s", kDelay, "as for joints"));
-  v.inlined(&BaseDrive::irregularity);
-  v.member("lag", &BaseDrive::lag, about("s", kDelay, "as for joints"));
-  v.member("deadband", &BaseDrive::deadband, about("commands up to this size do not move the base"));
-  v.member("ramps", &BaseDrive::ramps, about("accelerations below those of the robot file"));
-  v.member("gain_error", &BaseDrive::gain_error, about("gain errors of the base's velocities, per trial"));
+  v.member("delay", &T::delay, about("s", kDelay, "as for joints"));
+  v.inlined(&T::irregularity);
+  v.member("lag", &T::lag, about("s", kDelay, "as for joints"));
+  v.member("deadband", &T::deadband, about("commands up to this size do not move the base"));
+  v.member("ramps", &T::ramps, about("accelerations below those of the robot file"));
+  v.member("gain_error", &T::gain_error, about("gain errors of the base's velocities, per trial"));
 }
 
 struct Actuators {
@@ -384,8 +369,7 @@ struct Actuators {
   bool operator==(const Actuators&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Actuators>) {
+constexpr void describe(auto& v, Of<Actuators>) {
   v.member("joints", &Actuators::joints, disturbed::about("the arm's drives"));
   v.member("base", &Actuators::base, disturbed::about("the base's drives"));
 }
@@ -397,8 +381,7 @@ struct ControlTicks {
   bool operator==(const ControlTicks&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<ControlTicks>) {
+constexpr void describe(auto& v, Of<ControlTicks>) {
   v.member("missed", &ControlTicks::missed,
            disturbed::about("1", disturbed::kFriction, "probability that the controller misses a period"));
 }
@@ -411,8 +394,7 @@ struct UnknownPayload {
   bool operator==(const UnknownPayload&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<UnknownPayload>) {
+constexpr void describe(auto& v, Of<UnknownPayload>) {
   using namespace disturbed;
   using T = UnknownPayload;
   v.member("mass", &T::mass, about("kg", kMass, "mean mass of a ball with the density of water"));
@@ -428,8 +410,7 @@ struct FloorFriction {
   bool operator==(const FloorFriction&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<FloorFriction>) {
+constexpr void describe(auto& v, Of<FloorFriction>) {
   using namespace disturbed;
   v.member("friction", &FloorFriction::friction, about("1", kSpread, "mean friction between floor and driven wheels"));
   v.member("spread", &FloorFriction::spread, about("1", kSpread, "standard deviation, per trial"));
@@ -451,8 +432,7 @@ struct Disturbances {
   bool operator==(const Disturbances&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Disturbances>) {
+constexpr void describe(auto& v, Of<Disturbances>) {
   using disturbed::about;
   using T = Disturbances;
   v.member("seed", &T::seed,

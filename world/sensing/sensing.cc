@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "world/sensing/arrival.h"
+#include "world/sensing/delay_line.h"
 #include "world/sensing/streams.h"
 
 namespace moma {

@@ -5,7 +5,7 @@
 
 #include "controller/model/robot_model.h"
 #include "controller/step.h"
-#include "world/plant/conditions.h"
+#include "world/plant/plant.h"
 #include "world/sensing/delay_line.h"
 #include "world/sensing/detection.h"
 #include "world/sensing/disturbances.h"

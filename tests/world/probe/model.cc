@@ -6,7 +6,6 @@
 #include "tests/world/probe/probe.h"
 #include "world/plant/ode_arm.h"
 #include "world/plant/ode_base.h"
-#include "world/plant/ode_support.h"
 
 namespace moma::probe {
 namespace {

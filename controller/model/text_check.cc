@@ -1,4 +1,4 @@
-#include "controller/model/xml_depth.h"
+#include "controller/model/text_check.h"
 
 #include <algorithm>
 

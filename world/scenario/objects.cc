@@ -1,9 +1,10 @@
-#include "world/scenario/object_mix.h"
+#include "world/scenario/objects.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace moma {
 namespace {
@@ -69,6 +70,25 @@ void ObjectMix::sample(Draws& draws, double x, double y, WorldObject& object) co
   const double lowest = lowest_point(object.shape, object.X_WO);
   const double shift = stands ? -lowest : std::max(0.0, -lowest);
   set_pose(object, {x, y, center_height + shift}, object.file_rotation);
+}
+
+bool ObjectPlacing::place(SceneBuilder& builder, World& world,
+                          const std::function<void(int i, WorldObject& object)>& begin,
+                          const std::function<bool(const ObjectTry& at, WorldObject& object)>& draw) const {
+  for (int i = 0; i < count; ++i) {
+    WorldObject object;
+    object.name = name + std::to_string(i + 1);
+    begin(i, object);
+    bool placed = false;
+    for (int k = 0; k < tries && !placed; ++k) {
+      placed = draw({k, 1 + static_cast<std::uint64_t>(i * tries + k)}, object);
+      if (!placed) builder.drawn_again(drawn_again);
+    }
+    if (i == 0) builder.first_object(placed, tries);
+    if (!placed) return builder.reject(out_of_tries);
+    world.objects.push_back(std::move(object));
+  }
+  return true;
 }
 
 }  // namespace moma

@@ -5,11 +5,24 @@
 #include <memory>
 #include <stdexcept>
 #include <type_traits>
+#include <vector>
 
 #include "controller/types.h"
-#include "world/plant/ode_runtime.h"
 
 namespace moma::ode {
+
+/// An internal error of ODE. Its world must be abandoned, not destroyed; other worlds are not affected.
+class Fault : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Call before any use of ODE in a thread; cheap when repeated. Starts the library once per process and installs
+/// handlers: messages are counted instead of printed, and internal errors throw Fault instead of ending the process.
+void use_on_this_thread();
+
+/// Messages of the LCP solver on this thread since the last call.
+int take_lcp_messages() noexcept;
 
 struct SpaceDeleter {
   void operator()(dSpaceID space) const { dSpaceDestroy(space); }
@@ -100,5 +113,23 @@ inline Isometry pose(const dReal* R, const dReal* p) {
 }
 inline Isometry pose(dBodyID body) { return pose(dBodyGetRotation(body), dBodyGetPosition(body)); }
 inline Isometry pose(dGeomID geom) { return pose(dGeomGetRotation(geom), dGeomGetPosition(geom)); }
+
+/// Saves poses and velocities of bodies, so that a step of their world can be undone and repeated: from the same joints
+/// it then gives the same bits. Everything else that ODE keeps between steps follows from these or is set before each
+/// step; dWorldStep draws no random numbers and has no warm start.
+class BodyStates {
+ public:
+  void add(dBodyID body);
+  void save();
+  /// Restores the saved states of the bodies and their geoms.
+  void restore() const;
+
+ private:
+  struct State {
+    dBodyID body;
+    dReal position[3], quaternion[4], rotation[12], linear[3], angular[3];
+  };
+  std::vector<State> states_;
+};
 
 }  // namespace moma::ode

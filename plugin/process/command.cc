@@ -1,4 +1,4 @@
-#include "plugin/process/python.h"
+#include "plugin/process/command.h"
 
 namespace moma {
 

@@ -1,4 +1,4 @@
-#include "controller/case/foresee.h"
+#include "controller/case/solve.h"
 
 #include <cmath>
 #include <limits>
@@ -41,7 +41,7 @@ std::string place(const Rollout& rollout) {
 
 }  // namespace
 
-std::string foresee(const ControlCase& control_case, double seconds) {
+std::string forecast(const ControlCase& control_case, double seconds) {
   Rollout rollout(control_case.robot.model, control_case.controller, control_case.control_period);
   rollout.reset(control_case.objects);
   const EscapeParams& escape = control_case.controller.escape;
