@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "controller/ahead/lookahead.h"
 #include "controller/ahead/rollout.h"

@@ -1,7 +1,9 @@
 #include "controller/draft/guess.h"
 
 #include <algorithm>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace moma::draft {
 namespace {

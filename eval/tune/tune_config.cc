@@ -266,12 +266,6 @@ std::string scales() {
   return text.replace(text.rfind(", "), 2, " or ");
 }
 
-std::string names_of_algorithms() {
-  std::string text;
-  for (const AlgorithmInfo& info : algorithms()) text += (text.empty() ? "" : ", ") + std::string(info.name);
-  return text;
-}
-
 // In the order of the reference.
 const std::vector<OwnKey>& own_keys() {
   static const std::vector<OwnKey> kKeys{

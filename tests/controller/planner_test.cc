@@ -61,7 +61,6 @@ TEST(Planner, GoalsAreWhereRowsAndJointsLetTheRobotGo) {
   params.plan.self = 0.05;
   Planner planner(model, params);
   Kinematics kinematics(model);
-  constexpr double kPi = std::numbers::pi;
   int goals = 0, unwound = 0, near = 0, low = 0;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     Scene scene = make_scene(model, seed, 8);
@@ -82,10 +81,10 @@ TEST(Planner, GoalsAreWhereRowsAndJointsLetTheRobotGo) {
       EXPECT_LT((kinematics.X_WE().translation() - scene.X_WG.translation()).norm(), 1e-3);
       EXPECT_GT(own_clearance(*model, kinematics), params.collision.self.stop) << "seed " << seed << ", " << at_start;
       for (int i = 4; i < 3 + model->num_joints(); ++i) {
-        EXPECT_LE(std::abs(goal.c[i]), 2.0 * kPi);
-        EXPECT_LE(std::abs(goal.c[i] - scene.start[i]), 2.0 * kPi) << "seed " << seed << ", joint " << i;
+        EXPECT_LE(std::abs(goal.c[i]), 2.0 * std::numbers::pi);
+        EXPECT_LE(std::abs(goal.c[i] - scene.start[i]), 2.0 * std::numbers::pi) << "seed " << seed << ", joint " << i;
       }
-      unwound += std::abs(goal.c[4] - scene.start[4]) > kPi ? 0 : 1;
+      unwound += std::abs(goal.c[4] - scene.start[4]) > std::numbers::pi ? 0 : 1;
       low += goal.c[3] < 0.1 || goal.c[3] > 0.3 ? 1 : 0;
     }
   }
