@@ -4,12 +4,11 @@
 #include <set>
 #include <stdexcept>
 
-#include "eval/search/algorithms.h"
-#include "eval/search/nlopt_scores.h"
+#include "eval/search/nlopt_run.h"
 #include "eval/search/random.h"
 #include "eval/search/sensitivity.h"
 #include "eval/search/variables.h"
-#include "eval/search/wilcoxon.h"
+#include "eval/stats/intervals.h"
 #include "tests/eval/search_objectives.h"
 
 namespace moma::tune {
@@ -17,14 +16,14 @@ namespace {
 
 TEST(Wilcoxon, CountsSignPatterns) {
   // All of n positive: one pattern of 2^n.
-  EXPECT_DOUBLE_EQ(wilcoxon_greater(std::vector<double>{1, 2, 3, 4, 5}), 1.0 / 32);
-  EXPECT_DOUBLE_EQ(wilcoxon_greater(std::vector<double>{-1, -2, -3, -4, -5}), 1.0);
+  EXPECT_DOUBLE_EQ(stats::wilcoxon_greater(std::vector<double>{1, 2, 3, 4, 5}), 1.0 / 32);
+  EXPECT_DOUBLE_EQ(stats::wilcoxon_greater(std::vector<double>{-1, -2, -3, -4, -5}), 1.0);
   // W+ = 5 of 1..3: patterns {2,3}, {1,2,3}.
-  EXPECT_DOUBLE_EQ(wilcoxon_greater(std::vector<double>{-1, 2, 3}), 2.0 / 8);
+  EXPECT_DOUBLE_EQ(stats::wilcoxon_greater(std::vector<double>{-1, 2, 3}), 2.0 / 8);
   // Zeros do not count; nothing left is no evidence.
-  EXPECT_DOUBLE_EQ(wilcoxon_greater(std::vector<double>{0, -1, 2, 0, 3}), 2.0 / 8);
-  EXPECT_DOUBLE_EQ(wilcoxon_greater(std::vector<double>{0, 0}), 1.0);
-  EXPECT_DOUBLE_EQ(wilcoxon_greater(std::vector<double>{}), 1.0);
+  EXPECT_DOUBLE_EQ(stats::wilcoxon_greater(std::vector<double>{0, -1, 2, 0, 3}), 2.0 / 8);
+  EXPECT_DOUBLE_EQ(stats::wilcoxon_greater(std::vector<double>{0, 0}), 1.0);
+  EXPECT_DOUBLE_EQ(stats::wilcoxon_greater(std::vector<double>{}), 1.0);
 }
 
 // Hollander & Wolfe's depression scores, as in the manual of R's wilcox.test: V = 40, one-sided p = 0.01953.
@@ -33,7 +32,7 @@ TEST(Wilcoxon, AgreesWithAPublishedExample) {
   const std::vector<double> after{0.878, 0.647, 0.598, 2.05, 1.06, 1.29, 1.06, 3.14, 1.29};
   std::vector<double> d;
   for (std::size_t i = 0; i < before.size(); ++i) d.push_back(before[i] - after[i]);
-  EXPECT_NEAR(wilcoxon_greater(d), 10.0 / 512, 1e-12);
+  EXPECT_NEAR(stats::wilcoxon_greater(d), 10.0 / 512, 1e-12);
 }
 
 double by_enumeration(const std::vector<double>& d) {
