@@ -63,16 +63,16 @@ TEST(Wilcoxon, ExactWithTiesByEnumeration) {
       double value = std::floor(7.0 * uniform(seed, SearchStream::kStarts, i)) - 2.5;
       d.push_back(value);
     }
-    EXPECT_NEAR(wilcoxon_greater(d), by_enumeration(d), 1e-12);
+    EXPECT_NEAR(stats::wilcoxon_greater(d), by_enumeration(d), 1e-12);
   }
 }
 
 TEST(Wilcoxon, NormalApproximationJoinsTheExactOne) {
   std::vector<double> d;
   for (int i = 1; i <= 50; ++i) d.push_back(i % 3 == 0 ? -i : i);
-  const double exact = wilcoxon_greater(d);
+  const double exact = stats::wilcoxon_greater(d);
   d.push_back(0.5);  // 51 differences: the approximation; the least rank hardly matters
-  EXPECT_NEAR(wilcoxon_greater(d), exact, 0.1 * exact);
+  EXPECT_NEAR(stats::wilcoxon_greater(d), exact, 0.1 * exact);
 }
 
 TEST(Wilcoxon, FalseAlarmsAreAsRareAsItSays) {
@@ -80,7 +80,7 @@ TEST(Wilcoxon, FalseAlarmsAreAsRareAsItSays) {
   for (std::uint64_t trial = 0; trial < 4000; ++trial) {
     std::vector<double> d;
     for (std::uint64_t i = 0; i < 40; ++i) d.push_back(uniform(trial, SearchStream::kStarts, i) - 0.5);
-    alarms += wilcoxon_greater(d) < 0.05 ? 1 : 0;
+    alarms += stats::wilcoxon_greater(d) < 0.05 ? 1 : 0;
   }
   EXPECT_NEAR(alarms / 4000.0, 0.05, 0.014);  // four standard errors
 }
