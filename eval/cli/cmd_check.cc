@@ -12,10 +12,9 @@
 #include "eval/cli/progress.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
-#include "eval/run/recording.h"
-#include "eval/run/robot_warnings.h"
 #include "eval/run/store_file.h"
 #include "eval/run/survey.h"
+#include "eval/run/warnings.h"
 #include "eval/tune/tuned_file.h"
 #include "eval/tune/tuning.h"
 

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "eval/cli/command.h"
-#include "eval/cli/interrupt.h"
+#include "eval/cli/progress.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 #include "eval/store/database.h"

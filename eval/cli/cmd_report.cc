@@ -1,17 +1,181 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <memory>
+#include <string>
+#include <utility>
 
+#include "controller/config/mesh_hull.h"
+#include "controller/config/package_path.h"
+#include "controller/config/robot_build.h"
+#include "controller/config/text_file.h"
+#include "controller/model/urdf.h"
 #include "eval/cli/command.h"
-#include "eval/cli/page_parts.h"
+#include "eval/cli/progress.h"
 #include "eval/cli/suite_options.h"
+#include "eval/cli/table.h"
+#include "eval/run/replay.h"
+#include "eval/store/error.h"
 #include "eval/store/migrations.h"
+#include "eval/store/samples.h"
 #include "reports/render/report.h"
 #include "reports/render/store.h"
+#include "reports/render/view.h"
 
 namespace moma::cli {
+namespace {
+
+/// Where a robot's meshes are looked for.
+struct Place {
+  config::PackagePaths packages;
+  std::filesystem::path folder;
+};
+
+Place place_of(const std::filesystem::path& robot_file, std::string& urdf) {
+  const config::Node node = config::load_yaml(robot_file);
+  config::MapReader robot(node, "");
+  config::RobotBuild build;
+  config::read_urdf_of(robot, build);
+  urdf = build.resolved.at("urdf_text").get<std::string>();
+  return {build.packages, build.urdf_directory};
+}
+
+reports::VisualPart part_of(const UrdfVisual& visual, const Place& place) {
+  const UrdfGeometry& geometry = visual.geometry;
+  reports::VisualPart part;
+  part.link = visual.link;
+  for (int row = 0; row < 3; ++row) {
+    part.position[static_cast<std::size_t>(row)] = geometry.X_LS.translation()[row];
+    for (int column = 0; column < 3; ++column)
+      part.rotation[static_cast<std::size_t>(3 * row + column)] = geometry.X_LS.linear()(row, column);
+  }
+  if (visual.colour) part.colour = {visual.colour->x(), visual.colour->y(), visual.colour->z()};
+  if (geometry.mesh.empty()) {
+    const Vector3& size = geometry.shape.size;
+    part.shape = {{"shape", to_string(geometry.shape.kind)}, {"size", {size.x(), size.y(), size.z()}}};
+    return part;
+  }
+  const config::Mesh mesh = config::read_mesh(place.packages.resolve(geometry.mesh, place.folder), geometry.scale);
+  for (const Vector3& p : mesh.vertices) part.surface.vertices.push_back({p.x(), p.y(), p.z()});
+  for (const Eigen::Vector3i& t : mesh.triangles) part.surface.triangles.push_back({t.x(), t.y(), t.z()});
+  return part;
+}
+
+std::array<double, 3> point(const Vector3& p) { return {p.x(), p.y(), p.z()}; }
+
+reports::DistanceRows::Kind kind_of(const RowId& id) {
+  using Kind = reports::DistanceRows::Kind;
+  if (id.end > 0) return Kind::kEnd;
+  if (id.kind == RowKind::kFloor) return Kind::kFloor;
+  if (id.kind == RowKind::kSelf) return Kind::kSelf;
+  return id.kind == RowKind::kPassing ? Kind::kPassing : Kind::kObject;
+}
+
+reports::DistanceRows rows_of(const TrialRows& of) {
+  reports::DistanceRows out{of.names, {}};
+  for (const TrialRows::Row& row : of.rows)
+    out.rows.push_back({row.t, kind_of(row.id), row.first, row.second, row.active, row.id.d, point(row.id.p_first_W),
+                        point(row.id.p_second_W)});
+  return out;
+}
+
+/// What the URDF of a stored robot says that it looks like, with its meshes read from where package:// and file://
+/// lead. `robots`: robot files; where one names the same URDF, its packages and its folder are looked in as well.
+reports::Look robot_look(const std::vector<std::filesystem::path>& robots) {
+  std::map<std::string, Place> places;
+  for (const std::filesystem::path& robot : robots) {
+    std::string urdf;
+    Place place = place_of(robot, urdf);
+    places[urdf] = std::move(place);
+  }
+  return [places](const nlohmann::ordered_json& robot) {
+    std::vector<reports::VisualPart> parts;
+    try {
+      const std::string urdf = robot.at("urdf_text").get<std::string>();
+      const auto named = places.find(urdf);
+      for (const UrdfVisual& visual : read_urdf_visuals(urdf))
+        parts.push_back(part_of(visual, named != places.end() ? named->second : Place{}));
+    } catch (const std::exception& error) {
+      std::cerr << terminal_safe(fmt::format("robot {} is shown as its collision shapes: {}; where its robot file says "
+                                             "more: --look ROBOT.yaml",
+                                             robot.value("name", ""), error.what()))
+                << '\n';
+      parts.clear();
+    }
+    return parts;
+  };
+}
+
+/// Simulates a stored trial's motion and the rows of its QP again, from the store alone. `suites` has to outlive it.
+reports::Simulate simulated_again(run::StoredSuites& suites) {
+  return [&suites](const std::filesystem::path& db, const std::string& trial) -> std::optional<reports::OwnedSamples> {
+    try {
+      TrialRows rows;
+      const run::Replay replay = run::replay(db, trial, suites, &rows);
+      if (replay.output.trace.empty()) return {};
+      store::EncodedSamples encoded = store::encode_samples(replay.output.trace);
+      return reports::OwnedSamples{encoded.layout, encoded.n, store::column_names_of(encoded.columns),
+                                   std::move(encoded.data), rows_of(rows)};
+    } catch (const config::ConfigError& error) {
+      throw reports::CannotSimulate(error.what());
+    } catch (const store::StoreError& error) {
+      if (error.kind() != store::StoreError::Kind::kNotFound) throw;
+      throw reports::CannotSimulate(error.what());  // of another version of the simulation
+    }
+  };
+}
+
+std::string notes_of(const std::filesystem::path& file) {
+  try {
+    return config::read_text_file(file);
+  } catch (const std::runtime_error& error) {
+    throw UsageError(fmt::format("--notes {}: {}; wanted: a text file in Markdown", file.string(), error.what()));
+  }
+}
+
+/// Options that every command with a report page has: --notes, --look, --shapes and --allow-plugins.
+class PageOptions {
+ public:
+  void add_to(CLI::App& command);
+
+  /// Gives the page the notes, the robots' looks, and the simulation of stored trials. This object has to outlive the
+  /// page. A robot with a mesh that cannot be found or read has no look, and a line on standard error says why. Throws
+  /// UsageError (--notes) and config::ConfigError (--look).
+  void complete(ReportOptions& page);
+
+ private:
+  std::filesystem::path notes_;
+  std::vector<std::filesystem::path> robots_;
+  bool shapes_ = false;
+  Plugins plugins_ = Plugins::kRefused;
+  run::StoredSuites suites_;
+};
+
+void PageOptions::add_to(CLI::App& command) {
+  command.add_option("--notes", notes_, "What you write about the results, Markdown, for the head of the page");
+  CLI::Option* look = command.add_option(
+      "--look", robots_, "Robot file by which the visual meshes of its URDF are found; may be given again");
+  look->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command.add_flag("--shapes", shapes_, "Show robots as their collision shapes, without visual meshes")->excludes(look);
+  add_allow_plugins(command, plugins_);
+}
+
+void PageOptions::complete(ReportOptions& page) {
+  if (!notes_.empty()) page.notes = notes_of(notes_);
+  if (!shapes_) page.look = robot_look(robots_);
+  suites_ = run::StoredSuites(plugins_);
+  page.simulate = simulated_again(suites_);
+  page.time_known = [](const reports::HitObject& hit) {
+    return run::known_before_contact(
+        {hit.world, hit.disturbances, hit.object, hit.control_period, hit.contact_time, hit.t, hit.base});
+  };
+}
+
+}  // namespace
+
 static_assert(store::kSchemaVersion <= reports::kNewestSchema,
               "look whether reports/sql still fits the store, then raise reports/render/store.h");
 
@@ -68,6 +232,60 @@ void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
         written.push_back(html);
       }
       for (const std::filesystem::path& file : written) std::cerr << fmt::format("wrote {}\n", file.string());
+      return static_cast<int>(kOk);
+    };
+  });
+}
+
+void add_open(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
+  struct Options {
+    reports::Stores stores;
+    ReportOptions report;
+    PageOptions page;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("open", "Write a store's report page beside it and open it in the browser");
+  command->add_option("DB", options->stores, "Store; several are compared on one page")->required();
+  options->page.add_to(*command);
+  add_force(*command, options->report.replace);
+  command->footer(
+      "The page is the first store's name with .html. $BROWSER names the program that opens it; else it is xdg-open.\n"
+      "Example: moma open results/demo.db");
+  command->callback([&action, options] {
+    action = [options] {
+      const std::filesystem::path html = std::filesystem::path(options->stores.front()).replace_extension(".html");
+      options->page.complete(options->report);
+      write_report(options->stores, html, options->report);
+      std::cerr << fmt::format("wrote {}\n", html.string());
+      if (!reports::open_in_browser(html))
+        std::cerr << "no browser could be started (BROWSER names one): open the file yourself\n";
+      return static_cast<int>(kOk);
+    };
+  });
+}
+
+void add_view(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
+  struct Options {
+    reports::Stores stores;
+    reports::ViewOptions view;
+    PageOptions page;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("view", "Serve a store's report page on this machine, also while a run goes on");
+  command->add_option("DB", options->stores, "Store; several are compared")->required();
+  command->add_option("--port", options->view.port, "Port of 127.0.0.1 (8080); 0: any free one")
+      ->check(CLI::Range(0, 65535));
+  options->page.add_to(*command);
+  command->footer("Example: moma view results/demo.db --port 0");
+  command->callback([&action, options] {
+    action = [options] {
+      options->page.complete(options->view);
+      const InterruptGuard guard;
+      reports::serve(options->stores, options->view, InterruptGuard::flag(), [](const std::string& address) {
+        std::cout << address << std::endl;
+        std::cerr << "serving the report at the address above; Ctrl-C ends\n";
+      });
       return static_cast<int>(kOk);
     };
   });

@@ -2,17 +2,56 @@
 
 #include <iostream>
 #include <memory>
+#include <stdexcept>
 
 #include "eval/cli/command.h"
-#include "eval/cli/interrupt.h"
 #include "eval/cli/progress.h"
-#include "eval/cli/rare_options.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
+#include "eval/run/break.h"
 #include "eval/run/risk.h"
+#include "files/output_file.h"
+#include "world/world_json.h"
 
 namespace moma::cli {
 namespace {
+
+void add_rare_event(CLI::App& command, std::string& event) {
+  command.add_option("--event", event,
+                     "collision, timeout, stuck, joint_limit, infeasible, METRIC<VALUE or METRIC>VALUE (collision)");
+}
+
+/// Throws UsageError, naming `command`.
+run::RareEvent rare_event(const std::string& text, const std::string& command) {
+  try {
+    return run::RareEvent::read(text);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(fmt::format("{}: --event: {}", command, error.what()));
+  }
+}
+
+/// Adds --particles, --replicates, --moves, --levels and --split-seed, whose defaults are what `splitting` is.
+void add_splitting(CLI::App& command, risk::SplittingOptions& splitting) {
+  command
+      .add_option("--particles", splitting.particles, fmt::format("Worlds of a replicate ({})", splitting.particles))
+      ->check(CLI::Range(10, 1000000));
+  command
+      .add_option("--replicates", splitting.replicates,
+                  fmt::format("Independent ones, whose spread gives the interval ({})", splitting.replicates))
+      ->check(CLI::Range(2, 10000));
+  command.add_option("--moves", splitting.moves, fmt::format("Moves of each copy ({})", splitting.moves))
+      ->check(CLI::Range(1, 1000));
+  command
+      .add_option("--levels", splitting.levels,
+                  fmt::format("Most levels, each of which halves the probability ({})", splitting.levels))
+      ->check(CLI::Range(1, 1000));
+  command.add_option("--split-seed", splitting.seed, "Seed of choices and moves (1)");
+}
+
+void add_moved_trials_store(CLI::App& command, std::filesystem::path& file) {
+  command.add_option("-o,--output", file,
+                     "Store to keep trials in, made if missing: the same command goes on after a stop");
+}
 
 using store::Cell;
 
@@ -82,6 +121,55 @@ int risk_of_suite(const RiskOptions& options) {
   return refused ? kCheckFailed : kOk;
 }
 
+struct BreakOptions {
+  SuiteOptions suite;
+  run::BreakRequest request;
+  std::string event = "collision";
+  std::string worlds;
+  Format format = Format::kTable;
+  files::Replace replace = files::Replace::kOwn;
+  bool quiet = false;
+};
+
+store::QueryResult table(const Suite& suite, const run::Broken& broken) {
+  store::QueryResult out{{"line", "controller", "family", "world", "link", "object", "end s", "found by", "times"}, {}};
+  for (const run::Failure& failure : broken.failures) {
+    const SuitePoint& point = suite.points[failure.point];
+    out.rows.push_back({static_cast<std::int64_t>(out.rows.size() + 1),
+                        point.label.empty() ? point.controller : point.controller + ":" + point.label, failure.family,
+                        static_cast<std::int64_t>(failure.world.index), failure.row.link, failure.row.object,
+                        failure.row.time_end_s, failure.by, static_cast<std::int64_t>(failure.times)});
+  }
+  return out;
+}
+
+int break_suite(const BreakOptions& options) {
+  const files::Kind kind{"file of worlds", ""};  // edited by hand: none is known for moma's own
+  if (!options.worlds.empty()) files::check_replace(options.worlds, kind, options.replace);
+  const Suite suite = options.suite.load();
+  const run::RareEvent event = rare_event(options.event, "break");
+  if (!options.quiet) print_warnings(suite.warnings);
+  const InterruptGuard interrupt;
+  run::BreakRequest request = options.request;
+  request.trials.stop = &InterruptGuard::flag();
+  StatusLine progress(options.quiet);
+  const run::Broken broken = run::break_suite(request, suite, event, listener_on_stderr(options.quiet, progress));
+  progress.clear();
+  write(std::cout, table(suite, broken), options.format);
+  std::cout.flush();
+  if (!options.worlds.empty() && !broken.failures.empty()) {
+    files::write_file(options.worlds, kind, options.replace, [&](std::ostream& out) {
+      for (const run::Failure& failure : broken.failures) out << to_json(failure.world).dump() << '\n';
+    });
+    if (!options.quiet)
+      std::cerr << fmt::format("to run them: the suite with --trials {} --set 'worlds={{frozen: {}}}'\n",
+                               broken.failures.size(), terminal_safe(options.worlds));
+  }
+  if (broken.end == run::End::kFinished) return kOk;
+  std::cerr << terminal_safe_lines(broken.stopped) << std::endl;
+  return kStoppedEarly;
+}
+
 }  // namespace
 
 void add_risk(CLI::App& app, Action& action, const Arguments& arguments) {
@@ -105,6 +193,32 @@ void add_risk(CLI::App& app, Action& action, const Arguments& arguments) {
       "much for an estimate. What the figures mean, and when they lie: docs/explanation/rare-failures.md.\n"
       "Example: moma risk configs/suites/demo.yaml --set simulation.mode=kinematic --particles 100 -o results/risk.db");
   command->callback([&action, options] { action = [options] { return risk_of_suite(*options); }; });
+}
+
+void add_break(CLI::App& app, Action& action, const Arguments& arguments) {
+  auto options = std::make_shared<BreakOptions>();
+  options->request.trials.arguments = arguments;
+  CLI::App* command =
+      app.add_subcommand("break", "Find failures of a suite's controllers, the likeliest first, as frozen worlds");
+  options->suite.add_to(*command);
+  command->add_option("--worlds", options->worlds, "Write the worlds found there, for `worlds: {frozen: FILE}`");
+  add_rare_event(*command, options->event);
+  command->add_option("--crude", options->request.crude, "Trials of each family that are looked at first (1000)")
+      ->check(CLI::Range(1, 100000000));
+  command->add_option("--nearest", options->request.nearest, "Part of them whose noise is drawn again (0.01)")
+      ->check(CLI::Range(0.0, 1.0));
+  command->add_option("--noises", options->request.noises, "Times (40)")->check(CLI::Range(0, 100000));
+  add_splitting(*command, options->request.splitting);
+  add_moved_trials_store(*command, options->request.trials.file);
+  add_threads(*command, options->request.trials.threads);
+  add_format(*command, options->format);
+  add_force(*command, options->replace);
+  command->add_flag("-q,--quiet", options->quiet, "No progress and no remarks");
+  command->footer(
+      "A failure is a robot shape against an object in a world: found among crude trials, by other noise where those\n"
+      "came nearest, or by splitting. docs/how-to/rare-failures.md has more.\n"
+      "Example: moma break configs/suites/mixed.yaml --worlds found.jsonl -o results/break.db");
+  command->callback([&action, options] { action = [options] { return break_suite(*options); }; });
 }
 
 }  // namespace moma::cli

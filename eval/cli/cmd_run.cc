@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "eval/cli/command.h"
-#include "eval/cli/interrupt.h"
 #include "eval/cli/progress.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/summary_table.h"

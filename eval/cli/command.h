@@ -25,7 +25,7 @@ using Action = std::function<int()>;
 using Arguments = std::vector<std::string>;
 
 /// Adds a command with its options to `app`; when the command is parsed, `action` is set. The command NAME has the
-/// function add_NAME() of this form in cmd_NAME.cc, and its place in the list of eval/cli/CMakeLists.txt.
+/// function add_NAME() of this form in a file cmd_*.cc, and its place in the list of eval/cli/CMakeLists.txt.
 using AddCommand = void (*)(CLI::App& app, Action& action, const Arguments& arguments);
 /// All commands, in the order of the help.
 std::span<const AddCommand> commands();

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "eval/cli/table.h"
-#include "eval/suite/stored.h"
+#include "eval/suite/controller_entry.h"
+#include "eval/suite/suite.h"
 #include "files/output_file.h"
 
 namespace moma::cli {

@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "controller/config/node.h"
-#include "eval/identify/noise.h"
 #include "eval/identify/response.h"
 
 namespace moma::identify {

@@ -8,15 +8,15 @@
 
 #include "controller/config/json_node.h"
 #include "eval/batch/sequential.h"
-#include "eval/run/recording.h"
-#include "eval/run/row_warnings.h"
 #include "eval/run/store_file.h"
+#include "eval/run/warnings.h"
 #include "eval/store/database.h"
 #include "eval/store/machine.h"
 #include "eval/store/run_lock.h"
 #include "eval/store/writer.h"
-#include "eval/suite/stored.h"
-#include "eval/trial/late.h"
+#include "eval/suite/controller_entry.h"
+#include "eval/suite/suite.h"
+#include "eval/trial/trial.h"
 
 namespace moma::run {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "controller/controller.h"
-#include "eval/trial/told_params.h"
+#include "eval/trial/trial.h"
 
 namespace moma::run {
 namespace {

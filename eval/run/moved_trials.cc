@@ -12,7 +12,7 @@
 #include "eval/store/records.h"
 #include "eval/store/run_lock.h"
 #include "eval/trial/key.h"
-#include "eval/trial/late.h"
+#include "eval/trial/trial.h"
 #include "world/draws.h"
 #include "world/world_json.h"
 

@@ -2,12 +2,15 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "controller/case/case_file.h"
 #include "eval/store/reader.h"
-#include "eval/suite/stored.h"
-#include "eval/trial/rows_of_trial.h"
+#include "eval/suite/controller_entry.h"
+#include "eval/suite/suite.h"
+#include "eval/trial/trial_detail.h"
 
 namespace moma::run {
 
@@ -56,5 +59,21 @@ ReplayDifferences differences(const TrialRow& stored, const std::string& machine
 /// Control step `step` of a stored trial as a case, from the store alone. `trial`: its name or a unique beginning.
 /// Throws RunError where the trial ends before or its controller is a plugin, and what StoredSuites does.
 ControlCase stored_case(StoredSuites& suites, const std::filesystem::path& store, const std::string& trial, long step);
+
+/// A collision of a stored trial, with the robot's motion before it.
+struct CollisionCase {
+  std::string world;            ///< JSON, as stored
+  std::string disturbances;     ///< JSON, as stored
+  std::string object;           ///< name of the touched object
+  double control_period = 0.0;  ///< [s]
+  double contact_time = 0.0;    ///< [s]
+  std::vector<double> t;        ///< times of the samples [s]
+  std::vector<double> base;     ///< x, y, heading of each sample, one after the other [m, m, rad]
+};
+
+/// Returns the time [s] between the detection of the object, by the simulation's own rule (world/sensing/detection.h),
+/// and the collision. Empty if the object is not one of the world's, or if no detection was needed. Throws if worlds or
+/// disturbances cannot be read.
+std::optional<double> known_before_contact(const CollisionCase& collision);
 
 }  // namespace moma::run

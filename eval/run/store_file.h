@@ -1,10 +1,13 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
+#include "eval/batch/batch.h"
 #include "eval/run/listener.h"
+#include "eval/store/records.h"
 
 namespace moma::run {
 
@@ -28,5 +31,15 @@ void tell_killed(const std::vector<std::string>& started, bool lock_left, const 
 
 /// Returns the number of cores, or one thread per rank of an mpirun: ranks are usually as many as cores.
 int usual_threads(bool cluster = false);
+
+/// Drops the samples that a suite does not keep: all, none, or those of successes.
+void drop_samples(SamplesKept kept, TrialOutput& output);
+
+/// Returns the BatchOptions::finish of every process: it evaluates the suite's own metrics and drops the samples that
+/// the suite does not keep. Throws config::ConfigError if a metric's SQL is invalid.
+std::function<void(const SuitePoint&, BatchResult&)> finishing(const Suite& suite);
+
+/// Returns the record of a result's world, even if the world could not be made.
+store::WorldRecord world_record(const SuitePoint& point, const BatchJob& job, const BatchResult& result);
 
 }  // namespace moma::run

@@ -7,14 +7,12 @@
 #include <unordered_map>
 
 #include "eval/batch/batch.h"
-#include "eval/run/recording.h"
 #include "eval/run/store_file.h"
-#include "eval/store/build_info.h"
 #include "eval/store/database.h"
 #include "eval/store/machine.h"
 #include "eval/store/run_lock.h"
 #include "eval/store/writer.h"
-#include "eval/trial/late.h"
+#include "eval/trial/trial.h"
 #include "eval/tune/stored_search.h"
 #include "eval/tune/tuned_file.h"
 #include "files/output_file.h"

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "eval/search/variables.h"
-#include "eval/search/words.h"
 
 namespace moma::tune {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "eval/search/wilcoxon.h"
+#include "eval/stats/intervals.h"
 
 namespace moma::tune {
 namespace {
@@ -90,7 +90,7 @@ bool Evaluator::race_lost(const Known& known, std::size_t worlds) const {
     differences[w] = known.values[w * width] - other[w * width];
     sum += differences[w];
   }
-  return sum > 0.0 && wilcoxon_greater(differences) < settings_.racing.significance;
+  return sum > 0.0 && stats::wilcoxon_greater(differences) < settings_.racing.significance;
 }
 
 std::optional<Evaluation> Evaluator::logged(const Evaluation& begun) {

@@ -1,15 +1,31 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "eval/search/algorithms.h"
-
 namespace moma::tune {
+
+/// One of NLopt's algorithms, by NLopt's name.
+struct AlgorithmInfo {
+  std::string_view name;
+  bool global = false;
+  bool has_population = false;
+};
+
+/// Two global ones and two local ones, derivative-free and within bounds. None takes constraints: a candidate that
+/// breaks one gets a penalty.
+std::span<const AlgorithmInfo> algorithms();
+
+/// By NLopt's name with or without its prefix, in any case: GN_CRS2_LM, crs2_lm. Throws std::invalid_argument naming
+/// the nearest and all.
+const AlgorithmInfo& find_algorithm(std::string_view name);
 
 /// The function to minimise, on the unit cube. None: stop now (the budget is spent).
 using UnitFunction = std::function<std::optional<double>(std::span<const double> unit)>;
@@ -25,5 +41,27 @@ struct NloptRun {
 /// ends the run and leaves this function. nlopt::srand resets NLopt's thread-local random state here, so that a run is
 /// a function of its arguments.
 std::string run_nlopt(const NloptRun& run, const UnitFunction& function);
+
+/// The scores that one NLopt run gets. A cut candidate gets its estimate (Evaluation::merit), but never a better score
+/// than a fully measured one of this run: at least the worst full score before it, and a later full score is reported
+/// as no worse than any cut one before it. In either order no cut candidate looks better than a fully measured one.
+/// Only the ranking among candidates worse than a cut one is lost.
+class NloptScores {
+ public:
+  double operator()(double value, bool cut) {
+    if (cut) {
+      value = std::max(value, worst_full_);
+      least_cut_ = std::min(least_cut_, value);
+    } else {
+      value = std::min(value, least_cut_);
+      worst_full_ = std::max(worst_full_, value);
+    }
+    return value;
+  }
+
+ private:
+  double worst_full_ = -std::numeric_limits<double>::infinity();
+  double least_cut_ = std::numeric_limits<double>::infinity();
+};
 
 }  // namespace moma::tune

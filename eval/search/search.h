@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "eval/search/algorithms.h"
 #include "eval/search/evaluation.h"
 #include "eval/search/evaluator.h"
+#include "eval/search/nlopt_run.h"
 #include "eval/search/objective.h"
 #include "eval/search/sensitivity.h"
 #include "eval/search/variables.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "eval/stats/bootstrap.h"
+#include "eval/stats/intervals.h"
 
 namespace moma::stats {
 namespace {

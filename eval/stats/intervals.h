@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace moma::stats {
@@ -50,5 +51,35 @@ std::vector<double> holm(const std::vector<double>& p_values);
 
 /// Returns the median (mean of the middle two for even sizes); NaN for none. Takes a copy to sort.
 double median(std::vector<double> values);
+
+struct BootstrapOptions {
+  int replicates = 9999;
+  double confidence = 0.95;
+  std::uint64_t seed = 1;  ///< fixed, so that every run prints the same table
+};
+
+inline constexpr std::size_t kResampledPairs = 300;
+
+struct MeanDifference {
+  double mean = 0.0;  ///< mean of a_i - b_i
+  double low = 0.0;   ///< 95 % by default; NaN for too few pairs
+  double high = 0.0;
+};
+
+/// Paired bootstrap of the mean difference a_i - b_i. It resamples whole pairs with replacement, by Philox with the
+/// counter (replicate, draw), so that the result depends on the arguments alone. O(replicates * n). For more than
+/// kResampledPairs pairs the interval is the bootstrap's limit, mean -+ z standard errors. For fewer pairs than a sign
+/// test needs (six for 95 %: 2 / 2^6 < 0.05) there is no interval: resampled means would exclude zero whenever all
+/// differences have one sign. Source: Efron & Tibshirani, An Introduction to the Bootstrap, 1993, ch. 13. Throws
+/// std::invalid_argument for sizes that differ or are zero.
+MeanDifference paired_bootstrap(std::span<const double> a, std::span<const double> b,
+                                const BootstrapOptions& options = {});
+
+/// Returns the one-sided p-value of Wilcoxon's signed-rank test: the probability of at least this sum of positive ranks
+/// if the differences were symmetric about zero. Zeros are left out; ties share their mean rank. Exact (the
+/// distribution over all sign patterns, ties included) up to 50 differences; the normal approximation with tie and
+/// continuity corrections beyond. 1 without a difference. Source: Wilcoxon, Biometrics Bulletin 1(6), 1945; Hollander,
+/// Wolfe & Chicken, Nonparametric Statistical Methods, 3rd ed., section 3.1.
+double wilcoxon_greater(std::span<const double> differences);
 
 }  // namespace moma::stats

@@ -14,10 +14,10 @@
 #include <utility>
 
 #include "controller/config/json_node.h"
-#include "eval/store/build_info.h"
 #include "eval/store/database.h"
 #include "eval/store/definition.h"
 #include "eval/store/hash.h"
+#include "eval/store/machine.h"
 #include "eval/store/migrations.h"
 #include "eval/store/records.h"
 #include "eval/store/samples.h"

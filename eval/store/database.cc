@@ -2,6 +2,7 @@
 
 #include <SQLiteCpp/Exception.h>
 #include <SQLiteCpp/Statement.h>
+#include <SQLiteCpp/Transaction.h>
 #include <fmt/format.h>
 #include <sqlite3.h>
 #include <sys/statfs.h>
@@ -10,11 +11,13 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <string>
 #include <system_error>
 #include <utility>
 
 #include "eval/store/migrations.h"
 #include "eval/store/table.h"
+#include "plugin/host/plugin.h"
 
 namespace moma::store {
 namespace {
@@ -267,6 +270,30 @@ std::string file_system_warning(const fs::path& file) {
       "{}: lies on a network file system ({}), whose locks SQLite cannot trust: write shards to a local "
       "disk and join them with 'moma merge'",
       file.string(), name);
+}
+
+namespace {
+
+std::string late_trials() {
+  return fmt::format("FROM trial WHERE outcome = 'error' AND reason LIKE '%{}%{}%'", kLateBefore, kLateAfter);
+}
+
+}  // namespace
+
+std::size_t count_late(const SQLite::Database& db) {
+  return static_cast<std::size_t>(
+      const_cast<SQLite::Database&>(db).execAndGet("SELECT count(*) " + late_trials()).getInt64());
+}
+
+std::size_t forget_late(SQLite::Database& db) {
+  const std::size_t late = count_late(db);
+  if (late == 0) return 0;
+  SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
+  for (const char* table : {"samples", "metric_value", "execution", "point_trial"})
+    db.exec(fmt::format("DELETE FROM {} WHERE key IN (SELECT key {})", table, late_trials()));
+  db.exec("DELETE " + late_trials());
+  transaction.commit();
+  return late;
 }
 
 }  // namespace moma::store

@@ -2,6 +2,7 @@
 
 #include <SQLiteCpp/Database.h>
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -41,5 +42,11 @@ StoreError explain(const SQLite::Exception& error, const std::filesystem::path& 
 
 /// "" or a warning that the file lies on a network file system, where SQLite's locks are not to be trusted.
 std::string file_system_warning(const std::filesystem::path& file);
+
+/// Trials that ended because real time ran out, which stores of earlier versions hold as results (plugin/host/late.h).
+std::size_t count_late(const SQLite::Database& db);
+/// Removes them with all that belongs to them, so that they are tried again; returns how many. One look through all
+/// rows.
+std::size_t forget_late(SQLite::Database& db);
 
 }  // namespace moma::store

@@ -13,7 +13,6 @@
 #include "controller/case/plan_words.h"
 #include "controller/describe/complete.h"
 #include "eval/store/columns.h"
-#include "eval/store/difficulty.h"
 #include "eval/store/rows.h"
 #include "eval/store/samples.h"
 #include "eval/store/search_tables.h"

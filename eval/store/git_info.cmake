@@ -16,7 +16,7 @@ if(git)
   endif()
 endif()
 set(text "// Written at build time.
-#include \"eval/store/build_info.h\"
+#include \"eval/store/machine.h\"
 
 namespace moma::store {
 const char* const kGitCommit = \"${commit}\";

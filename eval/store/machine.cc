@@ -12,7 +12,6 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "eval/store/build_info.h"
 #include "eval/store/hash.h"
 
 namespace moma::store {

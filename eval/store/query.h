@@ -26,7 +26,7 @@ class QueryError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Runs one reading statement, in which samples('TRIAL') is a table (eval/store/samples_function.h) and bit_count(N)
+/// Runs one reading statement, in which samples('TRIAL') is a table and bit_count(N)
 /// the number of ones in N. The connection is read-only, and ATTACH, VACUUM INTO and PRAGMAs that set something are
 /// refused. A store's views may be without end: after `patience` the query is given up; 0: never. Throws StoreError for
 /// the file, QueryError for the SQL.

@@ -14,9 +14,9 @@
 #include "eval/store/hash.h"
 #include "eval/store/migrations.h"
 #include "eval/store/records.h"
+#include "eval/store/rows.h"
 #include "eval/store/search_tables.h"
 #include "eval/store/table.h"
-#include "eval/store/words.h"
 
 namespace moma::store {
 namespace {

@@ -1,21 +1,57 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "controller/describe/describe.h"
-#include "eval/store/difficulty.h"
+#include "controller/describe/enumeration.h"
 #include "eval/store/field.h"
 #include "eval/store/machine.h"
-#include "eval/store/words.h"
+#include "eval/trial/column.h"
 #include "eval/trial/spec.h"
+#include "world/world.h"
+
+namespace moma::store {
+
+// Words that stand in columns of the store. Each column's CHECK is made from them.
+
+/// Of an invocation; a program that was killed leaves `running` behind, which the next one to write makes `failed`.
+enum class RunStatus { kRunning, kFinished, kStopped, kFailed };
+constexpr auto words(Of<RunStatus>) {
+  return std::to_array<std::string_view>({"running", "finished", "stopped", "failed"});
+}
+static_assert(all_worded<RunStatus>());
+
+}  // namespace moma::store
+
+namespace moma {
+
+/// Columns of table `world` that say how hard it is; metrics of a trial on the report page.
+template <class Visitor>
+constexpr void describe(Visitor& v, Of<Difficulty>) {
+  using D = Difficulty;
+  v.member("goal_distance_m", &D::goal_distance_m,
+           Column{.label = "goal distance", .unit = "m", .decimals = 2, .text = "from the start's tip to the goal"});
+  v.member("objects", &D::objects, Column{.label = "objects", .decimals = 0, .text = "number of objects"});
+  v.member("witness_clearance_m", &D::witness_clearance_m,
+           Column{.label = "clearance of the witness", .unit = "m", .text = "its least distance to an object"});
+  v.member("blocked_fraction", &D::blocked_fraction,
+           Column{.label = "blocked part of the straight line",
+                  .decimals = 2,
+                  .text = "of the line from start to goal, within an object grown by 5 cm"});
+  v.member("narrowest_gap_m", &D::narrowest_gap_m,
+           Column{.label = "narrowest gap between objects", .unit = "m", .text = "least gap between two objects"});
+}
+
+}  // namespace moma
+
+namespace moma::store {
 
 // Rows of the tables that are not described beside what they hold (eval/trial/row.h, eval/store/samples.h,
 // eval/store/search_tables.h). What follows from a record's place, keys and ids, is no part of it.
-
-namespace moma::store {
 
 /// Of the tables controller and resolved_suite.
 struct ContentRow {

@@ -13,14 +13,12 @@
 #include <span>
 #include <unordered_map>
 
-#include "eval/search/words.h"
-#include "eval/store/build_info.h"
+#include "eval/search/variables.h"
 #include "eval/store/columns.h"
 #include "eval/store/database.h"
 #include "eval/store/definition.h"
-#include "eval/store/late.h"
 #include "eval/store/machine.h"
-#include "eval/store/registry.h"
+#include "eval/store/records.h"
 #include "eval/store/samples.h"
 #include "eval/store/table.h"
 

@@ -11,7 +11,7 @@
 
 #include "eval/store/error.h"
 #include "eval/store/records.h"
-#include "eval/store/words.h"
+#include "eval/store/rows.h"
 #include "eval/trial/row.h"
 
 namespace SQLite {
@@ -89,7 +89,7 @@ class Writer {
 
   /// Rows committed by this writer.
   std::size_t committed() const;
-  /// Trials that the constructor removed, so that they are tried again (eval/store/late.h).
+  /// Trials that the constructor removed, so that they are tried again (eval/store/database.h).
   std::size_t forgotten() const;
 
  private:

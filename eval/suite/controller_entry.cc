@@ -3,15 +3,53 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <map>
+#include <string>
+#include <utility>
 
 #include "controller/config/controller_file.h"
 #include "controller/config/json_node.h"
 #include "controller/config/reader.h"
-#include "eval/suite/controller_paths.h"
 #include "eval/suite/process_entry.h"
 #include "plugin/host/library.h"
+#include "plugin/process/process_plugin.h"
 
 namespace moma {
+
+using config::Node;
+using nlohmann::ordered_json;
+
+ordered_json paths_of(const Plugin& plugin, const ordered_json& controller_resolved) {
+  const ProcessPool* processes = processes_of(plugin);
+  if (processes == nullptr) return {{"path", plugin.library().file.string()}};
+  const ProcessCommand& command = processes->command();
+  std::map<std::filesystem::path, std::string> files = processes->files();
+  ordered_json paths = ordered_json::object();
+  if (controller_resolved.at("method") == "python") {
+    paths["path"] = command.files.front().string();
+    paths["python"] = command.arguments.front();
+    files.erase(command.files.front());
+  } else {
+    paths["command"] = command.arguments;
+    paths["directory"] = command.directory.string();
+    for (const std::string& argument : command.arguments)
+      files.erase((command.directory / argument).lexically_normal());
+  }
+  ordered_json rest = ordered_json::array();
+  for (const auto& [file, digest] : files) rest.push_back(file.string());
+  if (!rest.empty()) paths["files"] = std::move(rest);
+  return paths;
+}
+
+void anchor_paths(Node& entry, const Plugin& plugin, const ordered_json& controller_resolved) {
+  const Node paths = config::node_from_json(paths_of(plugin, controller_resolved), entry.mark.file);
+  for (const auto& [key, value] : paths.entries) {
+    Node* there = entry.find(key);
+    if (there == nullptr) there = &entry.entries.emplace_back(key, Node()).second;
+    *there = value;
+  }
+}
+
 namespace {
 
 namespace fs = std::filesystem;

@@ -9,7 +9,6 @@
 #include "controller/config/plausible.h"
 #include "controller/config/reader.h"
 #include "eval/suite/sections.h"
-#include "eval/suite/trials.h"
 #include "eval/trial/key.h"
 #include "eval/trial/spec_file.h"
 #include "world/sensing/disturbances_file.h"

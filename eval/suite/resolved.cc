@@ -2,10 +2,10 @@
 
 #include "controller/config/json_node.h"
 #include "controller/config/reader.h"
+#include "eval/suite/controller_entry.h"
 #include "eval/suite/resolve.h"
 #include "eval/suite/sections.h"
-#include "eval/suite/stored.h"
-#include "eval/suite/trials.h"
+#include "eval/suite/suite.h"
 #include "eval/trial/key.h"
 
 namespace moma {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "controller/config/node.h"
@@ -17,5 +18,14 @@ void read_metrics(const config::Node& node, const std::string& key, Suite& suite
 
 /// Reads a text of one line or more.
 std::string read_notes(const config::Node& node, const std::string& key);
+
+// The key `trials` of a suite: a number of worlds, or
+//   {until: {metric: success, half_width: 0.02, max: 5000, block: 100}}
+
+/// Sets suite.trials and suite.until; with `until`, `trials` is the maximum. Throws config::ConfigError.
+void read_trials(const config::Node& node, const std::string& key, Suite& suite);
+
+/// Returns the input of read_trials().
+nlohmann::ordered_json trials_json(const Suite& suite);
 
 }  // namespace moma

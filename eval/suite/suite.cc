@@ -14,7 +14,6 @@
 #include "eval/suite/resolve.h"
 #include "eval/suite/sections.h"
 #include "eval/suite/sweep.h"
-#include "eval/suite/trials.h"
 #include "eval/trial/key.h"
 #include "eval/trial/trial.h"
 

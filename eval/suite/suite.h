@@ -18,6 +18,8 @@
 
 namespace moma {
 
+enum class Plugins;
+
 enum class SamplesKept { kAll, kFailures, kNone };
 constexpr auto words(Of<SamplesKept>) { return std::to_array<std::string_view>({"all", "failures", "none"}); }
 static_assert(all_worded<SamplesKept>());
@@ -82,5 +84,8 @@ using Overrides = std::vector<std::pair<std::string, std::string>>;
 /// Reads and resolves a suite. Throws config::ConfigError with file, line, column, key.
 Suite load_suite(const std::filesystem::path& file, const Overrides& overrides = {});
 Suite suite_from_resolved(const nlohmann::ordered_json& resolved);
+/// With permission for the suite's plugins (eval/suite/controller_entry.h), which the other one refuses. Throws
+/// config::ConfigError, PluginRefused.
+Suite suite_from_resolved(const nlohmann::ordered_json& resolved, Plugins plugins);
 
 }  // namespace moma

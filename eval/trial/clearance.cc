@@ -49,4 +49,48 @@ void ClearanceWatch::look(const Kinematics& kinematics, std::span<const ObjectSt
   });
 }
 
+namespace {
+
+constexpr double kBeyond = 3.0;  // [m]
+
+double reaction_of(const TrialSpec& spec) {
+  const Disturbances& d = spec.disturbances;
+  const double period = spec.simulation.control_period;
+  const long drives =
+      std::max(delay_steps(d.actuators.base.delay, period), delay_steps(d.actuators.joints.delay, period));
+  return period * static_cast<double>(1 + delay_steps(d.objects.delay, period) + drives);
+}
+
+}  // namespace
+
+SeparationWatch::SeparationWatch(const TrialSpec& spec)
+    : model_(*spec.robot->model), ramp_(model_), reaction_(reaction_of(spec)), J_(3, model_.num_velocities()) {}
+
+void SeparationWatch::look(const Kinematics& kinematics, Proximity& proximity, std::span<const ObjectState> objects,
+                           const VectorX& qdot) {
+  moving_.assign(objects.begin(), objects.end());
+  bool any = false;
+  for (ObjectState& object : moving_) {
+    object.visible = !object.V_WO_W.isZero(0.0);
+    any = any || object.visible;
+  }
+  if (!any) return;
+  Vector3 base = Vector3::Zero();
+  for (int i = 0; i < model_.base_dof(); ++i) base[i] = qdot[i];
+  const double stopping = model_.base_dof() > 0 ? ramp_.stopping_time(base, 1.0) : 0.0;
+  const double range = kBeyond + (std::isnan(least_) ? kBeyond : std::max(least_, 0.0));
+  for (const ProximityPair& pair : proximity.query(kinematics, moving_, {range, -1.0, -1.0})) {
+    const Distance& distance = pair.distance;
+    const ObjectState& object = moving_[static_cast<std::size_t>(pair.second)];
+    kinematics.point_jacobian(model_.shapes[static_cast<std::size_t>(pair.first)].link, distance.p_first_W, J_);
+    const Vector3 arm = distance.p_second_W - object.X_WO.translation();
+    const Vector3 v_object = object.V_WO_W.tail<3>() + object.V_WO_W.head<3>().cross(arm);
+    // d increases along n with the motion of the robot's point, and decreases with the object's.
+    const double v_H = std::max(0.0, distance.n_W.dot(v_object));
+    const double v_R = std::max(0.0, -distance.n_W.dot(J_ * qdot));
+    const double margin = distance.d - (v_H * (reaction_ + stopping) + v_R * (reaction_ + 0.5 * stopping));
+    if (!(least_ <= margin)) least_ = margin;
+  }
+}
+
 }  // namespace moma

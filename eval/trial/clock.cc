@@ -13,16 +13,28 @@
 #include "controller/model/kinematics.h"
 #include "controller/model/manipulability.h"
 #include "eval/trial/clearance.h"
-#include "eval/trial/observe.h"
 #include "eval/trial/rules.h"
-#include "eval/trial/separation.h"
 #include "world/draws.h"
 #include "world/sensing/actuation.h"
 #include "world/sensing/sensing.h"
 #include "world/sensing/streams.h"
 
 namespace moma {
+
 namespace {
+
+/// Fills `observation` with the true state at time t, the only way of information to a controller;
+/// world/sensing/sensing.h then disturbs it. Keeps sizes of `observation` that fit, so that only the first step
+/// allocates.
+void observe(const PlantState& truth, const std::vector<ObjectState>& objects, const GoalState& goal, double t,
+             Observation& observation) {
+  observation.time = t;
+  observation.base = truth.base;
+  observation.q = truth.q;
+  observation.qdot = truth.qdot;
+  observation.goal = goal;
+  observation.objects = objects;
+}
 
 using Clock = std::chrono::steady_clock;
 

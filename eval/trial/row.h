@@ -1,14 +1,23 @@
 #pragma once
 
+#include <array>
 #include <limits>
 #include <string>
+#include <string_view>
 
 #include "controller/describe/describe.h"
+#include "controller/describe/enumeration.h"
 #include "eval/trial/column.h"
-#include "eval/trial/outcome.h"
 #include "eval/trial/sample.h"
 
 namespace moma {
+
+enum class Outcome { kSuccess, kCollision, kTimeout, kStuck, kJointLimit, kTipped, kInfeasible, kDiverged, kError };
+constexpr auto words(Of<Outcome>) {
+  return std::to_array<std::string_view>(
+      {"success", "collision", "timeout", "stuck", "joint_limit", "tipped", "infeasible", "diverged", "error"});
+}
+static_assert(all_worded<Outcome>());
 
 constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();  // NULL in the store
 

@@ -7,7 +7,6 @@
 
 #include "controller/controller.h"
 #include "eval/trial/clock.h"
-#include "eval/trial/told_params.h"
 #include "world/sensing/sensing.h"
 
 namespace moma {

@@ -9,6 +9,7 @@
 #include "eval/trial/profile.h"
 #include "eval/trial/row.h"
 #include "eval/trial/spec.h"
+#include "plugin/host/plugin.h"
 #include "world/world.h"
 
 namespace moma {
@@ -43,5 +44,12 @@ void check_plant(const TrialSpec& spec);
 
 /// Raised by hand whenever rows change for the same inputs; a golden test notices.
 inline constexpr int kSimulationVersion = 10;
+
+/// Returns the controller's parameters for a trial: the controller counts a goal as reached no further away than the
+/// success rule does.
+ControllerParams told_params(const TrialSpec& spec);
+
+/// True if a trial ended because real time ran out. Such a row is not stored, and the trial is tried again.
+inline bool is_late(const TrialRow& row) noexcept { return row.outcome == Outcome::kError && is_late(row.reason); }
 
 }  // namespace moma

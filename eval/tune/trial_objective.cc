@@ -4,7 +4,7 @@
 
 #include <unordered_set>
 
-#include "eval/trial/late.h"
+#include "eval/trial/trial.h"
 
 namespace moma::tune {
 

@@ -10,8 +10,7 @@
 #include "controller/config/json_node.h"
 #include "controller/config/reader.h"
 #include "eval/suite/controller_entry.h"
-#include "eval/suite/controller_paths.h"
-#include "eval/suite/stored.h"
+#include "eval/suite/suite.h"
 #include "eval/trial/trial.h"
 
 namespace moma::tune {

@@ -12,7 +12,7 @@
 #include "controller/config/robot_file.h"
 #include "eval/identify/found_files.h"
 #include "eval/identify/motion_log.h"
-#include "eval/identify/noise.h"
+#include "eval/identify/response.h"
 #include "eval/run/log_of_trial.h"
 #include "tests/eval/trial_fixture.h"
 #include "world/draws.h"

@@ -1,4 +1,4 @@
-#include "eval/run/robot_warnings.h"
+#include "eval/run/warnings.h"
 
 #include <gtest/gtest.h>
 

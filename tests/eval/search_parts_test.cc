@@ -4,12 +4,11 @@
 #include <set>
 #include <stdexcept>
 
-#include "eval/search/algorithms.h"
-#include "eval/search/nlopt_scores.h"
+#include "eval/search/nlopt_run.h"
 #include "eval/search/random.h"
 #include "eval/search/sensitivity.h"
 #include "eval/search/variables.h"
-#include "eval/search/wilcoxon.h"
+#include "eval/stats/intervals.h"
 #include "tests/eval/search_objectives.h"
 
 namespace moma::tune {
@@ -17,14 +16,14 @@ namespace {
 
 TEST(Wilcoxon, CountsSignPatterns) {
   // All of n positive: one pattern of 2^n.
-  EXPECT_DOUBLE_EQ(wilcoxon_greater(std::vector<double>{1, 2, 3, 4, 5}), 1.0 / 32);
-  EXPECT_DOUBLE_EQ(wilcoxon_greater(std::vector<double>{-1, -2, -3, -4, -5}), 1.0);
+  EXPECT_DOUBLE_EQ(stats::wilcoxon_greater(std::vector<double>{1, 2, 3, 4, 5}), 1.0 / 32);
+  EXPECT_DOUBLE_EQ(stats::wilcoxon_greater(std::vector<double>{-1, -2, -3, -4, -5}), 1.0);
   // W+ = 5 of 1..3: patterns {2,3}, {1,2,3}.
-  EXPECT_DOUBLE_EQ(wilcoxon_greater(std::vector<double>{-1, 2, 3}), 2.0 / 8);
+  EXPECT_DOUBLE_EQ(stats::wilcoxon_greater(std::vector<double>{-1, 2, 3}), 2.0 / 8);
   // Zeros do not count; nothing left is no evidence.
-  EXPECT_DOUBLE_EQ(wilcoxon_greater(std::vector<double>{0, -1, 2, 0, 3}), 2.0 / 8);
-  EXPECT_DOUBLE_EQ(wilcoxon_greater(std::vector<double>{0, 0}), 1.0);
-  EXPECT_DOUBLE_EQ(wilcoxon_greater(std::vector<double>{}), 1.0);
+  EXPECT_DOUBLE_EQ(stats::wilcoxon_greater(std::vector<double>{0, -1, 2, 0, 3}), 2.0 / 8);
+  EXPECT_DOUBLE_EQ(stats::wilcoxon_greater(std::vector<double>{0, 0}), 1.0);
+  EXPECT_DOUBLE_EQ(stats::wilcoxon_greater(std::vector<double>{}), 1.0);
 }
 
 // Hollander & Wolfe's depression scores, as in the manual of R's wilcox.test: V = 40, one-sided p = 0.01953.
@@ -33,7 +32,7 @@ TEST(Wilcoxon, AgreesWithAPublishedExample) {
   const std::vector<double> after{0.878, 0.647, 0.598, 2.05, 1.06, 1.29, 1.06, 3.14, 1.29};
   std::vector<double> d;
   for (std::size_t i = 0; i < before.size(); ++i) d.push_back(before[i] - after[i]);
-  EXPECT_NEAR(wilcoxon_greater(d), 10.0 / 512, 1e-12);
+  EXPECT_NEAR(stats::wilcoxon_greater(d), 10.0 / 512, 1e-12);
 }
 
 double by_enumeration(const std::vector<double>& d) {
@@ -64,16 +63,16 @@ TEST(Wilcoxon, ExactWithTiesByEnumeration) {
       double value = std::floor(7.0 * uniform(seed, SearchStream::kStarts, i)) - 2.5;
       d.push_back(value);
     }
-    EXPECT_NEAR(wilcoxon_greater(d), by_enumeration(d), 1e-12);
+    EXPECT_NEAR(stats::wilcoxon_greater(d), by_enumeration(d), 1e-12);
   }
 }
 
 TEST(Wilcoxon, NormalApproximationJoinsTheExactOne) {
   std::vector<double> d;
   for (int i = 1; i <= 50; ++i) d.push_back(i % 3 == 0 ? -i : i);
-  const double exact = wilcoxon_greater(d);
+  const double exact = stats::wilcoxon_greater(d);
   d.push_back(0.5);  // 51 differences: the approximation; the least rank hardly matters
-  EXPECT_NEAR(wilcoxon_greater(d), exact, 0.1 * exact);
+  EXPECT_NEAR(stats::wilcoxon_greater(d), exact, 0.1 * exact);
 }
 
 TEST(Wilcoxon, FalseAlarmsAreAsRareAsItSays) {
@@ -81,7 +80,7 @@ TEST(Wilcoxon, FalseAlarmsAreAsRareAsItSays) {
   for (std::uint64_t trial = 0; trial < 4000; ++trial) {
     std::vector<double> d;
     for (std::uint64_t i = 0; i < 40; ++i) d.push_back(uniform(trial, SearchStream::kStarts, i) - 0.5);
-    alarms += wilcoxon_greater(d) < 0.05 ? 1 : 0;
+    alarms += stats::wilcoxon_greater(d) < 0.05 ? 1 : 0;
   }
   EXPECT_NEAR(alarms / 4000.0, 0.05, 0.014);  // four standard errors
 }

@@ -1,6 +1,6 @@
 // The separation's margin against speeds of approach that are differences of distances, and against a motion that is
 // worked out by hand.
-#include "eval/trial/separation.h"
+#include "eval/trial/clearance.h"
 
 #include <gtest/gtest.h>
 

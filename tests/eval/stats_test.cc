@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "eval/stats/bootstrap.h"
 #include "eval/stats/comparison.h"
 #include "eval/stats/intervals.h"
 

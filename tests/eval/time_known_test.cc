@@ -1,5 +1,5 @@
 // For how long an object had been known before it was hit, against what the geometry says.
-#include "eval/run/time_known.h"
+#include "eval/run/replay.h"
 
 #include <gtest/gtest.h>
 

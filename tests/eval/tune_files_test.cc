@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "controller/config/node.h"
-#include "eval/tune/metric.h"
 #include "eval/tune/trial_cost.h"
 #include "eval/tune/tuned_file.h"
 #include "eval/tune/tuning.h"

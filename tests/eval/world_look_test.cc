@@ -1,6 +1,6 @@
 // Warnings of `moma check` about worlds that others made: starts in touch, and goals nearer to objects than a
 // controller keeps.
-#include "eval/run/world_look.h"
+#include "eval/run/survey.h"
 
 #include <gtest/gtest.h>
 

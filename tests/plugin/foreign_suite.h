@@ -5,7 +5,8 @@
 #include <string>
 
 #include "controller/config/node.h"
-#include "eval/suite/stored.h"
+#include "eval/suite/controller_entry.h"
+#include "eval/suite/suite.h"
 #include "eval/trial/trial.h"
 #include "tests/eval/suite_fixture.h"
 

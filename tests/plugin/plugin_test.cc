@@ -7,7 +7,8 @@
 #include <thread>
 
 #include "controller/controller.h"
-#include "eval/suite/stored.h"
+#include "eval/suite/controller_entry.h"
+#include "eval/suite/suite.h"
 #include "eval/trial/trial.h"
 #include "plugin/host/library.h"
 #include "tests/plugin/foreign_suite.h"

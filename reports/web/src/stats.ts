@@ -216,7 +216,7 @@ function philox(first: number, second: number, out: Uint32Array): void {
 }
 
 /**
- * 95 % interval of the mean of paired differences, digit for digit that of `moma compare` (eval/stats/bootstrap.h): the
+ * 95 % interval of the mean of paired differences, digit for digit that of `moma compare` (eval/stats/intervals.h): the
  * percentile bootstrap, whose draws depend on nothing but their place. NaN of fewer than six.
  */
 export function bootstrapMean(differences: readonly number[], rounds = 9999): Interval {
