@@ -1,4 +1,4 @@
-#include "reports/render/changes.h"
+#include "reports/render/page_data.h"
 
 #include <fmt/format.h>
 

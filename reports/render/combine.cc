@@ -5,7 +5,6 @@
 #include <map>
 #include <set>
 
-#include "reports/render/changes.h"
 #include "reports/render/page_data.h"
 
 namespace moma::reports {

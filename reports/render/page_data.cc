@@ -14,10 +14,8 @@
 #include <vector>
 
 #include "reports/render/assets.h"
-#include "reports/render/changes.h"
 #include "reports/render/evidence.h"
 #include "reports/render/own_metrics.h"
-#include "reports/render/replays.h"
 #include "reports/render/store.h"
 
 namespace moma::reports {

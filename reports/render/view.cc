@@ -11,7 +11,6 @@
 
 #include "reports/render/html.h"
 #include "reports/render/page_data.h"
-#include "reports/render/replays.h"
 #include "reports/render/store.h"
 
 namespace moma::reports {

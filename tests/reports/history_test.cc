@@ -9,7 +9,7 @@
 #include <fstream>
 #include <string>
 
-#include "reports/render/changes.h"
+#include "reports/render/page_data.h"
 #include "reports/render/report.h"
 #include "reports/render/store.h"
 #include "tests/reports/store_files.h"

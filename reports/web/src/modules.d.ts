@@ -21,3 +21,16 @@ declare module 'svg-to-pdfkit' {
   interface Options { width: number; height: number; assumePt: boolean; fontCallback: (family: string, bold: boolean) => string }
   export default function draw(page: PDFDocument, svg: string, x: number, y: number, options: Options): void;
 }
+
+// What figures.ts uses of node; its whole types would replace the browser's.
+declare module 'node:fs' {
+  export function readFileSync(path: string, encoding: 'utf8'): string;
+  export function writeFileSync(path: string, content: string | Uint8Array): void;
+}
+declare module 'node:path' {
+  export function join(...parts: string[]): string;
+}
+declare const Buffer: { concat(parts: readonly Uint8Array[]): Uint8Array };
+declare const process: { argv: string[] };
+
+declare module '*.css';

@@ -137,7 +137,7 @@ const replayOnPhone = async (page, scheme) => {
 // ---- parts of the scene without drawing: wheels, the hand at the goal, the path's colours -----------------------------------
 {
   const { outputFiles } = await packagesOf(source)('esbuild').build({
-    stdin: { contents: ['robot', 'skins', 'goal', 'marks', 'captioned_picture', 'trace', 'rows'].map((name) => `export * from './replay/${name}';`).join('') + "export * as three from 'three';", resolveDir: join(source, 'reports/web/src'), loader: 'ts' },
+    stdin: { contents: ['robot', 'look', 'marks', 'captioned_picture', 'trace', 'rows'].map((name) => `export * from './replay/${name}';`).join('') + "export * as three from 'three';", resolveDir: join(source, 'reports/web/src'), loader: 'ts' },
     bundle: true, write: false, format: 'iife', globalName: 'parts', target: 'es2022',
   });
   const context = await browser.newContext();

@@ -102,7 +102,7 @@ check(bootstrapMean([1, 2, 3, 4, 5, 6]).low >= 1 && bootstrapMean([1, 2, 3, 4, 5
 
 // ---- how much a gain explains: worlds with a known answer, and the spread over many of them ---------------------------
 {
-  const { shares, shareErrors } = await load('importance');
+  const { shares, shareErrors } = await load('gain_effects');
   // A generator of its own (Lehmer), so that every run sees the same.
   let state = 12345;
   const draw = () => { state = (state * 48271) % 2147483647; return state / 2147483647; };
@@ -131,7 +131,7 @@ check(bootstrapMean([1, 2, 3, 4, 5, 6]).low >= 1 && bootstrapMean([1, 2, 3, 4, 5
 
 // ---- how much a gain of a full factorial explains: a known answer, the spread over many draws, and chance alone -----------
 {
-  const { effects } = await load('effects');
+  const { effects } = await load('gain_effects');
   let state = 4711;
   const draw = () => { state = (state * 48271) % 2147483647; return state / 2147483647; };
   const [as, bs] = [[0, 1, 3], [0, 0.5, 1, 1.5]];   // variances 14/9 and 5/16 over their values

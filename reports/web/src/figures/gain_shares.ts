@@ -1,11 +1,34 @@
-// How much of the difference between a sweep's points each gain explains by itself.
+// How much of the difference between a sweep's points each gain explains by itself, as bars with their errors.
 
-import type { FigureSpec } from '../chart';
-import { effects } from '../effects';
-import { integer, plural } from '../format';
+import { axis, gridBox, nice, plain, rowAxis, tip, tipOf, whiskers, type Drawing, type FigureSpec } from '../chart';
+import { effects } from '../gain_effects';
+import { integer, percent, plural } from '../format';
+import { seriesColour, type Palette } from '../theme';
 import { view } from '../view';
-import { shareBars } from './share_bars';
 import { gains, kMeasureChoice, measure, points, short, type Measure, type Point } from './swept';
+
+/** `error`: one standard error; null where there is none. */
+export interface Share { name: string; key: string; share: number; error: number | null }
+
+export function shareBars(p: Palette, width: number, shares: readonly Share[], note: string): Drawing {
+  const bars = [...shares].sort((a, b) => b.share - a.share);
+  const most = Math.min(1, Math.max(...bars.map((bar) => bar.share + (bar.error ?? 0))));
+  const colour = seriesColour(p, 0);
+  return {
+    height: 60 + 26 * bars.length,
+    note,
+    columns: ['gain', 'share', 'error'],
+    rows: bars.map((bar) => [bar.key, bar.share, bar.error]),
+    option: {
+      grid: gridBox(), xAxis: axis(p, '', nice(0, Math.max(most, 0.05)), (v) => `${plain(100 * v)} %`), yAxis: rowAxis(p, bars, width),
+      tooltip: tipOf((bar: Share) => tip(bar.name, [['share', percent(bar.share)], ...(bar.error === null ? [] : [['error', percent(bar.error)] as const])], colour)),
+      series: [
+        { type: 'bar', barWidth: 12, data: bars.map((of, i) => ({ value: [of.share, String(i)], of, itemStyle: { color: colour, opacity: 0.75 } })) },
+        whiskers(bars.flatMap((bar, i) => (bar.error === null ? [] : [[Math.max(0, bar.share - bar.error), Math.min(1, bar.share + bar.error), i]])), p.ink, { level: true }),
+      ],
+    },
+  };
+}
 
 /** The measure of each point in each world that all points met and have it in: a row per point. */
 function byWorld(all: readonly Point[], { trial }: Measure): number[][] {

@@ -45,7 +45,7 @@ export function outcomes(): FigureSpec {
       const fits = ({ count, bar: { n } }: Piece): boolean => (count / n) * room > kDigit * (integer(count).length + 1);
       return {
         height: 34 + top + all.length * rowHeight(rows, width, all.length <= 12 ? 38 : 26),
-        note: `n = ${sizes(all.map((bar) => bar.n))} trials a bar; a count is written where its part of the bar is wide enough.`,
+        note: `n = ${sizes(all.map((bar) => bar.n))} trials a bar; counts are written where they fit.`,
         columns: ['family', 'controller', 'point', 'outcome', 'trials', 'share', 'n'],
         rows: present.flatMap(pieces).map(({ bar, outcome, count }) => [bar.family, bar.series.controller, bar.series.point, outcome, count, count / bar.n, bar.n]),
         option: {

@@ -5,11 +5,11 @@ import { figure } from '../figure';
 import type { Model, TuneSearch } from '../data';
 import { h, table } from '../dom';
 import { integer, percent, percentRange, plural, probability, significant } from '../format';
-import { shareErrors } from '../importance';
+import { shareErrors } from '../gain_effects';
 import { metric } from '../metrics';
 import { difference, isRate, named, verdictOf } from '../search_words';
 import { seriesColour } from '../theme';
-import { shareBars } from './share_bars';
+import { shareBars } from './gain_shares';
 import { short } from './swept';
 
 function gains(search: TuneSearch): HTMLElement {

@@ -3,7 +3,7 @@
 import { Matrix4, Vector3, type PerspectiveCamera } from 'three';
 
 import type { Robot } from './robot';
-import { poseAt } from './skins';
+import { poseAt } from './look';
 import type { Trace } from './trace';
 
 /** Of the picture's half height and width, this much is used. */

@@ -1,11 +1,12 @@
-// What a robot looks like: the visual elements of its URDF, as reports/render/mesh_data.h writes them.
+// What a robot looks like and where it stands: the visual elements of its URDF, as reports/render/mesh_data.h writes them, and the
+// shapes of links that have none.
 
-import { BufferAttribute, BufferGeometry, Color, Matrix4 } from 'three';
+import { BoxGeometry, BufferAttribute, BufferGeometry, CapsuleGeometry, Color, CylinderGeometry, Matrix4, SphereGeometry } from 'three';
 import { toCreasedNormals } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 
 import { unpacked16 } from '../packed';
-import { poseMatrix } from './robot';
-import { solid } from './solid';
+import { poseMatrix, type Robot, type ShapeJson } from './robot';
+import type { Trace } from './trace';
 
 interface PartJson {
   link: string; position: number[]; rotation: number[]; colour?: number[];
@@ -43,4 +44,53 @@ export function readLook(look: unknown): Part[] {
       colour: part.colour === undefined ? null : `#${new Color().setRGB(r, g, b, 'srgb').getHexString()}`,
     };
   });
+}
+
+export function solid(shape: ShapeJson): BufferGeometry {
+  const [a = 0.05, b = 0.1, c = 0.1] = shape.size ?? [];
+  switch (shape.shape) {
+    case 'box': return new BoxGeometry(a, b, c);
+    case 'cylinder': return new CylinderGeometry(a, a, b, 32).rotateX(Math.PI / 2);
+    case 'capsule': return new CapsuleGeometry(a, b, 6, 24).rotateX(Math.PI / 2);
+    case 'convex': {
+      const out = new BufferGeometry();
+      out.setAttribute('position', new BufferAttribute(Float32Array.from(shape.vertices ?? []), 3));
+      out.setIndex(shape.triangles ?? []);
+      const flat = out.toNonIndexed();
+      flat.computeVertexNormals();
+      return flat;
+    }
+    default: return new SphereGeometry(a, 24, 16);
+  }
+}
+
+/** A surface fixed to a link: a visual, or a shape of a link that has none. */
+export interface Skin { surface: BufferGeometry; link: string; local: Matrix4; colour: string | null }
+
+/** Width of the wheels that are drawn [m]. */
+const kWheel = 0.05;
+
+/** Wheels of a base that has no visuals, each on its axle along y and on the floor. */
+export function wheels(robot: Robot, look: readonly Part[]): Skin[] {
+  const { radius, separation, wheelbase = 0 } = robot.wheels ?? {};
+  if (radius === undefined || separation === undefined || look.some((part) => robot.has(part.link) && robot.rigid(part.link) === '@base')) return [];
+  return (wheelbase > 0 ? [-wheelbase / 2, wheelbase / 2] : [0]).flatMap((x) => [-1, 1].map((side) => ({
+    surface: new CylinderGeometry(radius, radius, kWheel, 28), link: '@base', colour: null, local: new Matrix4().makeTranslation(x, (side * separation) / 2, radius),   // three's cylinders lie along y
+  })));
+}
+
+/** Of links that are rigid to each other one visual is enough: their shapes are then left out. */
+export function skins(robot: Robot, look: readonly Part[]): Skin[] {
+  const seen = new Set(look.filter((part) => robot.has(part.link)).map((part) => robot.rigid(part.link)));
+  const bare = (link: string): boolean => !seen.has(robot.rigid(link));
+  return [
+    ...look.filter((part) => robot.has(part.link)),
+    ...robot.shapes.filter((s) => robot.has(s.link) && bare(s.link)).map(({ link, shape, local }) => ({ surface: solid(shape), link, local, colour: null })),
+  ];
+}
+
+/** Puts the robot where it is at time t of its motion, or at the motion's end. */
+export function poseAt(robot: Robot, trace: Trace, t: number): void {
+  const at = Math.min(t, trace.end);
+  robot.update(trace.at('base_x', at), trace.at('base_y', at), trace.at('base_phi', at), (i) => trace.at(`q${i}`, at));
 }

@@ -1,15 +1,25 @@
-// What is drawn in a scene beside robot and objects: a grid, axes, arrows, paths.
+// What is drawn in a scene beside robot and objects: colours, a grid, axes, arrows, paths, the goal.
 
-import { BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshStandardMaterial, TorusGeometry, Vector3 } from 'three';
+import { BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshStandardMaterial, SphereGeometry, TorusGeometry, Vector3 } from 'three';
 import { Line2 } from 'three/examples/jsm/lines/Line2.js';
 import { LineGeometry } from 'three/examples/jsm/lines/LineGeometry.js';
 import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 
-import type { Colours } from './colours';
+import { palette } from '../theme';
+import { poseAt, type Skin } from './look';
 import type { Robot } from './robot';
 import type { Row } from './rows';
-import { poseAt } from './skins';
 import type { Trace } from './trace';
+
+export interface Colours {
+  background: string; floor: string; grid: string; base: string; arm: string; object: string; moving: string; hit: string; goal: string; path: string; begin: string; ghost: string; wheel: string; plan: string;
+}
+
+export function colours(): Colours {
+  return palette().dark
+    ? { background: '#171b21', floor: '#1b2027', grid: '#2c343f', base: '#8794a6', arm: '#d7dde6', object: '#6b6257', moving: '#8a7450', hit: '#e2664c', goal: '#dcb45a', path: '#7fb0e6', begin: '#5d6570', ghost: '#cb64a3', wheel: '#4a525e', plan: '#4fb3a0' }
+    : { background: '#eeece6', floor: '#f4f2ed', grid: '#d8d4c9', base: '#5d6b7e', arm: '#f7f8fa', object: '#b5ab9b', moving: '#cfae74', hit: '#c4472f', goal: '#c79a2b', path: '#27598f', begin: '#9db4cc', ghost: '#b8447b', wheel: '#3a424d', plan: '#1f8a78' };
+}
 
 /** Lines one metre apart, in pieces of one metre: some drivers drop a long line that begins behind the camera. */
 export function grid(colour: string): LineSegments {
@@ -99,5 +109,28 @@ export function floorPath(places: readonly (readonly [number, number])[], colour
   const ring = new Mesh(new TorusGeometry(0.09, 0.012, 8, 32), new MeshStandardMaterial({ color: new Color(colour), roughness: 0.8 }));
   ring.position.set(x, y, above);
   group.add(ring);
+  return group;
+}
+
+/** A ball that is smaller than this would not be seen [m]. */
+const kLeast = 0.008;
+
+/**
+ * In the goal's axes. `skins`: what is drawn of the robot, of which the hand is taken; the robot may stand as it likes, for
+ * its hand is rigid. `tolerance`: radius around the goal that counts as reached [m].
+ */
+export function goalMark(robot: Robot, skins: readonly Skin[], tolerance: number, colour: string): Group {
+  const group = triad(0.26, true);
+  const pale = (opacity: number, depthWrite: boolean): MeshStandardMaterial => new MeshStandardMaterial({ color: new Color(colour), roughness: 0.62, metalness: 0.05, transparent: true, opacity, depthWrite });
+  group.add(new Mesh(new SphereGeometry(Math.max(tolerance, kLeast), 24, 16), pale(0.75, true)));
+  const toTip = robot.tipPose(new Matrix4()).invert();
+  for (const { surface, link, local } of skins) {
+    if (!robot.inHand(link)) continue;
+    const mesh = new Mesh(surface, pale(0.24, false));
+    mesh.name = `hand: ${link}`;
+    mesh.matrixAutoUpdate = false;
+    mesh.matrix.copy(toTip).multiply(robot.pose(link)).multiply(local);
+    group.add(mesh);
+  }
   return group;
 }

@@ -1,9 +1,14 @@
-// The QP's rows about distances, as the controller posed them: moma writes them down when it simulates the trial again.
+// The QP's rows about distances, as the controller posed them (moma writes them down when it simulates the trial again), and the
+// same in words: distances at their arrows, and a sentence on all of them.
 
 import { Matrix4, Vector3 } from 'three';
 
 import type { ReplayData } from '../data';
+import { h, replace } from '../dom';
+import { fixed, integer, plural } from '../format';
 import { unpacked16 } from '../packed';
+import type { Words } from './captioned_picture';
+import type { ReplayScene } from './scene';
 
 /** In the order of reports/render/replay_data.h. "end": of a capsule's end against an object; "passing": d is the gap, second lies on the side to pass on. */
 const kKinds = ['object', 'floor', 'self', 'end', 'passing'] as const;
@@ -41,4 +46,80 @@ export function readRows({ rows }: ReplayData): Row[][] | null {
 export function carried(rows: readonly Row[], place: (name: string, when: 'then' | 'now') => Matrix4): Row[] {
   const move = (point: Vector3, name: string): Vector3 => point.clone().applyMatrix4(place(name, 'then').clone().invert()).applyMatrix4(place(name, 'now'));
   return rows.map((row) => ({ ...row, first: move(row.first, row.link), second: move(row.second, row.kind === 'passing' ? row.link : row.other) }));
+}
+
+/** So many rows that hold the command back have their distance written. */
+const kLabels = 8;
+
+/** Height of a label [px], and how wide one is at most. */
+const kHigh = 18;
+const wide = (text: string): number => 9 + 7.6 * text.length;
+
+const within = (value: number, low: number, high: number): number => Math.max(low, Math.min(high, value));
+
+const millimetres = (row: Row): string => `${fixed(1000 * row.d, 0)} mm`;
+
+const named = (row: Row): string => `${row.link} to ${row.other} ${row.kind === 'passing' ? `(passing, ${fixed(row.d, 2)} m)` : millimetres(row)}`;
+
+/** Rows of distances, the nearest first. */
+function nearest(rows: readonly Row[]): Row[] {
+  return rows.filter((row) => row.kind !== 'passing').sort((a, b) => a.d - b.d);
+}
+
+export class RowWords {
+  /** Lies over the scene. */
+  readonly labels = h('div', { class: 'row-labels', 'aria-hidden': 'true' });
+  readonly sentence = h('p', { class: 'note rows-near' });
+  /** Where labels may be [px]. */
+  private place = { top: 0, width: Infinity, height: Infinity };
+
+  /** Keeps labels within the scene and below what is written at its top. */
+  keepClear(stage: HTMLElement, caption: HTMLElement, changed: () => void): void {
+    const observer = new ResizeObserver(() => {
+      this.place = { top: caption.offsetTop + caption.offsetHeight, width: stage.clientWidth, height: stage.clientHeight };
+      changed();
+    });
+    observer.observe(stage);
+    observer.observe(caption);
+  }
+
+  /** Writes distances at the arrows of the rows that hold the command back, and of the nearest one. */
+  label(scene: ReplayScene | null): Words['labels'] {
+    const shown = nearest(scene?.rows ?? []).filter((row, i) => row.active || i === 0).slice(0, kLabels);
+    const { top, width, height } = this.place;
+    const written: { left: number; y: number; text: string; active: boolean }[] = [];
+    for (const row of shown) {
+      const at = scene?.project(row.first.clone().add(row.second).multiplyScalar(0.5)) ?? null;
+      if (at === null) continue;
+      const text = millimetres(row);
+      // Right of its arrow, where there is room.
+      const left = within(at[0] + 8 + wide(text) < width ? at[0] + 8 : at[0] - 8 - wide(text), 2, width - wide(text));
+      const y = within(at[1], top + kHigh / 2, height - kHigh / 2);
+      // Nearest first: what would lie over a nearer one's label is left out; the sentence names it.
+      if (written.some((other) => Math.abs(other.left - left) < Math.max(wide(text), wide(other.text)) && Math.abs(other.y - y) < kHigh)) continue;
+      written.push({ left, y, text, active: row.active });
+    }
+    replace(this.labels, ...written.map(({ left, y, text, active }) => h('span', { class: active ? 'active' : null, style: `left:${left.toFixed(1)}px;top:${y.toFixed(1)}px` }, text)));
+    return written.map(({ left, y, text, active }) => ({ x: left + wide(text) / 2, y, text, active }));
+  }
+
+  /** `known`: whether the motion has rows at all; `disturbed`: what of the controller's senses is. What `stage` shows is told in its data too. */
+  tell(rows: readonly Row[], known: boolean, disturbed: string, stage: HTMLElement): void {
+    const active = rows.filter((row) => row.active);
+    const of = (kind: Row['kind']): Row[] => rows.filter((row) => row.kind === kind);
+    const [sides, ends] = [of('passing'), of('end')];
+    const first = nearest(rows)[0];
+    const sentences = !known ? ['Its collision rows are not at hand: this moma cannot simulate the trial again, or its controller is another program\u2019s.'] : first === undefined ? ['No collision rows now: nothing is within the distance of influence.'] : [
+      `${plural(rows.length, 'collision row')}${ends.length > 0 ? `, ${integer(ends.length)} of them of the ends of capsules` : ''}, ${integer(active.length)} active (the command approaches as fast as allowed)${active.length > 0 ? `: ${active.slice(0, 4).map(named).join(', ')}` : ''}.`,
+      `Nearest: ${named(first)}.`,
+      sides.length > 0 ? `${plural(sides.length, 'row')} for passing objects: the long arrow points to the side that the base keeps to.` : '',
+    ];
+    if (known && disturbed !== '') sentences.push(`Rows are those of what the controller measured (disturbed: ${disturbed}); robot and objects stand where they truly were.`);
+    this.sentence.textContent = sentences.filter((text) => text !== '').join(' ');
+    const distances = of('object').map((row) => row.d);
+    Object.assign(stage.dataset, {
+      leastDistance: distances.length > 0 ? String(Math.min(...distances)) : '', activeRows: String(active.length), arrows: String(rows.length),
+      ends: String(ends.length), passing: String(sides.length),
+    });
+  }
 }

@@ -7,17 +7,13 @@ import {
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import type { Line2 } from 'three/examples/jsm/lines/Line2.js';
 
-import type { Colours } from './colours';
+import { floorPath, goalMark, grid, handPath, rowArrow, triad, type Colours } from './marks';
 import { extent, fit } from './fit';
-import { goalMark } from './goal';
-import type { Part } from './look';
-import { floorPath, grid, handPath, rowArrow, triad } from './marks';
+import { poseAt, skins, solid, wheels, type Part, type Skin } from './look';
 import { placeAt, type MotionJson, type Placed } from './motion';
 import { detourTarget, pathAhead } from './plan';
 import { quaternion, Robot, type ShapeJson } from './robot';
 import { carried, type Row } from './rows';
-import { poseAt, skins, wheels, type Skin } from './skins';
-import { solid } from './solid';
 import type { Trace } from './trace';
 
 interface BodyJson extends ShapeJson { name: string; quaternion?: number[]; motion?: MotionJson }

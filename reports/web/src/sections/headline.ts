@@ -2,7 +2,7 @@
 // of two of them beside it, and what the one that is behind mostly fails by.
 
 import { causeOf } from '../causes';
-import { pairs } from '../compare';
+import { pairs, type Pairs } from '../compare';
 import { conditions, onlyConditions } from '../conditions';
 import type { Model, Series, SummaryRow } from '../data';
 import { h, replace } from '../dom';
@@ -37,23 +37,18 @@ function rivals(shown: readonly Judged[]): [Series, Series] | null {
   return base === undefined || best === undefined ? null : [base, best];
 }
 
-interface Difference { family: string; n: number; onlyA: number; onlyB: number; both: number; neither: number; p: number }
+type Difference = Pairs & { family: string; n: number };
 
 /** World by world, for all families together first; Holm's correction over the families. */
 function differences(model: Model, a: Series, b: Series, families: readonly string[]): Difference[] {
-  const t = model.trials;
-  const counts = new Map(['', ...families].map((family): [string, Difference] => [family, { family, n: 0, onlyA: 0, onlyB: 0, both: 0, neither: 0, p: 1 }]));
-  for (const w of pairs(model, a, b, 'time_to_goal_s').worlds) {
-    const [sa, sb] = [t.success(w.a), t.success(w.b)];
-    for (const d of [counts.get(''), counts.get(t.text('family', w.a))]) {
-      if (d === undefined) continue;
-      d.n += 1;
-      d[sa && sb ? 'both' : sa ? 'onlyA' : sb ? 'onlyB' : 'neither'] += 1;
-    }
-  }
-  const all = [...counts.values()].map((d) => ({ ...d, p: pairedRate(d.onlyA, d.onlyB, d.n).p }));
+  const within = (s: Series, family: string): Series => (family === '' ? s : { ...s, rows: s.rows.filter((row) => model.trials.text('family', row) === family) });
+  const all = ['', ...families].map((family): Difference => {
+    const found = pairs(model, within(a, family), within(b, family), 'time_to_goal_s');
+    return Object.assign(found, { family, n: found.worlds.length });
+  });
   const corrected = holm(all.slice(1).map((d) => d.p));
-  return all.map((d, i) => (i === 0 ? d : { ...d, p: corrected[i - 1] ?? 1 }));
+  all.slice(1).forEach((d, i) => { d.p = corrected[i] ?? 1; });
+  return all;
 }
 
 function points(value: number): string {
