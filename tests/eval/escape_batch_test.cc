@@ -101,7 +101,9 @@ void expect_told(const Trials& trials) {
       }
       if (plan.mode != PlanMode::kFollow) continue;
       ++following;
-      if (plan.reason != PlanReason::kDirectWay) ASSERT_EQ(choice.kind, PlanKind::kPath) << where;
+      if (plan.reason != PlanReason::kDirectWay) {
+        ASSERT_EQ(choice.kind, PlanKind::kPath) << where;
+      }
       ASSERT_GT(plan.duration, 0.0) << where;
       ASSERT_LE(plan.clock, plan.duration) << where;
       // The base is as far from where the path has it as it is said to lag, but for the way of a period or two. A path
