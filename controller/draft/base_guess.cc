@@ -192,6 +192,45 @@ class BaseFinder {
     return text;
   }
 
+  // Lowest point of what does not move against the root [m, in R].
+  double foot_of_root() const {
+    double lowest = 0.0;
+    std::vector<int> rigid{0};
+    for (std::size_t k = 0; k < rigid.size(); ++k) {
+      for (const UrdfGeometry& shape : urdf_.link(rigid[k]).collision)
+        for (const Vector3& p : outline(urdf_, shape)) lowest = std::min(lowest, (urdf_.X_R(rigid[k]) * p).z());
+      for (const int child : urdf_.children_of(rigid[k]))
+        if (!drivable(urdf_.link(child).joint)) rigid.push_back(child);
+    }
+    return lowest;
+  }
+
+  // Evidence that legs carry the root: two chains of driven joints that reach below its own shapes, or four chains.
+  std::string on_legs() const {
+    constexpr int kLegJoints = 2, kLegs = 4;
+    const double foot = foot_of_root();
+    std::vector<std::string> chains, below;  // by the first joint
+    std::vector<int> first(static_cast<std::size_t>(urdf_.size()), 0), count = first;
+    for (int i = 1; i < urdf_.size(); ++i) {
+      const auto at = static_cast<std::size_t>(i), parent = static_cast<std::size_t>(urdf_.link(i).parent);
+      const bool drives = drivable(urdf_.link(i).joint) && !guess_.joints[at];
+      first[at] = first[parent] == 0 && drives ? i : first[parent];
+      count[at] = count[parent] + (drives ? 1 : 0);
+      if (count[at] < kLegJoints) continue;
+      const std::string& name = urdf_.link(first[at]).joint.name;
+      const auto note = [&](std::vector<std::string>& names) {
+        if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+      };
+      note(chains);
+      if (urdf_.X_R(i).translation().z() < foot) note(below);
+    }
+    if (below.size() >= 2)
+      return fmt::format("legs seem to carry the root, by chains that reach below it from {}", fmt::join(below, ", "));
+    if (chains.size() >= kLegs)
+      return fmt::format("legs may carry the root, of {} chains from {}", chains.size(), fmt::join(chains, ", "));
+    return "";
+  }
+
   void decide() {
     std::vector<Wheel> driven;
     std::copy_if(wheels_.begin(), wheels_.end(), std::back_inserter(driven),
@@ -199,10 +238,10 @@ class BaseFinder {
     const bool all_steered = driven.empty() && wheels_.size() >= 3;
     if (all_steered) driven = wheels_;
     if (driven.size() < 2) {
+      if (guess_.type != BaseType::kFixed || guess_.doubtful) return;
       const std::string still = stuck();
-      if (guess_.type != BaseType::kFixed || guess_.doubtful || still.empty()) return;
-      guess_.doubtful = true;
-      guess_.reason = "these are called wheels, but their joints do not turn: " + still;
+      guess_.reason = still.empty() ? on_legs() : "these are called wheels, but their joints do not turn: " + still;
+      guess_.doubtful = !guess_.reason.empty();
       return;
     }
     const bool one_axis = std::all_of(driven.begin(), driven.end(), [&](const Wheel& wheel) {

@@ -264,6 +264,29 @@ TEST_F(Drafts, FrontWheelsThatSteerWithinLimitsMakeACarOfIt) {
       << car.text;
 }
 
+TEST_F(Drafts, ARootOnLegsIsNoFixedBase) {
+  const auto leg = [](const std::string& name, const std::string& xyz, const std::string& down) {
+    return link(name + "_thigh") +
+           joint(name + "_hip", "revolute", "base_link", name + "_thigh", xyz, "0 1 0", kLimit) +
+           link(name + "_shank") +
+           joint(name + "_knee", "revolute", name + "_thigh", name + "_shank", down, "0 1 0", kLimit);
+  };
+  const std::string top = body() + arm("base_link", "", "0 0 0.2");
+  const std::string two = leg("left", "0 0.2 0", "0 0 -0.4") + leg("right", "0 -0.2 0", "0 0 -0.4");
+  const Draft biped = draft(top + two);
+  EXPECT_NE(biped.text.find("type: fixed  # check: legs seem to carry the root, by chains that reach below it from "
+                            "left_hip, right_hip\n"),
+            std::string::npos)
+      << biped.text;
+  // Two further arms are none; three of them beside the first are likelier legs.
+  const std::string aside = leg("left", "0 0.2 0", "0 0.4 0") + leg("right", "0 -0.2 0", "0 -0.4 0");
+  const Draft torso = draft(top + aside);
+  EXPECT_NE(torso.text.find("type: fixed  # no wheels were found\n"), std::string::npos) << torso.text;
+  const Draft spider = draft(top + aside + leg("rear", "-0.3 0 0", "-0.4 0 0"));
+  EXPECT_NE(spider.text.find("type: fixed  # check: legs may carry the root, of 4 chains from"), std::string::npos)
+      << spider.text;
+}
+
 TEST_F(Drafts, ATipBeforeFingersGetsATool) {
   std::string parts = body() + arm("base_link", "", "0 0 0.3");
   const std::string tool = "tool0";
