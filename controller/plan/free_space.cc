@@ -42,7 +42,8 @@ Kinematics& FreeSpace::place(const WholeConfiguration& c) noexcept {
   return kinematics_;
 }
 
-void FreeSpace::set_clearances(const Clearances& clearances, const WholeConfiguration& start, double room) noexcept {
+void FreeSpace::set_clearances(const Clearances& clearances, const WholeConfiguration& start,
+                               const WholeConfiguration& turn, double room) noexcept {
   keeps_.clearances = clearances;
   place(start);
   ++checks_;
@@ -57,7 +58,7 @@ void FreeSpace::set_clearances(const Clearances& clearances, const WholeConfigur
     keeps_.high[i] = std::max(limits_->upper[i] - room * limits_->margin[i], start[3 + i]);
     if (limits_->winds[i] == 0) continue;
     keeps_.low[i] =
-        std::clamp(start[3 + i] - 0.5 * kFullTurn, keeps_.low[i], std::max(keeps_.low[i], keeps_.high[i] - kFullTurn));
+        std::clamp(turn[3 + i] - 0.5 * kFullTurn, keeps_.low[i], std::max(keeps_.low[i], keeps_.high[i] - kFullTurn));
     keeps_.high[i] = std::min(keeps_.high[i], keeps_.low[i] + kFullTurn);
   }
 }

@@ -14,7 +14,6 @@ struct Clearances {
   double object = 0.0;
   double floor = 0.0;
   double self = 0.0;
-  bool operator==(const Clearances&) const = default;
 };
 
 /// What configurations have to keep: distances, and room to the joints' limits.
@@ -23,8 +22,11 @@ struct Keeps {
   KeptDistance at_goal;          ///< from objects, near the goal
   WholeConfiguration low, high;  ///< of the joints, margins kept; one value each
 
-  bool operator==(const Keeps& other) const noexcept {
-    return clearances == other.clearances && low == other.low && high == other.high;
+  /// Whether all that keeps `other`, near the same goal, keeps this.
+  bool follows_from(const Keeps& other) const noexcept {
+    const Clearances &a = clearances, &b = other.clearances;
+    return a.object <= b.object && a.floor <= b.floor && a.self <= b.self && low.size() == other.low.size() &&
+           (low.array() <= other.low.array()).all() && (high.array() >= other.high.array()).all();
   }
 };
 
@@ -42,10 +44,14 @@ class FreeSpace {
   std::span<const ObjectState> states() const noexcept { return states_; }
 
   /// Margins to limits and clearances from here on. Where `start` is nearer than that to a limit or to something, as
-  /// near is near enough everywhere: else no way would lead out. Joints that wind keep to one turn, about the start's
-  /// as far as their limits let it.
-  /// `room`: the part of the joints' margins that is kept.
-  void set_clearances(const Clearances& clearances, const WholeConfiguration& start, double room = 1.0) noexcept;
+  /// near is near enough everywhere: else no way would lead out. Joints that wind keep to one turn, about that of
+  /// `turn` as far as their limits let it, which is less than half a turn from the start. `room`: the part of the
+  /// joints' margins that is kept.
+  void set_clearances(const Clearances& clearances, const WholeConfiguration& start, const WholeConfiguration& turn,
+                      double room) noexcept;
+  void set_clearances(const Clearances& clearances, const WholeConfiguration& start, double room = 1.0) noexcept {
+    set_clearances(clearances, start, start, room);
+  }
   /// Near the goal less is kept from objects from here on.
   void keep_near(const KeptDistance& kept) noexcept { keeps_.at_goal = kept; }
   /// All of that; keep() goes back to what was kept then.

@@ -1,6 +1,7 @@
 #include "controller/plan/planner.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <utility>
@@ -89,9 +90,10 @@ void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::
   // Where the hand is near to something at its goal, no way is roomy.
   const int first = close_goal() && params_.roomy > params_.clearance ? 1 : 0;
   const Keeps before = tiers_[static_cast<std::size_t>(tier_)];
+  set_turn(same && close_goal());
   set_tiers(first);
-  // Of joints that wind the start decides the turn, and where it is near to something less is kept.
-  goes_on_ = same && tier_ >= first && before == tiers_[static_cast<std::size_t>(tier_)];
+  // A start that has come away from something may ask for more than was kept.
+  goes_on_ = same && tier_ >= first && tiers_[static_cast<std::size_t>(tier_)].follows_from(before);
   if (!goes_on_) {
     goals_.clear();
     tries_ = 0;
@@ -104,11 +106,18 @@ void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::
   begin_tier(goes_on_ ? tier_ : first);
 }
 
+// Where it `stays`, the turn is that of the plan before as long as no joint that winds has left its middle half.
+void Planner::set_turn(bool stays) noexcept {
+  for (int i = 0; stays && i < limits_->num_joints(); ++i)
+    stays = limits_->winds[i] == 0 || std::abs(start_[3 + i] - turn_[3 + i]) < 0.25 * kFullTurn;
+  if (!stays) turn_ = start_;
+}
+
 void Planner::set_tiers(int first) noexcept {
   for (int tier = first; tier < kTiers; ++tier) {
     const Tier& now = kTierOf[static_cast<std::size_t>(tier)];
     const double object = now.roomy ? std::max(params_.roomy, params_.clearance) : now.part * params_.clearance;
-    space_.set_clearances({object, params_.self, params_.self}, start_, now.room);
+    space_.set_clearances({object, params_.self, params_.self}, start_, turn_, now.room);
     // Half way between what rows keep and what the hand has.
     double kept = 0.5 * (1.0 + at_goal_.part) * needed_;
     if (now.close) kept = 0.0;

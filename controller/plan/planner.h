@@ -72,6 +72,7 @@ class Planner {
 
  private:
   void work() noexcept;
+  void set_turn(bool stays) noexcept;
   void set_tiers(int first) noexcept;
   void begin_tier(int tier) noexcept;
   bool next_tier() noexcept;
@@ -105,6 +106,7 @@ class Planner {
 
   PlanStage stage_ = PlanStage::kIdle;
   WholeConfiguration start_;
+  WholeConfiguration turn_;  // joints that wind keep to its turn
   Isometry X_WG_ = Isometry::Identity();
   CountedDraws draws_;
   static constexpr int kTiers = 3;

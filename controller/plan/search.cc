@@ -23,6 +23,9 @@ constexpr SampleKinds kDriving{0.45, 0.65, 0.8, 0.9}, kBolted{0.0, 0.1, 0.3, 0.3
 constexpr double kReach = 0.6;      // of the arm, in the base's way [m]
 constexpr double kShortWay = 0.05;  // shorter steps keep their heading [m]
 constexpr int kBlocked = 2;         // checks for looking through a tree in vain
+// Part of a tree's growth that moves the hand straight, in so many steps of such length at most [m].
+constexpr double kHandMoves = 0.3, kHandStep = 0.1;
+constexpr int kHandSteps = 12;
 
 }  // namespace
 
@@ -95,6 +98,7 @@ SearchProgress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
   }
   if (stage_ == Stage::kGrow) {
     side_ = kMoreFromGoal * from_start_.size() <= from_goal_.size() ? 0 : 1;
+    if (begin_hand(space, draws)) return SearchProgress::kMore;
     WholeConfiguration target;
     sample(space, draws, target);
     space.charge(kBlocked);
@@ -107,6 +111,7 @@ SearchProgress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
     stage_ = Stage::kConnect;
     return SearchProgress::kMore;
   }
+  if (stage_ == Stage::kMoveHand) return move_hand(space);
   bool reached = false;
   const WholeConfiguration meet = tree(side_).node(grown_);
   reaching_ = grow(space, tree(1 - side_), reaching_, meet, reached);
@@ -115,6 +120,60 @@ SearchProgress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
     stage_ = Stage::kGrow;
   else if (reached)
     return SearchProgress::kDone;
+  return SearchProgress::kMore;
+}
+
+// Half of the ways are along an axis of the hand, to either side, the others anyhow.
+bool Search::begin_hand(FreeSpace& space, CountedDraws& draws) noexcept {
+  if (!(space.kept().at_goal < space.clearances().object) || draws.uniform() >= kHandMoves) return false;
+  const Tree& growing = tree(side_);
+  grown_ = static_cast<int>(draws.choice(static_cast<std::size_t>(growing.size())));
+  if (draws.uniform() < 0.5) {
+    const auto axis = static_cast<Eigen::Index>(draws.choice(6));
+    space.charge(1);
+    hand_step_ = space.place(growing.node(grown_)).X_WE().linear().col(axis / 2);
+    if (axis % 2 == 1) hand_step_ = -hand_step_;
+  } else {
+    const double z = draws.uniform(-1.0, 1.0), angle = draws.uniform(-std::numbers::pi, std::numbers::pi);
+    const double r = std::sqrt(1.0 - z * z);
+    hand_step_ << r * std::cos(angle), r * std::sin(angle), z;
+  }
+  hand_step_ *= kHandStep;
+  hand_steps_ = 0;
+  stage_ = Stage::kMoveHand;
+  return true;
+}
+
+// One step of the hand by the arm alone, dq = J^T (J J^T + 1e-3 I)^-1 (0, step).
+SearchProgress Search::move_hand(FreeSpace& space) noexcept {
+  constexpr double kDamping = 1e-3;
+  Tree& growing = tree(side_);
+  WholeConfiguration target = growing.node(grown_);
+  const Eigen::Index joints = limits_->num_joints();
+  space.charge(1);
+  const auto J = space.place(target).J_WE_W().rightCols(joints);
+  Eigen::Matrix<double, 6, 6> M;
+  for (Eigen::Index i = 0; i < 6; ++i)
+    for (Eigen::Index j = 0; j <= i; ++j) M(i, j) = M(j, i) = J.row(i).dot(J.row(j)) + (i == j ? kDamping : 0.0);
+  Vector6 step = Vector6::Zero();
+  step.tail<3>() = hand_step_;
+  const Vector6 y = M.ldlt().solve(step);
+  bool inside = true;
+  for (Eigen::Index i = 0; i < joints; ++i) {
+    target[3 + i] += J.col(i).dot(y);
+    inside = inside && target[3 + i] >= space.lower()[i] && target[3 + i] <= space.upper()[i];
+  }
+  bool reached = false;
+  const int added = inside ? grow(space, growing, grown_, target, reached) : -1;
+  if (growing.full()) return SearchProgress::kFailed;
+  if (added >= 0) {
+    grown_ = added;
+    if (++hand_steps_ < kHandSteps && reached) return SearchProgress::kMore;
+  }
+  stage_ = Stage::kGrow;
+  if (hand_steps_ == 0) return SearchProgress::kMore;
+  reaching_ = tree(1 - side_).nearest(growing.node(grown_));
+  stage_ = Stage::kConnect;
   return SearchProgress::kMore;
 }
 

@@ -55,8 +55,9 @@ struct SearchTask {
 /// Edges from the start to one of several goal configurations: straight there, the quickest; else by two trees that
 /// grow towards each other (RRT-Connect: Kuffner & LaValle, ICRA 2000), one from the start, one from all roots. A step
 /// that is blocked goes as far as it is free; the tree from the goals, which lie in narrow places more often, may have
-/// twice as many nodes. Samples have the arm tucked, between the start's and a goal's, near a goal, or anyhow. Work is
-/// cut into pieces of one edge.
+/// twice as many nodes. Where the hand is close to an object at its goal, part of the growth moves the hand
+/// straight, without turning it: from between plates no other way leads out. Samples have the arm tucked, between the
+/// start's and a goal's, near a goal, or anyhow. Work is cut into pieces of one edge.
 class Search {
  public:
   Search(const MotionLimits& limits, double check_step);
@@ -70,7 +71,9 @@ class Search {
   const EdgeList& edges() const noexcept { return edges_; }
 
  private:
-  enum class Stage { kStraight, kGrow, kConnect };
+  enum class Stage { kStraight, kGrow, kMoveHand, kConnect };
+  SearchProgress move_hand(FreeSpace& space) noexcept;
+  bool begin_hand(FreeSpace& space, CountedDraws& draws) noexcept;
   void sample(const FreeSpace& space, CountedDraws& draws, WholeConfiguration& c) const noexcept;
   int grow(FreeSpace& space, Tree& tree, int from, const WholeConfiguration& target, bool& reached) noexcept;
   bool join(int from_start, int from_goal) noexcept;
@@ -84,9 +87,11 @@ class Search {
   Stage stage_ = Stage::kStraight;
   int straight_ = 0;
   double quickest_ = 0.0;
-  int side_ = 0;      // of the tree that grew last
-  int grown_ = 0;     // its new node
-  int reaching_ = 0;  // the other one's node that is on its way there
+  int side_ = 0;   // of the tree that grew last
+  int grown_ = 0;  // its new node
+  int hand_steps_ = 0;
+  Vector3 hand_step_ = Vector3::Zero();  // in W [m]
+  int reaching_ = 0;                     // the other one's node that is on its way there
   Edge edge_;
   EdgeList edges_;
 };

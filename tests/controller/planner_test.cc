@@ -269,6 +269,72 @@ TEST(Planner, NarrowPlacesTakeFewChecks) {
   EXPECT_LT(checks[checks.size() / 2], 4500);
 }
 
+// Of a hand that is close to two plates at its goal: with trees of joint steps alone the median is 10961.
+TEST(Planner, FromBetweenPlatesTheHandMovesStraight) {
+  const auto model = load_model("configs/robots/panda.yaml");
+  ControllerParams params = plan_params(*model);
+  params.collision.at_goal.enabled = true;
+  params.plan.checks = 200000;
+  params.plan.runs = 1;
+  constexpr double kPlate = 0.065;  // from the goal [m]
+  Planner planner(model, params);
+  std::vector<long> checks;
+  for (std::uint64_t seed = 1; seed <= 15; ++seed) {
+    Scene scene = inside_a_shelf(model, seed);
+    for (const double side : {-1.0, 1.0}) {
+      scene.shapes.push_back({side < 0.0 ? "below" : "above", make_box(0.3, 0.4, 0.01)});
+      scene.states.emplace_back();
+      scene.states.back().X_WO.translation() = scene.X_WG.translation() + Vector3(0.0, 0.0, side * kPlate);
+    }
+    const bool found = plan_whole(planner, scene, seed);
+    EXPECT_TRUE(planner.close_goal()) << "seed " << seed;
+    if (found) checks.push_back(planner.counts().checks);
+  }
+  ASSERT_GE(checks.size(), 14u);
+  std::sort(checks.begin(), checks.end());
+  EXPECT_LT(checks[checks.size() / 2], 6000);
+}
+
+// A ball comes along the hand until that is close to it at its goal.
+void close_in(Planner& planner, Scene& scene) {
+  scene.shapes.push_back({"ball", make_sphere(0.03)});
+  scene.states.emplace_back();
+  for (double away = 0.3; away > 0.0; away -= 0.01) {
+    scene.states.back().X_WO.translation() = scene.X_WG * Vector3(0.0, 0.0, away);
+    planner.set_objects(scene.shapes);
+    planner.begin(scene.start, scene.X_WG, scene.states, 1);
+    if (planner.close_goal()) return;
+  }
+}
+
+// Of a plan that failed, for a robot whose joints wind and which has moved a little since then: what was found is kept.
+TEST(Planner, GoesOnAfterTheStartHasMoved) {
+  const auto model = load_model("configs/robots/ur5.yaml");
+  ControllerParams params = plan_params(*model);
+  params.collision.at_goal.enabled = true;
+  params.plan.checks = 1;
+  Planner planner(model, params);
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Scene scene = make_scene(model, seed, 0);
+    close_in(planner, scene);
+    ASSERT_TRUE(planner.close_goal());
+    ASSERT_FALSE(plan_whole(planner, scene, seed));
+    ASSERT_GE(planner.counts().goals, params.plan.ik_enough) << "seed " << seed;
+    const auto again = [&](double turn) {
+      for (int i = 3; i < 9; ++i) scene.start[i] += i % 2 == 0 ? turn : -turn;
+      planner.begin(scene.start, scene.X_WG, scene.states, seed);
+      long budget = 1L << 40;
+      planner.advance(budget);
+      return planner.counts().ik_tries;
+    };
+    EXPECT_EQ(again(0.05), 0) << "seed " << seed;
+    EXPECT_EQ(again(-0.1), 0) << "seed " << seed;
+    EXPECT_GT(again(1.8), 0) << "seed " << seed << ": more than a quarter of a turn";
+    for (const GoalConfiguration& goal : planner.goals())
+      for (int i = 3; i < 9; ++i) EXPECT_LE(std::abs(goal.c[i] - scene.start[i]), kFullTurn);
+  }
+}
+
 // What a path needs of time is worth more than a quicker path, from some moment on.
 TEST(Planner, InAHurryTheBestSoFarCounts) {
   const auto model = load_model("configs/robots/panda.yaml");
