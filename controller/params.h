@@ -35,7 +35,7 @@ constexpr auto words(Of<VortexWhen>) { return std::to_array<std::string_view>({"
 enum class ServoError { kRotationVector, kRpy };
 constexpr auto words(Of<ServoError>) { return std::to_array<std::string_view>({"rotation_vector", "rpy"}); }
 
-/// A sideways part of nu along obstacles (task/vortex.h).
+/// A sideways part of nu along obstacles (task/servo.h).
 struct VortexParams {
   bool enabled = false;
   double gain = 2.5;      ///< sideways part if an obstacle touches head-on, in units of |nu_lin|
@@ -164,7 +164,7 @@ struct ClosedFormParams {
   bool scaled = true;     ///< scale into the velocity limits; otherwise a command may exceed them
 };
 
-/// Separate motion of base and arm (task/base_first.h).
+/// Separate motion of base and arm (task/servo.h).
 struct SeparateParams {
   bool enabled = false;
   double reach = 0.65;      ///< horizontal distance from the base's origin to the goal at which the base stands [m]

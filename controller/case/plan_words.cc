@@ -98,47 +98,27 @@ std::string choice_now(const ControlCase& c, int number) {
 }  // namespace
 
 std::string meaning(PlanMode mode) {
-  switch (mode) {
-    case PlanMode::kDirect:
-      return "goes by the controller's own policy";
-    case PlanMode::kFollow:
-      return "follows a path";
-    case PlanMode::kStop:
-      return "slows down, to choose";
-    case PlanMode::kChoose:
-      return "stands, while a path and detours are worked out";
-    case PlanMode::kSetOut:
-      return "stands, while it looks for a direct way";
-  }
-  return "";
+  static constexpr std::array kMeanings{"goes by the controller's own policy", "follows a path",
+                                        "slows down, to choose", "stands, while a path and detours are worked out",
+                                        "stands, while it looks for a direct way"};
+  static_assert(kMeanings.size() == words(Of<PlanMode>{}).size());
+  return kMeanings.at(static_cast<std::size_t>(mode));
 }
 
 std::string meaning(PlanReason reason) {
-  switch (reason) {
-    case PlanReason::kStart:
-      return "a motion begins with a choice";
-    case PlanReason::kArrives:
-      return "that is predicted to arrive";
-    case PlanReason::kQuicker:
-      return "that is predicted to arrive soonest";
-    case PlanReason::kFails:
-      return "the policy is predicted not to arrive";
-    case PlanReason::kStagnates:
-      return "the policy stagnated";
-    case PlanReason::kNoPath:
-      return "nothing was found that arrives";
-    case PlanReason::kPathEnds:
-      return "the path is at its end";
-    case PlanReason::kNoProgress:
-      return "it did not get on along its path";
-    case PlanReason::kPathBroken:
-      return "something is in the way of the path";
-    case PlanReason::kTraffic:
-      return "something moves";
-    case PlanReason::kDirectWay:
-      return "a direct way to the goal is free";
-  }
-  return "";
+  static constexpr std::array kMeanings{"a motion begins with a choice",
+                                        "that is predicted to arrive",
+                                        "that is predicted to arrive soonest",
+                                        "the policy is predicted not to arrive",
+                                        "the policy stagnated",
+                                        "nothing was found that arrives",
+                                        "the path is at its end",
+                                        "it did not get on along its path",
+                                        "something is in the way of the path",
+                                        "something moves",
+                                        "a direct way to the goal is free"};
+  static_assert(kMeanings.size() == words(Of<PlanReason>{}).size());
+  return kMeanings.at(static_cast<std::size_t>(reason));
 }
 
 std::string describe_plan(const ControlCase& control_case, const ControllerCore& controller) {

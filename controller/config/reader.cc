@@ -99,8 +99,7 @@ std::vector<double> read_numbers(const Node& node, const std::string& key, int c
 }
 
 void fail_choice(const Node& found, const std::string& key, const std::vector<std::string>& names) {
-  std::string list;
-  for (const std::string& option : names) list += (list.empty() ? "" : ", ") + option;
+  std::string list = joined(names);
   if (found.kind == Node::Kind::kScalar) list += suggestion(found.scalar, names);
   refuse(found.mark, key, "found " + found_text(found) + ", expected one of: " + list);
 }
@@ -170,11 +169,7 @@ void MapReader::finish() const {
     if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
     const std::string near = suggestion(name, known_);
     std::string message = "unknown key" + near;
-    if (near.empty()) {
-      std::string list;
-      for (const std::string& k : known_) list += (list.empty() ? "" : ", ") + k;
-      message += known_.empty() ? "; no keys are accepted here" : "; accepted here: " + list;
-    }
+    if (near.empty()) message += known_.empty() ? "; no keys are accepted here" : "; accepted here: " + joined(known_);
     config::refuse(value.key_place(), key_of(name), message);
   }
 }

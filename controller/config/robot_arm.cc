@@ -13,21 +13,8 @@
 namespace moma::config {
 namespace {
 
-JointType type_of(UrdfJointType type) {
-  switch (type) {
-    case UrdfJointType::kRevolute:
-      return JointType::kRevolute;
-    case UrdfJointType::kContinuous:
-      return JointType::kContinuous;
-    case UrdfJointType::kPrismatic:
-      return JointType::kPrismatic;
-    case UrdfJointType::kFixed:
-    case UrdfJointType::kFloating:
-    case UrdfJointType::kPlanar:
-      break;
-  }
-  return JointType::kFixed;
-}
+/// Floating and planar joints are taken as fixed.
+JointType type_of(UrdfJointType type) { return from_string<JointType>(to_string(type)).value_or(JointType::kFixed); }
 
 std::string unit_of(JointType type) { return type == JointType::kPrismatic ? "m" : "rad"; }
 
@@ -80,9 +67,8 @@ class ArmReader {
       names.push_back(model_.links[i].joint);
     }
     const std::string near = suggestion(joint, names);
-    std::string all;
-    for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
-    in.fail_key(joint, "the URDF has no movable joint of this name" + (near.empty() ? "; it has: " + all : near));
+    in.fail_key(joint,
+                "the URDF has no movable joint of this name" + (near.empty() ? "; it has: " + joined(names) : near));
   }
 
   void read_tip() {
@@ -94,10 +80,8 @@ class ArmReader {
       std::vector<std::string> names;
       for (const UrdfLink& link : build_.tree.links) names.push_back(link.name);
       const std::string near = suggestion(tip, names);
-      std::string all;
-      for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
-      in_.fail_at("tip",
-                  "found '" + tip + "', which is no link of the URDF" + (near.empty() ? "; its links: " + all : near));
+      in_.fail_at("tip", "found '" + tip + "', which is no link of the URDF" +
+                             (near.empty() ? "; its links: " + joined(names) : near));
     }
     written_["tip"] = tip;
     if (const Node* tool = in_.get("tool")) {
@@ -292,19 +276,17 @@ class ArmReader {
   }
 
   void hold_the_rest() {
-    std::string held;
-    std::string rigid;
+    std::vector<std::string> held, rigid;
     for (std::size_t i = 2; i < model_.links.size(); ++i) {
       const int link = static_cast<int>(i);
       const UrdfJointType type = joint_of(link).type;
-      if (type == UrdfJointType::kFloating || type == UrdfJointType::kPlanar)
-        rigid += (rigid.empty() ? "" : ", ") + model_.links[i].joint;
+      if (type == UrdfJointType::kFloating || type == UrdfJointType::kPlanar) rigid.push_back(model_.links[i].joint);
       if (model_.links[i].joint_type == JointType::kFixed || model_.links[i].controlled >= 0) continue;
       model_.links[i].held = held_value(link, 0);
-      if (locked_.count(link) == 0) held += (held.empty() ? "" : ", ") + model_.links[i].joint;
+      if (locked_.count(link) == 0) held.push_back(model_.links[i].joint);
     }
-    if (!held.empty()) build_.notes.push_back("joints held, since they are not between root and tip: " + held);
-    if (!rigid.empty()) build_.warnings.push_back("floating or planar joints taken as fixed: " + rigid);
+    if (!held.empty()) build_.notes.push_back("joints held, since they are not between root and tip: " + joined(held));
+    if (!rigid.empty()) build_.warnings.push_back("floating or planar joints taken as fixed: " + joined(rigid));
   }
 
   // Physics needs mass between any two driven joints.

@@ -7,6 +7,7 @@
 
 #include "controller/config/package_path.h"
 #include "controller/config/reader.h"
+#include "controller/model/proximity.h"
 #include "controller/model/robot_model.h"
 #include "controller/model/urdf.h"
 
@@ -54,6 +55,18 @@ std::vector<SelfPair> movable_pairs(const RobotModel& model);
 /// What is left out is noted; a warning, where links far from each other in the chain touch at `ready`.
 std::vector<SelfPair> find_self_pairs(const RobotModel& model, double stop, std::vector<std::string>& notes,
                                       std::vector<std::string>& warnings);
+
+/// Calls visit(k, distance [m]) for each pair k of the model's self-collision pairs that is within `range` in the
+/// configuration of `kinematics`; `proximity` is of the same model.
+template <typename Visit>
+void visit_near_pairs(Proximity& proximity, const Kinematics& kinematics, double range, Visit&& visit) {
+  const std::vector<SelfPair>& pairs = kinematics.model().self_pairs;
+  std::size_t k = 0;  // the answer keeps the order of the pairs
+  for (const ProximityPair& pair : proximity.query(kinematics, {}, {-1.0, -1.0, range})) {
+    while (pairs[k].first != pair.first || pairs[k].second != pair.second) ++k;
+    visit(k, pair.distance.d);
+  }
+}
 
 /// True where a controlled joint lies between the two links.
 bool can_move_against(const RobotModel& model, int link1, int link2);

@@ -9,7 +9,6 @@
 
 #include "controller/config/robot_build.h"
 #include "controller/model/kinematics.h"
-#include "controller/model/proximity.h"
 #include "controller/model/sampling.h"
 
 namespace moma::config {
@@ -94,11 +93,7 @@ class PairDistances {
   template <typename Visit>
   void visit(const VectorX& q, double range, Visit&& visit) {
     kinematics_.update(Vector3::Zero(), q);
-    std::size_t k = 0;  // the answer keeps the order of the pairs
-    for (const ProximityPair& pair : proximity_.query(kinematics_, {}, {-1.0, -1.0, range})) {
-      while (model_->self_pairs[k].first != pair.first || model_->self_pairs[k].second != pair.second) ++k;
-      visit(k, pair.distance.d);
-    }
+    visit_near_pairs(proximity_, kinematics_, range, visit);
   }
 
  private:

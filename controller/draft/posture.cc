@@ -78,18 +78,9 @@ class PostureFinder {
     constexpr int kLooks = 200;
     for (int s = 1; s <= kLooks; ++s) {
       kinematics_.update(Vector3::Zero(), sample(s));
-      for_touching([&](std::size_t pair) { ++touches[pair]; });
+      config::visit_near_pairs(proximity_, kinematics_, kApart, [&](std::size_t pair, double) { ++touches[pair]; });
     }
     for (const int count : touches) ignored_.push_back(count > kMostly * kLooks);
-  }
-
-  template <class Visit>
-  void for_touching(Visit&& visit) {
-    std::size_t k = 0;  // the answer keeps the order of the pairs
-    for (const ProximityPair& pair : proximity_.query(kinematics_, {}, {-1.0, -1.0, kApart})) {
-      while (model_->self_pairs[k].first != pair.first || model_->self_pairs[k].second != pair.second) ++k;
-      visit(k);
-    }
   }
 
   bool on_floor(std::size_t i) const {
@@ -99,7 +90,8 @@ class PostureFinder {
 
   bool clear() {
     bool touching = false;
-    for_touching([&](std::size_t pair) { touching = touching || !ignored_[pair]; });
+    config::visit_near_pairs(proximity_, kinematics_, kApart,
+                             [&](std::size_t pair, double) { touching = touching || !ignored_[pair]; });
     if (touching) return false;
     for (std::size_t i = 0; i < model_->shapes.size(); ++i)
       if (on_floor(i)) return false;

@@ -9,6 +9,7 @@
 
 #include "controller/config/convex_hull.h"
 #include "controller/config/robot_file.h"
+#include "controller/model/analytic_distance.h"
 #include "controller/model/sampling.h"
 
 namespace moma::fit {
@@ -75,20 +76,7 @@ double volume(const Shape& shape) noexcept {
 }
 
 double distance(const Solid& solid, const Vector3& p_L) noexcept {
-  const Vector3 p = solid.X_LS.linear().transpose() * (p_L - solid.X_LS.translation());
-  const Vector3& s = solid.shape.size;
-  switch (solid.shape.kind) {
-    case ShapeKind::kSphere:
-      return p.norm() - s.x();
-    case ShapeKind::kCapsule: {
-      const double beyond = std::max(0.0, std::abs(p.z()) - 0.5 * s.y());
-      return std::sqrt(p.x() * p.x() + p.y() * p.y() + beyond * beyond) - s.x();
-    }
-    default: {
-      const Vector3 beyond = p.cwiseAbs() - 0.5 * s;
-      return beyond.cwiseMax(0.0).norm() + std::min(0.0, beyond.maxCoeff());
-    }
-  }
+  return point_gap(solid.shape, solid.X_LS.linear().transpose() * (p_L - solid.X_LS.translation()));
 }
 
 double union_volume(std::span<const Solid> solids, int samples) {

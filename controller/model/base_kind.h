@@ -7,7 +7,7 @@
 
 namespace moma {
 
-/// Properties of a kind of base. Only its entry in base_kind.cc and its drive in world/plant distinguish the kinds.
+/// Properties of a kind of base. Only its entry in robot_model.cc and its drive in world/plant distinguish the kinds.
 /// Immutable, of static storage. Nothing here allocates or throws.
 struct BaseKind {
   /// Names of its velocity coordinates: linear ones in base axes, forwards and then to the left, the turn last. Empty

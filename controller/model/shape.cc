@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace moma {
 namespace {
@@ -13,18 +14,9 @@ double sign(double value) noexcept { return value < 0.0 ? -1.0 : 1.0; }
 }  // namespace
 
 int num_sizes(ShapeKind kind) noexcept {
-  switch (kind) {
-    case ShapeKind::kSphere:
-      return 1;
-    case ShapeKind::kBox:
-      return 3;
-    case ShapeKind::kCylinder:
-    case ShapeKind::kCapsule:
-      return 2;
-    case ShapeKind::kConvex:
-      break;
-  }
-  return 0;
+  static constexpr int kSizes[] = {1, 3, 2, 2, 0};
+  static_assert(std::size(kSizes) == words(Of<ShapeKind>{}).size());
+  return kSizes[static_cast<std::size_t>(kind)];
 }
 
 double bounding_radius(const Shape& shape) noexcept {

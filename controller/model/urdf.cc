@@ -165,22 +165,13 @@ Isometry isometry_of(const urdf::Pose& pose, const std::string& where) {
 }
 
 UrdfJointType type_of(const urdf::Joint& joint) {
-  switch (joint.type) {
-    case urdf::Joint::FIXED:
-      return UrdfJointType::kFixed;
-    case urdf::Joint::REVOLUTE:
-      return UrdfJointType::kRevolute;
-    case urdf::Joint::CONTINUOUS:
-      return UrdfJointType::kContinuous;
-    case urdf::Joint::PRISMATIC:
-      return UrdfJointType::kPrismatic;
-    case urdf::Joint::FLOATING:
-      return UrdfJointType::kFloating;
-    case urdf::Joint::PLANAR:
-      return UrdfJointType::kPlanar;
-    default:
-      throw UrdfError("joint " + joint.name + ": unknown type");
-  }
+  static const std::map<int, UrdfJointType> kTypes{
+      {urdf::Joint::FIXED, UrdfJointType::kFixed},           {urdf::Joint::REVOLUTE, UrdfJointType::kRevolute},
+      {urdf::Joint::CONTINUOUS, UrdfJointType::kContinuous}, {urdf::Joint::PRISMATIC, UrdfJointType::kPrismatic},
+      {urdf::Joint::FLOATING, UrdfJointType::kFloating},     {urdf::Joint::PLANAR, UrdfJointType::kPlanar}};
+  const auto found = kTypes.find(joint.type);
+  if (found == kTypes.end()) throw UrdfError("joint " + joint.name + ": unknown type");
+  return found->second;
 }
 
 UrdfJoint joint_of(const urdf::Joint& source, const std::set<std::string>& missing) {

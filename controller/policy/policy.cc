@@ -5,8 +5,8 @@
 #include "controller/ahead/lookahead.h"
 #include "controller/closed_form/closed_form.h"
 #include "controller/model/base_kind.h"
-#include "controller/task/base_first.h"
 #include "controller/task/escape.h"
+#include "controller/task/servo.h"
 
 namespace moma {
 namespace {
@@ -71,7 +71,7 @@ class PathPolicy final : public Policy {
   EscapeState begun_with_;  // state of the detours at the start of the step
 };
 
-// Separate motion (task/base_first.h): the base drives while the arm rests, then the arm moves while the base stands or
+// Separate motion (task/servo.h): the base drives while the arm rests, then the arm moves while the base stands or
 // brakes. A driving base ignores distances.
 class BaseFirstPolicy final : public Policy {
  public:
@@ -82,7 +82,8 @@ class BaseFirstPolicy final : public Policy {
 
   Demand decide(const Situation& now) noexcept override {
     const MobileBase& base = parts_.model->base;
-    const BaseDrive drive = drive_into_reach(parts_.params.separate, base, now.o.base, now.o.goal.X_WG.translation());
+    const DriveIntoReach drive =
+        drive_into_reach(parts_.params.separate, base, now.o.base, now.o.goal.X_WG.translation());
     if (!drive.driving) {
       QpTask asked = servo_.aim(now, parts_.poser.look(now));
       asked.base = Vector3::Zero();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/model/base_kind.h"
 #include "controller/model/kinematics.h"
 
 namespace moma {
@@ -87,6 +88,25 @@ void add_vortex(const VortexParams& params, std::span<const ProximityPair> pairs
   const Vector3 u = nu / speed + params.gain * circulation * (sum / S) * std::min(S, 1.0);
   const double length = u.norm();
   if (length > kTiny) nu = speed / length * u;
+}
+
+DriveIntoReach drive_into_reach(const SeparateParams& params, const MobileBase& robot, const Vector3& base,
+                                const Vector3& p_WG) noexcept {
+  const BaseKind& kind = kind_of(robot.type);
+  if (kind.dof() == 0) return {};
+  const double ahead = bearing(base_pose(base), p_WG);
+  const double left = (p_WG.head<2>() - base.head<2>()).norm() - params.reach;
+  DriveIntoReach out;
+  out.driving = std::abs(left) > params.tolerance || std::abs(ahead) > params.bearing;
+  if (!out.driving) return out;
+  const double speed = std::clamp(params.gain * left, -robot.max_linear, robot.max_linear);
+  if (kind.nonholonomic()) {
+    out.velocity_B.x() = speed * std::max(0.0, std::cos(ahead));
+  } else {
+    out.velocity_B.head<2>() = speed * Vector2(std::cos(ahead), std::sin(ahead));
+  }
+  out.velocity_B.z() = std::clamp(params.gain * ahead, -robot.max_angular, robot.max_angular);
+  return out;
 }
 
 }  // namespace moma

@@ -46,7 +46,7 @@ class Leftovers {
 /// A process of a command, in a group of its own (keys pressed at the terminal do not reach it), with one socket as its
 /// standard input and output, and what it writes to its standard error kept as far as its last words. No other
 /// descriptor of ours is open in it. It dies with this object and with this process, and so does what it started
-/// (leftovers.h).
+/// (Leftovers).
 class Child {
  public:
   using Clock = std::chrono::steady_clock;

@@ -1,5 +1,5 @@
 // The base first, then the arm; and servoing by roll, pitch and yaw.
-#include "controller/task/base_first.h"
+#include "controller/task/servo.h"
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ TEST(Separate, TheBaseComesToStandBeforeTheGoal) {
       Vector3 base(uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -3, 3));
       int steps = 0;
       for (; steps < 2000; ++steps) {
-        const BaseDrive drive = drive_into_reach(params, base_of(type), base, goal);
+        const DriveIntoReach drive = drive_into_reach(params, base_of(type), base, goal);
         if (!drive.driving) break;
         ASSERT_LE(drive.velocity_B.head<2>().norm(), 0.8 + 1e-12);
         ASSERT_LE(std::abs(drive.velocity_B.z()), 1.2);

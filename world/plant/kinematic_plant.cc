@@ -45,7 +45,7 @@ class KinematicPlant final : public Plant, private TouchSink {
 
   void advance(const VectorX& command, double duration, PlantReport& report) override {
     check_command(*model_, command, duration);
-    clear(report);
+    report.clear();
     Vector3 base = state_.base;
     move(command, duration, base);
     enter(clock_, PlantPart::kCollide);
@@ -64,14 +64,6 @@ class KinematicPlant final : public Plant, private TouchSink {
   }
 
  private:
-  /// Keeps the vector's capacity.
-  static void clear(PlantReport& report) {
-    std::vector<Contact> contacts = std::move(report.contacts);
-    contacts.clear();
-    report = PlantReport();
-    report.contacts = std::move(contacts);
-  }
-
   static int checks_in(double duration) {
     return std::max(1, static_cast<int>(std::ceil(duration / kContactInterval - 1e-9)));
   }

@@ -65,13 +65,13 @@ class OdePlant final : public Plant, private TouchSink {
   DetectorCheck cross_check() override { return scene_.cross_check(); }
 
   void check_start(PlantReport& report) override {
-    clear(report);
+    report.clear();
     detect(time_, report);
   }
 
   void advance(const VectorX& command, double duration, PlantReport& report) override {
     check_command(*model_, command, duration);
-    clear(report);
+    report.clear();
     if (!failure_.empty()) {
       report.diverged = true;
       report.reason = failure_;
@@ -95,13 +95,6 @@ class OdePlant final : public Plant, private TouchSink {
   static double drop(const RobotModel& model) { return model.base_dof() > 0 ? kStartDrop : 0.0; }
   static double mass_without_wheels(const RobotModel& model) {
     return std::max(0.0, model.base.mass - OdeBase::own_mass(model));
-  }
-
-  static void clear(PlantReport& report) {
-    std::vector<Contact> contacts = std::move(report.contacts);
-    contacts.clear();
-    report = PlantReport();
-    report.contacts = std::move(contacts);
   }
 
   void attach_shapes(const World& world) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "controller/describe/describe.h"
@@ -105,6 +106,14 @@ struct PlantReport {
   int lcp_messages = 0;
   int redone_steps = 0;   ///< physics steps repeated with the motors' limits; dynamic mode
   int divided_steps = 0;  ///< physics steps divided because of possible contacts; dynamic mode
+
+  /// Keeps the capacity of the contacts.
+  void clear() {
+    std::vector<Contact> kept = std::move(contacts);
+    kept.clear();
+    *this = PlantReport();
+    contacts = std::move(kept);
+  }
 };
 
 /// Agreement of ODE's contacts with the distance library in one state (contacts.h).

@@ -79,9 +79,8 @@ Member read_member(const std::string& name, const config::Node& node, const std:
     in.finish();
     return member;
   }
-  std::string list;
-  for (const std::string& known : names) list += (list.empty() ? "" : ", ") + known;
-  config::fail(node.key_place(), key, "unknown family" + config::suggestion(name, names) + "; families are: " + list);
+  config::fail(node.key_place(), key,
+               "unknown family" + config::suggestion(name, names) + "; families are: " + config::joined(names));
 }
 
 Mixture read_mixture(config::MapReader& in) {
