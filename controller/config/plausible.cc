@@ -106,11 +106,16 @@ void look_at_inertia(UnitCheck& check, const Link& link) {
   check.say(text.str());
 }
 
-// Of the base's own shapes over the floor.
-void look_at_footprint(UnitCheck& check, const RobotModel& model) {
+// Height of the base's own shapes over the floor. The footprint is the first of them, where the file has one; wheels,
+// which always stand on the floor, follow.
+void look_at_footprint(UnitCheck& check, const RobotModel& model, const ordered_json& resolved) {
+  const bool footprint = resolved.contains("base") && resolved["base"].contains("footprint");
   double lowest = std::numeric_limits<double>::infinity();
-  for (const CollisionShape& shape : model.shapes)
-    if (shape.link == 0) lowest = std::min(lowest, lowest_point(shape.shape, shape.X_LS));
+  for (const CollisionShape& shape : model.shapes) {
+    if (shape.link != 0) continue;
+    lowest = std::min(lowest, lowest_point(shape.shape, shape.X_LS));
+    if (footprint) break;
+  }
   check.look("base.footprint: its lowest point", lowest, kLowest, ": in the floor, or over it?");
 }
 
@@ -130,7 +135,7 @@ std::vector<std::string> implausible(const RobotModel& model, const ordered_json
   UnitCheck check(out);
   look_at_angles(check, resolved, "");
   look_at_base(check, model.base);
-  look_at_footprint(check, model);
+  look_at_footprint(check, model, resolved);
   check.look("arm.tool: its distance from the tip", model.X_TE.translation().norm(), kTool, ": millimetres?");
   for (std::size_t l = 2; l < model.links.size(); ++l) {  // the root hangs at the mount
     const Link& link = model.links[l];

@@ -125,15 +125,17 @@ struct UserMetrics::Evaluator {
         this);
     for (std::size_t i = 0; i < metrics.size(); ++i) {
       const std::string& expression = metrics[i].second;
+      // Without brackets around it too, so that its own cannot close those.
+      const bool alone = prepare(fmt::format("SELECT {}\n FROM samples", expression)) != nullptr;
+      const std::string why_not = alone ? "" : complaint(sqlite3_errmsg(raw), names);
       StatementPtr query = prepare(fmt::format("SELECT ({}\n) FROM samples", expression));
       if (!refused.empty()) {
         throw MetricError(
             i, fmt::format("the function {}() is not accepted; accepted are {}", refused, fmt::join(kFunctions, ", ")));
       }
       expect(sqlite3_errcode(raw) != SQLITE_NOMEM);
-      if (query == nullptr) throw MetricError(i, complaint(sqlite3_errmsg(raw), names));
-      if (prepare(fmt::format("SELECT {}\n FROM samples", expression)) == nullptr)
-        throw MetricError(i, "its brackets do not match: it is one expression");
+      if (alone && query == nullptr) throw MetricError(i, complaint(sqlite3_errmsg(raw), names));
+      if (!alone) throw MetricError(i, query == nullptr ? why_not : "its brackets do not match: it is one expression");
       if (sqlite3_bind_parameter_count(query.get()) > 0) throw MetricError(i, "has an unbound parameter (? or :name)");
       // An aggregate gives one row even of no samples; anything else would be the value of some sample.
       checks = 0;

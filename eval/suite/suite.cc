@@ -238,9 +238,11 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
   if (const Node* samples = in.get("samples")) suite.samples = read_samples(*samples, "samples");
   if (const Node* metrics = in.get("metrics")) {
     read_metrics(*metrics, "metrics", suite);
-    for (const auto& [name, expression] : metrics->entries)
-      if (from_string<Outcome>(name) || name == "success_without_errors")
+    for (const auto& [name, expression] : metrics->entries) {
+      const std::string outcome = name.ends_with("_rate") ? name.substr(0, name.size() - 5) : name;
+      if (from_string<Outcome>(outcome) || name == "success_without_errors")
         config::fail(expression.mark, "metrics." + name, "is the name of moma's own rate of outcomes; take another");
+    }
   }
   if (const Node* notes = in.get("notes")) suite.notes = read_notes(*notes, "notes");
   const Node* sweep = in.get("sweep");

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/support/robots.h"
 #include "tests/support/tiny_robot.h"
 
@@ -75,6 +77,19 @@ TEST(Plausible, DegreesMillimetresAndGramsAreNamed) {
     const std::string text = all(model);
     EXPECT_NE(text.find(c.says), std::string::npos) << "expected: " << c.says << "\nfound: " << text;
     EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
+  }
+}
+
+TEST(Plausible, AFootprintThatFloatsIsSeenBesideWheelsOnTheFloor) {
+  RobotModel model = *config::load_robot(source_path("configs/robots/frankie.yaml")).model;
+  const ordered_json resolved = {{"base", {{"footprint", ordered_json::object()}}}};
+  EXPECT_EQ(all(model, resolved), "");
+  const auto footprint =
+      std::find_if(model.shapes.begin(), model.shapes.end(), [](const auto& s) { return s.link == 0; });
+  for (const double up : {1.0, -1.0}) {
+    footprint->X_LS.translation().z() += up;
+    EXPECT_NE(all(model, resolved).find("base.footprint: its lowest point: "), std::string::npos) << up;
+    footprint->X_LS.translation().z() -= up;
   }
 }
 

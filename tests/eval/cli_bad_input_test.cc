@@ -75,13 +75,19 @@ TEST_F(CliBadInput, GeometryThatIsNotUnderstood) {
 }
 
 TEST_F(CliBadInput, MetricsThatARunRefuses) {
-  write("suite.yaml", std::string(kSuite) + "metrics: {success: \"count(*)\"}\n");
-  bad({"check", "suite.yaml"}, {"suite.yaml:7:20: metrics.success: is the name of moma's own rate"});
+  for (const std::string name : {"success", "success_rate"}) {
+    write("suite.yaml", std::string(kSuite) + "metrics: {" + name + ": \"count(*)\"}\n");
+    bad({"check", "suite.yaml"}, {"metrics." + name + ": is the name of moma's own rate"});
+  }
   for (const char* metric :
        {"max(nothing)", "random() + count(*)", "julianday('now') + count(*)", "max(t)) FROM samples UNION SELECT (2"}) {
     write("suite.yaml", std::string(kSuite) + "metrics: {mine: \"" + metric + "\"}\n");
     bad({"check", "suite.yaml"}, {"suite.yaml:7:17: metrics.mine: "});
   }
+  write("suite.yaml", std::string(kSuite) + "metrics: {mine: \"max(t)); SELECT (1\"}\n");
+  bad({"check", "suite.yaml"}, {"metrics.mine: near \")\": syntax error"});
+  write("suite.yaml", std::string(kSuite) + "metrics: {mine: \"1), (SELECT max(t)\"}\n");
+  bad({"check", "suite.yaml"}, {"metrics.mine: its brackets do not match"});
 }
 
 TEST_F(CliBadInput, DeepJson) {
