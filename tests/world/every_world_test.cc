@@ -16,8 +16,8 @@
 namespace moma::test {
 namespace {
 
-constexpr double kHorizon = 60.0;  // of `moving`'s promise [s]
-constexpr double kStep = 0.05;     // 7 cm of a person's way [s]
+constexpr double kHorizon = 60.0;    // of `moving`'s promise [s]
+constexpr double kProofStep = 0.05;  // 7 cm of a person's way [s]
 
 int wanted() {
   const char* text = std::getenv("MOMA_WORLDS");
@@ -54,7 +54,7 @@ TEST_P(EveryWorld, IsSolvedByItsWitness) {
   for (int i = 0; i < count; ++i) {
     const World world = source.make(model, static_cast<std::uint64_t>(i));
     objects += world.objects.size();
-    proof.check(world, source.clearance(), kHorizon, kStep);
+    proof.check(world, source.clearance(), kHorizon, kProofStep);
     if (HasFatalFailure()) FAIL() << "world " << i << ": " << to_json(world).dump();
   }
   fmt::print("{} worlds, {} objects\n", count, objects);
