@@ -28,11 +28,14 @@ FROM (SELECT m.point_id, m.family, t.outcome, t.link,
 JOIN point AS p ON p.id = f.point_id JOIN suite AS s ON s.id = p.suite_id
 ORDER BY suite, controller, point, n DESC, family, outcome, link, object)"},
       {"pairs", "each pair of points on the same worlds: both succeed, only one does, neither does",
-       // One bit a world, 60 in a number: pairs are points squared, and each pair of trials would be a row.
-       R"(WITH bits AS MATERIALIZED (
-  SELECT point_id, family, world_id / 60 AS word, sum(1 << (world_id % 60)) AS met,
-         sum((outcome = 'success') << (world_id % 60)) AS won
-  FROM point_trial GROUP BY 1, 2, 3
+       // One bit a world, 60 in a number: pairs are points squared, and each pair of trials would be a row. Frozen
+       // worlds may be alike, so that a world is told by its index too.
+       R"(WITH placed AS (
+  SELECT point_id, family, outcome, dense_rank() OVER (ORDER BY world_index, world_id) AS place FROM point_trial
+), bits AS MATERIALIZED (
+  SELECT point_id, family, place / 60 AS word, sum(1 << (place % 60)) AS met,
+         sum((outcome = 'success') << (place % 60)) AS won
+  FROM placed GROUP BY 1, 2, 3
 ), counted AS (
   SELECT pa.id AS a, pb.id AS b, ba.family, sum(bit_count(ba.met & bb.met)) AS n,
          sum(bit_count(ba.won & bb.won)) AS both, sum(bit_count(ba.won & bb.met & ~bb.won)) AS only_a,

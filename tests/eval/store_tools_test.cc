@@ -166,6 +166,22 @@ TEST(Store, PairsAreCountedWithoutJoiningTrials) {
   EXPECT_LT(counted.steps, 300'000);
 }
 
+// A file of frozen worlds may hold one of them twice.
+TEST(Store, PairsOfWorldsThatAreAlikeAreCountedEach) {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "a.db";
+  write_synthetic(file, {"a", "b"}, 12);
+  const auto& all = store::named_queries();
+  const auto pairs = std::find_if(all.begin(), all.end(), [](const auto& one) { return one.name == "pairs"; });
+  ASSERT_NE(pairs, all.end());
+  const QueryResult before = store::query(file, std::string(pairs->sql));
+  {
+    SQLite::Database db(file.string(), SQLite::OPEN_READWRITE);
+    db.exec("UPDATE point_trial SET world_id = (SELECT min(id) FROM world)");
+  }
+  EXPECT_EQ(store::query(file, std::string(pairs->sql)).rows, before.rows);
+}
+
 TEST(SamplesFunction, KeysOfATamperedStore) {
   const TemporaryFolder folder;
   const fs::path file = folder / "a.db";
