@@ -18,7 +18,7 @@ using config::Node;
 using config::Range;
 using Json = nlohmann::ordered_json;
 
-// What readers and writers of described structs need for rotations, goals, objects and moves.
+// Readers and writers of described structs call these for rotations, goals, objects and moves.
 void read_value(const Node& node, const std::string& key, Eigen::Quaterniond& q, const About&);
 void read_value(const Node& node, const std::string& key, WorldGoal& goal, const About&);
 void read_value(const Node& node, const std::string& key, WorldObject& object, const About&);

@@ -38,8 +38,8 @@ struct SolverInfo {
 /// Every solver known by name, the default first.
 std::vector<SolverInfo> list_solvers();
 
-/// What the robot of a case will do in the next `seconds` [s] > 0, and why it will stop: the controller rolled out in a
-/// model of the world (ahead/rollout.h), a line for each half second and for each thing that happens.
+/// Predicts the robot of a case for `seconds` [s] > 0 and says why it stops: the controller is rolled out in a model of
+/// the world (ahead/rollout.h). The text has a line for each half second and for each event.
 std::string forecast(const ControlCase& control_case, double seconds);
 
 }  // namespace moma

@@ -106,7 +106,8 @@ void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::
   begin_tier(goes_on_ ? tier_ : first);
 }
 
-// Where it `stays`, the turn is that of the plan before as long as no joint that winds has left its middle half.
+// Chooses the turn to which joints that wind keep: that of the plan before if it `stays` and no such joint has left the
+// middle half of it, else the start's.
 void Planner::set_turn(bool stays) noexcept {
   for (int i = 0; stays && i < limits_->num_joints(); ++i)
     stays = limits_->winds[i] == 0 || std::abs(start_[3 + i] - turn_[3 + i]) < 0.25 * kFullTurn;

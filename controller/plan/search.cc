@@ -123,7 +123,8 @@ SearchProgress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
   return SearchProgress::kMore;
 }
 
-// Half of the ways are along an axis of the hand, to either side, the others anyhow.
+// Draws a node and a direction in which the hand is to move: an axis of the hand in half of the draws, else any. False
+// where the goal is not close to an object, and where the draw is one of joints.
 bool Search::begin_hand(FreeSpace& space, CountedDraws& draws) noexcept {
   if (!(space.kept().at_goal < space.clearances().object) || draws.uniform() >= kHandMoves) return false;
   const Tree& growing = tree(side_);

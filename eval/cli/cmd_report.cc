@@ -82,8 +82,9 @@ reports::DistanceRows rows_of(const TrialRows& of) {
   return out;
 }
 
-/// What the URDF of a stored robot says that it looks like, with its meshes read from where package:// and file://
-/// lead. `robots`: robot files; where one names the same URDF, its packages and its folder are looked in as well.
+/// Returns the looks of stored robots: the visual elements of their URDFs, with meshes from where package:// and
+/// file:// lead. `robots`: robot files; where one names the same URDF, its packages and its folder are looked in as
+/// well.
 reports::Look robot_look(const std::vector<std::filesystem::path>& robots) {
   std::map<std::string, Place> places;
   for (const std::filesystem::path& robot : robots) {

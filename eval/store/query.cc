@@ -97,8 +97,9 @@ std::string declaration(const std::vector<std::string>& columns) {
 Hash find_key(SQLite::Database& db, const std::string& prefix) {
   const auto range = key_range(prefix);
   if (!range) throw std::runtime_error(fmt::format("samples('{}'): a trial is named by its first hex digits", prefix));
-  const std::vector<Hash> found = rows<Hash>(
-      db, "SELECT key FROM main.trial WHERE key BETWEEN ? AND ? ORDER BY key LIMIT 2", range->first, range->second);
+  const std::vector<Hash> found =
+      rows<Hash>(db, "SELECT key AS \"the trial's key\" FROM main.trial WHERE key BETWEEN ? AND ? ORDER BY key LIMIT 2",
+                 range->first, range->second);
   if (found.empty()) throw std::runtime_error(fmt::format("samples('{}'): there is no such trial", prefix));
   if (found.size() > 1)
     throw std::runtime_error(fmt::format("samples('{}'): several trials begin so; give more digits", prefix));

@@ -18,7 +18,7 @@ namespace moma::store {
 
 // Words that stand in columns of the store. Each column's CHECK is made from them.
 
-/// Of an invocation; a program that was killed leaves `running` behind, which the next one to write makes `failed`.
+/// State of an invocation. A killed program leaves `running` behind, which the next one to write makes `failed`.
 enum class RunStatus { kRunning, kFinished, kStopped, kFailed };
 constexpr auto words(Of<RunStatus>) {
   return std::to_array<std::string_view>({"running", "finished", "stopped", "failed"});

@@ -23,7 +23,8 @@ inline constexpr const char* kWorkerVariable = "MOMA_WORKER";
 /// A descendant that clears its environment and leaves its group escapes.
 class Leftovers {
  public:
-  /// That of this process; the first call starts it. Where there is no sh, nothing is killed that left its group.
+  /// Returns the instance of this process, which the first call starts. Without sh, nothing is killed that left its
+  /// group.
   static Leftovers& of_this_process();
 
   /// A mark that no process has yet.

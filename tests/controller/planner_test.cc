@@ -269,7 +269,7 @@ TEST(Planner, NarrowPlacesTakeFewChecks) {
   EXPECT_LT(checks[checks.size() / 2], 4500);
 }
 
-// Of a hand that is close to two plates at its goal: with trees of joint steps alone the median is 10961.
+// The goal has the hand close to two plates. Trees of joint steps alone need 10961 checks in the median.
 TEST(Planner, FromBetweenPlatesTheHandMovesStraight) {
   const auto model = load_model("configs/robots/panda.yaml");
   ControllerParams params = plan_params(*model);
@@ -307,7 +307,7 @@ void close_in(Planner& planner, Scene& scene) {
   }
 }
 
-// Of a plan that failed, for a robot whose joints wind and which has moved a little since then: what was found is kept.
+// A failed plan keeps what it found when a robot whose joints wind has moved a little.
 TEST(Planner, GoesOnAfterTheStartHasMoved) {
   const auto model = load_model("configs/robots/ur5.yaml");
   ControllerParams params = plan_params(*model);

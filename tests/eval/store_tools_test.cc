@@ -191,7 +191,8 @@ TEST(SamplesFunction, KeysOfATamperedStore) {
     db.exec("PRAGMA ignore_check_constraints = ON; PRAGMA foreign_keys = OFF");
     db.exec("UPDATE trial SET key = x'aabb' WHERE key = (SELECT min(key) FROM trial)");
   }
-  EXPECT_NE(complaint(file, "SELECT * FROM samples('aab')").find("key has 2 bytes instead of 16"), std::string::npos);
+  EXPECT_NE(complaint(file, "SELECT * FROM samples('aab')").find("the trial's key has 2 bytes instead of 16"),
+            std::string::npos);
 }
 
 TEST(UserMetrics, AreAggregatesOverTheSamples) {

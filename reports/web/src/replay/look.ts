@@ -1,5 +1,5 @@
-// What a robot looks like and where it stands: the visual elements of its URDF, as reports/render/mesh_data.h writes them, and the
-// shapes of links that have none.
+// The robot in a scene: the visual elements of its URDF, as reports/render/mesh_data.h writes them, the shapes of links that have
+// none, and their poses.
 
 import { BoxGeometry, BufferAttribute, BufferGeometry, CapsuleGeometry, Color, CylinderGeometry, Matrix4, SphereGeometry } from 'three';
 import { toCreasedNormals } from 'three/examples/jsm/utils/BufferGeometryUtils.js';

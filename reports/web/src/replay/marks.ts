@@ -1,4 +1,4 @@
-// What is drawn in a scene beside robot and objects: colours, a grid, axes, arrows, paths, the goal.
+// Marks of a scene, beside robot and objects: colours, a grid, axes, arrows, paths, the goal.
 
 import { BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshStandardMaterial, SphereGeometry, TorusGeometry, Vector3 } from 'three';
 import { Line2 } from 'three/examples/jsm/lines/Line2.js';
