@@ -23,16 +23,28 @@ const twinOf = (trial) => trials.find((other, row) => other !== trial && inPage.
 const failed = data.replays.map((replay) => replay.trial).filter((trial) => outcomes[rowOf(trial)] !== 'success');
 const both = failed.filter((trial) => twinOf(trial) !== undefined);
 
+/**
+ * The pixels from the bar to a section once it has stood below the bar for 20 frames, or where it is after 20 s.
+ * One look is not enough: the page grows between two frames, and follows in the next.
+ */
+const restsAt = (id) => new Promise((done) => {
+  const began = performance.now();
+  let frames = 0;
+  const look = () => {
+    const off = document.getElementById(id).getBoundingClientRect().top - document.querySelector('.toolbar').getBoundingClientRect().bottom;
+    frames = Math.abs(off) < 3 ? frames + 1 : 0;
+    if (frames === 20 || performance.now() - began > 20000) done(off);
+    else requestAnimationFrame(look);
+  };
+  look();
+});
+
 // ---- where links lead: the target stands below the bar, also after what is above it was drawn ----------------------------
 for (const [width, height] of [[1280, 900], [390, 844]]) {
   const { context, page } = await open(html, { hash: '#in=failures', width, height, idle: true });
   const below = async (id, what) => {
     await figuresStand(page);   // drawn when nothing else is to do, above the target, too
-    await drawn(page);
-    // The page follows what was drawn once a frame has passed.
-    const offset = (name) => document.getElementById(name).getBoundingClientRect().top - document.querySelector('.toolbar').getBoundingClientRect().bottom;
-    await page.waitForFunction(`Math.abs((${offset})("${id}")) < 3`, null, { timeout: 20000 }).catch(() => {});
-    const off = await page.evaluate(offset, id);
+    const off = await page.evaluate(restsAt, id);
     check(Math.abs(off) < 3, `${what} leads to ${off} px below the bar of a window of ${width}`);
   };
   await below('failures', 'the address');
