@@ -223,6 +223,11 @@ class BaseFinder {
     return lowest;
   }
 
+  static bool allows_zero(const UrdfJoint& joint) {
+    return joint.type != UrdfJointType::kRevolute ||
+           (joint.lower.value_or(0.0) <= 0.0 && joint.upper.value_or(0.0) >= 0.0);
+  }
+
   // Evidence that the root does not stand on the floor: propellers, two chains of driven joints that reach below its
   // own shapes or four chains as legs, an arm that hangs from it.
   std::string not_standing() const {
@@ -237,11 +242,13 @@ class BaseFinder {
     double lowest = foot;
     std::vector<std::string> chains, below;  // by the first joint
     std::vector<int> first(static_cast<std::size_t>(urdf_.size()), 0), count = first;
+    std::vector<bool> beyond(first.size(), false);  // with all joints at 0 one on the way to the link is beyond a limit
     for (int i = 1; i < urdf_.size(); ++i) {
       const auto at = static_cast<std::size_t>(i), parent = static_cast<std::size_t>(urdf_.link(i).parent);
       const bool drives = drivable(urdf_.link(i).joint) && !guess_.joints[at];
       first[at] = first[parent] == 0 && drives ? i : first[parent];
       count[at] = count[parent] + (drives ? 1 : 0);
+      beyond[at] = beyond[parent] || !allows_zero(urdf_.link(i).joint);
       if (count[at] < kLegJoints) continue;
       const std::string& name = urdf_.link(first[at]).joint.name;
       const auto note = [&](std::vector<std::string>& names) {
@@ -249,7 +256,7 @@ class BaseFinder {
       };
       note(chains);
       const double z = urdf_.X_R(i).translation().z();
-      lowest = std::min(lowest, z);
+      if (!beyond[at]) lowest = std::min(lowest, z);
       if (z < foot) note(below);
     }
     if (below.size() >= 2)

@@ -311,6 +311,11 @@ TEST_F(Drafts, ARootThatFliesIsNoFixedBase) {
                             "that flies\n"),
             std::string::npos)
       << below.text;
+  // As Kinova's arms, which are below their feet only where no joint can go.
+  for (std::size_t at = 0; (at = hangs.find("lower='-2'", at)) != std::string::npos;)
+    hangs.replace(at, 10, "lower='1'");
+  const Draft beyond = draft(body() + hangs);
+  EXPECT_NE(beyond.text.find("type: fixed  # no wheels were found\n"), std::string::npos) << beyond.text;
 }
 
 TEST_F(Drafts, ATipBeforeFingersGetsATool) {
