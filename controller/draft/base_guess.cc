@@ -39,6 +39,7 @@ class BaseFinder {
   BaseGuess find() {
     guess_.joints.assign(static_cast<std::size_t>(urdf_.size()), false);
     find_virtual();
+    find_rotors();
     find_wheels();
     decide();
     return std::move(guess_);
@@ -94,6 +95,23 @@ class BaseFinder {
     for (const int child : urdf_.children_of(link))
       if (drivable(urdf_.link(child).joint) || !nothing_driven_behind(child)) return false;
     return true;
+  }
+
+  // Propellers: three or more parts that turn without end about upright axes and carry no driven joint.
+  void find_rotors() {
+    constexpr double kEndless = 100.0;  // range of joints that describe endless ones by limits [rad]
+    constexpr std::size_t kLeast = 3;
+    for (int i = 1; i < urdf_.size(); ++i) {
+      const UrdfJoint& joint = urdf_.link(i).joint;
+      const bool endless =
+          joint.type == UrdfJointType::kContinuous || (joint.type == UrdfJointType::kRevolute && joint.lower &&
+                                                       joint.upper && *joint.upper - *joint.lower > kEndless);
+      if (endless && drivable(joint) && std::abs(urdf_.axis_R(i).z()) > kUpright && driven_before(i) == 0 &&
+          nothing_driven_behind(i))
+        rotors_.push_back(i);
+    }
+    if (rotors_.size() < kLeast) rotors_.clear();
+    for (const int i : rotors_) guess_.joints[static_cast<std::size_t>(i)] = true;
   }
 
   // Number of joints between the apparent base and the link's own.
@@ -205,29 +223,49 @@ class BaseFinder {
     return lowest;
   }
 
-  // Evidence that legs carry the root: two chains of driven joints that reach below its own shapes, or four chains.
-  std::string on_legs() const {
+  static bool allows_zero(const UrdfJoint& joint) {
+    return joint.type != UrdfJointType::kRevolute ||
+           (joint.lower.value_or(0.0) <= 0.0 && joint.upper.value_or(0.0) >= 0.0);
+  }
+
+  // Evidence that the root does not stand on the floor: propellers, two chains of driven joints that reach below its
+  // own shapes or four chains as legs, an arm that hangs from it.
+  std::string not_standing() const {
     constexpr int kLegJoints = 2, kLegs = 4;
+    constexpr double kHangs = 0.05;  // [m]; the wrist of an arm stretched over the floor is not as low
+    if (!rotors_.empty()) {
+      std::string names;
+      for (const int i : rotors_) names += (names.empty() ? "" : ", ") + urdf_.link(i).joint.name;
+      return "propellers seem to carry the root: " + names;
+    }
     const double foot = foot_of_root();
+    double lowest = foot;
     std::vector<std::string> chains, below;  // by the first joint
     std::vector<int> first(static_cast<std::size_t>(urdf_.size()), 0), count = first;
+    std::vector<bool> beyond(first.size(), false);  // with all joints at 0 one on the way to the link is beyond a limit
     for (int i = 1; i < urdf_.size(); ++i) {
       const auto at = static_cast<std::size_t>(i), parent = static_cast<std::size_t>(urdf_.link(i).parent);
       const bool drives = drivable(urdf_.link(i).joint) && !guess_.joints[at];
       first[at] = first[parent] == 0 && drives ? i : first[parent];
       count[at] = count[parent] + (drives ? 1 : 0);
+      beyond[at] = beyond[parent] || !allows_zero(urdf_.link(i).joint);
       if (count[at] < kLegJoints) continue;
       const std::string& name = urdf_.link(first[at]).joint.name;
       const auto note = [&](std::vector<std::string>& names) {
         if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
       };
       note(chains);
-      if (urdf_.X_R(i).translation().z() < foot) note(below);
+      const double z = urdf_.X_R(i).translation().z();
+      if (!beyond[at]) lowest = std::min(lowest, z);
+      if (z < foot) note(below);
     }
     if (below.size() >= 2)
       return fmt::format("legs seem to carry the root, by chains that reach below it from {}", fmt::join(below, ", "));
     if (chains.size() >= kLegs)
       return fmt::format("legs may carry the root, of {} chains from {}", chains.size(), fmt::join(chains, ", "));
+    if (lowest < foot - kHangs)
+      return fmt::format("the arm hangs below the root from {}, as on a ceiling or on a robot that flies",
+                         below.front());
     return "";
   }
 
@@ -240,7 +278,8 @@ class BaseFinder {
     if (driven.size() < 2) {
       if (guess_.type != BaseType::kFixed || guess_.doubtful) return;
       const std::string still = stuck();
-      guess_.reason = still.empty() ? on_legs() : "these are called wheels, but their joints do not turn: " + still;
+      guess_.reason =
+          still.empty() ? not_standing() : "these are called wheels, but their joints do not turn: " + still;
       guess_.doubtful = !guess_.reason.empty();
       return;
     }
@@ -307,6 +346,7 @@ class BaseFinder {
   const UrdfFacts& urdf_;
   BaseGuess guess_;
   std::vector<Wheel> wheels_;
+  std::vector<int> rotors_;  // links of propellers
 };
 
 }  // namespace

@@ -27,8 +27,8 @@ struct BaseGuess {
 /// one. Two wheels, or four along one axis, make a differential base. Four wheels named mecanum or omni, three about
 /// different axes, and steered wheels alone make an omnidirectional one. A chain of joints along x and y and about z
 /// from the root, whose links have no shape before its end, also represents a base; with masses it is doubtful. Links
-/// with shapes may belong to a gantry, so that such a chain is a doubtful fixed base. So is a root that legs
-/// seem to carry.
+/// with shapes may belong to a gantry, so that such a chain is a doubtful fixed base. So is a root that legs or
+/// propellers seem to carry, or from which the arm hangs.
 BaseGuess guess_base(const UrdfFacts& urdf);
 
 /// The likely arm: the longest chain of driven joints that are neither fingers nor wheels.

@@ -287,6 +287,37 @@ TEST_F(Drafts, ARootOnLegsIsNoFixedBase) {
       << spider.text;
 }
 
+// As example-robot-data's iris, whose rotors have limits of 1e16 rad, and hextilt, whose arm hangs from a body that
+// flies.
+TEST_F(Drafts, ARootThatFliesIsNoFixedBase) {
+  std::string rotors;
+  for (const auto& [name, xyz] : {std::pair{"a", "0.2 0.2 0"}, {"b", "-0.2 0.2 0"}, {"c", "0 -0.2 0"}}) {
+    const std::string blade = std::string("blade_") + name;
+    rotors += link(blade, "<cylinder radius='0.1' length='0.01'/>", 0.01) +
+              joint("spin_" + std::string(name), "revolute", "base_link", blade, xyz, "0 0 1",
+                    "<limit lower='-1e16' upper='1e16' velocity='0' effort='0'/>");
+  }
+  const Draft flies = draft(body() + rotors + arm("base_link", "", "0 0 0.2"));
+  EXPECT_NE(flies.text.find("type: fixed  # check: propellers seem to carry the root: spin_a, spin_b, spin_c\n"),
+            std::string::npos)
+      << flies.text;
+  EXPECT_EQ(load(flies).model->num_joints(), 6) << flies.text;
+
+  std::string hangs = arm("base_link", "", "0 0 -0.2");
+  for (std::size_t at = 0; (at = hangs.find("'0 0 0.16'", at)) != std::string::npos;)
+    hangs.replace(at, 10, "'0 0 -0.16'");
+  const Draft below = draft(body() + hangs);
+  EXPECT_NE(below.text.find("type: fixed  # check: the arm hangs below the root from j1, as on a ceiling or on a robot "
+                            "that flies\n"),
+            std::string::npos)
+      << below.text;
+  // As Kinova's arms, which are below their feet only where no joint can go.
+  for (std::size_t at = 0; (at = hangs.find("lower='-2'", at)) != std::string::npos;)
+    hangs.replace(at, 10, "lower='1'");
+  const Draft beyond = draft(body() + hangs);
+  EXPECT_NE(beyond.text.find("type: fixed  # no wheels were found\n"), std::string::npos) << beyond.text;
+}
+
 TEST_F(Drafts, ATipBeforeFingersGetsATool) {
   std::string parts = body() + arm("base_link", "", "0 0 0.3");
   const std::string tool = "tool0";

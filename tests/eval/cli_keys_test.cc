@@ -1,5 +1,6 @@
 // `moma keys`: what it lists, and what it says of a prefix that nothing begins with.
 
+#include <algorithm>
 #include <set>
 #include <sstream>
 #include <string>
@@ -39,6 +40,18 @@ TEST_F(CliKeys, AllAreListedOnce) {
   for (const char* name : {"trials", "simulation.mode", "controller.servo.position", "worlds.seed",
                            "worlds.families.moving.weight", "tune.budget.trials", "tune.racing.first"})
     EXPECT_TRUE(names.contains(name)) << name;
+}
+
+TEST_F(CliKeys, BoundsAreShort) {
+  constexpr std::size_t kMostDigits = 19;  // of a seed of 63 bits; the largest double has 309
+  const std::string out = good({"keys"}).out;
+  for (std::size_t at = 0; (at = out.find_first_of("0123456789", at)) != std::string::npos;) {
+    const std::size_t end = std::min(out.find_first_not_of("0123456789", at), out.size());
+    EXPECT_LE(end - at, kMostDigits) << out.substr(at, end - at);
+    at = end;
+  }
+  bad({"run", "suite.yaml", "-o", "a.db", "--set", "simulation.time_limit=-1"}, {"a number from 0 to 3600, above 0\n"});
+  bad({"run", "suite.yaml", "-o", "a.db", "--set", "trials=0"}, {"a whole number from 1 to 100000000\n"});
 }
 
 TEST_F(CliKeys, APrefixOfNoneSaysWhatIsMeant) {

@@ -113,6 +113,18 @@ TEST_F(CliLook, ErrorsAreSaidBesideTheRates) {
   EXPECT_EQ(good({"query", "b.db", "@summary"}).out.find("errors"), std::string::npos);
 }
 
+// A median of the successes in a summary, a mean of worlds in a comparison: the heads say which.
+TEST_F(CliLook, TimesToTheGoalAreCalledMedianOrMean) {
+  good({"run", "suite.yaml", "-o", "a.db", "-q"});
+  const std::string summary = good({"query", "a.db", "@summary"}).out;
+  for (const char* head : {"  median time to goal s", "  mean manip."})
+    EXPECT_NE(summary.find(head), std::string::npos) << head << "\n" << summary;
+  const std::string compared = good({"compare", "a.db", "plain", "slow"}).out;
+  const std::string heads = compared.substr(compared.find("metric (both have it)"));
+  for (const char* word : {"mean A", "mean B", "manip_mean"})
+    EXPECT_NE(heads.find(word), std::string::npos) << word << "\n" << compared;
+}
+
 TEST_F(CliLook, NotesStandOnEveryPage) {
   good({"run", "suite.yaml", "-o", "a.db", "-q"});
   write("why.md", "Seen *twice*.");

@@ -90,7 +90,7 @@ TEST_P(PageEqualsStore, EveryCellOfTheSummary) {
 INSTANTIATE_TEST_SUITE_P(Stores, PageEqualsStore, testing::Values("demo", "one", "failures", "hostile", "sweep"),
                          [](const auto& kind) { return std::string(kind.param); });
 
-TEST(PageData, TrialsThatEndByAnErrorArePartOfNoRate) {
+TEST(PageData, TrialsThatEndByAnErrorDidNotSucceed) {
   const Folder folder;
   make_store(folder / "a.db", "demo", 20);
   {
