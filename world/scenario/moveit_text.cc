@@ -19,8 +19,7 @@ void put(Node& map, const std::string& key, Node value) { map.entries.emplace_ba
 
 class MoveItText {
  public:
-  explicit MoveItText(const std::filesystem::path& file)
-      : file_(file.string()), text_(config::read_text_file(file)) {}
+  explicit MoveItText(const std::filesystem::path& file) : file_(file.string()), text_(config::read_text_file(file)) {}
 
   Node scene() {
     next("the scene's name");
