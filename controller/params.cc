@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "controller/describe/check.h"
 #include "controller/model/base_kind.h"
@@ -13,11 +12,7 @@
 namespace moma {
 namespace {
 
-std::string text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%g", value);
-  return buffer;
-}
+using description::short_text;
 
 class Checker {
  public:
@@ -63,7 +58,8 @@ class Checker {
 
   void damper(const std::string& key, const DamperParams& d) {
     if (!(d.stop < d.influence))
-      error(key + "stop", "must be below " + key + "influence = " + text(d.influence) + ", is " + text(d.stop));
+      error(key + "stop",
+            "must be below " + key + "influence = " + short_text(d.influence) + ", is " + short_text(d.stop));
   }
 
   void dampers() {
@@ -79,13 +75,13 @@ class Checker {
       const double margin = p_.joint_limits.margin[i];
       const double step = joint.velocity * longest_;
       if (!(margin > step)) {
-        error("joint_limits.margin", "of " + joint.name + " is " + text(margin) +
-                                         "; it must be above velocity limit x " + longest_name() + " = " + text(step) +
-                                         ", or one step can overshoot the limit");
+        error("joint_limits.margin", "of " + joint.name + " is " + short_text(margin) +
+                                         "; it must be above velocity limit x " + longest_name() + " = " +
+                                         short_text(step) + ", or one step can overshoot the limit");
       } else if (!(joint.lower + margin < joint.upper - margin)) {
-        error("joint_limits.margin", "of " + joint.name + " is " + text(margin) +
+        error("joint_limits.margin", "of " + joint.name + " is " + short_text(margin) +
                                          "; it must be below half the joint's range, " +
-                                         text(0.5 * (joint.upper - joint.lower)));
+                                         short_text(0.5 * (joint.upper - joint.lower)));
       }
     }
   }
@@ -94,21 +90,21 @@ class Checker {
     const JointLimitParams& d = p_.joint_limits;
     if (!(d.stop < d.influence)) {
       error("joint_limits.stop",
-            "must be below joint_limits.influence = " + text(d.influence) + ", is " + text(d.stop));
+            "must be below joint_limits.influence = " + short_text(d.influence) + ", is " + short_text(d.stop));
       return;
     }
     if (d.gain * longest_ >= d.influence - d.stop) {
-      error("joint_limits.gain", "of " + text(d.gain) + " x " + longest_name() +
-                                     " must stay below influence - stop = " + text(d.influence - d.stop) +
+      error("joint_limits.gain", "of " + short_text(d.gain) + " x " + longest_name() +
+                                     " must stay below influence - stop = " + short_text(d.influence - d.stop) +
                                      ", or the damper overshoots");
     }
     for (const ControlledJoint& joint : model_.joints) {
       if (std::isinf(joint.lower) && std::isinf(joint.upper)) continue;
       const double influence = limit_part(joint) * d.influence;
       if (!(influence > joint.velocity * longest_)) {
-        error("joint_limits.influence", "of " + text(influence) + " must be above velocity limit x " + longest_name() +
-                                            " of " + joint.name + " = " + text(joint.velocity * longest_) +
-                                            ", or one step can overshoot the limit");
+        error("joint_limits.influence",
+              "of " + short_text(influence) + " must be above velocity limit x " + longest_name() + " of " +
+                  joint.name + " = " + short_text(joint.velocity * longest_) + ", or one step can overshoot the limit");
         return;
       }
     }
@@ -132,8 +128,8 @@ class Checker {
       error("uncertainty", "needs `prediction`: only its tracks know the noise that averaging leaves");
     const CollisionParams& c = p_.collision;
     if (c.check.enabled && c.object.enabled && c.check.margin > c.object.stop)
-      warning("collision.check.margin", "of " + text(c.check.margin) +
-                                            " is above collision.stop = " + text(c.object.stop) +
+      warning("collision.check.margin", "of " + short_text(c.check.margin) +
+                                            " is above collision.stop = " + short_text(c.object.stop) +
                                             ": the rows allow a distance at which the check stops the robot");
     if (p_.sight.enabled && model_.base_dof() > 0 && !(sight_speed(p_.sight, model_, p_.acceleration_limit[0]) > 0.0))
       error("limits.sight", "leaves no speed: range must be above reach + speed x reaction");

@@ -28,6 +28,8 @@ std::vector<Violation> violations(const T& value, const Lengths& lengths = {}, c
 
 namespace description {
 
+/// Returns a number with six significant digits, for messages.
+std::string short_text(double value);
 /// "" if the number is in the range.
 std::string number_violation(double value, const Range& range);
 std::string whole_number_violation(long long value, long long low, long long high);

@@ -48,15 +48,11 @@ std::string accepted_numbers(int count, const About& about) {
 
 namespace description {
 
-namespace {
-
 std::string short_text(double value) {
   char buffer[32];
   std::snprintf(buffer, sizeof buffer, "%g", value);
   return buffer;
 }
-
-}  // namespace
 
 std::string number_violation(double value, const Range& range) {
   if (range.contains(value)) return "";

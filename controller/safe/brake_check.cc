@@ -193,7 +193,7 @@ bool BrakeCheck::place() noexcept {
 }
 
 // Returns the contribution of a pair that is too near, else infinity. `way`: its travel since the start of the step.
-double BrakeCheck::measure(Candidate& candidate, double way, double to_come) noexcept {
+double BrakeCheck::measure(NearPair& candidate, double way, double to_come) noexcept {
   const double range = range_of(candidate.kind);
   // As in leave_out_by_end(), for the rest of the trajectory.
   const double clear = 2.0 * (range + kSure) + to_come - candidate.end;
@@ -211,7 +211,7 @@ double BrakeCheck::measure(Candidate& candidate, double way, double to_come) noe
 void BrakeCheck::leave_out_by_end() noexcept {
   placed_ = Placed::kHere;
   if (!place()) return;
-  const auto clear = [&](Candidate& c, double way) {
+  const auto clear = [&](NearPair& c, double way) {
     const double need = 2.0 * (range_of(c.kind) + kSure) + way - c.room;
     if (!(need < kInfinity)) return false;
     const auto found = proximity_.within(c.kind, c.first, c.second, states_, need);
@@ -238,7 +238,7 @@ void BrakeCheck::leave_out_by_end() noexcept {
 }
 
 // Travel of a pair of a shape with the floor, or of two shapes.
-double BrakeCheck::way_of_own(const Candidate& own, const VectorX& gone) const noexcept {
+double BrakeCheck::way_of_own(const NearPair& own, const VectorX& gone) const noexcept {
   return own.kind == PairKind::kFloor ? ways_.in_height(own.first, gone) : ways_.between(own.first, own.second, gone);
 }
 
@@ -248,7 +248,7 @@ double BrakeCheck::distance() noexcept {
   double least = kInfinity;
   bool here = false;
   open_ = false;
-  const auto look = [&](Candidate& c, double way, double to_come) {
+  const auto look = [&](NearPair& c, double way, double to_come) {
     const double enough = range_of(c.kind) + kSure;
     if (c.end - to_come >= enough) c.room = kInfinity;
     if (c.room - way < enough) {
@@ -275,7 +275,7 @@ double BrakeCheck::distance() noexcept {
     }
   }
   for (std::size_t i = grouped_; i < candidates_.size(); ++i) {
-    Candidate& own = candidates_[i];
+    NearPair& own = candidates_[i];
     if (!(own.room < kInfinity)) continue;
     const double way = way_of_own(own, gone_);
     look(own, way, way_of_own(own, whole_) - way);

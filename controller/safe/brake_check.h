@@ -86,7 +86,7 @@ class BrakeCheck {
 
  private:
   // A pair that may come too near on the examined trajectory.
-  struct Candidate {
+  struct NearPair {
     PairKind kind;
     int first, second;
     double room;              // travel at which the distance may be 0 [m]; infinite if the pair stays clear
@@ -103,10 +103,10 @@ class BrakeCheck {
   double object_bound(int shape, int object) noexcept;
   double range_of(PairKind kind) const noexcept;
   void leave_out_by_end() noexcept;
-  double way_of_own(const Candidate& own, const VectorX& gone) const noexcept;
+  double way_of_own(const NearPair& own, const VectorX& gone) const noexcept;
   double way_to_stop(const Observation& o, const VectorX& command, bool in_proportion, double floor) noexcept;
   bool place() noexcept;
-  double measure(Candidate& candidate, double way, double to_come) noexcept;
+  double measure(NearPair& candidate, double way, double to_come) noexcept;
   double clearance(const Observation& o, const VectorX& command, double floor) noexcept;
   double distance() noexcept;
   double margin_of(const ProximityPair& pair) noexcept;
@@ -141,7 +141,7 @@ class BrakeCheck {
   enum class Placed { kNot, kAtStart, kHere } placed_ = Placed::kNot;  // state of the robot in proximity_
   const Kinematics* start_ = nullptr;                                  // the robot at the start of the step
   Kinematics own_start_;
-  std::vector<Candidate> candidates_;  // pairs of groups first
+  std::vector<NearPair> candidates_;  // pairs of groups first
   std::vector<Group> groups_;
   std::size_t grouped_ = 0;
   bool open_ = false;

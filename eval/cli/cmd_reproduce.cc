@@ -100,11 +100,9 @@ int reproduce(const ReproduceOptions& options) {
   const run::Experiment experiment = experiment_of(options);
   const Suite suite = load_suite(experiment.suite, options.suite.overrides());
   if (!options.quiet) print_warnings(suite.warnings);
-  const InterruptGuard interrupt;
-  StatusLine progress(options.quiet);
   run::EvaluateRequest request = options.request;
-  request.stop = &InterruptGuard::flag();
-  const run::Evaluation done = run::evaluate(request, suite, listener_on_stderr(options.quiet, progress));
+  const Computation computation(request, options.quiet);
+  const run::Evaluation done = run::evaluate(request, suite, computation.listener());
   print_warnings(done.warnings);
   if (done.end != run::End::kFinished) {
     std::cerr << terminal_safe(done.stopped) << std::endl;

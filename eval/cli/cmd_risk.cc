@@ -98,16 +98,11 @@ int risk_of_suite(const RiskOptions& options) {
   if (!options.quiet || options.price)
     (options.price ? std::cout : std::cerr) << run::price_of_risk(options.request, suite) << std::endl;
   if (options.price) return kOk;
-  const InterruptGuard interrupt;
   run::RiskRequest request = options.request;
-  request.trials.stop = &InterruptGuard::flag();
-  StatusLine progress(options.quiet);
-  const run::Risk risk = run::estimate_risk(request, suite, event, listener_on_stderr(options.quiet, progress));
-  progress.clear();
-  if (risk.end != run::End::kFinished) {
-    std::cerr << terminal_safe_lines(risk.stopped) << std::endl;
-    return kStoppedEarly;
-  }
+  Computation computation(request, options.quiet);
+  const run::Risk risk = run::estimate_risk(request, suite, event, computation.listener());
+  computation.line().clear();
+  if (risk.end != run::End::kFinished) return stopped_early(risk.stopped);
   bool refused = false;
   for (const run::RiskRow& row : risk.rows) {
     refused = refused || row.refused();
@@ -149,12 +144,10 @@ int break_suite(const BreakOptions& options) {
   const Suite suite = options.suite.load();
   const run::RareEvent event = rare_event(options.event, "break");
   if (!options.quiet) print_warnings(suite.warnings);
-  const InterruptGuard interrupt;
   run::BreakRequest request = options.request;
-  request.trials.stop = &InterruptGuard::flag();
-  StatusLine progress(options.quiet);
-  const run::Broken broken = run::break_suite(request, suite, event, listener_on_stderr(options.quiet, progress));
-  progress.clear();
+  Computation computation(request, options.quiet);
+  const run::Broken broken = run::break_suite(request, suite, event, computation.listener());
+  computation.line().clear();
   write(std::cout, table(suite, broken), options.format);
   std::cout.flush();
   if (!options.worlds.empty() && !broken.failures.empty()) {
@@ -165,16 +158,14 @@ int break_suite(const BreakOptions& options) {
       std::cerr << fmt::format("to run them: the suite with --trials {} --set 'worlds={{frozen: {}}}'\n",
                                broken.failures.size(), terminal_safe(options.worlds));
   }
-  if (broken.end == run::End::kFinished) return kOk;
-  std::cerr << terminal_safe_lines(broken.stopped) << std::endl;
-  return kStoppedEarly;
+  return broken.end == run::End::kFinished ? kOk : stopped_early(broken.stopped);
 }
 
 }  // namespace
 
 void add_risk(CLI::App& app, Action& action, const Arguments& arguments) {
   auto options = std::make_shared<RiskOptions>();
-  options->request.trials.arguments = arguments;
+  options->request.arguments = arguments;
   CLI::App* command = app.add_subcommand(
       "risk", "Estimate how probable a rare event is over a suite's worlds and disturbances, by splitting");
   options->suite.add_to(*command);
@@ -182,8 +173,8 @@ void add_risk(CLI::App& app, Action& action, const Arguments& arguments) {
   add_splitting(*command, options->request.splitting);
   command->add_option("--crude", options->request.crude,
                       "Crude trials of each family beside it, the first worlds among them (as many as splitting took)");
-  add_moved_trials_store(*command, options->request.trials.file);
-  add_threads(*command, options->request.trials.threads);
+  add_moved_trials_store(*command, options->request.file);
+  add_threads(*command, options->request.threads);
   add_format(*command, options->format);
   command->add_flag("--price", options->price, "Only say how many trials it takes, and how long");
   command->add_flag("-q,--quiet", options->quiet, "No progress and no remarks");
@@ -197,7 +188,7 @@ void add_risk(CLI::App& app, Action& action, const Arguments& arguments) {
 
 void add_break(CLI::App& app, Action& action, const Arguments& arguments) {
   auto options = std::make_shared<BreakOptions>();
-  options->request.trials.arguments = arguments;
+  options->request.arguments = arguments;
   CLI::App* command =
       app.add_subcommand("break", "Find failures of a suite's controllers, the likeliest first, as frozen worlds");
   options->suite.add_to(*command);
@@ -209,8 +200,8 @@ void add_break(CLI::App& app, Action& action, const Arguments& arguments) {
       ->check(CLI::Range(0.0, 1.0));
   command->add_option("--noises", options->request.noises, "Times (40)")->check(CLI::Range(0, 100000));
   add_splitting(*command, options->request.splitting);
-  add_moved_trials_store(*command, options->request.trials.file);
-  add_threads(*command, options->request.trials.threads);
+  add_moved_trials_store(*command, options->request.file);
+  add_threads(*command, options->request.threads);
   add_format(*command, options->format);
   add_force(*command, options->replace);
   command->add_flag("-q,--quiet", options->quiet, "No progress and no remarks");

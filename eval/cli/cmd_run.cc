@@ -83,10 +83,8 @@ int lead(const RunOptions& options, Cluster* cluster) {
   request.shard = read_shard(options.shard);
   if (request.file.empty() && !options.rerun.empty() && request.shard.count == 1) request.file = options.suite.file;
   request.cluster = cluster;
-  const InterruptGuard interrupt;
-  request.stop = &InterruptGuard::flag();
-  StatusLine progress(options.quiet);
-  const run::Evaluation done = run::evaluate(request, suite, listener_on_stderr(options.quiet, progress));
+  const Computation computation(request, options.quiet);
+  const run::Evaluation done = run::evaluate(request, suite, computation.listener());
   if (!done.stopped.empty()) std::cerr << terminal_safe_lines(done.stopped) << std::endl;
   if (done.end == run::End::kNeverBegan) return kStoppedEarly;
   write(std::cout, summary_table(done.file, done.suite, true), Format::kTable);

@@ -26,12 +26,10 @@ int shrink(const ShrinkOptions& options) {
   // Worlds are edited by hand: none is known for moma's own.
   const files::Kind kind{"file of worlds", ""};
   if (!options.out.empty()) files::check_replace(options.out, kind, options.replace);
-  const InterruptGuard interrupt;
   run::ShrinkRequest request = options.request;
   request.trial = run::named_trial(request.file, request.trial);
-  request.stop = &InterruptGuard::flag();
-  StatusLine progress(options.quiet);
-  const run::Shrunk shrunk = run::shrink(request, listener_on_stderr(options.quiet, progress));
+  const Computation computation(request, options.quiet);
+  const run::Shrunk shrunk = run::shrink(request, computation.listener());
   const std::string world = to_json(shrunk.world).dump() + "\n";
   if (options.out.empty()) {
     std::cout << world << std::flush;

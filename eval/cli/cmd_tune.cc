@@ -94,22 +94,17 @@ int tune_suite(const TuneOptions& options) {
   }
   const tune::Tuning tuning = tune::load_tuning(options.suite.file, options.suite.overrides());
   if (!options.quiet) print_warnings(tuning.warnings);
-  const InterruptGuard interrupt;
-  StatusLine line(options.quiet);
-  TuneProgress search(line, tuning.config.cost.unit());
-  run::TuneListener listener{listener_on_stderr(options.quiet, line), {}, {}, {}, {}};
+  run::TuneRequest request = options.request;
+  request.verdict = !options.no_verdict;
+  Computation computation(request, options.quiet);
+  TuneProgress search(computation.line(), tuning.config.cost.unit());
+  run::TuneListener listener{computation.listener(), {}, {}, {}, {}};
   listener.trial = [&] { search.trial_computed(); };
   listener.evaluation = [&](const tune::Progress& progress) { search.evaluation_ended(progress); };
   listener.judged = [](const tune::HeldOutVerdict& verdict) { print(verdict); };
   listener.searched = [&](const tune::SearchResult& result) { print(tuning, result); };
-  run::TuneRequest request = options.request;
-  request.verdict = !options.no_verdict;
-  request.stop = &InterruptGuard::flag();
   const run::Tuned tuned = run::tune(request, tuning, listener);
-  if (tuned.end != run::End::kFinished) {
-    std::cerr << terminal_safe_lines(tuned.stopped) << std::endl;
-    return kStoppedEarly;
-  }
+  if (tuned.end != run::End::kFinished) return stopped_early(tuned.stopped);
   if (tuned.gains.empty()) {
     std::cout << "the search found nothing better than the gains that it began with: no gains are written\n";
     return kOk;

@@ -31,12 +31,10 @@ std::string verdict(const run::Verification& found) {
 }
 
 int verify(const VerifyOptions& options) {
-  const InterruptGuard interrupt;
-  StatusLine progress(options.quiet);
-  run::Listener listener = listener_on_stderr(options.quiet, progress);
-  listener.warning = [](const std::string& finding) { std::cerr << terminal_safe(finding) << '\n'; };
   run::VerifyRequest request = options.request;
-  request.stop = &InterruptGuard::flag();
+  const Computation computation(request, options.quiet);
+  run::Listener listener = computation.listener();
+  listener.warning = [](const std::string& finding) { std::cerr << terminal_safe(finding) << '\n'; };
   const run::Verification found = run::verify(request, listener);
   std::cout << fmt::format("{} of {} trials replayed: {}\n", found.replayed, found.trials, verdict(found));
   if (!options.quiet) {

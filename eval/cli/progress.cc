@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <iostream>
 
+#include "eval/cli/command.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 
@@ -90,17 +91,21 @@ std::string duration_text(double seconds) {
   return fmt::format("{}:{:02}", s / 60, s % 60);
 }
 
-run::Listener listener_on_stderr(bool quiet, StatusLine& line) {
+Computation::Computation(run::Request& request, bool quiet) : line_(quiet) {
+  request.stop = &InterruptGuard::flag();
   const auto say = [](const std::string& text) { std::cerr << terminal_safe_lines(text) << std::endl; };
-  run::Listener listener;
-  if (!quiet) listener.note = say;
-  listener.notice = say;
-  listener.warning = [](const std::string& text) { print_warnings({text}); };
-  listener.progress = [&line](const BatchProgress& p) {
-    line.show([&] { return describe_progress(p); }, p.done >= p.total);
+  if (!quiet) listener_.note = say;
+  listener_.notice = say;
+  listener_.warning = [](const std::string& text) { print_warnings({text}); };
+  listener_.progress = [this](const BatchProgress& p) {
+    line_.show([&] { return describe_progress(p); }, p.done >= p.total);
   };
-  listener.progress_end = [&line] { line.clear(); };
-  return listener;
+  listener_.progress_end = [this] { line_.clear(); };
+}
+
+int stopped_early(const std::string& text) {
+  std::cerr << terminal_safe_lines(text) << std::endl;
+  return kStoppedEarly;
 }
 
 }  // namespace moma::cli

@@ -49,8 +49,22 @@ class StatusLine {
 /// "1:02:03" or "2:03".
 std::string duration_text(double seconds);
 
-/// Texts to stderr, notes only where not `quiet`, warnings as print_warnings() does; progress to `line`, which must
-/// live as long: "123 of 400 trials, 45.2/s, success 87.0 %, 0:06 left".
-run::Listener listener_on_stderr(bool quiet, StatusLine& line);
+/// A command's computation of trials. While this lives, a signal stops the request. Texts go to stderr, notes only
+/// where not `quiet`, warnings as print_warnings() does; progress goes to the status line: "123 of 400 trials, 45.2/s,
+/// success 87.0 %, 0:06 left".
+class Computation {
+ public:
+  Computation(run::Request& request, bool quiet);
+  StatusLine& line() { return line_; }
+  const run::Listener& listener() const { return listener_; }
+
+ private:
+  InterruptGuard interrupt_;
+  StatusLine line_;
+  run::Listener listener_;
+};
+
+/// Tells on stderr what is saved of a run that ended early, and how to go on. Returns the exit code.
+int stopped_early(const std::string& text);
 
 }  // namespace moma::cli

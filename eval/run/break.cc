@@ -73,7 +73,7 @@ class Breaker {
   void tell(const char* by) const {
     listener_.tell(listener_.note,
                    fmt::format("{}, {}: {} distinct failures after {}, {} trials", suite_.points[point_].controller,
-                               family_, known_.size(), by, trials_.computed() + trials_.reused()));
+                               family_, known_.size(), by, trials_.counts().computed + trials_.counts().reused));
   }
 
   const BreakRequest& request_;
@@ -96,9 +96,9 @@ Broken break_suite(const BreakRequest& request, const Suite& suite, const RareEv
     Breaker breaker(request, suite, event, listener, trials, out);
     for (std::size_t point = 0; point < suite.points.size(); ++point)
       for (const auto& [family, share] : suite.points[point].worlds.shares()) breaker.family(point, family);
-    out.trials = trials.computed() + trials.reused();
+    out.trials = trials.counts().computed + trials.counts().reused;
   };
-  out.end = with_moved_trials(request.trials, suite, listener, work, out.stopped);
+  out.end = with_moved_trials(request, suite, listener, work, out.stopped);
   return out;
 }
 

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -15,8 +13,7 @@
 
 namespace moma::run {
 
-struct BreakRequest {
-  MovedTrialsRequest trials;
+struct BreakRequest : Request {
   std::uint64_t crude = 1000;  ///< crude trials of each family
   double nearest = 0.01;       ///< share of the nearest trials, which are repeated with other noise
   int noises = 40;             ///< number of other noises

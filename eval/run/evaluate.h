@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -19,15 +18,12 @@ struct Shard {
   bool has(std::uint64_t world) const { return world % count == index - 1; }
 };
 
-struct EvaluateRequest {
-  std::filesystem::path file;          ///< store, created if missing; usual_store() if empty
-  std::vector<std::string> arguments;  ///< the command line, for provenance and "to go on"
-  int threads = 0;                     ///< 0: usual_threads()
+/// `file`: usual_store() if empty.
+struct EvaluateRequest : Request {
   Shard shard;
-  bool profile = false;                     ///< measure the parts of the trials' time
-  bool keep_going = false;                  ///< go on even if a point's first trials all end by the same error
-  Cluster* cluster = nullptr;               ///< set on rank 0 of an mpirun
-  const std::atomic<bool>* stop = nullptr;  ///< if set, trials in flight finish and are saved
+  bool profile = false;        ///< measure the parts of the trials' time
+  bool keep_going = false;     ///< go on even if a point's first trials all end by the same error
+  Cluster* cluster = nullptr;  ///< set on rank 0 of an mpirun
 };
 
 struct Evaluation {

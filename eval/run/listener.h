@@ -1,8 +1,11 @@
 #pragma once
 
+#include <atomic>
+#include <filesystem>
 #include <functional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "eval/batch/batch.h"
 
@@ -12,6 +15,14 @@ namespace moma::run {
 class RunError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+};
+
+/// Members of every request.
+struct Request {
+  std::filesystem::path file;               ///< store; where one is written, it is created if missing
+  std::vector<std::string> arguments;       ///< the command line, for provenance and "to go on"
+  int threads = 0;                          ///< 0: usual_threads()
+  const std::atomic<bool>* stop = nullptr;  ///< if set, trials in flight finish and are saved
 };
 
 /// Callbacks during a run; members may be empty. Called from one thread at a time. Texts are sentences for a person

@@ -3,16 +3,12 @@
 #include <fmt/format.h>
 
 #include <optional>
-#include <unordered_map>
-#include <unordered_set>
 
-#include "eval/batch/batch.h"
 #include "eval/run/store_file.h"
 #include "eval/store/database.h"
 #include "eval/store/records.h"
 #include "eval/store/run_lock.h"
 #include "eval/trial/key.h"
-#include "eval/trial/trial.h"
 #include "world/draws.h"
 #include "world/world_json.h"
 
@@ -27,6 +23,30 @@ store::WorldRecord without_content(const Worlds& worlds, std::uint64_t index, co
   record.json = json.dump();
   return record;
 }
+
+const Moves& moves_of(const MovedWorld& world) {
+  static const Moves none;
+  return world.moves ? *world.moves : none;
+}
+
+/// Trials of moved worlds in a store; a job's world is a place in `worlds`.
+class MovedSource : public TrialSource {
+ public:
+  MovedSource(store::Writer& writer, std::span<const MovedWorld> worlds) : writer_(writer), worlds_(worlds) {}
+  std::optional<TrialRow> find(const std::string& key) override { return writer_.find(key); }
+  void add(const SuitePoint& point, const BatchJob& job, const BatchResult& result) override {
+    if (result.output.row.outcome == Outcome::kError) return;
+    const MovedWorld& world = worlds_[job.world];
+    const Moves& moves = moves_of(world);
+    const store::WorldRecord record =
+        moves.empty() ? store::describe(*result.world) : without_content(point.worlds, world.index, moves);
+    writer_.add({store::kNoPoint, world.index, job.key}, record, result.output.row, nullptr);
+  }
+
+ private:
+  store::Writer& writer_;
+  std::span<const MovedWorld> worlds_;
+};
 
 }  // namespace
 
@@ -47,60 +67,26 @@ void check_drawn(const Suite& suite, std::string_view command) {
 std::vector<TrialRow> MovedTrials::rows(std::size_t point, std::span<const MovedWorld> worlds, bool progress) {
   const SuitePoint& of = suite_.points[point];
   const TrialKeys keys(of);
-  const Moves none;
-  const auto moves = [&](std::size_t i) -> const Moves& { return worlds[i].moves ? *worlds[i].moves : none; };
   std::vector<BatchJob> jobs;
-  std::unordered_map<std::string, TrialRow> known;
-  std::unordered_set<std::string> present;
-  for (std::size_t i = 0; i < worlds.size(); ++i) {
-    jobs.push_back({point, i, keys.key(of.worlds.identity(worlds[i].index, moves(i)))});
-    if (writer_ == nullptr || present.contains(jobs.back().key)) continue;
-    if (std::optional<TrialRow> row = writer_->find(jobs.back().key)) {
-      ++reused_;
-      present.insert(jobs.back().key);
-      known.emplace(jobs.back().key, std::move(*row));
-    }
-  }
+  for (std::size_t i = 0; i < worlds.size(); ++i)
+    jobs.push_back({point, i, keys.key(of.worlds.identity(worlds[i].index, moves_of(worlds[i])))});
   BatchOptions batch;
   batch.threads = threads_;
   batch.stop = stop_;
-  batch.skip = &present;
   if (progress) batch.progress = listener_.progress;
   batch.world = [&](const SuitePoint& at, std::uint64_t i) {
     const MovedWorld& world = worlds[i];
     return std::make_shared<const World>(at.worlds.make(at.robot->model, world.index, nullptr, world.moves));
   };
   batch.finish = [](const SuitePoint&, BatchResult& result) { Trace().swap(result.output.trace); };
-  std::string late;
-  const BatchSummary summary = run_batch(suite_.points, jobs, batch, [&](const BatchJob& job, BatchResult&& result) {
-    const TrialRow& row = result.output.row;
-    if (is_late(row)) {
-      late = row.reason;
-      return false;
-    }
-    ++computed_;
-    if (row.outcome == Outcome::kError) {
-      if (errors_++ == 0) first_error_ = row.reason;
-    } else if (writer_ != nullptr) {
-      const MovedWorld& world = worlds[job.world];
-      const bool moved = !moves(job.world).empty();
-      const store::WorldRecord record =
-          moved ? without_content(of.worlds, world.index, moves(job.world)) : store::describe(*result.world);
-      writer_->add({store::kNoPoint, world.index, job.key}, record, row, nullptr);
-    }
-    known.emplace(job.key, row);
-    return true;
-  });
+  std::optional<MovedSource> source;
+  if (writer_ != nullptr) source.emplace(*writer_, worlds);
+  std::vector<TrialRow> rows = trial_rows(suite_.points, jobs, batch, source ? &*source : nullptr, counts_);
   if (progress && listener_.progress_end) listener_.progress_end();
-  if (!late.empty()) throw Stopped("real time ran out in a trial, which is not stored: " + late);
-  if (summary.stopped) throw Stopped("");
-  std::vector<TrialRow> out;
-  out.reserve(jobs.size());
-  for (const BatchJob& job : jobs) out.push_back(known.at(job.key));
-  return out;
+  return rows;
 }
 
-End with_moved_trials(const MovedTrialsRequest& request, const Suite& suite, const Listener& listener,
+End with_moved_trials(const Request& request, const Suite& suite, const Listener& listener,
                       const std::function<void(MovedTrials&)>& work, std::string& stopped) {
   const int threads = request.threads > 0 ? request.threads : usual_threads();
   std::optional<store::RunLock> lock;
@@ -121,11 +107,12 @@ End with_moved_trials(const MovedTrialsRequest& request, const Suite& suite, con
   try {
     MovedTrials trials(suite, writer ? &*writer : nullptr, threads, request.stop, listener);
     work(trials);
-    listener.tell(listener.note,
-                  fmt::format("{} trials computed, {} taken from the store", trials.computed(), trials.reused()));
+    listener.tell(listener.note, fmt::format("{} trials computed, {} taken from the store", trials.counts().computed,
+                                             trials.counts().reused));
     if (writer) writer->finish(store::RunStatus::kFinished);
     return End::kFinished;
-  } catch (const Stopped& why) {
+  } catch (const Interrupted& why) {
+    if (listener.progress_end) listener.progress_end();
     if (*why.what() != '\0') listener.tell(listener.warning, why.what());
     if (writer) writer->finish(store::RunStatus::kStopped);
     stopped = writer ? stopped_text("", "everything computed is", request.file, request.arguments)

@@ -32,12 +32,12 @@ double number_of(const store::Cell& cell) {
 }
 
 /// A point with the quantities of kBestCriterion.
-struct Candidate {
+struct RatedPoint {
   NamedPoint point;
   std::int64_t n = 0, successes = 0, collisions = 0;
   double time = 0.0, change = 0.0;  // infinite if no trial has one
 
-  bool better_than(const Candidate& other) const {
+  bool better_than(const RatedPoint& other) const {
     // Compares shares of different numbers of trials, without rounding.
     const std::int64_t success = successes * other.n - other.successes * n;
     if (success != 0) return success > 0;
@@ -56,7 +56,7 @@ std::string conditions_of(const std::string& params) {
   return json.dump();
 }
 
-std::vector<Candidate> read_points(const std::filesystem::path& file, const std::string& suite, bool rates) {
+std::vector<RatedPoint> read_points(const std::filesystem::path& file, const std::string& suite, bool rates) {
   const char* const counts =
       rates ? "(SELECT point_id, count(*) AS n, sum(outcome = 'success') AS successes, "
               "sum(outcome = 'collision') AS collisions, avg(time_to_goal_s) AS time, "
@@ -68,9 +68,9 @@ std::vector<Candidate> read_points(const std::filesystem::path& file, const std:
                   "coalesce(c.collisions, 0), c.time, c.change, p.params FROM point AS p JOIN suite AS s ON s.id = "
                   "p.suite_id LEFT JOIN {} AS c ON c.point_id = p.id {} ORDER BY s.id, p.id",
                   counts, suite.empty() ? "" : "WHERE s.name = " + sql_literal(suite)));
-  std::vector<Candidate> all;
+  std::vector<RatedPoint> all;
   for (const auto& row : found.rows) {
-    Candidate c;
+    RatedPoint c;
     c.point = {std::get<std::int64_t>(row[0]),
                std::get<std::int64_t>(row[1]),
                text_of(row[2]),
@@ -89,10 +89,10 @@ std::vector<Candidate> read_points(const std::filesystem::path& file, const std:
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& name, const std::string& suite,
-                         const std::vector<Candidate>& all) {
+                         const std::vector<RatedPoint>& all) {
   constexpr std::size_t kMost = 20;
   std::vector<std::string> names;
-  for (const Candidate& c : all)
+  for (const RatedPoint& c : all)
     if (std::find(names.begin(), names.end(), c.point.name()) == names.end()) names.push_back(c.point.name());
   const std::size_t more = names.size() > kMost ? names.size() - kMost : 0;
   names.resize(names.size() - more);
@@ -102,7 +102,7 @@ std::vector<Candidate> read_points(const std::filesystem::path& file, const std:
                                more > 0 ? fmt::format(" and {} more (moma query {} @list)", more, file.string()) : ""));
 }
 
-std::string why(const Candidate& c) {
+std::string why(const RatedPoint& c) {
   const auto percent = [&](std::int64_t k) { return 100.0 * static_cast<double>(k) / static_cast<double>(c.n); };
   std::string text =
       fmt::format("success {:.1f} %, collision {:.1f} % of {}", percent(c.successes), percent(c.collisions), c.n);
@@ -114,11 +114,11 @@ std::vector<NamedPoint> best_points(const std::filesystem::path& file, const std
                                     const std::string& suite) {
   std::string controller = name.substr(0, name.size() - kBest.size());
   if (controller.ends_with(':')) controller.pop_back();
-  const std::vector<Candidate> all = read_points(file, suite, true);
-  std::map<std::int64_t, const Candidate*> best;  // by suite; the first of equal ones
-  for (const Candidate& c : all) {
+  const std::vector<RatedPoint> all = read_points(file, suite, true);
+  std::map<std::int64_t, const RatedPoint*> best;  // by suite; the first of equal ones
+  for (const RatedPoint& c : all) {
     if (c.n == 0 || (!controller.empty() && c.point.controller != controller)) continue;
-    const Candidate*& of_suite = best[c.point.suite_id];
+    const RatedPoint*& of_suite = best[c.point.suite_id];
     if (of_suite == nullptr || c.better_than(*of_suite)) of_suite = &c;
   }
   if (best.empty()) refuse(file, name, suite, all);
@@ -144,9 +144,9 @@ std::string_view world_in(std::string_view name) {
 std::vector<NamedPoint> named_points(const std::filesystem::path& file, const std::string& name,
                                      const std::string& suite) {
   if (name.ends_with(kBest)) return best_points(file, name, suite);
-  const std::vector<Candidate> all = read_points(file, suite, false);
+  const std::vector<RatedPoint> all = read_points(file, suite, false);
   std::vector<NamedPoint> points;
-  for (const Candidate& c : all)
+  for (const RatedPoint& c : all)
     if (c.point.name() == name) points.push_back(c.point);
   if (points.empty()) refuse(file, name, suite, all);
   return points;
@@ -155,7 +155,7 @@ std::vector<NamedPoint> named_points(const std::filesystem::path& file, const st
 std::vector<NamedPoint> points_of_controller(const std::filesystem::path& file, const std::string& controller,
                                              const std::string& suite) {
   std::vector<NamedPoint> points;
-  for (const Candidate& c : read_points(file, suite, false)) {
+  for (const RatedPoint& c : read_points(file, suite, false)) {
     if (c.point.controller != controller) continue;
     if (c.point.label.empty()) return {};
     points.push_back(c.point);
@@ -177,8 +177,8 @@ std::string named_trial(const std::filesystem::path& file, const std::string& na
   const std::string_view world = world_in(name);
   const std::string of = world.empty() ? name : name.substr(0, name.size() - world.size() - 1);
   if (world.empty() && !of.ends_with(kBest)) {
-    const std::vector<Candidate> all = read_points(file, "", false);
-    if (std::none_of(all.begin(), all.end(), [&](const Candidate& c) { return c.point.name() == of; })) return name;
+    const std::vector<RatedPoint> all = read_points(file, "", false);
+    if (std::none_of(all.begin(), all.end(), [&](const RatedPoint& c) { return c.point.name() == of; })) return name;
   }
   const NamedPoint point = named_point(file, of);
   const store::QueryResult found = store::query(

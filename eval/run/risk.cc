@@ -151,9 +151,10 @@ void TrialParticles::copy(std::size_t from, std::size_t to) {
 
 void TrialParticles::reached(std::span<const double> levels) {
   const auto [low, high] = std::minmax_element(levels.begin(), levels.end());
-  listener_.tell(listener_.note, fmt::format("{} replicates in progress, {} {:.4g} to {:.4g}, after {} trials",
-                                             levels.size(), event_.level(), event_.value_of(*low),
-                                             event_.value_of(*high), trials_.computed() + trials_.reused()));
+  listener_.tell(
+      listener_.note,
+      fmt::format("{} replicates in progress, {} {:.4g} to {:.4g}, after {} trials", levels.size(), event_.level(),
+                  event_.value_of(*low), event_.value_of(*high), trials_.counts().computed + trials_.counts().reused));
 }
 
 namespace {
@@ -280,7 +281,7 @@ class RiskRun {
 }  // namespace
 
 std::string price_of_risk(const RiskRequest& request, const Suite& suite) {
-  const int threads = request.trials.threads > 0 ? request.trials.threads : usual_threads();
+  const int threads = request.threads > 0 ? request.threads : usual_threads();
   WorldSurvey survey;
   const TrialTime time = trial_time(suite, 1.0, survey);
   double runs = 0.0;
@@ -305,13 +306,13 @@ Risk estimate_risk(const RiskRequest& request, const Suite& suite, const RareEve
   check_drawn(suite, "risk");
   Risk risk;
   risk.end = with_moved_trials(
-      request.trials, suite, listener,
+      request, suite, listener,
       [&](MovedTrials& trials) {
         RiskRun run(request, suite, event, listener, trials);
         for (std::size_t p = 0; p < suite.points.size(); ++p) run.point(p, risk);
-        if (trials.errors() > 0)
+        if (trials.counts().errors > 0)
           risk.warnings.push_back(fmt::format("{} trials ended with an error and count as no event; the first: {}",
-                                              trials.errors(), trials.first_error()));
+                                              trials.counts().errors, trials.counts().first_error));
       },
       risk.stopped);
   return risk;

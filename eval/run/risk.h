@@ -81,8 +81,7 @@ class TrialParticles final : public risk::Particles {
   std::vector<std::size_t> places_;  ///< particles of the proposals
 };
 
-struct RiskRequest {
-  MovedTrialsRequest trials;
+struct RiskRequest : Request {
   risk::SplittingOptions splitting;
   std::optional<std::uint64_t> crude;  ///< crude trials of a family; empty: as many as splitting took
 };

@@ -10,7 +10,7 @@
 
 #include "controller/config/json_node.h"
 #include "controller/model/kinematics.h"
-#include "eval/batch/batch.h"
+#include "eval/batch/trial_rows.h"
 #include "eval/risk/shrink_set.h"
 #include "eval/run/moved_trials.h"
 #include "eval/run/store_file.h"
@@ -92,7 +92,7 @@ class Shrinker {
       start_later();
       bring_goal_near();
       round_numbers();
-    } catch (const Stopped& why) {
+    } catch (const Interrupted& why) {
       if (*why.what() != '\0') listener_.tell(listener_.warning, why.what());
       out_.end = End::kStopped;  // the smallest world so far fails
     }
@@ -120,8 +120,8 @@ class Shrinker {
     std::vector<std::vector<TrialRow>> out(candidates.size());
     for (std::size_t c = 0; c < candidates.size(); ++c) {
       points[c].disturbances = candidates[c].disturbances;
-      out[c].resize(static_cast<std::size_t>(noises(candidates[c])));
-      for (std::size_t k = 0; k < out[c].size(); ++k) jobs.push_back({c, k, fmt::format("{} {}", c, k)});
+      const auto count = static_cast<std::size_t>(noises(candidates[c]));
+      for (std::size_t k = 0; k < count; ++k) jobs.push_back({c, k, fmt::format("{} {}", c, k)});
     }
     BatchOptions batch;
     batch.threads = request_.threads > 0 ? request_.threads : usual_threads();
@@ -132,11 +132,9 @@ class Shrinker {
       return world;
     };
     batch.finish = [](const SuitePoint&, BatchResult& result) { Trace().swap(result.output.trace); };
-    const BatchSummary summary = run_batch(points, jobs, batch, [&](const BatchJob& job, BatchResult&& result) {
-      out[job.point][job.world] = std::move(result.output.row);
-      return true;
-    });
-    if (summary.stopped) throw Stopped("");
+    TrialCounts counts;
+    const std::vector<TrialRow> rows = trial_rows(points, jobs, batch, nullptr, counts);
+    for (std::size_t i = 0; i < jobs.size(); ++i) out[jobs[i].point].push_back(rows[i]);
     out_.trials += jobs.size();
     return out;
   }

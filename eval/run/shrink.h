@@ -1,7 +1,5 @@
 #pragma once
 
-#include <atomic>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -13,13 +11,10 @@
 
 namespace moma::run {
 
-struct ShrinkRequest {
-  std::filesystem::path file;  ///< store
-  std::string trial;           ///< the trial's name or any unique prefix of it
-  int noises = 8;              ///< number of draws of the disturbances for each candidate
-  int threads = 0;             ///< 0: usual_threads()
+struct ShrinkRequest : Request {
+  std::string trial;  ///< the trial's name or any unique prefix of it
+  int noises = 8;     ///< number of draws of the disturbances for each candidate
   Plugins plugins = Plugins::kRefused;
-  const std::atomic<bool>* stop = nullptr;
 };
 
 /// The smallest world with the trial's failure.

@@ -100,4 +100,11 @@ store::WorldRecord world_record(const SuitePoint& point, const BatchJob& job, co
   return result.world != nullptr ? store::describe(*result.world) : store::describe_missing(point.worlds, job.world);
 }
 
+void StoredTrials::add(const SuitePoint& point, const BatchJob& job, const BatchResult& result) {
+  const bool lone = of_ == Of::kSearch;
+  const Trace& trace = result.output.trace;
+  writer_.add({lone ? store::kNoPoint : job.point, job.world, job.key}, world_record(point, job, result),
+              result.output.row, lone || trace.empty() ? nullptr : &trace);
+}
+
 }  // namespace moma::run

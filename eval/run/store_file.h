@@ -2,12 +2,14 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "eval/batch/batch.h"
+#include "eval/batch/trial_rows.h"
 #include "eval/run/listener.h"
 #include "eval/store/records.h"
+#include "eval/store/writer.h"
 
 namespace moma::run {
 
@@ -41,5 +43,19 @@ std::function<void(const SuitePoint&, BatchResult&)> finishing(const Suite& suit
 
 /// Returns the record of a result's world, even if the world could not be made.
 store::WorldRecord world_record(const SuitePoint& point, const BatchJob& job, const BatchResult& result);
+
+/// Trials in a store, after the writer's begin(): those of its suite's points with their samples, or lone ones, of a
+/// search, without.
+class StoredTrials : public TrialSource {
+ public:
+  enum class Of { kPoints, kSearch };
+  StoredTrials(store::Writer& writer, Of of) : writer_(writer), of_(of) {}
+  std::optional<TrialRow> find(const std::string& key) override { return writer_.find(key); }
+  void add(const SuitePoint& point, const BatchJob& job, const BatchResult& result) override;
+
+ private:
+  store::Writer& writer_;
+  Of of_;
+};
 
 }  // namespace moma::run

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <ostream>
-#include <unordered_map>
 
 #include "eval/batch/batch.h"
 #include "eval/run/store_file.h"
@@ -81,7 +80,7 @@ class Tune {
     writer.begin(without_metrics(store::describe(tune::searched_suite(tuning_))), {request_.arguments, threads_}, {});
     store::TuneRecords records(writer, tune::search_record(tuning_), tuning_.config.variables);
     if (records.present() > 0) note(fmt::format("{} evaluations are stored: going on from there", records.present()));
-    tune::StoredTrials trials(writer);
+    StoredTrials trials(writer, StoredTrials::Of::kSearch);
     tune::TrialObjective objective(tuning_, trials, threads_, request_.stop);
     objective.on_trial = [this] {
       if (listener_.trial) listener_.trial();
@@ -94,7 +93,7 @@ class Tune {
       writer.finish(store::RunStatus::kFinished);
       tell_counts(objective.counts());
       return result;
-    } catch (const tune::Interrupted& why) {
+    } catch (const Interrupted& why) {
       progress_end();
       tell_late(why.what());
       records.stopped();
@@ -107,7 +106,7 @@ class Tune {
     }
   }
 
-  void tell_counts(const tune::TrialCounts& counts) const {
+  void tell_counts(const TrialCounts& counts) const {
     note(fmt::format("{} trials computed, {} taken from the store", counts.computed, counts.reused));
     if (counts.errors > 0) {
       listener_.tell(listener_.warning,
@@ -122,39 +121,28 @@ class Tune {
     store::Writer writer(file_);
     const auto present =
         writer.begin(without_metrics(store::describe(held_out.suite)), {request_.arguments, threads_}, wanted);
-    std::unordered_map<std::string, TrialRow> rows;
-    for (const std::string& key : present) rows.emplace(key, *writer.find(key));
     note(fmt::format("held-out worlds: {} trials, {} of them already there", held_out.jobs.size(), present.size()));
     BatchOptions batch;
     batch.threads = threads_;
     batch.stop = request_.stop;
-    batch.skip = &present;
     batch.progress = listener_.progress;
     batch.finish = [samples = held_out.suite.samples](const SuitePoint&, BatchResult& done) {
       drop_samples(samples, done.output);
     };
-    const std::vector<SuitePoint>& points = held_out.suite.points;
-    std::string late;
-    const BatchSummary summary = run_batch(points, held_out.jobs, batch, [&](const BatchJob& job, BatchResult&& done) {
-      const TrialRow& row = done.output.row;
-      if (is_late(row)) {
-        late = row.reason;
-        return false;
-      }
-      const Trace& trace = done.output.trace;
-      writer.add({job.point, job.world, job.key}, world_record(points[job.point], job, done), row,
-                 trace.empty() ? nullptr : &trace);
-      rows.emplace(job.key, row);
-      return true;
-    });
+    StoredTrials trials(writer, StoredTrials::Of::kPoints);
+    TrialCounts counts;
+    std::vector<TrialRow> rows;
+    try {
+      rows = trial_rows(held_out.suite.points, held_out.jobs, batch, &trials, counts);
+    } catch (const Interrupted& why) {
+      progress_end();
+      tell_late(why.what());
+      writer.finish(store::RunStatus::kStopped);
+      return std::nullopt;
+    }
     progress_end();
-    tell_late(late);
-    const bool stopped = summary.stopped || !late.empty();
-    writer.finish(stopped ? store::RunStatus::kStopped : store::RunStatus::kFinished);
-    if (stopped) return std::nullopt;
-    std::vector<TrialRow> in_order;
-    for (const BatchJob& job : held_out.jobs) in_order.push_back(rows.at(job.key));
-    tune::HeldOutVerdict verdict = tune::judge(tuning_, held_out, in_order);
+    writer.finish(store::RunStatus::kFinished);
+    const tune::HeldOutVerdict verdict = tune::judge(tuning_, held_out, rows);
     store::TuneRecords records(writer, tune::search_record(tuning_), tuning_.config.variables);
     records.finish(result);
     records.verdict(writer.suite_name(), tune::held_out_json(tuning_), verdict.rows, verdict.overall);
@@ -197,10 +185,8 @@ class Tune {
     return tuned;
   }
 
-  /// `reason` of a trial, where there was one.
-  void tell_late(const std::string& reason) const {
-    if (!reason.empty())
-      listener_.tell(listener_.warning, "real time ran out in a trial, which is not stored and tried again: " + reason);
+  void tell_late(const std::string& text) const {
+    if (!text.empty()) listener_.tell(listener_.warning, text);
   }
 
   void progress_end() const {

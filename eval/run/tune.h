@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -15,14 +14,11 @@
 
 namespace moma::run {
 
-struct TuneRequest {
-  std::filesystem::path file;                     ///< store, created if missing; usual_store() if empty
+/// `file`: usual_store() if empty.
+struct TuneRequest : Request {
   std::filesystem::path gains;                    ///< file for the gains found; usual_gains() if empty
-  std::vector<std::string> arguments;             ///< the command line, for provenance and "to go on"
-  int threads = 0;                                ///< 0: usual_threads()
   bool verdict = true;                            ///< judge the gains found on the held-out worlds
   files::Replace replace = files::Replace::kOwn;  ///< files that the gains may replace
-  const std::atomic<bool>* stop = nullptr;
 };
 
 struct TuneListener : Listener {

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -12,15 +10,12 @@
 
 namespace moma::run {
 
-struct VerifyRequest {
-  std::filesystem::path file;
+struct VerifyRequest : Request {
   std::string point;      ///< replays trials of this one alone (eval/run/named_point.h); "": of all
   std::string suite;      ///< of `point`, where several have it
   double fraction = 0.1;  ///< of the trials; at least one unless 0
   std::int64_t seed = 1;  ///< chooses other trials
-  int threads = 0;        ///< 0: one per core
   Plugins plugins = Plugins::kRefused;
-  const std::atomic<bool>* stop = nullptr;
 };
 
 struct Verification {

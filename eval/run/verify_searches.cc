@@ -33,7 +33,7 @@ using Robots = std::map<std::string, ordered_json>;  // resolved ones by their d
 struct Ended {};
 
 /// Answers with the stored rows. Of the chosen trials it has none, so that they are simulated again; add() compares.
-class Trials : public tune::TrialSource {
+class Trials : public TrialSource {
  public:
   Trials(const store::Reader& reader, const SearchesRequest& request, SearchesFound& found)
       : reader_(reader), request_(request), found_(found) {}
@@ -43,8 +43,10 @@ class Trials : public tune::TrialSource {
     if (request_.chosen.contains(key) && !compared_.contains(key)) return std::nullopt;
     return stored(key).row;
   }
-  void add(const SuitePoint& /*point*/, std::uint64_t /*world_index*/, const std::string& key, const World* world,
-           const TrialRow& row) override {
+  void add(const SuitePoint& /*point*/, const BatchJob& job, const BatchResult& result) override {
+    const std::string& key = job.key;
+    const TrialRow& row = result.output.row;
+    const World* const world = result.world.get();
     const store::LoneTrial kept = stored(key);
     std::vector<std::string> lines = differences(kept.row, kept.machine_class, row).lines;
     for (const std::string_view column : store::missing_columns(kept.row, row)) ++found_.missing[column];
@@ -173,10 +175,10 @@ class Search {
       if (ended)
         throw std::runtime_error(
             fmt::format("tune_evaluation: the search has an end, and evaluation {} is missing", log.appended()));
-    } catch (const tune::Interrupted& why) {
+    } catch (const Interrupted& why) {
       const std::string late = why.what();
       found_.stopped = late.empty();
-      if (!late.empty()) doubt("real time ran out in a trial: " + late);
+      if (!late.empty()) doubt(late);
       return;
     }
     ++found_.searches;

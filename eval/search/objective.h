@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -19,15 +18,9 @@ class Objective {
   /// False if the candidate's values contradict each other (a stop distance beyond the influence distance). Such a
   /// candidate is not measured and counts as worse than all others.
   virtual bool valid(const Candidate& /*candidate*/) { return true; }
-  /// Returns worlds.size() x width() finite numbers, world by world. May throw Interrupted.
+  /// Returns worlds.size() x width() finite numbers, world by world. An exception ends the search; the log is kept, and
+  /// the search can be resumed.
   virtual std::vector<double> measure(const Candidate& candidate, std::span<const std::uint64_t> worlds) = 0;
-};
-
-/// Thrown by an objective that was stopped (Ctrl-C) or, with a text, cannot measure now. The log is kept, and the
-/// search can be resumed.
-class Interrupted : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
 };
 
 /// A bound on the mean over worlds of value k: at most `at_most`, or at most the start's mean on the same worlds. A

@@ -100,7 +100,7 @@ struct SearchResult {
 
 /// Runs the whole search: start, plan, confirmation. Deterministic: the same settings and objective give the same bits
 /// whatever the log holds (a log of the same search saves its measurements). Throws std::invalid_argument for
-/// contradictory settings, Interrupted if the objective was stopped, ReplayError.
+/// contradictory settings, ReplayError, and the exceptions of the objective.
 SearchResult search(const SearchSettings& settings, Objective& objective, EvaluationLog& log,
                     const std::function<void(const Progress&)>& progress = {});
 

@@ -106,16 +106,6 @@ class Draft {
   fs::path directory_;
 };
 
-// Shows "controller.lambda_q" as "lambda_q", other keys in full.
-std::string short_key(const std::string& key) {
-  if (key.starts_with("controller.")) return key.substr(11);
-  if (key.starts_with("controllers.")) {
-    const std::size_t dot = key.find('.', 12);
-    if (dot != std::string::npos) return key.substr(dot + 1);
-  }
-  return key;
-}
-
 std::string short_value(const Node& node) {
   if (node.kind != Node::Kind::kScalar) return config::node_to_json(node).dump();
   const bool file = node.scalar.ends_with(".yaml") || node.scalar.ends_with(".yml");

@@ -195,6 +195,15 @@ constexpr void describe(Visitor& v, Of<Spread>) {
 
 }  // namespace
 
+std::string short_key(const std::string& key) {
+  if (key.starts_with("controller.")) return key.substr(11);
+  if (key.starts_with("controllers.")) {
+    const std::size_t dot = key.find('.', 12);
+    if (dot != std::string::npos) return key.substr(dot + 1);
+  }
+  return key;
+}
+
 std::vector<Key> sweep_keys(const std::string& prefix) {
   std::vector<Key> keys = keys_of(Spread{}, prefix);
   keys.push_back({prefix + ".axes", "", "a map {KEY: AXIS}: a list of values, or {linear or log: [low, high], n: 5}",

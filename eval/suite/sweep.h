@@ -26,6 +26,9 @@ std::vector<Assignment> read_sweep(const config::Node& node, const std::string& 
 
 std::vector<Key> sweep_keys(const std::string& prefix = "sweep");
 
+/// Returns "lambda_q" for "controller.lambda_q", other keys in full.
+std::string short_key(const std::string& key);
+
 inline constexpr std::size_t kMaxSweepPoints = 100000;
 
 /// Returns n points in the unit cube of `dimensions`, one in each n-th of every axis (McKay, Beckman & Conover 1979); a

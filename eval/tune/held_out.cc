@@ -9,6 +9,7 @@
 
 #include "eval/stats/comparison.h"
 #include "eval/suite/resolve.h"
+#include "eval/suite/sweep.h"
 
 namespace moma::tune {
 namespace {

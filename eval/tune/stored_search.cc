@@ -8,12 +8,6 @@
 #include "eval/suite/resolve.h"
 
 namespace moma::tune {
-void StoredTrials::add(const SuitePoint& point, std::uint64_t world_index, const std::string& key, const World* world,
-                       const TrialRow& row) {
-  const store::WorldRecord record =
-      world != nullptr ? store::describe(*world) : store::describe_missing(point.worlds, world_index);
-  writer_.add({store::kNoPoint, world_index, key}, record, row, nullptr);
-}
 
 std::string objective_text(const Tuning& tuning) {
   std::string text =

@@ -11,18 +11,6 @@
 
 namespace moma::tune {
 
-/// Trials of a search in a store.
-class StoredTrials : public TrialSource {
- public:
-  explicit StoredTrials(store::Writer& writer) : writer_(writer) {}
-  std::optional<TrialRow> find(const std::string& key) override { return writer_.find(key); }
-  void add(const SuitePoint& point, std::uint64_t world_index, const std::string& key, const World* world,
-           const TrialRow& row) override;
-
- private:
-  store::Writer& writer_;
-};
-
 /// The objective in words, for tables and the store.
 std::string objective_text(const Tuning& tuning);
 

@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <unordered_set>
-
-#include "eval/trial/trial.h"
+#include <stdexcept>
 
 namespace moma::tune {
 
@@ -60,48 +58,23 @@ std::vector<double> TrialObjective::measure(const Candidate& candidate, std::spa
   for (const SuitePoint& point : *points) keys.emplace_back(point);
 
   std::vector<BatchJob> jobs;
-  std::unordered_map<std::string, TrialRow> rows;
-  std::unordered_set<std::string> present;
   for (const std::uint64_t number : numbers) {
     const WorldOfPart at = world_of(tuning_, number);
-    BatchJob job{at.part, at.index, key_of(keys, *points, at)};
-    if (!rows.contains(job.key)) {
-      if (std::optional<TrialRow> row = source_.find(job.key)) {
-        ++counts_.reused;
-        present.insert(job.key);
-        rows.emplace(job.key, std::move(*row));
-      }
-    }
-    jobs.push_back(std::move(job));
+    jobs.push_back({at.part, at.index, key_of(keys, *points, at)});
   }
-
   BatchOptions batch = batch_;
-  batch.skip = &present;
+  if (on_trial) batch.progress = [this](const BatchProgress&) { on_trial(); };
   if (points_.same_worlds()) {
     batch.world = [this, points](const SuitePoint& point, std::uint64_t index) {
       return world(point, static_cast<std::size_t>(&point - points->data()), index);
     };
   }
-  std::string late;
-  const BatchSummary summary = run_batch(*points, jobs, batch, [&](const BatchJob& job, BatchResult&& result) {
-    const TrialRow& row = result.output.row;
-    if (is_late(row)) {
-      late = row.reason;
-      return false;
-    }
-    source_.add((*points)[job.point], job.world, job.key, result.world.get(), row);
-    ++counts_.computed;
-    if (row.outcome == Outcome::kError && counts_.errors++ == 0) counts_.first_error = row.reason;
-    rows.emplace(job.key, row);
-    if (on_trial) on_trial();
-    return true;
-  });
-  if (!late.empty()) throw Interrupted(late);
-  if (summary.stopped) throw Interrupted("");
+  const std::vector<TrialRow> rows = trial_rows(*points, jobs, batch, &source_, counts_);
 
   std::vector<double> values;
-  for (const BatchJob& job : jobs) {
-    const TrialRow& row = rows.at(job.key);
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    const BatchJob& job = jobs[i];
+    const TrialRow& row = rows[i];
     try {
       values.push_back(tuning_.config.cost(row, scales_[job.point]));
       for (const MetricBound& bound : tuning_.config.bounds) values.push_back(bound_value(bound, row));

@@ -5,34 +5,16 @@
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
-#include "eval/batch/batch.h"
+#include "eval/batch/trial_rows.h"
 #include "eval/search/objective.h"
 #include "eval/trial/key.h"
 #include "eval/tune/tuning.h"
 
 namespace moma::tune {
-
-/// A source of known trials and sink of new ones: the store, or none.
-class TrialSource {
- public:
-  virtual ~TrialSource() = default;
-  virtual std::optional<TrialRow> find(const std::string& key) = 0;
-  /// `world` is null if it could not be made.
-  virtual void add(const SuitePoint& point, std::uint64_t world_index, const std::string& key, const World* world,
-                   const TrialRow& row) = 0;
-};
-
-struct TrialCounts {
-  std::uint64_t computed = 0;
-  std::uint64_t reused = 0;  ///< trials found in the source
-  std::uint64_t errors = 0;  ///< trials with outcome `error`
-  std::string first_error;
-};
 
 /// A candidate's cost in the worlds of a tuning, by simulated trials. The worlds of one measurement run in parallel;
 /// trials in the source are not run. Candidates share worlds that do not depend on them.
@@ -46,7 +28,7 @@ class TrialObjective : public Objective {
   std::vector<double> measure(const Candidate& candidate, std::span<const std::uint64_t> worlds) override;
 
   const TrialCounts& counts() const { return counts_; }
-  /// Called after each trial, with the rate so far.
+  /// Called after each trial.
   std::function<void()> on_trial;
 
  private:

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "controller/config/yaml_text.h"
+#include "eval/suite/sweep.h"
 
 namespace moma::tune {
 namespace {

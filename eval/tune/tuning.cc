@@ -11,6 +11,7 @@
 #include "controller/config/reader.h"
 #include "eval/suite/controller_entry.h"
 #include "eval/suite/suite.h"
+#include "eval/suite/sweep.h"
 #include "eval/trial/trial.h"
 
 namespace moma::tune {
@@ -144,15 +145,6 @@ void check_ends(Tuning& tuning) {
 }
 
 }  // namespace
-
-std::string short_key(const std::string& key) {
-  if (key.starts_with("controller.")) return key.substr(11);
-  if (key.starts_with("controllers.")) {
-    const std::size_t dot = key.find('.', 12);
-    if (dot != std::string::npos) return key.substr(dot + 1);
-  }
-  return key;
-}
 
 std::string describe(const std::vector<Variable>& variables, const Candidate& candidate) {
   std::string text;

@@ -75,6 +75,5 @@ class Points {
 
 /// "lambda_q=0.01 k_epsilon=0.5": keys without their `controller.`.
 std::string describe(const std::vector<Variable>& variables, const Candidate& candidate);
-std::string short_key(const std::string& key);
 
 }  // namespace moma::tune

@@ -43,7 +43,7 @@ class Rare : public ::testing::Test {
   }
   static RiskRequest request(std::size_t particles, std::size_t replicates) {
     RiskRequest request;
-    request.trials.threads = 2;
+    request.threads = 2;
     request.splitting.particles = particles;
     request.splitting.replicates = replicates;
     return request;
@@ -147,11 +147,11 @@ TEST_F(Rare, RiskIsTheSameForAnyThreadsAndStops) {
   EXPECT_NEAR(whole.rows[2].estimate.p, 0.75 * whole.rows[0].estimate.p + 0.25 * whole.rows[1].estimate.p, 1e-12);
   EXPECT_NEAR(whole.rows[2].crude, 0.75 * whole.rows[0].crude + 0.25 * whole.rows[1].crude, 1e-12);
 
-  request.trials.threads = 1;
-  request.trials.file = path("risk.db");
-  request.trials.arguments = {"moma", "risk", "rare.yaml"};
+  request.threads = 1;
+  request.file = path("risk.db");
+  request.arguments = {"moma", "risk", "rare.yaml"};
   std::atomic<bool> stop = false;
-  request.trials.stop = &stop;
+  request.stop = &stop;
   Listener listener;
   int levels = 0;
   listener.note = [&](const std::string& text) {
@@ -170,7 +170,7 @@ TEST_F(Rare, RiskIsTheSameForAnyThreadsAndStops) {
   const Risk again = estimate_risk(request, suite, event, listener);
   expect_same(whole, again);
   EXPECT_EQ(last.find("0 trials computed"), 0u) << last;
-  EXPECT_TRUE(store::Reader(request.trials.file).integrity_problems().empty());
+  EXPECT_TRUE(store::Reader(request.file).integrity_problems().empty());
 }
 
 TEST_F(Rare, RiskNeedsWorldsThatAreDrawn) {
@@ -188,7 +188,7 @@ TEST_F(Rare, BreakFindsWorldsThatFailAgain) {
   const Suite suite = this->suite();
   const RareEvent event = RareEvent::read("clearance_min_m<0.02");  // about 3 of 1,000
   BreakRequest request;
-  request.trials.threads = 2;
+  request.threads = 2;
   request.crude = 200;
   request.nearest = 0.02;
   request.noises = 10;
@@ -221,7 +221,7 @@ TEST_F(Rare, BreakFindsWorldsThatFailAgain) {
     EXPECT_TRUE(event.happened(row));
     EXPECT_EQ(row.clearance_min_m, broken.failures[i].row.clearance_min_m);
   }
-  request.trials.threads = 1;
+  request.threads = 1;
   const Broken again = break_suite(request, suite, event);
   ASSERT_EQ(again.failures.size(), broken.failures.size());
   EXPECT_EQ(to_json(again.failures.back().world).dump(), to_json(broken.failures.back().world).dump());

@@ -31,6 +31,9 @@ inline double noise(const Candidate& candidate, std::uint64_t world, std::uint64
 
 inline double normal(double u1, double u2) { return std::sqrt(-2.0 * std::log(1.0 - u1)) * std::cos(2.0 * M_PI * u2); }
 
+/// The exception of a stopped objective.
+struct Interrupted {};
+
 /// Any function of (candidate, world), counting its calls, able to stop after some.
 class TestObjective : public Objective {
  public:
@@ -41,7 +44,7 @@ class TestObjective : public Objective {
   std::vector<double> measure(const Candidate& candidate, std::span<const std::uint64_t> worlds) override {
     std::vector<double> values;
     for (const std::uint64_t world : worlds) {
-      if (stop_after && measured >= *stop_after) throw Interrupted("stopped by the test");
+      if (stop_after && measured >= *stop_after) throw Interrupted();
       ++measured;
       for (const double value : function_(candidate, world)) values.push_back(value);
     }

@@ -113,7 +113,7 @@ TEST(TuneSearch, KilledTenTimesAndResumedEqualsUndisturbed) {
       measured += objective.measured;
       EXPECT_EQ(resumed, expected);
       break;
-    } catch (const Interrupted&) {
+    } catch (const testing::Interrupted&) {
       measured += objective.measured;
     }
   }

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <map>
 
+#include "eval/run/store_file.h"
 #include "eval/store/reader.h"
 #include "eval/tune/held_out.h"
 #include "eval/tune/stored_search.h"
@@ -26,13 +27,12 @@ constexpr const char* kTune = R"(tune:
 )";
 
 /// Stops the search after some trials, as Ctrl-C or a kill would.
-class Killer : public StoredTrials {
+class Killer : public run::StoredTrials {
  public:
   Killer(store::Writer& writer, std::atomic<bool>& stop, std::uint64_t after)
-      : StoredTrials(writer), stop_(stop), after_(after) {}
-  void add(const SuitePoint& point, std::uint64_t index, const std::string& key, const World* world,
-           const TrialRow& row) override {
-    StoredTrials::add(point, index, key, world, row);
+      : StoredTrials(writer, Of::kSearch), stop_(stop), after_(after) {}
+  void add(const SuitePoint& point, const BatchJob& job, const BatchResult& result) override {
+    StoredTrials::add(point, job, result);
     if (++added == after_) stop_ = true;
   }
   std::uint64_t added = 0;

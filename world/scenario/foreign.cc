@@ -8,13 +8,12 @@
 #include <map>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <string_view>
 #include <utility>
 
 #include "controller/config/reader.h"
-#include "controller/config/text_file.h"
 #include "controller/model/kinematics.h"
+#include "world/scenario/moveit_text.h"
 #include "world/scenario/scene_builder.h"
 #include "world/scenario/scenes.h"
 
@@ -56,19 +55,16 @@ VectorX numbers(const Node& node, const std::string& key, std::string_view lette
   return Eigen::Map<const VectorX>(list.data(), v.size());
 }
 
-Isometry pose_of(const Vector3& position, const Eigen::Vector4d& xyzw, const config::Mark& mark) {
-  if (!(xyzw.norm() > 1e-6)) config::fail(mark, "orientation", "expected a quaternion x, y, z, w that is not zero");
+/// Reads `position` and, if given, the quaternion under `key`.
+Isometry read_pose(const Node& node, const std::string& key = "orientation") {
+  const Node* orientation = node.find(key);
+  Eigen::Vector4d xyzw(0.0, 0.0, 0.0, 1.0);
+  if (orientation != nullptr) xyzw = numbers(*orientation, key, "xyzw");
+  if (!(xyzw.norm() > 1e-6)) config::fail(node.mark, key, "expected a quaternion x, y, z, w that is not zero");
   Isometry X = Isometry::Identity();
   X.linear() = Eigen::Quaterniond(xyzw[3], xyzw[0], xyzw[1], xyzw[2]).normalized().toRotationMatrix();
-  X.translation() = position;
+  X.translation() = numbers(need(node, "position", "x, y, z"), "position", "xyz");
   return X;
-}
-
-Isometry read_pose(const Node& node) {
-  const Node* orientation = node.find("orientation");
-  Eigen::Vector4d xyzw(0.0, 0.0, 0.0, 1.0);
-  if (orientation != nullptr) xyzw = numbers(*orientation, "orientation", "xyzw");
-  return pose_of(numbers(need(node, "position", "x, y, z"), "position", "xyz"), xyzw, node.mark);
 }
 
 struct Part {
@@ -85,8 +81,6 @@ struct Request {
   std::map<std::string, double> start, goal;
   config::Mark mark;
 };
-
-using Frames = std::map<std::string, Isometry>;
 
 class Importer {
  public:
@@ -114,14 +108,10 @@ class Importer {
     if (out_.worlds.empty())
       throw config::ConfigError("these files hold no problem: a scene needs a request with a goal");
     for (const auto& [what, names] : not_as_it_was_) {
-      std::string list;
-      std::size_t k = 0;
-      for (const std::string& name : names) {
-        if (++k > 5) break;
-        list += (list.empty() ? "" : ", ") + name;
-      }
-      if (names.size() > 5) list += fmt::format(" and {} more", names.size() - 5);
-      out_.notes.push_back(what + ": " + list);
+      constexpr std::size_t kShown = 5;
+      const std::vector<std::string> shown(names.begin(), std::next(names.begin(), std::min(names.size(), kShown)));
+      out_.notes.push_back(fmt::format("{}: {}", what, fmt::join(shown, ", ")));
+      if (names.size() > kShown) out_.notes.back() += fmt::format(" and {} more", names.size() - kShown);
     }
     const auto touching = std::count_if(out_.worlds.begin(), out_.worlds.end(),
                                         [](const World& world) { return world.difficulty.witness_clearance_m <= 0.0; });
@@ -140,7 +130,7 @@ class Importer {
 
   void read_file(const fs::path& file, const std::string& family) {
     if (file.extension() == ".scene") {
-      scenes_.push_back(read_text_scene(file, family));
+      scenes_.push_back(read_scene(read_moveit_text(file), family));
       return;
     }
     const Node root = config::load_yaml(file);
@@ -313,111 +303,6 @@ class Importer {
     return request;
   }
 
-  // --- MoveIt's text ------------------------------------------------------------------------------------------------
-  Scene read_text_scene(const fs::path& file, const std::string& family) {
-    std::istringstream text(config::read_text_file(file));
-    int number = 0;
-    std::string line;
-    const auto next = [&](const std::string& what) {
-      while (std::getline(text, line)) {
-        ++number;
-        const std::size_t first = line.find_first_not_of(" \t\r");
-        if (first == std::string::npos) continue;
-        line = line.substr(first, line.find_last_not_of(" \t\r") + 1 - first);
-        return;
-      }
-      config::fail({file.string(), number, 1}, "", "ends where " + what + " is expected");
-    };
-    const auto wrong = [&](const std::string& what) {
-      config::fail({file.string(), number, 1}, "", "found '" + line + "', expected " + what);
-    };
-    const auto values = [&](const std::string& what) {
-      std::vector<double> v;
-      std::istringstream in(line);
-      for (std::string word; in >> word;) v.push_back(config::read_number(scalar(word, file, number), what));
-      return v;
-    };
-    const auto some = [&](std::size_t count, const std::string& what) {
-      next(what);
-      const std::vector<double> v = values(what);
-      if (v.size() != count) wrong(fmt::format("{}: {} numbers", what, count));
-      return VectorX(Eigen::Map<const VectorX>(v.data(), static_cast<Eigen::Index>(count)));
-    };
-    const auto pose = [&] {
-      const Vector3 p = some(3, "a position");
-      return pose_of(p, some(4, "a quaternion"), {file.string(), number, 1});
-    };
-    const auto count_of = [&](double value) {
-      if (!(value >= 0.0 && value <= 1e6 && value == std::floor(value))) wrong("a whole number");
-      return static_cast<int>(value);
-    };
-    next("the scene's name");
-    Scene scene;
-    scene.name = line.empty() || line == "(noname)+" || line == "(noname)" ? family : line;
-    const Isometry X_WR = at_ready_.X_WL(1);
-    for (next("* OBJECT, or ."); line != "."; next("* OBJECT, or .")) {
-      if (line.size() < 3 || line[0] != '*') wrong("* OBJECT, or .");
-      const std::string id = line.substr(line.find_first_not_of(" \t", 1));
-      next("the number of shapes, or the object's position");
-      std::vector<double> v = values("the number of shapes");
-      Isometry X_WO = X_WR;
-      const bool placed = v.size() == 3;  // since MoveIt 1.1 an object has a pose and subframes of its own
-      if (placed) {
-        X_WO = X_WR * pose_of({v[0], v[1], v[2]}, some(4, "a quaternion"), {file.string(), number, 1});
-        next("the number of shapes");
-        v = values("the number of shapes");
-      }
-      if (v.size() != 1) wrong("the number of shapes");
-      const int shapes = count_of(v[0]);
-      std::vector<Part> parts;
-      for (int i = 0; i < shapes; ++i) {
-        next("box, sphere, cylinder, cone, plane or mesh");
-        const std::string type = line;
-        Part part;
-        if (type == "box") {
-          part.shape = {ShapeKind::kBox, some(3, "three edges"), nullptr};
-        } else if (type == "sphere") {
-          part.shape = {ShapeKind::kSphere, Vector3(some(1, "a radius")[0], 0.0, 0.0), nullptr};
-        } else if (type == "cylinder" || type == "cone") {
-          const VectorX d = some(2, "radius and length");
-          part.shape = {ShapeKind::kCylinder, Vector3(d[0], d[1], 0.0), nullptr};
-          if (type == "cone") note("cones are the cylinders around them", id);
-        } else if (type == "plane") {
-          part = plane(some(4, "a, b, c, d"), {file.string(), number, 1}, id);
-        } else if (type == "mesh") {
-          const VectorX n = some(2, "numbers of vertices and triangles");
-          std::vector<Vector3> vertices;
-          for (int k = 0; k < count_of(n[0]); ++k) vertices.emplace_back(some(3, "a vertex"));
-          for (int k = 0; k < count_of(n[1]); ++k) (void)some(3, "a triangle");
-          part = mesh(vertices, {file.string(), number, 1}, id);
-        } else {
-          wrong("box, sphere, cylinder, cone, plane or mesh");
-        }
-        if (!(part.shape.size.head(num_sizes(part.shape.kind)).minCoeff() > 0.0)) wrong("sizes above 0");
-        part.X = pose() * part.X;
-        (void)some(4, "a colour");
-        parts.push_back(part);
-      }
-      if (placed) {
-        const int subframes = count_of(some(1, "the number of subframes")[0]);
-        for (int k = 0; k < subframes; ++k) {
-          next("a subframe's name");
-          (void)pose();
-        }
-      }
-      add(scene, id, X_WO, parts);
-    }
-    return scene;
-  }
-
-  static Node scalar(const std::string& word, const fs::path& file, int number) {
-    Node node;
-    node.kind = Node::Kind::kScalar;
-    node.scalar = word;
-    node.mark = {file.string(), number, 1};
-    return node;
-  }
-
   // --- VAMP ---------------------------------------------------------------------------------------------------------
   void read_vamp(const Node& root) {
     std::vector<std::string> joints;
@@ -464,9 +349,7 @@ class Importer {
       const std::vector<double> h = config::read_numbers(half, "half_extents", 3, Range::positive());
       part.shape = {ShapeKind::kBox, 2.0 * Vector3(h[0], h[1], h[2]), nullptr};
     }
-    Eigen::Vector4d xyzw(0.0, 0.0, 0.0, 1.0);
-    if (const Node* q = object.find("orientation_quat_xyzw")) xyzw = numbers(*q, "orientation_quat_xyzw", "xyzw");
-    part.X = pose_of(numbers(need(object, "position", "x, y, z"), "position", "xyz"), xyzw, object.mark);
+    part.X = read_pose(object, "orientation_quat_xyzw");
     const Node* name = object.find("name");
     const std::string id = name != nullptr ? name->scalar : fmt::format("{}{}", kind, scene.objects.size());
     add(scene, id, at_ready_.X_WL(1), {part});
