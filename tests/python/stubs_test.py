@@ -1,4 +1,4 @@
-"""Type stubs lie beside the extension module and name what it has, no more and no less."""
+"""The package is typed: the build writes the extension module's stub beside it."""
 
 import ast
 import pathlib
@@ -18,7 +18,7 @@ class StubsTest(unittest.TestCase):
     def test_the_package_says_that_it_is_typed(self):
         self.assertTrue((PACKAGE / "py.typed").is_file())
 
-    def test_stubs_and_module_have_the_same_names(self):
+    def test_stub_and_module_have_the_same_names(self):
         tree = ast.parse((PACKAGE / "_core.pyi").read_text())
         classes = {node.name: node for node in tree.body if isinstance(node, ast.ClassDef)}
         others = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}

@@ -194,6 +194,7 @@ TEST_F(Foreign, SaysWhatIsWrong) {
   says({scene, scratch_.write("d.yaml", "goal_constraints: [{position_constraints: []}]\n")},
        "expected joint_constraints");
   says({scratch_.write("e.scene", "shop\n* crate\n1\nbox\n0.1 0.2\n"), request}, "e.scene:5:1: found '0.1 0.2'");
+  says({scratch_.write("h.scene", "shop\n* crate\n1\nbox\n0.1 0.2 0\n"), request}, "h.scene:5:1: found '0.1 0.2 0'");
   says({scratch_.write("f.scene", "shop\n* crate\n1\nbox\n"), request}, "f.scene:4:1: ends where");
   says({scratch_.write("g.yaml",
                        "world: {collision_objects: [{id: a, primitives: [{type: box, dimensions: [1, 1]}]}]}\n"),

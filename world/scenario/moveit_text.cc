@@ -2,37 +2,37 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <string>
-#include <utility>
+#include <vector>
 
+#include "controller/config/json_node.h"
 #include "controller/config/reader.h"
 #include "controller/config/text_file.h"
 
 namespace moma {
 namespace {
 
-using config::Node;
-
-void put(Node& map, const std::string& key, Node value) { map.entries.emplace_back(key, std::move(value)); }
+using Json = nlohmann::ordered_json;
 
 class MoveItText {
  public:
   explicit MoveItText(const std::filesystem::path& file) : file_(file.string()), text_(config::read_text_file(file)) {}
 
-  Node scene() {
+  Json scene() {
     next("the scene's name");
-    Node scene = node(Node::Kind::kMap);
-    if (line_ != "(noname)+" && line_ != "(noname)") put(scene, "name", word(line_));
-    Node objects = node(Node::Kind::kSequence);
-    for (next(kObject); line_ != "."; next(kObject)) objects.items.push_back(object());
-    put(scene, "collision_objects", std::move(objects));
+    Json scene = {{"collision_objects", Json::array()}};
+    if (line_ != "(noname)+" && line_ != "(noname)") scene["name"] = line_;
+    for (next(kObject); line_ != "."; next(kObject)) scene["collision_objects"].push_back(object());
     return scene;
   }
 
  private:
   static constexpr const char* kObject = "* OBJECT, or .";
+  static constexpr const char* kCount = "the number of shapes";
+  static constexpr const char* kShape = "box, sphere, cylinder, cone, plane or mesh";
 
   void next(const std::string& what) {
     while (std::getline(text_, line_)) {
@@ -49,124 +49,98 @@ class MoveItText {
     config::fail({file_, number_, 1}, "", "found '" + line_ + "', expected " + what);
   }
 
-  Node node(Node::Kind kind) const {
-    Node node;
-    node.kind = kind;
-    node.mark = {file_, number_, 1};
-    return node;
-  }
-
-  Node word(const std::string& text) const {
-    Node word = node(Node::Kind::kScalar);
-    word.scalar = text;
-    word.quoted = true;
-    return word;
-  }
-
-  /// The present line as a list of numbers.
-  Node list() const {
-    Node list = node(Node::Kind::kSequence);
+  /// The present line.
+  std::vector<double> values(const std::string& what) const {
+    std::vector<double> values;
+    config::Node word;
+    word.kind = config::Node::Kind::kScalar;
+    word.mark = {file_, number_, 1};
     std::istringstream in(line_);
-    for (std::string text; in >> text;) {
-      list.items.push_back(node(Node::Kind::kScalar));
-      list.items.back().scalar = text;
-    }
-    return list;
+    while (in >> word.scalar) values.push_back(config::read_number(word, what));
+    return values;
   }
 
-  Node numbers(std::size_t count, const std::string& what) {
+  std::vector<double> numbers(std::size_t count, const std::string& what) {
     next(what);
-    Node numbers = list();
-    if (numbers.items.size() != count) wrong(fmt::format("{}: {} numbers", what, count));
+    std::vector<double> numbers = values(what);
+    if (numbers.size() != count) wrong(fmt::format("{}: {} numbers", what, count));
     return numbers;
   }
 
-  Node pose(Node position) {
-    Node pose = node(Node::Kind::kMap);
-    put(pose, "position", std::move(position));
-    put(pose, "orientation", numbers(4, "a quaternion"));
-    return pose;
-  }
-
-  int whole(const Node& number, const std::string& what) const {
-    const double value = config::read_number(number, what);
+  int whole(double value) const {
     if (!(value >= 0.0 && value <= 1e6 && value == std::floor(value))) wrong("a whole number");
     return static_cast<int>(value);
   }
 
-  Node object() {
+  Json pose(const std::vector<double>& position) {
+    const std::vector<double> q = numbers(4, "a quaternion");
+    if (!(std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3])) > 1e-6)) wrong("a quaternion that is not zero");
+    return {{"position", position}, {"orientation", q}};
+  }
+
+  Json object() {
     if (line_.size() < 3 || line_[0] != '*') wrong(kObject);
-    Node object = node(Node::Kind::kMap);
-    put(object, "id", word(line_.substr(line_.find_first_not_of(" \t", 1))));
+    Json object = {{"id", line_.substr(line_.find_first_not_of(" \t", 1))}};
     next("the number of shapes, or the object's position");
-    const bool placed = list().items.size() == 3;  // since MoveIt 1.1 an object has a pose and subframes of its own
+    std::vector<double> count = values(kCount);
+    const bool placed = count.size() == 3;  // since MoveIt 1.1 an object has a pose and subframes of its own
     if (placed) {
-      put(object, "pose", pose(list()));
-      next("the number of shapes");
+      object["pose"] = pose(count);
+      count = numbers(1, kCount);
     }
-    const Node count = list();
-    if (count.items.size() != 1) wrong("the number of shapes");
-    Shapes shapes{node(Node::Kind::kSequence), node(Node::Kind::kSequence)};
-    Shapes primitives = shapes, planes = shapes, meshes = shapes;
-    for (int left = whole(count.items[0], "the number of shapes"); left > 0; --left) {
-      next("box, sphere, cylinder, cone, plane or mesh");
-      Node shape = node(Node::Kind::kMap);
-      Shapes* of = &primitives;
-      if (line_ == "plane") {
-        of = &planes;
-        put(shape, "coef", numbers(4, "a, b, c, d"));
-      } else if (line_ == "mesh") {
-        of = &meshes;
-        put(shape, "vertices", vertices());
-      } else {
-        put(shape, "type", word(line_));
-        put(shape, "dimensions", dimensions());
-      }
-      of->shapes.items.push_back(std::move(shape));
-      of->poses.items.push_back(pose(numbers(3, "a position")));
-      numbers(4, "a colour");
-    }
-    put(object, "primitives", std::move(primitives.shapes));
-    put(object, "primitive_poses", std::move(primitives.poses));
-    put(object, "planes", std::move(planes.shapes));
-    put(object, "plane_poses", std::move(planes.poses));
-    put(object, "meshes", std::move(meshes.shapes));
-    put(object, "mesh_poses", std::move(meshes.poses));
-    if (placed) subframes();
-    return object;
-  }
-
-  /// The message has a cylinder's height before its radius, the text has it after.
-  Node dimensions() {
-    if (line_ == "box") return numbers(3, "three edges");
-    if (line_ == "sphere") return numbers(1, "a radius");
-    if (line_ != "cylinder" && line_ != "cone") wrong("box, sphere, cylinder, cone, plane or mesh");
-    Node radius_and_length = numbers(2, "radius and length");
-    std::swap(radius_and_length.items[0], radius_and_length.items[1]);
-    return radius_and_length;
-  }
-
-  Node vertices() {
-    const Node counts = numbers(2, "numbers of vertices and triangles");
-    const int triangles = whole(counts.items[1], "triangles");
-    Node vertices = node(Node::Kind::kSequence);
-    for (int left = whole(counts.items[0], "vertices"); left > 0; --left)
-      vertices.items.push_back(numbers(3, "a vertex"));
-    for (int left = triangles; left > 0; --left) numbers(3, "a triangle");
-    return vertices;
-  }
-
-  void subframes() {
-    const Node count = numbers(1, "the number of subframes");
-    for (int left = whole(count.items[0], "the number of subframes"); left > 0; --left) {
+    if (count.size() != 1) wrong(kCount);
+    for (int left = whole(count[0]); left > 0; --left) add_shape(object);
+    if (!placed) return object;
+    for (int left = whole(numbers(1, "the number of subframes")[0]); left > 0; --left) {
       next("a subframe's name");
       pose(numbers(3, "a position"));
     }
+    return object;
   }
 
-  struct Shapes {
-    Node shapes, poses;
-  };
+  void add_shape(Json& object) {
+    next(kShape);
+    const std::string type = line_;
+    const bool plane = type == "plane", mesh = type == "mesh";
+    Json shape;
+    if (plane) {
+      shape["coef"] = numbers(4, "a, b, c, d");
+    } else if (mesh) {
+      shape["vertices"] = vertices();
+    } else {
+      shape["type"] = type;
+      shape["dimensions"] = dimensions(type);
+    }
+    object[plane ? "planes" : mesh ? "meshes" : "primitives"].push_back(shape);
+    object[plane ? "plane_poses" : mesh ? "mesh_poses" : "primitive_poses"].push_back(pose(numbers(3, "a position")));
+    numbers(4, "a colour");
+  }
+
+  /// The message has a cylinder's height before its radius, the text has it after.
+  std::vector<double> dimensions(const std::string& type) {
+    std::vector<double> sizes;
+    if (type == "box") {
+      sizes = numbers(3, "three edges");
+    } else if (type == "sphere") {
+      sizes = numbers(1, "a radius");
+    } else if (type == "cylinder" || type == "cone") {
+      sizes = numbers(2, "radius and length");
+      std::swap(sizes[0], sizes[1]);
+    } else {
+      wrong(kShape);
+    }
+    if (!(*std::min_element(sizes.begin(), sizes.end()) > 0.0)) wrong("sizes above 0");
+    return sizes;
+  }
+
+  Json vertices() {
+    const std::vector<double> counts = numbers(2, "numbers of vertices and triangles");
+    const int triangles = whole(counts[1]);
+    Json vertices = Json::array();
+    for (int left = whole(counts[0]); left > 0; --left) vertices.push_back(numbers(3, "a vertex"));
+    for (int left = triangles; left > 0; --left) numbers(3, "a triangle");
+    return vertices;
+  }
 
   std::string file_;
   std::istringstream text_;
@@ -176,6 +150,8 @@ class MoveItText {
 
 }  // namespace
 
-Node read_moveit_text(const std::filesystem::path& file) { return MoveItText(file).scene(); }
+config::Node read_moveit_text(const std::filesystem::path& file) {
+  return config::node_from_json(MoveItText(file).scene(), file.string());
+}
 
 }  // namespace moma
