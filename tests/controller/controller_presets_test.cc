@@ -7,6 +7,7 @@
 #include "controller/config/controller_file.h"
 #include "controller/controller.h"
 #include "tests/support/robots.h"
+#include "tests/support/tiny_robot.h"
 
 namespace moma {
 namespace {
@@ -70,6 +71,21 @@ TEST(Presets, LoadAndStepForEveryRobot) {
       const StepResult r = run(model, preset(name, *model), moved_tip(model, {0.1, 0.05, -0.05}, 0.2), 25, 0.02);
       EXPECT_EQ(r.status, StepStatus::kSolved);
     }
+  }
+}
+
+// As Stretch's telescope, whose parts have ranges of 0.13 m: the fastest of them is through a third of it in one step.
+TEST(Presets, MomaWorksWhereSlidesAreShort) {
+  RobotModel model = *test::tiny_robot();
+  model.joints[2].lower = -0.03;
+  model.joints[2].upper = 0.1;
+  model.joints[2].velocity = 1.0;
+  const auto shared = std::make_shared<const RobotModel>(model);
+  for (const char* name : {"moma-reactive", "moma-safe", "moma-ahead", "moma"}) {
+    SCOPED_TRACE(name);
+    ControllerParams params;
+    ASSERT_NO_THROW(params = preset(name, model));
+    EXPECT_EQ(run(shared, params, moved_tip(shared, {0.1, 0.05, 0.0}, 0.2), 25, 0.02).status, StepStatus::kSolved);
   }
 }
 

@@ -51,6 +51,8 @@ TEST_F(CliKeys, BoundsAreShort) {
     at = end;
   }
   bad({"run", "suite.yaml", "-o", "a.db", "--set", "simulation.time_limit=-1"}, {"a number from 0 to 3600, above 0\n"});
+  EXPECT_EQ(out.find("e+308"), std::string::npos) << "the largest double is no bound";
+  bad({"run", "suite.yaml", "-o", "a.db", "--set", "stuck.time=-1"}, {"a number above 0, or .inf\n"});
   bad({"run", "suite.yaml", "-o", "a.db", "--set", "trials=0"}, {"a whole number from 1 to 100000000\n"});
 }
 
