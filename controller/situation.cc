@@ -1,7 +1,6 @@
 #include "controller/situation.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "controller/model/manipulability.h"
 

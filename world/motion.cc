@@ -1,7 +1,6 @@
 #include "world/motion.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 
 namespace moma {

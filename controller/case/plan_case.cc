@@ -1,7 +1,6 @@
 #include "controller/case/plan_case.h"
 
 #include <cmath>
-#include <cstdint>
 #include <utility>
 #include <variant>
 #include <vector>

@@ -4,13 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <memory>
 #include <new>
 #include <numbers>
-#include <optional>
-#include <sstream>
-#include <utility>
 
 #include "controller/config/node.h"
 #include "controller/config/robot_file.h"

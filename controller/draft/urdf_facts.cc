@@ -7,7 +7,6 @@
 #include <new>
 #include <numbers>
 #include <string>
-#include <utility>
 
 #include "controller/config/mesh_hull.h"
 

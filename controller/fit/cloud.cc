@@ -6,7 +6,6 @@
 #include <new>
 #include <numbers>
 #include <set>
-#include <stdexcept>
 
 #include "controller/config/convex_hull.h"
 

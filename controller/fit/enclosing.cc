@@ -1,7 +1,6 @@
 #include <nlopt.hpp>
 
 #include <Eigen/LU>
-#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <functional>

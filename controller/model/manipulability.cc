@@ -1,8 +1,5 @@
 #include "controller/model/manipulability.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "controller/model/robot_model.h"
 
 namespace moma {

@@ -1,9 +1,7 @@
 #include "controller/model/statics.h"
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
-#include <utility>
 
 #include "controller/model/sampling.h"
 

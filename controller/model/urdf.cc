@@ -11,7 +11,6 @@
 #include <new>
 #include <set>
 #include <sstream>
-#include <string_view>
 #include <utility>
 
 #include "controller/model/text_check.h"

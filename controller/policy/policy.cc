@@ -1,7 +1,5 @@
 #include "controller/policy/policy.h"
 
-#include <utility>
-
 #include "controller/ahead/lookahead.h"
 #include "controller/closed_form/closed_form.h"
 #include "controller/model/base_kind.h"

@@ -1,7 +1,6 @@
 #include "controller/solver/fallback.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace moma {
 namespace {

@@ -7,7 +7,6 @@
 #include "eval/cli/command.h"
 #include "eval/cli/progress.h"
 #include "eval/cli/suite_options.h"
-#include "eval/cli/table.h"
 #include "eval/run/tune.h"
 #include "eval/tune/tuned_file.h"
 

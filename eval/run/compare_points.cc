@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <map>
-#include <optional>
 
 #include "eval/store/error.h"
 #include "eval/store/query.h"

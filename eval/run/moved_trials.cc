@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "eval/run/store_file.h"
-#include "eval/store/database.h"
 #include "eval/store/records.h"
 #include "eval/store/run_lock.h"
 #include "eval/trial/key.h"

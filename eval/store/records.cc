@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <map>
-#include <memory>
 
 #include "eval/store/hash.h"
 #include "eval/store/table.h"

@@ -11,7 +11,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
-#include <unordered_map>
 
 #include "eval/search/variables.h"
 #include "eval/store/columns.h"

@@ -3,10 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <limits>
 #include <map>
-#include <optional>
 #include <set>
 #include <string_view>
 #include <utility>
