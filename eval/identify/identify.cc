@@ -184,12 +184,43 @@ void find_pose_noise(const MotionLog& log, const std::vector<Fitted>& parts, int
   out.heading_noise = robust_deviation(turned) / std::sqrt(2.0);
 }
 
+constexpr double kOwn = 0.5;  // least share of a column's squares that another has to explain to be compared with it
+
+double times_of(double factor) { return std::max(std::abs(factor), 1.0 / std::abs(factor)); }
+
+// Throws if a factor between two columns that should agree is negative, or far from 1. `what` names it.
+void check_factor(const MotionLog& log, const Axis& axis, const std::string& what, double factor) {
+  constexpr double kRefused = 3.0, kDegrees = 180.0 / std::numbers::pi;
+  const double times = times_of(factor);
+  if (factor < 0.0)
+    throw config::ConfigError(
+        fmt::format("{}: {}: {}: one of the two has the wrong sign", log.source, axis.name, what));
+  if (times <= kRefused) return;
+  const bool in_degrees = !axis.prismatic && times > 0.8 * kDegrees && times < 1.25 * kDegrees;
+  throw config::ConfigError(fmt::format("{}: {}: {}: {}", log.source, axis.name, what,
+                                        in_degrees ? "one of the two is in degrees" : "are their units the same?"));
+}
+
+// Compares changes of a joint's position with its velocity. Noise and turns of an endless joint hide what they say.
+void check_position(const MotionLog& log, const Axis& axis, double period) {
+  double product = 0.0, squares = 0.0, moved = 0.0;
+  for (std::size_t k = 1; k < axis.position.size(); ++k) {
+    const double way = 0.5 * period * (axis.velocity[k] + axis.velocity[k - 1]);
+    const double change = axis.position[k] - axis.position[k - 1];
+    product += way * change;
+    squares += way * way;
+    moved += change * change;
+  }
+  if (!(product * product > kOwn * squares * moved)) return;
+  const double factor = product / squares;
+  check_factor(log, axis, fmt::format("positions change {:.3g} times as fast as the measured velocities", factor),
+               factor);
+}
+
 // Detects motion that no drive produces: opposite to the command, or many times faster or slower. Columns without
 // enough motion pass.
 void check_gains(const MotionLog& log, const std::vector<Fitted>& parts, int trip, Found& found) {
-  constexpr double kOwn = 0.5;  // least share of the motion's squares that the command has to explain
-  constexpr double kRefused = 3.0, kDoubted = 1.3;
-  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  constexpr double kDoubted = 1.3;
   const std::size_t from = static_cast<std::size_t>(trip) + 1;
   for (const Fitted& part : parts) {
     for (const Axis* axis : part.group) {
@@ -197,16 +228,11 @@ void check_gains(const MotionLog& log, const std::vector<Fitted>& parts, int tri
       double squares = 0.0;
       for (std::size_t k = from; k < axis->velocity.size(); ++k) squares += axis->velocity[k] * axis->velocity[k];
       if (!(change_of(axis->command) > kStill) || !(alone.squared < kOwn * squares)) continue;
-      const double times = std::max(std::abs(alone.gain), 1.0 / std::abs(alone.gain));
-      const std::string what =
-          fmt::format("{}: measured velocities are {:.3g} times the commands", axis->name, alone.gain);
-      const bool in_degrees = !axis->prismatic && times > 0.8 * kDegrees && times < 1.25 * kDegrees;
-      if (alone.gain < 0.0)
-        throw config::ConfigError(fmt::format("{}: {}: one of the two has the wrong sign", log.source, what));
-      if (times > kRefused)
-        throw config::ConfigError(fmt::format(
-            "{}: {}: {}", log.source, what, in_degrees ? "one of the two is in degrees" : "are their units the same?"));
-      if (times > kDoubted) found.notes.push_back(what + ", which is far for a drive: are both in the same unit?");
+      const std::string what = fmt::format("measured velocities are {:.3g} times the commands", alone.gain);
+      check_factor(log, *axis, what, alone.gain);
+      check_position(log, *axis, found.period);
+      if (times_of(alone.gain) > kDoubted)
+        found.notes.push_back(axis->name + ": " + what + ", which is far for a drive: are both in the same unit?");
     }
   }
 }

@@ -140,6 +140,14 @@ TEST(Identify, RefusesWrongSignsAndUnits) {
   EXPECT_NE(refusal(scaled(0, 1, 1.0 / 57.29578)).find("one of the two is in degrees"), std::string::npos);
   EXPECT_NE(refusal(scaled(0, 0, 1000.0)).find("are their units the same?"), std::string::npos);
   EXPECT_EQ(refusal(scaled(0, 9, 0.9)), "accepted");
+  const MotionLog turned = tiny_log(noisy(late(3, 2, 1, 1)));
+  for (const auto& [factor, words] :
+       {std::pair{57.29578, "one of the two is in degrees"}, {-1.0, "one of the two has the wrong sign"}}) {
+    MotionLog log = turned;
+    for (double& q : log.joints[1].position) q *= factor;
+    EXPECT_NE(refusal(log).find("times as fast as the measured velocities: " + std::string(words)), std::string::npos)
+        << refusal(log);
+  }
   const Found doubted = identify::identify(scaled(1, 9, 1.5));
   EXPECT_TRUE(std::any_of(doubted.notes.begin(), doubted.notes.end(), [](const std::string& note) {
     return note.find("1.5 times the commands") != std::string::npos;

@@ -207,6 +207,16 @@ check(JSON.stringify(stairs([[0, 0], [2, 1], [5, 1], [6, 3]])) === '[[0,0],[2,0]
 const { namedBy } = await load('data');
 check(namedBy(['lambda_q=0.01 k_epsilon=1', 'lambda_q=0.1 k_epsilon=2']) === 'lambda_q, k_epsilon', 'names of several keys');
 check(namedBy(['lambda_q=0.01', 'lambda_q=0.1']) === '' && namedBy(['a=1 b=2', 'a=1']) === '' && namedBy([]) === '', 'other names stay whole');
+// ---- causes: noise keeps a robot in motion, so that the same failure is stuck without it and out of time with it ------------
+{
+  const { causeOf } = await load('causes');
+  const where = { 'local minimum': '0.4 m and 0.1 rad from the goal; link4 is 0.02 m from sphere3', limit: '0.4 m and 0.1 rad from the goal; joint4 is 0.01 from its limit' };
+  for (const [cause, reason] of Object.entries(where)) {
+    const found = [['stuck', `nothing moved for 2 s; ${reason}`], ['timeout', reason]].map(([outcome, text]) =>
+      causeOf({ trials: { outcome: () => outcome, text: () => text, number: () => NaN }, point: () => undefined }, 0));
+    check(found.every((one) => one.cause === cause) && found[0].what === found[1].what, `stuck and out of time at the same place: ${JSON.stringify(found)}`);
+  }
+}
 // ---- pairs have equal conditions, names say what differs, and a click promises what it does -------------------------------
 {
   const { Model, startView, showSlice, view, rivalsOf, equalConditions } = await load('data', 'view', 'conditions');
