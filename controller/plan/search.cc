@@ -26,6 +26,11 @@ constexpr int kBlocked = 2;         // checks for looking through a tree in vain
 // Part of a tree's growth that moves the hand straight, in so many steps of such length at most [m].
 constexpr double kHandMoves = 0.3, kHandStep = 0.1;
 constexpr int kHandSteps = 12;
+// Up to which part of a driving robot's samples move the base alone, so far at most [m], and the arm alone, there.
+constexpr double kBaseAlone = 0.2, kArmAlone = 0.6, kBaseWay = 1.0;
+
+// The hand is close to an object at its goal.
+bool narrow(const FreeSpace& space) noexcept { return space.kept().at_goal < space.clearances().object; }
 
 }  // namespace
 
@@ -100,7 +105,7 @@ SearchProgress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
     side_ = kMoreFromGoal * from_start_.size() <= from_goal_.size() ? 0 : 1;
     if (begin_hand(space, draws)) return SearchProgress::kMore;
     WholeConfiguration target;
-    sample(space, draws, target);
+    if (!sample_part(space, draws, target)) sample(space, draws, target);
     space.charge(kBlocked);
     bool reached = false;
     Tree& growing = tree(side_);
@@ -126,7 +131,7 @@ SearchProgress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
 // Draws a node and a direction in which the hand is to move: an axis of the hand in half of the draws, else any. False
 // where the goal is not close to an object, and where the draw is one of joints.
 bool Search::begin_hand(FreeSpace& space, CountedDraws& draws) noexcept {
-  if (!(space.kept().at_goal < space.clearances().object) || draws.uniform() >= kHandMoves) return false;
+  if (!narrow(space) || draws.uniform() >= kHandMoves) return false;
   const Tree& growing = tree(side_);
   grown_ = static_cast<int>(draws.choice(static_cast<std::size_t>(growing.size())));
   if (draws.uniform() < 0.5) {
@@ -230,6 +235,24 @@ bool Search::join(int from_start, int from_goal) noexcept {
   for (int i = from_goal_.parent(from_goal); i >= 0; i = from_goal_.parent(i))
     if (!on(from_goal_.node(i))) return false;
   return !edges_.empty();
+}
+
+// Of a robot that drives to a narrow place: a node of the tree that grows, with its base straight ahead, back or, if it
+// can, aside, or with its arm anyhow. False where base and arm are to move together.
+bool Search::sample_part(const FreeSpace& space, CountedDraws& draws, WholeConfiguration& c) noexcept {
+  if (!task_.apart || !limits_->mobile() || !narrow(space)) return false;
+  const double kind = draws.uniform();
+  if (kind >= kArmAlone) return false;
+  const Tree& growing = tree(side_);
+  c = growing.node(static_cast<int>(draws.choice(static_cast<std::size_t>(growing.size()))));
+  if (kind < kBaseAlone) {
+    const double way = draws.uniform(-kBaseWay, kBaseWay);
+    const double angle = limits_->base->nonholonomic() ? c[2] : draws.uniform(-std::numbers::pi, std::numbers::pi);
+    c.head<2>() += way * Vector2(std::cos(angle), std::sin(angle));
+  } else {
+    for (int i = 0; i < limits_->num_joints(); ++i) c[3 + i] = draws.uniform(space.lower()[i], space.upper()[i]);
+  }
+  return true;
 }
 
 void Search::sample(const FreeSpace& space, CountedDraws& draws, WholeConfiguration& c) const noexcept {

@@ -50,14 +50,16 @@ struct SearchTask {
   const VectorX* tuck = nullptr;       ///< joint values of an arm that takes little room
   double beyond = 1.5;                 ///< samples' bases lie so far beyond start and goal, at most [m]
   double longest = 1e18;               ///< of the base's way to a sample and from there to the goal [m]
+  bool apart = false;                  ///< base and arm also move one without the other, in a narrow place
 };
 
 /// Edges from the start to one of several goal configurations: straight there, the quickest; else by two trees that
 /// grow towards each other (RRT-Connect: Kuffner & LaValle, ICRA 2000), one from the start, one from all roots. A step
 /// that is blocked goes as far as it is free; the tree from the goals, which lie in narrow places more often, may have
 /// twice as many nodes. Where the hand is close to an object at its goal, part of the growth moves the hand
-/// straight, without turning it: from between plates no other way leads out. Samples have the arm tucked, between the
-/// start's and a goal's, near a goal, or anyhow. Work is cut into pieces of one edge.
+/// straight, without turning it: from between plates no other way leads out. A task may ask that base and arm also move
+/// apart there: of steps that move both nearly all are blocked. Other samples have the arm tucked,
+/// between the start's and a goal's, near a goal, or anyhow. Work is cut into pieces of one edge.
 class Search {
  public:
   Search(const MotionLimits& limits, double check_step);
@@ -74,6 +76,7 @@ class Search {
   enum class Stage { kStraight, kGrow, kMoveHand, kConnect };
   SearchProgress move_hand(FreeSpace& space) noexcept;
   bool begin_hand(FreeSpace& space, CountedDraws& draws) noexcept;
+  bool sample_part(const FreeSpace& space, CountedDraws& draws, WholeConfiguration& c) noexcept;
   void sample(const FreeSpace& space, CountedDraws& draws, WholeConfiguration& c) const noexcept;
   int grow(FreeSpace& space, Tree& tree, int from, const WholeConfiguration& target, bool& reached) noexcept;
   bool join(int from_start, int from_goal) noexcept;
