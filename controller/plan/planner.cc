@@ -286,7 +286,7 @@ void Planner::begin_run() noexcept {
   if (!goes_on)
     for (GoalConfiguration& goal : goals_) goal.rooted = false;
   search_.begin({start_, X_WG_.translation().head<2>(), goals, params_.roots, &tuck_,
-                 kTierOf[static_cast<std::size_t>(tier_)].beyond, longest_, effort_ > 1},
+                 kTierOf[static_cast<std::size_t>(tier_)].beyond, longest_},
                 goes_on);
   stage_ = PlanStage::kSearch;
 }

@@ -240,7 +240,7 @@ bool Search::join(int from_start, int from_goal) noexcept {
 // Of a robot that drives to a narrow place: a node of the tree that grows, with its base straight ahead, back or, if it
 // can, aside, or with its arm anyhow. False where base and arm are to move together.
 bool Search::sample_part(const FreeSpace& space, CountedDraws& draws, WholeConfiguration& c) noexcept {
-  if (!task_.apart || !limits_->mobile() || !narrow(space)) return false;
+  if (!limits_->mobile() || !narrow(space)) return false;
   const double kind = draws.uniform();
   if (kind >= kArmAlone) return false;
   const Tree& growing = tree(side_);

@@ -50,15 +50,14 @@ struct SearchTask {
   const VectorX* tuck = nullptr;       ///< joint values of an arm that takes little room
   double beyond = 1.5;                 ///< samples' bases lie so far beyond start and goal, at most [m]
   double longest = 1e18;               ///< of the base's way to a sample and from there to the goal [m]
-  bool apart = false;                  ///< base and arm also move one without the other, in a narrow place
 };
 
 /// Edges from the start to one of several goal configurations: straight there, the quickest; else by two trees that
 /// grow towards each other (RRT-Connect: Kuffner & LaValle, ICRA 2000), one from the start, one from all roots. A step
 /// that is blocked goes as far as it is free; the tree from the goals, which lie in narrow places more often, may have
 /// twice as many nodes. Where the hand is close to an object at its goal, part of the growth moves the hand
-/// straight, without turning it: from between plates no other way leads out. A task may ask that base and arm also move
-/// apart there: of steps that move both nearly all are blocked. Other samples have the arm tucked,
+/// straight, without turning it: from between plates no other way leads out. Base and arm of a robot that
+/// drives also move apart there: of steps that move both nearly all are blocked. Other samples have the arm tucked,
 /// between the start's and a goal's, near a goal, or anyhow. Work is cut into pieces of one edge.
 class Search {
  public:

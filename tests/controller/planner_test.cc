@@ -301,9 +301,9 @@ TEST(Planner, FromBetweenPlatesTheHandMovesStraight) {
   EXPECT_LT(checks[checks.size() / 2], 6000);
 }
 
-// From between the same plates and two walls, by a base that drives: where a plan has failed, base and arm also move
-// apart. Where they move together alone, three quarters of the plans need up to 13644 checks.
-TEST(Planner, AfterAFailureBaseAndArmMoveApart) {
+// From between the same plates and two walls, by a base that drives: base and arm also move apart. Where they only move
+// together, three quarters of the plans need up to 13644 checks.
+TEST(Planner, InNarrowPlacesBaseAndArmMoveApart) {
   const auto model = load_model("configs/robots/frankie.yaml");
   ControllerParams params = plan_params(*model);
   params.collision.at_goal.enabled = true;
@@ -334,7 +334,7 @@ TEST(Planner, AfterAFailureBaseAndArmMoveApart) {
     checks.push_back(sum);
   }
   std::sort(checks.begin(), checks.end());
-  EXPECT_LT(checks[11], 11000);
+  EXPECT_LT(checks[11], 12000);
 }
 
 // A ball comes along the hand until that is close to it at its goal.
