@@ -45,14 +45,15 @@ let idling = 0;
 
 /** Draws the figures that nobody has looked at yet, one at a time, when the reader has done nothing for so long [ms]. */
 function drawSoon(delay = 1500): void {
+  const inTime = { timeout: 1000 };  // [ms]; a slow machine has no idle moment while a motion plays
   const idle = (): void => {
     const next = figures.find((element) => waiting.has(element));
     if (next === undefined) return;
     drawWaiting(next);
-    requestIdleCallback(idle);
+    requestIdleCallback(idle, inTime);
   };
   clearTimeout(idling);
-  idling = window.setTimeout(() => requestIdleCallback(idle), delay);
+  idling = window.setTimeout(() => requestIdleCallback(idle, inTime), delay);
 }
 
 /** Draws all figures as soon as nothing else is to do: a picture of the whole page shows them. */

@@ -31,7 +31,21 @@ export const end = (what) => {
   process.exit(failures === 0 ? 0 : 1);
 };
 
+/**
+ * Chromium on a busy machine now and then draws no further frame, and what waits for one waits for ever: after so long [s]
+ * without an end the test begins once more, in a process and a browser of its own.
+ */
+const beginAgainAfter = (seconds) => {
+  if (process.env.MOMA_PAGE_TEST_AGAIN !== undefined) return;
+  setTimeout(() => {
+    console.log(`no end after ${seconds} s: once more`);
+    const { status } = spawnSync(process.execPath, process.argv.slice(1), { stdio: 'inherit', env: { ...process.env, MOMA_PAGE_TEST_AGAIN: '1' } });
+    process.exit(status ?? 1);
+  }, 1000 * seconds).unref();
+};
+
 export const launch = (source) => {
+  beginAgainAfter(300);
   const executablePath = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'].find(existsSync);
   if (executablePath === undefined) skip('there is no chromium');
   let chromium;
