@@ -33,13 +33,14 @@ export const end = (what) => {
 
 /**
  * Chromium on a busy machine now and then draws no further frame, and what waits for one waits for ever: after so long [s]
- * without an end the test begins once more, in a process and a browser of its own.
+ * without an end the test begins anew, three times at most, in a process and a browser of its own.
  */
 const beginAgainAfter = (seconds) => {
-  if (process.env.MOMA_PAGE_TEST_AGAIN !== undefined) return;
+  const begun = Number(process.env.MOMA_PAGE_TEST_BEGUN ?? 0);
+  if (begun === 3) return;
   setTimeout(() => {
-    console.log(`no end after ${seconds} s: once more`);
-    const { status } = spawnSync(process.execPath, process.argv.slice(1), { stdio: 'inherit', env: { ...process.env, MOMA_PAGE_TEST_AGAIN: '1' } });
+    console.log(`no end after ${seconds} s: begins anew`);
+    const { status } = spawnSync(process.execPath, process.argv.slice(1), { stdio: 'inherit', env: { ...process.env, MOMA_PAGE_TEST_BEGUN: String(begun + 1) } });
     process.exit(status ?? 1);
   }, 1000 * seconds).unref();
 };

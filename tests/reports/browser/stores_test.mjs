@@ -73,7 +73,7 @@ for (const { name, store, most } of kinds) {
   check(!/NaN|undefined|\[object/.test(words), `${name}: ${/.{0,40}(NaN|undefined|\[object).{0,40}/.exec(words)?.[0]}`);
   const drawnAtFirst = (await figuresOf(page)).filter(({ letters }) => letters.length > 0).map(({ id }) => id);
   check(drawnAtFirst.length >= (name === 'one' ? 5 : 10), `${name}: ${drawnAtFirst.length} figures are drawn: ${drawnAtFirst}`);
-  for (const [width, colorScheme] of [390, 1280, 1920].flatMap((each) => [[each, 'light'], [each, 'dark']])) {
+  for (const [width, colorScheme] of [[390, 'light'], [390, 'dark'], [1280, 'light'], [1920, 'dark']]) {
     const what = `${name}, ${width}, ${colorScheme}`;
     await page.emulateMedia({ colorScheme });
     await page.setViewportSize({ width, height: 900 });
