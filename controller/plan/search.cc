@@ -26,11 +26,17 @@ constexpr int kBlocked = 2;         // checks for looking through a tree in vain
 // Part of a tree's growth that moves the hand straight, in so many steps of such length at most [m].
 constexpr double kHandMoves = 0.3, kHandStep = 0.1;
 constexpr int kHandSteps = 12;
-// Up to which part of a driving robot's samples move the base alone, so far at most [m], and the arm alone, there.
+// Shares of a driving robot's samples, summed up, that move the base alone and the arm alone. The base moves so far at
+// most [m].
 constexpr double kBaseAlone = 0.2, kArmAlone = 0.6, kBaseWay = 1.0;
 
 // The hand is close to an object at its goal.
 bool narrow(const FreeSpace& space) noexcept { return space.kept().at_goal < space.clearances().object; }
+
+// Draws any posture of the arm.
+void draw_arm(const FreeSpace& space, int joints, CountedDraws& draws, WholeConfiguration& c) noexcept {
+  for (int i = 0; i < joints; ++i) c[3 + i] = draws.uniform(space.lower()[i], space.upper()[i]);
+}
 
 }  // namespace
 
@@ -237,8 +243,8 @@ bool Search::join(int from_start, int from_goal) noexcept {
   return !edges_.empty();
 }
 
-// Of a robot that drives to a narrow place: a node of the tree that grows, with its base straight ahead, back or, if it
-// can, aside, or with its arm anyhow. False where base and arm are to move together.
+// Draws a node of the tree that grows, with its base moved straight ahead, back or, if it can, aside, or with any
+// posture of its arm. False where base and arm are to move together: a fixed arm, no narrow place, the other draws.
 bool Search::sample_part(const FreeSpace& space, CountedDraws& draws, WholeConfiguration& c) noexcept {
   if (!limits_->mobile() || !narrow(space)) return false;
   const double kind = draws.uniform();
@@ -250,7 +256,7 @@ bool Search::sample_part(const FreeSpace& space, CountedDraws& draws, WholeConfi
     const double angle = limits_->base->nonholonomic() ? c[2] : draws.uniform(-std::numbers::pi, std::numbers::pi);
     c.head<2>() += way * Vector2(std::cos(angle), std::sin(angle));
   } else {
-    for (int i = 0; i < limits_->num_joints(); ++i) c[3 + i] = draws.uniform(space.lower()[i], space.upper()[i]);
+    draw_arm(space, limits_->num_joints(), draws, c);
   }
   return true;
 }
@@ -297,7 +303,7 @@ void Search::sample(const FreeSpace& space, CountedDraws& draws, WholeConfigurat
       c[1] = task_.start[1] + draws.uniform(-kAway, kAway);
       c[2] = task_.start[2] + draws.uniform(-kTurned, kTurned);
     }
-    for (int i = 0; i < joints; ++i) c[3 + i] = draws.uniform(space.lower()[i], space.upper()[i]);
+    draw_arm(space, joints, draws, c);
   }
 }
 

@@ -89,7 +89,7 @@ TEST_F(DraftedBase, WheelsAboutXTurnTheRobot) {
   const config::LoadedRobot robot = load(made);
   ASSERT_TRUE(robot.model->base.wheels) << made.text;
   EXPECT_NEAR(robot.model->base.wheels->separation, 0.5, 1e-4);
-  // What was on the root's y is ahead now.
+  // The root's y points ahead in the drafted base.
   const int first = robot.model->find_link("a1");
   EXPECT_NEAR(Kinematics(robot.model).X_WL(first).translation().x(), 0.1, 1e-4) << made.text;
   EXPECT_TRUE(says(made, "rpy: [0, 0, -1.5707963267948966]}  # check"));

@@ -269,26 +269,34 @@ TEST(Planner, NarrowPlacesTakeFewChecks) {
   EXPECT_LT(checks[checks.size() / 2], 4500);
 }
 
+// Adds two boxes with these edges, one on either side of the goal.
+void add_on_both_sides(Scene& scene, const std::string& name, const Vector3& edges, const Vector3& offset) {
+  for (const double side : {-1.0, 1.0}) {
+    scene.shapes.push_back({name + (side < 0.0 ? " 1" : " 2"), make_box(edges.x(), edges.y(), edges.z())});
+    scene.states.emplace_back();
+    scene.states.back().X_WO.translation() = scene.X_WG.translation() + side * offset;
+  }
+}
+
 // The goal has the hand close to two plates.
 Scene between_plates(const std::shared_ptr<const RobotModel>& model, std::uint64_t seed) {
-  constexpr double kPlate = 0.065;  // from the goal [m]
   Scene scene = inside_a_shelf(model, seed);
-  for (const double side : {-1.0, 1.0}) {
-    scene.shapes.push_back({side < 0.0 ? "below" : "above", make_box(0.3, 0.4, 0.01)});
-    scene.states.emplace_back();
-    scene.states.back().X_WO.translation() = scene.X_WG.translation() + Vector3(0.0, 0.0, side * kPlate);
-  }
+  add_on_both_sides(scene, "plate", {0.3, 0.4, 0.01}, {0.0, 0.0, 0.065});
   return scene;
+}
+
+ControllerParams close_params(const RobotModel& model, int checks) {
+  ControllerParams params = plan_params(model);
+  params.collision.at_goal.enabled = true;
+  params.plan.checks = checks;
+  params.plan.runs = 1;
+  return params;
 }
 
 // Trees of joint steps alone need 10961 checks in the median.
 TEST(Planner, FromBetweenPlatesTheHandMovesStraight) {
   const auto model = load_model("configs/robots/panda.yaml");
-  ControllerParams params = plan_params(*model);
-  params.collision.at_goal.enabled = true;
-  params.plan.checks = 200000;
-  params.plan.runs = 1;
-  Planner planner(model, params);
+  Planner planner(model, close_params(*model, 200000));
   std::vector<long> checks;
   for (std::uint64_t seed = 1; seed <= 15; ++seed) {
     const Scene scene = between_plates(model, seed);
@@ -305,20 +313,11 @@ TEST(Planner, FromBetweenPlatesTheHandMovesStraight) {
 // together, three quarters of the plans need up to 13644 checks.
 TEST(Planner, InNarrowPlacesBaseAndArmMoveApart) {
   const auto model = load_model("configs/robots/frankie.yaml");
-  ControllerParams params = plan_params(*model);
-  params.collision.at_goal.enabled = true;
-  params.plan.checks = 2000;
-  params.plan.runs = 1;
-  constexpr double kWall = 0.16;  // from the goal [m]
-  Planner planner(model, params);
+  Planner planner(model, close_params(*model, 2000));
   std::vector<long> checks;
   for (std::uint64_t seed = 1; seed <= 15; ++seed) {
     Scene scene = between_plates(model, seed);
-    for (const double side : {-1.0, 1.0}) {
-      scene.shapes.push_back({side < 0.0 ? "right" : "left", make_box(0.5, 0.02, 0.36)});
-      scene.states.emplace_back();
-      scene.states.back().X_WO.translation() = scene.X_WG.translation() + Vector3(0.0, side * kWall, 0.0);
-    }
+    add_on_both_sides(scene, "wall", {0.5, 0.02, 0.36}, {0.0, 0.16, 0.0});
     scene.start.head<3>() << -0.6, 0.0, 0.0;
     bool found = plan_whole(planner, scene, seed);
     EXPECT_TRUE(planner.close_goal()) << "seed " << seed;

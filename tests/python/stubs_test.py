@@ -1,4 +1,4 @@
-"""The package is typed: the build writes the extension module's stub beside it."""
+"""The package is typed: the build writes _core.pyi, the types of the extension module."""
 
 import ast
 import pathlib
