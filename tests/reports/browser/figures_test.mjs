@@ -154,6 +154,13 @@ for (const [what, view] of views) {
   await noOverflow(page, what);
   await accessible(page, source, what, '#tuning, #difficulty, #sweep');
   if (what === 'light') {
+    // A plot for each metric that was compared on held-out worlds, under its name.
+    const compared = [...new Set(search.comparisons.filter((one) => one.difference !== null).map((one) => one.metric))].map((key) => {
+      const { name = key, unit = '' } = all.metrics.find((one) => one.key === key) ?? (key === 'objective' ? {} : { name: `${key} rate`, unit: 'points' });
+      return unit === '' ? name : `${name} [${unit}]`;
+    });
+    const texts = (await read(page, 'heldout')).letters.map((letter) => letter.text);
+    check(compared.length > 2 && compared.every((name) => texts.includes(name)), `light: heldout has a plot each of ${compared.join('|')}: ${texts.join('|')}`);
     // The front, found by comparing all with all, for both costs.
     for (const [cost, key] of [['command_change_mean', 'command_change_mean'], ['collision_rate', 'collision_rate']]) {
       await page.locator('#figure-pareto select').selectOption(cost);
@@ -251,13 +258,21 @@ for (const [what, view] of views) {
 // ---- conditions on a phone: names of controller, condition and family stand in lines of their own, whole ------------------
 {
   const db = makeStore('conditions', 'demo', 20, 0);
-  sql(db, "UPDATE point SET label = 'disturbances=' || iif(controller = 'moma', 'realistic', 'none'), params = json_object('disturbances', iif(controller = 'moma', 'realistic', 'none'))");
+  sql(db, "UPDATE point SET label = 'disturbances=' || iif(controller = 'holistic', 'realistic', 'none'), params = json_object('disturbances', iif(controller = 'holistic', 'realistic', 'none'))");
   const { context, page } = await open(makePage(db), { width: 390, height: 844, ratio: 2, touch: true, init: noteLetters });
   for (const id of ['forest', 'outcomes', 'manipulability']) {
     const seen = await read(page, id);
     legible(seen, `conditions on a phone, ${id}`);
     for (const name of ['moma', 'holistic', 'disturbances: realistic', 'disturbances: none', 'clutter', 'open']) check(seen.letters.some((letter) => letter.text === name), `conditions on a phone: ${id} names ${name}: ${seen.letters.map((letter) => letter.text)}`);
   }
+  // Wide, the bar has more than one line: the button for light or dark ends the first. Cards name controller and condition whole.
+  await page.setViewportSize({ width: 1280, height: 900 });
+  const [nav, button] = await Promise.all(['nav', '.inner > button'].map((part) => page.locator(`.toolbar ${part}`).boundingBox()));
+  check(button.y < nav.y + nav.height && button.x > nav.x + nav.width, `conditions: the button for light or dark is at ${JSON.stringify(button)}, the sections at ${JSON.stringify(nav)}`);
+  await page.locator('#failures').scrollIntoViewIfNeeded();
+  await page.waitForSelector('.atlas .who');
+  const names = await page.locator('.atlas .who').evaluateAll((all) => all.map((who) => [who.textContent, who.scrollWidth > who.clientWidth + 1]));
+  check(names.some(([name]) => /holistic.*realistic/.test(name)) && names.every(([, cut]) => !cut), `conditions: names on cards, cut off or not: ${JSON.stringify(names)}`);
   await context.close();
 }
 

@@ -32,21 +32,29 @@ export const end = (what) => {
 };
 
 /**
- * Chromium on a busy machine now and then draws no further frame, and what waits for one waits for ever: after so long [s]
- * without an end the test begins anew, three times at most, in a process and a browser of its own.
+ * Chromium on a busy machine now and then draws no further frame of a page: its compositor holds new content back until tiles are
+ * drawn, and nobody draws them. Scripts, timers and other pages go on; a new size, a screenshot or the front place do not help. What
+ * waits for a frame then waits for ever: the test begins anew, three times at most, in a process and a browser of its own.
  */
-const beginAgainAfter = (seconds) => {
+const beginAnew = () => {
   const begun = Number(process.env.MOMA_PAGE_TEST_BEGUN ?? 0);
-  if (begun === 3) return;
-  setTimeout(() => {
-    console.log(`no end after ${seconds} s: begins anew`);
-    const { status } = spawnSync(process.execPath, process.argv.slice(1), { stdio: 'inherit', env: { ...process.env, MOMA_PAGE_TEST_BEGUN: String(begun + 1) } });
-    process.exit(status ?? 1);
-  }, 1000 * seconds).unref();
+  console.log(`the browser draws no further frame: ${begun < 3 ? 'begins anew' : 'it did so four times'}`);
+  if (begun === 3) process.exit(1);
+  const { status } = spawnSync(process.execPath, process.argv.slice(1), { stdio: 'inherit', env: { ...process.env, MOMA_PAGE_TEST_BEGUN: String(begun + 1) } });
+  process.exit(status ?? 1);
+};
+
+/** Runs in the page, before its own script: asks for a frame each second, and says so when the next 20 seconds bring none though the page's timers run. */
+const watchFrames = () => {
+  let seconds = 0;
+  setInterval(() => {
+    seconds += 1;
+    if (seconds === 1) requestAnimationFrame(() => { seconds = 0; });
+    if (seconds === 20) window.drawsNoFrame();
+  }, 1000);
 };
 
 export const launch = (source) => {
-  beginAgainAfter(300);
   const executablePath = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'].find(existsSync);
   if (executablePath === undefined) skip('there is no chromium');
   let chromium;
@@ -98,6 +106,8 @@ export const strip = (page) => page.evaluate(asStrip);
  */
 export const opener = (browser) => async (html, { width = 1280, height = 900, hash = '', scheme = 'light', ratio = 1, touch = false, served = false, scene = process.env.MOMA_SCREENSHOTS !== undefined, idle = false, init, allowed = () => false } = {}) => {
   const context = await browser.newContext({ viewport: { width, height }, deviceScaleFactor: ratio, hasTouch: touch, offline: !served, colorScheme: scheme, reducedMotion: 'reduce', acceptDownloads: true });
+  await context.exposeFunction('drawsNoFrame', beginAnew);
+  await context.addInitScript(watchFrames);
   if (!idle) await context.addInitScript(() => { window.requestIdleCallback = () => 0; });
   if (init !== undefined) await context.addInitScript(init);
   const page = await context.newPage();

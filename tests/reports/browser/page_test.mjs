@@ -199,13 +199,10 @@ const clickMark = async (page, id) => {
     else check((await page.locator('.detail code').innerText()).endsWith(trial), `${id}: the command that plays ${trial}`);
     check(id !== 'figure-paired' || text('world_key')[text('trial').indexOf(new URLSearchParams(new URL(page.url()).hash.slice(1)).get('beside'))] === text('world_key')[text('trial').indexOf(trial)], 'a paired dot opens both trials of its world');
     check(id !== 'figure-course' || inPage.has(trial), 'a line of the motions is a trial that can be played');
-    // The same trial is marked in the others: chosen elsewhere, it stands out here.
-    if (id === 'figure-scatter') {
-      const bold = () => page.locator('#figure-scatter canvas').evaluate((canvas) => canvas.toDataURL());
-      const with_ = await bold();
-      await page.evaluate(() => { location.hash = location.hash.replace(/trial=[^&]*/, ''); });
-      check(await page.waitForFunction((old) => document.querySelector('#figure-scatter canvas').toDataURL() !== old, with_, { timeout: 20000 }).then(() => true, () => false), 'the chosen trial is marked in the scatter plot');
-    }
+    // A trial that is chosen stands out, wherever that happened, until it is chosen no more.
+    const picture = await page.locator(`#${id} canvas`).evaluate((canvas) => canvas.toDataURL());
+    await page.evaluate(() => { location.hash = location.hash.replace(/trial=[^&]*/, ''); });
+    check(await page.waitForFunction(([figure, marked]) => document.querySelector(`#${figure} canvas`).toDataURL() !== marked, [id, picture], { timeout: 20000 }).then(() => true, () => false), `the chosen trial is marked in ${id}`);
     await page.evaluate(() => { const button = document.querySelector('.transport .play'); if (button.textContent === 'Pause') button.click(); });
   }
   await page.evaluate(() => { location.hash = ''; });

@@ -1,4 +1,4 @@
-// One page each of six kinds of stores, as a reader meets it: stores_test.mjs SOURCE_DIR MAKE_REPORT WORK_DIR MOMA
+// The page of one of six kinds of stores, as a reader meets it: stores_test.mjs SOURCE_DIR MAKE_REPORT WORK_DIR MOMA KIND
 // In three widths, light and dark, and on paper. What the tables say is compared with `moma query STORE @summary`.
 // Exit 0: passed; 1: failed; 77: left out, since node's packages, python3, chromium or poppler-utils are missing.
 import { execFileSync } from 'node:child_process';
@@ -7,7 +7,7 @@ import { join } from 'node:path';
 
 import { check, drawn, end, figuresStand, launch, legible, needs, noOverflow, noteLetters, opener, scrollThrough, workshop } from './kit.mjs';
 
-const [, , source, makeReport, work, moma] = process.argv;
+const [, , source, makeReport, work, moma, kind] = process.argv;
 needs('python3', 'pdftotext');
 const { makeErrors, makeStore, makePage } = workshop(source, makeReport, work);
 const browser = await launch(source);
@@ -15,14 +15,14 @@ const open = opener(browser);
 
 // A page holds its script, style and fonts, and some 800 bytes a trial. Its elements follow from controllers and families, never
 // from the number of trials.
-const kinds = [
-  { name: 'demo', store: (name) => makeStore(name, 'demo', 60, 4), most: { megabytes: 3, nodes: 2000 } },
-  { name: 'sweep', store: (name) => makeStore(name, 'sweep', 40, 2, 0, '--search'), most: { megabytes: 3, nodes: 3500 } },
-  { name: 'twelve', store: (name) => makeStore(name, 'many', 30, 1, 0, '--controllers', '12'), most: { megabytes: 3, nodes: 3000 } },
-  { name: 'one', store: (name) => makeStore(name, 'one', 1), most: { megabytes: 3, nodes: 1400 } },
-  { name: 'errors', store: (name) => makeErrors(name, 24), most: { megabytes: 3, nodes: 2000 } },
-  { name: 'large', store: (name) => makeStore(name, 'demo', 10000, 2), most: { megabytes: 19, nodes: 2000 } },
-];
+const kinds = {
+  demo: { store: () => makeStore(kind, 'demo', 60, 4), most: { megabytes: 3, nodes: 2000 } },
+  sweep: { store: () => makeStore(kind, 'sweep', 40, 2, 0, '--search'), most: { megabytes: 3, nodes: 3500 } },
+  twelve: { store: () => makeStore(kind, 'many', 30, 1, 0, '--controllers', '12'), most: { megabytes: 3, nodes: 3000 } },
+  one: { store: () => makeStore(kind, 'one', 1), most: { megabytes: 3, nodes: 1400 } },
+  errors: { store: () => makeErrors(kind, 24), most: { megabytes: 3, nodes: 2000 } },
+  large: { store: () => makeStore(kind, 'demo', 10000, 2), most: { megabytes: 19, nodes: 2000 } },
+};
 
 /** A number as the page writes it, with so many decimals. */
 const fixed = (value, decimals) => Number(value).toFixed(decimals);
@@ -59,44 +59,43 @@ const figuresOf = (page) => page.locator('.figure').evaluateAll((all) => all.map
   return { id: figure.id.replace('figure-', ''), empty: figure.querySelector('.empty')?.textContent, width: layers[0]?.width, height: layers[0]?.height, letters: layers.flatMap((layer) => layer.letters ?? []) };
 }));
 
-for (const { name, store, most } of kinds) {
-  const db = store(name);
-  const html = makePage(db);
-  const megabytes = statSync(html).size / 1e6;
-  check(megabytes < most.megabytes, `${name}: the page is ${megabytes.toFixed(1)} MB`);
-  const { context, page } = await open(html, { init: noteLetters });
+const { store, most } = kinds[kind];
+const db = store();
+const html = makePage(db);
+const megabytes = statSync(html).size / 1e6;
+check(megabytes < most.megabytes, `${kind}: the page is ${megabytes.toFixed(1)} MB`);
+const { context, page } = await open(html, { init: noteLetters });
+await scrollThrough(page);
+await equalsProgram(page, db, kind);
+const nodes = await page.evaluate(() => document.querySelectorAll('*').length);
+check(nodes < most.nodes, `${kind}: ${nodes} elements`);
+const words = await page.locator('#app').innerText();
+check(!/NaN|undefined|\[object/.test(words), `${kind}: ${/.{0,40}(NaN|undefined|\[object).{0,40}/.exec(words)?.[0]}`);
+const drawnAtFirst = (await figuresOf(page)).filter(({ letters }) => letters.length > 0).map(({ id }) => id);
+check(drawnAtFirst.length >= (kind === 'one' ? 5 : 10), `${kind}: ${drawnAtFirst.length} figures are drawn: ${drawnAtFirst}`);
+for (const [width, colorScheme] of [390, 1280, 1920].flatMap((each) => [[each, 'light'], [each, 'dark']])) {
+  const what = `${kind}, ${width}, ${colorScheme}`;
+  await page.emulateMedia({ colorScheme });
+  await page.setViewportSize({ width, height: 900 });
+  await page.waitForFunction(([wanted, scheme]) => innerWidth === wanted && document.documentElement.dataset.theme === scheme, [width, colorScheme]);
   await scrollThrough(page);
-  await equalsProgram(page, db, name);
-  const nodes = await page.evaluate(() => document.querySelectorAll('*').length);
-  check(nodes < most.nodes, `${name}: ${nodes} elements`);
-  const words = await page.locator('#app').innerText();
-  check(!/NaN|undefined|\[object/.test(words), `${name}: ${/.{0,40}(NaN|undefined|\[object).{0,40}/.exec(words)?.[0]}`);
-  const drawnAtFirst = (await figuresOf(page)).filter(({ letters }) => letters.length > 0).map(({ id }) => id);
-  check(drawnAtFirst.length >= (name === 'one' ? 5 : 10), `${name}: ${drawnAtFirst.length} figures are drawn: ${drawnAtFirst}`);
-  for (const [width, colorScheme] of [[390, 'light'], [390, 'dark'], [1280, 'light'], [1920, 'dark']]) {
-    const what = `${name}, ${width}, ${colorScheme}`;
-    await page.emulateMedia({ colorScheme });
-    await page.setViewportSize({ width, height: 900 });
-    await page.waitForFunction(([wanted, scheme]) => innerWidth === wanted && document.documentElement.dataset.theme === scheme, [width, colorScheme]);
-    await scrollThrough(page);
-    await drawn(page);
-    await noOverflow(page, what);
-    const over = await overlaps(page);
-    check(over.length === 0, `${what}: at the head of the page ${over.slice(0, 3)}`);
-    const figures = await figuresOf(page);
-    check(figures.filter(({ letters }) => letters.length > 0).map(({ id }) => id).join() === drawnAtFirst.join(), `${what}: the same figures are drawn`);
-    for (const figure of figures) {
-      if (figure.empty === undefined) legible(figure, `${what}, ${figure.id}`);
-      else check(/^[A-Z].*\.$/.test(figure.empty), `${what}: ${figure.id} says why it is empty: ${figure.empty}`);
-    }
+  await drawn(page);
+  await noOverflow(page, what);
+  const over = await overlaps(page);
+  check(over.length === 0, `${what}: at the head of the page ${over.slice(0, 3)}`);
+  const figures = await figuresOf(page);
+  check(figures.filter(({ letters }) => letters.length > 0).map(({ id }) => id).join() === drawnAtFirst.join(), `${what}: the same figures are drawn`);
+  for (const figure of figures) {
+    if (figure.empty === undefined) legible(figure, `${what}, ${figure.id}`);
+    else check(/^[A-Z].*\.$/.test(figure.empty), `${what}: ${figure.id} says why it is empty: ${figure.empty}`);
   }
-  const pdf = join(work, `${name}.pdf`);
-  await page.pdf({ path: pdf, format: 'A4' });
-  const sheets = execFileSync('pdftotext', ['-layout', pdf, '-'], { encoding: 'utf8', maxBuffer: 1 << 26 }).split('\f').slice(0, -1);
-  const print = sheets.join('\n');
-  check(sheets.length < 25 && sheets.every((text) => text.trim() !== ''), `${name}: a print of ${sheets.length} sheets, none of them empty`);
-  for (const part of ['Results', 'Failures', 'Replay', 'Provenance']) check(print.includes(part), `${name}: the print has ${part}`);
-  await context.close();
 }
+const pdf = join(work, `${kind}.pdf`);
+await page.pdf({ path: pdf, format: 'A4' });
+const sheets = execFileSync('pdftotext', ['-layout', pdf, '-'], { encoding: 'utf8', maxBuffer: 1 << 26 }).split('\f').slice(0, -1);
+const print = sheets.join('\n');
+check(sheets.length < 25 && sheets.every((text) => text.trim() !== ''), `${kind}: a print of ${sheets.length} sheets, none of them empty`);
+for (const part of ['Results', 'Failures', 'Replay', 'Provenance']) check(print.includes(part), `${kind}: the print has ${part}`);
+await context.close();
 await browser.close();
-end('pages of six kinds of stores');
+end(`the page of a store: ${kind}`);
