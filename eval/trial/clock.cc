@@ -65,7 +65,7 @@ class TickClock::Impl {
         proximity_(spec.robot->model),
         clearance_(spec.robot->model, world),
         dwell_(spec.success, period_),
-        stuck_(spec.stuck, period_),
+        stuck_(spec.stuck, any(spec.disturbances), period_),
         infeasible_(spec.infeasible, period_),
         separation_(spec),
         ends_at_limits_(spec.simulation.joint_limits != AtJointLimit::kIgnore) {
@@ -257,8 +257,8 @@ class TickClock::Impl {
       return end(Outcome::kJointLimit, std::move(over));
     if (infeasible_.reached())
       return end(Outcome::kInfeasible, fmt::format("no solved QP for {} s; {}", spec_.infeasible.time, situation()));
-    if (stuck_.due(k) && stuck_.update(plant_.state().base, plant_.state().q, all_at_rest(k)) && !dwell_.inside())
-      return end(Outcome::kStuck, fmt::format("nothing moved for {} s; {}", spec_.stuck.time, situation()));
+    if (stuck_.update(k, plant_.state(), [&] { return all_at_rest(k); }) && !dwell_.inside())
+      return end(Outcome::kStuck, fmt::format("nothing moved for {} s; {}", stuck_.time(), situation()));
     if (k >= last_step) return end(Outcome::kTimeout, situation());
     return false;
   }

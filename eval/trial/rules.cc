@@ -27,18 +27,27 @@ bool DwellRule::update(long k, double position_error, double orientation_error, 
   return k - first_ >= periods_;
 }
 
-StuckTracker::StuckTracker(const StuckRule& rule, double control_period) noexcept
-    : half_(std::isfinite(rule.time) ? std::max(1L, std::lround(0.5 * rule.time / control_period)) : 0),
-      motion_(rule.motion) {}
+StuckTracker::StuckTracker(const StuckRule& rule, bool disturbed, double control_period)
+    : means_(disturbed),
+      time_(disturbed ? rule.disturbed.time : rule.time),
+      motion_(disturbed ? rule.disturbed.motion : rule.motion) {
+  if (std::isfinite(rule.time) && std::isfinite(time_)) half_ = std::max(1L, std::lround(0.5 * time_ / control_period));
+}
 
-bool StuckTracker::update(const Vector3& base, const VectorX& q, bool at_rest) {
-  const bool still = started_ && rest_at_start_ && (base - base_).cwiseAbs().maxCoeff() < motion_ &&
-                     (q.size() == 0 || (q - q_).cwiseAbs().maxCoeff() < motion_);
+void StuckTracker::add(const PlantState& plant) {
+  if (added_ == 0) sum_.setZero(3 + plant.q.size());
+  sum_.head<3>() += plant.base;
+  sum_.tail(plant.q.size()) += plant.q;
+  ++added_;
+}
+
+bool StuckTracker::end_half(bool at_rest) {
+  sum_ /= added_;
+  added_ = 0;
+  const bool still = place_.size() > 0 && rest_at_start_ && (sum_ - place_).cwiseAbs().maxCoeff() < motion_;
   still_ = still ? still_ + 1 : 0;
-  started_ = true;
   rest_at_start_ = at_rest;
-  base_ = base;
-  q_ = q;
+  place_.swap(sum_);
   return still_ >= 2;
 }
 

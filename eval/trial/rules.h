@@ -2,6 +2,7 @@
 
 #include "controller/types.h"
 #include "eval/trial/spec.h"
+#include "world/plant/plant.h"
 
 namespace moma {
 
@@ -27,24 +28,37 @@ class DwellRule {
 };
 
 /// Rule of being stuck. It divides time into halves of stuck.time from t = 0 on (whole control periods, rounded to the
-/// nearest). A half is still if no coordinate changes by stuck.motion or more from its start to its end, and goal and
-/// objects are at rest throughout. Two consecutive still halves mean stuck.
+/// nearest). A half is still if each coordinate is within stuck.motion of the half before, and goal and objects are at
+/// rest throughout. Two consecutive still halves mean stuck. A robot that noise shakes never stands still: where
+/// anything is disturbed, the rule compares means over halves instead of their ends, by the time and motion of
+/// stuck.disturbed.
 class StuckTracker {
  public:
-  StuckTracker(const StuckRule& rule, double control_period) noexcept;
-  /// True if sample k ends a half, so that update() is due (also at k = 0).
-  bool due(long k) const noexcept { return half_ > 0 && k % half_ == 0; }
-  /// `at_rest`: goal and objects rest from now on. Returns true if stuck.
-  bool update(const Vector3& base, const VectorX& q, bool at_rest);
+  StuckTracker(const StuckRule& rule, bool disturbed, double control_period);
+  /// Time in which nothing moved once the robot is stuck [s].
+  double time() const noexcept { return time_; }
+  /// Takes sample k = 0, 1, ... of `plant`. Returns true if stuck. `at_rest()` is asked at the ends of halves: do goal
+  /// and objects rest from now on?
+  template <class AtRest>
+  bool update(long k, const PlantState& plant, AtRest at_rest) {
+    if (half_ == 0) return false;
+    const bool due = k % half_ == 0;
+    if (means_ || due) add(plant);
+    return due && end_half(at_rest());
+  }
 
  private:
-  long half_;
+  void add(const PlantState& plant);
+  bool end_half(bool at_rest);
+
+  bool means_;
+  double time_;
+  long half_ = 0;
   double motion_;
   int still_ = 0;
-  bool started_ = false;
+  int added_ = 0;
   bool rest_at_start_ = false;
-  Vector3 base_ = Vector3::Zero();
-  VectorX q_;
+  VectorX sum_, place_;  // base and joints
 };
 
 /// Rule of infeasibility: consecutive `brake` steps for infeasible.time.

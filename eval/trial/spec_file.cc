@@ -41,9 +41,13 @@ StuckRule read_stuck(const Node& node, const std::string& key, const SimulationC
   MapReader in(node, key);
   config::read_members(in, stuck);
   in.finish();
-  in.check(stuck.time >= 2.0 * simulation.control_period, "time",
-           fmt::format("half of {} s is shorter than the control period of {} s; .inf switches the rule off",
-                       stuck.time, simulation.control_period));
+  const auto check = [&](double time, const char* at) {
+    in.check(time >= 2.0 * simulation.control_period, at,
+             fmt::format("half of {} s is shorter than the control period of {} s; .inf switches the rule off", time,
+                         simulation.control_period));
+  };
+  check(stuck.time, "time");
+  check(stuck.disturbed.time, "disturbed.time");
   return stuck;
 }
 

@@ -62,6 +62,8 @@ TEST(Suite, RefusesWhatIsWrongAndSaysWhere) {
   EXPECT_REFUSED(folder.suite("success: {position: nan}\n"), {}, "success.position: found 'nan'");
   EXPECT_REFUSED(folder.suite("success: {dwell: 6}\n"), {}, "does not fit into the time limit of 6 s");
   EXPECT_REFUSED(folder.suite("stuck: {time: 0.03}\n"), {}, "stuck.time: half of 0.03 s is shorter");
+  EXPECT_REFUSED(folder.suite("stuck: {disturbed: {time: 0.03}}\n"), {},
+                 "stuck.disturbed.time: half of 0.03 s is shorter");
   EXPECT_REFUSED(folder.suite("samples: some\n"), {}, "expected one of: all, failures, none");
   EXPECT_REFUSED(folder.suite("", "{}"), {}, "controllers: expected at least one controller");
   EXPECT_REFUSED(folder.suite("", "[controllers/plain.yaml]"), {}, "controllers: expected at least one controller");

@@ -86,6 +86,27 @@ TEST(TrialClock, SlowMotionBelowTheThresholdIsStillAndAboveIsNot) {
   EXPECT_EQ(run_scripted(tiny_spec(), tiny_world(3.0), drive(0.00055, 99)).row.outcome, Outcome::kTimeout);
 }
 
+TEST(TrialClock, AShakenRobotIsStuckByItsMeansWhereAnythingIsDisturbed) {
+  // Shakes by 4 mm a period about a place that drifts; halves are of 2 s, and a half's mean may be 5 mm from the last.
+  const auto shake = [](double drift) {
+    return [=, k = 0](const Observation&, StepResult& result) mutable {
+      result.command[0] = drift + (k++ % 2 == 0 ? 0.2 : -0.2);
+    };
+  };
+  TrialSpec disturbed = tiny_spec();
+  disturbed.disturbances.joints.noise = 1e-4;
+  TrialOutput out = run_scripted(disturbed, tiny_world(3.0), shake(0.0));
+  EXPECT_EQ(to_string(out.row.outcome), "stuck") << out.row.reason;
+  EXPECT_DOUBLE_EQ(out.row.time_end_s, 4.0);
+  EXPECT_EQ(out.row.reason.find("nothing moved for 4 s"), 0u) << out.row.reason;
+  EXPECT_EQ(run_scripted(disturbed, tiny_world(3.0), shake(0.0024)).row.outcome, Outcome::kStuck);
+  EXPECT_EQ(run_scripted(disturbed, tiny_world(3.0), shake(0.0026)).row.outcome, Outcome::kTimeout);
+  EXPECT_EQ(run_scripted(tiny_spec(), tiny_world(3.0), shake(0.0003)).row.outcome, Outcome::kStuck)
+      << "ends of halves, which shaking by two periods does not move, count where nothing is disturbed";
+  disturbed.stuck.time = kInfinity;
+  EXPECT_EQ(run_scripted(disturbed, tiny_world(3.0), shake(0.0)).row.outcome, Outcome::kTimeout);
+}
+
 TEST(TrialClock, NotStuckWhileGoalOrObjectsMove) {
   World world = tiny_world(3.0);
   world.goal.motion = PathMotion{{0.0, 5.0},
