@@ -31,8 +31,18 @@ def solids(robot):
     """(link, kind, size, pose in the link) of each; the base's link is None."""
     base = robot.description["base"]
     found = [(None, base["footprint"])] if "footprint" in base else []
+    found += [(None, box) for box in wheels(base)]
     found += [(item["link"], item) for item in robot.description["collision"]["shapes"]]
     return [(None if link == "@base" else link, item["shape"], item["size"], pose(item)) for link, item in found]
+
+
+def wheels(base):
+    """The boxes that moma makes of a differential drive's wheels where their width is given: left, right."""
+    driven = base.get("wheels", {})
+    if base["type"] != "differential" or "width" not in driven:
+        return []
+    size = [2 * driven["radius"], driven["width"], 2 * driven["radius"]]
+    return [{"shape": "box", "size": size, "position": [0, side * driven["separation"], driven["radius"]]} for side in (0.5, -0.5)]
 
 
 def pairs(robot):

@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import sys
 import tempfile
 import unittest
 
@@ -107,6 +108,17 @@ class RobotTest(unittest.TestCase):
         moved = self.robot.distances(self.robot.ready, base=[1, 0, 0], objects=[ball], within=10)
         self.assertAlmostEqual(near[0].d - moved[0].d, 1.0, 1)
         self.assertEqual(self.robot.distances(self.robot.ready, objects=[ball], within=0.1), [])
+
+    def test_peers_number_solids_as_moma_does(self):
+        """examples/peers/parts.py: the numbers of the description's pairs are those of its solids, wheels among them."""
+        sys.path.insert(0, str(ROOT / "examples/peers"))
+        import parts
+        for file in ("frankie", "panda"):
+            robot = moma.Robot(ROOT / f"configs/robots/{file}.yaml")
+            self.assertEqual(len(parts.solids(robot)), 1 + max(second for _, second in parts.pairs(robot)), file)
+            near = robot.distances(robot.ready, objects=[{"shape": "sphere", "size": [0.01], "position": [0, 1, 0.1]}], within=100)
+            links = sorted(link or "@base" for link, *_ in parts.solids(robot))
+            self.assertEqual(sorted(pair.first.split("/")[0] for pair in near), links, file)
 
     def test_its_description_is_the_same_robot(self):
         again = moma.Robot(json.loads(json.dumps(self.robot.description)))
