@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -54,7 +55,7 @@ TEST_P(EveryWorld, IsSolvedByItsWitness) {
   for (int i = 0; i < count; ++i) {
     const World world = source.make(model, static_cast<std::uint64_t>(i));
     objects += world.objects.size();
-    proof.check(world, source.clearance(), kHorizon, kProofStep);
+    proof.check(world, source.clearance(), kHorizon, kProofStep, at_witness(source));
     if (HasFatalFailure()) FAIL() << "world " << i << ": " << to_json(world).dump();
   }
   fmt::print("{} worlds, {} objects\n", count, objects);
@@ -80,6 +81,48 @@ std::vector<Case> cases() {
 
 INSTANTIATE_TEST_SUITE_P(Families, EveryWorld, testing::ValuesIn(cases()),
                          [](const auto& p) { return p.param.robot + "_" + p.param.name; });
+
+class CloseGoals : public testing::TestWithParam<const char*> {};
+
+TEST_P(CloseGoals, AreAsNearAsTheirClearanceSays) {
+  const auto model = robot(GetParam());
+  WorldProof proof(model);
+  for (const std::string family : {"grasp", "insert"}) {
+    std::set<std::string> names;
+    for (const double clearance : {0.005, 0.02, 0.05}) {
+      const Worlds source = worlds(fmt::format("seed: 5\nfamilies: {{{}: {{clearance: {}}}}}", family, clearance));
+      for (std::uint64_t i = 0; i < 12; ++i) {
+        const World world = source.make(model, i);
+        proof.check(world, 0.05, 0.0, 1.0, clearance);
+        if (HasFatalFailure()) FAIL() << to_json(world).dump();
+        EXPECT_NEAR(proof.least_at_witness(world), clearance, 1e-3) << to_json(world).dump();
+        EXPECT_NEAR(world.difficulty.witness_clearance_m, clearance, 1e-3);
+        for (const WorldObject& object : world.objects) names.insert(object.name);
+      }
+    }
+    EXPECT_EQ(names, family == "insert" ? std::set<std::string>({"board1", "board2"})
+                                        : std::set<std::string>({"box", "can", "handle", "panel", "post"}));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, CloseGoals, testing::Values("frankie", "frankie_omni", "panda", "ur5", "lift_ur5"),
+                         [](const auto& p) { return std::string(p.param); });
+
+TEST(CloseGoals, RefuseWhatCannotBe) {
+  const auto error_of = [](const std::string& family) -> std::string {
+    try {
+      worlds("tries: 200\nfamilies: {" + family + "}").make(robot("panda"), 0);
+      return "";
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+  };
+  for (const auto& [family, what] :
+       {std::pair{"grasp: {can: 0, handle: 0, box: 0}", "one of can, handle, box"},
+        std::pair{"grasp: {clearance: 0}", "grasp.clearance"},
+        std::pair{"insert: {clearance: 0.3}", "insert.clearance"}, std::pair{"insert: {depth: 2}", "insert: a board"}})
+    EXPECT_NE(error_of(family).find(what), std::string::npos) << family << ": " << error_of(family);
+}
 
 /// Fresh workspaces on every thread, one source for all.
 std::vector<std::string> made(const Worlds& source, const std::shared_ptr<const RobotModel>& model, std::uint64_t count,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,12 @@ inline bool is_for_others(const Worlds& source, const std::shared_ptr<const Robo
     if (!told && !(model->mobile() && why.find("cannot stand on a table") != std::string::npos)) throw;
     return true;
   }
+}
+
+/// What a family keeps at the witness, where that is not worlds.clearance.
+inline std::optional<double> at_witness(const Worlds& source) {
+  const auto keys = source.to_json()["families"].begin().value();
+  return keys.contains("clearance") ? std::optional<double>(keys["clearance"].get<double>()) : std::nullopt;
 }
 
 /// Families that are made for robots that drive.

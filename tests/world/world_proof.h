@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "tests/support/coal_distance.h"
@@ -18,9 +22,10 @@ class WorldProof {
       : model_(std::move(model)), start_(model_), witness_(model_) {}
 
   /// Start and witness keep off the floor, off themselves and `clearance` off every object, wherever it is at any of
-  /// the times 0, step, 2 step, ... horizon; the witness is within its limits and its tool at the goal.
-  void check(const World& world, double clearance, double horizon, double step) {
-    place(world);
+  /// the times 0, step, 2 step, ... horizon, or `at_witness` off the witness if that is given; the witness is within
+  /// its limits and its tool at the goal.
+  void check(const World& world, double clearance, double horizon, double step, std::optional<double> at_witness = {}) {
+    place(world, clearance, at_witness.value_or(clearance));
     ASSERT_NO_FATAL_FAILURE(check_pose(start_, 0.0, 0.0, "start"));
     ASSERT_NO_FATAL_FAILURE(check_pose(witness_, 0.02, 0.01, "witness"));
     ASSERT_LT((witness_.X_WE().matrix() - goal_state(world, 0.0).X_WG.matrix()).norm(), 1e-9) << "goal and witness";
@@ -30,7 +35,17 @@ class WorldProof {
       ASSERT_LE(world.witness.q[j], joint.upper) << "joint " << j;
     }
     for (const WorldObject& object : world.objects)
-      ASSERT_NO_FATAL_FAILURE(check_object(object, clearance, at_rest(object.motion, 0.0) ? 0.0 : horizon, step));
+      ASSERT_NO_FATAL_FAILURE(check_object(object, at_rest(object.motion, 0.0) ? 0.0 : horizon, step));
+  }
+
+  /// Least distance of the witness's shapes to the objects at t = 0.
+  double least_at_witness(const World& world) {
+    witness_.update(world.witness.base, world.witness.q);
+    double least = std::numeric_limits<double>::infinity();
+    for (const CollisionShape& shape : model_->shapes)
+      for (const WorldObject& object : world.objects)
+        least = std::min(least, coal_distance(shape.shape, witness_.X_WS(shape), object.shape, object.X_WO));
+    return least;
   }
 
  private:
@@ -42,15 +57,16 @@ class WorldProof {
     const char* who;
     Isometry X_WS;
     double reach;
+    double clearance;
   };
 
-  void place(const World& world) {
+  void place(const World& world, double at_start, double at_witness) {
     start_.update(world.start.base, world.start.q);
     witness_.update(world.witness.base, world.witness.q);
     placed_.clear();
     for (const CollisionShape& shape : model_->shapes) {
-      placed_.push_back({&shape, "start ", start_.X_WS(shape), reach(shape.shape)});
-      placed_.push_back({&shape, "witness ", witness_.X_WS(shape), reach(shape.shape)});
+      placed_.push_back({&shape, "start ", start_.X_WS(shape), reach(shape.shape), at_start});
+      placed_.push_back({&shape, "witness ", witness_.X_WS(shape), reach(shape.shape), at_witness});
     }
   }
 
@@ -68,7 +84,7 @@ class WorldProof {
     }
   }
 
-  void check_object(const WorldObject& object, double clearance, double horizon, double step) {
+  void check_object(const WorldObject& object, double horizon, double step) {
     // What goes straight is looked at every kTimeStep as it is made, and may come nearer by a step in between.
     const auto* straight = std::get_if<LinearMotion>(&object.motion);
     const double between = straight != nullptr ? straight->V_W.tail<3>().norm() * SceneBuilder::kTimeStep : 0.0;
@@ -79,9 +95,10 @@ class WorldProof {
       ASSERT_TRUE(X_WO.matrix().allFinite()) << object.name << " at " << t;
       for (const Placed& part : placed_) {
         // Spheres about both, and a little for rounding.
-        const double far = clearance + part.reach + size + 1e-9;
+        const double far = part.clearance + part.reach + size + 1e-9;
         if ((part.X_WS.translation() - X_WO.translation()).squaredNorm() > far * far) continue;
-        ASSERT_GE(coal_distance(part.shape->shape, part.X_WS, object.shape, X_WO), clearance - between - kTolerance)
+        ASSERT_GE(coal_distance(part.shape->shape, part.X_WS, object.shape, X_WO),
+                  part.clearance - between - kTolerance)
             << part.who << part.shape->name << " " << object.name << " at " << t;
       }
     }

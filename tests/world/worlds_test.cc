@@ -34,18 +34,19 @@ std::vector<std::string> make_all(const Worlds& source, const std::shared_ptr<co
 }
 
 /// Start and witness against floor, self and every object, by the distance library, one pair at a time.
-void expect_valid(const World& world, const RobotModel& model, double clearance, double witness_floor) {
+void expect_valid(const World& world, const RobotModel& model, double clearance, double at_witness,
+                  double witness_floor) {
   Kinematics kinematics(std::make_shared<RobotModel>(model));
   std::vector<ObjectState> states(world.objects.size());
   object_states(world, 0.0, states);
-  const auto check = [&](const Configuration& c, double floor, const char* who) {
+  const auto check = [&](const Configuration& c, double floor, double room, const char* who) {
     kinematics.update(c.base, c.q);
     for (const CollisionShape& shape : model.shapes) {
       const double lowest = shape.rigid_with_base ? floor : lowest_point(shape.shape, kinematics.X_WS(shape));
       ASSERT_GE(lowest, floor) << who << " " << shape.name;
       for (std::size_t i = 0; i < world.objects.size(); ++i)
         ASSERT_GT(shape_distance(shape.shape, kinematics.X_WS(shape), world.objects[i].shape, states[i].X_WO).d,
-                  clearance - 1e-6)
+                  room - 1e-6)
             << who << " " << shape.name << " " << world.objects[i].name;
     }
     for (const SelfPair& pair : model.self_pairs) {
@@ -54,8 +55,8 @@ void expect_valid(const World& world, const RobotModel& model, double clearance,
       ASSERT_GT(shape_distance(a.shape, kinematics.X_WS(a), b.shape, kinematics.X_WS(b)).d, 0.0) << who;
     }
   };
-  check(world.start, 0.0, "start");
-  check(world.witness, witness_floor, "witness");
+  check(world.start, 0.0, clearance, "start");
+  check(world.witness, witness_floor, at_witness, "witness");
   EXPECT_LT((kinematics.X_WE().matrix() - world.goal.X_WG.matrix()).norm(), 1e-12) << "the witness reaches the goal";
   for (int j = 0; j < model.num_joints(); ++j) {
     EXPECT_GE(world.witness.q[j], model.joints[static_cast<std::size_t>(j)].lower);
@@ -78,7 +79,7 @@ TEST_P(EveryFamily, IsSolvableByConstruction) {
   if (test::is_for_others(source, model)) return;
   for (int i = 0; i < count; ++i) {
     const World world = source.make(model, static_cast<std::uint64_t>(i));
-    expect_valid(world, *model, source.clearance(), 0.02);
+    expect_valid(world, *model, source.clearance(), test::at_witness(source).value_or(source.clearance()), 0.02);
     EXPECT_EQ(world.family, family);
     EXPECT_EQ(world.robot, model->name);
     EXPECT_EQ(world.difficulty.objects, static_cast<int>(world.objects.size()));
@@ -134,7 +135,7 @@ TEST(Worlds, TheRobotStandsOnTheDesk) {
     if (shape.rigid_with_base) lowest = std::min(lowest, lowest_point(shape.shape, at_ready.X_WS(shape)));
   for (std::uint64_t i = 0; i < 60; ++i) {
     const World world = source.make(model, i);
-    expect_valid(world, *model, source.clearance(), 0.02);
+    expect_valid(world, *model, source.clearance(), test::at_witness(source).value_or(source.clearance()), 0.02);
     const WorldObject& top = named(world, "table_top");
     const double height = top.X_WO.translation().z() + 0.5 * top.shape.size.z();
     EXPECT_NEAR(height, lowest - 0.06, 1e-9) << "the plate under the robot";

@@ -212,6 +212,35 @@ bool SceneBuilder::clear_for(const WorldObject& object, double top_speed, double
   return true;
 }
 
+bool SceneBuilder::bring_near(WorldObject& object, const Vector3& direction_W, double furthest, double clearance) {
+  constexpr double kWithin = 1e-4;  // [m]
+  choose_object(object);
+  one_[0].X_WO = object.X_WO;
+  for (double way = 0.0; way <= furthest;) {
+    const Vector3 p = object.X_WO.translation() + way * direction_W;
+    one_[0].X_WO.translation() = p;
+    const double gap =
+        nearest(proximity_.query(witness_, one_, only_objects(furthest + clearance)), furthest + clearance);
+    if (gap < clearance) return false;
+    if (gap <= clearance + kWithin) {
+      set_pose(object, p, object.file_rotation);
+      return true;
+    }
+    // The gap shrinks by no more than the way.
+    way += gap - clearance - 0.5 * kWithin;
+  }
+  return false;
+}
+
+bool SceneBuilder::stands_near(const WorldObject& object, double at_witness) {
+  choose_object(object);
+  if (!leaves_start_room(object)) return false;
+  one_[0].X_WO = object.X_WO;
+  const double range = std::max(room_.clearance, at_witness) + 1e-3;
+  return nearest(proximity_.query(start_, one_, only_objects(range)), range) > room_.clearance &&
+         nearest(proximity_.query(witness_, one_, only_objects(range)), range) >= at_witness;
+}
+
 std::vector<Vector3> SceneBuilder::footprints() const {
   std::vector<Vector3> out;
   for (const Kinematics* kinematics : {&start_, &witness_}) {

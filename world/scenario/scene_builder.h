@@ -113,6 +113,12 @@ class SceneBuilder {
   /// Room::start from the start.
   bool clear_for(const WorldObject& object, double top_speed, double horizon, double clearance);
 
+  /// Moves an object at rest along a unit vector, `furthest` at most, until its distance to the witness is `clearance`,
+  /// to within 0.1 mm above. False if it is nearer where it begins, or passes the robot.
+  bool bring_near(WorldObject& object, const Vector3& direction_W, double furthest, double clearance);
+  /// As stands_clear() for the start; to the witness the object keeps `at_witness` instead.
+  bool stands_near(const WorldObject& object, double at_witness);
+
   /// Circles on the floor, (x, y, radius), that contain the projections of start and witness. After place_robot().
   std::vector<Vector3> footprints() const;
 
