@@ -252,6 +252,18 @@ std::optional<FoundLatency> find_latency(const MotionLog& log, std::vector<Fitte
   return out;
 }
 
+// Compares changes of the base's heading with its rate of turn.
+void check_heading(const MotionLog& log, const Axis& omega, double period) {
+  if (log.base_heading.empty()) return;
+  Axis heading = omega;
+  heading.name = "base.heading";
+  heading.position = log.base_heading;
+  for (std::size_t k = 1; k < heading.position.size(); ++k)
+    heading.position[k] =
+        heading.position[k - 1] + std::remainder(log.base_heading[k] - log.base_heading[k - 1], 2.0 * std::numbers::pi);
+  check_position(log, heading, period);
+}
+
 void identify_base(const MotionLog& log, Found& found) {
   if (log.base.empty()) return;
   std::vector<Fitted> parts(2);
@@ -260,6 +272,7 @@ void identify_base(const MotionLog& log, Found& found) {
   parts[1].turning = true;
   const auto trip = find_latency(log, parts, log.base_stamp, "the base", found);
   if (!trip) return;
+  check_heading(log, *parts[1].group.front(), found.period);
   FoundBase& out = found.base.emplace();
   out.latency = trip->latency;
   out.linear = drive_of(parts[0], trip->periods, found.period);

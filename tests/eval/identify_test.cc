@@ -144,6 +144,10 @@ TEST(Identify, RefusesWrongSignsAndUnits) {
   for (const auto& [factor, words] :
        {std::pair{57.29578, "one of the two is in degrees"}, {-1.0, "one of the two has the wrong sign"}}) {
     MotionLog log = turned;
+    for (double& phi : log.base_heading) phi *= factor;
+    EXPECT_NE(refusal(log).find("base.heading: positions change"), std::string::npos) << refusal(log);
+    EXPECT_NE(refusal(log).find("measured velocities: " + std::string(words)), std::string::npos) << refusal(log);
+    log = turned;
     for (double& q : log.joints[1].position) q *= factor;
     EXPECT_NE(refusal(log).find("times as fast as the measured velocities: " + std::string(words)), std::string::npos)
         << refusal(log);
