@@ -18,13 +18,6 @@ constexpr int kSamples = 1000;
 constexpr double kAlwaysClose = 0.2;  // share of the samples
 constexpr double kRowRange = 0.1;     // [m]
 
-// Link that carries `link` rigidly and hangs on a controlled joint, or 0.
-int rigid_root(const RobotModel& model, int link) {
-  while (link > 0 && model.links[static_cast<std::size_t>(link)].controlled < 0)
-    link = model.links[static_cast<std::size_t>(link)].parent;
-  return link;
-}
-
 VectorX sample(const RobotModel& model, std::mt19937_64& engine) {
   VectorX q(model.num_joints());
   for (int i = 0; i < q.size(); ++i) {
@@ -70,13 +63,13 @@ bool telescopes(const Kinematics& kinematics, const SelfPair& pair) {
   const RobotModel& model = kinematics.model();
   const int a = model.shapes[static_cast<std::size_t>(pair.first)].link;
   const int b = model.shapes[static_cast<std::size_t>(pair.second)].link;
-  const int root = rigid_root(model, std::min(a, b));
+  const int root = model.rigid_root(std::min(a, b));
   std::vector<Vector3> axes_W;
-  for (int i = rigid_root(model, std::max(a, b)); i != root;) {
+  for (int i = model.rigid_root(std::max(a, b)); i != root;) {
     const Link& link = model.links[static_cast<std::size_t>(i)];
     if (i == 0 || link.joint_type != JointType::kPrismatic) return false;
     axes_W.push_back(kinematics.X_WL(i).linear() * link.axis);
-    i = rigid_root(model, link.parent);
+    i = model.rigid_root(link.parent);
   }
   constexpr double kParallel = 0.999;
   return axes_W.size() > 1 && std::all_of(axes_W.begin(), axes_W.end(), [&](const Vector3& axis_W) {
@@ -105,7 +98,7 @@ class PairDistances {
 }  // namespace
 
 bool can_move_against(const RobotModel& model, int link1, int link2) {
-  return rigid_root(model, link1) != rigid_root(model, link2);
+  return model.rigid_root(link1) != model.rigid_root(link2);
 }
 
 std::vector<SelfPair> movable_pairs(const RobotModel& model) {

@@ -58,6 +58,20 @@ int wheel_speeds(const MobileBase& base, const Eigen::Ref<const VectorX>& veloci
 
 int RobotModel::base_dof() const noexcept { return kind_of(base.type).dof(); }
 
+int RobotModel::rigid_root(int link) const noexcept {
+  while (link > 0 && links[static_cast<std::size_t>(link)].controlled < 0)
+    link = links[static_cast<std::size_t>(link)].parent;
+  return link;
+}
+
+std::vector<int> RobotModel::hand_shapes() const {
+  std::vector<int> hand;
+  const int root = rigid_root(tip);
+  for (std::size_t i = 0; i < shapes.size(); ++i)
+    if (rigid_root(shapes[i].link) == root) hand.push_back(static_cast<int>(i));
+  return hand;
+}
+
 int RobotModel::find_link(std::string_view link_name) const noexcept {
   for (std::size_t i = 0; i < links.size(); ++i)
     if (links[i].name == link_name) return static_cast<int>(i);

@@ -119,6 +119,11 @@ struct RobotModel {
   int num_velocities() const noexcept { return base_dof() + num_joints(); }
   /// -1 if there is none.
   int find_link(std::string_view link_name) const noexcept;
+  /// Returns the link nearest to the root that no controlled joint separates from `link`: one that a controlled joint
+  /// moves, or 0.
+  int rigid_root(int link) const noexcept;
+  /// Returns the indices of the shapes that no controlled joint separates from E.
+  std::vector<int> hand_shapes() const;
   /// Largest |velocity| of every velocity coordinate, base first; size num_velocities().
   VectorX velocity_limits() const;
   /// Names of the velocity coordinates: "v", "omega" / "v_x", "v_y", "omega", then joint names.

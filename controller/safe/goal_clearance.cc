@@ -4,27 +4,8 @@
 #include <optional>
 
 namespace moma {
-namespace {
 
-// Returns the link nearest to the root that no controlled joint separates from `link`.
-int rigid_root(const RobotModel& model, int link) noexcept {
-  while (model.links[static_cast<std::size_t>(link)].controlled < 0 &&
-         model.links[static_cast<std::size_t>(link)].parent >= 0)
-    link = model.links[static_cast<std::size_t>(link)].parent;
-  return link;
-}
-
-}  // namespace
-
-std::vector<int> hand_shapes(const RobotModel& model) {
-  std::vector<int> shapes;
-  const int hand = rigid_root(model, model.tip);
-  for (std::size_t i = 0; i < model.shapes.size(); ++i)
-    if (rigid_root(model, model.shapes[i].link) == hand) shapes.push_back(static_cast<int>(i));
-  return shapes;
-}
-
-GoalClearance::GoalClearance(const RobotModel& model) : shapes_(hand_shapes(model)) {}
+GoalClearance::GoalClearance(const RobotModel& model) : shapes_(model.hand_shapes()) {}
 
 double GoalClearance::least(const Kinematics& kinematics, const Isometry& X_WG, std::span<const ObjectState> objects,
                             double range, Proximity& proximity) noexcept {

@@ -30,9 +30,6 @@ struct KeptDistance {
   }
 };
 
-/// Returns the indices of the shapes that no controlled joint separates from E.
-std::vector<int> hand_shapes(const RobotModel& model);
-
 /// Distance between the solids that are rigid with E and objects, with E at its goal: no configuration changes it. One
 /// per worker; only allocate() allocates.
 class GoalClearance {

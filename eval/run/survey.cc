@@ -10,7 +10,6 @@
 
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
-#include "controller/safe/goal_clearance.h"
 
 namespace moma::run {
 namespace {
@@ -63,7 +62,7 @@ void look_at(const World& world, const std::shared_ptr<const RobotModel>& model,
   ProximityPair nearest;
   nearest.distance.d = kFar;
   (void)proximity.place(kinematics);
-  for (const int shape : hand_shapes(*model)) {
+  for (const int shape : model->hand_shapes()) {
     for (std::size_t k = 0; k < states.size(); ++k) {
       if (in_motion(states[k])) continue;
       const auto distance = proximity.within(PairKind::kObject, shape, static_cast<int>(k), states, nearest.distance.d);

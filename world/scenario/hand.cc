@@ -8,36 +8,14 @@
 #include <vector>
 
 namespace moma {
-namespace {
-
-/// The link that the last controlled joint before `link` moves; 0 if there is none.
-int moved_link(const RobotModel& model, int link) {
-  while (link > 0 && model.links[static_cast<std::size_t>(link)].controlled < 0)
-    link = model.links[static_cast<std::size_t>(link)].parent;
-  return link;
-}
-
-/// From the wrist to E: the first link whose origin is not in E itself.
-Vector3 reach_of(const Kinematics& at) {
-  constexpr double kApart = 0.03;  // [m]
-  const RobotModel& model = at.model();
-  for (int link = model.tip; link > 0; link = model.links[static_cast<std::size_t>(link)].parent) {
-    const Vector3 reach = at.X_WE().translation() - at.X_WL(link).translation();
-    if (reach.norm() >= kApart) return reach;
-  }
-  return at.X_WE().linear().col(2);
-}
-
-}  // namespace
-
 Hand hand_at_witness(SceneBuilder& builder, const World& world, const std::string& family) {
   Kinematics at(builder.model_pointer());
   at.update(world.witness.base, world.witness.q);
-  const RobotModel& model = builder.model();
-  const int moved = moved_link(model, model.tip);
   std::vector<std::pair<const Shape*, Isometry>> shapes;
-  for (const CollisionShape& shape : model.shapes)
-    if (moved_link(model, shape.link) == moved) shapes.emplace_back(&shape.shape, at.X_WS(shape));
+  for (const int i : builder.model().hand_shapes()) {
+    const CollisionShape& shape = builder.model().shapes[static_cast<std::size_t>(i)];
+    shapes.emplace_back(&shape.shape, at.X_WS(shape));
+  }
 
   Hand hand;
   hand.point = at.X_WE().translation();
@@ -51,7 +29,8 @@ Hand hand_at_witness(SceneBuilder& builder, const World& world, const std::strin
     for (const auto& [shape, X_WS] : shapes) most = std::max(most, extent_along(*shape, X_WS, n));
     return most - n.dot(hand.point);
   };
-  const Vector3 along = at.X_WE().linear().transpose() * reach_of(at);
+  constexpr double kWrist = 0.03;  // the wrist is the first link whose origin is so far from E at least [m]
+  const Vector3 along = at.X_WE().linear().transpose() * builder.approach(kWrist);
   Eigen::Index axis = 0;
   along.cwiseAbs().maxCoeff(&axis);
   hand.into = std::copysign(1.0, along[axis]) * at.X_WE().linear().col(axis);

@@ -166,11 +166,11 @@ bool SceneBuilder::check_configuration(const Configuration& configuration, const
   return check_pose(kinematics, placement.floor_clearance, placement.self_clearance, "goal's path");
 }
 
-Vector3 SceneBuilder::approach() const {
+Vector3 SceneBuilder::approach(double apart) const {
   const Vector3 tool = witness_.X_WE().translation();
   for (int link = model_->tip; link > 0; link = model_->links[static_cast<std::size_t>(link)].parent) {
     const Vector3 reach = tool - witness_.X_WL(link).translation();
-    if (reach.norm() >= 0.1) return reach.normalized();
+    if (reach.norm() >= apart) return reach.normalized();
   }
   return witness_.X_WE().linear().col(2);
 }

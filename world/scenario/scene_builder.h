@@ -99,8 +99,9 @@ class SceneBuilder {
 
   /// Checks that a configuration keeps off the floor and itself as the witness must; rejects the try otherwise.
   bool check_configuration(const Configuration& configuration, const Placement& placement);
-  /// Unit vector of the witness's reach: from the last joint at least 0.1 m away to the tool point.
-  Vector3 approach() const;
+  /// Unit vector of the witness's reach: from the last link whose origin is at least `apart` [m] away to the tool
+  /// point.
+  Vector3 approach(double apart = 0.1) const;
 
   /// Tool position at the start, after place_robot().
   const Vector3& start_tip() const { return start_tip_; }
