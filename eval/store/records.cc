@@ -55,8 +55,8 @@ SuiteRecord describe(const Suite& suite) {
     p.success_position_m = point.success.position;
     p.success_orientation_rad = point.success.orientation;
     p.success_dwell_s = point.success.dwell;
-    p.stuck_time_s = point.stuck.time;
-    p.stuck_motion = point.stuck.motion;
+    p.stuck_time_s = point.stuck.ends.time;
+    p.stuck_motion = point.stuck.ends.motion;
     p.infeasible_time_s = point.infeasible.time;
     p.simulation_version = kSimulationVersion;
     Json rules = {to_json(point.simulation), to_json(point.success), to_json(point.stuck), to_json(point.infeasible)};

@@ -11,8 +11,8 @@
 
 namespace moma {
 
-static_assert(is_complete<SimulationConfig>() && is_complete<SuccessRule>() && is_complete<StuckRule>() &&
-              is_complete<InfeasibleRule>() && is_complete<UntilRule>());
+static_assert(is_complete<SimulationConfig>() && is_complete<SuccessRule>() && is_complete<StillRule>() &&
+              is_complete<StuckRule>() && is_complete<InfeasibleRule>() && is_complete<UntilRule>());
 
 namespace {
 

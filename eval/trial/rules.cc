@@ -28,10 +28,9 @@ bool DwellRule::update(long k, double position_error, double orientation_error, 
 }
 
 StuckTracker::StuckTracker(const StuckRule& rule, bool disturbed, double control_period)
-    : means_(disturbed),
-      time_(disturbed ? rule.disturbed.time : rule.time),
-      motion_(disturbed ? rule.disturbed.motion : rule.motion) {
-  if (std::isfinite(rule.time) && std::isfinite(time_)) half_ = std::max(1L, std::lround(0.5 * time_ / control_period));
+    : means_(disturbed), still_rule_(disturbed ? rule.disturbed : rule.ends) {
+  if (std::isfinite(rule.ends.time) && std::isfinite(time()))
+    half_ = std::max(1L, std::lround(0.5 * time() / control_period));
 }
 
 void StuckTracker::add(const PlantState& plant) {
@@ -44,7 +43,7 @@ void StuckTracker::add(const PlantState& plant) {
 bool StuckTracker::end_half(bool at_rest) {
   sum_ /= added_;
   added_ = 0;
-  const bool still = place_.size() > 0 && rest_at_start_ && (sum_ - place_).cwiseAbs().maxCoeff() < motion_;
+  const bool still = place_.size() > 0 && rest_at_start_ && (sum_ - place_).cwiseAbs().maxCoeff() < still_rule_.motion;
   still_ = still ? still_ + 1 : 0;
   rest_at_start_ = at_rest;
   place_.swap(sum_);

@@ -36,7 +36,7 @@ class StuckTracker {
  public:
   StuckTracker(const StuckRule& rule, bool disturbed, double control_period);
   /// Time in which nothing moved once the robot is stuck [s].
-  double time() const noexcept { return time_; }
+  double time() const noexcept { return still_rule_.time; }
   /// Takes sample k = 0, 1, ... of `plant`. Returns true if stuck. `at_rest()` is asked at the ends of halves: do goal
   /// and objects rest from now on?
   template <class AtRest>
@@ -52,9 +52,8 @@ class StuckTracker {
   bool end_half(bool at_rest);
 
   bool means_;
-  double time_;
+  StillRule still_rule_;
   long half_ = 0;
-  double motion_;
   int still_ = 0;
   int added_ = 0;
   bool rest_at_start_ = false;

@@ -35,46 +35,38 @@ constexpr void describe(Visitor& v, Of<SuccessRule>) {
             .text = "additional tolerance of |x| + |y| + |z| + |roll| + |pitch| + |yaw| of the goal as seen from E"});
 }
 
-/// The rule of being stuck where anything is disturbed: it compares means over halves of `time`.
-struct DisturbedStuckRule {
-  double time = 4.0;      ///< [s]
-  double motion = 0.005;  ///< [m or rad]
-  bool operator==(const DisturbedStuckRule&) const = default;
+struct StillRule {
+  double time = 2.0;       ///< [s]
+  double motion = 0.0005;  ///< [m or rad]
+  bool operator==(const StillRule&) const = default;
 };
 
 template <class Visitor>
-constexpr void describe(Visitor& v, Of<DisturbedStuckRule>) {
-  using T = DisturbedStuckRule;
+constexpr void describe(Visitor& v, Of<StillRule>) {
+  using T = StillRule;
   v.member("time", &T::time,
            {.unit = "s",
             .range = Range::positive_or_inf(),
-            .text = "the same where disturbances are on; .inf: never there"});
-  v.member(
-      "motion", &T::motion,
-      {.unit = "m or rad",
-       .range = {0.0, 1.0, true, false},
-       .text = "with disturbances: a half is still if the mean of each coordinate is within this of the half before"});
+            .text = "a trial is stuck if both halves of this time are still (disturbed: where disturbances are on); "
+                    ".inf: never"});
+  v.member("motion", &T::motion,
+           {.unit = "m or rad",
+            .range = {0.0, 1.0, true, false},
+            .text = "motion of each coordinate (disturbed: of its mean) below which a half is still"});
 }
 
+/// The rule of being stuck: ends of halves are compared, or means over halves where disturbances are on.
 struct StuckRule {
-  double time = 2.0;       ///< [s]
-  double motion = 0.0005;  ///< [m or rad]
-  DisturbedStuckRule disturbed;
+  StillRule ends;
+  StillRule disturbed{4.0, 0.005};
 };
 
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<StuckRule>) {
-  using T = StuckRule;
-  v.member("time", &T::time,
-           {.unit = "s",
-            .range = Range::positive_or_inf(),
-            .text = "a trial is stuck if both halves of this time are still; .inf: never"});
-  v.member("motion", &T::motion,
-           {.unit = "m or rad",
-            .range = {0.0, 1.0, true, false},
-            .text = "motion of each coordinate below which a half is still"});
-  v.member("disturbed", &T::disturbed,
-           {.written = Written::kUnlessDefault, .text = "the rule where disturbances are on"});
+  v.inlined(&StuckRule::ends);
+  v.member(
+      "disturbed", &StuckRule::disturbed,
+      {.written = Written::kUnlessDefault, .text = "the same where disturbances are on, between means over halves"});
 }
 
 struct InfeasibleRule {

@@ -46,7 +46,7 @@ StuckRule read_stuck(const Node& node, const std::string& key, const SimulationC
              fmt::format("half of {} s is shorter than the control period of {} s; .inf switches the rule off", time,
                          simulation.control_period));
   };
-  check(stuck.time, "time");
+  check(stuck.ends.time, "time");
   check(stuck.disturbed.time, "disturbed.time");
   return stuck;
 }

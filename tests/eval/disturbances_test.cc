@@ -187,7 +187,7 @@ TEST(Disturbances, HiddenObjectsAreHitAndMeasuredAllTheSame) {
 TEST(Disturbances, CommandsActLateAndScaledOnThePlant) {
   TrialSpec point = tiny_spec();
   point.simulation.time_limit = 1.0;
-  point.stuck.time = kInfinity;
+  point.stuck.ends.time = kInfinity;
   point.disturbances.actuators.joints.delay = 0.06;  // 3 steps
   point.disturbances.actuators.base.delay = 0.1;     // 5
   point.disturbances.actuators.base.gain_error.linear = 0.1;
@@ -216,7 +216,7 @@ TEST(Disturbances, CommandsActLateAndScaledOnThePlant) {
 TEST(Disturbances, AMissedPeriodRepeatsTheLastCommand) {
   TrialSpec point = tiny_spec();
   point.simulation.time_limit = 10.0;
-  point.stuck.time = kInfinity;
+  point.stuck.ends.time = kInfinity;
   point.disturbances.control.missed = 0.3;
   World world = tiny_world(30.0);
   world.seed = 8;

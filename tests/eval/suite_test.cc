@@ -47,7 +47,7 @@ samples: all
   EXPECT_EQ(point.simulation.time_limit, 6.0);
   EXPECT_EQ(point.simulation.control_period, 0.02);
   EXPECT_EQ(point.success.dwell, 0.4);
-  EXPECT_EQ(point.stuck.motion, 0.001);
+  EXPECT_EQ(point.stuck.ends.motion, 0.001);
   EXPECT_EQ(point.infeasible.time, kInfinity);
   EXPECT_EQ(point.robot->model->num_joints(), 3);
   EXPECT_EQ(point.robot.get(), suite.points[2].robot.get()) << "the robot is shared";

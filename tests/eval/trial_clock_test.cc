@@ -103,7 +103,7 @@ TEST(TrialClock, AShakenRobotIsStuckByItsMeansWhereAnythingIsDisturbed) {
   EXPECT_EQ(run_scripted(disturbed, tiny_world(3.0), shake(0.0026)).row.outcome, Outcome::kTimeout);
   EXPECT_EQ(run_scripted(tiny_spec(), tiny_world(3.0), shake(0.0003)).row.outcome, Outcome::kStuck)
       << "ends of halves, which shaking by two periods does not move, count where nothing is disturbed";
-  disturbed.stuck.time = kInfinity;
+  disturbed.stuck.ends.time = kInfinity;
   EXPECT_EQ(run_scripted(disturbed, tiny_world(3.0), shake(0.0)).row.outcome, Outcome::kTimeout);
 }
 

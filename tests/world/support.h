@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,10 +48,9 @@ inline bool is_for_others(const Worlds& source, const std::shared_ptr<const Robo
   }
 }
 
-/// What a family keeps at the witness, where that is not worlds.clearance.
-inline std::optional<double> at_witness(const Worlds& source) {
-  const auto keys = source.to_json()["families"].begin().value();
-  return keys.contains("clearance") ? std::optional<double>(keys["clearance"].get<double>()) : std::nullopt;
+/// Distance that objects keep from the witness: the family's own `clearance`, or worlds.clearance where it has none.
+inline double at_witness(const Worlds& source) {
+  return source.to_json()["families"].begin().value().value("clearance", source.clearance());
 }
 
 /// Families that are made for robots that drive.

@@ -79,7 +79,7 @@ TEST_P(EveryFamily, IsSolvableByConstruction) {
   if (test::is_for_others(source, model)) return;
   for (int i = 0; i < count; ++i) {
     const World world = source.make(model, static_cast<std::uint64_t>(i));
-    expect_valid(world, *model, source.clearance(), test::at_witness(source).value_or(source.clearance()), 0.02);
+    expect_valid(world, *model, source.clearance(), test::at_witness(source), 0.02);
     EXPECT_EQ(world.family, family);
     EXPECT_EQ(world.robot, model->name);
     EXPECT_EQ(world.difficulty.objects, static_cast<int>(world.objects.size()));
@@ -135,7 +135,7 @@ TEST(Worlds, TheRobotStandsOnTheDesk) {
     if (shape.rigid_with_base) lowest = std::min(lowest, lowest_point(shape.shape, at_ready.X_WS(shape)));
   for (std::uint64_t i = 0; i < 60; ++i) {
     const World world = source.make(model, i);
-    expect_valid(world, *model, source.clearance(), test::at_witness(source).value_or(source.clearance()), 0.02);
+    expect_valid(world, *model, source.clearance(), source.clearance(), 0.02);
     const WorldObject& top = named(world, "table_top");
     const double height = top.X_WO.translation().z() + 0.5 * top.shape.size.z();
     EXPECT_NEAR(height, lowest - 0.06, 1e-9) << "the plate under the robot";
