@@ -48,7 +48,7 @@ def trial(point, world):
     sensors = Sensors(settings, draw, plant, world, period)
     drives, missed = Drives(settings, draw, len(point.robot.joints), period), settings("control.missed")
     controller = moma.Controller(point.robot, point.parameters, period)
-    controller.reset([{"name": item["name"], "kind": item["shape"], "size": item["size"]} for item in world.objects])
+    controller.reset([{"name": item["name"], "shape": item["shape"], "size": item["size"]} for item in world.objects])
     goal, inside, still, touching = sensors.goal.X_W, 0, 0, None
     lower, upper = point.robot.lower - 1e-3, point.robot.upper + 1e-3
     steps = round(point.simulation["time_limit"] / period)

@@ -157,6 +157,10 @@ def _part(name: str, value: Any, member: dict[str, Any]) -> Floats:
         what = "None" if found is None else f"{found.size} numbers"
         also = ", or the 4 of a quaternion [w, x, y, z]" if "rotation" in member else ""
         raise ValueError(f"{name}: found {what}, expected {count} number{'s' if count > 1 else ''}{also}")
+    if "rotation" in member and np.isfinite(found).all():
+        matrix = found.reshape(3, 3)
+        if np.abs(matrix @ matrix.T - np.eye(3)).max() > 1e-3 or np.linalg.det(matrix) < 0.0:
+            raise ValueError(f"{name}: found a matrix that is no rotation: its columns are no right-handed unit axes")
     return found.reshape(-1)
 
 

@@ -99,6 +99,8 @@ class ControllerTest(unittest.TestCase):
             "goal.rotation: found 3 numbers, expected 9 numbers, or the 4 of a quaternion": moma.Observation(
                 ready, still, moma.Pose([1, 0, 1], [0, 0, 1])
             ),
+            "goal.rotation: found a matrix that is no rotation": moma.Observation(ready, still, moma.Pose([1, 0, 1], np.ones((3, 3)))),
+            "goal.rotation: found a matrix that is no": moma.Observation(ready, still, moma.Pose([1, 0, 1], -np.eye(3))),
             "goal.position: found 2 numbers, expected 3": moma.Observation(ready, still, moma.Pose([1, 0])),
             "base: found 2 numbers, expected 3": moma.Observation(ready, still, self.goal, base=[0, 0]),
             "objects: found 1, expected 0, those of reset": moma.Observation(
