@@ -34,6 +34,11 @@ double change_of(const std::vector<double>& values) {
   return *high - *low;
 }
 
+double largest_of(const std::vector<double>& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return std::max(-*low, *high);
+}
+
 double variance_of(const Group& group, std::size_t from) {
   double sum = 0.0, squares = 0.0, n = 0.0;
   for (const Axis* axis : group)
@@ -201,7 +206,7 @@ void check_factor(const MotionLog& log, const Axis& axis, const std::string& wha
                                         in_degrees ? "one of the two is in degrees" : "are their units the same?"));
 }
 
-// Compares changes of a joint's position with its velocity. Noise and turns of an endless joint hide what they say.
+// Compares changes of an axis's position with its velocity. Noise and turns of an endless joint hide what they say.
 void check_position(const MotionLog& log, const Axis& axis, double period) {
   double product = 0.0, squares = 0.0, moved = 0.0;
   for (std::size_t k = 1; k < axis.position.size(); ++k) {
@@ -221,6 +226,7 @@ void check_position(const MotionLog& log, const Axis& axis, double period) {
 // enough motion pass.
 void check_gains(const MotionLog& log, const std::vector<Fitted>& parts, int trip, Found& found) {
   constexpr double kDoubted = 1.3;
+  constexpr double kFastest = 20.0;  // a faster command is in other units [rad/s, m/s]
   const std::size_t from = static_cast<std::size_t>(trip) + 1;
   for (const Fitted& part : parts) {
     for (const Axis* axis : part.group) {
@@ -231,6 +237,9 @@ void check_gains(const MotionLog& log, const std::vector<Fitted>& parts, int tri
       const std::string what = fmt::format("measured velocities are {:.3g} times the commands", alone.gain);
       check_factor(log, *axis, what, alone.gain);
       check_position(log, *axis, found.period);
+      if (const double fastest = largest_of(axis->command); fastest > kFastest)
+        found.notes.push_back(fmt::format(
+            "{}: commands of up to {:.3g} are faster than drives are: degrees or millimetres?", axis->name, fastest));
       if (times_of(alone.gain) > kDoubted)
         found.notes.push_back(axis->name + ": " + what + ", which is far for a drive: are both in the same unit?");
     }
@@ -252,16 +261,24 @@ std::optional<FoundLatency> find_latency(const MotionLog& log, std::vector<Fitte
   return out;
 }
 
-// Compares changes of the base's heading with its rate of turn.
-void check_heading(const MotionLog& log, const Axis& omega, double period) {
+// Compares changes of the base's heading with its rate of turn, and its way along the heading with its speed.
+void check_pose(const MotionLog& log, double period) {
   if (log.base_heading.empty()) return;
-  Axis heading = omega;
+  Axis heading = log.base.back(), along = log.base.front();
   heading.name = "base.heading";
-  heading.position = log.base_heading;
-  for (std::size_t k = 1; k < heading.position.size(); ++k)
-    heading.position[k] =
-        heading.position[k - 1] + std::remainder(log.base_heading[k] - log.base_heading[k - 1], 2.0 * std::numbers::pi);
+  heading.position = {log.base_heading.front()};
+  along.name = "base.x_m, base.y_m";
+  along.prismatic = true;
+  along.position = {0.0};
+  for (std::size_t k = 1; k < log.rows(); ++k) {
+    const double turn = std::remainder(log.base_heading[k] - log.base_heading[k - 1], 2.0 * std::numbers::pi);
+    heading.position.push_back(heading.position.back() + turn);
+    const double phi = log.base_heading[k - 1] + 0.5 * turn;
+    const double dx = log.base_x[k] - log.base_x[k - 1], dy = log.base_y[k] - log.base_y[k - 1];
+    along.position.push_back(along.position.back() + std::cos(phi) * dx + std::sin(phi) * dy);
+  }
   check_position(log, heading, period);
+  check_position(log, along, period);
 }
 
 void identify_base(const MotionLog& log, Found& found) {
@@ -272,7 +289,7 @@ void identify_base(const MotionLog& log, Found& found) {
   parts[1].turning = true;
   const auto trip = find_latency(log, parts, log.base_stamp, "the base", found);
   if (!trip) return;
-  check_heading(log, *parts[1].group.front(), found.period);
+  check_pose(log, found.period);
   FoundBase& out = found.base.emplace();
   out.latency = trip->latency;
   out.linear = drive_of(parts[0], trip->periods, found.period);

@@ -162,6 +162,8 @@ double number(const Field& field, const Mark& line, const std::string& column) {
 }  // namespace
 
 MotionLog parse_log(const std::string& text, const std::string& name) {
+  if (text.find('\0') != std::string::npos)
+    config::fail({name, 0, 0}, "", "is no text; expected CSV, as `moma replay --log` writes it");
   MotionLog log;
   log.source = name;
   Columns columns(log);

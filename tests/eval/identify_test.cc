@@ -148,6 +148,10 @@ TEST(Identify, RefusesWrongSignsAndUnits) {
     EXPECT_NE(refusal(log).find("base.heading: positions change"), std::string::npos) << refusal(log);
     EXPECT_NE(refusal(log).find("measured velocities: " + std::string(words)), std::string::npos) << refusal(log);
     log = turned;
+    for (double& x : log.base_x) x *= 10.0 * factor;
+    for (double& y : log.base_y) y *= 10.0 * factor;
+    EXPECT_NE(refusal(log).find("base.x_m, base.y_m: positions change"), std::string::npos) << refusal(log);
+    log = turned;
     for (double& q : log.joints[1].position) q *= factor;
     EXPECT_NE(refusal(log).find("times as fast as the measured velocities: " + std::string(words)), std::string::npos)
         << refusal(log);
@@ -155,6 +159,13 @@ TEST(Identify, RefusesWrongSignsAndUnits) {
   const Found doubted = identify::identify(scaled(1, 9, 1.5));
   EXPECT_TRUE(std::any_of(doubted.notes.begin(), doubted.notes.end(), [](const std::string& note) {
     return note.find("1.5 times the commands") != std::string::npos;
+  }));
+  MotionLog degrees = turned;
+  for (auto* column : {&degrees.base[1].command, &degrees.base[1].velocity, &degrees.base_heading})
+    for (double& value : *column) value *= 57.29578;
+  const Found fast = identify::identify(degrees);
+  EXPECT_TRUE(std::any_of(fast.notes.begin(), fast.notes.end(), [](const std::string& note) {
+    return note.find("base.omega: commands of up to") != std::string::npos;
   }));
 }
 
@@ -328,6 +339,7 @@ TEST(MotionLog, RefusesWhatIsWrongAndSaysWhere) {
   expect(one_joint(50, square_wave), {"50 rows", "100"});
   expect(one_joint(300, [](int) { return 0.3; }), {"not identifiable", "never change"});
   expect("", {"no rows"});
+  expect(std::string("SQLite format 3\0", 16), {"log.csv", "is no text"});
   // Motion that has nothing to do with the commands.
   std::string other = "time_s,joint.a.command_rad_s,joint.a.velocity_rad_s\n";
   Draws draws(5, 5, Stream::kSensing);
