@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <variant>
 
 #include "controller/model/proximity.h"
@@ -33,8 +34,6 @@ constexpr double kGoOnDriving = 0.52, kGoOnStanding = 0.24;
 constexpr double kSafe = 0.5;
 // While a path is followed a moment of it costs more than anything else in a step: few of them.
 constexpr long kWatched = 40;
-
-const EscapeState kNothing;  // no detour is remembered
 
 ControllerParams without_plan(ControllerParams params) {
   params.plan.enabled = false;
@@ -116,8 +115,8 @@ void Lookahead::begin(const Now& now, PlanReason reason) noexcept {
   brief.reason = reason;
 }
 
-// The policy's turn; `start` is what it begins with, null where it goes on.
-void Lookahead::go_direct(PlanReason reason, const EscapeState* start) noexcept {
+// The policy's turn.
+void Lookahead::go_direct(PlanReason reason, Detours detours) noexcept {
   begin(GoingDirect{}, reason);
   PlanBrief& brief = state_.brief;
   brief.clock = brief.duration = brief.lag = 0.0;
@@ -125,10 +124,9 @@ void Lookahead::go_direct(PlanReason reason, const EscapeState* start) noexcept 
   brief.end.setZero();
   state_.path.count = 0;
   job_ = Job::kNone;
-  if (start == nullptr) return;
+  if (detours == Detours::kKept) return;
   state_.fresh = true;
-  state_.start = *start;
-  state_.stagnations = start->idle >= escape_.patience ? 1 : 0;
+  state_.stagnations = 0;
 }
 
 void Lookahead::stop(PlanReason reason, double direct_time) noexcept {
@@ -168,14 +166,6 @@ void Lookahead::place_end() noexcept {
   state_.brief.end = shift_.of(end).head<3>();
 }
 
-// `path`, or where that is none the policy from `start` on.
-void Lookahead::begin_chosen() noexcept {
-  if (state_.path.count > 0)
-    begin_path(PlanReason::kQuicker);
-  else
-    go_direct(PlanReason::kQuicker, &state_.start);
-}
-
 bool Lookahead::near_mover(const Observation& o) const noexcept {
   for (const ObjectState& object : o.objects)
     if (object.visible && in_motion(object) &&
@@ -189,7 +179,7 @@ void Lookahead::decide(const Observation& o, const Vector6& error) noexcept {
   arrived_ = error.tail<3>().norm() < limits.position && error.head<3>().norm() < limits.orientation;
   if (state_.has_goal && jumped(state_.X_WG, o.goal.X_WG)) {
     const bool was_direct = state_.brief.mode == PlanMode::kDirect;
-    go_direct(PlanReason::kStart, was_direct ? nullptr : &kNothing);
+    go_direct(PlanReason::kStart, was_direct ? Detours::kKept : Detours::kCleared);
     state_.steps = state_.next = 0;
   }
   state_.X_WG = o.goal.X_WG;
@@ -205,14 +195,14 @@ void Lookahead::decide(const Observation& o, const Vector6& error) noexcept {
   const bool goal_moves = o.goal.V_WG_W.norm() >= kStill;
   traffic_ = movers || goal_moves;
   PlanBrief& brief = state_.brief;
-  if (goal_moves && !doing<GoingDirect>()) go_direct(PlanReason::kTraffic, &kNothing);
+  if (goal_moves && !doing<GoingDirect>()) go_direct(PlanReason::kTraffic, Detours::kCleared);
   if (movers && !goal_moves) decide_among_traffic();
   const bool stands = o.qdot.lpNorm<Eigen::Infinity>() <= kSlow;
   if (state_.steps == 0 && doing<GoingDirect>() && params_.direct > 0 && stands && !traffic_ && !arrived_)
     begin(SettingOut{}, brief.reason);
   if (const GoingOn* now = doing<GoingOn>(); now && state_.steps >= now->commit) {
     if (now->chosen)
-      begin_chosen();
+      begin_path(PlanReason::kQuicker);
     else
       begin(Stopping{state_.steps + periods(kLongestStop), now->direct_time}, brief.reason);
   }
@@ -221,20 +211,16 @@ void Lookahead::decide(const Observation& o, const Vector6& error) noexcept {
   guides_ = brief.mode != PlanMode::kDirect;
   wanted_.setZero();
   if (Following* now = doing<Following>()) follow(o, *now);
-  anew_ = state_.fresh;
-  if (anew_) {
-    anew_start_ = state_.start;
-    state_.fresh = false;
-  }
+  anew_ = std::exchange(state_.fresh, false);
   ++state_.steps;
 }
 
 // Pushed off its path or held up by what moves, the robot is the policy's again.
 void Lookahead::decide_among_traffic() noexcept {
-  if (doing<SettingOut>()) go_direct(PlanReason::kTraffic, nullptr);
+  if (doing<SettingOut>()) go_direct(PlanReason::kTraffic, Detours::kKept);
   const Following* now = doing<Following>();
   if (now && (state_.brief.lag > kPushed || state_.steps - now->mark > periods(2.0 * params_.stuck)))
-    go_direct(PlanReason::kTraffic, &kNothing);
+    go_direct(PlanReason::kTraffic, Detours::kCleared);
 }
 
 void Lookahead::follow(const Observation& o, Following& following) noexcept {
@@ -285,7 +271,7 @@ void Lookahead::work_set_out(const Observation& o, long& budget) noexcept {
     state_.path = direct_way_.path();
     begin_path(PlanReason::kDirectWay);
   } else {
-    go_direct(PlanReason::kStart, nullptr);
+    go_direct(PlanReason::kStart, Detours::kKept);
   }
 }
 
@@ -324,7 +310,7 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
       return;
     }
     if (at_end()) {
-      go_direct(PlanReason::kPathEnds, &kNothing);
+      go_direct(PlanReason::kPathEnds, Detours::kCleared);
       return;
     }
   }
@@ -332,10 +318,10 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
   const bool due = state_.brief.reason != PlanReason::kDirectWay && (state_.steps >= state_.next || news_);
   if (job_ == Job::kNone && !due && !stuck()) return;
   const double rest = state_.path.duration - state_.brief.clock + params_.settle;
-  if (!predict(o, kNothing, std::min(params_.horizon, rest), budget)) return;
+  if (!predict(o, EscapeState{}, std::min(params_.horizon, rest), budget)) return;
   state_.next = state_.steps + periods(params_.period);
   if (rollout_.end() == RolloutEnd::kArrives && rollout_.time() <= rest)
-    go_direct(PlanReason::kArrives, &kNothing);
+    go_direct(PlanReason::kArrives, Detours::kCleared);
   else if (stuck())
     stop(PlanReason::kNoProgress, -1.0);
 }
@@ -351,13 +337,13 @@ void Lookahead::work_choice(const Observation& o, const EscapeState& escape, lon
   const Choosing* stands = doing<Choosing>();
   if (stands) end = stands->stop_end + periods(kLongestChoice);
   if (job_ != Job::kChoose) {
-    if (doing<GoingOn>()) go_direct(state_.brief.reason, nullptr);  // what was under way is not known any more
+    if (doing<GoingOn>()) go_direct(state_.brief.reason, Detours::kKept);  // what was under way is not known any more
     if (!stands) return;
     choice_.begin(o, stands->direct_time, ++state_.brief.attempts);
     job_ = Job::kChoose;
   }
   if (state_.steps + kHurry >= end) choice_.hurry();
-  if (!choice_.advance(rollout_, budget) || (stands && state_.steps >= end)) choose();
+  if (!choice_.advance(budget) || (stands && state_.steps >= end)) choose();
 }
 
 // Begins a prediction or goes on with the one that is under way. True where it has ended.
@@ -406,28 +392,24 @@ bool Lookahead::at_end() noexcept {
   return state_.brief.lag < (close ? kArrivedClose : kArrived) || stuck();
 }
 
-// The quickest counts; where nothing arrives, the direct policy goes on, anew where it was not the policy's turn.
+// If nothing arrives, the direct policy goes on; its memory of detours is cleared if a path was left for the choice.
 void Lookahead::choose() noexcept {
-  const PlanCandidate& best = choice_.best();
+  const PlanVerdict& choice = choice_.verdict();
   job_ = Job::kNone;
   state_.next = state_.steps + periods(params_.period);
-  state_.brief.choice = choice_.verdict();
-  if (best.time < 0.0 || best.kind == PlanKind::kPolicy) {
-    if (best.time < 0.0 && planner().close_goal()) state_.next = state_.steps;  // nothing else leads there
+  state_.brief.choice = choice;
+  if (choice.kind == PlanKind::kPolicy) {
+    const bool nothing = choice.policy < 0.0;
+    if (nothing && planner().close_goal()) state_.next = state_.steps;
     const bool left_path = state_.path.count > 0;
-    go_direct(best.time < 0.0 ? PlanReason::kNoPath : PlanReason::kQuicker, left_path ? &kNothing : nullptr);
+    go_direct(nothing ? PlanReason::kNoPath : PlanReason::kQuicker, left_path ? Detours::kCleared : Detours::kKept);
     return;
   }
-  if (best.kind == PlanKind::kPath) {
-    state_.path = planner().path();
-  } else {
-    state_.start = choice_.start();
-    state_.path.count = 0;
-  }
+  state_.path = planner().path();
   if (GoingOn* now = doing<GoingOn>())
     now->chosen = true;
   else
-    begin_chosen();
+    begin_path(PlanReason::kQuicker);
 }
 
 }  // namespace moma

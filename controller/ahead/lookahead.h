@@ -15,8 +15,8 @@
 
 namespace moma {
 
-/// Decides between the controller's own policy, detours and planned paths, by predicting the first two (rollout.h) and
-/// laying the third (planner.h). The quickest counts.
+/// Decides between the controller's own policy and planned paths, by predicting the first (rollout.h) and laying the
+/// second (planner.h). The quicker one counts.
 ///
 /// A step is decide(), which follows from PlanState and the observation alone, and, once the command is found, work():
 /// no more than `budget` checks of predictions and plans that are spread over steps. What they lead to is in the state
@@ -46,27 +46,25 @@ class Lookahead {
   /// Distance to objects at rest that rows let the path that is followed have, where it leads nearer to its goal's
   /// objects than to others.
   KeptDistance keeps() const noexcept;
-  /// Whether the policy's memory of detours is to be `start()` from this step on.
+  /// True if the policy's memory of detours is to be cleared before this step.
   bool begins_anew() const noexcept { return anew_; }
-  const EscapeState& start() const noexcept { return anew_start_; }
   /// Bounds of joints while a path is followed, which keeps away from limits by itself: they are felt later.
   const VelocityBounds& bounds() const noexcept { return bounds_; }
   /// Ends a step: predictions and plans, within the budget. `o` as in decide(), `escape` what the policy remembered of
-  /// detours in this step before it acted, `start()` where it began anew.
+  /// detours in this step before it acted.
   void work(const Observation& o, const EscapeState& escape) noexcept;
 
   const PlanState& state() const noexcept { return state_; }
   /// Goes on from such a state; after reset(). Work in progress begins again.
   void set_state(const PlanState& state) noexcept;
 
-  /// Of the last choice: what was tried, the direct policy first. For inspection.
-  std::span<const PlanCandidate> candidates() const noexcept { return choice_.candidates(); }
   /// Checks that the last step's work took.
   long checks() const noexcept { return checks_; }
   const Planner& planner() const noexcept { return choice_.planner(); }
 
  private:
   enum class Job { kNone, kSetOut, kPredict, kChoose };
+  enum class Detours { kKept, kCleared };  // the policy's memory of them
 
   /// Changes `doing`, and mode and reason of the brief with it.
   template <class Now>
@@ -77,12 +75,11 @@ class Lookahead {
     return std::get_if<Now>(&state_.doing);
   }
   void decide_among_traffic() noexcept;
-  void go_direct(PlanReason reason, const EscapeState* start) noexcept;
+  void go_direct(PlanReason reason, Detours detours) noexcept;
   void go_on(PlanReason reason, double direct_time) noexcept;
   void stop(PlanReason reason, double direct_time) noexcept;
   void begin_path(PlanReason reason) noexcept;
   void place_end() noexcept;
-  void begin_chosen() noexcept;
   void follow(const Observation& o, Following& following) noexcept;
   void work_set_out(const Observation& o, long& budget) noexcept;
   void work_direct(const Observation& o, const EscapeState& escape, long& budget) noexcept;
@@ -110,7 +107,6 @@ class Lookahead {
   PlanState state_;
   bool guides_ = false, anew_ = false, traffic_ = false;
   bool arrived_ = false;  // E is well inside the tolerances of its goal
-  EscapeState anew_start_;
   VectorX wanted_;
   PlanarShift shift_;
 

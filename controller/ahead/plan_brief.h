@@ -12,7 +12,7 @@ enum class PlanMode {
   kDirect,  ///< the controller's own policy
   kFollow,  ///< a path
   kStop,    ///< slows down, to choose
-  kChoose,  ///< works out a path and predicts detours
+  kChoose,  ///< works out a path
   kSetOut   ///< stands and looks for a direct way, at the start of a motion
 };
 
@@ -44,21 +44,19 @@ constexpr auto words(Of<PlanReason>) {
 enum class PlanKind {
   kNone,    ///< there was no choice yet
   kPolicy,  ///< the direct policy goes on
-  kDetour,  ///< the direct policy from another state of its memory (candidates.h)
+  kDetour,  ///< a detour of the direct policy: in stores of simulation version 12 and before
   kPath     ///< a planned path
 };
 
 constexpr auto words(Of<PlanKind>) { return std::to_array<std::string_view>({"none", "policy", "detour", "path"}); }
 
 /// What a choice came to. Times are predicted, from when it takes effect until the goal is reached [s]; negative: that
-/// does not arrive, or not before the best that was known by then. The quickest was chosen, of equals the first.
+/// does not arrive. The quicker one was chosen, of equals the policy.
 struct PlanVerdict {
   PlanKind kind = PlanKind::kNone;
-  int detour = -1;          ///< which, where one was chosen; else -1
-  int tried = 0;            ///< candidates
-  double policy = -1.0;     ///< of the direct policy, as it was
-  double by_detour = -1.0;  ///< of the best detour
-  double by_path = -1.0;    ///< of the path
+  int tried = 0;          ///< candidates
+  double policy = -1.0;   ///< of the direct policy, as it was
+  double by_path = -1.0;  ///< of the path; negative also if it is not quicker than the policy
 };
 
 /// The part of it that a sample carries. Poses of the base are (x, y, phi) in world axes, as the controller sees them.
@@ -78,13 +76,10 @@ struct PlanBrief {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<PlanVerdict>) {
   v.member("choice", &PlanVerdict::kind, {.text = "what the last choice fell on"});
-  v.member("detour", &PlanVerdict::detour, {.range = {-1, 1e3}, .text = "which detour, where it was one; else -1"});
   v.member("tried", &PlanVerdict::tried, {.range = {0, 1e9}, .text = "candidates of that choice"});
   v.member(
       "time_policy", &PlanVerdict::policy,
       {.unit = "s", .text = "predicted then, until the goal, of the policy as it was; negative: it does not arrive"});
-  v.member("time_detour", &PlanVerdict::by_detour,
-           {.unit = "s", .text = "of the best detour; negative: none arrives, or none sooner than the policy"});
   v.member("time_path", &PlanVerdict::by_path,
            {.unit = "s", .text = "of a path; negative: none was found, or none that is quicker"});
 }

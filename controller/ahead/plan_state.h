@@ -5,7 +5,6 @@
 #include <variant>
 
 #include "controller/ahead/plan_brief.h"
-#include "controller/escape_state.h"
 #include "controller/plan/path.h"
 
 namespace moma {
@@ -19,7 +18,7 @@ struct GoingDirect {};
 struct GoingOn {
   std::int64_t commit = 0;
   double direct_time = -1.0;  ///< predicted time of the policy from then on [s]; negative: it fails
-  bool chosen = false;        ///< the choice is made: the state's `path`, or without one a detour from `start` on
+  bool chosen = false;        ///< the choice is made: the state's `path`
 };
 
 /// The robot follows the state's `path`.
@@ -56,9 +55,8 @@ struct PlanState {
   std::int64_t steps = 0;  ///< since the start or the goal's last jump
   std::int64_t next = 0;   ///< step of the next prediction
   int stagnations = 0;     ///< the policy's, up to which nothing is news
-  bool fresh = false;      ///< the direct policy begins anew, as `start` says, in the next step
+  bool fresh = false;      ///< the direct policy's memory of detours is cleared in the next step
   int known = 0;           ///< objects that were seen in the step before
-  EscapeState start;
   bool has_goal = false;
   Isometry X_WG = Isometry::Identity();  ///< the goal's, in the step before
   Path path;                             ///< of no motions where there is none

@@ -41,14 +41,14 @@ constexpr void describe(auto&, Of<GoingDirect>) {}
 
 constexpr void describe(auto&, Of<SettingOut>) {}
 
-// The members that stand beside `doing`, start, goal and path.
+// The members that stand beside `doing`, goal and path.
 constexpr void describe(auto& v, Of<PlanState>) {
   using T = PlanState;
   v.inlined(&T::brief);
   v.member("steps", &T::steps, {.range = kSteps, .text = "since the start or the goal's last jump"});
   v.member("next", &T::next, {.range = kSteps, .text = "step of the next prediction"});
   v.member("stagnations", &T::stagnations, {.range = {0, 1e9}, .text = "up to which nothing is news"});
-  v.member("fresh", &T::fresh, {.text = "whether the direct policy begins anew, as `start` says"});
+  v.member("fresh", &T::fresh, {.text = "whether the direct policy's memory of detours is cleared"});
   v.member("known", &T::known, {.range = {0, 1e9}, .text = "objects that were seen in the step before"});
 }
 
@@ -160,14 +160,15 @@ PlanState read_plan_state(const Node& node, const std::string& key, const RobotM
     (read(k, std::variant_alternative_t<k, Doing>{}), ...);
   }
   (std::make_index_sequence<std::variant_size_v<Doing>>{});
-  in.get("left_path");
-  if (const Node* start = in.get("start")) config::read_described(*start, in.key_of("start"), state.start);
+  for (const char* key_of_12 : {"left_path", "start", "detour", "time_detour"}) in.get(key_of_12);
   if (const Node* goal = in.get("goal")) {
     state.X_WG = read_goal(*goal, in.key_of("goal"));
     state.has_goal = true;
   }
   if (const Node* path = in.get("path")) read_path(*path, in.key_of("path"), model, state.path);
   in.check(state.brief.mode != PlanMode::kFollow || state.path.count > 0, "mode", "follow needs a path");
+  const auto* going_on = std::get_if<GoingOn>(&state.doing);
+  in.check(going_on == nullptr || !going_on->chosen || state.path.count > 0, "chosen", "a choice needs a path");
   in.finish();
   return state;
 }
@@ -175,7 +176,6 @@ PlanState read_plan_state(const Node& node, const std::string& key, const RobotM
 nlohmann::ordered_json to_json(const PlanState& state) {
   nlohmann::ordered_json json = config::write_described(state);
   std::visit([&](const auto& doing) { config::write_members(doing, json); }, state.doing);
-  json["start"] = config::write_described(state.start);
   if (state.has_goal) json["goal"] = pose(state.X_WG);
   if (state.path.count > 0) json["path"] = to_json(state.path);
   return json;

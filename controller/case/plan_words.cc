@@ -1,11 +1,9 @@
 #include "controller/case/plan_words.h"
 
 #include <array>
-#include <cmath>
 #include <limits>
-#include <numbers>
+#include <string_view>
 
-#include "controller/ahead/candidates.h"
 #include "controller/ahead/choice.h"
 #include "controller/ahead/lookahead.h"
 #include "controller/case/formatted.h"
@@ -13,18 +11,10 @@
 namespace moma {
 namespace {
 
-std::string name_of(PlanKind kind, int index) {
-  if (kind == PlanKind::kPolicy) return "the policy as it is";
-  if (kind == PlanKind::kPath) return "a path";
-  if (index < kVortices)
-    return std::string("the policy, round obstacles ") + (index == 0 ? "one way" : "the other way");
-  if (index < kFirstDetour) return "the policy, as if it had stagnated";
-  const Detour detour = detour_of(index);
-  const double degrees = std::abs(detour.angle) * 180.0 / std::numbers::pi;
-  const std::string length = formatted("a detour of %.1f m ", detour.length);
-  if (degrees > 179.0) return length + "back";
-  return length + formatted(detour.angle > 0.0 ? "%.0f degrees to the left" : "%.0f degrees to the right", degrees) +
-         " of the goal";
+std::string_view name_of(PlanKind kind) {
+  static constexpr std::array<std::string_view, words(Of<PlanKind>{}).size()> kNames{"nothing", "the policy as it is",
+                                                                                     "a detour", "a path"};
+  return kNames.at(static_cast<std::size_t>(kind));
 }
 
 std::string after(double seconds, const char* otherwise) {
@@ -33,21 +23,32 @@ std::string after(double seconds, const char* otherwise) {
 
 std::string last_choice(const PlanVerdict& choice) {
   if (choice.kind == PlanKind::kNone) return "";
-  const double best = choice.kind == PlanKind::kPolicy   ? choice.policy
-                      : choice.kind == PlanKind::kDetour ? choice.by_detour
-                                                         : choice.by_path;
+  const double best = choice.kind == PlanKind::kPath ? choice.by_path : choice.policy;
   std::string out = formatted("The last choice, of %d candidates, fell on ", choice.tried) +
-                    name_of(choice.kind, choice.detour) +
+                    std::string(name_of(choice.kind)) +
                     (best < 0.0 ? ", since nothing arrived" : formatted(": %.2f s to the goal, the least", best)) + ".";
-  if (choice.kind != PlanKind::kPolicy)
-    out += " The policy as it was: " + after(choice.policy, "would not have arrived") + ".";
-  if (choice.kind != PlanKind::kDetour)
-    out += " The best detour: " + after(choice.by_detour, "none arrived sooner") + ".";
-  if (choice.kind != PlanKind::kPath) out += " A path: " + after(choice.by_path, "none that is quicker") + ".";
-  return out + "\n";
+  if (choice.kind == PlanKind::kPath)
+    return out + " The policy as it was: " + after(choice.policy, "would not have arrived") + ".\n";
+  return out + " A path: " + after(choice.by_path, "none that is quicker") + ".\n";
 }
 
-/// A choice, made from beginning to end: as the controller's own, which is spread over steps.
+/// The policy's end in a prediction.
+std::string end_of(const Rollout& rollout, double horizon) {
+  switch (rollout.end()) {
+    case RolloutEnd::kArrives:
+      return formatted("arrives after %.2f s", rollout.time());
+    case RolloutEnd::kTouches:
+      return formatted("touches an object after %.2f s", rollout.time());
+    case RolloutEnd::kStagnates:
+      return formatted("stagnates after %.2f s", rollout.time());
+    case RolloutEnd::kGoesOn:
+    case RolloutEnd::kLate:
+      break;
+  }
+  return formatted("does not arrive within %.1f s", horizon);
+}
+
+/// A choice that is made from beginning to end in one step; the controller spreads the same work over steps.
 std::string choice_now(const ControlCase& c, int number) {
   ControllerParams policy = c.controller;
   policy.plan.enabled = false;
@@ -58,48 +59,28 @@ std::string choice_now(const ControlCase& c, int number) {
   rollout.begin(c.observation, c.memory.escape.state, prediction_limits(plan, c.controller.escape, plan.horizon));
   while (rollout.advance(work)) {
   }
-  const RolloutEnd direct = rollout.end();
-  const double direct_time = rollout.time();
   Choice choice(c.robot.model, c.controller);
   choice.reset(c.objects);
-  choice.begin(c.observation, direct == RolloutEnd::kArrives ? direct_time : -1.0, number);
-  while (choice.advance(rollout, work)) {
+  choice.begin(c.observation, rollout.end() == RolloutEnd::kArrives ? rollout.time() : -1.0, number);
+  while (choice.advance(work)) {
   }
-  std::string out = "Of a choice made now:\n";
-  std::array<int, words(Of<RolloutEnd>{}).size()> failed{};
-  const PlanCandidate& best = choice.best();
-  for (const PlanCandidate& candidate : choice.candidates()) {
-    if (candidate.kind == PlanKind::kDetour && candidate.time < 0.0) {
-      ++failed[static_cast<std::size_t>(candidate.end)];
-      continue;
-    }
-    out += "  " + name_of(candidate.kind, candidate.index) + ": ";
-    if (candidate.time >= 0.0)
-      out += formatted("arrives after %.2f s", candidate.time);
-    else if (candidate.kind == PlanKind::kPath)
-      out += best.time < 0.0 ? "none was found" : "none was found that is quicker";
-    else if (direct == RolloutEnd::kTouches)
-      out += formatted("touches an object after %.2f s", direct_time);
-    else if (direct == RolloutEnd::kStagnates)
-      out += formatted("stagnates after %.2f s", direct_time);
-    else
-      out += formatted("does not arrive within %.1f s", plan.horizon);
-    out += &candidate == &best && best.time >= 0.0 ? ", the quickest\n" : "\n";
-  }
-  int others = 0;
-  for (const int n : failed) others += n;
-  if (others == 0) return out;
-  const auto of = [&](RolloutEnd end) { return failed[static_cast<std::size_t>(end)]; };
-  return out + formatted("  %d other detours: %d touch something, %d stagnate, %d are not quicker\n", others,
-                         of(RolloutEnd::kTouches), of(RolloutEnd::kStagnates),
-                         of(RolloutEnd::kLate) + of(RolloutEnd::kGoesOn));
+  const PlanVerdict& verdict = choice.verdict();
+  const bool arrives = verdict.policy >= 0.0 || verdict.by_path >= 0.0;
+  const auto line = [&](PlanKind kind, const std::string& end) {
+    const char* mark = arrives && kind == verdict.kind ? ", the quicker one\n" : "\n";
+    return "  " + std::string(name_of(kind)) + ": " + end + mark;
+  };
+  const char* no_path = arrives ? "none was found that is quicker" : "none was found";
+  return "Of a choice made now:\n" + line(PlanKind::kPolicy, end_of(rollout, plan.horizon)) +
+         line(PlanKind::kPath,
+              verdict.by_path >= 0.0 ? formatted("arrives after %.2f s", verdict.by_path) : std::string(no_path));
 }
 
 }  // namespace
 
 std::string meaning(PlanMode mode) {
   static constexpr std::array kMeanings{"goes by the controller's own policy", "follows a path",
-                                        "slows down, to choose", "stands, while a path and detours are worked out",
+                                        "slows down, to choose", "stands, while a path is worked out",
                                         "stands, while it looks for a direct way"};
   static_assert(kMeanings.size() == words(Of<PlanMode>{}).size());
   return kMeanings.at(static_cast<std::size_t>(mode));
@@ -128,7 +109,7 @@ std::string describe_plan(const ControlCase& control_case, const ControllerCore&
   std::string out = "Looking ahead: the robot " + meaning(brief.mode) + ": " + meaning(brief.reason) + ".";
   if (brief.mode == PlanMode::kFollow)
     out += formatted(" It is at %.2f of %.2f s, %.3f m behind.", brief.clock, brief.duration, brief.lag);
-  if (brief.going_on) out += " Meanwhile a path and detours are worked out.";
+  if (brief.going_on) out += " Meanwhile a path is worked out.";
   out += formatted(" Choices so far: %d.\n", brief.attempts) + last_choice(brief.choice);
   if (control_case.observation.goal.V_WG_W.norm() > 0.0) return out + "A goal that moves is the policy's.\n";
   return out + choice_now(control_case, control_case.memory.plan.brief.attempts + 1);

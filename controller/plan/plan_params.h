@@ -32,7 +32,6 @@ struct PlanParams {
   int checks = 12000;          ///< of a search; half as many at the roomy clearance
   int runs = 4;                ///< of the search, each in what the best one leaves open
   int shortcuts = 60;          ///< tried, in each run
-  bool detours = true;         ///< detours are tried in prediction, too
   int direct = 60;             ///< inverse kinematics for a direct way at a motion's start; 0: none is looked for
 };
 
@@ -81,7 +80,6 @@ constexpr void describe(Visitor& v, Of<PlanParams>) {
            {.range = {0.0, 1e7}, .text = "of a search; half as many at the roomy clearance"});
   v.member("runs", &PlanParams::runs, {.range = {1.0, 100.0}, .text = "of the search"});
   v.member("shortcuts", &PlanParams::shortcuts, {.range = {0.0, 1e5}, .text = "tried in each run"});
-  v.member("detours", &PlanParams::detours, {.text = "detours are tried in prediction, too"});
   v.member("direct", &PlanParams::direct,
            {.range = {0.0, 1e4}, .text = "inverse kinematics for a direct way at a motion's start; 0: none"});
 }

@@ -38,7 +38,7 @@ class PathPolicy final : public Policy {
     enter(now.clock, StepPart::kAhead);
     Lookahead& ahead = *parts_.lookahead;
     ahead.decide(now.o, now.servo.error);
-    if (ahead.begins_anew()) parts_.escape.set_state(ahead.start());
+    if (ahead.begins_anew()) parts_.escape.reset();
     begun_with_ = parts_.escape.state();
     if (!ahead.guides()) return servo_.aim(now, near);
 

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "controller/ahead/candidates.h"
 #include "controller/ahead/choice.h"
 #include "controller/config/controller_file.h"
 #include "controller/config/node.h"
@@ -192,7 +191,6 @@ TEST_P(Ahead, GoesOnWhileItChooses) {
     const Scene scene = behind_a_wall(model, seed);
     ControllerParams params = read_params(*model, true);
     params.plan.budget = 2000;
-    params.plan.detours = false;
     params.plan.direct = 0;
     Loop ahead(model, params, scene), plain(model, read_params(*model, false), scene);
     const PlanState& state = ahead.controller.lookahead()->state();
@@ -217,36 +215,36 @@ TEST_P(Ahead, GoesOnWhileItChooses) {
   EXPECT_GT(chosen, 0);
 }
 
-// A choice is the same however it is spread, and its best candidate is the least.
+// A choice is the same however it is spread, and it falls on the quicker of policy and path.
 TEST_P(Ahead, AChoiceDoesNotDependOnTheBudget) {
   const Scene scene = !model->mobile() ? make_scene(model, 1, 12) : behind_a_wall(model, 2);
   const ControllerParams params = read_params(*model, true);
   Choice choice(model, params);
-  Rollout rollout(model, read_params(*model, false), params.plan.step);
-  choice.reset(scene.shapes);
-  rollout.reset(scene.shapes);
   const Observation o = Loop(model, params, scene).o;
-  std::vector<PlanCandidate> whole;
-  for (const long per_step : {1L << 30, 300L, 7L}) {
+  const auto choose = [&](double direct_time, long per_step) {
     choice.reset(scene.shapes);  // which forgets what the planner found before
-    choice.begin(o, -1.0, 1);
+    choice.begin(o, direct_time, 1);
     bool more = true;
     for (int k = 0; more && k < 1000000; ++k) {
       long budget = per_step;
-      more = choice.advance(rollout, budget);
+      more = choice.advance(budget);
     }
-    ASSERT_FALSE(more);
-    if (whole.empty()) whole.assign(choice.candidates().begin(), choice.candidates().end());
-    ASSERT_EQ(choice.candidates().size(), whole.size());
-    for (std::size_t i = 0; i < whole.size(); ++i) {
-      EXPECT_EQ(choice.candidates()[i].time, whole[i].time) << i;
-      if (whole[i].time >= 0.0) {
-        EXPECT_LE(choice.best().time, whole[i].time) << i;
-      }
-    }
+    EXPECT_FALSE(more);
+    return choice.verdict();
+  };
+  const PlanVerdict whole = choose(-1.0, 1L << 30);
+  EXPECT_EQ(whole.kind, PlanKind::kPath);
+  EXPECT_EQ(whole.tried, 2);
+  EXPECT_GE(whole.by_path, 0.0);
+  for (const long per_step : {300L, 7L}) {
+    const PlanVerdict spread = choose(-1.0, per_step);
+    EXPECT_EQ(spread.kind, whole.kind);
+    EXPECT_EQ(spread.by_path, whole.by_path);
   }
-  EXPECT_EQ(whole.size(), 2u + kCandidates);
-  EXPECT_GE(choice.best().time, 0.0);
+  EXPECT_EQ(choose(whole.by_path + 1.0, 300L).kind, PlanKind::kPath);
+  const PlanVerdict quick = choose(0.1, 300L);
+  EXPECT_EQ(quick.kind, PlanKind::kPolicy);
+  EXPECT_LT(quick.by_path, 0.0);
 }
 
 // A rollout that is too late to arrive ends early, and never one that would have arrived in time.
@@ -284,7 +282,6 @@ TEST_P(Ahead, AStepFollowsFromMemory) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const Scene scene = !model->mobile() ? make_scene(model, seed, 12) : behind_a_wall(model, seed);
     ControllerParams params = read_params(*model, true);
-    params.plan.detours = seed == 2;
     if (seed == 1) params.plan.budget = 100;  // so little that the robot comes to stand while it chooses
     Loop loop(model, params, scene);
     ControllerCore other(model, params, kPeriod);
@@ -425,7 +422,6 @@ TEST_P(Ahead, ABlockedPathIsGivenUp) {
   scene.states.resize(2);
   scene.states[1].visible = false;
   ControllerParams params = read_params(*model, true);
-  params.plan.detours = false;
   Loop loop(model, params, scene);
   const auto& state = [&]() -> const PlanState& { return loop.controller.lookahead()->state(); };
   for (int i = 0; i < 300 && state().brief.mode != PlanMode::kFollow; ++i) loop.step();

@@ -7,9 +7,8 @@ import type { Trace } from './trace';
 /** Mode and kinds of choices, by the store's numbers (docs/reference/store.md). */
 const kFollow = 1;
 const kPolicy = 1;
-const kDetour = 2;
 const kPath = 3;
-const kChoices = ['', 'the policy', 'a detour', 'a path'];
+const kChoices = ['', 'the policy', 'a detour', 'a path'];  // a detour: in stores of simulation version 12 and before
 
 /** Whether the motion has a plan at all. */
 export function looksAhead(trace: Trace): boolean {
@@ -25,7 +24,7 @@ export function planSentence(trace: Trace, t: number): string {
   const does = detourTarget(trace, t) === null ? kWords['plan_mode']?.[mode] ?? 'does what this page has no word for' : 'makes a detour';
   const said = [`Looking ahead: the robot ${does}: ${kWords['plan_reason']?.[of('reason')] ?? 'for a reason that this page has no word for'}`
     + (mode === kFollow ? `; at ${fixed(of('clock'), 2)} of ${fixed(of('duration'), 2)} s, ${fixed(of('lag'), 3)} m behind` : '') + '.'];
-  if (of('going_on') !== 0) said.push('Meanwhile a path and detours are worked out.');
+  if (of('going_on') !== 0) said.push('Meanwhile a path is worked out.');
   const choice = of('choice');
   if (choice !== 0) {
     const rival = (kind: number, name: string, time: number, none: string): string => (choice === kind ? '' : ` ${name}: ${time < 0 ? none : `${fixed(time, 2)} s`}.`);
@@ -33,7 +32,6 @@ export function planSentence(trace: Trace, t: number): string {
     said.push(`Choice ${integer(of('attempts'))}, of ${plural(of('tried'), 'candidate')}, fell on ${kChoices[choice] ?? 'what this page has no word for'}`
       + (best < 0 ? ', since nothing arrived.' : `: ${fixed(best, 2)} s to the goal, the least.`)
       + rival(kPolicy, 'The policy as it was', of('time_policy'), 'would not have arrived')
-      + rival(kDetour, 'The best detour', of('time_detour'), 'none arrived sooner')
       + rival(kPath, 'A path', of('time_path'), 'none that is quicker'));
   }
   return said.join(' ');
