@@ -62,7 +62,6 @@ void ControllerCore::reset(std::span<const ObjectShape> objects) {
   for (const ObjectShape& object : objects) object_names_.push_back(object.name);
   poser_.set_objects(objects);
   fallback_.allocate(poser_.problem().n(), poser_.problem().capacity());
-  escape_.allocate(static_cast<int>(objects.size()));
   escape_.reset();
   if (predictor_.on()) predictor_.reset(objects);
   for (const std::unique_ptr<Guard>& guard : guards_) guard->set_objects(objects);

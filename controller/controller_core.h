@@ -75,7 +75,7 @@ class ControllerCore final : public StepController {
   QpProblem final_problem() const { return fallback_.final_problem(problem()); }
   /// Pairs within their influence, nearest first by d - d_s.
   std::span<const ProximityPair> distances() const noexcept { return poser_.collision().sorted(); }
-  /// Memory of detours and vortex; all zero without both.
+  /// Memory of detours; all zero without them.
   const EscapeState& escape_state() const noexcept { return escape_.state(); }
   /// Continues from such a state; call it after reset(), which clears it.
   void set_escape_state(const EscapeState& state) noexcept { escape_.set_state(state); }

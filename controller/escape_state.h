@@ -6,17 +6,15 @@
 
 namespace moma {
 
-/// Memory of detours and vortex between steps (task/escape.h). Times count control periods, never a clock.
+/// Memory of detours between steps (task/escape.h). Times count control periods, never a clock.
 struct EscapeState {
   double best = -1.0;  ///< V at the last progress [m]; negative: no step yet
   double idle = 0.0;   ///< time since the last progress [s]
   int stagnations = 0;
   int side = 0;            ///< first side of detours, +1 or -1; 0 before the first stagnation
-  bool detour = false;     ///< on a detour,
-  bool around = false;     ///< around the obstacles: the target is the next corner
+  bool detour = false;     ///< on a detour
   double remaining = 0.0;  ///< remaining time of the detour [s]
   Vector3 target_W = Vector3::Zero();
-  int circulation = 0;  ///< sigma of the vortex: +1, -1, or 0 until the first use
 };
 
 /// Form in traces, `moma solve` and case files (`state.escape`).
@@ -27,10 +25,8 @@ constexpr void describe(auto& v, Of<EscapeState>) {
   v.member("stagnations", &T::stagnations, {.range = {0, 1e9}, .text = "how many there were"});
   v.member("side", &T::side, {.range = {-1, 1}, .text = "where detours turn first; 0: not chosen"});
   v.member("detour", &T::detour, {.text = "whether it is on one"});
-  v.member("around", &T::around, {.text = "and that one around the obstacles"});
   v.member("remaining", &T::remaining, {.unit = "s", .text = "of the detour"});
   v.member("target", &T::target_W, {.unit = "m", .text = "of the detour"});
-  v.member("circulation", &T::circulation, {.range = {-1, 1}, .text = "of the vortex; 0: not chosen"});
 }
 
 static_assert(is_complete<EscapeState>());

@@ -45,7 +45,6 @@ class Checker {
     if (p_.method == Method::kQp) return;
     if (p_.escape.enabled) error("escape", "needs method qp: the closed forms know no obstacles and have no slack");
     const std::string no_obstacles = "needs method qp: the closed forms know no obstacles";
-    if (p_.servo.vortex.enabled) error("servo.vortex", no_obstacles);
     if (p_.collision.braking.enabled) error("collision.braking", no_obstacles);
     if (p_.collision.check.enabled) error("collision.check", no_obstacles);
     if (p_.collision.separation.enabled) error("collision.separation", no_obstacles);

@@ -29,19 +29,8 @@ constexpr auto words(Of<JointLimitMethod>) {
 enum class SolverKind { kDaqp, kQpoases, kEiquadprog };
 constexpr auto words(Of<SolverKind>) { return std::to_array<std::string_view>({"daqp", "qpoases", "eiquadprog"}); }
 
-enum class VortexWhen { kStagnated, kAlways };
-constexpr auto words(Of<VortexWhen>) { return std::to_array<std::string_view>({"stagnated", "always"}); }
-
 enum class ServoError { kRotationVector, kRpy };
 constexpr auto words(Of<ServoError>) { return std::to_array<std::string_view>({"rotation_vector", "rpy"}); }
-
-/// A sideways part of nu along obstacles (task/servo.h).
-struct VortexParams {
-  bool enabled = false;
-  double gain = 2.5;      ///< sideways part if an obstacle touches head-on, in units of |nu_lin|
-  double distance = 0.2;  ///< range of the obstacles that count [m]
-  VortexWhen when = VortexWhen::kStagnated;
-};
 
 /// k_p, k_R [1/s]; clamps of the two parts of nu in length [m/s, rad/s].
 struct ServoParams {
@@ -50,7 +39,6 @@ struct ServoParams {
   double max_linear = kInfinity;
   double max_angular = kInfinity;
   ServoError error = ServoError::kRotationVector;
-  VortexParams vortex = {};
 };
 
 /// ||e|| in the weights, clamped to [min, max]; `scale` [m/rad] enters the pose norm only.
@@ -98,18 +86,9 @@ struct DamperParams {
   double gain = 1.0;       ///< xi [m/s]
 };
 
-/// Passing rows: let moving objects pass on one side of the base (qp/passing.h).
-struct PassingParams {
-  bool enabled = false;
-  double horizon = 5.0;    ///< least time in which a gap on a collision course may close [s]
-  double clearance = 0.1;  ///< distance kept while passing [m]
-};
-
 struct CollisionParams {
   DamperParams object{true, 0.3, 0.05, 1.0};
   int max_pairs = 30;
-  double end_rows = 0.0;  ///< object pairs closer than this also have rows for their capsules' ends [m]; 0: none
-  PassingParams passing;
   DamperParams floor;
   DamperParams self;
   BrakingParams braking;
@@ -127,22 +106,12 @@ struct PostureParams {
   VectorX target;       ///< resolved joint values
 };
 
-/// Detours along the shortest way around the obstacles, seen from above (task/way_around.h).
-struct AroundParams {
-  bool enabled = false;
-  double clearance = 0.08;  ///< beyond the base's footprint [m]
-  double reach = 0.7;       ///< last part of the way, which the arm covers [m]
-  double passed = 0.4;      ///< horizontal distance of E at which a corner is passed [m]
-  double duration = 6.0;    ///< longest time of a detour around [s]
-};
-
 /// Stagnation and detours (task/escape.h).
 struct EscapeParams {
-  bool enabled = false;           ///< detours; the vortex also uses stagnation
+  bool enabled = false;           
   double scale = 0.3;             ///< factor on the orientation error in V = |e_p| + scale |e_R| [m/rad]
   double progress = 0.01;         ///< V has to fall this far below its minimum ... [m]
-  double patience = 1.0;          ///< ... within this time [s],
-  double traffic_patience = 5.0;  ///< or within this time while a moving object is near [s]
+  double patience = 1.0;          ///< ... within this time [s]
   double position = 0.02;         ///< a pose this near to the goal does not stagnate [m]
   double orientation = 0.05;      ///< [rad]
   double side_distance = 0.15;    ///< range of the obstacles that decide the side [m]
@@ -155,7 +124,6 @@ struct EscapeParams {
   double slack_factor = 0.005;    ///< factor on the slack weight of the angular rows during a detour
   double posture_weight = 0.05;   ///< weight of `ready` as the arm's posture during a detour
   double posture_gain = 1.2;      ///< [1/s]
-  AroundParams around;
 };
 
 /// Singularities and speed limits in rrmc, park and baur (closed_form/closed_form.h).

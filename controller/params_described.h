@@ -22,17 +22,6 @@ inline bool from_word(std::string_view word, JointLimitParams& params) {
   return true;
 }
 
-constexpr void describe(auto& v, Of<VortexParams>) {
-  using T = VortexParams;
-  v.member("gain", &T::gain,
-           {.unit = "1",
-            .range = Range::non_negative(),
-            .text = "sideways part if an obstacle touches head-on, in units of |nu_lin|"});
-  v.member("distance", &T::distance,
-           {.unit = "m", .range = Range::positive(), .text = "range of the obstacles that count"});
-  v.member("when", &T::when, {.text = "after the first stagnation, or always"});
-}
-
 constexpr void describe(auto& v, Of<ServoParams>) {
   using T = ServoParams;
   v.member("position", &T::position,
@@ -47,7 +36,6 @@ constexpr void describe(auto& v, Of<ServoParams>) {
       "error", &T::error,
       {.written = Written::kUnlessDefault,
        .text = "e_R: the rotation vector, or roll, pitch and yaw of the goal as seen from E, as in published code"});
-  v.optional("vortex", &T::vortex, &VortexParams::enabled, Off::kNone, "sideways part of nu along obstacles");
 }
 
 constexpr void describe(auto& v, Of<ErrorNormParams>) {
@@ -106,25 +94,11 @@ constexpr void describe(auto& v, Of<DamperParams>) {
            {.unit = "m/s", .range = Range::positive(), .text = "xi: speed of approach allowed at d_i"});
 }
 
-constexpr void describe(auto& v, Of<PassingParams>) {
-  v.member(
-      "horizon", &PassingParams::horizon,
-      {.unit = "s", .range = Range::positive(), .text = "least time in which a gap on a collision course may close"});
-  v.member("clearance", &PassingParams::clearance,
-           {.unit = "m", .range = Range::non_negative(), .text = "distance kept while passing"});
-}
-
 constexpr void describe(auto& v, Of<CollisionParams>) {
   using T = CollisionParams;
   v.inlined(&T::object);
   v.member("max_pairs", &T::max_pairs,
            {.range = {0, 10000}, .text = "largest number of pairs with rows, nearest first"});
-  v.member("end_rows", &T::end_rows,
-           {.unit = "m",
-            .range = Range::non_negative(),
-            .text = "object pairs closer than this also have rows for their capsules' ends; 0: none"});
-  v.optional("passing", &T::passing, &PassingParams::enabled, Off::kOmitted,
-             "passing rows: moving objects pass on one side of the base");
   v.member("floor", &T::floor, {.text = "rows against the floor"});
   v.member("self", &T::self, {.text = "rows between the robot's own shapes"});
   v.optional("braking", &T::braking, &BrakingParams::enabled, Off::kOmitted,
@@ -152,18 +126,6 @@ constexpr void describe(auto& v, Of<PostureParams>) {
             {.unit = "rad or m", .per = Per::kJoint, .text = "posture to which the joints are drawn"});
 }
 
-constexpr void describe(auto& v, Of<AroundParams>) {
-  using T = AroundParams;
-  v.member("clearance", &T::clearance,
-           {.unit = "m", .range = Range::non_negative(), .text = "distance kept beyond the base's footprint"});
-  v.member("reach", &T::reach,
-           {.unit = "m", .range = Range::non_negative(), .text = "last part of the way, which the arm covers"});
-  v.member("passed", &T::passed,
-           {.unit = "m", .range = Range::positive(), .text = "horizontal distance of E at which a corner is passed"});
-  v.member("duration", &T::duration,
-           {.unit = "s", .range = Range::positive(), .text = "longest time of a detour around"});
-}
-
 constexpr void describe(auto& v, Of<EscapeParams>) {
   using T = EscapeParams;
   v.member("scale", &T::scale,
@@ -175,8 +137,6 @@ constexpr void describe(auto& v, Of<EscapeParams>) {
       {.unit = "m", .range = Range::positive(), .text = "decrease of V below its minimum that counts as progress"});
   v.member("patience", &T::patience,
            {.unit = "s", .range = Range::positive(), .text = "time without progress after which the robot stagnates"});
-  v.member("traffic_patience", &T::traffic_patience,
-           {.unit = "s", .range = Range::positive(), .text = "the same while a moving object is near"});
   v.member(
       "position", &T::position,
       {.unit = "m", .range = Range::non_negative(), .text = "position error below which the robot does not stagnate"});
@@ -212,8 +172,6 @@ constexpr void describe(auto& v, Of<EscapeParams>) {
     g.member("gain", &T::posture_gain,
              {.unit = "1/s", .range = Range::non_negative(), .text = "k_posture during a detour"});
   });
-  v.optional("around", &T::around, &AroundParams::enabled, Off::kOmitted,
-             "detours that follow the shortest way around the obstacles, seen from above");
 }
 
 constexpr void describe(auto& v, Of<ClosedFormParams>) {
@@ -290,9 +248,9 @@ constexpr void describe(auto& v, Of<ControllerParams>) {
   v.optional("output_scaling", &T::output_scaling, &OutputScalingParams::enabled, Off::kNone,
              "scales the command as a whole (holistic)");
   v.optional("escape", &T::escape, &EscapeParams::enabled, Off::kKept,
-             "detours out of local minima; the vortex also uses stagnation");
+             "detours out of local minima");
   v.optional("plan", &T::plan, &PlanParams::enabled, Off::kOmitted,
-             "looking ahead: predictions, detours in prediction, and planned paths of base and arm");
+             "looking ahead: predictions, and planned paths of base and arm");
   v.member("closed_form", &T::closed_form,
            {.written = Written::kUnlessDefault, .text = "singularities and limits in rrmc, park and baur"});
   v.optional("separate", &T::separate, &SeparateParams::enabled, Off::kOmitted,

@@ -72,12 +72,6 @@ std::string row_meaning(const QpProblem& problem, int row) {
     case RowKind::kDrive:
       return "of what the drives can change in a period, " + number(0.5 * (problem.ubA[row] - problem.lbA[row])) +
              " m/s either way";
-    case RowKind::kPassing: {
-      const double wanted = problem.ubA[row];
-      return std::string(wanted >= 0.0 ? "may move into its way at no more than "
-                                       : "must leave its way at no less than ") +
-             number(std::abs(wanted)) + " m/s";
-    }
     case RowKind::kSeparation:
       return "may approach what moves at no more than " + number(problem.ubA[row]) + " m/s, to stand before they meet";
     case RowKind::kObject:
@@ -172,9 +166,7 @@ std::string describe_fallback(const CaseStep& step) {
       return "The command is that of the problem without acceleration limits.\n";
     case Fallback::kRelaxed:
       return "The command breaks every " +
-             std::string(!step.controller.outcome().only_passing                 ? "collision"
-                         : step.controller.params().collision.separation.enabled ? "passing and separation"
-                                                                                 : "passing") +
+             std::string(step.controller.outcome().only_separation ? "separation" : "collision") +
              " row by at most " + number(step.controller.outcome().collision_slack) +
              " m/s, next to the least that is possible.\n";
     case Fallback::kBrake:
@@ -186,12 +178,11 @@ std::string describe_fallback(const CaseStep& step) {
 std::string describe_escape(const ControllerCore& controller) {
   const EscapeParams& params = controller.params().escape;
   const EscapeState& state = controller.escape_state();
-  if (!params.enabled && !controller.params().servo.vortex.enabled) return "";
+  if (!params.enabled) return "";
   if (state.detour) {
     const Vector3& p = state.target_W;
-    return "On detour " + std::to_string(state.stagnations) +
-           (state.around ? ", around the obstacles by way of (" : ", to (") + number(p.x()) + ", " + number(p.y()) +
-           ", " + number(p.z()) + ") for another " + number(state.remaining) + " s; its orientation is nearly free.\n";
+    return "On detour " + std::to_string(state.stagnations) + ", to (" + number(p.x()) + ", " + number(p.y()) + ", " +
+           number(p.z()) + ") for another " + number(state.remaining) + " s; its orientation is nearly free.\n";
   }
   std::string out = "The way left has not become shorter than " + number(state.best) + " m for " + number(state.idle) +
                     " s, and stagnated " + std::to_string(state.stagnations) + " times.\n";
@@ -219,10 +210,9 @@ std::string describe_surroundings(const CaseStep& step) {
   std::string out;
   if (controller.params().method == Method::kQp) {
     const auto pairs = controller.distances();
-    int rows = 0, passing = 0, separation = 0;
+    int rows = 0, separation = 0;
     for (int i = 0; i < controller.problem().rows; ++i) {
       const RowKind kind = controller.problem().ids[static_cast<std::size_t>(i)].kind;
-      passing += kind == RowKind::kPassing ? 1 : 0;
       separation += kind == RowKind::kSeparation ? 1 : 0;
       rows += is_collision(kind) ? 1 : 0;
     }
@@ -231,8 +221,6 @@ std::string describe_surroundings(const CaseStep& step) {
     if (const long long none = controller.counters().rows_left_out; none > 0)
       out += " (" + std::to_string(none) + " left out: nothing the robot can do would change them)";
     out += ".\n";
-    if (passing > 0)
-      out += std::to_string(passing) + (passing == 1 ? " row lets" : " rows let") + " objects in motion pass.\n";
     if (separation > 0)
       out += std::to_string(separation) + (separation == 1 ? " row slows" : " rows slow") +
              " the robot down towards what moves.\n";

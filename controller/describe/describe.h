@@ -13,7 +13,7 @@ namespace moma {
 ///
 ///   constexpr void describe(auto& v, Of<ServoParams>) {
 ///     v.member("position", &ServoParams::position, {.unit = "1/s", .range = Range::non_negative(), .text = "k_p"});
-///     v.optional("vortex", &ServoParams::vortex, &VortexParams::enabled, Off::kNone, "a sideways part of nu");
+///     v.optional("slack", &ControllerParams::slack, &SlackParams::enabled, Off::kNone, "delta of the tracking rows");
 ///   }
 ///
 /// Members are pointers to members, so that a visitor may hold one object (to read, write or check it), two (to compare

@@ -17,7 +17,7 @@ namespace moma {
 
 /// A key of a file, for tables in the reference, completion, and suggestions for unknown keys.
 struct Key {
-  std::string name;       ///< dotted: "servo.vortex.gain"
+  std::string name;       ///< dotted: "collision.floor.gain"
   std::string unit;       ///< "" without a unit
   std::string accepted;   ///< "a number above 0", "one of: qp, rrmc", "none or a map"
   std::string otherwise;  ///< the default as written; "" without one, or for a map

@@ -36,8 +36,7 @@ struct ObjectState {
 /// Objects at most this fast count as at rest [m/s, rad/s].
 inline constexpr double kAtRest = 0.01;
 
-/// True if an object moves. Moving objects pass by themselves: the vortex leaves them to their rows, and a robot that
-/// waits for them has patience.
+/// True if an object moves.
 inline bool in_motion(const ObjectState& object) noexcept { return object.V_WO_W.norm() > kAtRest; }
 
 /// Signed distance between two solids. n_W is a unit vector along which a motion of `first` increases d: from the

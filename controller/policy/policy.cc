@@ -9,7 +9,7 @@
 namespace moma {
 namespace {
 
-// The servo's task for the QP. After stagnation a detour or the vortex changes the task (task/escape.h).
+// The servo's task for the QP. After stagnation a detour changes the task (task/escape.h).
 class ServoPolicy final : public Policy {
  public:
   explicit ServoPolicy(const PolicyParts& parts) : parts_(parts) {}
@@ -19,8 +19,7 @@ class ServoPolicy final : public Policy {
   QpTask aim(const Situation& now, const Near& near) noexcept {
     enter(now.clock, StepPart::kRows);
     QpTask asked{.task = now.servo};
-    parts_.escape.update({now.kinematics, now.o.goal, near.pairs, now.o.objects, near.traffic, &near.proximity},
-                         asked.task);
+    parts_.escape.update({now.kinematics, now.o.goal, near.pairs}, asked.task);
     return asked;
   }
 

@@ -1,10 +1,7 @@
 #include "controller/qp/collision.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-
-#include "controller/qp/end_rows.h"
 
 namespace moma {
 namespace {
@@ -48,8 +45,7 @@ int CollisionRows::allocate(int num_objects) {
   keys_.clear();
   sorted_.clear();
   left_out_ = 0;
-  const int rows = static_cast<int>(std::min(pairs, static_cast<std::size_t>(params_.max_pairs)));
-  return params_.end_rows > 0.0 ? (1 + kMaxEnds) * rows : rows;
+  return static_cast<int>(std::min(pairs, static_cast<std::size_t>(params_.max_pairs)));
 }
 
 ProximityRanges CollisionRows::ranges() const noexcept {
@@ -93,34 +89,18 @@ void CollisionRows::select(std::span<const ProximityPair> pairs) noexcept {
   for (const Key& key : keys_) sorted_.push_back(pairs[static_cast<std::size_t>(key.index)]);
 }
 
-void CollisionRows::add(const Kinematics& kinematics, Proximity& proximity, std::span<const ObjectState> states,
+void CollisionRows::add(const Kinematics& kinematics, std::span<const ObjectState> states,
                         std::span<const PlaceSpread> spreads, QpProblem& problem) noexcept {
-  spreads_ = spreads;
   const std::size_t kept = std::min(sorted_.size(), static_cast<std::size_t>(params_.max_pairs));
   for (const PairKind kind : {PairKind::kObject, PairKind::kFloor, PairKind::kSelf}) {
     for (std::size_t i = 0; i < kept; ++i) {
-      if (sorted_[i].kind != kind) continue;
-      if (!fill(kinematics, sorted_[i], states, 0, problem)) ++left_out_;
-      if (kind == PairKind::kObject && params_.end_rows > 0.0 && sorted_[i].distance.d < params_.end_rows)
-        add_ends(kinematics, proximity, sorted_[i], states, problem);
+      if (sorted_[i].kind == kind && !fill(kinematics, sorted_[i], states, spreads, problem)) ++left_out_;
     }
   }
 }
 
-void CollisionRows::add_ends(const Kinematics& kinematics, Proximity& proximity, const ProximityPair& pair,
-                             std::span<const ObjectState> states, QpProblem& problem) noexcept {
-  std::array<EndDistance, kMaxEnds> ends;
-  const int count = end_distances(proximity, kinematics, pair, states[static_cast<std::size_t>(pair.second)], ends);
-  ProximityPair end = pair;
-  for (int k = 0; k < count; ++k) {
-    end.distance = ends[static_cast<std::size_t>(k)].distance;
-    if (end.distance.d >= params_.object.influence) continue;
-    if (!fill(kinematics, end, states, ends[static_cast<std::size_t>(k)].end, problem)) ++left_out_;
-  }
-}
-
 bool CollisionRows::fill(const Kinematics& kinematics, const ProximityPair& pair, std::span<const ObjectState> states,
-                         int end, QpProblem& problem) noexcept {
+                         std::span<const PlaceSpread> spreads, QpProblem& problem) noexcept {
   const Distance& distance = pair.distance;
   const int first_link = model_->shapes[static_cast<std::size_t>(pair.first)].link;
   kinematics.point_jacobian(first_link, distance.p_first_W, J_first_);
@@ -136,7 +116,7 @@ bool CollisionRows::fill(const Kinematics& kinematics, const ProximityPair& pair
     const auto second = static_cast<std::size_t>(pair.second);
     const bool object = pair.kind == PairKind::kObject;
     d -= uncertainty_.margin(pair, kinematics, row_, object ? &states[second] : nullptr,
-                             object && second < spreads_.size() ? spreads_[second] : PlaceSpread{});
+                             object && second < spreads.size() ? spreads[second] : PlaceSpread{});
   }
   const bool rests = pair.kind == PairKind::kObject && !in_motion(states[static_cast<std::size_t>(pair.second)]);
   const DamperParams& row_damper = rests ? resting_ : damper(pair.kind);
@@ -157,7 +137,7 @@ bool CollisionRows::fill(const Kinematics& kinematics, const ProximityPair& pair
   // A NaN keeps the row, so that the solver's input check reports it.
   if (row_.cwiseAbs().maxCoeff() < kNoEffect) return false;
   const int row = problem.append(
-      {row_kind(pair.kind), pair.first, pair.second, end, moves, distance.d, distance.p_first_W, distance.p_second_W},
+      {row_kind(pair.kind), pair.first, pair.second, moves, distance.d, distance.p_first_W, distance.p_second_W},
       -kInfinity, limit);
   if (row < 0) return false;
   problem.A.row(row).head(row_.size()) = row_.transpose();

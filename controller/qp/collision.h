@@ -28,8 +28,7 @@ class CollisionRows {
   /// Sets the share of its accelerations with which the base brakes.
   void set_slowing(double share) noexcept { deceleration_.set_slowing(share); }
 
-  /// Sizes the buffers for so many objects. Returns the largest number of rows that add() can append: max_pairs, and up
-  /// to kMaxEnds for each of them with end rows.
+  /// Sizes the buffers for so many objects. Returns the largest number of rows that add() can append, at most max_pairs.
   int allocate(int num_objects);
   /// Ranges within which pairs matter; negative for a kind that is switched off.
   ProximityRanges ranges() const noexcept;
@@ -37,11 +36,11 @@ class CollisionRows {
   /// Sorts the pairs that are closer than their d_i, nearest first by d - d_s (ties: by index).
   void select(std::span<const ProximityPair> pairs) noexcept;
 
-  /// Appends the rows of the first max_pairs selected pairs: objects, floor, self; after an object's row those of its
-  /// ends (end_rows.h) if it is near enough. Rows that no motion of the robot changes (max |n^T J| < 1e-9) are left out
-  /// and counted. `spreads`: of the objects' positions, empty if they are exact.
-  void add(const Kinematics& kinematics, Proximity& proximity, std::span<const ObjectState> states,
-           std::span<const PlaceSpread> spreads, QpProblem& problem) noexcept;
+  /// Appends the rows of the first max_pairs selected pairs: objects, floor, self. Rows that no motion of the robot
+  /// changes (max |n^T J| < 1e-9) are left out and counted. `spreads`: of the objects' positions, empty if they are
+  /// exact.
+  void add(const Kinematics& kinematics, std::span<const ObjectState> states, std::span<const PlaceSpread> spreads,
+           QpProblem& problem) noexcept;
 
   /// Sets the stop distance d_s of objects at rest, at most the configured one [m], and the `rate` of approach xi/(d_i
   /// - d_s), at least the configured one [1/s].
@@ -57,10 +56,8 @@ class CollisionRows {
     int index;
   };
   const DamperParams& damper(PairKind kind) const noexcept;
-  bool fill(const Kinematics& kinematics, const ProximityPair& pair, std::span<const ObjectState> states, int end,
-            QpProblem& problem) noexcept;
-  void add_ends(const Kinematics& kinematics, Proximity& proximity, const ProximityPair& pair,
-                std::span<const ObjectState> states, QpProblem& problem) noexcept;
+  bool fill(const Kinematics& kinematics, const ProximityPair& pair, std::span<const ObjectState> states,
+            std::span<const PlaceSpread> spreads, QpProblem& problem) noexcept;
 
   const RobotModel* model_;
   CollisionParams params_;
@@ -71,7 +68,6 @@ class CollisionRows {
   VectorX row_;
   Deceleration deceleration_;
   Uncertainty uncertainty_;
-  std::span<const PlaceSpread> spreads_;
   int left_out_ = 0;
 };
 

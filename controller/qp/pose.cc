@@ -33,7 +33,6 @@ QpPoser::QpPoser(std::shared_ptr<const RobotModel> model, const ControllerParams
       proximity_(model_),
       collision_(*model_, params.collision, {*model_, params.acceleration_limit, params.base_share > 0.0},
                  {params.uncertainty, model_->base_dof()}),
-      passing_(*model_, params.collision),
       separation_(*model_, params.collision, {*model_, params.acceleration_limit, params.base_share > 0.0},
                   {params.uncertainty, model_->base_dof()}),
       goal_clearance_(*model_),
@@ -46,8 +45,7 @@ void QpPoser::set_objects(std::span<const ObjectShape> objects) {
   const int num_objects = static_cast<int>(objects.size());
   proximity_.set_objects(objects);
   goal_clearance_.allocate(objects.size());
-  const int near_rows =
-      collision_.allocate(num_objects) + passing_.allocate(num_objects) + separation_.allocate(num_objects);
+  const int near_rows = collision_.allocate(num_objects) + separation_.allocate(num_objects);
   const int drive_rows = limits_.linear_pair(VectorX::Zero(nv)).on ? 2 : 0;
   problem_.allocate(nv + (params_.slack.enabled ? 6 : 0), 6 + near_rows + num_wheels(model_->base) + drive_rows);
   objective_.allocate(problem_.n());
@@ -57,12 +55,11 @@ void QpPoser::set_objects(std::span<const ObjectShape> objects) {
   }
 }
 
-Near QpPoser::near() const noexcept { return {collision_.sorted(), collision_.ranges(), passing_.near(), proximity_}; }
+Near QpPoser::near() const noexcept { return {collision_.sorted(), collision_.ranges()}; }
 
 Near QpPoser::look(const Situation& now) noexcept {
   enter(now.clock, StepPart::kDistances);
   collision_.select(proximity_.query(now.kinematics, now.o.objects, collision_.ranges()));
-  passing_.select(now.kinematics, proximity_, now.o.objects);
   return near();
 }
 
@@ -102,9 +99,8 @@ Posed QpPoser::pose(const QpTask& asked, const Situation& now) noexcept {
   stop_ = stop_near_goal(asked, now);
   collision_.keep_from_resting(stop_, asked.keeps.at_goal < kInfinity ? kOnPath : 0.0);
   add_tracking_rows(now.kinematics.J_WE_W(), asked.task.nu, params_.tracking_band, params_.slack.enabled, problem_);
-  collision_.add(now.kinematics, proximity_, now.o.objects, now.spreads, problem_);
+  collision_.add(now.kinematics, now.o.objects, now.spreads, problem_);
   if (!asked.evades) {
-    passing_.add(now.kinematics, proximity_, now.o.objects, problem_);
     separation_.add(now.kinematics, proximity_, now.o.objects, now.spreads, problem_);
     add_wheel_rows(model_->base, problem_);
     add_drive_rows(bounds_.pair, problem_);

@@ -7,7 +7,6 @@
 #include "controller/model/proximity.h"
 #include "controller/qp/collision.h"
 #include "controller/qp/limits.h"
-#include "controller/qp/passing.h"
 #include "controller/qp/problem.h"
 #include "controller/qp/separation.h"
 #include "controller/qp/terms.h"
@@ -20,8 +19,6 @@ namespace moma {
 struct Near {
   std::span<const ProximityPair> pairs;  ///< within their distance of influence d_i, nearest first by d - d_s
   ProximityRanges ranges;                ///< d_i of each kind of pair; negative without rows
-  bool traffic;                          ///< a moving object with a passing row is within 1 m
-  const Proximity& proximity;            ///< has the objects' shapes
 };
 
 /// Problem of one step, with its inputs. References are to the buffers of QpPoser until its next pose().
@@ -70,7 +67,6 @@ class QpPoser {
   VelocityBounds limits_;
   Proximity proximity_;
   CollisionRows collision_;
-  PassingRows passing_;
   SeparationRows separation_;
   GoalClearance goal_clearance_;
   double stop_;

@@ -47,14 +47,11 @@ std::string row_name(const RowId& id, const RobotModel& model, std::span<const s
     case RowKind::kTracking:
       return std::string("tracking/") + std::to_string(id.first);
     case RowKind::kObject:
-      return "object/" + object_names[static_cast<std::size_t>(id.second)] + "/" + shape(id.first) +
-             (id.end == 0 ? std::string() : "@" + std::to_string(id.end));
+      return "object/" + object_names[static_cast<std::size_t>(id.second)] + "/" + shape(id.first);
     case RowKind::kFloor:
       return "floor/" + shape(id.first);
     case RowKind::kSelf:
       return "self/" + shape(id.first) + "/" + shape(id.second);
-    case RowKind::kPassing:
-      return "passing/" + object_names[static_cast<std::size_t>(id.second)] + "/" + shape(id.first);
     case RowKind::kSeparation:
       return "separation/" + object_names[static_cast<std::size_t>(id.second)] + "/" + shape(id.first);
     case RowKind::kDrive:

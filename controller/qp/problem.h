@@ -12,7 +12,7 @@ namespace moma {
 
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-enum class RowKind { kTracking, kObject, kFloor, kSelf, kPassing, kSeparation, kWheel, kDrive };
+enum class RowKind { kTracking, kObject, kFloor, kSelf, kSeparation, kWheel, kDrive };
 
 /// True if the row bounds the rate of a distance.
 constexpr bool is_collision(RowKind kind) noexcept {
@@ -24,16 +24,14 @@ constexpr bool is_collision(RowKind kind) noexcept {
 inline constexpr double kNoEffect = 1e-9;
 
 /// Subject of a constraint row, with its input quantities. tracking: (component 0-5, -); object: (robot shape, object);
-/// floor: (robot shape, -); self: (robot shape, robot shape); passing and separation: (robot shape, object); wheel:
-/// (wheel, -); drive: (0 or 1: the diagonal x + y or x - y, -).
+/// floor: (robot shape, -); self: (robot shape, robot shape); separation: (robot shape, object); wheel: (wheel, -);
+/// drive: (0 or 1: the diagonal x + y or x - y, -).
 struct RowId {
   RowKind kind = RowKind::kTracking;
   int first = 0;
   int second = 0;
-  int end = 0;         ///< capsule end of an object's row: 1, 2 of the robot's shape, 3, 4 of the object's; 0: none
   bool moves = false;  ///< the object moves
-  /// Distance of the two shapes and their nearest points [m]. A passing row has the gap along the line of centres, the
-  /// centre of the robot's shape, and a point 1 m from it on the side that the robot keeps to. Other rows have zeros.
+  /// Distance of the two shapes and their nearest points [m]; zero for rows that are not about a distance.
   double d = 0.0;
   Vector3 p_first_W = Vector3::Zero();
   Vector3 p_second_W = Vector3::Zero();
@@ -66,8 +64,8 @@ struct QpProblem {
   double cost(const Eigen::Ref<const VectorX>& x) const noexcept;
 };
 
-/// "tracking/3", "object/NAME/SHAPE", "object/NAME/SHAPE@1" (a capsule's end), "floor/SHAPE", "self/A/B",
-/// "passing/NAME/SHAPE", "separation/NAME/SHAPE", "wheel/left", "drive/+".
+/// "tracking/3", "object/NAME/SHAPE", "floor/SHAPE", "self/A/B",
+/// "separation/NAME/SHAPE", "wheel/left", "drive/+".
 std::string row_name(const RowId& id, const RobotModel& model, std::span<const std::string> object_names);
 
 /// Returns the largest of: violation of bounds and rows; |H x + g + A^T lambda + mu|; a multiplier's wrong sign;

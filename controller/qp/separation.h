@@ -25,7 +25,7 @@ namespace moma {
 ///
 ///   c qdot <= separation_speed(d - C - Z, v_H, a, T_R) >= 0
 ///
-/// It asks the robot to stop, never to yield: collision and passing rows do that, unchanged. Objects at rest have none.
+/// It asks the robot to stop, never to yield: collision rows do that, unchanged. Objects at rest have none.
 /// An option of a controller and no safety function: safe-controller.md. One per worker; only allocate() allocates.
 class SeparationRows {
  public:

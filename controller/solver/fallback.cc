@@ -7,15 +7,13 @@ namespace {
 
 constexpr double kSlackCost = 1e6;
 
-bool looks_ahead(RowKind kind) noexcept { return kind == RowKind::kPassing || kind == RowKind::kSeparation; }
-
-bool is_soft(RowKind kind, bool only_passing) noexcept {
-  return looks_ahead(kind) || (!only_passing && is_collision(kind));
+bool is_soft(RowKind kind, bool only_separation) noexcept {
+  return kind == RowKind::kSeparation || (!only_separation && is_collision(kind));
 }
 
-bool has_soft(const QpProblem& problem, bool only_passing) noexcept {
+bool has_soft(const QpProblem& problem, bool only_separation) noexcept {
   return std::any_of(problem.ids.begin(), problem.ids.begin() + problem.rows,
-                     [&](const RowId& id) { return is_soft(id.kind, only_passing); });
+                     [&](const RowId& id) { return is_soft(id.kind, only_separation); });
 }
 
 }  // namespace
@@ -105,7 +103,7 @@ FallbackSolver::Outcome FallbackSolver::solve(const QpProblem& problem, const Ve
   return out;
 }
 
-bool FallbackSolver::relax(const QpProblem& problem, bool only_passing, Outcome& out) noexcept {
+bool FallbackSolver::relax(const QpProblem& problem, bool only_separation, Outcome& out) noexcept {
   const int n = problem.n();
   relaxed_.H.head(n) = problem.H;
   relaxed_.g.head(n) = problem.g;
@@ -122,16 +120,16 @@ bool FallbackSolver::relax(const QpProblem& problem, bool only_passing, Outcome&
   for (int i = 0; i < problem.rows; ++i) {
     const RowId& id = problem.ids[static_cast<std::size_t>(i)];
     relaxed_.ids[static_cast<std::size_t>(i)] = id;
-    relaxed_.A(i, n) = is_soft(id.kind, only_passing) ? -1.0 : 0.0;
+    relaxed_.A(i, n) = is_soft(id.kind, only_separation) ? -1.0 : 0.0;
     if (slacks_ == 2) relaxed_.A(i, n + 1) = 0.0;
   }
-  if (slacks_ == 2 && !only_passing) weigh_by_backup(problem);
+  if (slacks_ == 2 && !only_separation) weigh_by_backup(problem);
   const StepStatus status = relaxed_solver_->solve(relaxed_, solution_);
   out.iterations += solution_.iterations;
   if (status != StepStatus::kSolved) return false;
   out.fallback = last_ = Fallback::kRelaxed;
   for (int i = 0; i < problem.rows; ++i) out.collision_slack = std::max(out.collision_slack, given(i));
-  out.only_passing = only_passing;
+  out.only_separation = only_separation;
   return true;
 }
 
@@ -143,7 +141,7 @@ void FallbackSolver::weigh_by_backup(const QpProblem& problem) noexcept {
   for (int i = 0; i < problem.rows; ++i) {
     const RowId& id = problem.ids[static_cast<std::size_t>(i)];
     if (!is_soft(id.kind, false)) continue;
-    if (id.moves || looks_ahead(id.kind)) {
+    if (id.moves || id.kind == RowKind::kSeparation) {
       relaxed_.A(i, n) = 0.0;
       relaxed_.A(i, n + 1) = -1.0;
       continue;

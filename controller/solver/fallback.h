@@ -11,7 +11,7 @@
 namespace moma {
 
 /// Solves the problem or, if that fails, its relaxations in this order:
-///  1. relaxed: one common slack s >= 0 on all passing and separation rows, at cost 1/2 1e6 s^2 (skipped without such
+///  1. relaxed: one common slack s >= 0 on all separation rows, at cost 1/2 1e6 s^2 (skipped without such
 ///     rows): rows with a longer horizon give way to rows that hold now;
 ///  2. no_acceleration: the original without acceleration bounds (skipped if there are none);
 ///  3. relaxed: the slack on all collision rows as well (skipped without such rows);
@@ -19,7 +19,7 @@ namespace moma {
 /// With Relaxation::kBackup, stage 3 has two slacks. With u_b the smallest command within the stage's bounds, rows of
 /// resting objects, floor and self give way by s g_r / max g, g_r = max(0, c_r u_b - zeta_r), s >= 0 at cost 1/2 1e6
 /// s^2: full braking, s = max g, is a solution, and rows that braking keeps stay as they are. Rows of moving objects,
-/// which standing still does not avoid, passing rows and separation rows share the other slack. allocate() sizes every
+/// which standing still does not avoid, and separation rows share the other slack. allocate() sizes every
 /// workspace for the largest stage; solve() does not allocate with a real-time safe solver.
 class FallbackSolver {
  public:
@@ -28,11 +28,11 @@ class FallbackSolver {
     Fallback fallback = Fallback::kNone;
     int iterations = 0;            ///< sum of all stages
     double collision_slack = 0.0;  ///< largest relaxation of a row in the relaxed stage [m/s]
-    bool only_passing = false;     ///< relaxed, only passing and separation rows, within the acceleration bounds
+    bool only_separation = false;     ///< relaxed, only separation rows, within the acceleration bounds
 
     /// True if the command could exceed the acceleration bounds.
     bool beyond_acceleration() const noexcept {
-      return fallback == Fallback::kNoAcceleration || (fallback == Fallback::kRelaxed && !only_passing);
+      return fallback == Fallback::kNoAcceleration || (fallback == Fallback::kRelaxed && !only_separation);
     }
   };
 
@@ -53,7 +53,7 @@ class FallbackSolver {
   QpProblem final_problem(const QpProblem& original) const;
 
  private:
-  bool relax(const QpProblem& problem, bool only_passing, Outcome& out) noexcept;
+  bool relax(const QpProblem& problem, bool only_separation, Outcome& out) noexcept;
   void weigh_by_backup(const QpProblem& problem) noexcept;
 
   std::unique_ptr<QpSolver> solver_;

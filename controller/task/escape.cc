@@ -53,8 +53,7 @@ Escape::Escape(const EscapeParams& params, const ServoParams& servo, const Robot
     : params_(params),
       servo_(servo),
       dt_(control_period),
-      mobile_(model.base_dof() > 0),
-      way_around_(model, params.around) {
+      mobile_(model.base_dof() > 0) {
   max_length_ = mobile_ ? params.max_length : std::min(params.max_length, 0.5 * arm_length(model));
 }
 
@@ -74,7 +73,7 @@ bool Escape::goal_jumped(const GoalState& goal) const noexcept {
 }
 
 void Escape::update(const EscapeInput& input, Task& task) noexcept {
-  if (!params_.enabled && !servo_.vortex.enabled) return;
+  if (!params_.enabled) return;
   if (has_goal_ && goal_jumped(input.goal)) reset();
   last_goal_ = input.goal;
   has_goal_ = true;
@@ -82,20 +81,14 @@ void Escape::update(const EscapeInput& input, Task& task) noexcept {
   if (state_.detour) {
     state_.remaining -= dt_;
     const Vector3 left = state_.target_W - input.kinematics.X_WE().translation();
-    const double reached = state_.around ? params_.around.passed : params_.reached;
-    const bool there = std::hypot(left.x(), left.y()) < reached;
-    if (state_.remaining <= 0.0 || (there && !(state_.around && lead(input, state_.target_W.head<2>())))) {
-      state_.detour = state_.around = false;
+    if (state_.remaining <= 0.0 || std::hypot(left.x(), left.y()) < params_.reached) {
+      state_.detour = false;
       state_.best = V;
       state_.idle = 0.0;
     }
   }
   if (!state_.detour) watch(input, task, V);
-  if (state_.detour) {
-    bend(input, task);
-  } else if (servo_.vortex.enabled && (servo_.vortex.when == VortexWhen::kAlways || state_.stagnations > 0)) {
-    add_vortex(servo_.vortex, input.pairs, input.objects, task.error.tail<3>(), state_.circulation, task.nu.tail<3>());
-  }
+  if (state_.detour) bend(input, task);
 }
 
 void Escape::watch(const EscapeInput& input, const Task& task, double V) noexcept {
@@ -108,15 +101,7 @@ void Escape::watch(const EscapeInput& input, const Task& task, double V) noexcep
   }
   state_.best += dt_ * receding(params_, task.error, input.goal.V_WG_W);
   state_.idle += dt_;
-  if (state_.idle < params_.patience) return;
-  if (state_.idle < params_.traffic_patience && near_traffic(input)) return;
-  stagnate(input, task, V);
-}
-
-bool Escape::near_traffic(const EscapeInput& input) const noexcept {
-  return input.traffic || std::any_of(input.pairs.begin(), input.pairs.end(), [&](const ProximityPair& pair) {
-           return pair.kind == PairKind::kObject && in_motion(input.objects[static_cast<std::size_t>(pair.second)]);
-         });
+  if (state_.idle >= params_.patience) stagnate(input, task, V);
 }
 
 void Escape::stagnate(const EscapeInput& input, const Task& task, double V) noexcept {
@@ -124,10 +109,8 @@ void Escape::stagnate(const EscapeInput& input, const Task& task, double V) noex
   const Vector3 e_h = heading(task.error.tail<3>(), forward);
   if (state_.side == 0) state_.side = free_side(input.pairs, e_h, params_.side_distance);
   const int n = state_.stagnations++;
-  state_.circulation = -state_.circulation;
   state_.best = V;
   state_.idle = 0.0;
-  if (!params_.enabled) return;
   const double growth = 1.0 + params_.growth * n;
   const double turns[] = {params_.angle * state_.side, -params_.angle * state_.side, std::numbers::pi};
   const double alpha = turns[n % 3];
@@ -136,19 +119,8 @@ void Escape::stagnate(const EscapeInput& input, const Task& task, double V) noex
   const Vector3 from = input.kinematics.X_WL(mobile_ ? 0 : 1).translation();
   state_.target_W = from + length * (Eigen::AngleAxisd(alpha, Vector3::UnitZ()) * e_h);
   state_.target_W.z() = p_WE.z();
-  state_.around = lead(input, input.kinematics.X_WB().translation().head<2>());
-  state_.remaining = state_.around ? params_.around.duration : params_.duration * growth;
+  state_.remaining = params_.duration * growth;
   state_.detour = true;
-}
-
-// Aims at the first corner of the way around from `from`; false without a corner.
-bool Escape::lead(const EscapeInput& input, const Vector2& from) noexcept {
-  if (!params_.around.enabled || !mobile_ || input.proximity == nullptr) return false;
-  const Vector2 goal = input.goal.X_WG.translation().head<2>();
-  const Way way = way_around_.find(*input.proximity, input.objects, from, goal);
-  if (!way.found || way.straight) return false;
-  state_.target_W.head<2>() = way.corner;
-  return true;
 }
 
 void Escape::bend(const EscapeInput& input, Task& task) const noexcept {

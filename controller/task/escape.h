@@ -9,7 +9,6 @@
 #include "controller/params.h"
 #include "controller/step.h"
 #include "controller/task/servo.h"
-#include "controller/task/way_around.h"
 
 namespace moma {
 
@@ -18,9 +17,6 @@ struct EscapeInput {
   const Kinematics& kinematics;
   const GoalState& goal;
   std::span<const ProximityPair> pairs;  ///< within their influence, including floor and self pairs
-  std::span<const ObjectState> objects;
-  bool traffic = false;                  ///< a moving object is near, beyond the influence of its pairs
-  const Proximity* proximity = nullptr;  ///< has the objects' shapes; null: no ways around them
 };
 
 /// Leaves a local minimum on one side: after the bug algorithms (Lumelsky & Stepanov, Algorithmica 2, 1987; Kamon,
@@ -29,20 +25,16 @@ struct EscapeInput {
 ///
 /// V = |e_p| + scale |e_R| is the distance to the goal. The robot stagnates when V has not fallen by `progress` below
 /// its minimum for `patience`, and the pose is not at the goal. The minimum recedes with a goal that moves away, so
-/// that only the robot's own motion counts. `traffic_patience` applies near a moving object. A goal that jumps resets
-/// everything.
+/// that only the robot's own motion counts. A goal that jumps resets everything.
 ///
 /// A detour then draws E to a point beside the base instead of to the goal: at `angle` to one side of the goal's
 /// direction, the next time to the other side, then behind, each time further. For a fixed base the arm's root replaces
 /// the base, and half the arm's length is the largest distance. During a detour orientation is nearly free and the arm
-/// is drawn to `ready`. With `around`, if obstacles are between base and goal as seen from above and there is a way
-/// around them, a mobile robot's detour leads from corner to corner of that way, until the rest is straight
-/// (way_around.h). moma-controller.md has the formulas. One per controller; nothing here allocates or throws.
+/// is drawn to `ready`. moma-controller.md has the formulas. One per controller; nothing here allocates or throws.
 class Escape {
  public:
   Escape(const EscapeParams& params, const ServoParams& servo, const RobotModel& model, double control_period);
 
-  void allocate(int num_objects) { way_around_.allocate(num_objects); }
   void reset() noexcept;
   /// One step: watches progress, starts and ends detours, and changes the task during a detour.
   void update(const EscapeInput& input, Task& task) noexcept;
@@ -57,8 +49,6 @@ class Escape {
   bool goal_jumped(const GoalState& goal) const noexcept;
   void watch(const EscapeInput& input, const Task& task, double V) noexcept;
   void stagnate(const EscapeInput& input, const Task& task, double V) noexcept;
-  bool near_traffic(const EscapeInput& input) const noexcept;
-  bool lead(const EscapeInput& input, const Vector2& from) noexcept;
   void bend(const EscapeInput& input, Task& task) const noexcept;
 
   EscapeParams params_;
@@ -66,7 +56,6 @@ class Escape {
   double dt_;
   bool mobile_;
   double max_length_;
-  WayAround way_around_;
   EscapeState state_;
   GoalState last_goal_;
   bool has_goal_ = false;

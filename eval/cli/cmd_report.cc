@@ -68,10 +68,9 @@ std::array<double, 3> point(const Vector3& p) { return {p.x(), p.y(), p.z()}; }
 
 reports::DistanceRows::Kind kind_of(const RowId& id) {
   using Kind = reports::DistanceRows::Kind;
-  if (id.end > 0) return Kind::kEnd;
   if (id.kind == RowKind::kFloor) return Kind::kFloor;
   if (id.kind == RowKind::kSelf) return Kind::kSelf;
-  return id.kind == RowKind::kPassing ? Kind::kPassing : Kind::kObject;
+  return Kind::kObject;
 }
 
 reports::DistanceRows rows_of(const TrialRows& of) {

@@ -55,12 +55,18 @@ struct ColumnName {
   }
 };
 
+/// Columns of simulation version 12 and before, which have no member any more.
+constexpr std::string_view kFormerColumns[] = {"circulation", "plan_detour", "plan_time_detour"};
+
 /// How a member of what the controller remembered is called among the columns: of the first ones as it always was, of
 /// any later one escape_NAME.
 ColumnName memory_column(std::string_view member) {
   constexpr std::pair<std::string_view, std::string_view> kNames[] = {
-      {"stagnations", "stagnations"},    {"side", "detour_side"}, {"detour", "detour"},
-      {"remaining", "detour_remaining"}, {"target", "detour"},    {"circulation", "circulation"}};
+      {"stagnations", "stagnations"},
+      {"side", "detour_side"},
+      {"detour", "detour"},
+      {"remaining", "detour_remaining"},
+      {"target", "detour"}};
   for (const auto& [name, column] : kNames)
     if (name == member) return {"", column, -1, ""};
   return {"escape_", member, -1, ""};
@@ -92,16 +98,12 @@ class Numbers {
   }
   template <class M>
   void member(std::string_view name, M EscapeState::*member, const About&) {
-    EscapeState& e = sample_.escape;
-    if (name == "around") return;  // one column tells both
-    if (name == "detour") {
-      double code = !e.detour ? 0.0 : e.around ? 2.0 : 1.0;  // 2: around the obstacles
+    if constexpr (std::is_same_v<M, bool>) {  // 2 in simulation version 12 and before: a detour around the obstacles
+      double code = sample_.escape.*member ? 1.0 : 0.0;
       number_(memory_column(name), code, true);
-      const int told = whole<int>(memory_column(name), code, 0.0, 2.0);
-      e.detour = told != 0;
-      e.around = told == 2;
+      sample_.escape.*member = whole<int>(memory_column(name), code, 0.0, 2.0) != 0;
     } else {
-      value(memory_column(name), e.*member, "x y z", true);
+      value(memory_column(name), sample_.escape.*member, "x y z", true);
     }
   }
   template <class M>
@@ -278,6 +280,8 @@ Trace decode_samples(const EncodedSamples& encoded) {
     places.push_back(there ? static_cast<int>(found - table.names.begin()) : -1);
     used += there ? 1 : 0;
   });
+  for (const std::string_view former : kFormerColumns)
+    used += static_cast<std::size_t>(std::count(table.names.begin(), table.names.end(), former));
   if (used != table.names.size()) throw std::runtime_error("samples have unknown columns");
   Trace trace(static_cast<std::size_t>(encoded.n), sample);
   for (std::size_t k = 0; k < trace.size(); ++k) {

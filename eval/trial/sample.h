@@ -55,7 +55,7 @@ constexpr void describe(Visitor& v, Of<Sample>) {
   v.member("status", &S::status, SampleColumn{.text = "status of the QP in the step"});
   v.member("fallback", &S::fallback, SampleColumn{.text = "stage of the fallback that gave the command"});
   v.member("active_rows", &S::active_rows, SampleColumn{.text = "active rows of the QP"});
-  v.member("escape", &S::escape, SampleColumn{.text = "memory of detours and vortex at the start of the step"});
+  v.member("escape", &S::escape, SampleColumn{.text = "memory of detours at the start of the step"});
   v.member("plan", &S::plan, SampleColumn{.text = "mode and reason of the look-ahead at the start of the step"});
 }
 

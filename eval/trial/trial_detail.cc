@@ -102,7 +102,7 @@ class RowWitness final : public StepController {
     const int links = static_cast<int>(controller_.model().links.size());
     for (int i = 0; i < problem.rows; ++i) {
       const RowId& id = problem.ids[static_cast<std::size_t>(i)];
-      if (!is_collision(id.kind) && id.kind != RowKind::kPassing) continue;
+      if (!is_collision(id.kind)) continue;
       const double value = problem.A.row(i).dot(x.head(problem.n()));
       int second = links + id.second;
       if (id.kind == RowKind::kFloor) second = static_cast<int>(out_.names.size()) - 1;

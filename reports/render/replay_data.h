@@ -18,16 +18,16 @@ struct StoredSamples {
 
 /// The QP's rows about distances, as the controller posed them.
 struct DistanceRows {
-  enum class Kind { kObject, kFloor, kSelf, kEnd, kPassing };  ///< kEnd: of a capsule's end and an object
+  enum class Kind { kObject, kFloor, kSelf };
   struct Row {
     double t = 0.0;  ///< of the control step [s]
     Kind kind = Kind::kObject;
     int first = 0;                       ///< index into `names`: the robot's link
     int second = 0;                      ///< and of what it is kept from
     bool active = false;                 ///< at its limit
-    double d = 0.0;                      ///< distance, of a passing row the gap [m]
-    std::array<double, 3> p_first_W{};   ///< nearest point of the link, of a passing row its centre [m]
-    std::array<double, 3> p_second_W{};  ///< and of the other; of a passing row a point on the side to keep to [m]
+    double d = 0.0;                      ///< distance [m]
+    std::array<double, 3> p_first_W{};   ///< nearest point of the link [m]
+    std::array<double, 3> p_second_W{};  ///< and of the other [m]
   };
   std::vector<std::string> names;
   std::vector<Row> rows;  ///< by time

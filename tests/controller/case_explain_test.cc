@@ -134,26 +134,6 @@ TEST(CaseExplain, TellsABaseHeldByItsDrivesFromOneAtItsSpeedLimit) {
   EXPECT_TRUE(mentions(explain(given), "the base stands while the arm moves")) << explain(given);
 }
 
-TEST(CaseExplain, NamesObjectsThatPass) {
-  ControlCase given = read_case(kStoredCases / "frankie_119.json");
-  given.controller.collision.passing.enabled = true;
-  given.objects = {{"cart", {ShapeKind::kSphere, {0.15, 0, 0}, nullptr}}};
-  given.observation.objects.resize(1);
-  ObjectState& cart = given.observation.objects[0];
-  const double phi = given.observation.base.z();
-  const Vector3 forward(std::cos(phi), std::sin(phi), 0.0), left(-forward.y(), forward.x(), 0.0);
-  cart = {};
-  // Its path is in front of the base, and the goal beyond it.
-  cart.X_WO.translation() =
-      Vector3(given.observation.base.x(), given.observation.base.y(), 0.2) + 0.1 * forward + 0.7 * left;
-  cart.V_WO_W.tail<3>() = -0.4 * left;
-  const std::string text = explain(given);
-  EXPECT_TRUE(mentions(text, "2 rows let objects in motion pass")) << text;
-  EXPECT_TRUE(mentions(text, "passing/cart/@base: must leave its way at no less than ")) << text;
-  const auto names = solve(given)["rows"];
-  EXPECT_EQ(std::count(names.begin(), names.end(), "passing/cart/@base"), 1) << names;
-}
-
 TEST(CaseExplain, EveryCaseIsExplained) {
   for (const fs::path& file : all_cases()) {
     const std::string text = explain(read_case(file));

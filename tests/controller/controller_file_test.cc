@@ -112,9 +112,9 @@ output_scaling: {near: 2}
   EXPECT_TRUE(p.output_scaling.enabled);
   EXPECT_EQ(p.output_scaling.near, 2);
   EXPECT_EQ(p.output_scaling.far, 0.7);
-  EXPECT_FALSE(p.collision.passing.enabled);
-  EXPECT_FALSE(read("collision: {passing: none}").collision.passing.enabled);
-  EXPECT_TRUE(read("collision: {passing: {horizon: 3}}").collision.passing.enabled);
+  EXPECT_FALSE(p.collision.evasion.enabled);
+  EXPECT_FALSE(read("collision: {evasion: none}").collision.evasion.enabled);
+  EXPECT_TRUE(read("collision: {evasion: {horizon: 3}}").collision.evasion.enabled);
   EXPECT_FALSE(read("slack: none").slack.enabled);
   EXPECT_EQ(read("joint_limits: none").joint_limits.method, JointLimitMethod::kNone);
   EXPECT_EQ(read("joint_limits: {method: damper}").joint_limits.method, JointLimitMethod::kDamper);
@@ -125,7 +125,7 @@ TEST_F(ControllerFile, RoundTripIsExact) {
   for (int trial = 0; trial < 100; ++trial) {
     ControllerParams p;
     p.method = static_cast<Method>(rng() % 4);
-    p.servo = {uniform(rng, 0, 5), uniform(rng, 0, 5), rng() % 2 ? kInfinity : uniform(rng, 0.1, 2), kInfinity, {}};
+    p.servo = {uniform(rng, 0, 5), uniform(rng, 0, 5), rng() % 2 ? kInfinity : uniform(rng, 0.1, 2), kInfinity};
     p.error_norm = {static_cast<ErrorNormKind>(rng() % 3), 1e-3 / 3, 10.0 / 3, uniform(rng, 0, 1)};
     p.base_weight = rng() % 2 ? Weight{} : Weight{false, uniform(rng, 0, 1)};
     p.lambda_q = VectorX::NullaryExpr(7, [&] { return uniform(rng, 0.01, 0.1); });
@@ -140,7 +140,7 @@ TEST_F(ControllerFile, RoundTripIsExact) {
     }
     p.collision.object.gain = uniform(rng, 0.1, 2);
     p.collision.floor.enabled = rng() % 2;
-    if (rng() % 2) p.collision.passing = {true, uniform(rng, 1, 9), uniform(rng, 0, 0.2)};
+    if (rng() % 2) p.collision.evasion = {true, uniform(rng, 1, 9), uniform(rng, 0.01, 0.2)};
     p.acceleration_limit = VectorX::Constant(9, rng() % 2 ? kInfinity : uniform(rng, 1, 9));
     p.posture.weight = uniform(rng, 0, 1);
     if (rng() % 2) {
@@ -178,31 +178,25 @@ TEST_F(ControllerFile, WhatEarlierTrialsWroteKeepsItsBytes) {
 
 TEST_F(ControllerFile, PartsThatAreOffKeepTheirValuesWhereTheFileHasThem) {
   ControllerParams p = read(R"(
-servo: {vortex: {enabled: false, gain: 3}}
 slack: {enabled: false, weight: 7}
-collision: {enabled: false, influence: 0.4, passing: {enabled: false, horizon: 6}}
+collision: {enabled: false, influence: 0.4, evasion: {enabled: false, horizon: 6}}
 output_scaling: {enabled: false, far: 2}
-escape: {enabled: false, angle: 1.5, around: {enabled: false, reach: 0.9}}
+escape: {enabled: false, angle: 1.5}
 )");
-  EXPECT_FALSE(p.servo.vortex.enabled || p.slack.enabled || p.collision.object.enabled || p.collision.passing.enabled ||
-               p.output_scaling.enabled || p.escape.enabled || p.escape.around.enabled);
-  EXPECT_EQ(p.servo.vortex.gain, 3);
+  EXPECT_FALSE(p.slack.enabled || p.collision.object.enabled || p.collision.evasion.enabled ||
+               p.output_scaling.enabled || p.escape.enabled);
   EXPECT_EQ(p.slack.weight.value, 7);
-  EXPECT_EQ(p.collision.passing.horizon, 6);
+  EXPECT_EQ(p.collision.evasion.horizon, 6);
   EXPECT_EQ(p.output_scaling.far, 2);
-  EXPECT_EQ(p.escape.around.reach, 0.9);
   // The resolved JSON has those of escape and of the dampers; the others are written as none, or not at all.
   ControllerParams back = read(config::to_json(p).dump());
   EXPECT_FALSE(same(back, p));
   EXPECT_EQ(back.escape.angle, 1.5);
   EXPECT_EQ(back.collision.object.influence, 0.4);
-  EXPECT_EQ(back.servo.vortex.gain, VortexParams{}.gain);
-  EXPECT_EQ(back.escape.around.reach, AroundParams{}.reach);
-  back.servo.vortex = p.servo.vortex;
+  EXPECT_EQ(back.collision.evasion.horizon, EvasionParams{}.horizon);
   back.slack = p.slack;
-  back.collision.passing = p.collision.passing;
+  back.collision.evasion = p.collision.evasion;
   back.output_scaling = p.output_scaling;
-  back.escape.around = p.escape.around;
   EXPECT_TRUE(same(back, p));
 }
 
@@ -220,8 +214,8 @@ TEST_F(ControllerFile, MistakesAreNamedWithTheirPlace) {
   expect_error("error_norm: {min: 11}", "c.yaml:1:19: controller.error_norm.min:", "must not be above");
   expect_error("base_weight: inverse", "c.yaml:1:14: controller.base_weight:", "inverse_error or a number");
   expect_error("base_weight: -0.1", "c.yaml:1:14: controller.base_weight:", "at least 0");
-  expect_error("collision: {passing: {horizon: 0}}", "c.yaml:1:32: controller.collision.passing.horizon:", "above 0");
-  expect_error("collision: {passing: on}", "c.yaml:1:22: controller.collision.passing:", "expected a map");
+  expect_error("collision: {evasion: {margin: 0}}", "c.yaml:1:31: controller.collision.evasion.margin:", "above 0");
+  expect_error("collision: {evasion: on}", "c.yaml:1:22: controller.collision.evasion:", "expected a map");
   expect_error("lambda_q: [1, 2]", "c.yaml:1:11: controller.lambda_q:", "a list of 7 numbers");
   expect_error("lambda_q: [1, 2, 3, 4, 5, 6, x]", "c.yaml:1:30: controller.lambda_q[6]:", "'x'");
   expect_error("slack: off", "c.yaml:1:8: controller.slack:", "expected a map");
@@ -268,7 +262,7 @@ TEST_F(ControllerFile, MistakesAreNamedWithTheirPlace) {
 TEST_F(ControllerFile, ErrorsOfOneKeyAreToldApartFromContradictions) {
   EXPECT_THROW(read("methd: qp"), config::KeyError);
   EXPECT_THROW(read("servo: {position: -1}"), config::KeyError);
-  EXPECT_THROW(read("collision: {passing: {horizon: soon}}"), config::KeyError);
+  EXPECT_THROW(read("collision: {evasion: {horizon: soon}}"), config::KeyError);
   for (const char* text : {"collision: {stop: 0.3}", "error_norm: {min: 11}", "joint_limits: {margin: 2}"}) {
     try {
       read(text);

@@ -59,7 +59,6 @@ ControllerParams gains(const RobotModel& model) {
   p.joint_limits.method = one_of({JointLimitMethod::kSource, JointLimitMethod::kDamper, JointLimitMethod::kNone});
   p.collision.object.gain = real(0.1, 2.0);
   p.collision.max_pairs = one_of({0, 4, 30});
-  p.collision.passing.enabled = coin();
   if (coin()) p.acceleration_weight = VectorX::Constant(model.num_velocities(), real(0, 1));
   if (coin()) p.posture.weight = real(0, 1);
   if (coin()) p.acceleration_limit = VectorX::Constant(model.num_velocities(), real(1, 20));

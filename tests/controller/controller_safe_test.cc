@@ -24,8 +24,6 @@ ControllerParams safe_params(const RobotModel& model) {
   p.slack.weight = {false, 9.0};
   p.joint_limits.method = JointLimitMethod::kDamper;
   p.collision.object = {true, 0.3, 0.03, 0.6};
-  p.collision.end_rows = 0.1;
-  p.collision.passing.enabled = true;
   p.acceleration_limit = VectorX::Constant(model.num_velocities(), 5.0);
   p.base_share = 0.95;
   p.collision.braking.enabled = true;
@@ -123,7 +121,7 @@ TEST(SafeController, AStepIsAFunctionOfItsMemoryAndWhatIsSeen) {
     Rng rng(3);
     const std::vector<ObjectShape> shapes = random_objects(rng, 6);
     ControllerParams params = safe_params(*model);
-    params.escape.enabled = params.servo.vortex.enabled = true;
+    params.escape.enabled = true;
     params.escape.patience = 0.1;
     Rig first(model, params, shapes), second(model, params, shapes);
     // The other has a past of its own.
@@ -160,7 +158,7 @@ TEST(SafeController, RelaxesRowsOfWhatRestsAsFarAsBrakingBreaksThem) {
         if (rng() % 4 != 0) object.V_WO_W.setZero();
       rig.step(o);
       const auto& outcome = rig.controller.outcome();
-      if (outcome.fallback != Fallback::kRelaxed || outcome.only_passing) continue;
+      if (outcome.fallback != Fallback::kRelaxed || outcome.only_separation) continue;
       ++relaxed;
       EXPECT_LT(rig.controller.kkt_residual(), 1e-3) << model->name << " trial " << trial;
       const QpProblem& asked = rig.controller.problem();
@@ -188,7 +186,7 @@ TEST(SafeController, RelaxesRowsOfWhatRestsAsFarAsBrakingBreaksThem) {
       bool traffic = false;
       for (int r = 0; r < asked.rows; ++r) {
         const RowId& id = asked.ids[static_cast<std::size_t>(r)];
-        traffic = traffic || id.moves || id.kind == RowKind::kPassing;
+        traffic = traffic || id.moves;
       }
       if (!traffic) {
         EXPECT_LE(s, most + 1e-3);

@@ -6,7 +6,6 @@
 
 #include "controller/config/controller_file.h"
 #include "controller/controller_core.h"
-#include "controller/qp/end_rows.h"
 #include "tests/support/control_period.h"
 #include "tests/support/robots.h"
 
@@ -193,9 +192,7 @@ TEST_P(SpecialStates, TwoHundredObjects) {
     seen_.objects.push_back(state);
   }
   step("200 objects");
-  const int per_pair =
-      (params_.collision.end_rows > 0.0 ? 1 + kMaxEnds : 1) + (params_.collision.passing.enabled ? 1 : 0);
-  EXPECT_LE(result_.rows, 6 + params_.collision.max_pairs * per_pair + 2);
+  EXPECT_LE(result_.rows, 6 + params_.collision.max_pairs + 2);
 }
 
 }  // namespace

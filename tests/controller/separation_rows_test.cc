@@ -256,7 +256,7 @@ TEST(SeparationRows, GiveWayBeforeRowsOfWhatIsNear) {
     Observation o = random_observation(*model, shapes.size(), rng, 1.2);
     for (std::size_t i = 0; i < 2; ++i) o.objects[i].V_WO_W.setZero();
     rig.step(o);
-    if (rig.result.fallback != Fallback::kRelaxed || !rig.controller.outcome().only_passing) continue;
+    if (rig.result.fallback != Fallback::kRelaxed || !rig.controller.outcome().only_separation) continue;
     ++relaxed;
     const QpProblem& problem = rig.controller.problem();
     const int nv = model->num_velocities();

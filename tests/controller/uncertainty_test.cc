@@ -227,7 +227,6 @@ ControllerParams tracked() {
   ControllerParams params;
   params.prediction.enabled = params.uncertainty.enabled = true;
   params.uncertainty.probability = 0.99;
-  params.collision.passing.enabled = true;
   return params;
 }
 
@@ -283,23 +282,24 @@ TEST(Covariance, MovesRowsByTheirMargins) {
   EXPECT_EQ(known.result.status, StepStatus::kInvalidInput);
 }
 
-// A velocity that is within its own uncertainty gets no passing rows, one that is beyond it does.
-TEST(Covariance, IsTheThresholdOfPassingRows) {
+// An object whose velocity is within its own uncertainty counts as at rest, beyond it as moving.
+TEST(Covariance, IsTheThresholdOfMotion) {
   const auto model = frankie();
   const std::vector<ObjectShape> ball{{.name = "ball", .shape = {ShapeKind::kSphere, {0.1, 0, 0}, nullptr}}};
-  const auto passing_rows = [&](double velocity, double deviation) {
+  const auto moving_rows = [&](double velocity, double deviation) {
     Rig rig(model, tracked(), ball);
     Observation o = beside_a_ball(*model);
-    o.objects[0].X_WO.translation().x() = 1.2;
     o.objects[0].V_WO_W[3] = -velocity;
     o.objects[0].covariance = stated(Vector3::Zero(), Vector3::Constant(deviation * deviation));
     rig.step(o);
-    return rig.rows(RowKind::kPassing);
+    const QpProblem& problem = rig.controller.problem();
+    return std::count_if(problem.ids.begin(), problem.ids.begin() + problem.rows,
+                         [](const RowId& id) { return id.moves; });
   };
   const double edge = 2.3263478740408408 * std::sqrt(3.0) * 0.05;
-  EXPECT_EQ(passing_rows(0.99 * edge, 0.05), 0);
-  EXPECT_GT(passing_rows(1.01 * edge, 0.05), 0);
-  EXPECT_GT(passing_rows(0.99 * edge, 0.04), 0);
+  EXPECT_EQ(moving_rows(0.99 * edge, 0.05), 0);
+  EXPECT_GT(moving_rows(1.01 * edge, 0.05), 0);
+  EXPECT_GT(moving_rows(0.99 * edge, 0.04), 0);
 }
 
 // What is not seen for a while has its rows on, then none.

@@ -144,8 +144,7 @@ TEST_F(Cli, ReplayVerifyAndRerunNeedNothingButTheStore) {
                           "status", "fallback", "active_rows", "escape"}) {
     EXPECT_TRUE(trace["samples"][0].contains(key)) << key;
   }
-  for (const char* key :
-       {"best", "idle", "stagnations", "side", "detour", "around", "remaining", "target", "circulation"}) {
+  for (const char* key : {"best", "idle", "stagnations", "side", "detour", "remaining", "target"}) {
     EXPECT_TRUE(trace["samples"][0]["escape"].contains(key)) << key << " of what the controller remembered";
   }
   EXPECT_TRUE(trace["robot"].contains("urdf_text"));

@@ -415,7 +415,6 @@ TEST(Store, SamplesComeBackBitForBit) {
     s.status = k % 5 == 0 ? StepStatus::kInfeasible : StepStatus::kSolved;
     s.fallback = k % 5 == 0 ? Fallback::kBrake : Fallback::kNone;
     s.escape.detour = k % 3 > 0;
-    s.escape.around = k % 3 > 1;
   }
   const TemporaryFolder folder;
   const fs::path file = folder / "a.db";

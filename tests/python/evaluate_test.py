@@ -31,7 +31,7 @@ SUITE = {
 # What a row has to say about a motion, whoever computed its commands.
 MOTION = "outcome, reason, time_end_s, position_error_m, orientation_error_rad, path_ee_m, clearance_min_m, manip_mean"
 # What moma's controller remembers stays in its process.
-REMEMBERED = {"escape_best", "escape_idle", "stagnations", "circulation"} | {
+REMEMBERED = {"escape_best", "escape_idle", "stagnations"} | {
     "detour" + part for part in ("", "_side", "_remaining", "_x", "_y", "_z")
 }
 

@@ -126,9 +126,9 @@ TEST(ReplayData, RowsComeWithTheirSamples) {
   using Kind = DistanceRows::Kind;
   const DistanceRows rows{{"hand", "sphere3"},
                           {{0.0, Kind::kObject, 0, 1, true, 0.25, {0.5, -1, 2}, {0.75, 0, 40}},
-                           {0.0, Kind::kPassing, 0, 1, false, -0.01, {0.001, 0, 0}, {0, 0, 0}},
+                           {0.0, Kind::kFloor, 0, 1, false, -0.01, {0.001, 0, 0}, {0, 0, 0}},
                            {0.02, Kind::kFloor, 0, 1, true, 0.1, {}, {}},
-                           {0.1, Kind::kEnd, 1, 0, false, 0.0, {}, {}}}};
+                           {0.1, Kind::kSelf, 1, 0, false, 0.0, {}, {}}}};
   const nlohmann::json packed = replay_data(made.samples, 10.0, &rows).at("rows");
   EXPECT_EQ(packed.at("names"), nlohmann::json({"hand", "sphere3"}));
   EXPECT_EQ(packed.at("n"), nlohmann::json({2, 1, 0}));

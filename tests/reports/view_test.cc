@@ -168,7 +168,7 @@ TEST(View, AskedForATrialWithoutSamplesItHasItSimulated) {
                         {bytes, bytes + any.getColumn(3).getBytes()},
                         {{"hand", "sphere3"},
                          {{0.0, DistanceRows::Kind::kObject, 0, 1, true, 0.25, {0.5, -1, 2}, {0.75, 0, 40}},
-                          {0.0, DistanceRows::Kind::kPassing, 0, 1, false, -0.01, {}, {}},
+                          {0.0, DistanceRows::Kind::kFloor, 0, 1, false, -0.01, {}, {}},
                           {1e6, DistanceRows::Kind::kObject, 0, 1, true, 0.25, {}, {}}}}};
   };
   const Running server({folder / "a.db"}, options);

@@ -52,14 +52,14 @@ export function triad(size: number, solid: boolean): Group {
 }
 
 /** A collision row as an arrow from the robot to what it must not touch; bold where it holds the command back. */
-export function rowArrow({ first, second, active, kind }: Row, colours: Colours): Group {
+export function rowArrow({ first, second, active }: Row, colours: Colours): Group {
   const group = new Group();
   const along = second.clone().sub(first);
   const length = along.length();
   if (length < 1e-4) return group;
-  const thick = active ? 0.008 : kind === 'passing' ? 0.006 : 0.003;
+  const thick = active ? 0.008 : 0.003;
   const head = Math.min(0.5 * length, 5 * thick);
-  const material = new MeshStandardMaterial({ color: new Color(active ? colours.hit : kind === 'passing' ? colours.goal : colours.path), transparent: !active, opacity: active ? 1 : 0.45, depthTest: !active });
+  const material = new MeshStandardMaterial({ color: new Color(active ? colours.hit : colours.path), transparent: !active, opacity: active ? 1 : 0.45, depthTest: !active });
   const rod = new Mesh(new CylinderGeometry(thick, thick, length - head, 8), material);
   rod.position.y = (length - head) / 2;
   const cone = new Mesh(new ConeGeometry(2.4 * thick, head, 12), material);

@@ -10,8 +10,8 @@ import { unpacked16 } from '../packed';
 import type { Words } from './captioned_picture';
 import type { ReplayScene } from './scene';
 
-/** In the order of reports/render/replay_data.h. "end": of a capsule's end against an object; "passing": d is the gap, second lies on the side to pass on. */
-const kKinds = ['object', 'floor', 'self', 'end', 'passing'] as const;
+/** In the order of reports/render/replay_data.h. */
+const kKinds = ['object', 'floor', 'self'] as const;
 const kActive = 8;
 const kColumns = 10;
 
@@ -45,7 +45,7 @@ export function readRows({ rows }: ReplayData): Row[][] | null {
 /** The same rows a little later: what their ends are on has moved. `place` gives the pose of a link or an object `then` and `now`. */
 export function carried(rows: readonly Row[], place: (name: string, when: 'then' | 'now') => Matrix4): Row[] {
   const move = (point: Vector3, name: string): Vector3 => point.clone().applyMatrix4(place(name, 'then').clone().invert()).applyMatrix4(place(name, 'now'));
-  return rows.map((row) => ({ ...row, first: move(row.first, row.link), second: move(row.second, row.kind === 'passing' ? row.link : row.other) }));
+  return rows.map((row) => ({ ...row, first: move(row.first, row.link), second: move(row.second, row.other) }));
 }
 
 /** So many rows that hold the command back have their distance written. */
@@ -59,11 +59,11 @@ const within = (value: number, low: number, high: number): number => Math.max(lo
 
 const millimetres = (row: Row): string => `${fixed(1000 * row.d, 0)} mm`;
 
-const named = (row: Row): string => `${row.link} to ${row.other} ${row.kind === 'passing' ? `(passing, ${fixed(row.d, 2)} m)` : millimetres(row)}`;
+const named = (row: Row): string => `${row.link} to ${row.other} ${millimetres(row)}`;
 
 /** Rows of distances, the nearest first. */
 function nearest(rows: readonly Row[]): Row[] {
-  return rows.filter((row) => row.kind !== 'passing').sort((a, b) => a.d - b.d);
+  return [...rows].sort((a, b) => a.d - b.d);
 }
 
 export class RowWords {
@@ -106,20 +106,16 @@ export class RowWords {
   /** `known`: whether the motion has rows at all; `disturbed`: what of the controller's senses is. What `stage` shows is told in its data too. */
   tell(rows: readonly Row[], known: boolean, disturbed: string, stage: HTMLElement): void {
     const active = rows.filter((row) => row.active);
-    const of = (kind: Row['kind']): Row[] => rows.filter((row) => row.kind === kind);
-    const [sides, ends] = [of('passing'), of('end')];
     const first = nearest(rows)[0];
     const sentences = !known ? ['Its collision rows are not at hand: this moma cannot simulate the trial again, or its controller is another program\u2019s.'] : first === undefined ? ['No collision rows now: nothing is within the distance of influence.'] : [
-      `${plural(rows.length, 'collision row')}${ends.length > 0 ? `, ${integer(ends.length)} of them of the ends of capsules` : ''}, ${integer(active.length)} active (the command approaches as fast as allowed)${active.length > 0 ? `: ${active.slice(0, 4).map(named).join(', ')}` : ''}.`,
+      `${plural(rows.length, 'collision row')}, ${integer(active.length)} active (the command approaches as fast as allowed)${active.length > 0 ? `: ${active.slice(0, 4).map(named).join(', ')}` : ''}.`,
       `Nearest: ${named(first)}.`,
-      sides.length > 0 ? `${plural(sides.length, 'row')} for passing objects: the long arrow points to the side that the base keeps to.` : '',
     ];
     if (known && disturbed !== '') sentences.push(`Rows are those of what the controller measured (disturbed: ${disturbed}); robot and objects stand where they truly were.`);
-    this.sentence.textContent = sentences.filter((text) => text !== '').join(' ');
-    const distances = of('object').map((row) => row.d);
+    this.sentence.textContent = sentences.join(' ');
+    const distances = rows.filter((row) => row.kind === 'object').map((row) => row.d);
     Object.assign(stage.dataset, {
       leastDistance: distances.length > 0 ? String(Math.min(...distances)) : '', activeRows: String(active.length), arrows: String(rows.length),
-      ends: String(ends.length), passing: String(sides.length),
     });
   }
 }
