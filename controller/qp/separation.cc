@@ -77,7 +77,7 @@ void SeparationRows::add(const Kinematics& kinematics, Proximity& proximity, std
   for (std::size_t k = 0; k < kept; ++k) {
     const ProximityPair& pair = pairs[static_cast<std::size_t>(chosen_[k].pair)];
     const double speed = fill(kinematics, pair, spreads);
-    const int row = problem.append({RowKind::kSeparation, pair.first, pair.second, 0, true, pair.distance.d,
+    const int row = problem.append({RowKind::kSeparation, pair.first, pair.second, true, pair.distance.d,
                                     pair.distance.p_first_W, pair.distance.p_second_W},
                                    -kInfinity, speed);
     if (row < 0) return;
