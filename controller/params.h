@@ -108,22 +108,22 @@ struct PostureParams {
 
 /// Stagnation and detours (task/escape.h).
 struct EscapeParams {
-  bool enabled = false;           
-  double scale = 0.3;             ///< factor on the orientation error in V = |e_p| + scale |e_R| [m/rad]
-  double progress = 0.01;         ///< V has to fall this far below its minimum ... [m]
-  double patience = 1.0;          ///< ... within this time [s]
-  double position = 0.02;         ///< a pose this near to the goal does not stagnate [m]
-  double orientation = 0.05;      ///< [rad]
-  double side_distance = 0.15;    ///< range of the obstacles that decide the side [m]
-  double angle = 2.0;             ///< angle between the goal's direction and a detour's [rad]
-  double length = 0.75;           ///< distance from the base to a detour's target [m]
-  double growth = 0.2;            ///< relative growth of length and duration from each detour to the next
-  double max_length = 2.5;        ///< [m]
-  double duration = 1.7;          ///< longest time of a detour [s]
-  double reached = 0.05;          ///< horizontal distance to its target at which a detour ends [m]
-  double slack_factor = 0.005;    ///< factor on the slack weight of the angular rows during a detour
-  double posture_weight = 0.05;   ///< weight of `ready` as the arm's posture during a detour
-  double posture_gain = 1.2;      ///< [1/s]
+  bool enabled = false;
+  double scale = 0.3;            ///< factor on the orientation error in V = |e_p| + scale |e_R| [m/rad]
+  double progress = 0.01;        ///< V has to fall this far below its minimum ... [m]
+  double patience = 1.0;         ///< ... within this time [s]
+  double position = 0.02;        ///< a pose this near to the goal does not stagnate [m]
+  double orientation = 0.05;     ///< [rad]
+  double side_distance = 0.15;   ///< range of the obstacles that decide the side [m]
+  double angle = 2.0;            ///< angle between the goal's direction and a detour's [rad]
+  double length = 0.75;          ///< distance from the base to a detour's target [m]
+  double growth = 0.2;           ///< relative growth of length and duration from each detour to the next
+  double max_length = 2.5;       ///< [m]
+  double duration = 1.7;         ///< longest time of a detour [s]
+  double reached = 0.05;         ///< horizontal distance to its target at which a detour ends [m]
+  double slack_factor = 0.005;   ///< factor on the slack weight of the angular rows during a detour
+  double posture_weight = 0.05;  ///< weight of `ready` as the arm's posture during a detour
+  double posture_gain = 1.2;     ///< [1/s]
 };
 
 /// Singularities and speed limits in rrmc, park and baur (closed_form/closed_form.h).

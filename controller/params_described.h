@@ -247,8 +247,7 @@ constexpr void describe(auto& v, Of<ControllerParams>) {
              "rows keep a margin for errors of measurement");
   v.optional("output_scaling", &T::output_scaling, &OutputScalingParams::enabled, Off::kNone,
              "scales the command as a whole (holistic)");
-  v.optional("escape", &T::escape, &EscapeParams::enabled, Off::kKept,
-             "detours out of local minima");
+  v.optional("escape", &T::escape, &EscapeParams::enabled, Off::kKept, "detours out of local minima");
   v.optional("plan", &T::plan, &PlanParams::enabled, Off::kOmitted,
              "looking ahead: predictions, and planned paths of base and arm");
   v.member("closed_form", &T::closed_form,

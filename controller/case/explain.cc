@@ -166,9 +166,8 @@ std::string describe_fallback(const CaseStep& step) {
       return "The command is that of the problem without acceleration limits.\n";
     case Fallback::kRelaxed:
       return "The command breaks every " +
-             std::string(step.controller.outcome().only_separation ? "separation" : "collision") +
-             " row by at most " + number(step.controller.outcome().collision_slack) +
-             " m/s, next to the least that is possible.\n";
+             std::string(step.controller.outcome().only_separation ? "separation" : "collision") + " row by at most " +
+             number(step.controller.outcome().collision_slack) + " m/s, next to the least that is possible.\n";
     case Fallback::kBrake:
       return "The command brakes: it is the smallest within the bounds.\n";
   }

@@ -20,7 +20,8 @@ ControllerParams read_controller(const Node& node, const std::string& key, const
 
 /// Every parameter, defaults included, in the order of the file format. What read_controller() makes of it is the same
 /// in every described member (describe/equal.h), but for the values of parts that are switched off: slack and output
-/// scaling are then written as `none`, others not at all, and read back with their defaults. Those of `escape` and of the dampers, which have an `enabled`, are written and read in full.
+/// scaling are then written as `none`, others not at all, and read back with their defaults. Those of `escape` and of
+/// the dampers, which have an `enabled`, are written and read in full.
 nlohmann::ordered_json to_json(const ControllerParams& params);
 
 }  // namespace moma::config

@@ -28,7 +28,8 @@ class CollisionRows {
   /// Sets the share of its accelerations with which the base brakes.
   void set_slowing(double share) noexcept { deceleration_.set_slowing(share); }
 
-  /// Sizes the buffers for so many objects. Returns the largest number of rows that add() can append, at most max_pairs.
+  /// Sizes the buffers for so many objects. Returns the largest number of rows that add() can append, at most
+  /// max_pairs.
   int allocate(int num_objects);
   /// Ranges within which pairs matter; negative for a kind that is switched off.
   ProximityRanges ranges() const noexcept;

@@ -28,7 +28,7 @@ class FallbackSolver {
     Fallback fallback = Fallback::kNone;
     int iterations = 0;            ///< sum of all stages
     double collision_slack = 0.0;  ///< largest relaxation of a row in the relaxed stage [m/s]
-    bool only_separation = false;     ///< relaxed, only separation rows, within the acceleration bounds
+    bool only_separation = false;  ///< relaxed, only separation rows, within the acceleration bounds
 
     /// True if the command could exceed the acceleration bounds.
     bool beyond_acceleration() const noexcept {

@@ -50,10 +50,7 @@ int free_side(std::span<const ProximityPair> pairs, const Vector3& e_h, double r
 }
 
 Escape::Escape(const EscapeParams& params, const ServoParams& servo, const RobotModel& model, double control_period)
-    : params_(params),
-      servo_(servo),
-      dt_(control_period),
-      mobile_(model.base_dof() > 0) {
+    : params_(params), servo_(servo), dt_(control_period), mobile_(model.base_dof() > 0) {
   max_length_ = mobile_ ? params.max_length : std::min(params.max_length, 0.5 * arm_length(model));
 }
 

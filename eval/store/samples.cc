@@ -61,12 +61,11 @@ constexpr std::string_view kFormerColumns[] = {"circulation", "plan_detour", "pl
 /// How a member of what the controller remembered is called among the columns: of the first ones as it always was, of
 /// any later one escape_NAME.
 ColumnName memory_column(std::string_view member) {
-  constexpr std::pair<std::string_view, std::string_view> kNames[] = {
-      {"stagnations", "stagnations"},
-      {"side", "detour_side"},
-      {"detour", "detour"},
-      {"remaining", "detour_remaining"},
-      {"target", "detour"}};
+  constexpr std::pair<std::string_view, std::string_view> kNames[] = {{"stagnations", "stagnations"},
+                                                                      {"side", "detour_side"},
+                                                                      {"detour", "detour"},
+                                                                      {"remaining", "detour_remaining"},
+                                                                      {"target", "detour"}};
   for (const auto& [name, column] : kNames)
     if (name == member) return {"", column, -1, ""};
   return {"escape_", member, -1, ""};
