@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <ostream>
-#include <utility>
 
 #include "controller/config/node.h"
 
@@ -52,40 +51,42 @@ void check_times(const MotionLog& log) {
   }
 }
 
-void write_log(std::ostream& out, const MotionLog& log) {
-  std::vector<std::pair<std::string, const std::vector<double>*>> columns;
-  const auto add = [&columns](std::string name, const std::vector<double>& values) {
-    if (!values.empty()) columns.emplace_back(std::move(name), &values);
-  };
-  add("time_s", log.time);
-  add("base.x_m", log.base_x);
-  add("base.y_m", log.base_y);
-  add("base.heading_rad", log.base_heading);
-  add("base.stamp_s", log.base_stamp);
-  for (const Axis& axis : log.base) {
+std::vector<LogColumn> columns_of(MotionLog& log) {
+  std::vector<LogColumn> columns{{"time_s", &log.time},
+                                 {"base.x_m", &log.base_x},
+                                 {"base.y_m", &log.base_y},
+                                 {"base.heading_rad", &log.base_heading},
+                                 {"base.stamp_s", &log.base_stamp}};
+  for (Axis& axis : log.base) {
     const std::string unit = axis.name == "base.omega" ? "_rad_s" : "_m_s";
-    add(axis.name + unit, axis.velocity);
-    add("base.command_" + axis.name.substr(5) + unit, axis.command);
+    columns.push_back({axis.name + unit, &axis.velocity});
+    columns.push_back({"base.command_" + axis.name.substr(5) + unit, &axis.command});
   }
-  add("joint.stamp_s", log.joint_stamp);
-  for (const Axis& axis : log.joints) {
+  columns.push_back({"joint.stamp_s", &log.joint_stamp});
+  for (Axis& axis : log.joints) {
     const std::string name = "joint." + axis.name + ".", unit = axis.prismatic ? "m" : "rad";
-    add(name + "position_" + unit, axis.position);
-    add(name + "velocity_" + unit + "_s", axis.velocity);
-    add(name + "command_" + unit + "_s", axis.command);
+    columns.push_back({name + "position_" + unit, &axis.position});
+    columns.push_back({name + "velocity_" + unit + "_s", &axis.velocity});
+    columns.push_back({name + "command_" + unit + "_s", &axis.command});
   }
-  for (const LoggedObject& object : log.objects) {
+  for (LoggedObject& object : log.objects) {
     const std::string name = "object." + object.name + ".";
-    add(name + "x_m", object.x);
-    add(name + "y_m", object.y);
-    add(name + "z_m", object.z);
-    add(name + "stamp_s", object.stamp);
+    columns.push_back({name + "x_m", &object.x});
+    columns.push_back({name + "y_m", &object.y});
+    columns.push_back({name + "z_m", &object.z});
+    columns.push_back({name + "stamp_s", &object.stamp});
   }
-  for (std::size_t i = 0; i < columns.size(); ++i) out << (i == 0 ? "" : ",") << columns[i].first;
+  return columns;
+}
+
+void write_log(std::ostream& out, MotionLog log) {
+  std::vector<LogColumn> columns = columns_of(log);
+  std::erase_if(columns, [](const LogColumn& column) { return column.values->empty(); });
+  for (std::size_t i = 0; i < columns.size(); ++i) out << (i == 0 ? "" : ",") << columns[i].name;
   out << '\n';
   for (std::size_t k = 0; k < log.rows(); ++k) {
     for (std::size_t i = 0; i < columns.size(); ++i)
-      fmt::print(out, "{}{}", i == 0 ? "" : ",", (*columns[i].second)[k]);
+      fmt::print(out, "{}{}", i == 0 ? "" : ",", (*columns[i].values)[k]);
     out << '\n';
   }
 }

@@ -55,6 +55,14 @@ MotionLog read_log(const std::filesystem::path& file);
 MotionLog parse_log(const std::string& text, const std::string& name);
 
 /// Writes what read_log() takes back, numbers to the last bit.
-void write_log(std::ostream& out, const MotionLog& log);
+void write_log(std::ostream& out, MotionLog log);
+
+/// A column of the file form.
+struct LogColumn {
+  std::string name;
+  std::vector<double>* values;  ///< in the log; empty if the file lacks the column
+};
+/// Returns the columns of the log's base axes, joints and objects, in the order of write_log().
+std::vector<LogColumn> columns_of(MotionLog& log);
 
 }  // namespace moma::identify

@@ -3,8 +3,8 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <map>
 #include <new>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
@@ -48,103 +48,66 @@ std::vector<Field> fields_of(std::string_view line) {
 // Finds the destination of a column's values, and creates joints and objects by their names.
 class Columns {
  public:
-  explicit Columns(MotionLog& log) : log_(log) {
-    for (const char* name : {"vx", "vy", "omega"}) base_[name].name = std::string("base.") + name;
+  Columns(MotionLog& log, std::size_t columns) : log_(log) {
+    for (const char* name : {"base.vx", "base.vy", "base.omega"}) log_.base.emplace_back().name = name;
+    // Destinations must not move while the others are created.
+    log_.joints.reserve(columns);
+    log_.objects.reserve(columns);
   }
 
   /// nullptr for an unknown name.
-  std::vector<double>* place(std::string_view name) {
-    const std::map<std::string_view, std::vector<double>*> plain = {
-        {"time_s", &log_.time},
-        {"base.x_m", &log_.base_x},
-        {"base.y_m", &log_.base_y},
-        {"base.heading_rad", &log_.base_heading},
-        {"base.stamp_s", &log_.base_stamp},
-        {"joint.stamp_s", &log_.joint_stamp},
-        {"base.vx_m_s", &base_["vx"].velocity},
-        {"base.vy_m_s", &base_["vy"].velocity},
-        {"base.omega_rad_s", &base_["omega"].velocity},
-        {"base.command_vx_m_s", &base_["vx"].command},
-        {"base.command_vy_m_s", &base_["vy"].command},
-        {"base.command_omega_rad_s", &base_["omega"].command}};
-    if (const auto found = plain.find(name); found != plain.end()) return found->second;
+  std::vector<double>* place(const std::string& name) {
+    if (std::vector<double>* known = find(name)) return known;
     // A name may contain dots.
-    const std::size_t dot = name.rfind('.');
-    if (name.starts_with("joint.") && dot > 6 && dot != std::string_view::npos)
-      return joint(std::string(name.substr(6, dot - 6)), name.substr(dot + 1));
-    if (name.starts_with("object.") && dot > 7 && dot != std::string_view::npos)
-      return object(std::string(name.substr(7, dot - 7)), name.substr(dot + 1));
+    const std::size_t first = name.find('.'), last = name.rfind('.');
+    if (last == std::string::npos || last <= first + 1) return nullptr;
+    const std::string kind = name.substr(0, first), own = name.substr(first + 1, last - first - 1);
+    const std::string part = name.substr(last + 1);
+    if (log_.joints.size() + log_.objects.size() >= kMost) return nullptr;
+    if (kind == "joint") {
+      Axis& joint = log_.joints.emplace_back();
+      joint.name = own;
+      joint.prismatic = part.ends_with("_m") || part.ends_with("_m_s");
+      if (std::vector<double>* made = find(name)) return made;
+      log_.joints.pop_back();
+    } else if (kind == "object") {
+      log_.objects.emplace_back().name = own;
+      if (std::vector<double>* made = find(name)) return made;
+      log_.objects.pop_back();
+    }
     return nullptr;
   }
 
-  /// Moves the values into the log, and returns a message about missing columns; "" if complete.
+  /// Removes the base's axes that the log lacks, and returns a message about missing columns; "" if complete.
   std::string finish() {
-    const std::size_t rows = log_.time.size();
-    if (rows == 0) return "there are no rows, or no column time_s";
+    if (log_.rows() == 0) return "there are no rows, or no column time_s";
     const std::size_t poses =
         (log_.base_x.empty() ? 0 : 1) + (log_.base_y.empty() ? 0 : 1) + (log_.base_heading.empty() ? 0 : 1);
     if (poses != 0 && poses != 3) return "base.x_m, base.y_m and base.heading_rad go together";
-    for (const char* name : {"vx", "vy", "omega"}) {
-      Axis& axis = base_[name];
+    for (const Axis& axis : log_.base)
       if (axis.velocity.empty() != axis.command.empty())
-        return fmt::format("base.command_{0}_.. and base.{0}_.. go together", name);
-      if (!axis.velocity.empty()) log_.base.push_back(std::move(axis));
-    }
+        return fmt::format("base.command_{0}_.. and base.{0}_.. go together", axis.name.substr(5));
+    std::erase_if(log_.base, [](const Axis& axis) { return axis.velocity.empty(); });
     if (log_.base.size() == 1 || (log_.base.size() == 2 && log_.base[1].name != "base.omega"))
       return "a base has vx and omega, or vx, vy and omega";
-    for (Axis& axis : joints_) {
+    for (const Axis& axis : log_.joints)
       if (axis.velocity.empty() || axis.command.empty())
         return fmt::format("joint {} needs its command and its velocity", axis.name);
-      log_.joints.push_back(std::move(axis));
-    }
-    for (LoggedObject& object : objects_) {
+    for (const LoggedObject& object : log_.objects)
       if (object.x.empty() || object.y.empty() || object.z.empty())
         return fmt::format("object {} needs x_m, y_m and z_m", object.name);
-      log_.objects.push_back(std::move(object));
-    }
     return log_.base.empty() && log_.joints.empty() ? "neither base nor joints have commands and velocities" : "";
   }
 
  private:
-  /// Finds the entry of that name, or creates it as a copy of `first`; null if there are too many. Names come in any
-  /// order, and destinations must not move while rows are read.
-  template <class T>
-  static T* named(std::vector<T>& all, const std::string& name, T first) {
-    for (T& known : all)
-      if (known.name == name) return &known;
-    all.reserve(kMost);
-    if (all.size() == kMost) return nullptr;
-    all.push_back(std::move(first));
-    all.back().name = name;
-    return &all.back();
-  }
-  std::vector<double>* joint(const std::string& name, std::string_view part) {
-    std::vector<double> Axis::*member = part == "position_rad" || part == "position_m"       ? &Axis::position
-                                        : part == "velocity_rad_s" || part == "velocity_m_s" ? &Axis::velocity
-                                        : part == "command_rad_s" || part == "command_m_s"   ? &Axis::command
-                                                                                             : nullptr;
-    if (member == nullptr) return nullptr;
-    Axis first;  // its first column tells revolute from prismatic
-    first.prismatic = part == "position_m" || part == "velocity_m_s" || part == "command_m_s";
-    Axis* axis = named(joints_, name, std::move(first));
-    return axis == nullptr ? nullptr : &(axis->*member);
-  }
-  std::vector<double>* object(const std::string& name, std::string_view part) {
-    std::vector<double> LoggedObject::*member = part == "x_m"       ? &LoggedObject::x
-                                                : part == "y_m"     ? &LoggedObject::y
-                                                : part == "z_m"     ? &LoggedObject::z
-                                                : part == "stamp_s" ? &LoggedObject::stamp
-                                                                    : nullptr;
-    if (member == nullptr) return nullptr;
-    LoggedObject* seen = named(objects_, name, LoggedObject{});
-    return seen == nullptr ? nullptr : &(seen->*member);
+  std::vector<double>* find(const std::string& name) {
+    for (const LogColumn& column : columns_of(log_))
+      if (column.name == name) return column.values;
+    return nullptr;
   }
 
-  static constexpr std::size_t kMost = 1000;  // reserved, so that destinations do not move
+  static constexpr std::size_t kMost = 1000;  // joints and objects
   MotionLog& log_;
-  std::map<std::string, Axis> base_;
-  std::vector<Axis> joints_;
-  std::vector<LoggedObject> objects_;
 };
 
 double number(const Field& field, const Mark& line, const std::string& column) {
@@ -166,7 +129,7 @@ MotionLog parse_log(const std::string& text, const std::string& name) {
     config::fail({name, 0, 0}, "", "is no text; expected CSV, as `moma replay --log` writes it");
   MotionLog log;
   log.source = name;
-  Columns columns(log);
+  std::optional<Columns> columns;
   std::vector<std::string> names;
   std::vector<std::vector<double>*> places;
   std::istringstream in(text);
@@ -180,9 +143,10 @@ MotionLog parse_log(const std::string& text, const std::string& name) {
     }
     const std::vector<Field> fields = fields_of(line);
     if (places.empty()) {
+      columns.emplace(log, fields.size());
       for (const Field& field : fields) {
         const Mark at{name, mark.line, field.column};
-        std::vector<double>* const place = columns.place(field.text);
+        std::vector<double>* const place = columns->place(std::string(field.text));
         if (place == nullptr)
           config::fail(at, std::string(field.text), fmt::format("unknown column; there are {}", kColumns));
         for (const auto* known : places)
@@ -198,7 +162,8 @@ MotionLog parse_log(const std::string& text, const std::string& name) {
     for (std::size_t i = 0; i < fields.size(); ++i) places[i]->push_back(number(fields[i], mark, names[i]));
   }
   if (in.bad()) throw std::bad_alloc();  // getline() takes a failed allocation for the end
-  if (const std::string wrong = columns.finish(); !wrong.empty()) config::fail({name, 0, 0}, "", wrong);
+  if (!columns) columns.emplace(log, 0);
+  if (const std::string wrong = columns->finish(); !wrong.empty()) config::fail({name, 0, 0}, "", wrong);
   check_times(log);
   return log;
 }

@@ -64,7 +64,7 @@ void warn_about_braking(const SuitePoint& point, std::vector<std::string>& warni
 }
 
 /// Warns about valid values that look like another unit.
-void warn_of_units(const Sections& s, std::vector<std::string>& warnings) {
+void warn_of_units(const TrialSpec& s, std::vector<std::string>& warnings) {
   const Disturbances& d = s.disturbances;
   const char* degrees = ": degrees?";
   const char* millimetres = ": millimetres?";
@@ -97,18 +97,21 @@ void add_warning(std::vector<std::string>& warnings, std::string text) {
   if (std::find(warnings.begin(), warnings.end(), text) == warnings.end()) warnings.push_back(std::move(text));
 }
 
-Sections read_sections(const Node& root, const SuiteRobot& robot, std::vector<std::string>& warnings, Plugins plugins) {
-  Sections sections;
-  sections.robot = robot;
+std::vector<SuitePoint> read_points(const Node& root, const SuiteRobot& robot, std::vector<std::string>& warnings,
+                                    Plugins plugins) {
+  SuitePoint common;
+  common.params = ordered_json::object();
+  common.robot = robot.robot;
+  common.robot_digest = robot.digest;
   MapReader in(root, "");
-  sections.simulation = read_simulation(section(in, "simulation"), "simulation");
-  sections.success = read_success(section(in, "success"), "success", sections.simulation);
-  sections.stuck = read_stuck(section(in, "stuck"), "stuck", sections.simulation);
-  sections.infeasible = read_infeasible(section(in, "infeasible"), "infeasible");
+  common.simulation = read_simulation(section(in, "simulation"), "simulation");
+  common.success = read_success(section(in, "success"), "success", common.simulation);
+  common.stuck = read_stuck(section(in, "stuck"), "stuck", common.simulation);
+  common.infeasible = read_infeasible(section(in, "infeasible"), "infeasible");
   if (const Node* disturbances = in.get("disturbances"))
-    sections.disturbances = read_disturbances(*disturbances, "disturbances");
-  warn_of_units(sections, warnings);
-  sections.worlds =
+    common.disturbances = read_disturbances(*disturbances, "disturbances");
+  warn_of_units(common, warnings);
+  common.worlds =
       Worlds::read(in.require("worlds", "a map such as {seed: 1, families: {open: {weight: 1}}}"), "worlds");
 
   const Node& controllers =
@@ -117,35 +120,21 @@ Sections read_sections(const Node& root, const SuiteRobot& robot, std::vector<st
     config::fail(controllers.mark, "controllers",
                  "expected at least one controller, {NAME: FILE.yaml, ...} or {NAME: {include: FILE.yaml, ...}, ...}");
   }
+  std::vector<SuitePoint> points;
   for (const auto& [name, node] : controllers.entries) {
     const std::string key = "controllers." + name;
     check_name(name, node, key);
     if (node.kind == Node::Kind::kNull)
       config::fail(node.mark, key, "found nothing, expected a file or a map ({} takes every default)");
+    SuitePoint& point = points.emplace_back(common);
+    point.controller = name;
     std::vector<std::string> of_it;
-    sections.controllers.emplace_back(
-        name, read_suite_controller(node, key, robot.robot, sections.simulation.control_period, of_it, plugins));
+    set_controller(point,
+                   read_suite_controller(node, key, robot.robot, point.simulation.control_period, of_it, plugins));
     for (const std::string& warning : of_it)
       add_warning(warnings, warning.find(key) == std::string::npos ? key + ": " + warning : warning);
   }
-  return sections;
-}
-
-SuitePoint make_point(const Sections& sections, std::size_t controller) {
-  SuitePoint point;
-  const auto& [name, read] = sections.controllers[controller];
-  point.controller = name;
-  point.params = ordered_json::object();
-  point.robot = sections.robot.robot;
-  point.robot_digest = sections.robot.digest;
-  set_controller(point, read);
-  point.worlds = sections.worlds;
-  point.simulation = sections.simulation;
-  point.success = sections.success;
-  point.stuck = sections.stuck;
-  point.infeasible = sections.infeasible;
-  point.disturbances = sections.disturbances;
-  return point;
+  return points;
 }
 
 void check_suite(Suite& suite, const config::Mark& mark) {

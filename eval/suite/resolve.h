@@ -1,9 +1,7 @@
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "eval/suite/controller_entry.h"
@@ -19,24 +17,10 @@ struct SuiteRobot {
   std::string digest;
 };
 
-/// All sections of a suite at one assignment of the sweep, read and checked.
-struct Sections {
-  SuiteRobot robot;
-  std::vector<std::pair<std::string, SuiteController>> controllers;  ///< in file order
-  Worlds worlds;
-  SimulationConfig simulation;
-  SuccessRule success;
-  StuckRule stuck;
-  InfeasibleRule infeasible;
-  Disturbances disturbances;
-};
-
-/// Reads the sections from the suite's root map; ignores keys of other readers. `robot` replaces the key `robot`.
-Sections read_sections(const config::Node& root, const SuiteRobot& robot, std::vector<std::string>& warnings,
-                       Plugins plugins = Plugins::kOfSuite);
-
-/// Returns the point of one controller of `sections`.
-SuitePoint make_point(const Sections& sections, std::size_t controller);
+/// Reads and checks the sections from the suite's root map, at one assignment of the sweep; ignores keys of other
+/// readers. `robot` replaces the key `robot`. Returns one point for each controller, in file order.
+std::vector<SuitePoint> read_points(const config::Node& root, const SuiteRobot& robot,
+                                    std::vector<std::string>& warnings, Plugins plugins = Plugins::kOfSuite);
 
 /// Checks conditions across all points, and adds doubts to suite.warnings; throws.
 void check_suite(Suite& suite, const config::Mark& mark);

@@ -37,7 +37,8 @@ Suite suite_from_resolved(const ordered_json& resolved, Plugins plugins) {
   MapReader in(root, "");
   suite.name = config::read_string(in.require("name", "a name"), "name");
   read_trials(in.require("trials", "the number of worlds"), "trials", suite);
-  suite.samples = read_samples(in.require("samples", "all, failures or none"), "samples");
+  in.require("samples", "all, failures or none");
+  in.read_enum("samples", suite.samples);
   if (const Node* metrics = in.get("metrics")) read_metrics(*metrics, "metrics", suite);
   if (const Node* notes = in.get("notes")) suite.notes = read_notes(*notes, "notes");
   in.require("robot", "a resolved robot");
@@ -52,8 +53,7 @@ Suite suite_from_resolved(const ordered_json& resolved, Plugins plugins) {
     for (const ordered_json& robot : resolved.at("more_robots")) robots.push_back(robot_of(robot));
 
   if (points == nullptr) {
-    const Sections sections = read_sections(root, robots[0], suite.warnings, plugins);
-    for (std::size_t c = 0; c < sections.controllers.size(); ++c) suite.points.push_back(make_point(sections, c));
+    suite.points = read_points(root, robots[0], suite.warnings, plugins);
   } else {
     for (const Node& entry : points->items) {
       const std::string key = fmt::format("points[{}]", suite.points.size());
@@ -76,8 +76,7 @@ Suite suite_from_resolved(const ordered_json& resolved, Plugins plugins) {
       if (params == nullptr) point_in.fail_at("controller", "no such controller: " + controller);
       Node only = *params;
       at.find("controllers")->entries = {{controller, std::move(only)}};
-      SuitePoint point =
-          make_point(read_sections(at, robots[static_cast<std::size_t>(robot)], suite.warnings, plugins), 0);
+      SuitePoint point = read_points(at, robots[static_cast<std::size_t>(robot)], suite.warnings, plugins).front();
       point.label = config::read_string(point_in.require("label", "text"), key + ".label");
       point.params = config::node_to_json(point_in.require("params", "a map"));
       point_in.finish();

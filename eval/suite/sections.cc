@@ -11,13 +11,8 @@
 
 namespace moma {
 
+using config::MapReader;
 using config::Node;
-
-SamplesKept read_samples(const Node& node, const std::string& key) {
-  SamplesKept samples{};
-  config::description::read_any(node, key, samples, {}, {});
-  return samples;
-}
 
 void read_metrics(const Node& node, const std::string& key, Suite& suite) {
   if (node.kind != Node::Kind::kMap)
@@ -41,9 +36,6 @@ std::string read_notes(const Node& node, const std::string& key) {
 }
 
 namespace {
-
-using config::MapReader;
-using config::Node;
 
 UntilRule read_until(const Node& node, const std::string& key) {
   UntilRule rule;

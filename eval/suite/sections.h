@@ -10,8 +10,6 @@ namespace moma {
 
 // Strict readers of the suite's sections that determine no trial. All throw config::ConfigError with place and key.
 
-SamplesKept read_samples(const config::Node& node, const std::string& key);
-
 /// Reads {NAME: SQL, ...} and its places into Suite::metrics. A name consists of letters, digits and _. eval/store
 /// checks the SQL.
 void read_metrics(const config::Node& node, const std::string& key, Suite& suite);

@@ -225,7 +225,7 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
   in.read("name", suite.name);
   in.check(!suite.name.empty(), "name", "found nothing, expected a name");
   read_trials(in.require("trials", "the number of worlds, 1 or more"), "trials", suite);
-  if (const Node* samples = in.get("samples")) suite.samples = read_samples(*samples, "samples");
+  in.read_enum("samples", suite.samples);
   if (const Node* metrics = in.get("metrics")) {
     read_metrics(*metrics, "metrics", suite);
     for (const auto& [name, expression] : metrics->entries) {
@@ -252,11 +252,11 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
       if (key == "robot" && lenient) assigned.set("robot.lenient", *lenient);
     }
     known_keys(assigned.root()).finish();
-    const Sections sections =
-        read_sections(assigned.root(), robots.get(assigned.root(), suite.warnings), suite.warnings);
-    by_controller.resize(std::max(by_controller.size(), sections.controllers.size()));
-    for (std::size_t c = 0; c < sections.controllers.size(); ++c) {
-      SuitePoint point = make_point(sections, c);
+    const SuiteRobot robot = robots.get(assigned.root(), suite.warnings);
+    std::vector<SuitePoint> points = read_points(assigned.root(), robot, suite.warnings);
+    by_controller.resize(std::max(by_controller.size(), points.size()));
+    for (std::size_t c = 0; c < points.size(); ++c) {
+      SuitePoint& point = points[c];
       describe(point, part_for(assignment, point.controller));
       // An axis of another controller's key repeats the same point of this one.
       if (seen.insert(point.controller + "\n" + point.params.dump()).second)

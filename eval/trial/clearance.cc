@@ -7,51 +7,7 @@ namespace moma {
 namespace {
 
 constexpr double kAnything = 1e6;  // [m]
-
-std::vector<SolidPair> measured_pairs(const RobotModel& model, std::size_t objects) {
-  std::vector<SolidPair> pairs = solid_pairs(model, objects, {});
-  std::erase_if(pairs, [](const SolidPair& pair) { return pair.kind == PairKind::kSelf; });
-  for (const SelfPair& pair : model.self_pairs)
-    if (pair.row) pairs.push_back({PairKind::kSelf, pair.first, pair.second});
-  return pairs;
-}
-
-}  // namespace
-
-ClearanceWatch::ClearanceWatch(const std::shared_ptr<const RobotModel>& model, const World& world)
-    : gaps_(*model, world),
-      watch_(model, measured_pairs(*model, world.objects.size()), world.objects.size()),
-      travel_(watch_.rest()) {}
-
-void ClearanceWatch::look(const Kinematics& kinematics, std::span<const ObjectState> objects, bool objects_move) {
-  if (looked_) {
-    watch_.between(base_, q_, kinematics.base(), kinematics.q(), travel_);
-    for (std::size_t k = 0; k < X_WO_.size(); ++k)
-      travel_.objects[static_cast<Eigen::Index>(k)] = moved(X_WO_[k], objects[k].X_WO, gaps_.object_radius(k));
-    watch_.begin(travel_);
-    watch_.end();
-  }
-  looked_ = true;
-  base_ = kinematics.base();
-  q_ = kinematics.q();
-  X_WO_.clear();
-  if (objects_move)
-    for (const ObjectState& object : objects) X_WO_.push_back(object.X_WO);
-
-  const auto range = [](double least) { return std::isnan(least) ? kAnything : std::max(least, 0.0); };
-  const ProximityRanges ranges{range(to_objects_), 0.0, range(to_itself_)};
-  watch_.within(ranges, [&](const SolidPair& pair) {
-    const bool self = pair.kind == PairKind::kSelf;
-    const PairGaps::Gap gap = gaps_.gap(pair, kinematics, objects, self ? ranges.self : ranges.object);
-    double& least = self ? to_itself_ : to_objects_;
-    if (gap.in_range && !(least <= gap.least)) least = gap.least;
-    return gap.least;
-  });
-}
-
-namespace {
-
-constexpr double kBeyond = 3.0;  // [m]
+constexpr double kBeyond = 3.0;    // [m]
 
 double reaction_of(const TrialSpec& spec) {
   const Disturbances& d = spec.disturbances;
@@ -62,6 +18,16 @@ double reaction_of(const TrialSpec& spec) {
 }
 
 }  // namespace
+
+void ClearanceWatch::look(const Kinematics& kinematics, Proximity& proximity, std::span<const ObjectState> objects) {
+  // Only what is nearer than the least distance so far can change it.
+  const auto range = [](double least) { return std::isnan(least) ? kAnything : std::max(least, 0.0); };
+  for (const ProximityPair& pair :
+       proximity.query(kinematics, objects, {range(to_objects_), -1.0, range(to_itself_)})) {
+    double& least = pair.kind == PairKind::kSelf ? to_itself_ : to_objects_;
+    if (!(least <= pair.distance.d)) least = pair.distance.d;
+  }
+}
 
 SeparationWatch::SeparationWatch(const TrialSpec& spec)
     : model_(*spec.robot->model), ramp_(model_), reaction_(reaction_of(spec)), J_(3, model_.num_velocities()) {}

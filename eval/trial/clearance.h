@@ -1,7 +1,5 @@
 #pragma once
 
-#include <limits>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -10,33 +8,22 @@
 #include "controller/safe/base_ramp.h"
 #include "eval/trial/row.h"
 #include "eval/trial/spec.h"
-#include "world/plant/reach_watch.h"
+#include "world/world.h"
 
 namespace moma {
 
 /// The exact least distances of a trial: of the robot to objects, and of its own shapes to each other, for pairs that
-/// have rows. The broad phase asks only for pairs that may be nearer than the least distance so far.
+/// have rows.
 class ClearanceWatch {
  public:
-  ClearanceWatch(const std::shared_ptr<const RobotModel>& model, const World& world);
-
-  /// Updates the distances for a finite state with its `kinematics` and the objects' states. `objects_move`: objects
-  /// may have moved since the last call.
-  void look(const Kinematics& kinematics, std::span<const ObjectState> objects, bool objects_move);
+  /// Takes a finite state by its `kinematics` and the objects' states. `proximity` has the world's objects.
+  void look(const Kinematics& kinematics, Proximity& proximity, std::span<const ObjectState> objects);
 
   double to_objects() const { return to_objects_; }  ///< [m]; NaN without a measurement
   double to_itself() const { return to_itself_; }    ///< [m]; NaN without a measurement
 
  private:
-  PairGaps gaps_;
-  ReachWatch watch_;
-  ReachWatch::Travel travel_;
-  bool looked_ = false;
-  Vector3 base_ = Vector3::Zero();  // base pose of the last call
-  VectorX q_;
-  std::vector<Isometry> X_WO_;
-  double to_objects_ = std::numeric_limits<double>::quiet_NaN();
-  double to_itself_ = std::numeric_limits<double>::quiet_NaN();
+  double to_objects_ = kAbsent, to_itself_ = kAbsent;
 };
 
 /// Margin beyond the protective separation distance of ISO/TS 15066:2016, 5.5.4 (that of ISO 13855 with the robot's own

@@ -36,8 +36,26 @@ struct Column {
   Earlier earlier = Earlier::kNone;
   std::string_view text = "";  ///< one line for the reference, without a full stop
 
+  constexpr Column with_decimals(int digits) const { return set(&Column::decimals, digits); }
+  constexpr Column absent(std::string_view when) const { return set(&Column::null_when, when); }
+  constexpr Column in_table(std::string_view title) const { return set(&Column::head, title); }
+  constexpr Column in_summary() const { return set(&Column::summary, true); }
+  constexpr Column since(Earlier value) const { return set(&Column::earlier, value); }
+
   /// For visitors that need only unit and text.
   constexpr operator About() const { return {.unit = unit, .text = text}; }  // NOLINT(google-explicit-constructor)
+
+  template <class M>
+  constexpr Column set(M Column::*member, M value) const {
+    Column changed = *this;
+    changed.*member = value;
+    return changed;
+  }
 };
+
+/// A metric of the report page.
+constexpr Column metric(std::string_view label, std::string_view unit, Better better, std::string_view text) {
+  return {.label = label, .unit = unit, .better = better, .text = text};
+}
 
 }  // namespace moma

@@ -122,38 +122,10 @@ void measure_steps(const Recording& r, const RobotModel& model, TrialRow& row) {
 }  // namespace
 
 TrialRow measure(const Recording& r, const RobotModel& model) {
-  TrialRow row;
+  TrialRow row = r.row;
   measure_states(r, row);
   measure_configurations(r, model, row);
   measure_steps(r, model, row);
-  row.clearance_min_m = r.clearance;
-  row.clearance_self_min_m = r.clearance_self;
-
-  row.collision_count = static_cast<int>(r.contacts.size());
-  if (!r.contacts.empty()) {
-    row.collision_time_s = kInfinity;
-    row.collision_depth_m = 0.0;
-    for (const Contact& contact : r.contacts) {
-      row.collision_time_s = std::min(row.collision_time_s, contact.time);
-      row.collision_depth_m = std::max(row.collision_depth_m, contact.depth);
-    }
-  }
-  if (r.dynamic) {
-    row.energy_j = r.energy;
-    row.redone_steps = r.redone_steps;
-    row.divided_steps = r.divided_steps;
-  }
-  if (r.has_wheels) row.slip_max_m_s = r.slip_max;
-  row.latency_base_s = r.latency_base;
-  row.latency_base_off_s = r.latency_base_off;
-  row.latency_joints_s = r.latency_joints;
-  row.latency_joints_off_s = r.latency_joints_off;
-  row.separation_margin_min_m = r.separation;
-  row.lcp_messages = r.lcp_messages;
-  row.detector_checks = r.detector_checks;
-  row.detector_disagreements = r.detectors.disagreements;
-  if (r.detectors.disagreements > 0) row.detector_deepest_m = r.detectors.deepest;
-
   TrialRow::Timing& timing = row.timing;
   time_summary(r.step_seconds, timing.t_step_median_us, timing.t_step_p99_us, timing.t_step_max_us);
   time_summary(r.solve_seconds, timing.t_solve_median_us, timing.t_solve_p99_us, timing.t_solve_max_us);

@@ -18,41 +18,24 @@ struct StateRecord {
   double manipulability_all = 0.0;  ///< all six rows
 };
 
-/// The recording of a trial: the trace, and measurements outside the trace.
+/// The recording of a trial: the trace, and what is measured while it runs.
 struct Recording {
+  TrialRow row;                     ///< metrics that no trace shows: clearances, contacts, physics, latencies
   double control_period = 0.02;     ///< [s]
   Trace trace;                      ///< one sample per control step
   std::vector<StateRecord> states;  ///< trace.size() + 1; trace.size() if the last state was not finite
   PlantState last;                  ///< the last finite state
-  double clearance = kAbsent;       ///< least signed distance to an object at any sample [m]
-  double clearance_self = kAbsent;  ///< least signed distance between links at any sample [m]
-  std::vector<Contact> contacts;    ///< contacts that ended the trial
   bool moving_goal = false;
   bool has_slack = false;  ///< the controller has slack variables
   bool has_qp = false;
   bool has_prediction = false;        ///< one of moma's own controllers, which knows latencies
-  double latency_base = kAbsent;      ///< as the controller identified it [s]
-  double latency_base_off = kAbsent;  ///< identified minus configured
-  double latency_joints = kAbsent;
-  double latency_joints_off = kAbsent;
-  double separation = kAbsent;  ///< least margin to moving objects (separation.h) [m]
-  bool has_wheels = false;      ///< dynamic mode on a mobile base
-  bool dynamic = false;
-  double slip_max = 0.0;  ///< [m/s]
-  double energy = 0.0;    ///< [J]
-  int lcp_messages = 0;
-  int redone_steps = 0;
-  int divided_steps = 0;
-  int detector_checks = 0;
-  DetectorCheck detectors;            ///< sum of all comparisons
   std::vector<double> step_seconds;   ///< time of each controller step
   std::vector<double> solve_seconds;  ///< time of each solve, if the controller measures it; else empty
 };
 
-/// All metrics of a row but outcome, reason, link, object, time_end_s, time_to_goal_s. A pure function.
+/// Completes recording.row by all metrics of states, steps and times. A pure function.
 /// - path_ee_m, path_base_m: sums of straight distances between samples (the base's in the plane).
 /// - manip_*: over all samples, the last one included.
-/// - clearance_*: exact, at every sample, without a limit of range. NULL without objects (without self pairs).
 /// - limit_margin_min: least distance of a joint to its nearer limit [rad or m] at any sample; NULL where no joint
 ///   has limits. Negative beyond a limit.
 /// - jerk_ee_rms [m/s^3], jerk_joint_rms [rad/s^3, m/s^3 for prismatic joints]: root of the mean square over the
@@ -63,9 +46,6 @@ struct Recording {
 ///   period, of all joints and steps from the second on. NULL with fewer than 2 steps.
 /// - slack_mean, slack_max: of |delta| over steps. NULL without slack. active_rows_mean: NULL without a QP.
 /// - tracking_error_rms [m]: root mean square of |e_p| over all samples; only for a goal that moves.
-/// - latency_*, separation_margin_min_m: as recorded.
-/// - detector_deepest_m: NULL without a disagreement.
-/// - energy_j: dynamic mode only; slip_max_m_s: there with wheels only.
 TrialRow measure(const Recording& recording, const RobotModel& model);
 
 }  // namespace moma

@@ -5,37 +5,11 @@
 namespace moma {
 namespace {
 
-TrialPart part_of(StepPart part) noexcept {
-  switch (part) {
-    case StepPart::kRest:
-      return TrialPart::kController;
-    case StepPart::kKinematics:
-      return TrialPart::kKinematics;
-    case StepPart::kDistances:
-      return TrialPart::kDistances;
-    case StepPart::kRows:
-      return TrialPart::kRows;
-    case StepPart::kSolve:
-      return TrialPart::kSolve;
-    case StepPart::kSafety:
-      return TrialPart::kSafety;
-    case StepPart::kAhead:
-      return TrialPart::kAhead;
-  }
-  return TrialPart::kController;
-}
-
-TrialPart part_of(PlantPart part) noexcept {
-  switch (part) {
-    case PlantPart::kRest:
-      return TrialPart::kPlant;
-    case PlantPart::kCollide:
-      return TrialPart::kCollide;
-    case PlantPart::kStep:
-      return TrialPart::kStep;
-  }
-  return TrialPart::kPlant;
-}
+// In the order of StepPart and of PlantPart.
+constexpr std::array kPartsOfStep{TrialPart::kController, TrialPart::kKinematics, TrialPart::kDistances,
+                                  TrialPart::kRows,       TrialPart::kSolve,      TrialPart::kSafety,
+                                  TrialPart::kAhead};
+constexpr std::array kPartsOfPlant{TrialPart::kPlant, TrialPart::kCollide, TrialPart::kStep};
 
 }  // namespace
 
@@ -62,8 +36,8 @@ void ProfileClock::enter(TrialPart part) noexcept {
   ++profile_[part].entries;
 }
 
-void ProfileClock::enter(StepPart part) noexcept { enter(part_of(part)); }
-void ProfileClock::enter(PlantPart part) noexcept { enter(part_of(part)); }
+void ProfileClock::enter(StepPart part) noexcept { enter(kPartsOfStep[static_cast<std::size_t>(part)]); }
+void ProfileClock::enter(PlantPart part) noexcept { enter(kPartsOfPlant[static_cast<std::size_t>(part)]); }
 
 const Profile& ProfileClock::stop() noexcept {
   const Clock::time_point now = Clock::now();

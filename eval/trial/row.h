@@ -82,6 +82,7 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<TrialRow>) {
   using R = TrialRow;
   using enum Better;
+  using enum Earlier;
   v.member("outcome", &R::outcome, Column{.text = "end of the trial"});
   v.member("reason", &R::reason, Column{.text = "description for a person; the exception's text for `error`"});
   v.member("link", &R::link, Column{.text = "link of the robot in contact (`collision` only)"});
@@ -93,84 +94,48 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
                   .always = true,
                   .text = "simulated time of the end"});
   v.member("time_to_goal_s", &R::time_to_goal_s,
-           Column{.label = "time to goal",
-                  .unit = "s",
-                  .better = kLow,
-                  .decimals = 2,
-                  .null_when = "unless the trial succeeds",
-                  .head = "To goal",
-                  .text = "start of the dwell at the goal"});
+           metric("time to goal", "s", kLow, "start of the dwell at the goal")
+               .with_decimals(2)
+               .absent("unless the trial succeeds")
+               .in_table("To goal"));
   v.member("position_error_m", &R::position_error_m,
-           Column{.label = "final position error",
-                  .unit = "m",
-                  .better = kLow,
-                  .head = "Error",
-                  .text = "distance to the goal at the end"});
+           metric("final position error", "m", kLow, "distance to the goal at the end").in_table("Error"));
   v.member("orientation_error_rad", &R::orientation_error_rad,
-           Column{.label = "final orientation error",
-                  .unit = "rad",
-                  .better = kLow,
-                  .head = "Error",
-                  .text = "angle to the goal at the end"});
+           metric("final orientation error", "rad", kLow, "angle to the goal at the end").in_table("Error"));
   v.member("path_ee_m", &R::path_ee_m,
-           Column{.label = "path of the end effector",
-                  .unit = "m",
-                  .better = kLow,
-                  .decimals = 2,
-                  .text = "length of the end effector's path"});
+           metric("path of the end effector", "m", kLow, "length of the end effector's path").with_decimals(2));
   v.member("path_base_m", &R::path_base_m,
-           Column{.label = "path of the base",
-                  .unit = "m",
-                  .better = kLow,
-                  .decimals = 2,
-                  .text = "length of the base's path in the plane"});
+           metric("path of the base", "m", kLow, "length of the base's path in the plane").with_decimals(2));
   v.member("manip_mean", &R::manip_mean,
-           Column{.label = "manipulability, mean",
-                  .better = kHigh,
-                  .decimals = 4,
-                  .head = "Mean manip.",
-                  .summary = true,
-                  .text = "translational manipulability, mean over the trial"});
-  v.member("manip_min", &R::manip_min,
-           Column{.label = "manipulability, least", .better = kHigh, .decimals = 4, .text = "least value"});
+           metric("manipulability, mean", "", kHigh, "translational manipulability, mean over the trial")
+               .with_decimals(4)
+               .in_table("Mean manip.")
+               .in_summary());
+  v.member("manip_min", &R::manip_min, metric("manipulability, least", "", kHigh, "least value").with_decimals(4));
   v.member("manip_final", &R::manip_final,
-           Column{.label = "manipulability at the end", .better = kHigh, .decimals = 4, .text = "value at the end"});
+           metric("manipulability at the end", "", kHigh, "value at the end").with_decimals(4));
   v.member("manip_all_mean", &R::manip_all_mean,
-           Column{.label = "six-row manipulability, mean",
-                  .better = kHigh,
-                  .decimals = 4,
-                  .text = "manipulability with all six rows, mean over the trial"});
+           metric("six-row manipulability, mean", "", kHigh, "manipulability with all six rows, mean over the trial")
+               .with_decimals(4));
   v.member("manip_all_min", &R::manip_all_min,
-           Column{.label = "six-row manipulability, least", .better = kHigh, .decimals = 4, .text = "least value"});
-  v.member(
-      "manip_all_final", &R::manip_all_final,
-      Column{.label = "six-row manipulability at the end", .better = kHigh, .decimals = 4, .text = "value at the end"});
+           metric("six-row manipulability, least", "", kHigh, "least value").with_decimals(4));
+  v.member("manip_all_final", &R::manip_all_final,
+           metric("six-row manipulability at the end", "", kHigh, "value at the end").with_decimals(4));
   v.member("clearance_min_m", &R::clearance_min_m,
-           Column{.label = "least clearance",
-                  .unit = "m",
-                  .better = kHigh,
-                  .null_when = "in a world without objects",
-                  .head = "Clearance",
-                  .summary = true,
-                  .text = "least distance to an object"});
+           metric("least clearance", "m", kHigh, "least distance to an object")
+               .absent("in a world without objects")
+               .in_table("Clearance")
+               .in_summary());
   v.member("clearance_self_min_m", &R::clearance_self_min_m,
-           Column{.label = "least clearance to itself",
-                  .unit = "m",
-                  .better = kHigh,
-                  .text = "least distance of the robot to itself"});
+           metric("least clearance to itself", "m", kHigh, "least distance of the robot to itself"));
   v.member("limit_margin_min", &R::limit_margin_min,
-           Column{.label = "least joint-limit margin",
-                  .unit = "rad or m",
-                  .better = kHigh,
-                  .text = "least distance of a joint to its limit"});
+           metric("least joint-limit margin", "rad or m", kHigh, "least distance of a joint to its limit"));
   v.member("collision_count", &R::collision_count,
-           Column{.label = "pairs in contact", .better = kLow, .decimals = 0, .text = "pairs in contact at the end"});
+           metric("pairs in contact", "", kLow, "pairs in contact at the end").with_decimals(0));
   v.member("collision_time_s", &R::collision_time_s,
-           Column{.label = "time of collision",
-                  .unit = "s",
-                  .decimals = 2,
-                  .null_when = "unless the trial has a collision",
-                  .text = "time of the first contact"});
+           metric("time of collision", "s", kNeither, "time of the first contact")
+               .with_decimals(2)
+               .absent("unless the trial has a collision"));
   v.member("collision_depth_m", &R::collision_depth_m,
            Column{.label = "collision depth",
                   .unit = "m",
@@ -179,132 +144,91 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
                   .null_when = "unless the trial has a collision",
                   .text = "depth of the worst contact"});
   v.member("jerk_ee_rms", &R::jerk_ee_rms,
-           Column{.label = "jerk of the end effector, RMS",
-                  .unit = "m/s³",
-                  .better = kLow,
-                  .text = "smoothness of the end effector's motion"});
+           metric("jerk of the end effector, RMS", "m/s³", kLow, "smoothness of the end effector's motion"));
   v.member("jerk_joint_rms", &R::jerk_joint_rms,
-           Column{.label = "jerk of the joints, RMS",
-                  .unit = "rad/s³",
-                  .better = kLow,
-                  .text = "smoothness of the joints' motion"});
+           metric("jerk of the joints, RMS", "rad/s³", kLow, "smoothness of the joints' motion"));
   v.member("command_change_mean", &R::command_change_mean,
-           Column{.label = "command change, mean",
-                  .better = kLow,
-                  .head = "Change",
-                  .summary = true,
-                  .text = "mean over steps of the largest |change| / limit"});
+           metric("command change, mean", "", kLow, "mean over steps of the largest |change| / limit")
+               .in_table("Change")
+               .in_summary());
   v.member("acceleration_max", &R::acceleration_max,
-           Column{.label = "acceleration of the joints, greatest",
-                  .unit = "rad/s²",
-                  .better = kLow,
-                  .earlier = Earlier::kUnknown,
-                  .text = "greatest change of a joint's command over the control period"});
+           metric("acceleration of the joints, greatest", "rad/s²", kLow,
+                  "greatest change of a joint's command over the control period")
+               .since(kUnknown));
   v.member("energy_j", &R::energy_j,
-           Column{.label = "energy",
-                  .unit = "J",
-                  .better = kLow,
-                  .null_when = "in kinematic mode",
-                  .text = "integral of |torque x speed| over all motors"});
-  v.member("slack_mean", &R::slack_mean,
-           Column{.label = "slack, mean", .better = kLow, .text = "length of the QP's slack, mean over steps"});
-  v.member("slack_max", &R::slack_max, Column{.label = "slack, greatest", .better = kLow, .text = "largest value"});
+           metric("energy", "J", kLow, "integral of |torque x speed| over all motors").absent("in kinematic mode"));
+  v.member("slack_mean", &R::slack_mean, metric("slack, mean", "", kLow, "length of the QP's slack, mean over steps"));
+  v.member("slack_max", &R::slack_max, metric("slack, greatest", "", kLow, "largest value"));
+  v.member("active_rows_mean", &R::active_rows_mean,
+           metric("active constraints, mean", "", kNeither, "active rows of the QP, mean over steps").with_decimals(2));
+  v.member("qp_infeasible", &R::qp_infeasible,
+           metric("infeasible steps", "", kLow, "steps whose QP had no solution").with_decimals(0));
   v.member(
-      "active_rows_mean", &R::active_rows_mean,
-      Column{.label = "active constraints, mean", .decimals = 2, .text = "active rows of the QP, mean over steps"});
+      "fallback_no_acceleration", &R::fallback_no_acceleration,
+      metric("steps without acceleration bounds", "", kLow, "steps that fell back to a QP without acceleration bounds")
+          .with_decimals(0));
   v.member(
-      "qp_infeasible", &R::qp_infeasible,
-      Column{.label = "infeasible steps", .better = kLow, .decimals = 0, .text = "steps whose QP had no solution"});
-  v.member("fallback_no_acceleration", &R::fallback_no_acceleration,
-           Column{.label = "steps without acceleration bounds",
-                  .better = kLow,
-                  .decimals = 0,
-                  .text = "steps that fell back to a QP without acceleration bounds"});
-  v.member("fallback_relaxed", &R::fallback_relaxed,
-           Column{.label = "steps with relaxed rows",
-                  .better = kLow,
-                  .decimals = 0,
-                  .text = "steps that fell back to a QP with relaxed rows"});
+      "fallback_relaxed", &R::fallback_relaxed,
+      metric("steps with relaxed rows", "", kLow, "steps that fell back to a QP with relaxed rows").with_decimals(0));
   v.member("fallback_brake", &R::fallback_brake,
-           Column{.label = "braking steps", .better = kLow, .decimals = 0, .text = "steps that could only brake"});
+           metric("braking steps", "", kLow, "steps that could only brake").with_decimals(0));
   v.member("slip_max_m_s", &R::slip_max_m_s,
-           Column{.label = "wheel slip, greatest",
-                  .unit = "m/s",
-                  .better = kLow,
-                  .text = "greatest slip of a wheel (`dynamic` with wheels only)"});
+           metric("wheel slip, greatest", "m/s", kLow, "greatest slip of a wheel (`dynamic` with wheels only)"));
   v.member("latency_base_s", &R::latency_base_s,
-           Column{.label = "latency of the base, as found",
-                  .unit = "s",
-                  .null_when = "unless the controller identifies it (`prediction.identify`) on a mobile base",
-                  .earlier = Earlier::kUnknown,
-                  .text = "identified time from a command of the base to the measurement of its velocity"});
+           metric("latency of the base, as found", "s", kNeither,
+                  "identified time from a command of the base to the measurement of its velocity")
+               .absent("unless the controller identifies it (`prediction.identify`) on a mobile base")
+               .since(kUnknown));
   v.member("latency_base_off_s", &R::latency_base_off_s,
-           Column{.label = "latency of the base, found less configured",
-                  .unit = "s",
-                  .null_when = "as latency_base_s",
-                  .earlier = Earlier::kUnknown,
-                  .text = "difference from the controller's `prediction`"});
+           metric("latency of the base, found less configured", "s", kNeither,
+                  "difference from the controller's `prediction`")
+               .absent("as latency_base_s")
+               .since(kUnknown));
   v.member("latency_joints_s", &R::latency_joints_s,
-           Column{.label = "latency of the joints, as found",
-                  .unit = "s",
-                  .null_when = "unless the controller identifies it (`prediction.identify`)",
-                  .earlier = Earlier::kUnknown,
-                  .text = "the same for the joints"});
+           metric("latency of the joints, as found", "s", kNeither, "the same for the joints")
+               .absent("unless the controller identifies it (`prediction.identify`)")
+               .since(kUnknown));
   v.member("latency_joints_off_s", &R::latency_joints_off_s,
-           Column{.label = "latency of the joints, found less configured",
-                  .unit = "s",
-                  .null_when = "as latency_joints_s",
-                  .earlier = Earlier::kUnknown,
-                  .text = "difference from the controller's `prediction`"});
+           metric("latency of the joints, found less configured", "s", kNeither,
+                  "difference from the controller's `prediction`")
+               .absent("as latency_joints_s")
+               .since(kUnknown));
   v.member("separation_margin_min_m", &R::separation_margin_min_m,
-           Column{.label = "least margin of the separation",
-                  .unit = "m",
-                  .better = kHigh,
-                  .null_when = "in a world where nothing moves",
-                  .earlier = Earlier::kUnknown,
-                  .text = "least distance minus protective separation distance, over all moving objects"});
+           metric("least margin of the separation", "m", kHigh,
+                  "least distance minus protective separation distance, over all moving objects")
+               .absent("in a world where nothing moves")
+               .since(kUnknown));
   v.member("tracking_error_rms", &R::tracking_error_rms,
-           Column{.label = "tracking error, RMS",
-                  .unit = "m",
-                  .better = kLow,
-                  .text = "root mean square of the distance to a moving goal"});
+           metric("tracking error, RMS", "m", kLow, "root mean square of the distance to a moving goal"));
   v.member("lcp_messages", &R::lcp_messages,
-           Column{.label = "messages of the physics solver",
-                  .better = kLow,
-                  .decimals = 0,
-                  .text = "warnings of ODE's contact solver"});
-  v.member("redone_steps", &R::redone_steps,
-           Column{.label = "physics steps at a motor's limit",
-                  .better = kLow,
-                  .decimals = 0,
-                  .null_when = "in kinematic mode",
-                  .earlier = Earlier::kUnknown,
-                  .text = "physics steps repeated because a motor exceeded its limit"});
-  v.member("divided_steps", &R::divided_steps,
-           Column{.label = "physics steps divided near contact",
-                  .decimals = 0,
-                  .null_when = "in kinematic mode",
-                  .earlier = Earlier::kUnknown,
-                  .text = "physics steps divided because of possible contacts"});
-  v.member("steps", &R::steps, Column{.label = "control steps", .decimals = 0, .text = "control steps"});
+           metric("messages of the physics solver", "", kLow, "warnings of ODE's contact solver").with_decimals(0));
+  v.member(
+      "redone_steps", &R::redone_steps,
+      metric("physics steps at a motor's limit", "", kLow, "physics steps repeated because a motor exceeded its limit")
+          .with_decimals(0)
+          .absent("in kinematic mode")
+          .since(kUnknown));
+  v.member(
+      "divided_steps", &R::divided_steps,
+      metric("physics steps divided near contact", "", kNeither, "physics steps divided because of possible contacts")
+          .with_decimals(0)
+          .absent("in kinematic mode")
+          .since(kUnknown));
+  v.member("steps", &R::steps, metric("control steps", "", kNeither, "control steps").with_decimals(0));
   v.member("detector_checks", &R::detector_checks,
-           Column{.label = "states in which contacts were cross-checked",
-                  .decimals = 0,
-                  .earlier = Earlier::kZero,
-                  .text = "states in which ODE's contacts were compared with the distance library's"});
+           metric("states in which contacts were cross-checked", "", kNeither,
+                  "states in which ODE's contacts were compared with the distance library's")
+               .with_decimals(0)
+               .since(kZero));
   v.member("detector_disagreements", &R::detector_disagreements,
-           Column{.label = "disagreements of the contact detectors",
-                  .better = kLow,
-                  .decimals = 0,
-                  .earlier = Earlier::kZero,
-                  .text = "pairs in these states that touch for one detector alone"});
+           metric("disagreements of the contact detectors", "", kLow,
+                  "pairs in these states that touch for one detector alone")
+               .with_decimals(0)
+               .since(kZero));
   v.member("detector_deepest_m", &R::detector_deepest_m,
-           Column{.label = "deepest disagreement of the contact detectors",
-                  .unit = "m",
-                  .better = kLow,
-                  .decimals = 6,
-                  .earlier = Earlier::kZero,
-                  .text = "largest depth of such a pair"});
+           metric("deepest disagreement of the contact detectors", "m", kLow, "largest depth of such a pair")
+               .with_decimals(6)
+               .since(kZero));
   v.inlined(&R::timing);
 }
 
@@ -313,42 +237,20 @@ constexpr void describe(Visitor& v, Of<TrialRow::Timing>) {
   using T = TrialRow::Timing;
   using enum Better;
   v.member("t_solve_median_us", &T::t_solve_median_us,
-           Column{.label = "QP solution, median",
-                  .unit = "µs",
-                  .better = kLow,
-                  .decimals = 1,
-                  .text = "time of the QP's solution in a step, median"});
+           metric("QP solution, median", "µs", kLow, "time of the QP's solution in a step, median").with_decimals(1));
   v.member("t_solve_p99_us", &T::t_solve_p99_us,
-           Column{.label = "QP solution, 99th percentile",
-                  .unit = "µs",
-                  .better = kLow,
-                  .decimals = 1,
-                  .text = "99th percentile"});
-  v.member(
-      "t_solve_max_us", &T::t_solve_max_us,
-      Column{.label = "QP solution, longest", .unit = "µs", .better = kLow, .decimals = 1, .text = "longest time"});
+           metric("QP solution, 99th percentile", "µs", kLow, "99th percentile").with_decimals(1));
+  v.member("t_solve_max_us", &T::t_solve_max_us,
+           metric("QP solution, longest", "µs", kLow, "longest time").with_decimals(1));
   v.member("t_step_median_us", &T::t_step_median_us,
-           Column{.label = "control step, median",
-                  .unit = "µs",
-                  .better = kLow,
-                  .decimals = 1,
-                  .text = "time of a whole control step, median"});
-  v.member("t_step_p99_us", &T::t_step_p99_us,
-           Column{.label = "control step, 99th percentile",
-                  .unit = "µs",
-                  .better = kLow,
-                  .decimals = 1,
-                  .head = "Step p99",
-                  .text = "its 99th percentile"});
+           metric("control step, median", "µs", kLow, "time of a whole control step, median").with_decimals(1));
   v.member(
-      "t_step_max_us", &T::t_step_max_us,
-      Column{.label = "control step, longest", .unit = "µs", .better = kLow, .decimals = 1, .text = "longest time"});
+      "t_step_p99_us", &T::t_step_p99_us,
+      metric("control step, 99th percentile", "µs", kLow, "its 99th percentile").with_decimals(1).in_table("Step p99"));
+  v.member("t_step_max_us", &T::t_step_max_us,
+           metric("control step, longest", "µs", kLow, "longest time").with_decimals(1));
   v.member("t_trial_us", &T::t_trial_us,
-           Column{.label = "whole trial, wall time",
-                  .unit = "µs",
-                  .better = kLow,
-                  .decimals = 0,
-                  .text = "wall time of the whole trial"});
+           metric("whole trial, wall time", "µs", kLow, "wall time of the whole trial").with_decimals(0));
   v.member("deadline_misses", &T::deadline_misses,
            Column{.label = "deadline misses",
                   .better = kLow,

@@ -11,7 +11,7 @@ SteppedTrial::SteppedTrial(std::shared_ptr<const TrialSpec> spec, World world)
     : spec_(std::move(spec)), world_(std::move(world)), limits_(spec_->robot->model->velocity_limits()) {
   guarded([&] {
     plant_ = usual_plant(*spec_, world_);
-    clock_ = std::make_unique<TickClock>(*spec_, world_, *plant_, recording_);
+    loop_ = std::make_unique<TrialLoop>(*spec_, world_, *plant_, recording_);
     go_on();
   });
 }
@@ -21,19 +21,19 @@ void SteppedTrial::guarded(const std::function<void()>& part) {
 }
 
 void SteppedTrial::go_on() {
-  if (clock_->sense()) return;
-  row_ = clock_->finish();
-  clock_->look_last();
+  if (loop_->sense()) return;
+  row_ = loop_->finish();
+  loop_->look_last();
 }
 
 std::span<const ObjectShape> SteppedTrial::objects() const noexcept {
-  return clock_ ? clock_->objects() : std::span<const ObjectShape>();
+  return loop_ ? loop_->objects() : std::span<const ObjectShape>();
 }
 
-const Observation& SteppedTrial::seen() const noexcept { return clock_ ? clock_->seen() : nothing_; }
+const Observation& SteppedTrial::seen() const noexcept { return loop_ ? loop_->seen() : nothing_; }
 
 void SteppedTrial::truth(Observation& out) const {
-  if (clock_) clock_->truth(out);
+  if (loop_) loop_->truth(out);
 }
 
 const StateRecord* SteppedTrial::state() const noexcept {
@@ -43,11 +43,11 @@ const StateRecord* SteppedTrial::state() const noexcept {
 void SteppedTrial::step(const StepResult& answer) {
   if (ended()) return;
   guarded([&] {
-    StepResult& taken = clock_->answer();
+    StepResult& taken = loop_->answer();
     taken = answer;
     if (taken.command.size() == limits_.size() && taken.command.allFinite())
       scale_into_limits(*spec_->robot->model, limits_, taken.command);
-    clock_->act(0.0);
+    loop_->act(0.0);
     go_on();
   });
 }

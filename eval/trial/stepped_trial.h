@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "eval/trial/clock.h"
+#include "eval/trial/loop.h"
 #include "eval/trial/trial.h"
 
 namespace moma {
@@ -33,7 +33,7 @@ class SteppedTrial {
   /// Measurements of the present true state; nullptr if it is not finite.
   const StateRecord* state() const noexcept;
   /// Least distance to an object so far [m]; NaN without objects.
-  double clearance() const noexcept { return recording_.clearance; }
+  double clearance() const noexcept { return recording_.row.clearance_min_m; }
 
   /// Takes a control step; no effect after the end. The command of `answer` is scaled into the robot's velocity limits
   /// as a whole; status, fallback, slack, least_distance and active_rows are recorded. A command of the wrong size or
@@ -53,7 +53,7 @@ class SteppedTrial {
   VectorX limits_;
   Recording recording_;
   std::unique_ptr<Plant> plant_;
-  std::unique_ptr<TickClock> clock_;
+  std::unique_ptr<TrialLoop> loop_;
   Observation nothing_;
   std::optional<TrialRow> row_;
 };

@@ -6,7 +6,7 @@
 #include <new>
 
 #include "controller/controller.h"
-#include "eval/trial/clock.h"
+#include "eval/trial/loop.h"
 #include "world/sensing/sensing.h"
 
 namespace moma {
@@ -70,7 +70,7 @@ TrialOutput run_trial(const TrialSpec& spec, const World& world, const TrialPart
     plant->set_clock(clock);
     const std::unique_ptr<StepController> controller =
         parts.controller ? parts.controller(spec) : usual_controller(spec, clock);
-    output.row = run_clock(spec, world, *plant, *controller, recording, clock);
+    output.row = run_loop(spec, world, *plant, *controller, recording, clock);
   });
   if (error) output.row = *error;
   output.trace = std::move(recording.trace);

@@ -59,7 +59,7 @@ TEST(Clearance, IsThatOfEveryStateToTheLastBit) {
       object_states(world, 0.0, states);
       Proximity proximity(model);
       proximity.set_objects(object_shapes(world));
-      ClearanceWatch watch(model, world);
+      ClearanceWatch watch;
       Kinematics kinematics(model);
       Least plain;
       Vector3 base = Vector3::Zero();
@@ -69,7 +69,7 @@ TEST(Clearance, IsThatOfEveryStateToTheLastBit) {
         const std::string where =
             "robot " + std::to_string(r) + ", run " + std::to_string(run) + ", state " + std::to_string(k);
         kinematics.update(base, q);
-        watch.look(kinematics, states, objects_move);
+        watch.look(kinematics, proximity, states);
         const Least before = plain;
         plain.look(proximity, kinematics, states);
         if (plain.objects < before.objects || plain.itself < before.itself) ++lower;

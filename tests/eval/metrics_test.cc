@@ -110,13 +110,19 @@ TEST(Metrics, SlackCountsAndTimings) {
 }
 
 TEST(Metrics, OfPhysicsInDynamicModeAlone) {
-  Recording r = recording(
-      2, [](double) { return 0.0; }, [](double) { return 0.0; });
-  r.dynamic = true;
-  r.energy = 2.5;
-  r.redone_steps = 3;
-  r.divided_steps = 4;
-  const TrialRow row = measure(r, *tiny_robot());
+  const auto physics = [](double time, PlantState&, PlantReport& report) {
+    if (time > 0.05) return;  // the periods that end at 0.02 s and 0.04 s
+    report.energy = time > 0.0 ? 1.25 : 0.0;
+    report.redone_steps = time > 0.03 ? 3 : 0;
+    report.divided_steps = time > 0.01 ? 2 : 0;
+  };
+  TrialSpec spec = tiny_spec();
+  const TrialRow kinematic = run_scripted(spec, tiny_world(0.4), drive(0.5, 0.8), physics).row;
+  EXPECT_TRUE(std::isnan(kinematic.energy_j));
+  EXPECT_TRUE(std::isnan(kinematic.redone_steps));
+  EXPECT_TRUE(std::isnan(kinematic.divided_steps));
+  spec.simulation.mode = SimulationMode::kDynamic;
+  const TrialRow row = run_scripted(spec, tiny_world(0.4), drive(0.5, 0.8), physics).row;
   EXPECT_EQ(row.energy_j, 2.5);
   EXPECT_EQ(row.redone_steps, 3.0);
   EXPECT_EQ(row.divided_steps, 4.0);

@@ -1,4 +1,4 @@
-// A trial that is stepped from outside is the trial of the tick clock.
+// A trial that is stepped from outside is the trial that the loop runs.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -51,10 +51,9 @@ bool build(const Bookshelf& p, SceneBuilder& builder, World& world) {
     return builder.reject("bookshelf: the tool does not point into it (level)");
   FurnitureFrame frame;
   frame.yaw = std::atan2(approach.y(), approach.x());
-  const Vector3 in(std::cos(frame.yaw), std::sin(frame.yaw), 0.0), left(-in.y(), in.x(), 0.0);
   const Vector3 goal = world.goal.X_WG.translation();
   Vector3 there(goal.x(), goal.y(), 0.0);
-  if (there.norm() < 1e-6 || -in.dot(there.normalized()) < p.turned_away)
+  if (there.norm() < 1e-6 || -frame.into().dot(there.normalized()) < p.turned_away)
     return builder.reject("bookshelf: open towards the start (turned_away)");
 
   Draws draws = builder.draws(Stream::kObjects);
@@ -65,7 +64,7 @@ bool build(const Bookshelf& p, SceneBuilder& builder, World& world) {
   const double height = p.height.sample(draws);
   const double sideways = draws.uniform(-0.3, 0.3) * width;
   const double up = draws.uniform(0.4, 0.6) * opening;  // goal above the board below it
-  frame.origin = there - inset * in + sideways * left;
+  frame.origin = there - inset * frame.into() + sideways * frame.left();
 
   ShelfForm form{.width = width, .depth = depth, .opening = opening, .thickness = p.thickness};
   form.board = goal.z() - up - 0.5 * p.thickness;

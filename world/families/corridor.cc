@@ -1,4 +1,3 @@
-#include <array>
 #include <cmath>
 
 #include "world/scenario/family.h"
@@ -36,13 +35,6 @@ constexpr void describe(auto& v, Of<Corridor>) {
   v.inlined(&T::mix);
 }
 
-bool between(const std::array<Vector3, 2>& points, const FurnitureFrame& frame, double width) {
-  const Vector3 left(-std::sin(frame.yaw), std::cos(frame.yaw), 0.0);
-  for (const Vector3& p : points)
-    if (std::abs(left.dot(p - frame.origin)) > 0.5 * width) return false;
-  return true;
-}
-
 bool build(const Corridor& p, SceneBuilder& builder, World& world) {
   if (!builder.mobile()) return builder.reject("corridor: a fixed base cannot drive along it");
   if (!builder.place_robot(p.placement, world)) return false;
@@ -60,8 +52,9 @@ bool build(const Corridor& p, SceneBuilder& builder, World& world) {
   std::vector<WorldObject> boxes;
   add_left_and_right(boxes, frame, "wall", {0.5 * length, 0.5 * (width + p.thickness), 0.5 * height},
                      {length, p.thickness, height});
-  if (!between({builder.start_tip(), Vector3(world.goal.X_WG.translation())}, frame, width))
-    return builder.reject("corridor: start or goal outside its walls");
+  for (const Vector3& tip : {builder.start_tip(), Vector3(world.goal.X_WG.translation())})
+    if (std::abs(frame.left().dot(tip - frame.origin)) > 0.5 * width)
+      return builder.reject("corridor: start or goal outside its walls");
   if (!add_furniture(builder, std::move(boxes), "corridor:", world)) return false;
 
   const ObjectPlacing placing{

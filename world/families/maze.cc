@@ -51,9 +51,8 @@ bool build(const Maze& p, SceneBuilder& builder, World& world) {
   const double distance = way.norm();
   FurnitureFrame frame;  // at the start, x along the way
   frame.yaw = std::atan2(way.y(), way.x());
-  const Vector3 along(std::cos(frame.yaw), std::sin(frame.yaw), 0.0), left(-along.y(), along.x(), 0.0);
   for (const Vector3& tip : {builder.start_tip(), Vector3(world.goal.X_WG.translation())})
-    if (std::abs(left.dot(tip)) > p.half_width) return builder.reject("maze: start or goal outside its walls");
+    if (std::abs(frame.left().dot(tip)) > p.half_width) return builder.reject("maze: start or goal outside its walls");
 
   const double half_base = base_half_width(builder);
   std::vector<WorldObject> boxes;
@@ -73,7 +72,7 @@ bool build(const Maze& p, SceneBuilder& builder, World& world) {
                                     {at, 0.5 * (inner + outer), 0.5 * p.height}, {p.thickness, length, p.height}));
     }
   }
-  if (count > 0 && along.dot(world.goal.X_WG.translation()) < last)
+  if (count > 0 && frame.into().dot(world.goal.X_WG.translation()) < last)
     return builder.reject("maze: the goal is not in the last room");
   const double length = distance + 2.0 * p.beyond;
   add_left_and_right(boxes, frame, "side", {0.5 * distance, p.half_width + 0.5 * p.thickness, 0.5 * p.height},

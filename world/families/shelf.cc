@@ -55,9 +55,7 @@ bool build(const Shelf& p, SceneBuilder& builder, World& world) {
   const Vector3 goal = world.goal.X_WG.translation();
   FurnitureFrame frame;
   frame.yaw = std::atan2(approach.y(), approach.x());
-  const Vector3 in(std::cos(frame.yaw), std::sin(frame.yaw), 0.0);
-  const Vector3 left(-in.y(), in.x(), 0.0);
-  frame.origin = Vector3(goal.x(), goal.y(), 0.0) - inset * in + sideways * left;
+  frame.origin = Vector3(goal.x(), goal.y(), 0.0) - inset * frame.into() + sideways * frame.left();
 
   ShelfForm form{.width = width, .depth = depth, .opening = opening, .thickness = p.thickness, .back = p.back};
   form.board = goal.z() - up - 0.5 * p.thickness;  // the board below the goal

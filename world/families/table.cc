@@ -57,9 +57,7 @@ bool build(const Table& p, SceneBuilder& builder, World& world) {
   // F's origin is the middle of the near edge.
   FurnitureFrame frame;
   frame.yaw = heading_to_goal(world) + turn;
-  const Vector3 in(std::cos(frame.yaw), std::sin(frame.yaw), 0.0);
-  const Vector3 left(-in.y(), in.x(), 0.0);
-  frame.origin = Vector3(goal.x(), goal.y(), 0.0) - inset * in + sideways * width * left;
+  frame.origin = Vector3(goal.x(), goal.y(), 0.0) - inset * frame.into() + sideways * width * frame.left();
 
   const TopForm form{depth, width, top, p.thickness};
   if (!add_furniture(builder, table_boxes(frame, form), "table:", world)) return false;

@@ -56,11 +56,6 @@ void ContactLog::sort() {
   });
 }
 
-struct ContactScene::Near {
-  ContactScene* scene;
-  TouchSink* sink;
-};
-
 ContactScene::ContactScene(std::shared_ptr<const RobotModel> model, const World& world, bool base_meets_floor)
     : model_(std::move(model)), world_(world), states_(world.objects.size()) {
   ode::use_on_this_thread();
@@ -117,14 +112,12 @@ Isometry ContactScene::robot_tilt(int shape) const {
 }
 
 void ContactScene::place_robot(const Kinematics& kinematics) {
-  for (int i = 0; i < static_cast<int>(robot_geoms_.size()); ++i)
-    if (robot_geom(i) != nullptr) place_shape(i, kinematics);
-}
-
-void ContactScene::place_shape(int shape, const Kinematics& kinematics) {
-  const CollisionShape& solid = model_->shapes[static_cast<std::size_t>(shape)];
-  const Isometry X_WS = kinematics.X_WS(solid);
-  ode::set_pose(robot_geom(shape), solid.shape.kind == ShapeKind::kBox ? X_WS * robot_tilt(shape) : X_WS);
+  for (std::size_t i = 0; i < robot_geoms_.size(); ++i) {
+    if (robot_geoms_[i] == nullptr) continue;
+    const CollisionShape& solid = model_->shapes[i];
+    const Isometry X_WS = kinematics.X_WS(solid);
+    ode::set_pose(robot_geoms_[i], solid.shape.kind == ShapeKind::kBox ? X_WS * robot_tilt(static_cast<int>(i)) : X_WS);
+  }
 }
 
 void ContactScene::place_objects(double t) {
@@ -146,19 +139,17 @@ void ContactScene::collide(PairKind kind, int first, int second, dGeomID a, dGeo
 }
 
 void ContactScene::near(void* data, dGeomID a, dGeomID b) {
-  auto& context = *static_cast<Near*>(data);
   const auto* first = static_cast<const Tag*>(dGeomGetData(a));
   const auto* second = static_cast<const Tag*>(dGeomGetData(b));
   if (first->kind != PairKind::kSelf) {
     std::swap(first, second);
     std::swap(a, b);
   }
-  context.scene->collide(second->kind, first->index, second->index, a, b, *context.sink);
+  collide(second->kind, first->index, second->index, a, b, *static_cast<TouchSink*>(data));
 }
 
 void ContactScene::detect(TouchSink& sink) {
-  Near context{this, &sink};
-  dSpaceCollide2(reinterpret_cast<dGeomID>(robot_space_.get()), reinterpret_cast<dGeomID>(world_space_.get()), &context,
+  dSpaceCollide2(reinterpret_cast<dGeomID>(robot_space_.get()), reinterpret_cast<dGeomID>(world_space_.get()), &sink,
                  near);
   for (const SelfPair& pair : self_pairs_) {
     const dGeomID a = robot_geom(pair.first);
@@ -170,26 +161,6 @@ void ContactScene::detect(TouchSink& sink) {
     if (dx * dx + dy * dy + dz * dz > reach * reach) continue;
     collide(PairKind::kSelf, pair.first, pair.second, a, b, sink);
   }
-}
-
-dGeomID ContactScene::second_geom(const SolidPair& pair) const {
-  switch (pair.kind) {
-    case PairKind::kObject:
-      return object_geom(pair.second);
-    case PairKind::kFloor:
-      return floor_;
-    case PairKind::kSelf:
-      break;
-  }
-  return robot_geom(pair.second);
-}
-
-bool ContactScene::decides(const SolidPair& pair) const {
-  return robot_geom(pair.first) != nullptr && second_geom(pair) != nullptr;
-}
-
-void ContactScene::detect(const SolidPair& pair, TouchSink& sink) {
-  collide(pair.kind, pair.first, pair.second, robot_geom(pair.first), second_geom(pair), sink);
 }
 
 bool ContactScene::meets_floor(int shape) const {

@@ -7,9 +7,9 @@
 
 #include "controller/model/convex_distance.h"
 #include "world/plant/exact_contacts.h"
+#include "world/plant/gap_watch.h"
 #include "world/plant/ode_library.h"
 #include "world/plant/plant.h"
-#include "world/plant/solid_pairs.h"
 
 namespace moma {
 
@@ -81,15 +81,11 @@ class ContactScene {
 
   /// Places the robot's geoms that are not attached to bodies.
   void place_robot(const Kinematics& kinematics);
-  void place_shape(int shape, const Kinematics& kinematics);
   /// Moves the objects to their poses at time t.
   void place_objects(double t);
 
   /// Reports every touching pair that ODE decides to `sink`, in a fixed order.
   void detect(TouchSink& sink);
-  /// Does the same for one pair that ODE decides.
-  void detect(const SolidPair& pair, TouchSink& sink);
-  bool decides(const SolidPair& pair) const;
   const std::vector<SelfPair>& self_pairs() const { return self_pairs_; }
   bool meets_floor(int shape) const;
   /// Whether each shape may touch the floor, including shapes that ODE does not decide.
@@ -105,10 +101,8 @@ class ContactScene {
     PairKind kind;  // kSelf marks a robot shape
     int index;
   };
-  struct Near;
   static void near(void* data, dGeomID a, dGeomID b);
-  dGeomID second_geom(const SolidPair& pair) const;
-  void collide(PairKind kind, int first, int second, dGeomID a, dGeomID b, TouchSink& sink);
+  static void collide(PairKind kind, int first, int second, dGeomID a, dGeomID b, TouchSink& sink);
 
   std::shared_ptr<const RobotModel> model_;
   World world_;

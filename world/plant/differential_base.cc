@@ -5,7 +5,6 @@
 #include <cmath>
 #include <memory>
 #include <stdexcept>
-#include <vector>
 
 #include "world/plant/ode_base.h"
 
@@ -19,12 +18,9 @@ constexpr double kCasterStiffness = 1e8;  // [N/m]
 double mass_of_wheels(const RobotModel& model) {
   double base_mass = model.base.mass;
   if (!(base_mass > 0.0)) {  // then the links that are rigid with the base carry it
-    std::vector<bool> rigid(model.links.size(), true);
-    for (std::size_t i = 1; i < model.links.size(); ++i) {
-      const Link& link = model.links[i];
-      rigid[i] = rigid[static_cast<std::size_t>(link.parent)] && link.controlled < 0;
-      if (rigid[i] && link.inertial) base_mass += link.inertial->mass;
-    }
+    for (std::size_t i = 1; i < model.links.size(); ++i)
+      if (model.links[i].inertial && model.rigid_root(static_cast<int>(i)) == 0)
+        base_mass += model.links[i].inertial->mass;
   }
   return 2.0 * std::min(1.0, 0.02 * base_mass);
 }

@@ -3,13 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "world/plant/solid_pairs.h"
-
 namespace moma {
 namespace {
-
-constexpr double kRange = 0.1;      // larger gaps count as this [m]
-constexpr double kRounding = 1e-5;  // error of distances between hulls [m]
 
 // The distance library reports some overlaps of up to 1e-5 m as a gap below this [m].
 constexpr double kUnsure = 2e-5;
@@ -86,22 +81,17 @@ ExactContacts::ExactContacts(std::shared_ptr<const RobotModel> model, const Worl
                              const std::vector<bool>& meets_floor)
     : model_(std::move(model)), proximity_(model_), meets_floor_(meets_floor) {
   proximity_.set_objects(object_shapes(world));
-  for (const CollisionShape& shape : model_->shapes) {
-    hard_shape_.push_back(hard(shape.shape));
-    radii_.push_back(bounding_radius(shape.shape));
-  }
+  for (const CollisionShape& shape : model_->shapes) hard_shape_.push_back(hard(shape.shape));
   for (const WorldObject& object : world.objects) {
     hard_object_.push_back(hard(object.shape));
     objects_.push_back(object.shape);
-    object_radii_.push_back(bounding_radius(object.shape));
   }
-  ranges_ = {kRange, -1.0, kRange};
 }
 
 bool ExactContacts::overlaps(const ProximityPair& pair, const Kinematics& kinematics,
                              const std::vector<ObjectState>& states) const {
   const double d = pair.distance.d;
-  if (d <= 0.0 || d >= kUnsure) return d <= 0.0;
+  if (d <= 0.0) return true;
   const CollisionShape& first = model_->shapes[static_cast<std::size_t>(pair.first)];
   const auto second = static_cast<std::size_t>(pair.second);
   const bool self = pair.kind == PairKind::kSelf;
@@ -111,42 +101,20 @@ bool ExactContacts::overlaps(const ProximityPair& pair, const Kinematics& kinema
   return share_a_point(first.shape, kinematics.X_WS(first), other, X_WO, middle);
 }
 
-double ExactContacts::motion_since(const Kinematics& kinematics, const std::vector<ObjectState>& states) const {
-  double robot = 0.0, object = 0.0;
-  for (std::size_t i = 0; i < radii_.size(); ++i)
-    robot = std::max(robot, moved(kinematics.X_WS(model_->shapes[i]), X_WS_[i], radii_[i]));
-  for (std::size_t i = 0; i < states.size(); ++i)
-    object = std::max(object, moved(states[i].X_WO, X_WO_[i], object_radii_[i]));
-  return robot + std::max(robot, object);
-}
-
-void ExactContacts::remember(const Kinematics& kinematics, const std::vector<ObjectState>& states, double gap) {
-  gap_ = gap;
-  X_WS_.resize(radii_.size());
-  X_WO_.resize(states.size());
-  for (std::size_t i = 0; i < radii_.size(); ++i) X_WS_[i] = kinematics.X_WS(model_->shapes[i]);
-  for (std::size_t i = 0; i < states.size(); ++i) X_WO_[i] = states[i].X_WO;
-}
-
 void ExactContacts::detect(const Kinematics& kinematics, const std::vector<ObjectState>& states, double time,
                            std::vector<Contact>& found) {
-  if (gap_ > kRounding && motion_since(kinematics, states) < gap_ - kRounding) return;
-  double gap = kRange;
-  for (const ProximityPair& pair : proximity_.query(kinematics, states, ranges_)) {
+  for (const ProximityPair& pair : proximity_.query(kinematics, states, {kUnsure, -1.0, kUnsure})) {
     const auto first = static_cast<std::size_t>(pair.first);
     const auto second = static_cast<std::size_t>(pair.second);
     if (pair.kind == PairKind::kObject && !hard_shape_[first] && !hard_object_[second]) continue;
-    gap = std::min(gap, pair.distance.d);
     if (overlaps(pair, kinematics, states))
       found.push_back({pair.kind, pair.first, pair.second, std::max(0.0, -pair.distance.d), time, false});
   }
   for (std::size_t i = 0; i < model_->shapes.size(); ++i) {
     if (!hard_shape_[i] || !meets_floor_[i]) continue;
     const double lowest = lowest_point(model_->shapes[i].shape, kinematics.X_WS(model_->shapes[i]));
-    gap = std::min(gap, lowest);
     if (lowest < 0.0) found.push_back({PairKind::kFloor, static_cast<int>(i), -1, -lowest, time, false});
   }
-  remember(kinematics, states, gap);
 }
 
 }  // namespace moma

@@ -20,8 +20,7 @@ class ExactContacts {
   static std::unique_ptr<ExactContacts> make(const RobotModel& model, const World& world,
                                              const std::vector<bool>& meets_floor);
 
-  /// Appends the overlapping pairs, with by_ode = false. Computes no distances while nothing can have moved as far as
-  /// the least gap found before: the answer is the same, for hulls at a fraction of the cost.
+  /// Appends the overlapping pairs, with by_ode = false.
   void detect(const Kinematics& kinematics, const std::vector<ObjectState>& states, double time,
               std::vector<Contact>& found);
 
@@ -34,14 +33,6 @@ class ExactContacts {
   Proximity proximity_;
   std::vector<Shape> objects_;
   std::vector<bool> hard_shape_, hard_object_, meets_floor_;
-  ProximityRanges ranges_;
-
-  // Upper bound of the motion since the last full check.
-  double motion_since(const Kinematics& kinematics, const std::vector<ObjectState>& states) const;
-  void remember(const Kinematics& kinematics, const std::vector<ObjectState>& states, double gap);
-  std::vector<double> radii_, object_radii_;
-  std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_WS_, X_WO_;
-  double gap_ = -1.0;
 };
 
 }  // namespace moma

@@ -16,6 +16,14 @@ constexpr double kBend = 1.01;
 // Bounding spheres this far apart need no distance of their contents [m].
 constexpr double kFar = 0.1;
 
+/// Number of vertices of the largest hull.
+int most_vertices(const std::vector<Solid>& solids) {
+  std::size_t most = 0;
+  for (const Solid& solid : solids)
+    if (solid.shape.hull) most = std::max(most, solid.shape.hull->vertices.size());
+  return static_cast<int>(most);
+}
+
 double way(const Isometry& from, const Isometry& to, double radius) { return kBend * moved(from, to, radius); }
 
 double way_in_height(const Isometry& from, const Isometry& to, double radius) {
@@ -33,26 +41,18 @@ GapWatch::GapWatch(const RobotModel& model, const World& world, const std::vecto
       step_(way_.size()),
       last_X_BS_(shapes_.size()),
       last_X_WO_(objects_.size()) {
-  for (const SolidPair& pair : solid_pairs(model, objects_.size(), meets_floor)) add(pair);
-  found_.reserve(pairs_.size());
-}
-
-void GapWatch::add(const SolidPair& pair) {
-  const auto [kind, first, second] = pair;
   const std::size_t n = shapes_.size();
-  const auto i = static_cast<std::size_t>(first);
-  const auto k = static_cast<std::size_t>(std::max(second, 0));
-  switch (kind) {
-    case PairKind::kObject:
-      pairs_.push_back({kind, first, second, i, 3 * n + k, 0.0});
-      break;
-    case PairKind::kFloor:
-      pairs_.push_back({kind, first, second, n + i, way_.size() - 1, 0.0});
-      break;
-    case PairKind::kSelf:
-      pairs_.push_back({kind, first, second, 2 * n + i, 2 * n + k, 0.0});
-      break;
+  for (std::size_t i = 0; i < n; ++i) {
+    const int shape = static_cast<int>(i);
+    for (std::size_t k = 0; k < objects_.size(); ++k)
+      pairs_.push_back({PairKind::kObject, shape, static_cast<int>(k), i, 3 * n + k, 0.0});
+    if (meets_floor[i]) pairs_.push_back({PairKind::kFloor, shape, -1, n + i, way_.size() - 1, 0.0});
   }
+  for (const SelfPair& pair : model.self_pairs) {
+    const auto first = static_cast<std::size_t>(pair.first), second = static_cast<std::size_t>(pair.second);
+    pairs_.push_back({PairKind::kSelf, pair.first, pair.second, 2 * n + first, 2 * n + second, 0.0});
+  }
+  found_.reserve(pairs_.size());
 }
 
 double GapWatch::gap(const Pair& pair, const SolidPoses& poses, const std::vector<ObjectState>& objects) {

@@ -2,9 +2,28 @@
 
 #include <vector>
 
-#include "world/plant/solid_pairs.h"
+#include "controller/model/convex_distance.h"
+#include "world/world.h"
 
 namespace moma {
+
+inline std::vector<Solid> solids_of(const RobotModel& model) {
+  std::vector<Solid> out;
+  for (const CollisionShape& shape : model.shapes) out.emplace_back(shape.shape);
+  return out;
+}
+
+inline std::vector<Solid> solids_of(const World& world) {
+  std::vector<Solid> out;
+  for (const WorldObject& object : world.objects) out.emplace_back(object.shape);
+  return out;
+}
+
+/// Upper bound of the displacement of a solid's points between two poses: that of the centre plus, at the radius of a
+/// ball about the origin that contains the solid, that of the rotation.
+inline double moved(const Isometry& from, const Isometry& to, double radius) {
+  return (to.translation() - from.translation()).norm() + radius * (to.linear() - from.linear()).norm();
+}
 
 /// Poses of a robot's solids in one state.
 struct SolidPoses {
@@ -43,7 +62,6 @@ class GapWatch {
     double room;
   };
 
-  void add(const SolidPair& pair);
   void note(const SolidPoses& poses, const std::vector<ObjectState>& objects);
   void measure_steps(const SolidPoses& poses, const std::vector<ObjectState>& objects);
   double gap(const Pair& pair, const SolidPoses& poses, const std::vector<ObjectState>& objects);

@@ -97,6 +97,13 @@ void OdeArm::place(const Kinematics& kinematics, double drop) {
   }
 }
 
+void OdeArm::set_param(const Joint& joint, int parameter, double value) {
+  if (joint.slides)
+    dJointSetSliderParam(joint.id, parameter, value);
+  else
+    dJointSetHingeParam(joint.id, parameter, value);
+}
+
 void OdeArm::make_joint(dWorldID world, const RigidBody& body, const Kinematics& kinematics) {
   const auto index = static_cast<std::size_t>(body.joint);
   const ControlledJoint& limits = model_->joints[index];
@@ -113,11 +120,6 @@ void OdeArm::make_joint(dWorldID world, const RigidBody& body, const Kinematics&
     joint.id = dJointCreateSlider(world, nullptr);
     dJointAttach(joint.id, child, parent);
     dJointSetSliderAxis(joint.id, axis.x(), axis.y(), axis.z());
-    dJointSetSliderParam(joint.id, dParamFMax, limits.effort);
-    if (bounded(limits)) {
-      dJointSetSliderParam(joint.id, dParamLoStop, -half - kStopBeyond);
-      dJointSetSliderParam(joint.id, dParamHiStop, half + kStopBeyond);
-    }
   } else {
     // The drop moves every body alike, so the anchor is on the child's axis line wherever the bodies are.
     const Vector3 drop = X_WL * body.com_L - ode::from_vector(dBodyGetPosition(child));
@@ -126,12 +128,12 @@ void OdeArm::make_joint(dWorldID world, const RigidBody& body, const Kinematics&
     dJointAttach(joint.id, child, parent);
     dJointSetHingeAnchor(joint.id, anchor.x(), anchor.y(), anchor.z());
     dJointSetHingeAxis(joint.id, axis.x(), axis.y(), axis.z());
-    dJointSetHingeParam(joint.id, dParamFMax, limits.effort);
-    // A range that does not fit into ODE's (-pi, pi) would put the stop on the wrong turn; the clamp remains.
-    if (bounded(limits) && half + kStopBeyond < std::numbers::pi - 0.05) {
-      dJointSetHingeParam(joint.id, dParamLoStop, -half - kStopBeyond);
-      dJointSetHingeParam(joint.id, dParamHiStop, half + kStopBeyond);
-    }
+  }
+  set_param(joint, dParamFMax, limits.effort);
+  // A hinge's range that does not fit into ODE's (-pi, pi) would put the stop on the wrong turn; the clamp remains.
+  if (bounded(limits) && (joint.slides || half + kStopBeyond < std::numbers::pi - 0.05)) {
+    set_param(joint, dParamLoStop, -half - kStopBeyond);
+    set_param(joint, dParamHiStop, half + kStopBeyond);
   }
   dJointSetFeedback(joint.id, &joint.feedback);
 }
@@ -155,10 +157,7 @@ void OdeArm::command(const Eigen::Ref<const VectorX>& speeds, double h) {
     if (std::isfinite(limits.lower)) speed = std::max(speed, -speed_into(q_[k] - limits.lower, h));
     // From beyond a limit the joint returns at most at its velocity limit.
     speed = std::clamp(speed, -limits.velocity, limits.velocity);
-    if (joints_[i].slides)
-      dJointSetSliderParam(joints_[i].id, dParamVel, speed);
-    else
-      dJointSetHingeParam(joints_[i].id, dParamVel, speed);
+    set_param(joints_[i], dParamVel, speed);
   }
 }
 
@@ -182,13 +181,7 @@ void OdeArm::read(VectorX& q, Eigen::Ref<VectorX> qdot) {
 void OdeArm::set_bounded(bool bounded) {
   if (bounded == bounded_) return;
   bounded_ = bounded;
-  for (const Joint& joint : joints_) {
-    const double most = bounded ? joint.effort : dInfinity;
-    if (joint.slides)
-      dJointSetSliderParam(joint.id, dParamFMax, most);
-    else
-      dJointSetHingeParam(joint.id, dParamFMax, most);
-  }
+  for (const Joint& joint : joints_) set_param(joint, dParamFMax, bounded ? joint.effort : dInfinity);
 }
 
 bool OdeArm::clear_of_stops() const {

@@ -70,6 +70,8 @@ class OdeArm {
     Vector3 lever = Vector3::Zero();  // from the child's centre to the anchor, at the start of the step
     double torque = 0.0;              // torque or force, about or along the axis
   };
+  /// Sets a parameter of the joint, with ODE's name of it for either kind.
+  static void set_param(const Joint& joint, int parameter, double value);
   void make_joint(dWorldID world, const RigidBody& body, const Kinematics& kinematics);
   static void add_friction(dWorldID world, const Joint& joint, double most);
   void place(const Kinematics& kinematics, double drop);

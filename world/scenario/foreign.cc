@@ -10,7 +10,6 @@
 
 #include "controller/config/reader.h"
 #include "controller/model/kinematics.h"
-#include "world/scenario/moveit_text.h"
 #include "world/scenario/scene_builder.h"
 #include "world/scenario/scenes.h"
 

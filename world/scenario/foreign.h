@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "controller/config/node.h"
 #include "controller/model/robot_model.h"
 #include "world/world.h"
 
@@ -30,5 +31,9 @@ struct ForeignWorlds {
 /// and goals, and for joints that the robot does not control.
 ForeignWorlds read_foreign(const std::shared_ptr<const RobotModel>& model,
                            const std::vector<std::filesystem::path>& files);
+
+/// Reads the text form of MoveIt's planning scene (.scene, also that without poses of objects) as the tree that its
+/// YAML form has. Subframes, triangles and colours are left out. Throws config::ConfigError with file and line.
+config::Node read_moveit_text(const std::filesystem::path& file);
 
 }  // namespace moma

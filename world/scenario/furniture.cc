@@ -40,8 +40,8 @@ std::optional<FurnitureFrame> frame_of_passage(SceneBuilder& builder, const Worl
   frame.origin = start + wall.along * way;
   frame.origin = frame.point(0.0, wall.offset, 0.0);
   frame.yaw += wall.turn;
-  const Vector3 through(std::cos(frame.yaw), std::sin(frame.yaw), 0.0);
-  if (through.dot(world.goal.X_WG.translation() - frame.origin) < 0.0 || through.dot(end - frame.origin) < 0.0) {
+  if (frame.into().dot(world.goal.X_WG.translation() - frame.origin) < 0.0 ||
+      frame.into().dot(end - frame.origin) < 0.0) {
     builder.reject(family + ": the goal is not behind it");
     return std::nullopt;
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,8 @@ struct FurnitureFrame {
   double yaw = 0.0;                  ///< angle of F's x axis in W [rad]
 
   Vector3 point(double x, double y, double z) const;
+  Vector3 into() const { return {std::cos(yaw), std::sin(yaw), 0.0}; }   ///< F's x axis in W
+  Vector3 left() const { return {-std::sin(yaw), std::cos(yaw), 0.0}; }  ///< F's y axis in W
 };
 
 /// Returns an upright box; centre and edges in F.

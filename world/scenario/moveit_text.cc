@@ -1,5 +1,3 @@
-#include "world/scenario/moveit_text.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include "controller/config/json_node.h"
 #include "controller/config/reader.h"
 #include "controller/config/text_file.h"
+#include "world/scenario/foreign.h"
 
 namespace moma {
 namespace {

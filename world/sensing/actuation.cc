@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "world/sensing/delay_line.h"
-
 namespace moma {
 namespace {
 
@@ -28,18 +26,15 @@ Actuation::Actuation(const Disturbances& disturbances, const RobotModel& model, 
       errors_(disturbances.actuators),
       acceleration_(model.base.max_acceleration),
       dt_(control_period),
-      joint_jitter_(delay_steps(errors_.joints.irregularity.jitter, control_period)),
-      base_jitter_(delay_steps(errors_.base.irregularity.jitter, control_period)),
       base_dof_(model.base_dof()),
       factor_(VectorX::Ones(model.num_velocities())),
       lagging_(VectorX::Zero(model.num_velocities())),
       base_(VectorX::Zero(base_dof_)),
       joints_(VectorX::Zero(model.num_joints())),
       applied_(VectorX::Zero(model.num_velocities())),
-      late_base_(delay_steps(disturbances.actuators.base.delay, control_period), base_, BeforeFirst::kPrototype,
-                 base_jitter_),
-      late_joints_(delay_steps(disturbances.actuators.joints.delay, control_period), joints_, BeforeFirst::kPrototype,
-                   joint_jitter_) {
+      late_base_(errors_.base.delay, errors_.base.irregularity, control_period, base_, BeforeFirst::kPrototype),
+      late_joints_(errors_.joints.delay, errors_.joints.irregularity, control_period, joints_,
+                   BeforeFirst::kPrototype) {
   using enum DisturbanceSource;
   const Actuators& errors = errors_;
   const DisturbanceStreams& streams = streams_;
@@ -56,10 +51,8 @@ const VectorX& Actuation::act(long k, const VectorX& command) {
   base_ = command.head(base_dof_);
   joints_ = command.tail(joints_.size());
   using enum DisturbanceSource;
-  pass(late_base_, k, base_, errors_.base.irregularity, base_jitter_,
-       [&] { return streams_.acting(kBaseCommandArrival, k); });
-  pass(late_joints_, k, joints_, errors_.joints.irregularity, joint_jitter_,
-       [&] { return streams_.acting(kJointCommandArrival, k); });
+  late_base_.pass(k, base_, [&] { return streams_.acting(kBaseCommandArrival, k); });
+  late_joints_.pass(k, joints_, [&] { return streams_.acting(kJointCommandArrival, k); });
   if (errors_.base.deadband != TwistSpread{} && base_dof_ > 0) {
     const int linear = base_dof_ - 1;
     if (base_.head(linear).norm() <= errors_.base.deadband.linear) base_.head(linear).setZero();

@@ -31,13 +31,12 @@ class Actuation {
   Actuators errors_;
   Vector2 acceleration_;  // of the base [m/s^2, rad/s^2]
   double dt_;
-  long joint_jitter_, base_jitter_;  // in periods
   Vector3 followed_ = Vector3::Zero();
   int base_dof_;
   VectorX factor_;   // 1 + g
   VectorX lagging_;  // v of the lag at the start of the period
   VectorX base_, joints_, applied_;
-  DelayLine<VectorX> late_base_, late_joints_;
+  LateLine<VectorX> late_base_, late_joints_;
 };
 
 }  // namespace moma

@@ -79,14 +79,30 @@ inline long arrival(const Irregularity& irregularity, long jitter, Draws draws) 
   return lost ? -1 : more < jitter ? more : jitter;
 }
 
-/// Replaces `value` by the line's output at step k. `draws()` makes the step's own draws; it is called only if they
-/// matter. `jitter` in control periods.
-template <class T, class MakeDraws>
-void pass(DelayLine<T>& line, long k, T& value, const Irregularity& irregularity, long jitter, MakeDraws draws) {
-  if (irregularity == Irregularity{})
-    line.pass(k, value);
-  else
-    line.pass(k, value, arrival(irregularity, jitter, draws()));
-}
+/// A delay line with the delay, jitter and losses of one kind of message.
+template <class T>
+class LateLine {
+ public:
+  LateLine(double delay, const Irregularity& irregularity, double control_period, const T& prototype,
+           BeforeFirst before)
+      : irregularity_(irregularity),
+        jitter_(delay_steps(irregularity.jitter, control_period)),
+        line_(delay_steps(delay, control_period), prototype, before, jitter_) {}
+
+  /// Replaces `value` by the line's output at step k = 0, 1, 2, ... (each once, in order). `draws()` makes the step's
+  /// own draws; it is called only if they matter.
+  template <class MakeDraws>
+  void pass(long k, T& value, MakeDraws draws) {
+    if (irregularity_ == Irregularity{})
+      line_.pass(k, value);
+    else
+      line_.pass(k, value, arrival(irregularity_, jitter_, draws()));
+  }
+
+ private:
+  Irregularity irregularity_;
+  long jitter_;  // in control periods
+  DelayLine<T> line_;
+};
 
 }  // namespace moma

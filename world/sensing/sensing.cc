@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "world/sensing/delay_line.h"
 #include "world/sensing/streams.h"
 
 namespace moma {
@@ -55,18 +54,13 @@ Sensing::Sensing(const Disturbances& disturbances, const RobotModel& model, cons
       odometry_(disturbances.base.odometry, streams_),
       detection_(disturbances.detection, world, streams_, control_period, borrowed(model)),
       phantoms_(disturbances.detection.phantoms, streams_, control_period),
-      jitter_{delay_steps(config_.joints.irregularity.jitter, control_period),
-              delay_steps(config_.base.irregularity.jitter, control_period),
-              delay_steps(config_.objects.irregularity.jitter, control_period),
-              delay_steps(config_.goal.irregularity.jitter, control_period)},
       joint_bias_(VectorX::Zero(model.num_joints())),
       joints_{VectorX::Zero(model.num_joints()), VectorX::Zero(model.num_joints())},
-      late_joints_(delay_steps(config_.joints.delay, control_period), joints_, BeforeFirst::kHoldFirst, jitter_.joints),
-      late_base_(delay_steps(config_.base.delay, control_period), base_, BeforeFirst::kHoldFirst, jitter_.base),
-      late_objects_(delay_steps(config_.objects.delay, control_period),
-                    std::vector<ObjectState>(world.objects.size() + phantoms_.count()), BeforeFirst::kHoldFirst,
-                    jitter_.objects),
-      late_goal_(delay_steps(config_.goal.delay, control_period), GoalState{}, BeforeFirst::kHoldFirst, jitter_.goal) {
+      late_joints_(config_.joints.delay, config_.joints.irregularity, control_period, joints_, BeforeFirst::kHoldFirst),
+      late_base_(config_.base.delay, config_.base.irregularity, control_period, base_, BeforeFirst::kHoldFirst),
+      late_objects_(config_.objects.delay, config_.objects.irregularity, control_period,
+                    std::vector<ObjectState>(world.objects.size() + phantoms_.count()), BeforeFirst::kHoldFirst),
+      late_goal_(config_.goal.delay, config_.goal.irregularity, control_period, {}, BeforeFirst::kHoldFirst) {
   Draws joint_bias = streams_.sensing(kJointBias, 0);
   for (double& bias : joint_bias_) bias = joint_bias.normal(0.0, config_.joints.bias);
   if (base_dof_ > 0) {
@@ -168,24 +162,22 @@ double Sensing::noise_factor(const PoseSensing& config, const Vector3& p_W) cons
   return config.noise_growth > 0.0 ? 1.0 + config.noise_growth * (p_W - detection_.sensor_W(p_W)).squaredNorm() : 1.0;
 }
 
-template <class T>
-void Sensing::arrive(DelayLine<T>& line, long k, T& value, const Arrival& arrival) const {
-  pass(line, k, value, arrival.irregularity, arrival.jitter, [&] { return streams_.sensing(arrival.source, k); });
-}
-
 void Sensing::late(long k, Observation& seen) {
+  const auto draws = [&](DisturbanceSource source) {
+    return [this, source, k] { return streams_.sensing(source, k); };
+  };
   joints_.q = seen.q;
   joints_.qdot = seen.qdot.tail(seen.q.size());
-  arrive(late_joints_, k, joints_, {config_.joints.irregularity, kJointArrival, jitter_.joints});
+  late_joints_.pass(k, joints_, draws(kJointArrival));
   base_.pose = seen.base;
   base_.velocity.head(base_dof_) = seen.qdot.head(base_dof_);
-  arrive(late_base_, k, base_, {config_.base.irregularity, kBaseArrival, jitter_.base});
+  late_base_.pass(k, base_, draws(kBaseArrival));
   seen.q = joints_.q;
   seen.qdot.tail(seen.q.size()) = joints_.qdot;
   seen.base = base_.pose;
   seen.qdot.head(base_dof_) = base_.velocity.head(base_dof_);
-  arrive(late_objects_, k, seen.objects, {config_.objects.irregularity, kObjectArrival, jitter_.objects});
-  arrive(late_goal_, k, seen.goal, {config_.goal.irregularity, kGoalArrival, jitter_.goal});
+  late_objects_.pass(k, seen.objects, draws(kObjectArrival));
+  late_goal_.pass(k, seen.goal, draws(kGoalArrival));
 }
 
 Phantoms::Phantoms(const FalseDetections& rule, const DisturbanceStreams& streams, double control_period)

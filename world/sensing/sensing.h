@@ -67,14 +67,6 @@ class Sensing {
     Vector3 rotation = Vector3::Zero();
   };
 
-  /// A delay line of measurements, and the draws of their arrival.
-  struct Arrival {
-    const Irregularity& irregularity;
-    DisturbanceSource source;
-    long jitter;
-  };
-  template <class T>
-  void arrive(DelayLine<T>& line, long k, T& value, const Arrival& arrival) const;
   PoseBias draw_bias(const PoseSensing& config, const PoseSources& sources, std::size_t object) const;
   void measure_base(long k, Observation& seen);
   void measure_joints(long k, Observation& seen) const;
@@ -89,10 +81,6 @@ class Sensing {
   Odometry odometry_;
   Detection detection_;
   Phantoms phantoms_;
-  struct Jitter {
-    long joints, base, objects, goal;  // in periods
-  };
-  Jitter jitter_;
   VectorX joint_bias_;
   Vector3 base_bias_ = Vector3::Zero();
   std::vector<PoseBias> object_bias_;
@@ -102,10 +90,10 @@ class Sensing {
 
   JointReading joints_;
   BaseReading base_;
-  DelayLine<JointReading> late_joints_;
-  DelayLine<BaseReading> late_base_;
-  DelayLine<std::vector<ObjectState>> late_objects_;
-  DelayLine<GoalState> late_goal_;
+  LateLine<JointReading> late_joints_;
+  LateLine<BaseReading> late_base_;
+  LateLine<std::vector<ObjectState>> late_objects_;
+  LateLine<GoalState> late_goal_;
 
   static const PoseSources kObject, kGoal;
 };

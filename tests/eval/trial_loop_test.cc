@@ -1,4 +1,4 @@
-// The tick clock under a plant and a controller that do exactly as told.
+// The loop of a trial under a plant and a controller that do exactly as told.
 #include <gtest/gtest.h>
 
 #include <stdexcept>
@@ -8,7 +8,7 @@
 namespace moma::test {
 namespace {
 
-TEST(TrialClock, SuccessIsTheStartOfADwellThatLasts) {
+TEST(TrialLoop, SuccessIsTheStartOfADwellThatLasts) {
   // 0.4 m at 0.5 m/s: within 2 cm of the goal from 0.76 s on, at rest on it from 0.8 s on.
   const TrialOutput out = run_scripted(tiny_spec(), tiny_world(0.4), drive(0.5, 0.8));
   EXPECT_EQ(to_string(out.row.outcome), "success") << out.row.reason;
@@ -20,14 +20,14 @@ TEST(TrialClock, SuccessIsTheStartOfADwellThatLasts) {
   EXPECT_NEAR(out.row.path_base_m, 0.4, 1e-12);
 }
 
-TEST(TrialClock, PassingThroughTheGoalIsNoSuccess) {
+TEST(TrialLoop, PassingThroughTheGoalIsNoSuccess) {
   // 4 cm of tolerance in all, crossed in 0.08 s.
   const TrialOutput out = run_scripted(tiny_spec(), tiny_world(0.4), drive(0.5, 3.0));
   EXPECT_EQ(to_string(out.row.outcome), "stuck") << out.row.reason;
   EXPECT_TRUE(std::isnan(out.row.time_to_goal_s));
 }
 
-TEST(TrialClock, OrientationMustBeWithinToleranceToo) {
+TEST(TrialLoop, OrientationMustBeWithinToleranceToo) {
   World world = tiny_world(0.0);
   world.goal.X_WG.linear() = Eigen::AngleAxisd(0.06, Vector3::UnitX()).toRotationMatrix();
   EXPECT_EQ(run_scripted(tiny_spec(), world, {}).row.outcome, Outcome::kStuck);
@@ -38,7 +38,7 @@ TEST(TrialClock, OrientationMustBeWithinToleranceToo) {
   EXPECT_NEAR(out.row.orientation_error_rad, 0.04, 1e-12);
 }
 
-TEST(TrialClock, CollisionWinsOverADwellThatEndsAtTheSameSample) {
+TEST(TrialLoop, CollisionWinsOverADwellThatEndsAtTheSameSample) {
   const auto touch = [](double at) {
     return [at](double time, PlantState&, PlantReport& report) {
       if (time > at - 1e-9) report.contacts.push_back({PairKind::kObject, 3, 1, 0.004, at - 0.01, true});
@@ -59,7 +59,7 @@ TEST(TrialClock, CollisionWinsOverADwellThatEndsAtTheSameSample) {
   EXPECT_EQ(run_scripted(tiny_spec(), world, {}, touch(0.0)).row.steps, 0) << "a start in contact has no step";
 }
 
-TEST(TrialClock, NamesFloorAndSelfContacts) {
+TEST(TrialLoop, NamesFloorAndSelfContacts) {
   const auto with = [](PairKind kind, int second) {
     return run_scripted(tiny_spec(), tiny_world(1.0), {},
                         [=](double, PlantState&, PlantReport& report) {
@@ -72,7 +72,7 @@ TEST(TrialClock, NamesFloorAndSelfContacts) {
   EXPECT_EQ(with(PairKind::kSelf, 3).link, "upper");
 }
 
-TEST(TrialClock, StuckAfterTwoStillHalvesCountedFromZero) {
+TEST(TrialLoop, StuckAfterTwoStillHalvesCountedFromZero) {
   // Moves until 1.5 s: the half from 1 to 2 s is not still, those from 2 to 3 and 3 to 4 s are.
   const TrialOutput out = run_scripted(tiny_spec(), tiny_world(3.0), drive(0.2, 1.5));
   EXPECT_EQ(out.row.outcome, Outcome::kStuck);
@@ -80,13 +80,13 @@ TEST(TrialClock, StuckAfterTwoStillHalvesCountedFromZero) {
   EXPECT_EQ(run_scripted(tiny_spec(), tiny_world(3.0), {}).row.time_end_s, 2.0);
 }
 
-TEST(TrialClock, SlowMotionBelowTheThresholdIsStillAndAboveIsNot) {
+TEST(TrialLoop, SlowMotionBelowTheThresholdIsStillAndAboveIsNot) {
   // 0.0005 m in a half of 1 s.
   EXPECT_EQ(run_scripted(tiny_spec(), tiny_world(3.0), drive(0.00045, 99)).row.outcome, Outcome::kStuck);
   EXPECT_EQ(run_scripted(tiny_spec(), tiny_world(3.0), drive(0.00055, 99)).row.outcome, Outcome::kTimeout);
 }
 
-TEST(TrialClock, AShakenRobotIsStuckByItsMeansWhereAnythingIsDisturbed) {
+TEST(TrialLoop, AShakenRobotIsStuckByItsMeansWhereAnythingIsDisturbed) {
   // Shakes by 4 mm a period about a place that drifts; halves are of 2 s, and a half's mean may be 5 mm from the last.
   const auto shake = [](double drift) {
     return [=, k = 0](const Observation&, StepResult& result) mutable {
@@ -107,7 +107,7 @@ TEST(TrialClock, AShakenRobotIsStuckByItsMeansWhereAnythingIsDisturbed) {
   EXPECT_EQ(run_scripted(disturbed, tiny_world(3.0), shake(0.0)).row.outcome, Outcome::kTimeout);
 }
 
-TEST(TrialClock, NotStuckWhileGoalOrObjectsMove) {
+TEST(TrialLoop, NotStuckWhileGoalOrObjectsMove) {
   World world = tiny_world(3.0);
   world.goal.motion = PathMotion{{0.0, 5.0},
                                  {world.goal.X_WG.translation(), {3, 1, 0.5}},
@@ -126,7 +126,7 @@ TEST(TrialClock, NotStuckWhileGoalOrObjectsMove) {
   EXPECT_EQ(out.row.steps, 500);
 }
 
-TEST(TrialClock, InfeasibleCountsConsecutiveBrakes) {
+TEST(TrialLoop, InfeasibleCountsConsecutiveBrakes) {
   const auto braking = [](int every) {
     return [every, k = 0](const Observation&, StepResult& result) mutable {
       result.status = StepStatus::kInfeasible;
@@ -144,7 +144,7 @@ TEST(TrialClock, InfeasibleCountsConsecutiveBrakes) {
   EXPECT_EQ(out.row.fallback_relaxed, 20);
 }
 
-TEST(TrialClock, OtherEnds) {
+TEST(TrialLoop, OtherEnds) {
   const auto faulty = [](FakePlant::Fault fault) {
     return run_scripted(tiny_spec(), tiny_world(3.0), drive(0.1, 99), fault).row;
   };
@@ -164,7 +164,7 @@ TEST(TrialClock, OtherEnds) {
   EXPECT_FALSE(std::isnan(nan.path_ee_m));
 }
 
-TEST(TrialClock, ExceptionsAndBadCommandsAreErrorRows) {
+TEST(TrialLoop, ExceptionsAndBadCommandsAreErrorRows) {
   TrialOutput out =
       run_scripted(tiny_spec(), tiny_world(3.0), drive(0.1, 99), [](double time, PlantState&, PlantReport&) {
         if (time > 0.19) throw std::runtime_error("motor on fire");
@@ -181,7 +181,7 @@ TEST(TrialClock, ExceptionsAndBadCommandsAreErrorRows) {
   EXPECT_EQ(out.row.outcome, Outcome::kError);
 }
 
-TEST(TrialClock, TheControllerSeesTheStateBeforeItsCommand) {
+TEST(TrialLoop, TheControllerSeesTheStateBeforeItsCommand) {
   std::vector<double> seen;
   const TrialOutput out = run_scripted(tiny_spec(), tiny_world(3.0), [&seen](const Observation& o, StepResult& result) {
     seen.push_back(o.base.x());

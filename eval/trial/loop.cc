@@ -1,0 +1,346 @@
+#include "eval/trial/loop.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "controller/model/manipulability.h"
+#include "world/draws.h"
+#include "world/sensing/streams.h"
+
+namespace moma {
+namespace {
+
+/// Fills `observation` with the true state at time t, the only way of information to a controller;
+/// world/sensing/sensing.h then disturbs it. Keeps sizes of `observation` that fit, so that only the first step
+/// allocates.
+void observe(const PlantState& truth, const std::vector<ObjectState>& objects, const GoalState& goal, double t,
+             Observation& observation) {
+  observation.time = t;
+  observation.base = truth.base;
+  observation.q = truth.q;
+  observation.qdot = truth.qdot;
+  observation.goal = goal;
+  observation.objects = objects;
+}
+
+// |x| + |y| + |z| + |roll| + |pitch| + |yaw| of X_EG.
+double l1_error(const Isometry& X_WE, const Isometry& X_WG) {
+  const Isometry X_EG = X_WE.inverse() * X_WG;
+  return X_EG.translation().lpNorm<1>() + rpy_of(X_EG.linear()).lpNorm<1>();
+}
+
+}  // namespace
+
+TrialLoop::TrialLoop(const TrialSpec& spec, const World& world, Plant& plant, Recording& recording,
+                     ProfileClock* profile)
+    : spec_(spec),
+      world_(world),
+      model_(*spec.robot->model),
+      plant_(plant),
+      r_(recording),
+      profile_(profile),
+      period_(spec.simulation.control_period),
+      last_step_(std::max(1L, periods_in(spec.simulation.time_limit, period_))),
+      kinematics_(spec.robot->model),
+      proximity_(spec.robot->model),
+      dwell_(spec.success, period_),
+      stuck_(spec.stuck, any(spec.disturbances), period_),
+      infeasible_(spec.infeasible, period_),
+      separation_(spec),
+      objects_(world.objects.size()),
+      goal_(goal_state(world, 0.0)),
+      goal_moves_(!at_rest(world.goal.motion, 0.0)),
+      told_(object_shapes(world)) {
+  proximity_.set_objects(told_);
+  object_states(world_, 0.0, objects_);
+  objects_move_ = std::any_of(world_.objects.begin(), world_.objects.end(),
+                              [](const WorldObject& object) { return !at_rest(object.motion, 0.0); });
+  const Disturbances& disturbances = spec_.disturbances;
+  if (senses_with_errors(disturbances)) {
+    sensing_.emplace(disturbances, model_, world_, period_);
+    for (ObjectShape& phantom : sensing_->phantoms(world_)) told_.push_back(std::move(phantom));
+  }
+  if (acts_with_errors(disturbances)) actuation_.emplace(disturbances, model_, world_, period_);
+  r_.control_period = period_;
+  r_.moving_goal = goal_moves_;
+  if (spec_.simulation.mode == SimulationMode::kDynamic) {
+    r_.row.energy_j = r_.row.redone_steps = r_.row.divided_steps = 0.0;
+    if (model_.base_dof() > 0) r_.row.slip_max_m_s = 0.0;
+  }
+  const auto expected = static_cast<std::size_t>(std::min(last_step_, 4096L));
+  r_.trace.reserve(expected);
+  r_.states.reserve(expected + 1);
+  r_.step_seconds.reserve(expected);
+  plant_.check_start(report_);
+}
+
+void TrialLoop::truth(Observation& out) const { observe(plant_.state(), objects_, goal_, time(k_), out); }
+
+bool TrialLoop::sense() {
+  while (true) {
+    enter(profile_, TrialPart::kMetrics);
+    take_report();
+    finite_ = measure_state();
+    if (finite_) compare_detectors();
+    if (ends()) return false;
+    enter(profile_, TrialPart::kSensing);
+    look();
+    if (!misses_period()) return true;
+    apply_answer();
+  }
+}
+
+void TrialLoop::look() {
+  truth(observation_);
+  if (sensing_) sensing_->sense(k_, observation_);
+}
+
+void TrialLoop::look_last() {
+  if (finite_) look();
+}
+
+void TrialLoop::act(double seconds) {
+  r_.step_seconds.push_back(seconds);
+  if (result_.solve_seconds > 0.0) r_.solve_seconds.push_back(result_.solve_seconds);
+  apply_answer();
+}
+
+TrialRow TrialLoop::finish() {
+  r_.row.separation_margin_min_m = separation_.least();
+  note_latencies();
+  TrialRow row = measure(r_, model_);
+  row.outcome = outcome_;
+  row.reason = std::move(reason_);
+  row.time_end_s = time(k_);
+  if (row.outcome == Outcome::kSuccess) row.time_to_goal_s = time(dwell_.first());
+  if (row.outcome == Outcome::kCollision) describe_contacts(row);
+  return row;
+}
+
+bool TrialLoop::misses_period() const {
+  const double missed = spec_.disturbances.control.missed;
+  if (k_ == 0 || !(missed > 0.0)) return false;
+  const DisturbanceStreams streams(world_, spec_.disturbances.seed);
+  return streams.sensing(DisturbanceSource::kMissedTick, k_).uniform() < missed;
+}
+
+/// Lets the plant follow the last answer for a period, and records a sample.
+void TrialLoop::apply_answer() {
+  enter(profile_, TrialPart::kMetrics);
+  if (result_.command.size() != model_.num_velocities() || !result_.command.allFinite()) {
+    throw std::runtime_error(fmt::format("the controller's command at t = {:.4g} s is not {} finite numbers", time(k_),
+                                         model_.num_velocities()));
+  }
+  Sample& sample = r_.trace.emplace_back();
+  sample.t = time(k_);
+  const PlantState& state = plant_.state();
+  sample.base = state.base;
+  sample.q = state.q;
+  sample.qdot = state.qdot;
+  sample.command = result_.command;
+  sample.error = error_;
+  sample.slack = result_.slack;
+  sample.manipulability = r_.states.back().manipulability;
+  sample.least_distance = result_.least_distance;
+  sample.status = result_.status;
+  sample.fallback = result_.fallback;
+  sample.active_rows = result_.active_rows;
+  sample.escape = result_.escape;
+  sample.plan = result_.plan;
+  infeasible_.count(result_.fallback);
+  enter(profile_, TrialPart::kSensing);
+  const VectorX& command = actuation_ ? actuation_->act(k_, result_.command) : result_.command;
+  enter(profile_, TrialPart::kPlant);
+  plant_.advance(command, period_, report_);
+  ++k_;
+}
+
+/// Adds the last period's report to the row. Of another mode's quantities, which are NaN, nothing changes.
+void TrialLoop::take_report() {
+  TrialRow& row = r_.row;
+  row.energy_j += report_.energy;
+  row.redone_steps += report_.redone_steps;
+  row.divided_steps += report_.divided_steps;
+  row.lcp_messages += report_.lcp_messages;
+  if (report_.slip_max > row.slip_max_m_s) row.slip_max_m_s = report_.slip_max;
+}
+
+/// Compares the detectors at steps drawn from the world's own stream, and in every state that ends a trial by a
+/// contact.
+void TrialLoop::compare_detectors() {
+  const double rate = spec_.simulation.cross_check;
+  if (!(rate > 0.0)) return;
+  Draws draws(world_.seed, world_.index, Stream::kCrossCheck, static_cast<std::uint64_t>(k_));
+  if (draws.uniform() >= rate && report_.contacts.empty()) return;
+  const DetectorCheck found = plant_.cross_check();
+  TrialRow& row = r_.row;
+  ++row.detector_checks;
+  if (found.disagreements == 0) return;
+  row.detector_disagreements += found.disagreements;
+  row.detector_deepest_m = std::fmax(row.detector_deepest_m, found.deepest);
+}
+
+/// Measures errors, distances and all other quantities of the state. False if the state is not finite.
+bool TrialLoop::measure_state() {
+  const PlantState& state = plant_.state();
+  if (!state.base.allFinite() || !state.q.allFinite() || !state.qdot.allFinite()) return false;
+  if (objects_move_ && k_ > 0) object_states(world_, time(k_), objects_);
+  if (goal_moves_ && k_ > 0) goal_ = goal_state(world_, time(k_));
+  kinematics_.update(state.base, state.q);
+  const Isometry& X_WE = kinematics_.X_WE();
+  error_.head<3>() = log_so3(goal_.X_WG.linear() * X_WE.linear().transpose());
+  error_.tail<3>() = goal_.X_WG.translation() - X_WE.translation();
+
+  r_.last = state;
+  StateRecord& record = r_.states.emplace_back();
+  record.p_WE = X_WE.translation();
+  record.orientation_error = error_.head<3>().norm();
+  record.position_error = error_.tail<3>().norm();
+  if (std::isfinite(spec_.success.l1)) record.l1_error = l1_error(X_WE, goal_.X_WG);
+  const auto J_arm = kinematics_.J_WE_W().rightCols(model_.num_joints());
+  record.manipulability = manipulability(J_arm, ManipulabilityRows::kTranslation);
+  record.manipulability_all = manipulability(J_arm, ManipulabilityRows::kAll);
+  clearance_.look(kinematics_, proximity_, objects_);
+  r_.row.clearance_min_m = clearance_.to_objects();
+  r_.row.clearance_self_min_m = clearance_.to_itself();
+  if (objects_move_) separation_.look(kinematics_, proximity_, objects_, state.qdot);
+  return true;
+}
+
+bool TrialLoop::end(Outcome outcome, std::string reason) {
+  outcome_ = outcome;
+  reason_ = std::move(reason);
+  return true;
+}
+
+/// Applies the rules in their order. True if the trial has ended.
+bool TrialLoop::ends() {
+  if (!report_.contacts.empty()) return end(Outcome::kCollision);
+  if (!finite_) return end(Outcome::kDiverged, report_.reason.empty() ? "the state is not finite" : report_.reason);
+  const StateRecord& now = r_.states.back();
+  if (dwell_.update(k_, now.position_error, now.orientation_error, now.l1_error)) return end(Outcome::kSuccess);
+  if (report_.diverged) return end(Outcome::kDiverged, report_.reason);
+  if (report_.tipped) return end(Outcome::kTipped, report_.reason);
+  if (spec_.simulation.joint_limits != AtJointLimit::kIgnore)
+    if (std::string over = joint_over_limit(); !over.empty()) return end(Outcome::kJointLimit, std::move(over));
+  if (infeasible_.reached())
+    return end(Outcome::kInfeasible, fmt::format("no solved QP for {} s; {}", spec_.infeasible.time, situation()));
+  if (stuck_.update(k_, plant_.state(), [&] { return all_at_rest(); }) && !dwell_.inside())
+    return end(Outcome::kStuck, fmt::format("nothing moved for {} s; {}", stuck_.time(), situation()));
+  if (k_ >= last_step_) return end(Outcome::kTimeout, situation());
+  return false;
+}
+
+bool TrialLoop::all_at_rest() const {
+  return (!goal_moves_ || at_rest(world_.goal.motion, time(k_))) &&
+         (!objects_move_ || std::all_of(world_.objects.begin(), world_.objects.end(),
+                                        [&](const WorldObject& object) { return at_rest(object.motion, time(k_)); }));
+}
+
+std::string TrialLoop::joint_over_limit() const {
+  const VectorX& q = plant_.state().q;
+  for (int i = 0; i < model_.num_joints(); ++i) {
+    const ControlledJoint& joint = model_.joints[static_cast<std::size_t>(i)];
+    if (q[i] < joint.lower - kJointLimitTolerance || q[i] > joint.upper + kJointLimitTolerance)
+      return fmt::format("{} at {:.4g} is outside [{:.4g}, {:.4g}]", joint.name, q[i], joint.lower, joint.upper);
+  }
+  return {};
+}
+
+/// Describes the robot's situation: what may hold it.
+std::string TrialLoop::situation() {
+  const StateRecord& now = r_.states.back();
+  std::string text = fmt::format("{:.3g} m and {:.3g} rad from the goal", now.position_error, now.orientation_error);
+  const auto pairs = proximity_.query(kinematics_, objects_, {0.3, -1.0, -1.0});
+  const auto nearest = std::min_element(pairs.begin(), pairs.end(), [](const ProximityPair& a, const ProximityPair& b) {
+    return a.distance.d < b.distance.d;
+  });
+  if (nearest != pairs.end()) {
+    text += fmt::format("; {} is {:.3g} m from {}", model_.shapes[static_cast<std::size_t>(nearest->first)].name,
+                        nearest->distance.d, world_.objects[static_cast<std::size_t>(nearest->second)].name);
+  }
+  double margin = 0.1;  // rad or m; joints further inside are not mentioned
+  std::string joint_text;
+  const VectorX& q = plant_.state().q;
+  for (int i = 0; i < model_.num_joints(); ++i) {
+    const ControlledJoint& joint = model_.joints[static_cast<std::size_t>(i)];
+    const double inside = std::min(q[i] - joint.lower, joint.upper - q[i]);
+    if (inside >= margin) continue;
+    margin = inside;
+    joint_text = fmt::format("; {} is {:.3g} from its limit", joint.name, inside);
+  }
+  return text + joint_text;
+}
+
+/// Records the latencies that the controller identified, and their differences from the configured ones.
+void TrialLoop::note_latencies() {
+  const PredictionParams& told = spec_.controller_params.prediction;
+  if (!r_.has_prediction || r_.trace.empty()) return;
+  const auto note = [this](double found, double drive, double sensing, double& latency, double& off) {
+    if (found < 0.0) return;
+    latency = found;
+    const long configured = delay_steps(drive, period_) + delay_steps(sensing, period_);
+    off = period_ * static_cast<double>(std::lround(found / period_) - configured);
+  };
+  TrialRow& row = r_.row;
+  note(result_.latency_base, told.base_drive, told.base_sensing, row.latency_base_s, row.latency_base_off_s);
+  note(result_.latency_joints, told.joint_drive, told.joint_sensing, row.latency_joints_s, row.latency_joints_off_s);
+}
+
+std::string TrialLoop::link_of(int shape) const {
+  return model_.links[static_cast<std::size_t>(model_.shapes[static_cast<std::size_t>(shape)].link)].name;
+}
+
+/// The contacts are sorted by time; the first one names the pair.
+void TrialLoop::describe_contacts(TrialRow& row) const {
+  const Contact& contact = report_.contacts.front();
+  row.collision_count = static_cast<int>(report_.contacts.size());
+  row.collision_time_s = contact.time;
+  row.collision_depth_m = 0.0;
+  for (const Contact& each : report_.contacts) {
+    row.collision_time_s = std::min(row.collision_time_s, each.time);
+    row.collision_depth_m = std::max(row.collision_depth_m, each.depth);
+  }
+  row.link = link_of(contact.first);
+  switch (contact.kind) {
+    case PairKind::kObject:
+      row.object = world_.objects[static_cast<std::size_t>(contact.second)].name;
+      break;
+    case PairKind::kFloor:
+      row.object = "floor";
+      break;
+    case PairKind::kSelf:
+      row.object = "self:" + link_of(contact.second);
+      break;
+  }
+  row.reason = fmt::format("{} touches {} at {:.3f} s, {:.2g} m deep{}", row.link, row.object, contact.time,
+                           contact.depth, contact.by_ode ? "" : " (by the distance library)");
+}
+
+TrialRow run_loop(const TrialSpec& spec, const World& world, Plant& plant, StepController& controller,
+                  Recording& recording, ProfileClock* profile) {
+  using Clock = std::chrono::steady_clock;
+  recording.has_qp = has_qp(spec);
+  recording.has_prediction = spec.plugin == nullptr && spec.controller_params.prediction.enabled;
+  recording.has_slack = recording.has_qp && spec.controller_params.slack.enabled;
+  TrialLoop loop(spec, world, plant, recording, profile);
+  controller.reset(loop.objects());
+  controller.prepare(loop.answer());
+  while (loop.sense()) {
+    enter(profile, TrialPart::kController);
+    const Clock::time_point before = Clock::now();
+    controller.step(loop.seen(), loop.answer());
+    const double seconds = std::chrono::duration<double>(Clock::now() - before).count();
+    if (const std::string_view failure = controller.failure(); !failure.empty())
+      throw std::runtime_error(fmt::format("at t = {:.4g} s {}", loop.seen().time, failure));
+    loop.act(seconds);
+  }
+  return loop.finish();
+}
+
+}  // namespace moma
