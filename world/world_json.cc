@@ -1,5 +1,6 @@
 #include "world/world_json.h"
 
+#include <array>
 #include <cmath>
 #include <concepts>
 #include <limits>
@@ -85,37 +86,22 @@ Eigen::Quaterniond rotation_for_file(const Matrix3& R, const Eigen::Quaterniond&
   return kept.normalized().toRotationMatrix() == R ? kept : Eigen::Quaterniond(R);
 }
 
+void check(const MapReader&, const StaticMotion&) {}
+void check(const MapReader&, const LinearMotion&) {}
+void check(const MapReader& in, const CircleMotion& circle) {
+  in.check(circle.axis.norm() > 1e-9, "axis", "expected a direction that is not zero");
+}
+/// A motion through knots: a path or a spline.
 template <class M>
-void check_knots(const MapReader& in, const M& motion) {
+void check(const MapReader& in, const M& motion) {
   in.check(!motion.times.empty(), "times", "expected at least one time");
   for (std::size_t i = 1; i < motion.times.size(); ++i)
     in.check(motion.times[i] > motion.times[i - 1], "times", "expected increasing times");
   in.check(motion.positions.size() == motion.times.size(), "positions",
            "expected a list of " + std::to_string(motion.times.size()) + " positions, one for each time");
-}
-
-void check(const MapReader&, const StaticMotion&) {}
-void check(const MapReader&, const LinearMotion&) {}
-void check(const MapReader& in, const PathMotion& path) {
-  check_knots(in, path);
-  in.check(path.quaternions.empty() || path.quaternions.size() == path.times.size(), "quaternions",
-           "expected one quaternion for each time");
-}
-void check(const MapReader& in, const CircleMotion& circle) {
-  in.check(circle.axis.norm() > 1e-9, "axis", "expected a direction that is not zero");
-}
-void check(const MapReader& in, const SplineMotion& spline) { check_knots(in, spline); }
-
-/// Reads an alternative of Motion, the one with this index.
-template <std::size_t index = 0>
-Motion read_motion(MapReader& in, std::size_t wanted) {
-  if constexpr (index + 1 < std::variant_size_v<Motion>) {
-    if (index != wanted) return read_motion<index + 1>(in, wanted);
-  }
-  std::variant_alternative_t<index, Motion> motion;
-  config::read_members(in, motion);
-  check(in, motion);
-  return motion;
+  if constexpr (std::same_as<M, PathMotion>)
+    in.check(motion.quaternions.empty() || motion.quaternions.size() == motion.times.size(), "quaternions",
+             "expected one quaternion for each time");
 }
 
 /// The keys that goal and objects share: their pose at t = 0, which a motion through knots must agree with, and their
@@ -201,7 +187,15 @@ Motion motion_from_node(const Node& node, const std::string& key) {
   auto kind = MotionKind::kStatic;
   in.require("kind", "static, linear, path, circle or spline");
   in.read_enum("kind", kind);
-  Motion motion = read_motion(in, static_cast<std::size_t>(kind));
+  const std::array<Motion, words(Of<MotionKind>{}).size()> of_kind{StaticMotion{}, LinearMotion{}, PathMotion{},
+                                                                   CircleMotion{}, SplineMotion{}};
+  Motion motion = of_kind[static_cast<std::size_t>(kind)];
+  std::visit(
+      [&in](auto& read) {
+        config::read_members(in, read);
+        check(in, read);
+      },
+      motion);
   in.finish();
   return motion;
 }

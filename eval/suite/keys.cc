@@ -1,7 +1,6 @@
 #include "eval/suite/keys.h"
 
 #include <algorithm>
-#include <iterator>
 
 #include "controller/config/node.h"
 #include "controller/describe/complete.h"
@@ -16,9 +15,7 @@ static_assert(is_complete<SimulationConfig>() && is_complete<SuccessRule>() && i
 
 namespace {
 
-void add(std::vector<Key>& to, std::vector<Key> keys) {
-  to.insert(to.end(), std::make_move_iterator(keys.begin()), std::make_move_iterator(keys.end()));
-}
+void add(std::vector<Key>& to, const std::vector<Key>& keys) { to.insert(to.end(), keys.begin(), keys.end()); }
 
 }  // namespace
 

@@ -137,9 +137,10 @@ bool of_the_whole(std::string_view key) {
 }
 
 bool is_section(const std::string& key) {
-  return of_the_whole(key) ||
-         std::find(std::begin(kContentKeys), std::end(kContentKeys), key) != std::end(kContentKeys) ||
-         std::find(std::begin(kSectionKeys), std::end(kSectionKeys), key) != std::end(kSectionKeys);
+  const auto has = [&key](const auto& keys) {
+    return std::find(std::begin(keys), std::end(keys), key) != std::end(keys);
+  };
+  return of_the_whole(key) || has(kContentKeys) || has(kSectionKeys);
 }
 
 MapReader known_keys(const Node& root) {

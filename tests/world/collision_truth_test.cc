@@ -71,8 +71,8 @@ double small_distance(Draws& draws) {
   return -std::pow(10.0, draws.uniform(-6.0, -2.0));
 }
 
-struct ContactCollector final : TouchSink {
-  void touch(const Touch& t) override {
+struct ContactCollector {
+  void take(const Touch& t) {
     object |= t.kind == PairKind::kObject;
     floor |= t.kind == PairKind::kFloor;
   }
@@ -88,7 +88,7 @@ ContactCollector contacts_of(const Shape& A, const Isometry& X_A, const Shape* B
   kinematics.update(Vector3::Zero(), model->ready);
   scene.place_robot(kinematics);
   ContactCollector found;
-  scene.detect(found);
+  scene.detect([&](const Touch& t) { found.take(t); });
   std::vector<Contact> exact;
   ContactLog log(exact);
   scene.detect_exact(kinematics, 0.0, log);

@@ -16,8 +16,8 @@ using test::one_object;
 using test::one_solid;
 using test::random_shape;
 
-struct Collector final : TouchSink {
-  void touch(const Touch& t) override {
+struct Collector {
+  void take(const Touch& t) {
     if (t.kind == PairKind::kFloor) ++floor;
     if (t.kind != PairKind::kObject) return;
     ++object;
@@ -63,7 +63,7 @@ TEST_P(TruthTable, AgreesWithTheDistanceLibrary) {
     kinematics.update(Vector3::Zero(), model->ready);
     scene.place_robot(kinematics);
     Collector found;
-    scene.detect(found);
+    scene.detect([&](const Touch& t) { found.take(t); });
     touching += truth.d < 0.0;
     if ((found.object > 0) != (truth.d < 0.0)) ++wrong;
     if (truth.d < 0.0 && first != ShapeKind::kBox && second != ShapeKind::kBox)

@@ -50,6 +50,12 @@ void ContactLog::add(const Contact& contact) {
   contacts_.push_back(contact);
 }
 
+void ContactLog::add(const Touch& touch, double time) {
+  double depth = 0.0;
+  for (int i = 0; i < touch.count; ++i) depth = std::max(depth, static_cast<double>(touch.points[i].depth));
+  add({touch.kind, touch.first, touch.second, depth, time, true});
+}
+
 void ContactLog::sort() {
   std::sort(contacts_.begin(), contacts_.end(), [](const Contact& a, const Contact& b) {
     return std::make_tuple(a.time, a.kind, a.first, a.second) < std::make_tuple(b.time, b.kind, b.first, b.second);
@@ -132,10 +138,10 @@ void ContactScene::place_objects(double t) {
   }
 }
 
-void ContactScene::collide(PairKind kind, int first, int second, dGeomID a, dGeomID b, TouchSink& sink) {
+void ContactScene::collide(PairKind kind, int first, int second, dGeomID a, dGeomID b, const TouchSink& sink) {
   dContactGeom points[kPointsPerPair];
   const int count = dCollide(a, b, kPointsPerPair, points, sizeof(dContactGeom));
-  if (count > 0) sink.touch({kind, first, second, points, count});
+  if (count > 0) sink({kind, first, second, points, count});
 }
 
 void ContactScene::near(void* data, dGeomID a, dGeomID b) {
@@ -145,11 +151,12 @@ void ContactScene::near(void* data, dGeomID a, dGeomID b) {
     std::swap(first, second);
     std::swap(a, b);
   }
-  collide(second->kind, first->index, second->index, a, b, *static_cast<TouchSink*>(data));
+  collide(second->kind, first->index, second->index, a, b, **static_cast<const TouchSink**>(data));
 }
 
-void ContactScene::detect(TouchSink& sink) {
-  dSpaceCollide2(reinterpret_cast<dGeomID>(robot_space_.get()), reinterpret_cast<dGeomID>(world_space_.get()), &sink,
+void ContactScene::detect(const TouchSink& sink) {
+  const TouchSink* to = &sink;
+  dSpaceCollide2(reinterpret_cast<dGeomID>(robot_space_.get()), reinterpret_cast<dGeomID>(world_space_.get()), &to,
                  near);
   for (const SelfPair& pair : self_pairs_) {
     const dGeomID a = robot_geom(pair.first);
@@ -179,28 +186,6 @@ void ContactScene::detect_exact(const Kinematics& kinematics, double time, Conta
   for (const Contact& contact : exact_found_) log.add(contact);
 }
 
-namespace {
-
-/// Records which pairs touch according to ODE, in the order of detection.
-class TouchedPairs final : public TouchSink {
- public:
-  void touch(const Touch& touch) override { pairs_.push_back({touch.kind, touch.first, touch.second}); }
-  bool has(PairKind kind, int first, int second) const {
-    return std::any_of(pairs_.begin(), pairs_.end(), [&](const Pair& pair) {
-      return pair.kind == kind && pair.first == first && pair.second == second;
-    });
-  }
-
- private:
-  struct Pair {
-    PairKind kind;
-    int first, second;
-  };
-  std::vector<Pair> pairs_;
-};
-
-}  // namespace
-
 // Needs no hulls: ODE decides spheres, boxes and capsules.
 CrossCheck::CrossCheck(const RobotModel& model, const World& world)
     : shapes_(solids_of(model)), objects_(solids_of(world)), coal_(0) {}
@@ -223,8 +208,13 @@ void CrossCheck::compare_pair(const Solid& a, dGeomID geom_a, const Solid& b, dG
 }
 
 DetectorCheck CrossCheck::compare(ContactScene& scene) {
-  TouchedPairs touched;
-  scene.detect(touched);
+  std::vector<Touch> touches;
+  scene.detect([&](const Touch& touch) { touches.push_back(touch); });
+  const auto touched = [&](PairKind kind, int first, int second) {
+    return std::any_of(touches.begin(), touches.end(), [&](const Touch& touch) {
+      return touch.kind == kind && touch.first == first && touch.second == second;
+    });
+  };
   DetectorCheck check;
   for (int i = 0; i < static_cast<int>(shapes_.size()); ++i) {
     const dGeomID robot = scene.robot_geom(i);
@@ -232,16 +222,16 @@ DetectorCheck CrossCheck::compare(ContactScene& scene) {
     const Solid& shape = shapes_[static_cast<std::size_t>(i)];
     for (int k = 0; k < static_cast<int>(objects_.size()); ++k) {
       if (const dGeomID object = scene.object_geom(k))
-        compare_pair(shape, robot, objects_[static_cast<std::size_t>(k)], object, touched.has(PairKind::kObject, i, k),
+        compare_pair(shape, robot, objects_[static_cast<std::size_t>(k)], object, touched(PairKind::kObject, i, k),
                      check);
     }
     if (scene.meets_floor(i))
-      judge(touched.has(PairKind::kFloor, i, -1), lowest_point(shape.shape, ode::pose(robot)), check);
+      judge(touched(PairKind::kFloor, i, -1), lowest_point(shape.shape, ode::pose(robot)), check);
   }
   for (const SelfPair& pair : scene.self_pairs())
     compare_pair(shapes_[static_cast<std::size_t>(pair.first)], scene.robot_geom(pair.first),
                  shapes_[static_cast<std::size_t>(pair.second)], scene.robot_geom(pair.second),
-                 touched.has(PairKind::kSelf, pair.first, pair.second), check);
+                 touched(PairKind::kSelf, pair.first, pair.second), check);
   return check;
 }
 

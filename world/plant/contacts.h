@@ -2,6 +2,7 @@
 
 #include <ode/ode.h>
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -44,17 +45,15 @@ struct Touch {
   int count;
 };
 
-class TouchSink {
- public:
-  virtual ~TouchSink() = default;
-  virtual void touch(const Touch& touch) = 0;
-};
+using TouchSink = std::function<void(const Touch&)>;
 
 /// Collects the contacts of one advance(): each pair once, with its first time and greatest depth.
 class ContactLog {
  public:
   explicit ContactLog(std::vector<Contact>& contacts) : contacts_(contacts) {}
   void add(const Contact& contact);
+  /// Adds a contact that ODE decides, with the depth of its deepest point.
+  void add(const Touch& touch, double time);
   void sort();
 
  private:
@@ -85,7 +84,7 @@ class ContactScene {
   void place_objects(double t);
 
   /// Reports every touching pair that ODE decides to `sink`, in a fixed order.
-  void detect(TouchSink& sink);
+  void detect(const TouchSink& sink);
   const std::vector<SelfPair>& self_pairs() const { return self_pairs_; }
   bool meets_floor(int shape) const;
   /// Whether each shape may touch the floor, including shapes that ODE does not decide.
@@ -102,7 +101,7 @@ class ContactScene {
     int index;
   };
   static void near(void* data, dGeomID a, dGeomID b);
-  static void collide(PairKind kind, int first, int second, dGeomID a, dGeomID b, TouchSink& sink);
+  static void collide(PairKind kind, int first, int second, dGeomID a, dGeomID b, const TouchSink& sink);
 
   std::shared_ptr<const RobotModel> model_;
   World world_;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kContactInterval = 0.005;  // [s]
 
-class KinematicPlant final : public Plant, private TouchSink {
+class KinematicPlant final : public Plant {
  public:
   KinematicPlant(std::shared_ptr<const RobotModel> model, const World& world, bool stops, ContactChecks checks)
       : model_(std::move(model)),
@@ -106,19 +106,10 @@ class KinematicPlant final : public Plant, private TouchSink {
   /// Reports the contacts of the present places.
   void detect(double time, PlantReport& report) {
     ContactLog log(report.contacts);
-    log_ = &log;
-    now_ = time;
     scene_.place_robot(kinematics_);
-    scene_.detect(*this);
+    scene_.detect([&](const Touch& touch) { log.add(touch, time); });
     scene_.detect_exact(kinematics_, time, log);
     log.sort();
-    log_ = nullptr;
-  }
-
-  void touch(const Touch& touch) override {
-    double depth = 0.0;
-    for (int i = 0; i < touch.count; ++i) depth = std::max(depth, static_cast<double>(touch.points[i].depth));
-    log_->add({touch.kind, touch.first, touch.second, depth, now_, true});
   }
 
   std::shared_ptr<const RobotModel> model_;
@@ -132,8 +123,6 @@ class KinematicPlant final : public Plant, private TouchSink {
   PlantState state_;
   VectorX q_;
   double time_ = 0.0;
-  ContactLog* log_ = nullptr;
-  double now_ = 0.0;
 };
 
 }  // namespace

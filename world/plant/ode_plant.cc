@@ -25,7 +25,7 @@ constexpr double kObjectFriction = 0.5;
 constexpr double kContactStep = 0.001;  // longest step if a pair may touch [s]
 constexpr double kNearlyBound = 0.99;   // share of a motor's limit from which the next step is bounded at once
 
-class OdePlant final : public Plant, private TouchSink {
+class OdePlant final : public Plant {
  public:
   OdePlant(std::shared_ptr<const RobotModel> model, const World& world, const SimulationConfig& simulation,
            const PlantConditions& conditions, MotorBounds bounds)
@@ -337,25 +337,23 @@ class OdePlant final : public Plant, private TouchSink {
   void detect(double time, PlantReport& report) {
     enter(clock_, PlantPart::kCollide);
     ContactLog log(report.contacts);
-    log_ = &log;
-    now_ = time;
     dJointGroupEmpty(contacts_.get());
     touching_ = false;
-    scene_.detect(*this);
+    scene_.detect([&](const Touch& touch) {
+      touching_ = true;
+      log.add(touch, time);
+      join(touch);
+    });
     if (scene_.has_exact()) {
       kinematics_.update(state_.base, state_.q);
       scene_.detect_exact(kinematics_, time, log);
     }
     log.sort();
-    log_ = nullptr;
     detected_ = true;
   }
 
-  void touch(const Touch& touch) override {
-    touching_ = true;
-    double depth = 0.0;
-    for (int i = 0; i < touch.count; ++i) depth = std::max(depth, static_cast<double>(touch.points[i].depth));
-    log_->add({touch.kind, touch.first, touch.second, depth, now_, true});
+  /// Creates the contact joints of two solids for the next step.
+  void join(const Touch& touch) {
     for (int i = 0; i < touch.count; ++i) {
       const dBodyID a = dGeomGetBody(touch.points[i].g1);
       const dBodyID b = dGeomGetBody(touch.points[i].g2);
@@ -397,8 +395,6 @@ class OdePlant final : public Plant, private TouchSink {
   bool touching_ = false;  // contact joints with objects or between links exist
   bool bound_ = false;     // a motor was at or near its limit in the last step
   std::string failure_;
-  ContactLog* log_ = nullptr;
-  double now_ = 0.0;
 };
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -146,10 +145,8 @@ void add(MakingLog& log, const SceneBuilder& builder, bool found, std::uint64_t 
 }  // namespace
 
 std::vector<Key> worlds_keys(const std::string& prefix) {
-  const auto add = [](std::vector<Key>& to, std::vector<Key> keys) {
-    to.insert(to.end(), std::make_move_iterator(keys.begin()), std::make_move_iterator(keys.end()));
-  };
   std::vector<Key> keys = keys_of(Making{}, prefix);
+  const auto add = [&keys](const std::vector<Key>& more) { keys.insert(keys.end(), more.begin(), more.end()); };
   keys.push_back(
       {prefix + ".frozen", "", "a file of one world a line, instead of families", "", "the worlds themselves"});
   keys.push_back({prefix + ".scenes", "", "a file of scenes with configurations of the arm, instead of families", "",
@@ -157,8 +154,8 @@ std::vector<Key> worlds_keys(const std::string& prefix) {
   for (const FamilyType& type : family_types()) {
     const std::string family = prefix + ".families." + std::string(type.name);
     keys.push_back({family, "", "a map", "", std::string(type.text)});
-    add(keys, keys_of(Member{}, family));
-    add(keys, type.keys(family));
+    add(keys_of(Member{}, family));
+    add(type.keys(family));
   }
   return keys;
 }
