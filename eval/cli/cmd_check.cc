@@ -1,10 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iostream>
 #include <map>
-#include <memory>
 #include <set>
 
 #include "controller/config/node.h"
@@ -77,35 +75,25 @@ std::string expected_time(const Suite& suite, double enough, run::WorldSurvey& s
 
 using store::Cell;
 
-double rounded(double value, double unit) { return std::round(value / unit) * unit; }
-
 Cell whole(std::uint64_t value) { return static_cast<std::int64_t>(value); }
 
 /// How worlds are made, as tables. Times only where asked for: all else is the same every time. Nothing where no world
 /// had to be made.
 void print_survey(const run::WorldSurvey& survey, bool times) {
   if (survey.tallies().empty()) return;
-  store::QueryResult made{{"robot", "family", "worlds", "tries each"}, {}};
-  if (times) made.columns.insert(made.columns.end(), {"us each", "trials", "ms a trial", "% of a trial"});
+  store::QueryResult made{
+      {"robot", "family", "worlds", "tries each", "us each", "trials", "ms a trial", "% of a trial"}, {}};
   store::QueryResult reasons{{"robot", "family", "rejected", "of %", "because"}, {}};
+  std::set<std::string> robots;
   for (const auto& [place, tally] : survey.tallies()) {
     const auto& [robot, family] = place;
+    robots.insert(robot);
     const auto worlds = static_cast<double>(std::max<std::uint64_t>(1, tally.log.worlds));
-    made.rows.push_back(
-        {robot, family, whole(tally.log.worlds), rounded(static_cast<double>(tally.log.tries) / worlds, 0.1)});
-    if (times) {
-      const double each = tally.seconds / worlds;
-      std::vector<Cell>& row = made.rows.back();
-      row.emplace_back(rounded(1e6 * each, 1.0));
-      row.push_back(whole(tally.trials));
-      if (tally.trials > 0) {
-        const double trial = tally.trial_seconds / static_cast<double>(tally.trials);
-        row.emplace_back(rounded(1e3 * trial, 0.1));
-        row.emplace_back(rounded(100.0 * each / trial, 0.01));
-      } else {
-        row.resize(row.size() + 2);
-      }
-    }
+    const double each = tally.seconds / worlds;
+    const double trial = tally.trials > 0 ? tally.trial_seconds / static_cast<double>(tally.trials) : kAbsent;
+    made.rows.push_back({robot, family, whole(tally.log.worlds),
+                         rounded(static_cast<double>(tally.log.tries) / worlds, 0.1), rounded(1e6 * each, 1.0),
+                         whole(tally.trials), rounded(1e3 * trial, 0.1), rounded(100.0 * each / trial, 0.01)});
     // Most frequent first, those of equal count by name.
     std::vector<std::pair<std::string, std::uint64_t>> sorted(tally.log.rejections.begin(), tally.log.rejections.end());
     std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
@@ -116,13 +104,10 @@ void print_survey(const run::WorldSurvey& survey, bool times) {
     for (const auto& [why, count] : tally.log.redraws)
       reasons.rows.push_back({robot, family, whole(count), Cell{}, why + " (drawn again)"});
   }
-  std::set<std::string> robots;
-  for (const auto& [place, tally] : survey.tallies()) robots.insert(place.first);
+  if (!times) drop_columns(made, 4, 8);
   if (robots.size() == 1) {  // the line above names it
-    for (store::QueryResult* table : {&made, &reasons}) {
-      table->columns.erase(table->columns.begin());
-      for (std::vector<Cell>& row : table->rows) row.erase(row.begin());
-    }
+    drop_columns(made, 0, 1);
+    drop_columns(reasons, 0, 1);
   }
   write(std::cout, made, Format::kTable);
   if (!reasons.rows.empty()) {
@@ -184,19 +169,17 @@ int check(const CheckOptions& check_options) {
 
 }  // namespace
 
-void add_check(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
-  auto options = std::make_shared<CheckOptions>();
-  CLI::App* command = app.add_subcommand("check", "Validate a suite without running it");
-  options->suite.add_to(*command);
-  command->add_flag("--no-time", options->no_time, "Runs no trials to say how long all will take");
-  command->add_option("--seconds", options->seconds, "For so long trials are run, to say how long all will take")
+void add_check(Commands& commands) {
+  auto [command, options] = commands.add<CheckOptions>("check", "Validate a suite without running it", &check);
+  options.suite.add_to(command);
+  command.add_flag("--no-time", options.no_time, "Runs no trials to say how long all will take");
+  command.add_option("--seconds", options.seconds, "For so long trials are run, to say how long all will take")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
-  command->add_option("--worlds", options->worlds, "Worlds that are made, to say why and how often tries are rejected")
+  command.add_option("--worlds", options.worlds, "Worlds that are made, to say why and how often tries are rejected")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  command->footer("Example: moma check configs/suites/demo.yaml");
-  command->callback([&action, options] { action = [options] { return check(*options); }; });
+  command.footer("Example: moma check configs/suites/demo.yaml");
 }
 
 }  // namespace moma::cli

@@ -2,13 +2,13 @@
 
 #include <cmath>
 #include <iostream>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <vector>
 
 #include "eval/cli/command.h"
+#include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 #include "eval/run/compare_points.h"
 #include "eval/stats/comparison.h"
@@ -92,7 +92,7 @@ std::string name_of(const run::ComparedPoints& compared, bool of_a, const std::s
 }
 
 /// The same as data.
-void print_json(const run::ComparedPoints& compared, const CompareOptions& options) {
+void print_as_json(const run::ComparedPoints& compared, const CompareOptions& options) {
   using nlohmann::ordered_json;
   const stats::Comparison& all = compared.comparison;
   ordered_json json{{"a", name_of(compared, true, options.a)},
@@ -103,36 +103,19 @@ void print_json(const run::ComparedPoints& compared, const CompareOptions& optio
                     {"errors_b", all.errors_b}};
   json["pairs"] = ordered_json::array();
   for (const auto& [a, b] : compared.pairs) json["pairs"].push_back({{"a", a.name()}, {"b", b.name()}});
-  json["rates"] = ordered_json::array();
-  for (const PairedRate& r : all_rates(all)) {
-    json["rates"].push_back({{"rate", r.name},
-                             {"n", r.n},
-                             {"a", r.a.rate},
-                             {"a_low", r.a.interval.low},
-                             {"a_high", r.a.interval.high},
-                             {"b", r.b.rate},
-                             {"b_low", r.b.interval.low},
-                             {"b_high", r.b.interval.high},
-                             {"difference", r.difference},
-                             {"low", r.interval.low},
-                             {"high", r.interval.high},
-                             {"only_a", r.only_a},
-                             {"only_b", r.only_b},
-                             {"p_mcnemar", r.p},
-                             {"p_holm", r.p_holm}});
-  }
-  json["metrics"] = ordered_json::array();
-  for (const stats::PairedMean& row : all.means) {
-    if (row.n == 0) continue;
-    json["metrics"].push_back({{"metric", row.name},
-                               {"n", row.n},
-                               {"mean_a", row.a},
-                               {"mean_b", row.b},
-                               {"difference", row.difference},
-                               {"low", row.interval.low},
-                               {"high", row.interval.high}});
-  }
-  std::cout << json.dump(-1, ' ', false, ordered_json::error_handler_t::replace) << '\n';
+  QueryResult rates{{"rate", "n", "a", "a_low", "a_high", "b", "b_low", "b_high", "difference", "low", "high", "only_a",
+                     "only_b", "p_mcnemar", "p_holm"},
+                    {}};
+  for (const PairedRate& r : all_rates(all))
+    rates.rows.push_back({r.name, r.n, r.a.rate, r.a.interval.low, r.a.interval.high, r.b.rate, r.b.interval.low,
+                          r.b.interval.high, r.difference, r.interval.low, r.interval.high, r.only_a, r.only_b, r.p,
+                          r.p_holm});
+  json["rates"] = rows_as_json(rates);
+  QueryResult means{{"metric", "n", "mean_a", "mean_b", "difference", "low", "high"}, {}};
+  for (const stats::PairedMean& m : all.means)
+    if (m.n > 0) means.rows.push_back({m.name, m.n, m.a, m.b, m.difference, m.interval.low, m.interval.high});
+  json["metrics"] = rows_as_json(means);
+  print_json(json);
 }
 
 void print_head(const run::ComparedPoints& compared, const CompareOptions& options) {
@@ -164,7 +147,7 @@ int compare(const CompareOptions& options) {
   const double loss = -success.difference;
   const bool worse = options.margin && loss > *options.margin;
   if (options.json) {
-    print_json(compared, options);
+    print_as_json(compared, options);
     return worse ? kCheckFailed : kOk;
   }
   print_head(compared, options);
@@ -185,32 +168,29 @@ int compare(const CompareOptions& options) {
 
 }  // namespace
 
-void add_compare(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
-  auto options = std::make_shared<CompareOptions>();
-  CLI::App* command =
-      app.add_subcommand("compare", "Paired comparison of two controllers or points on the same worlds");
-  command->add_option("DB", options->file, "Store")->required();
+void add_compare(Commands& commands) {
+  auto [command, options] = commands.add<CompareOptions>(
+      "compare", "Paired comparison of two controllers or points on the same worlds", &compare);
+  add_store(command, options.file);
   command
-      ->add_option("A", options->a,
-                   "Controller (all its points), CONTROLLER:POINT of a sweep, @best or CONTROLLER@best")
+      .add_option("A", options.a, "Controller (all its points), CONTROLLER:POINT of a sweep, @best or CONTROLLER@best")
       ->required();
-  command->add_option("B", options->b, "The other one")->required();
-  command->add_option("--suite", options->suite, "Which suite, where several have both");
+  command.add_option("B", options.b, "The other one")->required();
+  command.add_option("--suite", options.suite, "Which suite, where several have both");
   command
-      ->add_option("--fail-if-worse", options->margin,
-                   "Exit 1 where B's success rate is lower than A's by more than this, e.g. 0.02")
+      .add_option("--fail-if-worse", options.margin,
+                  "Exit 1 where B's success rate is lower than A's by more than this, e.g. 0.02")
       ->check(CLI::Range(0.0, 1.0));
-  command->add_option("--difference", options->difference, "Says how many worlds show this difference of rates (0.05)")
+  command.add_option("--difference", options.difference, "Says how many worlds show this difference of rates (0.05)")
       ->check(CLI::Range(0.001, 0.999));
-  command->add_flag("--json", options->json, "As one line of JSON");
-  command->footer(fmt::format(
+  command.add_flag("--json", options.json, "As one line of JSON");
+  command.footer(fmt::format(
       "@best is the point with {}. On the worlds that chose it, the best of many looks better than it is.\n"
       "A controller whose points differ in conditions alone is compared under each of them. A trial that ended by an\n"
       "error did not succeed; the rate without these worlds stands beside.\n"
       "Examples: moma compare results/demo.db holistic moma --fail-if-worse 0.02\n"
       "          moma compare results/sweep.db published @best",
       run::kBestCriterion));
-  command->callback([&action, options] { action = [options] { return compare(*options); }; });
 }
 
 }  // namespace moma::cli

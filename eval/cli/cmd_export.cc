@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -62,12 +61,26 @@ files::Kind kind_of(const std::string& name, const store::QueryResult& table) {
   return {fmt::format("table of {} by moma export", name), head};
 }
 
-void export_csv(const fs::path& db, const fs::path& folder, files::Replace replace) {
+struct ExportOptions {
+  fs::path file;
+  fs::path csv;
+  std::string parquet;
+  files::Replace replace = files::Replace::kOwn;
+};
+
+int export_csv(const ExportOptions& options) {
+  if (!options.parquet.empty())
+    throw UsageError(
+        fmt::format("export: Parquet files are written by the Python package (pip install \"moma[parquet]\"): "
+                    "python3 -m moma export {} --parquet {}",
+                    options.file.string(), options.parquet));
+  const fs::path& folder = options.csv;
+  if (folder.empty()) throw UsageError("export: --csv FOLDER is required");
   // All are read before the first is written.
   std::vector<std::pair<std::string, store::QueryResult>> results;
-  results.emplace_back("trials", trials(db));
-  results.emplace_back("summary", summary_table(db));
-  for (const Export& file : kFiles) results.emplace_back(file.name, store::query(db, file.sql));
+  results.emplace_back("trials", trials(options.file));
+  results.emplace_back("summary", summary_table(options.file));
+  for (const Export& file : kFiles) results.emplace_back(file.name, store::query(options.file, file.sql));
   std::error_code error;
   fs::create_directories(folder, error);
   if (!fs::is_directory(folder)) {
@@ -75,45 +88,26 @@ void export_csv(const fs::path& db, const fs::path& folder, files::Replace repla
                                  error ? error.message() : "something else has this name"));
   }
   for (const auto& [name, table] : results)
-    files::check_replace(folder / (name + ".csv"), kind_of(name, table), replace);
+    files::check_replace(folder / (name + ".csv"), kind_of(name, table), options.replace);
   for (const auto& [name, table] : results) {
     const fs::path file = folder / (name + ".csv");
-    files::write_file(file, kind_of(name, table), replace,
+    files::write_file(file, kind_of(name, table), options.replace,
                       [&rows = table](std::ostream& out) { write(out, rows, Format::kCsv); });
     std::cerr << fmt::format("wrote {} ({} rows)\n", file.string(), table.rows.size());
   }
+  return kOk;
 }
 
 }  // namespace
 
-void add_export(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
-  struct Options {
-    fs::path file;
-    fs::path csv;
-    std::string parquet;
-    files::Replace replace = files::Replace::kOwn;
-  };
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("export", "Write a store as flat CSV files");
-  command->add_option("DB", options->file, "Store")->required();
-  command->add_option("--csv", options->csv, "Folder for the files, made if missing");
-  command->add_option("--parquet", options->parquet,
-                      "Folder for Parquet files; by the Python package: python3 -m moma export DB --parquet FOLDER");
-  add_force(*command, options->replace);
-  command->footer("Example: moma export results/demo.db --csv results/demo-csv");
-  command->callback([&action, options] {
-    action = [options] {
-      if (!options->parquet.empty()) {
-        throw UsageError(
-            fmt::format("export: Parquet files are written by the Python package (pip install \"moma[parquet]\"): "
-                        "python3 -m moma export {} --parquet {}",
-                        options->file.string(), options->parquet));
-      }
-      if (options->csv.empty()) throw UsageError("export: --csv FOLDER is required");
-      export_csv(options->file, options->csv, options->replace);
-      return static_cast<int>(kOk);
-    };
-  });
+void add_export(Commands& commands) {
+  auto [command, options] = commands.add<ExportOptions>("export", "Write a store as flat CSV files", &export_csv);
+  add_store(command, options.file);
+  command.add_option("--csv", options.csv, "Folder for the files, made if missing");
+  command.add_option("--parquet", options.parquet,
+                     "Folder for Parquet files; by the Python package: python3 -m moma export DB --parquet FOLDER");
+  add_force(command, options.replace);
+  command.footer("Example: moma export results/demo.db --csv results/demo-csv");
 }
 
 }  // namespace moma::cli

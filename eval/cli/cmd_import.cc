@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
-#include <memory>
 
 #include "controller/config/robot_file.h"
 #include "eval/cli/command.h"
@@ -49,21 +48,18 @@ int import(const ImportOptions& options) {
 
 }  // namespace
 
-void add_import(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
-  auto options = std::make_shared<ImportOptions>();
-  CLI::App* command = app.add_subcommand("import", "Turn planning problems of other programs into frozen worlds");
+void add_import(Commands& commands) {
+  auto [command, options] =
+      commands.add<ImportOptions>("import", "Turn planning problems of other programs into frozen worlds", &import);
   command
-      ->add_option("FILE", options->files,
-                   "MoveIt planning scenes and requests (YAML, .scene), folders of them (MotionBenchMaker), VAMP's "
-                   "problems.json, scenes of boxes")
+      .add_option("FILE", options.files,
+                  "MoveIt planning scenes and requests (YAML, .scene), folders of them (MotionBenchMaker), VAMP's "
+                  "problems.json, scenes of boxes")
       ->required();
-  command->add_option("--robot", options->robot, "Robot file; base at the origin, poses in its URDF's root")
-      ->required();
-  command->add_option("-o,--output", options->output,
-                      "Write the worlds there, one a line, for `worlds: {frozen: FILE}`");
-  add_force(*command, options->replace);
-  command->footer("Example: moma import scene0001.yaml request0001.yaml --robot my_panda.yaml -o worlds.jsonl");
-  command->callback([&action, options] { action = [options] { return import(*options); }; });
+  command.add_option("--robot", options.robot, "Robot file; base at the origin, poses in its URDF's root")->required();
+  command.add_option("-o,--output", options.output, "Write the worlds there, one a line, for `worlds: {frozen: FILE}`");
+  add_force(command, options.replace);
+  command.footer("Example: moma import scene0001.yaml request0001.yaml --robot my_panda.yaml -o worlds.jsonl");
 }
 
 }  // namespace moma::cli

@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <iostream>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -52,35 +51,33 @@ std::string scalar(const std::string& text) {
   return plain ? text : nlohmann::json(text).dump();
 }
 
+struct InitOptions {
+  fs::path file = "first.yaml";
+  files::Replace replace = files::Replace::kOwn;
+};
+
+int init(const InitOptions& options) {
+  const fs::path folder = fs::absolute(options.file).parent_path();
+  const fs::path configs = fs::absolute(run::find_published()).parent_path();
+  const auto path = [&](const char* file) { return scalar(path_to(configs / file, folder)); };
+  files::write_file(options.file, {"suite", ""}, options.replace, [&](std::ostream& out) {
+    out << fmt::format(
+        fmt::runtime(kSuite), fmt::arg("name", scalar(options.file.stem().string())),
+        fmt::arg("robot", path("robots/frankie.yaml")), fmt::arg("published", path("controllers/holistic.yaml")),
+        fmt::arg("moma", path("controllers/moma.yaml")), fmt::arg("realistic", path("disturbances/realistic.yaml")));
+  });
+  std::cout << fmt::format("wrote {0}. To see what it costs: moma check {0}; to run it: moma run {0}\n",
+                           options.file.string());
+  return kOk;
+}
+
 }  // namespace
 
-void add_init(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
-  struct Options {
-    fs::path file = "first.yaml";
-    files::Replace replace = files::Replace::kOwn;
-  };
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("init", "Write a first suite, with a comment on each key");
-  command->add_option("FILE", options->file, "Suite to write (first.yaml)");
-  add_force(*command, options->replace);
-  command->footer("Example: moma init first.yaml");
-  command->callback([&action, options] {
-    action = [options] {
-      const fs::path folder = fs::absolute(options->file).parent_path();
-      const fs::path configs = fs::absolute(run::find_published()).parent_path();
-      const auto path = [&](const char* file) { return scalar(path_to(configs / file, folder)); };
-      files::write_file(options->file, {"suite", ""}, options->replace, [&](std::ostream& out) {
-        out << fmt::format(fmt::runtime(kSuite), fmt::arg("name", scalar(options->file.stem().string())),
-                           fmt::arg("robot", path("robots/frankie.yaml")),
-                           fmt::arg("published", path("controllers/holistic.yaml")),
-                           fmt::arg("moma", path("controllers/moma.yaml")),
-                           fmt::arg("realistic", path("disturbances/realistic.yaml")));
-      });
-      std::cout << fmt::format("{0} is written. What it costs: moma check {0}; then moma run {0}\n",
-                               options->file.string());
-      return static_cast<int>(kOk);
-    };
-  });
+void add_init(Commands& commands) {
+  auto [command, options] = commands.add<InitOptions>("init", "Write a first suite, with a comment on each key", &init);
+  command.add_option("FILE", options.file, "Suite to write (first.yaml)");
+  add_force(command, options.replace);
+  command.footer("Example: moma init first.yaml");
 }
 
 }  // namespace moma::cli

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <iostream>
-#include <memory>
 
 #include "controller/config/node.h"
 #include "eval/cli/command.h"
@@ -67,35 +66,34 @@ void print_reference() {
   print_section("Tuning", "", beginning_with("tune."));
 }
 
+struct KeysOptions {
+  std::string prefix;
+  bool reference = false;
+};
+
+int list_keys(const KeysOptions& options) {
+  if (options.reference) {
+    print_reference();
+    return kOk;
+  }
+  const std::vector<Key> keys = beginning_with(options.prefix);
+  if (keys.empty()) {
+    const std::string near = meant_key(options.prefix);
+    throw UsageError(fmt::format("no key begins with '{}'{}", terminal_safe(options.prefix),
+                                 near.empty() ? "" : fmt::format(" (did you mean {}?)", near)));
+  }
+  write(std::cout, table_of(keys), Format::kTable);
+  return kOk;
+}
+
 }  // namespace
 
-void add_keys(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
-  struct Options {
-    std::string prefix;
-    bool reference = false;
-  };
-  auto options = std::make_shared<Options>();
-  CLI::App* command =
-      app.add_subcommand("keys", "List every key of suites, controllers, worlds, disturbances and tuning");
-  command->add_option("PREFIX", options->prefix, "Only keys that begin so, e.g. disturbances.objects");
-  command->add_flag("--reference", options->reference, "The page docs/reference/keys.md");
-  command->footer("Example: moma keys worlds.families.moving");
-  command->callback([&action, options] {
-    action = [options] {
-      if (options->reference) {
-        print_reference();
-        return static_cast<int>(kOk);
-      }
-      const std::vector<Key> keys = beginning_with(options->prefix);
-      if (keys.empty()) {
-        const std::string near = meant_key(options->prefix);
-        throw UsageError(fmt::format("no key begins with '{}'{}", terminal_safe(options->prefix),
-                                     near.empty() ? "" : fmt::format(" (did you mean {}?)", near)));
-      }
-      write(std::cout, table_of(keys), Format::kTable);
-      return static_cast<int>(kOk);
-    };
-  });
+void add_keys(Commands& commands) {
+  auto [command, options] = commands.add<KeysOptions>(
+      "keys", "List every key of suites, controllers, worlds, disturbances and tuning", &list_keys);
+  command.add_option("PREFIX", options.prefix, "Only keys that begin so, e.g. disturbances.objects");
+  command.add_flag("--reference", options.reference, "The page docs/reference/keys.md");
+  command.footer("Example: moma keys worlds.families.moving");
 }
 
 }  // namespace moma::cli

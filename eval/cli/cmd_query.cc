@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <iostream>
-#include <memory>
 
 #include "controller/config/node.h"
 #include "eval/cli/command.h"
@@ -65,22 +64,21 @@ std::string footer() {
          "          moma query results/demo.db \"SELECT outcome, count(*) FROM v_trials GROUP BY 1\" --format csv";
 }
 
+int query(const QueryOptions& options) {
+  write(std::cout, answer(options), options.format);
+  return kOk;
+}
+
 }  // namespace
 
-void add_query(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
-  auto options = std::make_shared<QueryOptions>();
-  CLI::App* command = app.add_subcommand("query", "Ask a store: read-only SQL, or a named query such as @summary");
-  command->add_option("DB", options->file, "Store")->required();
-  command->add_option("SQL", options->sql, "One SQL statement, or @summary, @list, @failures, @pairs, @worst, @best")
+void add_query(Commands& commands) {
+  auto [command, options] =
+      commands.add<QueryOptions>("query", "Ask a store: read-only SQL, or a named query such as @summary", &query);
+  add_store(command, options.file);
+  command.add_option("SQL", options.sql, "One SQL statement, or @summary, @list, @failures, @pairs, @worst, @best")
       ->required();
-  add_format(*command, options->format);
-  command->footer(footer());
-  command->callback([&action, options] {
-    action = [options] {
-      write(std::cout, answer(*options), options->format);
-      return static_cast<int>(kOk);
-    };
-  });
+  add_format(command, options.format);
+  command.footer(footer());
 }
 
 }  // namespace moma::cli

@@ -2,7 +2,7 @@
 
 #include <cmath>
 #include <iostream>
-#include <memory>
+#include <sstream>
 
 #include "controller/case/case_file.h"
 #include "eval/cli/command.h"
@@ -61,72 +61,63 @@ int compare(const run::Replay& replay) {
   return kCheckFailed;
 }
 
+struct ReplayOptions {
+  std::string file;
+  std::string trial;
+  bool json = false;
+  bool check = false;
+  long step = 0;
+  std::string case_file;
+  std::string log_file;
+  files::Replace replace = files::Replace::kOwn;
+  Plugins plugins = Plugins::kRefused;
+};
+
+int replay(const ReplayOptions& options) {
+  const OutputFile case_file(options.case_file, "case", options.replace);
+  const OutputFile log_file(options.log_file, "log", options.replace);
+  const std::string name = run::named_trial(options.file, options.trial);
+  run::StoredSuites suites(options.plugins);
+  if (case_file.wanted()) {
+    case_file.write(case_to_json(run::stored_case(suites, options.file, name, options.step)).dump() + '\n');
+    return kOk;
+  }
+  if (log_file.wanted()) {
+    const store::StoredTrial trial = store::Reader(options.file).trial(name);
+    const identify::MotionLog log = run::log_of_trial(suites.point_of(trial), run::world_of(trial));
+    std::ostringstream text;
+    identify::write_log(text, log);
+    log_file.write(text.str());
+    return kOk;
+  }
+  const run::Replay again = run::replay(options.file, name, suites);
+  if (options.json) {
+    print_json(trace_json(*again.point, again.world, again.output, again.trial.key.substr(0, 16)));
+  } else {
+    print_row(again.trial, again.output.row);
+  }
+  std::cout.flush();
+  return options.check ? compare(again) : kOk;
+}
+
 }  // namespace
 
-void add_replay(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
-  struct Options {
-    std::string file;
-    std::string trial;
-    bool json = false;
-    bool check = false;
-    long step = 0;
-    std::string case_file;
-    std::string log_file;
-    files::Replace replace = files::Replace::kOwn;
-    Plugins plugins = Plugins::kRefused;
-  };
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("replay", "Simulate a stored trial again, from the store alone");
-  command->add_option("DB", options->file, "Store")->required();
-  command
-      ->add_option("TRIAL", options->trial,
-                   "The trial's name, or any unique beginning of it; POINT/WORLD, or the worst of POINT")
-      ->required();
-  command->add_flag("--json", options->json, "Print the whole trial with its samples as JSON");
-  command->add_flag("--check", options->check, "Compare with the stored row, bit for bit; exit 1 where it differs");
-  CLI::Option* step = command->add_option(
-      "--case", options->case_file, "Write one control step as a case for moma solve, what is remembered included");
-  command->add_option("--step", options->step, "Which one, from 0")->needs(step)->check(CLI::NonNegativeNumber);
-  command->add_option("--log", options->log_file, "Write what was commanded and measured as a log for moma identify");
-  add_force(*command, options->replace);
-  add_allow_plugins(*command, options->plugins);
-  command->footer(
+void add_replay(Commands& commands) {
+  auto [command, options] =
+      commands.add<ReplayOptions>("replay", "Simulate a stored trial again, from the store alone", &replay);
+  add_store(command, options.file);
+  add_trial(command, options.trial);
+  command.add_flag("--json", options.json, "Print the whole trial with its samples as JSON");
+  command.add_flag("--check", options.check, "Compare with the stored row, bit for bit; exit 1 where it differs");
+  CLI::Option* step = command.add_option(
+      "--case", options.case_file, "Write one control step as a case for moma solve, what is remembered included");
+  command.add_option("--step", options.step, "Which one, from 0")->needs(step)->check(CLI::NonNegativeNumber);
+  command.add_option("--log", options.log_file, "Write what was commanded and measured as a log for moma identify");
+  add_force(command, options.replace);
+  add_allow_plugins(command, options.plugins);
+  command.footer(
       "Examples: moma replay results/demo.db 3f9a12 --check\n"
       "          moma replay results/gains.db @best/12      (a point as in `moma compare`, and the index of a world)");
-  command->callback([&action, options] {
-    action = [options] {
-      // Such files are edited, or come from a robot or a camera too: none is known for moma's own.
-      const files::Kind kind{"case or log", ""};
-      for (const std::string& file : {options->case_file, options->log_file})
-        if (!file.empty()) files::check_replace(file, kind, options->replace);
-      options->trial = run::named_trial(options->file, options->trial);
-      run::StoredSuites suites(options->plugins);
-      if (!options->case_file.empty()) {
-        const nlohmann::ordered_json json =
-            case_to_json(run::stored_case(suites, options->file, options->trial, options->step));
-        files::write_file(options->case_file, kind, options->replace,
-                          [&](std::ostream& out) { out << json.dump() << '\n'; });
-        return static_cast<int>(kOk);
-      }
-      if (!options->log_file.empty()) {
-        const store::StoredTrial trial = store::Reader(options->file).trial(options->trial);
-        const identify::MotionLog log = run::log_of_trial(suites.point_of(trial), run::world_of(trial));
-        files::write_file(options->log_file, kind, options->replace,
-                          [&](std::ostream& out) { identify::write_log(out, log); });
-        return static_cast<int>(kOk);
-      }
-      const run::Replay replay = run::replay(options->file, options->trial, suites);
-      if (options->json) {
-        const nlohmann::ordered_json json =
-            trace_json(*replay.point, replay.world, replay.output, replay.trial.key.substr(0, 16));
-        std::cout << json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
-      } else {
-        print_row(replay.trial, replay.output.row);
-      }
-      std::cout.flush();
-      return options->check ? compare(replay) : static_cast<int>(kOk);
-    };
-  });
 }
 
 }  // namespace moma::cli

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
-#include <memory>
 #include <string>
 #include <utility>
 
@@ -136,42 +135,54 @@ std::string notes_of(const std::filesystem::path& file) {
   }
 }
 
-/// Options that every command with a report page has: --notes, --look, --shapes and --allow-plugins.
-class PageOptions {
- public:
+/// What every command with a report page has. Has to outlive the page.
+struct Page {
+  reports::Stores stores;
+  reports::ViewOptions report;
+  std::filesystem::path notes;
+  std::vector<std::filesystem::path> robots;
+  bool shapes = false;
+  Plugins plugins = Plugins::kRefused;
+  run::StoredSuites suites;
+
+  /// Adds DB, --notes, --look, --shapes and --allow-plugins.
   void add_to(CLI::App& command);
-
-  /// Gives the page the notes, the robots' looks, and the simulation of stored trials. This object has to outlive the
-  /// page. A robot with a mesh that cannot be found or read has no look, and a line on standard error says why. Throws
-  /// UsageError (--notes) and config::ConfigError (--look).
-  void complete(ReportOptions& page);
-
- private:
-  std::filesystem::path notes_;
-  std::vector<std::filesystem::path> robots_;
-  bool shapes_ = false;
-  Plugins plugins_ = Plugins::kRefused;
-  run::StoredSuites suites_;
+  /// The first store's name with .html.
+  std::filesystem::path usual_file() const { return std::filesystem::path(stores.front()).replace_extension(".html"); }
+  /// Gives `report` the notes, the robots' looks, and the simulation of stored trials. A robot with a mesh that cannot
+  /// be found or read has no look, and a line on standard error says why. Throws UsageError (--notes) and
+  /// config::ConfigError (--look).
+  void complete();
+  void write_to(const std::filesystem::path& html);
 };
 
-void PageOptions::add_to(CLI::App& command) {
-  command.add_option("--notes", notes_, "What you write about the results, Markdown, for the head of the page");
+void tell_written(const std::filesystem::path& file) { std::cerr << fmt::format("wrote {}\n", file.string()); }
+
+void Page::add_to(CLI::App& command) {
+  add_store(command, stores, "Store; several are compared on one page");
+  command.add_option("--notes", notes, "What you write about the results, Markdown, for the head of the page");
   CLI::Option* look = command.add_option(
-      "--look", robots_, "Robot file by which the visual meshes of its URDF are found; may be given again");
+      "--look", robots, "Robot file by which the visual meshes of its URDF are found; may be given again");
   look->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command.add_flag("--shapes", shapes_, "Show robots as their collision shapes, without visual meshes")->excludes(look);
-  add_allow_plugins(command, plugins_);
+  command.add_flag("--shapes", shapes, "Show robots as their collision shapes, without visual meshes")->excludes(look);
+  add_allow_plugins(command, plugins);
 }
 
-void PageOptions::complete(ReportOptions& page) {
-  if (!notes_.empty()) page.notes = notes_of(notes_);
-  if (!shapes_) page.look = robot_look(robots_);
-  suites_ = run::StoredSuites(plugins_);
-  page.simulate = simulated_again(suites_);
-  page.time_known = [](const reports::HitObject& hit) {
+void Page::complete() {
+  if (!notes.empty()) report.notes = notes_of(notes);
+  if (!shapes) report.look = robot_look(robots);
+  suites = run::StoredSuites(plugins);
+  report.simulate = simulated_again(suites);
+  report.time_known = [](const reports::HitObject& hit) {
     return run::known_before_contact(
         {hit.world, hit.disturbances, hit.object, hit.control_period, hit.contact_time, hit.t, hit.base});
   };
+}
+
+void Page::write_to(const std::filesystem::path& html) {
+  complete();
+  write_report(stores, html, report);
+  tell_written(html);
 }
 
 }  // namespace
@@ -179,116 +190,90 @@ void PageOptions::complete(ReportOptions& page) {
 static_assert(store::kSchemaVersion <= reports::kNewestSchema,
               "look whether reports/sql still fits the store, then raise reports/render/store.h");
 
-void add_report(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
-  struct Options {
-    reports::Stores stores;
-    std::filesystem::path html;
-    std::filesystem::path figures;
-    std::filesystem::path table;
-    ReportOptions report;
-    PageOptions page;
-  };
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("report", "Write a store's results as one self-contained HTML page");
-  command->add_option("DB", options->stores, "Store; several are compared on one page")->required();
-  command->add_option("-o,--output", options->html, "HTML file to write (the first store's name with .html)");
-  command->add_option("--trials", options->report.trials, "At most so many trials one by one; rates are of all")
+namespace {
+
+struct ReportFiles : Page {
+  std::filesystem::path html;
+  std::filesystem::path figures;
+  std::filesystem::path table;
+};
+
+int write_files(ReportFiles& options) {
+  const files::Replace replace = options.report.replace;
+  std::filesystem::path html = options.html;
+  if (html.empty() && options.table.empty() && options.figures.empty()) html = options.usual_file();
+  if (!html.empty()) files::check_replace(html, reports::page_kind(), replace);  // before a table is written
+  if (!options.table.empty()) {
+    write_table(options.stores, options.table, replace);
+    tell_written(options.table);
+  }
+  if (!options.figures.empty())
+    for (const auto& file : write_figures(options.stores, options.figures, replace)) tell_written(file);
+  if (!html.empty()) options.write_to(html);
+  return kOk;
+}
+
+int open_page(Page& options) {
+  const std::filesystem::path html = options.usual_file();
+  options.write_to(html);
+  if (!reports::open_in_browser(html))
+    std::cerr << "no browser could be started (BROWSER names one): open the file yourself\n";
+  return kOk;
+}
+
+int serve_page(Page& options) {
+  options.complete();
+  const InterruptGuard guard;
+  reports::serve(options.stores, options.report, InterruptGuard::flag(), [](const std::string& address) {
+    std::cout << address << std::endl;
+    std::cerr << "serving the report at the address above; Ctrl-C ends\n";
+  });
+  return kOk;
+}
+
+}  // namespace
+
+void add_report(Commands& commands) {
+  auto [command, options] =
+      commands.add<ReportFiles>("report", "Write a store's results as one self-contained HTML page", &write_files);
+  options.add_to(command);
+  command.add_option("-o,--output", options.html, "HTML file to write (the first store's name with .html)");
+  command.add_option("--trials", options.report.trials, "At most so many trials one by one; rates are of all")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}))
       ->capture_default_str();
-  command->add_option("--replays", options->report.replays, "At most so many trials with their motion")
+  command.add_option("--replays", options.report.replays, "At most so many trials with their motion")
       ->check(CLI::Range(0, 100000));
   command
-      ->add_option("--twins", options->report.twins,
-                   "Of so many failures a success in the same world too, to play beside them")
+      .add_option("--twins", options.report.twins,
+                  "Of so many failures a success in the same world too, to play beside them")
       ->check(CLI::Range(0, 100000))
       ->capture_default_str();
-  options->page.add_to(*command);
-  command->add_option("--figures", options->figures, "Write every figure as SVG and PDF into this folder (needs node)");
-  command->add_option("--table", options->table, "Write the table of results for LaTeX (.tex)");
-  add_force(*command, options->report.replace);
-  command->footer(
+  command.add_option("--figures", options.figures, "Write every figure as SVG and PDF into this folder (needs node)");
+  command.add_option("--table", options.table, "Write the table of results for LaTeX (.tex)");
+  add_force(command, options.report.replace);
+  command.footer(
       "With --figures or --table the page is written only where -o asks for it.\n"
       "Examples: moma report results/demo.db -o reports/demo.html\n"
       "          moma report before.db after.db --figures paper/figures --table paper/results.tex");
-  command->callback([&action, options] {
-    action = [options] {
-      const reports::Stores& stores = options->stores;
-      const files::Replace replace = options->report.replace;
-      std::filesystem::path html = options->html;
-      if (html.empty() && options->table.empty() && options->figures.empty())
-        html = std::filesystem::path(stores.front()).replace_extension(".html");
-      if (!html.empty()) files::check_replace(html, reports::page_kind(), replace);  // before a table is written
-      std::vector<std::filesystem::path> written;
-      if (!options->table.empty()) {
-        write_table(stores, options->table, replace);
-        written.push_back(options->table);
-      }
-      if (!options->figures.empty()) {
-        for (auto& file : write_figures(stores, options->figures, replace)) written.push_back(std::move(file));
-      }
-      if (!html.empty()) {
-        options->page.complete(options->report);
-        write_report(stores, html, options->report);
-        written.push_back(html);
-      }
-      for (const std::filesystem::path& file : written) std::cerr << fmt::format("wrote {}\n", file.string());
-      return static_cast<int>(kOk);
-    };
-  });
 }
 
-void add_open(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
-  struct Options {
-    reports::Stores stores;
-    ReportOptions report;
-    PageOptions page;
-  };
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("open", "Write a store's report page beside it and open it in the browser");
-  command->add_option("DB", options->stores, "Store; several are compared on one page")->required();
-  options->page.add_to(*command);
-  add_force(*command, options->report.replace);
-  command->footer(
+void add_open(Commands& commands) {
+  auto [command, options] =
+      commands.add<Page>("open", "Write a store's report page beside it and open it in the browser", &open_page);
+  options.add_to(command);
+  add_force(command, options.report.replace);
+  command.footer(
       "The page is the first store's name with .html. $BROWSER names the program that opens it; else it is xdg-open.\n"
       "Example: moma open results/demo.db");
-  command->callback([&action, options] {
-    action = [options] {
-      const std::filesystem::path html = std::filesystem::path(options->stores.front()).replace_extension(".html");
-      options->page.complete(options->report);
-      write_report(options->stores, html, options->report);
-      std::cerr << fmt::format("wrote {}\n", html.string());
-      if (!reports::open_in_browser(html))
-        std::cerr << "no browser could be started (BROWSER names one): open the file yourself\n";
-      return static_cast<int>(kOk);
-    };
-  });
 }
 
-void add_view(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
-  struct Options {
-    reports::Stores stores;
-    reports::ViewOptions view;
-    PageOptions page;
-  };
-  auto options = std::make_shared<Options>();
-  CLI::App* command =
-      app.add_subcommand("view", "Serve a store's report page on this machine, also while a run goes on");
-  command->add_option("DB", options->stores, "Store; several are compared")->required();
-  command->add_option("--port", options->view.port, "Port of 127.0.0.1 (8080); 0: any free one")
+void add_view(Commands& commands) {
+  auto [command, options] =
+      commands.add<Page>("view", "Serve a store's report page on this machine, also while a run goes on", &serve_page);
+  options.add_to(command);
+  command.add_option("--port", options.report.port, "Port of 127.0.0.1 (8080); 0: any free one")
       ->check(CLI::Range(0, 65535));
-  options->page.add_to(*command);
-  command->footer("Example: moma view results/demo.db --port 0");
-  command->callback([&action, options] {
-    action = [options] {
-      options->page.complete(options->view);
-      const InterruptGuard guard;
-      reports::serve(options->stores, options->view, InterruptGuard::flag(), [](const std::string& address) {
-        std::cout << address << std::endl;
-        std::cerr << "serving the report at the address above; Ctrl-C ends\n";
-      });
-      return static_cast<int>(kOk);
-    };
-  });
+  command.footer("Example: moma view results/demo.db --port 0");
 }
 
 }  // namespace moma::cli

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <iostream>
-#include <memory>
 
 #include "eval/cli/command.h"
 #include "eval/cli/progress.h"
@@ -115,25 +114,23 @@ int reproduce(const ReproduceOptions& options) {
 
 }  // namespace
 
-void add_reproduce(CLI::App& app, Action& action, const Arguments& arguments) {
-  auto options = std::make_shared<ReproduceOptions>();
-  options->request.arguments = arguments;
-  CLI::App* command =
-      app.add_subcommand("reproduce", "Repeat a published experiment, the published figures beside ours");
-  command->add_option("EXPERIMENT", options->experiment, "mmc, neo or holistic (an entry of configs/published.yaml)")
+void add_reproduce(Commands& commands) {
+  auto [command, options] = commands.add<ReproduceOptions>(
+      "reproduce", "Repeat a published experiment, the published figures beside ours", &reproduce);
+  options.request.arguments = commands.arguments();
+  command.add_option("EXPERIMENT", options.experiment, "mmc, neo or holistic (an entry of configs/published.yaml)")
       ->required();
-  options->suite.add_changes_to(*command);
-  command->add_option("--averaging", options->averaging,
-                      "What means are over: arrived, all (trials), or steps (of those that arrived)");
-  command->add_option("--published", options->published, "File of the published figures (configs/published.yaml)");
-  add_output_store(*command, options->request.file);
-  add_threads(*command, options->request.threads);
-  add_format(*command, options->format);
-  command->add_flag("-q,--quiet", options->quiet, "No progress and no remarks");
-  command->footer(
+  options.suite.add_changes_to(command);
+  command.add_option("--averaging", options.averaging,
+                     "What means are over: arrived, all (trials), or steps (of those that arrived)");
+  command.add_option("--published", options.published, "File of the published figures (configs/published.yaml)");
+  add_output_store(command, options.request.file);
+  add_threads(command, options.request.threads);
+  add_format(command, options.format);
+  add_quiet(command, options.quiet);
+  command.footer(
       "What the papers leave open is in the suite's keys: --set changes them (docs/studies/reproduction.md).\n"
       "Example: moma reproduce mmc --set worlds.families.pairs.range=1");
-  command->callback([&action, options] { action = [options] { return reproduce(*options); }; });
 }
 
 }  // namespace moma::cli

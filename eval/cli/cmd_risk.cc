@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <iostream>
-#include <memory>
 #include <stdexcept>
 
 #include "eval/cli/command.h"
@@ -139,8 +138,7 @@ store::QueryResult table(const Suite& suite, const run::Broken& broken) {
 }
 
 int break_suite(const BreakOptions& options) {
-  const files::Kind kind{"file of worlds", ""};  // edited by hand: none is known for moma's own
-  if (!options.worlds.empty()) files::check_replace(options.worlds, kind, options.replace);
+  const OutputFile file(options.worlds, "file of worlds", options.replace);
   const Suite suite = options.suite.load();
   const run::RareEvent event = rare_event(options.event, "break");
   if (!options.quiet) print_warnings(suite.warnings);
@@ -150,10 +148,10 @@ int break_suite(const BreakOptions& options) {
   computation.line().clear();
   write(std::cout, table(suite, broken), options.format);
   std::cout.flush();
-  if (!options.worlds.empty() && !broken.failures.empty()) {
-    files::write_file(options.worlds, kind, options.replace, [&](std::ostream& out) {
-      for (const run::Failure& failure : broken.failures) out << to_json(failure.world).dump() << '\n';
-    });
+  if (file.wanted() && !broken.failures.empty()) {
+    std::string worlds;
+    for (const run::Failure& failure : broken.failures) worlds += to_json(failure.world).dump() + '\n';
+    file.write(worlds);
     if (!options.quiet)
       std::cerr << fmt::format("to run them: the suite with --trials {} --set 'worlds={{frozen: {}}}'\n",
                                broken.failures.size(), terminal_safe(options.worlds));
@@ -163,53 +161,50 @@ int break_suite(const BreakOptions& options) {
 
 }  // namespace
 
-void add_risk(CLI::App& app, Action& action, const Arguments& arguments) {
-  auto options = std::make_shared<RiskOptions>();
-  options->request.arguments = arguments;
-  CLI::App* command = app.add_subcommand(
-      "risk", "Estimate how probable a rare event is over a suite's worlds and disturbances, by splitting");
-  options->suite.add_to(*command);
-  add_rare_event(*command, options->event);
-  add_splitting(*command, options->request.splitting);
-  command->add_option("--crude", options->request.crude,
-                      "Crude trials of each family beside it, the first worlds among them (as many as splitting took)");
-  add_moved_trials_store(*command, options->request.file);
-  add_threads(*command, options->request.threads);
-  add_format(*command, options->format);
-  command->add_flag("--price", options->price, "Only say how many trials it takes, and how long");
-  command->add_flag("-q,--quiet", options->quiet, "No progress and no remarks");
-  command->footer(
+void add_risk(Commands& commands) {
+  auto [command, options] = commands.add<RiskOptions>(
+      "risk", "Estimate how probable a rare event is over a suite's worlds and disturbances, by splitting",
+      &risk_of_suite);
+  options.request.arguments = commands.arguments();
+  options.suite.add_to(command);
+  add_rare_event(command, options.event);
+  add_splitting(command, options.request.splitting);
+  command.add_option("--crude", options.request.crude,
+                     "Crude trials of each family beside it, the first worlds among them (as many as splitting took)");
+  add_moved_trials_store(command, options.request.file);
+  add_threads(command, options.request.threads);
+  add_format(command, options.format);
+  command.add_flag("--price", options.price, "Only say how many trials it takes, and how long");
+  add_quiet(command, options.quiet);
+  command.footer(
       "Each family of worlds is split by itself; `all` joins them by their weights. Exit 1 where replicates differ "
       "too\n"
       "much for an estimate. What the figures mean, and when they lie: docs/explanation/rare-failures.md.\n"
       "Example: moma risk configs/suites/demo.yaml --set simulation.mode=kinematic --particles 100 -o results/risk.db");
-  command->callback([&action, options] { action = [options] { return risk_of_suite(*options); }; });
 }
 
-void add_break(CLI::App& app, Action& action, const Arguments& arguments) {
-  auto options = std::make_shared<BreakOptions>();
-  options->request.arguments = arguments;
-  CLI::App* command =
-      app.add_subcommand("break", "Find failures of a suite's controllers, the likeliest first, as frozen worlds");
-  options->suite.add_to(*command);
-  command->add_option("--worlds", options->worlds, "Write the worlds found there, for `worlds: {frozen: FILE}`");
-  add_rare_event(*command, options->event);
-  command->add_option("--crude", options->request.crude, "Trials of each family that are looked at first (1000)")
+void add_break(Commands& commands) {
+  auto [command, options] = commands.add<BreakOptions>(
+      "break", "Find failures of a suite's controllers, the likeliest first, as frozen worlds", &break_suite);
+  options.request.arguments = commands.arguments();
+  options.suite.add_to(command);
+  command.add_option("--worlds", options.worlds, "Write the worlds found there, for `worlds: {frozen: FILE}`");
+  add_rare_event(command, options.event);
+  command.add_option("--crude", options.request.crude, "Trials of each family that are looked at first (1000)")
       ->check(CLI::Range(1, 100000000));
-  command->add_option("--nearest", options->request.nearest, "Part of them whose noise is drawn again (0.01)")
+  command.add_option("--nearest", options.request.nearest, "Part of them whose noise is drawn again (0.01)")
       ->check(CLI::Range(0.0, 1.0));
-  command->add_option("--noises", options->request.noises, "Times (40)")->check(CLI::Range(0, 100000));
-  add_splitting(*command, options->request.splitting);
-  add_moved_trials_store(*command, options->request.file);
-  add_threads(*command, options->request.threads);
-  add_format(*command, options->format);
-  add_force(*command, options->replace);
-  command->add_flag("-q,--quiet", options->quiet, "No progress and no remarks");
-  command->footer(
+  command.add_option("--noises", options.request.noises, "Times (40)")->check(CLI::Range(0, 100000));
+  add_splitting(command, options.request.splitting);
+  add_moved_trials_store(command, options.request.file);
+  add_threads(command, options.request.threads);
+  add_format(command, options.format);
+  add_force(command, options.replace);
+  add_quiet(command, options.quiet);
+  command.footer(
       "A failure is a robot shape against an object in a world: found among crude trials, by other noise where those\n"
       "came nearest, or by splitting. docs/how-to/rare-failures.md has more.\n"
       "Example: moma break configs/suites/mixed.yaml --worlds found.jsonl -o results/break.db");
-  command->callback([&action, options] { action = [options] { return break_suite(*options); }; });
 }
 
 }  // namespace moma::cli

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <iostream>
 #include <map>
-#include <memory>
 #include <sstream>
 
 #include "controller/config/robot_file.h"
@@ -23,21 +22,15 @@ namespace {
 namespace fs = std::filesystem;
 using store::Cell;
 
-/// `moma robot --fit-shapes`.
-struct RobotFitOptions {
-  std::filesystem::path robot;
-  std::filesystem::path output;    ///< a robot file over `robot`; empty: the block goes to stdout
-  std::vector<std::string> kinds;  ///< of sphere, capsule, box
-  int max_shapes = 3;
+struct RobotOptions {
+  fs::path file;    ///< robot file, or a URDF
+  fs::path output;  ///< robot file to write; empty: to stdout
+  bool json = false;
+  bool lenient = false;
+  bool fit = false;                               ///< fits shapes
+  std::vector<std::string> kinds;                 ///< of fitted shapes: of sphere, capsule, box
+  int max_shapes = 3;                             ///< of a link
   files::Replace replace = files::Replace::kOwn;  ///< of `output`
-};
-
-/// Shapes found for a robot file.
-struct FittedShapes {
-  std::string block;      ///< `collision` of a robot file, with how well it fits as a comment
-  std::string report;     ///< that comment, for a terminal
-  std::string collision;  ///< `collision` alone
-  std::vector<std::string> warnings;
 };
 
 // "capsule, 2 boxes".
@@ -53,7 +46,7 @@ std::string kinds_text(const std::vector<fit::Placed>& shapes) {
   return text;
 }
 
-Cell millimetres(double metres) { return std::round(1e4 * metres) / 10.0; }
+Cell millimetres(double metres) { return rounded(1e3 * metres, 0.1); }
 
 store::QueryResult error_table(const fit::RobotFit& fit) {
   store::QueryResult table{{"link", "URDF", "shapes", "volume / hull", "overshoot mean mm", "max mm", "uncovered mm"},
@@ -66,7 +59,7 @@ store::QueryResult error_table(const fit::RobotFit& fit) {
     std::string shapes = kinds_text(link.fitted);
     if (!link.kept.empty()) shapes += fmt::format(" ({} kept)", kinds_text(link.kept));
     table.rows.push_back({link.link, link.had, shapes,
-                          link.error.volume_ratio ? Cell{std::round(100.0 * *link.error.volume_ratio) / 100.0} : Cell{},
+                          link.error.volume_ratio ? Cell{rounded(*link.error.volume_ratio, 0.01)} : Cell{},
                           millimetres(link.error.mean_overshoot), millimetres(link.error.most_overshoot),
                           millimetres(link.error.uncovered)});
   }
@@ -75,23 +68,16 @@ store::QueryResult error_table(const fit::RobotFit& fit) {
   return table;
 }
 
-std::string touching_text(const std::vector<std::pair<std::string, std::string>>& links) {
-  if (links.empty()) return "none";
-  std::string text;
-  for (const auto& [a, b] : links) text += fmt::format("{}{} - {}", text.empty() ? "" : ", ", a, b);
-  return text;
-}
-
 std::string self_text(const fit::RobotFit& fit) {
-  std::vector<std::pair<std::string, std::string>> added;
+  std::vector<std::string> added;
   for (const auto& pair : fit.after.touching)
     if (std::find(fit.before.touching.begin(), fit.before.touching.end(), pair) == fit.before.touching.end())
-      added.push_back(pair);
+      added.push_back(pair.first + " - " + pair.second);
   return fmt::format(
       "shapes {}, were {}; self-collision pairs {}, were {}; links in touch at `ready` {}, were {}; new among them: "
       "{}\n",
       fit.after.shapes, fit.before.shapes, fit.after.pairs, fit.before.pairs, fit.after.touching.size(),
-      fit.before.touching.size(), touching_text(added));
+      fit.before.touching.size(), added.empty() ? "none" : config::joined(added));
 }
 
 std::string report(const fit::RobotFit& fit) {
@@ -131,14 +117,16 @@ const files::Kind& robot_file_kind() {
   return kind;
 }
 
-void check_output(const RobotFitOptions& options) {
+void check_output(const RobotOptions& options) {
   std::error_code error;
-  if (fs::equivalent(options.output, options.robot, error))
+  if (options.output.empty()) return;
+  if (fs::equivalent(options.output, options.file, error))
     throw UsageError(fmt::format("{}: is the robot file itself; name another file", options.output.string()));
   files::check_replace(options.output, robot_file_kind(), options.replace);
 }
 
-FittedShapes fitted_shapes(const RobotFitOptions& options) {
+/// Fits shapes to the links of a robot file.
+fit::RobotFit fitted_shapes(const RobotOptions& options, const fs::path& robot_file) {
   fit::FitOptions fit_options;
   fit_options.max_shapes = options.max_shapes;
   if (!options.kinds.empty()) {
@@ -148,45 +136,40 @@ FittedShapes fitted_shapes(const RobotFitOptions& options) {
     fit_options.kinds = {.sphere = named("sphere"), .capsule = named("capsule"), .box = named("box")};
   }
   StatusLine line(false);
-  const fit::RobotFit fit =
-      fit::fit_robot(options.robot, fit_options, [&](const std::string& link, std::size_t number, std::size_t links) {
-        line.show(
-            [&] { return fmt::format("fitting shapes to link {} of {}: {}", number, links, terminal_safe(link)); });
-      });
-  line.clear();
-  return {block(fit, options.robot.filename().string()), report(fit), collision(fit), fit.warnings};
+  return fit::fit_robot(robot_file, fit_options, [&](const std::string& link, std::size_t number, std::size_t links) {
+    line.show([&] { return fmt::format("fitting shapes to link {} of {}: {}", number, links, terminal_safe(link)); });
+  });
 }
 
-int fit_shapes(const RobotFitOptions& options) {
-  if (!options.output.empty()) check_output(options);
-  const FittedShapes fitted = fitted_shapes(options);
+/// `moma robot --fit-shapes` of a robot file.
+int fit_shapes(const RobotOptions& options) {
+  if (options.lenient) throw UsageError("--fit-shapes takes `lenient: true` from the robot file");
+  check_output(options);
+  const fit::RobotFit fit = fitted_shapes(options, options.file);
+  const std::string fitted = block(fit, options.file.filename().string());
   if (options.output.empty()) {
-    std::cout << fitted.block << std::flush;
+    std::cout << fitted << std::flush;
   } else {
     std::error_code error;
-    const fs::path folder = fs::absolute(options.output).parent_path();
-    fs::path robot = fs::relative(options.robot, folder, error);
-    if (error || robot.empty()) robot = fs::absolute(options.robot);
+    fs::path robot = fs::relative(options.file, fs::absolute(options.output).parent_path(), error);
+    if (error || robot.empty()) robot = fs::absolute(options.file);
     files::write_file(options.output, robot_file_kind(), options.replace, [&](std::ostream& out) {
-      out << "include: " << config::yaml_scalar(robot.generic_string()) << '\n' << fitted.block;
+      out << "include: " << config::yaml_scalar(robot.generic_string()) << '\n' << fitted;
     });
-    std::cout << fitted.report << std::flush;
-    std::cerr << fmt::format("wrote {}, a robot file over {}\n", options.output.string(), options.robot.string());
+    std::cout << report(fit) << std::flush;
+    std::cerr << fmt::format("wrote {}, a robot file over {}\n", options.output.string(), options.file.string());
   }
-  print_warnings(fitted.warnings);
+  print_warnings(fit.warnings);
   return kOk;
 }
 
 using nlohmann::ordered_json;
-using store::Cell;
 using store::QueryResult;
 
 Cell limit(double value) {
   if (std::isinf(value)) return std::string(value > 0 ? "none" : "-none");
   return value;
 }
-
-ordered_json number_or_null(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(); }
 
 void print_base(const RobotModel& model) {
   const MobileBase& base = model.base;
@@ -256,7 +239,7 @@ double total_mass(const RobotModel& model) {
 }
 
 /// What a robot file was read with, and what shows only when somebody looks.
-std::vector<std::string> all_warnings(const std::string& file, const config::LoadedRobot& robot) {
+std::vector<std::string> all_warnings(const fs::path& file, const config::LoadedRobot& robot) {
   std::vector<std::string> all = robot.warnings;
   for (const auto& more : {run::holding_warnings(robot.model), run::wheel_warnings(*robot.model),
                            run::visual_warnings(file, *robot.model)})
@@ -271,28 +254,22 @@ ordered_json to_json(const config::LoadedRobot& robot, const std::vector<std::st
                        {"velocities", model.velocity_names()},
                        {"tip", model.links[static_cast<std::size_t>(model.tip)].name},
                        {"mass", total_mass(model)}};
-  json["joints"] = ordered_json::array();
+  const auto finite = [](double value) { return std::isfinite(value) ? Cell{value} : Cell{}; };
+  const auto name_of = [&](int link) {
+    return link < 0 ? Cell{} : Cell{model.links[static_cast<std::size_t>(link)].name};
+  };
+  QueryResult joints{{"name", "type", "lower", "upper", "velocity", "effort", "ready", "link"}, {}};
   for (int i = 0; i < model.num_joints(); ++i) {
     const ControlledJoint& joint = model.joints[static_cast<std::size_t>(i)];
-    json["joints"].push_back({{"name", joint.name},
-                              {"type", std::string(to_string(joint.type))},
-                              {"lower", number_or_null(joint.lower)},
-                              {"upper", number_or_null(joint.upper)},
-                              {"velocity", joint.velocity},
-                              {"effort", joint.effort},
-                              {"ready", model.ready[i]},
-                              {"link", model.links[static_cast<std::size_t>(joint.link)].name}});
+    joints.rows.push_back({joint.name, std::string(to_string(joint.type)), finite(joint.lower), finite(joint.upper),
+                           joint.velocity, joint.effort, model.ready[i], name_of(joint.link)});
   }
-  json["links"] = ordered_json::array();
-  for (const Link& link : model.links) {
-    json["links"].push_back(
-        {{"name", link.name},
-         {"parent",
-          link.parent < 0 ? ordered_json() : ordered_json(model.links[static_cast<std::size_t>(link.parent)].name)},
-         {"joint", link.joint},
-         {"type", std::string(to_string(link.joint_type))},
-         {"mass", link.inertial ? ordered_json(link.inertial->mass) : ordered_json()}});
-  }
+  json["joints"] = rows_as_json(joints);
+  QueryResult links{{"name", "parent", "joint", "type", "mass"}, {}};
+  for (const Link& link : model.links)
+    links.rows.push_back({link.name, name_of(link.parent), link.joint, std::string(to_string(link.joint_type)),
+                          link.inertial ? Cell{link.inertial->mass} : Cell{}});
+  json["links"] = rows_as_json(links);
   json["shapes"] = ordered_json::array();
   for (const CollisionShape& shape : model.shapes) {
     json["shapes"].push_back({{"name", shape.name},
@@ -312,48 +289,51 @@ ordered_json to_json(const config::LoadedRobot& robot, const std::vector<std::st
 }
 
 /// Replaces any file: check_output() has refused those that are not to be replaced.
-void write_text(const std::filesystem::path& file, const std::string& text) {
+void write_text(const fs::path& file, const std::string& text) {
   files::write_file(file, robot_file_kind(), files::Replace::kAny, [&](std::ostream& out) { out << text; });
 }
 
 // The draft's last block gives way to the fitted shapes. They are larger than what they enclose, so that the posture is
 // looked for again with them; which pairs count, it finds out itself.
-draft::Draft add_shapes(const RobotFitOptions& options, const std::filesystem::path& folder, bool lenient,
-                        const draft::Draft& with_urdfs) {
-  RobotFitOptions over = options;
-  over.robot = options.output;
-  FittedShapes fitted = fitted_shapes(over);
+draft::Draft add_shapes(const RobotOptions& options, const fs::path& folder, const draft::Draft& with_urdfs) {
+  fit::RobotFit fit = fitted_shapes(options, options.output);
+  std::string shapes = collision(fit);
   constexpr std::string_view kAuto = "self: auto", kNone = "self: []";
-  if (const std::size_t at = fitted.collision.rfind(kAuto); at != std::string::npos)
-    fitted.collision.replace(at, kAuto.size(), kNone);
-  draft::Draft draft = draft::draft_robot({options.robot, folder, lenient, fitted.collision});
+  if (const std::size_t at = shapes.rfind(kAuto); at != std::string::npos) shapes.replace(at, kAuto.size(), kNone);
+  draft::Draft draft = draft::draft_robot({options.file, folder, options.lenient, shapes});
   if (draft.text != with_urdfs.text) {
     write_text(options.output, draft.text);
-    fitted = fitted_shapes(over);  // the shapes are the same, what they say of `ready` is not
+    fit = fitted_shapes(options, options.output);  // the shapes are the same, what they say of `ready` is not
   }
-  write_text(options.output, draft.text.substr(0, draft.text.rfind("collision:")) + fitted.block);
-  std::cout << fitted.report << std::flush;
+  write_text(options.output,
+             draft.text.substr(0, draft.text.rfind("collision:")) + block(fit, options.output.filename().string()));
+  std::cout << report(fit) << std::flush;
   return draft;
 }
 
-/// `moma robot URDF`: a first robot file over the URDF that `options.robot` names, to `options.output` or stdout, with
-/// fitted shapes on request (they need an output). Returns the exit code. Throws UsageError, config::ConfigError.
-int draft_robot_file(const RobotFitOptions& options, bool fit, bool lenient) {
-  if (fit && options.output.empty()) throw UsageError("--fit-shapes of a URDF needs -o FILE, the robot file to write");
-  if (!options.output.empty()) check_output(options);
-  const std::filesystem::path folder =
-      options.output.empty() ? std::filesystem::path(".") : std::filesystem::absolute(options.output).parent_path();
-  draft::Draft draft = draft::draft_robot({options.robot, folder, lenient, ""});
+void print_notes(const std::vector<std::string>& notes, std::ostream& out) {
+  for (const std::string& note : notes) out << "note: " << note << '\n';
+}
+
+/// `moma robot URDF`: a first robot file over the URDF, to `output` or stdout, with fitted shapes on request (they need
+/// an output).
+int draft_robot_file(const RobotOptions& options) {
+  if (options.json) throw UsageError("--json is of a robot file; write one first with -o");
+  if (options.fit && options.output.empty())
+    throw UsageError("--fit-shapes of a URDF needs -o FILE, the robot file to write");
+  check_output(options);
+  const fs::path folder = options.output.empty() ? fs::path(".") : fs::absolute(options.output).parent_path();
+  draft::Draft draft = draft::draft_robot({options.file, folder, options.lenient, ""});
   if (options.output.empty()) {
     std::cout << draft.text << std::flush;
-    for (const std::string& note : draft.notes) std::cerr << "note: " << note << '\n';
+    print_notes(draft.notes, std::cerr);
     print_warnings(draft.warnings);
     return kOk;
   }
   write_text(options.output, draft.text);
-  if (fit) draft = add_shapes(options, folder, lenient, draft);
+  if (options.fit) draft = add_shapes(options, folder, draft);
   const config::LoadedRobot robot = config::load_robot(options.output);
-  for (const std::string& note : robot.notes) std::cerr << "note: " << note << '\n';
+  print_notes(robot.notes, std::cerr);
   print_warnings(robot.warnings);
   print_warnings(run::holding_warnings(robot.model));
   std::cerr << fmt::format("wrote {}; {} to check, see its comments\n", options.output.string(),
@@ -361,80 +341,64 @@ int draft_robot_file(const RobotFitOptions& options, bool fit, bool lenient) {
   return kOk;
 }
 
+int show_robot(const RobotOptions& options) {
+  if (draft::is_urdf(options.file)) return draft_robot_file(options);
+  if (options.fit) return fit_shapes(options);
+  if (!options.output.empty())
+    throw UsageError(options.file.string() +
+                     ": is a robot file already; -o writes one of a URDF, or with --fit-shapes");
+  config::Node file = config::load_yaml(options.file);
+  if (options.lenient) config::set_value(file, "lenient", "true");
+  const config::LoadedRobot robot = config::read_robot(file, "");
+  const std::vector<std::string> warnings = all_warnings(options.file, robot);
+  if (options.json) {
+    std::cout << to_json(robot, warnings).dump(2) << '\n';
+    return kOk;
+  }
+  print_base(*robot.model);
+  write(std::cout, joint_table(*robot.model), Format::kTable);
+  std::cout << '\n';
+  write(std::cout, link_table(*robot.model), Format::kTable);
+  if (!robot.model->sensors.empty()) {
+    std::cout << '\n';
+    write(std::cout, sensor_table(*robot.model), Format::kTable);
+  }
+  std::cout << fmt::format("\ntotal mass {:.4g} kg\n", total_mass(*robot.model)) << std::flush;
+  print_notes(robot.notes, std::cout);
+  print_warnings(warnings);
+  return kOk;
+}
+
 }  // namespace
 
-void add_robot(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
-  struct Options {
-    std::string file;
-    bool json = false;
-    bool fit = false;
-    bool lenient = false;
-    RobotFitOptions fit_options;
-  };
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
-      "robot", "Read a robot file, or draft one from a URDF: joints, limits, links, shapes, warnings");
-  command->add_option("ROBOT", options->file, "Robot file (YAML), or a URDF: a first robot file is printed then")
+void add_robot(Commands& commands) {
+  auto [command, options] = commands.add<RobotOptions>(
+      "robot", "Read a robot file, or draft one from a URDF: joints, limits, links, shapes, warnings", &show_robot);
+  command.add_option("ROBOT", options.file, "Robot file (YAML), or a URDF: a first robot file is printed then")
       ->required();
-  CLI::Option* json = command->add_flag("--json", options->json, "As JSON, with the resolved robot");
-  CLI::Option* fit = command->add_flag("--fit-shapes", options->fit,
-                                       "Enclose the URDF's collision meshes and cylinders in simple shapes: prints "
-                                       "`collision` and how well it fits");
+  CLI::Option* json = command.add_flag("--json", options.json, "As JSON, with the resolved robot");
+  CLI::Option* fit = command.add_flag("--fit-shapes", options.fit,
+                                      "Enclose the URDF's collision meshes and cylinders in simple shapes: prints "
+                                      "`collision` and how well it fits");
   fit->excludes(json);
-  command->add_flag("--lenient", options->lenient,
-                    "What is not understood in the URDF is left out with a warning; for other commands too, `lenient: "
-                    "true` in the robot file does the same");
-  RobotFitOptions& o = options->fit_options;
-  command->add_option("--max-shapes", o.max_shapes, "Most shapes per link for its meshes and cylinders")
+  command.add_flag("--lenient", options.lenient,
+                   "What is not understood in the URDF is left out with a warning; for other commands too, `lenient: "
+                   "true` in the robot file does the same");
+  command.add_option("--max-shapes", options.max_shapes, "Most shapes per link for its meshes and cylinders")
       ->check(CLI::Range(1, 12))
       ->capture_default_str()
       ->needs(fit);
-  command->add_option("--shapes", o.kinds, "Kinds to choose from (sphere,capsule,box)")
+  command.add_option("--shapes", options.kinds, "Kinds to choose from (sphere,capsule,box)")
       ->delimiter(',')
       ->check(CLI::IsMember({"sphere", "capsule", "box"}))
       ->needs(fit);
-  command->add_option("-o,--output", o.output,
-                      "Write a robot file: of a URDF the first one, else ROBOT with the shapes");
-  add_force(*command, o.replace);
-  command->footer(
+  command.add_option("-o,--output", options.output,
+                     "Write a robot file: of a URDF the first one, else ROBOT with the shapes");
+  add_force(command, options.replace);
+  command.footer(
       "Examples: moma robot configs/robots/frankie.yaml\n"
       "          moma robot my_robot.urdf -o my_robot.yaml\n"
       "          moma robot my_robot.yaml --fit-shapes -o my_robot_shapes.yaml");
-  command->callback([&action, options] {
-    action = [options] {
-      options->fit_options.robot = options->file;
-      if (draft::is_urdf(options->file)) {
-        if (options->json) throw UsageError("--json is of a robot file; write one first with -o");
-        return draft_robot_file(options->fit_options, options->fit, options->lenient);
-      }
-      if (options->fit) {
-        if (options->lenient) throw UsageError("--fit-shapes takes `lenient: true` from the robot file");
-        return fit_shapes(options->fit_options);
-      }
-      if (!options->fit_options.output.empty())
-        throw UsageError(options->file + ": is a robot file already; -o writes one of a URDF, or with --fit-shapes");
-      config::Node file = config::load_yaml(options->file);
-      if (options->lenient) config::set_value(file, "lenient", "true");
-      const config::LoadedRobot robot = config::read_robot(file, "");
-      const std::vector<std::string> warnings = all_warnings(options->file, robot);
-      if (options->json) {
-        std::cout << to_json(robot, warnings).dump(2) << '\n';
-        return static_cast<int>(kOk);
-      }
-      print_base(*robot.model);
-      write(std::cout, joint_table(*robot.model), Format::kTable);
-      std::cout << '\n';
-      write(std::cout, link_table(*robot.model), Format::kTable);
-      if (!robot.model->sensors.empty()) {
-        std::cout << '\n';
-        write(std::cout, sensor_table(*robot.model), Format::kTable);
-      }
-      std::cout << fmt::format("\ntotal mass {:.4g} kg\n", total_mass(*robot.model)) << std::flush;
-      for (const std::string& note : robot.notes) std::cout << "note: " << note << '\n';
-      print_warnings(warnings);
-      return static_cast<int>(kOk);
-    };
-  });
 }
 
 }  // namespace moma::cli

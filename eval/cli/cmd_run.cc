@@ -1,9 +1,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
-#include <cmath>
 #include <iostream>
-#include <memory>
 
 #include "eval/cli/command.h"
 #include "eval/cli/progress.h"
@@ -56,18 +54,17 @@ void print_profile(const Profile& profile) {
   const auto whole = static_cast<double>(profile.nanoseconds());
   const auto trials = static_cast<double>(profile.trials);
   store::QueryResult table{{"part", "share %", "us a control step", "ms a trial", "times a trial"}, {}};
-  const auto decimals = [](double value, double unit) { return std::round(value / unit) * unit; };
   const auto add = [&](std::string name, double nanoseconds, const store::Cell& times) {
     store::Cell step;
-    if (profile.steps > 0) step = decimals(1e-3 * nanoseconds / static_cast<double>(profile.steps), 0.01);
-    table.rows.push_back({std::move(name), decimals(100.0 * nanoseconds / whole, 0.01), step,
-                          decimals(1e-6 * nanoseconds / trials, 0.001), times});
+    if (profile.steps > 0) step = rounded(1e-3 * nanoseconds / static_cast<double>(profile.steps), 0.01);
+    table.rows.push_back({std::move(name), rounded(100.0 * nanoseconds / whole, 0.01), step,
+                          rounded(1e-6 * nanoseconds / trials, 0.001), times});
   };
   for (std::size_t i = 0; i < Profile::kParts; ++i) {
     const Profile::Share& share = profile.parts[i];
     if (share.entries == 0) continue;
     add(std::string(to_string(static_cast<TrialPart>(i))), static_cast<double>(share.nanoseconds),
-        decimals(static_cast<double>(share.entries) / trials, 0.1));
+        rounded(static_cast<double>(share.entries) / trials, 0.1));
   }
   add("whole", whole, store::Cell{});
   std::cout << '\n';
@@ -111,33 +108,31 @@ int run_suite(const RunOptions& options) {
 
 }  // namespace
 
-void add_run(CLI::App& app, Action& action, const Arguments& arguments) {
-  auto options = std::make_shared<RunOptions>();
-  options->request.arguments = arguments;
-  CLI::App* command = app.add_subcommand("run", "Evaluate a suite: every controller and sweep point in every world");
-  options->suite.add_to(*command);
-  add_output_store(*command, options->request.file);
-  add_threads(*command, options->request.threads);
-  command->add_option("--rerun", options->rerun,
-                      "SUITE is a store: run its suite of this name again, from the store alone");
-  add_allow_plugins(*command, options->plugins);
-  command->add_option("--shard", options->shard,
-                      "I/N: part I of N (from 1), for N machines; 'moma merge' joins their stores");
-  command
-      ->add_option("--lost-after", options->lost_after, "Seconds of silence after which an MPI rank is given up (30)")
+void add_run(Commands& commands) {
+  auto [command, options] =
+      commands.add<RunOptions>("run", "Evaluate a suite: every controller and sweep point in every world", &run_suite);
+  options.request.arguments = commands.arguments();
+  options.suite.add_to(command);
+  add_output_store(command, options.request.file);
+  add_threads(command, options.request.threads);
+  command.add_option("--rerun", options.rerun,
+                     "SUITE is a store: run its suite of this name again, from the store alone");
+  add_allow_plugins(command, options.plugins);
+  command.add_option("--shard", options.shard,
+                     "I/N: part I of N (from 1), for N machines; 'moma merge' joins their stores");
+  command.add_option("--lost-after", options.lost_after, "Seconds of silence after which an MPI rank is given up (30)")
       ->check(CLI::Range(0.1, 1e6));
-  command->add_flag("--profile", options->request.profile,
-                    "Prints where the time of the trials went; results are the same");
-  command->add_flag("--keep-going", options->request.keep_going,
-                    "Goes on where the first twenty trials of a controller all end by the same error");
-  command->add_flag("-q,--quiet", options->quiet, "No progress and no remarks");
-  command->footer(
+  command.add_flag("--profile", options.request.profile,
+                   "Prints where the time of the trials went; results are the same");
+  command.add_flag("--keep-going", options.request.keep_going,
+                   "Goes on where the first twenty trials of a controller all end by the same error");
+  add_quiet(command, options.quiet);
+  command.footer(
       "Trials that the store already holds are not computed again, so the same command goes on after a stop.\n"
       "Ctrl-C finishes the trials in flight and saves them. A second run on the same store waits for the first.\n"
       "On a cluster (docs/how-to/cluster.md): mpirun -n N moma run SUITE, or --shard I/N in every task and moma "
       "merge.\n"
       "Example: moma run configs/suites/demo.yaml -o results/demo.db --set simulation.mode=kinematic");
-  command->callback([&action, options] { action = [options] { return run_suite(*options); }; });
 }
 
 }  // namespace moma::cli

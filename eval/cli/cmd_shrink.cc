@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <iostream>
-#include <memory>
 
 #include "eval/cli/command.h"
 #include "eval/cli/progress.h"
@@ -23,20 +22,15 @@ struct ShrinkOptions {
 };
 
 int shrink(const ShrinkOptions& options) {
-  // Worlds are edited by hand: none is known for moma's own.
-  const files::Kind kind{"file of worlds", ""};
-  if (!options.out.empty()) files::check_replace(options.out, kind, options.replace);
+  const OutputFile file(options.out, "file of worlds", options.replace);
   run::ShrinkRequest request = options.request;
   request.trial = run::named_trial(request.file, request.trial);
   const Computation computation(request, options.quiet);
   const run::Shrunk shrunk = run::shrink(request, computation.listener());
   const std::string world = to_json(shrunk.world).dump() + "\n";
-  if (options.out.empty()) {
-    std::cout << world << std::flush;
-  } else {
-    files::write_file(options.out, kind, options.replace, [&](std::ostream& out) { out << world; });
-  }
-  std::ostream& said = options.out.empty() ? std::cerr : std::cout;
+  file.write(world);
+  if (!file.wanted()) std::cout << world << std::flush;
+  std::ostream& said = file.wanted() ? std::cout : std::cerr;
   said << terminal_safe(shrunk.sentence) << '\n';
   if (!options.quiet) {
     said << fmt::format(
@@ -49,28 +43,23 @@ int shrink(const ShrinkOptions& options) {
 
 }  // namespace
 
-void add_shrink(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
-  auto options = std::make_shared<ShrinkOptions>();
-  CLI::App* command =
-      app.add_subcommand("shrink", "Find the smallest world in which a stored trial still fails as it did");
-  command->add_option("DB", options->request.file, "Store")->required();
-  command
-      ->add_option("TRIAL", options->request.trial,
-                   "The trial's name, or any unique beginning of it; POINT/WORLD, or the worst of POINT")
-      ->required();
-  command->add_option("-o,--output", options->out, "Write the world there, for `worlds: {frozen: FILE}`");
-  command->add_option("--noises", options->request.noises, "Draws of the disturbances that a world is tried under (8)")
+void add_shrink(Commands& commands) {
+  auto [command, options] = commands.add<ShrinkOptions>(
+      "shrink", "Find the smallest world in which a stored trial still fails as it did", &shrink);
+  add_store(command, options.request.file);
+  add_trial(command, options.request.trial);
+  command.add_option("-o,--output", options.out, "Write the world there, for `worlds: {frozen: FILE}`");
+  command.add_option("--noises", options.request.noises, "Draws of the disturbances that a world is tried under (8)")
       ->check(CLI::Range(1, 1000));
-  add_force(*command, options->replace);
-  add_threads(*command, options->request.threads);
-  add_allow_plugins(*command, options->request.plugins);
-  command->add_flag("-q,--quiet", options->quiet, "The sentence alone");
-  command->footer(
+  add_force(command, options.replace);
+  add_threads(command, options.request.threads);
+  add_allow_plugins(command, options.request.plugins);
+  command.add_flag("-q,--quiet", options.quiet, "The sentence alone");
+  command.footer(
       "Objects are taken away, disturbances switched off, motions stopped, the start is later, the goal nearer, "
       "numbers\n"
       "are rounded: what still fails by the same outcome, with the same object touched, is kept.\n"
       "Example: moma shrink results/demo.db 3f9a12 -o small.jsonl");
-  command->callback([&action, options] { action = [options] { return shrink(*options); }; });
 }
 
 }  // namespace moma::cli

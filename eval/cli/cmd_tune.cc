@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <iostream>
-#include <memory>
 
 #include "eval/cli/command.h"
 #include "eval/cli/progress.h"
@@ -97,7 +96,7 @@ int tune_suite(const TuneOptions& options) {
   request.verdict = !options.no_verdict;
   Computation computation(request, options.quiet);
   TuneProgress search(computation.line(), tuning.config.cost.unit());
-  run::TuneListener listener{computation.listener(), {}, {}, {}, {}};
+  run::TuneListener listener{computation.listener()};
   listener.trial = [&] { search.trial_computed(); };
   listener.evaluation = [&](const tune::Progress& progress) { search.evaluation_ended(progress); };
   listener.judged = [](const tune::HeldOutVerdict& verdict) { print(verdict); };
@@ -116,24 +115,22 @@ int tune_suite(const TuneOptions& options) {
 
 }  // namespace
 
-void add_tune(CLI::App& app, Action& action, const Arguments& arguments) {
-  auto options = std::make_shared<TuneOptions>();
-  options->request.arguments = arguments;
-  CLI::App* command =
-      app.add_subcommand("tune", "Search the gains of a suite's controller with NLopt, and judge them on other worlds");
-  options->suite.add_to(*command);
-  add_output_store(*command, options->request.file);
-  command->add_option("--gains", options->request.gains,
-                      "File for the found gains (configs/controllers/CONTROLLER-tuned.yaml)");
-  add_force(*command, options->request.replace);
-  add_threads(*command, options->request.threads);
-  command->add_flag("--no-verdict", options->no_verdict, "Search only; the same command without it judges later");
-  command->add_flag("-q,--quiet", options->quiet, "No progress and no remarks");
-  command->footer(
+void add_tune(Commands& commands) {
+  auto [command, options] = commands.add<TuneOptions>(
+      "tune", "Search the gains of a suite's controller with NLopt, and judge them on other worlds", &tune_suite);
+  options.request.arguments = commands.arguments();
+  options.suite.add_to(command);
+  add_output_store(command, options.request.file);
+  command.add_option("--gains", options.request.gains,
+                     "File for the found gains (configs/controllers/CONTROLLER-tuned.yaml)");
+  add_force(command, options.request.replace);
+  add_threads(command, options.request.threads);
+  command.add_flag("--no-verdict", options.no_verdict, "Search only; the same command without it judges later");
+  add_quiet(command, options.quiet);
+  command.footer(
       "The suite's `tune` section names variables, objective, algorithm, budget and worlds: docs/reference/tuning.md.\n"
       "Every evaluation is stored: the same command goes on after a stop, and ends with the same gains.\n"
       "Example: moma tune configs/suites/tune-frankie.yaml --set tune.budget.trials=5000");
-  command->callback([&action, options] { action = [options] { return tune_suite(*options); }; });
 }
 
 }  // namespace moma::cli

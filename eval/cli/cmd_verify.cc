@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <iostream>
-#include <memory>
 
 #include "eval/cli/command.h"
 #include "eval/cli/progress.h"
@@ -55,26 +54,25 @@ int verify(const VerifyOptions& options) {
 
 }  // namespace
 
-void add_verify(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
-  auto options = std::make_shared<VerifyOptions>();
-  CLI::App* command = app.add_subcommand("verify", "Replay a fraction of a store's trials and check its integrity");
-  command->add_option("DB", options->request.file, "Store")->required();
-  command->add_option("--fraction", options->request.fraction, "Fraction of the trials to replay (0.1)")
+void add_verify(Commands& commands) {
+  auto [command, options] =
+      commands.add<VerifyOptions>("verify", "Replay a fraction of a store's trials and check its integrity", &verify);
+  add_store(command, options.request.file);
+  command.add_option("--fraction", options.request.fraction, "Fraction of the trials to replay (0.1)")
       ->check(CLI::Range(0.0, 1.0));
-  command->add_option("--seed", options->request.seed, "Chooses other trials");
-  command->add_option("--point", options->request.point,
-                      "Replays trials of this controller alone: as in `moma compare`, @best too");
-  command->add_option("--suite", options->request.suite, "Which suite, where several have it");
-  add_threads(*command, options->request.threads);
-  add_allow_plugins(*command, options->request.plugins);
-  command->add_flag("--hash", options->hash, "Print one hash over all results: equal hashes mean equal rows");
-  command->add_flag("-q,--quiet", options->quiet, "No progress");
-  command->footer(
+  command.add_option("--seed", options.request.seed, "Chooses other trials");
+  command.add_option("--point", options.request.point,
+                     "Replays trials of this controller alone: as in `moma compare`, @best too");
+  command.add_option("--suite", options.request.suite, "Which suite, where several have it");
+  add_threads(command, options.request.threads);
+  add_allow_plugins(command, options.request.plugins);
+  command.add_flag("--hash", options.hash, "Print one hash over all results: equal hashes mean equal rows");
+  add_quiet(command, options.quiet);
+  command.footer(
       "Compares what the store says twice, and every hash; runs searches again over their stored trials; says what\n"
       "it did not look at. Exit 1 where a trial differs, the store is damaged, or what was to be checked cannot be\n"
       "(another simulation's trials, views of another build, metrics that SQLite refuses).\n"
       "Example: moma verify results/demo.db --fraction 0.05 --hash");
-  command->callback([&action, options] { action = [options] { return verify(*options); }; });
 }
 
 }  // namespace moma::cli

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <iostream>
-#include <memory>
 #include <string>
 
 #include "eval/cli/command.h"
@@ -57,41 +56,40 @@ void print(const World& world) {
   write(std::cout, objects, Format::kTable);
 }
 
+struct WorldOptions {
+  SuiteOptions suite;
+  std::int64_t index = 0;
+  bool json = false;
+};
+
+int show_world(const WorldOptions& options) {
+  const Suite suite = options.suite.load();
+  const SuitePoint& point = suite.points.front();
+  if (point.worlds.size() >= 0 && options.index >= point.worlds.size()) {
+    throw UsageError(
+        fmt::format("world {}: the suite's frozen set has the worlds 0 to {}", options.index, point.worlds.size() - 1));
+  }
+  const World world = point.worlds.make(point.robot->model, static_cast<std::uint64_t>(options.index));
+  if (options.json) {
+    std::cout << to_json(world).dump() << '\n';
+  } else {
+    print(world);
+  }
+  return kOk;
+}
+
 }  // namespace
 
-void add_world(CLI::App& app, Action& action, const Arguments& /*arguments*/) {
-  struct Options {
-    SuiteOptions suite;
-    std::int64_t index = 0;
-    bool json = false;
-  };
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("world", "Show one generated world of a suite");
-  options->suite.add_to(*command);
-  command->add_option("INDEX", options->index, "Number of the world, from 0")
+void add_world(Commands& commands) {
+  auto [command, options] = commands.add<WorldOptions>("world", "Show one generated world of a suite", &show_world);
+  options.suite.add_to(command);
+  command.add_option("INDEX", options.index, "Number of the world, from 0")
       ->required()
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 62));
-  command->add_flag("--json", options->json, "As JSON, the format of frozen worlds");
+  command.add_flag("--json", options.json, "As JSON, the format of frozen worlds");
   std::string families;
   for (const FamilyType& type : family_types()) families += (families.empty() ? "" : ", ") + std::string(type.name);
-  command->footer("Families of worlds: " + families + "\nExample: moma world configs/suites/demo.yaml 17 --json");
-  command->callback([&action, options] {
-    action = [options] {
-      const Suite suite = options->suite.load();
-      const SuitePoint& point = suite.points.front();
-      if (point.worlds.size() >= 0 && options->index >= point.worlds.size()) {
-        throw UsageError(fmt::format("world {}: the suite's frozen set has the worlds 0 to {}", options->index,
-                                     point.worlds.size() - 1));
-      }
-      const World world = point.worlds.make(point.robot->model, static_cast<std::uint64_t>(options->index));
-      if (options->json) {
-        std::cout << to_json(world).dump() << '\n';
-      } else {
-        print(world);
-      }
-      return static_cast<int>(kOk);
-    };
-  });
+  command.footer("Families of worlds: " + families + "\nExample: moma world configs/suites/demo.yaml 17 --json");
 }
 
 }  // namespace moma::cli

@@ -2,6 +2,8 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <map>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -18,17 +20,46 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What the parsed command line asks for; returns the exit code. Set by the chosen command.
-using Action = std::function<int()>;
-
 /// The command line as given, for provenance and for "how to go on".
 using Arguments = std::vector<std::string>;
 
-/// Adds a command with its options to `app`; when the command is parsed, `action` is set. The command NAME has the
-/// function add_NAME() of this form in a file cmd_*.cc, and its place in the list of eval/cli/CMakeLists.txt.
-using AddCommand = void (*)(CLI::App& app, Action& action, const Arguments& arguments);
+/// The commands of the program `app`.
+class Commands {
+ public:
+  Commands(CLI::App& app, const Arguments& arguments) : app_(app), arguments_(arguments) {}
+
+  /// A command and the values of its options, both owned by Commands.
+  template <class Options>
+  struct Added {
+    CLI::App& command;
+    Options& options;
+  };
+
+  /// Adds a command. `run` gets the parsed options and returns the exit code.
+  template <class Options>
+  Added<Options> add(const char* name, const char* text, std::function<int(Options&)> run) {
+    auto options = std::make_shared<Options>();
+    CLI::App* const command = app_.add_subcommand(name, text);
+    runs_[command] = [options, run] { return run(*options); };
+    return {*command, *options};
+  }
+
+  /// Runs a parsed command. Returns the exit code.
+  int run(const CLI::App& command) const { return runs_.at(&command)(); }
+  const CLI::App& app() const { return app_; }
+  const Arguments& arguments() const { return arguments_; }
+
+ private:
+  CLI::App& app_;
+  const Arguments& arguments_;
+  std::map<const CLI::App*, std::function<int()>> runs_;
+};
+
+/// Adds a command with its options. The command NAME has the function add_NAME() of this form in a file cmd_*.cc, and
+/// its place in the list of eval/cli/CMakeLists.txt.
+using AddCommand = void (*)(Commands& commands);
 /// All commands, in the order of the help.
-std::span<const AddCommand> commands();
+std::span<const AddCommand> all_commands();
 
 /// The command of this name. Throws UsageError, which names the nearest one and all.
 CLI::App& find_command(const CLI::App& app, const std::string& name);

@@ -47,39 +47,42 @@ constexpr std::pair<std::string_view, const char*> kGroups[] = {
     {" check robot world import identify solve keys ", "Make suites, robots and controllers"},
     {"", "Help"}};
 
-void add_commands(CLI::App& app, Action& action, const Arguments& arguments) {
-  for (const AddCommand add : commands()) add(app, action, arguments);
-  for (CLI::App* command : app.get_subcommands(nullptr))
+void add_all(CLI::App& app, Commands& commands) {
+  for (const AddCommand add : all_commands()) add(commands);
+  for (CLI::App* command : app.get_subcommands(nullptr)) {
+    command->allow_extras();  // reported by us, with a suggestion
     command->group(std::find_if(std::begin(kGroups), std::end(kGroups) - 1, [&](const auto& group) {
                      return group.first.find(" " + command->get_name() + " ") != std::string_view::npos;
                    })->second);
-  for (CLI::App* command : app.get_subcommands(nullptr)) command->allow_extras();  // reported by us, with a suggestion
+  }
 }
 
-void check_extras(const CLI::App& app) {
-  for (const CLI::App* command : app.get_subcommands()) {
-    std::vector<std::string> extras = command->remaining();
-    std::erase(extras, "--");  // CLI11 keeps what ends the options among what it does not know
-    if (extras.empty()) continue;
-    const std::string& extra = extras.front();
-    if (extra.size() < 2 || extra[0] != '-') {
-      throw UsageError(fmt::format("{}: one argument too many: '{}'; see moma {} --help", command->get_name(),
-                                   terminal_safe(extra), command->get_name()));
-    }
-    std::vector<std::string> names;
-    for (const CLI::Option* option : command->get_options()) {
-      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-    }
-    const std::string given = extra.substr(0, extra.find('='));
-    throw UsageError(fmt::format("{}: unknown option {}{}; see moma {} --help", command->get_name(),
-                                 terminal_safe(given), config::suggestion(given, names), command->get_name()));
-  }
+void check_extras(const CLI::App& command) {
+  std::vector<std::string> extras = command.remaining();
+  std::erase(extras, "--");  // CLI11 keeps what ends the options among what it does not know
+  if (extras.empty()) return;
+  const std::string& extra = extras.front();
+  if (extra.size() < 2 || extra[0] != '-')
+    throw UsageError(fmt::format("{0}: one argument too many: '{1}'; see moma {0} --help", command.get_name(),
+                                 terminal_safe(extra)));
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  const std::string given = extra.substr(0, extra.find('='));
+  throw UsageError(fmt::format("{0}: unknown option {1}{2}; see moma {0} --help", command.get_name(),
+                               terminal_safe(given), config::suggestion(given, names)));
 }
 
 int complain(const std::string& message, int code) {
   std::cout.flush();
   std::cerr << "moma: " << terminal_safe_lines(message) << std::endl;
   return code;
+}
+
+/// Errors of what was asked for, and of what the system refused (files, threads); others are the program's own.
+template <class... Errors>
+bool is_any(const std::exception& error) {
+  return ((dynamic_cast<const Errors*>(&error) != nullptr) || ...);
 }
 
 int exit_code(StoreError::Kind kind) {
@@ -103,8 +106,8 @@ int parse_and_run(const Arguments& arguments) {
   app.set_version_flag("-V,--version", version_text());
   app.require_subcommand(0, 1);
   app.failure_message(CLI::FailureMessage::simple);
-  Action action;
-  add_commands(app, action, arguments);
+  Commands commands(app, arguments);
+  add_all(app, commands);
   // CLI11 would only say that a command is missing.
   if (arguments.size() > 1 && !arguments[1].empty() && arguments[1][0] != '-') (void)find_command(app, arguments[1]);
   try {
@@ -118,12 +121,13 @@ int parse_and_run(const Arguments& arguments) {
     const std::string help = chosen.empty() ? "moma --help" : "moma " + chosen.front()->get_name() + " --help";
     throw UsageError(fmt::format("{}{}; see {}", name, error.what(), help));
   }
-  check_extras(app);
-  if (!action) {  // moma alone
+  if (app.get_subcommands().empty()) {  // moma alone
     std::cout << app.help();
     return kOk;
   }
-  const int code = action();
+  const CLI::App& command = *app.get_subcommands().front();
+  check_extras(command);
+  const int code = commands.run(command);
   std::cout.flush();
   if (!std::cout) return complain("the output could not be written (is the disk full?)", kBadInput);
   return code;
@@ -134,10 +138,9 @@ int parse_and_run(const Arguments& arguments) {
 CLI::App& find_command(const CLI::App& app, const std::string& name) {
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
-  if (std::find(names.begin(), names.end(), name) == names.end()) {
+  if (std::find(names.begin(), names.end(), name) == names.end())
     throw UsageError(fmt::format("unknown command '{}'{}; the commands are {}", terminal_safe(name),
                                  config::suggestion(name, names), fmt::join(names, ", ")));
-  }
   return *app.get_subcommand(name);
 }
 
@@ -147,25 +150,12 @@ int run_program(const Arguments& arguments) {
     return parse_and_run(arguments);
   } catch (const StoreError& error) {
     return complain(error.what(), exit_code(error.kind()));
-  } catch (const UsageError& error) {
-    return complain(error.what(), kBadInput);
-  } catch (const run::RunError& error) {
-    return complain(error.what(), kBadInput);
-  } catch (const config::ConfigError& error) {
-    return complain(error.what(), kBadInput);
-  } catch (const store::QueryError& error) {
-    return complain(error.what(), kBadInput);
-  } catch (const GenerationError& error) {
-    return complain(error.what(), kBadInput);
-  } catch (const files::OutputError& error) {
-    return complain(error.what(), kBadInput);
-  } catch (const ReportError& error) {
-    return complain(error.what(), kBadInput);
   } catch (const std::bad_alloc&) {
     return complain("out of memory", kBadInput);
-  } catch (const std::system_error& error) {  // of files and threads: what the system refused
-    return complain(error.what(), kBadInput);
   } catch (const std::exception& error) {
+    if (is_any<UsageError, run::RunError, config::ConfigError, store::QueryError, GenerationError, files::OutputError,
+               ReportError, std::system_error>(error))
+      return complain(error.what(), kBadInput);
     return complain(fmt::format("internal error: {}", error.what()), kInternalError);
   }
 }

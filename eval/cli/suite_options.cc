@@ -8,7 +8,6 @@
 #include <iostream>
 
 #include "eval/cli/command.h"
-#include "eval/cli/table.h"
 
 namespace moma::cli {
 
@@ -68,6 +67,15 @@ void add_force(CLI::App& command, files::Replace& replace) {
       "Replace a file that is there, also one that moma did not write; never a store");
 }
 
+OutputFile::OutputFile(std::filesystem::path file, std::string kind, files::Replace replace)
+    : file_(std::move(file)), kind_{std::move(kind), ""}, replace_(replace) {
+  if (wanted()) files::check_replace(file_, kind_, replace_);
+}
+
+void OutputFile::write(const std::string& text) const {
+  if (wanted()) files::write_file(file_, kind_, replace_, [&](std::ostream& out) { out << text; });
+}
+
 void add_threads(CLI::App& command, int& threads) {
   command.add_option("--threads", threads, "Threads (all cores)")->check(CLI::Range(1, 4096));
 }
@@ -79,6 +87,18 @@ void add_format(CLI::App& command, Format& format) {
       ->transform(CLI::Transformer(formats))
       ->check(CLI::IsMember({Format::kTable, Format::kCsv, Format::kJson, Format::kMarkdown}))
       ->option_text("table|csv|json|markdown");
+}
+
+void add_quiet(CLI::App& command, bool& quiet) { command.add_flag("-q,--quiet", quiet, "No progress and no remarks"); }
+
+void add_trial(CLI::App& command, std::string& trial) {
+  command
+      .add_option("TRIAL", trial, "The trial's name, or any unique beginning of it; POINT/WORLD, or the worst of POINT")
+      ->required();
+}
+
+void print_json(const nlohmann::ordered_json& json) {
+  std::cout << json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
 }
 
 void print_warnings(const std::vector<std::string>& warnings) {

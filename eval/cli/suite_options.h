@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -19,9 +20,9 @@ struct SuiteOptions {
   std::string trials;            ///< as text: checked like the file
   std::string seed;
 
-  /// Adds SUITE, --set, --trials, --lenient, --seed.
+  /// Adds SUITE and what add_changes_to() adds.
   void add_to(CLI::App& command);
-  /// The same without SUITE, for a command that knows its suite.
+  /// Adds --set, --trials, --lenient, --seed, for a command that knows its suite.
   void add_changes_to(CLI::App& command);
   Overrides overrides() const;
   /// Throws UsageError, config::ConfigError.
@@ -42,6 +43,37 @@ void add_threads(CLI::App& command, int& threads);
 
 /// Adds --format.
 void add_format(CLI::App& command, Format& format);
+
+/// Adds --quiet.
+void add_quiet(CLI::App& command, bool& quiet);
+
+/// Adds DB: one store, or several where `stores` is a list.
+template <class Stores>
+void add_store(CLI::App& command, Stores& stores, const char* text = "Store") {
+  command.add_option("DB", stores, text)->required();
+}
+
+/// Adds TRIAL, a trial of a store.
+void add_trial(CLI::App& command, std::string& trial);
+
+/// A text file that a command writes where one is named. People edit such files, so that none is known for moma's own.
+class OutputFile {
+ public:
+  /// Throws files::OutputError if the file may not be written. `kind`: in words.
+  OutputFile(std::filesystem::path file, std::string kind, files::Replace replace);
+  /// False if no file was named.
+  bool wanted() const { return !file_.empty(); }
+  /// Writes the file if it is wanted. Throws files::OutputError.
+  void write(const std::string& text) const;
+
+ private:
+  std::filesystem::path file_;
+  files::Kind kind_;
+  files::Replace replace_;
+};
+
+/// Prints JSON in one line; texts that are no UTF-8 are mended.
+void print_json(const nlohmann::ordered_json& json);
 
 /// Prints each warning to stderr.
 void print_warnings(const std::vector<std::string>& warnings);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <map>
-#include <optional>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -35,12 +34,6 @@ constexpr const char* kWithoutErrors = "without errors %";
 
 constexpr std::size_t kNames = 6;  // suite, robot, controller, point, family, mode: what v_summary begins with
 constexpr std::size_t kRobot = 1, kErrors = 7, kRates = 8;
-
-std::optional<double> value_of(const Cell& cell) {
-  if (const auto* integer = std::get_if<std::int64_t>(&cell)) return static_cast<double>(*integer);
-  if (const auto* real = std::get_if<double>(&cell)) return *real;
-  return std::nullopt;
-}
 
 /// The suites' own metrics, as further columns of the rows.
 void add_own(const std::filesystem::path& file, QueryResult& table) {
@@ -79,7 +72,7 @@ void keep_columns(QueryResult& table, const std::vector<std::size_t>& kept) {
 /// Of what was asked for a person: `own` columns stand from there on.
 std::vector<std::size_t> columns_for_person(QueryResult& table, std::size_t moma, std::size_t own) {
   const auto any = [&](const auto& holds) { return std::any_of(table.rows.begin(), table.rows.end(), holds); };
-  const bool errors = any([&](const Row& row) { return value_of(row[kErrors]).value_or(0.0) > 0.0; });
+  const bool errors = any([&](const Row& row) { return store::number_in(row[kErrors]).value_or(0.0) > 0.0; });
   std::vector<std::size_t> kept;
   for (std::size_t column = 0; column < kRates; ++column) {
     if (column == kRobot && !any([&](const Row& row) { return row[column] != table.rows.front()[column]; })) continue;
@@ -89,10 +82,10 @@ std::vector<std::size_t> columns_for_person(QueryResult& table, std::size_t moma
   for (std::size_t column = moma; column < own; ++column)
     if (errors || table.columns[column] != kWithoutErrors) kept.push_back(column);
   for (std::size_t column = own; column < table.columns.size(); ++column) {
-    if (!any([&](const Row& row) { return value_of(row[column]).has_value(); })) continue;  // of another suite
+    if (!any([&](const Row& row) { return store::number_in(row[column]).has_value(); })) continue;  // of another suite
     kept.push_back(column);
     for (Row& row : table.rows)
-      if (const auto mean = value_of(row[column])) row[column] = fmt::format("{:.4g}", *mean);
+      if (const auto mean = store::number_in(row[column])) row[column] = fmt::format("{:.4g}", *mean);
   }
   return kept;
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <ostream>
 
 #include "controller/model/text_check.h"
@@ -145,7 +144,7 @@ void write_csv(std::ostream& out, const QueryResult& result) {
   }
 }
 
-void write_json(std::ostream& out, const QueryResult& result) {
+nlohmann::ordered_json row_as_json(const QueryResult& result, const std::vector<Cell>& row) {
   struct Visitor {
     nlohmann::ordered_json operator()(std::monostate) const { return nullptr; }
     nlohmann::ordered_json operator()(std::int64_t value) const { return value; }
@@ -155,18 +154,36 @@ void write_json(std::ostream& out, const QueryResult& result) {
     }
     nlohmann::ordered_json operator()(const std::string& value) const { return value; }
   };
+  nlohmann::ordered_json object = nlohmann::ordered_json::object();
+  for (std::size_t c = 0; c < row.size(); ++c) object[result.columns[c]] = std::visit(Visitor{}, row[c]);
+  return object;
+}
+
+/// Row by row, because the JSON of all rows of a large store would not fit into memory.
+void write_json(std::ostream& out, const QueryResult& result) {
   out << '[';
-  for (std::size_t r = 0; r < result.rows.size(); ++r) {
-    nlohmann::ordered_json object = nlohmann::ordered_json::object();
-    for (std::size_t c = 0; c < result.columns.size(); ++c) {
-      object[result.columns[c]] = std::visit(Visitor{}, result.rows[r][c]);
-    }
-    out << (r > 0 ? ",\n " : "\n ") << object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  const char* separator = "\n ";
+  for (const std::vector<Cell>& row : result.rows) {
+    out << separator << row_as_json(result, row).dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    separator = ",\n ";
   }
   out << (result.rows.empty() ? "]\n" : "\n]\n");
 }
 
 }  // namespace
+
+void drop_columns(QueryResult& result, std::ptrdiff_t first, std::ptrdiff_t last) {
+  result.columns.erase(result.columns.begin() + first, result.columns.begin() + last);
+  for (std::vector<Cell>& row : result.rows) row.erase(row.begin() + first, row.begin() + last);
+}
+
+double rounded(double value, double unit) { return std::round(value / unit) * unit; }
+
+nlohmann::ordered_json rows_as_json(const QueryResult& result) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const std::vector<Cell>& row : result.rows) list.push_back(row_as_json(result, row));
+  return list;
+}
 
 std::string terminal_safe(std::string_view text) {
   std::string safe;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <iosfwd>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 
@@ -15,6 +16,15 @@ enum class Format { kTable, kCsv, kJson, kMarkdown };
 /// Writes a result. Table and Markdown are for a person: numbers with up to six digits, text made safe for a terminal.
 /// CSV (RFC 4180, NULL empty) and JSON (a list of objects) keep every bit of a number.
 void write(std::ostream& out, const store::QueryResult& result, Format format);
+
+/// Leaves out the columns first .. last - 1.
+void drop_columns(store::QueryResult& result, std::ptrdiff_t first, std::ptrdiff_t last);
+
+/// The multiple of `unit` that is nearest to a value, for a table.
+double rounded(double value, double unit);
+
+/// The rows as a JSON list of objects.
+nlohmann::ordered_json rows_as_json(const store::QueryResult& result);
 
 /// Control characters, invalid UTF-8 and text direction marks become visible escapes: nothing that was stored can act
 /// on the terminal.

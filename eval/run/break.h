@@ -6,7 +6,6 @@
 
 #include "eval/risk/splitting.h"
 #include "eval/run/listener.h"
-#include "eval/run/moved_trials.h"
 #include "eval/run/risk.h"
 #include "eval/suite/suite.h"
 #include "world/world.h"

@@ -52,12 +52,6 @@ std::vector<std::pair<NamedPoint, NamedPoint>> paired(const Side& a, const Side&
   return pairs;
 }
 
-double number(const Cell& cell) {
-  if (const auto* integer = std::get_if<std::int64_t>(&cell)) return static_cast<double>(*integer);
-  const auto* real = std::get_if<double>(&cell);
-  return real == nullptr ? stats::kUnknown : *real;
-}
-
 struct Trials {
   std::vector<std::pair<stats::Ending, stats::Ending>> endings;
   std::vector<stats::PairedValues> values;
@@ -80,8 +74,8 @@ void read(const std::filesystem::path& store, const std::pair<NamedPoint, NamedP
   for (const auto& row : found.rows) {
     trials.endings.emplace_back(ending(row[0]), ending(row[1]));
     for (std::size_t m = 0; m < metrics.size(); ++m) {
-      trials.values[m].a.push_back(number(row[2 + 2 * m]));
-      trials.values[m].b.push_back(number(row[3 + 2 * m]));
+      trials.values[m].a.push_back(store::number_in(row[2 + 2 * m]).value_or(stats::kUnknown));
+      trials.values[m].b.push_back(store::number_in(row[3 + 2 * m]).value_or(stats::kUnknown));
     }
   }
 }

@@ -58,11 +58,10 @@ class Run {
   }
 
   Evaluation execute() {
-    const auto notice = [this](const std::string& text) { listener_.tell(listener_.notice, text); };
     if (request_.cluster != nullptr)
-      request_.cluster->lead(suite_.resolved.dump(), store::this_machine().machine_class, notice);
+      request_.cluster->lead(suite_.resolved.dump(), store::this_machine().machine_class, listener_.notice);
     const bool lock_left = store::RunLock::there(result_.file);
-    const store::RunLock lock(result_.file, request_.stop, notice);
+    const store::RunLock lock(result_.file, request_.stop, listener_.notice);
     if (!lock.held()) {
       result_.end = End::kNeverBegan;
       result_.stopped = "stopped while waiting; nothing was done";
@@ -71,9 +70,9 @@ class Run {
     store::Writer writer(result_.file);
     if (lock.exclusive()) tell_killed(writer.close_killed(), lock_left, listener_);
     if (const std::size_t late = writer.forgotten(); late > 0)
-      note(fmt::format("{} stored errors came from a busy machine: they are tried again", late));
+      listener_.note(fmt::format("{} stored errors came from a busy machine: they are tried again", late));
     const std::string warning = store::file_system_warning(result_.file);
-    if (!warning.empty()) listener_.tell(listener_.warning, warning);
+    if (!warning.empty()) listener_.warning(warning);
     try {
       suite_.until ? run_until(writer) : run_fixed(writer);
     } catch (...) {
@@ -118,17 +117,18 @@ class Run {
     const std::string of =
         request_.shard.count > 1 ? fmt::format(" of shard {} of {}", request_.shard.index, request_.shard.count) : "";
     if (there == jobs.size()) {
-      note(fmt::format("{} of {} trials{} already there: nothing left to do", there, jobs.size(), of));
+      listener_.note(fmt::format("{} of {} trials{} already there: nothing left to do", there, jobs.size(), of));
     } else if (there > 0) {
-      note(fmt::format("{} of {} trials{} already there, {} to do, on {}", there, jobs.size(), of, jobs.size() - there,
-                       computers()));
+      listener_.note(fmt::format("{} of {} trials{} already there, {} to do, on {}", there, jobs.size(), of,
+                                 jobs.size() - there, computers()));
     } else {
-      note(fmt::format("{} trials{} to do, on {}: {}", jobs.size(), of, computers(), result_.file.string()));
+      listener_.note(fmt::format("{} trials{} to do, on {}: {}", jobs.size(), of, computers(), result_.file.string()));
     }
     const BatchSummary summary = compute(writer, jobs, present);
     if (late_ > 0) return incomplete();
     if (!summary.stopped) {
-      if (summary.delivered > 0) note(fmt::format("{} trials in {:.1f} s", summary.delivered, summary.seconds));
+      if (summary.delivered > 0)
+        listener_.note(fmt::format("{} trials in {:.1f} s", summary.delivered, summary.seconds));
       return;
     }
     stopped(there + summary.delivered, fmt::format("{}", jobs.size()));
@@ -143,8 +143,9 @@ class Run {
       const std::vector<BatchJob> jobs = jobs_of(rule.worlds(), worlds);
       const auto present = rule.worlds() == 0 ? begin(writer, jobs) : writer.extend(wanted(jobs));
       if (rule.worlds() == 0) {
-        note(fmt::format("until the {} rate of every point is known to +-{:g} %, at most {} worlds: on {}, {}",
-                         until.metric, 100.0 * until.half_width, until.max, computers(), result_.file.string()));
+        listener_.note(
+            fmt::format("until the {} rate of every point is known to +-{:g} %, at most {} worlds: on {}, {}",
+                        until.metric, 100.0 * until.half_width, until.max, computers(), result_.file.string()));
       }
       there += count_present(jobs, present);
       const BatchSummary summary = compute(writer, jobs, present);
@@ -157,19 +158,18 @@ class Run {
         if (row) rule.add(job.point, row->outcome);
       }
       rule.end_block(worlds);
-      note(fmt::format("{} worlds: the widest interval is +-{:.2f} %", rule.worlds(), 100.0 * rule.half_width()));
+      listener_.note(
+          fmt::format("{} worlds: the widest interval is +-{:.2f} %", rule.worlds(), 100.0 * rule.half_width()));
     }
     writer.finish(store::RunStatus::kFinished);
-    note(fmt::format("{} after {} worlds: {} trials, {} of them were there already",
-                     rule.reached() ? "reached" : "NOT reached", rule.worlds(), there + done, there));
+    listener_.note(fmt::format("{} after {} worlds: {} trials, {} of them were there already",
+                               rule.reached() ? "reached" : "NOT reached", rule.worlds(), there + done, there));
   }
 
   static std::size_t count_present(const std::vector<BatchJob>& jobs, const std::unordered_set<std::string>& present) {
     return static_cast<std::size_t>(
         std::count_if(jobs.begin(), jobs.end(), [&](const BatchJob& job) { return present.count(job.key) > 0; }));
   }
-
-  void note(const std::string& text) const { listener_.tell(listener_.note, text); }
 
   std::string computers() const {
     const std::string threads = fmt::format("{} thread{}", threads_, threads_ == 1 ? "" : "s");
@@ -179,13 +179,13 @@ class Run {
 
   void tell_names(const store::Writer& writer) const {
     if (writer.suite_name() != suite_.name) {
-      note(fmt::format("{} already holds another setting of suite {}: this one is kept apart as {}",
-                       result_.file.string(), suite_.name, writer.suite_name()));
+      listener_.note(fmt::format("{} already holds another setting of suite {}: this one is kept apart as {}",
+                                 result_.file.string(), suite_.name, writer.suite_name()));
     }
     for (std::size_t i = 0; i < suite_.points.size(); ++i) {
       if (writer.controller_name(i) != suite_.points[i].controller) {
-        note(fmt::format("{} already holds other parameters of controller {}: these are kept apart as {}",
-                         result_.file.string(), suite_.points[i].controller, writer.controller_name(i)));
+        listener_.note(fmt::format("{} already holds other parameters of controller {}: these are kept apart as {}",
+                                   result_.file.string(), suite_.points[i].controller, writer.controller_name(i)));
       }
     }
   }
@@ -224,10 +224,10 @@ class Run {
       } else if (!suite_.until) {
         writer.finish(store::RunStatus::kFinished);
       }
-      if (listener_.progress_end) listener_.progress_end();
+      listener_.progress_end();
       return summary;
     } catch (const store::StoreError& error) {
-      if (listener_.progress_end) listener_.progress_end();
+      listener_.progress_end();
       throw store::StoreError(error.kind(), fmt::format("{}\n{} trials of this run are saved{}", error.what(),
                                                         writer.committed(), how_to_go_on(error.kind())));
     }

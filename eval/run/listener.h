@@ -25,18 +25,15 @@ struct Request {
   const std::atomic<bool>* stop = nullptr;  ///< if set, trials in flight finish and are saved
 };
 
-/// Callbacks during a run; members may be empty. Called from one thread at a time. Texts are sentences for a person
-/// without a line end, and may contain anything that files and stores contain.
+/// Callbacks during a run, called from one thread at a time. Texts are sentences for a person without a line end, and
+/// may contain anything that files and stores contain.
 struct Listener {
-  std::function<void(const std::string&)> note;        ///< present activity
-  std::function<void(const std::string&)> notice;      ///< reason of a wait or a loss
-  std::function<void(const std::string&)> warning;     ///< reason for doubt about results
-  std::function<void(const BatchProgress&)> progress;  ///< after each trial
-  std::function<void()> progress_end;                  ///< progress pauses; other texts may follow
-
-  void tell(const std::function<void(const std::string&)>& to, const std::string& text) const {
-    if (to) to(text);
-  }
+  using Text = std::function<void(const std::string&)>;
+  Text note = [](const std::string&) {};               ///< present activity
+  Text notice = [](const std::string&) {};             ///< reason of a wait or a loss
+  Text warning = [](const std::string&) {};            ///< reason for doubt about results
+  std::function<void(const BatchProgress&)> progress;  ///< after each trial; may be empty
+  std::function<void()> progress_end = [] {};          ///< progress pauses; other texts may follow
 };
 
 /// The end of a run. The store always holds the finished trials.

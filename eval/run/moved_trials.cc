@@ -81,7 +81,7 @@ std::vector<TrialRow> MovedTrials::rows(std::size_t point, std::span<const Moved
   std::optional<MovedSource> source;
   if (writer_ != nullptr) source.emplace(*writer_, worlds);
   std::vector<TrialRow> rows = trial_rows(suite_.points, jobs, batch, source ? &*source : nullptr, counts_);
-  if (progress && listener_.progress_end) listener_.progress_end();
+  if (progress) listener_.progress_end();
   return rows;
 }
 
@@ -92,7 +92,7 @@ End with_moved_trials(const Request& request, const Suite& suite, const Listener
   std::optional<store::Writer> writer;
   if (!request.file.empty()) {
     const bool lock_left = store::RunLock::there(request.file);
-    lock.emplace(request.file, request.stop, [&](const std::string& text) { listener.tell(listener.notice, text); });
+    lock.emplace(request.file, request.stop, listener.notice);
     if (!lock->held()) {
       stopped = "stopped while waiting; nothing was done";
       return End::kNeverBegan;
@@ -106,13 +106,13 @@ End with_moved_trials(const Request& request, const Suite& suite, const Listener
   try {
     MovedTrials trials(suite, writer ? &*writer : nullptr, threads, request.stop, listener);
     work(trials);
-    listener.tell(listener.note, fmt::format("{} trials computed, {} taken from the store", trials.counts().computed,
-                                             trials.counts().reused));
+    listener.note(
+        fmt::format("{} trials computed, {} taken from the store", trials.counts().computed, trials.counts().reused));
     if (writer) writer->finish(store::RunStatus::kFinished);
     return End::kFinished;
   } catch (const Interrupted& why) {
-    if (listener.progress_end) listener.progress_end();
-    if (*why.what() != '\0') listener.tell(listener.warning, why.what());
+    listener.progress_end();
+    if (*why.what() != '\0') listener.warning(why.what());
     if (writer) writer->finish(store::RunStatus::kStopped);
     stopped = writer ? stopped_text("", "everything computed is", request.file, request.arguments)
                      : "stopped; nothing is saved without --output";

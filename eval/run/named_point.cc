@@ -16,26 +16,21 @@ namespace moma::run {
 namespace {
 
 using store::sql_literal;
-using store::StoreError;
 
 constexpr std::string_view kBest = "@best";
+
+constexpr double kNone = std::numeric_limits<double>::infinity();  // of a mean over no trials
 
 std::string text_of(const store::Cell& cell) {
   const auto* text = std::get_if<std::string>(&cell);
   return text == nullptr ? "" : *text;
 }
 
-double number_of(const store::Cell& cell) {
-  if (const auto* integer = std::get_if<std::int64_t>(&cell)) return static_cast<double>(*integer);
-  const auto* real = std::get_if<double>(&cell);
-  return real == nullptr ? std::numeric_limits<double>::infinity() : *real;
-}
-
 /// A point with the quantities of kBestCriterion.
 struct RatedPoint {
   NamedPoint point;
   std::int64_t n = 0, successes = 0, collisions = 0;
-  double time = 0.0, change = 0.0;  // infinite if no trial has one
+  double time = kNone, change = kNone;
 
   bool better_than(const RatedPoint& other) const {
     // Compares shares of different numbers of trials, without rounding.
@@ -81,8 +76,8 @@ std::vector<RatedPoint> read_points(const std::filesystem::path& file, const std
     c.n = std::get<std::int64_t>(row[5]);
     c.successes = std::get<std::int64_t>(row[6]);
     c.collisions = std::get<std::int64_t>(row[7]);
-    c.time = number_of(row[8]);
-    c.change = number_of(row[9]);
+    c.time = store::number_in(row[8]).value_or(kNone);
+    c.change = store::number_in(row[9]).value_or(kNone);
     all.push_back(std::move(c));
   }
   return all;
@@ -96,17 +91,17 @@ std::vector<RatedPoint> read_points(const std::filesystem::path& file, const std
     if (std::find(names.begin(), names.end(), c.point.name()) == names.end()) names.push_back(c.point.name());
   const std::size_t more = names.size() > kMost ? names.size() - kMost : 0;
   names.resize(names.size() - more);
-  throw StoreError(StoreError::Kind::kNotFound,
-                   fmt::format("{}: has no point '{}'{}; it has: {}{}", file.string(), name,
-                               suite.empty() ? "" : " in suite " + suite, fmt::join(names, ", "),
-                               more > 0 ? fmt::format(" and {} more (moma query {} @list)", more, file.string()) : ""));
+  throw store::not_found(
+      file, fmt::format("has no point '{}'{}; it has: {}{}", name, suite.empty() ? "" : " in suite " + suite,
+                        fmt::join(names, ", "),
+                        more > 0 ? fmt::format(" and {} more (moma query {} @list)", more, file.string()) : ""));
 }
 
 std::string why(const RatedPoint& c) {
   const auto percent = [&](std::int64_t k) { return 100.0 * static_cast<double>(k) / static_cast<double>(c.n); };
   std::string text =
       fmt::format("success {:.1f} %, collision {:.1f} % of {}", percent(c.successes), percent(c.collisions), c.n);
-  if (c.time < std::numeric_limits<double>::infinity()) text += fmt::format(", mean time to goal {:.2f} s", c.time);
+  if (c.time < kNone) text += fmt::format(", mean time to goal {:.2f} s", c.time);
   return text;
 }
 
@@ -168,9 +163,8 @@ NamedPoint named_point(const std::filesystem::path& file, const std::string& nam
   if (points.size() == 1) return std::move(points.front());
   std::vector<std::string> suites;
   for (const NamedPoint& point : points) suites.push_back(point.suite);
-  throw StoreError(StoreError::Kind::kNotFound,
-                   fmt::format("{}: several suites have a point '{}': choose one by --suite: {}", file.string(), name,
-                               fmt::join(suites, ", ")));
+  throw store::not_found(
+      file, fmt::format("several suites have a point '{}': choose one by --suite: {}", name, fmt::join(suites, ", ")));
 }
 
 std::string named_trial(const std::filesystem::path& file, const std::string& name) {
@@ -187,8 +181,8 @@ std::string named_trial(const std::filesystem::path& file, const std::string& na
                         "iif(m.outcome = 'success', m.time_to_goal_s, t.position_error_m) DESC, m.key LIMIT 1",
                         point.id, world.empty() ? "" : fmt::format(" AND m.world_index = {}", world)));
   if (found.rows.empty())
-    throw StoreError(StoreError::Kind::kNotFound, fmt::format("{}: {} has no trial{}", file.string(), point.name(),
-                                                              world.empty() ? "" : fmt::format(" in world {}", world)));
+    throw store::not_found(
+        file, fmt::format("{} has no trial{}", point.name(), world.empty() ? "" : fmt::format(" in world {}", world)));
   return text_of(found.rows.front().front());
 }
 

@@ -8,7 +8,6 @@
 #include <optional>
 #include <set>
 
-#include "eval/run/listener.h"
 #include "eval/store/hash.h"
 #include "eval/store/query.h"
 #include "eval/store/records.h"
@@ -30,12 +29,6 @@ struct PointTrials {
   std::map<std::int64_t, StoredTrial> trials;
 };
 
-std::optional<double> value_of(const store::Cell& cell) {
-  if (const auto* integer = std::get_if<std::int64_t>(&cell)) return static_cast<double>(*integer);
-  if (const auto* real = std::get_if<double>(&cell)) return *real;
-  return std::nullopt;
-}
-
 PointTrials trials_of(const std::filesystem::path& file, const std::string& suite_name, const store::PointRecord& point,
                       std::uint64_t worlds, const Experiment& experiment) {
   std::string columns = "m.world_index, t.outcome = 'success', t.steps";
@@ -49,8 +42,8 @@ PointTrials trials_of(const std::filesystem::path& file, const std::string& suit
                         store::sql_literal(point.label), store::to_hex(point.content_hash), worlds));
   PointTrials out{point.robot_name, point.controller, point.label, {}};
   for (const auto& row : found.rows) {
-    StoredTrial trial{value_of(row[1]).value_or(0.0) > 0.0, value_of(row[2]).value_or(0.0), {}};
-    for (std::size_t i = 3; i < row.size(); ++i) trial.figures.push_back(value_of(row[i]));
+    StoredTrial trial{store::number_in(row[1]).value_or(0.0) > 0.0, store::number_in(row[2]).value_or(0.0), {}};
+    for (std::size_t i = 3; i < row.size(); ++i) trial.figures.push_back(store::number_in(row[i]));
     out.trials.emplace(std::get<std::int64_t>(row[0]), std::move(trial));
   }
   return out;

@@ -13,7 +13,6 @@
 #include "eval/run/store_file.h"
 #include "eval/run/survey.h"
 #include "world/draws.h"
-#include "world/sensing/disturbances_file.h"
 
 namespace moma::run {
 namespace {
@@ -151,10 +150,9 @@ void TrialParticles::copy(std::size_t from, std::size_t to) {
 
 void TrialParticles::reached(std::span<const double> levels) {
   const auto [low, high] = std::minmax_element(levels.begin(), levels.end());
-  listener_.tell(
-      listener_.note,
-      fmt::format("{} replicates in progress, {} {:.4g} to {:.4g}, after {} trials", levels.size(), event_.level(),
-                  event_.value_of(*low), event_.value_of(*high), trials_.counts().computed + trials_.counts().reused));
+  listener_.note(fmt::format("{} replicates in progress, {} {:.4g} to {:.4g}, after {} trials", levels.size(),
+                             event_.level(), event_.value_of(*low), event_.value_of(*high),
+                             trials_.counts().computed + trials_.counts().reused));
 }
 
 namespace {
@@ -163,14 +161,15 @@ namespace {
 constexpr double kNear = 0.002;  ///< [m]
 constexpr int kFewContacts = 5;
 
-class RiskRun {
- public:
-  RiskRun(const RiskRequest& request, const Suite& suite, const RareEvent& event, const Listener& listener,
-          MovedTrials& trials)
-      : request_(request), suite_(suite), event_(event), listener_(listener), trials_(trials) {}
+struct RiskRun {
+  const RiskRequest& request;
+  const Suite& suite;
+  const RareEvent& event;
+  const Listener& listener;
+  MovedTrials& trials;
 
   void point(std::size_t number, Risk& risk) {
-    const SuitePoint& at = suite_.points[number];
+    const SuitePoint& at = suite.points[number];
     const auto shares = at.worlds.shares();
     std::vector<risk::Splitting> runs(shares.size());
     std::vector<risk::Stratum> strata;
@@ -196,17 +195,16 @@ class RiskRun {
     risk.rows.push_back(std::move(all));
   }
 
- private:
   RiskRow family(std::size_t number, const std::string& family, risk::Splitting& run,
                  std::vector<std::string>& warnings) {
-    const SuitePoint& at = suite_.points[number];
+    const SuitePoint& at = suite.points[number];
     RiskRow row;
     row.controller = at.controller;
     row.label = at.label;
     row.family = family;
-    listener_.tell(listener_.note, fmt::format("{}: splitting", name(row)));
-    TrialParticles particles(at, number, family, event_, trials_, listener_);
-    run = risk::split(request_.splitting, particles);
+    listener.note(fmt::format("{}: splitting", name(row)));
+    TrialParticles particles(at, number, family, event, trials, listener);
+    run = risk::split(request.splitting, particles);
     for (std::size_t kind = 0; kind < run.kinds.size(); ++kind)
       row.moves.emplace_back(particles.name_of_kind(kind), run.kinds[kind]);
     row.trials = run.evaluations;
@@ -221,18 +219,18 @@ class RiskRun {
   /// The first draws are crude trials already.
   void crude(std::size_t number, TrialParticles& particles, const risk::Splitting& run, RiskRow& row) {
     const std::size_t first = run.first.size();
-    row.crude_trials = std::max<std::size_t>(first, request_.crude.value_or(run.evaluations));
-    listener_.tell(listener_.note, fmt::format("{}: {} crude trials", name(row), row.crude_trials));
+    row.crude_trials = std::max<std::size_t>(first, request.crude.value_or(run.evaluations));
+    listener.note(fmt::format("{}: {} crude trials", name(row), row.crude_trials));
     auto hits = std::count(run.first.begin(), run.first.end(), risk::kEvent);
-    for (const TrialRow& one : trials_.rows(number, particles.unmoved(first, row.crude_trials), true))
-      hits += event_.happened(one) ? 1 : 0;
+    for (const TrialRow& one : trials.rows(number, particles.unmoved(first, row.crude_trials), true))
+      hits += event.happened(one) ? 1 : 0;
     const auto n = static_cast<std::int64_t>(row.crude_trials);
     row.crude = static_cast<double>(hits) / static_cast<double>(n);
     row.crude_interval = stats::wilson(hits, n);
   }
 
   void warn_of_jumps(const risk::Splitting& run, const RiskRow& row, std::vector<std::string>& warnings) const {
-    if (!event_.collision()) return;
+    if (!event.collision()) return;
     const auto contacts = std::count(run.first.begin(), run.first.end(), risk::kEvent);
     const auto near = std::count_if(run.first.begin(), run.first.end(),
                                     [](double score) { return score < risk::kEvent && score > -kNear; });
@@ -264,18 +262,12 @@ class RiskRun {
                                      name(row), excess));
     if (cut > 0 && strata.size() == 1)
       warnings.push_back(fmt::format("{}: {} replicates were cut after {} levels and count as 0", name(row), cut,
-                                     request_.splitting.levels));
+                                     request.splitting.levels));
   }
 
   static std::string name(const RiskRow& row) {
     return fmt::format("{}{}{}, {}", row.controller, row.label.empty() ? "" : " ", row.label, row.family);
   }
-
-  const RiskRequest& request_;
-  const Suite& suite_;
-  const RareEvent& event_;
-  const Listener& listener_;
-  MovedTrials& trials_;
 };
 
 }  // namespace
@@ -308,7 +300,7 @@ Risk estimate_risk(const RiskRequest& request, const Suite& suite, const RareEve
   risk.end = with_moved_trials(
       request, suite, listener,
       [&](MovedTrials& trials) {
-        RiskRun run(request, suite, event, listener, trials);
+        RiskRun run{request, suite, event, listener, trials};
         for (std::size_t p = 0; p < suite.points.size(); ++p) run.point(p, risk);
         if (trials.counts().errors > 0)
           risk.warnings.push_back(fmt::format("{} trials ended with an error and count as no event; the first: {}",

@@ -93,7 +93,7 @@ class Shrinker {
       bring_goal_near();
       round_numbers();
     } catch (const Interrupted& why) {
-      if (*why.what() != '\0') listener_.tell(listener_.warning, why.what());
+      if (*why.what() != '\0') listener_.warning(why.what());
       out_.end = End::kStopped;  // the smallest world so far fails
     }
     finish();
@@ -174,8 +174,8 @@ class Shrinker {
       }
       return take(candidates);
     });
-    listener_.tell(listener_.note, fmt::format("{} of {} objects, {} trials", now_.world.objects.size(),
-                                               whole.objects.size(), out_.trials));
+    listener_.note(
+        fmt::format("{} of {} objects, {} trials", now_.world.objects.size(), whole.objects.size(), out_.trials));
   }
 
   void switch_off() {
@@ -189,8 +189,8 @@ class Shrinker {
       if (values.is_object()) names.push_back("/" + group);
     for (const std::string& name : names) switch_off(name);
     for (const std::string& name : numbers_of(to_json(now_.disturbances))) switch_off(name);
-    listener_.tell(listener_.note, fmt::format("{} disturbances left, {} trials",
-                                               numbers_of(to_json(now_.disturbances)).size(), out_.trials));
+    listener_.note(
+        fmt::format("{} disturbances left, {} trials", numbers_of(to_json(now_.disturbances)).size(), out_.trials));
   }
 
   void switch_off(const std::string& name) {

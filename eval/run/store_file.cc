@@ -62,7 +62,7 @@ std::string no_end_text(const std::string& started, bool lock_left) {
 }
 
 void tell_killed(const std::vector<std::string>& started, bool lock_left, const Listener& listener) {
-  for (const std::string& when : started) listener.tell(listener.note, no_end_text(when, lock_left));
+  for (const std::string& when : started) listener.note(no_end_text(when, lock_left));
 }
 
 int usual_threads(bool cluster) {

@@ -36,19 +36,18 @@ class Tune {
 
   Tuned execute() {
     Tuned tuned;
-    const auto notice = [this](const std::string& text) { listener_.tell(listener_.notice, text); };
     lock_left_ = store::RunLock::there(file_);
-    const store::RunLock lock(file_, request_.stop, notice);
+    const store::RunLock lock(file_, request_.stop, listener_.notice);
     if (!lock.held()) return stopped(std::move(tuned), End::kNeverBegan, "the wait for the store");
     check_gains_file();
     tell_plan();
     tuned.search = search(lock.exclusive());
     if (!tuned.search) return stopped(std::move(tuned), End::kStopped, "the search");
-    if (listener_.searched) listener_.searched(*tuned.search);
+    listener_.searched(*tuned.search);
     if (request_.verdict) {
       tuned.verdict = judge(*tuned.search);
       if (!tuned.verdict) return stopped(std::move(tuned), End::kStopped, "the held-out evaluation");
-      if (listener_.judged) listener_.judged(*tuned.verdict);
+      listener_.judged(*tuned.verdict);
     }
     const bool better = tuned.verdict && tuned.verdict->overall == tune::Verdict::kBetter;
     if (tuned.search->found == tune::start_of(tuning_.config.variables) && !better) return tuned;  // nothing found
@@ -64,53 +63,49 @@ class Tune {
     return suite;
   }
 
-  void note(const std::string& text) const { listener_.tell(listener_.note, text); }
-
   void tell_plan() const {
-    note(fmt::format("{}, on {} thread{}: {}", tune::plan_text(tuning_), threads_, threads_ == 1 ? "" : "s",
-                     file_.string()));
-    note("objective: " + tune::objective_text(tuning_));
+    listener_.note(fmt::format("{}, on {} thread{}: {}", tune::plan_text(tuning_), threads_, threads_ == 1 ? "" : "s",
+                               file_.string()));
+    listener_.note("objective: " + tune::objective_text(tuning_));
   }
 
   std::optional<tune::SearchResult> search(bool exclusive) {
     store::Writer writer(file_);
     if (exclusive) tell_killed(writer.close_killed(), lock_left_, listener_);
     const std::string warning = store::file_system_warning(file_);
-    if (!warning.empty()) listener_.tell(listener_.warning, warning);
+    if (!warning.empty()) listener_.warning(warning);
     writer.begin(without_metrics(store::describe(tune::searched_suite(tuning_))), {request_.arguments, threads_}, {});
     store::TuneRecords records(writer, tune::search_record(tuning_), tuning_.config.variables);
-    if (records.present() > 0) note(fmt::format("{} evaluations are stored: going on from there", records.present()));
+    if (records.present() > 0)
+      listener_.note(fmt::format("{} evaluations are stored: going on from there", records.present()));
     StoredTrials trials(writer, StoredTrials::Of::kSearch);
     tune::TrialObjective objective(tuning_, trials, threads_, request_.stop);
-    objective.on_trial = [this] {
-      if (listener_.trial) listener_.trial();
-    };
+    objective.on_trial = listener_.trial;
     try {
       tune::SearchResult result =
           tune::search(tune::search_settings(tuning_), objective, records, listener_.evaluation);
-      progress_end();
+      listener_.progress_end();
       records.finish(result);
       writer.finish(store::RunStatus::kFinished);
       tell_counts(objective.counts());
       return result;
     } catch (const Interrupted& why) {
-      progress_end();
+      listener_.progress_end();
       tell_late(why.what());
       records.stopped();
       writer.finish(store::RunStatus::kStopped);
       return std::nullopt;
     } catch (...) {
-      progress_end();
+      listener_.progress_end();
       writer.fail();
       throw;
     }
   }
 
   void tell_counts(const TrialCounts& counts) const {
-    note(fmt::format("{} trials computed, {} taken from the store", counts.computed, counts.reused));
+    listener_.note(fmt::format("{} trials computed, {} taken from the store", counts.computed, counts.reused));
     if (counts.errors > 0) {
-      listener_.tell(listener_.warning,
-                     fmt::format("{} trials ended with an error; the first: {}", counts.errors, counts.first_error));
+      listener_.warning(fmt::format("{} trials ended with an error; the first: {}", counts.errors, counts.first_error));
     }
   }
 
@@ -121,7 +116,8 @@ class Tune {
     store::Writer writer(file_);
     const auto present =
         writer.begin(without_metrics(store::describe(held_out.suite)), {request_.arguments, threads_}, wanted);
-    note(fmt::format("held-out worlds: {} trials, {} of them already there", held_out.jobs.size(), present.size()));
+    listener_.note(
+        fmt::format("held-out worlds: {} trials, {} of them already there", held_out.jobs.size(), present.size()));
     BatchOptions batch;
     batch.threads = threads_;
     batch.stop = request_.stop;
@@ -135,12 +131,12 @@ class Tune {
     try {
       rows = trial_rows(held_out.suite.points, held_out.jobs, batch, &trials, counts);
     } catch (const Interrupted& why) {
-      progress_end();
+      listener_.progress_end();
       tell_late(why.what());
       writer.finish(store::RunStatus::kStopped);
       return std::nullopt;
     }
-    progress_end();
+    listener_.progress_end();
     writer.finish(store::RunStatus::kFinished);
     const tune::HeldOutVerdict verdict = tune::judge(tuning_, held_out, rows);
     store::TuneRecords records(writer, tune::search_record(tuning_), tuning_.config.variables);
@@ -186,11 +182,7 @@ class Tune {
   }
 
   void tell_late(const std::string& text) const {
-    if (!text.empty()) listener_.tell(listener_.warning, text);
-  }
-
-  void progress_end() const {
-    if (listener_.progress_end) listener_.progress_end();
+    if (!text.empty()) listener_.warning(text);
   }
 
   const TuneRequest& request_;

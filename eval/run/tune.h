@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "eval/run/listener.h"
 #include "eval/search/search.h"
@@ -22,10 +21,12 @@ struct TuneRequest : Request {
 };
 
 struct TuneListener : Listener {
-  std::function<void()> trial;                              ///< the search computed a trial
-  std::function<void(const tune::Progress&)> evaluation;    ///< an evaluation ended
-  std::function<void(const tune::SearchResult&)> searched;  ///< the search ended; the verdict comes next
-  std::function<void(const tune::HeldOutVerdict&)> judged;  ///< the verdict is there; the gains are written next
+  std::function<void()> trial = {};                            ///< the search computed a trial; may be empty
+  std::function<void(const tune::Progress&)> evaluation = {};  ///< an evaluation ended; may be empty
+  /// The search ended; the verdict comes next.
+  std::function<void(const tune::SearchResult&)> searched = [](const tune::SearchResult&) {};
+  /// The verdict is there; the gains are written next.
+  std::function<void(const tune::HeldOutVerdict&)> judged = [](const tune::HeldOutVerdict&) {};
 };
 
 struct Tuned {

@@ -115,7 +115,12 @@ class Verifier {
     found_.chosen = chosen.size();
     collect(chosen);
     if (replay()) found_.end = End::kStopped;
-    if (found_.end == End::kFinished) check_searches(searched);
+    if (found_.end == End::kFinished) {
+      std::vector<std::string> again;
+      if (request_.point.empty()) again = choose(searched, request_.fraction, request_.seed);
+      verify_searches(
+          reader_, request_, {again.begin(), again.end()}, [this](const std::string& text) { complain(text); }, found_);
+    }
     found_.hash = reader_.result_hash();
     tell_unchecked();
     return found_;
@@ -124,7 +129,7 @@ class Verifier {
  private:
   void complain(const std::string& text) {
     ++found_.findings;
-    listener_.tell(listener_.warning, text);
+    listener_.warning(text);
   }
 
   std::vector<std::string> asked_for(const std::vector<std::string>& all) const {
@@ -214,8 +219,8 @@ class Verifier {
       jobs_.push_back({points_.size(), trial.world_index, key});
       points_.push_back(*point);
       worlds_.push_back(std::move(world));
-      rows_.push_back(std::move(trial.row));
-      classes_.push_back(std::move(trial.machine_class));
+      trial.world.clear(), trial.resolved_suite.clear(), trial.samples.reset();  // large
+      stored_.push_back(std::move(trial));
     }
   }
 
@@ -242,14 +247,14 @@ class Verifier {
       compare(job, result, drawn[job.point] != 0);
       return true;
     });
-    if (listener_.progress_end) listener_.progress_end();
+    listener_.progress_end();
     return summary.stopped;
   }
 
   void compare(const BatchJob& job, const BatchResult& result, bool drawn) {
-    ReplayDifferences found = differences(rows_[job.point], classes_[job.point], result.output.row);
-    for (const std::string_view column : store::missing_columns(rows_[job.point], result.output.row))
-      ++missing_[column];
+    ReplayDifferences found = differences(stored_[job.point].row, stored_[job.point].machine_class, result.output.row);
+    for (const std::string_view column : store::missing_columns(stored_[job.point].row, result.output.row))
+      ++found_.missing[column];
     if (!drawn) found.lines.push_back("its world is not the one that its suite draws");
     try {
       if (const auto samples = reader_.trial(job.key).samples) {
@@ -265,28 +270,9 @@ class Verifier {
         metrics_.differences(reader_.metrics(job.key), *points_[job.point].robot->model, result.output.trace, unable_);
     found.lines.insert(found.lines.end(), metrics.begin(), metrics.end());
     if (found.lines.empty()) return;
-    if (listener_.progress_end) listener_.progress_end();
+    listener_.progress_end();
     complain(fmt::format("trial {}: {}{}", job.key.substr(0, 16), fmt::join(found.lines, "; "),
                          !found.stored_machine.empty() ? " (computed on a machine of another class)" : ""));
-  }
-
-  void check_searches(const std::vector<std::string>& keys) {
-    SearchesRequest request;
-    if (request_.point.empty()) {
-      const std::vector<std::string> chosen = choose(keys, request_.fraction, request_.seed);
-      request.chosen.insert(chosen.begin(), chosen.end());
-    }
-    request.threads = request_.threads, request.plugins = request_.plugins, request.stop = request_.stop;
-    request.finding = [this](const std::string& text) { complain(text); };
-    SearchesFound found = verify_searches(reader_, request);
-    found_.searches = found.searches;
-    found_.verdicts = found.verdicts;
-    found_.chosen += found.replayed;
-    found_.replayed += found.replayed;
-    if (found.stopped) found_.end = End::kStopped;
-    found_.not_checked = std::move(found.not_checked);
-    found_.in_doubt = std::move(found.in_doubt);
-    for (const auto& [column, n] : found.missing) missing_[column] += n;
   }
 
   void tell_running() const {
@@ -294,8 +280,8 @@ class Verifier {
     const std::vector<std::string> started = reader_.running();
     for (const std::string& when : started) {
       const bool last = &when == &started.back();
-      listener_.tell(listener_.notice, at_work && last ? fmt::format("the run of {} is at work", when)
-                                                       : no_end_text(when, store::RunLock::there(request_.file)));
+      listener_.notice(at_work && last ? fmt::format("the run of {} is at work", when)
+                                       : no_end_text(when, store::RunLock::there(request_.file)));
     }
   }
 
@@ -315,7 +301,7 @@ class Verifier {
                       "they are not this one's",
                       fmt::join(views, ", ")));
     for (const std::string& text : unable_) doubt.push_back(text);
-    for (const auto& [column, n] : missing_)
+    for (const auto& [column, n] : found_.missing)
       doubt.push_back(
           fmt::format("trial.{}: {} trials have no value and come out with one: it was removed, or a moma stored "
                       "them that did not measure it",
@@ -331,14 +317,11 @@ class Verifier {
   std::vector<SuitePoint> points_;
   std::vector<BatchJob> jobs_;
   std::vector<std::shared_ptr<const World>> worlds_;
-  std::vector<TrialRow> rows_;
-  std::vector<std::string> classes_;
+  std::vector<store::StoredTrial> stored_;      ///< the chosen ones, without world, suite and samples
   std::map<std::string, std::size_t> unbuilt_;  ///< why trials or points could not be built
   std::size_t keys_unchecked_ = 0;
   std::size_t samples_compared_ = 0;
   std::set<std::string> unable_;
-  std::map<std::string_view, std::size_t>
-      missing_;  ///< trials without the column's value, although they come out with one
   Verification found_;
 };
 

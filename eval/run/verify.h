@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "eval/run/listener.h"
@@ -29,7 +31,9 @@ struct Verification {
   std::vector<std::string> in_doubt;     ///< what was to be checked and could not be: the store is not called sound
   std::size_t searches = 0;              ///< run again over their stored trials (eval/run/verify_searches.h)
   std::size_t verdicts = 0;              ///< of them, judged again
-  std::string hash;                      ///< over every result: equal hashes mean equal rows
+  /// Trials without a column's value that come out with one.
+  std::map<std::string_view, std::size_t> missing;
+  std::string hash;  ///< over every result: equal hashes mean equal rows
   End end = End::kFinished;
 
   /// Whether something was to be replayed and nothing could be.

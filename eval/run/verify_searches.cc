@@ -32,15 +32,22 @@ using Robots = std::map<std::string, ordered_json>;  // resolved ones by their d
 /// Thrown where the stored evaluations end.
 struct Ended {};
 
+struct Check {
+  const store::Reader& reader;
+  const VerifyRequest& request;
+  const std::set<std::string>& chosen;  ///< trials that are computed again
+  const Listener::Text& finding;
+  Verification& found;
+};
+
 /// Answers with the stored rows. Of the chosen trials it has none, so that they are simulated again; add() compares.
 class Trials : public TrialSource {
  public:
-  Trials(const store::Reader& reader, const SearchesRequest& request, SearchesFound& found)
-      : reader_(reader), request_(request), found_(found) {}
+  explicit Trials(const Check& check) : check_(check) {}
 
   std::optional<TrialRow> find(const std::string& key) override {
     met_.insert(key);
-    if (request_.chosen.contains(key) && !compared_.contains(key)) return std::nullopt;
+    if (check_.chosen.contains(key) && !compared_.contains(key)) return std::nullopt;
     return stored(key).row;
   }
   void add(const SuitePoint& /*point*/, const BatchJob& job, const BatchResult& result) override {
@@ -49,7 +56,7 @@ class Trials : public TrialSource {
     const World* const world = result.world.get();
     const store::LoneTrial kept = stored(key);
     std::vector<std::string> lines = differences(kept.row, kept.machine_class, row).lines;
-    for (const std::string_view column : store::missing_columns(kept.row, row)) ++found_.missing[column];
+    for (const std::string_view column : store::missing_columns(kept.row, row)) ++check_.found.missing[column];
     const auto json = config::parse_json(kept.world, "world");
     const bool missing = json.contains("missing");
     const bool same = world == nullptr || missing
@@ -57,7 +64,7 @@ class Trials : public TrialSource {
                           : to_json(world_from_json(json, "world")).dump() == to_json(*world).dump();
     if (!same) lines.emplace_back("its world is not the one that its search draws");
     if (!lines.empty())
-      request_.finding(fmt::format("trial {}, of a search: {}", key.substr(0, 16), fmt::join(lines, "; ")));
+      check_.finding(fmt::format("trial {}, of a search: {}", key.substr(0, 16), fmt::join(lines, "; ")));
     compared_.insert(key);
   }
   std::size_t compared() const { return compared_.size(); }
@@ -65,14 +72,12 @@ class Trials : public TrialSource {
 
  private:
   store::LoneTrial stored(const std::string& key) const {
-    std::optional<store::LoneTrial> trial = reader_.lone_trial(key);
+    std::optional<store::LoneTrial> trial = check_.reader.lone_trial(key);
     if (!trial) throw std::runtime_error(fmt::format("trial {} is missing", key.substr(0, 16)));
     return std::move(*trial);
   }
 
-  const store::Reader& reader_;
-  const SearchesRequest& request_;
-  SearchesFound& found_;
+  const Check& check_;
   std::set<std::string> met_, compared_;
 };
 
@@ -100,12 +105,9 @@ class Log : public tune::EvaluationLog {
 
 class Search {
  public:
-  Search(const store::Reader& reader, const SearchesRequest& request, Trials& trials, SearchesFound& found,
-         const store::StoredSearch& stored, std::int64_t id)
-      : reader_(reader),
-        request_(request),
+  Search(const Check& check, Trials& trials, const store::StoredSearch& stored, std::int64_t id)
+      : check_(check),
         trials_(trials),
-        found_(found),
         stored_(stored),
         name_(fmt::format("search {} ({} of {})", id, stored.record.controller, stored.record.suite)) {}
 
@@ -114,12 +116,12 @@ class Search {
     attempt("tune_search: ", [&] { tuning = make_tuning(robots); });
     if (!tuning) return;
     attempt("", [&] { run(*tuning); });
-    if (!found_.stopped) attempt("", [&] { judge(*tuning); });
+    if (check_.found.end == End::kFinished) attempt("", [&] { judge(*tuning); });
   }
 
  private:
-  void complain(const std::string& text) const { request_.finding(fmt::format("{}: {}", name_, text)); }
-  void doubt(const std::string& text) const { found_.in_doubt.push_back(fmt::format("{}: {}", name_, text)); }
+  void complain(const std::string& text) const { check_.finding(fmt::format("{}: {}", name_, text)); }
+  void doubt(const std::string& text) const { check_.found.in_doubt.push_back(fmt::format("{}: {}", name_, text)); }
 
   /// Tells of whatever stands in the way: nearly anything can be in a store that was changed.
   template <class Work>
@@ -154,7 +156,7 @@ class Search {
     try {
       return tune::stored_tuning(parsed(kept.identity, "tune_search.identity"),
                                  kept.held_out ? parsed(*kept.held_out, "tune_search.held_out") : ordered_json(),
-                                 robots, request_.plugins);
+                                 robots, check_.request.plugins);
     } catch (const tune::NotStored& why) {
       doubt(fmt::format("cannot be run again: {}", why.what()));
     } catch (const PluginRefused&) {
@@ -167,7 +169,7 @@ class Search {
     const store::TuneSearchRecord& kept = stored_.record;
     const bool ended = kept.status == tune::SearchStatus::kFinished || !stored_.finalists.empty();
     Log log(stored_.evaluations);
-    tune::TrialObjective objective(tuning, trials_, request_.threads, request_.stop);
+    tune::TrialObjective objective(tuning, trials_, check_.request.threads, check_.request.stop);
     std::optional<tune::SearchResult> result;
     try {
       result = tune::search(tune::search_settings(tuning), objective, log);
@@ -177,11 +179,11 @@ class Search {
             fmt::format("tune_evaluation: the search has an end, and evaluation {} is missing", log.appended()));
     } catch (const Interrupted& why) {
       const std::string late = why.what();
-      found_.stopped = late.empty();
-      if (!late.empty()) doubt(late);
+      if (!late.empty()) return doubt(late);
+      check_.found.end = End::kStopped;
       return;
     }
-    ++found_.searches;
+    ++check_.found.searches;
     if (log.appended() < stored_.evaluations.size())
       complain(fmt::format("tune_evaluation: {} rows, and the search ends after {}", stored_.evaluations.size(),
                            log.appended()));
@@ -215,11 +217,11 @@ class Search {
     if (!kept.verdict || !kept.held_out_suite || gains.size() != tuning.config.variables.size())
       throw std::runtime_error("tune_search: it has a part of a verdict");
     const tune::HeldOut held_out = tune::make_held_out(tuning, gains);
-    const std::vector<std::string> in_suite = reader_.keys_of_suite(*kept.held_out_suite);
+    const std::vector<std::string> in_suite = check_.reader.keys_of_suite(*kept.held_out_suite);
     std::vector<TrialRow> rows;
     for (const BatchJob& job : held_out.jobs) {
       std::optional<store::LoneTrial> trial;
-      if (std::binary_search(in_suite.begin(), in_suite.end(), job.key)) trial = reader_.lone_trial(job.key);
+      if (std::binary_search(in_suite.begin(), in_suite.end(), job.key)) trial = check_.reader.lone_trial(job.key);
       if (!trial)
         throw std::runtime_error(fmt::format("tune_search: suite {} has no trial of {} in world {}",
                                              *kept.held_out_suite, held_out.suite.points[job.point].controller,
@@ -227,17 +229,15 @@ class Search {
       rows.push_back(std::move(trial->row));
     }
     const tune::HeldOutVerdict verdict = tune::judge(tuning, held_out, rows);
-    ++found_.verdicts;
+    ++check_.found.verdicts;
     compare("tune_comparison", stored_.comparisons, verdict.rows);
     if (verdict.overall != *kept.verdict)
       complain(fmt::format("tune_search: verdict '{}', and its trials give '{}'", to_string(*kept.verdict),
                            to_string(verdict.overall)));
   }
 
-  const store::Reader& reader_;
-  const SearchesRequest& request_;
+  const Check& check_;
   Trials& trials_;
-  SearchesFound& found_;
   const store::StoredSearch& stored_;
   std::string name_;
 };
@@ -256,28 +256,29 @@ Robots robots_of(const store::Reader& reader) {
 
 }  // namespace
 
-SearchesFound verify_searches(const store::Reader& reader, const SearchesRequest& request) {
-  SearchesFound found;
+void verify_searches(const store::Reader& reader, const VerifyRequest& request, const std::set<std::string>& chosen,
+                     const Listener::Text& finding, Verification& found) {
+  const Check check{reader, request, chosen, finding, found};
   const std::vector<std::int64_t> ids = reader.searches();
   const Robots robots = ids.empty() ? Robots{} : robots_of(reader);
-  Trials trials(reader, request, found);
+  Trials trials(check);
   for (const std::int64_t id : ids) {
-    if (found.stopped) break;
+    if (found.end != End::kFinished) break;
     try {
       const store::StoredSearch stored = reader.search(id);
-      Search(reader, request, trials, found, stored, id).execute(robots);
+      Search(check, trials, stored, id).execute(robots);
     } catch (const store::StoreError& error) {
       if (error.kind() != store::StoreError::Kind::kUnusable) throw;
-      request.finding(fmt::format("search {}: {}", id, error.what()));
+      finding(fmt::format("search {}: {}", id, error.what()));
     }
   }
-  found.replayed = trials.compared();
+  found.chosen += trials.compared();
+  found.replayed += trials.compared();
   const std::vector<std::string> keys = reader.searched_keys();
   const auto left = std::count_if(keys.begin(), keys.end(), [&](const std::string& key) { return !trials.met(key); });
   if (left > 0)
     found.not_checked.push_back(
         fmt::format("{} trials that belong to no point, nor to a search that was run again", left));
-  return found;
 }
 
 }  // namespace moma::run

@@ -38,6 +38,18 @@ std::vector<Vector3> outermost(const config::UrdfCollision& visual) {
   return points;
 }
 
+/// Gap from a small shape at X_WP to the nearest of the model's shapes for which `counts` is true; infinite without
+/// any. [m]
+template <class Counts>
+double gap(const RobotModel& model, const Kinematics& at, const Shape& small, const Isometry& X_WP,
+           const Counts& counts) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const CollisionShape& shape : model.shapes)
+    if (counts(shape))
+      least = std::min(least, shape_distance(small, X_WP, shape.shape, at.X_WS(shape)).d + kPointRadius);
+  return least;
+}
+
 }  // namespace
 
 std::vector<std::string> wheel_warnings(const RobotModel& model) {
@@ -47,23 +59,18 @@ std::vector<std::string> wheel_warnings(const RobotModel& model) {
   const Kinematics at_ready(std::make_shared<RobotModel>(model));
   const Shape upright{ShapeKind::kCapsule, Vector3(kPointRadius, 20.0, 0.0), nullptr};
   double most = 0.0;
-  bool any = false;
   for (const double side : {-0.5, 0.5}) {
     for (const double end : {-0.5, 0.5}) {
       for (int i = -4; i <= 4; ++i) {
         Isometry X_WP = at_ready.X_WB();
         X_WP.translate(Vector3(end * wheels.wheelbase + 0.25 * i * wheels.radius, side * wheels.separation, 0.0));
-        double least = std::numeric_limits<double>::infinity();
-        for (const CollisionShape& shape : model.shapes) {
-          if (!shape.rigid_with_base) continue;
-          any = true;
-          least = std::min(least, shape_distance(upright, X_WP, shape.shape, at_ready.X_WS(shape)).d + kPointRadius);
-        }
-        most = std::max(most, least);
+        most = std::max(most, gap(model, at_ready, upright, X_WP,
+                                  [](const CollisionShape& shape) { return shape.rigid_with_base; }));
       }
     }
   }
-  if (!any) return {"the base has wheels but no collision shape: give it a `footprint`, and its wheels a `width`"};
+  if (std::isinf(most))
+    return {"the base has wheels but no collision shape: give it a `footprint`, and its wheels a `width`"};
   if (!(most > kReach)) return {};
   return {
       fmt::format("the wheels extend {:.0f} mm beyond the base's collision shapes, so that their contacts do not "
@@ -88,21 +95,14 @@ std::vector<std::string> visual_warnings(const std::filesystem::path& robot_file
   for (const config::UrdfCollision& visual : visuals) {
     const int link = model.find_link(visual.link);
     if (link < 0) continue;
-    double most = 0.0;
-    bool any = false;
+    double& most = reach[visual.link];
     for (const Vector3& p_L : outermost(visual)) {
       Isometry X_WP = at_ready.X_WL(link);
       X_WP.translate(p_L);
-      double least = std::numeric_limits<double>::infinity();
-      for (const CollisionShape& shape : model.shapes) {
-        if (config::can_move_against(model, link, shape.link)) continue;
-        any = true;
-        least = std::min(least, shape_distance(point, X_WP, shape.shape, at_ready.X_WS(shape)).d + kPointRadius);
-      }
-      if (any) most = std::max(most, least);
+      most = std::max(most, gap(model, at_ready, point, X_WP, [&](const CollisionShape& shape) {
+                        return !config::can_move_against(model, link, shape.link);
+                      }));
     }
-    double& known = reach[visual.link];
-    known = std::max(known, any ? most : std::numeric_limits<double>::infinity());
   }
   std::vector<std::pair<double, std::string>> worst;
   for (const auto& [link, most] : reach)

@@ -1,6 +1,5 @@
 #include "eval/store/contents.h"
 
-#include <SQLiteCpp/Column.h>
 #include <SQLiteCpp/Database.h>
 #include <SQLiteCpp/Exception.h>
 #include <SQLiteCpp/Statement.h>
@@ -50,6 +49,8 @@ class Checker {
 
  private:
   void tell(const std::string& text) const { finding_(text); }
+  /// `sql` gives a sentence for each disagreement.
+  void tell_all(const std::string& sql) const { for_rows<std::string>(db_, sql, finding_); }
 
   /// Whether anything but this build says that it wrote to the store.
   bool other_builds() const {
@@ -73,11 +74,9 @@ class Checker {
                          ours ? "not the one that this moma makes" : "missing"));
       }
     }
-    for_rows<std::string, std::string>(
-        db_, "SELECT name, tbl_name FROM sqlite_schema WHERE type = 'trigger'",
-        [&](const std::string& name, const std::string& table) {
-          tell(fmt::format("trigger {} on {}: moma makes none, and none runs while moma writes", name, table));
-        });
+    tell_all(
+        "SELECT printf('trigger %s on %s: moma makes none, and none runs while moma writes', name, tbl_name) FROM "
+        "sqlite_schema WHERE type = 'trigger'");
   }
 
   /// What is shown is the name of the file, or NAME@2, NAME@3 ... where that was taken (free_name()): a suite,
@@ -158,12 +157,12 @@ class Checker {
   }
 
   /// Rows without their trial are SQLite's check of foreign keys; here: keys that are none.
-  void check_keys() {
-    for (const char* table : {"trial", "point_trial", "execution", "samples", "metric_value"}) {
-      const std::size_t n = count(
-          db_, fmt::format("SELECT count(*) FROM main.{} WHERE typeof(key) <> 'blob' OR length(key) <> 16", table));
-      if (n > 0) tell(fmt::format("{}: {} keys are not of 16 bytes", table, n));
-    }
+  void check_keys() const {
+    for (const char* table : {"trial", "point_trial", "execution", "samples", "metric_value"})
+      tell_all(
+          fmt::format("SELECT printf('{0}: %d keys are not of 16 bytes', n) FROM (SELECT count(*) AS n FROM main.{0} "
+                      "WHERE typeof(key) <> 'blob' OR length(key) <> 16) WHERE n > 0",
+                      table));
   }
 
   void check_copies() {
@@ -174,65 +173,42 @@ class Checker {
       const std::size_t end = std::min(names.find(", ", begin), names.size());
       const std::string name = names.substr(begin, end - begin);
       begin = end + 2;
-      if (there.count(name) == 0) continue;
-      differ += fmt::format("{0}iif(m.{1} IS NOT t.{1}, '{1} ', '')", differ.empty() ? "" : " || ", name);
+      if (there.count(name) > 0) differ += fmt::format("iif(m.{0} IS NOT t.{0}, ' {0}', '') || ", name);
     }
-    for_rows<std::string, std::int64_t, std::int64_t, std::string>(
-        db_,
-        fmt::format("SELECT lower(substr(hex(m.key), 1, 16)), m.point_id, m.world_index, {} || iif(m.world_id IS NOT "
-                    "t.world_id, 'world_id ', '') || iif(m.family IS NOT w.family, 'family ', '') AS differ "
-                    "FROM main.point_trial AS m JOIN main.trial AS t ON t.key = m.key "
-                    "JOIN main.world AS w ON w.id = t.world_id WHERE differ <> ''",
-                    differ),
-        [&](const std::string& key, std::int64_t point, std::int64_t world, const std::string& columns) {
-          tell(fmt::format("trial {}: its copy in point_trial (point {}, world {}) differs in: {}", key, point, world,
-                           columns.substr(0, columns.size() - 1)));
-        });
+    tell_all(fmt::format(
+        "SELECT printf('trial %s: its copy in point_trial (point %d, world %d) differs in:%s', "
+        "lower(substr(hex(m.key), 1, 16)), m.point_id, m.world_index, {0}) FROM main.point_trial AS m JOIN main.trial "
+        "AS t ON t.key = m.key JOIN main.world AS w ON w.id = t.world_id WHERE {0} <> ''",
+        differ + "iif(m.world_id IS NOT t.world_id, ' world_id', '') || iif(m.family IS NOT w.family, ' family', '')"));
     counts_.copies = count(db_, "SELECT count(*) FROM main.point_trial");
   }
 
   /// What somebody could have taken away: trials that a run stored and no point has (a search plans none, and links
   /// none), trials that a finished run had, and values of the metrics that a suite has.
-  void check_missing() {
-    if (const std::size_t n =
-            count(db_,
-                  "SELECT count(*) FROM main.trial AS t LEFT JOIN main.execution AS e USING (key) LEFT JOIN "
-                  "main.invocation AS i ON i.id = e.invocation_id WHERE coalesce(i.trials_planned, 1) > 0 AND NOT "
-                  "EXISTS (SELECT 1 FROM main.point_trial AS m WHERE m.key = t.key)");
-        n > 0)
-      tell(
-          fmt::format("{} trials belong to no point, although execution and invocation say that a run stored them: "
-                      "tables leave them out",
-                      n));
-    for_rows<std::string, std::int64_t, std::int64_t>(
-        db_,
-        "SELECT u.name, max(i.trials_planned) AS planned, (SELECT count(*) FROM main.point_trial AS m JOIN "
-        "main.point AS p ON p.id = m.point_id WHERE p.suite_id = u.id) AS there FROM main.suite AS u JOIN "
-        "main.invocation AS i ON i.suite_id = u.id WHERE i.status = 'finished' GROUP BY u.id HAVING there "
-        "< planned",
-        [&](const std::string& suite, std::int64_t planned, std::int64_t there) {
-          tell(fmt::format("suite {}: a run finished with {} trials (invocation), and {} are there (point_trial)",
-                           suite, planned, there));
-        });
+  void check_missing() const {
+    tell_all(
+        "SELECT printf('%d trials belong to no point, although execution and invocation say that a run stored them: "
+        "tables leave them out', n) FROM (SELECT count(*) AS n FROM main.trial AS t LEFT JOIN main.execution AS e "
+        "USING "
+        "(key) LEFT JOIN main.invocation AS i ON i.id = e.invocation_id WHERE coalesce(i.trials_planned, 1) > 0 AND "
+        "NOT "
+        "EXISTS (SELECT 1 FROM main.point_trial AS m WHERE m.key = t.key)) WHERE n > 0");
+    tell_all(
+        "SELECT printf('suite %s: a run finished with %d trials (invocation), and %d are there (point_trial)', name, "
+        "planned, there) FROM (SELECT u.name, max(i.trials_planned) AS planned, (SELECT count(*) FROM main.point_trial "
+        "AS m JOIN main.point AS p ON p.id = m.point_id WHERE p.suite_id = u.id) AS there FROM main.suite AS u JOIN "
+        "main.invocation AS i ON i.suite_id = u.id WHERE i.status = 'finished' GROUP BY u.id) WHERE there < planned");
     for (const char* table : {"invocation", "tune_search"})  // a killed one has no end
-      for_rows<std::int64_t>(
-          db_,
-          fmt::format("SELECT id FROM main.{} WHERE iif(ended IS NULL, status = 'finished', status = 'running')",
-                      table),
-          [&](std::int64_t id) {
-            tell(fmt::format("{} {}: its status and its end contradict each other", table, id));
-          });
-    for_rows<std::int64_t, std::string, std::string, std::int64_t>(
-        db_,
-        "SELECT p.id, j.key, j.value, count(*) FROM main.point AS p JOIN main.resolved_suite AS r ON r.id = "
-        "p.resolved_suite_id AND json_valid(r.resolved), json_each(r.resolved, '$.metrics') AS j JOIN "
-        "main.point_trial AS m ON m.point_id = p.id WHERE NOT EXISTS (SELECT 1 FROM main.metric_value AS v "
-        "JOIN main.metric AS d ON d.id = v.metric_id WHERE v.key = m.key AND d.file_name = j.key AND "
-        "d.expression = j.value) GROUP BY p.id, j.key",
-        [&](std::int64_t point, const std::string& metric, const std::string& expression, std::int64_t n) {
-          tell(fmt::format("point {}: {} trials have no value of metric {} as its suite has it: {:.200}", point, n,
-                           metric, expression));
-        });
+      tell_all(
+          fmt::format("SELECT printf('{0} %d: its status and its end contradict each other', id) FROM main.{0} "
+                      "WHERE iif(ended IS NULL, status = 'finished', status = 'running')",
+                      table));
+    tell_all(
+        "SELECT printf('point %d: %d trials have no value of metric %s as its suite has it: %!.200s', p.id, count(*), "
+        "j.key, j.value) FROM main.point AS p JOIN main.resolved_suite AS r ON r.id = p.resolved_suite_id AND "
+        "json_valid(r.resolved), json_each(r.resolved, '$.metrics') AS j JOIN main.point_trial AS m ON m.point_id = "
+        "p.id WHERE NOT EXISTS (SELECT 1 FROM main.metric_value AS v JOIN main.metric AS d ON d.id = v.metric_id WHERE "
+        "v.key = m.key AND d.file_name = j.key AND d.expression = j.value) GROUP BY p.id, j.key");
   }
 
   void hash_tables() {

@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <map>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -26,10 +27,6 @@ namespace fs = std::filesystem;
 using Kind = StoreError::Kind;
 
 constexpr int kBusyTimeoutMs = 10000;
-
-StoreError unusable(const fs::path& file, const std::string& message) {
-  return {Kind::kUnusable, fmt::format("{}: {}", file.string(), message)};
-}
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
@@ -151,39 +148,22 @@ void remove_empty_wal(const fs::path& file) noexcept {
 }  // namespace
 
 StoreError explain(const SQLite::Exception& error, const fs::path& file, Kind kind) {
-  std::string message;
-  switch (error.getErrorCode()) {
-    case SQLITE_FULL:
-      message = "the disk is full";
-      break;
-    case SQLITE_BUSY:
-    case SQLITE_LOCKED:
-      message = "is locked by another program that is writing to it; try again when it is done";
-      kind = Kind::kInterrupted;  // nothing is wrong with the store or the command
-      break;
-    case SQLITE_READONLY:
-      message = "cannot be written: the file or its folder is read-only";
-      break;
-    case SQLITE_NOTADB:
-      message = "is not an SQLite database; a store written by 'moma run' is needed";
-      break;
-    case SQLITE_CORRUPT:
-      message = "is damaged; 'moma verify' tells how far";
-      break;
-    case SQLITE_CANTOPEN:
-      message = "cannot be opened";
-      break;
-    case SQLITE_CONSTRAINT:
-      message = "holds or would get what breaks a rule of its tables; 'moma verify' tells which";
-      break;
-    case SQLITE_IOERR:
-      message = "reading or writing failed (is the disk full or gone?)";
-      break;
-    default:
-      break;
-  }
-  if (message.empty()) message = error.what();
-  return {kind, fmt::format("{}: {} (SQLite: {})", file.string(), message, error.what())};
+  static const std::map<int, const char*> kWords{
+      {SQLITE_FULL, "the disk is full"},
+      {SQLITE_BUSY, "is locked by another program that is writing to it; try again when it is done"},
+      {SQLITE_LOCKED, "is locked by another program that is writing to it; try again when it is done"},
+      {SQLITE_READONLY, "cannot be written: the file or its folder is read-only"},
+      {SQLITE_NOTADB, "is not an SQLite database; a store written by 'moma run' is needed"},
+      {SQLITE_CORRUPT, "is damaged; 'moma verify' tells how far"},
+      {SQLITE_CANTOPEN, "cannot be opened"},
+      {SQLITE_CONSTRAINT, "holds or would get what breaks a rule of its tables; 'moma verify' tells which"},
+      {SQLITE_IOERR, "reading or writing failed (is the disk full or gone?)"}};
+  const int code = error.getErrorCode();
+  // A lock passes: nothing is wrong with the store or the command.
+  if (code == SQLITE_BUSY || code == SQLITE_LOCKED) kind = Kind::kInterrupted;
+  const auto words = kWords.find(code);
+  return {kind, fmt::format("{}: {} (SQLite: {})", file.string(), words != kWords.end() ? words->second : error.what(),
+                            error.what())};
 }
 
 SQLite::Database open_database(const fs::path& file, Access access) {
@@ -218,12 +198,14 @@ SQLite::Database open_database(const fs::path& file, Access access) {
     }
     return db;
   } catch (const SQLite::Exception& error) {
-    if (!there && access == Access::kCreate) {  // leave nothing half-made behind
-      std::error_code ignored;
-      for (const char* suffix : {"", "-wal", "-shm", "-journal"}) fs::remove(file.string() + suffix, ignored);
-    }
+    if (!there && access == Access::kCreate) remove_store(file);  // leave nothing half-made behind
     throw explain(error, file, Kind::kUnusable);
   }
+}
+
+void remove_store(const fs::path& file) {
+  std::error_code ignored;
+  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) fs::remove(file.string() + suffix, ignored);
 }
 
 ReadConnection::ReadConnection(const fs::path& file) : file_(file), db_(open_database(file, Access::kReadOnly)) {}
@@ -234,42 +216,18 @@ ReadConnection::~ReadConnection() {
 }
 
 std::string file_system_warning(const fs::path& file) {
+  // Magic numbers of linux/magic.h and statfs(2).
+  static const std::map<unsigned long, const char*> kNetworks{
+      {0x6969UL, "NFS"},     {0xff534d42UL, "CIFS"},   {0xfe534d42UL, "SMB2"}, {0x517bUL, "SMB"},
+      {0x5346414fUL, "AFS"}, {0x0bd00bd0UL, "Lustre"}, {0x47504653UL, "GPFS"}, {0x65735546UL, "FUSE"}};
   struct statfs info {};
   if (::statfs(folder_of(file).c_str(), &info) != 0) return "";
-  // Magic numbers of linux/magic.h and statfs(2).
-  const char* name = nullptr;
-  switch (static_cast<unsigned long>(info.f_type) & 0xffffffffUL) {
-    case 0x6969UL:
-      name = "NFS";
-      break;
-    case 0xff534d42UL:
-      name = "CIFS";
-      break;
-    case 0xfe534d42UL:
-      name = "SMB2";
-      break;
-    case 0x517bUL:
-      name = "SMB";
-      break;
-    case 0x5346414fUL:
-      name = "AFS";
-      break;
-    case 0x0bd00bd0UL:
-      name = "Lustre";
-      break;
-    case 0x47504653UL:
-      name = "GPFS";
-      break;
-    case 0x65735546UL:
-      name = "FUSE";
-      break;
-    default:
-      return "";
-  }
+  const auto found = kNetworks.find(static_cast<unsigned long>(info.f_type) & 0xffffffffUL);
+  if (found == kNetworks.end()) return "";
   return fmt::format(
       "{}: lies on a network file system ({}), whose locks SQLite cannot trust: write shards to a local "
       "disk and join them with 'moma merge'",
-      file.string(), name);
+      file.string(), found->second);
 }
 
 namespace {

@@ -21,6 +21,9 @@ enum class Access { kReadOnly, kReadWrite, kCreate };
 /// permission, not SQLite, another program's, from a newer moma, locked.
 SQLite::Database open_database(const std::filesystem::path& file, Access access);
 
+/// Removes a store with the files that SQLite keeps beside it.
+void remove_store(const std::filesystem::path& file);
+
 /// A read-only connection that leaves no -wal and -shm files behind, which SQLite's read-only connections to a WAL
 /// database otherwise do.
 class ReadConnection {

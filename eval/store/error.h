@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 
@@ -20,5 +21,13 @@ class StoreError : public std::runtime_error {
  private:
   Kind kind_;
 };
+
+/// "FILE: message".
+inline StoreError unusable(const std::filesystem::path& file, const std::string& message) {
+  return {StoreError::Kind::kUnusable, file.string() + ": " + message};
+}
+inline StoreError not_found(const std::filesystem::path& file, const std::string& message) {
+  return {StoreError::Kind::kNotFound, file.string() + ": " + message};
+}
 
 }  // namespace moma::store

@@ -1,5 +1,6 @@
 #include "eval/store/hash.h"
 
+#include <fmt/format.h>
 #include <xxhash.h>
 
 #include <algorithm>
@@ -19,16 +20,7 @@ Hash hash_text(std::string_view text) {
   return hash;
 }
 
-std::string to_hex(const Hash& hash) {
-  static constexpr char kDigits[] = "0123456789abcdef";
-  std::string hex;
-  hex.reserve(2 * hash.size());
-  for (const unsigned char byte : hash) {
-    hex += kDigits[byte >> 4];
-    hex += kDigits[byte & 15];
-  }
-  return hex;
-}
+std::string to_hex(const Hash& hash) { return fmt::format("{:02x}", fmt::join(hash, "")); }
 
 Hash hash_from_hex(std::string_view hex) {
   Hash hash;

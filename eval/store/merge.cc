@@ -1,6 +1,5 @@
 #include "eval/store/merge.h"
 
-#include <SQLiteCpp/Column.h>
 #include <SQLiteCpp/Database.h>
 #include <SQLiteCpp/Exception.h>
 #include <SQLiteCpp/Statement.h>
@@ -104,10 +103,10 @@ class Importer {
       const std::set<std::string> ours = stored_columns(db_, table);
       for (const std::string& name : stored_columns(db_, table, "source")) {
         if (ours.count(name) > 0) continue;
-        throw StoreError(StoreError::Kind::kUnusable,
-                         fmt::format("{}: table {} has a column {} that would be lost: it was written by a newer moma, "
-                                     "or somebody added it; use that moma, or add it to the output",
-                                     file_.string(), table, name));
+        throw unusable(file_,
+                       fmt::format("table {} has a column {} that would be lost: it was written by a newer moma, "
+                                   "or somebody added it; use that moma, or add it to the output",
+                                   table, name));
       }
     }
   }
@@ -246,11 +245,6 @@ void merge_into(SQLite::Database& db, const fs::path& file, MergeSummary& summar
   std::move(one.notes.begin(), one.notes.end(), std::back_inserter(summary.notes));
 }
 
-void remove_store(const fs::path& file) {
-  std::error_code ignored;
-  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) fs::remove(file.string() + suffix, ignored);
-}
-
 struct Removed {
   fs::path file;
   ~Removed() { remove_store(file); }
@@ -291,8 +285,7 @@ void check_unused(const fs::path& out) {
   { const SQLite::Database db = open_database(out, Access::kReadWrite); }  // the last to close removes the WAL
   std::error_code error;
   if (fs::exists(out.string() + "-wal", error)) {
-    throw StoreError(StoreError::Kind::kUnusable,
-                     fmt::format("{}: another program has it open; try again when it is done", out.string()));
+    throw unusable(out, "another program has it open; try again when it is done");
   }
 }
 
@@ -300,7 +293,7 @@ void check_unused(const fs::path& out) {
 void settle(SQLite::Database& db, const fs::path& part) {
   Statement checkpoint(db, "PRAGMA wal_checkpoint(TRUNCATE)");
   const bool whole = checkpoint.executeStep() && checkpoint.getColumn(0).getInt() == 0;
-  if (!whole) throw StoreError(StoreError::Kind::kUnusable, fmt::format("{}: cannot be written", part.string()));
+  if (!whole) throw unusable(part, "cannot be written");
 }
 
 /// Locks of all files, always taken in one order, so that two merges cannot wait for each other.
@@ -341,10 +334,7 @@ class Locks {
 void copy_store(const fs::path& from, const fs::path& to) {
   std::error_code error;
   fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
-  if (error) {
-    throw StoreError(StoreError::Kind::kUnusable,
-                     fmt::format("{}: cannot be written: {}", to.string(), error.message()));
-  }
+  if (error) throw unusable(to, "cannot be written: " + error.message());
 }
 
 }  // namespace
@@ -352,11 +342,8 @@ void copy_store(const fs::path& from, const fs::path& to) {
 MergeSummary merge(const fs::path& out, const std::vector<fs::path>& in, const MergeOptions& options) {
   std::error_code error;
   const fs::path place = files::behind_links(out);
-  for (const fs::path& file : in) {
-    if (fs::equivalent(file, place, error)) {
-      throw StoreError(StoreError::Kind::kUnusable, fmt::format("{}: is input and output at once", out.string()));
-    }
-  }
+  for (const fs::path& file : in)
+    if (fs::equivalent(file, place, error)) throw unusable(out, "is input and output at once");
   const Locks locks(place, in, options);
   const bool there = fs::exists(place, error);
   if (there) check_unused(place);

@@ -11,6 +11,7 @@
 #include "eval/search/variables.h"
 #include "eval/store/definition.h"
 #include "eval/store/error.h"
+#include "eval/store/query.h"
 #include "eval/store/table.h"
 
 namespace moma::store {
@@ -147,12 +148,6 @@ std::size_t merge_searches(SQLite::Database& db, const std::filesystem::path& fi
 
 namespace {
 
-std::string quoted(const std::string& name) {
-  std::string text = "\"";
-  for (const char c : name) text += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return text + "\"";
-}
-
 struct Object {
   std::string type, name, sql;
 };
@@ -195,27 +190,24 @@ class Others {
   void bring_table(const Object& o) {
     const std::string ours = there(o.name);
     if (!ours.empty() && ours != o.sql) {
-      throw StoreError(
-          StoreError::Kind::kUnusable,
-          fmt::format("{}: its table {}, which is not moma's, has other columns than the one merged before; "
-                      "rename one of them",
-                      file_.string(), o.name));
+      throw unusable(file_, fmt::format("its table {}, which is not moma's, has other columns than the one merged "
+                                        "before; rename one of them",
+                                        o.name));
     }
     if (ours.empty()) create(o);
     std::string columns;
     for (const std::string& name :
          rows<std::string>(db_, "SELECT name FROM pragma_table_xinfo(?, 'source') WHERE hidden = 0", o.name))
-      columns += (columns.empty() ? "" : ", ") + quoted(name);
+      columns += (columns.empty() ? "" : ", ") + sql_name(name);
     try {
-      db_.exec(fmt::format("INSERT INTO main.{0} ({1}) SELECT {1} FROM source.{0}{2}", quoted(o.name), columns,
-                           ours.empty() ? "" : fmt::format(" EXCEPT SELECT {} FROM main.{}", columns, quoted(o.name))));
+      db_.exec(
+          fmt::format("INSERT INTO main.{0} ({1}) SELECT {1} FROM source.{0}{2}", sql_name(o.name), columns,
+                      ours.empty() ? "" : fmt::format(" EXCEPT SELECT {} FROM main.{}", columns, sql_name(o.name))));
     } catch (const SQLite::Exception& error) {
       if (error.getErrorCode() != SQLITE_CONSTRAINT) throw;
-      throw StoreError(
-          StoreError::Kind::kUnusable,
-          fmt::format("{}: its table {}, which is not moma's, contradicts the one merged before ({}); rename "
-                      "one of them",
-                      file_.string(), o.name, error.what()));
+      throw unusable(file_, fmt::format("its table {}, which is not moma's, contradicts the one merged before ({}); "
+                                        "rename one of them",
+                                        o.name, error.what()));
     }
   }
 

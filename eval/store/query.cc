@@ -16,7 +16,6 @@
 #include <string>
 #include <vector>
 
-#include "controller/config/json_node.h"
 #include "eval/store/database.h"
 #include "eval/store/hash.h"
 #include "eval/store/samples.h"
@@ -85,11 +84,7 @@ std::vector<std::string> known_columns(SQLite::Database& db) {
 
 std::string declaration(const std::vector<std::string>& columns) {
   std::string sql = "CREATE TABLE samples (step INTEGER";
-  for (const std::string& column : columns) {
-    std::string quoted;
-    for (const char c : column) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-    sql += fmt::format(", \"{}\" REAL", quoted);
-  }
+  for (const std::string& column : columns) sql += fmt::format(", {} REAL", sql_name(column));
   return sql + ", trial TEXT HIDDEN)";
 }
 
@@ -355,10 +350,23 @@ QueryResult query(const std::filesystem::path& file, const std::string& sql, std
   return result;
 }
 
-std::string sql_literal(std::string_view text) {
-  std::string literal = "'";
-  for (const char c : text) literal += c == '\'' ? std::string("''") : std::string(1, c);
-  return literal + "'";
+std::optional<double> number_in(const Cell& cell) {
+  if (const auto* integer = std::get_if<std::int64_t>(&cell)) return static_cast<double>(*integer);
+  if (const auto* real = std::get_if<double>(&cell)) return *real;
+  return std::nullopt;
 }
+
+namespace {
+
+std::string in_quotes(std::string_view text, char quote) {
+  std::string quoted(1, quote);
+  for (const char c : text) quoted.append(c == quote ? 2 : 1, c);
+  return quoted + quote;
+}
+
+}  // namespace
+
+std::string sql_literal(std::string_view text) { return in_quotes(text, '\''); }
+std::string sql_name(std::string_view name) { return in_quotes(name, '"'); }
 
 }  // namespace moma::store

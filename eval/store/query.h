@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -13,6 +14,9 @@ namespace moma::store {
 
 /// NULL, integer, real, text; blobs come as text of hex digits.
 using Cell = std::variant<std::monostate, std::int64_t, double, std::string>;
+
+/// The number in a cell, if there is one.
+std::optional<double> number_in(const Cell& cell);
 
 struct QueryResult {
   std::vector<std::string> columns;
@@ -35,6 +39,8 @@ QueryResult query(const std::filesystem::path& file, const std::string& sql,
 
 /// Text as a literal of SQL, in its quotes.
 std::string sql_literal(std::string_view text);
+/// A name of a table or column in SQL, in its quotes.
+std::string sql_name(std::string_view name);
 
 /// A query kept under a name, called as @name.
 struct NamedQuery {

@@ -18,78 +18,52 @@
 #include "eval/store/table.h"
 
 namespace moma::store {
-namespace {
 
-using SQLite::Statement;
-
-StoreError not_found(const std::filesystem::path& file, const std::string& message) {
-  return {StoreError::Kind::kNotFound, fmt::format("{}: {}", file.string(), message)};
+template <class Work>
+auto Reader::guarded(const Work& work) const {
+  try {
+    return work();
+  } catch (const SQLite::Exception& error) {
+    throw explain(error, file_, StoreError::Kind::kUnusable);
+  } catch (const std::invalid_argument& error) {
+    throw unusable(file_, fmt::format("is damaged: {}", error.what()));
+  }
 }
 
-}  // namespace
+template <class R, class... T, class... A>
+std::vector<R> Reader::all_as(const std::string& sql, const A&... values) const {
+  return guarded([&] { return rows_as<R, T...>(db(), sql, values...); });
+}
+template <class T, class... A>
+std::vector<T> Reader::all(const std::string& sql, const A&... values) const {
+  return all_as<T, T>(sql, values...);
+}
 
-struct Reader::Impl {
-  std::filesystem::path file;
-  ReadConnection connection;
-  SQLite::Database& db;
-  std::optional<Statement> lone;  ///< of lone_trial(), which is asked often
-  explicit Impl(const std::filesystem::path& path) : file(path), connection(path), db(connection.db()) {}
-
-  template <typename Work>
-  auto guarded(const Work& work) {
-    try {
-      return work();
-    } catch (const SQLite::Exception& error) {
-      throw explain(error, file, StoreError::Kind::kUnusable);
-    } catch (const std::invalid_argument& error) {  // a key or a word that no moma writes
-      throw StoreError(StoreError::Kind::kUnusable, fmt::format("{}: is damaged: {}", file.string(), error.what()));
-    }
-  }
-
-  template <class R, class... T, class... A>
-  std::vector<R> all_as(const std::string& sql, const A&... values) {
-    return guarded([&] { return rows_as<R, T...>(db, sql, values...); });
-  }
-  template <class T, class... A>
-  std::vector<T> all(const std::string& sql, const A&... values) {
-    return all_as<T, T>(sql, values...);
-  }
-
-  std::string full_key(const std::string& prefix) {
-    const auto range = key_range(prefix);
-    if (!range) {
-      throw not_found(file, fmt::format("'{}' is no trial; a trial is named by the first hex digits of its key, as the "
-                                        "column trial of v_trials shows them",
-                                        prefix));
-    }
-    std::vector<std::string> found =
-        rows<std::string>(db, "SELECT lower(hex(key)) FROM trial WHERE key BETWEEN ? AND ? ORDER BY key LIMIT 4",
-                          range->first, range->second);
-    if (found.empty()) throw not_found(file, fmt::format("has no trial that begins with {}", prefix));
-    if (found.size() > 1) {
-      const bool more = found.size() > 3;
-      if (more) found.resize(3);
-      throw not_found(file, fmt::format("{} is the beginning of several trials ({}{}); give more digits", prefix,
-                                        fmt::join(found, ", "), more ? ", ..." : ""));
-    }
-    return found.front();
-  }
-};
-
-Reader::Reader(const std::filesystem::path& file) : impl_(std::make_unique<Impl>(file)) {}
-Reader::~Reader() = default;
-Reader::Reader(Reader&&) noexcept = default;
-Reader& Reader::operator=(Reader&&) noexcept = default;
+std::string Reader::full_key(const std::string& prefix) const {
+  const auto range = key_range(prefix);
+  if (!range)
+    throw not_found(file_, fmt::format("'{}' is no trial; a trial is named by the first hex digits of its key, as the "
+                                       "column trial of v_trials shows them",
+                                       prefix));
+  std::vector<std::string> found =
+      rows<std::string>(db(), "SELECT lower(hex(key)) FROM trial WHERE key BETWEEN ? AND ? ORDER BY key LIMIT 4",
+                        range->first, range->second);
+  if (found.empty()) throw not_found(file_, fmt::format("has no trial that begins with {}", prefix));
+  if (found.size() == 1) return found.front();
+  const bool more = found.size() > 3;
+  if (more) found.resize(3);
+  throw not_found(file_, fmt::format("{} is the beginning of several trials ({}{}); give more digits", prefix,
+                                     fmt::join(found, ", "), more ? ", ..." : ""));
+}
 
 StoredTrial Reader::trial(const std::string& prefix) const {
-  return impl_->guarded([&] {
-    SQLite::Database& db = impl_->db;
-    const std::string key = impl_->full_key(prefix);
+  return guarded([&] {
+    const std::string key = full_key(prefix);
     const Hash hash = hash_from_hex(key);
-    const std::set<std::string> there = stored_columns(db, "trial");
+    const std::set<std::string> there = stored_columns(db(), "trial");
     auto found = rows_as<StoredTrial, std::string, std::string, std::string, std::string, std::string, std::size_t,
                          std::uint64_t, std::string, std::string, int, TrialRow>(
-        db,
+        db(),
         fmt::format("SELECT lower(hex(t.key)), s.name, p.controller, p.label, r.resolved, p.resolved_position, "
                     "w.world_index, w.json, coalesce(i.machine_class, ''), p.simulation_version, {} "
                     "FROM trial AS t JOIN world AS w ON w.id = t.world_id "
@@ -99,56 +73,54 @@ StoredTrial Reader::trial(const std::string& prefix) const {
                     "LEFT JOIN invocation AS i ON i.id = e.invocation_id WHERE t.key = ? ORDER BY p.id LIMIT 1",
                     column_names<TrialRow>("t.", &there)),
         hash);
-    if (found.empty()) throw not_found(impl_->file, fmt::format("trial {} belongs to no suite", key));
-    found[0].samples = store::Table<EncodedSamples>(db, "samples", {"key"}).find(hash);
+    if (found.empty()) throw not_found(file_, fmt::format("trial {} belongs to no suite", key));
+    found[0].samples = store::Table<EncodedSamples>(db(), "samples", {"key"}).find(hash);
     return std::move(found[0]);
   });
 }
 
 std::vector<std::string> Reader::keys() const {
-  return impl_->all<std::string>("SELECT DISTINCT lower(hex(key)) FROM point_trial ORDER BY 1");
+  return all<std::string>("SELECT DISTINCT lower(hex(key)) FROM point_trial ORDER BY 1");
 }
 
-std::vector<std::string> Reader::suite_names() const {
-  return impl_->all<std::string>("SELECT name FROM suite ORDER BY id");
-}
+std::vector<std::string> Reader::suite_names() const { return all<std::string>("SELECT name FROM suite ORDER BY id"); }
 
 std::string Reader::latest_suite(const std::string& name) const {
-  return impl_->guarded([&] {
-    auto found = row<std::string>(impl_->db,
+  return guarded([&] {
+    auto found = row<std::string>(db(),
                                   "SELECT r.resolved FROM invocation AS i JOIN suite AS s ON s.id = i.suite_id "
                                   "JOIN resolved_suite AS r ON r.id = i.resolved_suite_id "
                                   "WHERE s.name = ? ORDER BY i.id DESC LIMIT 1",
                                   name);
     if (!found)
-      throw not_found(impl_->file, fmt::format("has no suite '{}'; it has: {}", name, fmt::join(suite_names(), ", ")));
+      throw not_found(file_, fmt::format("has no suite '{}'; it has: {}", name, fmt::join(suite_names(), ", ")));
     return std::move(*found);
   });
 }
 
 std::vector<StoredMetric> Reader::metrics(const std::string& key) const {
-  return impl_->all_as<StoredMetric, std::string, std::string, double>(
+  return all_as<StoredMetric, std::string, std::string, double>(
       "SELECT d.file_name, d.expression, v.value FROM metric_value AS v JOIN metric AS d ON d.id = v.metric_id "
       "WHERE v.key = ? ORDER BY d.id",
       hash_from_hex(key));
 }
 
 std::vector<StoredPoint> Reader::points() const {
-  return impl_->all_as<StoredPoint, std::int64_t, std::string, std::string, std::string, std::string, std::size_t, int>(
+  return all_as<StoredPoint, std::int64_t, std::string, std::string, std::string, std::string, std::size_t, int>(
       "SELECT p.id, s.name, p.controller, p.label, r.resolved, p.resolved_position, p.simulation_version "
       "FROM point AS p JOIN suite AS s ON s.id = p.suite_id JOIN resolved_suite AS r "
       "ON r.id = p.resolved_suite_id ORDER BY p.id");
 }
 
 std::vector<PointTrial> Reader::trials_of(std::int64_t point) const {
-  return impl_->all_as<PointTrial, std::uint64_t, std::string>(
+  return all_as<PointTrial, std::uint64_t, std::string>(
       "SELECT world_index, lower(hex(key)) FROM point_trial WHERE point_id = ? ORDER BY world_index", point);
 }
 
 std::string Reader::point_differences(std::int64_t point, const PointRecord& said) const {
-  return impl_->guarded([&] {
+  return guarded([&] {
     const auto found = row<std::string, std::string, std::string, PointRow>(
-        impl_->db,
+        db(),
         fmt::format("SELECT r.name, r.resolved, c.resolved, {} FROM point AS p JOIN robot AS r ON r.id = p.robot_id "
                     "JOIN controller AS c ON c.id = p.controller_id WHERE p.id = ?",
                     column_names<PointRow>("p.")),
@@ -169,47 +141,45 @@ std::string Reader::point_differences(std::int64_t point, const PointRecord& sai
 }
 
 std::vector<std::string> Reader::running() const {
-  return impl_->all<std::string>("SELECT started FROM invocation WHERE status = ? ORDER BY id", RunStatus::kRunning);
+  return all<std::string>("SELECT started FROM invocation WHERE status = ? ORDER BY id", RunStatus::kRunning);
 }
 
 std::vector<std::string> Reader::searched_keys() const {
-  return impl_->all<std::string>(
+  return all<std::string>(
       "SELECT lower(hex(t.key)) FROM trial AS t WHERE NOT EXISTS (SELECT 1 FROM point_trial AS m WHERE m.key = t.key) "
       "ORDER BY t.key");
 }
 
 std::vector<std::string> Reader::keys_of_suite(const std::string& name) const {
-  return impl_->all<std::string>(
+  return all<std::string>(
       "SELECT DISTINCT lower(hex(m.key)) FROM point_trial AS m JOIN point AS p ON p.id = m.point_id JOIN suite AS u "
       "ON u.id = p.suite_id WHERE u.name = ? ORDER BY 1",
       name);
 }
 
-std::vector<std::string> Reader::robots() const {
-  return impl_->all<std::string>("SELECT resolved FROM robot ORDER BY id");
-}
+std::vector<std::string> Reader::robots() const { return all<std::string>("SELECT resolved FROM robot ORDER BY id"); }
 
 std::vector<std::int64_t> Reader::searches() const {
-  return impl_->all<std::int64_t>("SELECT id FROM tune_search ORDER BY id");
+  return all<std::int64_t>("SELECT id FROM tune_search ORDER BY id");
 }
 
 StoredSearch Reader::search(std::int64_t id) const {
   StoredSearch search;
   const auto rows = [&]<class R>(const char* table, const char* place, std::vector<R>& to) {
-    const std::set<std::string> stored = stored_columns(impl_->db, table);
+    const std::set<std::string> stored = stored_columns(db(), table);
     try {
-      to = place == nullptr ? store::Table<R>(impl_->db, table, {"id"}, &stored).all(id)
-                            : store::Table<R>(impl_->db, table, {"search_id", place}, &stored).all(id);
+      to = place == nullptr ? store::Table<R>(db(), table, {"id"}, &stored).all(id)
+                            : store::Table<R>(db(), table, {"search_id", place}, &stored).all(id);
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument(fmt::format("{}: {}", table, error.what()));
     }
     if (place == nullptr || to.empty()) return;
     const auto [first, last] = *row<std::size_t, std::size_t>(
-        impl_->db, fmt::format("SELECT min({0}), max({0}) FROM {1} WHERE search_id = ?", place, table), id);
+        db(), fmt::format("SELECT min({0}), max({0}) FROM {1} WHERE search_id = ?", place, table), id);
     if (first != 0 || last + 1 != to.size())
       throw std::invalid_argument(fmt::format("{}: its rows are not numbered 0, 1, 2 ...", table));
   };
-  impl_->guarded([&] {
+  guarded([&] {
     std::vector<TuneSearchRecord> record;
     rows("tune_search", nullptr, record);
     search.record = std::move(record.at(0));
@@ -223,14 +193,14 @@ StoredSearch Reader::search(std::int64_t id) const {
 }
 
 std::optional<LoneTrial> Reader::lone_trial(const std::string& key) const {
-  return impl_->guarded([&]() -> std::optional<LoneTrial> {
-    std::optional<Statement>& s = impl_->lone;
+  return guarded([&]() -> std::optional<LoneTrial> {
+    std::optional<SQLite::Statement>& s = lone_;
     if (!s) {
-      const std::set<std::string> there = stored_columns(impl_->db, "trial");
-      s.emplace(impl_->db, fmt::format("SELECT {}, w.json, coalesce(i.machine_class, '') FROM trial AS t "
-                                       "JOIN world AS w ON w.id = t.world_id LEFT JOIN execution AS e ON e.key = t.key "
-                                       "LEFT JOIN invocation AS i ON i.id = e.invocation_id WHERE t.key = ?",
-                                       column_names<TrialRow>("t.", &there)));
+      const std::set<std::string> there = stored_columns(db(), "trial");
+      s.emplace(db(), fmt::format("SELECT {}, w.json, coalesce(i.machine_class, '') FROM trial AS t "
+                                  "JOIN world AS w ON w.id = t.world_id LEFT JOIN execution AS e ON e.key = t.key "
+                                  "LEFT JOIN invocation AS i ON i.id = e.invocation_id WHERE t.key = ?",
+                                  column_names<TrialRow>("t.", &there)));
     }
     auto found = row<TrialRow, std::string, std::string>(*s, hash_from_hex(key));
     if (!found) return std::nullopt;
@@ -240,22 +210,21 @@ std::optional<LoneTrial> Reader::lone_trial(const std::string& key) const {
 }
 
 std::vector<std::string> Reader::integrity_problems() const {
-  return impl_->guarded([&] {
+  return guarded([&] {
     const auto look = [this] {
-      std::vector<std::string> findings = rows<std::string>(impl_->db, "PRAGMA integrity_check");
+      std::vector<std::string> findings = rows<std::string>(db(), "PRAGMA integrity_check");
       std::erase(findings, "ok");
       return findings;
     };
     std::vector<std::string> problems = look();
     // A page that it could not get, for want of memory or since the disk failed, is a finding like any other.
     if (!problems.empty() && look() != problems) {
-      throw StoreError(StoreError::Kind::kUnusable,
-                       fmt::format("{}: cannot be read: two looks at its pages found different things (do the disk or "
-                                   "the memory fail?)",
-                                   impl_->file.string()));
+      throw unusable(file_,
+                     "cannot be read: two looks at its pages found different things (does the disk or the memory "
+                     "fail?)");
     }
     for_rows<std::string, std::string>(
-        impl_->db, "SELECT \"table\", parent FROM pragma_foreign_key_check",
+        db(), "SELECT \"table\", parent FROM pragma_foreign_key_check",
         [&](const std::string& table, const std::string& parent) {
           problems.push_back(fmt::format("a row of {} refers to a missing row of {}", table, parent));
         });
@@ -264,12 +233,12 @@ std::vector<std::string> Reader::integrity_problems() const {
 }
 
 std::string Reader::result_hash() const {
-  return impl_->guarded([&] {
+  return guarded([&] {
     Hash chain{};
-    const std::set<std::string> there = stored_columns(impl_->db, "trial");
-    Statement s(impl_->db, fmt::format("SELECT lower(hex(t.key)), w.hash, {} FROM trial AS t "
-                                       "JOIN world AS w ON w.id = t.world_id ORDER BY t.key",
-                                       column_names<TrialRow>("t.", &there)));
+    const std::set<std::string> there = stored_columns(db(), "trial");
+    SQLite::Statement s(db(), fmt::format("SELECT lower(hex(t.key)), w.hash, {} FROM trial AS t "
+                                          "JOIN world AS w ON w.id = t.world_id ORDER BY t.key",
+                                          column_names<TrialRow>("t.", &there)));
     const std::vector<TrialColumn>& columns = trial_columns();
     const int first = s.getColumnCount() - static_cast<int>(columns.size());
     while (s.executeStep()) {
@@ -286,7 +255,7 @@ std::string Reader::result_hash() const {
       chain = hash_text(line);
     }
     // Without metrics the hash is what it was before there were any.
-    return to_hex(chain_rows(impl_->db, chain,
+    return to_hex(chain_rows(db(), chain,
                              "SELECT d.file_name, d.expression, lower(hex(v.key)), v.value FROM metric_value AS v "
                              "JOIN metric AS d ON d.id = v.metric_id ORDER BY 1, 2, 3"));
   });

@@ -1,13 +1,14 @@
 #pragma once
 
+#include <SQLiteCpp/Statement.h>
+
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "eval/store/error.h"
+#include "eval/store/database.h"
 #include "eval/store/samples.h"
 #include "eval/trial/row.h"
 
@@ -67,10 +68,7 @@ struct LoneTrial {
 /// Reads a store; any number of readers beside the writer. Throws StoreError.
 class Reader {
  public:
-  explicit Reader(const std::filesystem::path& file);
-  ~Reader();
-  Reader(Reader&&) noexcept;
-  Reader& operator=(Reader&&) noexcept;
+  explicit Reader(const std::filesystem::path& file) : file_(file), connection_(file) {}
 
   /// The trial whose key begins with `prefix` (hex digits, any case). Throws kNotFound where none or several do.
   StoredTrial trial(const std::string& prefix) const;
@@ -106,8 +104,20 @@ class Reader {
   std::string result_hash() const;
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  SQLite::Database& db() const { return connection_.db(); }
+  /// Does `work`; an exception of SQLite, and a key or a word that no moma writes, becomes a StoreError.
+  template <class Work>
+  auto guarded(const Work& work) const;
+  /// All rows of a query, as R{T...}; or as one T each.
+  template <class R, class... T, class... A>
+  std::vector<R> all_as(const std::string& sql, const A&... values) const;
+  template <class T, class... A>
+  std::vector<T> all(const std::string& sql, const A&... values) const;
+  std::string full_key(const std::string& prefix) const;
+
+  std::filesystem::path file_;
+  mutable ReadConnection connection_;
+  mutable std::optional<SQLite::Statement> lone_;  ///< of lone_trial(), which is asked often
 };
 
 }  // namespace moma::store

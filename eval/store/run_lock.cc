@@ -80,9 +80,7 @@ void RunLock::release() {
 void RunLock::check_plain() const {
   struct stat found {};
   if (lstat(file_.c_str(), &found) != 0 || (S_ISREG(found.st_mode) && found.st_nlink <= 1)) return;
-  throw StoreError(
-      StoreError::Kind::kUnusable,
-      fmt::format("{}: is no plain file of its own, so that it cannot be the store's lock; remove it", file_.string()));
+  throw unusable(file_, "is no plain file of its own, so that it cannot be the store's lock; remove it");
 }
 
 bool RunLock::try_lock() {

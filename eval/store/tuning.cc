@@ -2,7 +2,6 @@
 
 #include <SQLiteCpp/Database.h>
 #include <SQLiteCpp/Exception.h>
-#include <SQLiteCpp/Statement.h>
 #include <SQLiteCpp/Transaction.h>
 #include <fmt/format.h>
 
@@ -46,9 +45,8 @@ auto guarded(Writer& writer, const Work& work) {
   } catch (const SQLite::Exception& error) {
     throw explain(error, db.getFilename(), StoreError::Kind::kInterrupted);
   } catch (const std::invalid_argument& error) {
-    throw StoreError(
-        StoreError::Kind::kUnusable,
-        fmt::format("{}: its search is damaged, or of another version of moma: {}", db.getFilename(), error.what()));
+    throw unusable(db.getFilename(),
+                   fmt::format("its search is damaged, or of another version of moma: {}", error.what()));
   }
 }
 

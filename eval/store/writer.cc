@@ -221,8 +221,7 @@ std::unordered_set<std::string> Writer::begin(const SuiteRecord& suite, const In
     if (impl_->fresh) {  // leave no store without content behind
       const std::filesystem::path file = impl_->file;
       impl_.reset();
-      std::error_code ignored;
-      for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(file.string() + suffix, ignored);
+      remove_store(file);
     }
     throw;
   }

@@ -125,43 +125,29 @@ Compared compare(const Tuning& tuning, const std::vector<Pair>& pairs, const std
   return {family, other, stats::compare(endings, values)};
 }
 
+/// A rate or mean with its interval; NaN without a value.
+struct Side {
+  Side(double of, const stats::Interval& interval, bool none)
+      : value(of), low(none ? kAbsent : interval.low), high(none ? kAbsent : interval.high) {}
+  double value, low, high;
+};
+
+store::TuneComparisonRecord record_of(const Compared& of, const std::string& metric, std::int64_t n, const Side& found,
+                                      const Side& theirs, const Side& difference, double p, Verdict verdict) {
+  return {of.family,        of.other,       metric,          n,          found.value,
+          found.low,        found.high,     theirs.value,    theirs.low, theirs.high,
+          difference.value, difference.low, difference.high, p,          verdict};
+}
+
 store::TuneComparisonRecord record_of(const Compared& of, const stats::PairedRate& r, bool more_is_better) {
-  const auto low = [](const stats::Share& side) { return std::isnan(side.rate) ? kAbsent : side.interval.low; };
-  const auto high = [](const stats::Share& side) { return std::isnan(side.rate) ? kAbsent : side.interval.high; };
-  const bool none = std::isnan(r.difference);
-  return {of.family,
-          of.other,
-          r.name,
-          r.n,
-          r.b.rate,
-          low(r.b),
-          high(r.b),
-          r.a.rate,
-          low(r.a),
-          high(r.a),
-          r.difference,
-          none ? kAbsent : r.interval.low,
-          none ? kAbsent : r.interval.high,
-          r.p_holm,
-          verdict_of(r.shown(), more_is_better)};
+  const auto side = [](const stats::Share& share) { return Side(share.rate, share.interval, std::isnan(share.rate)); };
+  return record_of(of, r.name, r.n, side(r.b), side(r.a), {r.difference, r.interval, std::isnan(r.difference)},
+                   r.p_holm, verdict_of(r.shown(), more_is_better));
 }
 
 store::TuneComparisonRecord record_of(const Compared& of, const stats::PairedMean& m) {
-  return {of.family,
-          of.other,
-          m.name,
-          m.n,
-          m.b,
-          m.of_b.low,
-          m.of_b.high,
-          m.a,
-          m.of_a.low,
-          m.of_a.high,
-          m.difference,
-          m.interval.low,
-          m.interval.high,
-          kAbsent,
-          verdict_of(m.shown(), m.name == "manip_mean")};
+  return record_of(of, m.name, m.n, {m.b, m.of_b, false}, {m.a, m.of_a, false}, {m.difference, m.interval, false},
+                   kAbsent, verdict_of(m.shown(), m.name == "manip_mean"));
 }
 
 std::vector<std::string> judge_constraints(const Tuning& tuning, const std::vector<const TrialRow*>& rows) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "eval/search/search.h"
 #include "eval/tune/held_out.h"

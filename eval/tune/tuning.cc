@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 
-#include "controller/config/controller_file.h"
 #include "controller/config/json_node.h"
 #include "controller/config/reader.h"
 #include "eval/suite/controller_entry.h"
