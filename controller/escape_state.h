@@ -20,13 +20,13 @@ struct EscapeState {
 /// Form in traces, `moma solve` and case files (`state.escape`).
 constexpr void describe(auto& v, Of<EscapeState>) {
   using T = EscapeState;
-  v.member("best", &T::best, {.unit = "m", .text = "V at its last progress; negative: no step taken yet"});
-  v.member("idle", &T::idle, {.unit = "s", .range = Range::non_negative(), .text = "time without progress since"});
-  v.member("stagnations", &T::stagnations, {.range = {0, 1e9}, .text = "how many there were"});
-  v.member("side", &T::side, {.range = {-1, 1}, .text = "where detours turn first; 0: not chosen"});
+  v.member("best", &T::best, quantity("m", "V at its last progress; negative: no step taken yet"));
+  v.member("idle", &T::idle, non_negative("s", "time without progress since"));
+  v.member("stagnations", &T::stagnations, in_range({0, 1e9}, "", "how many there were"));
+  v.member("side", &T::side, in_range({-1, 1}, "", "where detours turn first; 0: not chosen"));
   v.member("detour", &T::detour, {.text = "whether it is on one"});
-  v.member("remaining", &T::remaining, {.unit = "s", .text = "of the detour"});
-  v.member("target", &T::target_W, {.unit = "m", .text = "of the detour"});
+  v.member("remaining", &T::remaining, quantity("s", "of the detour"));
+  v.member("target", &T::target_W, quantity("m", "of the detour"));
 }
 
 static_assert(is_complete<EscapeState>());

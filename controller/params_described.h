@@ -24,14 +24,12 @@ inline bool from_word(std::string_view word, JointLimitParams& params) {
 
 constexpr void describe(auto& v, Of<ServoParams>) {
   using T = ServoParams;
-  v.member("position", &T::position,
-           {.unit = "1/s", .range = Range::non_negative(), .text = "k_p: gain of the position error"});
-  v.member("orientation", &T::orientation,
-           {.unit = "1/s", .range = Range::non_negative(), .text = "k_R: gain of the orientation error"});
+  v.member("position", &T::position, non_negative("1/s", "k_p: gain of the position error"));
+  v.member("orientation", &T::orientation, non_negative("1/s", "k_R: gain of the orientation error"));
   v.member("max_linear", &T::max_linear,
-           {.unit = "m/s", .range = Range::positive_or_inf(), .text = "largest length of nu's linear part"});
+           in_range(Range::positive_or_inf(), "m/s", "largest length of nu's linear part"));
   v.member("max_angular", &T::max_angular,
-           {.unit = "rad/s", .range = Range::positive_or_inf(), .text = "largest length of nu's angular part"});
+           in_range(Range::positive_or_inf(), "rad/s", "largest length of nu's angular part"));
   v.member(
       "error", &T::error,
       {.written = Written::kUnlessDefault,
@@ -41,15 +39,13 @@ constexpr void describe(auto& v, Of<ServoParams>) {
 constexpr void describe(auto& v, Of<ErrorNormParams>) {
   using T = ErrorNormParams;
   v.member("kind", &T::kind, {.text = "norm of the error in the weights"});
-  v.member("min", &T::min, {.range = Range::positive(), .text = "least value of ||e||"});
-  v.member("max", &T::max, {.range = Range::positive(), .text = "largest value of ||e||"});
-  v.member("scale", &T::scale,
-           {.unit = "m/rad", .range = Range::non_negative(), .text = "factor on |e_R| in the pose norm"});
+  v.member("min", &T::min, positive("", "least value of ||e||"));
+  v.member("max", &T::max, positive("", "largest value of ||e||"));
+  v.member("scale", &T::scale, non_negative("m/rad", "factor on |e_R| in the pose norm"));
 }
 
 constexpr void describe(auto& v, Of<SlackParams>) {
-  v.member("weight", &SlackParams::weight,
-           {.range = Range::non_negative(), .text = "lambda_delta: 1/||e|| or a constant"});
+  v.member("weight", &SlackParams::weight, non_negative("", "lambda_delta: 1/||e|| or a constant"));
   v.member("limit", &SlackParams::limit,
            {.unit = "rad/s or m/s",
             .range = Range::positive_or_inf(),
@@ -58,7 +54,7 @@ constexpr void describe(auto& v, Of<SlackParams>) {
 }
 
 constexpr void describe(auto& v, Of<ManipulabilityParams>) {
-  v.member("weight", &ManipulabilityParams::weight, {.range = Range::non_negative(), .text = "lambda_m: weight"});
+  v.member("weight", &ManipulabilityParams::weight, non_negative("", "lambda_m: weight"));
   v.member("rows", &ManipulabilityParams::rows, {.text = "rows of the arm's Jacobian"});
 }
 
@@ -71,13 +67,9 @@ constexpr void describe(auto& v, Of<JointLimitParams>) {
              .per = Per::kJoint,
              .one_for_all = true,
              .text = "q_s of the article; auto: min(0.3, a quarter of the joint's range)"});
-  v.member("influence", &T::influence,
-           {.unit = "rad or m",
-            .range = Range::positive(),
-            .text = "rho_i: distance from a limit at which the damper begins"});
-  v.member("stop", &T::stop,
-           {.unit = "rad or m", .range = Range::non_negative(), .text = "rho_s: distance kept from the limit"});
-  v.member("gain", &T::gain, {.unit = "rad/s or m/s", .range = Range::positive(), .text = "eta of the damper"});
+  v.member("influence", &T::influence, positive("rad or m", "rho_i: distance from a limit at which the damper begins"));
+  v.member("stop", &T::stop, non_negative("rad or m", "rho_s: distance kept from the limit"));
+  v.member("gain", &T::gain, positive("rad/s or m/s", "eta of the damper"));
   v.member("share", &T::share,
            {.range = {0.0, 1.0, true, false},
             .written = Written::kUnlessDefault,
@@ -87,18 +79,15 @@ constexpr void describe(auto& v, Of<JointLimitParams>) {
 constexpr void describe(auto& v, Of<DamperParams>) {
   using T = DamperParams;
   v.member("enabled", &T::enabled, {.text = "switches these rows on"});
-  v.member("influence", &T::influence,
-           {.unit = "m", .range = Range::positive(), .text = "d_i: distance below which a pair has a row"});
-  v.member("stop", &T::stop, {.unit = "m", .range = Range::non_negative(), .text = "d_s: stop distance"});
-  v.member("gain", &T::gain,
-           {.unit = "m/s", .range = Range::positive(), .text = "xi: speed of approach allowed at d_i"});
+  v.member("influence", &T::influence, positive("m", "d_i: distance below which a pair has a row"));
+  v.member("stop", &T::stop, non_negative("m", "d_s: stop distance"));
+  v.member("gain", &T::gain, positive("m/s", "xi: speed of approach allowed at d_i"));
 }
 
 constexpr void describe(auto& v, Of<CollisionParams>) {
   using T = CollisionParams;
   v.inlined(&T::object);
-  v.member("max_pairs", &T::max_pairs,
-           {.range = {0, 10000}, .text = "largest number of pairs with rows, nearest first"});
+  v.member("max_pairs", &T::max_pairs, in_range({0, 10000}, "", "largest number of pairs with rows, nearest first"));
   v.member("floor", &T::floor, {.text = "rows against the floor"});
   v.member("self", &T::self, {.text = "rows between the robot's own shapes"});
   v.optional("braking", &T::braking, &BrakingParams::enabled, Off::kOmitted,
@@ -118,86 +107,55 @@ constexpr void describe(auto& v, Of<CollisionParams>) {
 
 constexpr void describe(auto& v, Of<PostureParams>) {
   using T = PostureParams;
-  v.member("weight", &T::weight, {.range = Range::non_negative(), .text = "lambda_qd: weight"});
-  v.member(
-      "gain", &T::gain,
-      {.unit = "1/s", .range = Range::non_negative(), .text = "k_posture: rate of the joints towards the posture"});
+  v.member("weight", &T::weight, non_negative("", "lambda_qd: weight"));
+  v.member("gain", &T::gain, non_negative("1/s", "k_posture: rate of the joints towards the posture"));
   v.word_or("target", "ready", &T::ready, &T::target,
             {.unit = "rad or m", .per = Per::kJoint, .text = "posture to which the joints are drawn"});
 }
 
 constexpr void describe(auto& v, Of<EscapeParams>) {
   using T = EscapeParams;
-  v.member("scale", &T::scale,
-           {.unit = "m/rad",
-            .range = Range::non_negative(),
-            .text = "factor on the orientation error in V = |e_p| + scale |e_R|"});
-  v.member(
-      "progress", &T::progress,
-      {.unit = "m", .range = Range::positive(), .text = "decrease of V below its minimum that counts as progress"});
-  v.member("patience", &T::patience,
-           {.unit = "s", .range = Range::positive(), .text = "time without progress after which the robot stagnates"});
-  v.member(
-      "position", &T::position,
-      {.unit = "m", .range = Range::non_negative(), .text = "position error below which the robot does not stagnate"});
+  v.member("scale", &T::scale, non_negative("m/rad", "factor on the orientation error in V = |e_p| + scale |e_R|"));
+  v.member("progress", &T::progress, positive("m", "decrease of V below its minimum that counts as progress"));
+  v.member("patience", &T::patience, positive("s", "time without progress after which the robot stagnates"));
+  v.member("position", &T::position, non_negative("m", "position error below which the robot does not stagnate"));
   v.member("orientation", &T::orientation,
-           {.unit = "rad",
-            .range = Range::non_negative(),
-            .text = "orientation error below which the robot does not stagnate"});
-  v.member("side_distance", &T::side_distance,
-           {.unit = "m", .range = Range::positive(), .text = "range of the obstacles that decide the side"});
-  v.member(
-      "angle", &T::angle,
-      {.unit = "rad", .range = Range::non_negative(), .text = "angle between the goal's direction and a detour's"});
-  v.member("length", &T::length,
-           {.unit = "m", .range = Range::positive(), .text = "distance from the base to a detour's target"});
+           non_negative("rad", "orientation error below which the robot does not stagnate"));
+  v.member("side_distance", &T::side_distance, positive("m", "range of the obstacles that decide the side"));
+  v.member("angle", &T::angle, non_negative("rad", "angle between the goal's direction and a detour's"));
+  v.member("length", &T::length, positive("m", "distance from the base to a detour's target"));
   v.member("growth", &T::growth,
-           {.unit = "1",
-            .range = Range::non_negative(),
-            .text = "relative growth of length and duration from each detour to the next"});
-  v.member("max_length", &T::max_length,
-           {.unit = "m", .range = Range::positive(), .text = "largest distance of a detour's target"});
-  v.member("duration", &T::duration, {.unit = "s", .range = Range::positive(), .text = "longest time of a detour"});
-  v.member("reached", &T::reached,
-           {.unit = "m",
-            .range = Range::non_negative(),
-            .text = "horizontal distance to its target at which a detour ends"});
+           non_negative("1", "relative growth of length and duration from each detour to the next"));
+  v.member("max_length", &T::max_length, positive("m", "largest distance of a detour's target"));
+  v.member("duration", &T::duration, positive("s", "longest time of a detour"));
+  v.member("reached", &T::reached, non_negative("m", "horizontal distance to its target at which a detour ends"));
   v.member("slack_factor", &T::slack_factor,
-           {.unit = "1",
-            .range = Range::positive(),
-            .text = "factor on the slack weight of the angular rows during a detour"});
+           positive("1", "factor on the slack weight of the angular rows during a detour"));
   v.group("posture", "the arm's posture during a detour", [](auto& g) {
-    g.member("weight", &T::posture_weight,
-             {.range = Range::non_negative(), .text = "weight of `ready` as the arm's posture during a detour"});
-    g.member("gain", &T::posture_gain,
-             {.unit = "1/s", .range = Range::non_negative(), .text = "k_posture during a detour"});
+    g.member("weight", &T::posture_weight, non_negative("", "weight of `ready` as the arm's posture during a detour"));
+    g.member("gain", &T::posture_gain, non_negative("1/s", "k_posture during a detour"));
   });
 }
 
 constexpr void describe(auto& v, Of<ClosedFormParams>) {
-  v.member("damping", &ClosedFormParams::damping,
-           {.range = Range::non_negative(), .text = "damping at a singularity; 0: the pseudo-inverse"});
+  v.member("damping", &ClosedFormParams::damping, non_negative("", "damping at a singularity; 0: the pseudo-inverse"));
   v.member("scaled", &ClosedFormParams::scaled, {.text = "commands are scaled into the velocity limits"});
 }
 
 constexpr void describe(auto& v, Of<SeparateParams>) {
   using T = SeparateParams;
   v.member("reach", &T::reach,
-           {.unit = "m",
-            .range = Range::positive(),
-            .text = "horizontal distance from the base's origin to the goal at which the base stands"});
-  v.member("tolerance", &T::tolerance, {.unit = "m", .range = Range::positive(), .text = "tolerance of `reach`"});
-  v.member("bearing", &T::bearing,
-           {.unit = "rad", .range = Range::positive(), .text = "largest bearing of the goal at which the base stands"});
-  v.member("gain", &T::gain, {.unit = "1/s", .range = Range::positive(), .text = "gain of the base's motion"});
+           positive("m", "horizontal distance from the base's origin to the goal at which the base stands"));
+  v.member("tolerance", &T::tolerance, positive("m", "tolerance of `reach`"));
+  v.member("bearing", &T::bearing, positive("rad", "largest bearing of the goal at which the base stands"));
+  v.member("gain", &T::gain, positive("1/s", "gain of the base's motion"));
 }
 
 constexpr void describe(auto& v, Of<OutputScalingParams>) {
   using T = OutputScalingParams;
-  v.member("far", &T::far, {.range = Range::positive(), .text = "qdot *= far/e beyond `switch`"});
-  v.member("near", &T::near, {.range = Range::positive(), .text = "qdot *= near below `switch`"});
-  v.member("switch", &T::switch_distance,
-           {.range = Range::positive(), .text = "unclamped norm of the error at which the factor changes"});
+  v.member("far", &T::far, positive("", "qdot *= far/e beyond `switch`"));
+  v.member("near", &T::near, positive("", "qdot *= near below `switch`"));
+  v.member("switch", &T::switch_distance, positive("", "unclamped norm of the error at which the factor changes"));
 }
 
 constexpr void describe(auto& v, Of<ControllerParams>) {
@@ -205,7 +163,7 @@ constexpr void describe(auto& v, Of<ControllerParams>) {
   v.member("method", &T::method, {.text = "the QP, or one of the closed forms"});
   v.member("servo", &T::servo, {.text = "wanted twist of E"});
   v.member("error_norm", &T::error_norm, {.text = "||e|| in the weights"});
-  v.member("base_weight", &T::base_weight, {.range = Range::non_negative(), .text = "w_b: 1/||e|| or a constant"});
+  v.member("base_weight", &T::base_weight, non_negative("", "w_b: 1/||e|| or a constant"));
   v.member(
       "lambda_q", &T::lambda_q,
       {.range = Range::non_negative(), .per = Per::kJoint, .one_for_all = true, .text = "lambda_qa; default 0.01"});
@@ -215,8 +173,7 @@ constexpr void describe(auto& v, Of<ControllerParams>) {
             .range = Range::non_negative(),
             .one_for_all = true,
             .text = "Delta of the tracking rows, angular rows first"});
-  v.member("k_epsilon", &T::k_epsilon,
-           {.range = Range::non_negative(), .text = "weight that turns a differential base towards E"});
+  v.member("k_epsilon", &T::k_epsilon, non_negative("", "weight that turns a differential base towards E"));
   v.member("manipulability", &T::manipulability, {.text = "the term that keeps the arm manipulable"});
   v.member("joint_limits", &T::joint_limits, {.text = "bounds of velocities by joint limits"});
   v.member("collision", &T::collision, {.text = "rows against collisions"});

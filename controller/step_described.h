@@ -23,7 +23,7 @@ constexpr void describe(auto& v, Of<ObjectCovariance>) {
 constexpr void describe(auto& v, Of<ObjectState>) {
   using T = ObjectState;
   v.member("pose", &T::X_WO, {});
-  v.member("twist", &T::V_WO_W, {.unit = "rad/s, m/s", .text = "[angular; linear], at the object's origin"});
+  v.member("twist", &T::V_WO_W, quantity("rad/s, m/s", "[angular; linear], at the object's origin"));
   v.member("visible", &T::visible,
            {.written = Written::kUnlessDefault, .text = "where it is not, the rest means nothing"});
   v.member("covariance", &T::covariance, {.text = "as a tracker states it of this measurement"});
@@ -32,8 +32,7 @@ constexpr void describe(auto& v, Of<ObjectState>) {
 constexpr void describe(auto& v, Of<GoalState>) {
   using T = GoalState;
   v.member("pose", &T::X_WG, {.required = true});
-  v.member("twist", &T::V_WG_W,
-           {.unit = "rad/s, m/s", .text = "[angular; linear], the goal's own; 0 where it stands still"});
+  v.member("twist", &T::V_WG_W, quantity("rad/s, m/s", "[angular; linear], the goal's own; 0 where it stands still"));
 }
 
 constexpr void describe(auto& v, Of<Observation>) {
@@ -42,7 +41,7 @@ constexpr void describe(auto& v, Of<Observation>) {
            {.unit = "s",
             .written = Written::kUnlessDefault,
             .text = "since the start of the motion; where a period was missed, later by two"});
-  v.member("base", &T::base, {.unit = "m, m, rad", .text = "x, y, phi"});
+  v.member("base", &T::base, quantity("m, m, rad", "x, y, phi"));
   v.member("q", &T::q, {.unit = "rad or m", .per = Per::kJoint, .required = true, .text = "joint positions"});
   v.member("qdot", &T::qdot,
            {.unit = "rad/s or m/s", .per = Per::kVelocity, .text = "measured velocities, base first"});
@@ -60,12 +59,11 @@ constexpr void describe(auto& v, Of<Details>) {
   v.member("fallback", &T::fallback, {.text = "what replaced its solution"});
   v.member("slack", &T::slack, {.text = "of the task"});
   v.member("least_distance", &T::least_distance,
-           {.unit = "m",
-            .range = {std::numeric_limits<double>::lowest(), std::numeric_limits<double>::infinity()},
-            .text = "to an object, as the controller sees it"});
-  v.member("rows", &T::rows, {.range = kCount, .text = "of the problem"});
-  v.member("active_rows", &T::active_rows, {.range = kCount, .text = "of these and of bounds, at their limit"});
-  v.member("iterations", &T::iterations, {.range = kCount, .text = "of the solver"});
+           in_range({std::numeric_limits<double>::lowest(), std::numeric_limits<double>::infinity()}, "m",
+                    "to an object, as the controller sees it"));
+  v.member("rows", &T::rows, in_range(kCount, "", "of the problem"));
+  v.member("active_rows", &T::active_rows, in_range(kCount, "", "of these and of bounds, at their limit"));
+  v.member("iterations", &T::iterations, in_range(kCount, "", "of the solver"));
 }
 
 constexpr void describe(auto& v, Of<StepResult>) {
@@ -74,17 +72,16 @@ constexpr void describe(auto& v, Of<StepResult>) {
       "command", &T::command,
       {.unit = "rad/s or m/s", .per = Per::kVelocity, .text = "velocities for the next control period, base first"});
   describe(v, Of<Details>{});
-  v.member("error", &T::error, {.unit = "rad, m", .text = "[rotation vector; position] from E to the goal"});
+  v.member("error", &T::error, quantity("rad, m", "[rotation vector; position] from E to the goal"));
   v.member("error_norm", &T::error_norm, {.text = "clamped, as used in the weights"});
   v.member("manipulability", &T::manipulability, {});
   v.member("kept", &T::kept, {.text = "share of the QP's command that the check of braking kept"});
-  v.member(
-      "latency_base", &T::latency_base,
-      {.unit = "s", .text = "from a command to the base's velocity measured of it, as identified; -1: not looked for"});
-  v.member("latency_joints", &T::latency_joints, {.unit = "s", .text = "the same of the joints"});
+  v.member("latency_base", &T::latency_base,
+           quantity("s", "from a command to the base's velocity measured of it, as identified; -1: not looked for"));
+  v.member("latency_joints", &T::latency_joints, quantity("s", "the same of the joints"));
   v.member("escape", &T::escape, {.text = "what was remembered of detours when the step began"});
   v.member("plan", &T::plan, {.text = "of looking ahead, when the step began"});
-  v.member("solve_seconds", &T::solve_seconds, {.unit = "s", .text = "0 unless timing was asked for"});
+  v.member("solve_seconds", &T::solve_seconds, quantity("s", "0 unless timing was asked for"));
 }
 
 static_assert(is_complete<ObjectCovariance>() && is_complete<GoalState>() && is_complete<Observation>() &&

@@ -76,12 +76,11 @@ struct PlanBrief {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<PlanVerdict>) {
   v.member("choice", &PlanVerdict::kind, {.text = "what the last choice fell on"});
-  v.member("tried", &PlanVerdict::tried, {.range = {0, 1e9}, .text = "candidates of that choice"});
-  v.member(
-      "time_policy", &PlanVerdict::policy,
-      {.unit = "s", .text = "predicted then, until the goal, of the policy as it was; negative: it does not arrive"});
+  v.member("tried", &PlanVerdict::tried, in_range({0, 1e9}, "", "candidates of that choice"));
+  v.member("time_policy", &PlanVerdict::policy,
+           quantity("s", "predicted then, until the goal, of the policy as it was; negative: it does not arrive"));
   v.member("time_path", &PlanVerdict::by_path,
-           {.unit = "s", .text = "of a path; negative: none was found, or none that is quicker"});
+           quantity("s", "of a path; negative: none was found, or none that is quicker"));
 }
 
 template <class Visitor>
@@ -89,14 +88,13 @@ constexpr void describe(Visitor& v, Of<PlanBrief>) {
   v.member("mode", &PlanBrief::mode, {.text = "what the robot is doing about its goal"});
   v.member("reason", &PlanBrief::reason, {.text = "and why"});
   v.member("going_on", &PlanBrief::going_on, {.text = "whether the policy goes on while a choice is worked out"});
-  v.member("attempts", &PlanBrief::attempts, {.range = {0, 1e9}, .text = "choices begun since the start"});
-  v.member("clock", &PlanBrief::clock, {.unit = "s", .range = Range::non_negative(), .text = "on the path"});
-  v.member("duration", &PlanBrief::duration,
-           {.unit = "s", .range = Range::non_negative(), .text = "of the path; 0 without one"});
-  v.member("lag", &PlanBrief::lag, {.unit = "m", .range = Range::non_negative(), .text = "behind the path"});
+  v.member("attempts", &PlanBrief::attempts, in_range({0, 1e9}, "", "choices begun since the start"));
+  v.member("clock", &PlanBrief::clock, non_negative("s", "on the path"));
+  v.member("duration", &PlanBrief::duration, non_negative("s", "of the path; 0 without one"));
+  v.member("lag", &PlanBrief::lag, non_negative("m", "behind the path"));
   v.member("target", &PlanBrief::target,
-           {.unit = "m, m, rad", .text = "where the path has the base at `clock`: x, y and heading; 0 without one"});
-  v.member("end", &PlanBrief::end, {.unit = "m, m, rad", .text = "and where it ends"});
+           quantity("m, m, rad", "where the path has the base at `clock`: x, y and heading; 0 without one"));
+  v.member("end", &PlanBrief::end, quantity("m, m, rad", "and where it ends"));
   v.inlined(&PlanBrief::choice);
 }
 

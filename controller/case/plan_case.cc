@@ -16,24 +16,23 @@ constexpr About kDirectTime{.unit = "s", .text = "predicted time of the direct p
 }  // namespace
 
 constexpr void describe(auto& v, Of<GoingOn>) {
-  v.member("commit", &GoingOn::commit, {.range = kSteps, .text = "step at which a choice takes effect"});
+  v.member("commit", &GoingOn::commit, in_range(kSteps, "", "step at which a choice takes effect"));
   v.member("direct_time", &GoingOn::direct_time, kDirectTime);
   v.member("chosen", &GoingOn::chosen, {.text = "whether it is made, and waits for that step"});
 }
 
 constexpr void describe(auto& v, Of<Following>) {
-  v.member("mark", &Following::mark, {.range = kSteps, .text = "step of the last progress along the path"});
-  v.member("mark_clock", &Following::mark_clock,
-           {.unit = "s", .range = Range::non_negative(), .text = "the path's clock then"});
+  v.member("mark", &Following::mark, in_range(kSteps, "", "step of the last progress along the path"));
+  v.member("mark_clock", &Following::mark_clock, non_negative("s", "the path's clock then"));
 }
 
 constexpr void describe(auto& v, Of<Stopping>) {
-  v.member("stop_end", &Stopping::stop_end, {.range = kSteps, .text = "step at which a stop has lasted long enough"});
+  v.member("stop_end", &Stopping::stop_end, in_range(kSteps, "", "step at which a stop has lasted long enough"));
   v.member("direct_time", &Stopping::direct_time, kDirectTime);
 }
 
 constexpr void describe(auto& v, Of<Choosing>) {
-  v.member("stop_end", &Choosing::stop_end, {.range = kSteps, .text = "step at which the choice began"});
+  v.member("stop_end", &Choosing::stop_end, in_range(kSteps, "", "step at which the choice began"));
   v.member("direct_time", &Choosing::direct_time, kDirectTime);
 }
 
@@ -45,11 +44,11 @@ constexpr void describe(auto&, Of<SettingOut>) {}
 constexpr void describe(auto& v, Of<PlanState>) {
   using T = PlanState;
   v.inlined(&T::brief);
-  v.member("steps", &T::steps, {.range = kSteps, .text = "since the start or the goal's last jump"});
-  v.member("next", &T::next, {.range = kSteps, .text = "step of the next prediction"});
-  v.member("stagnations", &T::stagnations, {.range = {0, 1e9}, .text = "up to which nothing is news"});
+  v.member("steps", &T::steps, in_range(kSteps, "", "since the start or the goal's last jump"));
+  v.member("next", &T::next, in_range(kSteps, "", "step of the next prediction"));
+  v.member("stagnations", &T::stagnations, in_range({0, 1e9}, "", "up to which nothing is news"));
   v.member("fresh", &T::fresh, {.text = "whether the direct policy's memory of detours is cleared"});
-  v.member("known", &T::known, {.range = {0, 1e9}, .text = "objects that were seen in the step before"});
+  v.member("known", &T::known, in_range({0, 1e9}, "", "objects that were seen in the step before"));
 }
 
 namespace {

@@ -12,7 +12,7 @@ namespace moma {
 /// range and one line for the reference.
 ///
 ///   constexpr void describe(auto& v, Of<ServoParams>) {
-///     v.member("position", &ServoParams::position, {.unit = "1/s", .range = Range::non_negative(), .text = "k_p"});
+///     v.member("position", &ServoParams::position, non_negative("1/s", "k_p"));
 ///     v.optional("slack", &ControllerParams::slack, &SlackParams::enabled, Off::kNone, "delta of the tracking rows");
 ///   }
 ///
@@ -76,6 +76,18 @@ struct About {
   Written written = Written::kAlways;
   std::string_view text = "";  ///< one line for the reference, without a full stop
 };
+
+/// Forms of About for numbers. `unit` is "" where there is none.
+constexpr About in_range(Range range, std::string_view unit, std::string_view text) {
+  return {.unit = unit, .range = range, .text = text};
+}
+constexpr About quantity(std::string_view unit, std::string_view text) { return in_range({}, unit, text); }
+constexpr About positive(std::string_view unit, std::string_view text) {
+  return in_range(Range::positive(), unit, text);
+}
+constexpr About non_negative(std::string_view unit, std::string_view text) {
+  return in_range(Range::non_negative(), unit, text);
+}
 
 /// Result of alternative(): if `flag` is set, `word` is written instead of `value`.
 template <class T, class V>

@@ -32,18 +32,16 @@ constexpr void describe(V& v, Of<Sensor>) {
   using S = Sensor;
   v.member("name", &S::name, {.required = true, .text = "unique name of the sensor"});
   v.member("link", &S::link, {.text = "link that carries the sensor; default the base"});
-  v.member("position", &S::position, {.unit = "m", .range = {-100.0, 100.0}, .text = "position in the link's frame"});
-  v.member("rpy", &S::rpy,
-           {.unit = "rad", .range = {-10.0, 10.0}, .text = "orientation: the sensor looks along its x axis, z is up"});
+  v.member("position", &S::position, in_range({-100.0, 100.0}, "m", "position in the link's frame"));
+  v.member("rpy", &S::rpy, in_range({-10.0, 10.0}, "rad", "orientation: the sensor looks along its x axis, z is up"));
   v.member("field_of_view", &S::field_of_view,
-           {.unit = "rad",
-            .range = {0.0, 2.0 * std::numbers::pi},
-            .text = "full angles: azimuth, and elevation (at most pi); [4.7, 0] of a planar scanner"});
-  v.member("columns", &S::columns, {.range = {1.0, 10'000.0}, .text = "number of rays along the azimuth"});
+           in_range({0.0, 2.0 * std::numbers::pi}, "rad",
+                    "full angles: azimuth, and elevation (at most pi); [4.7, 0] of a planar scanner"));
+  v.member("columns", &S::columns, in_range({1.0, 10'000.0}, "", "number of rays along the azimuth"));
   v.member("rows", &S::rows,
-           {.range = {1.0, 10'000.0}, .text = "number of rays along the elevation; 1 for a planar scanner"});
-  v.member("range", &S::range, {.unit = "m", .range = Range::positive(), .text = "range of each ray"});
-  v.member("rate", &S::rate, {.unit = "1/s", .range = {0.1, 10'000.0}, .text = "frames per second"});
+           in_range({1.0, 10'000.0}, "", "number of rays along the elevation; 1 for a planar scanner"));
+  v.member("range", &S::range, positive("m", "range of each ray"));
+  v.member("rate", &S::rate, in_range({0.1, 10'000.0}, "1/s", "frames per second"));
 }
 
 }  // namespace moma

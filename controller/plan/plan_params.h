@@ -38,50 +38,37 @@ struct PlanParams {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<PlanParams>) {
   v.member("budget", &PlanParams::budget,
-           {.range = {1.0, 1e7}, .text = "checks in one control step, at most by one piece of work more"});
-  v.member("period", &PlanParams::period, {.unit = "s", .range = Range::positive(), .text = "between predictions"});
-  v.member("horizon", &PlanParams::horizon, {.unit = "s", .range = Range::positive(), .text = "of a prediction"});
-  v.member("step", &PlanParams::step, {.unit = "s", .range = Range::positive(), .text = "of a prediction"});
-  v.member("touch", &PlanParams::touch, {.unit = "m", .text = "a prediction that comes nearer to an object fails"});
-  v.member("roomy", &PlanParams::roomy,
-           {.unit = "m", .range = Range::non_negative(), .text = "clearance of a path from objects, tried first"});
-  v.member("clearance", &PlanParams::clearance,
-           {.unit = "m", .range = Range::non_negative(), .text = "clearance of a path where that finds none"});
-  v.member("self", &PlanParams::self,
-           {.unit = "m", .range = Range::non_negative(), .text = "clearance from the robot itself and from the floor"});
-  v.member("joint_margin", &PlanParams::joint_margin,
-           {.unit = "rad or m", .range = Range::non_negative(), .text = "from a path to the joints' limits"});
+           in_range({1.0, 1e7}, "", "checks in one control step, at most by one piece of work more"));
+  v.member("period", &PlanParams::period, positive("s", "between predictions"));
+  v.member("horizon", &PlanParams::horizon, positive("s", "of a prediction"));
+  v.member("step", &PlanParams::step, positive("s", "of a prediction"));
+  v.member("touch", &PlanParams::touch, quantity("m", "a prediction that comes nearer to an object fails"));
+  v.member("roomy", &PlanParams::roomy, non_negative("m", "clearance of a path from objects, tried first"));
+  v.member("clearance", &PlanParams::clearance, non_negative("m", "clearance of a path where that finds none"));
+  v.member("self", &PlanParams::self, non_negative("m", "clearance from the robot itself and from the floor"));
+  v.member("joint_margin", &PlanParams::joint_margin, non_negative("rad or m", "from a path to the joints' limits"));
   v.member("speed", &PlanParams::speed,
-           {.unit = "1", .range = {0.0, 1.0, true, false}, .text = "part of the greatest speeds that a path uses"});
+           in_range({0.0, 1.0, true, false}, "1", "part of the greatest speeds that a path uses"));
   v.member("acceleration", &PlanParams::acceleration,
-           {.unit = "1", .range = {0.0, 1.0, true, false}, .text = "part of the accelerations that a path uses"});
-  v.member("check_step", &PlanParams::check_step,
-           {.unit = "m", .range = Range::positive(), .text = "way of any point of the robot between two checks"});
-  v.member("overlap", &PlanParams::overlap,
-           {.unit = "s", .range = Range::non_negative(), .text = "of successive motions of a path, at most"});
-  v.member("settle", &PlanParams::settle,
-           {.unit = "s", .range = Range::non_negative(), .text = "from a path's end to the goal"});
+           in_range({0.0, 1.0, true, false}, "1", "part of the accelerations that a path uses"));
+  v.member("check_step", &PlanParams::check_step, positive("m", "way of any point of the robot between two checks"));
+  v.member("overlap", &PlanParams::overlap, non_negative("s", "of successive motions of a path, at most"));
+  v.member("settle", &PlanParams::settle, non_negative("s", "from a path's end to the goal"));
   v.member("stuck", &PlanParams::stuck,
-           {.unit = "s",
-            .range = Range::positive(),
-            .text = "time without progress on a path after which a new one is sought"});
+           positive("s", "time without progress on a path after which a new one is sought"));
   v.member("lag", &PlanParams::lag,
-           {.unit = "m",
-            .range = Range::positive(),
-            .text = "the path's clock runs at clip(1.5 - lag of the robot / this, 0, 1)"});
-  v.member("weight", &PlanParams::weight,
-           {.unit = "1", .range = Range::positive(), .text = "of the path's velocities"});
-  v.member("gain", &PlanParams::gain, {.unit = "1/s", .range = Range::non_negative(), .text = "of the path's servo"});
+           positive("m", "the path's clock runs at clip(1.5 - lag of the robot / this, 0, 1)"));
+  v.member("weight", &PlanParams::weight, positive("1", "of the path's velocities"));
+  v.member("gain", &PlanParams::gain, non_negative("1/s", "of the path's servo"));
   v.member("ik_tries", &PlanParams::ik_tries,
-           {.range = {1.0, 1e5}, .text = "of whole-body inverse kinematics at each clearance"});
-  v.member("ik_enough", &PlanParams::ik_enough, {.range = {1.0, 1000.0}, .text = "solutions that are enough"});
-  v.member("roots", &PlanParams::roots, {.range = {1.0, 1000.0}, .text = "of these that the search starts from"});
-  v.member("checks", &PlanParams::checks,
-           {.range = {0.0, 1e7}, .text = "of a search; half as many at the roomy clearance"});
-  v.member("runs", &PlanParams::runs, {.range = {1.0, 100.0}, .text = "of the search"});
-  v.member("shortcuts", &PlanParams::shortcuts, {.range = {0.0, 1e5}, .text = "tried in each run"});
+           in_range({1.0, 1e5}, "", "of whole-body inverse kinematics at each clearance"));
+  v.member("ik_enough", &PlanParams::ik_enough, in_range({1.0, 1000.0}, "", "solutions that are enough"));
+  v.member("roots", &PlanParams::roots, in_range({1.0, 1000.0}, "", "of these that the search starts from"));
+  v.member("checks", &PlanParams::checks, in_range({0.0, 1e7}, "", "of a search; half as many at the roomy clearance"));
+  v.member("runs", &PlanParams::runs, in_range({1.0, 100.0}, "", "of the search"));
+  v.member("shortcuts", &PlanParams::shortcuts, in_range({0.0, 1e5}, "", "tried in each run"));
   v.member("direct", &PlanParams::direct,
-           {.range = {0.0, 1e4}, .text = "inverse kinematics for a direct way at a motion's start; 0: none"});
+           in_range({0.0, 1e4}, "", "inverse kinematics for a direct way at a motion's start; 0: none"));
 }
 
 }  // namespace moma

@@ -20,9 +20,8 @@ template <class V>
 constexpr void describe(V& v, Of<BrakingParams>) {
   using P = BrakingParams;
   v.member("share", &P::share,
-           {.unit = "1", .range = {0.0, 1.0, true}, .text = "share of the deceleration with all velocities braking"});
-  v.member("reaction", &P::reaction,
-           {.unit = "s", .range = Range::non_negative(), .text = "time until braking begins"});
+           in_range({0.0, 1.0, true}, "1", "share of the deceleration with all velocities braking"));
+  v.member("reaction", &P::reaction, non_negative("s", "time until braking begins"));
 }
 
 /// Relaxation of infeasible collision rows (solver/fallback.h): by one common slack, or only as far as braking would
@@ -41,9 +40,8 @@ struct BrakeCheckParams {
 template <class V>
 constexpr void describe(V& v, Of<BrakeCheckParams>) {
   using P = BrakeCheckParams;
-  v.member("margin", &P::margin,
-           {.unit = "m", .range = Range::positive(), .text = "distance kept on the braking trajectory"});
-  v.member("every", &P::every, {.range = {1.0, 1000.0}, .text = "control periods between checked moments"});
+  v.member("margin", &P::margin, positive("m", "distance kept on the braking trajectory"));
+  v.member("every", &P::every, in_range({1.0, 1000.0}, "", "control periods between checked moments"));
 }
 
 /// Distances to objects at rest shrink towards those of the goal's own pose (goal_clearance.h).
@@ -57,15 +55,10 @@ struct GoalClearanceParams {
 template <class V>
 constexpr void describe(V& v, Of<GoalClearanceParams>) {
   using P = GoalClearanceParams;
-  v.member("least", &P::least, {.unit = "m", .range = Range::positive(), .text = "least distance, at the goal itself"});
+  v.member("least", &P::least, positive("m", "least distance, at the goal itself"));
   v.member("part", &P::part,
-           {.unit = "1",
-            .range = {0.0, 1.0, true},
-            .text = "share of the hand's distance at the goal that rows keep there"});
-  v.member("slope", &P::slope,
-           {.unit = "1",
-            .range = Range::positive(),
-            .text = "increase of the kept distance with the distance from the goal"});
+           in_range({0.0, 1.0, true}, "1", "share of the hand's distance at the goal that rows keep there"));
+  v.member("slope", &P::slope, positive("1", "increase of the kept distance with the distance from the goal"));
 }
 
 /// Separation rows: the robot slows down towards moving objects (qp/separation.h).
@@ -81,16 +74,12 @@ struct SeparationParams {
 template <class V>
 constexpr void describe(V& v, Of<SeparationParams>) {
   using P = SeparationParams;
-  v.member(
-      "reaction", &P::reaction,
-      {.unit = "s", .range = Range::non_negative(), .text = "T_R: time from an event to the beginning of braking"});
-  v.member("speed", &P::speed, {.unit = "m/s", .range = Range::non_negative(), .text = "lower bound of v_H"});
-  v.member(
-      "intrusion", &P::intrusion,
-      {.unit = "m", .range = Range::non_negative(), .text = "C: required distance in addition to those of speeds"});
+  v.member("reaction", &P::reaction, non_negative("s", "T_R: time from an event to the beginning of braking"));
+  v.member("speed", &P::speed, non_negative("m/s", "lower bound of v_H"));
+  v.member("intrusion", &P::intrusion, non_negative("m", "C: required distance in addition to those of speeds"));
   v.member("share", &P::share,
-           {.unit = "1", .range = {0.0, 1.0, true}, .text = "share of the deceleration with all velocities braking"});
-  v.member("range", &P::range, {.unit = "m", .range = Range::positive(), .text = "range of objects with rows"});
+           in_range({0.0, 1.0, true}, "1", "share of the deceleration with all velocities braking"));
+  v.member("range", &P::range, positive("m", "range of objects with rows"));
 }
 
 /// Evasion: if no admissible command avoids a moving object, the base drives away (evasion.h).
@@ -103,9 +92,8 @@ struct EvasionParams {
 template <class V>
 constexpr void describe(V& v, Of<EvasionParams>) {
   using P = EvasionParams;
-  v.member("horizon", &P::horizon, {.unit = "s", .range = {0.0, 10.0, true}, .text = "horizon of the prediction"});
-  v.member("margin", &P::margin,
-           {.unit = "m", .range = Range::positive(), .text = "distance from moving objects on a way out"});
+  v.member("horizon", &P::horizon, in_range({0.0, 10.0, true}, "s", "horizon of the prediction"));
+  v.member("margin", &P::margin, positive("m", "distance from moving objects on a way out"));
 }
 
 /// Memory of objects that are no longer reported (object_memory.h).
@@ -119,17 +107,13 @@ struct MemoryParams {
 template <class V>
 constexpr void describe(V& v, Of<MemoryParams>) {
   using P = MemoryParams;
-  v.member("rays", &P::rays,
-           {.range = {1.0, 100'000.0},
-            .text = "number of a frame's rays through its place that count as evidence against it"});
+  v.member(
+      "rays", &P::rays,
+      in_range({1.0, 100'000.0}, "", "number of a frame's rays through its place that count as evidence against it"));
   v.member("gone", &P::gone,
-           {.unit = "s",
-            .range = Range::positive(),
-            .text = "duration of evidence that removes an object, or the time for which it had been reported"});
+           positive("s", "duration of evidence that removes an object, or the time for which it had been reported"));
   v.member("keep", &P::keep,
-           {.unit = "s",
-            .range = Range::non_negative(),
-            .text = "time for which moving objects are kept, and all objects of a robot without sensors"});
+           non_negative("s", "time for which moving objects are kept, and all objects of a robot without sensors"));
 }
 
 /// Known latencies of drives and sensing, rounded up to control periods, and filters (predictor.h). All in seconds.
@@ -155,25 +139,20 @@ constexpr void describe(V& v, Of<PredictionParams>) {
   using P = PredictionParams;
   constexpr Range kLateness{0.0, 2.0};
   v.group("drives", "latency from a command to its effect", [=](auto& g) {
-    g.member("base", &P::base_drive, {.unit = "s", .range = kLateness, .text = "latency of the base's drive"});
-    g.member("joints", &P::joint_drive, {.unit = "s", .range = kLateness, .text = "latency of the joints' drives"});
+    g.member("base", &P::base_drive, in_range(kLateness, "s", "latency of the base's drive"));
+    g.member("joints", &P::joint_drive, in_range(kLateness, "s", "latency of the joints' drives"));
   });
   v.group("sensing", "age of measurements", [=](auto& g) {
-    g.member("base", &P::base_sensing, {.unit = "s", .range = kLateness, .text = "age of pose and velocity"});
-    g.member("joints", &P::joint_sensing, {.unit = "s", .range = kLateness, .text = "age of positions and velocities"});
-    g.member("objects", &P::object_sensing, {.unit = "s", .range = kLateness, .text = "age of poses and twists"});
-    g.member("goal", &P::goal_sensing, {.unit = "s", .range = kLateness, .text = "age of pose and twist"});
+    g.member("base", &P::base_sensing, in_range(kLateness, "s", "age of pose and velocity"));
+    g.member("joints", &P::joint_sensing, in_range(kLateness, "s", "age of positions and velocities"));
+    g.member("objects", &P::object_sensing, in_range(kLateness, "s", "age of poses and twists"));
+    g.member("goal", &P::goal_sensing, in_range(kLateness, "s", "age of pose and twist"));
   });
   v.group("filters", "time constants, 0: none", [](auto& g) {
-    g.member("base", &P::base_filter,
-             {.unit = "s", .range = Range::non_negative(), .text = "time constant for the base's pose"});
-    g.member(
-        "resting", &P::resting_filter,
-        {.unit = "s", .range = Range::non_negative(), .text = "time constant for poses of objects and goal at rest"});
-    g.member("moving", &P::moving_filter,
-             {.unit = "s", .range = Range::non_negative(), .text = "time constant for poses of moving ones"});
-    g.member("twist", &P::twist_filter,
-             {.unit = "s", .range = Range::non_negative(), .text = "time constant for their twists"});
+    g.member("base", &P::base_filter, non_negative("s", "time constant for the base's pose"));
+    g.member("resting", &P::resting_filter, non_negative("s", "time constant for poses of objects and goal at rest"));
+    g.member("moving", &P::moving_filter, non_negative("s", "time constant for poses of moving ones"));
+    g.member("twist", &P::twist_filter, non_negative("s", "time constant for their twists"));
   });
   v.member("identify", &P::identify, {.text = "identify the round trips of base and joints from their motion"});
   v.optional("memory", &P::memory, &MemoryParams::enabled, Off::kOmitted,
@@ -202,33 +181,28 @@ constexpr void describe(V& v, Of<UncertaintyParams>) {
   using P = UncertaintyParams;
   constexpr Range kSpread = Range::non_negative();
   v.member("probability", &P::probability,
-           {.unit = "1", .range = {0.5, 1.0, false, true}, .text = "probability with which a row's distance is kept"});
+           in_range({0.5, 1.0, false, true}, "1", "probability with which a row's distance is kept"));
   v.group("objects", "errors of the poses and twists of objects", [=](auto& objects) {
     objects.group("noise", "drawn at each step", [=](auto& g) {
-      g.member("position", &P::object_noise, {.unit = "m", .range = kSpread, .text = "noise of positions"});
-      g.member("rotation", &P::object_rotation_noise,
-               {.unit = "rad", .range = kSpread, .text = "noise of orientations"});
+      g.member("position", &P::object_noise, in_range(kSpread, "m", "noise of positions"));
+      g.member("rotation", &P::object_rotation_noise, in_range(kSpread, "rad", "noise of orientations"));
     });
     objects.group("bias", "constant", [=](auto& g) {
-      g.member("position", &P::object_bias, {.unit = "m", .range = kSpread, .text = "constant error of positions"});
-      g.member("rotation", &P::object_rotation_bias,
-               {.unit = "rad", .range = kSpread, .text = "constant error of orientations"});
+      g.member("position", &P::object_bias, in_range(kSpread, "m", "constant error of positions"));
+      g.member("rotation", &P::object_rotation_bias, in_range(kSpread, "rad", "constant error of orientations"));
     });
     objects.group("velocity_noise", "drawn at each step", [=](auto& g) {
-      g.member("linear", &P::object_velocity, {.unit = "m/s", .range = kSpread, .text = "noise of linear velocities"});
-      g.member("angular", &P::object_angular_velocity,
-               {.unit = "rad/s", .range = kSpread, .text = "noise of angular velocities"});
+      g.member("linear", &P::object_velocity, in_range(kSpread, "m/s", "noise of linear velocities"));
+      g.member("angular", &P::object_angular_velocity, in_range(kSpread, "rad/s", "noise of angular velocities"));
     });
-    objects.member("growth", &P::growth,
-                   {.unit = "m/s", .range = kSpread, .text = "growth of the position error while out of sight"});
-    objects.member("keep", &P::keep,
-                   {.unit = "s", .range = kSpread, .text = "time for which an object out of sight is kept"});
+    objects.member("growth", &P::growth, in_range(kSpread, "m/s", "growth of the position error while out of sight"));
+    objects.member("keep", &P::keep, in_range(kSpread, "s", "time for which an object out of sight is kept"));
   });
   v.group("base", "errors of the base relative to what is seen", [=](auto& g) {
-    g.member("position", &P::base_position, {.unit = "m", .range = kSpread, .text = "error of the position"});
-    g.member("rotation", &P::base_rotation, {.unit = "rad", .range = kSpread, .text = "error of the heading"});
+    g.member("position", &P::base_position, in_range(kSpread, "m", "error of the position"));
+    g.member("rotation", &P::base_rotation, in_range(kSpread, "rad", "error of the heading"));
   });
-  v.member("joints", &P::joints, {.unit = "rad or m", .range = kSpread, .text = "error of each joint"});
+  v.member("joints", &P::joints, in_range(kSpread, "rad or m", "error of each joint"));
 }
 
 /// Limit of a base's speed: it can stop in front of objects that come into sight (qp/limits.h).
@@ -243,14 +217,10 @@ struct SightParams {
 template <class V>
 constexpr void describe(V& v, Of<SightParams>) {
   using P = SightParams;
-  v.member("range", &P::range,
-           {.unit = "m", .range = Range::positive(), .text = "distance at which every object is seen"});
-  v.member("reach", &P::reach,
-           {.unit = "m", .range = Range::non_negative(), .text = "extent of the robot, plus the distance to keep"});
-  v.member("reaction", &P::reaction,
-           {.unit = "s", .range = Range::non_negative(), .text = "time from coming into range to braking"});
-  v.member("speed", &P::speed,
-           {.unit = "m/s", .range = Range::non_negative(), .text = "speed at which an object may approach"});
+  v.member("range", &P::range, positive("m", "distance at which every object is seen"));
+  v.member("reach", &P::reach, non_negative("m", "extent of the robot, plus the distance to keep"));
+  v.member("reaction", &P::reaction, non_negative("s", "time from coming into range to braking"));
+  v.member("speed", &P::speed, non_negative("m/s", "speed at which an object may approach"));
 }
 
 }  // namespace moma

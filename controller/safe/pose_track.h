@@ -38,11 +38,11 @@ struct PoseTrack {
 template <class V>
 constexpr void describe(V& v, Of<PoseTrack>) {
   using T = PoseTrack;
-  v.member("seen", &T::seen, {.range = Range::non_negative(), .text = "measurements since it was begun afresh"});
+  v.member("seen", &T::seen, non_negative("", "measurements since it was begun afresh"));
   v.member("moving", &T::moving, {.text = "whether it is in motion"});
   v.member("position", &T::p_W, {.unit = "m"});
-  v.member("rotation", &T::R_W, {.unit = "1", .text = "matrix, column by column"});
-  v.member("velocity", &T::V_W, {.unit = "rad/s or m/s", .text = "angular, then linear"});
+  v.member("rotation", &T::R_W, quantity("1", "matrix, column by column"));
+  v.member("velocity", &T::V_W, quantity("rad/s or m/s", "angular, then linear"));
   v.member("pose_spread", &T::pose_spread, {.unit = "1", .range = Range::non_negative()});
   v.member("twist_spread", &T::twist_spread, {.unit = "1", .range = Range::non_negative()});
   v.member("unseen", &T::unseen, {.unit = "s", .range = Range::non_negative()});

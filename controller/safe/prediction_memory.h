@@ -37,11 +37,11 @@ constexpr void describe(V& v, Of<PredictionMemory>) {
            {.range = Range::positive(),
             .written = Written::kUnlessDefault,
             .text = "periods that a command may have to act for, because steps were missed of late"});
-  v.member("computed", &M::computed, {.unit = "rad/s or m/s", .text = "commands of past periods, the latest first"});
-  v.member("sent", &M::sent, {.unit = "rad/s or m/s", .text = "the same as they were sent to the drives"});
-  v.member("base_velocity", &M::base_velocity, {.unit = "m/s or rad/s", .text = "the base's, by its ramp"});
+  v.member("computed", &M::computed, quantity("rad/s or m/s", "commands of past periods, the latest first"));
+  v.member("sent", &M::sent, quantity("rad/s or m/s", "the same as they were sent to the drives"));
+  v.member("base_velocity", &M::base_velocity, quantity("m/s or rad/s", "the base's, by its ramp"));
   v.member("begun", &M::begun, {.text = "whether base is known"});
-  v.member("base", &M::base, {.unit = "m or rad", .text = "filtered x, y, phi as of the last measurement"});
+  v.member("base", &M::base, quantity("m or rad", "filtered x, y, phi as of the last measurement"));
   v.member("catching_up", &M::catching_up,
            {.written = Written::kUnlessDefault, .text = "joints follow commands that waited longer before"});
   v.member("drive", &M::drive,

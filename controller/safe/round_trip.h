@@ -14,7 +14,7 @@ struct RoundTrip {
 
 template <class V>
 constexpr void describe(V& v, Of<RoundTrip>) {
-  v.member("periods", &RoundTrip::periods, {.range = Range::non_negative(), .text = "control periods that it takes"});
+  v.member("periods", &RoundTrip::periods, non_negative("", "control periods that it takes"));
   v.member("misfit", &RoundTrip::misfit, {.text = "of 0, 1, 2 ... periods"});
 }
 

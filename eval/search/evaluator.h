@@ -30,10 +30,10 @@ struct Racing {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<Racing>) {
   using T = Racing;
-  v.member("first", &T::first, {.range = {2, 1'000'000}, .text = "number of worlds before the first test"});
-  v.member("block", &T::block, {.range = {1, 1'000'000}, .text = "number of worlds between two tests"});
+  v.member("first", &T::first, in_range({2, 1'000'000}, "", "number of worlds before the first test"));
+  v.member("block", &T::block, in_range({1, 1'000'000}, "", "number of worlds between two tests"));
   v.member("significance", &T::significance,
-           {.unit = "1", .range = {0.0, 0.5, true, false}, .text = "significance of the rank test, per test"});
+           in_range({0.0, 0.5, true, false}, "1", "significance of the rank test, per test"));
 }
 inline bool from_word(std::string_view word, Racing& racing) { return word == "none" && !(racing.enabled = false); }
 

@@ -28,14 +28,13 @@ struct Confirmation {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<Confirmation>) {
   using T = Confirmation;
-  v.member("candidates", &T::candidates,
-           {.range = {1, 1000}, .text = "number of best candidates that are measured again"});
+  v.member("candidates", &T::candidates, in_range({1, 1000}, "", "number of best candidates that are measured again"));
   v.member("worlds", &T::worlds,
-           {.range = {0, 1'000'000}, .text = "number of further worlds; by default that of the search"});
+           in_range({0, 1'000'000}, "", "number of further worlds; by default that of the search"));
   v.member("neighbours", &T::neighbours,
-           {.range = {0, 1000}, .text = "number of neighbours of each candidate, on the search's worlds"});
+           in_range({0, 1000}, "", "number of neighbours of each candidate, on the search's worlds"));
   v.member("radius", &T::radius,
-           {.unit = "1", .range = {0.0, 0.5, true, false}, .text = "distance to the neighbours, in the unit cube"});
+           in_range({0.0, 0.5, true, false}, "1", "distance to the neighbours, in the unit cube"));
 }
 inline bool from_word(std::string_view word, Confirmation& confirmation) {
   if (word != "none") return false;

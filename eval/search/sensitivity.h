@@ -17,10 +17,10 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<SensitivitySettings>) {
   using T = SensitivitySettings;
   constexpr Range kStep{0.0, 1.0, true, false};
-  v.member("near", &T::near, {.unit = "1", .range = kStep, .text = "small step in both directions, in the unit cube"});
-  v.member("far", &T::far, {.unit = "1", .range = kStep, .text = "large step in both directions"});
+  v.member("near", &T::near, in_range(kStep, "1", "small step in both directions, in the unit cube"));
+  v.member("far", &T::far, in_range(kStep, "1", "large step in both directions"));
   v.member("pairs_of", &T::pairs_of,
-           {.range = {0, 1000}, .text = "number of most influential gains that also move in pairs"});
+           in_range({0, 1000}, "", "number of most influential gains that also move in pairs"));
 }
 inline bool from_word(std::string_view word, SensitivitySettings& settings) {
   return word == "none" && !(settings.enabled = false);

@@ -44,7 +44,7 @@ constexpr void describe(Visitor& v, Of<UntilRule>) {
       {.range = {1e-4, 0.5, false, true}, .required = true, .text = "half the width of the 95 % interval to reach"});
   v.member("max", &T::max, {.range = {1, kMaxTrials}, .required = true, .text = "largest number of worlds"});
   v.member("block", &T::block,
-           {.range = {1, kMaxTrials}, .text = "number of worlds between two evaluations of the interval"});
+           in_range({1, kMaxTrials}, "", "number of worlds between two evaluations of the interval"));
 }
 
 /// One column of the evaluation: a controller at a sweep point, with everything resolved except the world's index.

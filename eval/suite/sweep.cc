@@ -188,8 +188,8 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<Spread>) {
   v.member("design", &Spread::design, {.text = "arrangement of points; list with `points`"});
   v.member("n", &Spread::n,
-           {.range = {1, kMaxSweepPoints},
-            .text = "number of points, of latin_hypercube and sobol; a grid has one on each axis"});
+           in_range({1, kMaxSweepPoints}, "",
+                    "number of points, of latin_hypercube and sobol; a grid has one on each axis"));
   v.member("seed", &Spread::seed, {.text = "seed of latin_hypercube"});
 }
 

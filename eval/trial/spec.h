@@ -24,10 +24,9 @@ struct SuccessRule {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<SuccessRule>) {
   using T = SuccessRule;
-  v.member("position", &T::position, {.unit = "m", .range = {0.0, 10.0, true, false}, .text = "tolerance of success"});
-  v.member("orientation", &T::orientation,
-           {.unit = "rad", .range = {0.0, 3.15, true, false}, .text = "tolerance of success"});
-  v.member("dwell", &T::dwell, {.unit = "s", .range = {0.0, 3600.0}, .text = "time within both tolerances"});
+  v.member("position", &T::position, in_range({0.0, 10.0, true, false}, "m", "tolerance of success"));
+  v.member("orientation", &T::orientation, in_range({0.0, 3.15, true, false}, "rad", "tolerance of success"));
+  v.member("dwell", &T::dwell, in_range({0.0, 3600.0}, "s", "time within both tolerances"));
   v.member("l1", &T::l1,
            {.unit = "m + rad",
             .range = Range::positive_or_inf(),
@@ -45,14 +44,12 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<StillRule>) {
   using T = StillRule;
   v.member("time", &T::time,
-           {.unit = "s",
-            .range = Range::positive_or_inf(),
-            .text = "a trial is stuck if both halves of this time are still (disturbed: where disturbances are on); "
-                    ".inf: never"});
+           in_range(Range::positive_or_inf(), "s",
+                    "a trial is stuck if both halves of this time are still (disturbed: where disturbances are on); "
+                    ".inf: never"));
   v.member("motion", &T::motion,
-           {.unit = "m or rad",
-            .range = {0.0, 1.0, true, false},
-            .text = "motion of each coordinate (disturbed: of its mean) below which a half is still"});
+           in_range({0.0, 1.0, true, false}, "m or rad",
+                    "motion of each coordinate (disturbed: of its mean) below which a half is still"));
 }
 
 /// The rule of being stuck: ends of halves are compared, or means over halves where disturbances are on.
@@ -76,9 +73,7 @@ struct InfeasibleRule {
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<InfeasibleRule>) {
   v.member("time", &InfeasibleRule::time,
-           {.unit = "s",
-            .range = Range::positive_or_inf(),
-            .text = "time of uninterrupted braking after which a trial is infeasible"});
+           in_range(Range::positive_or_inf(), "s", "time of uninterrupted braking after which a trial is infeasible"));
 }
 
 /// Everything that determines a trial besides its world: robot, controller, simulation, rules, disturbances. A suite

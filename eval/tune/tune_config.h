@@ -53,7 +53,7 @@ template <class Visitor>
 constexpr void describe(Visitor& v, Of<TuneConfig>) {
   using T = TuneConfig;
   v.member("seed", &T::seed, {.text = "seed of the search's random draws"});
-  v.member("starts", &T::starts, {.range = {1, 1000}, .text = "independent searches that share the budget"});
+  v.member("starts", &T::starts, in_range({1, 1000}, "", "independent searches that share the budget"));
   v.member("racing", &T::racing, {.text = "none, or when a candidate is cut"});
   v.member("sensitivity", &T::sensitivity, {.text = "none, or the steps by which the found gains move one by one"});
   v.member("confirm", &T::confirmation, {.text = "none, or the further measurements of the best few"});

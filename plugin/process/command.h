@@ -18,13 +18,11 @@ struct ProcessLimits {
 
 constexpr void describe(auto& v, Of<ProcessLimits>) {
   using T = ProcessLimits;
-  v.member("deadline", &T::deadline,
-           {.unit = "control periods",
-            .range = {1.0, 1e9},
-            .text = "real time in which a step has to be answered; a guard against hanging"});
-  v.member("start", &T::start, {.unit = "s", .range = {0.1, 1e6}, .text = "the same for starting and for each reset"});
-  v.member("memory", &T::memory,
-           {.unit = "GB", .range = Range::positive_or_inf(), .text = "data that the process may have"});
+  v.member(
+      "deadline", &T::deadline,
+      in_range({1.0, 1e9}, "control periods", "real time in which a step has to be answered; a guard against hanging"));
+  v.member("start", &T::start, in_range({0.1, 1e6}, "s", "the same for starting and for each reset"));
+  v.member("memory", &T::memory, in_range(Range::positive_or_inf(), "GB", "data that the process may have"));
 }
 
 /// How the processes of a controller are started, and the files that they are made of.

@@ -29,7 +29,7 @@ struct Part {
 };
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<Part>) {
-  v.member("gain", &Part::gain, {.unit = "1/s", .range = Range::positive(), .text = "how strongly"});
+  v.member("gain", &Part::gain, positive("1/s", "how strongly"));
 }
 
 struct Common {

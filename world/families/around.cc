@@ -14,9 +14,8 @@ struct Around {
 constexpr void describe(auto& v, Of<Around>) {
   using T = Around;
   v.inlined(&T::placement);
-  v.member("downward", &T::downward,
-           {.unit = "1", .range = {-1.0, 1.0}, .text = "least downward component of the tool's direction"});
-  v.member("highest", &T::highest, {.unit = "m", .text = "greatest height of the goal"});
+  v.member("downward", &T::downward, in_range({-1.0, 1.0}, "1", "least downward component of the tool's direction"));
+  v.member("highest", &T::highest, quantity("m", "greatest height of the goal"));
 }
 
 bool build(const Around& p, SceneBuilder& builder, World& world) {

@@ -26,21 +26,17 @@ struct Bookshelf {
 
 constexpr void describe(auto& v, Of<Bookshelf>) {
   using T = Bookshelf;
-  constexpr Range kPositive = Range::positive();
   v.inlined(&T::placement);
-  v.member("opening", &T::opening, {.unit = "m", .range = kPositive, .text = "distance between two boards"});
-  v.member("inset", &T::inset, {.unit = "m", .text = "depth of the goal behind the front"});
-  v.member("width", &T::width, {.unit = "m", .range = kPositive, .text = "distance between the sides"});
-  v.member("depth", &T::depth, {.unit = "m", .range = kPositive, .text = "depth of the boards"});
-  v.member("height", &T::height, {.unit = "m", .range = kPositive, .text = "least total height"});
-  v.member("thickness", &T::thickness,
-           {.unit = "m", .range = kPositive, .text = "thickness of boards, sides and back"});
-  v.member("level", &T::level,
-           {.unit = "1", .range = {0.0, 1.0}, .text = "least horizontal component of the tool's direction"});
+  v.member("opening", &T::opening, positive("m", "distance between two boards"));
+  v.member("inset", &T::inset, quantity("m", "depth of the goal behind the front"));
+  v.member("width", &T::width, positive("m", "distance between the sides"));
+  v.member("depth", &T::depth, positive("m", "depth of the boards"));
+  v.member("height", &T::height, positive("m", "least total height"));
+  v.member("thickness", &T::thickness, positive("m", "thickness of boards, sides and back"));
+  v.member("level", &T::level, in_range({0.0, 1.0}, "1", "least horizontal component of the tool's direction"));
   v.member("turned_away", &T::turned_away,
-           {.unit = "1",
-            .range = {-1.0, 1.0},
-            .text = "least cosine of the angle between the shelf's open side and the direction from the start to it"});
+           in_range({-1.0, 1.0}, "1",
+                    "least cosine of the angle between the shelf's open side and the direction from the start to it"));
 }
 
 bool build(const Bookshelf& p, SceneBuilder& builder, World& world) {

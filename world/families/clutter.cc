@@ -18,10 +18,10 @@ struct Clutter {
 constexpr void describe(auto& v, Of<Clutter>) {
   using T = Clutter;
   v.inlined(&T::placement);
-  v.member("objects", &T::objects, {.range = {0, 1000}, .text = "number of solids"});
+  v.member("objects", &T::objects, in_range({0, 1000}, "", "number of solids"));
   v.member("along", &T::along,
-           {.unit = "1", .text = "position of a solid along the way, as a share of the way from start to goal"});
-  v.member("lateral", &T::lateral, {.unit = "m", .text = "position of a solid to the left of the way"});
+           quantity("1", "position of a solid along the way, as a share of the way from start to goal"));
+  v.member("lateral", &T::lateral, quantity("m", "position of a solid to the left of the way"));
   v.inlined(&T::mix);
 }
 

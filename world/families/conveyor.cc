@@ -25,14 +25,14 @@ struct Conveyor {
 constexpr void describe(auto& v, Of<Conveyor>) {
   using T = Conveyor;
   v.inlined(&T::placement);
-  v.member("speed", &T::speed, {.unit = "m/s", .range = Range::positive(), .text = "speed of the goal"});
-  v.member("length", &T::length, {.unit = "m", .range = Range::positive(), .text = "length of the goal's line"});
+  v.member("speed", &T::speed, positive("m/s", "speed of the goal"));
+  v.member("length", &T::length, positive("m", "length of the goal's line"));
   v.member("duration", &T::duration,
-           {.unit = "s", .range = {0.0, 3600.0, true, false}, .text = "time of motion, after which the goal rests"});
-  v.member("objects", &T::objects, {.range = {0, 1000}, .text = "number of solids beside the way"});
+           in_range({0.0, 3600.0, true, false}, "s", "time of motion, after which the goal rests"));
+  v.member("objects", &T::objects, in_range({0, 1000}, "", "number of solids beside the way"));
   v.member("along", &T::along,
-           {.unit = "1", .text = "position of a solid along the way, as a share of the way from start to goal"});
-  v.member("lateral", &T::lateral, {.unit = "m", .text = "position of a solid to the left of the way"});
+           quantity("1", "position of a solid along the way, as a share of the way from start to goal"));
+  v.member("lateral", &T::lateral, quantity("m", "position of a solid to the left of the way"));
   v.inlined(&T::mix);
 }
 

@@ -23,15 +23,12 @@ struct Corridor {
 constexpr void describe(auto& v, Of<Corridor>) {
   using T = Corridor;
   v.inlined(&T::placement);
-  v.member("width", &T::width, {.unit = "m", .range = Range::positive(), .text = "distance between the walls"});
-  v.member("offset", &T::offset, {.unit = "m", .text = "distance of the corridor's middle from the way"});
-  v.member("wall_height", &T::wall_height, {.unit = "m", .range = Range::positive(), .text = "height of the walls"});
-  v.member("beyond", &T::beyond,
-           {.unit = "m",
-            .range = Range::non_negative(),
-            .text = "length of the walls before the start and behind the goal"});
-  v.member("thickness", &T::thickness, {.unit = "m", .range = Range::positive(), .text = "thickness of the walls"});
-  v.member("objects", &T::objects, {.range = {0, 100}, .text = "number of solids in the corridor"});
+  v.member("width", &T::width, positive("m", "distance between the walls"));
+  v.member("offset", &T::offset, quantity("m", "distance of the corridor's middle from the way"));
+  v.member("wall_height", &T::wall_height, positive("m", "height of the walls"));
+  v.member("beyond", &T::beyond, non_negative("m", "length of the walls before the start and behind the goal"));
+  v.member("thickness", &T::thickness, positive("m", "thickness of the walls"));
+  v.member("objects", &T::objects, in_range({0, 100}, "", "number of solids in the corridor"));
   v.inlined(&T::mix);
 }
 

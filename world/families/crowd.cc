@@ -18,9 +18,9 @@ struct Crowd {
 constexpr void describe(auto& v, Of<Crowd>) {
   using T = Crowd;
   v.inlined(&T::placement);
-  v.member("people", &T::people, {.range = {0, 200}, .text = "number of people who walk"});
+  v.member("people", &T::people, in_range({0, 200}, "", "number of people who walk"));
   v.member("horizon", &T::horizon,
-           {.unit = "s", .range = {0.0, 3600.0, true, false}, .text = "time for which start and witness are clear"});
+           in_range({0.0, 3600.0, true, false}, "s", "time for which start and witness are clear"));
   v.inlined(&T::walker);
 }
 

@@ -31,23 +31,16 @@ struct Desk {
 
 constexpr void describe(auto& v, Of<Desk>) {
   using T = Desk;
-  constexpr Range kPositive = Range::positive();
   v.inlined(&T::placement);
-  v.member("above", &T::above,
-           {.unit = "m", .range = Range::non_negative(), .text = "least height of the goal above the tabletop"});
+  v.member("above", &T::above, non_negative("m", "least height of the goal above the tabletop"));
   v.member("room", &T::room,
-           {.unit = "m",
-            .range = kPositive,
-            .text = "distance between the tabletop and the robot's lowest shape: the robot's base plate"});
-  v.member("width", &T::width,
-           {.unit = "m", .range = kPositive, .text = "width of the table, to the robot's left and right"});
-  v.member("depth", &T::depth,
-           {.unit = "m", .range = kPositive, .text = "depth of the table, ahead of the robot and behind it"});
-  v.member("behind", &T::behind,
-           {.unit = "m", .range = kPositive, .text = "part of the table's depth behind the robot"});
-  v.member("sideways", &T::sideways, {.unit = "m", .text = "position of the table's middle to the robot's left"});
-  v.member("thickness", &T::thickness, {.unit = "m", .range = kPositive, .text = "thickness of the tabletop"});
-  v.member("items", &T::items, {.range = {0, 100}, .text = "number of objects on the table"});
+           positive("m", "distance between the tabletop and the robot's lowest shape: the robot's base plate"));
+  v.member("width", &T::width, positive("m", "width of the table, to the robot's left and right"));
+  v.member("depth", &T::depth, positive("m", "depth of the table, ahead of the robot and behind it"));
+  v.member("behind", &T::behind, positive("m", "part of the table's depth behind the robot"));
+  v.member("sideways", &T::sideways, quantity("m", "position of the table's middle to the robot's left"));
+  v.member("thickness", &T::thickness, positive("m", "thickness of the tabletop"));
+  v.member("items", &T::items, in_range({0, 100}, "", "number of objects on the table"));
   v.inlined(&T::items_mix);
 }
 

@@ -24,17 +24,15 @@ struct Doorway {
 
 constexpr void describe(auto& v, Of<Doorway>) {
   using T = Doorway;
-  constexpr Range kPositive = Range::positive();
   v.inlined(&T::placement);
-  v.member("width", &T::width, {.unit = "m", .range = kPositive, .text = "width of the door"});
-  v.member(
-      "along", &T::along,
-      {.unit = "1", .range = {0.0, 1.0}, .text = "position of the wall, as a share of the way from start to goal"});
-  v.member("offset", &T::offset, {.unit = "m", .text = "distance of the door's middle from the way"});
-  v.member("turn", &T::turn, {.unit = "rad", .text = "angle between the wall and a right angle to the way"});
-  v.member("height", &T::height, {.unit = "m", .range = kPositive, .text = "height of the door and its wall"});
-  v.member("wall", &T::wall, {.unit = "m", .range = kPositive, .text = "length of the wall on each side"});
-  v.member("thickness", &T::thickness, {.unit = "m", .range = kPositive, .text = "thickness of the wall"});
+  v.member("width", &T::width, positive("m", "width of the door"));
+  v.member("along", &T::along,
+           in_range({0.0, 1.0}, "1", "position of the wall, as a share of the way from start to goal"));
+  v.member("offset", &T::offset, quantity("m", "distance of the door's middle from the way"));
+  v.member("turn", &T::turn, quantity("rad", "angle between the wall and a right angle to the way"));
+  v.member("height", &T::height, positive("m", "height of the door and its wall"));
+  v.member("wall", &T::wall, positive("m", "length of the wall on each side"));
+  v.member("thickness", &T::thickness, positive("m", "thickness of the wall"));
   v.member("lintel", &T::lintel, {.text = "a beam above the door"});
 }
 

@@ -28,19 +28,16 @@ constexpr void describe(auto& v, Of<Grasp>) {
   using T = Grasp;
   constexpr Range kWeight = Range::non_negative();
   v.inlined(&T::placement);
-  v.member("clearance", &T::clearance,
-           {.unit = "m", .range = {0.001, 0.2}, .text = "distance between object and hand at the goal"});
-  v.member("can", &T::can, {.range = kWeight, .text = "weight of upright cylinders, grasped from the side"});
-  v.member("handle", &T::handle, {.range = kWeight, .text = "weight of bars before a panel, at any attitude"});
-  v.member("box", &T::box, {.range = kWeight, .text = "weight of boxes, grasped from above"});
-  v.member("radius", &T::radius,
-           {.unit = "m", .range = {0.002, 0.5}, .text = "radius of can and box; a handle has half of it"});
-  v.member("length", &T::length, {.unit = "m", .range = {0.01, 2.0}, .text = "length along the hand's thin side"});
-  v.member("stand_off", &T::stand_off, {.unit = "m", .range = {0.0, 2.0}, .text = "distance between handle and panel"});
+  v.member("clearance", &T::clearance, in_range({0.001, 0.2}, "m", "distance between object and hand at the goal"));
+  v.member("can", &T::can, in_range(kWeight, "", "weight of upright cylinders, grasped from the side"));
+  v.member("handle", &T::handle, in_range(kWeight, "", "weight of bars before a panel, at any attitude"));
+  v.member("box", &T::box, in_range(kWeight, "", "weight of boxes, grasped from above"));
+  v.member("radius", &T::radius, in_range({0.002, 0.5}, "m", "radius of can and box; a handle has half of it"));
+  v.member("length", &T::length, in_range({0.01, 2.0}, "m", "length along the hand's thin side"));
+  v.member("stand_off", &T::stand_off, in_range({0.0, 2.0}, "m", "distance between handle and panel"));
   v.member("upright", &T::upright,
-           {.unit = "1",
-            .range = {0.0, 0.999},
-            .text = "least cosine of the angle between the hand and one that grasps level (can) or from above (box)"});
+           in_range({0.0, 0.999}, "1",
+                    "least cosine of the angle between the hand and one that grasps level (can) or from above (box)"));
 }
 
 void check(const Grasp& p, const config::MapReader& in) {

@@ -24,11 +24,11 @@ constexpr void describe(auto& v, Of<Insert>) {
   constexpr Range kSize{0.001, 5.0};
   v.inlined(&T::placement);
   v.member("clearance", &T::clearance,
-           {.unit = "m", .range = {0.001, 0.2}, .text = "distance between each board and the hand at the goal"});
-  v.member("depth", &T::depth, {.unit = "m", .range = kSize, .text = "depth of the hand's foremost point in the slot"});
-  v.member("behind", &T::behind, {.unit = "m", .range = kSize, .text = "length of the slot beyond that point"});
-  v.member("width", &T::width, {.unit = "m", .range = kSize, .text = "width of the boards"});
-  v.member("thickness", &T::thickness, {.unit = "m", .range = kSize, .text = "thickness of the boards"});
+           in_range({0.001, 0.2}, "m", "distance between each board and the hand at the goal"));
+  v.member("depth", &T::depth, in_range(kSize, "m", "depth of the hand's foremost point in the slot"));
+  v.member("behind", &T::behind, in_range(kSize, "m", "length of the slot beyond that point"));
+  v.member("width", &T::width, in_range(kSize, "m", "width of the boards"));
+  v.member("thickness", &T::thickness, in_range(kSize, "m", "thickness of the boards"));
 }
 
 bool build(const Insert& p, SceneBuilder& builder, World& world) {

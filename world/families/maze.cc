@@ -27,18 +27,15 @@ struct Maze {
 
 constexpr void describe(auto& v, Of<Maze>) {
   using T = Maze;
-  constexpr Range kPositive = Range::positive();
   v.inlined(&T::placement);
-  v.member("walls", &T::walls, {.range = {0, 10}, .text = "number of walls across the way, each with a doorway"});
+  v.member("walls", &T::walls, in_range({0, 10}, "", "number of walls across the way, each with a doorway"));
   v.member("margin", &T::margin,
-           {.unit = "m", .text = "margin of a doorway on either side of a base that drives straight through"});
-  v.member("offset", &T::offset, {.unit = "m", .text = "distance of a doorway's middle from the way"});
-  v.member("half_width", &T::half_width,
-           {.unit = "m", .range = kPositive, .text = "half the width of the rooms, from the way to the side walls"});
-  v.member("beyond", &T::beyond,
-           {.unit = "m", .range = kPositive, .text = "length of the rooms before the start and behind the goal"});
-  v.member("thickness", &T::thickness, {.unit = "m", .range = kPositive, .text = "thickness of the walls"});
-  v.member("height", &T::height, {.unit = "m", .range = kPositive, .text = "height of the walls"});
+           quantity("m", "margin of a doorway on either side of a base that drives straight through"));
+  v.member("offset", &T::offset, quantity("m", "distance of a doorway's middle from the way"));
+  v.member("half_width", &T::half_width, positive("m", "half the width of the rooms, from the way to the side walls"));
+  v.member("beyond", &T::beyond, positive("m", "length of the rooms before the start and behind the goal"));
+  v.member("thickness", &T::thickness, positive("m", "thickness of the walls"));
+  v.member("height", &T::height, positive("m", "height of the walls"));
 }
 
 bool build(const Maze& p, SceneBuilder& builder, World& world) {

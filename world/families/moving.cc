@@ -38,39 +38,31 @@ struct Moving {
 constexpr void describe(auto& v, Of<Moving>) {
   using T = Moving;
   v.inlined(&T::placement);
-  v.member("objects", &T::objects, {.range = {0, 1000}, .text = "number of moving solids and people"});
+  v.member("objects", &T::objects, in_range({0, 1000}, "", "number of moving solids and people"));
   v.member("crossing", &T::crossing,
-           {.unit = "1",
-            .range = kPart,
-            .text = "share of crossing objects among those on straight lines; the others approach"});
-  v.member("speed", &T::speed,
-           {.unit = "m/s", .range = Range::non_negative(), .text = "speed of objects that do not walk"});
+           in_range(kPart, "1", "share of crossing objects among those on straight lines; the others approach"));
+  v.member("speed", &T::speed, non_negative("m/s", "speed of objects that do not walk"));
   v.member("robot_speed", &T::robot_speed,
-           {.unit = "m/s",
-            .range = Range::positive(),
-            .text = "nominal speed of the robot, which determines the time of a meeting"});
-  v.member("along", &T::along, {.unit = "1", .text = "meeting point, as a share of the way"});
+           positive("m/s", "nominal speed of the robot, which determines the time of a meeting"));
+  v.member("along", &T::along, quantity("1", "meeting point, as a share of the way"));
   v.member("angle", &T::angle,
-           {.unit = "rad", .text = "deviation from a right angle to the way (crossing) or from the way (approaching)"});
-  v.member("offset", &T::offset, {.unit = "m", .text = "distance from the way, of approaching objects and of circles"});
+           quantity("rad", "deviation from a right angle to the way (crossing) or from the way (approaching)"));
+  v.member("offset", &T::offset, quantity("m", "distance from the way, of approaching objects and of circles"));
   v.member("horizon", &T::horizon,
-           {.unit = "s", .range = {0.0, 3600.0, true, false}, .text = "time for which start and witness are clear"});
+           in_range({0.0, 3600.0, true, false}, "s", "time for which start and witness are clear"));
   v.inlined(&T::mix);
   // Written only if present: worlds stored before these options existed keep their keys.
   v.written_where(
       [](const T& moving) { return moving.orbit > 0.0; },
       [](auto& orbits) {
-        orbits.member("orbit", &T::orbit,
-                      {.unit = "1", .range = kPart, .text = "share of objects that move in circles"});
-        orbits.member("orbit_radius", &T::orbit_radius,
-                      {.unit = "m", .range = {0.05, 1000.0}, .text = "radius of the circles"});
-        orbits.member(
-            "orbit_goal", &T::orbit_goal,
-            {.unit = "1", .range = kPart, .text = "share of circles around the goal; the others are beside the way"});
+        orbits.member("orbit", &T::orbit, in_range(kPart, "1", "share of objects that move in circles"));
+        orbits.member("orbit_radius", &T::orbit_radius, in_range({0.05, 1000.0}, "m", "radius of the circles"));
+        orbits.member("orbit_goal", &T::orbit_goal,
+                      in_range(kPart, "1", "share of circles around the goal; the others are beside the way"));
       });
   v.written_where([](const T& moving) { return moving.walk > 0.0; },
                   [](auto& walks) {
-                    walks.member("walk", &T::walk, {.unit = "1", .range = kPart, .text = "share of objects that walk"});
+                    walks.member("walk", &T::walk, in_range(kPart, "1", "share of objects that walk"));
                     walks.inlined(&T::walker);
                   });
 }

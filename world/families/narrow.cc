@@ -25,19 +25,16 @@ struct Narrow {
 
 constexpr void describe(auto& v, Of<Narrow>) {
   using T = Narrow;
-  constexpr Range kPositive = Range::positive();
   v.inlined(&T::placement);
   v.member("margin", &T::margin,
-           {.unit = "m", .text = "margin of the passage on either side of a base that drives straight through"});
-  v.member(
-      "along", &T::along,
-      {.unit = "1", .range = {0.0, 1.0}, .text = "position of the passage, as a share of the way from start to goal"});
-  v.member("offset", &T::offset, {.unit = "m", .text = "distance of the passage's middle from the way"});
-  v.member("turn", &T::turn, {.unit = "rad", .text = "angle between the walls and a right angle to the way"});
-  v.member("length", &T::length,
-           {.unit = "m", .range = kPositive, .text = "length of the passage, the thickness of its walls"});
-  v.member("wall", &T::wall, {.unit = "m", .range = kPositive, .text = "length of the wall on each side"});
-  v.member("height", &T::height, {.unit = "m", .range = kPositive, .text = "height of the walls"});
+           quantity("m", "margin of the passage on either side of a base that drives straight through"));
+  v.member("along", &T::along,
+           in_range({0.0, 1.0}, "1", "position of the passage, as a share of the way from start to goal"));
+  v.member("offset", &T::offset, quantity("m", "distance of the passage's middle from the way"));
+  v.member("turn", &T::turn, quantity("rad", "angle between the walls and a right angle to the way"));
+  v.member("length", &T::length, positive("m", "length of the passage, the thickness of its walls"));
+  v.member("wall", &T::wall, positive("m", "length of the wall on each side"));
+  v.member("height", &T::height, positive("m", "height of the walls"));
 }
 
 bool build(const Narrow& p, SceneBuilder& builder, World& world) {

@@ -13,9 +13,8 @@ constexpr void describe(auto& v, Of<Pairs>) {
   using T = Pairs;
   v.inlined(&T::placement);
   v.member("range", &T::range,
-           {.unit = "1",
-            .range = {0.0, 1.0, true, false},
-            .text = "share of each joint's range, around its middle, for start and witness; replaces limit_margin"});
+           in_range({0.0, 1.0, true, false}, "1",
+                    "share of each joint's range, around its middle, for start and witness; replaces limit_margin"));
 }
 
 bool build(const Pairs& p, SceneBuilder& builder, World& world) {

@@ -23,16 +23,14 @@ struct Shelf {
 
 constexpr void describe(auto& v, Of<Shelf>) {
   using T = Shelf;
-  constexpr Range kPositive = Range::positive();
   v.inlined(&T::placement);
-  v.member("width", &T::width, {.unit = "m", .range = kPositive, .text = "distance between the sides"});
-  v.member("opening", &T::opening, {.unit = "m", .range = kPositive, .text = "distance between two boards"});
-  v.member("depth", &T::depth, {.unit = "m", .range = kPositive, .text = "depth of the boards"});
-  v.member("inset", &T::inset, {.unit = "m", .text = "depth of the goal behind the front"});
-  v.member("height", &T::height, {.unit = "m", .range = kPositive, .text = "least total height"});
-  v.member("thickness", &T::thickness, {.unit = "m", .range = kPositive, .text = "thickness of the boards"});
-  v.member("level", &T::level,
-           {.unit = "1", .range = {0.0, 1.0}, .text = "least horizontal component of the tool's direction"});
+  v.member("width", &T::width, positive("m", "distance between the sides"));
+  v.member("opening", &T::opening, positive("m", "distance between two boards"));
+  v.member("depth", &T::depth, positive("m", "depth of the boards"));
+  v.member("inset", &T::inset, quantity("m", "depth of the goal behind the front"));
+  v.member("height", &T::height, positive("m", "least total height"));
+  v.member("thickness", &T::thickness, positive("m", "thickness of the boards"));
+  v.member("level", &T::level, in_range({0.0, 1.0}, "1", "least horizontal component of the tool's direction"));
   v.member("back", &T::back, {.text = "closed at the back"});
 }
 

@@ -27,16 +27,14 @@ struct Table {
 
 constexpr void describe(auto& v, Of<Table>) {
   using T = Table;
-  constexpr Range kPositive = Range::positive();
   v.inlined(&T::placement);
-  v.member("above", &T::above,
-           {.unit = "m", .range = Range::non_negative(), .text = "height of the goal above the tabletop"});
-  v.member("inset", &T::inset, {.unit = "m", .text = "distance of the goal behind the near edge"});
-  v.member("width", &T::width, {.unit = "m", .range = kPositive, .text = "width of the table along its near edge"});
-  v.member("depth", &T::depth, {.unit = "m", .range = kPositive, .text = "depth of the table"});
-  v.member("turn", &T::turn, {.unit = "rad", .text = "angle between the table and the robot's line to the goal"});
-  v.member("thickness", &T::thickness, {.unit = "m", .range = kPositive, .text = "thickness of the tabletop"});
-  v.member("items", &T::items, {.range = {0, 100}, .text = "number of objects on the table"});
+  v.member("above", &T::above, non_negative("m", "height of the goal above the tabletop"));
+  v.member("inset", &T::inset, quantity("m", "distance of the goal behind the near edge"));
+  v.member("width", &T::width, positive("m", "width of the table along its near edge"));
+  v.member("depth", &T::depth, positive("m", "depth of the table"));
+  v.member("turn", &T::turn, quantity("rad", "angle between the table and the robot's line to the goal"));
+  v.member("thickness", &T::thickness, positive("m", "thickness of the tabletop"));
+  v.member("items", &T::items, in_range({0, 100}, "", "number of objects on the table"));
   v.inlined(&T::items_mix);
 }
 

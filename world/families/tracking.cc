@@ -28,18 +28,13 @@ constexpr void describe(auto& v, Of<Tracking>) {
   using T = Tracking;
   constexpr Range kWeight = Range::non_negative();
   v.inlined(&T::placement);
-  v.member("line", &T::line, {.range = kWeight, .text = "weight of goals that move to and fro on a line"});
-  v.member("circle", &T::circle, {.range = kWeight, .text = "weight of goals on a circle"});
-  v.member("spline", &T::spline, {.range = kWeight, .text = "weight of goals along a spline"});
-  v.member("speed", &T::speed, {.unit = "m/s", .range = Range::positive(), .text = "speed of the goal"});
-  v.member("extent", &T::extent,
-           {.unit = "m",
-            .range = Range::positive(),
-            .text = "length of the line, diameter of the circle, extent of the spline"});
-  v.member("duration", &T::duration,
-           {.unit = "s", .range = Range::positive(), .text = "time after which line and spline rest"});
-  v.member("follow", &T::follow,
-           {.unit = "s", .range = Range::non_negative(), .text = "time for which the goal is shown to be followed"});
+  v.member("line", &T::line, in_range(kWeight, "", "weight of goals that move to and fro on a line"));
+  v.member("circle", &T::circle, in_range(kWeight, "", "weight of goals on a circle"));
+  v.member("spline", &T::spline, in_range(kWeight, "", "weight of goals along a spline"));
+  v.member("speed", &T::speed, positive("m/s", "speed of the goal"));
+  v.member("extent", &T::extent, positive("m", "length of the line, diameter of the circle, extent of the spline"));
+  v.member("duration", &T::duration, positive("s", "time after which line and spline rest"));
+  v.member("follow", &T::follow, non_negative("s", "time for which the goal is shown to be followed"));
 }
 
 void check(const Tracking& p, const config::MapReader& in) {

@@ -60,17 +60,13 @@ constexpr void describe(auto& v, Of<SimulationConfig>) {
   using T = SimulationConfig;
   v.member("mode", &T::mode, {.text = "kinematic: the command is the velocity; dynamic: ODE"});
   v.member("control_period", &T::control_period,
-           {.unit = "s", .range = {1e-4, 1.0}, .text = "time between two steps of the controller"});
-  v.member("physics_step", &T::physics_step,
-           {.unit = "s",
-            .range = {1e-5, 0.02},
-            .text = "longest step of ODE; steps are equal, and divided further if a pair may touch"});
-  v.member("time_limit", &T::time_limit,
-           {.unit = "s", .range = {0.0, 3600.0, true, false}, .text = "longest time of a trial"});
+           in_range({1e-4, 1.0}, "s", "time between two steps of the controller"));
+  v.member(
+      "physics_step", &T::physics_step,
+      in_range({1e-5, 0.02}, "s", "longest step of ODE; steps are equal, and divided further if a pair may touch"));
+  v.member("time_limit", &T::time_limit, in_range({0.0, 3600.0, true, false}, "s", "longest time of a trial"));
   v.member("cross_check", &T::cross_check,
-           {.unit = "1",
-            .range = {0.0, 1.0},
-            .text = "share of the control steps in which the two contact detectors are compared"});
+           in_range({0.0, 1.0}, "1", "share of the control steps in which the two contact detectors are compared"));
   v.member(
       "joint_limits", &T::joint_limits,
       {.written = Written::kUnlessDefault,

@@ -45,17 +45,13 @@ constexpr void describe(auto& v, Of<ObjectMix>) {
   using T = ObjectMix;
   constexpr Range kSize = Range::positive();
   v.member("shapes", &T::shapes, {.text = "kinds of solids, each entry equally likely"});
-  v.member("standing", &T::standing,
-           {.unit = "1", .range = {0.0, 1.0}, .text = "share of boxes and capsules that stand on the floor"});
-  v.member("sphere_radius", &T::sphere_radius, {.unit = "m", .range = kSize, .text = "radius of spheres"});
-  v.member("box_edge", &T::box_edge,
-           {.unit = "m", .range = kSize, .text = "each edge of a floating box, x and y of a standing one"});
-  v.member("capsule_radius", &T::capsule_radius, {.unit = "m", .range = kSize, .text = "radius of capsules"});
-  v.member("capsule_length", &T::capsule_length,
-           {.unit = "m", .range = kSize, .text = "length of a floating capsule without its caps"});
-  v.member("standing_height", &T::standing_height,
-           {.unit = "m", .range = kSize, .text = "total height of a standing solid"});
-  v.member("height", &T::height, {.unit = "m", .text = "height of a floating solid's centre"});
+  v.member("standing", &T::standing, in_range({0.0, 1.0}, "1", "share of boxes and capsules that stand on the floor"));
+  v.member("sphere_radius", &T::sphere_radius, in_range(kSize, "m", "radius of spheres"));
+  v.member("box_edge", &T::box_edge, in_range(kSize, "m", "each edge of a floating box, x and y of a standing one"));
+  v.member("capsule_radius", &T::capsule_radius, in_range(kSize, "m", "radius of capsules"));
+  v.member("capsule_length", &T::capsule_length, in_range(kSize, "m", "length of a floating capsule without its caps"));
+  v.member("standing_height", &T::standing_height, in_range(kSize, "m", "total height of a standing solid"));
+  v.member("height", &T::height, quantity("m", "height of a floating solid's centre"));
 }
 
 struct ObjectTry {

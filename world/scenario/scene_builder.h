@@ -31,20 +31,16 @@ struct Placement {
 
 constexpr void describe(auto& v, Of<Placement>) {
   using T = Placement;
-  v.member("start_heading", &T::start_heading, {.unit = "rad", .text = "of the base at the start"});
-  v.member("distance", &T::distance,
-           {.unit = "m", .range = Range::non_negative(), .text = "from the start to the witness's base"});
-  v.member("direction", &T::direction, {.unit = "rad", .text = "of that line in the world"});
-  v.member("heading", &T::heading, {.unit = "rad", .text = "of the witness's base"});
-  v.member("limit_margin", &T::limit_margin,
-           {.unit = "rad or m",
-            .range = Range::non_negative(),
-            .text = "the witness's joints keep so far from their limits, a quarter of their range at most"});
-  v.member("tip_height", &T::tip_height, {.unit = "m", .text = "least height of the goal"});
-  v.member("floor_clearance", &T::floor_clearance,
-           {.unit = "m", .range = Range::non_negative(), .text = "of the witness's moving shapes over the floor"});
-  v.member("self_clearance", &T::self_clearance,
-           {.unit = "m", .range = Range::non_negative(), .text = "between the witness's own shapes"});
+  v.member("start_heading", &T::start_heading, quantity("rad", "of the base at the start"));
+  v.member("distance", &T::distance, non_negative("m", "from the start to the witness's base"));
+  v.member("direction", &T::direction, quantity("rad", "of that line in the world"));
+  v.member("heading", &T::heading, quantity("rad", "of the witness's base"));
+  v.member(
+      "limit_margin", &T::limit_margin,
+      non_negative("rad or m", "the witness's joints keep so far from their limits, a quarter of their range at most"));
+  v.member("tip_height", &T::tip_height, quantity("m", "least height of the goal"));
+  v.member("floor_clearance", &T::floor_clearance, non_negative("m", "of the witness's moving shapes over the floor"));
+  v.member("self_clearance", &T::self_clearance, non_negative("m", "between the witness's own shapes"));
 }
 
 /// How far objects keep from a robot that stands at start or witness.

@@ -51,17 +51,14 @@ struct Walk {
 
 constexpr void describe(auto& v, Of<Walk>) {
   using T = Walk;
-  v.member("walk_speed", &T::speed,
-           {.unit = "m/s", .range = T::kPace, .text = "speed of each walker; free walking by default"});
+  v.member("walk_speed", &T::speed, in_range(T::kPace, "m/s", "speed of each walker; free walking by default"));
   v.member("walk_radius", &T::radius,
-           {.unit = "m", .range = T::kSize, .text = "radius of the standing capsule that represents a person"});
-  v.member("walk_height", &T::height, {.unit = "m", .range = T::kSize, .text = "total height of a person"});
-  v.member("walk_pause", &T::pause,
-           {.unit = "1", .range = {0.0, 1.0}, .text = "share of the waypoints at which a walker stops"});
-  v.member("walk_pause_time", &T::pause_time,
-           {.unit = "s", .range = Range::non_negative(), .text = "duration of a stop"});
+           in_range(T::kSize, "m", "radius of the standing capsule that represents a person"));
+  v.member("walk_height", &T::height, in_range(T::kSize, "m", "total height of a person"));
+  v.member("walk_pause", &T::pause, in_range({0.0, 1.0}, "1", "share of the waypoints at which a walker stops"));
+  v.member("walk_pause_time", &T::pause_time, non_negative("s", "duration of a stop"));
   v.member("walk_margin", &T::margin,
-           {.unit = "m", .range = {T::kLeastLeg, 1000.0}, .text = "largest distance of waypoints from the way"});
+           in_range({T::kLeastLeg, 1000.0}, "m", "largest distance of waypoints from the way"));
   v.member("walker", &T::walker, {.text = "solid: the family's own solids walk instead of people"});
 }
 

@@ -34,15 +34,13 @@ struct Making {
 constexpr void describe(auto& v, Of<Making>) {
   using T = Making;
   v.member("seed", &T::seed, {.text = "seed of the worlds"});
-  v.member("clearance", &T::clearance,
-           {.unit = "m", .range = Range::non_negative(), .text = "distance of objects from start and witness"});
+  v.member("clearance", &T::clearance, non_negative("m", "distance of objects from start and witness"));
   v.member("start_room", &T::start_room,
            {.unit = "m",
             .range = {0.0, 10.0},
             .written = Written::kUnlessDefault,
             .text = "distance of objects from the robot at the start, at t = 0"});
-  v.member("tries", &T::tries,
-           {.range = {1, 1000000}, .text = "largest number of tries at one world, before an error"});
+  v.member("tries", &T::tries, in_range({1, 1000000}, "", "largest number of tries at one world, before an error"));
 }
 
 struct Member {
@@ -53,7 +51,7 @@ struct Member {
 
 /// The key that every family has besides its own.
 constexpr void describe(auto& v, Of<Member>) {
-  v.member("weight", &Member::weight, {.range = Range::non_negative(), .text = "share of the worlds"});
+  v.member("weight", &Member::weight, non_negative("", "share of the worlds"));
 }
 
 struct Mixture {
