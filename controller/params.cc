@@ -34,6 +34,7 @@ class Checker {
     weights();
     safe();
     separate();
+    if (p_.plan.enabled) plan();
     return issues_;
   }
 
@@ -144,6 +145,15 @@ class Checker {
     if (p_.method != Method::kQp) error("separate", "is of method qp: the arm's part is its QP");
     if (p_.plan.enabled) error("separate", "contradicts plan, whose paths move base and arm together");
     if (model_.base_dof() == 0) warning("separate", "has no effect: the base does not move");
+  }
+
+  void plan() {
+    const SearchParams& s = p_.plan.search;
+    if (!(p_.plan.decisions.wait < p_.plan.decisions.meet)) error("plan.decisions.wait", "must be below meet");
+    if (s.tucked + s.between + s.near_goal + s.near_start > 1.0)
+      error("plan.search", "the shares tucked, between, near_goal and near_start must not exceed 1 together");
+    if (s.base_alone + s.arm_alone > 1.0)
+      error("plan.search", "the shares base_alone and arm_alone must not exceed 1 together");
   }
 
   const ControllerParams& p_;

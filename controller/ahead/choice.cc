@@ -9,7 +9,6 @@ namespace moma {
 namespace {
 
 constexpr double kStopping = 0.01;  // between two moments of coming to rest [s]
-constexpr int kPlans = 4;           // for a goal that is close to an object, each with more work
 
 }  // namespace
 
@@ -38,6 +37,7 @@ double comes_to_rest(const RobotModel& model, const MotionLimits& limits, const 
 Choice::Choice(std::shared_ptr<const RobotModel> model, const ControllerParams& params)
     : model_(model),
       settle_(params.plan.settle),
+      close_plans_(params.plan.decisions.close_plans),
       planner_(model, params),
       stand_(WholeConfiguration::Zero(3 + model->num_joints())) {
   from_.q = model->ready;
@@ -70,7 +70,7 @@ void Choice::begin_plan() noexcept {
 bool Choice::advance(long& budget) noexcept {
   while (budget > 0 && !done_) {
     if (planner_.advance(budget)) break;
-    if (!planner_.found() && planner_.close_goal() && plans_ < kPlans) {
+    if (!planner_.found() && planner_.close_goal() && plans_ < close_plans_) {
       begin_plan();
       continue;
     }

@@ -42,7 +42,8 @@ class Choice {
   void begin_plan() noexcept;
 
   std::shared_ptr<const RobotModel> model_;
-  double settle_;  // time from a path's end to the goal [s]
+  double settle_;    // time from a path's end to the goal [s]
+  int close_plans_;  // plans of one choice for a goal that is close to an object, each with more work
   Planner planner_;
 
   bool done_ = true;

@@ -12,26 +12,8 @@
 namespace moma {
 namespace {
 
-// A goal that is elsewhere from one step to the next by more than this has jumped.
-constexpr double kJump = 0.02, kJumpTurn = 0.05;  // [m, rad]
-constexpr double kStill = 1e-6;                   // of a goal's twist
-constexpr double kNearMover = 2.5;                // from the base to an object in motion [m]
-constexpr double kSlow = 0.1;                     // velocities at which a robot stands, to choose [rad/s, m/s]
-constexpr double kLongestStop = 1.0;              // [s]
-constexpr double kLongestSetOut = 0.25;           // [s]
-constexpr double kLongestChoice = 1.8;            // of a robot that stands: the best so far counts then [s]
-// Lag at a path's end: of one that leads close to an object, which the policy may not be able to finish, less [m].
-constexpr double kArrived = 0.005, kArrivedClose = 0.0005;
+constexpr double kStill = 1e-6;     // of a goal's twist
 constexpr std::int64_t kHurry = 3;  // steps before a choice has to be made
-constexpr double kThere = 0.3;      // a goal that is reached so soon needs no choice [s]
-constexpr double kProgress = 0.05;  // on the path's clock that is progress [s]
-constexpr double kPushed = 0.3;     // lag among objects in motion that gives a path up [m]
-// Robot and object on their ways meet: the path's clock slows down from so soon on, and stands from so soon on [s].
-constexpr double kMeetAhead = 2.0, kMeetNear = 0.5;
-// Of the policy's motion while a choice is worked out, at most: a stop costs a base more than an arm [s].
-constexpr double kGoOnDriving = 0.52, kGoOnStanding = 0.24;
-// A prediction that touches something so much later than the robot would go on is no reason to stop [s].
-constexpr double kSafe = 0.5;
 // While a path is followed a moment of it costs more than anything else in a step: few of them.
 constexpr long kWatched = 40;
 
@@ -47,9 +29,9 @@ ControllerParams late_limits(ControllerParams params) {
   return params;
 }
 
-bool jumped(const Isometry& from, const Isometry& to) noexcept {
-  return (from.translation() - to.translation()).norm() > kJump ||
-         log_so3(from.linear() * to.linear().transpose()).norm() > kJumpTurn;
+bool jumped(const DecisionParams& params, const Isometry& from, const Isometry& to) noexcept {
+  return (from.translation() - to.translation()).norm() > params.goal_jump ||
+         log_so3(from.linear() * to.linear().transpose()).norm() > params.goal_turn;
 }
 
 }  // namespace
@@ -62,7 +44,7 @@ Lookahead::Lookahead(std::shared_ptr<const RobotModel> model, const ControllerPa
       choice_(model, params),
       direct_way_(model, params),
       slope_(params.collision.at_goal.slope),
-      watch_(model, planner().limits(), slope_),
+      watch_(model, params.plan.decisions, planner().limits(), slope_),
       bounds_(*model, late_limits(params), control_period),
       rollout_(model, without_plan(params), params.plan.step),
       wanted_(VectorX::Zero(model->num_velocities())) {
@@ -98,10 +80,10 @@ void Lookahead::set_state(const PlanState& state) noexcept {
 // The robot lags behind a path, objects are seen elsewhere than when it was laid, and where motions overlap it has half
 // its clearance.
 KeptDistance Lookahead::keeps() const noexcept {
-  constexpr double kPart = 0.45;
   const Path& path = state_.path;
   if (state_.brief.mode != PlanMode::kFollow || !(path.kept_at_goal < path.clearance)) return {};
-  return {kPart * path.kept_at_goal, kPart * slope_, state_.X_WG.translation(), kPart * path.clearance};
+  const double part = params_.follow.kept;
+  return {part * path.kept_at_goal, part * slope_, state_.X_WG.translation(), part * path.clearance};
 }
 
 std::int64_t Lookahead::periods(double seconds) const noexcept { return std::llround(seconds / dt_); }
@@ -130,14 +112,14 @@ void Lookahead::go_direct(PlanReason reason, Detours detours) noexcept {
 }
 
 void Lookahead::stop(PlanReason reason, double direct_time) noexcept {
-  begin(Stopping{state_.steps + periods(kLongestStop), direct_time}, reason);
+  begin(Stopping{state_.steps + periods(params_.decisions.stop_time), direct_time}, reason);
   job_ = Job::kNone;
 }
 
 // Chooses for where the robot is predicted to be soon. Where that is unknown, or not safely reached, it stops.
 void Lookahead::go_on(PlanReason reason, double direct_time) noexcept {
   const std::int64_t commit = predicted_from_ + periods(later_time_);
-  const bool touches = rollout_.end() == RolloutEnd::kTouches && rollout_.time() < later_time_ + kSafe;
+  const bool touches = rollout_.end() == RolloutEnd::kTouches && rollout_.time() < later_time_ + params_.decisions.sure;
   if (later_time_ < 0.0 || touches || commit <= state_.steps) {
     stop(reason, direct_time);
     return;
@@ -167,9 +149,10 @@ void Lookahead::place_end() noexcept {
 }
 
 bool Lookahead::near_mover(const Observation& o) const noexcept {
+  const double range = params_.decisions.traffic;
   for (const ObjectState& object : o.objects)
     if (object.visible && in_motion(object) &&
-        (object.X_WO.translation() - o.base).head<2>().squaredNorm() < kNearMover * kNearMover)
+        (object.X_WO.translation() - o.base).head<2>().squaredNorm() < range * range)
       return true;
   return false;
 }
@@ -177,7 +160,7 @@ bool Lookahead::near_mover(const Observation& o) const noexcept {
 void Lookahead::decide(const Observation& o, const Vector6& error) noexcept {
   const RolloutLimits limits = prediction_limits(params_, escape_, params_.horizon);
   arrived_ = error.tail<3>().norm() < limits.position && error.head<3>().norm() < limits.orientation;
-  if (state_.has_goal && jumped(state_.X_WG, o.goal.X_WG)) {
+  if (state_.has_goal && jumped(params_.decisions, state_.X_WG, o.goal.X_WG)) {
     const bool was_direct = state_.brief.mode == PlanMode::kDirect;
     go_direct(PlanReason::kStart, was_direct ? Detours::kKept : Detours::kCleared);
     state_.steps = state_.next = 0;
@@ -197,14 +180,14 @@ void Lookahead::decide(const Observation& o, const Vector6& error) noexcept {
   PlanBrief& brief = state_.brief;
   if (goal_moves && !doing<GoingDirect>()) go_direct(PlanReason::kTraffic, Detours::kCleared);
   if (movers && !goal_moves) decide_among_traffic();
-  const bool stands = o.qdot.lpNorm<Eigen::Infinity>() <= kSlow;
+  const bool stands = o.qdot.lpNorm<Eigen::Infinity>() <= params_.decisions.standing;
   if (state_.steps == 0 && doing<GoingDirect>() && params_.direct > 0 && stands && !traffic_ && !arrived_)
     begin(SettingOut{}, brief.reason);
   if (const GoingOn* now = doing<GoingOn>(); now && state_.steps >= now->commit) {
     if (now->chosen)
       begin_path(PlanReason::kQuicker);
     else
-      begin(Stopping{state_.steps + periods(kLongestStop), now->direct_time}, brief.reason);
+      begin(Stopping{state_.steps + periods(params_.decisions.stop_time), now->direct_time}, brief.reason);
   }
   if (const Stopping* now = doing<Stopping>(); now && (stands || state_.steps >= now->stop_end))
     begin(Choosing{state_.steps, now->direct_time}, brief.reason);
@@ -219,7 +202,7 @@ void Lookahead::decide(const Observation& o, const Vector6& error) noexcept {
 void Lookahead::decide_among_traffic() noexcept {
   if (doing<SettingOut>()) go_direct(PlanReason::kTraffic, Detours::kKept);
   const Following* now = doing<Following>();
-  if (now && (state_.brief.lag > kPushed || state_.steps - now->mark > periods(2.0 * params_.stuck)))
+  if (now && (state_.brief.lag > params_.decisions.pushed || state_.steps - now->mark > periods(2.0 * params_.stuck)))
     go_direct(PlanReason::kTraffic, Detours::kCleared);
 }
 
@@ -228,10 +211,11 @@ void Lookahead::follow(const Observation& o, Following& following) noexcept {
   shift_ = shift_of_goal(mobile_, state_.path.X_WG, o.goal.X_WG);
   // The clock waits for what will pass.
   long looks = kWatched;
+  const double meet = params_.decisions.meet, wait = params_.decisions.wait;
   const double met =
-      traffic_ ? watch_.met_after(state_.path, shift_, brief.clock, kMeetAhead, state_.path.clearance, o.objects, looks)
-               : kMeetAhead;
-  const double most_rate = std::clamp((met - kMeetNear) / (kMeetAhead - kMeetNear), 0.0, 1.0);
+      traffic_ ? watch_.met_after(state_.path, shift_, brief.clock, meet, state_.path.clearance, o.objects, looks)
+               : meet;
+  const double most_rate = std::clamp((met - wait) / (meet - wait), 0.0, 1.0);
   const FollowStep step =
       follow_path(planner().limits(), params_, state_.path, brief.clock, dt_, most_rate, shift_, o, wanted_);
   brief.lag = step.lag;
@@ -240,7 +224,7 @@ void Lookahead::follow(const Observation& o, Following& following) noexcept {
   state_.path.at(brief.clock, target);
   brief.target = shift_.of(target).head<3>();
   place_end();
-  if (brief.clock > following.mark_clock + kProgress) following = {state_.steps, brief.clock};
+  if (brief.clock > following.mark_clock + params_.decisions.progress) following = {state_.steps, brief.clock};
 }
 
 void Lookahead::work(const Observation& o, const EscapeState& escape) noexcept {
@@ -265,7 +249,7 @@ void Lookahead::work_set_out(const Observation& o, long& budget) noexcept {
     direct_way_.begin(here, o.goal.X_WG, o.objects);
     job_ = Job::kSetOut;
   }
-  if (direct_way_.advance(budget) && state_.steps < periods(kLongestSetOut)) return;
+  if (direct_way_.advance(budget) && state_.steps < periods(params_.decisions.set_out_time)) return;
   job_ = Job::kNone;
   if (direct_way_.found()) {
     state_.path = direct_way_.path();
@@ -335,7 +319,7 @@ void Lookahead::work_choice(const Observation& o, const EscapeState& escape, lon
     end = now->commit;
   }
   const Choosing* stands = doing<Choosing>();
-  if (stands) end = stands->stop_end + periods(kLongestChoice);
+  if (stands) end = stands->stop_end + periods(params_.decisions.choice_time);
   if (job_ != Job::kChoose) {
     if (doing<GoingOn>()) go_direct(state_.brief.reason, Detours::kKept);  // what was under way is not known any more
     if (!stands) return;
@@ -355,10 +339,11 @@ bool Lookahead::predict(const Observation& o, const EscapeState& escape, double 
     news_ = false;
     job_ = Job::kPredict;
   }
+  const double goes_on = mobile_ ? params_.decisions.go_on_driving : params_.decisions.go_on_standing;
   while (budget > 0) {
     budget -= Rollout::kChecks;
     const bool ended = rollout_.step() != RolloutEnd::kGoesOn || rollout_.over();
-    if (later_time_ < 0.0 && rollout_.time() + 0.5 * rollout_.period() > (mobile_ ? kGoOnDriving : kGoOnStanding)) {
+    if (later_time_ < 0.0 && rollout_.time() + 0.5 * rollout_.period() > goes_on) {
       copy_observation(rollout_.state(), later_);
       later_time_ = rollout_.time();
     }
@@ -374,7 +359,7 @@ void Lookahead::end_direct_prediction() noexcept {
   const double time = arrives ? rollout_.time() : kInfinity;
   const bool first = state_.next == 0;
   state_.next = state_.steps + periods(params_.period);
-  if (time < kThere) return;
+  if (time < params_.decisions.soon) return;
   if (!arrives)
     go_on(PlanReason::kFails, -1.0);
   else if (first)
@@ -389,7 +374,7 @@ bool Lookahead::stuck() noexcept {
 
 bool Lookahead::at_end() noexcept {
   const bool close = state_.path.kept_at_goal < state_.path.clearance;
-  return state_.brief.lag < (close ? kArrivedClose : kArrived) || stuck();
+  return state_.brief.lag < (close ? params_.decisions.arrived_close : params_.decisions.arrived) || stuck();
 }
 
 // If nothing arrives, the direct policy goes on; its memory of detours is cleared if a path was left for the choice.

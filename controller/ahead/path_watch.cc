@@ -9,19 +9,16 @@ namespace moma {
 namespace {
 
 constexpr double kMoment = 0.08;  // between the moments that are looked at [s]
-// Seen elsewhere: by more than sensors that are filtered say of an object at rest.
-constexpr double kMoved = 0.008;  // [m]
-constexpr double kTurned = 0.03;  // [rad]
-// What is seen now may be nearer than the path's clearance says: it was laid with what was seen then.
-constexpr double kLeast = 0.015, kLess = 0.005, kPart = 0.5;  // [m, m, 1]
 
-double least_clearance(const Path& path) noexcept {
-  return std::max(0.0, std::min(kLeast, kPart * path.clearance - kLess));
+// What is seen now may be nearer than the path's clearance says: it was laid with what was seen then.
+double least_clearance(const DecisionParams& params, const Path& path) noexcept {
+  return std::max(0.0, std::min(params.least, params.share * path.clearance - params.less));
 }
 
 // Near the goal a path may be as near as it was laid there, less what objects are seen elsewhere.
-KeptDistance shifted_goal(const Path& path, const PlanarShift& shift, double slope) noexcept {
-  KeptDistance kept{std::max(0.0, kPart * path.kept_at_goal - kLess), slope, path.X_WG.translation()};
+KeptDistance shifted_goal(const DecisionParams& params, const Path& path, const PlanarShift& shift,
+                          double slope) noexcept {
+  KeptDistance kept{std::max(0.0, params.share * path.kept_at_goal - params.less), slope, path.X_WG.translation()};
   const Vector2 at = kept.p_WG.head<2>();
   const double cs = std::cos(shift.turn), sn = std::sin(shift.turn);
   kept.p_WG.head<2>() = shift.move + Vector2(cs * at.x() - sn * at.y(), sn * at.x() + cs * at.y());
@@ -30,8 +27,9 @@ KeptDistance shifted_goal(const Path& path, const PlanarShift& shift, double slo
 
 }  // namespace
 
-PathWatch::PathWatch(std::shared_ptr<const RobotModel> model, const MotionLimits& limits, double slope)
-    : slope_(slope), space_(model, limits), movers_(model) {}
+PathWatch::PathWatch(std::shared_ptr<const RobotModel> model, const DecisionParams& params, const MotionLimits& limits,
+                     double slope)
+    : params_(params), slope_(slope), space_(model, limits), movers_(model) {}
 
 void PathWatch::set_objects(std::span<const ObjectShape> objects) {
   space_.set_objects(objects);
@@ -44,16 +42,17 @@ void PathWatch::set_objects(std::span<const ObjectShape> objects) {
 void PathWatch::forget() noexcept { known_ = false; }
 
 bool PathWatch::news(std::span<const ObjectState> objects, const PlanarShift& shift) noexcept {
-  if (!known_ || (shift.move - looked_shift_.move).norm() > kMoved ||
-      std::abs(wrapped(shift.turn - looked_shift_.turn)) > kTurned)
+  const double moved = params_.moved, turned = params_.turned;
+  if (!known_ || (shift.move - looked_shift_.move).norm() > moved ||
+      std::abs(wrapped(shift.turn - looked_shift_.turn)) > turned)
     return true;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const bool counts = objects[i].visible && !in_motion(objects[i]);
     if (!counts) continue;
     const ObjectState& then = looked_at_[i];
     if (!then.visible || in_motion(then)) return true;
-    if ((objects[i].X_WO.translation() - then.X_WO.translation()).squaredNorm() > kMoved * kMoved) return true;
-    if ((objects[i].X_WO.linear() - then.X_WO.linear()).squaredNorm() > 2.0 * kTurned * kTurned) return true;
+    if ((objects[i].X_WO.translation() - then.X_WO.translation()).squaredNorm() > moved * moved) return true;
+    if ((objects[i].X_WO.linear() - then.X_WO.linear()).squaredNorm() > 2.0 * turned * turned) return true;
   }
   return false;
 }
@@ -65,12 +64,12 @@ bool PathWatch::holds(const Path& path, const PlanarShift& shift, double t, std:
     std::copy(objects.begin(), objects.end(), looked_at_.begin());
     space_.set_states(objects);
     looked_shift_ = shift;
-    space_.keep_near(shifted_goal(path, shift, slope_));
+    space_.keep_near(shifted_goal(params_, path, shift, slope_));
     known_ = true;
     from_ = t;
   }
   from_ = std::max(from_, t);
-  const Clearances clearances{least_clearance(path), -1.0, -1.0};
+  const Clearances clearances{least_clearance(params_, path), -1.0, -1.0};
   while (from_ < path.duration + kMoment && budget > 0) {
     path.at(std::min(from_, path.duration), point_);
     point_ = looked_shift_.of(point_);

@@ -6,6 +6,7 @@
 
 #include "controller/plan/follow.h"
 #include "controller/plan/free_space.h"
+#include "controller/plan/plan_params.h"
 
 namespace moma {
 
@@ -16,7 +17,8 @@ namespace moma {
 class PathWatch {
  public:
   /// `slope`: growth of what a path keeps with the distance from its goal (GoalClearanceParams).
-  PathWatch(std::shared_ptr<const RobotModel> model, const MotionLimits& limits, double slope);
+  PathWatch(std::shared_ptr<const RobotModel> model, const DecisionParams& params, const MotionLimits& limits,
+            double slope);
 
   void set_objects(std::span<const ObjectShape> objects);
   /// All that was known is to be looked at again.
@@ -33,6 +35,7 @@ class PathWatch {
  private:
   bool news(std::span<const ObjectState> objects, const PlanarShift& shift) noexcept;
 
+  DecisionParams params_;
   double slope_;
   FreeSpace space_;
   std::vector<ObjectState> looked_at_;  // as they were when the look began that is going on, or was the last

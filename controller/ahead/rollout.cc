@@ -36,8 +36,8 @@ constexpr double kSooner = 0.9;
 }  // namespace
 
 RolloutLimits prediction_limits(const PlanParams& plan, const EscapeParams& escape, double time) noexcept {
-  constexpr double kSure = 0.7;
-  return {time, plan.touch, kSure * escape.position, kSure * escape.orientation, true, true};
+  const double part = plan.decisions.tolerance;
+  return {time, plan.touch, part * escape.position, part * escape.orientation, true, true};
 }
 
 double least_time(const ServoParams& servo, const Vector6& error, const RolloutLimits& limits) noexcept {

@@ -49,7 +49,8 @@ class BrakeGuard final : public Guard {
  public:
   BrakeGuard(const std::shared_ptr<const RobotModel>& model, const ControllerParams& p, double control_period)
       : check_(model, p.collision.check, p.acceleration_limit, p.base_share > 0.0, control_period,
-               {p.uncertainty, model->base_dof()}, own_margins(p.collision.floor, p.collision.self)),
+               {p.uncertainty, model->base_dof()},
+               own_margins(p.collision.floor, p.collision.self, p.collision.check.own)),
         dt_(control_period),
         margin_(p.collision.check.margin),
         stop_(p.collision.object.stop),

@@ -6,20 +6,13 @@
 namespace moma {
 namespace {
 
-// Part of speeds and accelerations that a direct way uses: it begins at rest, and nothing but its following needs more.
-constexpr double kShare = 0.95;
-constexpr double kAbout = 1.2;             // joints of a try from those of the start [rad]
-constexpr double kNear = 0.3, kFar = 0.9;  // from the goal to where the base of a try stands [m] ...
-constexpr double kAside = 0.8;             // ... and its bearing there from that of the start [rad]
-constexpr int kStay = 3;                   // each third try of a differential base leaves it where it is
-constexpr int kNearerTries = 20;
-constexpr double kNearest = 0.3, kLeastNear = 0.9;  // part of the way to the best end at which these begin
-constexpr double kDriveOfACheck = 0.8;              // a drive of so long is simulated in the time of a check [s]
+constexpr double kLeastNear = 0.9;      // part of the way to the best end at which nearer tries begin, at most
+constexpr double kDriveOfACheck = 0.8;  // a drive of so long is simulated in the time of a check [s]
 // Checks are at even times, and the speed between them is not even: they are so much closer.
 constexpr double kUneven = 1.5;
 
 ControllerParams with_share(ControllerParams params) {
-  params.plan.speed = params.plan.acceleration = kShare;
+  params.plan.speed = params.plan.acceleration = params.plan.direct_way.share;
   return params;
 }
 
@@ -29,7 +22,7 @@ DirectWay::DirectWay(std::shared_ptr<const RobotModel> model, const ControllerPa
     : limits_(*model, with_share(params)),
       params_(params.plan),
       space_(model, limits_),
-      ik_(model, limits_),
+      ik_(model, params.plan.ik, limits_),
       goal_clearance_(*model),
       start_(WholeConfiguration::Zero(3 + model->num_joints())) {
   ends_.reserve(static_cast<std::size_t>(params_.direct));
@@ -88,11 +81,11 @@ void DirectWay::work() noexcept {
       }
       return;
     case Stage::kNearer:
-      if (tries_++ == kNearerTries) {
+      if (tries_++ == params_.direct_way.nearer_tries) {
         stage_ = Stage::kDone;
         return;
       }
-      end.c = start_ + draws_.uniform(kNearest, kLeastNear) * (best_.c - start_);
+      end.c = start_ + draws_.uniform(params_.direct_way.nearest, kLeastNear) * (best_.c - start_);
       end.stays = best_.stays;
       if (make(end) && end.time < best_.time) take(end);
       return;
@@ -103,16 +96,17 @@ void DirectWay::work() noexcept {
 
 // Joints about those of the start; a base between start and goal, on its way there.
 void DirectWay::seed(End& end) noexcept {
+  const DirectWayParams& p = params_.direct_way;
   WholeConfiguration& c = end.c;
   c = start_;
   for (int i = 0; i < limits_.num_joints(); ++i)
-    c[3 + i] =
-        std::clamp(c[3 + i] + limits_.part[i] * draws_.uniform(-kAbout, kAbout), space_.lower()[i], space_.upper()[i]);
-  end.stays = !limits_.mobile() || (limits_.base->nonholonomic() && tries_ % kStay == 0);
+    c[3 + i] = std::clamp(c[3 + i] + limits_.part[i] * draws_.uniform(-p.joints, p.joints), space_.lower()[i],
+                          space_.upper()[i]);
+  end.stays = !limits_.mobile() || (limits_.base->nonholonomic() && tries_ % p.stay == 0);
   if (end.stays) return;
   const Vector2 goal = X_WG_.translation().head<2>(), from = start_.head<2>() - goal;
-  const double stand = std::min(from.norm(), draws_.uniform(kNear, kFar));
-  const double angle = std::atan2(from.y(), from.x()) + draws_.uniform(-kAside, kAside);
+  const double stand = std::min(from.norm(), draws_.uniform(p.near, p.far));
+  const double angle = std::atan2(from.y(), from.x()) + draws_.uniform(-p.aside, p.aside);
   c.head<2>() = goal + stand * Vector2(std::cos(angle), std::sin(angle));
   head_along(limits_, start_, SteeredDrive::kThere, c);
 }

@@ -4,15 +4,6 @@
 #include <cmath>
 
 namespace moma {
-namespace {
-
-// Ways of the hand per error of the heading and of a joint [m/rad].
-constexpr double kHeadingLag = 0.4, kJointLag = 0.3;
-// Turn to the path per metre beside it, for each metre driven [rad/m^2].
-constexpr double kAcross = 6.0;
-
-}  // namespace
-
 WholeConfiguration PlanarShift::of(const WholeConfiguration& c) const noexcept {
   WholeConfiguration out = c;
   const double cs = std::cos(turn), sn = std::sin(turn);
@@ -46,8 +37,8 @@ FollowStep follow_path(const MotionLimits& limits, const PlanParams& params, con
   double joint = 0.0;
   for (int i = 0; i < joints; ++i) joint = std::max(joint, std::abs(here[3 + i] - o.q[i]));
   FollowStep step;
-  step.lag =
-      std::max(kJointLag * joint, !limits.mobile() ? 0.0 : std::max(std::hypot(ex, ey), kHeadingLag * std::abs(turn)));
+  step.lag = std::max(params.follow.joint * joint,
+                      !limits.mobile() ? 0.0 : std::max(std::hypot(ex, ey), params.follow.heading * std::abs(turn)));
   step.rate = std::clamp(1.5 - step.lag / params.lag, 0.0, most_rate);
   const double per_second = step.rate / dt;
   const double cs = std::cos(o.base.z()), sn = std::sin(o.base.z());
@@ -59,7 +50,7 @@ FollowStep follow_path(const MotionLimits& limits, const PlanParams& params, con
   if (limits.base->nonholonomic()) {
     const double forwards = std::cos(here[2]) * vx + std::sin(here[2]) * vy;
     u[0] = forwards * std::cos(turn) + k * along;
-    u[1] = omega + k * turn + kAcross * forwards * across;
+    u[1] = omega + k * turn + params.follow.across * forwards * across;
   } else if (limits.base->lateral()) {
     u[0] = cs * vx + sn * vy + k * along;
     u[1] = -sn * vx + cs * vy + k * across;

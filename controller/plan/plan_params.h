@@ -4,6 +4,160 @@
 
 namespace moma {
 
+// The members' units and meanings stand in their descriptions.
+
+/// Direct way (plan/direct_way.h): the quickest motion without a corner at the start of a motion.
+struct DirectWayParams {
+  double share = 0.95;
+  double joints = 1.2;
+  double near = 0.3, far = 0.9;
+  double aside = 0.8;
+  int stay = 3;
+  int nearer_tries = 20;
+  double nearest = 0.3;
+};
+
+constexpr void describe(auto& v, Of<DirectWayParams>) {
+  using T = DirectWayParams;
+  v.member("share", &T::share, in_range({0.0, 1.0, true}, "1", "share of speeds and accelerations that it uses"));
+  v.member("joints", &T::joints, positive("rad", "range of the joints of a try around those of the start"));
+  v.member("near", &T::near, non_negative("m", "least distance from the goal to the base of a try"));
+  v.member("far", &T::far, non_negative("m", "largest distance from the goal to the base of a try"));
+  v.member("aside", &T::aside, non_negative("rad", "range of a try's bearing from the goal around the start's"));
+  v.member("stay", &T::stay, in_range({1.0, 1e4}, "", "each try of this number leaves a differential base in place"));
+  v.member("nearer_tries", &T::nearer_tries, in_range({0.0, 1e4}, "", "tries nearer to the start than the best end"));
+  v.member("nearest", &T::nearest, in_range({0.0, 0.9}, "1", "share of the way to the best end at which they begin"));
+}
+
+/// Inverse kinematics of base and arm (plan/whole_body_ik.h), and the cost of a goal configuration.
+struct WholeBodyIkParams {
+  double inside = 0.03;
+  double near = 0.2, far = 1.0, stand = 0.7;
+  double joints = 0.6;
+  double tight = 0.7, limit = 0.4, limit_room = 0.5, singular = 1.0, agile = 0.06;
+};
+
+constexpr void describe(auto& v, Of<WholeBodyIkParams>) {
+  using T = WholeBodyIkParams;
+  v.member("inside", &T::inside, non_negative("rad or m", "distance inside a path's joint limits"));
+  v.member("near", &T::near, non_negative("m", "least distance from the goal to the base of a try"));
+  v.member("far", &T::far, non_negative("m", "largest distance from the goal to the base of a try"));
+  v.member("stand", &T::stand, non_negative("m", "the same of a try that stays on the start's side"));
+  v.member("joints", &T::joints, non_negative("rad", "range of the joints of a try around a solution"));
+  v.member("tight", &T::tight, non_negative("s", "cost of a goal configuration without the roomy clearance"));
+  v.member("limit", &T::limit, non_negative("s", "cost of each joint at its limit"));
+  v.member("limit_room", &T::limit_room, positive("rad or m", "distance from a limit at which that cost vanishes"));
+  v.member("singular", &T::singular, non_negative("s", "cost of a singular arm"));
+  v.member("agile", &T::agile, positive("m^2", "manipulability at which that cost vanishes"));
+}
+
+/// Search for a path (plan/search.h, plan/planner.h): shares of samples, steps of the trees, clearances of its tiers.
+struct SearchParams {
+  double step = 0.8, arm_step = 0.25, least_step = 0.05;
+  int from_goal = 2;
+  double tucked = 0.45, between = 0.2, near_goal = 0.15, near_start = 0.1;
+  double reach = 0.6;
+  double hand_moves = 0.3, hand_step = 0.1;
+  int hand_steps = 12;
+  double base_alone = 0.2, arm_alone = 0.4, base_way = 1.0;
+  double tight = 0.3, closer = 1.7;
+  double beyond = 2.5, roomy_beyond = 1.5;
+  int goals = 3, effort = 16;
+};
+
+constexpr void describe(auto& v, Of<SearchParams>) {
+  using T = SearchParams;
+  constexpr Range kShare{0.0, 1.0};
+  v.member("step", &T::step, positive("m", "longest step of a tree of a robot that drives"));
+  v.member("arm_step", &T::arm_step, positive("m", "longest step of a tree of a fixed arm"));
+  v.member("least_step", &T::least_step, non_negative("m", "shorter free parts of a step are left out"));
+  v.member("from_goal", &T::from_goal, in_range({1.0, 100.0}, "", "nodes of the goals' tree for each of the start's"));
+  v.member("tucked", &T::tucked, in_range(kShare, "1", "share of samples of a driving robot with its arm tucked"));
+  v.member("between", &T::between, in_range(kShare, "1", "share of samples with the arm between start and goal"));
+  v.member("near_goal", &T::near_goal, in_range(kShare, "1", "share of samples near a goal configuration"));
+  v.member("near_start", &T::near_start, in_range(kShare, "1", "share of samples with the base near the start"));
+  v.member("reach", &T::reach, non_negative("m", "reach of the arm, which the base need not drive"));
+  v.member("hand_moves", &T::hand_moves,
+           in_range(kShare, "1", "share of a tree's growth that moves the hand straight"));
+  v.member("hand_step", &T::hand_step, positive("m", "length of one step of the hand"));
+  v.member("hand_steps", &T::hand_steps, in_range({1.0, 1000.0}, "", "most steps of the hand in one direction"));
+  v.member("base_alone", &T::base_alone, in_range(kShare, "1", "share of samples that move the base alone"));
+  v.member("arm_alone", &T::arm_alone, in_range(kShare, "1", "share of samples that move the arm alone"));
+  v.member("base_way", &T::base_way, positive("m", "longest way of a base that moves alone"));
+  v.member("tight", &T::tight, in_range(kShare, "1", "share of the clearance in the last tier"));
+  v.member("closer", &T::closer, positive("1", "least clearance at a close goal, in units of collision.at_goal.least"));
+  v.member("beyond", &T::beyond, non_negative("m", "distance beyond start and goal within which bases are drawn"));
+  v.member("roomy_beyond", &T::roomy_beyond, non_negative("m", "the same in the roomy tier"));
+  v.member("goals", &T::goals, in_range({1.0, 100.0}, "", "goal configurations kept, in units of plan.ik_enough"));
+  v.member("effort", &T::effort, in_range({1.0, 1000.0}, "", "largest factor on the work after failures"));
+}
+
+/// Following of a path (plan/follow.h, qp/pose.h).
+struct FollowParams {
+  double heading = 0.4, joint = 0.3;
+  double across = 6.0;
+  double rate = 15.0;
+  double kept = 0.45;
+};
+
+constexpr void describe(auto& v, Of<FollowParams>) {
+  using T = FollowParams;
+  v.member("heading", &T::heading, non_negative("m/rad", "lag of an error of the heading"));
+  v.member("joint", &T::joint, non_negative("m/rad", "lag of an error of a joint"));
+  v.member("across", &T::across, non_negative("rad/m^2", "turn to the path per metre beside it and metre driven"));
+  v.member("rate", &T::rate, positive("1/s", "least gain of the rows' dampers on a path of small clearance"));
+  v.member("kept", &T::kept, in_range({0.0, 1.0}, "1", "share of the path's clearances that rows keep"));
+}
+
+/// Decisions of the look-ahead (ahead/lookahead.h): when it predicts, chooses, follows, and gives a path up.
+struct DecisionParams {
+  double standing = 0.1;
+  double stop_time = 1.0, set_out_time = 0.25, choice_time = 1.8;
+  double go_on_driving = 0.52, go_on_standing = 0.24;
+  double sure = 0.5;
+  double soon = 0.3;
+  double arrived = 0.005, arrived_close = 0.0005;
+  double tolerance = 0.7;
+  double progress = 0.05;
+  double pushed = 0.3;
+  double meet = 2.0, wait = 0.5;
+  double traffic = 2.5;
+  double goal_jump = 0.02, goal_turn = 0.05;
+  int close_plans = 4;
+  double moved = 0.008, turned = 0.03;
+  double least = 0.015, less = 0.005, share = 0.5;
+};
+
+constexpr void describe(auto& v, Of<DecisionParams>) {
+  using T = DecisionParams;
+  v.member("standing", &T::standing, positive("rad/s or m/s", "velocities below which the robot counts as standing"));
+  v.member("stop_time", &T::stop_time, non_negative("s", "longest time to come to rest for a choice"));
+  v.member("set_out_time", &T::set_out_time, non_negative("s", "longest time of looking for a direct way"));
+  v.member("choice_time", &T::choice_time, non_negative("s", "longest choice of a robot that stands"));
+  v.member("go_on_driving", &T::go_on_driving, non_negative("s", "a base goes on for this time during a choice"));
+  v.member("go_on_standing", &T::go_on_standing, non_negative("s", "a fixed arm goes on for this time"));
+  v.member("sure", &T::sure, non_negative("s", "time beyond that without contact, or the robot stops"));
+  v.member("soon", &T::soon, non_negative("s", "a goal predicted to be reached within this time needs no choice"));
+  v.member("arrived", &T::arrived, non_negative("m", "lag at a path's end at which the policy takes over"));
+  v.member("arrived_close", &T::arrived_close, non_negative("m", "the same where the goal is close to an object"));
+  v.member("tolerance", &T::tolerance,
+           in_range({0.0, 1.0, true}, "1", "share of the goal's tolerances within which a prediction arrives"));
+  v.member("progress", &T::progress, non_negative("s", "advance of the path's clock that counts as progress"));
+  v.member("pushed", &T::pushed, non_negative("m", "lag among moving objects at which a path is given up"));
+  v.member("meet", &T::meet, positive("s", "time before meeting a moving object at which the path's clock slows down"));
+  v.member("wait", &T::wait, non_negative("s", "time before a meeting at which the path's clock stands"));
+  v.member("traffic", &T::traffic, non_negative("m", "range of moving objects among which no choice is made"));
+  v.member("goal_jump", &T::goal_jump, positive("m", "motion of the goal between steps that makes it a new goal"));
+  v.member("goal_turn", &T::goal_turn, positive("rad", "the same of its orientation"));
+  v.member("close_plans", &T::close_plans,
+           in_range({1.0, 100.0}, "", "plans of one choice to a goal close to an object"));
+  v.member("moved", &T::moved, positive("m", "motion of an object at rest after which a path is checked again"));
+  v.member("turned", &T::turned, positive("rad", "the same of its orientation"));
+  v.member("least", &T::least, non_negative("m", "largest distance that is asked of a path when it is checked again"));
+  v.member("less", &T::less, non_negative("m", "subtracted from the share of the path's clearance"));
+  v.member("share", &T::share, in_range({0.0, 1.0}, "1", "share of the path's clearance that is asked then"));
+}
+
 /// Looking ahead (controller/ahead): the controller predicts its own motion, and where it would stop short of the goal
 /// it plans for base and arm. Work is counted in checks, each about that of one configuration's distances.
 struct PlanParams {
@@ -33,6 +187,11 @@ struct PlanParams {
   int runs = 4;                ///< of the search, each in what the best one leaves open
   int shortcuts = 60;          ///< tried, in each run
   int direct = 60;             ///< inverse kinematics for a direct way at a motion's start; 0: none is looked for
+  DirectWayParams direct_way = {};
+  WholeBodyIkParams ik = {};
+  SearchParams search = {};
+  FollowParams follow = {};
+  DecisionParams decisions = {};
 };
 
 template <class Visitor>
@@ -69,6 +228,12 @@ constexpr void describe(Visitor& v, Of<PlanParams>) {
   v.member("shortcuts", &PlanParams::shortcuts, in_range({0.0, 1e5}, "", "tried in each run"));
   v.member("direct", &PlanParams::direct,
            in_range({0.0, 1e4}, "", "inverse kinematics for a direct way at a motion's start; 0: none"));
+  constexpr auto later = [](std::string_view text) { return About{.written = Written::kUnlessDefault, .text = text}; };
+  v.member("direct_way", &T::direct_way, later("the way without a corner at a motion's start"));
+  v.member("ik", &T::ik, later("inverse kinematics of base and arm"));
+  v.member("search", &T::search, later("the search for a path"));
+  v.member("follow", &T::follow, later("following a path"));
+  v.member("decisions", &T::decisions, later("when to predict, choose, follow, and give a path up"));
 }
 
 }  // namespace moma

@@ -19,21 +19,8 @@ constexpr double kMoreWay = 0.3;
 constexpr double kAnyLength = 1e18;
 // Part of an edge's time that may be left where it overlaps with others, and of the best run's after further runs.
 constexpr double kOverlapped = 0.75, kShortened = 0.6;
-// Distances and margins of a plan's tiers, the widest first.
-struct Tier {
-  bool roomy;     // the roomy clearance, else the smaller one,
-  double part;    // or this part of it
-  bool close;     // the goal is approached as closely as `at_goal` lets it, whatever the hand needs
-  double room;    // part of the joints' margins
-  double beyond;  // how far beyond start and goal a way may lead [m]
-};
-constexpr std::array<Tier, 3> kTierOf{
-    {{true, 1.0, false, 1.0, 1.5}, {false, 1.0, false, 1.0, 2.5}, {false, 0.3, true, 0.0, 2.5}}};
-// Goals that are as close as rows let them be would be reached never: they keep so much more [1].
-constexpr double kCloser = 1.7;
-// Goal configurations are kept for later tiers, too: so many times as many as are enough for one.
-constexpr int kMoreGoals = 3;
-constexpr int kMostEffort = 16;
+// Part of the joints' margins that is kept in each tier.
+constexpr std::array<double, 3> kRoom{1.0, 1.0, 0.0};
 // A goal keeps so much more than the rows' stop distances: there they would not let the robot arrive [m].
 constexpr double kWithinRows = 0.002;
 
@@ -48,8 +35,8 @@ Planner::Planner(std::shared_ptr<const RobotModel> model, const ControllerParams
       params_(params.plan),
       limits_(std::make_unique<const MotionLimits>(*model, params)),
       space_(model, *limits_),
-      ik_(model, *limits_),
-      search_(*limits_, params.plan.check_step),
+      ik_(model, params.plan.ik, *limits_),
+      search_(*limits_, params.plan.search, params.plan.check_step),
       tuck_(tucked_arm(*model, space_, {-1.0, params.plan.self, params.plan.self})),
       least_{-1.0, least_of(params.collision.floor, params.plan.self),
              least_of(params.collision.self, params.plan.self)},
@@ -61,7 +48,7 @@ Planner::Planner(std::shared_ptr<const RobotModel> model, const ControllerParams
   space_.set_clearances(least_, ready);
   least_ = space_.clearances();
   least_.object = least_of(params.collision.object, params.plan.clearance);
-  goals_.reserve(static_cast<std::size_t>(kMoreGoals * params_.ik_enough));
+  goals_.reserve(static_cast<std::size_t>(params_.search.goals * params_.ik_enough));
   tiers_.fill(space_.keeps());
 }
 
@@ -75,7 +62,7 @@ void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::
                     std::uint64_t seed, double within) noexcept {
   const bool same = stage_ != PlanStage::kIdle && same_world(X_WG, objects);
   if (!same) effort_ = 1;
-  if (same && stage_ == PlanStage::kFailed) effort_ = std::min(2 * effort_, kMostEffort);
+  if (same && stage_ == PlanStage::kFailed) effort_ = std::min(2 * effort_, params_.search.effort);
   within_ = within;
   start_ = start;
   X_WG_ = X_WG;
@@ -116,13 +103,14 @@ void Planner::set_turn(bool stays) noexcept {
 
 void Planner::set_tiers(int first) noexcept {
   for (int tier = first; tier < kTiers; ++tier) {
-    const Tier& now = kTierOf[static_cast<std::size_t>(tier)];
-    const double object = now.roomy ? std::max(params_.roomy, params_.clearance) : now.part * params_.clearance;
-    space_.set_clearances({object, params_.self, params_.self}, start_, turn_, now.room);
+    const bool close = tier == kTiers - 1;  // as close to the goal as `at_goal` lets rows be, whatever the hand needs
+    const double object = tier == 0 ? std::max(params_.roomy, params_.clearance)
+                          : close   ? params_.search.tight * params_.clearance
+                                    : params_.clearance;
+    space_.set_clearances({object, params_.self, params_.self}, start_, turn_, kRoom[static_cast<std::size_t>(tier)]);
     // Half way between what rows keep and what the hand has.
-    double kept = 0.5 * (1.0 + at_goal_.part) * needed_;
-    if (now.close) kept = 0.0;
-    kept = std::max(kept, kCloser * at_goal_.least);
+    double kept = close ? 0.0 : 0.5 * (1.0 + at_goal_.part) * needed_;
+    kept = std::max(kept, params_.search.closer * at_goal_.least);
     space_.keep_near({kept < object ? kept : kInfinity, at_goal_.slope, X_WG_.translation()});
     tiers_[static_cast<std::size_t>(tier)] = space_.keeps();
   }
@@ -212,7 +200,7 @@ void Planner::work() noexcept {
 void Planner::try_goal() noexcept {
   if (usable_goals() + late_ >= params_.ik_enough || tries_ >= effort_ * params_.ik_tries) return begin_search();
   const int aim = close_goal() && tries_ % 2 == 1 ? last_tier() : tier_;
-  ik_.keep_room(kTierOf[static_cast<std::size_t>(aim)].room);
+  ik_.keep_room(kRoom[static_cast<std::size_t>(aim)]);
   space_.keep(tiers_[static_cast<std::size_t>(aim)]);
   ++counts_.ik_tries;
   GoalConfiguration goal;
@@ -286,7 +274,7 @@ void Planner::begin_run() noexcept {
   if (!goes_on)
     for (GoalConfiguration& goal : goals_) goal.rooted = false;
   search_.begin({start_, X_WG_.translation().head<2>(), goals, params_.roots, &tuck_,
-                 kTierOf[static_cast<std::size_t>(tier_)].beyond, longest_},
+                 tier_ == 0 ? params_.search.roomy_beyond : params_.search.beyond, longest_},
                 goes_on);
   stage_ = PlanStage::kSearch;
 }

@@ -9,26 +9,14 @@ namespace moma {
 namespace {
 
 constexpr int kNodes = 3000;
-// Of a tree's step, in the metric of distance_squared(), at most: of a robot that drives, and of an arm that is bolted
-// down, in whose narrow places longer ones are blocked.
-constexpr double kStep = 0.8, kArmStep = 0.25;
-constexpr double kLeastStep = 0.05;  // shorter ones, where more is blocked, are left out
-constexpr int kMoreFromGoal = 2;     // nodes of the tree from the goals for each of that from the start
 // Up to which part of the samples are of a kind: the arm tucked, between the start's and a goal's, near a goal, with
 // the base near the start; the rest is anyhow.
 struct SampleKinds {
   double tucked, between, near_goal, near_start;
 };
-constexpr SampleKinds kDriving{0.45, 0.65, 0.8, 0.9}, kBolted{0.0, 0.1, 0.3, 0.3};
-constexpr double kReach = 0.6;      // of the arm, in the base's way [m]
+constexpr SampleKinds kBolted{0.0, 0.1, 0.3, 0.3};
 constexpr double kShortWay = 0.05;  // shorter steps keep their heading [m]
 constexpr int kBlocked = 2;         // checks for looking through a tree in vain
-// Part of a tree's growth that moves the hand straight, in so many steps of such length at most [m].
-constexpr double kHandMoves = 0.3, kHandStep = 0.1;
-constexpr int kHandSteps = 12;
-// Shares of a driving robot's samples, summed up, that move the base alone and the arm alone. The base moves so far at
-// most [m].
-constexpr double kBaseAlone = 0.2, kArmAlone = 0.6, kBaseWay = 1.0;
 
 // The hand is close to an object at its goal.
 bool narrow(const FreeSpace& space) noexcept { return space.kept().at_goal < space.clearances().object; }
@@ -62,8 +50,9 @@ void EdgeList::at(const MotionLimits& limits, double t, WholeConfiguration& c) c
   }
 }
 
-Search::Search(const MotionLimits& limits, double check_step)
+Search::Search(const MotionLimits& limits, const SearchParams& params, double check_step)
     : limits_(&limits),
+      params_(params),
       check_step_(check_step),
       from_start_(3 + limits.num_joints(), kNodes),
       from_goal_(3 + limits.num_joints(), kNodes) {}
@@ -108,7 +97,7 @@ SearchProgress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
     stage_ = Stage::kGrow;
   }
   if (stage_ == Stage::kGrow) {
-    side_ = kMoreFromGoal * from_start_.size() <= from_goal_.size() ? 0 : 1;
+    side_ = params_.from_goal * from_start_.size() <= from_goal_.size() ? 0 : 1;
     if (begin_hand(space, draws)) return SearchProgress::kMore;
     WholeConfiguration target;
     if (!sample_part(space, draws, target)) sample(space, draws, target);
@@ -137,7 +126,7 @@ SearchProgress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
 // Draws a node and a direction in which the hand is to move: an axis of the hand in half of the draws, else any. False
 // where the goal is not close to an object, and where the draw is one of joints.
 bool Search::begin_hand(FreeSpace& space, CountedDraws& draws) noexcept {
-  if (!narrow(space) || draws.uniform() >= kHandMoves) return false;
+  if (!narrow(space) || draws.uniform() >= params_.hand_moves) return false;
   const Tree& growing = tree(side_);
   grown_ = static_cast<int>(draws.choice(static_cast<std::size_t>(growing.size())));
   if (draws.uniform() < 0.5) {
@@ -150,7 +139,7 @@ bool Search::begin_hand(FreeSpace& space, CountedDraws& draws) noexcept {
     const double r = std::sqrt(1.0 - z * z);
     hand_step_ << r * std::cos(angle), r * std::sin(angle), z;
   }
-  hand_step_ *= kHandStep;
+  hand_step_ *= params_.hand_step;
   hand_steps_ = 0;
   stage_ = Stage::kMoveHand;
   return true;
@@ -180,7 +169,7 @@ SearchProgress Search::move_hand(FreeSpace& space) noexcept {
   if (growing.full()) return SearchProgress::kFailed;
   if (added >= 0) {
     grown_ = added;
-    if (++hand_steps_ < kHandSteps && reached) return SearchProgress::kMore;
+    if (++hand_steps_ < params_.hand_steps && reached) return SearchProgress::kMore;
   }
   stage_ = Stage::kGrow;
   if (hand_steps_ == 0) return SearchProgress::kMore;
@@ -193,7 +182,7 @@ SearchProgress Search::move_hand(FreeSpace& space) noexcept {
 int Search::grow(FreeSpace& space, Tree& tree, int from, const WholeConfiguration& target, bool& reached) noexcept {
   const WholeConfiguration a = tree.node(from);
   const double way = std::sqrt(distance_squared(a, target));
-  const double most = limits_->mobile() ? kStep : kArmStep;
+  const double most = limits_->mobile() ? params_.step : params_.arm_step;
   const double part = way <= most ? 1.0 : most / way;
   WholeConfiguration b = target;
   reached = part == 1.0;
@@ -210,7 +199,7 @@ int Search::grow(FreeSpace& space, Tree& tree, int from, const WholeConfiguratio
   const double free = space.free_part(edge_, check_step_);
   if (free == 1.0) return tree.add(b, from);
   reached = false;
-  if (free * std::sqrt(distance_squared(a, b)) < kLeastStep) return -1;
+  if (free * std::sqrt(distance_squared(a, b)) < params_.least_step) return -1;
   edge_point(*limits_, edge_, free, b);
   if (limits_->mobile()) {
     make_edge(*limits_, a, b, edge_);
@@ -248,11 +237,11 @@ bool Search::join(int from_start, int from_goal) noexcept {
 bool Search::sample_part(const FreeSpace& space, CountedDraws& draws, WholeConfiguration& c) noexcept {
   if (!limits_->mobile() || !narrow(space)) return false;
   const double kind = draws.uniform();
-  if (kind >= kArmAlone) return false;
+  if (kind >= params_.base_alone + params_.arm_alone) return false;
   const Tree& growing = tree(side_);
   c = growing.node(static_cast<int>(draws.choice(static_cast<std::size_t>(growing.size()))));
-  if (kind < kBaseAlone) {
-    const double way = draws.uniform(-kBaseWay, kBaseWay);
+  if (kind < params_.base_alone) {
+    const double way = draws.uniform(-params_.base_way, params_.base_way);
     const double angle = limits_->base->nonholonomic() ? c[2] : draws.uniform(-std::numbers::pi, std::numbers::pi);
     c.head<2>() += way * Vector2(std::cos(angle), std::sin(angle));
   } else {
@@ -263,7 +252,9 @@ bool Search::sample_part(const FreeSpace& space, CountedDraws& draws, WholeConfi
 
 void Search::sample(const FreeSpace& space, CountedDraws& draws, WholeConfiguration& c) const noexcept {
   const bool mobile = limits_->mobile();
-  const SampleKinds& kinds = mobile ? kDriving : kBolted;
+  const SearchParams& p = params_;
+  const double between = p.tucked + p.between, near_goal = between + p.near_goal;
+  const SampleKinds kinds = mobile ? SampleKinds{p.tucked, between, near_goal, near_goal + p.near_start} : kBolted;
   constexpr int kTries = 10;
   const int joints = limits_->num_joints();
   c = task_.start;
@@ -272,7 +263,7 @@ void Search::sample(const FreeSpace& space, CountedDraws& draws, WholeConfigurat
       c[0] = draws.uniform(box_low_.x(), box_high_.x());
       c[1] = draws.uniform(box_low_.y(), box_high_.y());
       const double there = (c - task_.start).head<2>().norm();
-      const double on = std::max(0.0, (c.head<2>() - task_.goal_W).norm() - kReach);
+      const double on = std::max(0.0, (c.head<2>() - task_.goal_W).norm() - p.reach);
       if (there + on < task_.longest) break;
     }
     c[2] = draws.uniform(-std::numbers::pi, std::numbers::pi);

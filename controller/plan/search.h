@@ -5,6 +5,7 @@
 
 #include "controller/plan/counted_draws.h"
 #include "controller/plan/free_space.h"
+#include "controller/plan/plan_params.h"
 #include "controller/plan/tree.h"
 #include "controller/plan/whole_body_ik.h"
 
@@ -61,7 +62,7 @@ struct SearchTask {
 /// between the start's and a goal's, near a goal, or anyhow. Work is cut into pieces of one edge.
 class Search {
  public:
-  Search(const MotionLimits& limits, double check_step);
+  Search(const MotionLimits& limits, const SearchParams& params, double check_step);
 
   /// The spans and pointers of `task` have to last as long as the search. With `goes_on` the tree from the goals stays
   /// as the last search left it, which has to have had the same goals and clearances.
@@ -82,6 +83,7 @@ class Search {
   Tree& tree(int side) noexcept { return side == 0 ? from_start_ : from_goal_; }
 
   const MotionLimits* limits_;
+  SearchParams params_;
   double check_step_;
   SearchTask task_;
   Vector2 box_low_, box_high_;

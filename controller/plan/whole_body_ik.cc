@@ -19,8 +19,6 @@ constexpr double kPlaceWeight = 0.5;
 constexpr int kLook = 4;       // iterations ...
 constexpr double kFall = 0.5;  // ... after which no more than this part of the error is left, or it is given up
 constexpr int kPasses = 4;     // in which joints come to their bounds
-// Further inside the joints' limits than a path has to be, so that the result is free.
-constexpr double kInside = 0.03;  // [rad, m]
 // A joint whose range lacks no more than this of a whole turn goes on from its other limit [rad].
 constexpr double kGap = 0.3;
 
@@ -44,8 +42,10 @@ double shortened(double length, double most) noexcept { return length > most ? m
 
 }  // namespace
 
-WholeBodyIk::WholeBodyIk(std::shared_ptr<const RobotModel> model, const MotionLimits& limits)
+WholeBodyIk::WholeBodyIk(std::shared_ptr<const RobotModel> model, const WholeBodyIkParams& params,
+                         const MotionLimits& limits)
     : model_(std::move(model)),
+      params_(params),
       limits_(&limits),
       mobile_(limits.mobile()),
       lower_(limits.num_joints()),
@@ -61,8 +61,8 @@ WholeBodyIk::WholeBodyIk(std::shared_ptr<const RobotModel> model, const MotionLi
 void WholeBodyIk::keep_room(double room) noexcept {
   const MotionLimits& limits = *limits_;
   for (int i = 0; i < limits.num_joints(); ++i) {
-    const double inside =
-        std::min(room * (limits.margin[i] + limits.part[i] * kInside), 0.45 * (limits.upper[i] - limits.lower[i]));
+    const double inside = std::min(room * (limits.margin[i] + limits.part[i] * params_.inside),
+                                   0.45 * (limits.upper[i] - limits.lower[i]));
     lower_[i] = limits.lower[i] + inside;
     upper_[i] = limits.upper[i] - inside;
   }
@@ -137,13 +137,13 @@ void WholeBodyIk::seed(const FreeSpace& space, const Isometry& X_WG, const Whole
   const int joints = limits_->num_joints();
   c = start;
   if (mobile_) {
-    constexpr double kNear = 0.2, kFar = 1.0, kStand = 0.7;  // from the goal [m]
     const Vector2 goal = X_WG.translation().head<2>();
-    const double angle = draws.uniform(-std::numbers::pi, std::numbers::pi), r = draws.uniform(kNear, kFar);
+    const double angle = draws.uniform(-std::numbers::pi, std::numbers::pi),
+                 r = draws.uniform(params_.near, params_.far);
     Vector2 from = r * Vector2(std::cos(angle), std::sin(angle));
     if (index % 4 == 0) {
       from = start.head<2>() - goal;
-      from *= shortened(from.norm(), kStand);
+      from *= shortened(from.norm(), params_.stand);
     }
     c.head<2>() = goal + from;
     const double anyhow = draws.uniform(-std::numbers::pi, std::numbers::pi);
@@ -167,11 +167,11 @@ void WholeBodyIk::seed(const FreeSpace& space, const Isometry& X_WG, const Whole
 bool WholeBodyIk::find(FreeSpace& space, const Isometry& X_WG, const WholeConfiguration& start,
                        std::span<const GoalConfiguration> found, int index, CountedDraws& draws,
                        WholeConfiguration& c) const noexcept {
-  constexpr double kNear = 0.6;  // [rad]
   if (!mobile_ && !found.empty() && index % 3 == 2) {
     c = found[draws.choice(found.size())].c;
     for (int i = 0; i < limits_->num_joints(); ++i)
-      c[3 + i] = std::clamp(c[3 + i] + limits_->part[i] * draws.uniform(-kNear, kNear), lower_[i], upper_[i]);
+      c[3 + i] = std::clamp(c[3 + i] + limits_->part[i] * draws.uniform(-params_.joints, params_.joints), lower_[i],
+                            upper_[i]);
   } else {
     seed(space, X_WG, start, index, draws, c);
   }
@@ -182,19 +182,17 @@ bool WholeBodyIk::find(FreeSpace& space, const Isometry& X_WG, const WholeConfig
 }
 
 double WholeBodyIk::penalty(FreeSpace& space, double roomy, const WholeConfiguration& c) const noexcept {
-  // Each grows to its whole as clearance, room or manipulability vanish [s].
-  constexpr double kTight = 0.7, kLimit = 0.4, kLimitRoom = 0.5, kSingular = 1.0, kAgile = 0.06;
   const int joints = limits_->num_joints();
   double cost = 0.0;
   const Clearances& now = space.clearances();
   if (now.object < roomy && !(space.kept().at_goal < now.object) && !space.clear(c, {roomy, now.floor, now.self}))
-    cost += kTight;
+    cost += params_.tight;
   for (int i = 0; i < joints; ++i) {
     const double room = std::min(limits_->upper[i] - c[3 + i], c[3 + i] - limits_->lower[i]);
-    cost += kLimit * std::max(0.0, 1.0 - room / (limits_->part[i] * kLimitRoom));
+    cost += params_.limit * std::max(0.0, 1.0 - room / (limits_->part[i] * params_.limit_room));
   }
   const double m = manipulability(space.place(c).J_WE_W().rightCols(joints), ManipulabilityRows::kTranslation);
-  return cost + kSingular * std::max(0.0, 1.0 - m / kAgile);
+  return cost + params_.singular * std::max(0.0, 1.0 - m / params_.agile);
 }
 
 }  // namespace moma

@@ -21,7 +21,7 @@ struct GoalConfiguration {
 /// Where to stand and how to hold the arm, so that E is at a goal. Built once per controller; takes no memory after.
 class WholeBodyIk {
  public:
-  WholeBodyIk(std::shared_ptr<const RobotModel> model, const MotionLimits& limits);
+  WholeBodyIk(std::shared_ptr<const RobotModel> model, const WholeBodyIkParams& params, const MotionLimits& limits);
 
   /// The part of the joints' margins that is kept from here on.
   void keep_room(double room) noexcept;
@@ -42,8 +42,8 @@ class WholeBodyIk {
             std::span<const GoalConfiguration> found, int index, CountedDraws& draws,
             WholeConfiguration& c) const noexcept;
 
-  /// What it costs to be at `c`, a free one, whatever the way there. `roomy` [m] is the clearance that is worth
-  /// something [s].
+  /// Returns what it costs to be at `c`, a free one, whatever the way there [s]. `roomy` [m] is the clearance that is
+  /// worth something. Each part grows to its whole as clearance, room to a joint limit or manipulability vanish.
   double penalty(FreeSpace& space, double roomy, const WholeConfiguration& c) const noexcept;
 
  private:
@@ -53,6 +53,7 @@ class WholeBodyIk {
   double turned_back(int joint, double q) const noexcept;
 
   std::shared_ptr<const RobotModel> model_;
+  WholeBodyIkParams params_;
   const MotionLimits* limits_;
   bool mobile_;
   VectorX lower_, upper_;

@@ -8,10 +8,6 @@
 namespace moma {
 namespace {
 
-// Rate of approach to the stop distance on a path that leads close to the objects of its goal, instead of the damper's:
-// the path keeps clear by itself, and the damper's rate would slow it down [1/s].
-constexpr double kOnPath = 15.0;
-
 // Six rows nu - Delta <= J qdot + delta <= nu + Delta; without slack x has no delta. Delta = 0: equalities.
 void add_tracking_rows(const Matrix6X& J_WE_W, const Vector6& nu, const Vector6& band, bool slack,
                        QpProblem& problem) noexcept {
@@ -97,7 +93,8 @@ Posed QpPoser::pose(const QpTask& asked, const Situation& now) noexcept {
 
   problem_.rows = 0;
   stop_ = stop_near_goal(asked, now);
-  collision_.keep_from_resting(stop_, asked.keeps.at_goal < kInfinity ? kOnPath : 0.0);
+  // A path that leads close to the objects of its goal keeps clear by itself: the damper's rate would slow it down.
+  collision_.keep_from_resting(stop_, asked.keeps.at_goal < kInfinity ? params_.plan.follow.rate : 0.0);
   add_tracking_rows(now.kinematics.J_WE_W(), asked.task.nu, params_.tracking_band, params_.slack.enabled, problem_);
   collision_.add(now.kinematics, now.o.objects, now.spreads, problem_);
   if (!asked.evades) {

@@ -8,8 +8,6 @@ namespace moma {
 namespace {
 
 constexpr int kMostPlaces = 200;  // on one braking trajectory
-constexpr double kNear = 1.0;     // pairs that are further do not affect the widening of margins [m]
-constexpr double kWider = 1.5;    // largest factor on margins along the trajectory
 constexpr double kSure = 1e-3;    // exceeds all rounding of distances and travels [m]
 // The broad phase keeps pairs up to this far beyond the range, because the next query is close [m].
 constexpr double kAhead = 0.1;
@@ -22,9 +20,8 @@ double mean_left(double time, double from, double to) noexcept {
 
 }  // namespace
 
-OwnMargins own_margins(const DamperParams& floor, const DamperParams& self) noexcept {
-  constexpr double kPart = 0.5;
-  return {floor.enabled ? kPart * floor.stop : 0.0, self.enabled ? kPart * self.stop : 0.0};
+OwnMargins own_margins(const DamperParams& floor, const DamperParams& self, double share) noexcept {
+  return {floor.enabled ? share * floor.stop : 0.0, self.enabled ? share * self.stop : 0.0};
 }
 
 BrakeCheck::BrakeCheck(std::shared_ptr<const RobotModel> model, const BrakeCheckParams& params,
@@ -300,9 +297,9 @@ double BrakeCheck::widest_margin(const Observation& o) noexcept {
   if (!uncertainty_.on()) return 0.0;
   kinematics_.place(o.base, o.q);
   double widest = 0.0;
-  for (const ProximityPair& pair : proximity_.query(kinematics_, states_, {kNear, -1.0, -1.0}))
+  for (const ProximityPair& pair : proximity_.query(kinematics_, states_, {params_.range, -1.0, -1.0}))
     widest = std::max(widest, margin_of(pair));
-  return kWider * widest;
+  return params_.widening * widest;
 }
 
 double BrakeCheck::least_distance(const Observation& o, const VectorX& command, bool in_proportion) noexcept {

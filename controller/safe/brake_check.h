@@ -21,8 +21,8 @@ struct OwnMargins {
   double floor = 0.0;
   double self = 0.0;
 };
-/// Returns half of the stop distances of floor rows and self rows.
-OwnMargins own_margins(const DamperParams& floor, const DamperParams& self) noexcept;
+/// Returns this share of the stop distances of floor rows and self rows.
+OwnMargins own_margins(const DamperParams& floor, const DamperParams& self, double share) noexcept;
 
 /// The check ahead of a command: simulates the robot that follows the command for one period (or the time of
 /// set_execution()) and then brakes. There are two ways of braking: (a) all velocities in proportion, in the time that
@@ -33,9 +33,9 @@ OwnMargins own_margins(const DamperParams& floor, const DamperParams& self) noex
 /// If both fail, the check tries slower + f (u - slower), f = 0.75, 0.5, 0.25, 0, for two slower commands: the present
 /// velocity minus one period of braking in proportion, and the smallest allowed command. The first that passes is
 /// taken, else the one that stays furthest away. Moving objects are left out: standing still does not avoid them. With
-/// `uncertainty` each distance to an object is reduced by its margin there, for pairs up to 1.5 times the largest
-/// margin of those within 1 m at the start of the step. Distances are checked every `every` periods on the trajectory,
-/// and at its end. One per controller; only set_objects() allocates.
+/// `uncertainty` each distance to an object is reduced by its margin there, for pairs up to `widening` times the
+/// largest margin of those within `range` at the start of the step. Distances are checked every `every` periods on the
+/// trajectory, and at its end. One per controller; only set_objects() allocates.
 ///
 /// The broad phase measures a pair only if it may be too near: its distance at the start of the step, at its last
 /// measurement, or at the end of the trajectory minus the largest travel of the robot's shape in between (ShapeWays).

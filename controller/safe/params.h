@@ -35,6 +35,9 @@ struct BrakeCheckParams {
   bool enabled = false;
   double margin = 0.02;  ///< distance kept on the braking trajectory [m]
   int every = 4;         ///< control periods between checked moments
+  double widening = 1.5;
+  double range = 1.0;
+  double own = 0.5;
 };
 
 template <class V>
@@ -42,6 +45,21 @@ constexpr void describe(V& v, Of<BrakeCheckParams>) {
   using P = BrakeCheckParams;
   v.member("margin", &P::margin, positive("m", "distance kept on the braking trajectory"));
   v.member("every", &P::every, in_range({1.0, 1000.0}, "", "control periods between checked moments"));
+  v.member("widening", &P::widening,
+           {.unit = "1",
+            .range = {1.0, 100.0},
+            .written = Written::kUnlessDefault,
+            .text = "factor on margins of uncertainty along the braking trajectory"});
+  v.member("range", &P::range,
+           {.unit = "m",
+            .range = Range::positive(),
+            .written = Written::kUnlessDefault,
+            .text = "range of the pairs from which these margins are taken"});
+  v.member("own", &P::own,
+           {.unit = "1",
+            .range = {0.0, 1.0},
+            .written = Written::kUnlessDefault,
+            .text = "share of the stop distances of floor and self rows that a braking trajectory keeps"});
 }
 
 /// Distances to objects at rest shrink towards those of the goal's own pose (goal_clearance.h).
@@ -116,6 +134,28 @@ constexpr void describe(V& v, Of<MemoryParams>) {
            non_negative("s", "time for which moving objects are kept, and all objects of a robot without sensors"));
 }
 
+/// Estimation of lateness from motion (round_trip.h, predictor.h), and jumps that begin an estimate anew.
+struct EstimationParams {
+  int least_tried = 12, beyond = 3;
+  double forget = 0.5, better = 0.7;
+  double missed = 5.0;
+  double relocated = 0.5;
+  double jump = 0.1;
+};
+
+constexpr void describe(auto& v, Of<EstimationParams>) {
+  using T = EstimationParams;
+  constexpr Range kPeriods{1.0, 1000.0};
+  v.member("least_tried", &T::least_tried, in_range(kPeriods, "control periods", "least longest round trip tried"));
+  v.member("beyond", &T::beyond, in_range(kPeriods, "control periods", "round trips tried beyond the configured one"));
+  v.member("forget", &T::forget, positive("s", "time constant with which a round trip's misfit forgets"));
+  v.member("better", &T::better,
+           in_range({0.0, 1.0}, "1", "factor on the present misfit below which another replaces it"));
+  v.member("missed", &T::missed, positive("s", "time constant with which missed steps are forgotten"));
+  v.member("relocated", &T::relocated, positive("m or rad", "error of the base's prediction that relocates it"));
+  v.member("jump", &T::jump, positive("m or rad", "error of a track's prediction that begins it anew"));
+}
+
 /// Known latencies of drives and sensing, rounded up to control periods, and filters (predictor.h). All in seconds.
 struct PredictionParams {
   bool enabled = false;
@@ -131,6 +171,7 @@ struct PredictionParams {
   double twist_filter = 0.0;    ///< and of their twists
   /// Identify the round trips of base and joints from motion; the times above are first guesses.
   bool identify = false;
+  EstimationParams estimation;
   MemoryParams memory;
 };
 
@@ -155,6 +196,8 @@ constexpr void describe(V& v, Of<PredictionParams>) {
     g.member("twist", &P::twist_filter, non_negative("s", "time constant for their twists"));
   });
   v.member("identify", &P::identify, {.text = "identify the round trips of base and joints from their motion"});
+  v.member("estimation", &P::estimation,
+           {.written = Written::kUnlessDefault, .text = "estimation of lateness, and jumps that begin it anew"});
   v.optional("memory", &P::memory, &MemoryParams::enabled, Off::kOmitted,
              "objects that are no longer reported stay until a sensor sees through their place");
 }

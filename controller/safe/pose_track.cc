@@ -8,8 +8,6 @@
 namespace moma {
 namespace {
 
-constexpr double kAnother = 0.1;  // a larger innovation means another pose [m, rad]
-
 void turn(const Vector3& rotation_W, Isometry& X_W) noexcept {
   const double angle = rotation_W.norm();
   if (angle > 0.0) X_W.linear() = Eigen::AngleAxisd(angle, rotation_W / angle).toRotationMatrix() * X_W.linear();
@@ -85,7 +83,7 @@ void PoseFilter::measure(const Isometry& X_W, const Vector6& V_W, PoseTrack& tra
   if (moving) advance(track.V_W, dt_, X);
   const Vector3 away = X_W.translation() - X.translation();
   const Vector3 turned = log_so3(X_W.linear() * X.linear().transpose());
-  if (!(away.norm() < kAnother && turned.norm() < kAnother)) {
+  if (!(away.norm() < params_.jump && turned.norm() < params_.jump)) {
     track.twist_spread = 1.0;
     begin(X_W, V_W, moving, track);
     return;

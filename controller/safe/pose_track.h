@@ -64,6 +64,7 @@ struct PoseFilterParams {
   double resting = 0.0;   ///< of the pose of resting objects,
   double moving = 0.0;    ///< of moving ones,
   double velocity = 0.0;  ///< and of their twists
+  double jump = 0.1;      ///< a larger innovation begins a track anew [m, rad]
 };
 
 /// Thresholds above which a measured twist counts as motion: `linear` or `angular`, multiples of one measurement's
@@ -76,7 +77,7 @@ struct MotionThreshold {
 
 /// Filters measured poses and twists. The filter moves a pose by its twist, then by max(1/n, T/tau) of the innovation,
 /// with n measurements so far: first the mean, later exponential. It treats the twist likewise. A track restarts at an
-/// innovation of 0.1 m or rad, and at transitions between rest and motion. A stateless function of its arguments.
+/// innovation of `jump`, and at transitions between rest and motion. A stateless function of its arguments.
 class PoseFilter {
  public:
   PoseFilter(const PoseFilterParams& params, const MotionThreshold& threshold, double control_period) noexcept

@@ -13,12 +13,8 @@
 namespace moma {
 namespace {
 
-constexpr int kLeastTried = 12;  // least number of round trips compared, in periods
-constexpr int kBeyond = 3;       // number of round trips beyond the configured one
 // Contribution of noise to every misfit: (0.01 m/s)^2 + (0.01 rad/s)^2, and the same for joints.
 constexpr double kFloor = 2e-4;
-constexpr double kHoldTime = 5.0;   // time constant for forgetting missed steps [s]
-constexpr double kRelocated = 0.5;  // a base measured this far from its prediction was relocated [m, rad]
 
 // Shares of the drive's accelerations that are compared.
 constexpr auto kDrives = std::to_array<BaseRamp::Shares>(
@@ -67,7 +63,7 @@ Predictor::Predictor(const RobotModel& model, const PredictionParams& params, co
       base_share_(base_share),
       uncertain_(uncertainty),
       uncertainty_(uncertainty, base_dof_),
-      filter_({params.resting_filter, params.moving_filter, params.twist_filter},
+      filter_({params.resting_filter, params.moving_filter, params.twist_filter, params.estimation.jump},
               motion_threshold(uncertainty, uncertainty_.quantile()), control_period),
       object_memory_(model, params.memory, control_period),
       base_age_(whole_periods(params.base_sensing, dt_)),
@@ -76,7 +72,7 @@ Predictor::Predictor(const RobotModel& model, const PredictionParams& params, co
       goal_age_(whole_periods(params.goal_sensing, dt_)) {
   const int base_trip = whole_periods(params.base_drive, dt_) + base_age_;
   const int joint_trip = whole_periods(params.joint_drive, dt_) + joint_age_;
-  tried_ = std::max(kLeastTried, kBeyond + std::max(base_trip, joint_trip));
+  tried_ = std::max(params.estimation.least_tried, params.estimation.beyond + std::max(base_trip, joint_trip));
   // The commands of the longest round trip, one before it, and the waiting ones, which are at most as many as the trip.
   periods_ = tried_ + 2;
   joint_step_ = VectorX::Constant(num_joints_, std::numeric_limits<double>::infinity());
@@ -146,8 +142,9 @@ void Predictor::identify_drive(const Observation& o) noexcept {
   PredictionMemory& m = memory_;
   follow_drives();
   for (int i = 0; i < static_cast<int>(kDrives.size()); ++i)
-    settle(m.drive, i, (o.qdot.head(base_dof_) - m.driven[at(i)].head(base_dof_)).squaredNorm(), dt_);
-  if (choose(m.drive, kFloor)) ramp_.set_shares(drive());
+    settle(m.drive, i, (o.qdot.head(base_dof_) - m.driven[at(i)].head(base_dof_)).squaredNorm(),
+           dt_ / params_.estimation.forget);
+  if (choose(m.drive, kFloor, params_.estimation.better)) ramp_.set_shares(drive());
 }
 
 void Predictor::identify(const Observation& o) noexcept {
@@ -158,16 +155,16 @@ void Predictor::identify(const Observation& o) noexcept {
       const double off = o.qdot[i] - m.base_velocity[at(age)][i];
       squared += off * off;
     }
-    settle(m.base_trip, age, squared, dt_);
+    settle(m.base_trip, age, squared, dt_ / params_.estimation.forget);
     squared = 0.0;
     for (int i = base_dof_; i < base_dof_ + num_joints_; ++i) {
       const double off = o.qdot[i] - m.sent[at(age)][i];
       squared += off * off;
     }
-    settle(m.joint_trip, age, squared, dt_);
+    settle(m.joint_trip, age, squared, dt_ / params_.estimation.forget);
   }
-  const bool base = base_dof_ > 0 && choose(m.base_trip, kFloor);
-  const bool joints = choose(m.joint_trip, kFloor);
+  const bool base = base_dof_ > 0 && choose(m.base_trip, kFloor, params_.estimation.better);
+  const bool joints = choose(m.joint_trip, kFloor, params_.estimation.better);
   if (base) m.begun = false;  // the filtered pose belongs to another time
   if (!base && !joints) return;
   const int waited = hold_joints_;
@@ -231,7 +228,7 @@ void Predictor::miss_steps(double time) noexcept {
   }
   if (missed > 0.0) m.time = time;  // skip() advanced it
   if (missed >= most) m.begun = false;
-  m.hold = std::max(1.0 + missed, 1.0 + (m.hold - 1.0) * std::exp(-dt_ / kHoldTime));
+  m.hold = std::max(1.0 + missed, 1.0 + (m.hold - 1.0) * std::exp(-dt_ / params_.estimation.missed));
 }
 
 void Predictor::predict_object(const ObjectState& seen, std::size_t i) noexcept {
@@ -262,7 +259,8 @@ void Predictor::correct_base(const Vector3& measured) noexcept {
   Vector3& base = memory_.base;
   Vector3 innovation = measured - base;
   innovation.z() = std::remainder(innovation.z(), 2.0 * std::numbers::pi);  // headings may be wrapped or not
-  if (!(innovation.head<2>().norm() < kRelocated && std::abs(innovation.z()) < kRelocated)) {
+  const double relocated = params_.estimation.relocated;
+  if (!(innovation.head<2>().norm() < relocated && std::abs(innovation.z()) < relocated)) {
     base = measured;
     return;
   }

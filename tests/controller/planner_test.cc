@@ -109,7 +109,7 @@ TEST(WholeBodyIk, JointsOfAWholeTurnGoOnFromTheirOtherLimit) {
   const auto model = ur5_of_one_turn();
   const MotionLimits limits(*model, plan_params(*model));
   FreeSpace space(model, limits);
-  WholeBodyIk ik(model, limits);
+  WholeBodyIk ik(model, {}, limits);
   ik.keep_room(0.0);
   std::mt19937_64 engine(1);
   Kinematics kinematics(model);
