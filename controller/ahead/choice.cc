@@ -59,7 +59,7 @@ void Choice::begin(const Observation& from, double direct_time, int number) noex
   begin_plan();
 }
 
-// A path that takes longer than the policy is of no use.
+// A path that takes longer than the policy is useless.
 void Choice::begin_plan() noexcept {
   ++plans_;
   const double most = verdict_.policy >= 0.0 ? verdict_.policy : kInfinity;

@@ -12,28 +12,27 @@
 
 namespace moma {
 
-/// The work of one choice between going on with the direct policy and a planned path, from where the robot will be when
-/// the choice takes effect: the quicker one counts. Only a path that takes less time than the policy is sought. Work is
-/// cut into pieces of planning, counted in checks; the same choice comes out however it is spread.
+/// A choice of the quicker one of the direct policy and a planned path, from the state in which it takes effect. It
+/// searches only a path that is quicker than the policy. The work consists of pieces of planning, counted in checks;
+/// its result does not depend on how they are spread over control steps.
 ///
-/// One per controller. Construction and reset() may allocate, nothing else does.
+/// One per controller. Only construction and reset() allocate.
 class Choice {
  public:
   Choice(std::shared_ptr<const RobotModel> model, const ControllerParams& params);
 
   void reset(std::span<const ObjectShape> objects);
 
-  /// Begins a choice that takes effect at `from`, where the direct policy would take `direct_time` seconds (negative:
-  /// it fails). A robot that moves there comes to rest first where it follows a path. `number` is the choice's, from 1:
-  /// draws come from it.
+  /// Begins a choice that takes effect at `from`, where the direct policy needs `direct_time` seconds (negative: it
+  /// fails). A path begins where the robot comes to rest. `number` counts choices from 1 and seeds the draws.
   void begin(const Observation& from, double direct_time, int number) noexcept;
-  /// Works until `budget` checks are used up or the choice is made. True as long as there is more to do.
+  /// Works until `budget` checks are spent or the choice is complete. True if work is left.
   bool advance(long& budget) noexcept;
   /// Ends the search with the best path so far.
   void hurry() noexcept {
     if (!done_) planner_.hurry();
   }
-  /// What the choice came to. Both times are negative if nothing arrives; the policy then goes on.
+  /// Result of the choice. If both times are negative, nothing arrives, and the policy goes on.
   const PlanVerdict& verdict() const noexcept { return verdict_; }
 
   const Planner& planner() const noexcept { return planner_; }
@@ -48,14 +47,14 @@ class Choice {
 
   bool done_ = true;
   Observation from_;
-  WholeConfiguration stand_;  // where the robot comes to rest ...
-  double stopping_ = 0.0;     // ... and how long that takes [s]
+  WholeConfiguration stand_;  // configuration in which the robot comes to rest
+  double stopping_ = 0.0;     // time until then [s]
   std::uint64_t seed_ = 0;
-  int plans_ = 0;  // begun
+  int plans_ = 0;  // number of plans begun
   PlanVerdict verdict_;
 };
 
-/// Where a robot comes to rest that slows down evenly from now on, and the time that takes [s].
+/// Computes the configuration `c` in which a robot that brakes evenly from now on comes to rest; returns the time [s].
 double comes_to_rest(const RobotModel& model, const MotionLimits& limits, const Observation& o,
                      WholeConfiguration& c) noexcept;
 

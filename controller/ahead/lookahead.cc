@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kStill = 1e-6;     // of a goal's twist
 constexpr std::int64_t kHurry = 3;  // steps before a choice has to be made
-// While a path is followed a moment of it costs more than anything else in a step: few of them.
+// Most moments of a path that are checked in one step: each costs more than all else in it.
 constexpr long kWatched = 40;
 
 ControllerParams without_plan(ControllerParams params) {
@@ -77,8 +77,8 @@ void Lookahead::set_state(const PlanState& state) noexcept {
   watch_.forget();
 }
 
-// The robot lags behind a path, objects are seen elsewhere than when it was laid, and where motions overlap it has half
-// its clearance.
+// Rows keep a share of the path's clearance only: the robot lags behind the path, objects are measured elsewhere than
+// when it was planned, and where motions overlap it has half its clearance.
 KeptDistance Lookahead::keeps() const noexcept {
   const Path& path = state_.path;
   if (state_.brief.mode != PlanMode::kFollow || !(path.kept_at_goal < path.clearance)) return {};
@@ -97,7 +97,7 @@ void Lookahead::begin(const Now& now, PlanReason reason) noexcept {
   brief.reason = reason;
 }
 
-// The policy's turn.
+// Hands over to the policy.
 void Lookahead::go_direct(PlanReason reason, Detours detours) noexcept {
   begin(GoingDirect{}, reason);
   PlanBrief& brief = state_.brief;
@@ -116,7 +116,7 @@ void Lookahead::stop(PlanReason reason, double direct_time) noexcept {
   job_ = Job::kNone;
 }
 
-// Chooses for where the robot is predicted to be soon. Where that is unknown, or not safely reached, it stops.
+// Begins a choice for the state in which the robot is predicted to be soon. Stops if that state is unknown or unsafe.
 void Lookahead::go_on(PlanReason reason, double direct_time) noexcept {
   const std::int64_t commit = predicted_from_ + periods(later_time_);
   const bool touches = rollout_.end() == RolloutEnd::kTouches && rollout_.time() < later_time_ + params_.decisions.sure;
@@ -130,7 +130,7 @@ void Lookahead::go_on(PlanReason reason, double direct_time) noexcept {
   job_ = Job::kChoose;
 }
 
-// Of state_.path.
+// Begins to follow state_.path.
 void Lookahead::begin_path(PlanReason reason) noexcept {
   begin(Following{state_.steps, 0.0}, reason);
   PlanBrief& brief = state_.brief;
@@ -198,7 +198,7 @@ void Lookahead::decide(const Observation& o, const Vector6& error) noexcept {
   ++state_.steps;
 }
 
-// Pushed off its path or held up by what moves, the robot is the policy's again.
+// The policy takes over if moving objects push the robot off its path or hold it up.
 void Lookahead::decide_among_traffic() noexcept {
   if (doing<SettingOut>()) go_direct(PlanReason::kTraffic, Detours::kKept);
   const Following* now = doing<Following>();
@@ -209,7 +209,7 @@ void Lookahead::decide_among_traffic() noexcept {
 void Lookahead::follow(const Observation& o, Following& following) noexcept {
   PlanBrief& brief = state_.brief;
   shift_ = shift_of_goal(mobile_, state_.path.X_WG, o.goal.X_WG);
-  // The clock waits for what will pass.
+  // The path's clock waits for objects that will pass.
   long looks = kWatched;
   const double meet = params_.decisions.meet, wait = params_.decisions.wait;
   const double met =
@@ -298,7 +298,7 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
       return;
     }
   }
-  // No policy is quicker than a direct way.
+  // The policy is never quicker than a direct way.
   const bool due = state_.brief.reason != PlanReason::kDirectWay && (state_.steps >= state_.next || news_);
   if (job_ == Job::kNone && !due && !stuck()) return;
   const double rest = state_.path.duration - state_.brief.clock + params_.settle;
@@ -310,7 +310,7 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
     stop(PlanReason::kNoProgress, -1.0);
 }
 
-// The robot goes on, slows down, or stands meanwhile.
+// Works on a choice while the robot goes on, slows down or stands.
 void Lookahead::work_choice(const Observation& o, const EscapeState& escape, long& budget) noexcept {
   std::int64_t end = std::numeric_limits<std::int64_t>::max();
   if (const GoingOn* now = doing<GoingOn>()) {
@@ -321,7 +321,7 @@ void Lookahead::work_choice(const Observation& o, const EscapeState& escape, lon
   const Choosing* stands = doing<Choosing>();
   if (stands) end = stands->stop_end + periods(params_.decisions.choice_time);
   if (job_ != Job::kChoose) {
-    if (doing<GoingOn>()) go_direct(state_.brief.reason, Detours::kKept);  // what was under way is not known any more
+    if (doing<GoingOn>()) go_direct(state_.brief.reason, Detours::kKept);  // the work in progress was lost
     if (!stands) return;
     choice_.begin(o, stands->direct_time, ++state_.brief.attempts);
     job_ = Job::kChoose;
@@ -330,7 +330,7 @@ void Lookahead::work_choice(const Observation& o, const EscapeState& escape, lon
   if (!choice_.advance(budget) || (stands && state_.steps >= end)) choose();
 }
 
-// Begins a prediction or goes on with the one that is under way. True where it has ended.
+// Begins or continues a prediction. True once it has ended.
 bool Lookahead::predict(const Observation& o, const EscapeState& escape, double time, long& budget) noexcept {
   if (job_ != Job::kPredict) {
     rollout_.begin(o, escape, prediction_limits(params_, escape_, time));

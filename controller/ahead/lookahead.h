@@ -15,50 +15,48 @@
 
 namespace moma {
 
-/// Decides between the controller's own policy and planned paths, by predicting the first (rollout.h) and laying the
-/// second (planner.h). The quicker one counts.
+/// The look-ahead chooses the quicker of two: the controller's own policy, which it predicts (rollout.h), and a path of
+/// base and arm, which it plans (planner.h). The gains `plan.decisions` time all that follows.
 ///
-/// A step is decide(), which follows from PlanState and the observation alone, and, once the command is found, work():
-/// no more than `budget` checks of predictions and plans that are spread over steps. What they lead to is in the state
-/// for the next step. While a choice is worked out the direct policy goes on for the first half second of its
-/// prediction (an arm alone: a quarter of a second) where that is safe, and the choice begins where it ends; else, and
-/// where that was too short, the robot slows down and stands.
+/// A step calls decide(), which depends on PlanState and the observation alone. Once the command is known, it calls
+/// work(), which spends at most `budget` checks on predictions and plans and leaves their results in the state for the
+/// next step. During a choice the policy goes on for a moment if its prediction is safe, and the choice takes effect at
+/// the end of that moment. Otherwise the robot stops and chooses at rest.
 ///
-/// A robot that stands looks for a direct way (direct_way.h) at the start and after a goal's jump, for a quarter of a
-/// second at most, and follows it where one is free. Where there is none the direct policy is predicted every `period`
-/// seconds. At the start, after a goal's jump and where it is predicted to fail or has stagnated, there is a choice. On
-/// a path, the direct policy takes over where it is predicted to take no longer than the path's rest; a robot that does
-/// not get on, or whose path is no longer clear, chooses again. Among objects in motion the policy's own ways count:
-/// only where it stagnates and none of them is near is there a choice; a goal in motion is the policy's.
+/// At the start and after a jump of the goal, a robot at rest searches a direct way (direct_way.h) and follows it. If
+/// none is free, the look-ahead predicts the policy every `period` seconds. It begins a choice at the start, and if the
+/// policy stagnates or its prediction fails. On a path, the policy takes over once its prediction is quicker than the
+/// rest of the path. If the path is blocked or the robot makes no progress, the look-ahead chooses again. Among moving
+/// objects it chooses only if the policy stagnates and none of them is near. A moving goal belongs to the policy.
 ///
-/// One per controller. Construction and reset() may take memory, nothing else does.
+/// One per controller. Only construction and reset() allocate.
 class Lookahead {
  public:
   Lookahead(std::shared_ptr<const RobotModel> model, const ControllerParams& params, double control_period);
 
   void reset(std::span<const ObjectShape> objects);
 
-  /// Begins a step; `o` is what the controller acts on, `error` [e_R; e_p] that of E.
+  /// Begins a step. `o`: the observation on which the controller acts; `error`: [e_R; e_p] of E.
   void decide(const Observation& o, const Vector6& error) noexcept;
-  /// Whether velocities() replace the policy's task in this step: those of a path, or none.
+  /// True if velocities() replace the policy's task in this step. They are those of a path, or zero.
   bool guides() const noexcept { return guides_; }
   const VectorX& velocities() const noexcept { return wanted_; }
-  /// Distance to objects at rest that rows let the path that is followed have, where it leads nearer to its goal's
-  /// objects than to others.
+  /// Returns the distance to objects at rest that rows keep while the robot follows a path close to objects at its
+  /// goal.
   KeptDistance keeps() const noexcept;
-  /// True if the policy's memory of detours is to be cleared before this step.
+  /// True if this step clears the policy's memory of detours first.
   bool begins_anew() const noexcept { return anew_; }
-  /// Bounds of joints while a path is followed, which keeps away from limits by itself: they are felt later.
+  /// Bounds of the joints on a path. They begin nearer to the limits, because the path itself keeps away from them.
   const VelocityBounds& bounds() const noexcept { return bounds_; }
-  /// Ends a step: predictions and plans, within the budget. `o` as in decide(), `escape` what the policy remembered of
-  /// detours in this step before it acted.
+  /// Ends a step: works on predictions and plans within the budget. `o` as in decide(). `escape`: the policy's memory
+  /// of detours before it acted in this step.
   void work(const Observation& o, const EscapeState& escape) noexcept;
 
   const PlanState& state() const noexcept { return state_; }
-  /// Goes on from such a state; after reset(). Work in progress begins again.
+  /// Continues from such a state, after reset(). Work in progress begins again.
   void set_state(const PlanState& state) noexcept;
 
-  /// Checks that the last step's work took.
+  /// Number of checks in the last step.
   long checks() const noexcept { return checks_; }
   const Planner& planner() const noexcept { return choice_.planner(); }
 
@@ -69,7 +67,7 @@ class Lookahead {
   /// Changes `doing`, and mode and reason of the brief with it.
   template <class Now>
   void begin(const Now& now, PlanReason reason) noexcept;
-  /// Null where the robot is doing something else.
+  /// Returns null if the robot does something else.
   template <class Now>
   Now* doing() noexcept {
     return std::get_if<Now>(&state_.doing);
@@ -99,14 +97,14 @@ class Lookahead {
   bool mobile_;
   Choice choice_;
   DirectWay direct_way_;
-  double slope_;  // of what paths keep near their goal
+  double slope_;  // growth of a path's distance from objects with the distance from its goal
   PathWatch watch_;
   VelocityBounds bounds_;
   Rollout rollout_;
 
   PlanState state_;
   bool guides_ = false, anew_ = false, traffic_ = false;
-  bool arrived_ = false;  // E is well inside the tolerances of its goal
+  bool arrived_ = false;  // E is within a share of its goal's tolerances
   VectorX wanted_;
   PlanarShift shift_;
 
@@ -114,11 +112,10 @@ class Lookahead {
   long debt_ = 0;  // checks of the last step beyond its budget
   long checks_ = 0;
   bool news_ = false;  // objects came into sight or left it since the last prediction began
-  // Of the prediction that is going on or was the last: the step in which it began, and where the robot will be when a
-  // choice takes effect.
+  // The present or last prediction: its first step, and the state in which a choice takes effect.
   std::int64_t predicted_from_ = 0;
   Observation later_;
-  double later_time_ = -1.0;  // after its beginning; negative: it has not come so far [s]
+  double later_time_ = -1.0;  // time of that state after the first step; negative: not reached yet [s]
 };
 
 }  // namespace moma

@@ -8,14 +8,14 @@
 namespace moma {
 namespace {
 
-constexpr double kMoment = 0.08;  // between the moments that are looked at [s]
+constexpr double kMoment = 0.08;  // interval between checked moments [s]
 
-// What is seen now may be nearer than the path's clearance says: it was laid with what was seen then.
+// Objects may be nearer now than the path's clearance says, since measurements differ from those of its planning.
 double least_clearance(const DecisionParams& params, const Path& path) noexcept {
   return std::max(0.0, std::min(params.least, params.share * path.clearance - params.less));
 }
 
-// Near the goal a path may be as near as it was laid there, less what objects are seen elsewhere.
+// Near the goal the path keeps a share of the distance with which it was planned there.
 KeptDistance shifted_goal(const DecisionParams& params, const Path& path, const PlanarShift& shift,
                           double slope) noexcept {
   KeptDistance kept{std::max(0.0, params.share * path.kept_at_goal - params.less), slope, path.X_WG.translation()};

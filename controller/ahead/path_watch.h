@@ -10,25 +10,24 @@
 
 namespace moma {
 
-/// Whether the rest of a path keeps clear of what is known now. Objects at rest are looked at again as soon as one of
-/// them has come into sight or is seen elsewhere than when the path was last found clear: a few moments of the path a
-/// step, until its end. Objects in motion are looked at in every step, where they and the robot will be at the same
-/// times. Nothing takes memory but set_objects().
+/// Checks that the rest of a path stays clear. It checks objects at rest again once one of them comes into sight or has
+/// moved since the last check, a few moments of the path in each step. It checks moving objects in every step, at the
+/// places that they and the robot will have at the same times. Only set_objects() allocates.
 class PathWatch {
  public:
-  /// `slope`: growth of what a path keeps with the distance from its goal (GoalClearanceParams).
+  /// `slope`: growth of the kept distance with the distance from the goal (GoalClearanceParams).
   PathWatch(std::shared_ptr<const RobotModel> model, const DecisionParams& params, const MotionLimits& limits,
             double slope);
 
   void set_objects(std::span<const ObjectShape> objects);
-  /// All that was known is to be looked at again.
+  /// Discards the results of earlier checks.
   void forget() noexcept;
-  /// Looks at no more than `budget` moments from time t on, and takes them from it. False where objects at rest are
-  /// nearer to the path than part of its clearance.
+  /// Checks at most `budget` moments from time t on and subtracts them from it. False if an object at rest is nearer to
+  /// the path than a share of its clearance.
   bool holds(const Path& path, const PlanarShift& shift, double t, std::span<const ObjectState> objects,
              long& budget) noexcept;
-  /// The first time after t, `ahead` seconds at most, at which an object in motion, going on as it does, will be nearer
-  /// than `clearance` to the robot on its path; `ahead` where there is none [s after t].
+  /// Returns the first time after t at which a moving object that keeps its velocity is nearer than `clearance` to the
+  /// robot on its path, at most `ahead` [s].
   double met_after(const Path& path, const PlanarShift& shift, double t, double ahead, double clearance,
                    std::span<const ObjectState> objects, long& budget) noexcept;
 
@@ -38,13 +37,13 @@ class PathWatch {
   DecisionParams params_;
   double slope_;
   FreeSpace space_;
-  std::vector<ObjectState> looked_at_;  // as they were when the look began that is going on, or was the last
+  std::vector<ObjectState> looked_at_;  // at the start of the present or last check
   PlanarShift looked_shift_;
   std::vector<ObjectState> moving_;
   Proximity movers_;
   WholeConfiguration point_;
   bool known_ = false;
-  double from_ = 0.0;  // the path is looked at up to here; its end where all is
+  double from_ = 0.0;  // the path is checked up to this time [s]
 };
 
 }  // namespace moma

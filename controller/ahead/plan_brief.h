@@ -7,7 +7,7 @@
 
 namespace moma {
 
-/// Activity of a controller that looks ahead. In `stop`, `choose` and `set_out` it asks for no motion.
+/// Activity of a controller with look-ahead. In `stop`, `choose` and `set_out` it commands no motion.
 enum class PlanMode {
   kDirect,  ///< the controller's own policy
   kFollow,  ///< a path
@@ -20,17 +20,17 @@ constexpr auto words(Of<PlanMode>) {
   return std::to_array<std::string_view>({"direct", "follow", "stop", "choose", "set_out"});
 }
 
-/// Why the mode is what it is.
+/// Reason for the mode.
 enum class PlanReason {
   kStart,       ///< a motion, or a goal that jumped: the choice comes first
   kArrives,     ///< the direct policy is predicted to arrive
-  kQuicker,     ///< what was chosen is predicted to arrive soonest
+  kQuicker,     ///< the chosen candidate is predicted to arrive first
   kFails,       ///< the direct policy is predicted to touch something, to stagnate or not to arrive
   kStagnates,   ///< it has stagnated
   kNoPath,      ///< nothing better was found
   kPathEnds,    ///< the path is at its end
-  kNoProgress,  ///< the robot does not get on along the path
-  kPathBroken,  ///< what is seen now is in the path's way
+  kNoProgress,  ///< the robot makes no progress along the path
+  kPathBroken,  ///< an object is in the path's way
   kTraffic,     ///< the goal or something near moves
   kDirectWay,   ///< a direct way to the goal is free
 };
@@ -40,7 +40,7 @@ constexpr auto words(Of<PlanReason>) {
                                           "no_progress", "path_broken", "traffic", "direct_way"});
 }
 
-/// What a choice is made among.
+/// Kinds of candidates of a choice.
 enum class PlanKind {
   kNone,    ///< there was no choice yet
   kPolicy,  ///< the direct policy goes on
@@ -50,27 +50,27 @@ enum class PlanKind {
 
 constexpr auto words(Of<PlanKind>) { return std::to_array<std::string_view>({"none", "policy", "detour", "path"}); }
 
-/// What a choice came to. Times are predicted, from when it takes effect until the goal is reached [s]; negative: that
-/// does not arrive. The quicker one was chosen, of equals the policy.
+/// Result of a choice: the quicker candidate, the policy if both are equal. Times run from its effect to the arrival at
+/// the goal [s]; negative: the candidate does not arrive.
 struct PlanVerdict {
   PlanKind kind = PlanKind::kNone;
-  int tried = 0;          ///< candidates
-  double policy = -1.0;   ///< of the direct policy, as it was
-  double by_path = -1.0;  ///< of the path; negative also if it is not quicker than the policy
+  int tried = 0;          ///< number of candidates
+  double policy = -1.0;   ///< time of the direct policy
+  double by_path = -1.0;  ///< time of the path; negative also if the policy is quicker
 };
 
-/// The part of it that a sample carries. Poses of the base are (x, y, phi) in world axes, as the controller sees them.
+/// The part of the look-ahead's state that samples carry. Poses of the base are (x, y, phi) in W, as measured.
 struct PlanBrief {
   PlanMode mode = PlanMode::kDirect;
   PlanReason reason = PlanReason::kStart;
   bool going_on = false;             ///< the direct policy goes on while a choice is worked out
   int attempts = 0;                  ///< choices begun since reset()
-  double clock = 0.0;                ///< on the path [s]
-  double duration = 0.0;             ///< of the path [s]; 0 without one
-  double lag = 0.0;                  ///< behind the path [m]
-  Vector3 target = Vector3::Zero();  ///< where the path has the base at `clock` [m, m, rad]; 0 without one
-  Vector3 end = Vector3::Zero();     ///< and where it ends
-  PlanVerdict choice;                ///< the last one that was made
+  double clock = 0.0;                ///< time on the path [s]
+  double duration = 0.0;             ///< duration of the path [s]; 0 without one
+  double lag = 0.0;                  ///< lag behind the path [m]
+  Vector3 target = Vector3::Zero();  ///< the path's base pose at `clock` [m, m, rad]; 0 without one
+  Vector3 end = Vector3::Zero();     ///< the path's last base pose [m, m, rad]
+  PlanVerdict choice;                ///< last choice
 };
 
 template <class Visitor>

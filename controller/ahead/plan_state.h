@@ -46,20 +46,19 @@ struct SettingOut {};
 using Doing = std::variant<GoingDirect, Following, Stopping, Choosing, SettingOut, GoingOn>;
 inline constexpr std::size_t kGoingOn = std::variant_size_v<Doing> - 1;
 
-/// All that looking ahead remembers from step to step: with an observation, all that decides what is asked of the robot
-/// in a step. Work in progress (a prediction or a choice that is spread over steps) is not in it and begins again from
-/// it.
+/// Memory of the look-ahead. Together with the observation it determines the step. It does not contain work in progress
+/// (a prediction or a choice), which begins again.
 struct PlanState {
   PlanBrief brief;  ///< `mode` and `going_on` follow from `doing`
   Doing doing;
   std::int64_t steps = 0;  ///< since the start or the goal's last jump
   std::int64_t next = 0;   ///< step of the next prediction
-  int stagnations = 0;     ///< the policy's, up to which nothing is news
-  bool fresh = false;      ///< the direct policy's memory of detours is cleared in the next step
-  int known = 0;           ///< objects that were seen in the step before
+  int stagnations = 0;     ///< stagnations of the policy that are dealt with
+  bool fresh = false;      ///< the next step clears the policy's memory of detours
+  int known = 0;           ///< number of visible objects in the step before
   bool has_goal = false;
-  Isometry X_WG = Isometry::Identity();  ///< the goal's, in the step before
-  Path path;                             ///< of no motions where there is none
+  Isometry X_WG = Isometry::Identity();  ///< goal in the step before
+  Path path;                             ///< without motions if there is none
 };
 
 }  // namespace moma

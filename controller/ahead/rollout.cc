@@ -7,17 +7,16 @@
 namespace moma {
 namespace {
 
-// The model is not late, and nothing in it is uncertain. What is checked ahead is looked at as often as in the robot's
-// own steps, whose period is shorter.
+// The model has neither latency nor uncertainty. Its longer period asks for fewer periods between checked moments.
 ControllerParams on_time(ControllerParams params) {
   params.prediction.enabled = false;
   params.uncertainty.enabled = false;
-  params.collision.evasion.enabled = false;  // what drives off has not arrived
+  params.collision.evasion.enabled = false;  // a base that drives away does not arrive
   params.collision.check.every = std::max(1, params.collision.check.every / 2);
   return params;
 }
 
-// From `error` to `tolerance` at no more than `speed`, and no faster than it decays.
+// Time from `error` to `tolerance`, at `speed` at most and no quicker than exponentially.
 double least_time(double error, double gain, double speed, double tolerance) noexcept {
   if (error <= tolerance) return 0.0;
   const double slow = std::max(speed / gain, tolerance);
@@ -30,7 +29,7 @@ void advance_pose(Isometry& X, const Vector6& V, double dt) noexcept {
   if (angle > 0.0) X.linear() = Eigen::AngleAxisd(angle, V.head<3>().normalized()).toRotationMatrix() * X.linear();
 }
 
-// Rows and slack may bring E nearer than the servo asks.
+// Rows and slack may move E quicker than the servo asks.
 constexpr double kSooner = 0.9;
 
 }  // namespace
@@ -87,7 +86,7 @@ RolloutEnd Rollout::step() noexcept {
   policy_.step(state_, result_);
   if (result_.error.tail<3>().norm() < limits_.position && result_.error.head<3>().norm() < limits_.orientation)
     return end_ = RolloutEnd::kArrives;
-  // The hand may be nearer to what it is to grasp.
+  // The hand may be nearer to the object that it grasps.
   if (result_.least_distance < std::min(limits_.touch, 0.5 * policy_.kept_stop())) return end_ = RolloutEnd::kTouches;
   if (limits_.stagnation_ends && policy_.escape_state().stagnations > allowed_) return end_ = RolloutEnd::kStagnates;
   if (limits_.late_ends && time_ + kSooner * least_time(servo_, result_.error, limits_) > limits_.time)

@@ -12,7 +12,7 @@ namespace moma {
 
 /// How a rollout ended.
 enum class RolloutEnd {
-  kGoesOn,     ///< not yet, or only its time is up
+  kGoesOn,     ///< it has not ended, or its time is up
   kArrives,    ///< E is at the goal
   kTouches,    ///< an object comes too near
   kStagnates,  ///< no progress: one stagnation more than allowed
@@ -23,60 +23,58 @@ constexpr auto words(Of<RolloutEnd>) {
   return std::to_array<std::string_view>({"goes_on", "arrives", "touches", "stagnates", "late"});
 }
 
-/// When a rollout ends.
+/// Conditions that end a rollout.
 struct RolloutLimits {
   double time = 10.0;           ///< [s]
   double touch = 0.005;         ///< distance to an object at which it fails [m]
-  double position = 0.02;       ///< of E from the goal at which it has arrived [m]
+  double position = 0.02;       ///< position error at which it arrives [m]
   double orientation = 0.05;    ///< [rad]
-  bool stagnation_ends = true;  ///< a stagnation, further to one that is due anyway, ends it
-  bool late_ends = false;       ///< so does what the servo's speed leaves no time for
+  bool stagnation_ends = true;  ///< a stagnation ends it, unless one was due at its start
+  bool late_ends = false;       ///< so does an error that the servo cannot remove in the time left
 };
 
-/// Limits of a prediction of at most `time` seconds: it arrives well inside the tolerances of the detours.
+/// Returns the limits of a prediction of at most `time` seconds.
 RolloutLimits prediction_limits(const PlanParams& plan, const EscapeParams& escape, double time) noexcept;
 
-/// The time that the servo needs to bring E from an error [e_R; e_p] into the limits' tolerances where nothing holds it
-/// back [s]: at the speed to which its twist is clamped, and where that is less as k e decays.
+/// Returns the time in which the servo alone reduces an error [e_R; e_p] to the tolerances [s]: first at the speed to
+/// which its twist is clamped, then exponentially.
 double least_time(const ServoParams& servo, const Vector6& error, const RolloutLimits& limits) noexcept;
 
-/// Takes over all of an observation among no more objects. Takes no memory where the sizes are those of before.
+/// Copies an observation of no more objects. Does not allocate if sizes stay.
 void copy_observation(const Observation& from, Observation& to) noexcept;
 
-/// A controller's own policy, rolled out in a model of the world: what the robot will do, and why it will stop. In the
-/// model drives ramp the base as the robot's do and velocities are otherwise what is commanded, integrated exactly;
-/// objects and goal go on with the twists they have.
+/// A rollout simulates the controller's own policy in a model of the world: drives ramp the base as the robot's do, all
+/// other velocities follow commands at once and are integrated exactly, objects and goal keep their twists.
 ///
-/// Lateness and filters of a predicting controller enter by where it begins: the state that the predictor gives is that
-/// at which the next command acts, and from there on the model is not late. The rollout's own controller therefore
-/// predicts nothing. Its period may be longer than the robot's.
+/// A rollout begins at the predictor's state, in which the next command takes effect. From there on its model has no
+/// latency, so its controller does not predict. Its period may be longer than the robot's.
 ///
-/// Built once; reset() may take memory, nothing else does. The same inputs give the same bits.
+/// Only construction and reset() allocate. The same inputs give the same bits.
 class Rollout {
  public:
-  /// `params` as a Controller takes them, with or without looking ahead. `period` [s] > 0 of the rollout's steps.
+  /// `params`: as for Controller, with or without `plan`. `period` > 0: control period of the rollout [s].
   /// Throws as Controller does.
   Rollout(std::shared_ptr<const RobotModel> model, ControllerParams params, double period);
 
   void reset(std::span<const ObjectShape> objects);
-  /// Begins at `o`, the state at which the next command acts, with what a controller remembers of detours. As many
-  /// objects as reset() was given.
+  /// Begins at `o`, the state in which the next command takes effect, with a memory of detours. `o` has as many objects
+  /// as reset() was given.
   void begin(const Observation& o, const EscapeState& escape, const RolloutLimits& limits) noexcept;
-  /// One step of it. kGoesOn until it ends.
+  /// Simulates one step. Returns kGoesOn until the rollout ends.
   RolloutEnd step() noexcept;
-  /// Steps until it ends, its time is up or `budget` checks are used up, kChecks a step. True as long as there is more
-  /// to do.
+  /// Simulates until the rollout ends, its time is up, or `budget` checks are spent, kChecks per step. True if work is
+  /// left.
   bool advance(long& budget) noexcept;
-  /// What a step takes, in checks of a configuration's distances: measured.
+  /// Measured cost of a step in checks.
   static constexpr long kChecks = 6;
 
   RolloutEnd end() const noexcept { return end_; }
-  /// True where its time is up.
+  /// True if its time is up.
   bool over() const noexcept { return time_ + 0.5 * period_ > limits_.time; }
-  /// Since its beginning [s].
+  /// Time since its start [s].
   double time() const noexcept { return time_; }
   double period() const noexcept { return period_; }
-  /// Where everything is now, and what the last step came to.
+  /// Present state, and the last step's result.
   const Observation& state() const noexcept { return state_; }
   const StepResult& result() const noexcept { return result_; }
   const ControllerCore& policy() const noexcept { return policy_; }

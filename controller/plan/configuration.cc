@@ -10,11 +10,11 @@
 namespace moma {
 namespace {
 
-// How far E and the links after a joint reach from it: the lengths between, straightened. Arms are rarely straight.
+// Reach of E and the links after a joint: their summed lengths times kBent, since arms are rarely straight.
 constexpr double kBent = 0.7;
 constexpr double kLongest = 1.0;
 constexpr double kHand = 0.05;
-// Limits of -pi and pi as they are written in files are no more than a whole turn apart [rad].
+// Tolerance for limits of -pi and pi as rounded in files [rad].
 constexpr double kRounded = 1e-3;
 
 double lever_of(const RobotModel& model, const ControlledJoint& joint) {
@@ -25,7 +25,7 @@ double lever_of(const RobotModel& model, const ControlledJoint& joint) {
   return kBent * std::min(length, kLongest);
 }
 
-// The part of the base's speeds at which no wheel is too fast, whichever way it drives and turns. One that goes along
+// Returns the share of the base's speeds at which no wheel is too fast, in every direction. A base that drives along
 // its heading does not turn meanwhile.
 double wheels_part(const MobileBase& base) {
   const BaseKind& kind = kind_of(base.type);

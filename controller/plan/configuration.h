@@ -9,30 +9,30 @@
 
 namespace moma {
 
-/// Base (x, y, phi) in W and one value per controlled joint; phi is not wrapped. Of at most 3 + kMaxJoints values, so
-/// that it never takes memory.
+/// Base (x, y, phi) in W and one value per controlled joint; phi is not wrapped. Its fixed capacity of 3 + kMaxJoints
+/// values never allocates.
 using WholeConfiguration = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3 + kMaxJoints, 1>;
 
 inline constexpr double kFullTurn = 2.0 * std::numbers::pi;
 
-/// Into [-pi, pi].
+/// Wraps into [-pi, pi].
 double wrapped(double angle) noexcept;
 
-/// What a path may ask of a robot, and how far its parts reach: numbers of one robot and one controller.
+/// Limits of paths, and lever arms, of one robot with one controller.
 struct MotionLimits {
   MotionLimits(const RobotModel& model, const ControllerParams& params);
 
   const BaseKind* base;
-  VectorX lower, upper;         ///< of the joints; infinite for one without limits [rad, m]
-  VectorX margin;               ///< that a path keeps from them
+  VectorX lower, upper;         ///< joint limits, infinite without one [rad, m]
+  VectorX margin;               ///< margin of a path from them [rad, m]
   VectorX part;                 ///< limit_part() of the joints
-  Eigen::VectorXi winds;        ///< 1 for a joint that can turn further than once: a path keeps to one turn
+  Eigen::VectorXi winds;        ///< 1 for a joint with a range beyond one turn: a path keeps to one turn
   VectorX joint_speed;          ///< [rad/s, m/s]
   VectorX joint_acceleration;   ///< may be infinite [rad/s^2, m/s^2]
-  double linear, angular;       ///< of the base [m/s, rad/s]
+  double linear, angular;       ///< speeds of the base [m/s, rad/s]
   double linear_acceleration;   ///< [m/s^2]
   double angular_acceleration;  ///< [rad/s^2]
-  VectorX lever;                ///< way of the robot's farthest point per joint's motion, as a rule [m/rad, 1]
+  VectorX lever;                ///< typical travel of the robot's farthest point per motion of a joint [m/rad, 1]
   double base_lever = 0.8;      ///< and per turn of the base [m/rad]
 
   /// Wheel limit of a differential base: |v| + half_track |omega| <= rim_speed [m, m/s].
@@ -42,8 +42,8 @@ struct MotionLimits {
   bool mobile() const noexcept { return base->dof() > 0; }
 };
 
-/// Squared distance of two configurations, in which a metre of the base's way, 3.3 rad of its heading and 4 rad of a
-/// joint are alike.
+/// Returns the squared distance of two configurations. A metre of the base's way weighs as much as 3.3 rad of its
+/// heading or 4 rad of a joint.
 double distance_squared(const Eigen::Ref<const VectorX>& a, const WholeConfiguration& b) noexcept;
 
 }  // namespace moma

@@ -5,8 +5,8 @@
 
 namespace moma {
 
-/// Random numbers as a pure function of (key, number of the draw): SplitMix64, whose state is a counter (Steele, Lea &
-/// Flood, OOPSLA 2014). Two numbers are all there is to keep of it.
+/// Random numbers as a pure function of key and number of the draw: SplitMix64, whose state is a counter (Steele, Lea &
+/// Flood, OOPSLA 2014).
 struct CountedDraws {
   std::uint64_t key = 0;
   std::uint64_t drawn = 0;
@@ -18,10 +18,10 @@ struct CountedDraws {
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
     return z ^ (z >> 31);
   }
-  /// In [0, 1): a multiple of 2^-53.
+  /// Uniform in [0, 1), a multiple of 2^-53.
   double uniform() noexcept { return static_cast<double>(bits() >> 11) * 0x1.0p-53; }
   double uniform(double low, double high) noexcept { return low + (high - low) * uniform(); }
-  /// In 0 .. count - 1; count >= 1.
+  /// Uniform in 0 .. count - 1; count >= 1.
   std::size_t choice(std::size_t count) noexcept {
     return static_cast<std::size_t>(uniform() * static_cast<double>(count));
   }

@@ -94,7 +94,7 @@ void DirectWay::work() noexcept {
   }
 }
 
-// Joints about those of the start; a base between start and goal, on its way there.
+// Draws joints around those of the start, and a base between start and goal.
 void DirectWay::seed(End& end) noexcept {
   const DirectWayParams& p = params_.direct_way;
   WholeConfiguration& c = end.c;
@@ -111,7 +111,7 @@ void DirectWay::seed(End& end) noexcept {
   head_along(limits_, start_, SteeredDrive::kThere, c);
 }
 
-// Moves a try's beginning to where E is at the goal and the base comes to. False where that is nowhere.
+// Moves a try to a configuration with E at the goal that the base can reach. False if there is none.
 bool DirectWay::make(End& end) noexcept {
   WholeConfiguration& c = end.c;
   if (!ik_.solve(space_, X_WG_, c, !end.stays)) return false;
@@ -137,7 +137,7 @@ bool DirectWay::drive_to(const Vector2& point) noexcept {
   return reached;
 }
 
-// Keeps it as the best one if its way is free.
+// Makes `end` the best one if its way is free.
 bool DirectWay::take(const End& end) noexcept {
   lay(end);
   if (!free()) return false;

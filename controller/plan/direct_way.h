@@ -11,14 +11,14 @@
 
 namespace moma {
 
-/// Looks for the quickest way without a corner from where a robot stands to its goal: base and arm go straight, a
-/// differential base steers to where it will stand (steered_drive.h). Whole-body inverse kinematics from about the
-/// start give ends; speeds and accelerations give the time of the way to each; the quickest way that is free counts.
-/// Further tries, which begin between the start and the best end, then pull the end towards the start.
+/// Searches the quickest way without a corner from rest to the goal: base and arm move straight, a differential base
+/// steers to its place (steered_drive.h). Whole-body inverse kinematics around the start give end configurations, and
+/// the robot's speeds and accelerations the time to each. The quickest free way counts. Further tries between the start
+/// and the best end then shorten it.
 ///
-/// There is none to a goal where the hand is nearer to an object than a path's clearance: the planner is for those
-/// (planner.h). Work is cut into pieces of one inverse kinematics or one way's checks: the same way comes out however
-/// it is spread. Construction and set_objects() may take memory, nothing else does.
+/// A goal at which the hand is nearer to an object than a path's clearance has no direct way; the planner serves it
+/// (planner.h). The work consists of pieces (one inverse kinematics, or the checks of one way); its result does not
+/// depend on how they are spread over control steps. Only construction and set_objects() allocate.
 class DirectWay {
  public:
   DirectWay(std::shared_ptr<const RobotModel> model, const ControllerParams& params);
@@ -26,21 +26,20 @@ class DirectWay {
   void set_objects(std::span<const ObjectShape> objects);
   /// Begins at `start`, where the robot stands.
   void begin(const WholeConfiguration& start, const Isometry& X_WG, std::span<const ObjectState> objects) noexcept;
-  /// Works until `budget` checks are used up or all is known; takes what it used from `budget`. True as long as there
-  /// is more to do.
+  /// Works until `budget` checks are spent or the search is complete; subtracts them. True if work is left.
   bool advance(long& budget) noexcept;
 
-  /// Whether a free way is known, and the quickest so far.
+  /// True if a free way is known; path() is the quickest so far.
   bool found() const noexcept { return best_.time < kInfinity; }
   const Path& path() const noexcept { return best_path_; }
   const MotionLimits& limits() const noexcept { return limits_; }
 
  private:
   struct End {
-    WholeConfiguration c;             // where a way ends
-    Vector2 point = Vector2::Zero();  // to which a differential base steers [m]
+    WholeConfiguration c;             // end of a way
+    Vector2 point = Vector2::Zero();  // the point to which a differential base steers [m]
     bool stays = false;               // the base does not move
-    double time = kInfinity;          // of the way [s]
+    double time = kInfinity;          // time of the way [s]
   };
   enum class Stage { kTries, kChecks, kNearer, kDone };
 
@@ -71,7 +70,7 @@ class DirectWay {
   Edge edge_;
   WholeConfiguration point_;
   Path path_, best_path_;
-  double longest_ = 0.0;  // about how far the robot's farthest point goes on path_ [m]
+  double longest_ = 0.0;  // approximate travel of the robot's farthest point on path_ [m]
 };
 
 }  // namespace moma

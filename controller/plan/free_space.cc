@@ -9,7 +9,7 @@
 namespace moma {
 namespace {
 
-// Of what a start has to spare where it is nearer to something than the clearances [m].
+// Subtracted from the distance of a start that is nearer to an object than the clearances [m].
 constexpr double kSpare = 0.003;
 
 ProximityRanges ranges_of(const Clearances& c) noexcept { return {c.object, c.floor, c.self}; }
@@ -82,7 +82,7 @@ bool FreeSpace::clear(const WholeConfiguration& c, const Clearances& clearances)
   kinematics_.place(c.head<3>(), c.tail(c.size() - 3));
   ProximityRanges ranges = ranges_of(clearances);
   if (keeps_.at_goal.at_goal < ranges.object) {
-    // Where half the clearances count, half of what is kept at the goal does.
+    // With half the clearances, half of the distance at the goal counts.
     const double part =
         keeps_.clearances.object > 0.0 ? std::min(1.0, clearances.object / keeps_.clearances.object) : 1.0;
     ranges.object = std::min(ranges.object, part * keeps_.at_goal.of(kInfinity, hand()));
@@ -90,13 +90,13 @@ bool FreeSpace::clear(const WholeConfiguration& c, const Clearances& clearances)
   return proximity_.clear(kinematics_, states_, ranges);
 }
 
-// Place of E at the last configuration that was placed.
+// Position of E in the last configuration.
 Vector3 FreeSpace::hand() const noexcept {
   const RobotModel& model = kinematics_.model();
   return kinematics_.X_WL(model.tip) * model.X_TE.translation();
 }
 
-// Between two checks a point goes no more than a multiple of what is kept at `c`.
+// Limits the way between two checks to a multiple of the kept distance at `c`.
 double FreeSpace::step_near(const WholeConfiguration& c, double step) noexcept {
   constexpr double kTimes = 2.3, kLeast = 0.012;  // [1, m]
   if (!(keeps_.at_goal.at_goal < keeps_.clearances.object)) return step;

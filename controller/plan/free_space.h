@@ -16,13 +16,13 @@ struct Clearances {
   double self = 0.0;
 };
 
-/// What configurations have to keep: distances, and room to the joints' limits.
+/// Distances and joint ranges that configurations have to keep.
 struct Keeps {
   Clearances clearances;
-  KeptDistance at_goal;          ///< from objects, near the goal
-  WholeConfiguration low, high;  ///< of the joints, margins kept; one value each
+  KeptDistance at_goal;          ///< distance from objects near the goal
+  WholeConfiguration low, high;  ///< joint limits with their margins, one value per joint
 
-  /// Whether all that keeps `other`, near the same goal, keeps this.
+  /// True if every configuration near the same goal that keeps `other` also keeps this.
   bool follows_from(const Keeps& other) const noexcept {
     const Clearances &a = clearances, &b = other.clearances;
     return a.object <= b.object && a.floor <= b.floor && a.self <= b.self && low.size() == other.low.size() &&
@@ -30,64 +30,62 @@ struct Keeps {
   }
 };
 
-/// Which configurations and edges keep clear of objects at rest, the floor and the robot itself, and inside the joints'
-/// limits. Counts what it does in checks, each one configuration's distances. One per worker; set_objects() may take
-/// memory, nothing else does.
+/// Checks that configurations and edges stay clear of objects at rest, the floor and the robot itself, and inside the
+/// joint limits. It counts its work in checks; one check computes one configuration's distances. One per worker. Only
+/// set_objects() allocates.
 class FreeSpace {
  public:
   FreeSpace(std::shared_ptr<const RobotModel> model, const MotionLimits& limits);
 
   void set_objects(std::span<const ObjectShape> objects);
-  /// Where the objects are while the work lasts; a copy is kept. Those that move or are not seen are left out. As many
-  /// as set_objects() was given.
+  /// Copies the objects' states, as many as set_objects() was given. Moving and invisible objects are left out.
   void set_states(std::span<const ObjectState> states) noexcept;
   std::span<const ObjectState> states() const noexcept { return states_; }
 
-  /// Margins to limits and clearances from here on. Where `start` is nearer than that to a limit or to something, as
-  /// near is near enough everywhere: else no way would lead out. Joints that wind keep to one turn, about that of
-  /// `turn` as far as their limits let it, which is less than half a turn from the start. `room`: the part of the
-  /// joints' margins that is kept.
+  /// Sets clearances and joint ranges. If `start` is nearer than that to an object or a limit, its own distance counts
+  /// everywhere, since no way would lead out otherwise. A joint that winds keeps to one turn around `turn`, less than
+  /// half a turn from the start. `room`: kept share of the joints' margins.
   void set_clearances(const Clearances& clearances, const WholeConfiguration& start, const WholeConfiguration& turn,
                       double room) noexcept;
   void set_clearances(const Clearances& clearances, const WholeConfiguration& start, double room = 1.0) noexcept {
     set_clearances(clearances, start, start, room);
   }
-  /// Near the goal less is kept from objects from here on.
+  /// Sets the distance from objects near the goal.
   void keep_near(const KeptDistance& kept) noexcept { keeps_.at_goal = kept; }
-  /// All of that; keep() goes back to what was kept then.
+  /// All of these settings; keep() restores them.
   const Keeps& keeps() const noexcept { return keeps_; }
   void keep(const Keeps& keeps) noexcept { keeps_ = keeps; }
   const KeptDistance& kept() const noexcept { return keeps_.at_goal; }
   const Clearances& clearances() const noexcept { return keeps_.clearances; }
-  const WholeConfiguration& lower() const noexcept { return keeps_.low; }  ///< of the joints, margins kept
+  const WholeConfiguration& lower() const noexcept { return keeps_.low; }  ///< joint limits with their margins
   const WholeConfiguration& upper() const noexcept { return keeps_.high; }
 
-  /// Turns joints that wind, as often as need be, into the turn that they keep to.
+  /// Moves joints that wind by whole turns into their range.
   void unwind(WholeConfiguration& c) const noexcept;
 
-  /// The hand's least distance to an object with E at X_WG, `range` at most [m]. `c` is any configuration.
+  /// Returns the hand's least distance to an object with E at X_WG, at most `range` [m]. `c`: any configuration.
   double least_at_goal(GoalClearance& hand, const WholeConfiguration& c, const Isometry& X_WG, double range) noexcept {
     return hand.least(place(c), X_WG, states_, range, proximity_);
   }
 
   bool free(const WholeConfiguration& c) noexcept;
-  /// The same with other clearances, whatever the joints are.
+  /// The same with other clearances and without joint ranges.
   bool clear(const WholeConfiguration& c, const Clearances& clearances) noexcept;
-  /// The edge's end first, then its middle, its quarters ... until no point of the robot goes farther than `step`
-  /// between two checks, less where little is kept, or it has been cut into kMostParts.
+  /// Checks the edge's end, middle, quarters and so on, until no point of the robot moves farther than `step` between
+  /// two checks (less where the kept distance is small), or the edge is cut into kMostParts.
   bool free(const Edge& edge, double step) noexcept;
-  /// From the edge's start on, in the same steps: the part of its time up to which it is free, 1 for all of it.
+  /// Returns the part of the edge up to which it is free, checked from its start in the same steps; 1: all of it.
   double free_part(const Edge& edge, double step) noexcept;
 
   static constexpr int kMostParts = 128;
 
   long checks() const noexcept { return checks_; }
-  /// Work of other kinds, in units of a check.
+  /// Counts other work, in checks.
   void charge(long checks) noexcept { checks_ += checks; }
 
-  /// Of the last configuration that was looked at.
+  /// Kinematics of the last configuration.
   const Kinematics& kinematics() const noexcept { return kinematics_; }
-  /// That of any other, for those who need one.
+  /// Kinematics of `c`.
   Kinematics& place(const WholeConfiguration& c) noexcept;
   const MotionLimits& limits() const noexcept { return *limits_; }
 

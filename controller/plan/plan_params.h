@@ -158,35 +158,26 @@ constexpr void describe(auto& v, Of<DecisionParams>) {
   v.member("share", &T::share, in_range({0.0, 1.0}, "1", "share of the path's clearance that is asked then"));
 }
 
-/// Looking ahead (controller/ahead): the controller predicts its own motion, and where it would stop short of the goal
-/// it plans for base and arm. Work is counted in checks, each about that of one configuration's distances.
+/// Look-ahead (controller/ahead): the controller predicts its own motion, and plans for base and arm if it would stop
+/// short of the goal. Work is counted in checks; one check computes one configuration's distances.
 struct PlanParams {
   bool enabled = false;
-  int budget = 600;            ///< checks in one control step, at most by one piece of work more
-  double period = 0.5;         ///< between predictions [s]
-  double horizon = 10.0;       ///< of a prediction [s]
-  double step = 0.04;          ///< of a prediction [s]
-  double touch = 0.005;        ///< a prediction that comes nearer to an object fails [m]
-  double roomy = 0.08;         ///< clearance of a path from objects, tried first [m]
-  double clearance = 0.035;    ///< and where that finds none [m]
-  double self = 0.015;         ///< clearance from the robot itself and from the floor [m]
-  double joint_margin = 0.12;  ///< from a path to the joints' limits [rad, m]
-  double speed = 0.9;          ///< part of the greatest speeds that a path uses
-  double acceleration = 0.85;  ///< and of the accelerations
-  double check_step = 0.08;    ///< way of any point of the robot between two checks [m]
-  double overlap = 0.35;       ///< at most, of successive motions of a path [s]
-  double settle = 0.3;         ///< from a path's end to the goal [s]
-  double stuck = 1.0;          ///< without progress on a path: a new one [s]
-  double lag = 0.1;            ///< behind the path's clock that stops it is 1.5 of this [m]
-  double weight = 10.0;        ///< of the path's velocities in the QP
-  double gain = 3.0;           ///< of the path's servo [1/s]
-  int ik_tries = 150;          ///< of whole-body inverse kinematics at each clearance
-  int ik_enough = 24;          ///< solutions
-  int roots = 10;              ///< of these that the search starts from
-  int checks = 12000;          ///< of a search; half as many at the roomy clearance
-  int runs = 4;                ///< of the search, each in what the best one leaves open
-  int shortcuts = 60;          ///< tried, in each run
-  int direct = 60;             ///< inverse kinematics for a direct way at a motion's start; 0: none is looked for
+  int budget = 600;
+  double period = 0.5, horizon = 10.0, step = 0.04;
+  double touch = 0.005;
+  double roomy = 0.08, clearance = 0.035, self = 0.015;
+  double joint_margin = 0.12;
+  double speed = 0.9, acceleration = 0.85;
+  double check_step = 0.08;
+  double overlap = 0.35;
+  double settle = 0.3;
+  double stuck = 1.0;
+  double lag = 0.1;
+  double weight = 10.0, gain = 3.0;
+  int ik_tries = 150, ik_enough = 24;
+  int roots = 10;
+  int checks = 12000, runs = 4, shortcuts = 60;
+  int direct = 60;
   DirectWayParams direct_way = {};
   WholeBodyIkParams ik = {};
   SearchParams search = {};
@@ -196,38 +187,37 @@ struct PlanParams {
 
 template <class Visitor>
 constexpr void describe(Visitor& v, Of<PlanParams>) {
-  v.member("budget", &PlanParams::budget,
+  using T = PlanParams;
+  v.member("budget", &T::budget,
            in_range({1.0, 1e7}, "", "checks in one control step, at most by one piece of work more"));
-  v.member("period", &PlanParams::period, positive("s", "between predictions"));
-  v.member("horizon", &PlanParams::horizon, positive("s", "of a prediction"));
-  v.member("step", &PlanParams::step, positive("s", "of a prediction"));
-  v.member("touch", &PlanParams::touch, quantity("m", "a prediction that comes nearer to an object fails"));
-  v.member("roomy", &PlanParams::roomy, non_negative("m", "clearance of a path from objects, tried first"));
-  v.member("clearance", &PlanParams::clearance, non_negative("m", "clearance of a path where that finds none"));
-  v.member("self", &PlanParams::self, non_negative("m", "clearance from the robot itself and from the floor"));
-  v.member("joint_margin", &PlanParams::joint_margin, non_negative("rad or m", "from a path to the joints' limits"));
-  v.member("speed", &PlanParams::speed,
-           in_range({0.0, 1.0, true, false}, "1", "part of the greatest speeds that a path uses"));
-  v.member("acceleration", &PlanParams::acceleration,
-           in_range({0.0, 1.0, true, false}, "1", "part of the accelerations that a path uses"));
-  v.member("check_step", &PlanParams::check_step, positive("m", "way of any point of the robot between two checks"));
-  v.member("overlap", &PlanParams::overlap, non_negative("s", "of successive motions of a path, at most"));
-  v.member("settle", &PlanParams::settle, non_negative("s", "from a path's end to the goal"));
-  v.member("stuck", &PlanParams::stuck,
-           positive("s", "time without progress on a path after which a new one is sought"));
-  v.member("lag", &PlanParams::lag,
-           positive("m", "the path's clock runs at clip(1.5 - lag of the robot / this, 0, 1)"));
-  v.member("weight", &PlanParams::weight, positive("1", "of the path's velocities"));
-  v.member("gain", &PlanParams::gain, non_negative("1/s", "of the path's servo"));
-  v.member("ik_tries", &PlanParams::ik_tries,
-           in_range({1.0, 1e5}, "", "of whole-body inverse kinematics at each clearance"));
-  v.member("ik_enough", &PlanParams::ik_enough, in_range({1.0, 1000.0}, "", "solutions that are enough"));
-  v.member("roots", &PlanParams::roots, in_range({1.0, 1000.0}, "", "of these that the search starts from"));
-  v.member("checks", &PlanParams::checks, in_range({0.0, 1e7}, "", "of a search; half as many at the roomy clearance"));
-  v.member("runs", &PlanParams::runs, in_range({1.0, 100.0}, "", "of the search"));
-  v.member("shortcuts", &PlanParams::shortcuts, in_range({0.0, 1e5}, "", "tried in each run"));
-  v.member("direct", &PlanParams::direct,
-           in_range({0.0, 1e4}, "", "inverse kinematics for a direct way at a motion's start; 0: none"));
+  v.member("period", &T::period, positive("s", "interval between predictions"));
+  v.member("horizon", &T::horizon, positive("s", "horizon of a prediction"));
+  v.member("step", &T::step, positive("s", "control period of a prediction"));
+  v.member("touch", &T::touch, quantity("m", "distance to an object at which a prediction fails"));
+  v.member("roomy", &T::roomy, non_negative("m", "clearance of a path from objects, tried first"));
+  v.member("clearance", &T::clearance, non_negative("m", "clearance of a path if that finds none"));
+  v.member("self", &T::self, non_negative("m", "clearance from the robot itself and from the floor"));
+  v.member("joint_margin", &T::joint_margin, non_negative("rad or m", "distance of a path from joint limits"));
+  v.member("speed", &T::speed, in_range({0.0, 1.0, true, false}, "1", "share of the largest speeds that a path uses"));
+  v.member("acceleration", &T::acceleration,
+           in_range({0.0, 1.0, true, false}, "1", "share of the accelerations that a path uses"));
+  v.member("check_step", &T::check_step, positive("m", "way of any point of the robot between two checks"));
+  v.member("overlap", &T::overlap, non_negative("s", "largest overlap of successive motions of a path"));
+  v.member("settle", &T::settle, non_negative("s", "time from a path's end to the goal"));
+  v.member("stuck", &T::stuck, positive("s", "time without progress on a path after which the robot chooses again"));
+  v.member("lag", &T::lag,
+           positive("m", "the path's clock runs at the rate clip(1.5 - lag of the robot / this, 0, 1)"));
+  v.member("weight", &T::weight, positive("1", "weight of the path's velocities in the QP"));
+  v.member("gain", &T::gain, non_negative("1/s", "gain of the path's servo"));
+  v.member("ik_tries", &T::ik_tries,
+           in_range({1.0, 1e5}, "", "tries of whole-body inverse kinematics at each clearance"));
+  v.member("ik_enough", &T::ik_enough, in_range({1.0, 1000.0}, "", "number of solutions that suffices"));
+  v.member("roots", &T::roots, in_range({1.0, 1000.0}, "", "number of solutions from which the search starts"));
+  v.member("checks", &T::checks, in_range({0.0, 1e7}, "", "checks of a search; half as many at the roomy clearance"));
+  v.member("runs", &T::runs, in_range({1.0, 100.0}, "", "runs of the search"));
+  v.member("shortcuts", &T::shortcuts, in_range({0.0, 1e5}, "", "shortcuts tried in each run"));
+  v.member("direct", &T::direct,
+           in_range({0.0, 1e4}, "", "tries of inverse kinematics for a direct way at a motion's start; 0: none"));
   constexpr auto later = [](std::string_view text) { return About{.written = Written::kUnlessDefault, .text = text}; };
   v.member("direct_way", &T::direct_way, later("the way without a corner at a motion's start"));
   v.member("ik", &T::ik, later("inverse kinematics of base and arm"));

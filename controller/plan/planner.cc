@@ -12,16 +12,16 @@
 namespace moma {
 namespace {
 
-// Moments at which a path is looked at [s]; the way between them is less than that of the edges' checks.
+// Interval between checked moments of a path [s], in which it moves less than between the checks of edges.
 constexpr double kMoment = 0.08;
 // Added to the best run's way for the ellipse of the next [m].
 constexpr double kMoreWay = 0.3;
 constexpr double kAnyLength = 1e18;
-// Part of an edge's time that may be left where it overlaps with others, and of the best run's after further runs.
+// Least share of an edge's time that overlaps leave, and of the best run's time that further runs leave.
 constexpr double kOverlapped = 0.75, kShortened = 0.6;
 // Part of the joints' margins that is kept in each tier.
 constexpr std::array<double, 3> kRoom{1.0, 1.0, 0.0};
-// A goal keeps so much more than the rows' stop distances: there they would not let the robot arrive [m].
+// Distance of goals beyond the rows' stop distances, at which the robot would not arrive [m].
 constexpr double kWithinRows = 0.002;
 
 double least_of(const DamperParams& rows, double clearance) noexcept {
@@ -42,7 +42,7 @@ Planner::Planner(std::shared_ptr<const RobotModel> model, const ControllerParams
              least_of(params.collision.self, params.plan.self)},
       at_goal_(params.collision.at_goal),
       goal_clearance_(*model) {
-  // Some links are nearer to each other than that however the arm is held.
+  // Some links are nearer to each other than that in every configuration.
   WholeConfiguration ready = WholeConfiguration::Zero(3 + model->num_joints());
   ready.tail(model->num_joints()) = model->ready;
   space_.set_clearances(least_, ready);
@@ -74,12 +74,12 @@ void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::
     const double needed = space_.least_at_goal(goal_clearance_, start, X_WG, params_.clearance);
     if (needed < params_.clearance) needed_ = needed;
   }
-  // Where the hand is near to something at its goal, no way is roomy.
+  // If the hand is near an object at its goal, no way is roomy.
   const int first = close_goal() && params_.roomy > params_.clearance ? 1 : 0;
   const Keeps before = tiers_[static_cast<std::size_t>(tier_)];
   set_turn(same && close_goal());
   set_tiers(first);
-  // A start that has come away from something may ask for more than was kept.
+  // A start that has moved away from an object may keep more than the last plan.
   goes_on_ = same && tier_ >= first && tiers_[static_cast<std::size_t>(tier_)].follows_from(before);
   if (!goes_on_) {
     goals_.clear();
@@ -93,8 +93,8 @@ void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::
   begin_tier(goes_on_ ? tier_ : first);
 }
 
-// Chooses the turn to which joints that wind keep: that of the plan before if it `stays` and no such joint has left the
-// middle half of it, else the start's.
+// Chooses the turn of joints that wind: the last plan's if it `stays` and no such joint has left its middle half,
+// otherwise the start's.
 void Planner::set_turn(bool stays) noexcept {
   for (int i = 0; stays && i < limits_->num_joints(); ++i)
     stays = limits_->winds[i] == 0 || std::abs(start_[3 + i] - turn_[3 + i]) < 0.25 * kFullTurn;
@@ -108,7 +108,7 @@ void Planner::set_tiers(int first) noexcept {
                           : close   ? params_.search.tight * params_.clearance
                                     : params_.clearance;
     space_.set_clearances({object, params_.self, params_.self}, start_, turn_, kRoom[static_cast<std::size_t>(tier)]);
-    // Half way between what rows keep and what the hand has.
+    // The mean of the rows' distance and the hand's own.
     double kept = close ? 0.0 : 0.5 * (1.0 + at_goal_.part) * needed_;
     kept = std::max(kept, params_.search.closer * at_goal_.least);
     space_.keep_near({kept < object ? kept : kInfinity, at_goal_.slope, X_WG_.translation()});
@@ -116,7 +116,7 @@ void Planner::set_tiers(int first) noexcept {
   }
 }
 
-// Seen within what sensors that are filtered say of the same place.
+// Tolerances are the noise of filtered measurements.
 bool Planner::same_world(const Isometry& X_WG, std::span<const ObjectState> objects) const noexcept {
   constexpr double kMoved = 1e-3, kTurned = 2e-3;  // [m, rad]
   const auto same = [](const Isometry& a, const Isometry& b) {
@@ -195,8 +195,8 @@ void Planner::work() noexcept {
   }
 }
 
-// Those of a goal that is close to an object are sought for all tiers at once: where none keeps clear of joint limits
-// that is seen soon.
+// Tries for a goal close to an object alternate with the last tier, in case all its configurations are near joint
+// limits.
 void Planner::try_goal() noexcept {
   if (usable_goals() + late_ >= params_.ik_enough || tries_ >= effort_ * params_.ik_tries) return begin_search();
   const int aim = close_goal() && tries_ % 2 == 1 ? last_tier() : tier_;
@@ -208,7 +208,7 @@ void Planner::try_goal() noexcept {
   space_.keep(tiers_[static_cast<std::size_t>(tier_)]);
 }
 
-// Keeps it with the first tier from this on in which it is free.
+// Keeps a goal with the first tier in which it is free.
 void Planner::take_goal(GoalConfiguration& goal) noexcept {
   if (goals_.size() == goals_.capacity()) return;
   const auto free = [&](int tier) {
@@ -243,7 +243,7 @@ void Planner::begin_search() noexcept {
     const bool first = a.tier <= tier_, second = b.tier <= tier_;
     return first != second ? first : a.cost < b.cost;
   };
-  // Insertion: stable, few of them, and it takes no memory.
+  // Insertion sort: stable, without allocation, for few goals.
   for (std::size_t i = 1; i < goals_.size(); ++i)
     for (std::size_t j = i; j > 0 && before(goals_[j], goals_[j - 1]); --j) std::swap(goals_[j], goals_[j - 1]);
   search_end_ = counts_.checks + static_cast<long>(effort_) * tier_checks();
@@ -252,7 +252,7 @@ void Planner::begin_search() noexcept {
   begin_run();
 }
 
-// Half the work for a roomy path, a quarter for one that keeps all of its clearance near the objects of its goal.
+// Returns half of the work for the roomy tier, and a quarter before the last tier for a close goal.
 long Planner::tier_checks() const noexcept {
   if (tier_ == 0 && params_.roomy > params_.clearance) return params_.checks / 2;
   return close_goal() && tier_ != last_tier() ? params_.checks / 4 : params_.checks;
@@ -316,7 +316,7 @@ void Planner::end_tier() noexcept {
 
 int Planner::last_tier() const noexcept { return at_goal_.enabled ? kTiers - 1 : kTiers - 2; }
 
-// False where there is none that keeps less.
+// False if this is the last tier.
 bool Planner::next_tier() noexcept {
   int next = tier_ + 1;
   if (next == 1 && params_.roomy <= params_.clearance) ++next;
@@ -327,7 +327,7 @@ bool Planner::next_tier() noexcept {
   return true;
 }
 
-// Half the clearances are enough for what the overlaps cut off. Without overlaps the path is that of the edges.
+// Where motions overlap, half the clearances suffice. Without overlap the path is that of the edges.
 void Planner::lay() noexcept {
   if (laid_ < 0) {
     if (!lay_path(*limits_, best_.all(), overlap_, path_)) {

@@ -12,10 +12,10 @@
 
 namespace moma {
 
-/// How far a plan has come.
+/// Stage of a plan.
 enum class PlanStage { kIdle, kGoals, kSearch, kShorten, kLay, kFound, kFailed };
 
-/// What was done for one plan.
+/// Work of one plan.
 struct PlanCounts {
   long checks = 0;
   int ik_tries = 0;
@@ -23,51 +23,50 @@ struct PlanCounts {
   int runs = 0;
 };
 
-/// A timed path of base and arm from where the robot is to one of many configurations that put E at the goal:
+/// Plans a timed path of base and arm from rest to one of many configurations with E at the goal:
 ///
-/// 1. goal configurations by whole-body inverse kinematics (whole_body_ik.h) that the controller's rows let the robot
-///    reach, the cheapest first; each counts from the first tier on in which it is free;
-/// 2. edges to one of them (search.h), shortened (shorten.h); several runs, each in the ellipse that the best one
-///    leaves open, the quickest counts;
-/// 3. a path of motions that overlap where half the clearances hold, one after another where they do not (path.h).
+/// 1. Whole-body inverse kinematics give goal configurations that the controller's rows admit (whole_body_ik.h), the
+///    cheapest first. Each counts from the first tier on in which it is free.
+/// 2. A search gives edges to one of them (search.h), and shortcuts shorten them (shorten.h). Each further run searches
+///    the ellipse in which a quicker way can lie. The quickest counts.
+/// 3. A path overlaps the motions of the edges if half the clearances hold, otherwise it runs them in turn (path.h).
 ///
-/// All of it at the roomy clearance first, then at the smaller one, then with part of that, the goal approached more
-/// closely and joints nearer to their limits. Where the hand itself is nearer to an object at the goal than the
-/// clearance, what is kept shrinks towards that in every tier (`at_goal`). The work is cut into pieces of one inverse
-/// kinematics or one edge's checks, so that it can be spread over control steps: the same plan comes out however it is
-/// spread. No clock decides anything, all draws come from the seed. After set_objects() nothing takes memory.
+/// Tiers: the plan keeps the roomy clearance first, then the smaller one, then a share of that, with a closer approach
+/// to the goal and less room to joint limits. If the hand is nearer to an object at the goal than the clearance, the
+/// kept distance shrinks towards that in every tier (`at_goal`). The work consists of pieces (one inverse kinematics,
+/// or one edge's checks); the plan does not depend on how they are spread over control steps. No clock decides
+/// anything, and all draws come from the seed. Only construction and set_objects() allocate.
 class Planner {
  public:
   Planner(std::shared_ptr<const RobotModel> model, const ControllerParams& params);
 
   void set_objects(std::span<const ObjectShape> objects);
-  /// Begins a plan among the objects that are seen and at rest. The start is where the robot stands. What would take
-  /// longer than `within` [s] is not looked for: the plan fails where there is nothing else. Where goal and objects are
-  /// those of the last plan, its goal configurations and the tree that grew from them are kept, and the plan goes on in
-  /// the tier in which that one ended, with twice the work where it failed.
+  /// Begins a plan from rest at `start` among visible objects at rest. The plan fails if it finds no path quicker than
+  /// `within` [s]. If goal and objects are those of the last plan, it keeps that plan's goal configurations and their
+  /// tree and continues in its tier, with twice the work if it failed.
   void begin(const WholeConfiguration& start, const Isometry& X_WG, std::span<const ObjectState> objects,
              std::uint64_t seed, double within = std::numeric_limits<double>::infinity()) noexcept;
-  /// Works until `budget` checks are used up or the plan is found or failed; takes what it used from `budget`, which a
-  /// last piece of work may leave below zero. True as long as there is more to do.
+  /// Works until `budget` checks are spent or the plan ends; subtracts them. The last piece of work may leave `budget`
+  /// negative. True if work is left.
   bool advance(long& budget) noexcept;
 
-  /// Ends with the best of the runs so far, or with this one where it is the first.
+  /// Ends with the best run so far, or with the present one if it is the first.
   void hurry() noexcept;
 
   PlanStage stage() const noexcept { return stage_; }
   bool found() const noexcept { return stage_ == PlanStage::kFound; }
-  /// Of a plan that was found.
+  /// The path, once found.
   const Path& path() const noexcept { return path_; }
-  /// Whether the hand is nearer to an object at the goal than the clearance, in the last plan.
+  /// True if the hand is nearer to an object at the goal than the clearance, in the last plan.
   bool close_goal() const noexcept { return needed_ < kInfinity; }
   const PlanCounts& counts() const noexcept { return counts_; }
   const MotionLimits& limits() const noexcept { return *limits_; }
   const VectorX& tuck() const noexcept { return tuck_; }
-  /// The goal configurations of the plan's tier, the cheapest first from the search on.
+  /// Goal configurations of the plan's tier, the cheapest first once the search begins.
   std::span<const GoalConfiguration> goals() const noexcept {
     return std::span(goals_).first(static_cast<std::size_t>(usable_goals()));
   }
-  /// The shortened edges of a plan that was found.
+  /// The shortened edges, once a path is found.
   const EdgeList& edges() const noexcept { return best_; }
 
  private:

@@ -9,16 +9,16 @@ namespace moma {
 namespace {
 
 constexpr int kNodes = 3000;
-// Up to which part of the samples are of a kind: the arm tucked, between the start's and a goal's, near a goal, with
-// the base near the start; the rest is anyhow.
+// Cumulative shares of samples: the arm tucked, the arm between start and goal, near a goal, the base near the start.
+// The rest is drawn freely.
 struct SampleKinds {
   double tucked, between, near_goal, near_start;
 };
 constexpr SampleKinds kBolted{0.0, 0.1, 0.3, 0.3};
 constexpr double kShortWay = 0.05;  // shorter steps keep their heading [m]
-constexpr int kBlocked = 2;         // checks for looking through a tree in vain
+constexpr int kBlocked = 2;         // cost of a search in a tree, in checks
 
-// The hand is close to an object at its goal.
+// True if the hand is close to an object at its goal.
 bool narrow(const FreeSpace& space) noexcept { return space.kept().at_goal < space.clearances().object; }
 
 // Draws any posture of the arm.
@@ -123,8 +123,8 @@ SearchProgress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
   return SearchProgress::kMore;
 }
 
-// Draws a node and a direction in which the hand is to move: an axis of the hand in half of the draws, else any. False
-// where the goal is not close to an object, and where the draw is one of joints.
+// Draws a node and a direction of the hand: one of the hand's axes in half of the draws, otherwise any. False for a
+// draw of joints, and if the goal is not close to an object.
 bool Search::begin_hand(FreeSpace& space, CountedDraws& draws) noexcept {
   if (!narrow(space) || draws.uniform() >= params_.hand_moves) return false;
   const Tree& growing = tree(side_);
@@ -145,7 +145,7 @@ bool Search::begin_hand(FreeSpace& space, CountedDraws& draws) noexcept {
   return true;
 }
 
-// One step of the hand by the arm alone, dq = J^T (J J^T + 1e-3 I)^-1 (0, step).
+// Moves the hand one step by the arm alone, dq = J^T (J J^T + 1e-3 I)^-1 (0, step).
 SearchProgress Search::move_hand(FreeSpace& space) noexcept {
   constexpr double kDamping = 1e-3;
   Tree& growing = tree(side_);
@@ -178,7 +178,7 @@ SearchProgress Search::move_hand(FreeSpace& space) noexcept {
   return SearchProgress::kMore;
 }
 
-// An edge from a node towards the target, a step at most, as far as it is free. The new node, or -1.
+// Adds an edge from a node towards the target, at most one step, as far as it is free. Returns the new node, or -1.
 int Search::grow(FreeSpace& space, Tree& tree, int from, const WholeConfiguration& target, bool& reached) noexcept {
   const WholeConfiguration a = tree.node(from);
   const double way = std::sqrt(distance_squared(a, target));
@@ -208,7 +208,7 @@ int Search::grow(FreeSpace& space, Tree& tree, int from, const WholeConfiguratio
   return tree.add(b, from);
 }
 
-// The way from the start to where the trees meet, and on along the goals' tree.
+// Makes the edges from the start to the trees' meeting point, and on along the goals' tree.
 bool Search::join(int from_start, int from_goal) noexcept {
   std::array<int, EdgeList::kMost> forwards;
   std::size_t count = 0;
@@ -232,8 +232,8 @@ bool Search::join(int from_start, int from_goal) noexcept {
   return !edges_.empty();
 }
 
-// Draws a node of the tree that grows, with its base moved straight ahead, back or, if it can, aside, or with any
-// posture of its arm. False where base and arm are to move together: a fixed arm, no narrow place, the other draws.
+// Draws a node of the growing tree and moves its base straight (or sideways, if it can) or its arm alone. False if base
+// and arm move together: for a fixed arm, outside of narrow places, and in the other draws.
 bool Search::sample_part(const FreeSpace& space, CountedDraws& draws, WholeConfiguration& c) noexcept {
   if (!limits_->mobile() || !narrow(space)) return false;
   const double kind = draws.uniform();

@@ -11,7 +11,7 @@
 
 namespace moma {
 
-/// Edges in a row. Reserved once, so that up to kMost take no memory.
+/// A chain of at most kMost edges. Only the constructor allocates.
 class EdgeList {
  public:
   static constexpr std::size_t kMost = 96;
@@ -20,7 +20,7 @@ class EdgeList {
   bool full() const noexcept { return edges_.size() == kMost; }
   bool empty() const noexcept { return edges_.empty(); }
   std::size_t size() const noexcept { return edges_.size(); }
-  /// False where it is full.
+  /// False if it is full.
   bool push(const Edge& edge) noexcept {
     if (full()) return false;
     edges_.push_back(edge);
@@ -31,9 +31,9 @@ class EdgeList {
   void swap(EdgeList& other) noexcept { edges_.swap(other.edges_); }
   /// Sum of their times [s].
   double time() const noexcept;
-  /// Way of the base [m].
+  /// Length of the base's way [m].
   double base_way() const noexcept;
-  /// WholeConfiguration at t from the first one's start.
+  /// Computes the configuration at time t.
   void at(const MotionLimits& limits, double t, WholeConfiguration& c) const noexcept;
 
  private:
@@ -42,15 +42,15 @@ class EdgeList {
 
 enum class SearchProgress { kMore, kDone, kFailed };
 
-/// What a search starts from.
+/// Input of a search.
 struct SearchTask {
   WholeConfiguration start;
-  Vector2 goal_W = Vector2::Zero();    ///< the goal's place, seen from above
-  std::span<GoalConfiguration> goals;  ///< the best first; samples are drawn near any of them ...
-  int roots = 0;                       ///< ... and so many of the first are roots
-  const VectorX* tuck = nullptr;       ///< joint values of an arm that takes little room
-  double beyond = 1.5;                 ///< samples' bases lie so far beyond start and goal, at most [m]
-  double longest = 1e18;               ///< of the base's way to a sample and from there to the goal [m]
+  Vector2 goal_W = Vector2::Zero();    ///< horizontal position of the goal
+  std::span<GoalConfiguration> goals;  ///< the cheapest first; samples are drawn near all of them
+  int roots = 0;                       ///< the first of them become roots of the goals' tree
+  const VectorX* tuck = nullptr;       ///< joint values of a tucked arm (tuck.h)
+  double beyond = 1.5;                 ///< samples' bases lie at most this far beyond start and goal [m]
+  double longest = 1e18;               ///< longest way of the base through a sample to the goal [m]
 };
 
 /// Edges from the start to one of several goal configurations: straight there, the quickest; else by two trees that
@@ -64,12 +64,12 @@ class Search {
  public:
   Search(const MotionLimits& limits, const SearchParams& params, double check_step);
 
-  /// The spans and pointers of `task` have to last as long as the search. With `goes_on` the tree from the goals stays
-  /// as the last search left it, which has to have had the same goals and clearances.
+  /// Spans and pointers of `task` must outlive the search. With `goes_on` the goals' tree of the last search stays;
+  /// goals and clearances must be the same.
   void begin(const SearchTask& task, bool goes_on = false);
-  /// One piece of work. kFailed where a tree is full.
+  /// Does one piece of work. kFailed if a tree is full.
   SearchProgress advance(FreeSpace& space, CountedDraws& draws) noexcept;
-  /// Of a search that is done.
+  /// The edges found, once it is done.
   const EdgeList& edges() const noexcept { return edges_; }
 
  private:
@@ -91,11 +91,11 @@ class Search {
   Stage stage_ = Stage::kStraight;
   int straight_ = 0;
   double quickest_ = 0.0;
-  int side_ = 0;   // of the tree that grew last
+  int side_ = 0;   // tree that grew last: 0 from the start, 1 from the goals
   int grown_ = 0;  // its new node
   int hand_steps_ = 0;
   Vector3 hand_step_ = Vector3::Zero();  // in W [m]
-  int reaching_ = 0;                     // the other one's node that is on its way there
+  int reaching_ = 0;                     // the other tree's node that grows towards it
   Edge edge_;
   EdgeList edges_;
 };

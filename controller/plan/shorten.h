@@ -4,9 +4,9 @@
 
 namespace moma {
 
-/// The `index`-th try of a shortcut: two times on the edges (each third of two corners) are joined by one edge, of
-/// which each second of a differential base ends as it drives; taken where that is free and quicker. `work` and `spare`
-/// are scratch. One piece of work: at most three edges are checked.
+/// Tries shortcut number `index`: it joins two times on the edges (every third try: two corners) by one edge and takes
+/// that if it is free and quicker. Every second edge of a differential base ends in its driving direction. `work` and
+/// `spare` are scratch. Checks at most three edges.
 void try_shortcut(FreeSpace& space, double check_step, int index, CountedDraws& draws, EdgeList& edges, EdgeList& work,
                   Edge& spare) noexcept;
 

@@ -16,22 +16,22 @@ namespace moma {
 /// makes overlapping triangles of its velocities, so that they are linear between even times.
 class SteeredDrive {
  public:
-  /// Parts of a path that a drive takes at most.
+  /// Largest number of path parts of a drive.
   static constexpr int kNodes = Path::kMostMotions - 2;
   static constexpr double kMostTime = 10.0;  ///< [s]
   static constexpr double kThere = 0.003;    ///< distance at which a point is reached [m]
 
-  /// From (x, y, phi) to `point` [m]. False where that takes longer than kMostTime: some points are never reached by an
-  /// arc. Costs time/20 ms steps of the simulation, of about 0.1 us, and takes no memory.
+  /// Plans from (x, y, phi) to `point` [m]. False if that takes longer than kMostTime: an arc never reaches some
+  /// points. Cost: time/20 ms steps of simulation, about 0.1 us each. Does not allocate.
   bool plan(const MotionLimits& limits, const Vector3& from, const Vector2& point) noexcept;
 
   double time() const noexcept { return time_; }
-  /// Where the parts of add_to() lead: a few centimetres from the point at most.
+  /// End of the parts of add_to(), at most a few centimetres from the point.
   const Vector3& end() const noexcept { return end_; }
   /// Length of the way, and sum of all turning [m, rad].
   double way() const noexcept { return way_; }
   double turned() const noexcept { return turned_; }
-  /// Adds the drive's parts to a path that has room for them; its duration becomes that of the drive at least.
+  /// Adds the drive's parts to a path with room for them and raises its duration to the drive's.
   void add_to(Path& path) const noexcept;
 
  private:

@@ -7,10 +7,10 @@ namespace moma {
 
 /// A motion from rest to rest: speed rises evenly for `ramp` seconds, stays, and falls for as long.
 struct Trapezoid {
-  double time = 0.0;  ///< of the whole [s]
-  double ramp = 0.0;  ///< at most half of it [s]
+  double time = 0.0;  ///< duration [s]
+  double ramp = 0.0;  ///< time of speeding up, at most half the duration [s]
 
-  /// Part of the way that is done at t: 0 up to 0, 1 from `time` on.
+  /// Returns the part of the way at time t: 0 before the start, 1 after the end.
   double part(double t) const noexcept {
     if (t <= 0.0) return time > 0.0 ? 0.0 : 1.0;
     if (t >= time) return 1.0;
@@ -20,13 +20,13 @@ struct Trapezoid {
     return peak * (t - 0.5 * ramp);
   }
 
-  /// The same, slower: `factor` >= 1 times as long.
+  /// Returns the same motion in `factor` >= 1 times the time.
   Trapezoid stretched(double factor) const noexcept { return {factor * time, factor * ramp}; }
 };
 
-/// The quickest one. For a single way L with speed v and acceleration a: at_speed = L/v, square = L/a; for several at
-/// once, the largest of each. Peak speed is L/(T - r) and acceleration L/((T - r) r), so that T = r + max(at_speed,
-/// square/r) is least at r = square/at_speed, or at r = sqrt(square) where the peak is not reached.
+/// Returns the quickest trapezoid. A single way L with speed v and acceleration a has at_speed = L/v, square = L/a;
+/// several ways at once have the largest of each. Peak speed is L/(T - r) and acceleration L/((T - r) r), so that T = r
+/// + max(at_speed, square/r) is least at r = square/at_speed, or at r = sqrt(square) where the peak is not reached.
 inline Trapezoid quickest(double at_speed, double square) noexcept {
   if (at_speed <= 0.0) return {};
   if (square <= 0.0) return {at_speed, 0.0};

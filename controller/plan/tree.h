@@ -6,7 +6,7 @@
 
 namespace moma {
 
-/// Configurations that hang on each other, roots on nothing. Memory is taken by the constructor alone.
+/// A tree of configurations with one or several roots. Only the constructor allocates.
 class Tree {
  public:
   Tree(int num_values, int capacity) : nodes_(num_values, capacity), parents_(static_cast<std::size_t>(capacity), -1) {}
@@ -14,7 +14,7 @@ class Tree {
   void clear() noexcept { size_ = 0; }
   int size() const noexcept { return size_; }
   bool full() const noexcept { return size_ == static_cast<int>(parents_.size()); }
-  /// Index of the new node; not where the tree is full.
+  /// Returns the new node's index. The tree must not be full. `parent`: -1 for a root.
   int add(const WholeConfiguration& c, int parent) noexcept {
     nodes_.col(size_) = c;
     parents_[static_cast<std::size_t>(size_)] = parent;
@@ -22,7 +22,7 @@ class Tree {
   }
   WholeConfiguration node(int i) const noexcept { return nodes_.col(i); }
   int parent(int i) const noexcept { return parents_[static_cast<std::size_t>(i)]; }
-  /// The first of those nearest to c; -1 for an empty tree.
+  /// Returns the node nearest to c, the first of equal ones; -1 for an empty tree.
   int nearest(const WholeConfiguration& c) const noexcept;
 
  private:

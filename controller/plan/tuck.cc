@@ -16,7 +16,7 @@ constexpr double kWideSteps = 0.8, kSteps = 0.25;  // [rad]
 constexpr int kDirections = 12;
 constexpr std::uint64_t kKey = 77;
 
-// The farthest shape first, then all of them, then the way from `ready`.
+// Weighs the farthest shape most, then the sum of all, then the distance from `ready`.
 double sprawl(const RobotModel& model, const Kinematics& kinematics, const Eigen::Ref<const VectorX>& q) {
   constexpr double kAll = 0.02, kChange = 0.02;
   double farthest = 0.0, sum = 0.0;
@@ -43,7 +43,7 @@ VectorX tucked_arm(const RobotModel& model, FreeSpace& space, const Clearances& 
   const int joints = limits.num_joints();
   WholeConfiguration c = WholeConfiguration::Zero(3 + joints);
   c.tail(joints) = best;
-  // Some links are nearer to each other than that however the arm is held.
+  // Some links are nearer to each other than that in every configuration.
   space.set_clearances({-1.0, clearances.floor, clearances.self}, c);
   const Clearances kept = space.clearances();
   const auto cost = [&] {

@@ -4,8 +4,8 @@
 
 namespace moma {
 
-/// Joint values at which the arm reaches out least beyond the base, seen from above, and keeps clear of the robot
-/// itself and the floor: 500 draws about `ready`, the widest first. `ready` itself for a robot that is bolted down.
+/// Returns the joint values with the least horizontal reach of the arm beyond the base that stay clear of the robot and
+/// the floor: the best of 500 draws around `ready`, the widest first. It returns `ready` for a fixed robot.
 VectorX tucked_arm(const RobotModel& model, FreeSpace& space, const Clearances& clearances);
 
 }  // namespace moma

@@ -8,36 +8,36 @@
 
 namespace moma {
 
-/// A configuration with E at the goal, and what it costs to be there: the time of an edge from the start, and
-/// penalties for little clearance, little room to the joints' limits and little manipulability [s].
+/// A configuration with E at the goal, and its cost: the time of an edge from the start, plus penalties for little
+/// clearance, little room to joint limits and little manipulability [s].
 struct GoalConfiguration {
   WholeConfiguration c;
-  double time = 0.0;  ///< of that edge [s]
-  double cost = 0.0;
-  int tier = 0;         ///< the first of a plan's tiers in which it is free
-  bool rooted = false;  ///< a root of the search's tree
+  double time = 0.0;    ///< time of that edge [s]
+  double cost = 0.0;    ///< [s]
+  int tier = 0;         ///< first tier of the plan in which it is free
+  bool rooted = false;  ///< true for a root of the search's tree
 };
 
-/// Where to stand and how to hold the arm, so that E is at a goal. Built once per controller; takes no memory after.
+/// Inverse kinematics of base and arm together. One per controller; only the constructor allocates.
 class WholeBodyIk {
  public:
   WholeBodyIk(std::shared_ptr<const RobotModel> model, const WholeBodyIkParams& params, const MotionLimits& limits);
 
-  /// The part of the joints' margins that is kept from here on.
+  /// Sets the kept share of the joints' margins.
   void keep_room(double room) noexcept;
 
   /// Moves base and arm together from `c` until E is at the goal: damped least squares, c += W J^T (J W J^T + 1e-4
   /// I)^-1 e, with the error's two parts clamped (0.6 rad, 0.3 m) and half weights on the base's place (Wampler, IEEE
-  /// Trans. SMC 16(1), 1986). Joints that a step would take beyond a bound stay at it, and the others do what they
-  /// would have done; a joint whose range is a full turn continues from its other limit. The base counts as free to go
-  /// sideways: it is a place to stand at, not a motion. Joints are kept a little further from their limits than a path
-  /// has to be. Ends after 20 iterations, or where four of them did not halve the error; two are charged as one check.
-  /// True where E came within 1 mm and 2 mrad. Without `moves_base` the base stays where it is in `c`.
+  /// Trans. SMC 16(1), 1986). A joint that a step would move beyond a bound stays at it, and the others compensate; a
+  /// joint whose range is a full turn continues from its other limit. The base may move sideways, since the result is a
+  /// place and not a motion. Joints keep a little more room than a path. It ends after 20 iterations, or once four of
+  /// them do not halve the error; two cost one check. True if E comes within 1 mm and 2 mrad. Without `moves_base` the
+  /// base stays.
   bool solve(FreeSpace& space, const Isometry& X_WG, WholeConfiguration& c, bool moves_base = true) const noexcept;
 
-  /// One try of the `index`-th kind: a base around the goal (each fourth as far from it as the start, 0.7 m at most),
-  /// turned to it or anyhow; the arm as it is at the start, at `ready`, or anyhow. Or, every third of a robot that is
-  /// bolted down, near one that was found before. True where solve() succeeds from there; joints that wind are unwound.
+  /// Runs try number `index`. It begins with a base around the goal (every fourth try: on the start's side), headed to
+  /// the goal or freely, and with the arm of the start, at `ready`, or drawn freely. Every third try of a fixed robot
+  /// begins near an earlier solution. True if solve() succeeds from there; joints that wind are unwound.
   bool find(FreeSpace& space, const Isometry& X_WG, const WholeConfiguration& start,
             std::span<const GoalConfiguration> found, int index, CountedDraws& draws,
             WholeConfiguration& c) const noexcept;
