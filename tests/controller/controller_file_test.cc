@@ -237,6 +237,9 @@ TEST_F(ControllerFile, MistakesAreNamedWithTheirPlace) {
   // A look ahead takes steps of its own.
   expect_error("joint_limits: {method: damper, influence: 0.06, stop: 0.01}\nplan: {enabled: true, step: 0.04}",
                "c.yaml:1:43: controller.joint_limits.influence:", "velocity limit x plan.step");
+  expect_error("plan: {decisions: {wait: 3}}", "c.yaml:1:26: controller.plan.decisions.wait:", "below meet");
+  expect_error("plan: {search: {base_alone: 0.7}}", "c.yaml:1:16: controller.plan.search:", "not exceed 1");
+  expect_error("plan: {search: {hand_moves: 1.5}}", "c.yaml:1:29: controller.plan.search.hand_moves:", "from 0 to 1");
   expect_error("joint_limits: {method: damper, gain: 50}", "c.yaml:1:38: controller.joint_limits.gain:", "overshoots");
   expect_error("collision: {stop: 0.3}", "c.yaml:1:19: controller.collision.stop:", "below collision.influence");
   expect_error("collision: {max_pairs: 2.5}", "c.yaml:1:24: controller.collision.max_pairs:", "whole number");

@@ -259,20 +259,22 @@ TEST(PoseFilter, TakesNoiseForNoMotionAndMotionForMotion) {
 TEST(RoundTrip, IsFoundFromMotion) {
   Rng rng(6);
   std::normal_distribution<double> normal(0.0, 0.007);
+  const EstimationParams params;
+  const double part = kPeriod / params.forget;
   for (const int late : {0, 1, 5, 11}) {
     RoundTrip trip{3, VectorX::Zero(12)};
     std::vector<double> sent(20, 0.0);
     bool changed = false;
     for (int k = 0; k < 100; ++k) {
-      for (int age = 0; age < 12; ++age) settle(trip, age, std::pow(normal(rng), 2), kPeriod);
-      changed = choose(trip, 2e-4) || changed;
+      for (int age = 0; age < 12; ++age) settle(trip, age, std::pow(normal(rng), 2), part);
+      changed = choose(trip, 2e-4, params.better) || changed;
     }
     EXPECT_FALSE(changed) << "noise alone";
     for (int k = 0; k < 150; ++k) {
       const double measured = sent[static_cast<std::size_t>(late)] + normal(rng);
       for (int age = 0; age < 12; ++age)
-        settle(trip, age, std::pow(measured - sent[static_cast<std::size_t>(age)], 2), kPeriod);
-      choose(trip, 2e-4);
+        settle(trip, age, std::pow(measured - sent[static_cast<std::size_t>(age)], 2), part);
+      choose(trip, 2e-4, params.better);
       sent.insert(sent.begin(), 0.5 * std::sin(3.0 * kPeriod * k));
     }
     EXPECT_EQ(trip.periods, late);
