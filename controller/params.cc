@@ -33,7 +33,7 @@ class Checker {
     if (p_.joint_limits.method == JointLimitMethod::kDamper) damper_margins();
     weights();
     safe();
-    separate();
+    base_first();
     if (p_.plan.enabled) plan();
     return issues_;
   }
@@ -140,11 +140,11 @@ class Checker {
     }
   }
 
-  void separate() {
-    if (!p_.separate.enabled) return;
-    if (p_.method != Method::kQp) error("separate", "is of method qp: the arm's part is its QP");
-    if (p_.plan.enabled) error("separate", "contradicts plan, whose paths move base and arm together");
-    if (model_.base_dof() == 0) warning("separate", "has no effect: the base does not move");
+  void base_first() {
+    if (!p_.base_first.enabled) return;
+    if (p_.method != Method::kQp) error("base_first", "is of method qp: the arm's part is its QP");
+    if (p_.plan.enabled) error("base_first", "contradicts plan, whose paths move base and arm together");
+    if (model_.base_dof() == 0) warning("base_first", "has no effect: the base does not move");
   }
 
   void plan() {

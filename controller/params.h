@@ -133,7 +133,7 @@ struct ClosedFormParams {
 };
 
 /// Separate motion of base and arm (task/servo.h).
-struct SeparateParams {
+struct BaseFirstParams {
   bool enabled = false;
   double reach = 0.65;      ///< horizontal distance from the base's origin to the goal at which the base stands [m]
   double tolerance = 0.03;  ///< tolerance of `reach` [m]
@@ -174,7 +174,7 @@ struct ControllerParams {
   EscapeParams escape;
   PlanParams plan;
   ClosedFormParams closed_form;
-  SeparateParams separate;
+  BaseFirstParams base_first;
   SolverKind solver = SolverKind::kDaqp;
 };
 

@@ -142,8 +142,8 @@ constexpr void describe(auto& v, Of<ClosedFormParams>) {
   v.member("scaled", &ClosedFormParams::scaled, {.text = "commands are scaled into the velocity limits"});
 }
 
-constexpr void describe(auto& v, Of<SeparateParams>) {
-  using T = SeparateParams;
+constexpr void describe(auto& v, Of<BaseFirstParams>) {
+  using T = BaseFirstParams;
   v.member("reach", &T::reach,
            positive("m", "horizontal distance from the base's origin to the goal at which the base stands"));
   v.member("tolerance", &T::tolerance, positive("m", "tolerance of `reach`"));
@@ -209,7 +209,7 @@ constexpr void describe(auto& v, Of<ControllerParams>) {
              "looking ahead: predictions, and planned paths of base and arm");
   v.member("closed_form", &T::closed_form,
            {.written = Written::kUnlessDefault, .text = "singularities and limits in rrmc, park and baur"});
-  v.optional("separate", &T::separate, &SeparateParams::enabled, Off::kOmitted,
+  v.optional("base_first", &T::base_first, &BaseFirstParams::enabled, Off::kOmitted,
              "separate motion: the base drives until the goal is in reach, then the arm moves");
   v.member("solver", &T::solver, {.text = "solver of the QP"});
 }

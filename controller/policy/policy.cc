@@ -80,7 +80,7 @@ class BaseFirstPolicy final : public Policy {
   Demand decide(const Situation& now) noexcept override {
     const MobileBase& base = parts_.model->base;
     const DriveIntoReach drive =
-        drive_into_reach(parts_.params.separate, base, now.o.base, now.o.goal.X_WG.translation());
+        drive_into_reach(parts_.params.base_first, base, now.o.base, now.o.goal.X_WG.translation());
     if (!drive.driving) {
       QpTask asked = servo_.aim(now, parts_.poser.look(now));
       asked.base = Vector3::Zero();
@@ -146,7 +146,7 @@ class ClosedFormPolicy final : public Policy {
 std::unique_ptr<Policy> make_policy(const PolicyParts& parts) {
   if (parts.params.method != Method::kQp) return std::make_unique<ClosedFormPolicy>(parts);
   if (parts.lookahead != nullptr) return std::make_unique<PathPolicy>(parts);
-  if (parts.params.separate.enabled && parts.model->base_dof() > 0) return std::make_unique<BaseFirstPolicy>(parts);
+  if (parts.params.base_first.enabled && parts.model->base_dof() > 0) return std::make_unique<BaseFirstPolicy>(parts);
   return std::make_unique<ServoPolicy>(parts);
 }
 

@@ -54,7 +54,7 @@ double bearing(const Isometry& X_WB, const Vector3& p_W) noexcept {
   return std::atan2(p_B.y(), p_B.x());
 }
 
-DriveIntoReach drive_into_reach(const SeparateParams& params, const MobileBase& robot, const Vector3& base,
+DriveIntoReach drive_into_reach(const BaseFirstParams& params, const MobileBase& robot, const Vector3& base,
                                 const Vector3& p_WG) noexcept {
   const BaseKind& kind = kind_of(robot.type);
   if (kind.dof() == 0) return {};

@@ -47,7 +47,7 @@ struct DriveIntoReach {
 /// reach| > tolerance or |a| > bearing, by v = gain (d - reach) and omega = gain a, each within the base's speeds. A
 /// base that moves along its heading only has v max(0, cos a): it turns first. A fixed base never drives. No
 /// allocation.
-DriveIntoReach drive_into_reach(const SeparateParams& params, const MobileBase& robot, const Vector3& base,
+DriveIntoReach drive_into_reach(const BaseFirstParams& params, const MobileBase& robot, const Vector3& base,
                                 const Vector3& p_WG) noexcept;
 
 }  // namespace moma

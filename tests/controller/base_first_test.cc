@@ -22,7 +22,7 @@ MobileBase base_of(BaseType type) {
 }
 
 TEST(Separate, TheBaseComesToStandBeforeTheGoal) {
-  const SeparateParams params{.enabled = true};
+  const BaseFirstParams params{.enabled = true};
   Rng rng(7);
   for (const BaseType type : {BaseType::kDifferential, BaseType::kOmnidirectional}) {
     for (int trial = 0; trial < 50; ++trial) {
@@ -54,7 +54,7 @@ TEST(Separate, TheBaseComesToStandBeforeTheGoal) {
 TEST(Separate, OnePartAtATime) {
   const auto model = frankie();
   ControllerParams p;
-  p.separate.enabled = true;
+  p.base_first.enabled = true;
   p.collision.object.enabled = p.collision.floor.enabled = p.collision.self.enabled = false;
   ControllerCore controller(model, p, 0.02);
   StepResult result;
@@ -69,7 +69,7 @@ TEST(Separate, OnePartAtATime) {
   controller.step(o, result);
   EXPECT_GT(result.command[0], 0.1);
   EXPECT_EQ(result.command.tail(model->num_joints()), VectorX::Zero(model->num_joints())) << "the arm rests";
-  o.base = Vector3(o.goal.X_WG.translation().x() - p.separate.reach, o.goal.X_WG.translation().y(), 0.0);
+  o.base = Vector3(o.goal.X_WG.translation().x() - p.base_first.reach, o.goal.X_WG.translation().y(), 0.0);
   controller.step(o, result);
   EXPECT_EQ(result.status, StepStatus::kSolved);
   EXPECT_EQ(result.command.head(2), VectorX::Zero(2)) << "the base stands";
@@ -80,7 +80,7 @@ TEST(Separate, OnePartAtATime) {
 TEST(Separate, WhatDoesNotGoWithItIsRefused) {
   const auto model = frankie();
   ControllerParams p;
-  p.separate.enabled = true;
+  p.base_first.enabled = true;
   p.method = Method::kRrmc;
   EXPECT_THROW(ControllerCore(model, p, 0.02), std::invalid_argument);
   p.method = Method::kQp;

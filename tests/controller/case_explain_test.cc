@@ -125,12 +125,12 @@ TEST(CaseExplain, TellsABaseHeldByItsDrivesFromOneAtItsSpeedLimit) {
   given.controller.base_share = 0.5;
   EXPECT_TRUE(mentions(explain(given), "m/s: the acceleration limit")) << explain(given);
   given.controller.base_share = 0.0;
-  given.controller.separate.enabled = true;
-  given.controller.separate.reach =
+  given.controller.base_first.enabled = true;
+  given.controller.base_first.reach =
       (given.observation.goal.X_WG.translation() - Vector3(given.observation.base.x(), given.observation.base.y(), 0.0))
           .head<2>()
           .norm();
-  given.controller.separate.bearing = 4.0;
+  given.controller.base_first.bearing = 4.0;
   EXPECT_TRUE(mentions(explain(given), "the base stands while the arm moves")) << explain(given);
 }
 
