@@ -272,6 +272,10 @@ def kept_section():
     return lines[begin:end]
 
 
+def simulation_version():
+    return re.search(r'kSimulationVersion = (\d+)', (ROOT / 'eval' / 'trial' / 'trial.h').read_text(encoding='utf-8'))[1]
+
+
 def page(rows, worlds):
     from_package = [r for r in rows if not r[2].get('missing')]
     loads = sum(bool(r.get('drafted')) for *_, r in rows)
@@ -312,7 +316,7 @@ def page(rows, worlds):
     lines += notes + ['']
     lines += [f'## {worlds} open worlds and {worlds} cluttered ones each, preset `moma`', '',
               'Goals reached of trials, and trials that ended in a collision. Gains are the preset\'s own for every robot; the',
-              f'worlds are drawn for each (seed 1, 20 s at most). Of {time.strftime("%Y-%m-%d")}.', '',
+              f'worlds are drawn for each (seed 1, 20 s at most). Of {time.strftime("%Y-%m-%d")}, simulation version {simulation_version()}.', '',
               '| robot | open, kinematic | clutter, kinematic | open, dynamic | clutter, dynamic |',
               '| --- | ---: | ---: | ---: | ---: |']
     for _, (title, _), r in rows:
