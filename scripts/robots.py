@@ -276,7 +276,7 @@ def simulation_version():
     return re.search(r'kSimulationVersion = (\d+)', (ROOT / 'eval' / 'trial' / 'trial.h').read_text(encoding='utf-8'))[1]
 
 
-def page(rows, worlds):
+def page(rows, worlds, program):
     from_package = [r for r in rows if not r[2].get('missing')]
     loads = sum(bool(r.get('drafted')) for *_, r in rows)
     checks = sum(bool(r.get('check_kinematic')) for *_, r in rows)
@@ -316,7 +316,7 @@ def page(rows, worlds):
     lines += notes + ['']
     lines += [f'## {worlds} open worlds and {worlds} cluttered ones each, preset `moma`', '',
               'Goals reached of trials, and trials that ended in a collision. Gains are the preset\'s own for every robot; the',
-              f'worlds are drawn for each (seed 1, 20 s at most). Of {time.strftime("%Y-%m-%d")}, simulation version {simulation_version()}.', '',
+              f'worlds are drawn for each (seed 1, 20 s at most). Of {time.strftime("%Y-%m-%d")}, simulation version {simulation_version()}, {program.strip()}.', '',
               '| robot | open, kinematic | clutter, kinematic | open, dynamic | clutter, dynamic |',
               '| --- | ---: | ---: | ---: | ---: |']
     for _, (title, _), r in rows:
@@ -404,7 +404,7 @@ def main():
         rows.append((name, (title, package), row))
         print(name, json.dumps(row), flush=True)
     if not (wanted or packages or options.draft):
-        page(rows, options.worlds)
+        page(rows, options.worlds, study.call('-V').stdout)
     there = [r for r in rows if not r[2].get('missing')]
     if options.draft:
         print(f'{len(there) - len(failed)} of {len(there)} drafted and checked; failed: {", ".join(failed) or "none"}')
